@@ -9,7 +9,7 @@ mod table;
 use rivals::Rivals;
 use scenes::Scene;
 use std::time::Instant;
-use tweeze::plan::dimibot::{DimibotSearchOutcome, FlipPath, shortest};
+use tweeze::plan::dimibot::{DimibotAnswer, FlipPath, shortest};
 use tweeze::plan::search::SearchBudget;
 
 fn main() {
@@ -57,7 +57,7 @@ fn shut() {
                 let begun = Instant::now();
                 let outcome = shortest(&scene.field, start, goal, &scene.weights, SearchBudget::DEFAULT);
                 let time = begun.elapsed().as_secs_f64() * 1e6;
-                if matches!(outcome, DimibotSearchOutcome::Impossible(_)) {
+                if matches!(outcome, DimibotAnswer::Impossible(_)) {
                     proofs.push(time);
                 }
             }
@@ -75,14 +75,14 @@ fn set_up_us(scene: &Scene) -> f64 {
 }
 
 /// Cost of the path, if there is one.
-pub fn cost(outcome: &DimibotSearchOutcome<FlipPath>) -> Option<u64> {
+pub fn cost(outcome: &DimibotAnswer<FlipPath>) -> Option<u64> {
     match outcome {
-        DimibotSearchOutcome::Found(path) => {
+        DimibotAnswer::Found(path) => {
             assert_eq!(path.cost, path.bound, "a benchmark must be solved to the optimum");
             Some(path.cost)
         }
-        DimibotSearchOutcome::Impossible(_) => None,
-        DimibotSearchOutcome::GaveUp(report) => panic!("a benchmark must fit its budget: {report:?}"),
+        DimibotAnswer::Impossible(_) => None,
+        DimibotAnswer::GaveUp(report) => panic!("a benchmark must fit its budget: {report:?}"),
     }
 }
 

@@ -4,7 +4,7 @@ use crate::clock::timed;
 use crate::sample::{self, costs, mean, ratios, spread};
 use crate::scenes::{Random, Shape};
 use std::process::Command;
-use tweeze::plan::electrode_array::board::{BoardAnswer, BoardObjective};
+use tweeze::plan::electrode_array::board::{BoardAnswer, BoardObjective, BoardPlan};
 use tweeze::plan::electrode_array::{fast, solve};
 use tweeze::plan::search::SearchBudget;
 
@@ -60,7 +60,7 @@ pub fn measure(seed: u64) {
     let (time, answer) = timed(|| solve(&instance, BoardObjective::Makespan, None, BUDGET));
     let seconds = time.as_secs_f64();
     let last_peak = peak_mb();
-    let BoardAnswer::Found { paths, .. } = answer else { panic!("a plan was found before") };
+    let BoardAnswer::Found(BoardPlan { paths, .. }) = answer else { panic!("a plan was found before") };
     let [makespan, sum] = ratios(costs(&instance, &paths), bounds);
     println!("{seconds} {makespan} {sum} {last_peak}");
 }

@@ -14,7 +14,7 @@ use rival::Outcome;
 use std::sync::Arc;
 use std::time::Duration;
 use tweeze::device::fingers::Adhesion;
-use tweeze::plan::fingers::graph::{Estimator, GraspAnswer, GraspRequest, solve};
+use tweeze::plan::fingers::graph::{Estimator, GraspAnswer, GraspRequest, GraspSearchEnd, solve};
 use tweeze::plan::fingers::tables::Tables;
 use tweeze::plan::search::SearchBudget;
 
@@ -47,8 +47,8 @@ fn ours(request: &GraspRequest, estimator: Estimator) -> Sample {
     let (outcome, expanded) = match answer {
         GraspAnswer::Found(way) => (Outcome::Cost(way.cost), way.expanded),
         GraspAnswer::Impossible(_) => (Outcome::NoPath, 0),
-        GraspAnswer::GaveUp(_) | GraspAnswer::LooksSpent { .. } => (Outcome::Open, MOST),
-        GraspAnswer::TooLarge { nodes } => unreachable!("{nodes} nodes are not too many"),
+        GraspAnswer::GaveUp(GraspSearchEnd::TooLarge { nodes }) => unreachable!("{nodes} nodes are not too many"),
+        GraspAnswer::GaveUp(GraspSearchEnd::Expansions(_) | GraspSearchEnd::Looks { .. }) => (Outcome::Open, MOST),
     };
     Sample { milliseconds: milliseconds(time), outcome, expanded }
 }

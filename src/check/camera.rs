@@ -21,7 +21,7 @@ use crate::syntax::tree;
 use nalgebra::Point2;
 use std::rc::Rc;
 
-/// Where the image of a camera lies in a scene.
+/// Placement of a camera image in a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     /// Pose of the pixel at the place of the frame; its heading is that of the image's rows.
@@ -41,7 +41,7 @@ pub enum View {
     None,
     /// Its scene has errors.
     Unknown,
-    /// It is not looked at: the value belongs to a shape that is put somewhere by its own `at`.
+    /// Pixels are not converted: the value belongs to a shape that is placed by its own `at`.
     Shifted,
     Image(Camera),
 }

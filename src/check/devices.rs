@@ -1,10 +1,10 @@
 //! Devices: bases, fields, and the facts that the kind derives from them.
 
 use super::fields::{Accepted, Given, Owner};
-use super::lets::ValueOrigin;
 use super::lineage::Base;
 use super::scope::{DeclarationPlace, DeclarationSort, nearest, path_text};
 use super::{Checker, dimibot, electrode_array, errors, fingers, microrobots};
+use crate::claims::ValueOrigin;
 use crate::device::{self, Kind};
 use crate::source::Span;
 use crate::syntax::tree::{self, Item};

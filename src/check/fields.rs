@@ -42,7 +42,7 @@ pub struct Given<'a> {
 }
 
 impl Checker<'_> {
-    /// Reads fields against their table; unknown, repeated and unfit ones are reported. Missing ones are the caller's to judge.
+    /// Reads fields against their table; unknown, repeated and unfit ones are reported. Missing ones are left to the caller.
     pub fn read_fields(
         &mut self,
         owner: &Owner,

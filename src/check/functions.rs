@@ -128,7 +128,7 @@ fn comparison(operator: Operator, left: Operand, right: Operand) -> CallResult {
     Ok(Value::Bool(holds))
 }
 
-/// Whether an operator asks for equality of two values of one sort, which for all but quantities is not looked at here.
+/// Whether an operator tests equality of two values of one sort other than quantities; such comparisons are evaluated elsewhere.
 pub fn is_equality(operator: Operator, a: &Value, b: &Value) -> bool {
     matches!(operator, Operator::Equal | Operator::NotEqual)
         && std::mem::discriminant(a) == std::mem::discriminant(b)

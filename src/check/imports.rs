@@ -52,7 +52,7 @@ struct Loader<'a> {
     known: BTreeMap<(Origin, String), usize>,
     /// The files of triangles, by name.
     texts: BTreeMap<String, Arc<str>>,
-    /// The files that are being read by their names, the outermost first, with the `use` that asked for each.
+    /// The files being read, by name, the outermost first, with the `use` that named each.
     open: Vec<(String, Span)>,
 }
 

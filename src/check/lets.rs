@@ -3,6 +3,8 @@
 use super::scope::{Declaration, DeclarationPlace, DeclarationSort, Scope, path_text};
 use super::value::Value;
 use super::{Checker, errors};
+use crate::claims::ValueOrigin;
+use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{Expr, ExprKind, Item, Path, TextPart};
 
@@ -13,11 +15,11 @@ pub enum LetState {
     Done(Value),
 }
 
-/// A `let` on the way to its value.
+/// Pending evaluation of a `let`.
 enum LetTask {
     /// Evaluate this dependency first.
     Begin(DeclarationPlace),
-    /// All that it needs is known, or lies in a circle with it.
+    /// All its dependencies are known, or in a cycle with it.
     Evaluate(DeclarationPlace),
 }
 
@@ -29,22 +31,20 @@ pub struct Argument {
     pub origin: Option<ValueOrigin>,
 }
 
-/// Where the value of a name was given.
-#[derive(Debug, Clone)]
-pub struct ValueOrigin {
-    pub span: Span,
-    pub text: String,
-}
-
 impl Argument {
     /// A value that stands where it was given.
     pub fn plain(value: &Spanned<Value>) -> Argument {
         Argument { value: value.value.clone(), span: value.span, origin: None }
     }
+
+    /// Reports a fault of the value, if there is one, with the place where it was given; `None` then.
+    pub fn unless(&self, wrong: Option<Diagnostic>, sink: &mut Sink) -> Option<()> {
+        sink.unless(wrong.map(|wrong| errors::given_at(wrong, self)))
+    }
 }
 
 impl Checker<'_> {
-    /// The value of a `let`; `asked` is where its name stands.
+    /// The value of a `let`; `asked` is where its name is used.
     pub fn value_of_let(&mut self, place: DeclarationPlace, asked: Span) -> Value {
         if let Some(LetState::Open) = self.lets.get(&place) {
             let name = self.named(place);

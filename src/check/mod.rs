@@ -17,10 +17,12 @@ pub mod fingers;
 mod frames;
 mod functions;
 pub mod imports;
+mod labels;
 pub mod lets;
 mod lineage;
 mod meshes;
 pub mod microrobots;
+mod objects;
 mod programs;
 mod scenes;
 pub mod scope;
@@ -127,12 +129,7 @@ pub(crate) struct Checker<'a> {
     circular: BTreeSet<DeclarationPlace>,
     jobs: BTreeMap<DeclarationPlace, Option<Rc<Job>>>,
     /// Scenes as devices see them, each scene checked once with each device.
-    covers: BTreeMap<(DeclarationPlace, DeclarationPlace), dimibot::DimibotScene>,
-    trays: BTreeMap<(DeclarationPlace, DeclarationPlace), electrode_array::BoardScene>,
-    origins: electrode_array::CellOrigins,
-    grounds: BTreeMap<(DeclarationPlace, DeclarationPlace), microrobots::BedScene>,
-    pose_origins: microrobots::PoseOrigins,
-    benches: BTreeMap<(DeclarationPlace, DeclarationPlace), fingers::HandScene>,
+    judged: objects::JudgedScenes,
     /// Files of triangles that were read, by the module and the name written there; `None` after an error.
     meshes: BTreeMap<(usize, String), Option<Rc<value::MeshFile>>>,
     repetitions: usize,
@@ -153,12 +150,7 @@ impl<'a> Checker<'a> {
             run: BTreeSet::new(),
             circular: BTreeSet::new(),
             jobs: BTreeMap::new(),
-            covers: BTreeMap::new(),
-            trays: BTreeMap::new(),
-            origins: electrode_array::CellOrigins::new(),
-            grounds: BTreeMap::new(),
-            pose_origins: microrobots::PoseOrigins::new(),
-            benches: BTreeMap::new(),
+            judged: objects::JudgedScenes::new(),
             meshes: BTreeMap::new(),
             repetitions: 0,
             budget: budget::CheckBudget::default(),

@@ -170,8 +170,8 @@ impl<'a> Checker<'a> {
         }
         let errors = self.sink.errors();
         dimibot::starts_agree(&draft.jobs, self.sink);
-        electrode_array::places_agree(&draft.jobs, &self.origins, self.sink);
-        microrobots::beds_agree(&draft.jobs, &self.pose_origins, self.sink);
+        electrode_array::places_agree(&draft.jobs, self.sink);
+        microrobots::beds_agree(&draft.jobs, self.sink);
         fingers::hands_agree(&mut draft.jobs, self.sink);
         if self.sink.errors() > errors {
             return None;

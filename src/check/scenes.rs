@@ -2,11 +2,11 @@
 
 use super::camera::{Camera, View};
 use super::frames::{self, DeviceFrame};
-use super::lets::ValueOrigin;
 use super::lineage::Base;
 use super::scope::{DeclarationPlace, DeclarationSort, Scope, keeper, nearest};
 use super::value::{ShapeValue, Value};
 use super::{Checker, errors};
+use crate::claims::ValueOrigin;
 use crate::device::Kind;
 use crate::diagnostic::Diagnostic;
 use crate::source::{Span, Spanned};
@@ -37,7 +37,7 @@ pub struct CheckedScene {
     pub objects: Vec<Rc<SceneObject>>,
     /// Where devices stand, by device.
     pub frames: BTreeMap<DeclarationPlace, DeviceFrame>,
-    /// Where the image lies that places are read off, if there is one.
+    /// Placement of the image for places in pixels, if there is one.
     pub camera: Option<Camera>,
     /// Number of bases below it.
     depth: usize,

@@ -202,21 +202,21 @@ impl Scope {
         result
     }
 
-    /// Adds a local for good.
+    /// Adds a local permanently.
     pub fn push(&mut self, name: &Ident, value: Spanned<Value>) {
         let Spanned { value, span: given } = value;
         self.locals.push(Local { name: name.text.clone(), value, span: name.span, given });
     }
 }
 
-/// A longer name has no near one: it is no slip of the pen, and to compare it takes its length squared.
+/// A longer name has no near one: it is no slip of the pen, and the cost of comparing is quadratic in its length.
 const MAX_NEAR_CHARACTERS: usize = 60;
 
-/// So many names are looked at for the nearest.
+/// Greatest number of candidates that are compared.
 const MAX_NEAR_NAMES: usize = 2_000;
 
 /// The known name nearest to a misspelt one, if it is near enough to be meant. Of very many names the first
-/// `MAX_NEAR_NAMES` that could be near by their length are looked at.
+/// `MAX_NEAR_NAMES` of a similar length are compared.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let characters = name.chars().take(MAX_NEAR_CHARACTERS + 1).count();
     if characters > MAX_NEAR_CHARACTERS {

@@ -113,7 +113,7 @@ pub fn in_plane(shape: &ShapeValue) -> Option<Shape> {
     }
 }
 
-/// Greatest heading with a known direction: a million turns, where rounding is a billionth of a degree.
+/// Greatest heading with a known direction: a million turns, where a double is rounded by less than 1e-7 deg.
 pub const MAX_HEADING_RAD: f64 = 1e6 * TAU;
 
 /// Where something stands: `None` where the value is neither a place nor a pose.

@@ -103,7 +103,7 @@ enum Nesting {
 }
 
 impl<'a> Checker<'a> {
-    /// One run of a task; `None` after an error, or where a parameter is unknown. Without parameters all runs are alike.
+    /// One run of a task; `None` after an error, or where a parameter is unknown. Without parameters all runs are equal.
     pub fn job(&mut self, run: &TaskRun) -> Option<Job> {
         if !run.arguments.is_empty() {
             return self.job_of(run);

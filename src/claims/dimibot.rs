@@ -41,7 +41,7 @@ impl DimibotOrder {
     ) -> Diagnostic {
         let show = |cell: dimibot::LatticeCell| format!("{cell}, {}", self.facts.word_text(cell));
         let (asked, stands, device) = (show(start.value), show(stands), &job.device);
-        Diagnostic::new(Code::E0507, format!("the task starts at {asked}, but `{device}` stands at {stands} by then"))
+        Diagnostic::new(Code::E0507, format!("the task starts at {asked}, but `{device}` is at {stands} by then"))
             .label(start.span, "not where the robot stands")
             .label_elsewhere(job.run_span, start.span, "run here")
             .help(format!("leave `start at` out, or start where the last task of `{device}` ended: {stands}"))

@@ -1,5 +1,6 @@
 //! Claims of a task on an electrode array.
 
+use crate::claims::ValueOrigin;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 pub use crate::device::electrode_array::{ElectrodeArrayMethod, ElectrodeArrayObjective};
 use crate::source::Span;
@@ -114,4 +115,7 @@ pub struct ElectrodeArrayStop {
     pub cell: ElectrodeCell,
     #[serde(skip)]
     pub span: Span,
+    /// Where it was given, if a name stands in the step.
+    #[serde(skip)]
+    pub origin: Option<ValueOrigin>,
 }

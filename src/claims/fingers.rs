@@ -62,7 +62,7 @@ pub struct Section {
     pub outline: Outline,
     /// c: number of contacts, numbered from 1.
     pub contacts: u32,
-    /// The number of the contact where the x axis enters, the paper's J; contact 1 is its I. `None` where no contact lies there.
+    /// The number of the contact where the x axis enters, the paper's J; contact 1 is its I. `None` if there is no contact.
     pub opposite: Option<u32>,
     /// Turn of the object by rolling from one contact to the next: nearly the device's step.
     pub step_rad: f64,
@@ -91,9 +91,9 @@ pub enum FingersAction {
         /// The angle as written in the program.
         angle_rad: f64,
     },
-    /// To an orientation, whichever way: a unit quaternion w, x, y, z that carries the part's axes into the hand's frame.
+    /// To an orientation, by any turns: a unit quaternion w, x, y, z that carries the part's axes into the hand's frame.
     ///
-    /// `turns` are the ways in which it can be done within the precision, each a sequence of turns; at least one. An empty
+    /// `turns` are the decompositions that reach it within the precision, each a sequence of turns; at least one. An empty
     /// sequence stands where the part already has its orientation.
     Orient {
         goal: [f64; 4],

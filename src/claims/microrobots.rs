@@ -1,5 +1,6 @@
 //! Claims of a task on STRING microrobots.
 
+use crate::claims::ValueOrigin;
 use crate::device::microrobots::{ControlState, MicrorobotsFacts};
 use crate::geometry::{Pose, Shape};
 use crate::source::Span;
@@ -100,6 +101,9 @@ pub struct MicrorobotsStop {
     pub pose: Pose,
     #[serde(skip)]
     pub span: Span,
+    /// Where it was given, if a name stands in the step.
+    #[serde(skip)]
+    pub origin: Option<ValueOrigin>,
 }
 
 /// A robot's place in a structure.

@@ -14,6 +14,14 @@ use crate::source::Span;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
+/// Where a value was given whose name stands in a step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ValueOrigin {
+    pub span: Span,
+    /// What a label says there.
+    pub text: String,
+}
+
 /// One schedule to be built: a program, or a task on its own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Claims {
@@ -21,7 +29,7 @@ pub struct Claims {
     pub name: String,
     /// When each job runs.
     pub timeline: Timeline,
-    /// Every run of a task, in the order of writing; [`Timeline::Run`] holds indices of this list.
+    /// Every run of a task, in source order; [`Timeline::Run`] has indices into this list.
     pub jobs: Vec<Job>,
     /// The physical output of each wired channel, by the channel's full name (`bot.bl0.set`).
     pub wires: BTreeMap<String, String>,
@@ -118,7 +126,7 @@ fn spliced(parts: Vec<Timeline>, open: fn(Timeline) -> Result<Vec<Timeline>, Tim
     flat
 }
 
-/// The deepest that a timeline is nested. A log holds it as JSON, two levels for each of these, and readers of JSON take 128.
+/// Greatest nesting of a timeline. A log contains it as JSON, two levels for each of these, and JSON readers allow 128.
 pub const MAX_TIMELINE_DEPTH: usize = 60;
 
 /// One run of a task.

@@ -43,7 +43,7 @@ pub fn written_twice(name: &str) -> Diagnostic {
 pub fn bad_manifest(path: &Path, why: &str) -> Diagnostic {
     Diagnostic::new(
         Code::E0801,
-        format!("`{}` does not say which programs built the files there: {why}", path.display()),
+        format!("`{}` does not list the programs that built the files there: {why}", path.display()),
     )
     .help("delete it; the next build writes a new one")
 }

@@ -45,7 +45,7 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     let invocation = match Invocation::try_parse_from(arguments) {
         Ok(invocation) => invocation,
         Err(error) => {
-            // Help and version are answers, everything else is wrong usage; a closed pipe is nobody's business.
+            // Help and version are answers, everything else is wrong usage; a closed pipe is ignored.
             let _ = error.print();
             return ExitCode::from(if error.use_stderr() { Exit::Usage as u8 } else { Exit::Done as u8 });
         }
@@ -53,7 +53,7 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     let worker = std::thread::Builder::new().stack_size(STACK_BYTES).spawn(move || dispatch(invocation.command));
     let exit = match worker.map(std::thread::JoinHandle::join) {
         Ok(Ok(exit)) => exit,
-        Ok(Err(_)) => terminal::fault("an internal error, which the lines above describe"),
+        Ok(Err(_)) => terminal::fault("internal error, described above"),
         Err(error) => terminal::fault(&format!("no thread could be started: {error}")),
     };
     if signals::is_asked() {

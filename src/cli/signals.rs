@@ -6,13 +6,13 @@ use std::io::{self, IsTerminal};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Whether the process is asked to end.
+/// Whether the process has been asked to end.
 static ASKED: AtomicBool = AtomicBool::new(false);
 
 /// Whether the build's files are in place. Held while a folder is changed: who ends the process waits for it.
 static FILES_IN_PLACE: Mutex<bool> = Mutex::new(false);
 
-/// Whether the process is asked to end. True at the latest when the handler of the signal returns.
+/// Whether the process has been asked to end. True at the latest when the handler of the signal returns.
 pub fn is_asked() -> bool {
     ASKED.load(Ordering::SeqCst)
 }

@@ -27,7 +27,7 @@ pub fn run(arguments: &SimulateArguments) -> Exit {
     match told {
         None => Exit::Errors,
         Some(told) if told.is_empty() => {
-            eprintln!("{} has no assembly whose device says all its errors: nothing to simulate", loaded.shown());
+            eprintln!("{} has no assembly on a device with all error bounds: nothing to simulate", loaded.shown());
             Exit::Usage
         }
         Some(told) => terminal::answer(&told.join("\n")),

@@ -62,11 +62,11 @@ pub struct Vocabulary {
     pub fields: &'static [VocabularyField],
     /// Objects of a scene.
     pub nouns: &'static [Noun],
-    /// The `field: value` settings of a task, besides `minimize`, `using`, `start at` and `require`.
+    /// The `field: value` settings of a task, except `minimize`, `using`, `start at` and `require`.
     pub settings: &'static [VocabularyField],
     /// Sort of `start at` and of the field `home`; `None` if the scene determines the start of a task.
     pub state: Option<Sort>,
-    /// Whether `together { … }` asks for goals at the same time.
+    /// Whether `together { … }` gives simultaneous goals.
     pub together: Together,
     /// Steps of a task.
     pub verbs: &'static [Verb],
@@ -227,7 +227,7 @@ pub enum Range {
 }
 
 impl Range {
-    /// Whether a value lies in the range.
+    /// Whether a value is in the range.
     pub fn holds(self, value: f64) -> bool {
         match self {
             Range::Positive => value > 0.0,
@@ -293,7 +293,7 @@ pub enum Count {
     AnyNumber,
 }
 
-/// A way to plan.
+/// A planner.
 #[derive(Debug)]
 pub struct Planner {
     pub name: &'static str,

@@ -132,16 +132,16 @@ impl ShapeForm {
                 "all that lies within a radius of a segment along its own x axis, its middle at the origin"
             }
             ShapeForm::Cells => "a block of lattice cells, both corners included",
-            ShapeForm::Layout => "a part that electrodes carry: what it has underneath, and how wide it is",
+            ShapeForm::Layout => "a part carried by electrodes: the electrodes under it, and its width",
             ShapeForm::Ellipsoid => "an ellipsoid with its axes along x, y and z",
             ShapeForm::Superellipsoid => "an ellipsoid whose flanks are flattened: |x/a|^n + |y/b|^n + |z/c|^n = 1",
             ShapeForm::RoundedBox => "a box with its middle at the origin, its edges and corners rounded",
             ShapeForm::Profile => {
                 "a flat part: its outline in the plane xy, by points or by a curve; it turns about z only"
             }
-            ShapeForm::Sections => "a solid by its outlines in the planes xy and xz, which meet on the x axis",
+            ShapeForm::Sections => "a solid given by its outlines in the planes xy and xz, which meet on the x axis",
             ShapeForm::Mesh => "a solid of triangles from an STL file, whose sections through the origin are taken",
-            ShapeForm::Image => "what a camera shows of a scene: x along its rows, y down its columns, in pixels",
+            ShapeForm::Image => "a camera image of the scene: x along its rows, y down its columns, in pixels",
         }
     }
 }
@@ -214,7 +214,7 @@ const SECTIONS: [VocabularyField; 2] = [
 ];
 const MESH: [VocabularyField; 3] = [
     required("file", Sort::Text, "an STL file beside the program, ASCII or binary; a closed surface"),
-    length("unit", Range::Positive, "what 1 stands for in the file, as `1 um`"),
+    length("unit", Range::Positive, "length of 1 in the file, as `1 um`"),
     MATERIAL,
 ];
 const IMAGE: [VocabularyField; 3] = [
@@ -222,7 +222,7 @@ const IMAGE: [VocabularyField; 3] = [
         name: "scale",
         sort: Sort::Quantity { dimension: Dimension::SCALE, range: Range::Positive },
         need: Need::Required,
-        doc: "what a pixel is wide and high in the scene, as `0.32 um/px`",
+        doc: "width and height of a pixel in the scene, as `0.32 um/px`",
     },
     optional("origin", Sort::Pixel, "(0 px, 0 px)", "the pixel that lies at the place where the image is put"),
     optional("mirrored", Sort::Flag, "false", "whether the camera shows the scene from behind, or by one mirror"),

@@ -51,14 +51,14 @@ impl Diagnostic {
         if span == said { self } else { self.label(span, text) }
     }
 
-    /// Sets the mend.
+    /// Sets the help.
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Self {
         self.help = Some(text.into());
         self
     }
 
-    /// Sets the mend where there is one.
+    /// Sets the help if there is one.
     #[must_use]
     pub fn help_if(mut self, text: Option<String>) -> Self {
         self.help = text.or(self.help);
@@ -131,7 +131,18 @@ impl Sink {
         }
     }
 
-    /// Number of errors pushed: a stage compares before and after to know whether it failed.
+    /// Adds a finding, if there is one; `None` then.
+    pub fn unless(&mut self, wrong: Option<Diagnostic>) -> Option<()> {
+        match wrong {
+            Some(diagnostic) => {
+                self.push(diagnostic);
+                None
+            }
+            None => Some(()),
+        }
+    }
+
+    /// How many errors were pushed so far: a stage compares before and after to know whether it failed.
     pub fn errors(&self) -> usize {
         self.errors
     }

@@ -11,7 +11,7 @@ pub const MAX_TEXT_BYTES: u64 = 1 << 30;
 pub enum EmitError {
     /// A voltage, a place or a figure is infinite or no number.
     NotFinite,
-    /// A voltage runs from one number to another, and the format only holds voltages.
+    /// A voltage ramps from one number to another, and the format only represents constant voltages.
     Ramp { format: Format, channel: String, start_ns: u64, from: f64, to: f64 },
     /// The file would be larger than its readers take.
     TooLarge { format: Format, bytes: u64, limit: u64 },
@@ -57,17 +57,17 @@ impl EmitError {
                 .help("look for a constant of the device that is so large or so small that its products leave the range of numbers"),
             EmitError::Ramp { format, channel, start_ns, from, to } => Diagnostic::new(
                 Code::E0821,
-                format!("`{channel}` runs from {from} to {to} at {start_ns} ns, and `{}` only holds voltages", format.name()),
+                format!("`{channel}` runs from {from} to {to} at {start_ns} ns, but `{}` only holds voltages", format.name()),
             )
-            .help("write `--emit mcap`, `json` or `pwl`, which hold straight lines"),
+            .help("write `--emit mcap`, `json` or `pwl`: these formats keep ramps"),
             EmitError::TooLarge { format, bytes, limit } => Diagnostic::new(
                 Code::E0822,
-                format!("the {} file would take about {} MiB, at most {} MiB are written", format.name(), bytes >> 20, limit >> 20),
+                format!("the {} file would take about {} MiB; the limit is {} MiB", format.name(), bytes >> 20, limit >> 20),
             )
-            .help("write `--emit json`, which grows with the changes only and holds a drive train as one, or build the tasks one by one with `--task`"),
+            .help("write `--emit json`, which stores a drive train as one entry, or build the tasks one at a time with `--task`"),
             EmitError::TooManyPoints { points, limit, period_ns, duration_ns, most_steps: None } => Diagnostic::new(
                 Code::E0823,
-                format!("{points} points of {period_ns} ns make up the {duration_ns} ns of the schedule, the instrument takes {limit}"),
+                format!("the schedule of {duration_ns} ns needs {points} points of {period_ns} ns, but the instrument takes {limit}"),
             )
             .help(format!(
                 "choose pulse duration, rest and waits as multiples of a longer time: {} ns or more would fit",
@@ -85,20 +85,20 @@ impl EmitError {
             ),
             EmitError::TooManyOutputs { channels, limit } => Diagnostic::new(
                 Code::E0824,
-                format!("{channels} channels, the instrument has {limit} outputs"),
+                format!("the schedule has {channels} channels, but the instrument has {limit} outputs"),
             )
             .help("build the tasks of each device on their own with `--task`"),
             EmitError::Leap { format, channel, t_ns, from, to } => Diagnostic::new(
                 Code::E0826,
-                format!("`{channel}` leaps from {from} um to {to} um at {t_ns} ns, and `{}` only has straight lines", format.name()),
+                format!("`{channel}` leaps from {from} um to {to} um at {t_ns} ns, but `{}` only has straight lines", format.name()),
             )
-            .help("write `--emit mcap`, `json` or `pwl`, which hold it as it is"),
+            .help("write `--emit mcap`, `json` or `pwl`, which store it exactly"),
             EmitError::NotPositions { format, channel } => {
                 let what = match channel {
                     Some(channel) => format!("`{channel}` takes voltages"),
                     None => "the schedule has no channel".to_owned(),
                 };
-                Diagnostic::new(Code::E0827, format!("{what}, and `{}` only says where stages are", format.name()))
+                Diagnostic::new(Code::E0827, format!("{what}, but `{}` only holds stage positions", format.name()))
                     .help("write voltages with `--emit csv`, `pwl` or `scpi`, and the tasks of stages on their own with `--task`")
             }
             EmitError::Failed { format, detail } => {

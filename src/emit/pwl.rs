@@ -26,7 +26,7 @@ pub const RISE_NS: u64 = 1;
 /// Load of each source of the deck, in ohms: negligible; to be replaced by the actuator's model.
 const LOAD_OHM: &str = "1meg";
 
-/// Time steps that the deck asks for; the edges come on top.
+/// Time steps of the deck's run; the edges come on top.
 const STEPS: u64 = 1000;
 
 /// Estimated bytes of a point.

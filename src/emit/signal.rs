@@ -96,13 +96,13 @@ impl<'a> Signals<'a> {
         }
     }
 
-    /// The actuation of a channel that an instant lies in, its start included.
+    /// The actuation of a channel at an instant, its start included.
     pub fn during(&self, channel: usize, t_ns: u64) -> Option<&'a Actuation> {
         let last = self.begun(channel, t_ns).checked_sub(1)?;
         Some(self.of(channel)[last]).filter(|actuation| t_ns < actuation.end_ns())
     }
 
-    /// The actuation of a channel that an instant lies in, its end included.
+    /// The actuation of a channel at an instant, its end included.
     pub fn until(&self, channel: usize, t_ns: u64) -> Option<&'a Actuation> {
         let last = self.begun_before(channel, t_ns).checked_sub(1)?;
         Some(self.of(channel)[last]).filter(|actuation| t_ns <= actuation.end_ns())

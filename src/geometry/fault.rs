@@ -21,7 +21,7 @@ pub(crate) enum Fault {
     Spot,
     /// `geometry::outline`: the direction of a normal.
     Normal,
-    /// `geometry::outline`: the way once round.
+    /// `geometry::outline`: the perimeter.
     Perimeter,
     /// `geometry::outline`: turn of a part while a tip rolls along a path.
     Rolled,

@@ -42,7 +42,7 @@ pub enum Shape {
     },
 }
 
-/// Where a shape's own frame lies in the world.
+/// Pose of a shape's own frame in the world.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
     /// World x of the shape's origin.

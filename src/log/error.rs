@@ -46,7 +46,7 @@ impl LogError {
             }
             LogError::TooLarge { offset, what, bytes, limit } => Diagnostic::new(
                 Code::E0843,
-                format!("{what} at byte {offset} of the log says {bytes}, at most {limit} is read"),
+                format!("{what} at byte {offset} of the log declares {bytes}; the limit is {limit}"),
             )
             .help("no log of Tweeze is as large; build the program again"),
             LogError::Missing { what } => Diagnostic::new(Code::E0844, format!("the log has no {what}"))
@@ -71,7 +71,7 @@ pub fn other_version(version: Option<&str>, schema: Option<&str>) -> Diagnostic 
         Some(schema) => {
             let schema = clean(schema);
             format!(
-                "the log was written by {writer} in schema {schema}, this is tweeze {own}, which judges schema {SCHEMA}"
+                "the log was written by {writer} in schema {schema}; this is tweeze {own}, which reads schema {SCHEMA}"
             )
         }
         None => format!("the log was written by {writer}, and does not follow from its program by this tweeze {own}"),

@@ -5,7 +5,9 @@
 //! of the limits below and of the file's own size. The content of the log is not judged here, except by [`Log::voltage_fault`], which
 //! compares the recorded voltages and positions with the recorded schedule.
 //!
-//! The records are parsed by hand (MCAP specification, version 0): the usual reader trusts lengths.
+//! The records are parsed here (MCAP specification, version 0) and not by the `mcap` crate: version 0.26 panics on an attachment that is
+//! shorter than its header says (`parse_record` slices up to four bytes before the end), and ignores bytes after the last field of a
+//! record, in which an edited log could hide something from the reader.
 
 mod error;
 mod records;
@@ -44,10 +46,10 @@ pub const MAX_SCHEDULE_BYTES: u64 = 256 * 1024 * 1024;
 /// The largest claims that a log may carry, in bytes of JSON.
 pub const MAX_CLAIMS_BYTES: u64 = 64 * 1024 * 1024;
 
-/// Name of the attachment that holds the schedule.
+/// Name of the attachment with the schedule.
 pub const SCHEDULE: &str = "schedule.json";
 
-/// Name of the attachment that holds the claims.
+/// Name of the attachment with the claims.
 pub const CLAIMS: &str = "claims.json";
 
 /// Prefix of the names of attached source files.
@@ -63,12 +65,12 @@ pub const CLAIMS_FORMAT: &str = "tweeze-claims";
 /// Name of the metadata record with the origin of the log.
 pub const METADATA: &str = "tweeze";
 
-/// The topic of a device that holds its channels of a unit.
+/// The topic of a device with its channels of a unit.
 pub fn topic(device: &str, unit: ChannelUnit) -> String {
     format!("/{device}{}", suffix(unit))
 }
 
-/// Whether a topic holds channels.
+/// Whether a topic has channels.
 pub fn is_topic(name: &str) -> bool {
     name.starts_with('/')
         && [ChannelUnit::Volt, ChannelUnit::Micrometre].iter().any(|unit| name.ends_with(suffix(*unit)))

@@ -134,9 +134,9 @@ pub fn decoder(
 }
 
 fn column(path: &str, metadata: &BTreeMap<String, String>) -> Result<SeriesColumn, String> {
-    let channel = metadata.get(path).ok_or_else(|| format!("does not say which channel `{path}` is"))?.clone();
+    let channel = metadata.get(path).ok_or_else(|| format!("does not name the channel of `{path}`"))?.clone();
     let bound = Bound::read(metadata.get(&format!("{path}{BOUND_SUFFIX}")));
-    let bound = bound.ok_or_else(|| format!("does not say which level of its drive trains `{path}` is"))?;
+    let bound = bound.ok_or_else(|| format!("does not name the drive level of `{path}`"))?;
     let periods_ns = metadata.get(&format!("{path}{PERIOD_SUFFIX}")).cloned().unwrap_or_default();
     Ok(SeriesColumn { channel, bound, periods_ns })
 }
@@ -170,7 +170,7 @@ impl Decoder {
                     let field = fields.get(&(key >> 3)).filter(|_| key & 7 == FIXED64);
                     let value = &mut values[*field.ok_or_else(|| format!("has an unknown field {}", key >> 3))?];
                     if value.replace(double(&mut bytes)?).is_some() {
-                        return Err(format!("says field {} twice", key >> 3));
+                        return Err(format!("has field {} twice", key >> 3));
                     }
                 }
                 values.into_iter().collect::<Option<_>>().ok_or_else(|| "does not say every channel".to_owned())

@@ -1,4 +1,4 @@
-//! What planning says: E06xx.
+//! Error reports of planning: E06xx.
 
 use super::requirements::{LimitVerdict, Texts};
 use crate::claims::{Relation, Requirement};
@@ -6,10 +6,10 @@ use crate::device::MAX_EXPANSIONS;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
-/// The most obstacles that one report labels.
+/// Most obstacles that one report labels.
 const MAX_LABELS: usize = 8;
 
-/// What the removal of the blamed obstacles is known to do.
+/// What is known of the effect of removing the blamed obstacles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Removal {
     OpensAndIsSmallest,
@@ -17,12 +17,15 @@ pub enum Removal {
     Unknown,
 }
 
-pub fn impossible(
-    (step, from, to): (Span, &str, &str),
-    proof: &str,
-    blamed: &[(&str, Span)],
-    removal: Removal,
-) -> Diagnostic {
+/// A step between two places, for a message.
+pub struct StepEnds<'a> {
+    pub step: Span,
+    pub from: &'a str,
+    pub to: &'a str,
+}
+
+pub fn impossible(ends: StepEnds, proof: &str, blamed: &[(&str, Span)], removal: Removal) -> Diagnostic {
+    let StepEnds { step, from, to } = ends;
     let mut diagnostic =
         Diagnostic::new(Code::E0601, format!("no plan leads from {from} to {to}")).label(step, proof.to_owned());
     let mut said: Vec<Span> = vec![step];
@@ -35,7 +38,7 @@ pub fn impossible(
     diagnostic.help_if(removal_help(blamed, removal))
 }
 
-/// At most so many names, and how many more there are: `` `a`, `b` and 3 more ``.
+/// Up to `most` names and the number left out: `` `a`, `b` and 3 more ``.
 pub fn listed(names: impl IntoIterator<Item = String>, most: usize) -> String {
     let mut names: Vec<String> = names.into_iter().collect();
     let more = names.len().saturating_sub(most);
@@ -48,9 +51,11 @@ fn removal_help(blamed: &[(&str, Span)], removal: Removal) -> Option<String> {
     let names = listed(blamed.iter().map(|(name, _)| format!("`{name}`")), MAX_LABELS);
     match (removal, blamed.len()) {
         (_, 0) => None,
-        (Removal::OpensAndIsSmallest, 1) => Some(format!("without {names} there is a way")),
-        (Removal::OpensAndIsSmallest, _) => Some(format!("without {names} there is a way; no fewer will do")),
-        (Removal::Opens, _) => Some(format!("without {names} there is a way; this is the smallest set that was found")),
+        (Removal::OpensAndIsSmallest, 1) => Some(format!("there is a path without {names}")),
+        (Removal::OpensAndIsSmallest, _) => {
+            Some(format!("there is a path without {names}, but not without fewer of them"))
+        }
+        (Removal::Opens, _) => Some(format!("there is a path without {names}, the smallest set found")),
         (Removal::Unknown, _) => Some(format!(
             "the way is blocked by {names}; other obstacles may block it too, the search for the smallest set has run out of steps"
         )),
@@ -66,14 +71,14 @@ pub fn gave_up(step: Span, to: &str, what: &str, budget: u64, bound: &str, plann
     .help(more_allowed(budget, planner))
 }
 
-/// Of a greedy planner, whose failure proves nothing.
+/// A greedy planner gave up; its failure proves nothing.
 pub fn greedy_gave_up(asked: Span, part: &str, at: &str, steps: usize, how: &str) -> Diagnostic {
     Diagnostic::new(Code::E0602, format!("the greedy planner leaves `{part}` {how} at {at} after {steps} steps"))
         .label(asked, "neither planned nor disproved")
         .help("leave `using` out: Tweeze's own planner searches all plans as far as its budget goes")
 }
 
-/// Of parts that cannot come to their goals because of one another.
+/// Parts that block one another on the way to their goals.
 pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)]) -> Diagnostic {
     let others = if parts.len() == 2 { "the other" } else { "the others" };
     let names = match parts {
@@ -111,10 +116,10 @@ pub fn more_allowed(budget: u64, planner: &str) -> String {
     format!("allow more: `using {planner} {{ expansions: {} }}`", budget.saturating_mul(8).min(most))
 }
 
-/// `begins` is where the start is said: the run, or the task itself.
+/// The start lies on obstacles. `begins` is where the start is written: the run, or the task itself.
 pub fn start_covered(begins: Span, task: &str, at: &str, obstacles: &[(&str, Span)]) -> Diagnostic {
     let names: Vec<String> = obstacles.iter().take(MAX_LABELS).map(|(name, _)| format!("`{name}`")).collect();
-    let title = format!("task `{task}` begins at {at}, which lies on obstacle {}", names.join(", "));
+    let title = format!("task `{task}` begins at {at}, on obstacle {}", names.join(", "));
     let diagnostic = Diagnostic::new(Code::E0505, title).label(begins, format!("begins at {at}"));
     let labelled = obstacles
         .iter()
@@ -123,7 +128,7 @@ pub fn start_covered(begins: Span, task: &str, at: &str, obstacles: &[(&str, Spa
     labelled.help("say where it begins with `start at`, or give the device another `home`")
 }
 
-/// Of a limit that the plan misses. `all` is the number of limits of the task; `texts` writes the figures, with a value of the verdict
+/// A limit that the plan misses. `all` is the number of limits of the task; `texts` gives the figures, with a value of the verdict
 /// rounded up.
 pub fn requirement_missed(
     requirement: &Requirement,
@@ -179,7 +184,7 @@ pub fn requirement_missed(
 
 fn not_proven(relation: Relation) -> String {
     match relation {
-        Relation::Less | Relation::AtMost => "whether there is one is not known",
+        Relation::Less | Relation::AtMost => "it is not known whether there is one",
         Relation::Equal | Relation::AtLeast | Relation::More => {
             "plans are searched for limits from above; this one was only held against the plan that was found"
         }
@@ -187,15 +192,15 @@ fn not_proven(relation: Relation) -> String {
     .to_owned()
 }
 
-/// What may keep two robots apart for which no plans were found.
+/// Conflict between two robots for which no plans were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Apart {
-    /// They are sent to places where they touch.
+    /// Their goals make them touch.
     OtherEnds,
     OtherTimes,
 }
 
-/// Of two robots of one scene for which no plans were found that keep them apart.
+/// Two robots of one scene for which no plans were found that keep them apart.
 pub fn not_apart([device, with]: [&str; 2], (run, why): (Span, &str), other: Option<Span>, mend: Apart) -> Diagnostic {
     let title = format!("no plans were found that keep `{device}` and `{with}` apart");
     let diagnostic = Diagnostic::new(Code::E0610, title).label(run, why);

@@ -1,8 +1,8 @@
-//! Planners: from what a job asks to how it is done, with its cost, a lower bound, and whether it is proven optimal.
+//! Planners: from a job to a plan with its cost, a lower bound, and whether it is proven optimal.
 //!
 //! Input: the [`Claims`] of a schedule. Output: a [`Plan`] for each job. Promise: a job ends in a plan, in a proof that there is
-//! none (with the smallest set of obstacles that could be found), or in a search that gave up and names its budget; no empty
-//! plan ever means "no". Same request, same plan: budgets count steps, never seconds.
+//! none (with the smallest set of blocking obstacles that could be found), or in a search that gave up and names its budget; an
+//! empty plan never means "no". Same request, same plan: budgets count steps, never seconds.
 
 pub mod dimibot;
 pub mod electrode_array;
@@ -21,17 +21,17 @@ use std::collections::BTreeMap;
 pub struct Plan {
     pub planner: &'static str,
     pub objective: &'static str,
-    /// Of `cost` and `bound`; empty for a count.
+    /// Unit of `cost` and `bound`; empty for a count.
     pub unit: &'static str,
     pub cost: f64,
-    /// No plan costs less.
+    /// Lower bound on the cost of every plan.
     pub bound: f64,
     pub proof: Optimality,
-    /// Below these outcomes there is no plan either, though they were not what was minimised.
+    /// Lower bounds on outcomes that were not minimised.
     pub bounds: BTreeMap<String, f64>,
-    /// In SI units, by the names of the vocabulary's outcomes.
+    /// Outcomes in SI units, by their names in the vocabulary.
     pub outcomes: BTreeMap<String, f64>,
-    /// What the planner has to say of it besides, for reports.
+    /// The planner's further remarks, for reports.
     pub remarks: Vec<Remark>,
     pub motion: Motion,
 }
@@ -43,7 +43,7 @@ pub enum Optimality {
     Open,
 }
 
-/// What the device does, in its kind's own terms.
+/// Motion of the device, in its kind's own terms.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Motion {
     Dimibot(dimibot::DimibotMotion),
@@ -86,10 +86,10 @@ impl Motion {
     }
 }
 
-/// Told before each job is planned: which one of how many, and its task.
+/// Called before each job is planned, with its index, the number of jobs, and its task.
 pub type Progress<'a> = &'a mut dyn FnMut(usize, usize, &str);
 
-/// A plan for every job, in their order; `None` after an error, which has then been pushed for each job that has none.
+/// A plan for every job, in their order; `None` after an error, which has been pushed for each job without a plan.
 pub fn plan(claims: &Claims, sink: &mut Sink, progress: Progress) -> Option<Vec<Plan>> {
     let mut robots = dimibot::DimibotStandings::default();
     let mut trays = electrode_array::BoardStandings::default();

@@ -1,15 +1,15 @@
-//! The limits of a task held against the outcome of its plan.
+//! Checks the limits of a task against the outcomes of its plan.
 //!
-//! Input: a job, its plan, and what the planner of its kind knows of each limit that the plan misses. Output: whether all limits are
-//! kept; each missed one is reported. Promise: "no plan" is only said where the kind has a proof, and a help names only a plan or a
-//! limit that would do.
+//! Input: a job, its plan, and what the planner of its kind knows of each limit that the plan misses. Output: whether all limits
+//! are kept; each missed one is reported. Promise: "no plan" is only reported where the kind has a proof, and a help names only a
+//! plan or a limit that works.
 
 use super::{Plan, errors};
 use crate::claims::{Job, Relation, Requirement};
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity, Unit};
 
-/// How far a sum of floats may stray from a limit that it meets exactly, relative to the limit.
+/// Relative tolerance of a limit; allows for rounding in a sum of floats that meets the limit exactly.
 pub const REQUIREMENT_TOLERANCE: f64 = 1e-9;
 
 /// Whether an outcome meets its requirement.
@@ -19,36 +19,37 @@ pub enum Kept {
     No,
 }
 
-/// What a kind knows of an upper limit that its plan misses. The default knows nothing: the report then says that no plan was found.
+/// A kind's knowledge of an upper limit that its plan misses. The default knows nothing: the report then says that no plan was
+/// found.
 #[derive(Debug, Default)]
 pub struct KnownLimit {
     /// Proven: no plan keeps all limits of the job at once.
     pub none_keeps_all: bool,
-    /// Proven: no plan that keeps the other limits has less than this of the outcome, in SI units. A bound that holds whatever the
-    /// other limits are does as well.
+    /// Proven lower bound, in SI units, on this outcome for plans that keep the other limits. A bound that ignores the other limits
+    /// is valid too.
     pub least: Option<f64>,
     /// Another plan of the same job, such as one for another objective. It is named only where it keeps all the other limits.
     pub other: Option<Plan>,
-    /// What may find a plan where none was found and nothing is proven.
+    /// Advice on finding a plan where none was found and nothing is proven.
     pub advice: Option<String>,
 }
 
-/// What the report of a missed limit says besides the limit itself; values are of the outcome, in SI units.
+/// Content of the report of a missed limit besides the limit itself; values are of the outcome, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LimitVerdict {
-    /// Proven: this is the least value of all plans that keep the other limits, and some plan has it.
+    /// Proven: the least value of all plans that keep the other limits, and some plan attains it.
     Least(f64),
-    /// Proven: no plan that keeps the other limits has less. What the best plan found has, if it keeps them.
+    /// Proven lower bound for plans that keep the other limits; then the value of the best plan found, if it keeps them.
     AtLeast(f64, Option<f64>),
     /// Proven, without a value of its own: the limits exclude one another.
     Conflict,
     /// No plan was found, and nothing is proven.
     NotFound,
-    /// No plan was found for this objective, but `minimize` with the other one finds a plan that keeps all limits.
+    /// No plan was found for this objective, but `minimize` with the other objective finds one that keeps all limits.
     Elsewhere(&'static str, f64),
 }
 
-/// Holds an outcome against a requirement.
+/// Checks an outcome against a requirement.
 pub fn keeps(requirement: &Requirement, reached: f64) -> Kept {
     let slack = requirement.limit.abs() * REQUIREMENT_TOLERANCE;
     let holds = match requirement.relation {
@@ -61,7 +62,7 @@ pub fn keeps(requirement: &Requirement, reached: f64) -> Kept {
     if holds { Kept::Yes } else { Kept::No }
 }
 
-/// Whether a requirement limits its outcome from above and from nowhere else.
+/// Whether a requirement is only an upper limit of its outcome.
 pub fn is_upper(requirement: &Requirement) -> bool {
     match requirement.relation {
         Relation::Less | Relation::AtMost => true,
@@ -69,9 +70,9 @@ pub fn is_upper(requirement: &Requirement) -> bool {
     }
 }
 
-/// Whether a plan meets all requirements of its job; those that it misses are reported.
+/// Whether a plan meets all requirements of its job; missed ones are reported.
 ///
-/// `known` is asked for each missed limit from above.
+/// `known` is called for each missed upper limit.
 pub fn require(job: &Job, plan: &Plan, known: &mut dyn FnMut(&Requirement) -> KnownLimit, sink: &mut Sink) -> Kept {
     let mut all_kept = Kept::Yes;
     for (index, requirement) in job.requirements.iter().enumerate() {
@@ -100,13 +101,13 @@ pub fn require(job: &Job, plan: &Plan, known: &mut dyn FnMut(&Requirement) -> Kn
 pub struct Texts {
     pub reached: String,
     pub limit: String,
-    /// Rounded up, so that a limit of this much would do.
+    /// Rounded up, so that a limit of this value is kept.
     pub value: Option<String>,
-    /// Rounded down, so that a lower bound of this much is true.
+    /// Rounded down, so that it remains a lower bound.
     pub floor: Option<String>,
 }
 
-/// What can be said of a missed limit without saying too much.
+/// The strongest statement about a missed limit that is known to be true.
 fn verdict(job: &Job, index: usize, plan: &Plan, known: &KnownLimit) -> LimitVerdict {
     let requirement = &job.requirements[index];
     let candidates = [Some(plan), known.other.as_ref()];
@@ -128,7 +129,7 @@ fn verdict(job: &Job, index: usize, plan: &Plan, known: &KnownLimit) -> LimitVer
     }
 }
 
-/// Whether a plan keeps all requirements of a job but one.
+/// Whether a plan keeps all requirements of a job except `but`.
 fn keeps_the_others(job: &Job, but: usize, plan: &Plan) -> bool {
     let mut others = job.requirements.iter().enumerate().filter(|(index, _)| *index != but);
     others.all(|(_, other)| plan.outcomes.get(&other.outcome).is_none_or(|value| keeps(other, *value) == Kept::Yes))
@@ -144,7 +145,7 @@ fn show(value: f64, dimension: Dimension) -> String {
     Quantity::new(value, dimension).to_string()
 }
 
-/// A limit, with all its digits where fewer would look like the value that misses it.
+/// A limit; with all its digits where rounding would make it look like the value that misses it.
 fn limit_text(limit: f64, reached: f64, dimension: Dimension) -> String {
     let text = show(limit, dimension);
     if text != show(reached, dimension) || limit == reached {
@@ -156,7 +157,7 @@ fn limit_text(limit: f64, reached: f64, dimension: Dimension) -> String {
     }
 }
 
-/// A value in few digits, rounded up so that a limit of what is written would be kept by it.
+/// A value in few digits, rounded up so that a limit with the printed value is kept by it.
 pub fn enough(value: f64, dimension: Dimension) -> String {
     let is_enough = |text: &String| read_back(text).is_some_and(|read| value <= read * (1.0 + REQUIREMENT_TOLERANCE));
     let raised = [0.0, 1e-6, 2e-6, 5e-6, 1e-5].map(|part| show(value + value.abs() * part, dimension));

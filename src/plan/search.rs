@@ -1,9 +1,21 @@
-//! What all planners share: a budget counted in steps, never in time, so that a plan does not depend on the machine.
+//! Shared by all planners: the results of a search, and its budget. Budgets count steps, never time, so that a plan does not depend on
+//! the machine.
 
-/// The steps a planner may take before it gives up.
+/// Result of a search. No empty plan means "no", and a search that ended early proves nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SearchAnswer<P, I, G = GaveUp> {
+    /// A plan, with the bound below which there is none.
+    Found(P),
+    /// Proven: there is no plan, and why.
+    Impossible(I),
+    /// A limit ended the search before a plan or a proof was found, with the bounds known by then.
+    GaveUp(G),
+}
+
+/// Number of steps a planner may take before it gives up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SearchBudget {
-    /// Number of steps. What one step is, each planner's documentation says.
+    /// Number of steps. Each planner documents what one step is.
     pub steps: u64,
 }
 
@@ -11,7 +23,7 @@ impl SearchBudget {
     /// Enough for every scene of the benchmarks; a few seconds and some hundred megabytes at most.
     pub const DEFAULT: SearchBudget = SearchBudget { steps: 16_000_000 };
 
-    /// A budget of that many steps.
+    /// A budget of `steps` steps.
     pub const fn of(steps: u64) -> Self {
         SearchBudget { steps }
     }
@@ -30,7 +42,7 @@ pub struct GaveUp {
     pub budget: SearchBudget,
     /// Steps spent.
     pub spent: u64,
-    /// No plan costs less than this, in the units of the objective.
+    /// Lower bound on the cost of any plan, in the units of the objective.
     pub bound: u64,
 }
 
@@ -62,12 +74,20 @@ impl Meter {
         self.spent = self.spent.saturating_add(steps);
     }
 
+    /// Runs a search on at most `steps` of the remaining steps, and charges the steps it took.
+    pub fn share<T>(&mut self, steps: u64, search: impl FnOnce(&mut Meter) -> T) -> T {
+        let mut part = Meter::new(SearchBudget::of(steps.min(self.left().steps)));
+        let result = search(&mut part);
+        self.charge(part.spent());
+        result
+    }
+
     /// Steps taken so far.
     pub const fn spent(&self) -> u64 {
         self.spent
     }
 
-    /// What is left.
+    /// The budget that is left.
     pub const fn left(&self) -> SearchBudget {
         SearchBudget::of(self.budget.steps.saturating_sub(self.spent))
     }

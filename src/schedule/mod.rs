@@ -210,13 +210,13 @@ pub enum State {
         poses: std::collections::BTreeMap<String, [f64; 3]>,
     },
     Fingers {
-        /// The contact that each finger holds, from 1; 0 for a free finger.
+        /// The contact of each finger, from 1; 0 for a free finger.
         grasp: Vec<u32>,
         /// The angle of the turn in progress, as steps from its beginning, from 1 as in the paper; below 1 for turns backwards.
         angle_index: i64,
         /// The plane in which the fingers hold.
         plane: crate::device::fingers::Plane,
-        /// The centre of each tip that holds, in the hand's frame.
+        /// The centre of each holding tip, in the hand's frame.
         tips_um: Vec<Option<[f64; 3]>>,
         /// Where the part's origin is in the hand's frame.
         position_um: [f64; 3],

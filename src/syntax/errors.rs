@@ -114,7 +114,9 @@ pub(super) fn leading_operator(mark: Span, text: &str) -> Diagnostic {
     let line = quote(line_before(text, code_end_before(text, start)));
     Diagnostic::new(Code::E0106, format!("a line begins with `{operator}`"))
         .label(part(mark, start, start + operator.len()), "the value of the line above was complete without this")
-        .help(format!("a line goes on after an operator, not before it: end the line above with `{line} {operator}`"))
+        .help(format!(
+            "a line continues after an operator, not before one: end the line above with `{line} {operator}`"
+        ))
 }
 
 pub(super) fn leading_preposition(mark: Span, text: &str) -> Diagnostic {
@@ -124,7 +126,7 @@ pub(super) fn leading_preposition(mark: Span, text: &str) -> Diagnostic {
     let joined = quote(&format!("{line} {}", line_after(text, start)));
     Diagnostic::new(Code::E0107, format!("a line begins with `{word}`"))
         .label(part(mark, start, start + word.len()), "this belongs to the line above")
-        .help(format!("a step stands on one line: `{joined}`"))
+        .help(format!("write the step on one line: `{joined}`"))
 }
 
 pub(super) fn blank_before_bracket(mark: Span, text: &str) -> Diagnostic {
@@ -164,7 +166,7 @@ pub(super) fn joined(mark: Span, text: &str) -> Diagnostic {
     let start = mark.end as usize;
     let word = token_at(text, start);
     Diagnostic::new(Code::E0103, format!("`{word}` begins anew on the same line"))
-        .label(part(mark, start, start + word.len()), "what stands before this was complete")
+        .label(part(mark, start, start + word.len()), "complete before this")
         .help(format!("put a comma or a line end before `{word}`"))
 }
 
@@ -205,13 +207,13 @@ fn token_before_sign(text: &str) -> &str {
 
 pub(super) fn too_many_operators(span: Span, count: usize) -> Diagnostic {
     let limit = super::values::MAX_OPERATORS;
-    Diagnostic::new(Code::E0121, format!("{count} operators in one expression, at most {limit} are read"))
+    Diagnostic::new(Code::E0121, format!("{count} operators in one expression; the limit is {limit}"))
         .label(span, "this expression")
         .help("name parts of it with `let`")
 }
 
 pub(super) fn tuple_length(span: Span, count: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0127, format!("a place of {count} coordinates, it has 2 or 3"))
+    Diagnostic::new(Code::E0127, format!("a place has 2 or 3 coordinates, not {count}"))
         .label(span, "this")
         .help("write `(x, y)` or `(x, y, z)` for a place, and `[a, b, c, d]` for a list")
 }
@@ -291,13 +293,13 @@ pub(super) fn bad_head(rest: Span, rule: Rule, item: Span, text: &str) -> Diagno
     };
     let place = visible(rest, text);
     let word = token_at(text, item.start as usize);
-    Diagnostic::new(Code::E0124, format!("this `{word}` does not say what it is about"))
+    Diagnostic::new(Code::E0124, format!("this `{word}` lacks its subject"))
         .label(place, "reading stopped here")
         .help(format!("write `{form}`"))
 }
 
 pub(super) fn name_too_long(span: Span, bytes: usize, limit: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0129, format!("a name of {bytes} bytes, at most {limit} are taken"))
+    Diagnostic::new(Code::E0129, format!("a name of {bytes} bytes; the limit is {limit}"))
         .label(span, "too long")
         .help("give it a shorter name")
 }
@@ -381,7 +383,7 @@ pub(super) fn foreign_sign(span: Span, theirs: char, ours: &str) -> Diagnostic {
 
 pub(super) fn foreign_quotes(span: Span, inside: &str) -> Diagnostic {
     Diagnostic::new(Code::E0118, "quotes that are not of the language")
-        .label(span, "strings stand in plain double quotes")
+        .label(span, "write strings in plain double quotes")
         .help(format!("write `\"{}\"`", quote(inside)))
 }
 
@@ -390,7 +392,7 @@ pub(super) fn foreign_character(span: Span, text: &str) -> Diagnostic {
     let help = match written.chars().next() {
         Some('°') => "write `deg`, as in `80 deg`",
         Some('&') => "join conditions by two `require` lines",
-        Some('\\') => "a line goes on after an operator or inside of brackets, without a sign",
+        Some('\\') => "a line continues after an operator or inside brackets, without a marker",
         _ => "remove it: names are letters, digits and `_`",
     };
     let shown: String =
@@ -441,7 +443,7 @@ pub(super) fn misplaced_doc(span: Span, text: &str) -> Diagnostic {
     let finding = Diagnostic::new(Code::E0109, "a doc comment that documents nothing");
     if comment.starts_with("//!") {
         return finding
-            .label(span, "`//!` documents the file and stands at its top")
+            .label(span, "`//!` documents the file and belongs at its top")
             .help(format!("write `// {}`, or move it to the top of the file", quote(words)));
     }
     if before.is_empty() {
@@ -449,7 +451,7 @@ pub(super) fn misplaced_doc(span: Span, text: &str) -> Diagnostic {
             .label(span, "no declaration, field or object follows")
             .help(format!("write `// {}`", quote(words)));
     }
-    finding.label(span, "`///` documents what follows, not what stands before it").help(format!(
+    finding.label(span, "`///` documents the item after it, not before it").help(format!(
         "put it on a line of its own above `{}`, or write `// {}`",
         quote(before),
         quote(words)
@@ -470,7 +472,7 @@ fn first_word(span: Span, length: usize) -> Span {
 
 pub(super) fn bad_loop(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0122, "a `for` in the manner of another language")
-        .label(first_word(span, "for".len()), "expected names, `in`, and what to repeat over")
+        .label(first_word(span, "for".len()), "expected names, `in`, and a list or range")
         .help("write `for i in 0..4 { … }` for 0 to 3, or `for p in list { … }`")
 }
 
@@ -483,7 +485,7 @@ pub(super) fn let_in_block(span: Span, text: &str) -> Diagnostic {
 
 pub(super) fn item_in_block(span: Span, word: &str) -> Diagnostic {
     Diagnostic::new(Code::E0123, format!("`{word}` inside a block"))
-        .label(first_word(span, word.len()), "declarations stand at the top of a file")
+        .label(first_word(span, word.len()), "declarations belong at the top level of a file")
         .help(format!("move this `{word}` out of the braces, or close the block above it with `}}`"))
 }
 
@@ -496,7 +498,7 @@ pub(super) fn lonely_preposition(span: Span, word: &str) -> Diagnostic {
 pub(super) fn lonely_operator(span: Span, word: &str) -> Diagnostic {
     Diagnostic::new(Code::E0106, format!("a line begins with `{word}`"))
         .label(first_word(span, word.len()), "nothing here begins with an operator")
-        .help("a line goes on after an operator: end the line above with it")
+        .help("a line continues after an operator: end the line above with it")
 }
 
 pub(super) fn missing_colon(span: Span, name: &str, text: &str) -> Diagnostic {
@@ -525,7 +527,7 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
     let line = quote(line_before(text, at));
     Diagnostic::new(Code::E0101, format!("`{token}` does not belong here"))
         .label(part(span, at, at + token.len()), wanted)
-        .help(format!("`{line}` was read; remove what follows, or begin a new line for it"))
+        .help(format!("`{line}` is complete; remove the rest, or start a new line"))
 }
 
 pub(super) fn not_an_entry(span: Span, place: ListPlace, text: &str) -> Diagnostic {
@@ -575,7 +577,7 @@ pub(super) fn not_an_item(span: Span, text: &str) -> Diagnostic {
     let line = text.lines().next().unwrap_or("").trim_end();
     Diagnostic::new(Code::E0101, format!("`{}` stands outside of every block", quote(line)))
         .label(first_word(span, line.len()), "expected a declaration")
-        .help(format!("a declaration begins with {ITEM_WORDS}; steps stand in a task, objects in a scene"))
+        .help(format!("a declaration begins with {ITEM_WORDS}; steps belong in a task, objects in a scene"))
 }
 
 pub(super) fn unreadable(whole: Span) -> Diagnostic {

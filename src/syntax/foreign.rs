@@ -4,9 +4,9 @@
 pub(super) fn help(word: &str) -> Option<&'static str> {
     Some(match word {
         "if" | "else" | "elif" | "elseif" | "unless" | "switch" => {
-            "there is no choice in a program: write a task for each case and pick one by `--task`"
+            "programs have no conditions: write a task for each case and choose one with `--task`"
         }
-        "while" | "loop" | "repeat" | "until" | "foreach" => "`for i in 0..4 { … }` repeats what stands in its braces",
+        "while" | "loop" | "repeat" | "until" | "foreach" => "`for i in 0..4 { … }` repeats the lines in its braces",
         "import" | "include" => "`use std.dimibot` takes a library, `use \"bench.twz\" as lab` another file",
         "fn" | "def" | "func" | "function" | "fun" | "void" => {
             "a task takes parameters: `task go(goal: cell) on bot { move to goal }`"
@@ -15,7 +15,7 @@ pub(super) fn help(word: &str) -> Option<&'static str> {
             "`let pitch = 70 um` at the top of the file names a value"
         }
         "return" | "break" | "continue" => "steps are carried out in their order, to the last",
-        "class" | "struct" => "`device NAME : KIND { … }` declares a machine, `scene NAME { … }` what stands around it",
+        "class" | "struct" => "`device NAME : KIND { … }` declares a device, `scene NAME { … }` its surroundings",
         _ => return None,
     })
 }

@@ -116,7 +116,7 @@ impl Reader<'_> {
         Some(Parameter { name, sort, span })
     }
 
-    /// The name of a sound declaration; that of a broken one is kept aside, so that nobody calls it unknown.
+    /// The name of a sound declaration; that of a broken one is kept separately, so that it is not reported as unknown.
     fn name_of(&mut self, head: &mut DeclarationHead) -> Option<Ident> {
         let name = head.name.take()?;
         if head.is_broken {

@@ -195,7 +195,7 @@ const SPELLINGS: &[(char, &str)] = &[
     ('\u{a0}', " "),
 ];
 
-/// A sign; one that the language does not have is spelt our way or covered.
+/// A sign; one that the language does not have is replaced by Tweeze's or covered.
 pub(super) fn sign(scan: &mut Scan, first: char) {
     let start = scan.at;
     let end = start + first.len_utf8();

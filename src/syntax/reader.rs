@@ -75,7 +75,7 @@ impl<'s> Reader<'s> {
         self.origin.span(node)
     }
 
-    /// The node's children without comments and marks; marks are reported on the way.
+    /// The node's children without comments and marks; marks are reported in passing.
     pub fn children<'i>(&mut self, node: Node<'i>) -> Vec<Node<'i>> {
         let mut children: Vec<Node> = node.into_inner().collect();
         children.retain(|child| !self.is_mark(child));

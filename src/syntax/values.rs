@@ -179,7 +179,7 @@ impl Reader<'_> {
         })
     }
 
-    /// The value of a fragment that holds nothing else.
+    /// The value of a fragment that contains nothing else.
     pub fn only_value(&mut self, node: Node) -> Option<Expr> {
         let value = self.children(node).into_iter().find(|child| child.as_rule() == Rule::expr)?;
         Some(self.expr(value))

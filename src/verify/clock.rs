@@ -61,7 +61,7 @@ fn plans(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
         let (kind, claimed) = (plan.kind.name(), job.kind().name());
         let pairs = [("task", &*plan.task, &*job.task), ("device", &plan.device, &job.device), ("kind", kind, claimed)];
         for (what, recorded, claimed) in pairs.into_iter().filter(|(_, recorded, claimed)| recorded != claimed) {
-            find(plan.start_ns, format!("plan {index} has the {what} `{recorded}`, the program says `{claimed}`"));
+            find(plan.start_ns, format!("plan {index} has the {what} `{recorded}`, but the program has `{claimed}`"));
         }
     }
 }

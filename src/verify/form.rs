@@ -74,7 +74,7 @@ fn figures(schedule: &Schedule, findings: &mut Findings) {
     for (index, step) in schedule.steps.iter().enumerate() {
         let floats: Vec<f64> = step.reached.iter().flat_map(Reached::floats).collect();
         if !floats.iter().all(|value| value.is_finite()) {
-            let title = format!("step {index} is said to reach {floats:?}, but all must be finite");
+            let title = format!("step {index} is recorded as reaching {floats:?}, but all must be finite");
             findings.push(Violation::new(Rule::Number, step.start_ns, title).step(index));
         }
     }
@@ -88,7 +88,7 @@ fn figures(schedule: &Schedule, findings: &mut Findings) {
         for (at, timed) in plan.states.iter().enumerate() {
             let floats = timed.state.floats();
             if !floats.iter().all(|value| value.is_finite()) {
-                let title = format!("state {at} of plan {index} stands at {floats:?}, but all must be finite");
+                let title = format!("state {at} of plan {index} is {floats:?}, but all must be finite");
                 findings.push(Violation::new(Rule::Number, timed.t_ns, title));
             }
         }
@@ -134,7 +134,7 @@ fn wires(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
         let (recorded, claimed) = (channel.wire.as_ref(), claims.wires.get(&channel.name));
         if recorded != claimed {
             let title = format!(
-                "channel `{}` has {} as its wire, the program says {}",
+                "channel `{}` is wired to {}, but the program has {}",
                 channel.name,
                 shown(recorded),
                 shown(claimed)
@@ -186,15 +186,15 @@ fn swing_fault(actuation: &Actuation, swing: Swing, order: Option<&Order>) -> Op
         }
     }
     if period_ns == 0 || !period_ns.is_multiple_of(2) {
-        return Some(format!("swings with a period of {period_ns} ns, which must be even and above 0 ns"));
+        return Some(format!("swings with a period of {period_ns} ns, but it must be even and above 0 ns"));
     }
     if !duration_ns.is_multiple_of(period_ns) {
         let (lasts, period) = (ms(duration_ns), ms(period_ns));
-        return Some(format!("swings for {lasts}, which is no whole number of periods of {period}"));
+        return Some(format!("swings for {lasts}, not a whole number of periods of {period}"));
     }
     // Levels that equal two finite numbers are finite.
     let apart = from != first || to != second;
-    apart.then(|| format!("swings between {first} V and {second} V, but is said to go from {from} V to {to} V"))
+    apart.then(|| format!("swings between {first} V and {second} V, but is recorded as going from {from} V to {to} V"))
 }
 
 fn overlaps(schedule: &Schedule, findings: &mut Findings) {

@@ -50,7 +50,7 @@ fn shared(scene: &SharedScene, claims: &Claims) -> Result<(), Unfit> {
             return unfit("nowhere");
         }
         if jobs().next().is_none() || jobs().any(|job| job.order.dimibot().is_none()) {
-            return unfit("as a robot, which the program does not run");
+            return unfit("as a robot that the program does not run");
         }
         let places = jobs().filter_map(|job| job.order.dimibot()?.frame);
         if places.chain(claims.frame(device)).any(|other| other != *frame) {
@@ -82,7 +82,7 @@ fn requirements(job: &Job) -> Result<(), Unfit> {
     let outcomes = job.kind().vocabulary().outcomes;
     for requirement in &job.requirements {
         if !outcomes.iter().any(|outcome| outcome.name == requirement.outcome) {
-            return Err(Unfit(format!("the claims limit `{}`, which is no outcome", requirement.outcome)));
+            return Err(Unfit(format!("the claims limit `{}`, which is not an outcome", requirement.outcome)));
         }
         if !requirement.limit.is_finite() {
             return Err(Unfit(format!("the claims' limit of `{}` is not finite", requirement.outcome)));

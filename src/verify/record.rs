@@ -66,7 +66,7 @@ fn cost(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     if !alike(run.plan.cost, replayed) {
         let (recorded, replayed) = apart(run.plan.cost, replayed);
         let title =
-            format!("the cost of `{}` is said to be {recorded} {unit}, the replay gives {replayed}", run.job.task);
+            format!("the recorded cost of `{}` is {recorded} {unit}, but the replay gives {replayed}", run.job.task);
         findings.push(figure(run, title));
     }
 }
@@ -117,7 +117,7 @@ fn outcomes(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
             Some(value) => quantities_apart(*value, replayed, *dimension),
             None => ("unknown".to_owned(), Quantity::new(replayed, *dimension).to_string()),
         };
-        let title = format!("the {name} of `{}` is said to be {recorded}, the replay gives {replayed}", run.job.task);
+        let title = format!("the recorded {name} of `{}` is {recorded}, but the replay gives {replayed}", run.job.task);
         findings.push(figure(run, title));
     }
     for name in recorded.keys().filter(|name| !replay.outcomes.contains_key(name.as_str())) {
@@ -144,7 +144,7 @@ fn nearness(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
             continue;
         }
         let title = format!(
-            "step {} of `{}` is said to reach {:?}, the replay gives {due:?}",
+            "step {} of `{}` is recorded as reaching {:?}, but the replay gives {due:?}",
             nth + 1,
             run.job.task,
             step.reached
@@ -161,14 +161,16 @@ pub(super) fn difference(run: &JudgedRun, replayed: &[Cow<TimedState>]) -> Optio
     let violation = match first {
         Some(0) if recorded[0].t_ns == replayed[0].t_ns => {
             let (recorded, replayed) = (shown(&recorded[0].state), shown(&replayed[0].state));
-            let title =
-                format!("the run of `{}` is said to start at {recorded}, but starts at {replayed}", run.job.task);
+            let title = format!(
+                "the run of `{}` is recorded as starting at {recorded}, but starts at {replayed}",
+                run.job.task
+            );
             Violation::new(Rule::Start, run.plan.start_ns, title)
         }
         Some(at) => {
             let (one, other) = (&recorded[at], &replayed[at]);
             let title = format!(
-                "state {at} of `{}` is said to be {} from {} on, the replay gives {} from {} on",
+                "state {at} of `{}` is recorded as {} from {} on, but the replay gives {} from {} on",
                 run.job.task,
                 shown(&one.state),
                 ms(one.t_ns),
@@ -183,10 +185,11 @@ pub(super) fn difference(run: &JudgedRun, replayed: &[Cow<TimedState>]) -> Optio
     Some(violation.label(run.job.run_span, "this run"))
 }
 
-/// The record holds too few states, or too many.
+/// The record has too few states, or too many.
 pub(super) fn miscounted(run: &JudgedRun, replayed: u64) -> Violation {
     let recorded = run.plan.states.len();
-    let title = format!("the run of `{}` has {recorded} recorded states, the replay gives {replayed}", run.job.task);
+    let title =
+        format!("the run of `{}` has {recorded} recorded states, but the replay gives {replayed}", run.job.task);
     Violation::new(Rule::State, run.end_ns(), title).label(run.job.run_span, "this run")
 }
 
@@ -298,7 +301,7 @@ fn mend(run: &JudgedRun, relation: Relation, name: &'static str, value: &str) ->
     }
 }
 
-/// Two quantities of one dimension, with all their digits where fewer would look alike.
+/// Two quantities of one dimension, with all their digits if fewer would look the same.
 fn quantities_apart(one: f64, other: f64, dimension: Dimension) -> (String, String) {
     let short = |si| Quantity::new(si, dimension).to_string();
     if short(one) != short(other) || one == other {

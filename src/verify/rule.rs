@@ -54,9 +54,9 @@ pub enum Rule {
     Opposed,
     /// Several modules are switched at once only where that is allowed.
     Simultaneous,
-    /// The way of the tip is clear.
+    /// The path of the tip is clear.
     Sweep,
-    /// Every way that modules switched at once can take is clear.
+    /// Every path that modules switched at once can take is clear.
     Mixture,
     /// An electrode is on at the potential of the device.
     Potential,
@@ -201,7 +201,7 @@ pub struct Violation {
     pub step: Option<u32>,
     /// Places in the source that the claims know; without them where the claims were read without spans.
     pub labels: Vec<Label>,
-    /// The mend, where it is in the user's hands.
+    /// The fix, where it is in the user's hands.
     pub help: Option<String>,
 }
 
@@ -274,7 +274,7 @@ impl Findings {
     }
 }
 
-/// A time in milliseconds to the last nanosecond: two times that differ never print alike.
+/// A time in milliseconds to the last nanosecond: two times that differ never print the same.
 pub(super) fn ms(time_ns: u64) -> String {
     let (whole, rest) = (time_ns / 1_000_000, time_ns % 1_000_000);
     match rest {

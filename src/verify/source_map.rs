@@ -29,7 +29,7 @@ pub(super) fn check(schedule: &Schedule, claims: &Claims, sources: &Sources, fin
         };
         let (line, column) = walk.position(file, span);
         for (what, recorded, written) in differences(step, file, span, (line, column)) {
-            let title = format!("step {index} has the {what} `{recorded}`, the program says `{written}`");
+            let title = format!("step {index} has the {what} `{recorded}`, but the program has `{written}`");
             let violation = Violation::new(Rule::SourceMap, step.start_ns, title);
             findings.push(violation.step(index).label(span, "this step"));
         }

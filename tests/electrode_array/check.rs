@@ -3,7 +3,7 @@
 //! It shares nothing with the planner but the types of the problem: columns and rows are separated again, and the rule is checked on
 //! moves (all four combinations of the starts and ends of two parts), where the planner checks single positions.
 
-use tweeze::plan::electrode_array::board::{BoardAnswer, BoardCosts, CellIndex, Instance, Paths};
+use tweeze::plan::electrode_array::board::{BoardAnswer, BoardCosts, BoardPlan, CellIndex, Instance, Paths};
 
 /// Column and row.
 type Place = (i64, i64);
@@ -19,7 +19,7 @@ pub fn fault(instance: &Instance, paths: &Paths) -> Option<String> {
 
 /// Panics unless the plan of an answer is legal and its bounds are not above its costs; the costs, counted here.
 pub fn judged(instance: &Instance, answer: &BoardAnswer) -> Option<(BoardCosts, BoardCosts)> {
-    let BoardAnswer::Found { paths, bounds } = answer else { return None };
+    let BoardAnswer::Found(BoardPlan { paths, bounds }) = answer else { return None };
     assert_eq!(fault(instance, paths), None, "{instance:?}");
     let arrivals = paths.iter().map(|path| path.len() as u64 - 1);
     let costs = BoardCosts { makespan: arrivals.clone().max().unwrap_or(0), sum_of_costs: arrivals.sum() };

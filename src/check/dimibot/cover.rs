@@ -1,4 +1,4 @@
-//! Which obstacle covers a cell: a grid of boxes in levels, so that tens of thousands of obstacles are asked in a few steps.
+//! Obstacles that cover a cell: a hierarchy of box grids, so that a query among tens of thousands of obstacles takes a few steps.
 //!
 //! An obstacle is entered under its bounding box at the level whose squares are at least as wide as the box, in four squares
 //! at most; a cell is looked up once in each level. The answer is exact: boxes only choose the candidates.
@@ -11,7 +11,7 @@ use rustc_hash::FxHashMap;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// The obstacles of a scene as one device meets them, ready to be asked.
+/// The obstacles of a scene as one device meets them, prepared for queries.
 #[derive(Debug, Clone)]
 pub struct SceneCover {
     /// Pose of the robot's frame in the scene, if the scene has one.

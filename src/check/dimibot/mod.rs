@@ -5,8 +5,8 @@ use super::fields::Accepted;
 use super::figures::Figures;
 use super::frames::DeviceFrame;
 use super::lets::Argument;
+use super::objects::of_other_kind;
 use super::scenes::{CheckedScene, SceneObject};
-use super::scope::DeclarationPlace;
 use super::tasks::{self, Parts, TaskSite};
 use super::value::{ModuleWord, Value, whole};
 use super::{Checker, errors, shapes};
@@ -106,40 +106,34 @@ impl Checker<'_> {
         facts: &dimibot::DimibotFacts,
         parts: Parts,
     ) -> Option<DimibotOrder> {
-        let judged = self.obstacles((site.place, &site.device.name), site.scene.as_ref(), facts);
+        let judged = self.scene_met(site, |checker, scene| checker.obstacles(site, scene, facts));
         let order = order(facts, &judged.cover, parts, &site.device.name, self.sink);
         order.filter(|_| judged.is_whole)
     }
 
     fn obstacles(
         &mut self,
-        device: (DeclarationPlace, &str),
-        scene: Option<&(DeclarationPlace, Rc<CheckedScene>)>,
+        site: &TaskSite,
+        scene: Option<&CheckedScene>,
         facts: &dimibot::DimibotFacts,
     ) -> DimibotScene {
-        let Some((place, scene)) = scene else {
+        let Some(scene) = scene else {
             return DimibotScene { cover: SceneCover::of(Vec::new(), facts, None), is_whole: true };
         };
-        if let Some(known) = self.covers.get(&(*place, device.0)) {
-            return known.clone();
-        }
         let before = self.sink.errors();
-        let frame = scene.frames.get(&device.0).cloned();
+        let frame = scene.frames.get(&site.place).cloned();
         let others = match frame {
-            Some(_) => self.placed_beside(scene, device.0),
+            Some(_) => self.placed_beside(scene, site.place),
             None => Vec::new(),
         };
-        let robot = SceneRobot { facts, name: device.1, frame: frame.as_ref(), others: &others };
+        let robot = SceneRobot { facts, name: &site.device.name, frame: frame.as_ref(), others: &others };
         let obstacles = scene.objects.iter().filter_map(|object| obstacle(object, &robot, self.sink));
         let cover = SceneCover::of(obstacles.collect(), facts, frame.map(|frame| frame.pose));
-        let judged = DimibotScene { cover, is_whole: self.sink.errors() == before };
-        self.covers.insert((*place, device.0), judged.clone());
-        judged
+        DimibotScene { cover, is_whole: self.sink.errors() == before }
     }
 }
 
 /// A scene as one device meets it.
-#[derive(Clone)]
 pub struct DimibotScene {
     pub cover: SceneCover,
     /// Whether none of its objects is impossible.
@@ -170,9 +164,8 @@ impl SceneRobot<'_> {
 
 fn obstacle(object: &SceneObject, robot: &SceneRobot, sink: &mut Sink) -> Option<DimibotObstacle> {
     let facts = robot.facts;
-    let nouns: Vec<&str> = dimibot::VOCABULARY.nouns.iter().map(|noun| noun.name).collect();
-    if !nouns.contains(&object.noun.as_str()) {
-        sink.push(errors::noun_of_other_kind(object.noun_span, &object.noun, "dimibot", &nouns));
+    if dimibot::VOCABULARY.noun(&object.noun).is_none() {
+        sink.push(of_other_kind(object, &dimibot::VOCABULARY));
         return None;
     }
     if let Some(shape) = object.shape.as_ref().filter(|shape| !ShapeForm::SOLID.contains(&shape.value.form)) {
@@ -255,7 +248,7 @@ fn block(
     Some(clipped(low, high, facts))
 }
 
-/// The part of a block that lies on the lattice; a block that misses it altogether keeps `from` above `to`.
+/// The part of a block on the lattice; a block that misses it entirely keeps `from` above `to`.
 fn clipped(low: [i64; 2], high: [i64; 2], facts: &dimibot::DimibotFacts) -> DimibotObstacleBody {
     let last = [facts.cells(Side::Left), facts.cells(Side::Right)].map(|cells| i64::from(cells) - 1);
     let missed = (0..2).any(|axis| high[axis] < 0 || low[axis] > last[axis]);

@@ -1,8 +1,8 @@
 //! Goals and starts: within the workspace, on the lattice, clear of obstacles.
 
 use super::*;
-use crate::check::lets::ValueOrigin;
 use crate::check::tasks::Call;
+use crate::claims::ValueOrigin;
 use crate::claims::dimibot::{in_robot_um, in_scene_um};
 use crate::diagnostic::Code;
 use crate::real::Real;
@@ -20,7 +20,7 @@ pub struct StopJudge<'a> {
 }
 
 impl<'a> StopJudge<'a> {
-    /// A judge for one device in one scene.
+    /// Checks of stops for one device in one scene.
     pub fn new(
         facts: &'a dimibot::DimibotFacts,
         cover: &'a SceneCover,
@@ -35,19 +35,8 @@ impl<'a> StopJudge<'a> {
     pub fn start(&mut self, start: &Argument) -> Option<Spanned<LatticeCell>> {
         let stop = self.reach(start)?;
         let covered = self.covering(stop.cell).map(|index| self.covered(&stop, index, Code::E0505));
-        self.unless(covered, start)?;
+        start.unless(covered, self.sink)?;
         Some(Spanned::new(stop.cell, stop.span))
-    }
-
-    /// Reports the fault of a target, if there is one.
-    fn unless(&mut self, wrong: Option<Diagnostic>, target: &Argument) -> Option<()> {
-        match wrong {
-            Some(diagnostic) => {
-                self.sink.push(errors::given_at(diagnostic, target));
-                None
-            }
-            None => Some(()),
-        }
     }
 
     /// A step of the task in the kind's terms.
@@ -86,7 +75,7 @@ impl<'a> StopJudge<'a> {
     fn stop(&mut self, target: &Argument) -> Option<DimibotStop> {
         let stop = self.reach(target)?;
         let covered = self.covering(stop.cell).map(|index| self.covered(&stop, index, Code::E0502));
-        self.unless(covered, target)?;
+        target.unless(covered, self.sink)?;
         Some(stop)
     }
 
@@ -107,7 +96,7 @@ impl<'a> StopJudge<'a> {
     fn cell(&mut self, target: &Argument) -> Option<LatticeCell> {
         let Some([x, y]) = whole_cell(&target.value) else {
             let wrong = errors::wrong_place(target.span, &target.value, "whole cells");
-            self.unless(Some(wrong), target)?;
+            target.unless(Some(wrong), self.sink)?;
             return None;
         };
         let inside = (0..i64::from(self.facts.cells(Side::Left))).contains(&x)
@@ -120,7 +109,7 @@ impl<'a> StopJudge<'a> {
         let nearest = LatticeCell { x: x.clamp(0, last.x.into()) as u32, y: y.clamp(0, last.y.into()) as u32 };
         let help = format!("the nearest cell is {nearest}{}", self.modules_for_cell(x, y));
         let wrong = errors::outside_workspace(target.span, &format!("cell ({x}, {y})"), &extent, help);
-        self.unless(Some(wrong), target)?;
+        target.unless(Some(wrong), self.sink)?;
         None
     }
 
@@ -134,7 +123,7 @@ impl<'a> StopJudge<'a> {
             }
             (Some(_), _) => None,
         };
-        self.unless(wrong, target)?;
+        target.unless(wrong, self.sink)?;
         cell
     }
 
@@ -222,7 +211,7 @@ impl<'a> StopJudge<'a> {
         let (left, right) = (self.facts.left, self.facts.right);
         let wrong = (word.width != left + right)
             .then(|| errors::word_of_wrong_width(target.span, word.width, left, right, self.device));
-        self.unless(wrong, target)?;
+        target.unless(wrong, self.sink)?;
         Some(self.facts.cell(word.bits))
     }
 

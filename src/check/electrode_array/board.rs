@@ -5,9 +5,10 @@ use crate::check::devices::CheckedDevice;
 use crate::check::errors;
 use crate::check::fields::Accepted;
 use crate::check::figures::Figures;
+use crate::check::labels::DeviceLabel;
 use crate::check::value::{ShapeValue, Value, whole};
 use crate::device::electrode_array::{ElectrodeArrayFacts, Electrodes, Hold, Layout, Separation};
-use crate::diagnostic::{Diagnostic, Sink};
+use crate::diagnostic::Sink;
 use crate::real::Real;
 
 /// The facts of a complete device; `None` where parts cannot even be placed.
@@ -51,7 +52,10 @@ fn layout(device: &CheckedDevice, sink: &mut Sink) -> Option<Layout> {
     let layout = layout_of(shape);
     if layout.is_none() {
         let found = electrodes_text(shape);
-        sink.push(told(device, errors::unknown_layout(&found), &[("part", format!("{found} electrodes"))]));
+        sink.push(
+            device
+                .labelled(errors::unknown_layout(&found), [DeviceLabel::field("part", format!("{found} electrodes"))]),
+        );
     }
     layout
 }
@@ -85,7 +89,10 @@ fn covers_electrodes(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: 
     let (half, reach) = (facts.layout.half_width_pitches, electrodes_reach(facts));
     if half < reach * (1.0 - 1e-9) {
         let wrong = errors::body_too_small(half, rounded_up(reach));
-        sink.push(told(device, wrong, &[("part", format!("reaches {} pitches from its centre", number(half)))]));
+        sink.push(device.labelled(
+            wrong,
+            [DeviceLabel::field("part", format!("reaches {} pitches from its centre", number(half)))],
+        ));
     }
 }
 
@@ -97,14 +104,24 @@ fn keeps_apart(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut S
     let by_pull = facts.layout.electrodes.least_apart();
     if apart < by_bodies {
         let wrong = errors::bodies_touch(apart, 2.0 * half, by_bodies.max(by_pull));
-        sink.push(told(device, wrong, &[("separation", "too near".into()), ("part", "this wide".into())]));
+        sink.push(
+            device.labelled(
+                wrong,
+                [DeviceLabel::field("separation", "too near"), DeviceLabel::field("part", "this wide")],
+            ),
+        );
     } else if apart < by_pull {
         let wrong = errors::parts_pulled(apart, by_pull);
-        sink.push(told(device, wrong, &[("separation", "too near".into())]));
+        sink.push(device.labelled(wrong, [DeviceLabel::field("separation", "too near")]));
     }
     if facts.clearance < beyond(half) {
         let wrong = errors::obstacle_under_body(facts.clearance, half, beyond(half));
-        sink.push(told(device, wrong, &[("clearance", "too near".into()), ("part", "this wide".into())]));
+        sink.push(
+            device.labelled(
+                wrong,
+                [DeviceLabel::field("clearance", "too near"), DeviceLabel::field("part", "this wide")],
+            ),
+        );
     }
 }
 
@@ -119,36 +136,17 @@ fn has_room(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink
         return;
     }
     let least = 2 * facts.layout.electrodes.rim() + 1;
-    let narrow: Vec<(&'static str, String)> = [("columns", facts.columns), ("rows", facts.rows)]
-        .into_iter()
-        .filter(|(_, count)| *count < least)
-        .map(|(name, _)| (name, "too few".to_owned()))
-        .collect();
-    sink.push(told(device, errors::board_too_small(facts.columns, facts.rows, least), &narrow));
+    let narrow = [("columns", facts.columns), ("rows", facts.rows)].into_iter().filter(|(_, count)| *count < least);
+    let labels = narrow.map(|(name, _)| DeviceLabel::field(name, "too few"));
+    sink.push(device.labelled(errors::board_too_small(facts.columns, facts.rows, least), labels));
 }
 
 fn warn_of_published(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) {
     if facts.separation == Separation::AsPublished {
-        sink.push(told(device, errors::published_separation(), &[("separation", "as it is printed".into())]));
+        sink.push(
+            device.labelled(errors::published_separation(), [DeviceLabel::field("separation", "as it is printed")]),
+        );
     }
-}
-
-/// Puts labels on the fields that a finding is about, those of the device's own file first, and where their values were given.
-pub fn told(device: &CheckedDevice, diagnostic: Diagnostic, fields: &[(&'static str, String)]) -> Diagnostic {
-    let is_own = |name: &str| device.fields.get(name).is_some_and(|field| field.span.file == device.span.file);
-    let (own, inherited): (Vec<_>, Vec<_>) = fields.iter().partition(|(name, _)| is_own(name));
-    let mut diagnostic = diagnostic;
-    if own.is_empty() {
-        diagnostic = diagnostic.label(device.span, "this device");
-    }
-    for (name, text) in own.into_iter().chain(inherited) {
-        let Some(field) = device.fields.get(name) else { continue };
-        diagnostic = diagnostic.label(field.span, text.clone());
-        if let Some(origin) = device.origins.get(name) {
-            diagnostic = diagnostic.label_elsewhere(origin.span, field.span, origin.text.clone());
-        }
-    }
-    diagnostic
 }
 
 /// A plain number for a message.

@@ -2,7 +2,7 @@
 //!
 //! Obstacles are painted onto the board once, each grown by the distance that centres keep; a cell that is painted is passed
 //! over from then on, so that many large obstacles cost no more than the board and their rows. Places lie in squares as wide as
-//! the distance that they keep, so that one is asked for in nine squares.
+//! the distance that they keep, so that a query examines nine squares.
 
 use crate::claims::electrode_array::{ElectrodeArrayObstacle, ElectrodeArrayObstacleBody};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};

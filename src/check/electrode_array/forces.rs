@@ -154,7 +154,7 @@ impl Forces {
         self.lateral_n(potential_v) - self.friction_n(potential_v)
     }
 
-    /// The potential at which pull and friction are equal, if there is one: both grow alike, all but the weight.
+    /// The potential at which pull and friction are equal, if there is one: both grow with the same power, except for the weight.
     pub fn balance_v(&self) -> Option<f64> {
         let at_row_v = self.row.potential_v;
         let gain_n = self.lateral_n(at_row_v) - self.friction * self.row.vertical_n * self.growth(at_row_v);

@@ -2,20 +2,17 @@
 
 use super::cover::{SpacedPlaces, nearest_cell};
 use super::default_expansions;
-use super::places::CellOrigins;
 use super::tray::{BlockedCell, BoardScene, on_board, on_obstacle, whole_cell};
 use crate::check::figures::Figures;
 use crate::check::lets::Argument;
-use crate::check::scope::nearest;
 use crate::check::tasks::{self, Call, Parts, TaskSite};
-use crate::check::value::Value;
 use crate::check::{Checker, errors};
 use crate::claims::electrode_array::{
     Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective,
     ElectrodeArrayOrder, ElectrodeArrayPlanner, ElectrodeArrayStep, ElectrodeArrayStop,
 };
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Separation};
-use crate::diagnostic::{Code, Diagnostic, Sink};
+use crate::diagnostic::{Code, Sink};
 use crate::source::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -34,7 +31,7 @@ impl Checker<'_> {
         let planner = planner(&parts, (objective, bystanders), (facts, tray.parts.len()), self.sink);
         let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
         let hold = site.device.fields.get("hold").map(|field| field.span);
-        let mut judge = BoardStepJudge { facts, tray: &tray, scene, hold, origins: &mut self.origins, sink: self.sink };
+        let mut judge = BoardStepJudge { facts, tray: &tray, scene, hold, sink: self.sink };
         let steps: Vec<Option<ElectrodeArrayStep>> = parts.steps.iter().map(|step| judge.step(step)).collect();
         let steps: Option<Vec<ElectrodeArrayStep>> = steps.into_iter().collect();
         let order = ElectrodeArrayOrder {
@@ -126,7 +123,6 @@ struct BoardStepJudge<'a> {
     scene: Option<Span>,
     /// The field that sets whether the device holds its parts, if there is one.
     hold: Option<Span>,
-    origins: &'a mut CellOrigins,
     sink: &'a mut Sink,
 }
 
@@ -183,37 +179,22 @@ impl BoardStepJudge<'_> {
         } else {
             None
         };
-        self.unless(wrong, None)
+        self.sink.unless(wrong)
     }
 
     fn name(&self, part: usize) -> &str {
         self.tray.parts.get(part).map_or("", |part| part.name.as_str())
     }
 
-    /// The part that an argument names; without a diagnostic if the fault of that part was already reported.
+    /// The part that an argument names; `None` after an error.
     fn part(&mut self, argument: &Argument) -> Option<usize> {
-        let Value::Object(object) = &argument.value else { return None };
-        if let Some(known) = self.tray.names.get(&object.name) {
-            return *known;
-        }
-        if let Some(obstacle) = self.tray.obstacles.iter().find(|obstacle| obstacle.name == object.name) {
-            let found = ("obstacle", obstacle.span);
-            let wrong = errors::object_of_other_noun(argument.span, &object.name, object.noun, found);
-            self.unless(Some(wrong), Some(argument));
-            return None;
-        }
-        let near = nearest(&object.name, self.tray.names.keys().map(String::as_str));
-        // A scene of too many parts is known by none of their names.
-        let is_cut = self.scene.is_some() && !self.tray.is_whole && self.tray.names.is_empty();
-        let wrong = errors::unknown_object(argument.span, &object.name, object.noun, near, self.scene);
-        self.unless((!is_cut).then_some(wrong), Some(argument));
-        None
+        self.tray.names.index(argument, self.scene, self.tray.is_whole, self.sink)
     }
 
     /// A cell that a centre can take.
     fn stop(&mut self, target: &Argument) -> Option<ElectrodeArrayStop> {
         let Some(pair) = whole_cell(&target.value) else {
-            self.unless(Some(errors::no_cell(target.span, &target.value)), Some(target));
+            target.unless(Some(errors::no_cell(target.span, &target.value)), self.sink);
             return None;
         };
         let cover = &self.tray.cover;
@@ -222,40 +203,15 @@ impl BoardStepJudge<'_> {
             let clamped = ElectrodeCell::new(clamped(pair[0]), clamped(pair[1]));
             let free = nearest_cell(clamped, self.facts, is_free);
             let wrong = errors::goal_out_of_reach(target.span, pair, self.facts, free);
-            self.unless(Some(wrong), Some(target));
+            target.unless(Some(wrong), self.sink);
             return None;
         };
         let wrong = cover.covering(cell).map(|index| {
             let place = BlockedCell { code: Code::E0502, cell, span: target.span };
             on_obstacle(&place, &self.tray.obstacles[index], self.facts, nearest_cell(cell, self.facts, is_free))
         });
-        self.unless(wrong, Some(target))?;
-        self.remember(target, cell);
-        Some(ElectrodeArrayStop { cell, span: target.span })
-    }
-
-    /// Records where the cell of a stop was given, for findings that need the places of the parts.
-    fn remember(&mut self, target: &Argument, cell: ElectrodeCell) {
-        let Some(origin) = &target.origin else { return };
-        let known = self.origins.entry((target.span, cell)).or_insert_with(|| Some(origin.clone()));
-        if known.as_ref().is_some_and(|known| known.span != origin.span) {
-            *known = None;
-        }
-    }
-
-    /// Reports a fault, if there is one, with the place where the value was given.
-    fn unless(&mut self, wrong: Option<Diagnostic>, given: Option<&Argument>) -> Option<()> {
-        match wrong {
-            Some(diagnostic) => {
-                let diagnostic = match given {
-                    Some(argument) => errors::given_at(diagnostic, argument),
-                    None => diagnostic,
-                };
-                self.sink.push(diagnostic);
-                None
-            }
-            None => Some(()),
-        }
+        target.unless(wrong, self.sink)?;
+        Some(ElectrodeArrayStop { cell, span: target.span, origin: target.origin.clone() })
     }
 
     fn one_goal_each(&mut self, moves: &[(&Call, &ElectrodeArrayMove)]) {
@@ -264,7 +220,7 @@ impl BoardStepJudge<'_> {
             for part in [Some(found.part), found.with].into_iter().flatten() {
                 let earlier = busy.insert(part, call.span);
                 let wrong = earlier.map(|earlier| errors::two_goals(self.name(part), call.span, earlier));
-                self.unless(wrong, None);
+                self.sink.unless(wrong);
             }
         }
     }
@@ -286,11 +242,16 @@ impl BoardStepJudge<'_> {
             let free = nearest_cell(goal.cell, self.facts, |cell| {
                 cover.covering(cell).is_none() && spread.near(cell).is_none()
             });
-            let goals =
-                [(self.name(found.part), goal.cell, goal.span), (self.name(earlier.part), cell, earlier.goal().span)];
+            let goals = [
+                errors::PartPlace { name: self.name(found.part), cell: goal.cell, span: goal.span },
+                errors::PartPlace { name: self.name(earlier.part), cell, span: earlier.goal().span },
+            ];
             let wrong = errors::goals_too_near(goals, apart, free);
             let given = phrases(call, if found.with.is_some() { "at" } else { "to" }).next();
-            self.unless(Some(wrong), given);
+            self.sink.push(match given {
+                Some(given) => errors::given_at(wrong, given),
+                None => wrong,
+            });
         }
     }
 }

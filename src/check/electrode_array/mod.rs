@@ -11,8 +11,7 @@ mod tray;
 
 use crate::device::electrode_array::ElectrodeArrayFacts;
 pub use board::facts;
-pub use places::{CellOrigins, places_agree};
-pub use tray::BoardScene;
+pub use places::places_agree;
 
 /// Greatest default of the limit of expanded states.
 const MOST_BY_DEFAULT: u64 = 64_000_000;

@@ -1,11 +1,12 @@
 //! Whether the forces move a part of this device, and whether its steps are long enough.
 
-use super::board::{rounded_down, rounded_up, told};
+use super::board::{rounded_down, rounded_up};
 use super::forces::{Forces, RadiusTable};
 use super::motion::Glide;
 use crate::check::devices::CheckedDevice;
 use crate::check::errors;
 use crate::check::figures::Figures;
+use crate::check::labels::DeviceLabel;
 use crate::device::VocabularyField;
 use crate::device::electrode_array::{ElectrodeArrayFacts, Electrodes, VOCABULARY};
 use crate::diagnostic::Sink;
@@ -41,8 +42,8 @@ fn gap(device: &CheckedDevice, sink: &mut Sink) {
     let limits = [("least_pitch_ratio", least), ("most_pitch_ratio", most)];
     let Some((field, limit)) = limits.into_iter().find_map(|(field, limit)| Some((field, limit?))) else { return };
     let bounds = ["least_pitch_ratio", "most_pitch_ratio"].map(|name| si(device, name));
-    let labels = [("pitch_ratio", "out of the limits".to_owned()), (field, "the limit".to_owned())];
-    sink.push(told(device, errors::gap_out_of_limits(ratio, limit, bounds), &labels));
+    let labels = [DeviceLabel::field("pitch_ratio", "out of the limits"), DeviceLabel::field(field, "the limit")];
+    sink.push(device.labelled(errors::gap_out_of_limits(ratio, limit, bounds), labels));
 }
 
 /// The forces on a part of this device; `None` where it has no table of them, or none for its radius.
@@ -59,7 +60,8 @@ fn forces(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) 
         let range = table.radii_m();
         let nearest = length(radius_m.clamp(range[0], range[1]));
         let wrong = errors::radius_out_of_table(length(radius_m), range.map(length), nearest);
-        sink.push(told(device, wrong, &[("radius", "not in the table".into())]).label(table.span, "the table"));
+        let labels = [DeviceLabel::field("radius", "not in the table"), DeviceLabel::cell(table.span, "the table")];
+        sink.push(device.labelled(wrong, labels));
         return None;
     };
     let peak_at_m = radius_m * si(device, "peak_distance").unwrap_or(PEAK_AT_RADIUS);
@@ -98,15 +100,15 @@ fn potential(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &Chec
     let most_friction =
         forces.map(|forces| rounded_down(forces.balance_friction(potential_v) * 0.999)).filter(|_| least_v.is_none());
     let wrong = errors::potential_too_low(&asked, &radius, least.as_deref(), told_forces.as_ref(), most_friction);
-    let mut labels = vec![("potential", "too low".to_owned())];
+    let mut labels = vec![DeviceLabel::field("potential", "too low")];
     if measured_v.is_some() {
-        labels.push(("least_potential", "the least that moves a part".to_owned()));
+        labels.push(DeviceLabel::field("least_potential", "the least that moves a part"));
     } else if is_enough {
-        labels = vec![("friction", "holds the part".to_owned()), ("potential", "pulls it".to_owned())];
+        labels = vec![DeviceLabel::field("friction", "holds the part"), DeviceLabel::field("potential", "pulls it")];
     } else {
-        labels.push(("radius", "electrodes of this size".to_owned()));
+        labels.push(DeviceLabel::field("radius", "electrodes of this size"));
     }
-    sink.push(told(device, wrong, &labels));
+    sink.push(device.labelled(wrong, labels));
 }
 
 /// Whether a part comes to rest within a step.
@@ -126,22 +128,25 @@ fn step(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &CheckedDe
         Some(settling_s) => {
             let wrong = errors::step_too_short(&step.to_string(), &time(settling_s), &time(rounded_up(settling_s)));
             let why = if by == "settling" { "known to take this long" } else { "a part of these electrodes" };
-            let mut labels = vec![("step_duration", "too short".to_owned()), (by, why.to_owned())];
+            let mut labels = vec![DeviceLabel::field("step_duration", "too short"), DeviceLabel::field(by, why)];
             let is_own = |name: &&str| device.fields.get(name).is_some_and(|field| field.span.file == device.span.file);
             let own = ["potential", "viscosity", "damping", "density", "mass"].into_iter().filter(is_own);
-            labels.extend(own.filter(|_| by == "radius").map(|name| (name, "settling depends on this".to_owned())));
-            sink.push(told(device, wrong, &labels));
+            labels.extend(
+                own.filter(|_| by == "radius").map(|name| DeviceLabel::field(name, "settling depends on this")),
+            );
+            sink.push(device.labelled(wrong, labels));
         }
         None => {
             let drag = if device.fields.contains_key("damping") { "damping" } else { "viscosity" };
             let heft = if device.fields.contains_key("mass") { "mass" } else { "density" };
-            let labels = [(drag, "too little, or far too much".to_owned()), (heft, "against this".to_owned())];
-            sink.push(told(device, errors::never_settles(drag), &labels));
+            let labels =
+                [DeviceLabel::field(drag, "too little, or far too much"), DeviceLabel::field(heft, "against this")];
+            sink.push(device.labelled(errors::never_settles(drag), labels));
         }
     }
 }
 
-/// A part on its way; `None` after an error.
+/// A part in motion; `None` after an error.
 fn glide(facts: &ElectrodeArrayFacts, forces: &Forces, device: &CheckedDevice, sink: &mut Sink) -> Option<Glide> {
     if forces.net_n(facts.potential_v) <= 0.0 {
         return None;

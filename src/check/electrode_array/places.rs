@@ -6,7 +6,6 @@
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
 use super::tray::distance_to;
 use crate::check::errors;
-use crate::check::lets::ValueOrigin;
 use crate::claims::Job;
 use crate::claims::electrode_array::{
     BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle, ElectrodeArrayOrder,
@@ -19,13 +18,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Where the cell of a stop was given, if by a name; `None` if different names give it in several runs.
-pub type CellOrigins = BTreeMap<(Span, ElectrodeCell), Option<ValueOrigin>>;
-
 /// Where parts stand between the tasks of a schedule, as far as that is known before planning.
-pub fn places_agree(jobs: &[Job], origins: &CellOrigins, sink: &mut Sink) {
+pub fn places_agree(jobs: &[Job], sink: &mut Sink) {
     let mut boards: BTreeMap<&str, BoardWalk> = BTreeMap::new();
-    let mut walk = PartsWalk { origins, told: BTreeSet::new(), covers: BTreeMap::new() };
+    let mut walk = PartsWalk { told: BTreeSet::new(), covers: BTreeMap::new() };
     for job in jobs {
         let Some(order) = job.order.electrode_array() else { continue };
         let board = boards.entry(&job.device).or_insert_with(|| BoardWalk::of(order));
@@ -55,14 +51,13 @@ pub fn places_agree(jobs: &[Job], origins: &CellOrigins, sink: &mut Sink) {
 }
 
 /// State of the walk through the runs of a schedule.
-struct PartsWalk<'a> {
-    origins: &'a CellOrigins,
+struct PartsWalk {
     told: BTreeSet<Finding>,
     /// By the list of obstacles that is painted.
     covers: BTreeMap<*const Vec<ElectrodeArrayObstacle>, Rc<ObstacleCells>>,
 }
 
-impl PartsWalk<'_> {
+impl PartsWalk {
     fn cover(&mut self, order: &ElectrodeArrayOrder) -> Rc<ObstacleCells> {
         let painted = || Rc::new(ObstacleCells::of(&order.obstacles, &order.facts));
         Rc::clone(self.covers.entry(Arc::as_ptr(&order.obstacles)).or_insert_with(painted))
@@ -146,7 +141,7 @@ impl BoardWalk {
             let Some(obstacle) = cover.covering(cell).map(|index| &order.obstacles[index]) else { continue };
             if walk.told.insert((job.run_span, Some(cell))) {
                 let distance = distance_to(obstacle, cell, &order.facts);
-                let place = (part.name.as_str(), cell, since);
+                let place = errors::PartPlace { name: &part.name, cell, span: since };
                 let obstacle = (obstacle.name.as_str(), obstacle.span);
                 found.push(errors::obstacle_comes_near(job.run_span, place, obstacle, distance));
             }
@@ -166,7 +161,7 @@ impl BoardWalk {
         for step in moves {
             let stops = match order.bystanders {
                 Bystanders::Stay => step.stops.as_slice(),
-                // They make way, and are back when the step ends.
+                // They step aside, and are back when the step ends.
                 Bystanders::Yield => std::slice::from_ref(step.goal()),
             };
             let near = stops.iter().find_map(|stop| Some((stop, self.spread.near(stop.cell)?)));
@@ -174,8 +169,7 @@ impl BoardWalk {
                 && walk.told.insert((stop.span, Some(stop.cell)))
             {
                 let wrong = self.too_near((step, stop), other, (moves, order), &walk.cover(order));
-                let origin = walk.origins.get(&(stop.span, stop.cell)).and_then(Option::as_ref);
-                found.push(errors::given_from(wrong, stop.span, origin));
+                found.push(errors::given_from(wrong, stop.span, stop.origin.as_ref()));
             }
         }
         for step in moves {
@@ -221,8 +215,8 @@ impl BoardWalk {
                 && self.spread.near(cell).is_none()
                 && goals.clone().all(|goal| goal.apart(cell) >= apart)
         });
-        let moved = (self.parts[step.part].name.as_str(), stop.cell, stop.span);
-        let stays = (self.parts[other].name.as_str(), cell, since);
+        let moved = errors::PartPlace { name: &self.parts[step.part].name, cell: stop.cell, span: stop.span };
+        let stays = errors::PartPlace { name: &self.parts[other].name, cell, span: since };
         errors::near_standing_part(moved, stays, apart, free)
     }
 }

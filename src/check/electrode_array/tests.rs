@@ -164,7 +164,7 @@ fn published() -> Glide {
     }
 }
 
-/// Section 3.2 of the paper: a part of 35 um at 100 V has come to rest after 2.2 ms.
+/// Section 3.2 of the paper: a part of 35 um at 100 V is at rest after 2.2 ms.
 #[test]
 fn a_part_settles_as_published() {
     let settling_ms = published().settling_s().unwrap_or(0.0) * 1e3;

@@ -6,6 +6,7 @@ use crate::check::devices::CheckedDevice;
 use crate::check::fields::Accepted;
 use crate::check::figures::Figures;
 use crate::check::lets::Argument;
+use crate::check::objects::{ObjectNames, of_other_kind};
 use crate::check::scenes::{CheckedScene, SceneObject};
 use crate::check::tasks::TaskSite;
 use crate::check::value::{ShapeValue, Value, whole};
@@ -15,33 +16,26 @@ use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, MAX_OBS
 use crate::device::shape::ShapeForm;
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::source::{Span, Spanned};
-use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
 /// A scene as one device meets it.
-#[derive(Clone)]
 pub struct BoardScene {
     pub obstacles: Arc<Vec<ElectrodeArrayObstacle>>,
     pub parts: Arc<Vec<BoardPart>>,
-    /// Every part that the scene names, with its index if nothing is wrong with it.
-    pub names: Rc<BTreeMap<String, Option<usize>>>,
-    pub cover: Rc<ObstacleCells>,
+    pub names: ObjectNames,
+    pub cover: ObstacleCells,
     /// Whether none of its objects is impossible.
     pub is_whole: bool,
 }
 
 impl Checker<'_> {
     /// The scene of a task for its device, judged once.
-    pub fn tray(&mut self, site: &TaskSite, facts: &ElectrodeArrayFacts) -> BoardScene {
-        let Some((place, scene)) = &site.scene else { return judged(&[], &site.device, facts, self.sink) };
-        let key = (*place, site.place);
-        if let Some(known) = self.trays.get(&key) {
-            return known.clone();
-        }
-        let judged = judged_scene(scene, &site.device, facts, self.sink);
-        self.trays.insert(key, judged.clone());
-        judged
+    pub fn tray(&mut self, site: &TaskSite, facts: &ElectrodeArrayFacts) -> Rc<BoardScene> {
+        self.scene_met(site, |checker, scene| match scene {
+            Some(scene) => judged_scene(scene, &site.device, facts, checker.sink),
+            None => judged(&[], &site.device, facts, checker.sink),
+        })
     }
 }
 
@@ -72,17 +66,21 @@ fn judged(
 ) -> BoardScene {
     let before = sink.errors();
     let (mut obstacles, mut standing) = (Vec::new(), Vec::new());
-    let mut names = BTreeMap::new();
+    let mut names = ObjectNames::default();
     for object in objects {
         let mut reader = TrayReader { object, device, facts, sink };
         match object.noun.as_str() {
             "part" => {
                 let part = reader.part();
-                names.insert(object.name.clone(), part.as_ref().map(|_| standing.len()));
+                names.insert(&object.name, part.as_ref().map(|_| standing.len()));
                 standing.extend(part);
             }
-            "obstacle" => obstacles.extend(reader.obstacle()),
-            _ => reader.stranger(),
+            "obstacle" => {
+                let obstacle = reader.obstacle();
+                names.insert_obstacle(&object.name, object.span);
+                obstacles.extend(obstacle);
+            }
+            _ => sink.push(of_other_kind(object, &VOCABULARY)),
         }
     }
     let cover = ObstacleCells::of(&obstacles, facts);
@@ -90,8 +88,8 @@ fn judged(
     BoardScene {
         obstacles: Arc::new(obstacles),
         parts: Arc::new(standing.into_iter().map(|standing| standing.part).collect()),
-        names: Rc::new(names),
-        cover: Rc::new(cover),
+        names,
+        cover,
         is_whole: sink.errors() == before,
     }
 }
@@ -105,12 +103,6 @@ struct TrayReader<'a> {
 }
 
 impl TrayReader<'_> {
-    fn stranger(&mut self) {
-        let known: Vec<&str> = VOCABULARY.nouns.iter().map(|noun| noun.name).collect();
-        let object = self.object;
-        self.sink.push(errors::noun_of_other_kind(object.noun_span, &object.noun, VOCABULARY.name, &known));
-    }
-
     fn part(&mut self) -> Option<StandingPart> {
         let shape = self.object.shape.as_ref();
         let is_carried = shape.is_none_or(|shape| self.is_carried(shape));
@@ -210,7 +202,7 @@ impl TrayReader<'_> {
         Some(ElectrodeArrayObstacle { name: self.object.name.clone(), body, span: self.object.span })
     }
 
-    /// A block of electrodes, as far as it lies on the board.
+    /// A block of electrodes, clipped to the board.
     fn block(&mut self, fields: &Accepted) -> Option<ElectrodeArrayObstacleBody> {
         let corners = ["from", "to"].map(|name| fields.get(name));
         let [Some(from), Some(to)] = corners else { return None };
@@ -272,7 +264,10 @@ fn starts(
             let is_free = |cell| cover.covering(cell).is_none() && spread.near(cell).is_none();
             let free = nearest_cell(part.cell, facts, is_free);
             let other = &standing[other];
-            let places = [(part.name.as_str(), part.cell, at.span), (other.part.name.as_str(), cell, other.at.span)];
+            let places = [
+                errors::PartPlace { name: &part.name, cell: part.cell, span: at.span },
+                errors::PartPlace { name: &other.part.name, cell, span: other.at.span },
+            ];
             sink.push(errors::given_at(errors::starts_too_near(places, apart, free), at));
             continue;
         }

@@ -9,12 +9,18 @@ use crate::quantity::{Dimension, digits};
 use crate::source::Span;
 
 /// A part with a cell and where that stands in the source.
-type PartPlace<'a> = (&'a str, ElectrodeCell, Span);
+#[derive(Clone, Copy)]
+pub struct PartPlace<'a> {
+    pub name: &'a str,
+    pub cell: ElectrodeCell,
+    /// Where the program puts or sends it there.
+    pub span: Span,
+}
 
 pub fn radius_out_of_table(radius: String, [least, most]: [String; 2], nearest: String) -> Diagnostic {
     Diagnostic::new(
         Code::E0409,
-        format!("electrodes with a radius of {radius}, the forces are known from {least} to {most}"),
+        format!("electrodes have a radius of {radius}, but forces are known only from {least} to {most}"),
     )
     .help(format!("make `radius` {nearest}, or give the device a table of `forces` for its own electrodes"))
 }
@@ -84,8 +90,11 @@ pub fn potential_too_low(
 }
 
 pub fn step_too_short(step: &str, settling: &str, least: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0412, format!("a step of {step}, a part needs {settling} to come to rest on the next cell"))
-        .help(format!("make `step_duration` {least} or longer"))
+    Diagnostic::new(
+        Code::E0412,
+        format!("a step lasts {step}, but a part needs {settling} to come to rest on the next cell"),
+    )
+    .help(format!("make `step_duration` {least} or longer"))
 }
 
 pub fn never_settles(drag: &str) -> Diagnostic {
@@ -100,7 +109,11 @@ pub fn unknown_layout(found: &str) -> Diagnostic {
 }
 
 pub fn body_too_small(half: f64, least: f64) -> Diagnostic {
-    let title = format!("a half width of {} pitches, the electrodes of the part reach {}", digits(half), digits(least));
+    let title = format!(
+        "a half width of {} pitches is too small: the electrodes of the part reach {}",
+        digits(half),
+        digits(least)
+    );
     Diagnostic::new(Code::E0413, title)
         .help(format!("make `half_width` {} or more: the body holds its electrodes", digits(least)))
 }
@@ -119,13 +132,17 @@ pub fn parts_pulled(apart: u32, least: u32) -> Diagnostic {
 }
 
 pub fn obstacle_under_body(clearance: u32, half: f64, least: u32) -> Diagnostic {
-    let title = format!("a clearance of {clearance}, a part reaches {} pitches from its centre", digits(half));
+    let title =
+        format!("a clearance of {clearance} is too small: a part reaches {} pitches from its centre", digits(half));
     Diagnostic::new(Code::E0414, title).help(format!("make `clearance` {least} or more"))
 }
 
 pub fn board_too_small(columns: u32, rows: u32, least: u32) -> Diagnostic {
-    Diagnostic::new(Code::E0415, format!("a board of {columns} x {rows} electrodes, a part needs {least} x {least}"))
-        .help(format!("make `columns` and `rows` {least} or more"))
+    Diagnostic::new(
+        Code::E0415,
+        format!("a board has {columns} x {rows} electrodes, but a part needs {least} x {least}"),
+    )
+    .help(format!("make `columns` and `rows` {least} or more"))
 }
 
 pub fn published_separation() -> Diagnostic {
@@ -164,7 +181,7 @@ pub fn stands_nowhere(span: Span, noun: &str, name: &str) -> Diagnostic {
 }
 
 pub fn no_cell(span: Span, found: &Value) -> Diagnostic {
-    Diagnostic::new(Code::E0515, format!("a whole cell belongs here, this is {}", written(found)))
+    Diagnostic::new(Code::E0515, format!("expected a whole cell, found {}", written(found)))
         .label(span, if is_cell(found) { "no electrode".to_owned() } else { found.describe() })
         .help("write `(5, 3)`: the column and the row of an electrode, whole numbers from 1")
 }
@@ -200,8 +217,7 @@ pub fn off_board(
     };
     let near = |at: i64, first: u32, last: u32| at.clamp(first.into(), last.into());
     let [column, row] = pair;
-    let title =
-        format!("{noun} `{name}` at ({column}, {row}) lies off the board, which is (1, 1) to ({columns}, {rows})");
+    let title = format!("{noun} `{name}` at ({column}, {row}) is off the board, (1, 1) to ({columns}, {rows})");
     Diagnostic::new(Code::E0515, title).label(span, format!("`{device}` has {columns} columns and {rows} rows")).help(
         format!(
             "the nearest {what} is ({}, {})",
@@ -256,7 +272,7 @@ pub fn near_obstacle(
 ) -> Diagnostic {
     let title = match distance {
         0 => format!("cell {cell} lies on obstacle `{name}`"),
-        distance => format!("cell {cell} lies {distance} electrodes from obstacle `{name}`, {apart} are needed"),
+        distance => format!("cell {cell} lies {distance} electrodes from obstacle `{name}`; {apart} are needed"),
     };
     Diagnostic::new(code, title.replace(" 1 electrodes", " 1 electrode"))
         .label(span, if distance == 0 { "covered" } else { "too near" })
@@ -271,7 +287,7 @@ pub fn part_of_other_layout(
     carried: (Span, (String, String)),
 ) -> Diagnostic {
     let text = |(electrodes, half): &(String, String)| format!("{electrodes} electrodes and a half width of {half}");
-    let title = format!("`{name}` has {}, the device carries {}", text(&found.1), text(&carried.1));
+    let title = format!("`{name}` has {}, but the device carries {}", text(&found.1), text(&carried.1));
     Diagnostic::new(Code::E0521, title)
         .label(found.0, "another layout")
         .label(carried.0, "what the device carries")
@@ -279,14 +295,13 @@ pub fn part_of_other_layout(
 }
 
 /// The part that stands too near, then the one that was there before.
-pub fn starts_too_near(
-    [(name, cell, span), (other, at, other_span)]: [PartPlace; 2],
-    apart: u32,
-    free: Option<ElectrodeCell>,
-) -> Diagnostic {
+pub fn starts_too_near(parts: [PartPlace; 2], apart: u32, free: Option<ElectrodeCell>) -> Diagnostic {
+    let [PartPlace { name, cell, span }, PartPlace { name: other, cell: at, span: other_span }] = parts;
     let title = match cell.apart(at) {
         0 => format!("parts `{other}` and `{name}` start on one cell"),
-        distance => format!("parts `{other}` and `{name}` start {}, {apart} are needed", electrodes(distance)),
+        distance => {
+            format!("parts `{other}` and `{name}` start {}; the least distance is {apart}", electrodes(distance))
+        }
     };
     Diagnostic::new(Code::E0523, title)
         .label(span, format!("`{name}` starts here"))
@@ -299,14 +314,13 @@ fn electrodes(distance: u32) -> String {
 }
 
 /// The goal that is too near, then the one that was given before.
-pub fn goals_too_near(
-    [(name, cell, span), (other, at, other_span)]: [PartPlace; 2],
-    apart: u32,
-    free: Option<ElectrodeCell>,
-) -> Diagnostic {
+pub fn goals_too_near(goals: [PartPlace; 2], apart: u32, free: Option<ElectrodeCell>) -> Diagnostic {
+    let [PartPlace { name, cell, span }, PartPlace { name: other, cell: at, span: other_span }] = goals;
     let title = match cell.apart(at) {
         0 => format!("parts `{other}` and `{name}` have one goal"),
-        distance => format!("the goals of `{other}` and `{name}` are {}, {apart} are needed", electrodes(distance)),
+        distance => {
+            format!("the goals of `{other}` and `{name}` are {}; the least distance is {apart}", electrodes(distance))
+        }
     };
     Diagnostic::new(Code::E0524, title)
         .label(span, format!("goal of `{name}`"))
@@ -314,23 +328,20 @@ pub fn goals_too_near(
         .help_if(nearest(free, &format!("that is free for `{name}`")))
 }
 
-pub fn near_standing_part(
-    (name, cell, span): PartPlace,
-    (other, at, since): PartPlace,
-    apart: u32,
-    free: Option<ElectrodeCell>,
-) -> Diagnostic {
+pub fn near_standing_part(moved: PartPlace, stays: PartPlace, apart: u32, free: Option<ElectrodeCell>) -> Diagnostic {
+    let PartPlace { name, cell, span } = moved;
+    let PartPlace { name: other, cell: at, span: since } = stays;
     let title = match cell.apart(at) {
-        0 => format!("`{name}` is sent to {cell}, where `{other}` stands"),
+        0 => format!("`{name}` is sent to {cell}, where `{other}` is"),
         distance => {
-            let distance = electrodes(distance).replace(" apart", " away");
-            format!("`{name}` is sent to {cell}, `{other}` stands {distance} at {at}, {apart} are needed")
+            let distance = electrodes(distance).replace(" apart", "");
+            format!("`{name}` is sent to {cell}, {distance} from `{other}` at {at}; the least distance is {apart}")
         }
     };
     let aside = format!("send `{other}` away before, or in the same `together`");
     Diagnostic::new(Code::E0524, title)
         .label(span, if cell == at { "taken" } else { "too near" })
-        .label_elsewhere(since, span, format!("`{other}` stands at {at} by then"))
+        .label_elsewhere(since, span, format!("`{other}` is at {at} by then"))
         .help(nearest(free, "that is free").map(|free| format!("{free}; or {aside}")).unwrap_or(aside))
 }
 
@@ -363,7 +374,7 @@ pub fn merges_with_itself(span: Span, name: &str) -> Diagnostic {
 /// `hold` is the field with which the device turns holding off.
 pub fn merges_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
     let diagnostic =
-        Diagnostic::new(Code::E0529, "droplets merge on a device that holds them, this one has `hold: false`")
+        Diagnostic::new(Code::E0529, "droplets merge only on a device that holds them, but this one has `hold: false`")
             .label(span, "the first to arrive would not be held for the second");
     let diagnostic = match hold {
         Some(hold) => diagnostic.label(hold, "electrodes are on only to move a droplet"),
@@ -375,20 +386,23 @@ pub fn merges_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
 /// A part that stands where the scene of a later run has an obstacle, since the goal that brought it there.
 pub fn obstacle_comes_near(
     run: Span,
-    (name, cell, since): PartPlace,
+    part: PartPlace,
     (obstacle, at): (&str, Span),
     (distance, apart): (u32, u32),
 ) -> Diagnostic {
+    let PartPlace { name, cell, span: since } = part;
     let title = match distance {
-        0 => format!("`{name}` stands at {cell} by then, on obstacle `{obstacle}` of this run's scene"),
+        0 => format!("`{name}` is at {cell} by then, on obstacle `{obstacle}` of this run's scene"),
         distance => {
             let distance = electrodes(distance).replace(" apart", "");
-            format!("`{name}` stands at {cell} by then, {distance} from obstacle `{obstacle}`, {apart} are needed")
+            format!(
+                "`{name}` is at {cell} by then, {distance} from obstacle `{obstacle}`; the least distance is {apart}"
+            )
         }
     };
     Diagnostic::new(Code::E0530, title)
         .label(run, "begins with another scene than the run before")
-        .label(since, format!("`{name}` stands at {cell} since this"))
+        .label(since, format!("`{name}` is at {cell} since this"))
         .label(at, "the obstacle")
         .help(format!("send `{name}` away before this run, or give the tasks of the device one scene"))
 }

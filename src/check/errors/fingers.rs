@@ -51,7 +51,7 @@ fn rounded_down(value: f64) -> f64 {
 }
 
 pub fn hand_figure(name: &str, device: &str, found: &str, limit: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0403, format!("`{name}` of device `{device}` is {found}, it must be {limit}"))
+    Diagnostic::new(Code::E0403, format!("`{name}` of device `{device}` is {found}, but must be {limit}"))
         .help("check its unit")
 }
 
@@ -63,8 +63,11 @@ pub fn precision_too_large(span: Span, found: Quantity, most_rad: f64) -> Diagno
 
 pub fn gaiting_cost_not_whole(found: Quantity, most_deg: f64) -> Diagnostic {
     let nearest = found.si.to_degrees().round().clamp(1.0, most_deg);
-    Diagnostic::new(Code::E0403, format!("`gaiting_cost` of {found}, it is a whole number of degrees, 1 to {most_deg}"))
-        .help(format!("write `{nearest} deg`"))
+    Diagnostic::new(
+        Code::E0403,
+        format!("`gaiting_cost` is {found}, but must be a whole number of degrees from 1 to {most_deg}"),
+    )
+    .help(format!("write `{nearest} deg`"))
 }
 
 pub fn step_divides_no_turn(step: Quantity) -> Diagnostic {
@@ -73,7 +76,7 @@ pub fn step_divides_no_turn(step: Quantity) -> Diagnostic {
     let below = divisors.iter().rev().find(|divisor| f64::from(**divisor) < deg);
     let above = divisors.iter().find(|divisor| f64::from(**divisor) > deg);
     let nearest: Vec<String> = [below, above].into_iter().flatten().map(|divisor| format!("`{divisor} deg`")).collect();
-    Diagnostic::new(Code::E0425, format!("a rotation step of {step}, which does not divide 360 deg"))
+    Diagnostic::new(Code::E0425, format!("a rotation step of {step} does not divide 360 deg"))
         .help(format!("the nearest that do are {}", nearest.join(" and ")))
 }
 
@@ -84,13 +87,13 @@ pub fn step_out_of_limits(step: Quantity, steps: f64, [least, most]: [u32; 2]) -
 }
 
 pub fn no_angle(span: Span, found: &Value) -> Diagnostic {
-    Diagnostic::new(Code::E0307, format!("`euler` wants three angles, this is {}", found.describe_fully()))
+    Diagnostic::new(Code::E0307, format!("`euler` needs three angles, but this is {}", found.describe_fully()))
         .label(span, found.describe())
         .help("write `euler(80 deg, 220 deg, 100 deg)`: turns about z, y and z, each about the part's own axis")
 }
 
 pub fn no_unit_quaternion(span: Span, numbers: [f64; 4], norm: f64) -> Diagnostic {
-    let title = format!("a quaternion of length {}, an orientation has one of length 1", digits(norm));
+    let title = format!("a quaternion of length {}; an orientation has length 1", digits(norm));
     let diagnostic = Diagnostic::new(Code::E0307, title).label(span, "no orientation");
     if norm == 0.0 || !norm.is_finite() {
         return diagnostic.help("write w, x, y and z: `quaternion(1, 0, 0, 0)` turns nothing");
@@ -107,7 +110,7 @@ pub fn angle_name_taken(span: Span, earlier: Span) -> Diagnostic {
 }
 
 pub fn mesh_file_not_plain(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0553, "the name of a file of triangles stands in quotes, where the mesh is declared")
+    Diagnostic::new(Code::E0553, "the name of a mesh file must be a string in quotes in the mesh's own declaration")
         .label(span, "not such a name")
         .help("write the name itself, in a `let` or in a scene: `mesh { file: \"bead.stl\", unit: 1 um }`")
 }
@@ -120,13 +123,13 @@ pub fn bad_mesh(span: Span, path: &str, why: &str) -> Diagnostic {
 }
 
 pub fn part_without_shape(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0514, format!("part `{name}` has no shape, and fingers need one to hold"))
+    Diagnostic::new(Code::E0514, format!("part `{name}` has no shape for the fingers to hold"))
         .label(span, "without a shape")
         .help(format!("write `part {name} : ellipsoid {{ axes: (16 um, 12 um, 12 um) }}`"))
 }
 
 pub fn part_place(span: Span, found: &Value) -> Diagnostic {
-    Diagnostic::new(Code::E0515, format!("a part stands at a place in space, this is {}", found.describe_fully()))
+    Diagnostic::new(Code::E0515, format!("a part must be at a point in space, but this is {}", found.describe_fully()))
         .label(span, found.describe())
         .help("write `at (0 um, 0 um, 5 um)`, or leave it out for the hand's origin; its axes are along the hand's at first")
 }
@@ -135,7 +138,7 @@ pub fn part_place(span: Span, found: &Value) -> Diagnostic {
 pub fn tip_too_large(span: Span, at: &Tipped, radius_um: f64, device: Span) -> Diagnostic {
     let (least, name) = (length(radius_um), at.part);
     let title = format!(
-        "a tip of radius {} does not reach into `{name}`, which is hollow with a radius of {least}",
+        "a tip of radius {} does not fit into the hollow of `{name}`, of radius {least}",
         length(at.tip_radius_um)
     );
     Diagnostic::new(Code::E0540, title)
@@ -164,21 +167,18 @@ impl Tipped<'_> {
 }
 
 pub fn too_many_contacts(span: Span, name: &str, plane: Plane, found: f64, most: u32) -> Diagnostic {
-    let title = format!(
-        "`{name}` has {} contacts in the plane {}, at most {most} are planned with",
-        digits(found.round()),
-        plane.name()
-    );
+    let title =
+        format!("`{name}` has {} contacts in the plane {}; the limit is {most}", digits(found.round()), plane.name());
     Diagnostic::new(Code::E0541, title)
         .label(span, "too large for these tips and this step")
         .help("make `step` larger, or the tips: there are (360 deg + perimeter / tip radius) / step contacts")
 }
 
-/// A load makes grasps differ from angle to angle, so that there are more of them than are looked at.
+/// A load makes grasps differ from angle to angle, so that there are more of them than the planner considers.
 pub fn too_many_grasps(span: Span, name: &str, [contacts, angles]: [usize; 2], steps: u32) -> Diagnostic {
     let grasps = contacts.pow(3) * angles;
     let title = format!(
-        "{contacts} contacts of `{name}` at {angles} angles make {grasps} grasps of three, at most {MAX_GRASPS} are looked at"
+        "{contacts} contacts of `{name}` at {angles} angles make {grasps} grasps of three; the limit is {MAX_GRASPS}"
     );
     // Contacts and angles both grow with the steps of a turn.
     let per_step = contacts as f64 / f64::from(steps);
@@ -220,10 +220,23 @@ pub fn solid_reaches_out(span: Span, name: &str, reach_um: f64, most_um: f64) ->
         .help("round its corners, or use larger tips: they travel as far outside its sections as lets one pass another")
 }
 
-pub fn part_out_of_range(span: Span, name: &str, (axis, needed_um, range_um): (usize, f64, f64)) -> Diagnostic {
+/// A stage axis that does not reach around a part.
+pub struct ShortStage {
+    /// 0 to 2 for x to z.
+    pub axis: usize,
+    /// From the hand's origin.
+    pub needed_um: f64,
+    pub range_um: f64,
+}
+
+pub fn part_out_of_range(span: Span, name: &str, stage: &ShortStage) -> Diagnostic {
+    let ShortStage { axis, needed_um, range_um } = *stage;
     let axis = crate::device::fingers::AXES[axis];
-    let title =
-        format!("tips round `{name}` go to {} along {axis}, the stages reach {}", length(needed_um), length(range_um));
+    let title = format!(
+        "tips around `{name}` must go to {} along {axis}, but the stages reach {}",
+        length(needed_um),
+        length(range_um)
+    );
     Diagnostic::new(Code::E0550, title).label(span, "out of range").help(format!(
         "stay nearer to the hand's origin, or give `range` at least {} there",
         length(rounded_up(needed_um))
@@ -231,7 +244,7 @@ pub fn part_out_of_range(span: Span, name: &str, (axis, needed_um, range_um): (u
 }
 
 pub fn two_parts(first: (&str, Span), second: (&str, Span)) -> Diagnostic {
-    Diagnostic::new(Code::E0551, format!("a task turns one part, this one names `{}` and `{}`", first.0, second.0))
+    Diagnostic::new(Code::E0551, format!("a task turns one part, but this one names `{}` and `{}`", first.0, second.0))
         .label(second.1, format!("`{}` here", second.0))
         .label(first.1, format!("`{}` here", first.0))
         .help("write a task for each part, for two hands: one hand turns one part in a program")
@@ -274,11 +287,11 @@ pub fn no_whole_steps(
         .label(span, format!("no whole number of steps within {}", angle(precision_rad)))
         .help(match step_deg {
             Some(step_deg) => format!(
-                "write `step: {}` in the device, which makes this task's turns whole steps; or one of these angles",
+                "write `step: {}` in the device, so that this task's turns are whole steps; or use one of these angles",
                 step_text(step_deg)
             ),
             None => format!(
-                "write one of these angles, or `precision: {} deg` among the settings, which ends that far off",
+                "write one of these angles, or `precision: {} deg` among the settings to accept that error",
                 digits(rounded_up(off_deg))
             ),
         })
@@ -322,15 +335,15 @@ pub fn orientation_missed(
         ),
     };
     let title = format!(
-        "whole steps come no nearer to this {what} than {}, the precision is {}",
+        "whole steps come no nearer to this {what} than {}, but the precision is {}",
         angle(off_rad),
         angle(precision_rad)
     );
     let precision = digits(rounded_up(off_rad.to_degrees()));
     Diagnostic::new(Code::E0545, title).label(span, "not reached").help(match step_deg {
-        Some(step_deg) => format!("write `step: {}` in the device, which reaches it", step_text(step_deg)),
+        Some(step_deg) => format!("write `step: {}` in the device to reach it", step_text(step_deg)),
         None => {
-            format!("take {mend}; or write `precision: {precision} deg` among the settings, which ends that far off")
+            format!("take {mend}; or write `precision: {precision} deg` among the settings to accept that error")
         }
     })
 }
@@ -390,7 +403,7 @@ pub fn nothing_held(span: Span, what: &str, released: Option<Span>) -> Diagnosti
 /// A part that goes with the last finger.
 pub fn sticks(span: Span, needed_un: f64, support_un: f64, (pull_off_un, safety): (f64, f64)) -> Diagnostic {
     let title = format!(
-        "the part would stick to the last finger: {} hold it down, {} are needed",
+        "the part would stick to the last finger: {} hold it down; {} are needed",
         force(support_un),
         force(needed_un)
     );

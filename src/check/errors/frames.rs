@@ -6,7 +6,7 @@ use crate::quantity::digits;
 use crate::source::Span;
 
 pub fn frame_with_shape(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0560, "a frame has no shape, but for that of an image")
+    Diagnostic::new(Code::E0560, "a frame has no shape, except for an image")
         .label(span, "does not belong here")
         .help(
             "a device is put by its name, `frame left at pose(8 um, 3 um, 90 deg)`, and what a camera shows by a name of its own, \
@@ -22,12 +22,12 @@ pub fn frame_too_far(span: Span, limit: &str) -> Diagnostic {
 
 pub fn frame_turned_too_far(span: Span, most_deg: f64) -> Diagnostic {
     Diagnostic::new(Code::E0560, format!("a frame with a heading of more than {} deg", digits(most_deg)))
-        .label(span, "so many turns cannot be told apart")
+        .label(span, "too many turns to be exact")
         .help("write a heading between -180 deg and 180 deg")
 }
 
 pub fn image_in_itself(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0560, "an image is put by lengths, this is in its own pixels")
+    Diagnostic::new(Code::E0560, "an image is placed by lengths, but this is in its own pixels")
         .label(span, "in pixels")
         .help("say where in the scene one pixel lies: `image { scale: 0.32 um/px, origin: (640 px, 512 px) } at (6 um, 4 um)`")
 }
@@ -48,25 +48,25 @@ pub fn two_images(second: Span, first: Span) -> Diagnostic {
 }
 
 pub fn no_image(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0570, "a place in pixels, and no image that it is read off")
+    Diagnostic::new(Code::E0570, "a place in pixels, but the scene has no image")
         .label(span, "in pixels of what?")
         .help("put an image into the scene of the task: `frame top : image { scale: 0.32 um/px } at (0 um, 0 um)`")
 }
 
 pub fn pixels_in_shifted_shape(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0570, "a shape in pixels of the image that is put somewhere else by its `at`")
-        .label(span, "says already where it is")
+        .label(span, "already placed here")
         .help("leave `at` out, or give the points in lengths from the origin of the shape")
 }
 
 pub fn frame_of_other_kind(span: Span, device: &str, kind: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0561, format!("`{device}` is {}, which has no frame in a scene yet", with_article(kind)))
+    Diagnostic::new(Code::E0561, format!("`{device}` is {}, and that kind takes no frame in a scene", with_article(kind)))
         .label(span, "not a DiMiBot")
         .help("take the frame out: only DiMiBots have a place in a scene; the scene of any other device is in its own coordinates")
 }
 
 pub fn cell_beside_frame(span: Span, object: &str, device: &str, frame: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0562, format!("obstacle `{object}` stands on cells, in a scene that places `{device}`"))
+    Diagnostic::new(Code::E0562, format!("obstacle `{object}` is placed by cells in a scene that places `{device}`"))
         .label(span, "cells are those of one robot, each robot has its own")
         .label_elsewhere(frame, span, "placed here")
         .help("give the obstacle a place and a shape: `box { size: (2 um, 1 um) } at (4 um, 2.5 um)`, from the origin of the scene")
@@ -80,7 +80,7 @@ pub fn device_at_two_places(device: &str, second: Span, first: Span) -> Diagnost
 }
 
 pub fn not_held([one, other]: [&str; 2], [first, second]: [Span; 2]) -> Diagnostic {
-    let title = format!("`{one}` and `{other}` run together in one scene, but are not held against each other");
+    let title = format!("`{one}` and `{other}` run together in one scene, but are not checked against each other");
     Diagnostic::new(Code::W0510, title)
         .label(second, "runs at the same time")
         .label_elsewhere(first, second, "as this one")

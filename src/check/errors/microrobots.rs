@@ -52,11 +52,7 @@ fn six_digits(value: f64) -> f64 {
 }
 
 pub fn too_many_cycles(fine: &str, cycles: f64, most: f64) -> Diagnostic {
-    let title = format!(
-        "a fine motion of {fine} has {} cycles, at most {} are planned with",
-        digits(cycles.ceil()),
-        digits(most)
-    );
+    let title = format!("a fine motion of {fine} has {} cycles; the limit is {}", digits(cycles.ceil()), digits(most));
     Diagnostic::new(Code::E0423, title).help("make `fine_length` shorter, or `fine_cycle` longer")
 }
 
@@ -78,7 +74,7 @@ pub fn robot_twice(name: &str) -> Diagnostic {
 }
 
 pub fn stroke_out_of_clock(frequency: Quantity) -> Diagnostic {
-    let title = format!("a stroke at {frequency} does not fit the clock, which counts whole nanoseconds");
+    let title = format!("a stroke at {frequency} does not fit the clock of whole nanoseconds");
     Diagnostic::new(Code::E0404, title).help("make `drive_frequency` 500 MHz or less, and 10 uHz or more")
 }
 
@@ -86,7 +82,7 @@ pub fn beyond_extent(name: &str, found: Quantity, least_um: f64, most_um: f64) -
     let (least, most, unit) = (length(least_um), length(most_um), if name == "speed" { " per stroke" } else { "" });
     let limit =
         if least_um > 0.0 { format!("between {least} and {most}{unit}") } else { format!("at most {most}{unit}") };
-    Diagnostic::new(Code::E0403, format!("`{name}` is {found}, it must be {limit}")).help("check its unit")
+    Diagnostic::new(Code::E0403, format!("`{name}` is {found}, but must be {limit}")).help("check its unit")
 }
 
 pub fn beyond_figure(name: &str, found: Quantity, most: Quantity) -> Diagnostic {
@@ -246,13 +242,13 @@ pub fn more_faults(code: Code, count: usize) -> Diagnostic {
     Diagnostic::new(code, format!("{count} more faults of this table")).help("mend the others first")
 }
 
-/// The change of one voltage that mends a table.
+/// The change of one voltage that fixes a table.
 pub fn voltage_mend(column: &str, name: &str, [now_v, to_v]: [f64; 2]) -> String {
     let verb = if to_v > now_v { "raise" } else { "lower" };
     format!("{verb} `{column}` of `{name}` from {} to {}", volts(now_v), volts(to_v))
 }
 
-/// The change of a level of the device that mends a table.
+/// The change of a level of the device that fixes a table.
 pub fn level_mend(field: &str, [now_v, to_v]: [f64; 2]) -> String {
     format!("{} `{field}` to {}", if to_v > now_v { "raise" } else { "lower" }, volts(to_v))
 }
@@ -318,15 +314,18 @@ pub fn no_heading(span: Span, name: &str, found: &Value) -> Diagnostic {
         }
         _ => "write `pose(0 um, 0 um, 90 deg)`: place and heading, 0 deg faces +x, 90 deg faces +y".to_owned(),
     };
-    Diagnostic::new(Code::E0533, format!("robot `{name}` needs a heading, this is {}", found.describe()))
-        .label(span, "where does it face?")
-        .help(help)
+    Diagnostic::new(
+        Code::E0533,
+        format!("robot `{name}` needs a pose with a heading, but this is {}", found.describe()),
+    )
+    .label(span, "where does it face?")
+    .help(help)
 }
 
 pub fn obstacle_without_place(span: Span, found: &Value) -> Diagnostic {
     Diagnostic::new(
         Code::E0515,
-        format!("an obstacle of a bed stands at a place or a pose, this is {}", found.describe()),
+        format!("an obstacle of a bed needs a place or a pose, but this is {}", found.describe()),
     )
     .label(span, found.describe())
     .help("write `at (900 um, 2.5 mm)`, or `at pose(900 um, 2.5 mm, 30 deg)` for a turned shape")
@@ -416,7 +415,7 @@ pub fn inaccessible_state(span: Span, asked: &str, device: &str, states: &[(usiz
 
 pub fn unknown_state(span: Span, asked: &str, device: &str, states: &[(usize, String)]) -> Diagnostic {
     let last = states.len().saturating_sub(1);
-    Diagnostic::new(Code::E0531, format!("control state {asked} of `{device}`, its states are 0 to {last}"))
+    Diagnostic::new(Code::E0531, format!("`{device}` has no control state {asked}: its states are 0 to {last}"))
         .label(span, "no such state")
         .help(format!("they are {}, one digit for each row of the table", few_states(states)))
 }
@@ -548,8 +547,10 @@ pub fn not_head_on(
 
 pub fn docked_askew(goal: &GoalPlace, met: &GoalPlace, (angle_rad, most_rad): (f64, f64)) -> Diagnostic {
     let (found, most) = (angle(angle_rad), angle(most_rad));
-    let title =
-        format!("`{}` meets `{}` at {found} from its edge's normal, it sticks up to {most}", goal.robot, met.robot);
+    let title = format!(
+        "`{}` meets `{}` at {found} from its edge's normal, but sticks only up to {most}",
+        goal.robot, met.robot
+    );
     Diagnostic::new(Code::E0537, title)
         .label(goal.span, goal.label())
         .label_elsewhere(met.span, goal.span, met.label())
@@ -558,7 +559,7 @@ pub fn docked_askew(goal: &GoalPlace, met: &GoalPlace, (angle_rad, most_rad): (f
 
 /// `asked` is the participle of the verb: `driven`, `assembled`.
 pub fn docked_before(name: &str, (span, asked): (Span, &str), since: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0539, format!("`{name}` has docked by then, and does not move any more"))
+    Diagnostic::new(Code::E0539, format!("`{name}` has docked by then and can no longer move"))
         .label(span, format!("{asked} here"))
         .label_elsewhere(since, span, "docked here")
         .help("drive it before it is assembled, or assemble it once")

@@ -99,7 +99,7 @@ pub fn braces_in_use(span: Span) -> Diagnostic {
 
 pub fn file_without_name(span: Span, path: &str, stem: &str) -> Diagnostic {
     let name: String = stem.chars().map(|c| if c.is_alphanumeric() || c == '_' { c } else { '_' }).collect();
-    Diagnostic::new(Code::E0110, format!("`{stem}` cannot be a name, and the file has no other"))
+    Diagnostic::new(Code::E0110, format!("`{stem}` cannot be a name, and the `use` gives it no other"))
         .label(span, "what is it called here?")
         .help(format!("give it a name: `use \"{path}\" as my_{name}`"))
 }

@@ -1,15 +1,16 @@
 //! Scenes, tasks and programs: E05xx.
 
 use super::{listed, meant, with_article};
-use crate::check::lets::{Argument, ValueOrigin};
+use crate::check::lets::Argument;
 use crate::check::value::Value;
+use crate::claims::ValueOrigin;
 use crate::device::{Verb, Vocabulary, VocabularyPhrase};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use crate::syntax::tree::Ident;
 
 pub fn outside_workspace(span: Span, what: &str, extent: &str, help: String) -> Diagnostic {
-    Diagnostic::new(Code::E0501, format!("{what} lies outside the workspace, which is {extent}"))
+    Diagnostic::new(Code::E0501, format!("{what} is outside the workspace, {extent}"))
         .label(span, "cannot be reached")
         .help(help)
 }
@@ -42,7 +43,7 @@ pub fn given_from(diagnostic: Diagnostic, labelled: Span, origin: Option<&ValueO
 }
 
 pub fn off_lattice(span: Span, off: &str, precision: &str, help: String) -> Diagnostic {
-    Diagnostic::new(Code::E0503, format!("the nearest cell is {off} away, the precision allows {precision}"))
+    Diagnostic::new(Code::E0503, format!("the nearest cell is {off} away, but the precision is {precision}"))
         .label(span, "off the lattice")
         .help(help)
 }
@@ -218,7 +219,7 @@ pub fn task_needs_arguments(span: Span, name: &str) -> Diagnostic {
 }
 
 pub fn shape_wanted(span: Span, found: &Value) -> Diagnostic {
-    Diagnostic::new(Code::E0304, format!("a shape belongs here, this is {}", found.describe_fully()))
+    Diagnostic::new(Code::E0304, format!("expected a shape, found {}", found.describe_fully()))
         .label(span, found.describe())
         .help(if matches!(found, Value::Point(_)) {
             "write `at` instead of `:` before a place"
@@ -238,7 +239,7 @@ pub fn shape_too_large(span: Span, limit: &str) -> Diagnostic {
 }
 
 pub fn wrong_place(span: Span, found: &Value, wanted: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0515, format!("`at` wants {wanted}, this is {}", found.describe_fully()))
+    Diagnostic::new(Code::E0515, format!("`at` needs {wanted}, but this is {}", found.describe_fully()))
         .label(span, found.describe())
         .help("write `at (12, 7)` for a cell, `at (4 um, 2.5 um)` for a place, `at pose(8 um, 3 um, 30 deg)` for a turned shape")
 }
@@ -303,7 +304,7 @@ pub fn bad_together_in_task(span: Span) -> Diagnostic {
 }
 
 pub fn not_together(word: &Ident) -> Diagnostic {
-    Diagnostic::new(Code::E0518, format!("`{}` is no goal, and `together` takes goals only", word.text))
+    Diagnostic::new(Code::E0518, format!("`{}` is not a goal; `together` takes only goals", word.text))
         .label(word.span, "not in this block")
         .help("write it before or after the `together`")
 }

@@ -29,7 +29,7 @@ impl WantedName {
 }
 
 pub fn wrong_dimension(wanted: &WantedName, dimension: Dimension, span: Span, found: &Value) -> Diagnostic {
-    let title = format!("{} wants {}, this is {}", wanted.name, dimension.with_article(), found.describe_fully());
+    let title = format!("{} must be {}, but this is {}", wanted.name, dimension.with_article(), found.describe_fully());
     let diagnostic = Diagnostic::new(Code::E0301, title).label(span, found.describe());
     wanted.declared_on(diagnostic).help(dimension_help(wanted, dimension, found))
 }
@@ -50,7 +50,7 @@ fn dimension_help(wanted: &WantedName, dimension: Dimension, found: &Value) -> S
 fn example(dimension: Dimension, found: &Value) -> String {
     const PLAIN: std::ops::RangeInclusive<f64> = 0.001..=100_000.0;
     let unit = dimension.example_unit();
-    // A length where a length per pixel is asked for keeps its value, as `0.02 um` in `0.02 um/px`.
+    // A length given for a length per pixel keeps its value, as `0.02 um` in `0.02 um/px`.
     let numerator = unit.split_once('/').map_or("", |(numerator, _)| numerator);
     let is_numerator = |quantity: &Quantity| Unit::parse(numerator).is_ok_and(|of| of.dimension == quantity.dimension);
     let written = match found {
@@ -63,7 +63,7 @@ fn example(dimension: Dimension, found: &Value) -> String {
 }
 
 pub fn wrong_value(wanted: &WantedName, what: &str, example: &str, span: Span, found: &Value) -> Diagnostic {
-    let title = format!("{} wants {what}, this is {}", wanted.name, found.describe_fully());
+    let title = format!("{} must be {what}, but this is {}", wanted.name, found.describe_fully());
     let diagnostic = Diagnostic::new(Code::E0304, title).label(span, found.describe());
     wanted.declared_on(diagnostic).help(format!("write {what}, as `{example}`"))
 }
@@ -77,7 +77,7 @@ pub fn wrong_word(
 ) -> Diagnostic {
     let words: Vec<&str> = choices.iter().map(|choice| choice.name).collect();
     let found = if found.is_empty() { "no word".to_owned() } else { format!("`{found}`") };
-    let title = format!("{} wants {}, this is {found}", wanted.name, either(&words));
+    let title = format!("{} must be {}, but this is {found}", wanted.name, either(&words));
     let list = choices.iter().map(|choice| format!("`{}` is {}", choice.name, choice.doc)).collect::<Vec<_>>();
     let diagnostic = Diagnostic::new(Code::E0311, title);
     wanted.declared_on(diagnostic.label(span, "not one of these words")).help(meant(near).unwrap_or(list.join("; ")))
@@ -91,21 +91,21 @@ pub fn neither_count_nor_word(
     near: Option<&str>,
 ) -> Diagnostic {
     let words = either(words);
-    let title = format!("{} wants a whole number or {words}, this is `{found}`", wanted.name);
+    let title = format!("{} must be a whole number or {words}, but this is `{found}`", wanted.name);
     let diagnostic = Diagnostic::new(Code::E0311, title).label(span, "no such word, and no value of this name");
     wanted.declared_on(diagnostic).help(meant(near).unwrap_or_else(|| format!("write a whole number, or {words}")))
 }
 
 /// A bare name where true or false belongs.
 pub fn no_truth_value(wanted: &WantedName, span: Span, found: &str) -> Diagnostic {
-    let title = format!("{} wants true or false, this is `{found}`", wanted.name);
+    let title = format!("{} must be true or false, but this is `{found}`", wanted.name);
     let likely = if matches!(found, "no" | "off" | "never" | "False" | "FALSE") { "false" } else { "true" };
     let diagnostic = Diagnostic::new(Code::E0311, title).label(span, "no value of this name");
     wanted.declared_on(diagnostic).help(format!("write `{likely}`"))
 }
 
 pub fn out_of_range(wanted: &WantedName, span: Span, found: &str, limit: &str) -> Diagnostic {
-    let diagnostic = Diagnostic::new(Code::E0403, format!("{} is {found}, it must be {limit}", wanted.name));
+    let diagnostic = Diagnostic::new(Code::E0403, format!("{} is {found}, but must be {limit}", wanted.name));
     let what = if limit.starts_with("a ") { limit.to_owned() } else { format!("a value {limit}") };
     let about = (!wanted.doc.is_empty()).then(|| format!("write {what} ({})", wanted.doc));
     wanted.declared_on(diagnostic.label(span, format!("must be {limit}"))).help_if(about)
@@ -199,7 +199,7 @@ pub fn word_too_long(span: Span) -> Diagnostic {
 pub fn not_in_text(span: Span, found: &Value) -> Diagnostic {
     Diagnostic::new(
         Code::E0304,
-        format!("braces in a string hold a whole number or a string, this is {}", found.describe_fully()),
+        format!("braces in a string must hold a whole number or a string, but this is {}", found.describe_fully()),
     )
     .label(span, found.describe())
     .help("a brace itself is written `{{`")
@@ -222,12 +222,15 @@ pub fn not_a_list(span: Span, found: &Value) -> Diagnostic {
 }
 
 pub fn bad_index(span: Span, found: &Value) -> Diagnostic {
-    Diagnostic::new(Code::E0306, format!("an index is a whole number from 0, this is {}", found.describe_fully()))
-        .label(span, "not an index")
+    Diagnostic::new(
+        Code::E0306,
+        format!("an index must be a whole number from 0, but this is {}", found.describe_fully()),
+    )
+    .label(span, "not an index")
 }
 
 pub fn bad_range_end(span: Span, found: &Value) -> Diagnostic {
-    Diagnostic::new(Code::E0304, format!("a range runs between whole numbers, this is {}", found.describe_fully()))
+    Diagnostic::new(Code::E0304, format!("a range runs between whole numbers, but this is {}", found.describe_fully()))
         .label(span, "not a whole number")
         .help("count first and scale inside: `for i in 0..4 { … i * 1 um … }`")
 }
@@ -256,13 +259,13 @@ pub fn repeats_nothing(span: Span) -> Diagnostic {
 }
 
 pub fn not_to_repeat(span: Span, found: &Value) -> Diagnostic {
-    Diagnostic::new(Code::E0304, format!("`for` runs over a range or a list, this is {}", found.describe_fully()))
+    Diagnostic::new(Code::E0304, format!("`for` runs over a range or a list, but this is {}", found.describe_fully()))
         .label(span, found.describe())
         .help("write `for i in 0..4 { … }` or `for p in spots { … }`")
 }
 
 pub fn bad_coordinate(span: Span, found: &Value) -> Diagnostic {
-    Diagnostic::new(Code::E0304, format!("a point is made of numbers or lengths, this is {}", found.describe()))
+    Diagnostic::new(Code::E0304, format!("a point consists of numbers or lengths, but this is {}", found.describe()))
         .label(span, found.describe_fully())
 }
 
@@ -276,7 +279,7 @@ pub fn mixed_point(first: (Span, &Value), odd: (Span, &Value)) -> Diagnostic {
 pub fn bad_pose(span: Span, found: &Value, dimension: Dimension) -> Diagnostic {
     Diagnostic::new(
         Code::E0301,
-        format!("a pose wants {} here, this is {}", dimension.with_article(), found.describe_fully()),
+        format!("a pose needs {} here, but this is {}", dimension.with_article(), found.describe_fully()),
     )
     .label(span, found.describe())
     .help("write `pose(8 um, 3 um, 30 deg)`: a place, then the heading from +x counter-clockwise")
@@ -308,7 +311,7 @@ pub fn bad_argument(span: Span, name: &str, found: &Value) -> Diagnostic {
 pub fn not_a_shape(span: Span, found: &Value) -> Diagnostic {
     Diagnostic::new(
         Code::E0304,
-        format!("only a shape can be changed by fields in braces, this is {}", found.describe()),
+        format!("only a shape can be changed by fields in braces, but this is {}", found.describe()),
     )
     .label(span, found.describe_fully())
 }

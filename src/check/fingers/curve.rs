@@ -1,4 +1,4 @@
-//! Curves: an expression of the angle `t`, worked out all the way round.
+//! Curves: an expression of the angle `t`, evaluated over a full turn.
 
 use crate::check::errors::{self, WantedName};
 use crate::check::scope::{DeclarationSort, Scope};

@@ -3,6 +3,7 @@
 use crate::check::devices::CheckedDevice;
 use crate::check::errors;
 use crate::check::figures::Figures;
+use crate::check::labels::DeviceLabel;
 use crate::check::value::Value;
 use crate::device::fingers::{Adhesion, FingersFacts, MAX_RESERVE, MAX_STEPS_PER_TURN};
 use crate::diagnostic::Sink;
@@ -29,7 +30,8 @@ const SPEEDS_UM_PER_S: [f64; 2] = [1e-3, 1e9];
 /// Least non-zero and greatest friction coefficient and removal safety.
 const RATIOS: [f64; 2] = [1e-6, 100.0];
 
-/// Default share of the forces that is kept in reserve while tips roll.
+/// Default share of the forces that is kept in reserve while tips roll: rolling on chords turns a force by up to a hundredth of the
+/// friction cone; this is twice that.
 const DEFAULT_RESERVE: f64 = 0.02;
 
 /// The facts of a hand; `None` after an error.
@@ -71,12 +73,15 @@ fn steps_per_turn(device: &CheckedDevice, sink: &mut Sink) -> Option<u32> {
     let steps = TAU / step.si;
     let whole = steps.round();
     if (whole - steps).abs() > STEP_SLACK * whole.max(1.0) {
-        tell(device, "step", errors::step_divides_no_turn(step), "does not divide 360 deg", sink);
+        sink.push(
+            device
+                .labelled(errors::step_divides_no_turn(step), [DeviceLabel::field("step", "does not divide 360 deg")]),
+        );
         return None;
     }
     if !(f64::from(MIN_STEPS_PER_TURN)..=f64::from(MAX_STEPS_PER_TURN)).contains(&whole) {
         let wrong = errors::step_out_of_limits(step, whole, [MIN_STEPS_PER_TURN, MAX_STEPS_PER_TURN]);
-        tell(device, "step", wrong, "too large or too small", sink);
+        sink.push(device.labelled(wrong, [DeviceLabel::field("step", "too large or too small")]));
         return None;
     }
     Some(whole as u32)
@@ -90,22 +95,11 @@ fn gaiting_cost_deg(device: &CheckedDevice, sink: &mut Sink) -> Option<f64> {
     if is_whole && deg <= MOST_DEG {
         return Some(deg.round());
     }
-    tell(device, "gaiting_cost", errors::gaiting_cost_not_whole(cost, MOST_DEG), "not such an angle", sink);
+    sink.push(device.labelled(
+        errors::gaiting_cost_not_whole(cost, MOST_DEG),
+        [DeviceLabel::field("gaiting_cost", "not such an angle")],
+    ));
     None
-}
-
-/// Reports a fault of a field, at its value; at the device where that value comes from elsewhere.
-fn tell(device: &CheckedDevice, field: &str, wrong: crate::diagnostic::Diagnostic, label: &str, sink: &mut Sink) {
-    let told = match device.fields.get(field) {
-        Some(value) => wrong.label(value.span, label),
-        None => wrong,
-    };
-    let origin = device.origins.get(field);
-    let told = match origin {
-        Some(origin) => told.label(origin.span, origin.text.clone()),
-        None => told,
-    };
-    sink.push(told.label(device.span, "of this device"));
 }
 
 /// Reads figures and checks them against their limits.
@@ -115,7 +109,7 @@ struct HandFigures<'a> {
 }
 
 impl HandFigures<'_> {
-    fn length_um(&mut self, name: &str) -> Option<f64> {
+    fn length_um(&mut self, name: &'static str) -> Option<f64> {
         let found = self.device.fields.quantity(name)?;
         let um = found.in_unit("um");
         let fits = um == 0.0 || (MIN_LENGTH_UM..=MAX_LENGTH_UM).contains(&um);
@@ -123,7 +117,7 @@ impl HandFigures<'_> {
         Some(um)
     }
 
-    fn force_un(&mut self, name: &str) -> Option<f64> {
+    fn force_un(&mut self, name: &'static str) -> Option<f64> {
         let found = self.device.fields.quantity(name)?;
         let un = found.in_unit("uN");
         let fits = un == 0.0 || (FORCES_UN[0]..=FORCES_UN[1]).contains(&un);
@@ -131,20 +125,20 @@ impl HandFigures<'_> {
         Some(un)
     }
 
-    fn ratio(&mut self, name: &str) -> Option<f64> {
+    fn ratio(&mut self, name: &'static str) -> Option<f64> {
         let found = self.device.fields.quantity(name)?;
         let fits = found.si == 0.0 || (RATIOS[0]..=RATIOS[1]).contains(&found.si);
         self.unless(fits, name, &found.to_string(), "from 0.000001 to 100");
         Some(found.si)
     }
 
-    fn reserve(&mut self, name: &str) -> f64 {
+    fn reserve(&mut self, name: &'static str) -> f64 {
         let Some(found) = self.device.fields.quantity(name) else { return DEFAULT_RESERVE };
         self.unless(found.si <= MAX_RESERVE, name, &found.to_string(), "from 0 to 90 %");
         found.si
     }
 
-    fn speed_um_per_s(&mut self, name: &str) -> Option<f64> {
+    fn speed_um_per_s(&mut self, name: &'static str) -> Option<f64> {
         let found = self.device.fields.quantity(name)?;
         let um_per_s = found.in_unit("um/s");
         let fits = (SPEEDS_UM_PER_S[0]..=SPEEDS_UM_PER_S[1]).contains(&um_per_s);
@@ -162,10 +156,11 @@ impl HandFigures<'_> {
         Some(range_um)
     }
 
-    fn unless(&mut self, fits: bool, name: &str, found: &str, limit: &str) {
+    fn unless(&mut self, fits: bool, name: &'static str, found: &str, limit: &str) {
         if !fits {
             let wrong = errors::hand_figure(name, &self.device.name, found, limit);
-            tell(self.device, name, wrong, &format!("must be {limit}"), self.sink);
+            let label = DeviceLabel::field(name, format!("must be {limit}"));
+            self.sink.push(self.device.labelled(wrong, [label]));
         }
     }
 }

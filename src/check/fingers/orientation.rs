@@ -74,9 +74,9 @@ const CHOICES: u32 = 1 << 6;
 /// Share by which a turn of whole steps may exceed 360 deg.
 const FULL_SLACK: f64 = 1e-2;
 
-/// The ways of up to three turns of whole steps in alternating planes that come near a relative orientation: both solutions of its
-/// angles, with either plane first, each angle either way round, and by the nearest number of steps or the next one. None twice, those of
-/// less turning first, at most [`MAX_WAYS`].
+/// The decompositions into up to three turns of whole steps in alternating planes that come near a relative orientation: both solutions of
+/// its angles, with either plane first, each angle in either direction, and by the nearest number of steps or the next one. Without
+/// duplicates, those of less turning first, at most [`MAX_WAYS`].
 pub fn ways(goal: &Orientation, part: &HandPart) -> Vec<TurnsToOrientation> {
     let mut found: Vec<TurnsToOrientation> = Vec::new();
     for first in Plane::ALL {
@@ -146,7 +146,7 @@ fn whole_turns(angles: [f64; 3], choice: u32, first: Plane, part: &HandPart) -> 
         let nearest = exact.round();
         let other = if exact < nearest { nearest - 1.0 } else { nearest + 1.0 };
         let steps = if is_next { other } else { nearest };
-        // A full turn is no other way to stay where it is.
+        // A full turn is no distinct way to stay in place.
         if steps.abs() * step_rad > TAU * (1.0 + FULL_SLACK) || is_long && short.abs() < FULL_SLACK {
             return None;
         }

@@ -15,7 +15,7 @@ use crate::real::Real;
 use crate::source::Span;
 use std::f64::consts::PI;
 
-/// Places looked at for where an outline bends inwards most.
+/// Places sampled to find where an outline bends inwards most.
 const LOOKS: usize = 4096;
 
 /// Standard gravity by definition: 3rd General Conference on Weights and Measures, 1901.
@@ -67,7 +67,7 @@ impl PartReader<'_> {
             HandPart { name: object.name.clone(), xy, xz, centre_um: solid.centre_um, position_um, span: object.span };
         if let Some(wrong) = out_of_range(&part, position_um, self.facts) {
             let at = object.at.as_ref().map_or(object.span, |at| at.span);
-            let told = errors::part_out_of_range(at, &part.name, wrong);
+            let told = errors::part_out_of_range(at, &part.name, &wrong);
             self.sink.push(told.label(self.device.span, "of this device"));
             return None;
         }
@@ -126,7 +126,7 @@ impl PartReader<'_> {
         None
     }
 
-    /// Whether nothing of the part is in the way of tips that travel round its sections.
+    /// Whether no part of the object obstructs tips that travel round its sections.
     fn within_its_sections(&mut self, solid: &HandSolid, xy: &Section, xz: Option<&Section>, span: Span) -> Option<()> {
         let sections = std::iter::once(xy).chain(xz);
         let reach_um = sections.filter_map(|section| Curve::of(&section.outline).ok()).map(|curve| curve.reach_um());
@@ -202,16 +202,16 @@ pub fn junction_fault(part: &HandPart, facts: &FingersFacts) -> Option<String> {
     })
 }
 
-/// The stage axis whose range does not suffice round a part, the required range, and the actual one.
-pub fn out_of_range(part: &HandPart, position_um: [f64; 3], facts: &FingersFacts) -> Option<(usize, f64, f64)> {
+/// The first stage axis that does not reach around a part.
+pub fn out_of_range(part: &HandPart, position_um: [f64; 3], facts: &FingersFacts) -> Option<errors::ShortStage> {
     let sections = std::iter::once(&part.xy).chain(&part.xz);
     let reach_um = sections.filter_map(|section| Curve::of(&section.outline).ok()).map(|curve| curve.reach_um());
     // The tip that is free farthest out, on its whole sphere.
     let last = facts.fingers.saturating_sub(1) as usize;
     let needed_um = facts.sphere_um(last, reach_um.fold(0.0, f64::max));
     (0..3).find_map(|axis| {
-        let needed_um = position_um[axis].abs() + needed_um;
-        (needed_um > facts.range_um[axis] * (1.0 + 1e-12)).then_some((axis, needed_um, facts.range_um[axis]))
+        let (needed_um, range_um) = (position_um[axis].abs() + needed_um, facts.range_um[axis]);
+        (needed_um > range_um * (1.0 + 1e-12)).then_some(errors::ShortStage { axis, needed_um, range_um })
     })
 }
 

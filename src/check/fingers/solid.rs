@@ -373,7 +373,7 @@ fn told(fault: &OutlineError, outline: &Outline, span: Span) -> Diagnostic {
             "check its units",
         ),
         OutlineError::TooFewPoints(count) => {
-            let what = format!("an outline of {count} points, at least {MIN_POINTS} are needed");
+            let what = format!("an outline of {count} points; at least {MIN_POINTS} are needed");
             errors::bad_shape(span, &what, "too few points", "a smooth curve is laid through them: give some more")
         }
         OutlineError::TooManyPoints(count) => too_many(*count, span),

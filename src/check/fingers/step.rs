@@ -18,7 +18,7 @@ const MAX_TRIED: usize = 64;
 pub enum WantedTurn<'a> {
     /// These angles in these planes, in radians.
     Turns(&'a [(Plane, f64)]),
-    /// An orientation, from where the part is, and these turns besides.
+    /// An orientation, relative to the present one, and these turns in addition.
     Orientation(&'a Orientation, &'a [(Plane, f64)]),
 }
 
@@ -74,7 +74,7 @@ fn sampled(section: &Section, curve: &Curve, facts: &FingersFacts) -> Option<Sec
     })
 }
 
-/// Whether a turn comes to a whole number of steps; none may be more than one turn.
+/// Whether a turn is a whole number of steps to within the precision; the number is at most one full turn.
 fn is_whole(part: &HandPart, (plane, angle_rad): (Plane, f64), precision_rad: f64) -> bool {
     part.section(plane).is_some_and(|section| {
         let steps = (angle_rad / section.step_rad).round();

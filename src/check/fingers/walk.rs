@@ -83,7 +83,7 @@ struct HandWalk {
 
 type Told = Result<(), Box<Diagnostic>>;
 
-/// The ways to an orientation, and the fewest steps of those that were left out, if any were.
+/// The decompositions of an orientation, and the fewest steps of those that were left out, if any.
 type Ways = (Vec<Vec<FingersTurn>>, Option<u32>);
 
 impl HandWalk {
@@ -134,7 +134,7 @@ impl HandWalk {
         Ok(())
     }
 
-    /// Whether the grasps of a turn are few enough to be looked at: under a load in the plane they differ from angle to angle.
+    /// Whether the grasps of a turn are few enough to be searched: under a load in the plane they differ from angle to angle.
     fn looks_at_few(&self, plane: Plane, at: Span, order: &FingersOrder) -> Told {
         let Some(section) = self.part.section(plane) else { return Ok(()) };
         let load_un = Vector3::from(order.load_un);
@@ -224,7 +224,7 @@ impl HandWalk {
         is_known.then(|| step::mending(&self.part, &order.facts, &wanted, order.precision_rad)).flatten()
     }
 
-    /// Any of some ways has been taken.
+    /// Any one of several decompositions has been taken.
     fn take(&mut self, ways: &[orientation::TurnsToOrientation]) {
         let before = std::mem::take(&mut self.planes);
         let mut reached: Vec<Orientation> = Vec::new();
@@ -252,7 +252,7 @@ impl HandWalk {
             *position_um += by_um;
         }
         match part::out_of_range(&self.part, self.position_um, &order.facts) {
-            Some(wrong) => Err(Box::new(errors::part_out_of_range(at, &self.part.name, wrong))),
+            Some(wrong) => Err(Box::new(errors::part_out_of_range(at, &self.part.name, &wrong))),
             None => Ok(()),
         }
     }

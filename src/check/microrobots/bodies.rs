@@ -45,7 +45,7 @@ impl RobotBody {
         if depth_um > 0.0 { -depth_um } else { self.way_to(other).norm() }
     }
 
-    /// The shortest way that brings it into touch with a body that it does not overlap.
+    /// The shortest shift that brings it into touch with a body that it does not overlap.
     pub fn way_to(&self, other: &RobotBody) -> Vector2<f64> {
         let towards = self.corners.iter().map(|corner| nearest_of(*corner, &other.corners) - corner);
         let back = other.corners.iter().map(|corner| corner - nearest_of(*corner, &self.corners));
@@ -53,7 +53,7 @@ impl RobotBody {
         towards.chain(back).reduce(shorter).unwrap_or_default()
     }
 
-    /// The shortest way that brings it out of a body that it overlaps; `None` if it overlaps it nowhere.
+    /// The shortest shift that brings it out of a body that it overlaps; `None` if it overlaps it nowhere.
     pub fn way_out(&self, other: &RobotBody) -> Option<Vector2<f64>> {
         let of_other = other.sides().map(|(normal, at)| normal * -self.beyond_um(normal, at));
         let own = self.sides().map(|(normal, at)| normal * other.beyond_um(normal, at));

@@ -5,11 +5,11 @@ use super::{CheckedBed, validity};
 use crate::check::devices::CheckedDevice;
 use crate::check::errors;
 use crate::check::figures::Figures;
+use crate::check::labels::DeviceLabel;
 use crate::device::microrobots::{Docking, Errors, Fine, MAX_ROBOTS, MicrorobotsFacts, Robot, Turning};
-use crate::diagnostic::{Diagnostic, Sink};
+use crate::diagnostic::Sink;
 use crate::geometry::shape::MAX_EXTENT_UM;
 use crate::quantity::Quantity;
-use crate::source::Span;
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
@@ -43,8 +43,8 @@ pub fn bed(device: &CheckedDevice, sink: &mut Sink) -> Option<CheckedBed> {
 fn fits_a_bed(table: &RobotTable, device: &CheckedDevice, sink: &mut Sink) {
     if table.rows() > MAX_ROBOTS {
         let wrong = errors::too_many_robots(table.rows(), MAX_ROBOTS);
-        let labels = [(table.place(MAX_ROBOTS, "robot"), "one too many".to_owned())];
-        sink.push(told(device, wrong, &labels));
+        let labels = [DeviceLabel::cell(table.place(MAX_ROBOTS, "robot"), "one too many")];
+        sink.push(device.labelled(wrong, labels));
     }
 }
 
@@ -53,9 +53,9 @@ fn names_apart(table: &RobotTable, device: &CheckedDevice, sink: &mut Sink) {
     for row in 0..table.rows() {
         let Some(name) = table.text(row, "robot") else { continue };
         if let Some(first) = seen.get(name) {
-            let again = (table.place(row, "robot"), "again here".to_owned());
-            let labels = [again, (table.place(*first, "robot"), "first here".to_owned())];
-            sink.push(told(device, errors::robot_twice(name), &labels));
+            let again = DeviceLabel::cell(table.place(row, "robot"), "again here");
+            let labels = [again, DeviceLabel::cell(table.place(*first, "robot"), "first here")];
+            sink.push(device.labelled(errors::robot_twice(name), labels));
         } else {
             seen.insert(name, row);
         }
@@ -99,7 +99,10 @@ fn period_ns(device: &CheckedDevice, sink: &mut Sink) -> Option<u64> {
     if (1.0..=limit).contains(&half_ns) {
         return Some(2 * half_ns.round() as u64);
     }
-    sink.push(told(device, errors::stroke_out_of_clock(frequency), &at(device, "drive_frequency", "of one stroke")));
+    sink.push(
+        device
+            .labelled(errors::stroke_out_of_clock(frequency), [DeviceLabel::field("drive_frequency", "of one stroke")]),
+    );
     None
 }
 
@@ -127,15 +130,14 @@ fn robot(row: usize, table: &RobotTable, device: &CheckedDevice, period_ns: u64)
 
 /// The bounds on errors, if all of them are given; the outer `None` after an error.
 fn errors_of(device: &CheckedDevice, sink: &mut Sink) -> Option<Option<Errors>> {
-    let is_given = |name: &&str| device.fields.contains_key(*name);
-    let (given, missing): (Vec<&str>, Vec<&str>) = ERROR_FIELDS.iter().copied().partition(is_given);
+    let is_given = |name: &&'static str| device.fields.contains_key(*name);
+    let (given, missing): (Vec<&'static str>, Vec<&str>) = ERROR_FIELDS.iter().copied().partition(is_given);
     if given.is_empty() {
         return Some(None);
     }
     if !missing.is_empty() {
-        let labels: Vec<(Span, String)> =
-            given.iter().flat_map(|name| at(device, name, "without the others")).collect();
-        sink.push(told(device, errors::some_error_bounds(&missing), &labels));
+        let labels = given.into_iter().map(|name| DeviceLabel::field(name, "without the others"));
+        sink.push(device.labelled(errors::some_error_bounds(&missing), labels));
         return Some(None);
     }
     Some(Some(Errors {
@@ -167,7 +169,9 @@ fn figures_have_sense(device: &CheckedDevice, sink: &mut Sink) {
     for (name, most_si) in most {
         let Some(found) = device.fields.quantity(name).filter(|found| found.si > most_si) else { continue };
         let most = Quantity { si: most_si, ..found };
-        sink.push(told(device, errors::beyond_figure(name, found, most), &at(device, name, "out of range")));
+        sink.push(
+            device.labelled(errors::beyond_figure(name, found, most), [DeviceLabel::field(name, "out of range")]),
+        );
     }
 }
 
@@ -187,8 +191,8 @@ fn bodies_are_countable(facts: &MicrorobotsFacts, table: &RobotTable, device: &C
             }
             match (table.quantity(row, name), name) {
                 (Some(found), _) => {
-                    let labels = [(table.place(row, name), "out of range".to_owned())];
-                    sink.push(told(device, errors::beyond_extent(name, found, least_um, MAX_EXTENT_UM), &labels));
+                    let labels = [DeviceLabel::cell(table.place(row, name), "out of range")];
+                    sink.push(device.labelled(errors::beyond_extent(name, found, least_um, MAX_EXTENT_UM), labels));
                 }
                 (None, "speed") => drop(of_device.insert("step_size", least_um)),
                 (None, _) => drop(of_device.insert(name, least_um)),
@@ -204,7 +208,7 @@ fn bodies_are_countable(facts: &MicrorobotsFacts, table: &RobotTable, device: &C
     for (name, least_um) in of_device {
         let Some(found) = device.fields.quantity(name) else { continue };
         let wrong = errors::beyond_extent(name, found, least_um, MAX_EXTENT_UM);
-        sink.push(told(device, wrong, &at(device, name, "out of range")));
+        sink.push(device.labelled(wrong, [DeviceLabel::field(name, "out of range")]));
     }
 }
 
@@ -213,14 +217,15 @@ fn levels_in_order(facts: &MicrorobotsFacts, device: &CheckedDevice, sink: &mut 
     let errors = sink.errors();
     let voltage = |name: &str| device.fields.text(name);
     if facts.relax_v >= facts.flex_v {
-        let mut labels = at(device, "relax", "not below `flex`");
-        labels.extend(at(device, "flex", "not above `relax`"));
-        sink.push(told(device, errors::no_stroke(&voltage("relax"), &voltage("flex")), &labels));
+        let labels = [DeviceLabel::field("relax", "not below `flex`"), DeviceLabel::field("flex", "not above `relax`")];
+        sink.push(device.labelled(errors::no_stroke(&voltage("relax"), &voltage("flex")), labels));
     }
     if facts.flex_v > facts.max_v {
-        let mut labels = at(device, "flex", "more than the source gives");
-        labels.extend(at(device, "max_voltage", "the most that it gives"));
-        sink.push(told(device, errors::flex_beyond_source(&voltage("flex"), &voltage("max_voltage")), &labels));
+        let labels = [
+            DeviceLabel::field("flex", "more than the source gives"),
+            DeviceLabel::field("max_voltage", "the most that it gives"),
+        ];
+        sink.push(device.labelled(errors::flex_beyond_source(&voltage("flex"), &voltage("max_voltage")), labels));
     }
     (sink.errors() == errors).then_some(())
 }
@@ -231,16 +236,21 @@ fn meets_forwards(facts: &MicrorobotsFacts, device: &CheckedDevice, sink: &mut S
         [("self_aligning_angle", facts.docking.self_aligning_rad), ("sticking_angle", facts.docking.sticking_rad)];
     for (name, _) in angles.into_iter().filter(|(_, angle_rad)| *angle_rad >= FRAC_PI_2) {
         let found = device.fields.text(name);
-        sink.push(told(device, errors::docking_sideways(name, &found), &at(device, name, "a right angle or more")));
+        sink.push(
+            device
+                .labelled(errors::docking_sideways(name, &found), [DeviceLabel::field(name, "a right angle or more")]),
+        );
     }
 }
 
 fn fine_motion_has_room(facts: &MicrorobotsFacts, device: &CheckedDevice, sink: &mut Sink) {
     if facts.fine.cycle_um > facts.fine.length_um {
         let found = ["fine_cycle", "fine_length"].map(|name| device.fields.text(name));
-        let mut labels = at(device, "fine_cycle", "longer than the whole fine motion");
-        labels.extend(at(device, "fine_length", "the fine motion"));
-        sink.push(told(device, errors::cycle_beyond_fine_motion(&found[0], &found[1]), &labels));
+        let labels = [
+            DeviceLabel::field("fine_cycle", "longer than the whole fine motion"),
+            DeviceLabel::field("fine_length", "the fine motion"),
+        ];
+        sink.push(device.labelled(errors::cycle_beyond_fine_motion(&found[0], &found[1]), labels));
         return;
     }
     if facts.fine.length_um > MAX_FINE_UM {
@@ -251,23 +261,8 @@ fn fine_motion_has_room(facts: &MicrorobotsFacts, device: &CheckedDevice, sink: 
     let cycles = facts.fine.length_um / facts.fine.cycle_um.max(3.0 * step_um);
     if cycles > MAX_CYCLES {
         let found = device.fields.text("fine_length");
-        let mut labels = at(device, "fine_length", "the fine motion");
-        labels.extend(at(device, "fine_cycle", "one cycle of it"));
-        sink.push(told(device, errors::too_many_cycles(&found, cycles, MAX_CYCLES), &labels));
+        let labels =
+            [DeviceLabel::field("fine_length", "the fine motion"), DeviceLabel::field("fine_cycle", "one cycle of it")];
+        sink.push(device.labelled(errors::too_many_cycles(&found, cycles, MAX_CYCLES), labels));
     }
-}
-
-/// The label of a field, and of the place where its value was given, if a name stands in it.
-pub fn at(device: &CheckedDevice, name: &str, text: &str) -> Vec<(Span, String)> {
-    let Some(field) = device.fields.get(name) else { return Vec::new() };
-    let origin = device.origins.get(name).filter(|origin| origin.span != field.span);
-    let own = (field.span, text.to_owned());
-    std::iter::once(own).chain(origin.map(|origin| (origin.span, origin.text.clone()))).collect()
-}
-
-/// Puts labels on a finding about a device, those of the device's own file first.
-pub fn told(device: &CheckedDevice, diagnostic: Diagnostic, labels: &[(Span, String)]) -> Diagnostic {
-    let (own, inherited): (Vec<_>, Vec<_>) = labels.iter().partition(|(span, _)| span.file == device.span.file);
-    let diagnostic = if own.is_empty() { diagnostic.label(device.span, "this device") } else { diagnostic };
-    own.into_iter().chain(inherited).fold(diagnostic, |told, (span, text)| told.label(*span, text.clone()))
 }

@@ -5,8 +5,7 @@ use super::ground::{BedScene, first_near, is_near};
 use super::{CheckedBed, DEFAULT_EXPANSIONS};
 use crate::check::fields::Accepted;
 use crate::check::figures::Figures;
-use crate::check::lets::{Argument, ValueOrigin};
-use crate::check::scope::nearest;
+use crate::check::lets::Argument;
 use crate::check::shapes::{self, MAX_HEADING_RAD};
 use crate::check::tasks::{self, Call, Parts, TaskSite};
 use crate::check::value::{ModuleWord, Value, whole};
@@ -28,9 +27,6 @@ const DEFAULT_PRECISION: Precision = Precision { place_um: 0.5, heading_rad: 0.5
 /// Greatest distance of one `apply`: on longer paths rounding exceeds the tolerance of the verifier.
 const MAX_APPLIED_UM: f64 = 1e8;
 
-/// Where the pose of a goal was given, if by a name; `None` if different names give it in several runs.
-pub type PoseOrigins = BTreeMap<Span, Option<ValueOrigin>>;
-
 impl Checker<'_> {
     /// A task's body in the kind's own terms; `None` after an error.
     pub fn microrobots_order(&mut self, site: &TaskSite, bed: &CheckedBed, parts: Parts) -> Option<MicrorobotsOrder> {
@@ -38,8 +34,8 @@ impl Checker<'_> {
         let precision = precision(&parts.settings, bed, &ground, self.sink);
         let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
         let solids = ground.obstacles.iter().map(ObstacleSolid::of).collect();
-        let (device, origins) = (site.device.name.as_str(), &mut self.pose_origins);
-        let mut judge = BedStepJudge { bed, ground: &ground, solids, scene, device, origins, sink: self.sink };
+        let device = site.device.name.as_str();
+        let mut judge = BedStepJudge { bed, ground: &ground, solids, scene, device, sink: self.sink };
         let steps: Vec<Option<MicrorobotsStep>> = parts.steps.iter().map(|step| judge.step(step)).collect();
         let steps: Option<Vec<MicrorobotsStep>> = steps.into_iter().collect();
         let order = MicrorobotsOrder {
@@ -93,7 +89,6 @@ struct BedStepJudge<'a> {
     scene: Option<Span>,
     /// The device's name.
     device: &'a str,
-    origins: &'a mut PoseOrigins,
     sink: &'a mut Sink,
 }
 
@@ -122,7 +117,7 @@ impl BedStepJudge<'_> {
         let Value::Quantity(time) = duration.value else { return None };
         let duration_ns = crate::check::clock_ns(time, duration.span, "`apply`", self.sink)?;
         let wrong = self.too_far(duration_ns, duration.span);
-        self.unless(wrong, Some(duration))?;
+        duration.unless(wrong, self.sink)?;
         Some(MicrorobotsAction::Apply { state: state?, duration_ns })
     }
 
@@ -160,7 +155,7 @@ impl BedStepJudge<'_> {
             }
             _ => return None,
         };
-        self.unless(Some(wrong), Some(argument));
+        argument.unless(Some(wrong), self.sink);
         None
     }
 
@@ -186,11 +181,11 @@ impl BedStepJudge<'_> {
             let goal = phrases(&entry.phrases, "to").next().and_then(|target| self.stop(target, robot));
             let earlier = robot.and_then(|robot| seen.insert(robot, entry.span));
             let wrong = earlier.map(|earlier| errors::assembled_twice(self.name(robot), entry.span, earlier));
-            let is_first = self.unless(wrong, Some(&entry.object)).is_some();
+            let is_first = entry.object.unless(wrong, self.sink).is_some();
             docks.push(robot.zip(goal).filter(|_| is_first).map(|(robot, goal)| Dock { robot, goal }));
         }
         let is_small = (call.entries.len() < 2).then(|| errors::assembly_too_small(call.span, call.entries.len()));
-        self.unless(is_small, None)?;
+        self.sink.unless(is_small)?;
         docks.into_iter().collect::<Option<Vec<Dock>>>().map(MicrorobotsAction::Assemble)
     }
 
@@ -199,37 +194,21 @@ impl BedStepJudge<'_> {
         placed.map_or("", |placed| self.bed.facts.robots[placed.row].name.as_str())
     }
 
-    /// The robot that an argument names; without a diagnostic if the fault of that robot was already reported.
+    /// The robot that an argument names; `None` after an error.
     fn robot(&mut self, argument: &Argument) -> Option<usize> {
-        let Value::Object(object) = &argument.value else { return None };
-        if let Some(known) = self.ground.names.get(&object.name) {
-            return *known;
-        }
-        if let Some(obstacle) = self.ground.obstacles.iter().find(|obstacle| obstacle.name == object.name) {
-            let found = ("obstacle", obstacle.span);
-            let wrong = errors::object_of_other_noun(argument.span, &object.name, object.noun, found);
-            self.unless(Some(wrong), Some(argument));
-            return None;
-        }
-        let near = nearest(&object.name, self.ground.names.keys().map(String::as_str));
-        // A scene of too many robots is known by none of their names.
-        let is_cut = self.scene.is_some() && !self.ground.is_whole && self.ground.names.is_empty();
-        let wrong = errors::unknown_object(argument.span, &object.name, object.noun, near, self.scene);
-        self.unless((!is_cut).then_some(wrong), Some(argument));
-        None
+        self.ground.names.index(argument, self.scene, self.ground.is_whole, self.sink)
     }
 
     /// A pose at which the robot's body is clear of obstacles.
     fn stop(&mut self, target: &Argument, robot: Option<usize>) -> Option<MicrorobotsStop> {
         let pose = shapes::pose_of(&target.value)?;
         let far = (!is_near(&pose)).then(|| errors::pose_too_far(target.span, MAX_EXTENT_UM));
-        self.unless(far, Some(target))?;
+        target.unless(far, self.sink)?;
         let unknown = errors::heading_too_large(target.span, MAX_HEADING_RAD.to_degrees());
-        self.unless((!shapes::heading_is_known(&pose)).then_some(unknown), Some(target))?;
+        target.unless((!shapes::heading_is_known(&pose)).then_some(unknown), self.sink)?;
         let wrong = robot.and_then(|robot| self.on_obstacle(robot, pose, target.span));
-        self.unless(wrong, Some(target))?;
-        self.remember(target);
-        Some(MicrorobotsStop { pose, span: target.span })
+        target.unless(wrong, self.sink)?;
+        Some(MicrorobotsStop { pose, span: target.span, origin: target.origin.clone() })
     }
 
     fn on_obstacle(&self, robot: usize, pose: Pose, span: Span) -> Option<Diagnostic> {
@@ -243,30 +222,6 @@ impl BedStepJudge<'_> {
         let what = errors::BlockedRobot { code: Code::E0502, robot: self.name(Some(robot)), span };
         let obstacle = (obstacle.name.as_str(), obstacle.span);
         Some(errors::robot_near_obstacle(&what, obstacle, (gap_um, kept_um), free))
-    }
-
-    /// Records where the pose of a stop was given, for findings that need the docked robots.
-    fn remember(&mut self, target: &Argument) {
-        let Some(origin) = &target.origin else { return };
-        let known = self.origins.entry(target.span).or_insert_with(|| Some(origin.clone()));
-        if known.as_ref().is_some_and(|known| known.span != origin.span) {
-            *known = None;
-        }
-    }
-
-    /// Reports a fault, if there is one, with the place where the value was given.
-    fn unless(&mut self, wrong: Option<Diagnostic>, given: Option<&Argument>) -> Option<()> {
-        match wrong {
-            Some(diagnostic) => {
-                let diagnostic = match given {
-                    Some(argument) => errors::given_at(diagnostic, argument),
-                    None => diagnostic,
-                };
-                self.sink.push(diagnostic);
-                None
-            }
-            None => Some(()),
-        }
     }
 }
 
@@ -282,7 +237,7 @@ fn digits(word: ModuleWord) -> String {
 /// Number of rings of places round a pose that are searched for a better one, and of places on each.
 const RINGS: [u32; 2] = [60, 24];
 
-/// The nearest pose with the same heading, a whole number of micrometres away in rings that widen, that is as asked.
+/// The nearest pose with the same heading, a whole number of micrometres away in widening rings, that `is_fine` accepts.
 pub fn nearest_pose(pose: Pose, is_fine: impl Fn(Pose) -> bool) -> Option<Pose> {
     let [rings, places] = RINGS;
     let mut radius_um = 0.0;

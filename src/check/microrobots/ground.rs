@@ -4,6 +4,7 @@ use super::CheckedBed;
 use super::bodies::{ObstacleSolid, RobotBody, is_too_near};
 use crate::check::devices::CheckedDevice;
 use crate::check::lets::Argument;
+use crate::check::objects::{ObjectNames, of_other_kind};
 use crate::check::scenes::{CheckedScene, SceneObject};
 use crate::check::scope::nearest;
 use crate::check::shapes::{self, MAX_HEADING_RAD};
@@ -16,7 +17,6 @@ use crate::device::shape::ShapeForm;
 use crate::diagnostic::{Code, Sink};
 use crate::geometry::shape::MAX_EXTENT_UM;
 use crate::geometry::{Pose, Shape};
-use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -26,23 +26,18 @@ pub struct BedScene {
     pub obstacles: Arc<Vec<MicrorobotsObstacle>>,
     /// In the order of the table.
     pub robots: Arc<Vec<Placed>>,
-    /// Every robot that the scene names, with its index if nothing is wrong with it.
-    pub names: Rc<BTreeMap<String, Option<usize>>>,
+    pub names: ObjectNames,
     /// Whether none of its objects is impossible.
     pub is_whole: bool,
 }
 
 impl Checker<'_> {
     /// The scene of a task for its device, judged once.
-    pub fn ground(&mut self, site: &TaskSite, bed: &CheckedBed) -> BedScene {
-        let Some((place, scene)) = &site.scene else { return judged(&[], &site.device, &bed.facts, self.sink) };
-        let key = (*place, site.place);
-        if let Some(known) = self.grounds.get(&key) {
-            return known.clone();
-        }
-        let ground = judged_scene(scene, &site.device, &bed.facts, self.sink);
-        self.grounds.insert(key, ground.clone());
-        ground
+    pub fn ground(&mut self, site: &TaskSite, bed: &CheckedBed) -> Rc<BedScene> {
+        self.scene_met(site, |checker, scene| match scene {
+            Some(scene) => judged_scene(scene, &site.device, &bed.facts, checker.sink),
+            None => judged(&[], &site.device, &bed.facts, checker.sink),
+        })
     }
 }
 
@@ -64,27 +59,31 @@ struct StandingRobot {
 fn judged(objects: &[Rc<SceneObject>], device: &CheckedDevice, facts: &MicrorobotsFacts, sink: &mut Sink) -> BedScene {
     let before = sink.errors();
     let (mut obstacles, mut standing) = (Vec::new(), Vec::new());
-    let mut names = BTreeMap::new();
+    let mut names = ObjectNames::default();
     for object in objects {
         let mut reader = GroundReader { object, device, facts, sink };
         match object.noun.as_str() {
             "robot" => {
-                names.insert(object.name.clone(), None);
+                names.insert(&object.name, None);
                 standing.extend(reader.robot());
             }
-            "obstacle" => obstacles.extend(reader.obstacle()),
-            _ => reader.stranger(),
+            "obstacle" => {
+                let obstacle = reader.obstacle();
+                names.insert_obstacle(&object.name, object.span);
+                obstacles.extend(obstacle);
+            }
+            _ => sink.push(of_other_kind(object, &VOCABULARY)),
         }
     }
     standing.sort_by_key(|standing| standing.placed.row);
     for (index, standing) in standing.iter().enumerate() {
-        names.insert(standing.name.clone(), Some(index));
+        names.insert(&standing.name, Some(index));
     }
     starts(&standing, &obstacles, facts, sink);
     BedScene {
         obstacles: Arc::new(obstacles),
         robots: Arc::new(standing.into_iter().map(|standing| standing.placed).collect()),
-        names: Rc::new(names),
+        names,
         is_whole: sink.errors() == before,
     }
 }
@@ -98,12 +97,6 @@ struct GroundReader<'a> {
 }
 
 impl GroundReader<'_> {
-    fn stranger(&mut self) {
-        let known: Vec<&str> = VOCABULARY.nouns.iter().map(|noun| noun.name).collect();
-        let object = self.object;
-        self.sink.push(errors::noun_of_other_kind(object.noun_span, &object.noun, VOCABULARY.name, &known));
-    }
-
     fn robot(&mut self) -> Option<StandingRobot> {
         let row = self.row();
         let has_own_body = self.has_own_body();
@@ -189,7 +182,7 @@ impl GroundReader<'_> {
     }
 }
 
-/// Whether a pose lies where geometry counts exactly.
+/// Whether a pose is within the range of exact geometry.
 pub fn is_near(pose: &Pose) -> bool {
     pose.x_um.abs().max(pose.y_um.abs()) <= MAX_EXTENT_UM
 }

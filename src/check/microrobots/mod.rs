@@ -12,7 +12,6 @@ mod validity;
 mod walk;
 
 pub use facts::bed;
-pub use goals::PoseOrigins;
 pub use ground::BedScene;
 pub use walk::beds_agree;
 

@@ -1,14 +1,13 @@
 //! Validity of a table's relays, and the diagnostics of its faults.
 
-use super::facts::{at, told};
 use super::relays::{self, AllowedGaps, Analysis, Mend, Problem, RelayRow, Source, TableFault, Transition};
 use super::table::RobotTable;
 use crate::check::devices::CheckedDevice;
 use crate::check::errors::{self, Limit};
 use crate::check::figures::Figures;
+use crate::check::labels::DeviceLabel;
 use crate::device::microrobots::{Arm, ControlState, MAX_LEVELS, MicrorobotsFacts, Robot};
 use crate::diagnostic::{Diagnostic, Sink};
-use crate::source::Span;
 
 /// Default of the greatest number of levels in a control cycle.
 const DEFAULT_LEVELS: usize = 8;
@@ -33,8 +32,8 @@ pub fn states(
     let analysis = relays::analyse(&rows(facts), source(facts, device), gaps(device));
     let faults: Vec<Diagnostic> = analysis.faults.iter().map(|fault| judge.told_fault(fault, &analysis)).collect();
     let rest = faults.last().filter(|_| analysis.more_faults > 0).map(|last| {
-        let labels = [(table.span, "in this table".to_owned())];
-        told(device, errors::more_faults(last.code, analysis.more_faults), &labels)
+        let labels = [DeviceLabel::cell(table.span, "in this table")];
+        device.labelled(errors::more_faults(last.code, analysis.more_faults), labels)
     });
     faults.into_iter().chain(rest).for_each(|wrong| sink.push(wrong));
     (sink.errors() == errors).then_some(())?;
@@ -64,23 +63,20 @@ struct TableJudge<'a> {
     device: &'a CheckedDevice,
 }
 
-/// Labels of a finding, the first one where it points.
-type Labels = Vec<(Span, String)>;
-
 impl TableJudge<'_> {
     fn name(&self, row: usize) -> &str {
         &self.facts.robots[row].name
     }
 
-    fn cell(&self, row: usize, transition: Transition, text: impl Into<String>) -> (Span, String) {
-        (self.table.place(row, column(transition)), text.into())
+    fn cell(&self, row: usize, transition: Transition, text: impl Into<String>) -> DeviceLabel {
+        DeviceLabel::cell(self.table.place(row, column(transition)), text)
     }
 
     /// Both voltages of a row under one label, if the row stands on one line as rows do.
-    fn row(&self, row: usize) -> (Span, String) {
+    fn row(&self, row: usize) -> DeviceLabel {
         let [down, up] = [Transition::SnapDown, Transition::Release].map(|which| self.table.place(row, column(which)));
         let robot = &self.facts.robots[row];
-        (down.to(up), errors::relay_label(&robot.name, robot.snap_down_v, robot.release_v))
+        DeviceLabel::cell(down.to(up), errors::relay_label(&robot.name, robot.snap_down_v, robot.release_v))
     }
 
     /// An arm that would be released before it snaps down.
@@ -91,7 +87,8 @@ impl TableJudge<'_> {
                 self.cell(row, Transition::Release, "not below `snap_down`"),
                 self.cell(row, Transition::SnapDown, "the arm goes down here"),
             ];
-            told(self.device, errors::release_above_snap_down(&robot.name, robot.release_v, robot.snap_down_v), &labels)
+            let wrong = errors::release_above_snap_down(&robot.name, robot.release_v, robot.snap_down_v);
+            self.device.labelled(wrong, labels)
         })
     }
 
@@ -100,7 +97,7 @@ impl TableJudge<'_> {
         let mend = fault.mend.as_ref().map(|mend| self.mend(mend, &fault.problem));
         let mends: Vec<String> = mend.into_iter().chain(self.other_level(&fault.problem)).collect();
         let wrong = wrong.help_if((!mends.is_empty()).then(|| mends.join("; or ")));
-        told(self.device, wrong, &labels)
+        self.device.labelled(wrong, labels)
     }
 
     /// The level of the device that would suit every row, where the drive train still swings.
@@ -151,7 +148,7 @@ impl TableJudge<'_> {
         }
     }
 
-    fn fault(&self, problem: &Problem, analysis: &Analysis) -> (Diagnostic, Labels) {
+    fn fault(&self, problem: &Problem, analysis: &Analysis) -> (Diagnostic, Vec<DeviceLabel>) {
         match *problem {
             Problem::Hold { row, most_v } => self.limit(row, Limit::Hold { relax_v: self.facts.relax_v, most_v }),
             Problem::Drive { row, least_v } => self.limit(row, Limit::Drive { flex_v: self.facts.flex_v, least_v }),
@@ -179,13 +176,13 @@ impl TableJudge<'_> {
                 (wrong, labels)
             }
             Problem::Crowd { most } => {
-                (errors::too_many_states(most), vec![(self.table.span, "of this table".to_owned())])
+                (errors::too_many_states(most), vec![DeviceLabel::cell(self.table.span, "of this table")])
             }
         }
     }
 
     /// A voltage that clashes with a level of the device.
-    fn limit(&self, row: usize, limit: Limit) -> (Diagnostic, Labels) {
+    fn limit(&self, row: usize, limit: Limit) -> (Diagnostic, Vec<DeviceLabel>) {
         let robot = &self.facts.robots[row];
         let (transition, found_v, field) = match limit {
             Limit::Hold { .. } => (Transition::Release, robot.release_v, Some("relax")),
@@ -194,13 +191,13 @@ impl TableJudge<'_> {
             Limit::Floor { .. } => (Transition::Release, robot.release_v, None),
         };
         let mut labels = vec![self.cell(row, transition, limit.label())];
-        labels.extend(field.into_iter().flat_map(|field| at(self.device, field, "against this level")));
-        labels.extend(at(self.device, "margin", "known no better than this"));
+        labels.extend(field.map(|field| DeviceLabel::field(field, "against this level")));
+        labels.push(DeviceLabel::field("margin", "known no better than this"));
         (errors::voltage_out_of_limit(&robot.name, found_v, limit, self.facts.margin_v), labels)
     }
 
-    /// The two cells that a state would need to separate by one voltage.
-    fn gap(&self, gap: relays::RowGap, transition: Transition) -> Labels {
+    /// The two cells that a state would have to tell apart by one voltage.
+    fn gap(&self, gap: relays::RowGap, transition: Transition) -> Vec<DeviceLabel> {
         let (down, up) = (self.name(gap.down), self.name(gap.up));
         let [low, high] = errors::gap_labels(column(transition), [down, up], gap.gap_v);
         vec![self.cell(gap.down, transition, low), self.cell(gap.up, transition, high)]
@@ -213,17 +210,17 @@ impl TableJudge<'_> {
         let thin: Vec<(usize, &ControlState)> = analysis.states.iter().enumerate().filter(is_thin).collect();
         let told_of = thin.iter().take(MAX_WARNINGS).map(|(index, state)| {
             let wrong = errors::small_slack((*index, &state.digits()), state.slack_v, self.facts.margin_v);
-            told(self.device, wrong, &self.binding(state))
+            self.device.labelled(wrong, self.binding(state))
         });
         let rest = thin.len().checked_sub(MAX_WARNINGS + 1).map(|rest| {
-            let labels = [(self.table.span, "of this table".to_owned())];
-            told(self.device, errors::more_small_slacks(rest + 1), &labels)
+            let labels = [DeviceLabel::cell(self.table.span, "of this table")];
+            self.device.labelled(errors::more_small_slacks(rest + 1), labels)
         });
         told_of.chain(rest).collect()
     }
 
     /// The cells that leave a state no more slack than it has.
-    fn binding(&self, state: &ControlState) -> Labels {
+    fn binding(&self, state: &ControlState) -> Vec<DeviceLabel> {
         let facts = self.facts;
         let is_binding = |slack_v: f64| (slack_v - state.slack_v).abs() <= 1e-9 * facts.max_v;
         let rows = 0..facts.robots.len();
@@ -247,7 +244,7 @@ impl TableJudge<'_> {
         let above_v = |row: &usize| (facts.robots[*row].release_v - facts.margin_v) / 2.0;
         match rows.into_iter().find(|row| is_binding(above_v(row))) {
             Some(row) => vec![self.cell(row, Transition::Release, "barely above 0 V")],
-            None => vec![(self.table.span, "in this table".to_owned())],
+            None => vec![DeviceLabel::cell(self.table.span, "in this table")],
         }
     }
 

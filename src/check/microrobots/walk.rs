@@ -4,10 +4,10 @@
 
 use super::bodies::{ObstacleSolid, RobotBody, is_too_near};
 use super::docking::{self, Docked, Partner};
-use super::goals::PoseOrigins;
 use super::ground::first_near;
 use crate::check::errors;
 use crate::claims::Job;
+use crate::claims::ValueOrigin;
 use crate::claims::microrobots::{
     Dock, MicrorobotsAction, MicrorobotsObstacle, MicrorobotsOrder, MicrorobotsStop, Placed,
 };
@@ -18,7 +18,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Checks the demands of a schedule on docked robots.
-pub fn beds_agree(jobs: &[Job], origins: &PoseOrigins, sink: &mut Sink) {
+pub fn beds_agree(jobs: &[Job], sink: &mut Sink) {
     let mut beds: BTreeMap<&str, BedWalk> = BTreeMap::new();
     for job in jobs {
         let Some(order) = job.order.microrobots() else { continue };
@@ -32,12 +32,23 @@ pub fn beds_agree(jobs: &[Job], origins: &PoseOrigins, sink: &mut Sink) {
             let run = if job.run_span == job.span { step.span } else { job.run_span };
             for diagnostic in walk.advance(&step.action, step.span, order) {
                 let at = diagnostic.span().unwrap_or(step.span);
-                let origin = origins.get(&at).and_then(Option::as_ref);
-                let told = errors::given_from(diagnostic, at, origin);
+                let told = errors::given_from(diagnostic, at, origin_of(&step.action, at));
                 sink.push(told.label_elsewhere(run, step.span, "run here"));
             }
         }
     }
+}
+
+/// Where the stop at a place was given; `None` too if a `for` puts several stops there that were given in several places.
+fn origin_of(action: &MicrorobotsAction, at: Span) -> Option<&ValueOrigin> {
+    let stops: Vec<&MicrorobotsStop> = match action {
+        MicrorobotsAction::Wait(_) | MicrorobotsAction::Apply { .. } => Vec::new(),
+        MicrorobotsAction::Drive { stops, .. } => stops.iter().collect(),
+        MicrorobotsAction::Assemble(docks) => docks.iter().map(|dock| &dock.goal).collect(),
+    };
+    let mut origins = stops.into_iter().filter(|stop| stop.span == at).map(|stop| stop.origin.as_ref());
+    let first = origins.next()?;
+    origins.all(|origin| origin == first).then_some(first)?
 }
 
 /// A bed between two steps.
@@ -133,8 +144,7 @@ impl BedWalk {
 }
 
 fn docked<'a>(robot: usize, at: &MicrorobotsStop, order: &'a MicrorobotsOrder) -> Docked<'a> {
-    let MicrorobotsStop { pose, span } = *at;
-    Docked { robot, facts: order.robot(robot), pose, span }
+    Docked { robot, facts: order.robot(robot), pose: at.pose, span: at.span }
 }
 
 /// How late each robot of the order snaps down: the states of a STRING table lower one after the other. `None` where they do not.
@@ -185,7 +195,7 @@ fn in_any_order(structure: &[Docked], goals: &[Docked], docking: &Docking) -> Op
     in_this_order(structure, &ordered, docking)
 }
 
-/// How goals fit to each other and to a structure, each pair looked at once.
+/// How goals fit to each other and to a structure, each pair computed once.
 struct Pairs {
     /// For each goal its possible partners: goals, then the structure. `None` where the two overlap.
     fits: Vec<Vec<Option<Fit>>>,

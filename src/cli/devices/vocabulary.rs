@@ -188,7 +188,7 @@ fn common_settings(vocabulary: &Vocabulary) -> Vec<(String, String)> {
     let default = vocabulary.objectives.first().map_or("", |objective| objective.name);
     let planner = vocabulary.planners.first().map_or("", |planner| planner.name);
     let mut settings = vec![
-        ("minimize WHAT".to_owned(), format!("what the plan is best in (else {default})")),
+        ("minimize WHAT".to_owned(), format!("figure that the plan minimises (default {default})")),
         (
             "using PLANNER".to_owned(),
             format!("how the plan is searched; `using {planner} {{ expansions: 5000000 }}` sets its budget"),

@@ -25,7 +25,7 @@ pub struct Manifest {
 struct ProgramId {
     /// The program's file without its folder, for messages.
     program: String,
-    /// SHA-256 of the way from the folder to the program, in hexadecimal.
+    /// SHA-256 of the relative path from the folder to the program, in hexadecimal.
     place: String,
 }
 
@@ -81,7 +81,7 @@ impl ProgramId {
     }
 }
 
-/// The way from a folder to a file, so that both may be moved together.
+/// The relative path from a folder to a file, so that both may be moved together.
 fn way_to(folder: &Path, file: &Path) -> PathBuf {
     let (from, to): (Vec<Component>, Vec<Component>) = (folder.components().collect(), file.components().collect());
     let shared = from.iter().zip(&to).take_while(|(a, b)| a == b).count();

@@ -1,6 +1,6 @@
-//! Where used files come from: the disk, or a log.
+//! Sources of used files: the disk, or a log.
 //!
-//! Files are known by names that are seen from the program's folder, so that outputs do not hang on where a program lies or how its
+//! Files are named by paths relative to the program's folder, so that outputs do not depend on where a program is stored or how its
 //! path was typed; messages show that path.
 
 use super::disk;

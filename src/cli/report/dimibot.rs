@@ -28,7 +28,7 @@ pub fn cost(plan: &PlanRecord, order: &DimibotOrder) -> String {
     }
 }
 
-/// The order in which each `visit` comes to its places, and the distance between places and the cells that replace them.
+/// The order in which each `visit` reaches its places, and the distance between places and the cells that replace them.
 pub fn notes(run: &ReportedRun, order: &DimibotOrder) -> Vec<Note> {
     let visits = run.steps.iter().zip(&order.steps).filter_map(|(step, claim)| match &claim.action {
         DimibotAction::Visit(stops) => {

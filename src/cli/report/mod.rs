@@ -149,7 +149,7 @@ fn planned(verified: &Verified, width: usize, text: &mut String) {
         }
     }
     for [one, other] in &verified.claims().not_held {
-        let line = format!("`{one}` and `{other}` are not: no scene says where both stand");
+        let line = format!("`{one}` and `{other}` are not: no scene places both");
         text.push_str(&terminal::line("Apart", "", width, &line));
     }
 }

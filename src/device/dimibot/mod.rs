@@ -1,7 +1,7 @@
 //! The DiMiBot: a planar microrobot whose bistable modules add up binary displacements.
 //!
 //! Facts, kinematics and vocabulary of the kind. Source of the model: Chalvet, Haddab, Lutz, *Trajectory planning for
-//! micromanipulation with a nonredundant digital microrobot*, J. Mechanisms and Robotics 8(2), 2016, with the slips of that
+//! micromanipulation with a nonredundant digital microrobot*, J. Mechanisms and Robotics 8(2), 2016, with errors of that
 //! text corrected where the doc comments say so.
 
 use crate::geometry::PlaneAxis;
@@ -174,7 +174,7 @@ impl DimibotFacts {
         [(place_um[0] / self.pitch_um(Side::Left)).round(), (place_um[1] / self.pitch_um(Side::Right)).round()]
     }
 
-    /// The cell nearest to a place, if it lies in the workspace.
+    /// The cell nearest to a place, if it is in the workspace.
     pub fn nearest_cell(&self, place_um: [f64; 2]) -> Option<LatticeCell> {
         let [x, y] = self.nearest_indices(place_um);
         let inside =

@@ -15,7 +15,7 @@ words! {
         Distance = "distance": "the way of the end-effector",
         Switches = "switches": "how often a module is switched",
         Time = "time": "how long it takes",
-        Energy = "energy": "what the pulses cost",
+        Energy = "energy": "energy of the pulses",
     }
 }
 
@@ -198,7 +198,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     fields: FIELDS,
     nouns: &[Noun {
         name: "obstacle",
-        doc: "what the tip must not touch; without a shape a point",
+        doc: "something that the tip must not touch; a point if it has no shape",
         shapes: ShapeForm::SOLID,
     }],
     settings: SETTINGS,

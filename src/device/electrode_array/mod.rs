@@ -20,7 +20,7 @@ pub const MAX_PARTS: usize = 1_000;
 /// Greatest number of obstacles in one scene.
 pub const MAX_OBSTACLES: usize = 100_000;
 
-/// The largest distance that parts may be asked to keep from each other or from obstacles, in electrodes.
+/// Greatest configurable distance of parts from each other or from obstacles, in electrodes.
 pub const MAX_APART: u32 = 100;
 
 /// An electrode, and so a place for the centre of a part: column and row, both from 1, rows upward.
@@ -47,7 +47,7 @@ impl ElectrodeCell {
         if columns > rows { columns } else { rows }
     }
 
-    /// Manhattan distance: the steps from one to the other where nothing is in the way.
+    /// Manhattan distance: the steps from one to the other without obstacles.
     pub const fn steps_to(self, other: ElectrodeCell) -> u32 {
         self.column.abs_diff(other.column) + self.row.abs_diff(other.row)
     }
@@ -69,11 +69,11 @@ pub enum Separation {
     AsPublished,
 }
 
-/// The separation that the verifier asks for where a plan follows the paper's Table 3.
+/// The separation that the verifier requires where a plan follows the paper's Table 3.
 pub const PUBLISHED_SEPARATION: u32 = 4;
 
 impl Separation {
-    /// The Chebyshev distance that holds, in electrodes.
+    /// The Chebyshev distance in force, in electrodes.
     pub const fn apart(self) -> u32 {
         match self {
             Separation::Apart(cells) => cells,

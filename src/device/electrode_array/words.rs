@@ -59,13 +59,13 @@ impl ElectrodeArrayOutcome {
 }
 
 const SEPARATION: [WordChoice; 1] =
-    [WordChoice { name: "as_published", doc: "Table 3 of the paper as it is printed, which is not safe everywhere" }];
+    [WordChoice { name: "as_published", doc: "Table 3 of the paper as printed; not safe everywhere" }];
 
 const FORCES: [VocabularyField; 7] = [
     required("radius", positive(Dimension::LENGTH), "the electrode radius that the row is for"),
     required("potential", positive(Dimension::VOLTAGE), "the potential of the row, the least that moves a part"),
     required("permittivity", positive(Dimension::NUMBER), "the relative permittivity of the row's dielectric"),
-    required("distance", positive(Dimension::LENGTH), "the distance of centres at which the row's forces act"),
+    required("distance", positive(Dimension::LENGTH), "distance of centres for the row's forces"),
     required("vertical_force", not_negative(Dimension::FORCE), "the electrodes' pull towards the board"),
     required("weight", not_negative(Dimension::FORCE), "the weight of a part"),
     required("lateral_force", positive(Dimension::FORCE), "the electrodes' pull along the board"),
@@ -93,10 +93,10 @@ const FIELDS: &[VocabularyField] = &[
     optional(
         "settling",
         not_negative(Dimension::TIME),
-        "what the equation of motion gives where there are `forces`",
+        "from the equation of motion if `forces` are given",
         "from one cell to rest on the next, where it was measured",
     ),
-    required("part", Sort::Shape(ShapeForm::Layout), "what every part of the board looks like from below"),
+    required("part", Sort::Shape(ShapeForm::Layout), "the layout of every part, seen from below"),
     optional(
         "hold",
         Sort::Flag,
@@ -113,7 +113,7 @@ const FIELDS: &[VocabularyField] = &[
         Sort::Count { least: 1, most: MAX_APART },
         "how many electrodes a centre keeps from an electrode under an obstacle",
     ),
-    optional("forces", Sort::Table(&FORCES), "forces are not checked", "what pulls on a part, by electrode radius"),
+    optional("forces", Sort::Table(&FORCES), "forces are not checked", "forces on a part, by electrode radius"),
     optional(
         "permittivity",
         positive(Dimension::NUMBER),
@@ -133,9 +133,9 @@ const FIELDS: &[VocabularyField] = &[
         "2 %",
         "share of the pitch, and of the greatest speed, within which a part is at rest",
     ),
-    optional("density", positive(Dimension::DENSITY), "`mass` says it", "of a part, a plate half a radius thick"),
+    optional("density", positive(Dimension::DENSITY), "from `mass`", "density of a part, a plate half a radius thick"),
     optional("mass", positive(Dimension::MASS), "by `density`", "of a part, where it was measured"),
-    optional("viscosity", positive(Dimension::VISCOSITY), "`damping` says it", "of the liquid that parts glide on"),
+    optional("viscosity", positive(Dimension::VISCOSITY), "from `damping`", "viscosity of the liquid under the parts"),
     optional("damping", positive(Dimension::DAMPING), "by `viscosity`", "drag over speed, where it was measured"),
 ];
 

@@ -56,7 +56,7 @@ impl Plane {
 
     /// The plane's own coordinate axes in the object's frame: a positive turn carries the first one towards the second.
     ///
-    /// Both planes share the first one, along x: contact 1, the paper's I, lies where it leaves the object.
+    /// Both planes share the first axis, along x: contact 1, the paper's I, is where it leaves the object.
     pub const fn axes(self) -> [[f64; 3]; 2] {
         match self {
             Plane::Xy => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
@@ -119,7 +119,7 @@ pub struct FingersFacts {
     pub speed_um_per_s: f64,
     /// Speed of a tip within `retract_um` of its contact.
     pub approach_um_per_s: f64,
-    /// The fastest that a tip moves while it holds.
+    /// Greatest speed of a tip that holds.
     pub rolling_um_per_s: f64,
     /// Force with which its support holds the object before the first grasp and after a release, in micronewtons.
     pub support_un: f64,

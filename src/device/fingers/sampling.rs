@@ -17,7 +17,7 @@ pub fn once_round_rad(curve: &Curve, tip_radius_um: f64) -> f64 {
     curve.rolled_rad(curve.perimeter_um(), tip_radius_um) - curve.rolled_rad(0.0, tip_radius_um)
 }
 
-/// c, and the number of the contact at J if one lies there: as many contacts as come nearest to the nominal step, if possible with one
+/// c, and the number of the contact at J if there is one: the number of contacts nearest to the nominal step, if possible with one
 /// at J.
 pub fn contacts(curve: &Curve, facts: &FingersFacts) -> (f64, Option<u32>) {
     let once = once_round_rad(curve, facts.tip_radius_um);

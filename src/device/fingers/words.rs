@@ -78,7 +78,7 @@ const FIELDS: &[VocabularyField] = &[
         "support",
         not_negative(Dimension::FORCE),
         "0 uN",
-        "force with which its support holds the object before the first grasp and after a release",
+        "force with which the support holds the object before the first grasp and after a release",
     ),
     required("tolerance", positive(Dimension::LENGTH), "how far a contact may be from touching and rolling exactly"),
     optional(
@@ -162,7 +162,7 @@ const VERBS: &[Verb] = &[
         object: None,
         phrases: &[],
         block: None,
-        doc: "takes all fingers off; what the object then rests on must hold it against the last one",
+        doc: "takes all fingers off; the support must hold the object against the last one",
         example: "release",
     },
 ];
@@ -190,7 +190,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     fields: FIELDS,
     nouns: &[Noun {
         name: "part",
-        doc: "what the fingers turn",
+        doc: "the object that the fingers turn",
         shapes: &[
             ShapeForm::Ellipsoid,
             ShapeForm::Superellipsoid,

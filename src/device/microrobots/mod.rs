@@ -113,7 +113,7 @@ impl Robot {
         [pose.x_um - curve * sin, pose.y_um + curve * cos]
     }
 
-    /// The radius of the disc that its body sweeps on its orbit: to the corner that lies farthest out.
+    /// The radius of the disc that its body sweeps on its orbit: to the farthest corner.
     pub fn orbit_reach_um(&self) -> f64 {
         (self.turning_radius_um + self.width_um / 2.0).hypotenuse(self.length_um / 2.0)
     }
@@ -141,9 +141,9 @@ pub struct Docking {
 /// How the last stretch before a goal is driven: by turns between turning and running straight.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Fine {
-    /// The way of the robot from the intermediate configuration to the goal.
+    /// Path length of the robot from the intermediate configuration to the goal.
     pub length_um: f64,
-    /// The way in which each of the two or three primitives comes once.
+    /// Path length of one cycle, in which each of the two or three primitives occurs once.
     pub cycle_um: f64,
 }
 

@@ -43,13 +43,13 @@ const ROBOTS: [VocabularyField; 8] = [
     required("release", positive(Dimension::VOLTAGE), "at or below it the arm goes up"),
     required("turning_radius", positive(Dimension::LENGTH), "of its circle while the arm is down"),
     optional("speed", positive(Dimension::SPEED), "`step_size` times `drive_frequency`", "while the bed is driven"),
-    optional("turns", Sort::Word(&TURNS), "clockwise", "to which side it turns"),
+    optional("turns", Sort::Word(&TURNS), "clockwise", "the side to which it turns"),
     optional("length", positive(Dimension::LENGTH), "the device's", "of its body, along its heading"),
     optional("width", positive(Dimension::LENGTH), "the device's", "of its body, across its heading"),
 ];
 
 const FIELDS: &[VocabularyField] = &[
-    required("robots", Sort::Table(&ROBOTS), "what is known of each robot"),
+    required("robots", Sort::Table(&ROBOTS), "one row for each robot"),
     required("margin", positive(Dimension::VOLTAGE), "each transition voltage is known to plus or minus this"),
     required("max_voltage", positive(Dimension::VOLTAGE), "the most that the source gives"),
     required("relax", positive(Dimension::VOLTAGE), "the level between the strokes of the drive train"),
@@ -74,7 +74,7 @@ const FIELDS: &[VocabularyField] = &[
     required(
         "orbit_clearance",
         not_negative(Dimension::LENGTH),
-        "what everything keeps from the disc that an orbiting robot sweeps",
+        "least distance of everything from the disc that an orbiting robot sweeps",
     ),
     required(
         "self_aligning_angle",
@@ -97,7 +97,7 @@ const FIELDS: &[VocabularyField] = &[
         "how far bodies that are docked may lie apart or overlap",
     ),
     required("fine_length", positive(Dimension::LENGTH), "the way of the fine motion before a goal"),
-    required("fine_cycle", positive(Dimension::LENGTH), "the way in which a fine motion visits each primitive once"),
+    required("fine_cycle", positive(Dimension::LENGTH), "path length in which a fine motion runs each primitive once"),
     optional(
         "speed_error",
         not_negative(Dimension::NUMBER),
@@ -171,10 +171,10 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     library: ("std.microrobots", "microrobots.bed"),
     fields: FIELDS,
     nouns: &[
-        Noun { name: "robot", doc: "a robot of the device's table, where it stands at first", shapes: &[] },
+        Noun { name: "robot", doc: "a robot of the device's table, at its start", shapes: &[] },
         Noun {
             name: "obstacle",
-            doc: "what no robot may come near",
+            doc: "something that no robot may come near",
             shapes: &[ShapeForm::Disc, ShapeForm::Box, ShapeForm::Polygon, ShapeForm::Capsule],
         },
     ],

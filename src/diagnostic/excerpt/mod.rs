@@ -193,7 +193,7 @@ fn mark(file: &SourceFile, label: &Label, index: usize) -> Mark {
     Mark { place: start..end, text: plain(&label.text).into_owned(), rank }
 }
 
-/// Labels that lie in one another are drawn wrongly: the outer one gives way to the inner, and two of one place become one.
+/// The renderer draws nested labels wrongly: the outer one is shortened in favour of the inner, and two at one place become one.
 fn apart(mut marks: Vec<Mark>) -> Vec<Mark> {
     marks.sort_by_key(|mark| (mark.place.start, mark.place.end));
     let mut result: Vec<Mark> = Vec::with_capacity(marks.len());

@@ -221,7 +221,7 @@ fn around(corners: &[Point2<f64>], at: usize) -> [Point2<f64>; 3] {
     [corners[(at + count - 1) % count], corners[at], corners[(at + 1) % count]]
 }
 
-/// Whether a corner of a counter-clockwise polygon turns left and no other corner lies in its triangle.
+/// Whether a corner of a counter-clockwise polygon turns left and no other corner is in its triangle.
 fn is_ear(corners: &[Point2<f64>], at: usize) -> bool {
     let [a, b, c] = around(corners, at);
     let left_of = |p: Point2<f64>, q: Point2<f64>, r: Point2<f64>| (q - p).perp(&(r - p));

@@ -192,7 +192,7 @@ fn metadata(verified: &Verified, provenance: &Provenance) -> records::Metadata {
     records::Metadata { name: METADATA.to_owned(), metadata }
 }
 
-/// How the file is packed. It is written from its beginning to its end, so that whoever takes it can be anything.
+/// Packing options of the file. It is written from beginning to end, so that it can go to any sink.
 fn options() -> WriteOptions {
     WriteOptions::new()
         .profile("")

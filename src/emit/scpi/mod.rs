@@ -204,7 +204,7 @@ fn upload(bytes: &mut Vec<u8>, sequence: &Sequence, profile: &Profile, filling: 
     }
 }
 
-/// The sequence as a definite-length block of text: its name, then name, repetitions, way on and marker of each step.
+/// The sequence as a definite-length block of text: its name, then name, repetitions, advance mode and marker of each step.
 fn steps(sequence: &Sequence, channel: usize) -> String {
     let mut text = format!("\"{}\"", segment(channel));
     for step in &sequence.steps {

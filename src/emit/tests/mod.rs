@@ -257,7 +257,7 @@ fn scpi_is_refused_past_the_memory_and_the_outputs_of_the_instrument() {
     assert_eq!(error.diagnostic().code, Code::E0823);
     assert_eq!(
         error.diagnostic().title,
-        "12 points of 15000000 ns make up the 150000000 ns of the schedule, the instrument takes 11"
+        "the schedule of 150000000 ns needs 12 points of 15000000 ns, but the instrument takes 11"
     );
     let Err(error) = super::scpi::write(&signals, &profile(12, 19)) else { panic!("20 channels are too many") };
     assert_eq!(error.diagnostic().code, Code::E0824);

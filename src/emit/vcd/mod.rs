@@ -21,7 +21,7 @@ use std::fmt::Write as _;
 /// Estimated bytes of a change without the digits of its instant.
 const CHANGE_BYTES: u64 = 10;
 
-/// The scope that holds the physical outputs.
+/// The scope of the physical outputs.
 const WIRES: &str = "wires";
 
 /// The text of the file.

@@ -111,7 +111,7 @@ fn length([a, b]: Segment) -> f64 {
     (b - a).norm()
 }
 
-/// Whether a point lies in a polygon: the corners turn about it by a whole turn.
+/// Whether a point is in a polygon: the corners turn about it by a whole turn.
 fn wound(point: Point2<f64>, corners: &[Point2<f64>]) -> bool {
     let turn = |[a, b]: Segment| (a - point).perp(&(b - point)).atan2((a - point).dot(&(b - point)));
     edges(corners).map(turn).sum::<f64>().abs() > std::f64::consts::PI

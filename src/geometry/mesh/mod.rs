@@ -40,7 +40,7 @@ pub enum MeshError {
     ZeroArea { triangle: usize },
     /// Edges that belong to one triangle only, and the middle of one of them: holes.
     Open { edges: usize, at_um: [f64; 3] },
-    /// Edges of more than two triangles, or of two that face opposite ways, and the middle of one of them.
+    /// Edges of more than two triangles, or of two with opposite orientation, and the middle of one of them.
     Tangled { edges: usize, at_um: [f64; 3] },
     /// It encloses no volume.
     NoVolume,

@@ -10,7 +10,7 @@ use crate::real::Real;
 /// Least area enclosed by a line, as a share of the square of its length.
 const LEAST_AREA: f64 = 1e-12;
 
-/// A triangle that the plane cuts: the edges on which the way along the section comes in and goes out.
+/// A triangle that the plane cuts: the edges on which the section line enters and leaves.
 struct Cut {
     enter: [u32; 2],
     leave: [u32; 2],
@@ -37,7 +37,7 @@ pub(super) fn loops(mesh: &Mesh, axes: [[f64; 3]; 2]) -> Vec<Vec<[f64; 2]>> {
     loops
 }
 
-/// In a triangle seen from outside one edge goes up through the plane and one goes down; its neighbours see them the other way round.
+/// In a triangle seen from outside one edge goes up through the plane and one goes down; for its neighbours the directions are reversed.
 fn cut(triangle: [u32; 3], heights: &[f64]) -> Option<Cut> {
     let is_above = |vertex: u32| heights[vertex as usize] >= 0.0;
     let through =

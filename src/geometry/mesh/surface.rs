@@ -114,7 +114,7 @@ pub(super) fn box_square([low, high]: [[f64; 3]; 2], point: [f64; 3]) -> f64 {
     off(0) + off(1) + off(2)
 }
 
-/// The square of the distance of a point from a triangle: from its plane if the foot lies inside, else from the nearest side.
+/// The square of the distance of a point from a triangle: from its plane if the foot is inside, otherwise from the nearest side.
 pub(super) fn square([a, b, c]: [[f64; 3]; 3], point: [f64; 3]) -> f64 {
     let normal = cross(minus(b, a), minus(c, a));
     let is_inside = |from: [f64; 3], to: [f64; 3]| dot(cross(minus(to, from), minus(point, from)), normal) >= 0.0;

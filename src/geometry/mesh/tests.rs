@@ -186,7 +186,7 @@ fn a_hole_is_told() {
     assert_eq!(edges, 3);
     let middles = [(a, b), (b, c), (c, a)].map(|(a, b)| [0, 1, 2].map(|axis| f64::midpoint(a[axis], b[axis])));
     assert!(middles.contains(&at_um));
-    // One that faces the wrong way, and one that is there twice.
+    // A triangle with the wrong orientation, and a duplicate.
     let mut turned = icosphere(2);
     turned[5].swap(0, 1);
     assert!(matches!(Mesh::of(&turned), Err(MeshError::Tangled { edges: 3, .. })));

@@ -1,8 +1,8 @@
-//! Cuts an outline into short stretches on which the way and the parameter are polynomials of one another.
+//! Cuts an outline into short stretches on which arc length and parameter are polynomials of one another.
 //!
-//! Input: a form and where to begin. Output: the stretches in order, with the way and the turn of the normal at each node. Promise:
-//! on a stretch the way is right to [`WAY_UM`], the tangent turns by at most [`MAX_TURN_RAD`], and the curve stays within `sag` of the
-//! chord. Lengths are integrals by Gauss' rule with eight points; a stretch is halved until halves agree with the whole.
+//! Input: a form and where to begin. Output: the stretches in order, with the arc length and the turn of the normal at each node. Promise:
+//! on a stretch the arc length is correct to [`WAY_UM`], the tangent turns by at most [`MAX_TURN_RAD`], and the curve stays within `sag` of
+//! the chord. Lengths are integrals by Gauss' rule with eight points; a stretch is halved until halves agree with the whole.
 
 use super::OutlineError;
 use super::form::{Jet, OutlineForm, cross, dot, minus, norm};
@@ -69,18 +69,18 @@ pub(super) struct CurveStretch {
     pub length_um: f64,
     /// Greatest distance of the curve from the chord.
     pub sag_um: f64,
-    /// The parameter's share by the way's share, and the other way round.
+    /// Parameter share as a polynomial of the arc-length share, and vice versa.
     share_by_way: Quintic,
     share_by_t: Quintic,
 }
 
 impl CurveStretch {
-    /// The parameter at a way from its beginning.
+    /// The parameter at an arc length from its beginning.
     pub fn t(&self, way_um: f64) -> f64 {
         self.from_t + (self.to_t - self.from_t) * self.share_by_way.at(way_um / self.length_um)
     }
 
-    /// The way from its beginning at a parameter.
+    /// The arc length from its beginning at a parameter.
     pub fn way_um(&self, t: f64) -> f64 {
         self.length_um * self.share_by_t.at((t - self.from_t) / (self.to_t - self.from_t))
     }
@@ -106,7 +106,7 @@ pub(super) fn turn(from: [f64; 2], to: [f64; 2]) -> f64 {
     cross(from, to).arc_tangent_over(dot(from, to))
 }
 
-/// The stretches of a curve and its nodes; there is one node more than there are stretches, and the last one lies on the first.
+/// The stretches of a curve and its nodes; there is one node more than there are stretches, and the last one coincides with the first.
 #[derive(Debug, Clone, Default)]
 pub(super) struct FollowedCurve {
     pub stretches: Vec<CurveStretch>,

@@ -35,7 +35,7 @@ impl Jet {
     }
 }
 
-/// A straight line or an arc of a circle, with the way along it as the parameter.
+/// A straight line or an arc of a circle, with its arc length as the parameter.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum OutlineArc {
     Line { from: [f64; 2], along: [f64; 2] },
@@ -87,7 +87,7 @@ impl OutlineForm {
         }
     }
 
-    /// The parameters between which a piece lies, cut where it may be less smooth.
+    /// The parameter range of a piece, cut where it may be less smooth.
     pub fn cuts(&self, piece: usize) -> Vec<f64> {
         match self {
             OutlineForm::Ellipse { .. } | OutlineForm::Superellipse { .. } => {

@@ -51,7 +51,7 @@ pub enum Outline {
     Spline { points_um: Vec<[f64; 2]> },
 }
 
-/// Where the curve is at some way along it.
+/// The curve at an arc length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePoint {
     pub point_um: [f64; 2],
@@ -61,7 +61,7 @@ pub struct CurvePoint {
     pub curvature_per_um: f64,
 }
 
-/// The place of an outline that lies nearest to a point.
+/// The place of an outline that is nearest to a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearest {
     pub way_um: f64,
@@ -82,11 +82,11 @@ pub enum OutlineError {
     RepeatedPoint(usize),
     /// It encloses no area.
     NoArea,
-    /// It meets itself at these two ways along it.
+    /// It intersects itself at these two arc lengths.
     Crossing { ways_um: [f64; 2] },
     /// It has a corner, or bends too sharply to be followed, near this point.
     Rough { point_um: [f64; 2] },
-    /// The x axis does not meet it on both sides of the origin, or the origin lies outside.
+    /// The x axis does not meet it on both sides of the origin, or the origin is outside.
     OffOrigin,
 }
 
@@ -180,7 +180,7 @@ impl Curve {
         self.width_um
     }
 
-    /// The place at a way along it; ways count on round and round, and backwards below 0. The normal counts on with them.
+    /// The place at an arc length, which may exceed the perimeter or be negative (laps). The normal's angle counts laps too.
     pub fn spot(&self, way_um: f64) -> CurvePoint {
         let laps = (way_um / self.perimeter_um).floor();
         let way_um = way_um - laps * self.perimeter_um;
@@ -194,14 +194,14 @@ impl Curve {
         }
     }
 
-    /// The stretch and the parameter at a way within the first lap.
+    /// The stretch and the parameter at an arc length within the first lap.
     fn place(&self, way_um: f64) -> (usize, f64) {
         let ways_um = &self.course.ways_um;
         let at = ways_um.partition_point(|way| *way <= way_um).saturating_sub(1).min(self.course.stretches.len() - 1);
         (at, self.course.stretches[at].t(way_um - ways_um[at]))
     }
 
-    /// The place nearest to a point; its way lies in the first lap.
+    /// The place nearest to a point; its arc length is in the first lap.
     pub fn nearest(&self, point_um: [f64; 2]) -> Nearest {
         let mut found = NearestPlace { square: f64::INFINITY, way_um: 0.0, sign: f64::NAN };
         if point_um.iter().all(|number| number.is_finite()) {
@@ -225,7 +225,7 @@ impl Curve {
         dot(gap, gap) <= reach * reach
     }
 
-    /// How half the square of the distance grows along the way at a node.
+    /// Derivative of half the squared distance by arc length at a node.
     fn slope(&self, node: usize, point_um: [f64; 2]) -> f64 {
         dot(minus(self.course.points_um[node], point_um), self.course.tangents[node])
     }
@@ -313,7 +313,7 @@ impl Curve {
         through(Fault::WayRolled, way_um + laps * self.perimeter_um)
     }
 
-    /// The way to where the negative x axis meets it, farthest out.
+    /// The arc length at which the negative x axis meets it, farthest out.
     pub fn opposite_um(&self) -> f64 {
         self.opposite_um
     }
@@ -455,7 +455,7 @@ fn axis_places(form: &OutlineForm) -> Result<(PieceParameter, Option<PieceParame
     }
 }
 
-/// The way along a course to a place.
+/// The arc length of a place along a course.
 fn way_at(course: &FollowedCurve, (piece, t): PieceParameter) -> f64 {
     let off = |at: usize| {
         let stretch = &course.stretches[at];

@@ -169,7 +169,7 @@ fn smooth(ring: &[[f64; 2]], near_um: f64) -> Vec<[f64; 2]> {
     waves.points((6 * cutoff).clamp(MIN_SMOOTHED, MAX_SMOOTHED), cutoff)
 }
 
-/// The averages of the places along equal steps of the way.
+/// The averages of the places along equal steps of arc length.
 fn averages(ring: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let perimeter: f64 = sides(ring).map(|[a, b]| norm(minus(b, a))).sum();
     let step = perimeter / MAX_SMOOTHED as f64;

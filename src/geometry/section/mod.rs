@@ -27,7 +27,7 @@ pub struct Rectangle {
 }
 
 impl Rounded {
-    /// The smallest rectangle that holds the body.
+    /// The smallest rectangle that encloses the body.
     pub fn bounds(&self) -> Rectangle {
         let r = self.radius_um;
         let (mut min_um, mut max_um) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);

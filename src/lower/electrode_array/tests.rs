@@ -34,7 +34,7 @@ pub(crate) fn facts(electrodes: Electrodes) -> ElectrodeArrayFacts {
     }
 }
 
-/// The claims and the schedule of a task whose parts take these ways in its steps; a step without ways is a wait of 1 ms.
+/// The claims and the schedule of a task whose parts take these paths in its steps; a step without paths is a wait of 1 ms.
 /// Parts are called a, b, …; a pair of parts that end on one cell merges.
 pub(crate) fn carried(facts: &ElectrodeArrayFacts, steps: &[Vec<Vec<(u32, u32)>>]) -> (Claims, Schedule) {
     let cells =
@@ -107,7 +107,7 @@ fn asked(ways: &[Vec<ElectrodeCell>]) -> TaskStep {
         if let Some(first) = moves.iter_mut().find(|action| action.goal().cell == goal) {
             first.with = Some(part);
         } else if way.len() > 1 {
-            let stops = vec![ElectrodeArrayStop { cell: goal, span: Span::default() }];
+            let stops = vec![ElectrodeArrayStop { cell: goal, span: Span::default(), origin: None }];
             moves.push(ElectrodeArrayMove { part, with: None, stops, span: Span::default() });
         }
     }

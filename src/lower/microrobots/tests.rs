@@ -125,9 +125,9 @@ pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
 /// The source text of the schedule.
 pub(crate) const SOURCE: &str = "task assemble on m { }\n";
 
-/// The step that asks for a motion, from its robots' places to be filled in.
+/// The step whose goal is a motion, from its robots' places to be filled in.
 fn asked(motion: &MicrorobotsStepMotion) -> MicrorobotsStep {
-    let goal = || MicrorobotsStop { pose: Pose::at(0.0, 0.0), span: Span::default() };
+    let goal = || MicrorobotsStop { pose: Pose::at(0.0, 0.0), span: Span::default(), origin: None };
     let action = match motion {
         MicrorobotsStepMotion::Wait(duration_ns) => MicrorobotsAction::Wait(*duration_ns),
         MicrorobotsStepMotion::Legs { docks, .. } if docks.is_empty() => {

@@ -1,17 +1,18 @@
-//! A coarse picture of a field: blocks of cells, and between which blocks a flip exists.
+//! Coarse abstraction of a field: blocks of cells, and the flips that exist between blocks.
 //!
-//! A module with a stroke of a block or more leads from block to block, one with a smaller stroke stays within its block. The picture keeps a flip between two
-//! blocks if any of their cells has it. A path between cells costs at least as much as one between their blocks plus the weights of
-//! the small modules that differ; blocks that are not connected prove that there is no path. Built once per field from the free
-//! runs of all lines; a row of blocks is finished as soon as all its flips are known to exist.
+//! A module whose stroke is at least a block wide leads from block to block; one with a smaller stroke stays within its block. The
+//! abstraction keeps a flip between two blocks if any of their cells has it. So a path between cells costs at least the distance
+//! between their blocks plus the weights of the fine modules that differ (an admissible heuristic), and blocks that are not
+//! connected prove that there is no path. It is built once per field from the free runs of all lines; a row of blocks is finished
+//! as soon as all its flips are known to exist.
 
 use super::field::FieldReader;
 use super::lattice::{Side, SwitchWeights, bits};
 
-/// Modules of each side of the finest picture: 1024 by 1024 blocks.
+/// Coarse modules of each side in the finest abstraction: 1024 by 1024 blocks.
 const MAX_COARSE: u32 = 10;
 const WORDS: usize = 1 << (MAX_COARSE - 6);
-/// Lines computed for one field; all flips of blocks beyond that are taken to exist.
+/// Lines computed for one field; beyond them all flips of blocks are assumed to exist, which keeps the bound admissible.
 const MAX_LINES: u64 = 1 << 22;
 
 /// Which flips exist between blocks.
@@ -30,7 +31,7 @@ pub(super) struct Blocks {
 type Exist = [[u64; WORDS]; MAX_COARSE as usize];
 
 impl Blocks {
-    /// The picture with at most 2^`coarse` blocks a side, `coarse` ≤ 10.
+    /// The abstraction with at most 2^`coarse` blocks per side, `coarse` ≤ 10.
     pub(super) fn new(reader: &mut FieldReader<'_>, coarse: u32) -> Self {
         let modules = reader.lattice().modules;
         let coarse = modules.map(|n| n.min(coarse));
@@ -72,7 +73,7 @@ impl Blocks {
             *lines -= 1;
             runs.clear();
             reader.each_free_run(side, line, |run| runs.extend(from_blocks(run, fine, coarse)));
-            // Neighbouring lines mostly look the same in blocks.
+            // Neighbouring lines mostly have the same runs of blocks.
             if runs != before {
                 runs.iter().for_each(|&(i, from)| add(&mut exist[i as usize], i, from));
                 std::mem::swap(&mut runs, &mut before);
@@ -124,7 +125,7 @@ impl Blocks {
         y >> self.fine[1] << self.coarse[0] | x >> self.fine[0]
     }
 
-    /// The flips of both sides as one mask over the block's number.
+    /// The flips of both sides as one mask over the block's index.
     #[inline]
     fn all_flips(&self, block: u32) -> u32 {
         let [left, right] = self.flips[block as usize];
@@ -143,7 +144,8 @@ impl Blocks {
     }
 }
 
-/// For each coarse module that may switch in the free run, the blocks from which it leads upward, before those whose bit is 1 are left out.
+/// For each coarse module that may switch in the free run, the blocks from which it leads upward; the caller must drop those whose
+/// bit is 1.
 fn from_blocks([low, high]: [u32; 2], fine: u32, coarse: u32) -> impl Iterator<Item = (u32, [u32; 2])> {
     let strokes = (0..coarse).map(move |i| (i, 1 << (fine + i)));
     strokes
@@ -193,7 +195,7 @@ pub(super) struct BlockDistances {
 #[derive(Clone, Copy)]
 struct SettledBlock {
     block: u32,
-    /// The coarse modules that may switch in it, as one mask over the block's number.
+    /// The coarse modules that may switch in it, as one mask over the block's index.
     flips: u32,
     distance: u64,
 }
@@ -201,7 +203,7 @@ struct SettledBlock {
 /// Coarse modules of equal weight.
 struct Class {
     weight: u64,
-    /// The modules, as a mask over a block's number.
+    /// The modules, as a mask over a block's index.
     mask: u32,
     /// The first settled block whose flips of this weight have not been followed.
     cursor: usize,
@@ -265,7 +267,7 @@ impl BlockDistances {
         }
     }
 
-    /// Distance to the origin; `None` if the block is not connected with it.
+    /// Distance to the origin; `None` if the block is not connected to it.
     #[inline]
     pub(super) fn of(&self, block: u32) -> Option<u64> {
         let distance = self.distance[block as usize];

@@ -1,4 +1,4 @@
-//! The lattice with its obstacles: which flips are free in a cell, and whether a rectangle of places is free.
+//! The lattice with its obstacles: free flips of a cell, and free rectangles of cells.
 //!
 //! A line (row or column) is described in slots: cell `k` is slot `2k`, the open gap between the cells `k` and `k+1` is slot `2k+1`,
 //! so that an obstacle which lies between two cells and covers neither still blocks the moves across it. Lines are computed when first asked
@@ -12,7 +12,7 @@ use crate::geometry::{Pose, Rounded, Shape, ShapeError};
 use rustc_hash::FxHashMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Added to every grown shape, so that a verifier that works with the plain growth never refuses a plan because of float rounding.
+/// Added to every grown shape, so that float rounding cannot make the verifier, which uses the plain growth, reject a plan.
 pub const SAFETY_MARGIN_UM: f64 = 1e-9;
 
 /// Up to this many modules the lines of a side are looked up in an array.
@@ -34,7 +34,7 @@ pub enum FieldObstacle {
     Physical {
         /// The shape in its own frame.
         shape: Shape,
-        /// Where it lies in the lattice's frame (origin at cell (0, 0), x along the left modules' motion).
+        /// Pose in the lattice's frame (origin at cell (0, 0), x along the left modules' motion).
         pose: Pose,
         /// Radius of the end-effector's tip plus its repeatability, in µm.
         growth_um: f64,
@@ -44,7 +44,7 @@ pub enum FieldObstacle {
 /// Why a field cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FieldError {
-    /// That obstacle's shape is not acceptable.
+    /// The shape of this obstacle is not acceptable.
     Shape {
         /// Index of the obstacle.
         obstacle: usize,
@@ -60,7 +60,7 @@ enum FieldBody {
     Grown(Rounded),
 }
 
-/// A lattice with obstacles. Cheap to query, safe to share; searches of one field take turns.
+/// A lattice with obstacles. Cheap to query and safe to share; searches of one field take turns.
 pub struct LatticeField {
     lattice: Lattice,
     bodies: Vec<FieldBody>,
@@ -69,13 +69,13 @@ pub struct LatticeField {
     work: Mutex<Work>,
 }
 
-/// What searches keep between queries.
+/// Caches that searches keep between queries.
 pub(super) struct Work {
     lines: [BlockedLines; 2],
     pub(super) search: Workspace,
 }
 
-/// A view of a field that may compute and remember lines.
+/// View of a field that may compute and cache lines.
 pub(super) struct FieldReader<'a> {
     field: &'a LatticeField,
     lines: &'a mut [BlockedLines; 2],
@@ -156,15 +156,15 @@ impl LatticeField {
         }
     }
 
-    /// Computes now what the first search that is not trivial would compute: the picture in blocks and, for up to 13 modules a side, all lines.
+    /// Precomputes for the first non-trivial search: the block abstraction and, for up to 13 modules a side, all lines.
     pub fn prepare(&self) {
         let mut work = self.work();
         let (mut reader, space) = work.open(self);
         space.prepare(&mut reader);
     }
 
-    /// The modules of each side that may switch alone in `cell`, as bit masks; `None` if an obstacle covers it or it is not
-    /// a cell of the lattice.
+    /// The modules of each side that may switch alone in `cell`, as bit masks; `None` if an obstacle covers it or it is not a cell
+    /// of the lattice.
     pub fn legal(&self, cell: LatticeCell) -> Option<[u32; 2]> {
         if !self.lattice.contains(cell) {
             return None;
@@ -255,7 +255,7 @@ fn slots(cut: [f64; 2], pitch_um: f64, last_slot: u32) -> Option<[u32; 2]> {
     Some([first as u32, (last as u32).min(last_slot)])
 }
 
-/// The blocked runs of lines that were asked for, in slots, sorted and disjoint.
+/// The blocked runs of the lines queried so far, in slots, sorted and disjoint.
 struct BlockedLines {
     store: Store,
     runs: Vec<[u32; 2]>,
@@ -356,7 +356,8 @@ impl FieldReader<'_> {
         &lines.runs[start as usize..(start + count) as usize]
     }
 
-    /// Calls `visit` with the first and last cell of each free run of the line. Lines of large lattices are not kept, as all of them may be asked for.
+    /// Calls `visit` with the first and last cell of each free run of the line. Lines of large lattices are not cached, since a
+    /// caller may visit all of them.
     pub(super) fn each_free_run(&mut self, side: Side, line: u32, mut visit: impl FnMut([u32; 2])) {
         let last = self.field.lattice.last(side);
         let mut low = 0;
@@ -384,7 +385,7 @@ impl FieldReader<'_> {
         }
     }
 
-    /// First and last cell that can be reached along `side` from cell `at` of `line` without a stop; `None` if that cell is covered.
+    /// First and last cell reachable along `side` from cell `at` of `line` without a gap; `None` if that cell is covered.
     #[inline]
     pub(super) fn free_run(&mut self, side: Side, line: u32, at: u32) -> Option<[u32; 2]> {
         let last = self.field.lattice.last(side);

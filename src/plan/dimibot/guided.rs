@@ -1,9 +1,10 @@
 //! Best-first search between two cells (or blocks), guided by the distances of blocks.
 //!
-//! Problem: least sum of weights from one cell to another over legal flips. Method: A* with a consistent estimate made of a distance between blocks and the
-//! weights of the small modules that differ; cells are settled in order of their excess over the first estimate, depth first within equal excess.
-//! With a greed above one the estimate counts that many times (weighted A*), so that a path is found sooner but need not be optimal.
-//! Guaranteed: with a greed of one, the path is optimal; exhaustion proves that there is no path. Cost: settled cells times modules.
+//! Problem: least sum of weights from one cell to another over legal flips. Method: A* with a consistent heuristic: the distance
+//! between blocks plus the weights of the fine modules that differ; cells are settled in order of their excess over the first
+//! estimate, depth first within equal excess. A greed above one multiplies the heuristic (weighted A*): a path is found sooner but
+//! may not be optimal. Guaranteed: with a greed of one the path is optimal; exhaustion proves that there is no path. Cost: settled
+//! cells times modules.
 
 use super::blocks::{BlockDistances, Blocks};
 use super::field::FieldReader;
@@ -12,12 +13,12 @@ use super::queue::RadixQueue;
 use super::seen::Seen;
 use crate::plan::search::Meter;
 
-/// Parent of the first cell.
+/// Parent of the start cell.
 const NONE: u32 = u32::MAX;
-/// Cells settled; keeps indices within 32 bits.
+/// Most cells settled; keeps indices within 32 bits.
 const MAX_ENTRIES: usize = 1 << 30;
 
-/// Where a search moves.
+/// Space of a search.
 pub(super) trait SearchSpace {
     /// Number of modules of each side.
     fn modules(&self) -> [u32; 2];
@@ -36,7 +37,7 @@ impl SearchSpace for FieldReader<'_> {
     }
 }
 
-/// The blocks of a picture as cells of a smaller lattice.
+/// The blocks of an abstraction as cells of a smaller lattice.
 impl SearchSpace for &Blocks {
     fn modules(&self) -> [u32; 2] {
         self.coarse
@@ -48,16 +49,16 @@ impl SearchSpace for &Blocks {
     }
 }
 
-/// A consistent lower bound on the cost to the target, apart from the small modules that differ.
+/// A consistent lower bound on the cost to the target, without the fine modules that differ.
 pub(super) trait Guide {
-    /// Modules of each side that are small: those the bound knows nothing of.
+    /// Fine modules of each side, which the bound does not cover.
     fn fine(&self) -> [u32; 2];
     /// The bound; `None` if the target cannot be reached.
     fn coarse(&self, at: [u32; 2]) -> Option<u64>;
 }
 
 #[derive(Clone, Copy)]
-/// Distances of the blocks of a picture, for cells whose `shift` lowest modules the lattice of the search leaves out.
+/// Distances of the blocks of an abstraction, for a search whose lattice leaves out the `shift` lowest modules.
 pub(super) struct BlockGuide<'a> {
     pub(super) blocks: &'a Blocks,
     pub(super) distances: &'a BlockDistances,
@@ -84,7 +85,7 @@ struct QueueEntry {
     by: Flip,
 }
 
-/// A settled cell and its excess: cost so far and estimates, less the estimate at the start. It may fall below zero with greed.
+/// A settled cell and its excess: cost so far plus heuristic, minus the heuristic at the start. With greed it may fall below zero.
 #[derive(Clone, Copy)]
 struct SettledCell {
     entry: QueueEntry,
@@ -103,11 +104,11 @@ pub(super) struct Lists {
 pub(super) enum SearchEnd {
     /// The target was reached.
     Found,
-    /// All cells that can be reached were settled: that many.
+    /// All reachable cells were settled; this many.
     Exhausted(u64),
-    /// The companion has shown that there is no path.
+    /// The companion has proven that there is no path.
     Stopped,
-    /// The budget ran out when this was the least excess left.
+    /// The budget ran out; this was the least excess left.
     OutOfBudget(u64),
 }
 
@@ -118,12 +119,12 @@ pub(super) struct GuidedSearch<'a, G, H> {
     pub(super) lists: &'a mut Lists,
     pub(super) weights: &'a SwitchWeights,
     pub(super) target: [u32; 2],
-    /// How many times the estimate counts.
+    /// Heuristic weight (weighted A*).
     pub(super) greed: i64,
 }
 
 impl<G: SearchSpace, H: Guide> GuidedSearch<'_, G, H> {
-    /// Runs from a cell that may differ from the target; `companion` is called for every cell settled and may stop the search.
+    /// Runs from a cell that may differ from the target; `companion` is called for each settled cell and may stop the search.
     pub(super) fn run(
         &mut self,
         start: [u32; 2],
@@ -197,7 +198,7 @@ impl<G: SearchSpace, H: Guide> GuidedSearch<'_, G, H> {
                     _ => weight,
                 };
                 let entry = QueueEntry { at: next, parent, by: Flip::of_bit(side, bit) };
-                // With greed the excess may fall; the queue then takes the cell as one of the present layer.
+                // With greed the excess may fall; the queue is monotone, so the cell joins the current layer.
                 let excess = (excess + weight - self.greed * closer).max(self.lists.queue.last() as i64);
                 self.lists.queue.push(excess as u64, entry);
                 queued += 1;
@@ -207,7 +208,7 @@ impl<G: SearchSpace, H: Guide> GuidedSearch<'_, G, H> {
     }
 }
 
-/// Knows nothing of obstacles: all modules are small.
+/// Guide without blocks: all modules are fine.
 pub(super) struct NoBlocks {
     pub(super) modules: [u32; 2],
 }
@@ -224,7 +225,7 @@ impl Guide for NoBlocks {
     }
 }
 
-/// Weights of the small modules by which two cells differ.
+/// Weights of the fine modules by which two cells differ.
 pub(super) fn small_difference(guide: &impl Guide, weights: &SwitchWeights, a: [u32; 2], b: [u32; 2]) -> u64 {
     let small = |k: usize| (a[k] ^ b[k]) & ((1 << guide.fine()[k]) - 1);
     weights.of_masks([small(0), small(1)])
@@ -237,7 +238,7 @@ impl Lists {
         self.settled.begin(modules);
     }
 
-    /// Cells settled by the last search, without greed, with their excess, in ascending order of it.
+    /// Cells settled by the last search, run without greed, with their excess, in ascending order of excess.
     pub(super) fn settled(&self) -> impl Iterator<Item = ([u32; 2], u64)> {
         self.entries.iter().map(|s| (s.entry.at, s.excess as u64))
     }

@@ -1,7 +1,8 @@
-//! One job of a DiMiBot: its steps planned as a whole, first by the objective alone, then within the limits if that misses one.
+//! One job of a DiMiBot: its steps planned as a whole, first by the objective alone, then within the limits if that plan misses
+//! one.
 //!
-//! A plan within limits is the best of those that keep them all. Where there is none, what is said of a limit is what the search
-//! within all the other limits has shown.
+//! A plan within limits is the best of those that keep them all. Where there is none, the report on a limit states what the search
+//! within all other limits has shown.
 
 use super::{
     FieldObstacle, Impossible, Lattice, LatticeCell, LatticeField, MissingLeg, ModulePulse, MotionTally, NoLeg,
@@ -21,23 +22,23 @@ use crate::source::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Steps that the search for the obstacles to blame may take: a fraction of a second, however long the proof took.
+/// Budget for finding the blocking obstacles: a fraction of a second, however long the proof took.
 const WHY_BUDGET: SearchBudget = SearchBudget::of(1_000_000);
 
-/// What a robot does.
+/// Motion of a robot in one job.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DimibotMotion {
     pub start: LatticeCell,
     /// One for each step of the order.
     pub steps: Vec<DimibotStepMotion>,
-    /// How long it waits before each pulse, in nanoseconds, to let others pass; empty if it never does.
+    /// Idle time before each pulse, in nanoseconds, to let others pass; empty if there is none.
     pub delays: Vec<u64>,
 }
 
-/// What a robot does in one step.
+/// Motion of a robot in one step.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum DimibotStepMotion {
-    /// The modules of each pulse, in order; none if the robot stands at the goal already.
+    /// The modules of each pulse, in order; empty if the robot already stands at the goal.
     Pulses(Vec<ModulePulse>),
     /// In nanoseconds.
     Wait(u64),
@@ -49,7 +50,7 @@ struct SceneFields {
     known: Vec<(Arc<Vec<claims::dimibot::DimibotObstacle>>, DimibotFacts, Arc<SearchScene>)>,
 }
 
-/// A scene as the searches see it.
+/// A scene in the form that the searches use.
 struct SearchScene {
     field: LatticeField,
     obstacles: Vec<FieldObstacle>,
@@ -64,7 +65,7 @@ impl SceneFields {
         if let Some((_, _, scene)) = self.known.iter().find(is_same) {
             return Arc::clone(scene);
         }
-        let scene = SearchScene::new(order).expect("the checker admits only what a field can be built from");
+        let scene = SearchScene::new(order).expect("the checker rejects scenes from which no field can be built");
         let scene = Arc::new(scene);
         self.known.push((Arc::clone(&order.obstacles), order.facts.clone(), Arc::clone(&scene)));
         scene
@@ -72,7 +73,7 @@ impl SceneFields {
 }
 
 impl SearchScene {
-    /// `None` only for a robot or an obstacle that the checker lets nobody declare.
+    /// `None` only for a robot or an obstacle that the checker rejects.
     fn new(order: &DimibotOrder) -> Option<SearchScene> {
         let facts = &order.facts;
         let lattice = Lattice::new([facts.left, facts.right], Side::BOTH.map(|side| facts.pitch_um(side))).ok()?;
@@ -96,22 +97,22 @@ fn body(body: &DimibotObstacleBody, growth_um: f64) -> FieldObstacle {
     }
 }
 
-/// What the plans of a schedule leave behind for those that follow.
+/// State that the plans of a schedule hand on to later jobs.
 #[derive(Default)]
 pub struct DimibotStandings {
-    /// Where each robot stands, by its device.
+    /// Cell of each robot, by device.
     cells: BTreeMap<String, LatticeCell>,
     fields: SceneFields,
 }
 
 impl DimibotStandings {
-    /// One robot that stands in a cell.
+    /// One robot in a cell.
     pub fn at(device: &str, cell: LatticeCell) -> DimibotStandings {
         DimibotStandings { cells: BTreeMap::from([(device.to_owned(), cell)]), fields: SceneFields::default() }
     }
 }
 
-/// A plan for a job; without one an error was pushed.
+/// A plan for a job; `None` after an error was pushed.
 pub fn plan(job: &Job, order: &DimibotOrder, standing: &mut DimibotStandings, sink: &mut Sink) -> Option<Plan> {
     let stands = standing.cells.get(&job.device).copied();
     let (plan, end) = planned(job, order, stands, &mut standing.fields, sink);
@@ -119,7 +120,7 @@ pub fn plan(job: &Job, order: &DimibotOrder, standing: &mut DimibotStandings, si
     plan
 }
 
-/// A plan for a job, and where the robot stands after it.
+/// A plan for a job, and the robot's cell after it.
 fn planned(
     job: &Job,
     order: &DimibotOrder,
@@ -139,7 +140,7 @@ fn planned(
     (plan, end.or(end_of(order)).unwrap_or(start))
 }
 
-/// Where a job begins; `None` if it says another place than where its device stands, which was reported.
+/// Cell where a job begins; `None` if it names another cell than its device stands on, which has been reported.
 fn start(job: &Job, order: &DimibotOrder, stands: Option<LatticeCell>, sink: &mut Sink) -> Option<LatticeCell> {
     match (order.start, stands) {
         (Some(start), Some(stands)) if start.value != stands => {
@@ -160,7 +161,7 @@ fn end_of(order: &DimibotOrder) -> Option<LatticeCell> {
     })
 }
 
-/// The planning of one job.
+/// Planning of one job.
 #[derive(Clone)]
 struct DimibotTaskSearch<'a> {
     job: &'a Job,
@@ -213,7 +214,7 @@ impl<'a> DimibotTaskSearch<'a> {
         covering.is_empty()
     }
 
-    /// A plan that keeps the limits, and where the robot stands after it; without a plan an error was pushed.
+    /// A plan that keeps the limits, and the robot's cell after it; without a plan an error was pushed.
     fn plan(&self, sink: &mut Sink) -> (Option<Plan>, Option<LatticeCell>) {
         let mut router = self.router();
         let best = match router.best(self.order.objective) {
@@ -244,12 +245,12 @@ impl<'a> DimibotTaskSearch<'a> {
         (None, Some(end))
     }
 
-    /// Tweeze's own planner searches for plans within the limits, the published ones do not know them.
+    /// Whether the planner searches within limits: Tweeze's own does, the published ones do not.
     fn searches_limits(&self) -> bool {
         self.order.planner.method == DimibotMethod::StagedAstar
     }
 
-    /// The largest figures that the limits allow, all but one of them; `None` where nothing keeps them.
+    /// Upper limits on the figures from all limits but one; `None` if no figures satisfy them.
     fn limits(&self, but: Option<&Requirement>) -> Option<MotionTally> {
         let mut limits = MotionTally::MAX;
         for requirement in &self.job.requirements {
@@ -298,7 +299,7 @@ impl<'a> DimibotTaskSearch<'a> {
         KnownLimit { none_keeps_all: is_proven, least, other, advice }
     }
 
-    /// What a plan for the objective alone tells of a limit that it misses.
+    /// What a plan for the objective alone proves about a limit that it misses.
     fn known_of_published(&self, best: &Route, requirement: &Requirement) -> KnownLimit {
         let is_own = objective_of(&requirement.outcome)
             .is_some_and(|objective| MotionTally::only(objective, 1) == MotionTally::only(self.order.objective, 1));
@@ -313,7 +314,7 @@ impl<'a> DimibotTaskSearch<'a> {
         KnownLimit { none_keeps_all: false, least, other: None, advice }
     }
 
-    /// A figure of the objective in SI units, waits counted.
+    /// A figure of the objective in SI units, including waits.
     fn si(&self, figure: u64) -> f64 {
         let waits_s = match self.order.objective {
             DimibotObjective::Time => waits_ns(&self.order.steps) as f64 / 1e9,
@@ -380,12 +381,12 @@ impl<'a> DimibotTaskSearch<'a> {
             Some(Opening::Irreducible | Opening::Opens) => Removal::Opens,
             Some(Opening::Unknown) | None => Removal::Unknown,
         };
-        let ends = (step, from.to_string(), stop.cell.to_string());
-        let ends = (ends.0, ends.1.as_str(), ends.2.as_str());
+        let (from, to) = (from.to_string(), stop.cell.to_string());
+        let ends = errors::StepEnds { step, from: &from, to: &to };
         let report = errors::impossible(ends, &proof_text(proof.proof), &blamed, removal);
         sink.push(match why {
             Some(_) => report,
-            None => report.help("which obstacles shut the way was not found within the steps allowed for it"),
+            None => report.help("the obstacles that block the path were not found within the step limit"),
         });
     }
 
@@ -417,7 +418,7 @@ fn uses_pulses(order: &DimibotOrder) -> bool {
         && order.planner.method == DimibotMethod::StagedAstar
 }
 
-/// What one unit of the objective's figure is, in SI units.
+/// SI value of one unit of the objective's figure.
 fn figure_si(order: &DimibotOrder, objective: DimibotObjective) -> f64 {
     let facts = &order.facts;
     match objective {
@@ -428,7 +429,7 @@ fn figure_si(order: &DimibotOrder, objective: DimibotObjective) -> f64 {
     }
 }
 
-/// A search's cost in the unit of the objective, waits left out.
+/// A search's cost in the unit of the objective, without waits.
 fn figure(order: &DimibotOrder, cost: u64) -> f64 {
     let facts = &order.facts;
     let cost = cost as f64;
@@ -445,7 +446,7 @@ fn objective_of(outcome: &str) -> Option<DimibotObjective> {
     DimibotOutcome::find(outcome).map(DimibotOutcome::objective)
 }
 
-/// The largest whole number of units that a limit allows on top of an offset: that of an upper limit, and of `==` its upper side. `None`
+/// The largest whole number of units that a limit allows on top of an offset, from an upper limit or the upper side of `==`. `None`
 /// where it allows nothing.
 fn largest(requirement: &Requirement, unit: f64, offset: f64) -> Option<u64> {
     let upper = match requirement.relation {
@@ -457,7 +458,7 @@ fn largest(requirement: &Requirement, unit: f64, offset: f64) -> Option<u64> {
     if !fits(0) {
         return None;
     }
-    // Halves the range between a count that fits and one that does not.
+    // Bisects between a count that fits and one that does not.
     let (mut low, mut high) = (0, 1 << 53);
     if fits(high) {
         return Some(u64::MAX);
@@ -469,7 +470,7 @@ fn largest(requirement: &Requirement, unit: f64, offset: f64) -> Option<u64> {
     Some(low)
 }
 
-/// A plan with its figures; `bound` is of the objective's figure.
+/// A plan with its figures; `bound` refers to the objective's figure.
 fn finished(order: &DimibotOrder, motion: DimibotMotion, tally: MotionTally, bound: u64) -> Plan {
     let waits_ms = match order.objective {
         DimibotObjective::Time => waits_ns(&order.steps) as f64 / 1e6,

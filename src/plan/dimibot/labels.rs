@@ -1,10 +1,10 @@
-//! All ways between two cells of which none is better in both distance and switches: what limits on both need.
+//! The Pareto front of paths between two cells in distance and switches, needed for limits on both.
 //!
-//! Problem: the Pareto front of (distance, switches) over paths of single flips, as far as it keeps limits. Method: bi-criteria A* with
-//! constant-time dominance checks (BOA*, Hernández and others 2023): labels leave the queue in order of (distance, switches), each
-//! with its lower bound to the goal, so that a label is dominated if an earlier one of its cell has no more switches. The bounds
-//! are the sums over the modules that differ, which are consistent. Guaranteed: complete unless the budget ran out. One step of
-//! the budget is one switch looked at; one that leads to a label takes four more, since labels are kept.
+//! Problem: the Pareto front of (distance, switches) over paths of single flips, as far as it keeps limits. Method: bi-criteria A*
+//! with constant-time dominance checks (BOA*, Hernández and others 2023): labels leave the queue in order of (distance, switches),
+//! each with its lower bound to the goal, so that a label is dominated if an earlier one of its cell has no more switches. The
+//! bounds are the sums over the modules that differ, which are consistent. Guaranteed: complete unless the budget ran out. One step
+//! of the budget is one switch examined; one that leads to a label takes four more, since labels are kept.
 
 use super::field::LatticeField;
 use super::lattice::{Flip, LatticeCell, Side, SwitchWeights, bits};
@@ -13,19 +13,19 @@ use super::tally::{MotionTally, add_to_front};
 use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
 
-/// Steps that one label takes from the budget besides that of the switch.
+/// Budget steps of a kept label, on top of the one for its switch.
 const LABEL_STEPS: u64 = 4;
 /// Bits of a queue's key that hold the switches. A path has no more switches than labels, of which there are fewer than 2^24.
 const SWITCH_BITS: u32 = 24;
 const MAX_LABELS: usize = 1 << SWITCH_BITS;
 const NO_PARENT: u32 = u32::MAX;
 
-/// The ways that were found, and whether they are all.
+/// The paths found, and whether they are complete.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LabelFront<P> {
-    /// None is within another.
+    /// None dominates another.
     pub ways: Vec<(MotionTally, P)>,
-    /// Whether every way within the limits has one of `ways` within it.
+    /// Whether every path within the limits is dominated by one of `ways`.
     pub is_complete: bool,
 }
 
@@ -44,14 +44,14 @@ struct DimibotLabelSearch {
     weights: [SwitchWeights; 2],
     labels: Vec<DimibotLabel>,
     queue: RadixQueue<u32>,
-    /// The least switches of the labels of a cell that have left the queue.
+    /// Least number of switches among the expanded labels of a cell.
     settled: FxHashMap<LatticeCell, u32>,
     front: Vec<(MotionTally, Vec<Flip>)>,
-    /// A label was too long for a key of the queue.
+    /// Whether a label was dropped because its switches exceed a queue key.
     has_dropped: bool,
 }
 
-/// The ways from `start` to `goal` within the limits. `known` are ways found before: they are among the answer, and spare the search what
+/// The paths from `start` to `goal` within the limits. `known` are paths found before: they belong to the answer, and prune what
 /// they dominate.
 pub(super) fn front(
     field: &LatticeField,
@@ -114,7 +114,7 @@ impl DimibotLabelSearch {
         !self.has_dropped
     }
 
-    /// Queues a label that may lead to a way not yet known; `false` if it does not.
+    /// Queues a label that may lead to a path not yet known; `false` if it cannot.
     fn push(&mut self, label: DimibotLabel) -> bool {
         if self.is_dominated(&label) {
             return false;
@@ -136,7 +136,7 @@ impl DimibotLabelSearch {
             || self.front.iter().any(|(known, _)| known.is_within(ahead))
     }
 
-    /// Below this no way goes on from the label.
+    /// Lower bound on every path through the label.
     fn ahead(&self, label: &DimibotLabel) -> MotionTally {
         let [distance, switches] = [0, 1].map(|k| self.weights[k].between(label.cell, self.goal));
         let rest = MotionTally { distance, switches, pulses: switches };

@@ -1,4 +1,4 @@
-//! The cells a DiMiBot reaches, the flips between them and what a flip costs.
+//! The cells a DiMiBot reaches, the flips between them, and the cost of a flip.
 //!
 //! The left modules move along x, the right ones along y (frame R1 of the paper); module `i` moves 2^i pitches of its axis.
 
@@ -6,16 +6,16 @@ use crate::real::Real;
 
 pub use crate::device::dimibot::{Flip, LatticeCell, MAX_MODULES, MAX_REACH_UM, Side};
 
-/// The lattice of reachable places.
+/// The lattice of reachable positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     /// Number of modules: left (x) and right (y), 1 to [`MAX_MODULES`] each.
     pub modules: [u32; 2],
-    /// Distance of neighbouring cells in µm: along x and along y. Cell (0, 0) lies at the origin.
+    /// Pitch in µm between neighbouring cells, along x and along y. Cell (0, 0) lies at the origin.
     pub pitch_um: [f64; 2],
 }
 
-/// Why a lattice is not accepted.
+/// Why a lattice is rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LatticeError {
     /// The number of modules of that side is not in 1..=[`MAX_MODULES`].
@@ -69,7 +69,7 @@ impl Lattice {
     }
 }
 
-/// What switching each module costs, in integer units of the objective.
+/// Cost of switching each module, in integer units of the objective.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SwitchWeights {
     pub(crate) of: [[u64; MAX_MODULES as usize]; 2],
@@ -89,8 +89,8 @@ impl SwitchWeights {
         SwitchWeights::from_fn(lattice, |_, _| 1)
     }
 
-    /// One measure before another: the second, of which a path must have less than 2^`bits`, decides between paths of equal cost in the
-    /// first.
+    /// Lexicographic order of two measures: `second`, which must stay below 2^`bits` on a path, decides between paths of equal cost
+    /// in the first.
     pub(crate) fn then(&self, second: &SwitchWeights, bits: u32) -> Self {
         let mut of = self.of;
         for (first, second) in of.iter_mut().flatten().zip(second.of.iter().flatten()) {
@@ -116,7 +116,7 @@ impl SwitchWeights {
         of.get(usize::from(flip.module)).copied().unwrap_or(0)
     }
 
-    /// The least cost between two cells when nothing is in the way: every module whose state differs switches once.
+    /// Least cost between two cells without obstacles: every module whose state differs switches once.
     pub fn between(&self, a: LatticeCell, b: LatticeCell) -> u64 {
         self.of_masks([a.x ^ b.x, a.y ^ b.y])
     }

@@ -1,12 +1,12 @@
-//! The ways between two stops of a task: the best one by an objective, or all that limits leave open.
+//! Paths between two stops of a task: the best one by an objective, or the Pareto front within limits.
 //!
-//! Input: a field, cells and budgets. Output: a [`Best`] leg, or a [`Front`] of legs. Promise: each leg is searched once; what is said of
-//! a leg holds for the way back too, since a way may be gone in reverse.
+//! Input: a field, cells and budgets. Output: a [`Best`] leg, or a [`LabelFront`] of legs. Promise: each leg is searched once, in
+//! one direction; the result holds for both, since a path may be reversed.
 
 use super::field::LatticeField;
 use super::labels::{self, LabelFront};
 use super::lattice::{Flip, LatticeCell, Side, SwitchWeights};
-use super::outcome::{DimibotSearchOutcome, FlipPath, Impossible};
+use super::outcome::{DimibotAnswer, FlipPath, Impossible};
 use super::pulses::{self, ModulePulse, PulseTrain};
 use super::tally::MotionTally;
 use super::{published, shortest};
@@ -14,25 +14,25 @@ use crate::claims::dimibot::{DimibotMethod, DimibotObjective};
 use crate::plan::search::{GaveUp, Meter, SearchBudget};
 use rustc_hash::FxHashMap;
 
-/// Steps that may go into breaking the ties of one leg, however cheap the leg was.
+/// Steps that may be spent on breaking the ties of one leg, however cheap the leg was.
 const TIE_STEPS: u64 = 1 << 18;
-/// Times the steps of finding a leg that may go into breaking its ties.
+/// Tie-breaking budget of a leg as a multiple of the steps that found it.
 const TIE_FACTOR: u64 = 4;
 /// Bits of a lexicographic weight that hold the switches of a path, where distance comes first.
 const SWITCH_BITS: u32 = 28;
 /// The same for the distance of a path, where switches come first.
 const DISTANCE_BITS: u32 = 40;
-/// A path with so many switches has less than 2^[`DISTANCE_BITS`] of distance.
+/// A path with at most this many switches has a distance below 2^[`DISTANCE_BITS`].
 const MAX_SWITCHES: u64 = 1 << 20;
 
-/// The best way between two cells.
+/// The best path between two cells.
 #[derive(Clone, Debug)]
 pub(super) struct Best {
     pub(super) tally: MotionTally,
     pub(super) pulses: Vec<ModulePulse>,
-    /// No way has less of the objective's figure.
+    /// Lower bound on the objective's figure.
     pub(super) bound: u64,
-    /// Whether no way of equal cost is better in the other figures.
+    /// Whether no path of equal cost is better in the other figures.
     pub(super) is_exact: bool,
 }
 
@@ -43,13 +43,13 @@ pub enum NoLeg {
     GaveUp(GaveUp),
 }
 
-/// What searches of one stage may spend.
+/// Budgets of the searches of one stage.
 pub(super) struct Meters {
-    /// On finding ways.
+    /// For finding paths.
     pub(super) find: Meter,
-    /// On breaking ties between them.
+    /// For breaking ties between them.
     pub(super) ties: Meter,
-    /// On ways within limits.
+    /// For paths within limits.
     pub(super) limits: Meter,
 }
 
@@ -69,7 +69,7 @@ pub(super) struct Legs<'a> {
     best: FxHashMap<(LatticeCell, LatticeCell, ObjectiveRank), Best>,
 }
 
-/// Objectives that rank ways alike share a search.
+/// Objectives that rank paths alike share a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum ObjectiveRank {
     Distance,
@@ -82,7 +82,7 @@ impl<'a> Legs<'a> {
         Legs { field, method, with_pulses, best: FxHashMap::default() }
     }
 
-    /// The objectives that rank ways differently.
+    /// The objectives that rank paths differently.
     pub(super) fn objectives(&self) -> &'static [DimibotObjective] {
         match self.with_pulses {
             true => &[DimibotObjective::Distance, DimibotObjective::Switches, DimibotObjective::Time],
@@ -90,7 +90,7 @@ impl<'a> Legs<'a> {
         }
     }
 
-    /// The objective under whose figure ways are ranked as under this one.
+    /// The objective whose ranking of paths equals that of this one.
     fn rank(&self, objective: DimibotObjective) -> ObjectiveRank {
         match objective {
             DimibotObjective::Distance => ObjectiveRank::Distance,
@@ -145,7 +145,7 @@ impl<'a> Legs<'a> {
         if !self.with_pulses {
             least.pulses = least.switches;
         }
-        // One way may be the best in everything.
+        // One path may be best in every figure.
         if let Some(way) = known.iter().find(|(tally, _)| *tally == least) {
             let ways = Some(way.clone()).filter(|(tally, _)| tally.is_within(limits));
             return Ok(LabelFront { ways: ways.into_iter().collect(), is_complete: true });
@@ -164,9 +164,9 @@ impl<'a> Legs<'a> {
 
     fn by_pulses(&self, [from, to]: [LatticeCell; 2], meters: &mut Meters) -> Result<Best, NoLeg> {
         let train = match pulses::pulses(self.field, from, to, meters.find.left()) {
-            DimibotSearchOutcome::Found(train) => train,
-            DimibotSearchOutcome::Impossible(proof) => return Err(self.impossible(proof, meters)),
-            DimibotSearchOutcome::GaveUp(report) => return Err(self.gave_up(report, meters)),
+            DimibotAnswer::Found(train) => train,
+            DimibotAnswer::Impossible(proof) => return Err(self.impossible(proof, meters)),
+            DimibotAnswer::GaveUp(report) => return Err(self.gave_up(report, meters)),
         };
         meters.find.charge(train.expanded);
         let PulseTrain { pulses, bound, .. } = train;
@@ -175,13 +175,13 @@ impl<'a> Legs<'a> {
         Ok(Best { tally, pulses, bound, is_exact })
     }
 
-    /// First the best by the objective alone, which is what the stages are made for; then, where that may leave ties, by all figures.
+    /// First the best by the objective alone, for which the stages are built; then, where ties may remain, by all figures.
     fn by_stages(&self, [from, to]: [LatticeCell; 2], rank: ObjectiveRank, meters: &mut Meters) -> Result<Best, NoLeg> {
         let weights = self.weights(rank);
         let path = match shortest(self.field, from, to, &weights[0], meters.find.left()) {
-            DimibotSearchOutcome::Found(path) => path,
-            DimibotSearchOutcome::Impossible(proof) => return Err(self.impossible(proof, meters)),
-            DimibotSearchOutcome::GaveUp(report) => return Err(self.gave_up(report, meters)),
+            DimibotAnswer::Found(path) => path,
+            DimibotAnswer::Impossible(proof) => return Err(self.impossible(proof, meters)),
+            DimibotAnswer::GaveUp(report) => return Err(self.gave_up(report, meters)),
         };
         meters.find.charge(path.expanded);
         let best = self.of_path(&path, path.bound);
@@ -191,13 +191,13 @@ impl<'a> Legs<'a> {
         let allowed = TIE_STEPS.max(path.expanded.saturating_mul(TIE_FACTOR)).min(meters.ties.left().steps);
         let ordered = ordered(&weights, rank);
         match shortest(self.field, from, to, &ordered, SearchBudget::of(allowed)) {
-            DimibotSearchOutcome::Found(fine) if fine.cost == fine.bound && fine.cost >> bits(rank) == path.cost => {
+            DimibotAnswer::Found(fine) if fine.cost == fine.bound && fine.cost >> bits(rank) == path.cost => {
                 meters.ties.charge(fine.expanded);
                 let fine = self.of_path(&fine, path.bound);
                 let is_exact = is_exact(rank, fine.tally);
                 Ok(Best { is_exact, ..fine })
             }
-            DimibotSearchOutcome::Found(_) | DimibotSearchOutcome::Impossible(_) | DimibotSearchOutcome::GaveUp(_) => {
+            DimibotAnswer::Found(_) | DimibotAnswer::Impossible(_) | DimibotAnswer::GaveUp(_) => {
                 meters.ties.charge(allowed);
                 Ok(best)
             }
@@ -219,9 +219,9 @@ impl<'a> Legs<'a> {
         };
         let weights = self.weights(rank);
         let path = match method(self.field, from, to, &ordered(&weights, rank), meters.find.left()) {
-            DimibotSearchOutcome::Found(path) => path,
-            DimibotSearchOutcome::Impossible(proof) => return Err(self.impossible(proof, meters)),
-            DimibotSearchOutcome::GaveUp(report) => {
+            DimibotAnswer::Found(path) => path,
+            DimibotAnswer::Impossible(proof) => return Err(self.impossible(proof, meters)),
+            DimibotAnswer::GaveUp(report) => {
                 let report = GaveUp { bound: report.bound >> bits(rank), ..report };
                 return Err(self.gave_up(report, meters));
             }
@@ -231,7 +231,7 @@ impl<'a> Legs<'a> {
         if is_exact(rank, best.tally) {
             return Ok(Best { is_exact: true, ..best });
         }
-        // Beyond the bits of the second figure the order of the sums is not that of the figures.
+        // Once a second figure overflows its bits, the order of the sums is no longer that of the figures.
         let bound = weights[0].between(from, to);
         Ok(Best { bound, is_exact: false, ..best })
     }
@@ -246,7 +246,7 @@ impl<'a> Legs<'a> {
         NoLeg::GaveUp(report)
     }
 
-    /// A path as a leg; exact for certain if no module switches twice.
+    /// A path as a leg; certain to be exact only if no module switches twice.
     fn of_path(&self, path: &FlipPath, bound: u64) -> Best {
         let pulses: Vec<ModulePulse> = path.flips.iter().copied().map(single).collect();
         let tally = MotionTally::sum(self.field.lattice(), &pulses);
@@ -259,7 +259,7 @@ impl<'a> Legs<'a> {
         Best { tally, pulses, bound, is_exact }
     }
 
-    /// What counts first, and what decides between ties.
+    /// Weights of the primary figure, and of the figure that breaks ties.
     fn weights(&self, rank: ObjectiveRank) -> [SwitchWeights; 2] {
         let lattice = self.field.lattice();
         let [distance, switches] = [SwitchWeights::distance(lattice), SwitchWeights::switches(lattice)];
@@ -281,7 +281,7 @@ fn bits(rank: ObjectiveRank) -> u32 {
     }
 }
 
-/// Whether no path that costs less in the first figure can have too much of the second for its bits: a switch is at least one unit of
+/// Whether no path that costs less in the first figure can overflow the bits of the second: a switch is at least one unit of
 /// distance and at most 2^19.
 fn is_exact(rank: ObjectiveRank, tally: MotionTally) -> bool {
     match rank {

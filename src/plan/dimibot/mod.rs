@@ -1,7 +1,9 @@
-//! The planner of the digital microrobot (DiMiBot): from a cell of the lattice to another, one bistable module at a time or several in one pulse.
+//! Planner of the digital microrobot (DiMiBot): from one cell of the lattice to another, one bistable module at a time or several
+//! in one pulse.
 //!
-//! Input: a [`LatticeField`] (lattice and obstacles), cells, [`SwitchWeights`] and a budget. Output: an [`DimibotSearchOutcome`]. Promise: a plan never touches an
-//! obstacle grown by its growth and [`SAFETY_MARGIN_UM`]; `Impossible` is a proof; costs are optimal where `cost == bound`.
+//! Input: a [`LatticeField`] (lattice and obstacles), cells, [`SwitchWeights`] and a budget. Output: a [`DimibotAnswer`].
+//! Promise: a plan never touches an obstacle enlarged by its growth and [`SAFETY_MARGIN_UM`]; `Impossible` is a proof; costs are
+//! optimal where `cost == bound`.
 
 mod apart;
 mod bands;
@@ -30,7 +32,7 @@ pub use field::{FieldError, FieldObstacle, LatticeField, SAFETY_MARGIN_UM};
 pub use job::{DimibotMotion, DimibotStandings, DimibotStepMotion, plan};
 pub use lattice::{Flip, Lattice, LatticeCell, LatticeError, MAX_MODULES, Side, SwitchWeights};
 pub use legs::NoLeg;
-pub use outcome::{DimibotSearchOutcome, FlipPath, Impossible, Proof};
+pub use outcome::{DimibotAnswer, FlipPath, Impossible, Proof};
 pub use pulses::{ModulePulse, PulseTrain, pulse_is_safe, pulses};
 pub use route::{EXACT_PLACES, MissingLeg, Route, RouteRequest, RouteStage, RouteWithin, Router};
 pub use shortest::shortest;

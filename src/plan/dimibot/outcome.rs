@@ -1,18 +1,10 @@
-//! What a search of the DiMiBot planner answers.
+//! Results of the searches of the DiMiBot planner.
 
 use super::lattice::Flip;
-pub use crate::plan::search::GaveUp;
+use crate::plan::search::SearchAnswer;
 
-/// The answer of a search.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum DimibotSearchOutcome<P> {
-    /// A plan.
-    Found(P),
-    /// A proof that there is none.
-    Impossible(Impossible),
-    /// The budget ran out first.
-    GaveUp(GaveUp),
-}
+/// Result of a search on the lattice.
+pub type DimibotAnswer<P> = SearchAnswer<P, Impossible>;
 
 /// A path of single flips.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,7 +13,7 @@ pub struct FlipPath {
     pub flips: Vec<Flip>,
     /// Sum of the weights.
     pub cost: u64,
-    /// No path costs less; equal to `cost` when the path is proven optimal.
+    /// Lower bound on the cost of any path; equal to `cost` when the path is proven optimal.
     pub bound: u64,
     /// Steps of the search.
     pub expanded: u64,
@@ -36,7 +28,7 @@ pub struct Impossible {
     pub expanded: u64,
 }
 
-/// The ways in which a search shows that there is no plan.
+/// How a search proves that there is no plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Proof {
     /// The start is not a cell of the lattice.
@@ -47,22 +39,22 @@ pub enum Proof {
     StartCovered,
     /// An obstacle covers the goal.
     GoalCovered,
-    /// Already between blocks of cells, where a flip counts as free if any cell of the block has it, the start and the goal are not connected.
+    /// The blocks of start and goal are not connected, although a flip of a block counts as free if any of its cells has it.
     BlocksApart,
-    /// All cells that can be reached from the start were visited: that many, and the goal is not among them.
+    /// The search exhausted the component of the start, which does not contain the goal.
     StartShut {
         /// Size of the start's component.
         cells: u64,
     },
-    /// All cells from which the goal can be reached were visited: that many, and the start is not among them.
+    /// The search exhausted the component of the goal, which does not contain the start.
     GoalShut {
         /// Size of the goal's component.
         cells: u64,
     },
 }
 
-impl<P> DimibotSearchOutcome<P> {
+impl<P> DimibotAnswer<P> {
     pub(crate) const fn impossible(proof: Proof, expanded: u64) -> Self {
-        DimibotSearchOutcome::Impossible(Impossible { proof, expanded })
+        SearchAnswer::Impossible(Impossible { proof, expanded })
     }
 }

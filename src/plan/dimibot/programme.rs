@@ -1,4 +1,5 @@
-//! The dynamic programme over the stages of a task: for each cell in which a stage may end, the ways to it that may be part of a best route.
+//! Dynamic programme over the stages of a task: for each cell in which a stage may end, the partial routes that may be part of a
+//! best one.
 
 use super::labels::LabelFront;
 use super::lattice::LatticeCell;
@@ -12,30 +13,30 @@ use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
 
 pub(super) const NONE: u32 = u32::MAX;
-/// In a table of a tour the cost of a leg that limits forbid.
+/// Table cost of a leg that the limits forbid.
 const FORBIDDEN: u64 = 1 << 44;
 
-/// What is kept of the ways to a state.
+/// Which partial routes are kept for a state.
 #[derive(Clone, Copy)]
 pub(super) enum Mode<'m> {
     /// The best one.
     Best(DimibotObjective),
-    /// A bound on all, in the objective's figure alone.
+    /// A lower bound on all, in the objective's figure only.
     Bound(DimibotObjective),
-    /// All within the limits of which none is within another. `least` is what each stage takes at least.
+    /// The Pareto front within the limits. `least` is a lower bound for each stage.
     Front { limits: MotionTally, least: &'m [MotionTally] },
 }
 
-/// A leg of a way, after those of another.
+/// A leg of a partial route, and the node of the legs before it.
 pub(super) struct ProgrammeNode {
     pub(super) before: u32,
     pub(super) stage: usize,
     pub(super) ends: [LatticeCell; 2],
-    /// Which of the leg's ways.
+    /// Index into the leg's alternatives.
     pub(super) choice: usize,
 }
 
-/// Figures of a way, and its last node.
+/// Figures of a partial route, and its last node.
 pub(super) type WayFigures = (MotionTally, u32);
 
 /// A cell in which a stage may end.
@@ -50,11 +51,11 @@ pub(super) struct Programme<'p> {
     pub(super) nodes: Vec<ProgrammeNode>,
     pub(super) states: Vec<StageEnd>,
     pub(super) fronts: FxHashMap<(usize, LatticeCell, LatticeCell), LabelFront<Vec<ModulePulse>>>,
-    /// Ways that may still be joined within limits.
+    /// Remaining number of joins of partial routes within limits.
     pub(super) steps: Meter,
-    /// Whether nothing was left out that may be better in any figure.
+    /// Whether nothing was pruned that may be better in any figure.
     pub(super) is_exact: bool,
-    /// Whether nothing was left out that may be better in the objective's figure.
+    /// Whether nothing was pruned that may be better in the objective's figure.
     pub(super) is_proven: bool,
 }
 
@@ -63,17 +64,17 @@ struct Searches<'s, 'f> {
     stage: usize,
     legs: &'s mut Legs<'f>,
     meters: &'s mut Meters,
-    /// What a leg of this stage may take.
+    /// Limits on one leg of this stage.
     leg_limits: MotionTally,
-    /// What a way to the end of this stage may take.
+    /// Limits on a partial route to the end of this stage.
     way_limits: MotionTally,
 }
 
-/// By pair of places the figures of the legs between them.
+/// Figures of the legs between each pair of places.
 type Between = Vec<Vec<Vec<MotionTally>>>;
 
 impl Programme<'_> {
-    /// Goes on through one more stage.
+    /// Extends the partial routes by one stage.
     pub(super) fn extend(&mut self, stage: usize, legs: &mut Legs, meters: &mut Meters) -> Result<(), MissingLeg> {
         let (leg_limits, way_limits) = self.limits(stage);
         let mut searches = Searches { stage, legs, meters, leg_limits, way_limits };
@@ -96,13 +97,13 @@ impl Programme<'_> {
         Ok(())
     }
 
-    /// The way that is best by an objective.
+    /// The best partial route by an objective.
     pub(super) fn least(&self, objective: DimibotObjective) -> Option<WayFigures> {
         let ways = self.states.iter().flat_map(|state| &state.ways).copied();
         ways.min_by_key(|(tally, _)| tally.key(objective))
     }
 
-    /// What a leg of a stage may take, and a way to its end.
+    /// Limits on a leg of a stage, and on a partial route to its end.
     fn limits(&self, stage: usize) -> (MotionTally, MotionTally) {
         let Mode::Front { limits, least } = self.mode else { return (MotionTally::MAX, MotionTally::MAX) };
         let sum = |stages: &[MotionTally]| stages.iter().fold(MotionTally::default(), |sum, stage| sum.plus(*stage));
@@ -152,7 +153,7 @@ impl Programme<'_> {
         }
     }
 
-    /// For each place the ways that come to it first of the stage.
+    /// For each place, the partial routes that visit it first in the stage.
     fn entries(&mut self, places: &[LatticeCell], searches: &mut Searches) -> Result<Vec<Vec<WayFigures>>, MissingLeg> {
         let states = std::mem::take(&mut self.states);
         let mut entries = Vec::with_capacity(places.len());
@@ -178,7 +179,7 @@ impl Programme<'_> {
         Ok(between)
     }
 
-    /// Adds every way on by every leg to the ways of a state.
+    /// Adds every extension of a route by every leg to the routes of a state.
     fn join(
         &mut self,
         ways: &mut Vec<WayFigures>,
@@ -214,7 +215,7 @@ impl Programme<'_> {
         }
     }
 
-    /// The dynamic programme over sets of places and the last of them.
+    /// Dynamic programme over sets of places and the last place (Held and Karp).
     fn in_best_order(
         &mut self,
         places: &[LatticeCell],
@@ -269,7 +270,7 @@ impl Programme<'_> {
         Ok(states)
     }
 
-    /// Where the next stage is a single cell: the figures of the legs to it.
+    /// Figures of the legs to the next stage, if that is a single cell.
     fn onward(
         &mut self,
         places: &[LatticeCell],
@@ -283,7 +284,7 @@ impl Programme<'_> {
         Ok(Some(legs))
     }
 
-    /// The way through the places in an order (of nodes of the table).
+    /// The route through the places in an order (of nodes of the table).
     fn along(
         &mut self,
         places: &[LatticeCell],
@@ -306,12 +307,12 @@ impl Programme<'_> {
     }
 }
 
-/// The least figure of some legs.
+/// Least figure among some legs.
 fn least(legs: impl Iterator<Item = MotionTally>, objective: DimibotObjective) -> u64 {
     legs.map(|tally| tally.of_objective(objective)).min().unwrap_or(FORBIDDEN)
 }
 
-/// The costs of a tour from what was before the stage, on to the cell after it.
+/// Costs of a tour from the states before the stage to the cell after it.
 fn table(
     entries: &[Vec<WayFigures>],
     between: &Between,
@@ -334,14 +335,14 @@ fn table(
     }
     let end = onward.map(|_| n + 1);
     if let Some(end) = end {
-        // No path leads straight to the end.
+        // A path must visit the places: no edge leads from the start straight to the end.
         (costs[0][end], costs[end][0]) = (FORBIDDEN, FORBIDDEN);
     }
     TourCosts { costs, end }
 }
 
-/// For each place what no way through all of them and ending there stays below. With a cell after the stage, the bound on the way up
-/// to it counts too, less the leg there: what is claimed is the sum.
+/// For each place, a lower bound on routes through all places that end there. If a single cell follows the stage, the bound of the
+/// route up to that cell, minus the leg to it, counts too: the claim concerns their sum.
 fn bounds(
     places: &[LatticeCell],
     entries: &[Vec<WayFigures>],

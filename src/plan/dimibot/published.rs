@@ -1,12 +1,13 @@
 //! The algorithms compared in Chalvet, Haddab and Lutz 2016, on the implicit graph: selectable by name, for comparison.
 //!
-//! Each finds an optimal path, proves that there is none, or runs out of budget; one step is one cell taken from the queue. Two slips of the paper
-//! are mended: Algorithm 2 assigns every stage's position (inside its loop), and the stages of a non-symmetric robot are matched from the
-//! largest stroke down. Algorithm 3's estimate is used as printed: it counts nothing for a stage whose two modules both differ, so it is admissible but weak.
+//! Each finds an optimal path, proves that there is none, or runs out of budget; one step is one cell taken from the queue. Two
+//! slips of the paper are corrected: Algorithm 2 assigns every stage's position (inside its loop), and the stages of a
+//! non-symmetric robot are matched from the largest stroke down. Algorithm 3's heuristic is used as printed: it counts nothing for
+//! a stage whose two modules both differ, so it is admissible but weak.
 
 use super::field::{FieldReader, LatticeField};
 use super::lattice::{Flip, Lattice, LatticeCell, Side, SwitchWeights, bits};
-use super::outcome::{DimibotSearchOutcome, FlipPath, Proof};
+use super::outcome::{DimibotAnswer, FlipPath, Proof};
 use super::shortest::outside;
 use crate::plan::search::{Meter, SearchBudget};
 use crate::real::Real;
@@ -21,7 +22,7 @@ pub fn dijkstra(
     goal: LatticeCell,
     weights: &SwitchWeights,
     budget: SearchBudget,
-) -> DimibotSearchOutcome<FlipPath> {
+) -> DimibotAnswer<FlipPath> {
     best_first(field, start, goal, weights, budget, |_| 0)
 }
 
@@ -32,19 +33,19 @@ pub fn astar(
     goal: LatticeCell,
     weights: &SwitchWeights,
     budget: SearchBudget,
-) -> DimibotSearchOutcome<FlipPath> {
+) -> DimibotAnswer<FlipPath> {
     let estimate = straight_line(field.lattice(), goal, weights);
     best_first(field, start, goal, weights, budget, estimate)
 }
 
-/// A* with Algorithm 3's estimate on the positions in the hypercube graph (section 5.2; section 6 for non-symmetric robots).
+/// A* with Algorithm 3's heuristic on the positions in the hypercube graph (section 5.2; section 6 for non-symmetric robots).
 pub fn hypercube_astar(
     field: &LatticeField,
     start: LatticeCell,
     goal: LatticeCell,
     weights: &SwitchWeights,
     budget: SearchBudget,
-) -> DimibotSearchOutcome<FlipPath> {
+) -> DimibotAnswer<FlipPath> {
     let stages = HypercubeStages::new(field.lattice(), weights);
     let estimate = move |cell: LatticeCell| stages.remaining(cell, goal);
     best_first(field, start, goal, weights, budget, estimate)
@@ -59,7 +60,7 @@ fn straight_line(lattice: &Lattice, goal: LatticeCell, weights: &SwitchWeights) 
     move |cell| {
         let run = f64::from(cell.x.abs_diff(goal.x)) * unit[0];
         let rise = f64::from(cell.y.abs_diff(goal.y)) * unit[1];
-        // Less a hair, so that rounding up at an exact integer cannot make it inadmissible.
+        // Slightly reduced, so that rounding up at an exact integer cannot make it inadmissible.
         (run.hypotenuse(rise) * cheapest * (1.0 - 1e-12)) as u64
     }
 }
@@ -114,7 +115,7 @@ impl HypercubeStages {
     }
 }
 
-/// What is known of a cell: least cost so far and the flip that led to it.
+/// Least cost so far of each cell, and the flip that led to it.
 type ReachedCells = FxHashMap<LatticeCell, (u64, Option<Flip>)>;
 type Queue = BinaryHeap<Reverse<(u64, u64, LatticeCell)>>;
 
@@ -125,9 +126,9 @@ fn best_first(
     weights: &SwitchWeights,
     budget: SearchBudget,
     estimate: impl Fn(LatticeCell) -> u64,
-) -> DimibotSearchOutcome<FlipPath> {
+) -> DimibotAnswer<FlipPath> {
     if let Some(proof) = refused(field, start, goal) {
-        return DimibotSearchOutcome::impossible(proof, 0);
+        return DimibotAnswer::impossible(proof, 0);
     }
     let mut meter = Meter::new(budget);
     let mut reached = ReachedCells::from_iter([(start, (0, None))]);
@@ -137,13 +138,13 @@ fn best_first(
     while let Some(Reverse((total, cost, cell))) = queue.pop() {
         if cell == goal {
             let flips = trail(&reached, goal);
-            return DimibotSearchOutcome::Found(FlipPath { flips, cost, bound: cost, expanded: meter.spent() });
+            return DimibotAnswer::Found(FlipPath { flips, cost, bound: cost, expanded: meter.spent() });
         }
         if reached.get(&cell).is_some_and(|(best, _)| *best < cost) {
             continue;
         }
         if meter.step().is_none() {
-            return DimibotSearchOutcome::GaveUp(meter.gave_up(total));
+            return DimibotAnswer::GaveUp(meter.gave_up(total));
         }
         for flip in legal_flips(&mut reader, cell) {
             let (next, cost) = (cell.after(flip), cost + weights.of(flip));
@@ -153,7 +154,7 @@ fn best_first(
         }
     }
     let cells = reached.len() as u64;
-    DimibotSearchOutcome::impossible(Proof::StartShut { cells }, meter.spent())
+    DimibotAnswer::impossible(Proof::StartShut { cells }, meter.spent())
 }
 
 /// Dijkstra's algorithm from both ends (section 4.2).
@@ -163,9 +164,9 @@ pub fn bidirectional_dijkstra(
     goal: LatticeCell,
     weights: &SwitchWeights,
     budget: SearchBudget,
-) -> DimibotSearchOutcome<FlipPath> {
+) -> DimibotAnswer<FlipPath> {
     if let Some(proof) = refused(field, start, goal) {
-        return DimibotSearchOutcome::impossible(proof, 0);
+        return DimibotAnswer::impossible(proof, 0);
     }
     let mut meter = Meter::new(budget);
     let mut reached = [start, goal].map(|end| ReachedCells::from_iter([(end, (0, None))]));
@@ -189,7 +190,7 @@ pub fn bidirectional_dijkstra(
             continue;
         }
         if meter.step().is_none() {
-            return DimibotSearchOutcome::GaveUp(meter.gave_up(from_start + from_goal));
+            return DimibotAnswer::GaveUp(meter.gave_up(from_start + from_goal));
         }
         for flip in legal_flips(&mut reader, cell) {
             let (next, cost) = (cell.after(flip), cost + weights.of(flip));
@@ -210,21 +211,21 @@ fn joined(
     best: Option<(u64, LatticeCell)>,
     meter: &Meter,
     start_is_shut: bool,
-) -> DimibotSearchOutcome<FlipPath> {
+) -> DimibotAnswer<FlipPath> {
     let expanded = meter.spent();
     match best {
         Some((cost, middle)) => {
             let mut flips = trail(&reached[0], middle);
             flips.extend(trail(&reached[1], middle).into_iter().rev());
-            DimibotSearchOutcome::Found(FlipPath { flips, cost, bound: cost, expanded })
+            DimibotAnswer::Found(FlipPath { flips, cost, bound: cost, expanded })
         }
         None if start_is_shut => {
             let cells = reached[0].len() as u64;
-            DimibotSearchOutcome::impossible(Proof::StartShut { cells }, expanded)
+            DimibotAnswer::impossible(Proof::StartShut { cells }, expanded)
         }
         None => {
             let cells = reached[1].len() as u64;
-            DimibotSearchOutcome::impossible(Proof::GoalShut { cells }, expanded)
+            DimibotAnswer::impossible(Proof::GoalShut { cells }, expanded)
         }
     }
 }

@@ -1,16 +1,18 @@
-//! Several modules in one pulse: the fewest pulses from a cell to another.
+//! Several modules in one pulse: the fewest pulses from one cell to another.
 //!
-//! Problem: a set of modules may switch in one pulse if the closed rectangle between the cell before and the cell after (their bitwise AND and OR) touches no
-//! obstacle, since all orders of switching and all mixtures of partial strokes stay within it and reach each of its points. Find the shortest
-//! sequence of such pulses. Method: up to [`TABLE_MODULES`] modules in all, breadth-first search with rectangle queries from a summed-area table; above, a path
-//! of single flips is compressed, and ever longer sequences are sought by branch and bound on the bits of the cells between, highest bits first:
-//! known high bits fix an inner part of every rectangle, which must be free. Guaranteed: optimal where `cost() == bound`; always so for small robots.
-//! Cost: 4^N rectangle queries for small robots; else at most [`TRIES`] per length. One step of the budget is one rectangle query.
+//! Problem: a set of modules may switch in one pulse if the closed rectangle between the cell before and the cell after (their
+//! bitwise AND and OR) touches no obstacle, since all orders of switching and all mixtures of partial strokes stay within it and
+//! reach each of its points. Find the shortest sequence of such pulses. Method: up to [`TABLE_MODULES`] modules in all,
+//! breadth-first search with rectangle queries from a summed-area table; above, a path of single flips is compressed, and sequences
+//! of increasing length are sought by branch and bound on the bits of the intermediate cells, highest bits first: known high bits
+//! fix an inner part of every rectangle, which must be free. Guaranteed: optimal where `cost() == bound`; always so for small
+//! robots. Cost: 4^N rectangle queries for small robots; else at most [`TRIES`] per length. One step of the budget is one rectangle
+//! query.
 
 use super::field::LatticeField;
 use super::labels::LabelFront;
 use super::lattice::{Lattice, LatticeCell, Side, SwitchWeights};
-use super::outcome::{DimibotSearchOutcome, FlipPath, Proof};
+use super::outcome::{DimibotAnswer, FlipPath, Proof};
 use super::shortest::{outside, shortest};
 use super::tally::{MotionTally, add_to_front};
 use crate::plan::search::{GaveUp, Meter, SearchBudget};
@@ -37,7 +39,7 @@ pub struct ModulePulse {
 pub struct PulseTrain {
     /// Pulses in their order; none is empty.
     pub pulses: Vec<ModulePulse>,
-    /// No sequence has fewer pulses; equal to [`PulseTrain::cost`] when the train is proven optimal.
+    /// Lower bound on the number of pulses; equal to [`PulseTrain::cost`] when the train is proven optimal.
     pub bound: u64,
     /// Rectangles examined.
     pub expanded: u64,
@@ -55,16 +57,16 @@ pub fn pulse_is_safe(field: &LatticeField, from: LatticeCell, to: LatticeCell) -
     field.rectangle_free([from.x & to.x, from.x | to.x], [from.y & to.y, from.y | to.y])
 }
 
-/// The fewest pulses from `start` to `goal`.
+/// A train with few pulses from `start` to `goal`, and its bound.
 pub fn pulses(
     field: &LatticeField,
     start: LatticeCell,
     goal: LatticeCell,
     budget: SearchBudget,
-) -> DimibotSearchOutcome<PulseTrain> {
+) -> DimibotAnswer<PulseTrain> {
     let mut meter = Meter::new(budget);
     if let Some(proof) = refused(field, start, goal) {
-        return DimibotSearchOutcome::impossible(proof, 0);
+        return DimibotAnswer::impossible(proof, 0);
     }
     let modules = field.lattice().modules;
     if pulse_is_safe(field, start, goal) {
@@ -85,12 +87,12 @@ fn refused(field: &LatticeField, start: LatticeCell, goal: LatticeCell) -> Optio
         .or_else(|| covered(goal).then_some(Proof::GoalCovered))
 }
 
-fn found(cells: &[LatticeCell], bound: u64, meter: &Meter) -> DimibotSearchOutcome<PulseTrain> {
+fn found(cells: &[LatticeCell], bound: u64, meter: &Meter) -> DimibotAnswer<PulseTrain> {
     let pulses = cells.windows(2).map(|pair| between(pair[0], pair[1])).collect();
-    DimibotSearchOutcome::Found(PulseTrain { pulses, bound, expanded: meter.spent() })
+    DimibotAnswer::Found(PulseTrain { pulses, bound, expanded: meter.spent() })
 }
 
-/// How many slots (cells and gaps) below and left of a slot are touched by an obstacle.
+/// Prefix sums: number of slots (cells and gaps) below and left of a slot that an obstacle touches.
 struct BlockedPrefixSums {
     width: usize,
     sums: Vec<u32>,
@@ -119,20 +121,20 @@ impl BlockedPrefixSums {
     }
 }
 
-/// A cell not yet reached, and the best way to it from the present layer: distance, switches, position of the cell before.
+/// A cell not yet reached, and the best entry to it from the current layer: distance, switches, position of the previous cell.
 type Unseen = (LatticeCell, Option<(u64, u64, usize)>);
 
-/// Breadth first; of the trains with the fewest pulses the shortest, and of those the one with the fewest switches.
+/// Breadth-first search; among the trains with the fewest pulses the shortest, and among those one with the fewest switches.
 fn over_all_cells(
     field: &LatticeField,
     start: LatticeCell,
     goal: LatticeCell,
     meter: &mut Meter,
-) -> DimibotSearchOutcome<PulseTrain> {
+) -> DimibotAnswer<PulseTrain> {
     let table = BlockedPrefixSums::new(field);
     let mut unseen: Vec<Unseen> =
         all_cells(field.lattice()).filter(|cell| *cell != start).map(|cell| (cell, None)).collect();
-    // Cells in the order of discovery, with the position of the cell before.
+    // Cells in the order of discovery, each with the position of the previous cell.
     let mut seen = vec![(start, 0)];
     let mut figures = vec![(0, 0)];
     let mut layer = 0..1;
@@ -140,7 +142,7 @@ fn over_all_cells(
     while !layer.is_empty() {
         for at in layer.clone() {
             if meter.left().steps < unseen.len() as u64 {
-                return DimibotSearchOutcome::GaveUp(meter.gave_up(count + 1));
+                return DimibotAnswer::GaveUp(meter.gave_up(count + 1));
             }
             meter.charge(unseen.len() as u64);
             for (to, best) in &mut unseen {
@@ -165,7 +167,7 @@ fn over_all_cells(
         }
     }
     let cells = seen.len() as u64;
-    DimibotSearchOutcome::impossible(Proof::StartShut { cells }, meter.spent())
+    DimibotAnswer::impossible(Proof::StartShut { cells }, meter.spent())
 }
 
 fn all_cells(lattice: &Lattice) -> impl Iterator<Item = LatticeCell> + use<> {
@@ -182,15 +184,15 @@ pub(super) const fn is_small(lattice: &Lattice) -> bool {
     lattice.modules[0] + lattice.modules[1] <= TABLE_MODULES
 }
 
-/// A way to a cell in [`front`], with the position of the one before.
+/// A partial train to a cell in [`front`], with the position of its predecessor.
 struct PulseLabel {
     cell: LatticeCell,
     tally: MotionTally,
     before: usize,
 }
 
-/// The trains from `start` to `goal` within the limits of which none is better in distance, switches and pulses: a search by layers of
-/// equally many pulses over all cells. Complete for a small robot unless the budget ran out; for a larger one just what is known.
+/// The Pareto front of trains from `start` to `goal` within the limits, in distance, switches and pulses: a search over all cells
+/// in layers of equally many pulses. Complete for a small robot unless the budget ran out; for a larger one only the known trains.
 pub(super) fn front(
     field: &LatticeField,
     [start, goal]: [LatticeCell; 2],
@@ -267,13 +269,13 @@ fn by_length(
     start: LatticeCell,
     goal: LatticeCell,
     meter: &mut Meter,
-) -> DimibotSearchOutcome<PulseTrain> {
+) -> DimibotAnswer<PulseTrain> {
     let weights = SwitchWeights::switches(field.lattice());
     let path = match shortest(field, start, goal, &weights, meter.left()) {
-        DimibotSearchOutcome::Found(path) => path,
-        DimibotSearchOutcome::Impossible(proof) => return DimibotSearchOutcome::Impossible(proof),
-        // Not one pulse, so two at least.
-        DimibotSearchOutcome::GaveUp(report) => return DimibotSearchOutcome::GaveUp(GaveUp { bound: 2, ..report }),
+        DimibotAnswer::Found(path) => path,
+        DimibotAnswer::Impossible(proof) => return DimibotAnswer::Impossible(proof),
+        // A single pulse was ruled out, so the bound is two.
+        DimibotAnswer::GaveUp(report) => return DimibotAnswer::GaveUp(GaveUp { bound: 2, ..report }),
     };
     meter.charge(path.expanded);
     let best = compress(field, start, &path, meter);
@@ -294,13 +296,13 @@ fn by_length(
     found(&best, best.len() as u64 - 1, meter)
 }
 
-/// The fewest pulses that visit only cells of the path, in its order.
+/// The train with the fewest pulses that visits only cells of the path, in its order.
 fn compress(field: &LatticeField, start: LatticeCell, path: &FlipPath, meter: &mut Meter) -> Vec<LatticeCell> {
     let mut cells = vec![start];
     for flip in &path.flips {
         cells.extend(cells.last().map(|cell| cell.after(*flip)));
     }
-    // For each cell the fewest pulses to it and the cell before.
+    // For each cell, the fewest pulses to it and the previous cell.
     let mut best = vec![(0, 0); cells.len()];
     for to in 1..cells.len() {
         best[to] = (best[to - 1].0 + 1, to - 1);
@@ -321,7 +323,7 @@ fn compress(field: &LatticeField, start: LatticeCell, path: &FlipPath, meter: &m
 /// Branch and bound on the cells of a sequence of fixed length.
 struct Sought<'a> {
     field: &'a LatticeField,
-    /// All cells of the sequence; of those between the ends only the decided high bits are set.
+    /// All cells of the sequence; for those between the ends only the decided high bits are set.
     cells: Vec<LatticeCell>,
     meter: Meter,
 }
@@ -348,6 +350,7 @@ impl<'a> Sought<'a> {
     /// Decides the `depth`-th highest bits of all cells between; recursion ends at the number of modules of the larger side, 20 at most.
     fn branch(&mut self, depth: u32) -> PulseBranch {
         let open = self.open(depth);
+        // A rectangle blocked by its decided bits alone is blocked for every choice of the open ones: prune.
         for pulse in 1..self.cells.len() {
             match self.inner_is_free(pulse, open) {
                 Some(true) => {}
@@ -394,12 +397,13 @@ impl<'a> Sought<'a> {
         true
     }
 
-    /// Whether the part of the rectangle that the decided bits fix is free. The open bits of an end are known, those of a cell between are not.
+    /// Whether the part of the rectangle that the decided bits fix is free. The open bits of the ends are known, those of the cells
+    /// between are not.
     fn inner_is_free(&mut self, pulse: usize, open: [u32; 2]) -> Option<bool> {
         let ends = [pulse - 1, pulse].map(|k| (self.cells[k].pair(), k == 0 || k == self.cells.len() - 1));
         let mut ranges = [[0; 2]; 2];
         for k in 0..2 {
-            // Unknown bits leave the AND as high as all ones and the OR as low as all zeros would.
+            // Intersection over all choices of the unknown bits: ones make the AND highest, zeros make the OR lowest.
             let value = |fill: u32| ends.map(|(at, known)| if known { at[k] } else { at[k] & !open[k] | fill });
             let (high, low) = (value(open[k]), value(0));
             ranges[k] = [high[0] & high[1], low[0] | low[1]];
@@ -411,7 +415,7 @@ impl<'a> Sought<'a> {
         Some(self.field.rectangle_free(ranges[0], ranges[1]))
     }
 
-    /// The decided bits completed with the start's or the goal's low bits, if that is a free sequence.
+    /// The decided bits completed with the start's or the goal's low bits, if the sequence is free.
     fn completed(&mut self, open: [u32; 2]) -> Option<Vec<LatticeCell>> {
         let last = self.cells.len() - 1;
         let (start, goal) = (self.cells[0], self.cells[last]);

@@ -1,10 +1,11 @@
-//! A queue for keys that never fall below the last one taken: a radix heap (Ahuja and others 1990). Equal keys leave last in, first out.
+//! A monotone priority queue, whose keys never fall below the last one taken: a radix heap (Ahuja and others 1990). Equal keys
+//! leave last in, first out.
 
 /// Items with a key, in buckets by the highest bit in which the key differs from the last one taken.
 pub(super) struct RadixQueue<T> {
     last: u64,
     buckets: [Vec<(u64, T)>; 65],
-    /// Bit b is set if bucket b holds something (bucket 64 is left out: no key gets that large).
+    /// Bit b is set if bucket b is not empty (bucket 64 is left out: no key gets that large).
     full: u64,
 }
 
@@ -26,7 +27,7 @@ impl<T> RadixQueue<T> {
         self.last
     }
 
-    /// `key` must not be less than the last one taken, and less than 2^63.
+    /// `key` must be at least the last one taken and less than 2^63.
     #[inline]
     pub(super) fn push(&mut self, key: u64, item: T) {
         let bucket = 64 - (key ^ self.last).leading_zeros();
@@ -54,7 +55,7 @@ impl<T> RadixQueue<T> {
         for (key, item) in items.drain(..) {
             self.push(key, item);
         }
-        // Give the memory back to the bucket.
+        // Returns the allocation to the bucket.
         self.buckets[bucket] = items;
         Some(())
     }

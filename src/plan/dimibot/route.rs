@@ -1,10 +1,11 @@
-//! A task as a whole: the best sequence of legs over all its stages, the orders of its visits among them.
+//! A whole task: the best sequence of legs over all its stages, including the order of its visits.
 //!
-//! Problem: from a start through stages, each a cell or a set of cells to be visited in any order; least by an objective, ties broken by
-//! the other figures, within limits on all figures. Method: a dynamic programme over the stages whose state is the cell in which a
-//! stage ends, inside a visit of up to [`EXACT_PLACES`] places that of Held and Karp (1962) over sets; without limits one best way
-//! per state, with limits the Pareto front of the ways. Larger visits are ordered by [`super::tour`], and bounded by the same
-//! programme over the bounds of the legs. Guaranteed: `bound` holds for the whole task; optimal where it equals the cost.
+//! Problem: from a start through stages, each a cell or a set of cells to be visited in any order; least by an objective, ties
+//! broken by the other figures, within limits on all figures. Method: a dynamic programme over the stages whose state is the cell
+//! in which a stage ends; within a visit of up to [`EXACT_PLACES`] places, that of Held and Karp (1962) over sets. Without limits
+//! one best route is kept per state, with limits the Pareto front of routes. Larger visits are ordered by [`super::tour`], and
+//! bounded by the same programme over the bounds of the legs. Guaranteed: `bound` holds for the whole task; optimal where it equals
+//! the cost.
 
 use super::field::LatticeField;
 use super::lattice::LatticeCell;
@@ -36,7 +37,7 @@ impl RouteStage {
         }
     }
 
-    /// The last cell as written.
+    /// The cell written last.
     fn last(&self) -> Option<LatticeCell> {
         self.cells().last().copied()
     }
@@ -54,18 +55,18 @@ pub struct RouteRequest<'a> {
     pub method: DimibotMethod,
     /// Whether several modules may switch in one pulse.
     pub with_pulses: bool,
-    /// Steps that the searches of one stage may take.
+    /// Step budget of the searches of one stage.
     pub expansions: u64,
 }
 
-/// How a task is done.
+/// A planned task.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Route {
     /// The pulses of each stage.
     pub pulses: Vec<Vec<ModulePulse>>,
-    /// What they come to.
+    /// Its figures.
     pub tally: MotionTally,
-    /// No route has less of the objective's figure.
+    /// Lower bound on the objective's figure.
     pub bound: u64,
     /// Whether no route of equal cost is better in the other figures.
     pub is_exact: bool,
@@ -75,21 +76,21 @@ pub struct Route {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MissingLeg {
     pub stage: usize,
-    /// Which of the stage's cells.
+    /// Index into the stage's cells.
     pub place: usize,
     pub from: LatticeCell,
     pub reason: NoLeg,
 }
 
-/// The best route within limits, as far as the search went.
+/// Result of the search for the best route within limits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RouteWithin {
     pub route: Option<Route>,
-    /// Whether all routes within the limits were looked at: then there is none if `route` is none, and none better if it is one.
+    /// Whether the search was exhaustive: then `route` is optimal, or `None` proves that there is none.
     pub is_complete: bool,
 }
 
-/// Plans a task, for several objectives and limits if need be.
+/// Plans a task, for several objectives and limits if necessary.
 pub struct Router<'a> {
     request: RouteRequest<'a>,
     legs: Legs<'a>,
@@ -104,7 +105,7 @@ impl<'a> Router<'a> {
     /// The best route by an objective.
     ///
     /// # Errors
-    /// The legs that lead nowhere or were not found: for each stage those from the last cell of the stage before.
+    /// The legs that are impossible or were not found: for each stage, those from the last cell of the stage before.
     pub fn best(&mut self, objective: DimibotObjective) -> Result<Route, Vec<MissingLeg>> {
         let mut meters = self.meters();
         self.reach(objective, &mut meters)?;
@@ -122,7 +123,7 @@ impl<'a> Router<'a> {
         Ok(Route { pulses, tally, bound, is_exact: costs.is_exact })
     }
 
-    /// The best route by an objective of which no figure exceeds its limit.
+    /// The best route by an objective in which no figure exceeds its limit.
     pub fn within(&mut self, objective: DimibotObjective, limits: MotionTally) -> RouteWithin {
         let mut meters = self.meters();
         let Some(least) = self.least(&mut meters) else { return RouteWithin { route: None, is_complete: false } };
@@ -145,7 +146,7 @@ impl<'a> Router<'a> {
         self.request.stages.iter().map(|_| Meters::new(self.request.expansions)).collect()
     }
 
-    /// Looks for a leg to every cell from the last cell of the stage before, so that each part of a task has its say.
+    /// Searches a leg to every cell from the last cell of the stage before, so that the report covers each part of the task.
     fn reach(&mut self, objective: DimibotObjective, meters: &mut [Meters]) -> Result<(), Vec<MissingLeg>> {
         let mut failures = Vec::new();
         let mut from = self.request.start;
@@ -161,7 +162,7 @@ impl<'a> Router<'a> {
         if failures.is_empty() { Ok(()) } else { Err(failures) }
     }
 
-    /// For each stage what no way through it stays below in any figure; `None` where a leg was not found.
+    /// Lower bound on every figure of each stage; `None` where a leg was not found.
     fn least(&mut self, meters: &mut [Meters]) -> Option<Vec<MotionTally>> {
         let mut from = vec![self.request.start];
         let mut least = Vec::with_capacity(self.request.stages.len());
@@ -219,7 +220,7 @@ impl<'a> Router<'a> {
         Ok(programme)
     }
 
-    /// The pulses of a way, by stage.
+    /// The pulses of a route, by stage.
     fn pulses(&mut self, programme: &Programme, last: u32, meters: &mut [Meters]) -> Vec<Vec<ModulePulse>> {
         let mut pulses = vec![Vec::new(); self.request.stages.len()];
         let mut at = last;
@@ -227,7 +228,7 @@ impl<'a> Router<'a> {
             let leg = match programme.mode {
                 Mode::Best(objective) | Mode::Bound(objective) => {
                     let best = self.legs.best(node.ends, objective, &mut meters[node.stage]);
-                    best.expect("each leg of a way was found and is remembered").pulses
+                    best.expect("each leg of a route is cached").pulses
                 }
                 Mode::Front { .. } => {
                     programme.fronts[&(node.stage, node.ends[0], node.ends[1])].ways[node.choice].1.clone()

@@ -1,28 +1,30 @@
-//! A set of cells that is emptied quickly: a bit per cell for small lattices, open addressing for large ones.
+//! A set of cells that is quick to empty: a bit per cell for small lattices, open addressing for large ones.
+
+use fixedbitset::FixedBitSet;
 
 /// Up to this many modules (left and right together) a bit per cell is used: 2^26 bits, 8 MB.
 const BIT_MODULES: u32 = 26;
 const FIRST_SLOTS: usize = 1 << 10;
-/// A larger table is dropped rather than wiped.
+/// A table larger than this is dropped rather than wiped.
 const KEPT_SLOTS: usize = 1 << 14;
 
 #[derive(Default)]
 pub(super) struct Seen {
     /// Modules of the left side, or `None` when hashing.
     shift: Option<u32>,
-    bits: Vec<u64>,
+    bits: FixedBitSet,
     /// Keys plus one; 0 is an empty slot.
     slots: Vec<u64>,
     count: usize,
 }
 
 impl Seen {
-    /// Prepares for a lattice; the set is empty, since the caller cleared it after the last use.
+    /// Prepares for a lattice. The set must be empty: the caller clears it after each use.
     pub(super) fn begin(&mut self, modules: [u32; 2]) {
         let all = modules[0] + modules[1];
         self.shift = (all <= BIT_MODULES).then_some(modules[0]);
         match self.shift {
-            Some(_) => self.bits.resize((1_usize << all).div_ceil(64), 0),
+            Some(_) => self.bits.grow(1_usize << all),
             None if self.slots.is_empty() => self.slots = vec![0; FIRST_SLOTS],
             None => {}
         }
@@ -31,7 +33,7 @@ impl Seen {
     /// Empties the set, given all cells in it.
     pub(super) fn clear(&mut self, cells: impl Iterator<Item = [u32; 2]>) {
         match self.shift {
-            Some(shift) => cells.for_each(|[x, y]| self.bits[(y << shift | x) as usize / 64] = 0),
+            Some(shift) => cells.for_each(|[x, y]| self.bits.set((y << shift | x) as usize, false)),
             None if self.slots.len() > KEPT_SLOTS => self.slots = Vec::new(),
             None => self.slots.fill(0),
         }
@@ -41,23 +43,16 @@ impl Seen {
     #[inline]
     pub(super) fn contains(&self, [x, y]: [u32; 2]) -> bool {
         match self.shift {
-            Some(shift) => {
-                let at = y << shift | x;
-                self.bits[at as usize / 64] >> (at % 64) & 1 == 1
-            }
+            Some(shift) => self.bits.contains((y << shift | x) as usize),
             None => self.slots[self.slot(key([x, y]))] != 0,
         }
     }
 
-    /// Adds the cell; `false` if it was there.
+    /// Adds the cell; `false` if it was present.
     #[inline]
     pub(super) fn insert(&mut self, [x, y]: [u32; 2]) -> bool {
         if let Some(shift) = self.shift {
-            let at = y << shift | x;
-            let word = &mut self.bits[at as usize / 64];
-            let fresh = *word >> (at % 64) & 1 == 0;
-            *word |= 1 << (at % 64);
-            return fresh;
+            return !self.bits.put((y << shift | x) as usize);
         }
         if 2 * self.count >= self.slots.len() {
             self.grow();

@@ -1,13 +1,13 @@
 //! The default search of the DiMiBot planner.
 //!
-//! Problem: the cheapest sequence of single flips between two cells. Method: a greedy walk that only switches modules toward the goal, whose cost is
-//! the XOR distance and therefore optimal when it arrives; then [`super::journey`]. Guaranteed: complete, and optimal unless the budget runs out.
-//! One step of the budget is one cell queued.
+//! Problem: the cheapest sequence of single flips between two cells. Method: a greedy walk that only switches modules toward the
+//! goal, whose cost is the XOR distance and therefore optimal when it arrives; then [`super::journey`]. Guaranteed: complete, and
+//! optimal unless the budget runs out. One step of the budget is one cell queued.
 
 use super::field::{FieldReader, LatticeField};
 use super::journey::LatticeJourney;
 use super::lattice::{Flip, LatticeCell, Side, SwitchWeights, bits};
-use super::outcome::{DimibotSearchOutcome, FlipPath, Proof};
+use super::outcome::{DimibotAnswer, FlipPath, Proof};
 use crate::plan::search::SearchBudget;
 
 /// The cheapest path of single flips from `start` to `goal`.
@@ -17,9 +17,9 @@ pub fn shortest(
     goal: LatticeCell,
     weights: &SwitchWeights,
     budget: SearchBudget,
-) -> DimibotSearchOutcome<FlipPath> {
+) -> DimibotAnswer<FlipPath> {
     if let Some(proof) = outside(field, start, goal) {
-        return DimibotSearchOutcome::impossible(proof, 0);
+        return DimibotAnswer::impossible(proof, 0);
     }
     let mut work = field.work();
     let (mut reader, space) = work.open(field);
@@ -29,20 +29,20 @@ pub fn shortest(
     {
         let cost = weights.between(start, goal);
         let expanded = flips.len() as u64;
-        return DimibotSearchOutcome::Found(FlipPath { flips, cost, bound: cost, expanded });
+        return DimibotAnswer::Found(FlipPath { flips, cost, bound: cost, expanded });
     }
     for (end, proof) in ends.into_iter().zip([Proof::StartCovered, Proof::GoalCovered]) {
         if reader.legal(end).is_none() {
-            return DimibotSearchOutcome::impossible(proof, 0);
+            return DimibotAnswer::impossible(proof, 0);
         }
     }
     if start == goal {
-        return DimibotSearchOutcome::Found(FlipPath { flips: Vec::new(), cost: 0, bound: 0, expanded: 0 });
+        return DimibotAnswer::Found(FlipPath { flips: Vec::new(), cost: 0, bound: 0, expanded: 0 });
     }
     LatticeJourney::new(reader, weights, ends, budget).run(space)
 }
 
-/// The proof that there is no plan when a cell does not belong to the lattice.
+/// The proof that there is no plan, if a cell does not belong to the lattice.
 pub(super) fn outside(field: &LatticeField, start: LatticeCell, goal: LatticeCell) -> Option<Proof> {
     if !field.lattice().contains(start) {
         return Some(Proof::StartOutside);
@@ -50,8 +50,9 @@ pub(super) fn outside(field: &LatticeField, start: LatticeCell, goal: LatticeCel
     (!field.lattice().contains(goal)).then_some(Proof::GoalOutside)
 }
 
-/// A path that only switches modules that stand differently, so that no path is cheaper: all of one side, then all of the other, or else always
-/// the largest that may switch. Meets every cell it enters, so it fails if an end is covered, unless start and goal are the same.
+/// A path that only switches modules whose states differ, so that no path is cheaper: all of one side, then all of the other, or
+/// else always the largest that may switch. Every cell entered is checked, so it fails if an end is covered, unless start and goal
+/// are the same.
 fn walk(reader: &mut FieldReader<'_>, [start, goal]: [[u32; 2]; 2]) -> Option<Vec<Flip>> {
     let differing = [start[0] ^ goal[0], start[1] ^ goal[1]];
     let mut flips = Vec::with_capacity((differing[0].count_ones() + differing[1].count_ones()) as usize);

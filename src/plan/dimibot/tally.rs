@@ -1,7 +1,7 @@
-//! What a motion comes to in every outcome, and which of two motions is better.
+//! The figures of a motion for every outcome, and the order of two motions.
 //!
-//! Time and energy of a DiMiBot follow from the number of pulses and of switches, so three whole numbers say all. Ties in the
-//! objective are broken by the other outcomes in the order of the vocabulary: distance, switches, time, energy.
+//! Time and energy of a DiMiBot follow from the numbers of pulses and switches, so three whole numbers determine all outcomes. Ties
+//! in the objective are broken by the other outcomes in the order of the vocabulary: distance, switches, time, energy.
 
 use super::lattice::{Lattice, Side};
 use super::pulses::ModulePulse;
@@ -10,16 +10,16 @@ use crate::claims::dimibot::DimibotObjective;
 /// The figures of a motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MotionTally {
-    /// Way of the end-effector in units of the finer pitch.
+    /// Distance of the end-effector in units of the finer pitch.
     pub distance: u64,
-    /// How often a module is switched.
+    /// Number of module switches.
     pub switches: u64,
     /// Number of pulses; equal to `switches` where one module is switched at a time.
     pub pulses: u64,
 }
 
 impl MotionTally {
-    /// What no motion exceeds.
+    /// Upper bound on every motion.
     pub const MAX: MotionTally = MotionTally { distance: u64::MAX, switches: u64::MAX, pulses: u64::MAX };
 
     /// The figures of one pulse.
@@ -33,12 +33,12 @@ impl MotionTally {
         }
     }
 
-    /// The figures of pulses in a row.
+    /// The figures of a sequence of pulses.
     pub fn sum(lattice: &Lattice, pulses: &[ModulePulse]) -> Self {
         pulses.iter().fold(MotionTally::default(), |sum, pulse| sum.plus(MotionTally::of(lattice, *pulse)))
     }
 
-    /// One after the other; stays at the largest number rather than going round.
+    /// The sum of two motions; saturates.
     #[must_use]
     pub const fn plus(self, other: MotionTally) -> Self {
         MotionTally {
@@ -48,7 +48,7 @@ impl MotionTally {
         }
     }
 
-    /// What is left of a limit; `None` where nothing is.
+    /// The rest of a limit; `None` if it is exceeded.
     pub const fn minus(self, other: MotionTally) -> Option<Self> {
         if !other.is_within(self) {
             return None;
@@ -60,12 +60,12 @@ impl MotionTally {
         })
     }
 
-    /// Whether no figure is greater.
+    /// Whether every figure is at most its limit.
     pub const fn is_within(self, limit: MotionTally) -> bool {
         self.distance <= limit.distance && self.switches <= limit.switches && self.pulses <= limit.pulses
     }
 
-    /// The least of either in each figure.
+    /// The smaller of the two in each figure.
     #[must_use]
     pub fn least(self, other: MotionTally) -> Self {
         MotionTally {
@@ -75,7 +75,7 @@ impl MotionTally {
         }
     }
 
-    /// What decides between motions, most important first.
+    /// Sort key of motions, most important figure first.
     pub const fn key(self, objective: DimibotObjective) -> [u64; 3] {
         match objective {
             DimibotObjective::Distance => [self.distance, self.switches, self.pulses],
@@ -101,7 +101,7 @@ impl MotionTally {
     }
 }
 
-/// Adds a tally with what belongs to it to a list of which none is within another; `false` if one of the list is within it.
+/// Adds a tally with its item to a Pareto front; `false` if the front dominates it.
 pub fn add_to_front<T>(front: &mut Vec<(MotionTally, T)>, tally: MotionTally, item: T) -> bool {
     if front.iter().any(|(known, _)| known.is_within(tally)) {
         return false;

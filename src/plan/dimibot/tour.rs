@@ -1,18 +1,18 @@
-//! The order of many places: a good one, and a bound on all.
+//! The order of many places: a good one, and a lower bound on all.
 //!
-//! Problem: the open travelling salesman path from node 0 over all places, on to a fixed end if there is one. Method: nearest insertion, then
-//! 2-opt and or-opt to a local optimum; the ascent on 1-trees of Held and Karp (1971) as lower bound. Guaranteed: no order costs less
-//! than [`ascent`] says. Cost: n² per improvement.
+//! Problem: the open travelling salesman path from node 0 over all places, on to a fixed end if there is one. Method: nearest
+//! insertion, then 2-opt and or-opt to a local optimum; as lower bound the ascent on 1-trees of Held and Karp (1971). Guaranteed:
+//! no order costs less than the result of [`ascent`]. Cost: n² per improvement.
 
 /// Steps of the ascent on 1-trees.
 const ASCENT: u32 = 300;
-/// Penalties of the ascent are multiples of one part in this many.
+/// Denominator of the penalties of the ascent.
 const FINE: i64 = 64;
 
-/// Costs between nodes, symmetric; node 0 is where the path begins.
+/// Costs between nodes, symmetric; the path begins at node 0.
 pub(super) struct TourCosts {
     pub(super) costs: Vec<Vec<u64>>,
-    /// The node on which the path ends beyond the places; the last one.
+    /// The node on which the path ends after all places; the last one.
     pub(super) end: Option<usize>,
 }
 
@@ -22,14 +22,14 @@ impl TourCosts {
         self.costs.len() - 1 - usize::from(self.end.is_some())
     }
 
-    /// Cost of visiting the places in that order.
+    /// Cost of visiting the places in this order.
     pub(super) fn length(&self, order: &[usize]) -> u64 {
         let from = std::iter::once(&0).chain(order);
         let last = order.last().copied().unwrap_or(0);
         from.zip(order).map(|(&a, &b)| self.costs[a][b]).sum::<u64>() + self.end.map_or(0, |end| self.costs[last][end])
     }
 
-    /// What comes at a place of the order, or after it.
+    /// The node at position `k` of the order, or the end after it.
     fn at(&self, order: &[usize], k: usize) -> Option<usize> {
         order.get(k).copied().or(self.end)
     }
@@ -58,7 +58,7 @@ fn insertion(table: &TourCosts) -> Vec<usize> {
     order
 }
 
-/// What it costs more to visit `node` before the `k`-th of the order.
+/// Extra cost of visiting `node` before position `k` of the order.
 fn detour(table: &TourCosts, order: &[usize], k: usize, node: usize) -> i64 {
     let costs = &table.costs;
     let before = if k == 0 { 0 } else { order[k - 1] };
@@ -118,8 +118,8 @@ fn or_opt(table: &TourCosts, order: &mut Vec<usize>) -> bool {
     false
 }
 
-/// A lower bound on every path: the ascent on 1-trees, with a node of no cost that closes the path between its two ends. `upper` is the
-/// cost of a path.
+/// A lower bound on every path: ascent on 1-trees, with an extra node of cost 0 that closes the path between its two ends. `upper`
+/// is the cost of some path.
 pub(super) fn ascent(table: &TourCosts, upper: u64) -> u64 {
     let costs = &table.costs;
     let n = costs.len();
@@ -147,7 +147,7 @@ pub(super) fn ascent(table: &TourCosts, upper: u64) -> u64 {
     u64::try_from(whole).unwrap_or(0)
 }
 
-/// Prim's algorithm: the weight of the tree, times [`FINE`], and the degrees.
+/// Prim's algorithm: the weight of the minimum spanning tree, times [`FINE`], and the degrees.
 fn spanning_tree(costs: &[Vec<u64>], penalty: &[i64]) -> (i64, Vec<i64>) {
     let n = costs.len();
     let edge = |a: usize, b: usize| costs[a][b] as i64 * FINE + penalty[a] + penalty[b];

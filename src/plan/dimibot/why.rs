@@ -1,13 +1,13 @@
-//! Which obstacles are to blame when there is no path.
+//! Obstacles to blame when there is no path.
 //!
-//! Problem: the smallest set of obstacles whose removal opens a path (minimum constraint removal, NP-hard; Hauser 2014). Method: obstacles that cover
-//! an end must go in any case; then every single obstacle that borders the smaller component is tried exactly; then a search whose cost is the
-//! number of distinct obstacles crossed, one set kept per cell, and a deletion filter on its result. Guaranteed: what [`Opening`] says. One step of the
-//! budget is one flip examined.
+//! Problem: the smallest set of obstacles whose removal opens a path (minimum constraint removal, NP-hard; Hauser 2014). Method:
+//! obstacles that cover an end must be removed in any case; then every single obstacle that borders the smaller component is tested
+//! exactly; then a search whose cost is the number of distinct obstacles crossed, one set kept per cell, and a deletion filter on
+//! its result. Guaranteed: see [`Opening`]. One step of the budget is one flip examined.
 
 use super::field::{FieldObstacle, LatticeField};
 use super::lattice::{Flip, LatticeCell, Side, SwitchWeights, bits};
-use super::outcome::DimibotSearchOutcome;
+use super::outcome::DimibotAnswer;
 use super::shortest::{outside, shortest};
 use crate::plan::search::{Meter, SearchBudget};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -15,11 +15,11 @@ use std::collections::BTreeSet;
 
 /// Obstacles named when no opening set was found within the budget.
 const MAX_BORDER: usize = 32;
-/// Cells expanded when a path is looked for with some obstacles removed.
+/// Budget in cells of a path search with some obstacles removed.
 const TRIAL: SearchBudget = SearchBudget::of(1 << 20);
-/// The part of the budget that is spent on flooding both ends, to learn which obstacles are near.
+/// One part in this many of the budget is spent on flooding both ends, to find the nearby obstacles.
 const FLOOD_SHARE: u64 = 8;
-/// Where the flood does not end, all obstacles are suspects, if they are no more than this.
+/// If the flood does not end, all obstacles are suspects, unless there are more than this.
 const MAX_SUSPECTS: usize = 32;
 /// Obstacles rebuilt per step of the budget when a field is built without some of them.
 const REBUILT_PER_STEP: u64 = 2;
@@ -41,18 +41,19 @@ pub struct ObstacleBlame {
 pub enum Opening {
     /// It opens a path, and no smaller set does.
     Smallest,
-    /// It opens a path, and each of them has to go as long as only obstacles of this set may.
+    /// It opens a path, and no proper subset does.
     Irreducible,
-    /// It opens a path; a smaller part of the set may do.
+    /// It opens a path; a smaller part of the set may suffice.
     Opens,
-    /// They border the cells that can be reached from one end (or cover it); whether their removal is enough was not found out within the budget.
+    /// They border the cells reachable from one end (or cover it); the budget did not suffice to test whether their removal is
+    /// enough.
     Unknown,
 }
 
 /// Why there is no path from `start` to `goal`: `None` if there is one, or if one of the two is not a cell of the lattice.
 ///
-/// `obstacles` must be the list from which `field` was built. Where the proof that there is none takes more than a million cells, it is the
-/// caller's: what is said of the smallest set rests on it.
+/// `obstacles` must be the list from which `field` was built. Where the proof that there is no path takes more than a million
+/// cells, it is the caller's responsibility: claims about the smallest set rest on it.
 pub fn why(
     field: &LatticeField,
     obstacles: &[FieldObstacle],
@@ -96,9 +97,8 @@ enum BlameTrial {
 
 impl BlamedScene<'_> {
     fn search(&self, covering: BTreeSet<usize>, meter: &mut Meter) -> ObstacleBlame {
-        let mut flood = Meter::new(SearchBudget::of(meter.left().steps / FLOOD_SHARE));
-        let (border, [from, to]) = self.smaller_border(&covering, &mut flood);
-        meter.charge(flood.spent());
+        let flood = meter.left().steps / FLOOD_SHARE;
+        let (border, [from, to]) = meter.share(flood, |meter| self.smaller_border(&covering, meter));
         let few = (self.obstacles.len() <= MAX_SUSPECTS).then(|| (0..self.obstacles.len()).collect());
         let singles = match border.as_ref().or(few.as_ref()) {
             Some(suspects) => self.single(suspects, &covering, meter),
@@ -107,7 +107,7 @@ impl BlamedScene<'_> {
         if let Singles::Opens(set) = singles {
             return blame(set, Opening::Smallest);
         }
-        // If no single one opens a path, two are the least.
+        // If no single obstacle opens a path, at least two are needed.
         let least = if matches!(singles, Singles::None) { 2 } else { 1 };
         match Crossing::new(self.field, &covering).run(from, to, meter) {
             Some(set) => self.filter(set, &covering, least, meter),
@@ -118,8 +118,8 @@ impl BlamedScene<'_> {
         }
     }
 
-    /// Obstacles around the smaller of the two components, once `removed` is gone, and the end within it before the other; the obstacles only if
-    /// the budget lasts.
+    /// Obstacles around the smaller of the two components once `removed` is gone, and the two ends, the one in that component
+    /// first; the obstacles only if the budget suffices.
     fn smaller_border(
         &self,
         removed: &BTreeSet<usize>,
@@ -164,22 +164,22 @@ impl BlamedScene<'_> {
         let weights = SwitchWeights::switches(field.lattice());
         let budget = SearchBudget::of(TRIAL.steps.min(meter.left().steps));
         match shortest(field, self.start, self.goal, &weights, budget) {
-            DimibotSearchOutcome::Found(path) => {
+            DimibotAnswer::Found(path) => {
                 meter.charge(path.expanded);
                 BlameTrial::Open
             }
-            DimibotSearchOutcome::Impossible(proof) => {
+            DimibotAnswer::Impossible(proof) => {
                 meter.charge(proof.expanded);
                 BlameTrial::Shut
             }
-            DimibotSearchOutcome::GaveUp(gave_up) => {
+            DimibotAnswer::GaveUp(gave_up) => {
                 meter.charge(gave_up.spent);
                 BlameTrial::Unknown
             }
         }
     }
 
-    /// The first single obstacle whose removal, on top of those that must go, opens a path.
+    /// The first single obstacle whose removal, besides those that cover an end, opens a path.
     fn single(&self, border: &BTreeSet<usize>, covering: &BTreeSet<usize>, meter: &mut Meter) -> Singles {
         let mut answer = Singles::None;
         for obstacle in border {
@@ -194,7 +194,7 @@ impl BlamedScene<'_> {
         answer
     }
 
-    /// Leaves out what is not needed.
+    /// Deletion filter: drops the obstacles whose removal is not needed.
     fn filter(
         &self,
         mut set: BTreeSet<usize>,
@@ -225,7 +225,7 @@ enum Singles {
     NotTried,
 }
 
-/// The cells that can be reached from an end, as far as they are known, and the obstacles around them.
+/// The known part of the cells reachable from an end, and the obstacles around them.
 struct Component<'a> {
     field: &'a LatticeField,
     removed: &'a BTreeSet<usize>,
@@ -283,7 +283,7 @@ fn flips(field: &LatticeField) -> impl Iterator<Item = Flip> + use<> {
 /// A search in order of the number of distinct obstacles crossed.
 struct Crossing<'a> {
     field: &'a LatticeField,
-    /// Sets of obstacles, ascending, and their numbers.
+    /// Sets of obstacles, ascending; the index is the set's number.
     sets: Vec<Vec<usize>>,
     numbers: FxHashMap<Vec<usize>, usize>,
     settled: FxHashMap<LatticeCell, usize>,
@@ -324,7 +324,7 @@ impl<'a> Crossing<'a> {
         None
     }
 
-    /// Queues the neighbours; those toward the goal last, the longest stroke at the very end, since the queue is taken from its end.
+    /// Queues the neighbours; those toward the goal last and the longest stroke at the very end, since the queue is a stack.
     fn spread(&mut self, cell: LatticeCell, set: usize, to: LatticeCell, meter: &mut Meter) -> Option<()> {
         let toward = |flip: &Flip| {
             let bit = 1_u32 << flip.module;
@@ -340,7 +340,7 @@ impl<'a> Crossing<'a> {
             let next = cell.after(flip);
             if !self.settled.contains_key(&next) {
                 let blocking = self.field.blocking(cell, flip);
-                // A union takes time as its sets are long.
+                // The cost of a union grows with the length of its sets.
                 meter.charge((self.sets[set].len() + blocking.len()) as u64 / MERGED_PER_STEP);
                 let union = self.union(set, blocking);
                 self.push(next, union);

@@ -1,14 +1,14 @@
-//! One part by itself: the shortest way by its stops to its goal.
+//! One part alone: the shortest path through its stops to its goal.
 //!
-//! Problem: most steps of long tasks move one part past parts that stay, and those are blocked cells. Method: A* with the
-//! Manhattan distance (Hart, Nilsson, Raphael 1968), from stop to stop; a move toward the stop leaves the estimate of the whole
-//! as it is and any other adds 2, so two stacks stand for the queue. Guaranteed: the shortest way, or that there is none.
-//! Cost: about the cells of the way where little stands in it, at most the cells of the board for each stop.
+//! Problem: most steps of long tasks move one part past parts that stay, and those are blocked cells. Method: A* with the Manhattan
+//! distance (Hart, Nilsson, Raphael 1968), from stop to stop; a move toward the stop leaves the total estimate unchanged and any
+//! other adds 2, so two stacks replace the queue. Guaranteed: the shortest path, or a proof that there is none. Cost: about the
+//! cells of the path where few cells are blocked, at most the cells of the board for each stop.
 
 use super::board::{BoardGrid, CellIndex, Instance, NoBoardPlan};
 use rustc_hash::FxHashMap;
 
-/// The way of the only agent of an instance.
+/// The path of the only agent of an instance.
 pub fn way(instance: &Instance) -> Result<Vec<CellIndex>, NoBoardPlan> {
     let agent = &instance.agents[0];
     let mut way = vec![agent.start];
@@ -20,10 +20,10 @@ pub fn way(instance: &Instance) -> Result<Vec<CellIndex>, NoBoardPlan> {
     Ok(way)
 }
 
-/// The cells after `from` on a shortest way to `to`.
+/// The cells after `from` on a shortest path to `to`.
 fn leg(board: &BoardGrid, from: CellIndex, to: CellIndex) -> Option<Vec<CellIndex>> {
     let mut parents: FxHashMap<CellIndex, CellIndex> = FxHashMap::default();
-    // Cells to be looked at, with the one before: those of the least estimate, and those of the next.
+    // Open cells with their parents: those of the least estimate, and those of the next.
     let (mut now, mut next) = (vec![(from, from)], Vec::new());
     loop {
         let Some((cell, parent)) = now.pop() else {
@@ -62,7 +62,7 @@ mod tests {
     use crate::plan::electrode_array::board::Agent;
     use std::collections::VecDeque;
 
-    /// The steps of a plain breadth-first search.
+    /// Path length by a plain breadth-first search.
     fn plain(board: &BoardGrid, from: CellIndex, to: CellIndex) -> Option<usize> {
         let mut steps = vec![usize::MAX; board.cells()];
         let mut open = VecDeque::from([from]);

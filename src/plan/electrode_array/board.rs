@@ -1,41 +1,44 @@
-//! The problem of many parts on one board, in flat numbers: cells, the rule of distance, what is asked, what a plan is.
+//! The problem of many parts on one board, on flat cell indices: cells, the separation rule, instances and plans.
 //!
-//! A cell is one number, `row * width + column`, both from 0. One step moves each part to one of its four neighbours or leaves it.
-//! The rule of distance is a rule about pairs of positions at the same and at neighbouring instants: a part at `q` at instant
-//! `t` and another at `p` at `t - 1`, `t` or `t + 1` keep the Chebyshev distance of the rule. That is the rule for steps
-//! "all four combinations of the starts and ends of two parts", taken apart into single positions, so a path is legal exactly if
-//! no position of it lies too near to three positions of another; no pair of moves has to be looked at.
+//! A cell is one number, `row * width + column`, both from 0. In one step each part moves to one of its four neighbours or stays.
+//! The separation rule concerns pairs of positions at the same and at neighbouring instants: a part at `q` at instant `t` and
+//! another at `p` at `t - 1`, `t` or `t + 1` keep the required Chebyshev distance. It is equivalent to the rule for steps, "all
+//! four combinations of the starts and ends of two parts", split into single positions: a path is legal exactly if none of its
+//! positions is too near to any of three positions of another; pairs of moves need no check.
+
+use crate::plan::search::SearchAnswer;
+use fixedbitset::FixedBitSet;
 
 /// A cell: `row * width + column`, both from 0.
 pub type CellIndex = u32;
 
-/// The cells that the centre of a part may take.
+/// The cells allowed for the centre of a part.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BoardGrid {
     width: u32,
     height: u32,
-    /// One bit for each cell, row by row; set where a centre may not be.
-    blocked: Vec<u64>,
+    /// One bit per cell, row by row; set where no centre may be.
+    blocked: FixedBitSet,
 }
 
 impl BoardGrid {
     /// A board without a blocked cell; at most `u32::MAX` cells.
     pub fn new(width: u32, height: u32) -> BoardGrid {
         let cells = width as usize * height as usize;
-        BoardGrid { width, height, blocked: vec![0; cells.div_ceil(64)] }
+        BoardGrid { width, height, blocked: FixedBitSet::with_capacity(cells) }
     }
 
-    /// Columns.
+    /// Number of columns.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Rows.
+    /// Number of rows.
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// How many cells there are, blocked ones with them.
+    /// Number of cells, including blocked ones.
     pub fn cells(&self) -> usize {
         self.width as usize * self.height as usize
     }
@@ -52,16 +55,16 @@ impl BoardGrid {
 
     /// Blocks one cell.
     pub fn block(&mut self, cell: CellIndex) {
-        self.blocked[cell as usize / 64] |= 1 << (cell % 64);
+        self.blocked.insert(cell as usize);
     }
 
-    /// Whether no centre may be there.
+    /// Whether the cell is forbidden to centres.
     #[inline]
     pub fn is_blocked(&self, cell: CellIndex) -> bool {
-        self.blocked[cell as usize / 64] >> (cell % 64) & 1 == 1
+        self.blocked.contains(cell as usize)
     }
 
-    /// Blocks every cell nearer than `distance` (Chebyshev) to a place, which need not lie on the board.
+    /// Blocks every cell nearer than `distance` (Chebyshev) to a place, which may lie outside the board.
     pub fn block_around(&mut self, (column, row): (i64, i64), distance: u32) {
         let reach = i64::from(distance) - 1;
         let columns = (column - reach).max(0)..=(column + reach).min(i64::from(self.width) - 1);
@@ -72,7 +75,7 @@ impl BoardGrid {
         }
     }
 
-    /// The cells nearer than `distance` (Chebyshev) to a cell, itself and blocked ones with them.
+    /// The cells nearer than `distance` (Chebyshev) to a cell, including itself and blocked ones.
     #[inline]
     pub fn around(&self, cell: CellIndex, distance: u32) -> impl Iterator<Item = CellIndex> + use<> {
         let (reach, width) = (distance - 1, self.width);
@@ -110,34 +113,34 @@ impl BoardGrid {
     }
 }
 
-/// What is asked of one part in one stage.
+/// Task of one part in one stage.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Agent {
     pub start: CellIndex,
-    /// Where it has to come by, in this order; the last one is its goal, where it stays. Never empty: a part that only
-    /// steps aside has its start as its goal.
+    /// Cells to visit in this order; the last one is its goal, where it stays. Never empty: the goal of a part that only steps
+    /// aside is its start.
     pub stops: Vec<CellIndex>,
 }
 
 impl Agent {
-    /// Where it ends.
+    /// The cell where it ends.
     pub fn goal(&self) -> CellIndex {
         *self.stops.last().expect("an agent has a goal")
     }
 }
 
-/// One stage: parts that move at the same time. Parts that cannot move are blocked cells.
+/// One stage: parts that move at the same time. Parts that cannot move are represented by blocked cells.
 ///
-/// Starts keep the rule among each other, and so do goals (the pairs of `merges` apart); no start, stop or goal is blocked. The
-/// order of the agents is their priority where a planner uses one.
+/// Starts keep the rule pairwise, and so do goals (except the pairs of `merges`); no start, stop or goal is blocked. The order of
+/// the agents is their priority where a planner uses one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Instance {
     pub board: BoardGrid,
-    /// The least Chebyshev distance of two centres at the same and at neighbouring instants; at least 1.
+    /// Least Chebyshev distance of two centres at the same and at neighbouring instants; at least 1.
     pub separation: u32,
     pub agents: Vec<Agent>,
-    /// Pairs that have one common goal, the smaller index first. For them a position on that goal is never too near, and
-    /// each of them stays on it from its first instant there. Neither has other stops.
+    /// Pairs that share one goal, the smaller index first. For them a position on that goal is never too near, and each stays on it
+    /// from its first instant there. Neither has other stops.
     pub merges: Vec<[usize; 2]>,
 }
 
@@ -148,7 +151,7 @@ impl Instance {
         self.merges.contains(&pair).then(|| self.agents[one].goal())
     }
 
-    /// Whether two positions of two agents, at the same or at neighbouring instants, are too near.
+    /// Whether positions of two agents, at the same or at neighbouring instants, violate the separation.
     #[inline]
     pub fn too_near(&self, (one, at): (usize, CellIndex), (other, other_at): (usize, CellIndex)) -> bool {
         self.board.apart(at, other_at) < self.separation
@@ -156,17 +159,17 @@ impl Instance {
     }
 }
 
-/// The way of each agent, from its start to its last arrival at its goal: position `t` is where it is at instant `t`; past the end
-/// it stays on its goal.
+/// The path of each agent, from its start to its last arrival at its goal: position `t` is its cell at instant `t`; afterwards it
+/// stays on its goal.
 pub type Paths = Vec<Vec<CellIndex>>;
 
-/// Where an agent is at an instant.
+/// The cell of an agent at an instant.
 #[inline]
 pub fn position(path: &[CellIndex], instant: usize) -> CellIndex {
     path[instant.min(path.len() - 1)]
 }
 
-/// What is minimised. Both break ties by the other.
+/// Objective to minimise. Each breaks ties by the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BoardObjective {
     /// The instant of the last arrival.
@@ -175,7 +178,7 @@ pub enum BoardObjective {
     SumOfCosts,
 }
 
-/// A makespan and a sum of costs: of a plan, or below every plan.
+/// A makespan and a sum of costs, of a plan or as lower bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct BoardCosts {
     pub makespan: u64,
@@ -183,13 +186,13 @@ pub struct BoardCosts {
 }
 
 impl BoardCosts {
-    /// Those of a plan.
+    /// The costs of a plan.
     pub fn of(paths: &Paths) -> BoardCosts {
         let arrivals = paths.iter().map(|path| path.len() as u64 - 1);
         BoardCosts { makespan: arrivals.clone().max().unwrap_or(0), sum_of_costs: arrivals.sum() }
     }
 
-    /// In the order in which an objective compares.
+    /// Lexicographic key under an objective.
     pub fn key(self, objective: BoardObjective) -> (u64, u64) {
         match objective {
             BoardObjective::Makespan => (self.makespan, self.sum_of_costs),
@@ -198,24 +201,23 @@ impl BoardCosts {
     }
 }
 
-/// What became of a stage.
+/// Result for one stage; a search that gave up has lower bounds on every plan.
+pub type BoardAnswer = SearchAnswer<BoardPlan, NoBoardPlan, BoardCosts>;
+
+/// A plan of one stage with lower bounds; a cost that meets its bound is proven optimal.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum BoardAnswer {
-    /// A plan, with bounds below which there is none; whatever meets its bound is proven optimal.
-    Found { paths: Paths, bounds: BoardCosts },
-    /// There is no plan: proven.
-    Impossible(NoBoardPlan),
-    /// Neither a plan nor a proof within the budget; no plan has less than the bounds.
-    GaveUp { bounds: BoardCosts },
+pub struct BoardPlan {
+    pub paths: Paths,
+    pub bounds: BoardCosts,
 }
 
 /// Why there is no plan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NoBoardPlan {
-    /// This agent alone cannot come to this of its stops: blocked cells close the way.
+    /// Blocked cells cut this agent off from this of its stops, even when it is alone.
     Closed { agent: usize, stop: usize },
-    /// These agents cannot pass one another, whatever the others do; the fewest that were found.
+    /// These agents cannot pass one another, whatever the others do; the smallest such set found.
     Blocked { agents: Vec<usize> },
-    /// There are plans, or there may be, but none with so few steps.
+    /// A plan exists or may exist, but none within the limit on steps; `least` is a lower bound on the steps.
     TooFewSteps { least: u64 },
 }

@@ -1,10 +1,10 @@
-//! One job of an electrode array: its steps planned one after the other, from where the parts stand.
+//! One job of an electrode array: its steps planned one after the other, from the current cells of the parts.
 //!
-//! After each step every part stands on a cell that the program names: its goal, or where it stood before. So the best plans of
-//! the steps make the best plan of the job, and its bounds are the sums of theirs. Only limits tie the steps together; where the
-//! best plan breaks one, [`limited`] chooses among the plans of each step.
+//! After each step every part is on a cell that the program names: its goal, or its cell before. So the optimal plans of the steps
+//! form the optimal plan of the job, and its bounds are the sums of theirs. Only limits couple the steps; where the best plan
+//! breaks one, [`limited`] chooses among the plans of each step.
 
-use super::board::{self, BoardAnswer, BoardCosts, NoBoardPlan, Paths};
+use super::board::{self, BoardAnswer, BoardCosts, BoardPlan, NoBoardPlan, Paths};
 use super::labels::{BoardFigures, PlanLimits};
 use super::limited::{self, AskedStep, PlanFront, UNLIMITED};
 use super::limits;
@@ -27,33 +27,33 @@ use crate::plan::{Motion, Optimality, Plan};
 use crate::source::Span;
 use std::collections::BTreeMap;
 
-/// The published planner looks this many times the half circumference of the board ahead: the paper's horizon is 100 steps on
-/// a board of 50 by 50.
+/// Horizon of the published planner as a multiple of half the circumference of the board: the paper uses 100 steps on a board of 50
+/// by 50.
 const PUBLISHED_HORIZON: usize = 4;
 
-/// Looks at a pair of parts that take the published planner as long as another planner's expansion.
+/// Pair checks of the published planner that take as long as one expansion of another planner.
 const LOOKS_PER_EXPANSION: u64 = 20;
 
-/// What the parts of a board do.
+/// Motion of the parts of a board.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ElectrodeArrayMotion {
-    /// Where each part of the order stands at first; `None` for one that has merged with another before.
+    /// Start cell of each part of the order; `None` for one that has already merged with another.
     pub start: Vec<Option<ElectrodeCell>>,
     /// One for each step of the order.
     pub steps: Vec<ElectrodeArrayStepMotion>,
 }
 
-/// What the parts do in one step of the task.
+/// Motion of the parts in one step of the task.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ElectrodeArrayStepMotion {
-    /// For each part its cells at the instants 0, 1, … of the step, until it stays; empty for a part that has merged before.
+    /// For each part its cells at the instants 0, 1, … of the step, until it stays; empty for a part that has already merged.
     Paths(Vec<Vec<ElectrodeCell>>),
     /// In nanoseconds.
     Wait(u64),
 }
 
 impl ElectrodeArrayStepMotion {
-    /// The cells of each part; none for a wait.
+    /// The cells of each part; `None` for a wait.
     fn paths(&self) -> Option<&Vec<Vec<ElectrodeCell>>> {
         match self {
             ElectrodeArrayStepMotion::Paths(paths) => Some(paths),
@@ -62,14 +62,14 @@ impl ElectrodeArrayStepMotion {
     }
 }
 
-/// What the plans of a schedule leave behind for those that follow: where the parts of each device stand, by name.
+/// State that the plans of a schedule hand on to later jobs: the cell of each part of each device, by name.
 #[derive(Default)]
 pub struct BoardStandings {
     cells: BTreeMap<String, BTreeMap<String, Option<ElectrodeCell>>>,
 }
 
 impl BoardStandings {
-    /// Where the parts of an order stand before its job.
+    /// Cells of the parts of an order before its job.
     fn of(&self, job: &Job, order: &ElectrodeArrayOrder) -> Vec<Option<ElectrodeCell>> {
         let known = self.cells.get(&job.device);
         let stands = |name: &String| known.and_then(|cells| cells.get(name)).copied();
@@ -77,7 +77,7 @@ impl BoardStandings {
     }
 }
 
-/// A plan for a job; without one an error was pushed.
+/// A plan for a job; `None` after an error was pushed.
 pub fn plan(job: &Job, order: &ElectrodeArrayOrder, standing: &mut BoardStandings, sink: &mut Sink) -> Option<Plan> {
     let start = standing.of(job, order);
     let (plan, end) = planned(job, order, start, true, sink);
@@ -86,7 +86,7 @@ pub fn plan(job: &Job, order: &ElectrodeArrayOrder, standing: &mut BoardStanding
     plan
 }
 
-/// A plan of a job whose order was changed to see whether that mends it; no further mend is looked for.
+/// A plan of a job whose order was changed to test a remedy; no further remedy is sought.
 pub fn without_remedies(
     job: &Job,
     order: &ElectrodeArrayOrder,
@@ -96,7 +96,7 @@ pub fn without_remedies(
     planned(job, order, start, false, sink).0
 }
 
-/// A plan, and where the parts stand after it.
+/// A plan, and the cells of the parts after it.
 fn planned(
     job: &Job,
     order: &ElectrodeArrayOrder,
@@ -119,7 +119,7 @@ fn planned(
     (Some(plan).filter(|_| kept == Kept::Yes), end)
 }
 
-/// The plan that is best without limits if it keeps them, or else the best of those that were found to keep them.
+/// The plan that is best without limits if it keeps them; else the best of the plans found that keep them.
 fn within_limits(
     job: &Job,
     order: &ElectrodeArrayOrder,
@@ -154,7 +154,7 @@ fn within_limits(
     }
 }
 
-/// The plans of each step that may matter under limits; of an only step one is enough.
+/// The plans of each step that matter under limits; one is enough if only one step moves parts.
 fn fronts(
     order: &ElectrodeArrayOrder,
     ground: &BoardGround,
@@ -188,7 +188,7 @@ fn fronts(
     fronts
 }
 
-/// Looks at the stages of all steps with moves: the index of the step, its stage, and where the parts stand before it.
+/// Visits the stages of all steps with moves: the index of the step, its stage, and the cells before it.
 fn each_stage(
     order: &ElectrodeArrayOrder,
     ground: &BoardGround,
@@ -218,7 +218,7 @@ fn moves_of(
     motion
 }
 
-/// Where the parts stand after moves.
+/// Updates the cells of the parts after moves.
 fn arrive(cells: &mut [Option<ElectrodeCell>], moves: &[ElectrodeArrayMove]) {
     for action in moves {
         cells[action.part] = Some(action.goal().cell);
@@ -228,7 +228,7 @@ fn arrive(cells: &mut [Option<ElectrodeCell>], moves: &[ElectrodeArrayMove]) {
     }
 }
 
-/// Added up.
+/// Sum of the costs.
 fn total(costs: impl Iterator<Item = BoardCosts>) -> BoardCosts {
     costs.fold(BoardCosts::default(), |sum, own| BoardCosts {
         makespan: sum.makespan + own.makespan,
@@ -236,24 +236,24 @@ fn total(costs: impl Iterator<Item = BoardCosts>) -> BoardCosts {
     })
 }
 
-/// The steps of a job while they are being planned.
+/// State of a job whose steps are being planned.
 struct Tasks<'a> {
     job: &'a Job,
     order: &'a ElectrodeArrayOrder,
     ground: &'a BoardGround<'a>,
-    /// Where the parts stand before the job.
+    /// Cells of the parts before the job.
     start: &'a [Option<ElectrodeCell>],
-    /// Where the parts stand by now.
+    /// Current cells of the parts.
     cells: Vec<Option<ElectrodeCell>>,
     /// The plans of the steps with moves, and their bounds.
     known: Vec<(Paths, BoardCosts)>,
-    /// Whether what would open a way may still be tried, which takes as long as planning: once for each job.
+    /// Whether a remedy may still be tried, once per job, since each try costs as much as planning.
     may_remedy: bool,
     sink: &'a mut Sink,
 }
 
 impl Tasks<'_> {
-    /// The motion of one step. Without one the next steps are planned all the same, from the goals.
+    /// The motion of one step. If it has none, planning continues from the goals, so that later steps are reported too.
     fn step(&mut self, step: &ElectrodeArrayStep) -> Option<ElectrodeArrayStepMotion> {
         match &step.action {
             ElectrodeArrayAction::Wait(duration_ns) => Some(ElectrodeArrayStepMotion::Wait(*duration_ns)),
@@ -278,7 +278,7 @@ impl Tasks<'_> {
     fn by_portfolio(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage) -> Option<Paths> {
         let budget = SearchBudget::of(self.order.planner.expansions);
         match portfolio::solve(&stage.instance, objective(self.order.objective), None, budget) {
-            BoardAnswer::Found { paths, bounds } => {
+            BoardAnswer::Found(BoardPlan { paths, bounds }) => {
                 self.add(&paths, bounds);
                 Some(paths)
             }
@@ -286,7 +286,7 @@ impl Tasks<'_> {
                 self.impossible(step.span, stage, &why);
                 None
             }
-            BoardAnswer::GaveUp { bounds } => {
+            BoardAnswer::GaveUp(bounds) => {
                 let steps = format!("{} steps", bounds.makespan);
                 let (what, to) = ("the search for a plan", goals(stage));
                 let told =
@@ -297,7 +297,7 @@ impl Tasks<'_> {
         }
     }
 
-    /// The paper's algorithm: greedy, so that to find nothing proves nothing.
+    /// The paper's algorithm; it is greedy, so its failure proves nothing.
     fn as_published(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage, heuristic: Heuristic) -> Option<Paths> {
         let check = match self.order.facts.separation {
             Separation::Apart(_) => PairCheck::Clean,
@@ -334,7 +334,7 @@ impl Tasks<'_> {
         Some(paths)
     }
 
-    /// Whether the budget allows the published planner, which looks at every pair of parts at every instant up to its horizon.
+    /// Whether the budget allows the published planner, which checks every pair of parts at every instant up to its horizon.
     fn affords(&self, stage: &BoardStage, horizon: usize) -> bool {
         let agents = stage.agents.len() as u64;
         let looks = agents.saturating_mul(agents).saturating_mul(horizon as u64);
@@ -362,7 +362,7 @@ impl Tasks<'_> {
                     .collect();
                 self.sink.push(errors::blocked_by_one_another(step, &parts));
             }
-            // Without a limit there are never too few; limits are looked at when the plans without them are known.
+            // Cannot occur without a limit; limits are checked after the plans without them are known.
             NoBoardPlan::TooFewSteps { least } => self.sink.push(errors::too_few_steps(step, 0, *least)),
         }
     }
@@ -392,7 +392,12 @@ impl Tasks<'_> {
         let text = |cell| stage::cell(self.order, cell).to_string();
         let proof = format!("no cell that `{}` can come to lies beside {}", part.name, text(to));
         let proof = if blamed.is_empty() { proof } else { format!("`{}` is shut off from {}", part.name, text(to)) };
-        let told = errors::impossible((span, &text(from), &text(to)), &proof, &blamed, Removal::Unknown);
+        let told = errors::impossible(
+            errors::StepEnds { step: span, from: &text(from), to: &text(to) },
+            &proof,
+            &blamed,
+            Removal::Unknown,
+        );
         self.sink.push(match help {
             Some(help) => told.help(help),
             None => told,
@@ -404,7 +409,7 @@ impl Tasks<'_> {
     }
 }
 
-/// What may mend a search that gave up; how long it would take is not known.
+/// Advice after a search that gave up; how long it would take is not known.
 fn more_may_do(budget: u64) -> String {
     let most = u64::from(MAX_EXPANSIONS);
     if budget >= most {
@@ -415,7 +420,7 @@ fn more_may_do(budget: u64) -> String {
     format!("no budget is known to do; a larger one may: `using portfolio {{ expansions: {more} }}`")
 }
 
-/// The goals of a stage in words: the first few.
+/// The first few goals of a stage, as text.
 fn goals(stage: &BoardStage) -> String {
     const MAX_NAMED: usize = 3;
     let asked = stage.agents.iter().filter_map(|actor| actor.asked);
@@ -429,7 +434,7 @@ fn objective(objective: ElectrodeArrayObjective) -> board::BoardObjective {
     }
 }
 
-/// The plan with its figures; `bounds` hold for every plan, `bound` for every one that keeps the limits of the task.
+/// The plan with its figures; `bounds` hold for every plan, `bound` for those that keep the limits of the task.
 fn finished(order: &ElectrodeArrayOrder, motion: ElectrodeArrayMotion, bounds: BoardCosts, bound: Option<u64>) -> Plan {
     let outcomes = outcomes(order, &motion);
     let (least, other) = match order.objective {

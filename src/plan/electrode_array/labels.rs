@@ -1,13 +1,13 @@
-//! All plans of a few parts that are not worse than another in every figure: for limits that one search for one figure does not keep.
+//! The Pareto front of plans of a few parts in all figures: for limits that a search for one figure does not keep.
 //!
-//! Problem: an instance on a small board, and limits on steps, sum of costs and moves. Method: a search of joint positions with
-//! labels, as in multicriteria shortest paths (E. Q. V. Martins, "On a multicriteria shortest path problem", European Journal of
-//! Operational Research 16, 1984): a joint position keeps every way to it that no other is at least as good as in all figures. As
-//! in [`super::joint`] a position says of each agent whether it has arrived for good. Where a figure must reach a least value, ways
-//! below that value are only compared with those of the same value in it.
+//! Problem: an instance on a small board, and limits on steps, sum of costs and moves. Method: a label-setting search over joint
+//! positions, as in multicriteria shortest paths (E. Q. V. Martins, "On a multicriteria shortest path problem", European Journal of
+//! Operational Research 16, 1984): a joint position keeps all its non-dominated partial plans. As in [`super::joint`], a position
+//! records for each agent whether it has arrived for good. Where a figure must reach a least value, partial plans below that value
+//! are only compared with those of the same value in it.
 //!
-//! Guaranteed: for each plan within the limits the answer holds one that has no more of any figure, and as much of each up to its
-//! least value. Cost: one step of the meter is one joint move; it fits joint spaces of some ten thousand positions.
+//! Guaranteed: for each plan within the limits the answer contains one that has no more of any figure, and as much of each up to
+//! its least value. Cost: one step of the meter is one joint move; it fits joint spaces of some ten thousand positions.
 
 use super::board::{CellIndex, Instance, Paths};
 use super::exact::field::{ExactTables, FAR, StagedCell};
@@ -23,19 +23,19 @@ pub type BoardFigures = [u64; 3];
 /// Joint spaces with more positions than this are not searched.
 const MOST_POSITIONS: u64 = 1 << 17;
 
-/// So many labels at most.
+/// Most labels.
 const MOST_LABELS: usize = 1 << 21;
 
-/// What a plan must keep.
+/// Limits on a plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PlanLimits {
-    /// No figure is above its value here.
+    /// Upper limit of each figure.
     pub most: BoardFigures,
-    /// What each figure must reach; what is above it is only worse.
+    /// Lower limit of each figure; a larger value has no benefit.
     pub least: BoardFigures,
 }
 
-/// The plans that matter within the limits; `None` if the budget or the memory do not suffice, or the joint space is large.
+/// The non-dominated plans within the limits; `None` if budget or memory does not suffice, or the joint space is too large.
 pub fn front(instance: &Instance, limits: PlanLimits, meter: &mut Meter) -> Option<Vec<(Paths, BoardFigures)>> {
     let field = ExactTables::new(instance).ok()?;
     let sizes = (0..field.agents()).map(|agent| field.reaching(agent));
@@ -59,10 +59,10 @@ type LabelWord = u32;
 
 const ARRIVED: LabelWord = 1;
 
-/// No label before.
+/// A label without a predecessor.
 const NONE: u32 = u32::MAX;
 
-/// A way to a joint position.
+/// A partial plan to a joint position.
 #[derive(Clone, Copy)]
 struct BoardLabel {
     state: u32,
@@ -76,11 +76,11 @@ struct BoardLabelSearch<'a> {
     limits: PlanLimits,
     states: States,
     labels: Vec<BoardLabel>,
-    /// For each state, its labels that are not worse than another.
+    /// For each state, its non-dominated labels.
     known: Vec<Vec<u32>>,
-    /// By what the figures come to at least.
+    /// Open list, by lower bounds on the figures.
     open: BinaryHeap<Reverse<(BoardFigures, u32)>>,
-    /// The labels of plans.
+    /// The labels of complete plans.
     ends: Vec<u32>,
 }
 
@@ -118,7 +118,7 @@ impl BoardLabelSearch<'_> {
         self.field.cell(word >> 1)
     }
 
-    /// The position in each variant of who, of those who have just come to their goals, has arrived for good.
+    /// The position in each variant of which agents, among those just arrived at their goals, have arrived for good.
     fn arrivals(&self, words: Vec<LabelWord>, before: Option<&[LabelWord]>) -> Vec<Vec<LabelWord>> {
         let mut variants = vec![words];
         for agent in 0..self.field.agents() {
@@ -144,7 +144,7 @@ impl BoardLabelSearch<'_> {
         variants
     }
 
-    /// Keeps a label unless it breaks a limit or another is as good.
+    /// Keeps a label unless it breaks a limit or is dominated.
     fn enter(&mut self, words: &[LabelWord], figures: BoardFigures, before: u32) {
         let Some(ahead) = self.ahead(words, figures) else { return };
         if ahead.iter().zip(&self.limits.most).any(|(figure, most)| figure > most) {
@@ -176,19 +176,19 @@ impl BoardLabelSearch<'_> {
         self.open.push(Reverse((ahead, label)));
     }
 
-    /// Whether a plan is known that is as good as anything that comes to these figures.
+    /// Whether a known plan dominates everything with these figures.
     fn is_matched(&self, ahead: &BoardFigures) -> bool {
         let reaches = ahead.iter().zip(&self.limits.least).all(|(figure, least)| figure >= least);
         reaches && self.ends.iter().any(|end| self.limits.covers(&self.labels[*end as usize].figures, ahead))
     }
 
-    /// What the figures come to at least; none if someone cannot come to the goal.
+    /// Lower bounds on the figures of a complete plan; `None` if an agent cannot reach its goal.
     fn ahead(&self, words: &[LabelWord], figures: BoardFigures) -> Option<BoardFigures> {
         let (mut largest, mut sum) = (0, 0);
         for (agent, word) in words.iter().enumerate() {
             let distance = match self.field.distance(agent, word >> 1) {
                 FAR => return None,
-                // Who is at the goal and has not arrived for good leaves it and comes back.
+                // An agent on its goal that has not arrived for good leaves it and comes back.
                 0 if word & ARRIVED == 0 => 2,
                 distance => u64::from(distance),
             };
@@ -215,7 +215,7 @@ impl BoardLabelSearch<'_> {
         heads
     }
 
-    /// Whether the next agent's move goes together with those of the agents before it.
+    /// Whether the next agent's move is compatible with those of the agents before it.
     fn fits(&self, from: &[LabelWord], head: &[LabelWord], to: LabelWord) -> bool {
         let agent = head.len();
         let own = [from[agent], to];
@@ -245,7 +245,7 @@ impl BoardLabelSearch<'_> {
 }
 
 impl PlanLimits {
-    /// Whether who has these figures has no need of the others: no more of any, and as much of each up to its least value.
+    /// Dominance: no more of any figure, and as much of each up to its least value.
     pub fn covers(&self, figures: &BoardFigures, others: &BoardFigures) -> bool {
         (0..figures.len()).all(|figure| {
             let least = self.least[figure];

@@ -1,16 +1,15 @@
-//! Plans of a task whose best plan breaks a limit: every step's plans that may matter, and those of all steps that go together best.
+//! Plans of a task whose best plan breaks a limit: the candidate plans of every step, and the best combination of one per step.
 //!
-//! Problem: limits on the steps, sum of costs and moves of a whole task. After each step every part stands on a cell that the program
-//! names, so the steps do not depend on each other, and the figures of a task are the sums of theirs. Method: for each step the plans
-//! that no other is as good as in all figures: on small boards all of them ([`labels`]), elsewhere the least sum of costs for
-//! fewer and fewer steps (the ε-constraint method: Haimes, Lasdon, Wismer, IEEE Transactions on Systems, Man and Cybernetics 1,
-//! 1971) and, where moves are limited, the plan of fewest moves; then one plan of each step so that the limits are kept and
-//! the objective is least.
+//! Problem: limits on the steps, sum of costs and moves of a whole task. After each step every part is on a cell that the program
+//! names, so the steps are independent, and the figures of a task are the sums of theirs. Method: for each step its non-dominated
+//! plans: on small boards all of them ([`labels`]), elsewhere the least sum of costs for decreasing limits on the steps (the
+//! ε-constraint method: Haimes, Lasdon, Wismer, IEEE Transactions on Systems, Man and Cybernetics 1, 1971) and, where moves are
+//! limited, the plan of fewest moves; then one plan per step so that the limits are kept and the objective is least.
 //!
-//! Guaranteed: plans keep all limits. Where the answer is proven, no other plan of the task is better, or none keeps the limits. Cost:
-//! each step has its budget once more.
+//! Guaranteed: plans keep all limits. Where the answer is proven, no other plan of the task is better, or none keeps the limits.
+//! Cost: each step gets its budget once more.
 
-use super::board::{BoardAnswer, BoardCosts, BoardObjective, Instance, NoBoardPlan, Paths, position};
+use super::board::{BoardAnswer, BoardCosts, BoardObjective, BoardPlan, Instance, NoBoardPlan, Paths, position};
 use super::labels::{self, BoardFigures, PlanLimits};
 use super::portfolio;
 use crate::plan::search::{Meter, SearchBudget};
@@ -18,33 +17,33 @@ use crate::plan::search::{Meter, SearchBudget};
 /// No limit.
 pub const UNLIMITED: u64 = u64::MAX;
 
-/// The part of a step's budget for the search that finds all its plans that matter.
+/// One part in this many of a step's budget goes to the search for its whole Pareto front.
 const LABELS_SHARE: u64 = 4;
 
-/// The part of what is left for each of the other searches.
+/// One part in this many of the remaining budget goes to each of the other searches.
 const SEARCH_SHARE: u64 = 2;
 
-/// So many choices of plans of the first steps are kept.
+/// Most combinations of plans of the first steps that are kept.
 const MOST_CHOICES: usize = 4096;
 
-/// The plans of one step.
+/// The candidate plans of one step.
 pub struct PlanFront {
     choices: Vec<(Paths, BoardFigures)>,
-    /// No plan of the step has less of a figure.
+    /// Lower bounds on the figures of the step.
     pub bounds: BoardFigures,
-    /// Each plan within the limits from above has no less of some figure than one of the choices has.
+    /// Each plan within the upper limits has no less of some figure than one of the choices has.
     is_whole: bool,
-    /// And this holds also where a figure must reach a least value.
+    /// The same holds where a figure must reach a least value.
     reaches: bool,
 }
 
-/// What is asked of a step within its task.
+/// Limits on a step within its task.
 #[derive(Debug, Clone, Copy)]
 pub struct AskedStep {
     pub objective: BoardObjective,
-    /// What the other steps leave of the limits of the task.
+    /// The limits of the task, minus the bounds of the other steps.
     pub limits: PlanLimits,
-    /// It is the only step that moves parts, so that one plan is enough.
+    /// No other step moves parts, so that one plan is enough.
     pub is_only: bool,
     pub expansions: u64,
 }
@@ -56,12 +55,12 @@ pub fn figures(paths: &Paths) -> BoardFigures {
     [costs.makespan, costs.sum_of_costs, paths.iter().map(moves).sum()]
 }
 
-/// The plans of a step that matter, beside one that is known with its bounds.
+/// The candidate plans of a step, given one plan with its bounds.
 pub fn front(instance: &Instance, known: (&Paths, BoardFigures), asked: AskedStep) -> PlanFront {
     let (paths, bounds) = known;
     let choices = vec![(paths.clone(), figures(paths))];
     if instance.agents.len() == 1 {
-        // A shortest way has the least of every figure.
+        // A shortest path has the least of every figure.
         return PlanFront { choices, bounds, is_whole: true, reaches: false };
     }
     let mut meter = Meter::new(SearchBudget::of(asked.expansions / LABELS_SHARE));
@@ -115,16 +114,16 @@ impl LimitedTaskSearch<'_> {
         portfolio::solve(self.instance, objective, (steps != UNLIMITED).then_some(steps), budget)
     }
 
-    /// Looks for the fewest steps; whether nothing else is of interest.
+    /// Searches for the fewest steps; returns whether nothing else is of interest.
     fn fewest_steps(&mut self) -> bool {
         let [steps, sum, _] = self.asked.limits.most;
         let known = self.front.choices[0].1;
         if known[0] <= self.front.bounds[0].min(steps) && known[1] > sum {
-            // They are known, and at no more the sum of costs is to be less.
+            // The fewest steps are known; what is sought is a smaller sum of costs at that number.
             return false;
         }
         match self.solve(BoardObjective::Makespan, steps) {
-            BoardAnswer::Found { paths, bounds } => {
+            BoardAnswer::Found(BoardPlan { paths, bounds }) => {
                 self.front.bounds[0] = self.front.bounds[0].max(bounds.makespan);
                 let figures = self.keep(paths);
                 self.asked.is_only && figures[0] <= self.front.bounds[0] && figures[1] <= sum
@@ -133,7 +132,7 @@ impl LimitedTaskSearch<'_> {
                 self.raise_steps(&why);
                 true
             }
-            BoardAnswer::GaveUp { .. } => {
+            BoardAnswer::GaveUp(_) => {
                 self.front.is_whole = false;
                 false
             }
@@ -153,10 +152,10 @@ impl LimitedTaskSearch<'_> {
         let mut is_first = true;
         loop {
             let (paths, bound) = match self.solve(BoardObjective::SumOfCosts, steps) {
-                BoardAnswer::Found { paths, bounds } => (paths, bounds.sum_of_costs),
+                BoardAnswer::Found(BoardPlan { paths, bounds }) => (paths, bounds.sum_of_costs),
                 BoardAnswer::Impossible(why) if is_first => return self.raise_steps(&why),
                 BoardAnswer::Impossible(_) => return,
-                BoardAnswer::GaveUp { .. } => {
+                BoardAnswer::GaveUp(_) => {
                     self.front.is_whole = false;
                     return;
                 }
@@ -186,15 +185,15 @@ impl LimitedTaskSearch<'_> {
     }
 }
 
-/// What the plans of all steps come to within the limits.
+/// Best combination of the steps' plans within the limits.
 pub enum Chosen {
-    /// One plan for each step, and a bound of the objective below which no plan keeps the limits.
+    /// One plan for each step, and a lower bound on the objective of all plans that keep the limits.
     Kept { paths: Vec<Paths>, bound: u64 },
-    /// None of the plans found keeps the limits; perhaps it is proven that none does.
+    /// None of the plans found keeps the limits; `is_proven` if none exists.
     Broken { is_proven: bool },
 }
 
-/// The best choice of one plan for each step.
+/// The best combination of one plan per step.
 pub fn choose(fronts: &[PlanFront], limits: PlanLimits, objective: BoardObjective) -> Chosen {
     let bounds = sum(fronts.iter().map(|front| front.bounds));
     if exceeds(bounds, limits.most) || exceeds(limits.least, limits.most) {
@@ -220,21 +219,21 @@ pub fn choose(fronts: &[PlanFront], limits: PlanLimits, objective: BoardObjectiv
     }
 }
 
-/// The least of a figure in the plans that were found to keep limits.
+/// The least value of a figure among the plans found that keep the limits.
 pub fn least_known(fronts: &[PlanFront], limits: PlanLimits, figure: usize) -> Option<u64> {
     let (partials, _) = combined(fronts, PlanLimits { least: [0; 3], ..limits });
     let enough = partials.iter().filter(|partial| !exceeds(limits.least, partial.figures));
     enough.map(|partial| partial.figures[figure]).min()
 }
 
-/// One plan of each of the first steps.
+/// One plan for each of the first steps.
 #[derive(Clone)]
 struct Partial {
     figures: BoardFigures,
     picks: Vec<u32>,
 }
 
-/// All choices within the limits from above that no other covers, and whether some were left out.
+/// All non-dominated combinations within the upper limits, and whether some were dropped.
 fn combined(fronts: &[PlanFront], limits: PlanLimits) -> (Vec<Partial>, bool) {
     let mut partials = vec![Partial { figures: [0; 3], picks: vec![] }];
     let mut cut = false;
@@ -265,7 +264,7 @@ fn picked(fronts: &[PlanFront], partial: &Partial) -> Vec<Paths> {
     fronts.iter().zip(&partial.picks).map(|(front, pick)| front.choices[*pick as usize].0.clone()).collect()
 }
 
-/// A choice that keeps the limits from below too, where need be because all parts of a step wait before they go.
+/// A combination that also keeps the lower limits, if necessary because all parts of a step wait before they move.
 fn delayed(mut paths: Vec<Paths>, figures: BoardFigures, limits: PlanLimits) -> Option<(Vec<Paths>, BoardFigures)> {
     let missing = limits.least[0].saturating_sub(figures[0]);
     let movers = |paths: &Paths| paths.iter().filter(|path| path.len() > 1).count();
@@ -283,7 +282,7 @@ fn delayed(mut paths: Vec<Paths>, figures: BoardFigures, limits: PlanLimits) -> 
     (!exceeds(figures, limits.most) && !exceeds(limits.least, figures)).then_some((paths, figures))
 }
 
-/// Nothing waits for more steps before it goes.
+/// Longest such wait, in steps.
 const MOST_DELAY: u64 = 100_000;
 
 fn sum(figures: impl Iterator<Item = BoardFigures>) -> BoardFigures {

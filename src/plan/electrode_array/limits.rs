@@ -1,4 +1,4 @@
-//! The limits of a task as numbers of steps, costs and moves, and what is said where no plan is known to keep them.
+//! The limits of a task as numbers of steps, costs and moves, and the report where no plan is known to keep them.
 
 use super::board::Paths;
 use super::labels::{BoardFigures, PlanLimits};
@@ -11,10 +11,10 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::plan::requirements::{Kept, enough, keeps};
 use crate::quantity::{Dimension, Quantity};
 
-/// Nothing is counted further.
+/// Counts saturate here.
 const MOST_COUNTED: u64 = 1 << 40;
 
-/// The figure that an outcome is about.
+/// Index of the figure that determines an outcome.
 fn figure(outcome: &str) -> Option<usize> {
     ElectrodeArrayOutcome::find(outcome).map(|outcome| match outcome {
         ElectrodeArrayOutcome::Steps | ElectrodeArrayOutcome::Time => 0,
@@ -23,7 +23,7 @@ fn figure(outcome: &str) -> Option<usize> {
     })
 }
 
-/// How long a task of so many steps takes, with its waits, in seconds.
+/// Duration in seconds of a task of `steps` steps, including its waits.
 pub fn seconds(order: &ElectrodeArrayOrder, steps: u64) -> f64 {
     let waits_ns = order.steps.iter().map(|step| match step.action {
         ElectrodeArrayAction::Wait(duration_ns) => u128::from(duration_ns),
@@ -37,7 +37,7 @@ fn value(order: &ElectrodeArrayOrder, outcome: &str, figure: u64) -> f64 {
     if outcome == ElectrodeArrayOutcome::Time.name() { seconds(order, figure) } else { figure as f64 }
 }
 
-/// What the requirements of a task ask of its figures; time is steps.
+/// Limits on the figures from the requirements of a task; time is converted to steps.
 pub fn of<'r>(order: &ElectrodeArrayOrder, requirements: impl IntoIterator<Item = &'r Requirement>) -> PlanLimits {
     let mut limits = PlanLimits { most: [UNLIMITED; 3], least: [0; 3] };
     for requirement in requirements {
@@ -49,7 +49,7 @@ pub fn of<'r>(order: &ElectrodeArrayOrder, requirements: impl IntoIterator<Item 
     limits
 }
 
-/// The least and the most that a requirement allows; the least is above the most where it allows nothing.
+/// The least and the greatest value that a requirement allows; the least is above the greatest where it allows nothing.
 fn allowed(order: &ElectrodeArrayOrder, requirement: &Requirement) -> (u64, u64) {
     let first = |relation: Relation, wanted: Kept| {
         let asked = Requirement { relation, ..requirement.clone() };
@@ -84,23 +84,23 @@ fn allowed(order: &ElectrodeArrayOrder, requirement: &Requirement) -> (u64, u64)
     }
 }
 
-/// No limits, but of the figures that had one.
+/// Almost no limits: figures that had an upper limit keep a very large one, so that plans differ in them.
 pub fn lifted(limits: PlanLimits) -> PlanLimits {
     let lift = |most| if most == UNLIMITED { UNLIMITED } else { MOST_COUNTED };
     PlanLimits { most: limits.most.map(lift), least: [0; 3] }
 }
 
-/// The figures of plans one after the other.
+/// Sum of the figures of several plans.
 pub fn figures<'p>(plans: impl Iterator<Item = &'p Paths>) -> BoardFigures {
     plans.map(limited::figures).fold([0; 3], |sum, own| [0, 1, 2].map(|figure: usize| sum[figure] + own[figure]))
 }
 
-/// Whether figures lie outside of limits.
+/// Whether figures violate limits.
 pub fn breaks(figures: BoardFigures, limits: PlanLimits) -> bool {
     exceeds(figures, limits.most) || exceeds(limits.least, figures)
 }
 
-/// Where no plan is known to keep the limits. `fronts` were searched within them and `wider` without.
+/// Report where no plan is known to keep the limits. `fronts` were searched within them and `wider` without.
 pub fn broken(
     order: &ElectrodeArrayOrder,
     requirements: &[Requirement],
@@ -134,7 +134,7 @@ fn label(order: &ElectrodeArrayOrder, requirement: &Requirement, bounds: BoardFi
     }
 }
 
-/// Which single limit could be raised, and to what, by the plans that are known.
+/// A single limit that could be raised, and its value, according to the known plans.
 fn help(order: &ElectrodeArrayOrder, requirements: &[Requirement], wider: &[PlanFront]) -> Option<String> {
     let raises = requirements.iter().enumerate().filter_map(|(index, requirement)| {
         let rest = requirements.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other);
@@ -152,7 +152,7 @@ fn help(order: &ElectrodeArrayOrder, requirements: &[Requirement], wider: &[Plan
     (!raises.is_empty()).then(|| format!("raise {}: {plans}", raises.join(", or ")))
 }
 
-/// A requirement as it is written.
+/// A requirement in source form.
 fn text(requirement: &Requirement) -> String {
     let sign = match requirement.relation {
         Relation::Less => "<",

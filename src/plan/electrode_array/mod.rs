@@ -1,8 +1,9 @@
-//! The planner of electrode arrays: many parts at once from their cells to their goals, one step of the platform after the other.
+//! Planner of electrode arrays: many parts at once from their cells to their goals, one step of the platform after the other.
 //!
-//! Input: a job, and where the parts stand. Output: a plan, or an error that says why there is none. The order of reading: `job`
-//! (a task, step by step), `stage` (one step as a problem in flat numbers, [`board`]), `portfolio` (the default planner: [`fast`]
-//! finds plans, [`exact`] and [`joint`] prove them best or impossible), `limited` (plans of all steps within limits), [`published`] (the paper's own), `why` (what stands in the way), `remedy` (what would mend it).
+//! Input: a job, and the cells of the parts. Output: a plan, or an error that explains why there is none. Reading order: `job` (a
+//! task, step by step), `stage` (one step on flat cell indices, [`board`]), `portfolio` (the default planner: [`fast`] finds plans,
+//! [`exact`] and [`joint`] prove them optimal or impossible), `limited` (plans of all steps within limits), [`published`] (the
+//! paper's own), `why` (blocking obstacles), `remedy` (changes that would help).
 
 mod alone;
 pub mod board;

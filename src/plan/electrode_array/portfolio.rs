@@ -1,62 +1,64 @@
-//! The default planner: a plan fast, then better ones, then the proof.
+//! The default planner: a plan quickly, then better ones, then the proof.
 //!
-//! Problem: one stage, many parts to their goals at the same time. A part by itself has its shortest way ([`alone`]). Method for
+//! Problem: one stage, many parts to their goals at the same time. A single part takes its shortest path ([`alone`]). Method for
 //! several, in this order:
-//! - By turns, each longer than the one before, [`fast::first`] looks for a plan, then [`lacam::first`] and, one part moving at a
-//!   time, [`joint`]; then [`exact::prove`] for a reason why there is none (small joint spaces, parts that block each other)
-//!   until one of them has found something. Where that is a plan of many parts by configurations, [`fast::first`] gets a longer turn.
-//! - A small joint space is searched as a whole.
-//! - Until the objective meets its bound or their share of the budget is spent: [`fast::improve`] in rounds and, where a round leaves
-//!   the makespan as it was, [`fast::first`] within one step less. Where the bound is not met, the same again from the same first plan
-//!   for the other objective, and from there back: what serves one may serve the other.
-//! - [`exact::prove`] with what is left, which betters plan and bounds until they meet.
+//! - In rounds of increasing length, [`fast::first`] searches for a plan, then [`lacam::first`] and, one part moving at a time,
+//!   [`joint`]; then [`exact::prove`] for a reason why there is none (small joint spaces, parts that block each other), until one
+//!   of them succeeds. Where that is a plan of many parts from a search of configurations, [`fast::first`] gets a longer turn.
+//! - A small joint space is searched exhaustively.
+//! - Until the objective meets its bound or their share of the budget is spent: [`fast::improve`] in rounds and, where a round
+//!   leaves the makespan unchanged, [`fast::first`] within one step less. Where the bound is not met, the same again from the same
+//!   first plan for the other objective, and from there back: a change that helps one may help the other.
+//! - [`exact::prove`] with the rest of the budget, which improves plan and bounds until they meet.
 //!
 //! Guaranteed: the answer is a legal plan with bounds that hold for every plan, a proof that there is none, or neither when the
-//! budget is spent. Same instance and budget, same answer. What is not minimised is bettered too, but only while that goes quickly,
-//! and not proven where that takes a search. Cost: one step of the budget is one node of one search.
+//! budget is spent. Same instance and budget, same answer. The figure that is not minimised is improved too, but only while that is
+//! quick, and it is not proven optimal where that takes a search. Cost: one step of the budget is one node of one search.
 
-use super::board::{BoardAnswer, BoardCosts, BoardObjective, Instance, NoBoardPlan, Paths};
+use super::board::{BoardAnswer, BoardCosts, BoardObjective, BoardPlan, Instance, NoBoardPlan, Paths};
 use super::exact::field::ExactTables;
 use super::joint::{self, JointAim};
 use super::{alone, exact, fast, lacam, timing};
 use crate::plan::search::{Meter, SearchBudget};
 
-/// Steps of the first turn: nearly all instances that are not crowded need fewer.
+/// Steps of the first round: nearly all instances that are not crowded need fewer.
 const TURN_STEPS: u64 = 20_000;
 
-/// How many times longer each turn is than the one before.
+/// Growth factor of the rounds.
 const TURN_GROWTH: u64 = 4;
 
-/// In a turn, the look at what may be impossible gets this part of the steps of the look for a plan.
+/// In each round, the search for a proof of impossibility gets one part in this many of the steps of the search for a plan.
 const DOUBT_SHARE: u64 = 1;
 
-/// The part of the budget that the turns leave for the proof that there is no plan.
+/// One part in this many of the budget is reserved from the rounds for the proof that there is no plan.
 const HARD_SHARE: u64 = 4;
 
-/// The part of what is left for better plans, and that for better plans from one that serves the other objective.
+/// One part in this many of the remaining budget goes to better plans, and one to better plans via the other objective.
 const IMPROVE_SHARE: u64 = 4;
 const OTHER_SHARE: u64 = 8;
 
-/// The part of what is left for repaired paths where a search of configurations has found a plan of many parts first.
+/// One part in this many of the remaining budget goes to repaired paths where a search of configurations found a plan of many parts
+/// first.
 const REPAIR_SHARE: u64 = 4;
 
-/// With more parts a proof is hardly to be had, and better plans get all but one of the shares.
+/// With more parts a proof is unlikely, so better plans get the whole remaining budget except one such part.
 const CROWD: usize = 50;
 
-/// Steps of one round of improvement, and of one look for a plan with a step less; and so many more for each step of the parts.
+/// Steps of one round of improvement, and of one search for a plan with a step less; each plus this many for each step of the
+/// parts.
 const ROUND_STEPS: u64 = 100_000;
 const SQUEEZE_STEPS: u64 = 400_000;
 const STEPS_PER_MOVE: u64 = 5;
 
-/// Steps of one round for what is not minimised, besides one for each step of the parts; and the part of what is left that all are
-/// at most.
+/// Steps of one round for the figure that is not minimised, besides one for each step of the parts; all such rounds together get
+/// one part in this many of the remaining budget.
 const TIE_STEPS: u64 = 20_000;
 const TIE_SHARE: u64 = 16;
 
-/// A round gains little if it is no more than this part.
+/// A round gains little if it improves by less than one part in this many.
 const TIE_GAIN: u64 = 500;
 
-/// A plan for a stage of at most `limit` steps.
+/// Solves a stage, within `limit` steps if there is a limit.
 pub fn solve(instance: &Instance, objective: BoardObjective, limit: Option<u64>, budget: SearchBudget) -> BoardAnswer {
     if instance.agents.len() == 1 {
         return by_itself(instance, limit);
@@ -68,13 +70,13 @@ pub fn solve(instance: &Instance, objective: BoardObjective, limit: Option<u64>,
     let mut search =
         PortfolioSearch { instance, objective, limit, bounds, is_crowded: false, meter: Meter::new(budget) };
     match search.first() {
-        Some(BoardAnswer::Found { paths, .. }) => search.better(paths),
+        Some(BoardAnswer::Found(BoardPlan { paths, .. })) => search.better(paths),
         Some(decided) => decided,
         None => exact::prove(instance, objective, None, limit, &mut search.meter),
     }
 }
 
-/// The plan of a part that nothing that moves can be in the way of.
+/// The plan of a single part, which nothing that moves can block.
 fn by_itself(instance: &Instance, limit: Option<u64>) -> BoardAnswer {
     match alone::way(instance) {
         Err(why) => BoardAnswer::Impossible(why),
@@ -85,7 +87,7 @@ fn by_itself(instance: &Instance, limit: Option<u64>) -> BoardAnswer {
                 Some(limit) if bounds.makespan > limit => {
                     BoardAnswer::Impossible(NoBoardPlan::TooFewSteps { least: bounds.makespan })
                 }
-                Some(_) | None => BoardAnswer::Found { paths, bounds },
+                Some(_) | None => BoardAnswer::Found(BoardPlan { paths, bounds }),
             }
         }
     }
@@ -95,15 +97,15 @@ struct PortfolioSearch<'a> {
     instance: &'a Instance,
     objective: BoardObjective,
     limit: Option<u64>,
-    /// Those of the parts each by itself.
+    /// Lower bounds from the parts alone.
     bounds: BoardCosts,
-    /// Many parts, of which short searches found no plan: they are not asked for a plan with a step less either.
+    /// Many parts, for which short searches found no plan: plans with one step less are not sought either.
     is_crowded: bool,
     meter: Meter,
 }
 
 impl PortfolioSearch<'_> {
-    /// A first plan, or the proof that there is none; `None` if neither was found within its shares.
+    /// A first plan, or the proof that there is none; `None` if neither was found within the shares.
     fn first(&mut self) -> Option<BoardAnswer> {
         let (instance, objective, limit, bounds) = (self.instance, self.objective, self.limit, self.bounds);
         let reserve = self.meter.left().steps / HARD_SHARE;
@@ -116,11 +118,11 @@ impl PortfolioSearch<'_> {
                 plan = crowded.map(|paths| self.or_repaired(paths, seed));
             }
             if let Some(paths) = plan {
-                return Some(BoardAnswer::Found { paths, bounds });
+                return Some(BoardAnswer::Found(BoardPlan { paths, bounds }));
             }
             let doubt = steps.min(most) / DOUBT_SHARE;
-            match self.spend(doubt, |share| exact::prove(instance, objective, None, limit, share)) {
-                BoardAnswer::GaveUp { .. } => {}
+            match self.meter.share(doubt, |share| exact::prove(instance, objective, None, limit, share)) {
+                BoardAnswer::GaveUp(_) => {}
                 decided => return Some(decided),
             }
             steps = steps.saturating_mul(TURN_GROWTH);
@@ -129,7 +131,7 @@ impl PortfolioSearch<'_> {
         None
     }
 
-    /// A plan of any length for a crowded board: the best one of three searches of configurations.
+    /// A plan of any length for a crowded board: the best of three searches of configurations.
     fn crowded(&mut self, seed: u64, steps: u64) -> Option<Paths> {
         let instance = self.instance;
         let quick = self.searched(steps, |share| lacam::first(instance, seed, share));
@@ -140,8 +142,8 @@ impl PortfolioSearch<'_> {
         plans.min_by_key(|paths| BoardCosts::of(paths).key(self.objective))
     }
 
-    /// A plan of a crowded board, or a better one that repair finds with more time: configurations are searched one step at a time, and
-    /// with many agents their plans are about twice as long as those of paths that are repaired, and are hardly bettered afterwards.
+    /// A plan of a crowded board, or a better one by longer repair: configurations are searched one step at a time, and with many
+    /// agents their plans are about twice as long as those of repaired paths, and hardly improve afterwards.
     fn or_repaired(&mut self, paths: Paths, seed: u64) -> Paths {
         if self.instance.agents.len() <= CROWD {
             return paths;
@@ -152,7 +154,7 @@ impl PortfolioSearch<'_> {
         repaired.filter(|repaired| key(repaired) < key(&paths)).unwrap_or(paths)
     }
 
-    /// A plan made to keep the limit, if that is found.
+    /// A plan shortened to keep the limit, if one is found.
     fn shortened(&mut self, mut paths: Paths) -> Option<Paths> {
         let Some(limit) = self.limit else { return Some(paths) };
         let end = self.meter.left().steps - self.meter.left().steps / IMPROVE_SHARE;
@@ -174,16 +176,18 @@ impl PortfolioSearch<'_> {
         self.searched(steps, |share| fast::first(instance, fast::FirstPlanTerms { seed, step_limit }, share))
     }
 
-    /// The best plan that the budget allows from a first one on.
+    /// The best plan that the budget allows, starting from a first one.
     fn better(mut self, mut first: Paths) -> BoardAnswer {
         if !self.is_met(&first) {
             let (instance, objective, limit) = (self.instance, self.objective, self.limit);
             let share = self.meter.left().steps - self.meter.left().steps / IMPROVE_SHARE;
-            let looked = self.spend(share, |meter| exact::small(instance, objective, &first, limit, meter));
+            let looked = self.meter.share(share, |meter| exact::small(instance, objective, &first, limit, meter));
             match looked {
                 Some((answer, true)) => return answer,
-                Some((BoardAnswer::Found { paths, bounds }, false)) => (first, self.bounds) = (paths, bounds),
-                Some((BoardAnswer::Impossible(_) | BoardAnswer::GaveUp { .. }, false)) | None => {}
+                Some((BoardAnswer::Found(BoardPlan { paths, bounds }), false)) => {
+                    (first, self.bounds) = (paths, bounds)
+                }
+                Some((BoardAnswer::Impossible(_) | BoardAnswer::GaveUp(_), false)) | None => {}
             }
         }
         let all = self.meter.left().steps;
@@ -200,12 +204,12 @@ impl PortfolioSearch<'_> {
         }
         if self.is_met(&best) {
             let paths = self.ties(best, 1);
-            return BoardAnswer::Found { paths, bounds: self.bounds };
+            return BoardAnswer::Found(BoardPlan { paths, bounds: self.bounds });
         }
         exact::prove(self.instance, self.objective, Some(&best), self.limit, &mut self.meter)
     }
 
-    /// A plan improved in rounds until it meets its bound or so many steps are spent.
+    /// A plan improved in rounds until it meets its bound or `steps` steps are spent.
     fn bettered(&mut self, mut best: Paths, steps: u64) -> Paths {
         let end = self.meter.left().steps - steps;
         let more = STEPS_PER_MOVE * self.bounds.sum_of_costs;
@@ -226,7 +230,7 @@ impl PortfolioSearch<'_> {
         best
     }
 
-    /// Betters what is not minimised, in rounds until one of them gains little.
+    /// Improves the figure that is not minimised, in rounds until one of them gains little.
     fn ties(&mut self, mut paths: Paths, mut seed: u64) -> Paths {
         let steps = TIE_STEPS + self.bounds.sum_of_costs;
         let end = self.meter.left().steps - self.meter.left().steps / TIE_SHARE;
@@ -251,7 +255,7 @@ impl PortfolioSearch<'_> {
         if keeps { better } else { paths }
     }
 
-    /// Whether the objective is as low as can be.
+    /// Whether the objective meets its lower bound.
     fn is_met(&self, paths: &Paths) -> bool {
         let costs = BoardCosts::of(paths);
         match self.objective {
@@ -260,26 +264,18 @@ impl PortfolioSearch<'_> {
         }
     }
 
-    /// Runs a search that is one of many: if it took no step it still counts as done, so that there is an end.
+    /// Runs one of many searches; one that took no step is charged one, so that the loop terminates.
     fn searched<T>(&mut self, steps: u64, search: impl FnOnce(&mut Meter) -> T) -> T {
         let before = self.meter.spent();
-        let result = self.spend(steps, search);
+        let result = self.meter.share(steps, search);
         if self.meter.spent() == before {
             self.meter.charge(steps.max(1));
         }
         result
     }
-
-    /// Runs a search on so many steps of what is left.
-    fn spend<T>(&mut self, steps: u64, search: impl FnOnce(&mut Meter) -> T) -> T {
-        let mut part = Meter::new(SearchBudget::of(steps.min(self.meter.left().steps)));
-        let result = search(&mut part);
-        self.meter.charge(part.spent());
-        result
-    }
 }
 
-/// The objective that is not this one.
+/// The other objective.
 fn other(objective: BoardObjective) -> BoardObjective {
     match objective {
         BoardObjective::Makespan => BoardObjective::SumOfCosts,
@@ -292,12 +288,12 @@ fn in_turns(instance: &Instance, aim: JointAim, meter: &mut Meter) -> Option<Pat
     let field = ExactTables::new(instance).ok()?;
     let everyone: Vec<usize> = (0..instance.agents.len()).collect();
     match joint::search(&field, &everyone, aim, meter) {
-        joint::JointOutcome::Found(paths) => Some(timing::earliest(instance, &paths)),
-        joint::JointOutcome::Impossible | joint::JointOutcome::NotWithin | joint::JointOutcome::GaveUp { .. } => None,
+        joint::JointAnswer::Found(paths) => Some(timing::earliest(instance, &paths)),
+        joint::JointAnswer::Impossible(_) | joint::JointAnswer::GaveUp(_) => None,
     }
 }
 
-/// The plan of fewest moves of a group that is not too large, if the meter lasts.
+/// A plan of fewest moves for a group that is not too large, if the meter suffices.
 pub fn fewest_moves(instance: &Instance, meter: &mut Meter) -> Option<Paths> {
     in_turns(instance, JointAim::Moves, meter)
 }

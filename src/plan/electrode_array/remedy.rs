@@ -1,9 +1,9 @@
-//! What would open the way of a part that is shut off: tried on the whole task before it is advised.
+//! A remedy for a part that is cut off, tried on the whole task before it is advised.
 //!
-//! Input: a task, where its parts stand at first, and the blockers without which the part alone has a way. Method: the task is planned
-//! once more without the obstacles among them and, where a part that stays is one of them, with `may_yield: true`; all its steps and
-//! limits count. Promise: a plan is only spoken of where one was found; otherwise the help says what is known of the part alone. Cost:
-//! each step of the task may expand one [`SHARE`]th of its budget again.
+//! Input: a task, the initial cells of its parts, and the blockers without which the part alone has a path. Method: the task is
+//! planned again without the obstacles among them and, where a part that stays is one of them, with `may_yield: true`; all its
+//! steps and limits count. Promise: the help mentions a plan only where one was found; otherwise it states what is known of the
+//! part alone. Cost: each step of the task may expand one [`SHARE`]th of its budget again.
 
 use super::job;
 use super::stage::BoardStage;
@@ -14,34 +14,34 @@ use crate::diagnostic::{Code, Sink};
 use crate::plan::errors::{Removal, listed};
 use std::sync::Arc;
 
-/// The part of a step's budget for trying a remedy.
+/// One part in this many of a step's budget goes to trying a remedy.
 const SHARE: u64 = 4;
 
 /// Most blockers that a help names.
 const MAX_NAMED: usize = 6;
 
-/// A task with a part that blockers shut off.
+/// A task with a part that blockers cut off.
 pub struct Shut<'a> {
     pub job: &'a Job,
     pub order: &'a ElectrodeArrayOrder,
-    /// Where the parts stand before the task.
+    /// Cells of the parts before the task.
     pub start: &'a [Option<ElectrodeCell>],
     pub stage: &'a BoardStage<'a>,
     /// Indices of the stage's blockers.
     pub blamed: &'a [usize],
     pub removal: Removal,
-    /// The part that they shut off.
+    /// Name of the part that is cut off.
     pub part: &'a str,
 }
 
-/// What became of the task with a remedy.
+/// Result of planning the task with a remedy.
 enum Tried {
     Planned,
-    /// Proven: it has no plan then either.
+    /// Proven: it has no plan with the remedy either.
     Impossible,
-    /// With so many expansions for each step.
+    /// Not found within this many expansions for each step.
     NotFound(u64),
-    /// Its planner proves nothing.
+    /// Not tried, since its planner proves nothing.
     LeftOut,
 }
 
@@ -72,7 +72,7 @@ impl Shut<'_> {
         self.obstacles().len() < self.blamed.len()
     }
 
-    /// What the task was tried with.
+    /// The remedy that was tried, as text.
     fn remedy(&self) -> String {
         let obstacles = self.obstacles();
         let without = (!obstacles.is_empty()).then(|| format!("without {}", self.names(&obstacles)));

@@ -1,8 +1,8 @@
-//! One step of a task as a problem in flat numbers.
+//! One step of a task as a problem on flat cell indices.
 //!
-//! Input: the order, where its parts stand, and what the step asks for. Output: a [`Stage`]. Promise: every cell that a part's
-//! centre may not take is blocked, and each blocked cell is known by what blocks it: the rim of the board, an obstacle grown
-//! as the model says, or a part that stays where it is.
+//! Input: the order, the cells of its parts, and the moves of the step. Output: a [`BoardStage`]. Promise: every cell that a part's
+//! centre may not take is blocked, and the cause of each blocked cell is known: the rim of the board, an obstacle grown according
+//! to the model, or a part that stays.
 
 use super::board::{self, Agent, BoardGrid, Instance};
 use crate::claims::electrode_array::{
@@ -15,24 +15,24 @@ use std::ops::RangeInclusive;
 /// A step of a task, ready for a planner.
 pub struct BoardStage<'a> {
     pub instance: Instance,
-    /// For each agent its part, and the move that asks for it, if one does.
+    /// For each agent its part, and its move, if it has one.
     pub agents: Vec<Actor<'a>>,
     pub ground: &'a BoardGround<'a>,
     /// The obstacles of the ground, then the parts that stay.
     standing: Vec<CellBlocker<'a>>,
 }
 
-/// What is the same in all steps of a task.
+/// The board and obstacles, common to all steps of a task.
 pub struct BoardGround<'a> {
     obstacles: Vec<CellBlocker<'a>>,
-    /// The board with nothing on it but its rim.
+    /// The board without obstacles, except its rim.
     pub bare: BoardGrid,
     /// The board with its obstacles.
     board: BoardGrid,
 }
 
 impl<'a> BoardGround<'a> {
-    /// The board of an order and its obstacles, each grown as the model says.
+    /// The board of an order and its obstacles, each grown according to the model.
     pub fn new(order: &'a ElectrodeArrayOrder) -> BoardGround<'a> {
         let obstacles: Vec<CellBlocker> =
             order.obstacles.iter().map(|obstacle| grown(obstacle, &order.facts)).collect();
@@ -45,30 +45,30 @@ impl<'a> BoardGround<'a> {
 
 /// A part that may move in a step.
 pub struct Actor<'a> {
-    /// Index of the order's parts.
+    /// Index into the order's parts.
     pub part: usize,
-    /// `None` for one that only steps aside.
+    /// `None` for a part that only steps aside.
     pub asked: Option<&'a ElectrodeArrayMove>,
 }
 
-/// Something that closes a rectangle of cells to the centres of parts.
+/// A rectangle of cells closed to the centres of parts.
 pub struct CellBlocker<'a> {
     name: &'a str,
-    /// Where it stands now, if it is a part.
+    /// Current cell, if it is a part.
     at: Option<ElectrodeCell>,
     pub span: Span,
-    /// Columns and rows from 0, both ends included; may reach over the rim.
+    /// Columns and rows from 0, both ends included; may extend beyond the rim.
     pub columns: [i64; 2],
     pub rows: [i64; 2],
 }
 
 impl CellBlocker<'_> {
-    /// What a message calls it.
+    /// Its name in messages.
     pub fn name(&self) -> String {
         self.at.map_or(self.name.to_owned(), |at| format!("{} at {at}", self.name))
     }
 
-    /// Its columns and rows on a board.
+    /// Its columns and rows, clipped to a board.
     fn clipped(&self, board: &BoardGrid) -> [RangeInclusive<i64>; 2] {
         let clip = |[low, high]: [i64; 2], size: u32| low.max(0)..=high.min(i64::from(size) - 1);
         [clip(self.columns, board.width()), clip(self.rows, board.height())]
@@ -80,16 +80,16 @@ impl CellBlocker<'_> {
         rows.flat_map(move |row| columns.clone().map(move |column| row as u32 * width + column as u32))
     }
 
-    /// How many cells of a board it covers.
+    /// Number of cells of a board that it covers.
     pub fn area(&self, board: &BoardGrid) -> usize {
         self.clipped(board).into_iter().map(Iterator::count).product()
     }
 }
 
-/// Blocks what some blockers cover; many large ones cost no more than the board and their number.
+/// Blocks the cells of some blockers by prefix sums: the cost is the size of the board plus their number, however large they are.
 fn cover(board: &mut BoardGrid, blockers: &[CellBlocker]) {
     let width = board.width() as usize + 1;
-    // How many blockers begin at a cell less those that end before it, along rows and along columns.
+    // Number of blockers that begin at a cell minus those that end before it, along rows and along columns.
     let mut changes = vec![0i32; width * (board.height() as usize + 1)];
     for [columns, rows] in blockers.iter().map(|blocker| blocker.clipped(board)) {
         if columns.is_empty() || rows.is_empty() {
@@ -116,18 +116,18 @@ fn cover(board: &mut BoardGrid, blockers: &[CellBlocker]) {
     }
 }
 
-/// The number of a cell on the planner's board.
+/// The flat index of a cell.
 pub fn flat(order: &ElectrodeArrayOrder, cell: ElectrodeCell) -> board::CellIndex {
     (cell.row - 1) * order.facts.columns + (cell.column - 1)
 }
 
-/// The cell of a number on the planner's board.
+/// The cell of a flat index.
 pub fn cell(order: &ElectrodeArrayOrder, flat: board::CellIndex) -> ElectrodeCell {
     ElectrodeCell::new(flat % order.facts.columns + 1, flat / order.facts.columns + 1)
 }
 
 impl<'a> BoardStage<'a> {
-    /// The stage of a step that asks for `moves`, the parts standing at `cells`.
+    /// The stage of a step with `moves`, given the `cells` of the parts.
     pub fn new(
         order: &'a ElectrodeArrayOrder,
         ground: &'a BoardGround<'a>,
@@ -136,7 +136,7 @@ impl<'a> BoardStage<'a> {
     ) -> BoardStage<'a> {
         let asked = |part: usize| moves.iter().find(|action| action.part == part || action.with == Some(part));
         let (mut agents, mut actors, mut standing) = (Vec::new(), Vec::new(), Vec::new());
-        // Those that are asked for come first, in the order of writing, which is their priority.
+        // Parts with moves come first, in written order, which is their priority.
         for action in moves {
             for part in [Some(action.part), action.with].into_iter().flatten() {
                 let Some(start) = cells[part] else { continue };
@@ -168,13 +168,13 @@ impl<'a> BoardStage<'a> {
         BoardStage { instance, agents: actors, ground, standing }
     }
 
-    /// All that blocks, obstacles first.
+    /// All blockers, obstacles first.
     pub fn blockers(&self) -> impl Iterator<Item = &CellBlocker<'a>> {
         self.ground.obstacles.iter().chain(&self.standing)
     }
 }
 
-/// The pairs of agents that become one.
+/// The pairs of agents that merge.
 fn merges(actors: &[Actor]) -> Vec<[usize; 2]> {
     let partner = |actor: &Actor| actor.asked.and_then(|action| action.with).filter(|with| *with == actor.part);
     let seconds = actors.iter().enumerate().filter(|(_, actor)| partner(actor).is_some());
@@ -196,7 +196,7 @@ fn bare(order: &ElectrodeArrayOrder) -> BoardGrid {
     board
 }
 
-/// An obstacle, grown as the model says.
+/// An obstacle, grown according to the model.
 fn grown<'a>(obstacle: &'a ElectrodeArrayObstacle, facts: &ElectrodeArrayFacts) -> CellBlocker<'a> {
     match obstacle.body {
         ElectrodeArrayObstacleBody::Fixed(cell) => {

@@ -1,4 +1,4 @@
-//! Jobs planned as a whole: what stands in the way, what moves on, what is said when nothing can.
+//! Whole jobs: blocking obstacles, parts that yield, and the reports where there is no plan.
 
 use super::*;
 use crate::claims::electrode_array::{
@@ -13,7 +13,7 @@ use crate::plan::{Motion, Optimality, Plan};
 use crate::source::{FileId, Span};
 use std::sync::Arc;
 
-/// A place in the source that differs from others.
+/// A distinct place in the source.
 fn span(at: usize) -> Span {
     Span::new(FileId(0), at, at + 1)
 }
@@ -41,7 +41,7 @@ fn droplets(columns: u32, rows: u32) -> ElectrodeArrayFacts {
     facts(columns, rows, Electrodes::Single, 2, 1)
 }
 
-/// A task without obstacles in which nothing is asked yet.
+/// A task without obstacles and without moves.
 fn order(facts: ElectrodeArrayFacts, cells: &[(u32, u32)]) -> ElectrodeArrayOrder {
     let part = |(index, (column, row)): (usize, &(u32, u32))| BoardPart {
         name: format!("m{}", index + 1),
@@ -61,8 +61,11 @@ fn order(facts: ElectrodeArrayFacts, cells: &[(u32, u32)]) -> ElectrodeArrayOrde
 
 fn go(part: usize, stops: &[(u32, u32)]) -> ElectrodeArrayMove {
     let at = 200 + part;
-    let stop =
-        |(column, row): &(u32, u32)| ElectrodeArrayStop { cell: ElectrodeCell::new(*column, *row), span: span(at) };
+    let stop = |(column, row): &(u32, u32)| ElectrodeArrayStop {
+        cell: ElectrodeCell::new(*column, *row),
+        span: span(at),
+        origin: None,
+    };
     ElectrodeArrayMove { part, with: None, stops: stops.iter().map(stop).collect(), span: span(at) }
 }
 
@@ -162,7 +165,7 @@ fn droplets_that_merge_meet_and_are_one_from_then_on() {
 
 #[test]
 fn a_part_in_a_corridor_yields_only_where_it_may() {
-    // One row of electrodes, with a bay for the part that stands in it.
+    // One row of electrodes, with a bay for the part that blocks it.
     let mut order = order(droplets(9, 3), &[(1, 2), (5, 2)]);
     order.obstacles =
         Arc::new(vec![wall("low", (1, 1), (9, 1)), wall("left", (1, 3), (3, 3)), wall("right", (7, 3), (9, 3))]);
@@ -194,7 +197,7 @@ fn the_wall_that_closes_the_way_is_named_and_no_other() {
 
 #[test]
 fn a_help_is_tried_on_the_whole_task() {
-    // Behind the fence the two parts would have to pass one another in a corridor.
+    // Behind the fence the two parts must pass one another in a corridor.
     let mut order = order(droplets(11, 1), &[(1, 1), (11, 1)]);
     order.obstacles = Arc::new(vec![wall("fence", (6, 1), (6, 1))]);
     order.steps = vec![together(vec![go(0, &[(11, 1)]), go(1, &[(1, 1)])])];
@@ -276,7 +279,7 @@ fn the_published_planner_says_that_it_is_greedy_when_it_finds_nothing() {
     assert_eq!(found(order).proof, Optimality::Proven);
 }
 
-/// Whether a part at `i` and one at (2, 2) may make these moves at the same time.
+/// Whether a part at `i` and one at (2, 2) may make these moves simultaneously.
 fn may(i: (u32, u32), one: char, other: char) -> bool {
     use super::board::{BoardGrid, Instance};
     let board = BoardGrid::new(20, 20);

@@ -1,15 +1,15 @@
-//! Moves made one after the other, each as early as the rule of distance lets it.
+//! Retiming of moves: each as early as the separation rule allows.
 //!
-//! Problem: paths of many agents in which few move at a time, as a search of configurations leaves them. Under the rule all four
-//! combinations of the starts and ends of two moves keep the distance, so the moves of one step may as well be made one after
-//! the other, and moves may go together as soon as no one comes near a cell before the other has left it. Method: each move in its
-//! turn, at the first instant after its agent's last move and after everyone who stood too near to where it leads has gone.
+//! Problem: paths of many agents in which few move at a time, as a search of configurations produces them. Under the rule all four
+//! combinations of the starts and ends of two moves keep the distance, so the moves of one step may equally be made one after the
+//! other, and moves may be simultaneous as soon as no agent comes near a cell before another has left it. Method: each move in
+//! turn, at the first instant after its agent's last move and after every agent that was too near to its target has left.
 //! Guaranteed: legal paths of no more steps and of the same moves. Cost: for each move the cells nearer than the separation.
 
 use super::board::{CellIndex, Instance, Paths};
 use rustc_hash::FxHashMap;
 
-/// The same moves, each as early as it can be; the paths must be legal.
+/// The same moves, each as early as possible; the paths must be legal.
 pub fn earliest(instance: &Instance, paths: &Paths) -> Paths {
     let mut timing =
         Timing { instance, left: FxHashMap::default(), early: paths.iter().map(|path| vec![path[0]]).collect() };
@@ -26,13 +26,13 @@ pub fn earliest(instance: &Instance, paths: &Paths) -> Paths {
 
 struct Timing<'a> {
     instance: &'a Instance,
-    /// By cell: who left it, and the instant at which each was gone for the last time.
+    /// By cell: the agents that left it, each with the instant at which it was last gone.
     left: FxHashMap<CellIndex, Vec<(usize, usize)>>,
     early: Paths,
 }
 
 impl Timing<'_> {
-    /// One agent's next move.
+    /// Appends one agent's next move.
     fn make(&mut self, agent: usize, to: CellIndex) {
         let own = self.early[agent].len() - 1;
         let gone = self.gone(agent, to);
@@ -47,7 +47,7 @@ impl Timing<'_> {
         }
     }
 
-    /// The instant at which the last of those that stood too near to a cell was gone.
+    /// The instant by which all agents that were too near to a cell have left.
     fn gone(&self, agent: usize, to: CellIndex) -> usize {
         let near = self.instance.board.around(to, self.instance.separation);
         let visits = near.filter_map(|cell| Some((cell, self.left.get(&cell)?)));

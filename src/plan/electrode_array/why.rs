@@ -1,19 +1,19 @@
-//! What closes the way of a part that cannot come to its goal.
+//! Blockers of a part that cannot reach its goal.
 //!
-//! Problem: the smallest set of blockers whose removal opens a way (minimum constraint removal, NP-hard; Hauser 2014). Method: the
-//! way that enters the fewest blockers, each counted where the way comes into it, and a deletion filter on what it crosses.
-//! Guaranteed: without the named ones there is a way, and a single one that is named is the smallest set. Not guaranteed: that
-//! several are the fewest. Cost: linear in the cells of the board and of all blockers, for each blocker on the way once more.
+//! Problem: the smallest set of blockers whose removal opens a path (minimum constraint removal, NP-hard; Hauser 2014). Method: the
+//! path that enters the fewest blockers, each counted at every entry, and a deletion filter on the set it crosses. Guaranteed:
+//! without the named ones there is a path, and a single named blocker is the smallest set. Not guaranteed: that several are the
+//! fewest. Cost: linear in the cells of the board and of all blockers, once more for each blocker on the path.
 
 use super::board::{self, BoardGrid};
 use super::stage::{BoardStage, CellBlocker};
 use crate::plan::errors::Removal;
 use std::collections::VecDeque;
 
-/// Where the blockers have more cells than this in all, none is blamed.
+/// If the blockers cover more cells than this in total, none is blamed.
 const MAX_COVERED: usize = 1 << 23;
 
-/// The blockers to be removed, as indices of the stage's, for a way from one cell to another, and what is known of their removal.
+/// The blockers to remove, as indices into the stage's, for a path from one cell to another, and what is known of their removal.
 pub fn why(stage: &BoardStage, from: board::CellIndex, to: board::CellIndex) -> (Vec<usize>, Removal) {
     let board = &stage.ground.bare;
     let covered: usize = stage.blockers().map(|blocker| blocker.area(board)).sum();
@@ -34,14 +34,14 @@ pub fn why(stage: &BoardStage, from: board::CellIndex, to: board::CellIndex) -> 
     (crossed, removal)
 }
 
-/// The blockers on a way that enters as few as possible.
+/// The blockers on a path with the fewest entries.
 fn fewest_entered(stage: &BoardStage, from: board::CellIndex, to: board::CellIndex) -> Option<Vec<usize>> {
     let board = &stage.ground.bare;
     let blockers: Vec<&CellBlocker> = stage.blockers().collect();
     let over = Covering::new(board, &blockers);
     let mut cost = vec![u32::MAX; board.cells()];
     let mut parent = vec![board::CellIndex::MAX; board.cells()];
-    // Buckets by cost; a way enters each blocker at most once if it is best.
+    // Buckets by cost; an optimal path enters each blocker at most once.
     let mut buckets: Vec<VecDeque<board::CellIndex>> = vec![VecDeque::new(); blockers.len() + 2];
     cost[from as usize] = 0;
     buckets[0].push_back(from);
@@ -77,7 +77,7 @@ fn fewest_entered(stage: &BoardStage, from: board::CellIndex, to: board::CellInd
     })
 }
 
-/// Whether there is a way when the blockers of a set are gone.
+/// Whether a path exists without the blockers of a set.
 fn is_open(stage: &BoardStage, gone: &[usize], from: board::CellIndex, to: board::CellIndex) -> bool {
     let mut board = stage.ground.bare.clone();
     for (index, blocker) in stage.blockers().enumerate() {
@@ -101,7 +101,7 @@ fn is_open(stage: &BoardStage, gone: &[usize], from: board::CellIndex, to: board
     false
 }
 
-/// The blockers over each cell, ascending, in one list.
+/// The blockers of each cell, ascending, in one flat list.
 struct Covering {
     starts: Vec<u32>,
     indices: Vec<u32>,
@@ -131,7 +131,7 @@ impl Covering {
         &self.indices[self.starts[cell as usize] as usize..self.starts[cell as usize + 1] as usize]
     }
 
-    /// How many blockers cover `next` and not `here`.
+    /// Number of blockers that cover `next` but not `here`.
     fn entered(&self, here: board::CellIndex, next: board::CellIndex) -> usize {
         let before = self.of(here);
         self.of(next).iter().filter(|index| before.binary_search(index).is_err()).count()

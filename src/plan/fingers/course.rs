@@ -1,12 +1,12 @@
-//! From the way through the grasp graph to what the fingers do in each step of the task.
+//! From a path through the grasp graph to the acts of the fingers in each step of the task.
 
 use super::graph::{GraspNode, GraspPath};
 use super::routes::TurnRoute;
 use super::ways::FingerAct;
 
-/// Puts what a stretch's way has the fingers do to the acts of the task's steps.
+/// Appends the finger acts of a stretch's path to the acts of the task's steps.
 ///
-/// `begins` is the step in which the fingers first take the part; `None` where they hold it already.
+/// `begins` is the step in which the fingers first take the part; `None` if they already hold it.
 pub fn follow(
     steps: &mut [Vec<FingerAct>],
     (route, way): (&TurnRoute, &GraspPath),
@@ -23,7 +23,7 @@ pub fn follow(
     }
 }
 
-/// What leads from a node to its neighbour.
+/// The act on the edge from a node to its neighbour.
 fn act(from: &GraspNode, to: &GraspNode, fingers: usize) -> Option<FingerAct> {
     if from.angle != to.angle {
         return Some(FingerAct::Roll(to.angle - from.angle));
@@ -35,7 +35,7 @@ fn act(from: &GraspNode, to: &GraspNode, fingers: usize) -> Option<FingerAct> {
     })
 }
 
-/// How many fingers a way places or takes away.
+/// Number of finger placements and removals on a path.
 pub fn reconfigurations(way: &GraspPath) -> u64 {
     let changes =
         |nodes: &Vec<GraspNode>| nodes.windows(2).filter(|pair| pair[0].angle == pair[1].angle).count() as u64;

@@ -1,11 +1,11 @@
-//! One job of a hand: each stretch from a first grasp to a release as one problem, then the ways of the fingers.
+//! One job of a hand: each stretch from a first grasp to a release as one problem, then the motions of the fingers.
 //!
-//! After each stretch the part stands where its turns and translations have carried it, so a stretch without a plan leaves those
-//! after it without a beginning: the job ends there.
+//! After each stretch the part stands where its turns and translations have carried it, so a stretch without a plan leaves the
+//! later ones without a start: the job ends there.
 
 use super::course::{follow, reconfigurations};
 use super::graph::{
-    self, Estimator, Grasp, GraspAnswer, GraspCosts, GraspNode, GraspPath, GraspRequest, Start, Within,
+    self, Estimator, Grasp, GraspAnswer, GraspCosts, GraspNode, GraspPath, GraspRequest, GraspSearchEnd, Start, Within,
 };
 use super::limited::{self, Sooner};
 use super::looks::LooksBudget;
@@ -28,14 +28,14 @@ use std::f64::consts::PI;
 use std::ops::Range;
 use std::rc::Rc;
 
-/// What the plans of a schedule leave behind for those that follow.
+/// State that the plans of a schedule hand on to later jobs.
 #[derive(Default)]
 pub struct HandStandings {
-    /// By device; `None` where a plan is missing, so that nobody knows where its part is.
+    /// By device; `None` after a missing plan, since the pose of its part is then unknown.
     stances: BTreeMap<String, Option<Stance>>,
 }
 
-/// A plan for a job; without one an error was pushed, for this job or for one of the same hand before it.
+/// A plan for a job; without one an error was pushed, for this job or an earlier one of the same hand.
 pub fn plan(job: &Job, order: &FingersOrder, standing: &mut HandStandings, sink: &mut Sink) -> Option<Plan> {
     let known = standing.stances.get(&job.device).cloned();
     let planned = match known {
@@ -48,19 +48,19 @@ pub fn plan(job: &Job, order: &FingersOrder, standing: &mut HandStandings, sink:
     plan
 }
 
-/// What a way is chosen by first.
+/// Primary criterion of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FirstCriterion {
-    /// Then by the number of reconfigurations.
+    /// Effort first, then the number of reconfigurations.
     Effort,
-    /// Then by what is rolled.
+    /// Reconfigurations first, then the rolling.
     Reconfigurations,
 }
 
-/// Looks at grasps that planning one task may take: a few seconds.
+/// Budget of looks for planning one task: a few seconds.
 pub const MOST_LOOKS: u64 = 150_000_000;
 
-/// A plan, and where everything is after it.
+/// A plan, and the stance after it.
 fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut Sink) -> Option<(Option<Plan>, Stance)> {
     let looks = Rc::new(LooksBudget::of(MOST_LOOKS));
     let mut sections = match Sections::of(order, looks) {
@@ -109,39 +109,39 @@ fn planned(job: &Job, order: &FingersOrder, stance: Option<Stance>, sink: &mut S
     Some(((kept == Kept::Yes).then_some(plan), end))
 }
 
-/// What a plan is asked for.
+/// Request for a plan.
 #[derive(Clone)]
 pub struct AskedStretch<'a> {
     pub job: &'a Job,
     pub order: &'a FingersOrder,
-    /// Where everything is; `None` before the device's first task.
+    /// Current stance; `None` before the device's first task.
     pub stance: Option<&'a Stance>,
     pub first: FirstCriterion,
-    /// The most reconfigurations of each stretch; those that it has no number for may have any.
+    /// Limit on the reconfigurations of each stretch; unlimited where there is no number.
     pub gaits: Vec<Option<u32>>,
 }
 
-/// A plan whatever its limits.
+/// A plan, with its limits not yet checked.
 pub struct Done {
-    /// Its proof is of what it was chosen by first.
+    /// Its proof concerns the primary criterion.
     pub plan: Plan,
-    /// Where everything is after it.
+    /// The stance after it.
     pub end: Stance,
     pub stretches: Vec<TaskStretch>,
 }
 
-/// What a stretch of a plan comes to.
+/// Figures of one stretch of a plan.
 #[derive(Debug, Clone, Copy)]
 pub struct TaskStretch {
     /// The effort, in units of [`costs`].
     pub cost: u64,
     pub gaits: u64,
-    /// Whether no way of the stretch has less effort, within the limit that it was asked for.
+    /// Whether no path of the stretch has less effort within the given limit.
     pub is_best: bool,
 }
 
 impl Done {
-    /// Its reconfigurations.
+    /// Sum of its reconfigurations.
     pub fn gaits(&self) -> u64 {
         self.stretches.iter().map(|stretch| stretch.gaits).sum()
     }
@@ -150,13 +150,13 @@ impl Done {
 /// Why there is no plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stop {
-    /// It is proven that there is none.
+    /// Proven: there is none.
     Proven,
     /// None was found.
     Open,
 }
 
-/// A plan, or why there is none, which is reported if a sink is given.
+/// A plan, or why there is none, reported if a sink is given.
 pub fn carried_out(sections: &mut Sections, asked: &AskedStretch, mut sink: Option<&mut Sink>) -> Result<Done, Stop> {
     let AskedStretch { job, order, stance, .. } = *asked;
     let start = stance.cloned().unwrap_or_else(|| sections.hand().home(order.part.position_um));
@@ -180,7 +180,7 @@ pub fn carried_out(sections: &mut Sections, asked: &AskedStretch, mut sink: Opti
     Ok(Done { plan: tally.sums.plan(order, motion), end, stretches })
 }
 
-/// The steps of an order, cut after each release.
+/// The steps of an order, split after each release.
 pub fn stretches(order: &FingersOrder) -> Vec<Range<usize>> {
     let mut stretches = Vec::new();
     let mut begin = 0;
@@ -194,26 +194,26 @@ pub fn stretches(order: &FingersOrder) -> Vec<Range<usize>> {
     stretches
 }
 
-/// A plan while its stretches are carried out.
+/// Partial plan while its stretches are planned.
 struct HandTally<'a> {
     asked: &'a AskedStretch<'a>,
     order: &'a FingersOrder,
     acts: Vec<Vec<FingerAct>>,
     held: Option<Holding>,
     orientation: UnitQuaternion<f64>,
-    /// Whether the part may be turned otherwise by now, had another way been taken.
+    /// Whether a different earlier path could have left the part in another orientation.
     may_differ: bool,
     sums: Sums,
     stretches: Vec<TaskStretch>,
 }
 
-/// What the stretches cost together.
+/// Sums over the stretches.
 struct Sums {
     /// The effort, in units of [`costs`].
     cost: u64,
-    /// In the same units, of what ways are chosen by first: of effort, or of nothing but reconfigurations.
+    /// In the same units, lower bound on the primary criterion: effort, or reconfigurations only.
     bound: u64,
-    /// Whether each way is the best by what it was chosen by.
+    /// Whether each path is optimal by its primary criterion.
     is_best: bool,
     reconfigurations: u64,
     remarks: Vec<Remark>,
@@ -236,7 +236,7 @@ impl<'a> HandTally<'a> {
         }
     }
 
-    /// Plans a stretch and does what it says.
+    /// Plans a stretch and appends its acts.
     fn carry_out(
         &mut self,
         sections: &mut Sections,
@@ -271,7 +271,7 @@ impl<'a> HandTally<'a> {
         HandReasons { order: self.order, job: self.asked.job, stance: self.asked.stance, at }
     }
 
-    /// The cheapest way through the turns of a stretch.
+    /// The cheapest path through the turns of a stretch.
     fn turn(
         &mut self,
         sections: &mut Sections,
@@ -279,7 +279,7 @@ impl<'a> HandTally<'a> {
         sink: &mut Option<&mut Sink>,
     ) -> Result<(), Stop> {
         let mut planned = routes(self.order, stretch.clone(), self.held);
-        // Under a load another way before might have left the part so that it is held more easily.
+        // Under a load, another earlier path might have left the part where it is easier to hold.
         if self.may_differ && self.order.load_un != [0.0; 3] {
             let least = planned.routes.iter().map(|route| steps_of(route)).min().unwrap_or_default();
             planned.left_out = Some(planned.left_out.map_or(least, |known| known.min(least)));
@@ -335,7 +335,7 @@ impl<'a> HandTally<'a> {
         Ok(())
     }
 
-    /// All fingers leave, each when those that stay hold by themselves.
+    /// All fingers leave, in an order in which the remaining ones always hold.
     fn release(&mut self, sections: &mut Sections, step: usize, sink: &mut Option<&mut Sink>) -> Result<(), Stop> {
         let Some(holding) = self.held.take() else { return Ok(()) };
         let Some(order) = sections.leaving(holding, self.orientation) else {
@@ -349,9 +349,9 @@ impl<'a> HandTally<'a> {
     }
 }
 
-/// The answer of the planner, with a way whose grasps hold all the time, within a limit of reconfigurations.
+/// The planner's answer whose path holds at every instant, within a limit on reconfigurations.
 ///
-/// Under a load what holds is asked grasp by grasp first, with a half of the looks; where these do not do, of tables.
+/// Under a load, grasps are first evaluated lazily, with half of the looks; if that is not enough, tables are used.
 ///
 /// # Errors
 /// Where a section has too many contacts for its tables, or the looks are spent.
@@ -369,15 +369,15 @@ pub fn sound(
     looks.hold_half_back();
     let answer = lasting(order, sections, planned, orientation, chosen);
     looks.give_back();
-    let Ok(GraspAnswer::LooksSpent { bound }) = answer else { return answer };
+    let Ok(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound })) = answer else { return answer };
     sections.deal_with_load(LoadedSections::Tabulated);
     let tabulated = lasting(order, sections, planned, orientation, chosen);
     sections.deal_with_load(LoadedSections::Asked);
-    Ok(tabulated.unwrap_or(GraspAnswer::LooksSpent { bound }))
+    Ok(tabulated.unwrap_or(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound })))
 }
 
-/// A way with a grasp that lapses between two angles is searched again without that step, as often as it takes: every search has
-/// fewer steps left. All of them together keep to the budget.
+/// A path with a grasp that lapses between two angles is searched again without that step, as often as necessary: every search has
+/// fewer steps left, so this ends. All searches together keep to the budget.
 fn lasting(
     order: &FingersOrder,
     sections: &mut Sections,
@@ -395,28 +395,36 @@ fn lasting(
                 left = left.saturating_sub(way.expanded);
                 least = way.bound;
             }
-            GraspAnswer::GaveUp(gave_up) => {
+            GraspAnswer::GaveUp(GraspSearchEnd::Expansions(gave_up)) => {
                 let (budget, bound) = (SearchBudget::of(order.expansions), least.max(gave_up.bound));
-                return Ok(GraspAnswer::GaveUp(GaveUp { budget, spent: budget.steps, bound }));
+                return Ok(GraspAnswer::GaveUp(GraspSearchEnd::Expansions(GaveUp {
+                    budget,
+                    spent: budget.steps,
+                    bound,
+                })));
             }
-            GraspAnswer::LooksSpent { bound } => return Ok(GraspAnswer::LooksSpent { bound: bound.max(least) }),
-            other @ (GraspAnswer::Impossible(_) | GraspAnswer::TooLarge { .. }) => return Ok(other),
+            GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound }) => {
+                return Ok(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound: bound.max(least) }));
+            }
+            other @ (GraspAnswer::Impossible(_) | GraspAnswer::GaveUp(GraspSearchEnd::TooLarge { .. })) => {
+                return Ok(other);
+            }
         }
     }
 }
 
-/// What rolling by a step costs a finger, in the unit of [`costs`].
+/// Cost of rolling one finger by a step, in the unit of [`costs`].
 const ROLL: u64 = 360;
 
-/// What a reconfiguration costs where their number comes first: more steps than fingers roll in any way.
+/// Cost of a reconfiguration where their number comes first: larger than the rolling of any path.
 const MORE_THAN_ALL_ROLLING: u32 = 1 << 24;
 
-/// The steps that a route rolls at least.
+/// Least number of steps that a route rolls.
 fn steps_of(route: &[RouteTurn]) -> u64 {
     route.iter().map(|turning| u64::from(turning.turn.steps.unsigned_abs())).sum()
 }
 
-/// What a way costs, in units of [`costs`].
+/// Cost of a path, in units of [`costs`].
 fn effort(order: &FingersOrder, way: &GraspPath) -> u64 {
     let GraspCosts { roll, gait } = costs(order);
     let pairs = way.legs.iter().flat_map(|nodes| nodes.windows(2));
@@ -427,13 +435,13 @@ fn effort(order: &FingersOrder, way: &GraspPath) -> u64 {
     pairs.map(cost).sum()
 }
 
-/// Costs as whole numbers: their unit is a degree divided by the steps of a turn.
+/// Costs as whole numbers, in units of a degree divided by the steps of a turn.
 fn costs(order: &FingersOrder) -> GraspCosts {
     let gait = order.facts.gaiting_cost_deg * f64::from(order.facts.steps_per_turn);
     GraspCosts { roll: ROLL as u32, gait: gait.round() as u32 }
 }
 
-/// The answer of the planner that the task asks for.
+/// The answer of the planner that the task selects.
 fn answer(
     order: &FingersOrder,
     sections: &mut Sections,
@@ -460,20 +468,17 @@ fn answer(
     })
 }
 
-/// The step of the leg that an answer without a way ends at.
+/// The step of the leg at which an answer without a path ends.
 fn stuck_at(planned: &Routes, answer: &GraspAnswer) -> usize {
     let at = |route: usize, leg: usize| planned.routes.get(route).and_then(|route| route.get(leg));
     let leg = match answer {
         GraspAnswer::Impossible(blocked) => at(blocked.route, blocked.leg),
-        GraspAnswer::Found(_)
-        | GraspAnswer::GaveUp(_)
-        | GraspAnswer::LooksSpent { .. }
-        | GraspAnswer::TooLarge { .. } => at(0, 0),
+        GraspAnswer::Found(_) | GraspAnswer::GaveUp(_) => at(0, 0),
     };
     leg.map_or(0, |turning| turning.step)
 }
 
-/// A turn in words, by the angle that its whole steps come to: `79.99 deg about z`.
+/// A turn as text, by the angle of its whole steps: `79.99 deg about z`.
 fn said(sections: &Sections, turn: FingersTurn) -> String {
     let axis = match turn.plane {
         Plane::Xy => "z",

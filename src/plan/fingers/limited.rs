@@ -1,12 +1,13 @@
 //! Plans within limits of reconfigurations and of time.
 //!
-//! Problem: the least effort of a task of which several stretches may have so many reconfigurations together. Method: for each stretch the
-//! ways of least effort with fewer and fewer reconfigurations (the ε-constraint method: Haimes, Lasdon, Wismer, IEEE Transactions on
-//! Systems, Man and Cybernetics 1, 1971), then one of them for each stretch. Guaranteed: where every way is proven, so is the choice.
+//! Problem: the least effort of a task whose stretches share a limit on reconfigurations. Method: for each stretch the paths of
+//! least effort under decreasing limits on reconfigurations (the ε-constraint method: Haimes, Lasdon, Wismer, IEEE Transactions on
+//! Systems, Man and Cybernetics 1, 1971), then one of them for each stretch. Guaranteed: where every path is proven, so is the
+//! choice.
 //!
-//! How long a plan takes depends on where free fingers wait, which is no part of a grasp. Plans that take too long are therefore searched
-//! anew with fewer and fewer reconfigurations, which take most of the time, until one is quick enough. Not guaranteed: that no other
-//! is, unless the limit is below [`least_s`].
+//! The duration of a plan depends on where free fingers wait, which is not part of a grasp. Plans that take too long are therefore
+//! searched again with fewer and fewer reconfigurations, which take most of the time, until one is fast enough. Not guaranteed:
+//! that no other plan is, unless the limit is below [`least_s`].
 
 use super::Stance;
 use super::job::{AskedStretch, Done, Stop, TaskStretch, carried_out, stretches};
@@ -18,16 +19,16 @@ use crate::device::fingers::FingersOutcome;
 use crate::plan::requirements::{Kept, is_upper, keeps};
 use crate::plan::{Optimality, Plan};
 
-/// What came of a limit.
+/// Result of a search within a limit.
 pub enum HandWithin {
-    /// A plan that keeps it; its bound is one of all plans that do.
+    /// A plan that keeps it; its bound holds for all plans that do.
     Found(Box<Done>),
     None {
         is_proven: bool,
     },
 }
 
-/// The most reconfigurations that the limits of a job allow, if there is one from above.
+/// The limit on reconfigurations from above, if a job has one.
 pub fn most_gaits(job: &Job) -> Option<u32> {
     let limits = job.requirements.iter().filter(|limit| limit.outcome == FingersOutcome::Reconfigurations.name());
     let most = limits.filter_map(|limit| match limit.relation {
@@ -38,15 +39,15 @@ pub fn most_gaits(job: &Job) -> Option<u32> {
     most.min_by(f64::total_cmp).map(|most| most.clamp(0.0, f64::from(u32::MAX)) as u32)
 }
 
-/// What came of a limit of time.
+/// Result of a search within a limit on time.
 pub enum Sooner {
     /// A plan that keeps all limits.
     Kept(Box<Done>),
-    /// The quickest plan that was found besides.
+    /// The fastest other plan found.
     Missed(Option<Box<Plan>>),
 }
 
-/// The most plans with fewer reconfigurations that are looked at for a limit of time.
+/// Most plans with fewer reconfigurations that are tried for a limit on time.
 const MOST_TRIED: u32 = 16;
 
 fn is_kept(job: &Job, plan: &Plan, outcome: &str) -> bool {
@@ -59,7 +60,7 @@ pub fn misses_time(job: &Job, plan: &Plan) -> bool {
     !is_kept(job, plan, FingersOutcome::Time.name())
 }
 
-/// A plan that is quick enough, beside one that is not.
+/// A plan that is fast enough, given one that is not.
 pub fn sooner(sections: &mut Sections, asked: &AskedStretch, done: &Done) -> Sooner {
     let mut soonest: Option<Plan> = None;
     let mut gaits = done.gaits();
@@ -74,7 +75,7 @@ pub fn sooner(sections: &mut Sections, asked: &AskedStretch, done: &Done) -> Soo
             .iter()
             .all(|outcome| is_kept(asked.job, &next.plan, outcome.name()))
         {
-            // Another plan with as few or more reconfigurations might be quick enough, of less effort.
+            // Another plan with as many or more reconfigurations might be fast enough with less effort.
             next.plan.bound = done.plan.bound.min(next.plan.cost);
             next.plan.proof = if next.plan.bound >= next.plan.cost { Optimality::Proven } else { Optimality::Open };
             return Sooner::Kept(next);
@@ -87,7 +88,8 @@ pub fn sooner(sections: &mut Sections, asked: &AskedStretch, done: &Done) -> Soo
     Sooner::Missed(soonest.map(Box::new))
 }
 
-/// No plan takes less time, in seconds: what it waits, carries and rolls at least, and two fingers that come and leave where all do.
+/// Lower bound on the duration of any plan, in seconds: its waits, translations and least rolling, and two fingers that come and
+/// leave where all do.
 pub fn least_s(sections: &Sections, order: &FingersOrder, stance: Option<&Stance>) -> f64 {
     let facts = &order.facts;
     let come_s = 2.0 * facts.slow_um() / facts.approach_um_per_s;
@@ -115,24 +117,24 @@ pub fn least_s(sections: &Sections, order: &FingersOrder, stance: Option<&Stance
             ways.sum::<f64>()
         };
         let searched_um = planned.routes.iter().map(way_um).fold(f64::INFINITY, f64::min);
-        // Of the ways that are not searched only the number of steps is known.
+        // Routes that were left out may roll in any plane, so their bound is 0.
         let left_out_um = planned.left_out.map_or(f64::INFINITY, |_| 0.0);
         sum_s += searched_um.min(left_out_um) / facts.rolling_um_per_s;
         is_held = false;
     }
-    // Sums of floats.
+    // Allows for rounding in the sums.
     sum_s * (1.0 - 1e-9)
 }
 
-/// The ways of one stretch.
+/// The candidate paths of one stretch.
 struct Front {
-    /// With fewer and fewer reconfigurations.
+    /// With decreasing numbers of reconfigurations.
     ways: Vec<TaskStretch>,
-    /// Whether each of them is proven, and that there are no others of any use.
+    /// Whether each of them is proven, and no others matter.
     is_whole: bool,
 }
 
-/// The plan of least effort with at most so many reconfigurations, beside one that has more.
+/// The plan of least effort with at most `most` reconfigurations, given one that has more.
 pub fn within(sections: &mut Sections, asked: &AskedStretch, any: &Done, most: u32) -> HandWithin {
     let count = any.stretches.len();
     let fronts: Vec<Front> = (0..count).map(|at| front(sections, asked, (any, at), most)).collect();
@@ -156,7 +158,7 @@ pub fn within(sections: &mut Sections, asked: &AskedStretch, any: &Done, most: u
     HandWithin::Found(Box::new(done))
 }
 
-/// The ways of a stretch that may matter.
+/// The candidate paths of a stretch.
 fn front(sections: &mut Sections, asked: &AskedStretch, (any, at): (&Done, usize), most: u32) -> Front {
     let mut front = Front { ways: vec![any.stretches[at]], is_whole: any.stretches[at].is_best };
     let is_only = any.stretches.len() == 1;
@@ -169,7 +171,7 @@ fn front(sections: &mut Sections, asked: &AskedStretch, (any, at): (&Done, usize
         let mut gaits = vec![None; at];
         gaits.push(Some(fewer));
         match carried_out(sections, &AskedStretch { gaits, ..asked.clone() }, None) {
-            // The greedy planner does not search for limits.
+            // The greedy planner ignores limits.
             Ok(done) if done.stretches[at].gaits >= last => {
                 front.is_whole = false;
                 return front;
@@ -188,10 +190,10 @@ fn front(sections: &mut Sections, asked: &AskedStretch, (any, at): (&Done, usize
     }
 }
 
-/// The least cost of one way for each stretch, and how many reconfigurations each has; `None` where all of them have too many.
+/// The least cost of one path per stretch, and the reconfigurations of each; `None` if every combination has too many.
 fn choice(fronts: &[Front], most: u32) -> Option<(u64, Vec<u32>)> {
     let most = u64::from(most);
-    // By how many reconfigurations are left: the least cost so far.
+    // By remaining reconfigurations: the least cost so far.
     let mut chosen: Vec<(u64, u64, Vec<u32>)> = vec![(0, 0, Vec::new())];
     for front in fronts {
         let mut longer: Vec<(u64, u64, Vec<u32>)> = Vec::new();

@@ -1,33 +1,33 @@
-//! A held stretch of a task as routes of the grasp graph: from a first grasp to the release, or to the task's end.
+//! A held stretch of a task as routes of the grasp graph: from a first grasp to the release, or to the end of the task.
 //!
-//! Input: the steps of the stretch, and what the fingers hold when it begins. Output: its routes, one for each choice among the ways of
-//! its `orient` steps, cheapest estimate first. Promise: every route has at least one turn, each knows the step that it is of.
+//! Input: the steps of the stretch, and the grasp at its beginning. Output: its routes, one for each combination of alternatives of
+//! its `orient` steps, cheapest estimate first. Promise: every route has at least one turn, and each turn knows its step.
 
 use super::graph::Grasp;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersTurn};
 use crate::device::fingers::Plane;
 use std::ops::Range;
 
-/// The most routes that one stretch is searched over; those that turn most are left out beyond it.
+/// Most routes searched for one stretch; beyond it those that turn most are left out.
 pub const MAX_ROUTES: usize = 256;
 
-/// As many under a load, where what holds is found out for every leg anew.
+/// The same under a load, where grasps are evaluated anew for every leg.
 pub const MAX_LOADED_ROUTES: usize = 64;
 
 /// A leg of a route.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RouteTurn {
-    /// Index of the order's steps.
+    /// Index into the order's steps.
     pub step: usize,
     pub turn: FingersTurn,
-    /// The grasp at its end, where the task says one.
+    /// The grasp at its end, if the task names one.
     pub pin: Option<Grasp>,
 }
 
 /// The turns of a stretch, one after the other.
 pub type TurnRoute = Vec<RouteTurn>;
 
-/// What the fingers hold.
+/// Grasp held by the fingers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Holding {
     pub grasp: Grasp,
@@ -41,11 +41,11 @@ pub struct Routes {
     pub routes: Vec<TurnRoute>,
     /// The grasp with which each begins; `None`: any.
     pub start: Option<Grasp>,
-    /// How many steps the routes turn at least that were left out; `None` if none were.
+    /// Least number of steps turned by the routes left out; `None` if there are none.
     pub left_out: Option<u64>,
 }
 
-/// The routes of the steps of an order in a range, from what is held when they begin.
+/// The routes of a range of an order's steps, from the grasp held at their beginning.
 pub fn routes(order: &FingersOrder, steps: Range<usize>, held: Option<Holding>) -> Routes {
     let (mut choices, left_out) = choices(order, steps.clone());
     choices.sort_by_key(|choice| turned(choice));
@@ -54,12 +54,12 @@ pub fn routes(order: &FingersOrder, steps: Range<usize>, held: Option<Holding>) 
     Routes { routes, start, left_out }
 }
 
-/// How many steps a choice of turns rolls at least.
+/// Least number of steps that a choice of turns rolls.
 fn turned(turns: &[(usize, FingersTurn)]) -> u64 {
     turns.iter().map(|(_, turn)| u64::from(turn.steps.unsigned_abs())).sum()
 }
 
-/// The turns of the steps, one list for each combination of ways; and what the combinations turn that were left out.
+/// The turns of the steps, one list for each combination of alternatives; and the least turning of the combinations left out.
 fn choices(order: &FingersOrder, steps: Range<usize>) -> (Vec<Vec<(usize, FingersTurn)>>, Option<u64>) {
     let mut choices: Vec<Vec<(usize, FingersTurn)>> = vec![Vec::new()];
     let mut left_out: Option<u64> = None;
@@ -87,7 +87,7 @@ fn choices(order: &FingersOrder, steps: Range<usize>) -> (Vec<Vec<(usize, Finger
     (choices, left_out)
 }
 
-/// The grasp that the stretch begins with, if its first word on grasps says one before anything turns.
+/// The grasp with which the stretch begins, if a step names one before anything turns.
 fn first_grasp(order: &FingersOrder, steps: Range<usize>) -> Option<Grasp> {
     for step in steps {
         match &order.steps[step].action {

@@ -1,4 +1,5 @@
-//! The sections of a part made ready for planning: their curves, the ways to their contacts, and the tables of their grasp graphs.
+//! The sections of a part prepared for planning: their curves, the approach paths to their contacts, and the tables of their grasp
+//! graphs.
 
 use super::graph::{Grasp, GraspNode, GraspPath, Regrasp, TurnLeg};
 use super::looks::LooksBudget;
@@ -15,53 +16,53 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// After so many lapses of one layer all its steps are looked at closely.
+/// After this many lapses in one layer, all its steps are checked closely.
 const MANY_LAPSES: u32 = 3;
 
-/// What a closer look at a way says.
+/// Result of a close check of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sifted {
-    /// Its grasps hold all the way.
+    /// Its grasps hold throughout.
     Sound,
-    /// Some lapsed between two angles; the tables know it now.
+    /// Some lapsed between two angles; the tables now exclude those steps.
     Lapsed,
 }
 
-/// A part's sections, and what has been made of them so far.
+/// A part's sections, and cached data derived from them.
 pub struct Sections<'a> {
     order: &'a FingersOrder,
     xy: Ready<'a>,
     xz: Option<Ready<'a>>,
     known: BTreeMap<TableKey, Arc<Tables>>,
-    /// How many grasps of a layer were found to lapse.
+    /// Number of lapses found in each layer.
     lapses: BTreeMap<(TableKey, usize), u32>,
-    /// What there is under a load, where it is asked for grasp by grasp.
+    /// Lazily evaluated grasps under a load.
     lazy: BTreeMap<TableKey, Rc<Lazy>>,
     loaded: LoadedSections,
     looks: Rc<LooksBudget>,
 }
 
-/// How a load is dealt with.
+/// How grasps under a load are evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoadedSections {
-    /// What holds is found out grasp by grasp, as the search comes to them.
+    /// Lazily, grasp by grasp, as the search meets them.
     Asked,
-    /// Tables of all grasps at all angles are made before the search, which knows more from the beginning.
+    /// Eagerly: tables of all grasps at all angles are built before the search, which gives better bounds from the start.
     Tabulated,
 }
 
-/// A section with what is asked of it all the time.
+/// A section with its prepared data.
 struct Ready<'a> {
     section: &'a Section,
     curve: Curve,
     reach: ContactReach,
 }
 
-/// What tables depend on: the plane, and where there is a load also the part's orientation when the leg begins, bit for bit, and
-/// its lowest angle.
+/// Key of tables: the plane and, under a load, the bits of the part's orientation at the start of the leg and the leg's lowest
+/// angle.
 type TableKey = (Plane, Option<([u64; 4], i32)>);
 
-/// The key of a plane's tables without a load, whose fingers may leave wherever they may come.
+/// Key of a plane's tables without a load, in which fingers may leave wherever they may be placed.
 fn unloaded(plane: Plane) -> TableKey {
     (plane, Some(([u64::MAX; 4], 0)))
 }
@@ -70,7 +71,7 @@ impl<'a> Sections<'a> {
     /// The sections of an order's part.
     ///
     /// # Errors
-    /// Where an outline cannot be followed; the checker refuses such parts.
+    /// If an outline cannot be followed; the checker rejects such parts.
     pub fn of(order: &'a FingersOrder, looks: Rc<LooksBudget>) -> Result<Sections<'a>, OutlineError> {
         let ready = |section: &'a Section| -> Result<Ready<'a>, OutlineError> {
             let curve = Curve::of(&section.outline)?;
@@ -90,17 +91,17 @@ impl<'a> Sections<'a> {
         })
     }
 
-    /// The hand with its sections, for the ways of its fingers.
+    /// The hand with its sections, for the motions of its fingers.
     pub fn hand(&self) -> HandSections<'_> {
         HandSections { facts: &self.order.facts, xy: self.xy.side(), xz: self.xz.as_ref().map(Ready::side) }
     }
 
-    /// The looks that its searches may still take.
+    /// The remaining looks of its searches.
     pub fn looks(&self) -> &Rc<LooksBudget> {
         &self.looks
     }
 
-    /// From now on a load is dealt with so.
+    /// Selects how a load is evaluated from now on.
     pub fn deal_with_load(&mut self, loaded: LoadedSections) {
         self.loaded = loaded;
     }
@@ -109,13 +110,13 @@ impl<'a> Sections<'a> {
         ready(&self.xy, self.xz.as_ref(), plane)
     }
 
-    /// By how much a step in a plane turns the part.
+    /// Angle by which a step in a plane turns the part.
     pub fn step_rad(&self, plane: Plane) -> f64 {
         self.ready(plane).section.step_rad
     }
 
-    /// How far the tip that moves least moves at least while the part turns by a step in a plane; tips may be off their contacts by the
-    /// tolerance.
+    /// Lower bound on the distance that every tip moves while the part turns by a step in a plane; tips may be off their contacts
+    /// by the tolerance.
     pub fn least_way_um(&self, plane: Plane) -> f64 {
         let ready = self.ready(plane);
         let facts = &self.order.facts;
@@ -131,7 +132,7 @@ impl<'a> Sections<'a> {
         (least_um - 2.0 * facts.tolerance_um * step_rad).max(0.0)
     }
 
-    /// The contact opposite to the first one in a plane, from 0.
+    /// The contact opposite the first one in a plane, counted from 0.
     fn opposite(&self, plane: Plane) -> usize {
         self.ready(plane).section.opposite.map_or(0, |contact| contact as usize - 1)
     }
@@ -139,7 +140,7 @@ impl<'a> Sections<'a> {
     /// The legs of a route that begins in an orientation.
     ///
     /// # Errors
-    /// Where a section has too many contacts for its tables.
+    /// If a section has too many contacts for its tables.
     pub fn legs(&mut self, route: &TurnRoute, start: UnitQuaternion<f64>) -> Result<Vec<TurnLeg>, NoTables> {
         let mut legs = Vec::with_capacity(route.len());
         let mut orientation = start;
@@ -164,7 +165,7 @@ impl<'a> Sections<'a> {
         Ok(legs)
     }
 
-    /// The angles that a turn may visit: once round on its own side, as in the paper.
+    /// The angles that a turn may visit: one revolution in its own sense, as in the paper.
     fn angles(&self, turn: FingersTurn) -> [i32; 2] {
         let round = i32::try_from(self.order.facts.steps_per_turn).unwrap_or(i32::MAX);
         if turn.steps < 0 { [turn.steps.min(-round), 0] } else { [0, turn.steps.max(round)] }
@@ -176,11 +177,12 @@ impl<'a> Sections<'a> {
         orientation * UnitQuaternion::from_axis_angle(&axis, f64::from(turn.steps) * self.step_rad(turn.plane))
     }
 
-    /// Looks closer at every step that a way rolls, and takes those out of the tables in which its grasp lapses; whether there were any.
+    /// Checks every rolling step of a path closely, and removes from the tables the steps in which its grasp lapses; returns
+    /// whether there were any.
     ///
-    /// The tables look at a few instants of each step, a closer look at many. A way that passes is cheapest still, since only edges
-    /// that do not exist were taken out. Where a layer lapses again and again, all of it is looked at closely, so that the search is
-    /// not repeated for each of its edges.
+    /// The tables check a few instants of each step, the close check many. A path that passes is still cheapest, since only edges
+    /// that do not exist were removed. Where a layer lapses repeatedly, all of it is checked closely, so that the search is not
+    /// repeated for each of its edges.
     pub fn sift(&mut self, route: &TurnRoute, way: &GraspPath, start: UnitQuaternion<f64>) -> Sifted {
         let mut orientation = start;
         let mut sifted = Sifted::Sound;
@@ -212,10 +214,10 @@ impl<'a> Sections<'a> {
         sifted
     }
 
-    /// An order in which the fingers that hold, counted from 0, can leave until none is left; `None` if there is none, or if the
+    /// An order in which the holding fingers, counted from 0, can leave until none is left; `None` if there is none, or if the
     /// section has too many contacts for its tables.
     ///
-    /// Of three fingers the first one leaves as in a turn; what the part then rests on holds it against the last two.
+    /// Of three fingers the first one leaves as in a turn; against the last two, the support holds the part.
     pub fn leaving(&mut self, holding: Holding, orientation: UnitQuaternion<f64>) -> Option<Vec<usize>> {
         let tables =
             self.lazy(holding.plane, orientation, 0).is_none().then(|| self.tables(holding.plane, orientation, [0, 0]));
@@ -244,7 +246,7 @@ impl<'a> Sections<'a> {
         Some(order)
     }
 
-    /// What there is under the load of a leg, unless it has tables of its own.
+    /// Lazy evaluation under the load of a leg, unless it has tables of its own.
     fn lazy(&mut self, plane: Plane, orientation: UnitQuaternion<f64>, lowest: i32) -> Option<Rc<Lazy>> {
         if self.order.load_un == [0.0; 3] || self.loaded == LoadedSections::Tabulated {
             return None;
@@ -260,7 +262,7 @@ impl<'a> Sections<'a> {
         Some(lazy)
     }
 
-    /// The tables of a plane of which those under any load are a part: nothing acts, and fingers leave wherever they may come.
+    /// Tables of a plane that contain those under any load: no load acts, and fingers leave wherever they may be placed.
     fn loosest(&mut self, plane: Plane) -> Result<Arc<Tables>, NoTables> {
         if let Some(known) = self.known.get(&unloaded(plane)) {
             return Ok(Arc::clone(known));
@@ -303,28 +305,28 @@ impl<'a> Sections<'a> {
 fn ready<'s, 'a>(xy: &'s Ready<'a>, xz: Option<&'s Ready<'a>>, plane: Plane) -> &'s Ready<'a> {
     match plane {
         Plane::Xy => xy,
-        Plane::Xz => xz.expect("the checker lets flat parts turn about z only"),
+        Plane::Xz => xz.expect("the checker allows flat parts to turn about z only"),
     }
 }
 
-/// The contacts that a grasp holds, from 0.
+/// The contacts that a grasp holds, counted from 0.
 fn contacts_of(grasp: Grasp) -> Vec<usize> {
     (0..grasp.0.len()).filter_map(|finger| grasp.contact(finger)).collect()
 }
 
-/// The steps that a leg rolls: the lower angle of each, and the grasp there.
+/// The rolling steps of a leg: the lower angle of each, and its grasp.
 fn rolls(nodes: &[GraspNode]) -> impl Iterator<Item = (i32, Grasp)> {
     let steps = nodes.windows(2).filter(|pair| pair[0].angle != pair[1].angle);
     steps.filter_map(|pair| pair.iter().min_by_key(|node| node.angle)).map(|node| (node.angle, node.grasp))
 }
 
-/// What the answers of a leg under a load are known by.
+/// Cache key of a leg's answers under a load.
 fn lazy_key(plane: Plane, orientation: UnitQuaternion<f64>, lowest: i32) -> TableKey {
     let [x, y, z, w]: [f64; 4] = orientation.coords.into();
     (plane, Some(([x, y, z, w].map(f64::to_bits), lowest)))
 }
 
-/// What the tables of a leg are known by.
+/// Cache key of a leg's tables.
 fn key(plane: Plane, orientation: UnitQuaternion<f64>, lowest: i32, load: &Load) -> TableKey {
     let [x, y, z, w]: [f64; 4] = orientation.coords.into();
     (plane, (!load.is_across()).then_some(([x, y, z, w].map(f64::to_bits), lowest)))

@@ -1,6 +1,6 @@
-//! What the grasp graph of one section is made of: which grasps hold, which fingers may come and go, and which grasps may roll on.
+//! Tables of the grasp graph of one section: which grasps hold, which fingers may be placed or removed, and which grasps may roll.
 //!
-//! Contacts are counted from 0 here, and from 1 in grasps. The graph itself is never built: these bits answer for every edge.
+//! Contacts are counted from 0 here, and from 1 in grasps. The graph itself is never built: these bits decide every edge.
 
 /// A set of small whole numbers, one bit each.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -14,25 +14,25 @@ impl ContactBits {
         ContactBits { words: vec![0; size.div_ceil(64)] }
     }
 
-    /// Whether a number is in it; the number must be below the size.
+    /// Whether it contains a number, which must be below the size.
     #[inline]
     pub fn has(&self, index: usize) -> bool {
         self.words[index / 64] >> (index % 64) & 1 == 1
     }
 
-    /// Puts a number into it; the number must be below the size.
+    /// Inserts a number, which must be below the size.
     #[inline]
     pub fn put(&mut self, index: usize) {
         self.words[index / 64] |= 1 << (index % 64);
     }
 
-    /// Takes a number out of it; the number must be below the size.
+    /// Removes a number, which must be below the size.
     #[inline]
     pub fn take(&mut self, index: usize) {
         self.words[index / 64] &= !(1 << (index % 64));
     }
 
-    /// Puts the numbers of a row into it, counted from `start` on: those of its bits that are set.
+    /// Inserts the numbers of a row, one per set bit, counted from `start`.
     pub fn put_row(&mut self, start: usize, row: &[u64]) {
         let (word, shift) = (start / 64, start % 64);
         for (k, bits) in row.iter().enumerate().filter(|(_, bits)| **bits != 0) {
@@ -56,12 +56,12 @@ impl ContactBits {
         }
     }
 
-    /// Drops the numbers that another set of the same size does not have.
+    /// Intersects with another set of the same size.
     pub fn keep(&mut self, other: &ContactBits) {
         self.words.iter_mut().zip(&other.words).for_each(|(word, other)| *word &= other);
     }
 
-    /// Its words, 64 numbers each, the lowest bit first.
+    /// The words, 64 numbers each, lowest bit first.
     pub fn words(&self) -> &[u64] {
         &self.words
     }
@@ -70,45 +70,45 @@ impl ContactBits {
 /// The grasps of one section.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tables {
-    /// c: contacts are 0 to c - 1, in the order in which positive turns leave them: one step on, contact i becomes i - 1.
+    /// c: contacts are 0 to c - 1, in the order in which positive turns pass them: after one step, contact i becomes i - 1.
     pub contacts: usize,
-    /// One for all angles, or, where a load makes them differ, one for each angle of the leg from its lowest on.
+    /// One layer if all angles are alike, else one per angle of the leg from its lowest on (under a load).
     pub layers: Vec<AngleLayer>,
 }
 
 impl Tables {
-    /// The layer of an angle, counted from the lowest one of a leg.
+    /// The layer of an angle, counted from the lowest of a leg.
     #[inline]
     pub fn layer(&self, angle: usize) -> &AngleLayer {
         if self.layers.len() == 1 { &self.layers[0] } else { &self.layers[angle] }
     }
 
-    /// The bit of two contacts.
+    /// The bit index of two contacts.
     #[inline]
     pub fn two(&self, i: usize, j: usize) -> usize {
         i * self.contacts + j
     }
 
-    /// The bit of three contacts.
+    /// The bit index of three contacts.
     #[inline]
     pub fn three(&self, i: usize, j: usize, k: usize) -> usize {
         (i * self.contacts + j) * self.contacts + k
     }
 }
 
-/// What holds at one angle. Sets of pairs are symmetric, sets of triples too but for the last contact of `place` and `leave`.
+/// Grasps at one angle. Sets of pairs are symmetric; sets of triples too, except in the last contact of `place` and `leave`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AngleLayer {
     /// Two fingers hold.
     pub pair: ContactBits,
     /// Three fingers hold.
     pub triple: ContactBits,
-    /// Two fingers hold on while the object turns by a step, from here to the next angle.
+    /// Two fingers keep holding while the object turns by a step, from here to the next angle.
     pub roll_pair: ContactBits,
-    /// Three fingers do.
+    /// Three fingers do so.
     pub roll_triple: ContactBits,
-    /// While the first two hold, a finger may come to the third contact.
+    /// While the first two hold, a finger may be placed on the third contact.
     pub place: ContactBits,
-    /// While the first two hold, the finger on the third contact may leave.
+    /// While the first two hold, the finger on the third contact may be removed.
     pub leave: ContactBits,
 }

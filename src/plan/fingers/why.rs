@@ -1,7 +1,7 @@
-//! Why a stretch of a task has no plan, in words: which turn, how far it comes, and what would open it.
+//! Explanation of a stretch without a plan: which turn, how far it gets, and what would make it possible.
 
 use super::Stance;
-use super::graph::{FarthestRoute, GraspAnswer};
+use super::graph::{FarthestRoute, GraspAnswer, GraspSearchEnd};
 use super::job::{AskedStretch, FirstCriterion, MOST_LOOKS, carried_out, sound};
 use super::looks::LooksBudget;
 use super::mechanics::{Contacts, GripModel, Load, NoTables};
@@ -22,39 +22,39 @@ use std::ops::Range;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// The greatest friction that a help looks for.
+/// Greatest friction that a help tries.
 const MOST_FRICTION: f64 = 2.0;
 
-/// How finely a help tells a figure that would do.
+/// Resolution of the figures that a help proposes.
 const GRAIN: f64 = 0.01;
 
-/// Looks that the search for what would open a way may take: a fifth of those of the search that found none.
+/// Budget of looks for the search for a remedy: a fifth of that of the search that found no plan.
 const EXPLAINING_LOOKS: u64 = MOST_LOOKS / 5;
 
-/// What a stretch begins with: what the fingers hold, how the part is turned, and its steps.
+/// Start of a stretch: the held grasp, the part's orientation, and its steps.
 pub type Begins = (Option<Holding>, UnitQuaternion<f64>, Range<usize>);
 
-/// The words for the messages about one step.
+/// Text of the messages about one step.
 pub struct HandReasons<'a> {
     pub order: &'a FingersOrder,
     pub job: &'a Job,
-    /// Where everything is when the task begins; `None` before the device's first one.
+    /// The stance at the start of the task; `None` before the device's first one.
     pub stance: Option<&'a Stance>,
-    /// Index of the order's steps.
+    /// Index into the order's steps.
     pub at: usize,
 }
 
-/// What is known of a plan with other figures.
+/// What is known of a plan with changed figures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Known {
     There,
-    /// Proven for the stretch that has none as it is.
+    /// Proven, for the stretch that has no plan without the change.
     None,
     /// The looks are spent.
     Nothing,
 }
 
-/// Trials of other figures, which share their looks.
+/// Trials of changed figures, which share their looks.
 struct Trials<'a> {
     why: &'a HandReasons<'a>,
     begins: &'a Begins,
@@ -66,22 +66,22 @@ impl HandReasons<'_> {
         self.order.steps.get(self.at).map_or_else(Default::default, |step| step.span)
     }
 
-    /// What is said of a stretch for which the search found no way.
+    /// Report of a stretch for which the search found no path.
     pub fn stuck(&self, answer: &GraspAnswer, planned: &Routes, begins: Begins) -> Diagnostic {
         match answer {
             GraspAnswer::Impossible(blocked) => self.impossible(blocked, planned, begins),
-            GraspAnswer::GaveUp(gave_up) => self.gave_up(gave_up),
-            GraspAnswer::LooksSpent { bound } => self.looks_spent(*bound),
-            GraspAnswer::TooLarge { nodes } => {
+            GraspAnswer::GaveUp(GraspSearchEnd::Expansions(gave_up)) => self.gave_up(gave_up),
+            GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound }) => self.looks_spent(*bound),
+            GraspAnswer::GaveUp(GraspSearchEnd::TooLarge { nodes }) => {
                 Diagnostic::new(Code::E0602, format!("{} has {nodes} grasps, more than can be searched", self.what()))
                     .label(self.span(), "this turn")
                     .help("take a larger `step`, fewer `fingers`, or several tasks")
             }
-            GraspAnswer::Found(_) => unreachable!("a way that was found is no reason"),
+            GraspAnswer::Found(_) => unreachable!("a found path is not explained"),
         }
     }
 
-    /// The expansions that the task allows are spent.
+    /// Report: the expansions of the task are spent.
     fn gave_up(&self, gave_up: &GaveUp) -> Diagnostic {
         let (most, budget) = (u64::from(MAX_EXPANSIONS), gave_up.budget.steps);
         let bound = digits(gave_up.bound as f64 / f64::from(self.order.facts.steps_per_turn));
@@ -99,7 +99,7 @@ impl HandReasons<'_> {
             .help(help)
     }
 
-    /// The looks that a task may take are spent.
+    /// Report: the looks of the task are spent.
     fn looks_spent(&self, bound: u64) -> Diagnostic {
         let bound = digits(bound as f64 / f64::from(self.order.facts.steps_per_turn));
         let title = format!("{}: the search gave up after {MOST_LOOKS} looks at grasps", self.what());
@@ -108,7 +108,7 @@ impl HandReasons<'_> {
             .help("make the grasps fewer: by a larger `step`, larger tips or shorter tasks")
     }
 
-    /// What a step does, as the subject of a sentence.
+    /// Description of a step, as the subject of a sentence.
     fn what(&self) -> String {
         match self.order.steps.get(self.at).map(|step| &step.action) {
             Some(FingersAction::Rotate { angle_rad, plane, .. }) => {
@@ -157,7 +157,7 @@ impl HandReasons<'_> {
             .help_if(self.openings(&trials))
     }
 
-    /// The greedy planner ends where it has no way, which says nothing of other ways.
+    /// The greedy planner got stuck, which proves nothing about other paths.
     fn greedy(&self, trials: &Trials) -> Diagnostic {
         let stuck = Diagnostic::new(Code::E0602, format!("the greedy planner is stuck at {}", self.what()));
         match trials.try_with(&changed(self.order, &|_| ())) {
@@ -166,14 +166,14 @@ impl HandReasons<'_> {
                 .help("leave `using` out: Tweeze's own planner finds a plan"),
             Known::None => stuck
                 .label(self.span(), "Tweeze's own planner proves that there is no plan")
-                .help("leave `using` out: what would open a way is then looked for"),
+                .help("leave out `using` to search for a change that makes it possible"),
             Known::Nothing => {
                 stuck.label(self.span(), "neither planned nor disproved: the turns before it end where it has no way")
             }
         }
     }
 
-    /// The torque of the load about the line through the two contacts that a stretch must begin with, where tips do not bear it.
+    /// Torque of the load about the line through the two contacts with which a stretch must begin, where tips cannot bear it.
     fn torque_left(&self, planned: &Routes, (_, orientation, _): &Begins) -> Option<String> {
         let (order, grasp) = (self.order, planned.start?);
         let plane = planned.routes.first()?.first()?.turn.plane;
@@ -187,13 +187,13 @@ impl HandReasons<'_> {
         let grip = GripModel::of(&order.facts, contacts.reach_um());
         let [asked, borne] = grip.torque_left_un_um([&a, &b], &load)?.map(|torque| digits(rounded(torque)));
         Some(format!(
-            "about the line through contacts {} and {} the load has a torque of {asked} uN um, of which tips bear {borne} uN um at most",
+            "the load exerts {asked} uN um about the line through contacts {} and {}; the tips bear at most {borne} uN um",
             i + 1,
             j + 1
         ))
     }
 
-    /// What the proof rests on besides the figures of the device: the reserve, where it counts.
+    /// Assumption of the proof besides the figures of the device: the reserve, where it matters.
     fn kept_back(&self) -> String {
         match kept_back(self.order) {
             Some(share) => format!("; {share} % of friction and forces are kept back while it rolls"),
@@ -201,7 +201,7 @@ impl HandReasons<'_> {
         }
     }
 
-    /// How far the fingers come.
+    /// How far the fingers get.
     fn told(&self, blocked: &FarthestRoute, leg: RouteTurn, next: Option<&RouteTurn>) -> String {
         let step_deg = 360.0 / f64::from(self.order.facts.steps_per_turn);
         let degrees = |steps: i32| digits((f64::from(steps) * step_deg * 1e6).round() / 1e6);
@@ -213,7 +213,7 @@ impl HandReasons<'_> {
             )
         });
         if blocked.farthest.is_none() {
-            return "what it must begin with lets go, or lets no finger come near enough".to_owned();
+            return "its first grasp lets go, or keeps every other finger away".to_owned();
         }
         if blocked.ends == 0 {
             let what = junction.unwrap_or_else(|| "at its end no grasp holds".to_owned());
@@ -231,7 +231,7 @@ impl HandReasons<'_> {
         junction.map_or(reached.clone(), |junction| format!("{reached}; {junction}"))
     }
 
-    /// What would open the way: of each figure the value nearest to the device's. Each of them is tried with the whole task.
+    /// Changes that would make it possible: for each figure the value nearest to the device's. Each is tried with the whole task.
     fn openings(&self, trials: &Trials) -> Option<String> {
         let order = self.order;
         let with = |change: &dyn Fn(&mut FingersFacts)| changed(order, change);
@@ -257,7 +257,7 @@ impl HandReasons<'_> {
         {
             said.extend(is_there(&halved).then(|| format!("`step: {step} deg`")));
         }
-        let ended = "the search for what else would open it was ended";
+        let ended = "the search for other changes reached its limit";
         match (said.as_slice(), trials.looks.are_spent()) {
             ([], true) => Some(format!("{ended} without a result")),
             ([], false) => Some(format!(
@@ -269,7 +269,7 @@ impl HandReasons<'_> {
         }
     }
 
-    /// What is said of sections without tables.
+    /// Report of sections without tables.
     pub fn no_tables(&self, none: &NoTables) -> Diagnostic {
         let NoTables::TooManyGrasps { contacts, layers } = *none else { return self.looks_spent(0) };
         let title = format!("{contacts} contacts at {layers} angles make more than {MAX_GRASPS} grasps of three");
@@ -278,20 +278,20 @@ impl HandReasons<'_> {
             .help("take a larger `step` or larger tips, or leave the load and the `material` out")
     }
 
-    /// What is said of a grasp that no finger may leave.
+    /// Report of a grasp that no finger may leave.
     pub fn stuck_fingers(&self) -> Diagnostic {
         Diagnostic::new(Code::E0602, "no finger can leave the grasp that was found first")
             .label(self.span(), "of the fingers that hold here; other grasps were not tried")
             .help("end with two fingers: put `grasp … at (…)` before it")
     }
 
-    /// What is said of an outline that cannot be followed.
+    /// Report of an outline that cannot be followed.
     pub fn not_followed(&self, error: &OutlineError) -> Diagnostic {
         let title = format!("the outline of `{}` cannot be followed: {error:?}", self.order.part.name);
         Diagnostic::new(Code::E0602, title).label(self.order.part.span, "this part")
     }
 
-    /// What is said of fingers that cannot go where a plan wants them.
+    /// Report of fingers that cannot reach the positions of a plan.
     pub fn no_way(&self, error: &WayError) -> Diagnostic {
         let at = |step: usize| HandReasons { at: step, ..*self }.span();
         match *error {
@@ -320,7 +320,7 @@ impl HandReasons<'_> {
                     digits((off_um * 1e4).round() / 1e4),
                     digits(allowed_um)
                 );
-                Diagnostic::new(Code::E0602, title).label(at(step), "as it goes on in another plane").help(
+                Diagnostic::new(Code::E0602, title).label(at(step), "the next turn is in another plane").help(
                     "the outlines in both planes do not quite meet on the x axis, and each change of plane adds to it: `release` the \
                      part before this step, or give the device a larger `tolerance`",
                 )
@@ -335,15 +335,14 @@ impl HandReasons<'_> {
     }
 }
 
-/// The share that is kept back while tips roll, in percent; `None` where it is nothing, or makes no difference: where tips stick
-/// and nothing acts, every grasp holds.
+/// Reserve while tips roll, in percent; `None` if it is zero or has no effect: with adhesion and without a load, every grasp holds.
 pub fn kept_back(order: &FingersOrder) -> Option<String> {
     let facts = &order.facts;
     let counts = facts.rolling_reserve > 0.0 && (facts.sticking_un() == 0.0 || order.load_un != [0.0; 3]);
     counts.then(|| digits(facts.rolling_reserve * 100.0))
 }
 
-/// Three digits.
+/// Rounded to three significant digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }
@@ -356,7 +355,8 @@ fn axis(plane: Plane) -> &'static str {
 }
 
 impl Trials<'_> {
-    /// Whether an order with other figures has a plan: the stretch that has none now, and then the whole task within its limits.
+    /// Whether an order with changed figures has a plan: first the stretch that has none now, then the whole task within its
+    /// limits.
     fn try_with(&self, order: &FingersOrder) -> Known {
         let (held, orientation, steps) = self.begins;
         let Ok(mut sections) = Sections::of(order, Rc::clone(&self.looks)) else { return Known::Nothing };
@@ -378,12 +378,12 @@ impl Trials<'_> {
 fn changed(order: &FingersOrder, change: &dyn Fn(&mut FingersFacts)) -> FingersOrder {
     let mut facts = FingersFacts::clone(&order.facts);
     change(&mut facts);
-    // Whether there is a plan at all is what the default planner tells fastest.
+    // The default planner is the fastest to tell whether there is a plan at all.
     FingersOrder { facts: Arc::new(facts), planner: FingersPlanner::JointAstar, ..order.clone() }
 }
 
-/// The figure nearest to the first one, in whole grains, that opens the way, if the last one does; a figure between them that opens
-/// it does so with all that are farther.
+/// The figure nearest to the first one, in whole grains, that makes the step possible, if the last one does. Bisection is valid: if
+/// a figure does, so do all that are farther.
 fn nearest([from, to]: [f64; 2], opens: &dyn Fn(f64) -> bool) -> Option<f64> {
     let grains = ((to - from).abs() / GRAIN).floor() as i64;
     let value = |grain: i64| ((from + (to - from).signum() * grain as f64 * GRAIN) / GRAIN).round() * GRAIN;
@@ -398,8 +398,8 @@ fn nearest([from, to]: [f64; 2], opens: &dyn Fn(f64) -> bool) -> Option<f64> {
     Some(value(open))
 }
 
-/// The order with half its step, and that step: twice the contacts, each turn of twice the steps. `None` where a grasp is named by its
-/// contacts, where an orientation would have other ways, and where half the step has other contacts.
+/// The order with half its step, and that step: twice the contacts, each turn of twice the steps. `None` where a grasp is given by
+/// its contacts, where an orientation would have other alternatives, or where half the step samples other contacts.
 fn halved(order: &FingersOrder) -> Option<(FingersOrder, String)> {
     let mut halved = changed(order, &|facts| facts.steps_per_turn *= 2);
     let step = digits(360.0 / f64::from(halved.facts.steps_per_turn));
@@ -426,7 +426,7 @@ fn halved(order: &FingersOrder) -> Option<(FingersOrder, String)> {
     Some((halved, step))
 }
 
-/// A section with twice the contacts, if the device samples it so.
+/// A section with twice the contacts, if the device samples it that way.
 fn finer(section: &Section, facts: &FingersFacts) -> Option<Section> {
     let finer = Section {
         contacts: section.contacts * 2,

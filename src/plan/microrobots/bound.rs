@@ -1,46 +1,48 @@
-//! A time that no plan of a job is below, whatever control states it drives in and wherever within the precision it stops.
+//! Lower bound on the duration of any plan of a job, for all control states it may use and all stopping places within the
+//! precision.
 //!
-//! The problem: every robot moves with every stroke, so that where a robot stands when its turn comes depends on the plan; and a plan that
-//! stops short within the precision spares a part of its way, and of the next one. Method: what all plans of a job have in common is
-//! where the robots are at its beginning and after states that are applied before anything is driven, and where a robot is at its stops and
-//! docks, up to the precision. Between two such poses of one robot there are at least as many strokes as its shortest way has, in the steps between
-//! them together. So the instants of the job follow one another by least differences, and the bound is the longest path through them.
+//! The problem: every robot moves with every stroke, so the pose of a robot when its turn comes depends on the plan; and a plan
+//! that stops short within the precision saves a part of its path, and of the next one. Method: all plans of a job agree on the
+//! poses of the robots at its start and after states that are applied before anything is driven, and, up to the precision, on the
+//! poses of a robot at its stops and docks. Between two such poses of one robot there are at least as many strokes as its shortest
+//! path has, summed over the steps between them. So the instants of the job are related by least differences, and the bound is the
+//! longest path through them.
 //!
-//! Promise: no schedule that keeps the claims is faster. Not promised: that one is as fast; obstacles, other robots and the
-//! rounding to whole strokes are left out. Cost: for each stop and dock `MAX_EARLIER` shortest ways.
+//! Promise: no schedule that keeps the claims is faster. Not promised: that the bound is attained; obstacles, other robots and
+//! rounding to whole strokes are ignored. Cost: `MAX_EARLIER` shortest paths for each stop and dock.
 
 use super::free;
 use super::{Crew, Leg, leg_ns};
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop, Precision};
 use crate::geometry::Pose;
 
-/// To so many earlier poses of its robot a stop is related: the latest ones.
+/// Number of earlier poses of its robot to which a stop is related: the latest ones.
 const MAX_EARLIER: usize = 8;
 
-/// What a number of strokes gives away to roundings.
+/// Rounding allowance of a number of strokes.
 const ROUNDING_STROKES: f64 = 1e-3;
 
-/// What a way gives away to roundings: this, and this share of the turning radius.
+/// Rounding allowances of a path: absolute, and as a share of the turning radius.
 const ROUNDING_UM: f64 = 1e-6;
 const ROUNDING_SHARE: f64 = 1e-8;
 
 const EXACT: Precision = Precision { place_um: 0.0, heading_rad: 0.0 };
 
-/// A time that no plan of these steps is below, from where the robots are.
+/// Lower bound on the duration of any plan of these steps, from the current state of the robots.
 pub fn least_ns(order: &MicrorobotsOrder, start: &Crew) -> u64 {
     let mut course = JobPrefix::new(order, start);
     order.steps.iter().for_each(|step| course.follow(&step.action));
     course.at_ns[course.latest()]
 }
 
-/// Strokes that every way of a robot has at least from somewhere near a pose to somewhere near another.
+/// Least number of strokes of any path of a robot from near one pose to near another.
 pub fn least_strokes(order: &MicrorobotsOrder, robot: usize, from: (Pose, Precision), to: (Pose, Precision)) -> u64 {
     let facts = order.robot(robot);
     let least_um = free::least_um(facts, from, to) - ROUNDING_UM - ROUNDING_SHARE * facts.turning_radius_um;
     (least_um / facts.step_um - ROUNDING_STROKES).ceil().max(0.0) as u64
 }
 
-/// Where a robot is at an instant in every plan.
+/// Pose of a robot at an instant that every plan shares.
 #[derive(Debug, Clone, Copy)]
 struct KnownPlace {
     instant: usize,
@@ -51,14 +53,14 @@ struct KnownPlace {
 /// A job up to one of its steps.
 struct JobPrefix<'a> {
     order: &'a MicrorobotsOrder,
-    /// When each instant is at the earliest.
+    /// Earliest time of each instant.
     at_ns: Vec<u64>,
-    /// How much of the time up to each instant has no strokes in every plan: waits and control cycles.
+    /// Time without strokes up to each instant in every plan: waits and control cycles.
     still_ns: Vec<u64>,
     /// For each robot of the order, in order of time.
     known: Vec<Vec<KnownPlace>>,
     docked: Vec<bool>,
-    /// Where all robots are, as long as that does not depend on the plan.
+    /// Poses of all robots, as long as they do not depend on the plan.
     poses: Option<Vec<Pose>>,
 }
 
@@ -100,7 +102,7 @@ impl<'a> JobPrefix<'a> {
         }
     }
 
-    /// A known time goes by, of which so much has no strokes.
+    /// Adds an instant after a known time, of which `still_ns` has no strokes.
     fn goes_by(&mut self, time_ns: u64, still_ns: u64) {
         let latest = self.latest();
         self.at_ns.push(self.at_ns[latest].saturating_add(time_ns));
@@ -119,7 +121,7 @@ impl<'a> JobPrefix<'a> {
         self.know();
     }
 
-    /// Where all robots are does not depend on the plan: what was known before is of no more use.
+    /// Records that the current poses do not depend on the plan; earlier records become useless.
     fn know(&mut self) {
         let instant = self.latest();
         for (known, pose) in self.known.iter_mut().zip(self.poses.iter().flatten()) {
@@ -127,7 +129,7 @@ impl<'a> JobPrefix<'a> {
         }
     }
 
-    /// Robots come to stops of theirs at the same time.
+    /// Robots reach stops at the same time.
     fn arrive(&mut self, stops: &[(usize, &MicrorobotsStop)]) {
         let cycles_ns = stops.iter().map(|(robot, stop)| self.cycles_ns(*robot, stop)).max().unwrap_or(0);
         self.goes_by(cycles_ns, cycles_ns);
@@ -144,7 +146,7 @@ impl<'a> JobPrefix<'a> {
         }
     }
 
-    /// The control cycles that a robot needs from the instant before, if it is known where it is then.
+    /// Control cycles that a robot needs since the previous instant, if its pose then is known.
     fn cycles_ns(&self, robot: usize, stop: &MicrorobotsStop) -> u64 {
         let (order, goal, slack) = (self.order, stop.pose, self.order.precision);
         let Some(known) = self.known[robot].last().filter(|known| known.instant == self.latest()) else { return 0 };

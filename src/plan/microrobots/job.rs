@@ -1,7 +1,7 @@
-//! One job of microrobots: its steps planned one after the other, from where the robots stand.
+//! One job of microrobots: its steps planned one after the other, from the current poses.
 //!
-//! After each step every robot stands where the strokes have carried it, so a step that has no plan leaves those after it
-//! without a beginning: the job ends there.
+//! After each step every robot is where the strokes have carried it, so a step without a plan leaves the later ones without a
+//! start: the job ends there.
 
 use super::assembly::{self, Assembled};
 use super::bound;
@@ -23,16 +23,16 @@ use crate::plan::search::SearchBudget;
 use crate::plan::{Motion, Optimality, Plan};
 use std::collections::BTreeMap;
 
-/// Where the robots of a bed are, one entry for each robot of its orders.
+/// Poses of the robots of a bed, one entry per robot of its orders.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Crew {
     pub poses: Vec<Pose>,
-    /// Whether it sticks in a structure, and moves no more.
+    /// Whether it is docked, and so no longer moves.
     pub docked: Vec<bool>,
 }
 
 impl Crew {
-    /// Carries all robots through the leg of a step at an index of its legs; some may dock at its end.
+    /// Moves all robots through a leg, given with its index within the step; some may dock at its end.
     pub fn follow(&mut self, order: &MicrorobotsOrder, (index, leg): (usize, &Leg), docks: &[RobotDocking]) {
         for robot in (0..self.poses.len()).filter(|robot| !self.docked[*robot]) {
             self.poses[robot] = leg.carried(order, robot, self.poses[robot]);
@@ -41,15 +41,15 @@ impl Crew {
     }
 }
 
-/// What the plans of a schedule leave behind for those that follow.
+/// State that the plans of a schedule hand on to later jobs.
 #[derive(Default)]
 pub struct BedStandings {
-    /// By device; `None` where a plan is missing, so that nobody knows where its robots stand.
+    /// By device; `None` after a missing plan, since the poses of its robots are then unknown.
     crews: BTreeMap<String, Option<Crew>>,
 }
 
 impl BedStandings {
-    /// Where the robots of an order stand before its job, if that is known.
+    /// State of the robots of an order before its job, if known.
     fn of(&self, job: &Job, order: &MicrorobotsOrder) -> Option<Crew> {
         let scene = || Crew {
             poses: order.robots.iter().map(|robot| robot.pose).collect(),
@@ -59,7 +59,7 @@ impl BedStandings {
     }
 }
 
-/// A plan for a job; without one an error was pushed, for this job or for one of the same bed before it.
+/// A plan for a job; without one an error was pushed, for this job or an earlier one of the same bed.
 pub fn plan(job: &Job, order: &MicrorobotsOrder, standing: &mut BedStandings, sink: &mut Sink) -> Option<Plan> {
     let is_first = !standing.crews.contains_key(&job.device);
     let planned = standing.of(job, order).and_then(|crew| planned(job, order, (crew, is_first), sink));
@@ -68,7 +68,7 @@ pub fn plan(job: &Job, order: &MicrorobotsOrder, standing: &mut BedStandings, si
     plan
 }
 
-/// A plan, and where the robots stand after it. They start where the scene has them if it is the device's first job.
+/// A plan, and the state of the robots after it. They start in the scene's poses if it is the device's first job.
 fn planned(
     job: &Job,
     order: &MicrorobotsOrder,
@@ -98,10 +98,10 @@ fn planned(
     Some(((kept == Kept::Yes && are_guaranteed).then_some(plan), crew))
 }
 
-/// Says of each stage of an assembly whether it is guaranteed; false where the task demands what is not.
+/// Remarks for each stage of an assembly whether it is guaranteed; `false` if the task demands a guarantee that does not exist.
 ///
-/// Without errors the plan is carried out as it is written, and the verifier has looked where that leads. With errors nothing is
-/// guaranteed: what the estimates object to is named first.
+/// Without errors the plan is executed as written, and the verifier has checked the result. With errors nothing is guaranteed; the
+/// first containment that the estimates reject is named.
 fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Vec<Remark>, sink: &mut Sink) -> bool {
     let is_exact = order.facts.errors.is_some_and(|errors| errors.are_zero());
     let estimates = if is_exact { Vec::new() } else { guarantees(order, motion).unwrap_or_default() };
@@ -138,13 +138,13 @@ struct PlannedStep {
     remarks: Vec<Remark>,
 }
 
-/// Plans one step, from where the bed is.
+/// Planner of one step, from the current state of the bed.
 struct BedStepPlanner<'a> {
     order: &'a MicrorobotsOrder,
     world: &'a World,
     bed: &'a BedPoses,
     step: &'a MicrorobotsStep,
-    /// Whether the bed is now as in every plan: nothing that leaves a choice was driven before.
+    /// Whether every plan leads to this state of the bed: nothing driven so far left a choice.
     is_given: bool,
 }
 
@@ -203,7 +203,7 @@ impl<'a> BedStepPlanner<'a> {
             }
         };
         let Assembled { legs, docks, stages, .. } = assembled;
-        // The assembly was planned from rest; a robot may have been turning since the step before.
+        // The assembly was planned from rest, but a robot may have been turning since the previous step.
         if let Some(hit) = self.bed.first_hit(self.world, &legs, &docks) {
             sink.push(self.why().still_turning(&hit));
             return None;
@@ -216,17 +216,17 @@ fn plain(legs: Vec<Leg>) -> MicrorobotsStepMotion {
     MicrorobotsStepMotion::Legs { legs, docks: Vec::new(), stages: Vec::<AssemblyStage>::new() }
 }
 
-/// How long a leg takes: its control cycle, then its strokes.
+/// Duration of a leg: its control cycle, then its strokes.
 pub fn leg_ns(order: &MicrorobotsOrder, leg: Leg) -> u64 {
     let cycle_ns = order.states[leg.state].levels_v.len() as u64 * order.facts.dwell_ns;
     cycle_ns.saturating_add(leg.strokes.saturating_mul(order.facts.period_ns))
 }
 
-/// What the steps of a job take together.
+/// Sums over the steps of a job.
 #[derive(Default)]
 struct BedTally {
     time_ns: u64,
-    /// No plan of the job takes less.
+    /// Lower bound on the duration of the job.
     bound_ns: u64,
     switches: u64,
     strokes: u64,

@@ -1,5 +1,5 @@
-//! The planner of STRING microrobots: one voltage drives all robots, so that a plan is one sequence of control states, each
-//! with a train of strokes, and every robot moves with every stroke.
+//! Planner of STRING microrobots: one voltage drives all robots, so a plan is one sequence of control states, each with a train of
+//! strokes, and every robot moves with every stroke.
 
 pub mod assembly;
 pub mod bound;
@@ -19,16 +19,16 @@ pub use job::{BedStandings, Crew, leg_ns, plan};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
 
-/// What the bed does.
+/// Motion of the bed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MicrorobotsMotion {
-    /// Where the robots are at first.
+    /// Initial state of the robots.
     pub start: Crew,
     /// One for each step of the order.
     pub steps: Vec<MicrorobotsStepMotion>,
 }
 
-/// What the bed does in one step of the task.
+/// Motion of the bed in one step of the task.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MicrorobotsStepMotion {
     Legs {
@@ -36,24 +36,24 @@ pub enum MicrorobotsStepMotion {
         legs: Vec<Leg>,
         /// The robots that dock in this step, in order of time.
         docks: Vec<RobotDocking>,
-        /// How robots were brought together, for `simulate`: in order of time; empty but for `assemble`.
+        /// The stages that brought robots together, for `simulate`: in order of time; empty except for `assemble`.
         stages: Vec<AssemblyStage>,
     },
-    /// In nanoseconds.
+    /// Duration in nanoseconds.
     Wait(u64),
 }
 
-/// A control state and the strokes that are driven in it.
+/// A control state and the strokes driven in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Leg {
-    /// Index of the order's states.
+    /// Index into the order's states.
     pub state: usize,
     /// At least 1.
     pub strokes: u64,
 }
 
 impl Leg {
-    /// Where it carries a robot of the order that has not docked.
+    /// Pose to which it carries an undocked robot of the order.
     pub fn carried(self, order: &MicrorobotsOrder, robot: usize, pose: Pose) -> Pose {
         let facts = order.robot(robot);
         let arm = order.states[self.state].arms[order.robots[robot].row];
@@ -61,47 +61,47 @@ impl Leg {
     }
 }
 
-/// A robot that comes to its goal and stays there.
+/// A robot that reaches its goal and stays there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RobotDocking {
-    /// Index of the order's robots.
+    /// Index into the order's robots.
     pub robot: usize,
-    /// It moves no more after this leg of the step.
+    /// Leg of the step after which it no longer moves.
     pub leg: usize,
 }
 
 /// A stage of an assembly.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AssemblyStage {
-    /// Before a [`AssemblyStage::Pair`], of its second robot: it is driven to where it orbits while the first one is driven, and `beside`,
-    /// the first one, runs straight meanwhile (it may turn while `robot` does).
+    /// Precedes an [`AssemblyStage::Pair`] and concerns its second robot, `robot`: it is driven to the place where it orbits while
+    /// the first one is driven; the first one, `beside`, meanwhile runs straight (it may turn while `robot` does).
     Escort {
         robot: usize,
         beside: usize,
-        /// As those of the pair: both turn, only `robot` turns, none of the two turns.
+        /// As those of the pair: both turn, only `robot` turns, neither turns.
         states: [usize; 3],
-        /// Where `robot` begins to orbit.
+        /// Pose at which `robot` begins to orbit.
         to: Pose,
     },
-    /// The first two robots, of the paper's two stages: `first` is driven while `second` orbits; then `second` is driven while
-    /// `first` runs straight; then both come to their goals in a fine motion of three primitives.
+    /// The first two robots, in the paper's two stages: `first` is driven while `second` orbits; then `second` is driven while
+    /// `first` runs straight; then both reach their goals in a fine motion of three primitives.
     Pair {
         first: usize,
         second: usize,
-        /// Indices of the control states in which both turn, only `second` turns, and none of the two turns.
+        /// Indices of the control states in which both turn, only `second` turns, and neither turns.
         states: [usize; 3],
-        /// Where `first` is when its own driving ends.
+        /// Pose of `first` at the end of its own drive.
         intermediate: Pose,
-        /// Where both are when the fine motion begins, `first` before `second`.
+        /// Poses at the start of the fine motion, `first` before `second`.
         approach: [Pose; 2],
         goals: [Pose; 2],
     },
-    /// One robot to the structure, while those that are not docked orbit.
+    /// One robot docks with the structure, while those that are not docked orbit.
     Single {
         robot: usize,
         /// Indices of the control states in which it turns and runs straight.
         states: [usize; 2],
-        /// Where it is when the fine motion begins.
+        /// Pose at the start of the fine motion.
         approach: Pose,
         goal: Pose,
     },

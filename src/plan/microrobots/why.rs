@@ -1,4 +1,4 @@
-//! Why a step of microrobots has no plan, in words: which robot, which orbit, which obstacle.
+//! Explanation of a step of microrobots without a plan: which robot, which orbit, which obstacle.
 
 use super::assembly::{RobotBlocker, StuckAssembly};
 use super::drive::{self, StuckReason, Thing};
@@ -9,18 +9,18 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::source::Span;
 
-/// The words of one step, for the messages about it.
+/// Text of the messages about one step.
 pub struct BedReasons<'a> {
     pub order: &'a MicrorobotsOrder,
     pub step: &'a MicrorobotsStep,
     /// Which robots of the order have docked before the step.
     pub docked: &'a [bool],
-    /// Whether all robots stand before the step where every plan has them.
+    /// Whether every plan leads to the robots' poses before the step.
     pub is_given: bool,
 }
 
 impl BedReasons<'_> {
-    /// What is said of a raw state whose strokes carry robots into something.
+    /// Report of a raw state whose strokes cause a collision.
     pub fn applied_into(&self, hit: &FirstMeeting) -> Diagnostic {
         let after = Quantity::new(hit.strokes * self.order.facts.period_ns as f64 / 1e9, Dimension::TIME);
         let title = format!("{} after {}", self.meeting(hit.meeting), rounded(after));
@@ -29,29 +29,29 @@ impl BedReasons<'_> {
         self.labelled(diagnostic, hit.meeting).help("apply it for a shorter time, or another state")
     }
 
-    /// What is said of a raw state that lowers the arm of a docked robot.
+    /// Report of a raw state that lowers the arm of a docked robot.
     pub fn lowers_docked(&self, state: usize, robot: usize) -> Diagnostic {
         let name = self.name(robot);
-        Diagnostic::new(Code::E0606, format!("control state {state} lowers the arm of {name}, which has docked"))
+        Diagnostic::new(Code::E0606, format!("control state {state} lowers the arm of {name}, but {name} has docked"))
             .label(self.step.span, "an arm that is down would turn the structure")
             .help("apply a state in which the arms of all docked robots are up; `tweeze devices FILE` shows the control states")
     }
 
-    /// What is said of an assembly after a step in which robots turned, so that they are on their orbits from its beginning.
+    /// Report of an assembly after a step in which robots turned, so that they are on their orbits from its beginning.
     pub fn still_turning(&self, hit: &FirstMeeting) -> Diagnostic {
         let diagnostic = Diagnostic::new(Code::E0602, format!("no way was found: {}", self.meeting(hit.meeting)))
             .label(self.step.span, "it has been turning since the step before");
         self.labelled(diagnostic, hit.meeting).help("put `wait 1 ms` before this step: at 0 V all arms go up")
     }
 
-    /// What is said of a stage whose success is not certain, though the task asks for that.
+    /// Report of a stage whose success is not certain, though the task demands that.
     pub fn not_guaranteed(&self, names: &str, why: &str) -> Diagnostic {
         Diagnostic::new(Code::E0605, format!("the docking of {names} is not guaranteed: {why}"))
             .label(self.step.span, "with the errors of the device")
             .help("leave `guaranteed` out and count with `tweeze simulate`; only without errors, all of them 0, is an assembly guaranteed")
     }
 
-    /// What is said of a robot that does not come to one of its stops.
+    /// Report of a robot that does not reach one of its stops.
     pub fn not_driven(&self, robot: usize, stuck: &drive::StuckDrive, stops: &[MicrorobotsStop]) -> Diagnostic {
         let is_proof =
             stuck.reason.is_proof() && (self.is_given && stuck.stop == 0 || stuck.reason == StuckReason::Docked);
@@ -68,13 +68,13 @@ impl BedReasons<'_> {
                 code,
                 format!("no control state lowers the arm of {name}{}, so it only runs straight", self.beside_docked()),
             )
-            .label(goal, "it would have to turn")
+            .label(goal, "must turn to get here")
             .help("`tweeze devices FILE` shows the control states"),
             StuckReason::NeverRuns => Diagnostic::new(
                 code,
                 format!("no control state raises the arm of {name}{}, so it only turns", self.beside_docked()),
             )
-            .label(goal, "it would have to run straight")
+            .label(goal, "must run straight to get here")
             .help("`tweeze devices FILE` shows the control states"),
             StuckReason::Start(thing) => {
                 let title = format!("{name} stands too near to {} to move: {clearance} are kept", self.thing(thing));
@@ -102,7 +102,7 @@ impl BedReasons<'_> {
                     .help("ask for less `precision`, or give the bed a smaller `step_size`")
             }
             StuckReason::Meets(hit) => {
-                let title = format!("{name} has a way, but all robots move with it: {}", self.meeting(hit.meeting));
+                let title = format!("{name} has a path, but all robots move with it: {}", self.meeting(hit.meeting));
                 let diagnostic = Diagnostic::new(code, title)
                     .label(goal, "so it ends with the last of the control states that were tried");
                 self.labelled(diagnostic, hit.meeting)
@@ -111,7 +111,7 @@ impl BedReasons<'_> {
         }
     }
 
-    /// What else is asked of a control state, if anything has docked.
+    /// Further condition on a control state, if anything has docked.
     fn beside_docked(&self) -> &'static str {
         if self.docked.contains(&true) { " with the arms of docked robots up" } else { "" }
     }
@@ -132,7 +132,7 @@ impl BedReasons<'_> {
         diagnostic.label_elsewhere(span, said, "in the way")
     }
 
-    /// What is said of an assembly that has no plan.
+    /// Report of an assembly without a plan.
     pub fn not_assembled(&self, stuck: &StuckAssembly, span: &dyn Fn(usize) -> Span) -> Diagnostic {
         let code = Code::E0602;
         match stuck {
@@ -190,7 +190,7 @@ impl BedReasons<'_> {
         let um = |um: f64| Quantity::new(um / 1e6, Dimension::LENGTH).to_string();
         let tolerance = um(self.order.facts.docking.tolerance_um);
         let title = format!(
-            "{} ends {} from what it docks with, the docking tolerance is {tolerance}",
+            "{} ends {} from its docking partner; the docking tolerance is {tolerance}",
             self.name(robot),
             um((gap_um * 1e5).round() / 1e5)
         );
@@ -220,7 +220,7 @@ impl BedReasons<'_> {
         let title = format!("no control states steer {names} while {orbits} {verb} round{}", self.beside_docked());
         let first = robots.first().copied().unwrap_or(0);
         Diagnostic::new(code, title)
-            .label(span(first), "it cannot be steered by itself")
+            .label(span(first), "cannot be steered alone")
             .help("robots that snap down first dock last: an assembly begins with the two that snap last; no other plans are looked for; `tweeze devices FILE` shows the control states")
     }
 
@@ -261,7 +261,7 @@ impl BedReasons<'_> {
             .help("give the robots more room: other starts, other headings of the goals, or fewer obstacles")
     }
 
-    /// A forbidden meeting in words.
+    /// A forbidden meeting as text.
     pub fn meeting(&self, meeting: ForbiddenMeeting) -> String {
         let facts = &self.order.facts;
         let (clearance, orbit) = (length(facts.clearance_um), length(facts.orbit_clearance_um));
@@ -289,7 +289,7 @@ impl BedReasons<'_> {
         }
     }
 
-    /// Labels what is met, where the program declares it.
+    /// Labels the thing that is met, where the program declares it.
     fn labelled(&self, diagnostic: Diagnostic, meeting: ForbiddenMeeting) -> Diagnostic {
         let robot = |index: usize| (self.order.robots[index].span, "it starts here");
         let obstacle = |index: usize| (self.order.obstacles[index].span, "in the way");
@@ -327,7 +327,7 @@ impl BedReasons<'_> {
     }
 }
 
-/// To a tenth of a micrometre.
+/// A length, rounded to a tenth of a micrometre.
 fn length(um: f64) -> String {
     rounded(Quantity::new((um * 10.0).round() / 1e7, Dimension::LENGTH))
 }

@@ -82,7 +82,7 @@ impl PairMeeting<'_> {
         self.robots.map(|robot| trial.measured(robot))
     }
 
-    /// Drives one of the two until something holds.
+    /// Drives one of the two until a condition holds.
     fn pursue(
         &self,
         trial: &mut Trial,

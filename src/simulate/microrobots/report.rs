@@ -55,7 +55,7 @@ pub struct SimulationReport {
     pub failures: Vec<Failures>,
 }
 
-/// The interval that holds the share of successes with 95 % confidence.
+/// 95 % confidence interval of the share of successes.
 ///
 /// Source: Wilson, *Probable inference, the law of succession, and statistical inference*, JASA 22 (1927).
 pub fn wilson(successes: u64, trials: u64) -> [f64; 2] {

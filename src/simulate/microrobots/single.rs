@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 /// So often the end of the gross motion is tried.
 pub const MAX_ROUNDS: usize = 20;
 
-/// A gross motion may last as many times its nominal way.
+/// Greatest length of a gross motion, as a multiple of its nominal path.
 const MAX_TIMES: f64 = 20.0;
 
 /// Bisection steps to a contact; leaves an error far below a stroke.

@@ -164,7 +164,7 @@ fn threads_change_nothing() {
     assert_ne!(one, simulate(&order, &motion, 50, 8, 4));
 }
 
-/// Scales of the published errors, and other figures, that are drawn anew for every configuration.
+/// Scales of the published errors, and other figures, drawn afresh for every configuration.
 fn drawn(random: &mut SplitMix64) -> (MicrorobotsOrder, MicrorobotsMotion) {
     let mut errors = errors([20, 100, 250, 1000][(random.unit() * 4.0) as usize]);
     errors.speed_ratio *= 2.0 * random.unit();

@@ -10,7 +10,7 @@ use nalgebra::{Isometry2, Vector2};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// Bodies are compared after each such stretch of their way.
+/// Bodies are compared after each such stretch of their path.
 const STRIDE_UM: f64 = 10.0;
 
 /// Why a trial failed.
@@ -190,7 +190,7 @@ impl<'a> Trial<'a> {
         }
     }
 
-    /// Drives the bed in a state for a nominal way of a robot.
+    /// Drives the bed in a state for a nominal path length of a robot.
     pub fn drive(
         &mut self,
         state: usize,

@@ -32,7 +32,7 @@ pub fn run(trial: &mut Trial, episode: &Episode) -> Result<(), TrialFailure> {
     goals.into_iter().try_for_each(|(robot, goal)| dock(trial, robot, goal))
 }
 
-/// Looks where a robot has come to lie, in the frame of its goal.
+/// The final place of a robot, in the frame of its goal.
 fn dock(trial: &mut Trial, robot: usize, goal: Pose) -> Result<(), TrialFailure> {
     let (pose, docking) = (trial.poses[robot], trial.order.facts.docking);
     let (dx_um, dy_um) = (pose.x_um - goal.x_um, pose.y_um - goal.y_um);

@@ -215,7 +215,7 @@ impl Walk<'_> {
     }
 }
 
-/// Reads a text and holds the result to the promises of `parse`.
+/// Reads a text and checks the result against the promises of `parse`.
 fn holds(text: &str) {
     let (tree, findings) = read(text);
     Walk(text).tree(&tree);

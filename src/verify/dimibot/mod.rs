@@ -174,7 +174,7 @@ fn start(run: &JudgedRun, order: &DimibotOrder, standing: &Standing, findings: &
     let stands = LatticeCell { x: *x, y: *y };
     if let Some(start) = claimed.filter(|start| start.value != stands) {
         let title = format!(
-            "`{}` is to start at cell {}, but `{}` stands at {stands} by then",
+            "`{}` must start at cell {}, but `{}` is at {stands} by then",
             run.job.task, start.value, run.job.device
         );
         let violation = Violation::new(Rule::Start, run.plan.start_ns, title).label(start.span, "this start");
@@ -248,7 +248,7 @@ impl DimibotRun<'_> {
         Violation::new(rule, time_ns, title).step(self.run.steps[nth]).label(span, "this step")
     }
 
-    /// A state holds from the end of its pulse, when the module has surely snapped.
+    /// A state holds from the end of its pulse, when the module has certainly snapped.
     fn states(&self) -> Vec<TimedState> {
         let facts = self.facts();
         let first = TimedState { t_ns: self.run.plan.start_ns, state: state(facts, self.start) };
@@ -380,7 +380,7 @@ fn switches(task: &DimibotRun, findings: &mut Findings) {
             let twisted = pulse.parts.iter().any(|(_, other)| other.is_opposite(*actuator));
             if !twisted && !pulse.strokes.contains(actuator) {
                 let (name, at, bit) = (actuator.name(), ms(pulse.start_ns), u8::from(actuator.state(pulse.before)));
-                let title = format!("`{name}` at {at} does nothing, its module is at {bit} already");
+                let title = format!("`{name}` at {at} does nothing: its module is already at {bit}");
                 findings.push(task.at(Rule::Switch, pulse, title));
             }
         }
@@ -403,13 +403,13 @@ fn simultaneous(task: &DimibotRun, findings: &mut Findings) {
 /// The tip stands clear before the first pulse.
 fn standing_clear(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) {
     if let Some(touch) = scene.touch(task.start, task.start) {
-        let title = format!("tip stands at cell {} at the start, {}", task.start, touch.told(task.order));
+        let title = format!("the tip is at cell {} at the start, {}", task.start, touch.told(task.order));
         let violation = Violation::new(Rule::Sweep, task.run.plan.start_ns, title);
         findings.push(touched(task, violation, &touch).label(task.run.job.run_span, "in this run"));
     }
 }
 
-/// The way that a single module carries the tip is clear.
+/// The path on which a single module carries the tip is clear.
 fn sweeps(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) {
     for pulse in &task.pulses {
         let [stroke] = pulse.strokes[..] else { continue };
@@ -480,7 +480,7 @@ fn missed_of_all<'a>(stops: &'a [DimibotStop], cells: &[LatticeCell]) -> Option<
         return Some((stop, format!("cell {} is not visited, the step ends at {end}", stop.cell)));
     }
     let ends_at_stop = stops.iter().any(|stop| stop.cell == *end);
-    (!ends_at_stop).then(|| (first, format!("visit ends at cell {end}, which is none of its stops")))
+    (!ends_at_stop).then(|| (first, format!("visit ends at cell {end}, not at one of its stops")))
 }
 
 /// The cell taken for a place is the nearest one, and as near as the task demands.

@@ -1,4 +1,4 @@
-//! Where the tip of a DiMiBot is, and what it touches there.
+//! Place of a DiMiBot's tip, and its contacts with obstacles.
 //!
 //! Input: cells and the order's obstacles. Places come from the kinematic matrix, never from the lattice formula. Promise: a body is
 //! touched exactly if its distance from what the tip's centre sweeps is no larger than tip radius and repeatability together, up to
@@ -104,7 +104,7 @@ pub(super) fn swept(facts: &DimibotFacts, stand: &FrameTransform, [low, high]: [
     cells.into_iter().map(|cell| stand.in_scene(place(facts, cell))).collect()
 }
 
-/// The obstacles of an order, ready to be asked.
+/// The obstacles of an order, prepared for queries.
 pub(super) struct DimibotObstacles<'a> {
     facts: &'a DimibotFacts,
     stand: FrameTransform,
@@ -204,7 +204,7 @@ pub(super) fn room_um(facts: &DimibotFacts) -> f64 {
     facts.tip_radius_um + facts.repeatability_um
 }
 
-/// Why a cell is not the one to be taken for a place, if it is not: the place lies more than half a pitch off along an axis, or
+/// Why a cell is not the right one for a place, if it is not: the place is more than half a pitch off along an axis, or
 /// farther than the precision.
 pub(super) fn misplaced(order: &DimibotOrder, stop: &DimibotStop) -> Option<String> {
     let Asked::Place([x_um, y_um]) = stop.asked else { return None };
@@ -222,7 +222,7 @@ pub(super) fn misplaced(order: &DimibotOrder, stop: &DimibotStop) -> Option<Stri
     let near = (0..2).all(|axis| own_um[axis].abs() <= half(axis));
     let (x, y, off) = (digits(x_um), digits(y_um), digits(off_um.norm()));
     if !near {
-        return Some(format!("cell {cell} stands for ({x}, {y}) um, {off} um off, but is not the nearest to it"));
+        return Some(format!("cell {cell} is used for ({x}, {y}) um, {off} um away, but is not the nearest cell"));
     }
     let limit_um = order.precision_um?;
     let precise = off_um.norm() <= limit_um * (1.0 + TOLERANCE);

@@ -157,7 +157,7 @@ impl JudgedBoard<'_, '_> {
             return Ok(());
         };
         let stuck = &self.order.obstacles[stuck];
-        let title = format!("electrode {electrode} at {} pulls `{}`, which is stuck", ms(at_ns), stuck.name);
+        let title = format!("electrode {electrode} at {} pulls the stuck part `{}`", ms(at_ns), stuck.name);
         Err(self.within(Rule::Pull, nth, at_ns, title).label(stuck.span, "this obstacle"))
     }
 
@@ -220,13 +220,13 @@ impl JudgedBoard<'_, '_> {
         if let Some((one, other, near)) = first_touch(&ways, needed, apart) {
             let (first, second) = (told(&pulls[one]), told(&pulls[other]));
             let title =
-                format!("{first} and {second} come as near as {near} at {time}, {needed} electrodes are needed");
+                format!("{first} and {second} come as near as {near} at {time}; {needed} electrodes are needed");
             return Some((Rule::Touch, title, vec![pulls[one].0, pulls[other].0]));
         }
         let near_stuck = |(pull, way): (&(usize, PartPull), &SweptCells)| Some((pull.clone(), self.scene.stuck(way)?));
         let (pull, (stuck, near)) = pulls.iter().zip(&ways).find_map(near_stuck)?;
         let (first, stuck) = (told(&pull), &self.order.obstacles[stuck].name);
-        let title = format!("{first} comes as near as {near} to `{stuck}` at {time}, {needed} electrodes are needed");
+        let title = format!("{first} comes as near as {near} to `{stuck}` at {time}; {needed} electrodes are needed");
         Some((Rule::Touch, title, vec![pull.0]))
     }
 
@@ -236,7 +236,7 @@ impl JudgedBoard<'_, '_> {
         let (part, at, (obstacle, near)) = pulls.iter().find_map(near)?;
         let (name, obstacle, time) = (self.name(part), &self.order.obstacles[obstacle].name, ms(at_ns));
         let due = self.order.facts.clearance;
-        let title = format!("`{name}` comes to {at} at {time}, {near} from `{obstacle}`, {due} electrodes are needed");
+        let title = format!("`{name}` comes to {at} at {time}, {near} from `{obstacle}`; {due} electrodes are needed");
         Some((Rule::Clearance, title, vec![part]))
     }
 }

@@ -58,7 +58,7 @@ pub(super) fn first_touch(
     needed: u32,
     apart: impl Fn(usize, usize) -> Option<u32>,
 ) -> Option<(usize, usize, u32)> {
-    // A way is at most two cells long, so ways that come too near begin in neighbouring buckets.
+    // A path is at most two cells long, so paths that come too near begin in neighbouring buckets.
     let bucket = |way: &SweptCells| [way.low.column, way.low.row].map(|at| i64::from(at / needed.saturating_add(1)));
     let mut buckets: FxHashMap<[i64; 2], Vec<usize>> = FxHashMap::default();
     for (index, way) in ways.iter().enumerate() {
@@ -76,7 +76,7 @@ pub(super) fn first_touch(
     })
 }
 
-/// The obstacles of an order, ready to be asked.
+/// The obstacles of an order, prepared for queries.
 pub(super) struct BoardObstacles {
     clearance: u32,
     needed: u32,
@@ -122,7 +122,7 @@ impl BoardObstacles {
     }
 }
 
-/// The first of some bodies that lies no farther than a distance from an area, with its distance.
+/// The first of some bodies within a distance from an area, with its distance.
 fn first(bodies: &[(usize, SweptCells)], boxes: &GroupedBoxes, area: &SweptCells, within: u32) -> Option<(usize, u32)> {
     let near = boxes.meeting(&extent(area).widened(f64::from(within)));
     near.first().map(|at| (bodies[*at].0, bodies[*at].1.apart(area)))

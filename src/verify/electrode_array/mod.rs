@@ -198,7 +198,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             return Ok(step.duration_ns / step_ns);
         }
         let (lasts, due) = (ms(step.duration_ns), ms(step_ns));
-        let title = format!("step lasts {lasts}, which is no multiple of the {due} of a step of the board");
+        let title = format!("step lasts {lasts}, not a multiple of the board's step of {due}");
         Err(self.within(Rule::Beat, nth, step.start_ns, title))
     }
 
@@ -212,7 +212,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 let (from, to, beat) = (ms(part.start_ns), ms(part.end_ns()), ms(beat_ns));
                 let begins = ms(step.start_ns);
                 let title = format!(
-                    "electrode {cell} is on from {from} to {to}, whole steps of {beat} from {begins} on are needed"
+                    "electrode {cell} is on from {from} to {to}; whole steps of {beat} from {begins} on are needed"
                 );
                 return Err(self.within(Rule::Beat, nth, part.start_ns, title));
             }
@@ -229,7 +229,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         if moved == 0 {
             let end_ns = step.start_ns + step.duration_ns;
             let from_ns = end_ns - self.order.facts.step_ns;
-            let title = format!("no part moves from {} to {}, the end of the step", ms(from_ns), ms(end_ns));
+            let title = format!("no part moves from {} to the end of the step at {}", ms(from_ns), ms(end_ns));
             findings.push(self.within(Rule::Idle, nth, from_ns, title));
         }
     }
@@ -256,7 +256,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         for (part, home) in &stage.homes {
             let Some(end) = self.cells[*part].filter(|cell| cell != home) else { continue };
             let part = &self.order.parts[*part];
-            let title = format!("`{}` steps aside from {home} and ends at {end}, it has to come back", part.name);
+            let title = format!("`{}` steps aside from {home} and ends at {end}, but must return", part.name);
             findings.push(self.within(Rule::Bystander, nth, end_ns, title).label(part.span, "this part"));
         }
     }

@@ -5,7 +5,7 @@ use crate::claims::electrode_array::{ElectrodeArrayMove, ElectrodeArrayStop};
 use crate::device::electrode_array::ElectrodeCell;
 use std::collections::BTreeMap;
 
-/// A step of parts in its course; by default one in which nothing is asked.
+/// A step of parts in progress; by default one without goals.
 #[derive(Debug, Default)]
 pub(super) struct JudgedStage<'o> {
     moves: &'o [ElectrodeArrayMove],

@@ -13,7 +13,7 @@ use crate::device::fingers::{
 /// The largest length, force, speed or other number of the facts, in their own units.
 const MAX_NUMBER: f64 = 1e9;
 
-/// The smallest number where one above zero is asked for.
+/// The smallest number accepted where one above zero is required.
 const MIN_NUMBER: f64 = 1e-9;
 
 /// Relative tolerance between a section's step and the one derived from its perimeter.
@@ -103,11 +103,11 @@ fn action(order: &FingersOrder, action: &FingersAction) -> Result<(), Unfit> {
         FingersAction::Grasp(Some(contacts)) => grasp(order, contacts),
         FingersAction::Rotate { plane, angle_rad, .. } => {
             has_plane(order, *plane)?;
-            demand(is_number(*angle_rad), "turn by what is no angle")
+            demand(is_number(*angle_rad), "turn by a value that is not an angle")
         }
         FingersAction::Orient { goal, turns, .. } => {
             let norm = goal.iter().map(|value| value * value).sum::<f64>();
-            demand((norm - 1.0).abs() <= 1e-6, "orient to what is no orientation")?;
+            demand((norm - 1.0).abs() <= 1e-6, "orient to a goal that is not an orientation")?;
             turns.iter().flatten().try_for_each(|FingersTurn { plane, .. }| has_plane(order, *plane))
         }
         FingersAction::Translate(by_um) => {
@@ -117,7 +117,7 @@ fn action(order: &FingersOrder, action: &FingersAction) -> Result<(), Unfit> {
 }
 
 fn has_plane(order: &FingersOrder, plane: Plane) -> Result<(), Unfit> {
-    demand(order.part.section(plane).is_some(), "turn in a plane in which the part has no outline")
+    demand(order.part.section(plane).is_some(), "turn in a plane where the part has no outline")
 }
 
 fn grasp(order: &FingersOrder, contacts: &[u32]) -> Result<(), Unfit> {

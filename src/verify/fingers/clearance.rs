@@ -115,7 +115,7 @@ impl Flight {
         leaves || distance_um < clear_um(facts) - facts.tolerance_um
     }
 
-    /// Remembers where the tip came near the part on its way to a contact.
+    /// Remembers where the tip came near the part while approaching a contact.
     fn note(&mut self, time_ns: u64, tip_um: Point, distance_um: f64, facts: &FingersFacts) -> Result<(), ()> {
         let is_clear = distance_um >= clear_um(facts) - facts.tolerance_um;
         let leaves = self.left_um.is_some_and(|left_um| (tip_um - left_um).norm() <= retreat_um(facts));
@@ -134,7 +134,7 @@ impl Flight {
         }
     }
 
-    /// The tip touches: it may have come near within the last of its way only.
+    /// The tip touches: it may have come near only within the last part of its path.
     pub fn lands(&self, contact_um: &Point, facts: &FingersFacts) -> Result<(), TipHit> {
         let Some((time_ns, places_um)) = &self.near else { return Ok(()) };
         let is_far = |place_um: &Point| (place_um - contact_um).norm() > retreat_um(facts);

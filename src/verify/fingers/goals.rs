@@ -65,7 +65,7 @@ impl JudgedHand<'_, '_> {
             let Reached::Turn { reached_deg, .. } = reached else { continue };
             if (reached_deg - turned_deg).abs() > TOLD_DEG {
                 let title =
-                    format!("a turn is said to reach {reached_deg} deg, the tips turn the part by {turned_deg} deg");
+                    format!("a turn is recorded as {reached_deg} deg, but the tips turn the part by {turned_deg} deg");
                 findings.push(self.violation(Rule::Figure, nth, self.end_ns(nth), title));
             }
         }
@@ -88,7 +88,7 @@ impl JudgedHand<'_, '_> {
     fn grasp_fault(&self, nth: usize, contacts: Option<&[u32]>) -> Option<String> {
         let holding = self.grip.holds.len();
         if holding < 2 {
-            return Some(format!("a grasp ends with {holding} fingers on the part, 2 or 3 are needed"));
+            return Some(format!("a grasp ends with {holding} fingers on the part; 2 or 3 are needed"));
         }
         let contacts = contacts?;
         let planes = planes_after(self.order, nth);

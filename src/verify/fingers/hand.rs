@@ -220,7 +220,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
 
     fn check_still(&self, nth: usize, stretch: &Stretch) -> Result<(), Halt> {
         let Some(finger) = (0..stretch.from_um.len()).find(|finger| !stretch.rests(*finger)) else { return Ok(()) };
-        let title = format!("finger {} moves in a wait, at {}", finger + 1, ms(stretch.start_ns));
+        let title = format!("finger {} moves during a wait, at {}", finger + 1, ms(stretch.start_ns));
         Err(self.violation(Rule::Wait, nth, stretch.start_ns, title).into())
     }
 
@@ -329,7 +329,8 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         if !is_enough && self.told == ReportedGrip::Nothing {
             self.told = ReportedGrip::Weak;
             let (pull, support) = (digits(pull_un), digits(facts.support_un));
-            let title = format!("the last fingers pull with {pull} uN, the part is held with {support} uN");
+            let title =
+                format!("the last fingers pull with {pull} uN, but the support holds the part with {support} uN");
             findings.push(self.violation(Rule::Support, nth, stretch.start_ns, title));
         }
         self.held = Held::Supported;
@@ -389,7 +390,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         let time_ns = stretch.end_ns;
         if self.grip.holds.len() == MAX_HOLDING {
             let title =
-                format!("finger {} touches the part at {}, which {MAX_HOLDING} others hold", finger + 1, ms(time_ns));
+                format!("finger {} touches the part at {} while {MAX_HOLDING} others hold it", finger + 1, ms(time_ns));
             return Err(self.violation(Rule::Contact, nth, time_ns, title).into());
         }
         self.spans.end(time_ns.saturating_sub(1));
@@ -445,7 +446,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         }
     }
 
-    /// Whether a tip is nearer to a part than it may be: one that holds, elsewhere than where it does.
+    /// Whether a tip is nearer to a part than permitted: for one that holds, elsewhere than at its contact.
     pub(super) fn strays(&self, finger: usize, pose: &ObjectPose, time_ns: u64, tips_um: &[Point]) -> Option<TipHit> {
         let facts = &self.order.facts;
         let tip_um = &tips_um[finger];

@@ -1,8 +1,8 @@
-//! How fast tips move.
+//! Speeds of the tips.
 //!
-//! All axes of a hand take their lines together or not, so within a stretch a tip moves steadily. Three speeds limit it: that of a free
-//! tip, the slower one near the contact that it comes to or leaves, and that of a tip that holds. Near means nearer than
-//! the way that a tip retracts, or its clearance, without a break: a tip that comes is known to come only once it touches, so its way is
+//! All axes of a hand begin their lines at the same instants, so within a stretch a tip moves steadily. Three speeds limit it: that of a
+//! free tip, the slower one near the contact that it approaches or leaves, and that of a tip that holds. Near means within the distance of
+//! retraction, or the clearance, without a break: that a tip is approaching is known only once it touches, so its path is
 //! kept until then.
 
 use super::super::rule::{Findings, Rule, ms};
@@ -19,7 +19,7 @@ const TOO_FAST: f64 = 1e-6;
 /// Rounding of the distance within which tips must be slow.
 const NEAR_UM: f64 = 1e-6;
 
-/// A straight way of a free tip, without the stretches in which it rests.
+/// A straight path of a free tip, without the stretches in which it rests.
 #[derive(Debug, Clone, Copy)]
 struct FreeTipLeg {
     start_ns: u64,
@@ -98,7 +98,7 @@ impl Pace {
         leg.against(facts.speed_um_per_s.max(facts.approach_um_per_s), "is free")
     }
 
-    /// The tip touches at a place: on the last of its way there it was slow, before that as fast as a free one may be.
+    /// The tip touches at a place: on the last part of its path there it was slow, before that at most as fast as a free one.
     pub fn lands(&mut self, contact_um: &Point, facts: &FingersFacts) -> Result<(), Fast> {
         self.left_um = None;
         let legs = take(&mut self.legs);

@@ -14,7 +14,7 @@ use crate::claims::fingers::FingersAction;
 use crate::device::fingers::Plane;
 use crate::quantity::digits;
 
-/// The longest way of a tip from one sample of a rolling motion to the next, as a share of its radius.
+/// The longest path of a tip from one sample of a rolling motion to the next, as a share of its radius.
 const SAMPLE: f64 = 0.25;
 
 /// Greatest number of samples of one stretch.

@@ -55,7 +55,7 @@ impl Spans {
         }
     }
 
-    /// The states that the record should hold, those of the record where it holds them.
+    /// The states that the record should have; recorded ones are borrowed where they agree.
     pub fn states<'a>(self, run: &JudgedRun<'a>) -> Vec<Cow<'a, TimedState>> {
         let mut recorded = run.plan.states.iter().peekable();
         let mut states = Vec::with_capacity(self.list.len());

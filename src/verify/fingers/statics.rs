@@ -17,7 +17,8 @@ use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 /// Greatest excess of a force over its cone, as a share of the forces that matter: those that load, pull or hold.
 pub(super) const TOLERANCE: f64 = 1e-6;
 
-/// Weight of a deviation from the wanted sum of normal forces, relative to the depth inside the cones.
+/// Weight of a deviation from the wanted sum of normal forces, relative to the depth inside the cones; large, so that the sum takes
+/// precedence.
 const SUM_WEIGHT: f64 = 1e3;
 
 /// Share of a load below which it counts as zero (rounding).
@@ -43,7 +44,7 @@ impl ContactPoint {
     }
 }
 
-/// The forces on a held part besides those of its contacts, in section coordinates; micronewtons.
+/// The forces on a held part except those of its contacts, in section coordinates; micronewtons.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Statics<'a> {
     order: &'a FingersOrder,

@@ -83,7 +83,7 @@ fn parts(shape: &Shape) -> (Vec<[f64; 2]>, f64) {
     }
 }
 
-/// A body that meets no side of an outline lies wholly within it or wholly outside. One that holds all of the outline meets its sides.
+/// A body that meets no side of an outline is entirely within it or entirely outside. One that contains all of the outline meets its sides.
 fn apart_from_outline_um(corners: &[Point2<f64>], body: &[Point2<f64>]) -> f64 {
     if body.first().is_some_and(|point| winds_round(corners, *point)) {
         return 0.0;

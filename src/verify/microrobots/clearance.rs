@@ -142,7 +142,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
                 let title = |at: &str| {
                     let (gap, needed) = (digits(touch.gap_um.max(0.0)), digits(needed_um));
                     format!(
-                        "`{}` comes within {gap} um of `{name}` at {at}, {needed} um are needed",
+                        "`{}` comes within {gap} um of `{name}` at {at}; {needed} um are needed",
                         self.bed.name(robot)
                     )
                 };
@@ -175,7 +175,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
                     false => {
                         let (gap, needed) = (digits(touch.gap_um.max(0.0)), digits(needed_um));
                         format!(
-                            "`{one}` and `{other}` come within {gap} um of each other at {at}, {needed} um are needed"
+                            "`{one}` and `{other}` come within {gap} um of each other at {at}; {needed} um are needed"
                         )
                     }
                 };
@@ -264,7 +264,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
             false => format!("lies {gap} um from {name}"),
         };
         self.violation(Rule::Orbit, train, touch.share, |at| {
-            format!("the orbit of `{owner}` {how} at {at}, {needed} um are needed")
+            format!("the orbit of `{owner}` {how} at {at}; {needed} um are needed")
         })
     }
 

@@ -34,7 +34,7 @@ use voltage::{VoltageLeg, within};
 
 pub(super) use claims::check_claims;
 
-/// Tolerance of a recorded place.
+/// Tolerance of a recorded place: above the rounding on the longest path of one `apply`, 100 m.
 const PLACE_TOLERANCE_UM: f64 = 1e-4;
 
 /// Tolerance of a recorded heading.
@@ -224,7 +224,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         let arm = |robot: usize| self.order.states[leg.control].arms[self.order.robots[robot].row];
         let robot = (0..self.places.len()).find(|robot| self.docked[*robot].is_some() && arm(*robot) == Arm::Down)?;
         let title = format!(
-            "strokes at {} are driven with the arm of `{}` down, which has docked",
+            "strokes at {} are driven while the arm of docked robot `{}` is down",
             ms(leg.train_ns),
             self.name(robot)
         );
@@ -282,7 +282,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
             }
             [leg] if leg.strokes != strokes => {
                 let (driven, due) = (leg.strokes, ms(duration_ns));
-                format!("{driven} strokes are driven in `apply`, {strokes} are needed for {due}")
+                format!("{driven} strokes are driven in `apply`; {strokes} are needed for {due}")
             }
             [_] => return,
             [] | [_, ..] => format!("`apply` has {} legs, 1 is needed", legs.len()),

@@ -1,7 +1,7 @@
 //! Where strokes carry robots: the unicycle, in the coordinates of the paper.
 //!
 //! A heading here is counted from +y, clockwise, and a curve is the radius of a turn, positive for a turn to the right; so x' = sin, y' =
-//! cos (equation 4 of the paper). Input: a place, a curve and a way. Output: the place after it, exact but for rounding.
+//! cos (equation 4 of the paper). Input: a place, a curve and a path length. Output: the place after it, exact but for rounding.
 
 use super::bodies::JudgedBody;
 use crate::geometry::Pose;
@@ -31,7 +31,7 @@ impl RobotPlace {
         [self.at.x, self.at.y, turn_between(0.0, FRAC_PI_2 - self.theta_rad)]
     }
 
-    /// After a way, on a curve or straight on.
+    /// After a path length, on a curve or straight on.
     pub fn driven(self, curve_um: Option<f64>, way_um: f64) -> RobotPlace {
         let (sin, cos) = self.theta_rad.sine_cosine();
         let Some(curve_um) = curve_um else {
@@ -75,7 +75,7 @@ pub(super) struct Ride {
 }
 
 impl Ride {
-    /// The body at a share of the way.
+    /// The body at a share of the path.
     pub fn body(&self, share: f64) -> JudgedBody {
         let place = self.start.driven(self.curve_um, self.way_um * share);
         let (sin, cos) = place.theta_rad.sine_cosine();
@@ -92,7 +92,7 @@ impl Ride {
         (curve_um.abs() + self.half_um[1]).hypotenuse(self.half_um[0])
     }
 
-    /// No point of the body goes farther than this on the whole way.
+    /// No point of the body moves farther than this on the whole path.
     pub fn travel_um(&self) -> f64 {
         match self.curve_um {
             None => self.way_um,
@@ -100,13 +100,13 @@ impl Ride {
         }
     }
 
-    /// The straight way of every point of the body; `None` if the body turns.
+    /// The straight path of every point of the body; `None` if the body turns.
     pub fn shift(&self) -> Option<Vector2<f64>> {
         let (sin, cos) = self.start.theta_rad.sine_cosine();
         (self.curve_um.is_none() || self.way_um == 0.0).then(|| Vector2::new(sin, cos) * self.way_um)
     }
 
-    /// A disc that holds the body between two shares of the way.
+    /// A disc that contains the body between two shares of the path.
     pub fn disc(&self, [from, to]: [f64; 2]) -> (Point2<f64>, f64) {
         let half_way_um = self.way_um * (to - from) / 2.0;
         let middle = self.start.driven(self.curve_um, self.way_um * (from + to) / 2.0);

@@ -36,9 +36,9 @@ pub(super) struct SweptTouch {
     pub gap_um: f64,
 }
 
-/// A distance that changes along a way.
+/// A distance that changes along a path.
 pub(super) struct SweptGap<G, F> {
-    /// At a share of the way.
+    /// Its value at a share of the path.
     pub at: G,
     /// Something that it never falls below between two shares, and that is cheaper to know.
     pub floor: F,
@@ -47,7 +47,7 @@ pub(super) struct SweptGap<G, F> {
 }
 
 impl<G: Fn(f64) -> f64, F: Fn([f64; 2]) -> f64> SweptGap<G, F> {
-    /// A place between two shares of the way where it is less than needed.
+    /// A place between two shares of the path where it is less than needed.
     ///
     /// # Errors
     /// If all evaluations are used up, or the path is so long that bisection is below the resolution of a double.

@@ -93,7 +93,7 @@ impl DrivenBed<'_, '_> {
     fn rest(&mut self, time_ns: u64, nth: Option<usize>) -> Result<(), Violation> {
         self.relays.visit(0.0);
         let Some(row) = self.relays.not_up() else { return Ok(()) };
-        let title = format!("the arm of `{}` need not go up at 0 V, at {}", self.name(row), ms(time_ns));
+        let title = format!("the arm of `{}` may stay down at 0 V, at {}", self.name(row), ms(time_ns));
         Err(match nth {
             Some(nth) => self.within(Rule::Arm, nth, time_ns, title),
             None => Violation::new(Rule::Arm, time_ns, title),
@@ -113,7 +113,7 @@ impl DrivenBed<'_, '_> {
             findings.push(self.within(Rule::Wait, nth, step.start_ns, title));
         }
         if let Some(first) = here.first() {
-            let title = format!("the bed is driven in a wait, at {}", ms(first.start_ns));
+            let title = format!("the bed is driven during a wait, at {}", ms(first.start_ns));
             return Err(self.within(Rule::Wait, nth, first.start_ns, title));
         }
         self.rest(step.start_ns, Some(nth))
@@ -168,7 +168,7 @@ impl DrivenBed<'_, '_> {
             format!("the bed is at {from} V at {at}, the source gives 0 V to {max_v} V")
         } else if duration_ns < dwell_ns {
             let (lasts, due) = (ms(duration_ns), ms(dwell_ns));
-            format!("the bed is at {from} V for {lasts} at {at}, at least {due} are needed")
+            format!("the bed is at {from} V for {lasts} at {at}; at least {due} are needed")
         } else {
             self.relays.visit(from);
             return Ok(());
@@ -217,7 +217,7 @@ impl DrivenBed<'_, '_> {
         let arms: Vec<Arm> = self.relays.arms.iter().flatten().copied().collect();
         self.controls.get(arms.as_slice()).copied().ok_or_else(|| {
             let digits: String = arms.iter().map(|arm| char::from(b'0' + arm.digit())).collect();
-            let title = format!("arms stand at {digits} at {}, which is no control state of the device", ms(train_ns));
+            let title = format!("the arms are at {digits} at {}, not a control state of the device", ms(train_ns));
             self.within(Rule::Control, nth, train_ns, title)
         })
     }

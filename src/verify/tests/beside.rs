@@ -38,7 +38,7 @@ fn a_tip_keeps_off_one_that_stands() {
 
 #[test]
 fn where_a_robot_is_turned_to_matters() {
-    // A robot that faces +y at (0.85, -0.5) goes across the way of the other, from below.
+    // A robot that faces +y at (0.85, -0.5) crosses the path of the other, from below.
     let across = |wait_ns: u64| {
         let frame = Pose { x_um: 0.85, y_um: -0.5, heading_rad: FRAC_PI_2 };
         let claims = together(go(&[(1, 0)]), vec![DimibotAction::Wait(wait_ns), go(&[(1, 0)])], frame);

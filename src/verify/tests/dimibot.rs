@@ -187,7 +187,7 @@ fn a_sweep_keeps_its_gap_from_every_shape() {
         let at = |gap_um: f64| among((0, 0), (4, 0), vec![turned(shape.clone(), x_um, reach_um + gap_um, degrees)]);
         assert_gap(at, &format!("{shape:?} turned by {degrees}"));
     }
-    // The same at the end of the way.
+    // The same at the end of the path.
     for (shape, degrees, reach_um) in [(disc(), 0.0, 0.5), (square(), 45.0, half_diagonal), (capsule(), 0.0, 1.25)] {
         let at = |gap_um: f64| {
             among((0, 0), (4, 0), vec![turned(shape.clone(), length_um + reach_um + gap_um, 0.0, degrees)])

@@ -58,13 +58,13 @@ fn built(text: &str) -> Built {
     }
 }
 
-/// The program of the report: a straight way past a grain of dust.
+/// The program of the report: a straight path past a grain of dust.
 fn dust() -> String {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/found/common-mode.twz");
     std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
-/// A robot goes round 14 um from a grain of dust, where 20 um are needed.
+/// A robot passes 14 um from a grain of dust, where 20 um are needed.
 const ORBIT: &str = "use std.microrobots as m
 device fleet : m.bed
 scene field {
@@ -79,7 +79,7 @@ device fleet : m.bed
 scene field { robot D1 at pose(0 mm, 0 mm, 90 deg) }
 task t on fleet in field { apply state 2 for 2 s }";
 
-/// The goal lies 0.28 um from a bead, and the tip needs 0.39 um.
+/// The goal is 0.28 um from a bead, and the tip needs 0.39 um.
 const GOAL: &str = "use std.dimibot
 device bot : dimibot.femto_st { left: 5, right: 5, tip_radius: 0.3 um }
 scene bench { obstacle bead : disc { radius: 0.8 um } at (6.2 um, 5 um) }

@@ -36,7 +36,7 @@ fn settled_s(glide: &Glide, share: f64, within_s: f64) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Where a swing ends just within the bounds the two may differ by it, so the bounds are asked a little wider and narrower.
+    /// Where an oscillation ends just within the bounds the two may differ by it, so slightly wider and narrower bounds are tried as well.
     #[test]
     fn parts_settle_when_a_second_solver_says(
         (peak, reach) in (0.2..5.0f64, 0.3..4.0f64),

@@ -1,4 +1,4 @@
-//! The ways to an orientation against all sequences of up to three turns.
+//! The decompositions of an orientation against all sequences of up to three turns.
 
 use super::super::orientation::{self, Orientation};
 use super::{BEAD, order};

@@ -29,7 +29,7 @@ use super::arms;
 use super::table::{Ranked, VoltageTable, middle_v, volts_v};
 use crate::device::microrobots::ControlState;
 
-/// Which way the level before the last one lies.
+/// Side of the level before the last one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum LevelSide {
     Above,
@@ -69,13 +69,13 @@ pub struct PatternTarget<'a> {
     ups: WaitingArms,
 }
 
-/// A cycle looked at from its end.
+/// A cycle in reverse order.
 struct ReversedCycle {
     /// The last level in time first.
     intervals: Vec<Interval>,
     /// Half of the least width of the intervals.
     slack: i64,
-    /// To which end of the range the first level in time lies.
+    /// The end of the range towards which the first level in time lies.
     first: LevelSide,
 }
 

@@ -1,4 +1,4 @@
-//! The smallest change of one voltage that mends a fault.
+//! The smallest change of one voltage that fixes a fault.
 //!
 //! Whether a table is right changes only where a voltage passes a limit of its row or comes two margins from one of the same sort;
 //! so just these places are tried, nearest first, each rounded away from the present voltage to the coarsest decimals that do.
@@ -16,9 +16,9 @@ const GRAINS: [i64; 5] = [2, 2_000, 2_000_000, 20_000_000, 200_000_000];
 enum Good {
     /// The table has no fault any more.
     All,
-    /// The fault is mended, and the row has fewer in all.
+    /// The fault is fixed, and the row has fewer in all.
     More,
-    /// The fault is mended.
+    /// The fault is fixed.
     Some,
 }
 

@@ -70,8 +70,8 @@ pub struct Mend {
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableFault {
     pub problem: Problem,
-    /// The smallest change of one voltage after which the table has no fault; where there is none, the smallest that mends this
-    /// fault. Rounded so that it holds when typed in. `None` where no single voltage mends it.
+    /// The smallest change of one voltage after which the table has no fault; if there is none, the smallest that fixes this
+    /// fault. Rounded so that it still holds when typed in. `None` if no single voltage fixes it.
     pub mend: Option<Mend>,
 }
 

@@ -3,7 +3,7 @@
 //!
 //! 1. The files are written beside their places, under names that begin with `.tweeze-`, and synchronised.
 //! 2. A journal that lists them is written beside its own place, synchronised, and renamed to [`JOURNAL`]. From here on the set counts
-//! as the new one.
+//!    as the new one.
 //! 3. Each file is renamed over its target, which a reader therefore never finds missing; then the journal is removed.
 //!
 //! The next build into the folder, or verification of a log in it, first completes a journal that was left; the next build removes staged
@@ -135,7 +135,7 @@ fn number(path: &Path) -> Option<u64> {
     return None;
 }
 
-/// A folder that nobody else builds into.
+/// A folder locked for one build.
 pub struct Folder<'a> {
     path: &'a Path,
     acts: &'a dyn Acts,

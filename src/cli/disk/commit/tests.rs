@@ -191,7 +191,7 @@ fn a_build_that_is_asked_to_end_leaves_the_old_set_and_nothing_else() {
     }
 }
 
-/// Who waits for another build can be asked to end as well.
+/// A build that waits for another can be asked to end as well.
 #[test]
 fn waiting_for_a_folder_can_be_interrupted() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -65,7 +65,7 @@ pub fn poses(verified: &Verified, signals: &Signals, device: &str) -> Vec<(u64, 
 /// Greatest number of places in one message of a path: readers of logs handle this many easily, and Tweeze's own accepts 64 MiB.
 const MAX_PLACES: usize = 10_000;
 
-/// The way of each plan. A long one comes in several messages, each at the instant of its first place, which ends the one before.
+/// The path of each plan. A long one comes in several messages, each at the instant of its first place, which is the last of the one before.
 fn path(verified: &Verified, device: &str) -> LogTopic {
     let mut messages = Vec::new();
     for plan in plans(verified, device) {

@@ -48,7 +48,7 @@ pub fn extent_um(facts: &DimibotFacts) -> [f64; 2] {
     facts.place_um(last_cell(facts))
 }
 
-/// The cells that a task asks for, each once, in the order of writing; of very many the first.
+/// The goal cells of a task, each once, in source order; of very many only the first.
 pub fn stops(order: &DimibotOrder) -> Vec<LatticeCell> {
     let all = order.steps.iter().flat_map(|step| match &step.action {
         DimibotAction::Move(stops) | DimibotAction::Visit(stops) => stops.as_slice(),

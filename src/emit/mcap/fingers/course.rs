@@ -205,7 +205,7 @@ fn motion(signals: &Signals, stages: &FingerChannels, grasp: &RecordedGrasp, end
     ends.reduce(|[first, last], [start_ns, end_ns]| [first.min(start_ns), last.max(end_ns)])
 }
 
-/// A share of the way from a pose to another. Turns go along the chord, which for the few degrees of a step is as good as the arc
+/// Interpolation between two poses. Turns go along the chord, which for the few degrees of a step is as good as the arc
 /// and needs no sine.
 fn between(one: &PartPose, other: &PartPose, share: f64) -> PartPose {
     let mix = |a: f64, b: f64| a + (b - a) * share;

@@ -87,7 +87,7 @@ fn ends(entity: &mut SceneEntity, order: &FingersOrder) {
     }
 }
 
-/// The way of each tip that moves.
+/// The path of each tip that moves.
 fn ways(plan: &HandPlanCourse) -> impl Iterator<Item = (usize, Vec<[f64; 3]>)> {
     (0..plan.order.facts.fingers as usize).filter_map(|finger| {
         let mut way: Vec<[f64; 3]> =

@@ -20,7 +20,7 @@ const TURN_RAD: f64 = TAU / 72.0;
 /// Approximate limit of poses written for all robots, besides those at the ends of legs.
 pub const MAX_POSES: usize = 100_000;
 
-/// Rounding of the sum of ways, as a share of a turn.
+/// Rounding of the sum of path lengths, as a share of a turn.
 const TURN_ROUNDING: f64 = 1e-9;
 
 /// All that a bed does.
@@ -181,7 +181,7 @@ impl ControlLeg<'_> {
             Arm::Up => body.way_um / STEP_UM,
             Arm::Down => body.way_um / order.robot(robot).turning_radius_um / TURN_RAD,
         });
-        // At most the number of picometre strokes: the cast saturates.
+        // Unbounded for extreme figures: the cast saturates.
         parts.fold(0.0, f64::max).ceil() as usize
     }
 

@@ -50,7 +50,7 @@ fn color_of(robot: usize) -> Color {
     color::in_turn(robot)
 }
 
-/// The poses that a task asks for, with the robots that they are for.
+/// The goal poses of a task, with their robots.
 pub fn goals(order: &MicrorobotsOrder) -> impl Iterator<Item = (usize, &MicrorobotsStop)> {
     order.steps.iter().flat_map(|step| match &step.action {
         MicrorobotsAction::Drive { robot, stops } => stops.iter().map(|stop| (*robot, stop)).collect::<Vec<_>>(),
@@ -128,7 +128,7 @@ fn nose_corners(robot: &Robot) -> [Point2<f64>; 3] {
     [Point2::new(robot.length_um / 2.0, 0.0), Point2::new(back_um, half_um), Point2::new(back_um, -half_um)]
 }
 
-/// The way of each robot that moves.
+/// The path of each robot that moves.
 fn ways<'a>(plan: &'a BedPlanCourse) -> impl Iterator<Item = (usize, Vec<Point2<f64>>)> + 'a {
     (0..plan.order.robots.len()).filter_map(|robot| {
         let places = plan.moments.iter().map(|moment| moment.poses[robot]);

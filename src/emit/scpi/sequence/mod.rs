@@ -148,7 +148,7 @@ fn positions(signals: &Signals, channel: usize, volts: f64, profile: &Profile, s
     Some(Score { ends: [*codes.first()?, *codes.last()?], pieces })
 }
 
-/// Puts pieces together.
+/// Merges pieces.
 struct SequenceBuilder<'a> {
     profile: &'a Profile,
     sequence: Sequence,

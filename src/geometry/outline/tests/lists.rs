@@ -126,7 +126,7 @@ fn what_is_no_polygon_is_refused() {
     assert_eq!(Outline::from_polygon(&[]), Err(OutlineError::TooFewPoints(0)));
     let flat: Vec<[f64; 2]> = (0..50).map(|step| [f64::from(step), 0.0]).collect();
     assert_eq!(Outline::from_polygon(&flat), Err(OutlineError::NoArea));
-    // Chaos comes to an end too.
+    // Chaotic input terminates too.
     let mut dice = Dice(31);
     for count in [5, 50, 5000] {
         let chaos: Vec<[f64; 2]> = (0..count).map(|_| [dice.next(), dice.next()]).collect();

@@ -353,7 +353,7 @@ fn what_is_no_outline_is_refused() {
     assert_eq!(of(&spline(&square.map(|[x, y]| [x, y + 30.0]))), Err(OutlineError::OffOrigin));
 }
 
-/// A horseshoe round the origin: the axis meets it on both sides, but the origin lies outside.
+/// A horseshoe round the origin: the axis meets it on both sides, but the origin is outside.
 #[test]
 fn the_origin_lies_inside() {
     let outer = (0..=40).map(|step| (20.0, -1.2 * FRAC_PI_2 + f64::from(step) * 2.4 * FRAC_PI_2 / 40.0));

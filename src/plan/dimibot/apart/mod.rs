@@ -1,11 +1,11 @@
-//! Robots that share a scene, planned apart: pulses wait for one another, or go round where another stands.
+//! Collision avoidance between robots that share a scene: pulses wait for one another, or a robot detours around another.
 //!
-//! Problem: plans that were made for each robot alone, on one clock, without two tips ever touching. Method: prioritised planning
-//! (Erdmann and Lozano-Pérez, *On multiple moving objects*, Algorithmica 2, 1987): run after run is timed among those before
-//! it, along its own best way with waits; if that cannot be, on a way round the places where others stay, or round all places
-//! they come to. The branches of a `together` are tried in several orders, and so is whether a robot that has not been
-//! planned yet will make way. Guaranteed: plans that keep every gap. Not guaranteed: to find such plans where there are some, nor the
-//! best of them; a plan stays `optimal` only if its cost is still that of the robot alone.
+//! Problem: given plans made for each robot alone, find plans on one clock in which no two tips ever touch. Method: prioritised
+//! planning (Erdmann and Lozano-Pérez, *On multiple moving objects*, Algorithmica 2, 1987): each run is timed against those before
+//! it, along its own best path with waits; if that fails, along a detour around the places where others stay, or around all places
+//! they come to. The branches of a `together` are tried in several orders, with and without the assumption that robots not yet
+//! planned make way. Guaranteed: plans that keep every gap. Not guaranteed: completeness or optimality; a plan stays `optimal` only
+//! if its cost is still that of the robot alone.
 
 mod timing;
 mod tips;
@@ -20,10 +20,10 @@ use std::collections::BTreeMap;
 use tips::PlacedRobot;
 use tries::{FoundPlans, TryFailure, TryReason, attempt, tries};
 
-/// Comparisons of two areas that all tries may take together.
+/// Budget of area comparisons, shared by all attempts.
 const COMPARISONS: u64 = 400_000_000;
 
-/// Sees to it that robots that share a scene never touch; `None` if no such plans were found, which was reported.
+/// Plans robots that share a scene so that they never touch; `None` if no such plans were found, which has been reported.
 pub fn apart(claims: &Claims, plans: Vec<Plan>, sink: &mut Sink) -> Option<Vec<Plan>> {
     if claims.shared.is_empty() {
         return Some(plans);
@@ -53,7 +53,7 @@ pub fn apart(claims: &Claims, plans: Vec<Plan>, sink: &mut Sink) -> Option<Vec<P
     None
 }
 
-/// The robots that share a scene with another, by device.
+/// The robots that share a scene, by device.
 fn robots(claims: &Claims) -> BTreeMap<&str, PlacedRobot> {
     let placed = claims.shared.iter().flat_map(|scene| &scene.frames);
     let robot = |(device, frame): (&'_ String, &_)| {
@@ -86,7 +86,7 @@ fn report(claims: &Claims, failure: &TryFailure) -> crate::diagnostic::Diagnosti
     errors::not_apart([device, with], (job.run_span, &why), other, help)
 }
 
-/// A plan with delays before its pulses, on a way of its own or that of the best plan alone.
+/// A plan with delays before its pulses, on its own path or on that of the best plan alone.
 fn delayed(alone: &Plan, mut plan: Plan, delays: Vec<u64>) -> Plan {
     let idle_ns: u64 = delays.iter().sum();
     if let Some(time_s) = plan.outcomes.get_mut(DimibotOutcome::Time.name()) {

@@ -1,13 +1,13 @@
-//! When a robot switches, on a way that is given, so that its tip meets no other.
+//! Timing of a robot's pulses along a given path, so that its tip meets no other.
 //!
-//! Problem: pulses in a fixed order, each as early as it can be while other tips are where they are. Method: safe intervals (Phillips
-//! and Likhachev, SIPP: safe interval path planning, ICRA 2011) along the one way: for each place the stretches of time in which
-//! nobody comes near, and for each of them the earliest arrival. Guaranteed: if there are instants at which this way can be
-//! gone, the earliest end on the grid of the robots' pulses is found. Cost: comparisons of each place of the way with each stretch of the others.
+//! Problem: pulses in a fixed order, each as early as the positions of the other tips allow. Method: safe intervals (Phillips and
+//! Likhachev, SIPP: safe interval path planning, ICRA 2011) along the one path: for each place, the intervals during which no other
+//! tip is near, and for each of them the earliest arrival. Guaranteed: if the path has a valid timing, the earliest end on the grid
+//! of the robots' pulses is found. Cost: comparisons of each place of the path with each stretch of the others.
 
 use super::tips::Area;
 
-/// Where a tip is from one instant to another, both included.
+/// Area that a tip occupies between two instants, both included.
 #[derive(Debug, Clone, Copy)]
 pub struct TipStay {
     pub start_ns: u64,
@@ -15,26 +15,26 @@ pub struct TipStay {
     pub area: Area,
 }
 
-/// What another robot does, in order of time, and how far it has to be away.
+/// Occupied areas of another robot in order of time, and the gap to keep from it.
 #[derive(Debug, Clone, Copy)]
 pub struct Other<'a> {
     pub stretches: &'a [TipStay],
     pub gap_um: f64,
 }
 
-/// One thing that a robot does on its way.
+/// One action of a robot along its path.
 #[derive(Debug, Clone, Copy)]
 pub enum TimedAct {
-    /// Within an area to a place of it.
+    /// A pulse: the tip moves within an area to a place of it.
     Pulse { within: Area, to: Area },
-    /// Nothing, for so long.
+    /// Idle time in nanoseconds.
     Wait(u64),
 }
 
-/// A way, and when it may begin.
+/// A path, and when it may begin.
 #[derive(Debug, Clone)]
 pub struct TimedWay {
-    /// From this instant on the robot stands where the way begins.
+    /// From this instant on the robot stands at the start of the path.
     pub since_ns: u64,
     /// From this instant on it may move.
     pub start_ns: u64,
@@ -43,16 +43,16 @@ pub struct TimedWay {
     pub pulse_ns: u64,
     /// From the beginning of a pulse to the end of its rest.
     pub slot_ns: u64,
-    /// A pulse that has to wait begins at a multiple of this, so that instruments need no finer clock than without it.
+    /// A delayed pulse begins at a multiple of this, so that the delay demands no finer clock from the instruments.
     pub grain_ns: u64,
 }
 
-/// Why a way cannot be gone at any time.
+/// Why no timing of the path exists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StuckWay {
-    /// Somebody is always in the way; the first meeting when it is gone at once.
+    /// Another robot always blocks the path; this is the first meeting without delays.
     Met(TipMeeting),
-    /// The comparisons that were allowed are used up.
+    /// The budget of comparisons is spent.
     Spent,
 }
 
@@ -60,30 +60,30 @@ pub enum StuckWay {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TipMeeting {
     pub at_ns: u64,
-    /// Index of the others.
+    /// Index into the other robots.
     pub with: usize,
 }
 
-/// Stretches of time, both ends included, in order.
+/// Time intervals, both ends included, in order.
 type Free = Vec<[u64; 2]>;
 
-/// How a place of the way can be reached.
+/// Earliest arrival at a place of the path within one safe interval.
 #[derive(Debug, Clone, Copy)]
 struct Arrival {
-    /// The earliest instant of the next pulse.
+    /// Earliest instant of the next pulse.
     ready_ns: u64,
-    /// The last instant at which nobody comes near.
+    /// Last instant of the safe interval.
     until_ns: u64,
-    /// The arrival before it, and when the pulse between the two begins.
+    /// Index of the previous arrival, and the instant of the pulse between the two.
     before: usize,
     pulse_ns: u64,
 }
 
 impl TimedWay {
-    /// How long to wait before each pulse; nothing is longer than it must be for the earliest end.
+    /// Delay before each pulse, minimal for the earliest end.
     ///
     /// # Errors
-    /// See [`Stuck`]. `allowed` is the number of comparisons, which is drawn from.
+    /// See [`StuckWay`]. `allowed` is the remaining number of comparisons and is decremented.
     pub fn delays(&self, others: &[Other], allowed: &mut u64) -> Result<Vec<u64>, StuckWay> {
         let at_once = vec![0; self.acts.iter().filter(|act| matches!(act, TimedAct::Pulse { .. })).count()];
         let Some(meeting) = self.first_meeting(others, allowed)? else { return Ok(at_once) };
@@ -93,7 +93,7 @@ impl TimedWay {
         best.map(|best| self.traced(&levels, best)).ok_or(StuckWay::Met(meeting))
     }
 
-    /// Where the tip is at which time, with a delay before each pulse; and when the last rest or wait is over.
+    /// Areas of the tip over time, given a delay before each pulse; and the end of the last rest or wait.
     pub fn stretches(&self, delays: &[u64]) -> (Vec<TipStay>, u64) {
         let (mut stretches, mut since_ns, mut ready_ns, mut at) = (Vec::new(), self.since_ns, self.start_ns, self.from);
         let mut delays = delays.iter();
@@ -113,7 +113,7 @@ impl TimedWay {
         (stretches, ready_ns)
     }
 
-    /// The first meeting if every pulse comes as early as the robot can.
+    /// The first meeting when every pulse comes as early as the robot can.
     fn first_meeting(&self, others: &[Other], allowed: &mut u64) -> Result<Option<TipMeeting>, StuckWay> {
         let (own, _) = self.stretches(&[]);
         let mut first: Option<TipMeeting> = None;
@@ -137,7 +137,7 @@ impl TimedWay {
         Ok(first)
     }
 
-    /// The arrivals after each act, those at the start before them.
+    /// The arrivals at the start, then those after each act.
     fn levels(&self, others: &[Other], allowed: &mut u64) -> Result<Vec<Vec<Arrival>>, StuckWay> {
         let mut here = self.free(&self.from, others, allowed)?;
         let stands = here.iter().filter(|[from, to]| *from <= self.since_ns && self.start_ns <= *to);
@@ -158,7 +158,7 @@ impl TimedWay {
         Ok(levels)
     }
 
-    /// The arrivals after a pulse: for each stretch of time in which its end is free, the earliest.
+    /// The arrivals after a pulse: the earliest in each safe interval of its end.
     fn switched(&self, last: &[Arrival], moving: &Free, here: &Free) -> Vec<Arrival> {
         let mut next: Vec<Arrival> = Vec::new();
         for (before, arrival) in last.iter().enumerate() {
@@ -187,7 +187,7 @@ impl TimedWay {
         next
     }
 
-    /// The delays that lead to an arrival at the end.
+    /// The delays that lead to an arrival at the end of the path.
     fn traced(&self, levels: &[Vec<Arrival>], best: usize) -> Vec<u64> {
         let (mut at, mut delays) = (best, Vec::new());
         for (act, pair) in self.acts.iter().zip(levels.windows(2)).rev() {
@@ -201,7 +201,7 @@ impl TimedWay {
         delays
     }
 
-    /// The times at which nobody comes near an area, from when the robot stands at the start of its way.
+    /// The intervals in which no other tip is near an area, from the instant at which the robot stands at the start of its path.
     fn free(&self, area: &Area, others: &[Other], allowed: &mut u64) -> Result<Free, StuckWay> {
         let mut taken: Vec<[u64; 2]> = Vec::new();
         for other in others {

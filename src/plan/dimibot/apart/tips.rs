@@ -1,31 +1,31 @@
-//! Where the tips of placed robots are in their scene, and which of these places come near each other.
+//! Tip areas of placed robots in their scene, and which of them come near each other.
 //!
-//! Input: cells of a robot and where its frame stands. Output: areas of the scene, in micrometres. Promise: two areas are near if the
-//! distance of some two points of them is no larger than the gap asked for. An area is a rectangle, a segment or a point; its
-//! distance from another is measured between corners and edges, after a search for a line between the two.
+//! Input: cells of a robot and the pose of its frame. Output: areas of the scene, in micrometres. Promise: two areas are near if
+//! their distance is at most the given gap. An area is a rectangle, a segment or a point; the distance is 0 unless a separating
+//! line exists, and is otherwise measured between corners and edges.
 
 use crate::claims::dimibot::in_scene_um;
 use crate::device::dimibot::{DimibotFacts, LatticeCell};
 use crate::geometry::shape::{Pose, Shape};
 
-/// A robot in its scene.
+/// A robot placed in its scene.
 #[derive(Debug, Clone)]
 pub struct PlacedRobot {
     pub facts: DimibotFacts,
     pub frame: Pose,
 }
 
-/// A rectangle of the scene, without width where one module moves, without any extent where none does.
+/// A rectangle of the scene; degenerates to a segment where one module moves, and to a point where none does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Area {
-    /// In order round it.
+    /// In order around the rectangle.
     corners: [[f64; 2]; 4],
     low: [f64; 2],
     high: [f64; 2],
 }
 
 impl PlacedRobot {
-    /// Everywhere that the tip's centre may be while all modules switch that differ in two cells.
+    /// All positions of the tip's centre while the modules that differ between two cells switch, in any order.
     pub fn between(&self, from: LatticeCell, to: LatticeCell) -> Area {
         let (low, high) =
             (LatticeCell::new(from.x & to.x, from.y & to.y), LatticeCell::new(from.x | to.x, from.y | to.y));
@@ -37,12 +37,12 @@ impl PlacedRobot {
         Area { corners, low: extreme(f64::min), high: extreme(f64::max) }
     }
 
-    /// The place of a cell.
+    /// The position of a cell.
     pub fn at(&self, cell: LatticeCell) -> Area {
         self.between(cell, cell)
     }
 
-    /// An obstacle that holds everything within a distance of an area of this robot.
+    /// An obstacle that contains all points within a distance of an area of this robot.
     pub fn obstacle(&self, area: &Area, around_um: f64) -> (Shape, Pose) {
         let [a, b, c, d] = area.corners;
         let size_um = [length(minus(b, a)), length(minus(d, a))];
@@ -57,14 +57,14 @@ impl PlacedRobot {
 }
 
 impl Area {
-    /// Whether two areas have points no farther apart than `gap_um`.
+    /// Whether the distance between two areas is at most `gap_um`.
     pub fn is_near(&self, other: &Area, gap_um: f64) -> bool {
         let boxes_meet = (0..2)
             .all(|axis| self.low[axis] - gap_um <= other.high[axis] && other.low[axis] - gap_um <= self.high[axis]);
         boxes_meet && self.distance_um(other) <= gap_um
     }
 
-    /// The least distance of two points.
+    /// Distance between two areas.
     pub fn distance_um(&self, other: &Area) -> f64 {
         if !self.is_parted_from(other) && !other.is_parted_from(self) {
             return 0.0;
@@ -76,7 +76,7 @@ impl Area {
         from(self, other).min(from(other, self))
     }
 
-    /// Whether a line along one of its edges, or across one, parts it from another area.
+    /// Whether a line parallel or perpendicular to one of its edges separates it from another area.
     fn is_parted_from(&self, other: &Area) -> bool {
         edges(&self.corners).any(|[from, to]| {
             let way = minus(to, from);

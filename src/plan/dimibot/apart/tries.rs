@@ -1,4 +1,4 @@
-//! One way to plan the robots of a program apart: who goes first, and who makes way.
+//! One attempt to plan the robots of a program apart: the order of planning, and which robots make way.
 
 use super::delayed;
 use super::timing::{Other, StuckWay, TimedAct, TimedWay, TipStay};
@@ -14,42 +14,42 @@ use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// With more branches than this not every order is tried.
+/// With more branches than this, not every order is tried.
 const MAX_PERMUTED: usize = 3;
 
-/// Ways round more places than this are not looked for.
+/// Detours around more places than this are not searched.
 const MAX_PLACES: usize = 2_000;
 
-/// What robots do whose turn has not come, while those before them are planned.
+/// Assumption about robots not yet planned, while the earlier ones are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum BystanderManners {
-    /// They see to it themselves that they are gone in time.
+    /// They will leave in time by their own plans.
     MakeWay,
-    /// They stand where they stand.
+    /// They stay where they are.
     Stay,
 }
 
-/// How a program is planned.
+/// Policy for planning a program.
 #[derive(Debug, Clone)]
 pub struct Policy {
     manners: BystanderManners,
-    /// In which order the branches of a `together` are planned, by the order of writing.
+    /// Order in which the branches of a `together` are planned, as indices of the written order.
     order: Vec<usize>,
 }
 
-/// Why a try failed.
+/// Why an attempt failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TryReason {
     Met,
-    /// The two end where their tips touch.
+    /// The tips touch at the end of both plans.
     EndTogether,
-    /// A requirement is not kept.
+    /// A requirement is missed.
     Missed,
     NoWay,
     Spent,
 }
 
-/// Where a try failed.
+/// Where an attempt failed.
 #[derive(Debug, Clone)]
 pub struct TryFailure {
     pub reason: TryReason,
@@ -59,22 +59,22 @@ pub struct TryFailure {
     pub at_ns: u64,
 }
 
-/// Plans that keep robots apart.
+/// Plans that keep the robots apart.
 pub struct FoundPlans {
     pub plans: Vec<Plan>,
-    /// Plans that cost more than alone, the end of the program, and all waits: the less the better.
+    /// Number of plans that cost more than alone, end of the program, and sum of waits; smaller is better.
     pub rank: (usize, u64, u64),
 }
 
 impl FoundPlans {
-    /// Whether all plans are those of robots alone.
+    /// Whether every plan is that of the robot alone.
     pub fn is_untouched(&self) -> bool {
         let (detours, _, idle_ns) = self.rank;
         detours == 0 && idle_ns == 0
     }
 }
 
-/// The plans of a program in the making.
+/// Partial plans of a program during one attempt.
 struct Try<'a> {
     claims: &'a Claims,
     robots: &'a BTreeMap<&'a str, PlacedRobot>,
@@ -82,22 +82,22 @@ struct Try<'a> {
     allowed: &'a mut u64,
     plans: Vec<Plan>,
     traces: BTreeMap<&'a str, PlannedTrace>,
-    /// Robots whose turn comes, in the branches of a `together` around.
+    /// Robots planned later, in the other branches of each enclosing `together`.
     later: Vec<BTreeSet<&'a str>>,
-    /// Plans that cost more than alone, waits aside, and all waits.
+    /// Number of plans that cost more than alone, not counting waits, and the sum of waits.
     detours: usize,
     idle_ns: u64,
 }
 
-/// Where a robot is from the first instant to that up to which it is planned; there it stands.
+/// Positions of a robot from the first instant to the end of its plan so far, where it stays.
 struct PlannedTrace {
-    /// In order of time, the last one without end.
+    /// In order of time; the last one has no end.
     stretches: Vec<TipStay>,
     cell: LatticeCell,
     job: Option<usize>,
 }
 
-/// All policies worth a try, the most hopeful first.
+/// All policies worth an attempt, the most promising first.
 pub fn tries(claims: &Claims, robots: &BTreeMap<&str, PlacedRobot>) -> Vec<Policy> {
     let branches = most_branches(&claims.timeline, claims, robots);
     let orders = orders(branches);
@@ -105,7 +105,7 @@ pub fn tries(claims: &Claims, robots: &BTreeMap<&str, PlacedRobot>) -> Vec<Polic
     of(BystanderManners::MakeWay).chain(of(BystanderManners::Stay)).collect()
 }
 
-/// The orders of so many branches: all of a few, of many every one first and last.
+/// Orders of `branches` branches: all permutations of a few; of many, each branch once first and once last.
 fn orders(branches: usize) -> Vec<Vec<usize>> {
     if branches > MAX_PERMUTED {
         let turned = |first| (0..branches).map(move |at| (at + first) % branches).collect::<Vec<_>>();
@@ -123,7 +123,7 @@ fn orders(branches: usize) -> Vec<Vec<usize>> {
     orders
 }
 
-/// The most branches with robots of a shared scene in one `together`.
+/// Largest number of branches, in one `together`, that move robots of a shared scene.
 fn most_branches(timeline: &Timeline, claims: &Claims, robots: &BTreeMap<&str, PlacedRobot>) -> usize {
     let deeper = |parts: &[Timeline]| parts.iter().map(|part| most_branches(part, claims, robots)).max().unwrap_or(0);
     match timeline {
@@ -136,7 +136,7 @@ fn most_branches(timeline: &Timeline, claims: &Claims, robots: &BTreeMap<&str, P
     }
 }
 
-/// The robots of a part of the timeline that share a scene with others.
+/// The robots of a part of the timeline that share a scene.
 fn devices<'a>(part: &Timeline, claims: &'a Claims, robots: &BTreeMap<&str, PlacedRobot>) -> BTreeSet<&'a str> {
     match part {
         Timeline::Run(job) => {
@@ -150,10 +150,10 @@ fn devices<'a>(part: &Timeline, claims: &'a Claims, robots: &BTreeMap<&str, Plac
     }
 }
 
-/// Plans all runs of a program as a policy wants it, from the plans of robots alone.
+/// Plans all runs of a program under a policy, starting from the plans of the robots alone.
 ///
 /// # Errors
-/// Where no timing and no way round was found. `allowed` comparisons may be made, and are drawn from.
+/// If neither a timing nor a detour was found. `allowed` is the remaining number of comparisons and is decremented.
 pub fn attempt(
     (claims, robots): (&Claims, &BTreeMap<&str, PlacedRobot>),
     alone: &[Plan],
@@ -214,7 +214,7 @@ impl<'a> Try<'a> {
         Ok(end_ns)
     }
 
-    /// The best plan of a robot by itself, from where it stands.
+    /// The best plan of a robot alone from its current cell.
     fn alone(&self, index: usize, order: &DimibotOrder, cell: LatticeCell) -> Option<Plan> {
         let known = &self.plans[index];
         match known.motion.dimibot().is_some_and(|motion| motion.start == cell) {
@@ -223,7 +223,7 @@ impl<'a> Try<'a> {
         }
     }
 
-    /// The plan, its way and its delays: the robot's own best if that can be timed, else a way round.
+    /// The plan, its path and its delays: the robot's own best path if it can be timed, else a detour.
     fn timed(
         &mut self,
         index: usize,
@@ -307,7 +307,7 @@ impl<'a> Try<'a> {
         })
     }
 
-    /// Whether a way ends where another robot, planned before, stands at last.
+    /// Whether a path ends where it touches the last place of another robot planned before.
     fn end_together(&self, own: &str, way: &TimedWay, with: &str) -> bool {
         let last = |stretches: &[TipStay]| stretches.last().map(|stretch| stretch.area);
         let (end, beside) = (last(&way.stretches(&[]).0), last(self.other(own, with).stretches));
@@ -315,14 +315,14 @@ impl<'a> Try<'a> {
         is_planned && end.zip(beside).is_some_and(|(end, beside)| end.is_near(&beside, self.gap_um(own, with)))
     }
 
-    /// The other robots with a place in one of a robot's scenes.
+    /// The other robots that share a scene with a robot.
     fn neighbours(&self, own: &str) -> Vec<&'a str> {
         let scenes = self.claims.shared.iter().filter(|scene| scene.frames.contains_key(own));
         let names: BTreeSet<&str> = scenes.flat_map(|scene| scene.frames.keys()).map(String::as_str).collect();
         names.into_iter().filter(|name| *name != own).collect()
     }
 
-    /// Another robot as one has to see it: without its last standing place if it is to make way.
+    /// Another robot as an obstacle: without its last place if it is expected to make way.
     fn other(&self, own: &str, name: &str) -> Other<'_> {
         let stretches = self.traces[name].stretches.as_slice();
         let makes_way =
@@ -339,7 +339,7 @@ impl<'a> Try<'a> {
         growth(own) + growth(name) + SAFETY_MARGIN_UM
     }
 
-    /// A plan that goes round places of the others; `None` if there is none, or nothing to go round.
+    /// A plan that avoids places of the others; `None` if there is none, or nothing to avoid.
     fn round(
         &self,
         index: usize,
@@ -385,7 +385,7 @@ impl<'a> Try<'a> {
     }
 }
 
-/// What a plan goes round, besides the obstacles of the scene.
+/// Places that a plan avoids, besides the obstacles of the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Round {
     Nothing,
@@ -398,7 +398,7 @@ impl Round {
 }
 
 impl PlannedTrace {
-    /// A robot that stands where its first run begins.
+    /// A robot at the start of its first run.
     fn begin(device: &str, robot: &PlacedRobot, claims: &Claims) -> PlannedTrace {
         let first = claims.jobs.iter().find(|job| job.device == device).and_then(|job| job.order.dimibot());
         let cell = first.and_then(|order| order.start).map_or(robot.facts.home, |start| start.value);
@@ -406,7 +406,7 @@ impl PlannedTrace {
         PlannedTrace { stretches, cell, job: None }
     }
 
-    /// Since when it stands where it stands at last.
+    /// Instant since which it stays at its last place.
     fn since_ns(&self) -> u64 {
         self.stretches.last().map_or(0, |stretch| stretch.start_ns)
     }
@@ -418,7 +418,7 @@ impl PlannedTrace {
     }
 }
 
-/// Where a motion ends.
+/// Cell in which a motion ends.
 fn end_of(motion: &DimibotMotion) -> LatticeCell {
     let pulses = motion.steps.iter().flat_map(|step| match step {
         DimibotStepMotion::Pulses(pulses) => pulses.as_slice(),
@@ -434,7 +434,7 @@ fn replanned(job: &Job, order: &DimibotOrder, cell: LatticeCell) -> Option<Plan>
     plan(&job, order, &mut standing, &mut Sink::default())
 }
 
-/// The largest power of ten, in nanoseconds, that divides the pulses and rests of all robots.
+/// The largest power of ten, in nanoseconds, that divides the pulse and rest times of all robots.
 fn grain_ns(robots: &BTreeMap<&str, PlacedRobot>) -> u64 {
     let divides = |grain_ns: u64| {
         let times = robots.values().flat_map(|robot| [robot.facts.pulse_duration_ns, robot.facts.rest_ns]);
@@ -454,13 +454,13 @@ fn keeps_all(job: &Job, plan: &Plan) -> bool {
         .all(|asked| reached(&asked.outcome).is_none_or(|reached| keeps(asked, reached) == Kept::Yes))
 }
 
-/// What a plan costs with its delays, where time is what is minimised.
+/// Cost of a plan with its delays, where time is minimised.
 fn total(plan: &Plan, delays: &[u64]) -> f64 {
     let idle_ms = delays.iter().sum::<u64>() as f64 / 1e6;
     if plan.objective == DimibotObjective::Time.name() { plan.cost + idle_ms } else { plan.cost }
 }
 
 fn duration_ns(plan: &Plan) -> u64 {
-    // Every kind counts its time in whole nanoseconds, which a number of seconds gives back exactly up to the longest schedule.
+    // Every kind counts time in whole nanoseconds; seconds as `f64` convert back exactly up to the longest schedule.
     (plan.outcomes.get(DimibotOutcome::Time.name()).copied().unwrap_or_default() * 1e9).round() as u64
 }

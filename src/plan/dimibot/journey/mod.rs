@@ -1,36 +1,36 @@
-//! The exact search between two cells, in stages from cheap to thorough.
+//! Exact search between two cells, in stages from cheap to thorough.
 //!
-//! Problem: least sum of weights from start to goal. Method: distances of blocks guide A* on the cells (see [`super::blocks`], [`super::guided`]); first a little
-//! without them, then with them, and in large lattices with those of much smaller blocks, found by the same
-//! search on the picture. A flood from the goal runs beside it, so that a goal in a small pocket is found shut without visiting the rest. When
-//! the budget runs out, weighted A* finds some path, which is returned with the bound proven so far. Guaranteed: what
-//! [`Outcome`] says. One step of the budget is one cell queued.
+//! Problem: least sum of weights from start to goal. Method: distances of blocks guide A* on the cells (see [`super::blocks`],
+//! [`super::guided`]); first a short search without them, then with them, and in large lattices with those of much smaller blocks,
+//! found by the same search on the abstraction. A flood from the goal runs alongside, so that a goal in a small pocket is proven
+//! unreachable without visiting the rest. When the budget runs out, weighted A* finds some path, which is returned with the bound
+//! proven so far. Guaranteed: see [`DimibotSearchOutcome`]. One step of the budget is one cell queued.
 
 use super::blocks::{BlockDistances, Blocks};
 use super::field::FieldReader;
 use super::guided::{BlockGuide, Guide, GuidedSearch, Lists, NoBlocks, SearchEnd, SearchSpace, small_difference};
 use super::lattice::{Flip, Side, SwitchWeights, bits};
-use super::outcome::{DimibotSearchOutcome, FlipPath, Proof};
+use super::outcome::{DimibotAnswer, FlipPath, Proof};
 use super::seen::Seen;
 use crate::plan::search::{Meter, SearchBudget};
 use rustc_hash::FxHashMap;
 
-/// Modules of each side that lead from block to block in the first picture: 64 by 64 blocks.
+/// Coarse modules of each side in the first abstraction: 64 by 64 blocks.
 const COARSE: u32 = 6;
-/// The same for the second picture: 1024 by 1024 blocks. Smaller lattices have no use for it.
+/// The same for the second abstraction: 1024 by 1024 blocks. Smaller lattices do not need it.
 const MIDDLE: u32 = 10;
 /// Cells queued before the distances of blocks are computed.
 const FIRST_TRY: u64 = 1 << 12;
-/// Cells queued before the second picture is made.
+/// Cells queued before the second abstraction is built.
 const SECOND_TRY: u64 = 1 << 16;
-/// Of the budget, the part kept for finding a path that need not be optimal.
+/// One part in this many of the budget is reserved for a path that need not be optimal.
 const KEPT_PART: u64 = 4;
-/// Cells settled from the start for each cell flooded from the goal.
+/// Cells settled from the start per cell flooded from the goal.
 const PACE: u64 = 4;
-/// How many times the estimate counts when a path need not be optimal, from careful to hasty.
+/// Heuristic weights for a path that need not be optimal, from careful to greedy.
 const GREEDS: [i64; 3] = [2, 8, 64];
 
-/// What is kept between searches of one field.
+/// Data kept between searches of one field.
 #[derive(Default)]
 pub(super) struct Workspace {
     coarse: Option<Blocks>,
@@ -52,7 +52,7 @@ struct GoalFlood {
 }
 
 impl Workspace {
-    /// Makes the first picture of the field.
+    /// Builds the first abstraction of the field.
     pub(super) fn prepare(&mut self, reader: &mut FieldReader<'_>) {
         self.coarse.get_or_insert_with(|| Blocks::new(reader, COARSE));
     }
@@ -68,7 +68,7 @@ pub(super) struct LatticeJourney<'a, 'f> {
     bound: u64,
 }
 
-/// A stage has decided the question.
+/// Result of a stage that settles the question.
 enum Decided {
     Path,
     No(Proof),
@@ -87,14 +87,14 @@ impl<'a, 'f> LatticeJourney<'a, 'f> {
         LatticeJourney { reader, weights, start, goal, meter: Meter::new(budget), bound }
     }
 
-    pub(super) fn run(mut self, space: &mut Workspace) -> DimibotSearchOutcome<FlipPath> {
+    pub(super) fn run(mut self, space: &mut Workspace) -> DimibotAnswer<FlipPath> {
         let coarse = space.coarse.take().unwrap_or_else(|| Blocks::new(&mut self.reader, COARSE));
         space.flood.begin(self.reader.modules(), self.goal);
         let decided = self.stages(&coarse, space);
         space.coarse = Some(coarse);
         match decided {
             Some(Decided::Path) => self.path(&space.lists, None),
-            Some(Decided::No(proof)) => DimibotSearchOutcome::impossible(proof, self.meter.spent()),
+            Some(Decided::No(proof)) => DimibotAnswer::impossible(proof, self.meter.spent()),
             None => self.some_path(space),
         }
     }
@@ -118,7 +118,7 @@ impl<'a, 'f> LatticeJourney<'a, 'f> {
         large.then(|| self.last_stage(coarse, space)).flatten()
     }
 
-    /// What may be spent on proving an optimum.
+    /// Steps that may be spent on proving an optimum.
     fn allowed(&self) -> u64 {
         let left = self.meter.left().steps;
         left - left / KEPT_PART
@@ -151,7 +151,7 @@ impl<'a, 'f> LatticeJourney<'a, 'f> {
         }
     }
 
-    /// Finds distances of much smaller blocks and searches with their guidance.
+    /// Computes distances of much smaller blocks and searches with their guidance.
     fn last_stage(&mut self, coarse: &Blocks, space: &mut Workspace) -> Option<Decided> {
         let middle = space.middle.take().unwrap_or_else(|| Blocks::new(&mut self.reader, MIDDLE));
         let decided = self.with_middle(coarse, &middle, space);
@@ -186,9 +186,9 @@ impl<'a, 'f> LatticeJourney<'a, 'f> {
     }
 
     /// A path that need not be optimal, by weighted A*.
-    fn some_path(mut self, space: &mut Workspace) -> DimibotSearchOutcome<FlipPath> {
+    fn some_path(mut self, space: &mut Workspace) -> DimibotAnswer<FlipPath> {
         let Some(coarse) = &space.coarse else {
-            return DimibotSearchOutcome::GaveUp(self.meter.gave_up(self.bound));
+            return DimibotAnswer::GaveUp(self.meter.gave_up(self.bound));
         };
         let guide = BlockGuide { blocks: coarse, distances: &space.to_goal, shift: [0, 0] };
         let limit = self.meter.left().steps / GREEDS.len() as u64;
@@ -203,19 +203,19 @@ impl<'a, 'f> LatticeJourney<'a, 'f> {
                 return self.path(&space.lists, Some(self.bound));
             }
         }
-        DimibotSearchOutcome::GaveUp(self.meter.gave_up(self.bound))
+        DimibotAnswer::GaveUp(self.meter.gave_up(self.bound))
     }
 
-    fn path(&self, lists: &Lists, bound: Option<u64>) -> DimibotSearchOutcome<FlipPath> {
+    fn path(&self, lists: &Lists, bound: Option<u64>) -> DimibotAnswer<FlipPath> {
         let flips: Vec<Flip> = lists.path();
         let cost = flips.iter().map(|flip| self.weights.of(*flip)).sum();
         let bound = bound.map_or(cost, |bound| bound.min(cost));
-        DimibotSearchOutcome::Found(FlipPath { flips, cost, bound, expanded: self.meter.spent() })
+        DimibotAnswer::Found(FlipPath { flips, cost, bound, expanded: self.meter.spent() })
     }
 }
 
-/// Distances of the small blocks of the second picture to the goal: exact where the search from the goal has settled them, bounded by its last
-/// layer and by the larger blocks elsewhere.
+/// Distances of the small blocks of the second abstraction to the goal: exact where the search from the goal has settled them;
+/// elsewhere bounded by its last layer and by the larger blocks.
 struct MiddleGuide<'a> {
     middle: &'a Blocks,
     to_start: BlockGuide<'a>,
@@ -225,7 +225,7 @@ struct MiddleGuide<'a> {
     goal: [u32; 2],
     /// By block: distance to the goal.
     exact: FxHashMap<[u32; 2], u64>,
-    /// No way from start to goal through a block that is not in `exact` costs less.
+    /// For every block not in `exact`, the sum of its distance to the goal and `to_start` is at least this.
     layer: u64,
 }
 
@@ -265,6 +265,7 @@ impl Guide for MiddleGuide<'_> {
         match self.exact.get(&block) {
             Some(distance) => Some(*distance),
             None => {
+                // Admissible by the definition of `layer`; the larger of two lower bounds is one too.
                 let beyond = self.layer.saturating_sub(self.to_start(block)?);
                 let small = small_difference(&self.to_goal, &self.weights, block, self.goal);
                 Some(beyond.max(self.to_goal.coarse(block)? + small))
@@ -282,7 +283,7 @@ impl GoalFlood {
         self.cells.push(goal);
     }
 
-    /// Spreads now and then; `false` once there is nothing left to spread from, so that the goal's component is known.
+    /// Spreads once every [`PACE`] calls; `false` once the goal's component is exhausted.
     fn keep_pace(&mut self, ground: &mut impl SearchSpace) -> bool {
         self.calls += 1;
         if !self.calls.is_multiple_of(PACE) {

@@ -1,4 +1,4 @@
-//! The last stage is seldom reached; here it is made to solve what the first stages have solved.
+//! The last stage is rarely reached; here it must solve what the first stages have solved.
 
 use super::*;
 use crate::plan::dimibot::tests::oracle::Random;
@@ -45,8 +45,8 @@ fn the_last_stage_agrees_with_the_first_ones() {
                 _ => SwitchWeights::switches(&lattice),
             };
             let first = match shortest(&field, ends[0], ends[1], &weights, SearchBudget::DEFAULT) {
-                DimibotSearchOutcome::Found(path) if path.cost == path.bound => Some(path.cost),
-                DimibotSearchOutcome::Impossible(_) => None,
+                DimibotAnswer::Found(path) if path.cost == path.bound => Some(path.cost),
+                DimibotAnswer::Impossible(_) => None,
                 other => panic!("{other:?}"),
             };
             assert_eq!(last_stage_alone(&field, ends, &weights), first, "{crowd} {ends:?}");

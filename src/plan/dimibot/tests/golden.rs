@@ -14,19 +14,19 @@ fn blocks(lattice: &Lattice, numbers: &[u32]) -> Vec<FieldObstacle> {
     numbers.iter().map(cell).map(|c| FieldObstacle::Cells { from: c, to: c }).collect()
 }
 
-/// From 6 to 10 with N = 2: cost and the number of the first place visited.
+/// From 6 to 10 with N = 2: cost and the index of the first place visited.
 fn six_to_ten(obstacles: &[u32]) -> Option<(u64, u32)> {
     let lattice = symmetric(2);
     let field = LatticeField::new(lattice, &blocks(&lattice, obstacles)).unwrap();
     let ends = [6, 10].map(|k| numbered(&lattice, k));
     match shortest(&field, ends[0], ends[1], &SwitchWeights::distance(&lattice), SearchBudget::DEFAULT) {
-        DimibotSearchOutcome::Found(path) => {
+        DimibotAnswer::Found(path) => {
             assert_eq!(path.cost, path.bound);
             let first = ends[0].after(path.flips[0]);
             Some((path.cost, first.x << 2 | first.y))
         }
-        DimibotSearchOutcome::Impossible(_) => None,
-        DimibotSearchOutcome::GaveUp(gave_up) => panic!("{gave_up:?}"),
+        DimibotAnswer::Impossible(_) => None,
+        DimibotAnswer::GaveUp(gave_up) => panic!("{gave_up:?}"),
     }
 }
 
@@ -44,7 +44,7 @@ fn four_modules_a_side_across_the_middle_cost_thirty() {
     let lattice = symmetric(4);
     let field = LatticeField::new(lattice, &[]).unwrap();
     let (start, goal) = (LatticeCell::new(8, 8), LatticeCell::new(7, 7));
-    let DimibotSearchOutcome::Found(path) =
+    let DimibotAnswer::Found(path) =
         shortest(&field, start, goal, &SwitchWeights::distance(&lattice), SearchBudget::DEFAULT)
     else {
         panic!("an empty scene has a path")

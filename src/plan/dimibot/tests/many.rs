@@ -31,13 +31,13 @@ fn pulses_agree_with_brute_force() {
         let (start, goal) = (some_cell(&mut random, &lattice), some_cell(&mut random, &lattice));
         let truth = oracle.pulses(start, goal);
         match pulses(&field, start, goal, SearchBudget::DEFAULT) {
-            DimibotSearchOutcome::Found(train) => {
+            DimibotAnswer::Found(train) => {
                 check_train(&oracle, start, goal, &train);
                 assert_eq!((Some(train.pulses.len()), train.cost()), (truth, train.bound));
                 by_count[train.pulses.len().min(5)] += 1;
             }
-            DimibotSearchOutcome::Impossible(_) => assert_eq!(truth, None, "{obstacles:?}"),
-            DimibotSearchOutcome::GaveUp(report) => panic!("{report:?}"),
+            DimibotAnswer::Impossible(_) => assert_eq!(truth, None, "{obstacles:?}"),
+            DimibotAnswer::GaveUp(report) => panic!("{report:?}"),
         }
     }
     assert!(by_count[1] > 50 && by_count[2] > 50 && by_count[3] > 10, "{by_count:?}");
@@ -55,7 +55,7 @@ fn the_search_by_length_is_honest() {
         let oracle = Oracle { lattice: fine, obstacles: &obstacles };
         let (start, goal) = (some_cell(&mut random, &fine), some_cell(&mut random, &fine));
         let _ = lattice;
-        let DimibotSearchOutcome::Found(train) = pulses(&field, start, goal, SearchBudget::DEFAULT) else {
+        let DimibotAnswer::Found(train) = pulses(&field, start, goal, SearchBudget::DEFAULT) else {
             continue;
         };
         check_train(&oracle, start, goal, &train);
@@ -157,7 +157,7 @@ fn no_order_of_places_is_below_the_bound_on_tours() {
     assert!(tight > 150, "{tight} of 300");
 }
 
-/// Each stage comes to all its cells, and each pulse is safe.
+/// Each stage visits all its cells, and each pulse is safe.
 fn check_route(field: &LatticeField, start: LatticeCell, stages: &[RouteStage], route: &Route) {
     let mut at = start;
     for (stage, pulses) in stages.iter().zip(&route.pulses) {

@@ -45,11 +45,11 @@ pub fn some_cell(random: &mut Random, lattice: &Lattice) -> LatticeCell {
     LatticeCell::new(random.below(1 << lattice.modules[0]), random.below(1 << lattice.modules[1]))
 }
 
-fn cost_of(outcome: &DimibotSearchOutcome<FlipPath>) -> Option<u64> {
+fn cost_of(outcome: &DimibotAnswer<FlipPath>) -> Option<u64> {
     match outcome {
-        DimibotSearchOutcome::Found(path) => Some(path.cost),
-        DimibotSearchOutcome::Impossible(_) => None,
-        DimibotSearchOutcome::GaveUp(gave_up) => panic!("{gave_up:?}"),
+        DimibotAnswer::Found(path) => Some(path.cost),
+        DimibotAnswer::Impossible(_) => None,
+        DimibotAnswer::GaveUp(gave_up) => panic!("{gave_up:?}"),
     }
 }
 
@@ -58,9 +58,9 @@ fn check_path(
     start: LatticeCell,
     goal: LatticeCell,
     weights: &SwitchWeights,
-    outcome: &DimibotSearchOutcome<FlipPath>,
+    outcome: &DimibotAnswer<FlipPath>,
 ) {
-    let DimibotSearchOutcome::Found(path) = outcome else {
+    let DimibotAnswer::Found(path) = outcome else {
         return;
     };
     let mut at = start;
@@ -116,7 +116,7 @@ fn a_larger_lattice_agrees_with_dijkstra_and_hashing_changes_nothing() {
             for weights in [SwitchWeights::distance(&lattice), SwitchWeights::switches(&lattice)] {
                 let mine = shortest(&field, start, goal, &weights, SearchBudget::DEFAULT);
                 let theirs = bidirectional_dijkstra(&field, start, goal, &weights, SearchBudget::of(30_000));
-                if let DimibotSearchOutcome::GaveUp(gave_up) = theirs {
+                if let DimibotAnswer::GaveUp(gave_up) = theirs {
                     assert!(cost_of(&mine).is_none_or(|cost| cost >= gave_up.bound));
                     continue;
                 }
@@ -139,16 +139,16 @@ fn a_small_budget_gives_an_honest_bound() {
         let field = LatticeField::new(lattice, &obstacles).unwrap();
         let (start, goal) = (some_cell(&mut random, &lattice), some_cell(&mut random, &lattice));
         let weights = SwitchWeights::distance(&lattice);
-        let DimibotSearchOutcome::Found(best) = shortest(&field, start, goal, &weights, SearchBudget::DEFAULT) else {
+        let DimibotAnswer::Found(best) = shortest(&field, start, goal, &weights, SearchBudget::DEFAULT) else {
             continue;
         };
         match shortest(&field, start, goal, &weights, SearchBudget::of(best.expanded / 2)) {
-            DimibotSearchOutcome::Found(path) => assert!(path.bound <= best.cost && best.cost <= path.cost),
-            DimibotSearchOutcome::GaveUp(report) => {
+            DimibotAnswer::Found(path) => assert!(path.bound <= best.cost && best.cost <= path.cost),
+            DimibotAnswer::GaveUp(report) => {
                 assert!(report.bound <= best.cost && report.spent <= best.expanded / 2 + 200, "{report:?} {best:?}");
                 gave_up += 1;
             }
-            DimibotSearchOutcome::Impossible(proof) => panic!("{proof:?}"),
+            DimibotAnswer::Impossible(proof) => panic!("{proof:?}"),
         }
     }
     assert!(gave_up > 20, "{gave_up}");

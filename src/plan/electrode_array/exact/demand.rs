@@ -1,14 +1,14 @@
-//! What a node of the search asks of one agent, and the least cost at which the agent alone can meet it.
+//! Constraints of one agent in a node of the constraint tree, and the least cost at which the agent alone meets them.
 
 use super::super::board::CellIndex;
 use super::field::{ExactTables, FAR, StagedCell};
 use crate::plan::search::Meter;
 use rustc_hash::FxHashSet;
 
-/// For ever.
+/// No last instant.
 pub const ALWAYS: u32 = u32::MAX;
 
-/// A box of cells that an agent may not take during some instants, all ends included.
+/// A box of cells forbidden to an agent during some instants, all ends included.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Ban {
     pub columns: (i32, i32),
@@ -17,12 +17,12 @@ pub struct Ban {
     pub from: u32,
     /// Last instant, or [`ALWAYS`].
     pub until: u32,
-    /// A cell of the box that is allowed all the same.
+    /// A cell of the box that stays allowed.
     pub except: Option<CellIndex>,
 }
 
 impl Ban {
-    /// Whether it forbids a cell, at its instants.
+    /// Whether it forbids a cell while it is in force.
     #[inline]
     pub fn covers(&self, field: &ExactTables, cell: CellIndex) -> bool {
         let (column, row) = field.place(cell);
@@ -31,31 +31,31 @@ impl Ban {
             && self.except != Some(cell)
     }
 
-    /// Whether it holds at an instant.
+    /// Whether it is in force at an instant.
     #[inline]
     pub fn holds_at(&self, instant: u32) -> bool {
         self.from <= instant && instant <= self.until
     }
 }
 
-/// What is asked of one agent.
+/// Constraints of one agent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AgentConstraint {
     pub bans: Vec<Ban>,
-    /// It counts as arrived at this instant at the earliest.
+    /// Its arrival does not count before this instant.
     pub least: u32,
-    /// It has arrived at this instant, or [`ALWAYS`].
+    /// Latest arrival, or [`ALWAYS`].
     pub most: u32,
 }
 
 impl AgentConstraint {
-    /// From this instant on nothing changes any more.
+    /// Instant from which the constraints no longer change.
     fn settled_from(&self) -> u32 {
         let end = |ban: &Ban| if ban.until == ALWAYS { ban.from } else { ban.until + 1 };
         self.bans.iter().map(end).max().unwrap_or(0).max(self.least)
     }
 
-    /// The first instant from which on it may stay on its goal for good; none if never.
+    /// First instant from which it may stay on its goal for good; `None` if never.
     fn may_stay_from(&self, field: &ExactTables, agent: usize) -> Option<u32> {
         let goal = field.cell(field.goal(agent));
         let closing = self.bans.iter().filter(|ban| ban.covers(field, goal));
@@ -66,18 +66,19 @@ impl AgentConstraint {
         self.bans.iter().any(|ban| ban.holds_at(instant) && ban.covers(field, cell))
     }
 
-    /// The bans that hold at an instant.
+    /// The bans in force at an instant.
     pub fn bans_at(&self, instant: u32) -> impl Iterator<Item = &Ban> {
         self.bans.iter().filter(move |ban| ban.holds_at(instant))
     }
 }
 
-/// A search has used up its budget.
+/// The budget of a search is spent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct OutOfSteps;
 
-/// The least cost at which an agent alone meets a demand; none if it cannot. A* over nodes and instants; once nothing changes any
-/// more the instant is no longer told apart, so that the search ends. One step for each node expanded.
+/// The least cost at which an agent alone meets its constraints; `None` if it cannot. A* over nodes and instants; once the
+/// constraints no longer change, the instant is dropped from the state, so that the search is finite. One step for each node
+/// expanded.
 pub fn least_cost(
     field: &ExactTables,
     agent: usize,

@@ -1,15 +1,15 @@
-//! The tables that the exact searches share: where each agent can step, and how far it is from its goal over its stops.
+//! Tables that the exact searches share: the moves of each agent, and its distance to its goal through its stops.
 //!
-//! An agent alone is a walk over nodes: a node is a cell and how many of its stops before the goal are done, in one number,
-//! `stage * cells + cell`. The distances take blocked cells into account and are exact for an agent that is alone.
+//! A single agent walks over nodes: a node is a cell and the number of stops visited, in one number, `stage * cells + cell`. The
+//! distances respect blocked cells and are exact for an agent that is alone.
 
 use super::super::board::{CellIndex, Instance};
 use std::collections::VecDeque;
 
-/// A cell and how many stops are done: `stage * cells + cell`.
+/// A cell and the number of stops visited: `stage * cells + cell`.
 pub type StagedCell = u32;
 
-/// Further than any way: there is none.
+/// Distance of an unreachable goal.
 pub const FAR: u32 = u32::MAX;
 
 /// Tables with more entries than this are not built; 4 bytes each.
@@ -20,33 +20,33 @@ pub struct ExactTables<'a> {
     pub instance: &'a Instance,
     cells: u32,
     places: Vec<(i32, i32)>,
-    /// The free neighbours of each cell, itself first; unused places repeat the cell.
+    /// The free neighbours of each cell, itself first; unused entries repeat the cell.
     steps: Vec<[CellIndex; 5]>,
     ways: Vec<AgentDistances>,
-    /// For each pair, at `one * agents + other`, whether they merge.
+    /// For each pair, at `one * agents + other`: whether they merge.
     merged: Vec<bool>,
 }
 
-/// One agent.
+/// Distances of one agent.
 struct AgentDistances {
     start: StagedCell,
     goal: StagedCell,
-    /// By node: steps to the goal over the stops that are left.
+    /// By node: steps to the goal through the remaining stops.
     distances: Vec<u32>,
-    /// It never leaves its goal, because it merges there.
+    /// It merges on its goal and so never leaves it.
     absorbed: bool,
 }
 
-/// What the tables say of an agent before any search.
+/// Why the tables were not built.
 pub enum Closed {
     /// The tables would be too large.
     TooLarge,
-    /// Blocked cells close the way of this agent to this of its stops.
+    /// Blocked cells cut this agent off from this of its stops.
     Stop { agent: usize, stop: usize },
 }
 
 impl<'a> ExactTables<'a> {
-    /// Builds the tables, if every agent alone can reach its goal.
+    /// Builds the tables; an error if some agent cannot reach its goal even alone.
     pub fn new(instance: &'a Instance) -> Result<ExactTables<'a>, Closed> {
         let board = &instance.board;
         let stages = instance.agents.iter().map(|agent| agent.stops.len() as u64).sum::<u64>();
@@ -90,7 +90,7 @@ impl<'a> ExactTables<'a> {
         Ok(AgentDistances { start, goal, distances, absorbed })
     }
 
-    /// The node of an agent that comes to a cell with `stage` stops done.
+    /// The node of an agent that enters a cell with `stage` stops visited.
     #[inline]
     fn advanced(&self, agent: usize, stage: u32, cell: CellIndex) -> StagedCell {
         let stops = &self.instance.agents[agent].stops;
@@ -101,17 +101,17 @@ impl<'a> ExactTables<'a> {
         stage as u32 * self.cells + cell
     }
 
-    /// How many agents there are.
+    /// Number of agents.
     pub fn agents(&self) -> usize {
         self.ways.len()
     }
 
-    /// How many nodes the walk of an agent has.
+    /// Number of nodes of an agent.
     pub fn nodes(&self, agent: usize) -> usize {
         self.ways[agent].distances.len()
     }
 
-    /// How many nodes of the walk of an agent lead to its goal.
+    /// Number of nodes of an agent from which its goal is reachable.
     pub fn reaching(&self, agent: usize) -> u64 {
         self.ways[agent].distances.iter().filter(|distance| **distance != FAR).count() as u64
     }
@@ -121,19 +121,19 @@ impl<'a> ExactTables<'a> {
         self.ways[agent].start
     }
 
-    /// The node at which it has arrived.
+    /// The node of its final arrival.
     #[inline]
     pub fn goal(&self, agent: usize) -> StagedCell {
         self.ways[agent].goal
     }
 
-    /// Whether it never leaves its goal once it is there.
+    /// Whether it never leaves its goal once there.
     #[inline]
     pub fn is_absorbed(&self, agent: usize) -> bool {
         self.ways[agent].absorbed
     }
 
-    /// Steps from a node to the goal for the agent alone; [`FAR`] if there is no way.
+    /// Steps from a node to the goal for the agent alone; [`FAR`] if there is no path.
     #[inline]
     pub fn distance(&self, agent: usize, node: StagedCell) -> u32 {
         self.ways[agent].distances[node as usize]
@@ -155,7 +155,7 @@ impl<'a> ExactTables<'a> {
         self.places[cell as usize]
     }
 
-    /// Where an agent can be one instant later.
+    /// The nodes that an agent can reach in one step.
     #[inline]
     pub fn next(&self, agent: usize, node: StagedCell) -> impl Iterator<Item = StagedCell> + '_ {
         let cell = self.cell(node);
@@ -175,7 +175,7 @@ impl<'a> ExactTables<'a> {
         self.merged[one * self.ways.len() + other]
     }
 
-    /// Whether two cells of two agents at the same or at neighbouring instants are too near.
+    /// Whether the cells of two agents at the same or at neighbouring instants violate the separation.
     #[inline]
     pub fn too_near(&self, one: usize, at: CellIndex, other: usize, other_at: CellIndex) -> bool {
         let ((c, r), (d, s)) = (self.place(at), self.place(other_at));
@@ -187,7 +187,7 @@ impl<'a> ExactTables<'a> {
     }
 }
 
-/// A cell and its free neighbours; unused places repeat the cell.
+/// A cell and its free neighbours; unused entries repeat the cell.
 fn steps_from(instance: &Instance, cell: CellIndex) -> [CellIndex; 5] {
     let mut steps = [cell; 5];
     for (place, to) in steps[1..].iter_mut().zip(instance.board.neighbours(cell)) {

@@ -1,29 +1,29 @@
-//! Agents that do not meet are searched apart (independence detection; Standley, AAAI 2010).
+//! Independence detection: agents that do not conflict are searched separately (Standley, AAAI 2010).
 //!
-//! Every agent begins as a group of its own. Where the paths of two groups clash the two become one and are searched again. The
-//! bounds of the groups add up to a bound for all at any time, and once no paths clash the plans together are best.
+//! Every agent begins as its own group. Where the paths of two groups clash, the groups are merged and searched again. At any time
+//! the bounds of the groups add up to a bound for all, and once no paths clash the union of the plans is optimal.
 
 use super::super::board::{CellIndex, Paths};
 use super::field::ExactTables;
 use super::split::clashes;
 use super::tree::{self, ConstraintTreeTask, End};
-use crate::plan::search::{Meter, SearchBudget};
+use crate::plan::search::Meter;
 
-/// The bounds on the arrival of everyone, and the sum of costs of interest.
+/// Bounds on everyone's arrival, and the ceiling on the sum of costs.
 #[derive(Clone, Copy)]
 pub struct WantedBounds {
-    /// Everyone counts as arrived at this instant at the earliest.
+    /// No arrival counts before this instant.
     pub least: u32,
-    /// Everyone has arrived at this instant, or `ALWAYS`.
+    /// Latest arrival for everyone, or `ALWAYS`.
     pub most: u32,
-    /// Only a smaller sum of costs is of interest.
+    /// Only sums of costs below this are of interest.
     pub ceiling: u64,
 }
 
-/// A group is first given this part of what is left of the budget.
+/// One part in this many of the remaining budget goes to the first attempt at a group.
 const FIRST_SHARE: u64 = 4;
 
-/// Searches for all agents of the field; the result as of one search for all.
+/// Searches for all agents of the field; equivalent to one search for all.
 pub fn search(field: &ExactTables, wanted: WantedBounds, meter: &mut Meter) -> End {
     let mut groups = Groups { field, wanted, groups: vec![] };
     for agent in 0..field.agents() {
@@ -41,13 +41,13 @@ pub fn search(field: &ExactTables, wanted: WantedBounds, meter: &mut Meter) -> E
 
 struct Group {
     members: Vec<usize>,
-    /// No plan of the members has a smaller sum of costs.
+    /// Lower bound on the sum of costs of the members.
     bound: u64,
-    /// A best plan, if it was found.
+    /// An optimal plan, if found.
     paths: Option<Paths>,
-    /// Its first share of the budget was not enough.
+    /// Its first share of the budget did not suffice.
     is_stuck: bool,
-    /// Its paths clash with no other's.
+    /// Its paths clash with no other group's.
     is_checked: bool,
 }
 
@@ -88,7 +88,7 @@ impl Groups<'_> {
         self.groups.iter().map(|group| group.bound).sum()
     }
 
-    /// Searches for one group; true if there is nothing of interest.
+    /// Searches for one group; `true` if it has no plan of interest.
     fn solve(&mut self, index: usize, steps: u64, meter: &mut Meter) -> bool {
         let group = &self.groups[index];
         let outside: Vec<(usize, &[CellIndex])> = self
@@ -111,9 +111,7 @@ impl Groups<'_> {
             floor: group.bound,
             outside: &outside,
         };
-        let mut own = Meter::new(SearchBudget::of(steps));
-        let end = tree::search(task, &mut own);
-        meter.charge(own.spent());
+        let end = meter.share(steps, |meter| tree::search(task, meter));
         let group = &mut self.groups[index];
         match end {
             End::Found { paths, cost } => (group.paths, group.bound, group.is_checked) = (Some(paths), cost, false),
@@ -123,7 +121,7 @@ impl Groups<'_> {
         false
     }
 
-    /// Of the groups with paths that clash those two that come first, so that one cluster grows; the smaller index first.
+    /// The two first groups whose paths clash, the smaller index first, so that one cluster grows.
     fn clashing(&mut self, meter: &mut Meter) -> Option<(usize, usize)> {
         let mut first: Option<(usize, usize)> = None;
         for one in (0..self.groups.len()).filter(|one| !self.groups[*one].is_checked).collect::<Vec<usize>>() {

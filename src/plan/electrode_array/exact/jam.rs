@@ -1,10 +1,11 @@
-//! Whether several agents can each take one of their ways of least cost together: a search of their layers at once.
+//! Whether several agents can take least-cost paths together: a joint search of their multi-value decision diagrams.
 //!
-//! First, what no way of another member goes together with is taken out of the layers, until nothing changes: what is left
-//! of two members may not go together although all of their ways did (arc consistency over pairs of layers, a wider form of the
-//! mutex propagation of Zhang, Li, Surynek, Kumar, Koenig, "Multi-agent path finding with mutex propagation", ICAPS 2020). Then
-//! depth first over the places of all members at one instant, each such tuple once; a pair that has no way to the end together cuts
-//! the tuple off (compare the increasing cost tree search, Sharon et al., Artificial Intelligence 195, 2013).
+//! First, nodes that are compatible with no path of some other member are removed from the layers, until nothing changes: the
+//! remaining paths of two members may be incompatible although some pair of paths was compatible before (arc consistency over pairs
+//! of layers, a generalisation of the mutex propagation of Zhang, Li, Surynek, Kumar, Koenig, "Multi-agent path finding with mutex
+//! propagation", ICAPS 2020). Then depth-first search over the tuples of all members' places at one instant, each tuple once; a
+//! pair that has no joint path to the end prunes the tuple (compare the increasing cost tree search, Sharon et al., Artificial
+//! Intelligence 195, 2013).
 
 use super::super::board::CellIndex;
 use super::field::ExactTables;
@@ -14,38 +15,38 @@ use crate::plan::search::Meter;
 use rustc_hash::FxHashSet;
 use std::rc::Rc;
 
-/// More members than this are not searched together.
+/// Larger groups are not searched jointly.
 pub const MOST_MEMBERS: usize = 8;
 
 /// Bits of a place in the key of a tuple.
 const PLACE_BITS: u32 = 14;
 
-/// One of the agents.
+/// One of the agents of a joint search.
 pub struct Member<'a> {
     pub agent: usize,
     pub layers: Rc<MultiValueDecisionDiagram>,
-    /// The path it has now; its next position is tried first.
+    /// Its current path; the next position on it is tried first.
     pub path: &'a [CellIndex],
 }
 
-/// What became of it.
+/// Result of a joint search.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Jam {
-    /// Paths that go together, in the order of the members.
+    /// Compatible paths, in the order of the members.
     Free(Vec<Vec<CellIndex>>),
-    /// There are none of these costs.
+    /// Proven: there are none of these costs.
     Stuck,
     /// Too many tuples, or too large layers.
     Unknown,
 }
 
-/// How often, for each pair, the layers are made consistent.
+/// Rounds of making the layers of each pair consistent.
 const ROUNDS: usize = 4;
 
-/// Moves of members that the search for paths may try.
+/// Budget of member moves in the search for paths.
 const MOST_MOVES: u64 = 20_000;
 
-/// Searches for paths of the members that go together.
+/// Searches for compatible paths of the members.
 pub fn search(field: &ExactTables, members: &[Member], meter: &mut Meter) -> Jam {
     let end = members.iter().map(|member| member.layers.cost()).max().unwrap_or(0);
     let too_wide = |member: &Member| (0..=end).any(|instant| member.layers.at(instant).len() >= 1 << PLACE_BITS);
@@ -93,15 +94,15 @@ fn key(instant: u32, places: &[u16]) -> u128 {
     places.iter().fold(u128::from(instant), |key, place| key << PLACE_BITS | u128::from(*place))
 }
 
-/// What is left of the layers.
+/// The layers after pruning.
 struct Consistent {
     layers: Vec<Rc<MultiValueDecisionDiagram>>,
-    /// By the greater member, then by the smaller.
+    /// Indexed by the greater member, then by the smaller.
     tables: Vec<Vec<CompatiblePairs>>,
 }
 
 impl Consistent {
-    /// None if nothing is left of some member.
+    /// `None` if some member has no path left.
     fn new(field: &ExactTables, members: &[Member], meter: &mut Meter) -> Option<Consistent> {
         let layers: Vec<Rc<MultiValueDecisionDiagram>> = members.iter().map(|member| member.layers.clone()).collect();
         let tables = (0..members.len()).map(|member| (0..member).map(|_| CompatiblePairs::open()).collect()).collect();
@@ -128,7 +129,7 @@ impl Consistent {
         Some(rest)
     }
 
-    /// Takes out of the layers of a pair what goes together with nothing of the other; says whose have changed.
+    /// Removes from the layers of a pair the nodes that are compatible with no path of the other; returns which layers changed.
     fn revise(
         &mut self,
         field: &ExactTables,
@@ -162,14 +163,14 @@ struct JamSearch<'a> {
     field: &'a ExactTables<'a>,
     members: &'a [Member<'a>],
     rest: &'a Consistent,
-    /// The places of all members, by instant.
+    /// Places of all members, by instant.
     trail: Vec<Vec<u16>>,
     seen: FxHashSet<u128>,
     moves: u64,
 }
 
 impl JamSearch<'_> {
-    /// The tuples of the next instant that go with the last of the trail; the one to be tried first comes last.
+    /// Tuples of the next instant that are compatible with the last of the trail; the one to be tried first comes last.
     fn followers(&mut self, instant: u32) -> Vec<Vec<u16>> {
         let here = &self.trail[self.trail.len() - 1];
         let mut partial: Vec<Vec<u16>> = vec![vec![]];
@@ -192,7 +193,7 @@ impl JamSearch<'_> {
         self.field.cell(self.rest.layers[member].at(instant)[place as usize])
     }
 
-    /// Whether the move of the next member goes with those before it.
+    /// Whether the move of the next member is compatible with those before it.
     fn fits(&self, instant: u32, here: &[u16], head: &[u16], to: u16) -> bool {
         let member = head.len();
         let (from_cell, to_cell) = (self.cell(member, instant, here[member]), self.cell(member, instant + 1, to));

@@ -1,22 +1,22 @@
-//! All ways of one agent of one cost, as a graph of layers: one layer for each instant (a multi-valued decision diagram, Sharon
-//! et al., "The increasing cost tree search for optimal multi-agent pathfinding", Artificial Intelligence 195, 2013).
+//! All paths of one agent with one cost, as a multi-value decision diagram: one layer per instant (Sharon et al., "The increasing
+//! cost tree search for optimal multi-agent pathfinding", Artificial Intelligence 195, 2013).
 
 use super::super::board::{CellIndex, position};
 use super::demand::{AgentConstraint, Ban, OutOfSteps};
 use super::field::{ExactTables, FAR, StagedCell};
 use crate::plan::search::Meter;
 
-/// The nodes that lie on a way of exactly this cost.
+/// The nodes on paths of exactly this cost.
 #[derive(Debug)]
 pub struct MultiValueDecisionDiagram {
-    /// Where each layer begins, and the end.
+    /// Start index of each layer, and the end.
     starts: Vec<u32>,
     nodes: Vec<StagedCell>,
     /// Column and row of each node.
     places: Vec<(i32, i32)>,
-    /// Where the edges of each node begin, and the end.
+    /// Start index of the edges of each node, and the end.
     edge_starts: Vec<u32>,
-    /// Places of nodes in the next layer, counted within it.
+    /// Positions of successors within the next layer.
     edges: Vec<u32>,
     /// Least and greatest column and row of each layer.
     extents: Vec<CellExtent>,
@@ -39,7 +39,7 @@ impl CellExtent {
         }
     }
 
-    /// Both together.
+    /// The bounding box of both.
     pub fn join(self, other: CellExtent) -> CellExtent {
         self.with((other.columns.0, other.rows.0)).with((other.columns.1, other.rows.1))
     }
@@ -52,7 +52,8 @@ impl CellExtent {
 }
 
 impl MultiValueDecisionDiagram {
-    /// The ways of an agent that meet a demand and arrive exactly at `cost`, which has to be reachable. One step for each node.
+    /// The paths of an agent that meet its constraints and arrive exactly at `cost`, which must be reachable. One step for each
+    /// node.
     pub fn new(
         field: &ExactTables,
         agent: usize,
@@ -65,7 +66,7 @@ impl MultiValueDecisionDiagram {
         Ok(MultiValueDecisionDiagram::linked(field, agent, &kept))
     }
 
-    /// The ways over the nodes that are kept; none if there are none.
+    /// The paths over the kept nodes; `None` if none is left.
     pub fn filtered(
         &self,
         field: &ExactTables,
@@ -88,7 +89,7 @@ impl MultiValueDecisionDiagram {
         (!kept[0].is_empty()).then(|| MultiValueDecisionDiagram::linked(field, agent, &kept))
     }
 
-    /// How many nodes there are.
+    /// Number of nodes.
     pub fn size(&self) -> usize {
         self.nodes.len()
     }
@@ -127,14 +128,14 @@ impl MultiValueDecisionDiagram {
         self.extents.len() as u32 - 1
     }
 
-    /// The nodes at an instant; after the arrival the goal.
+    /// The nodes at an instant; after the arrival, the goal.
     #[inline]
     pub fn at(&self, instant: u32) -> &[StagedCell] {
         let layer = instant.min(self.cost()) as usize;
         &self.nodes[self.starts[layer] as usize..self.starts[layer + 1] as usize]
     }
 
-    /// Their columns and rows.
+    /// Columns and rows of the nodes at an instant.
     #[inline]
     pub fn places(&self, instant: u32) -> &[(i32, i32)] {
         let layer = instant.min(self.cost()) as usize;
@@ -146,7 +147,7 @@ impl MultiValueDecisionDiagram {
         self.extents[instant.min(self.cost()) as usize]
     }
 
-    /// The places in the next layer to which the node at a place of a layer leads.
+    /// Positions, within the next layer, of the successors of a node.
     #[inline]
     pub fn edges(&self, instant: u32, place: usize) -> &[u32] {
         if instant >= self.cost() {
@@ -156,7 +157,7 @@ impl MultiValueDecisionDiagram {
         &self.edges[self.edge_starts[node] as usize..self.edge_starts[node + 1] as usize]
     }
 
-    /// How many nodes of the layers `ban` is about are outside of it, and how many there are.
+    /// Number of nodes outside `ban`, and number of all nodes, in the layers that it concerns.
     pub fn outside(&self, field: &ExactTables, ban: &Ban) -> (usize, usize) {
         let instants = ban.from..=ban.until.min(self.cost().max(ban.from));
         let counts = instants.map(|instant| {
@@ -166,7 +167,7 @@ impl MultiValueDecisionDiagram {
         counts.min().unwrap_or((1, 1))
     }
 
-    /// The way that meets the fewest of `others` too near, the earlier in the layers of equals.
+    /// The path that conflicts with the fewest of `others`; among equals, the earlier in the layers.
     pub fn best_path(&self, field: &ExactTables, agent: usize, others: &[(usize, &[CellIndex])]) -> Vec<CellIndex> {
         let cost = self.cost();
         let mut tolls = vec![0u32; self.nodes.len()];
@@ -192,13 +193,13 @@ impl MultiValueDecisionDiagram {
         for instant in 0..self.cost() {
             let next = self.starts[instant as usize + 1] as usize;
             let cheapest = self.edges(instant, place).iter().min_by_key(|to| tolls[next + **to as usize]);
-            place = *cheapest.expect("every node lies on a way") as usize;
+            place = *cheapest.expect("every node lies on a path") as usize;
             path.push(field.cell(self.nodes[next + place]));
         }
         path
     }
 
-    /// The others that come near the layer of an instant, with where they are around it.
+    /// The others that come near the layer of an instant, with their positions around it.
     fn close_by(
         &self,
         field: &ExactTables,
@@ -221,7 +222,7 @@ impl MultiValueDecisionDiagram {
     }
 }
 
-/// The nodes that can be reached at each instant and leave enough time for the rest.
+/// The nodes reachable at each instant that leave enough time for the rest.
 fn forward(
     field: &ExactTables,
     agent: usize,
@@ -254,7 +255,7 @@ fn forward(
     Ok(layers)
 }
 
-/// Of the nodes that can be reached those from which the last layer can be.
+/// Of the reachable nodes, those from which the last layer is reachable.
 fn backward(field: &ExactTables, agent: usize, mut layers: Vec<Vec<StagedCell>>) -> Vec<Vec<StagedCell>> {
     let mut alive_at = vec![u32::MAX; field.nodes(agent)];
     for instant in (0..layers.len()).rev() {

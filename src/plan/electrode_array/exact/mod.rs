@@ -1,20 +1,20 @@
-//! Bounds, proofs and optima for many parts on one board, or the proof that they cannot be moved.
+//! Bounds, proofs and optimal plans for many parts on one board, or the proof that there is no plan.
 //!
-//! Problem: an [`Instance`], an [`BoardObjective`], perhaps a plan that is to be judged or bettered. Methods, in this order:
+//! Problem: an [`Instance`], a [`BoardObjective`], and possibly a plan to be judged or improved. Methods, in this order:
 //!
 //! - The distances of the agents alone bound both costs; a plan that meets its bound is proven at once.
 //! - A small joint space is searched exhaustively ([`joint`]); that decides every question.
-//! - Without a plan, pairs of agents that cannot pass one another whatever the others do are looked for, in the pairs' joint space.
-//! - Conflict-based search on independent groups (`tree`, `groups`): for the sum of costs directly, for the makespan by asking
-//!   for each number of steps from the bound on whether it suffices.
-//! - Still without a plan: the joint space of all, as far as the budget goes.
+//! - Without a plan, pairs of agents that cannot pass one another, whatever the others do, are sought in the pairs' joint space.
+//! - Conflict-based search on independent groups (`tree`, `groups`): for the sum of costs directly; for the makespan by testing
+//!   increasing numbers of steps, starting from the lower bound.
+//! - Still without a plan: the joint space of all, as far as the budget allows.
 //!
-//! Guaranteed: bounds and reasons are proven, plans keep the rule, and everything ends within the budget. With a budget without
-//! end every instance would be decided. Not guaranteed: that a given budget suffices; that ties are broken by the other
-//! objective, except in small joint spaces when the makespan comes first; that the agents named by [`NoBoardPlan::Blocked`] are the fewest.
+//! Guaranteed: bounds and reasons are proven, plans keep the rule, and everything ends within the budget. With an unlimited budget
+//! every instance would be decided. Not guaranteed: that a given budget suffices; that ties are broken by the other objective,
+//! except in small joint spaces when the makespan comes first; that the agents named by [`NoBoardPlan::Blocked`] are the fewest.
 //! Cost: exponential in the number of agents that meet in tight places, close to linear where few do.
 //!
-//! One step of the budget is one node of one agent's search, of its layers, or one move tried in a joint space; memory stays
+//! One step of the budget is one node of one agent's search or of its layers, or one move tried in a joint space; memory stays
 //! below some 50 bytes a step.
 
 mod cover;
@@ -27,8 +27,8 @@ mod pair;
 mod split;
 mod tree;
 
-use super::board::{BoardAnswer, BoardCosts, BoardObjective, Instance, NoBoardPlan, Paths};
-use super::joint::{self, JointAim, trim};
+use super::board::{BoardAnswer, BoardCosts, BoardObjective, BoardPlan, Instance, NoBoardPlan, Paths};
+use super::joint::{self, JointAim, NoJointPlan, trim};
 use super::timing;
 use crate::plan::search::{Meter, SearchBudget};
 use demand::ALWAYS;
@@ -36,28 +36,29 @@ use field::{Closed, ExactTables};
 use groups::WantedBounds;
 use tree::End;
 
-/// Joint spaces with at most this many states are searched as a whole.
+/// Joint spaces with at most this many states are searched exhaustively.
 const SMALL: u64 = 1 << 20;
 
-/// A search of a small joint space leaves this part of what is left of the budget to the others.
+/// A search of a small joint space leaves one part in this many of the remaining budget to the other methods.
 const JOINT_SHARE: u64 = 4;
 
-/// All pairs that may block are given this part of what is left of the budget, and each of them that part of what is left of it.
+/// One part in this many of the remaining budget goes to all pairs that may block; each pair gets one part in this many of what
+/// remains of that.
 const PAIRS_SHARE: u64 = 2;
 const PAIR_SHARE: u64 = 2;
 
-/// The search for the least number of steps is given this part when it may be endless, because there may be no plan.
+/// Without an incumbent, one part in this many of the remaining budget goes to the main search, which may not end because there may
+/// be no plan.
 const OPEN_SHARE: u64 = 2;
 
-/// The search for a better sum of costs at the least makespan is given this part.
+/// One part in this many of the remaining budget goes to a better sum of costs at the least makespan.
 const POLISH_SHARE: u64 = 4;
 
-/// Proves as much as the budget allows: betters the bounds and the incumbent until they meet, or proves that there is no plan.
+/// Proves as much as the budget allows: improves the bounds and the incumbent until they meet, or proves that there is no plan.
 ///
-/// The incumbent has to be a legal plan. With `limit`, a plan of more steps is none. The bounds of the answer hold for every plan
-/// of the instance within the limit; a plan that meets the bound of the objective is proven optimal.
-/// [`NoBoardPlan::TooFewSteps`] names the smallest number that would do if the budget allowed to find it, otherwise one below which there
-/// is proven to be nothing.
+/// The incumbent must be a legal plan. With `limit`, plans of more steps do not count. The bounds of the answer hold for every plan
+/// of the instance within the limit; a plan that meets the bound of the objective is proven optimal. [`NoBoardPlan::TooFewSteps`]
+/// names the least sufficient number of steps if the budget sufficed to find it, otherwise a proven lower bound on it.
 pub fn prove(
     instance: &Instance,
     objective: BoardObjective,
@@ -75,7 +76,7 @@ pub fn prove(
     }
 }
 
-/// Looks only at a small joint space: the answer as of [`prove`], and whether it is decided.
+/// Searches only a small joint space: the answer as in [`prove`], and whether it is final.
 pub fn small(
     instance: &Instance,
     objective: BoardObjective,
@@ -95,12 +96,12 @@ pub fn small(
 
 fn unsearched(best: Option<Paths>, bounds: BoardCosts) -> BoardAnswer {
     match best {
-        Some(paths) => BoardAnswer::Found { paths, bounds },
-        None => BoardAnswer::GaveUp { bounds },
+        Some(paths) => BoardAnswer::Found(BoardPlan { paths, bounds }),
+        None => BoardAnswer::GaveUp(bounds),
     }
 }
 
-/// Bounds from the Manhattan distances over the stops.
+/// Lower bounds from the Manhattan distances along the stops.
 fn manhattan_bounds(instance: &Instance) -> BoardCosts {
     let length = |agent: &super::board::Agent| {
         let from = std::iter::once(agent.start).chain(agent.stops.iter().copied());
@@ -120,7 +121,7 @@ struct Prover<'a, 'm> {
     meter: &'m mut Meter,
 }
 
-/// Why a proof ends.
+/// How a proof ends.
 enum ProofEnd {
     /// The best plan meets its bound.
     Proven,
@@ -183,7 +184,7 @@ impl<'a, 'm> Prover<'a, 'm> {
         })
     }
 
-    /// Keeps a plan if it is better than the best known.
+    /// Keeps a plan if it is better than the incumbent.
     fn offer(&mut self, mut paths: Paths) {
         paths.iter_mut().for_each(trim);
         let key = |paths: &Paths| BoardCosts::of(paths).key(self.objective);
@@ -199,7 +200,7 @@ impl<'a, 'm> Prover<'a, 'm> {
         (0..self.field.agents()).collect()
     }
 
-    /// Whether the joint space is small, counting for each agent the nodes from which it can come to its goal.
+    /// Whether the joint space is small, counting for each agent the nodes from which its goal is reachable.
     fn is_small(&self) -> bool {
         self.everyone()
             .into_iter()
@@ -207,18 +208,18 @@ impl<'a, 'm> Prover<'a, 'm> {
             .is_some_and(|all| all <= SMALL)
     }
 
-    /// Both costs exactly, each on its share of the budget; ties are then broken by the other cost.
+    /// Both costs exactly, each within its share of the budget; ties are then broken by the other cost.
     fn by_small_joint_space(&mut self) -> Option<ProofEnd> {
         if !self.is_small() {
             return None;
         }
         if self.best.is_none() {
             match self.jointly(JointAim::Any) {
-                joint::JointOutcome::Found(paths) => self.offer(timing::earliest(self.field.instance, &paths)),
-                joint::JointOutcome::Impossible => {
+                joint::JointAnswer::Found(paths) => self.offer(timing::earliest(self.field.instance, &paths)),
+                joint::JointAnswer::Impossible(NoJointPlan::AtAll) => {
                     return Some(ProofEnd::Impossible(self.blocked_among(self.everyone())));
                 }
-                joint::JointOutcome::NotWithin | joint::JointOutcome::GaveUp { .. } => {}
+                joint::JointAnswer::Impossible(NoJointPlan::WithinLimit) | joint::JointAnswer::GaveUp(_) => {}
             }
         }
         match self.objective {
@@ -229,7 +230,7 @@ impl<'a, 'm> Prover<'a, 'm> {
                 }
                 if self.is_met() {
                     let limit = Some(self.bounds.makespan as u32);
-                    if let joint::JointOutcome::Found(paths) = self.jointly(JointAim::SumOfCosts { limit }) {
+                    if let joint::JointAnswer::Found(paths) = self.jointly(JointAim::SumOfCosts { limit }) {
                         self.offer(paths);
                     }
                 }
@@ -246,17 +247,19 @@ impl<'a, 'm> Prover<'a, 'm> {
         self.is_met().then_some(ProofEnd::Proven)
     }
 
-    /// The least makespan, or that there is no plan within the limit.
+    /// The least makespan, or the proof that there is no plan within the limit.
     fn makespan_of_small_joint_space(&mut self) -> Option<ProofEnd> {
         let least = match self.jointly(JointAim::Makespan { limit: None }) {
-            joint::JointOutcome::Found(paths) => {
+            joint::JointAnswer::Found(paths) => {
                 let least = BoardCosts::of(&paths).makespan;
                 self.offer(paths);
                 least
             }
-            joint::JointOutcome::Impossible => return Some(ProofEnd::Impossible(self.blocked_among(self.everyone()))),
-            joint::JointOutcome::GaveUp { bound } => bound,
-            joint::JointOutcome::NotWithin => return None,
+            joint::JointAnswer::Impossible(NoJointPlan::AtAll) => {
+                return Some(ProofEnd::Impossible(self.blocked_among(self.everyone())));
+            }
+            joint::JointAnswer::GaveUp(bound) => bound,
+            joint::JointAnswer::Impossible(NoJointPlan::WithinLimit) => return None,
         };
         self.bounds.makespan = self.bounds.makespan.max(least);
         let exceeds = self.limit.is_some_and(|limit| self.bounds.makespan > u64::from(limit));
@@ -265,7 +268,7 @@ impl<'a, 'm> Prover<'a, 'm> {
 
     /// The least sum of costs within the limit.
     fn sum_of_small_joint_space(&mut self) {
-        // Without the instants in it the space is much smaller, and often the least sum keeps the limit.
+        // Without instants in the state the space is much smaller, and often the least sum already keeps the limit.
         self.sum_within(None);
         if self.limit.is_some() && !self.is_met() {
             self.sum_within(self.limit);
@@ -274,23 +277,23 @@ impl<'a, 'm> Prover<'a, 'm> {
 
     fn sum_within(&mut self, limit: Option<u32>) {
         match self.jointly(JointAim::SumOfCosts { limit }) {
-            joint::JointOutcome::Found(paths) => {
+            joint::JointAnswer::Found(paths) => {
                 self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(BoardCosts::of(&paths).sum_of_costs);
                 self.offer(paths);
             }
-            joint::JointOutcome::GaveUp { bound } => self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(bound),
-            joint::JointOutcome::Impossible | joint::JointOutcome::NotWithin => {}
+            joint::JointAnswer::GaveUp(bound) => self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(bound),
+            joint::JointAnswer::Impossible(_) => {}
         }
     }
 
-    /// The fewest steps that the least sum of costs can have.
+    /// The least makespan among plans with the least sum of costs.
     fn fewest_steps_of_least_sum(&mut self) {
         let Some(least) = self.best.as_ref().filter(|_| self.is_met()).map(BoardCosts::of) else { return };
         for steps in self.bounds.makespan..least.makespan {
             match self.jointly(JointAim::SumOfCosts { limit: Some(steps as u32) }) {
-                joint::JointOutcome::Found(paths) => self.offer(paths),
-                joint::JointOutcome::NotWithin => {}
-                joint::JointOutcome::Impossible | joint::JointOutcome::GaveUp { .. } => return,
+                joint::JointAnswer::Found(paths) => self.offer(paths),
+                joint::JointAnswer::Impossible(NoJointPlan::WithinLimit) => {}
+                joint::JointAnswer::Impossible(NoJointPlan::AtAll) | joint::JointAnswer::GaveUp(_) => return,
             }
             if self.best.as_ref().is_some_and(|best| BoardCosts::of(best).makespan <= steps) {
                 return;
@@ -298,8 +301,8 @@ impl<'a, 'm> Prover<'a, 'm> {
         }
     }
 
-    /// A search for everyone on a share of the budget.
-    fn jointly(&mut self, aim: JointAim) -> joint::JointOutcome {
+    /// A joint search for everyone on a share of the budget.
+    fn jointly(&mut self, aim: JointAim) -> joint::JointAnswer {
         let group = self.everyone();
         let steps = self.meter.left().steps - self.meter.left().steps / JOINT_SHARE;
         self.spend(steps, |field, meter| joint::search(field, &group, aim, meter))
@@ -311,10 +314,10 @@ impl<'a, 'm> Prover<'a, 'm> {
         self.spend(steps, |field, meter| {
             let pairs = (0..field.agents()).flat_map(|other| (0..other).map(move |one| [one, other]));
             for pair in pairs {
-                let mut own = Meter::new(SearchBudget::of(meter.left().steps / PAIR_SHARE));
-                let outcome = joint::search(field, &pair, JointAim::Any, &mut own);
-                meter.charge(own.spent() + 1);
-                if outcome == joint::JointOutcome::Impossible {
+                let steps = meter.left().steps / PAIR_SHARE;
+                let outcome = meter.share(steps, |meter| joint::search(field, &pair, JointAim::Any, meter));
+                meter.charge(1);
+                if outcome == joint::JointAnswer::Impossible(NoJointPlan::AtAll) {
                     return Some(pair.to_vec());
                 }
             }
@@ -322,15 +325,12 @@ impl<'a, 'm> Prover<'a, 'm> {
         })
     }
 
-    /// Runs something on a part of the budget.
+    /// Runs a search on a part of the budget.
     fn spend<T>(&mut self, steps: u64, search: impl FnOnce(&ExactTables, &mut Meter) -> T) -> T {
-        let mut own = Meter::new(SearchBudget::of(steps));
-        let result = search(self.field, &mut own);
-        self.meter.charge(own.spent());
-        result
+        self.meter.share(steps, |meter| search(self.field, meter))
     }
 
-    /// The reason for a group without a plan: agents are left out one by one while there is still none.
+    /// A small group without a plan: agents are dropped one by one while the rest still has none.
     fn blocked_among(&mut self, mut agents: Vec<usize>) -> NoBoardPlan {
         let mut place = 0;
         while place < agents.len() && agents.len() > 2 {
@@ -338,7 +338,7 @@ impl<'a, 'm> Prover<'a, 'm> {
             fewer.remove(place);
             let steps = self.meter.left().steps / OPEN_SHARE;
             if self.spend(steps, |field, meter| joint::search(field, &fewer, JointAim::Any, meter))
-                == joint::JointOutcome::Impossible
+                == joint::JointAnswer::Impossible(NoJointPlan::AtAll)
             {
                 agents = fewer;
             } else {
@@ -348,7 +348,7 @@ impl<'a, 'm> Prover<'a, 'm> {
         NoBoardPlan::Blocked { agents }
     }
 
-    /// Asks for each number of steps from the bound on whether it suffices.
+    /// Tests increasing numbers of steps, starting from the lower bound.
     fn by_makespan(&mut self) -> Option<ProofEnd> {
         let share = if self.best.is_some() { 1 } else { OPEN_SHARE };
         let mut own = Meter::new(SearchBudget::of(self.meter.left().steps / share));
@@ -378,7 +378,7 @@ impl<'a, 'm> Prover<'a, 'm> {
         Some(ProofEnd::Proven)
     }
 
-    /// Betters the sum of costs of a plan whose makespan is proven.
+    /// Improves the sum of costs of a plan whose makespan is proven.
     fn polish(&mut self) {
         let Some(best) = &self.best else { return };
         let costs = BoardCosts::of(best);
@@ -416,7 +416,7 @@ impl<'a, 'm> Prover<'a, 'm> {
         }
     }
 
-    /// There is nothing within the limit: how many steps would do, as far as the budget goes.
+    /// There is no plan within the limit: finds how many steps suffice, as far as the budget allows.
     fn too_few_steps(&mut self) -> ProofEnd {
         let past_limit = u64::from(self.limit.unwrap_or(0)) + 1;
         self.bounds.makespan = self.bounds.makespan.max(past_limit);
@@ -436,16 +436,18 @@ impl<'a, 'm> Prover<'a, 'm> {
         let aim = JointAim::Makespan { limit: self.limit };
         let aim = if self.limit.is_some() { aim } else { JointAim::Any };
         match joint::search(self.field, &group, aim, self.meter) {
-            joint::JointOutcome::Found(paths) => self.offer(timing::earliest(self.field.instance, &paths)),
-            joint::JointOutcome::Impossible => return Some(ProofEnd::Impossible(self.blocked_among(group))),
-            joint::JointOutcome::NotWithin => return Some(self.too_few_steps()),
-            joint::JointOutcome::GaveUp { .. } => {}
+            joint::JointAnswer::Found(paths) => self.offer(timing::earliest(self.field.instance, &paths)),
+            joint::JointAnswer::Impossible(NoJointPlan::AtAll) => {
+                return Some(ProofEnd::Impossible(self.blocked_among(group)));
+            }
+            joint::JointAnswer::Impossible(NoJointPlan::WithinLimit) => return Some(self.too_few_steps()),
+            joint::JointAnswer::GaveUp(_) => {}
         }
         None
     }
 }
 
-/// Plans in which everyone arrives within so many steps, whatever their sum of costs.
+/// Plans in which everyone arrives within `steps` steps, whatever their sum of costs.
 fn exactly(steps: u32) -> WantedBounds {
     WantedBounds { least: steps, most: steps, ceiling: u64::MAX }
 }

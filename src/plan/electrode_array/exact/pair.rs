@@ -1,13 +1,14 @@
-//! Whether two agents can each take one of their ways of a given cost together, and from where on.
+//! Whether two agents can take paths of given costs together, and from which places on.
 
 use super::field::ExactTables;
 use super::layers::MultiValueDecisionDiagram;
 use crate::plan::search::Meter;
+use fixedbitset::FixedBitSet;
 
-/// Pairs of nodes beyond which a table is not made.
+/// Tables with more pairs of nodes than this are not built.
 const MOST_PAIRS: u64 = 1 << 22;
 
-/// How many of such pairs are one step of the budget.
+/// Pairs of nodes per step of the budget.
 const PAIRS_A_STEP: u64 = 4;
 
 /// One of the two agents.
@@ -17,22 +18,22 @@ pub struct PairSide<'a> {
     pub layers: &'a MultiValueDecisionDiagram,
 }
 
-/// For each instant, which pairs of nodes of two layers keep the rule and leave both a way to the end that keeps it.
+/// For each instant, the pairs of nodes of two layers that keep the rule and from which both can still reach the end together.
 pub struct CompatiblePairs {
-    /// By instant, then by the place of the first agent; none where nothing is forbidden, and past the end.
-    alive: Vec<Option<Vec<PlaceBits>>>,
-    /// Words of all bit sets together.
+    /// By instant, then by the place of the first agent; `None` where nothing is forbidden, and past the end.
+    alive: Vec<Option<Vec<FixedBitSet>>>,
+    /// Words of all bit sets in total.
     words: usize,
 }
 
 impl CompatiblePairs {
-    /// The table of two agents; one that forbids nothing if it would be too large or the budget is used up.
+    /// The table of two agents; one that forbids nothing if it would be too large or the budget is spent.
     pub fn new(field: &ExactTables, one: PairSide, other: PairSide, meter: &mut Meter) -> CompatiblePairs {
         let gaps = PairGaps::new(field, one, other, meter);
         gaps.alive(one, other)
     }
 
-    /// The same, of the pairs that can also be reached from the start.
+    /// The same, restricted to pairs that are reachable from the start.
     pub fn swept(field: &ExactTables, one: PairSide, other: PairSide, meter: &mut Meter) -> CompatiblePairs {
         let gaps = PairGaps::new(field, one, other, meter);
         let mut table = gaps.alive(one, other);
@@ -50,32 +51,32 @@ impl CompatiblePairs {
         CompatiblePairs { alive: vec![], words: 0 }
     }
 
-    /// Whether the two may go together from the start.
+    /// Whether the two have compatible paths from the start.
     pub fn allows_start(&self) -> bool {
         self.allows(0, 0, 0)
     }
 
-    /// Whether they may from two places of an instant on.
+    /// Whether they have compatible paths from two places of an instant on.
     #[inline]
     pub fn allows(&self, instant: u32, place: usize, other_place: usize) -> bool {
         match self.alive.get(instant as usize) {
-            Some(Some(rows)) => rows[place].has(other_place),
+            Some(Some(rows)) => rows[place].contains(other_place),
             Some(None) | None => true,
         }
     }
 
-    /// Whether the first agent may be at a place of an instant, wherever the second is.
+    /// Whether the first agent may be at a place of an instant, for some place of the second.
     pub fn allows_first(&self, instant: u32, place: usize) -> bool {
         match self.alive.get(instant as usize) {
-            Some(Some(rows)) => !rows[place].is_empty(),
+            Some(Some(rows)) => !rows[place].is_clear(),
             Some(None) | None => true,
         }
     }
 
-    /// Whether the second agent may be at a place of an instant, wherever the first is.
+    /// Whether the second agent may be at a place of an instant, for some place of the first.
     pub fn allows_second(&self, instant: u32, place: usize) -> bool {
         match self.alive.get(instant as usize) {
-            Some(Some(rows)) => rows.iter().any(|row| row.has(place)),
+            Some(Some(rows)) => rows.iter().any(|row| row.contains(place)),
             Some(None) | None => true,
         }
     }
@@ -86,17 +87,17 @@ impl CompatiblePairs {
     }
 }
 
-/// What may be where between an instant and the next.
+/// Compatible nodes of two agents between an instant and the next.
 struct PairGap {
-    /// For each node of the first agent at the instant, those of the second at it, at the next instant; then for each node of the
-    /// first at the next instant those of the second at the instant, and at the next, that are not too near.
-    now: Vec<PlaceBits>,
-    now_later: Vec<PlaceBits>,
-    later_now: Vec<PlaceBits>,
-    later: Vec<PlaceBits>,
+    /// Rows by node of the first agent, bits by node of the second that is not too near: both nodes at the instant, the second at
+    /// the next, the first at the next, and both at the next.
+    now: Vec<FixedBitSet>,
+    now_later: Vec<FixedBitSet>,
+    later_now: Vec<FixedBitSet>,
+    later: Vec<FixedBitSet>,
 }
 
-/// The gaps up to the last instant at which the two can be near; none for a gap in which they cannot.
+/// The gaps up to the last instant at which the two can be near; `None` for a gap in which they cannot.
 struct PairGaps {
     gaps: Vec<Option<PairGap>>,
 }
@@ -126,7 +127,7 @@ impl PairGaps {
         PairGaps { gaps: near_ones.map(|(near, instant)| near.then(|| gap(instant))).collect() }
     }
 
-    /// The pairs from which the end can be reached.
+    /// The pairs from which the end is reachable.
     fn alive(&self, one: PairSide, other: PairSide) -> CompatiblePairs {
         let mut table = CompatiblePairs { alive: vec![None; self.gaps.len()], words: 0 };
         for instant in (0..self.gaps.len()).rev() {
@@ -137,57 +138,64 @@ impl PairGaps {
                 (Some(gap), Some(later)) => before_near(one, other, instant as u32, gap, later),
                 (None, Some(later)) => before_apart(one, other, instant as u32, later),
             };
-            if !now.iter().all(PlaceBits::is_full) {
-                table.words += now.iter().map(|bits| bits.words.len()).sum::<usize>();
+            if !now.iter().all(FixedBitSet::is_full) {
+                table.words += now.iter().map(|bits| bits.len().div_ceil(64)).sum::<usize>();
                 table.alive[instant] = Some(now);
             }
         }
         table
     }
 
-    /// Of the pairs alive after an instant those that can be reached from pairs at it.
+    /// Of the live pairs after an instant, those reachable from pairs at it.
     fn reached(
         &self,
         one: PairSide,
         other: PairSide,
         instant: u32,
-        from: &[PlaceBits],
-        alive: &[PlaceBits],
-    ) -> Vec<PlaceBits> {
+        from: &[FixedBitSet],
+        alive: &[FixedBitSet],
+    ) -> Vec<FixedBitSet> {
         let gap = self.gaps[instant as usize].as_ref();
-        let mut reached: Vec<PlaceBits> = alive.iter().map(|bits| PlaceBits::empty(bits.width)).collect();
-        for (place, row) in from.iter().enumerate().filter(|(_, row)| !row.is_empty()) {
+        let mut reached: Vec<FixedBitSet> = alive.iter().map(|bits| FixedBitSet::with_capacity(bits.len())).collect();
+        for (place, row) in from.iter().enumerate().filter(|(_, row)| !row.is_clear()) {
             for to in one.layers.edges(instant, place).iter().map(|to| *to as usize) {
-                let mut found = PlaceBits::empty(alive[to].width);
-                let starts = gap.map_or_else(|| row.clone(), |gap| row.common(&gap.later_now[to]));
-                for other_place in starts.places() {
-                    other.layers.edges(instant, other_place).iter().for_each(|other_to| found.set(*other_to as usize));
+                let mut found = FixedBitSet::with_capacity(alive[to].len());
+                let starts = gap.map_or_else(|| row.clone(), |gap| row & &gap.later_now[to]);
+                for other_place in starts.ones() {
+                    other
+                        .layers
+                        .edges(instant, other_place)
+                        .iter()
+                        .for_each(|other_to| found.insert(*other_to as usize));
                 }
-                let found = gap.map_or_else(|| found.clone(), |gap| found.common(&gap.now_later[place]));
-                reached[to].add(&found.common(&alive[to]));
+                found.intersect_with(&alive[to]);
+                if let Some(gap) = gap {
+                    found.intersect_with(&gap.now_later[place]);
+                }
+                reached[to].union_with(&found);
             }
         }
         reached
     }
 }
 
-/// The pairs of an instant from which one of `later` can be reached.
-fn before_near(one: PairSide, other: PairSide, instant: u32, gap: &PairGap, later: &[PlaceBits]) -> Vec<PlaceBits> {
-    let mut alive: Vec<PlaceBits> = gap.now.iter().map(|bits| PlaceBits::empty(bits.width)).collect();
+/// The pairs of an instant from which one of `later` is reachable.
+fn before_near(one: PairSide, other: PairSide, instant: u32, gap: &PairGap, later: &[FixedBitSet]) -> Vec<FixedBitSet> {
+    let mut alive: Vec<FixedBitSet> = gap.now.iter().map(|bits| FixedBitSet::with_capacity(bits.len())).collect();
     for (place, row) in alive.iter_mut().enumerate() {
         for to in one.layers.edges(instant, place).iter().map(|to| *to as usize) {
-            let targets = later[to].common(&gap.now_later[place]);
-            let open = gap.now[place].common(&gap.later_now[to]);
-            add_leading(other, instant, row, open.places(), &targets);
+            let targets = &later[to] & &gap.now_later[place];
+            let open = &gap.now[place] & &gap.later_now[to];
+            add_leading(other, instant, row, open.ones(), &targets);
         }
     }
     alive
 }
 
-/// The same where no two nodes come near.
-fn before_apart(one: PairSide, other: PairSide, instant: u32, later: &[PlaceBits]) -> Vec<PlaceBits> {
+/// The same for layers in which no two nodes are too near.
+fn before_apart(one: PairSide, other: PairSide, instant: u32, later: &[FixedBitSet]) -> Vec<FixedBitSet> {
     let width = other.layers.at(instant).len();
-    let mut alive = vec![PlaceBits::empty(width); one.layers.at(instant).len()];
+    let mut alive = vec![FixedBitSet::with_capacity(width); one.layers.at(instant).len()];
     for (place, row) in alive.iter_mut().enumerate() {
         for to in one.layers.edges(instant, place) {
             add_leading(other, instant, row, 0..width, &later[*to as usize]);
@@ -196,39 +204,39 @@ fn before_apart(one: PairSide, other: PairSide, instant: u32, later: &[PlaceBits
     alive
 }
 
-/// Adds those places of an instant that lead to one of the targets.
+/// Adds the places of an instant that lead to one of the targets.
 fn add_leading(
     side: PairSide,
     instant: u32,
-    row: &mut PlaceBits,
+    row: &mut FixedBitSet,
     places: impl Iterator<Item = usize>,
-    targets: &PlaceBits,
+    targets: &FixedBitSet,
 ) {
     for place in places {
-        if !row.has(place) && side.layers.edges(instant, place).iter().any(|to| targets.has(*to as usize)) {
-            row.set(place);
+        if !row.contains(place) && side.layers.edges(instant, place).iter().any(|to| targets.contains(*to as usize)) {
+            row.insert(place);
         }
     }
 }
 
-/// Whether nothing in the layers of an instant and of the next comes too near.
+/// Whether no nodes in the layers of an instant and the next are too near.
 fn is_apart(field: &ExactTables, one: PairSide, other: PairSide, instant: u32) -> bool {
     let extent = |side: PairSide| side.layers.extent(instant).join(side.layers.extent(instant + 1));
     extent(one).is_apart(&extent(other), field.instance.separation as i32)
 }
 
-/// For each node of `one` at an instant, the nodes of `other` at an instant that are not too near.
-fn clear_rows(field: &ExactTables, one: PairSide, at: u32, other: PairSide, other_at: u32) -> Vec<PlaceBits> {
+/// For each node of `one` at an instant, the nodes of `other` at an instant that keep the separation.
+fn clear_rows(field: &ExactTables, one: PairSide, at: u32, other: PairSide, other_at: u32) -> Vec<FixedBitSet> {
     let separation = field.instance.separation as i32;
     let merged = field.is_merged(one.agent, other.agent);
     let goal = field.place(field.cell(field.goal(one.agent)));
     let (nodes, others) = (one.layers.places(at), other.layers.places(other_at));
     let row = |place: (i32, i32)| {
-        let mut bits = PlaceBits::empty(others.len());
-        for (word, chunk) in bits.words.iter_mut().zip(others.chunks(64)) {
+        let mut bits = FixedBitSet::with_capacity(others.len());
+        for (word, chunk) in bits.as_mut_slice().iter_mut().zip(others.chunks(usize::BITS as usize)) {
             for (bit, other) in chunk.iter().enumerate() {
                 let is_clear = (place.0 - other.0).abs().max((place.1 - other.1).abs()) >= separation;
-                *word |= u64::from(is_clear) << bit;
+                *word |= usize::from(is_clear) << bit;
             }
         }
         if merged {
@@ -237,65 +245,9 @@ fn clear_rows(field: &ExactTables, one: PairSide, at: u32, other: PairSide, othe
                 .iter()
                 .enumerate()
                 .filter(|(_, other)| exempt(other))
-                .for_each(|(other_place, _)| bits.set(other_place));
+                .for_each(|(other_place, _)| bits.insert(other_place));
         }
         bits
     };
     nodes.iter().map(|place| row(*place)).collect()
-}
-
-/// A set of places of a layer.
-#[derive(Clone)]
-struct PlaceBits {
-    words: Vec<u64>,
-    width: usize,
-}
-
-impl PlaceBits {
-    fn empty(width: usize) -> PlaceBits {
-        PlaceBits { words: vec![0; width.div_ceil(64)], width }
-    }
-
-    #[inline]
-    fn set(&mut self, place: usize) {
-        self.words[place / 64] |= 1 << (place % 64);
-    }
-
-    #[inline]
-    fn has(&self, place: usize) -> bool {
-        self.words[place / 64] >> (place % 64) & 1 == 1
-    }
-
-    fn is_empty(&self) -> bool {
-        self.words.iter().all(|word| *word == 0)
-    }
-
-    fn add(&mut self, other: &PlaceBits) {
-        self.words.iter_mut().zip(&other.words).for_each(|(word, other)| *word |= other);
-    }
-
-    fn is_full(&self) -> bool {
-        self.words.iter().map(|word| word.count_ones() as usize).sum::<usize>() == self.width
-    }
-
-    /// What is in both.
-    fn common(&self, other: &PlaceBits) -> PlaceBits {
-        PlaceBits {
-            words: self.words.iter().zip(&other.words).map(|(one, other)| one & other).collect(),
-            width: self.width,
-        }
-    }
-
-    fn places(&self) -> impl Iterator<Item = usize> + '_ {
-        self.words.iter().enumerate().flat_map(|(index, word)| {
-            let mut word = *word;
-            std::iter::from_fn(move || {
-                (word != 0).then(|| {
-                    let bit = word.trailing_zeros() as usize;
-                    word &= word - 1;
-                    index * 64 + bit
-                })
-            })
-        })
-    }
 }

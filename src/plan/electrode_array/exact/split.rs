@@ -1,18 +1,18 @@
-//! Where two paths come too near, and the two demands one of which every plan meets.
+//! Clashes of two paths, and the branching on them: pairs of constraints of which every plan meets at least one.
 
 use super::super::board::{CellIndex, position};
 use super::demand::{ALWAYS, AgentConstraint, Ban};
 use super::field::ExactTables;
 use super::layers::MultiValueDecisionDiagram;
 
-/// A position of one agent too near to one of another at the same or a neighbouring instant.
+/// A conflict: positions of two agents at the same or neighbouring instants that are too near.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Clash {
     pub cells: [CellIndex; 2],
     pub instants: [u32; 2],
 }
 
-/// All clashes of two paths in the order of time, as an iterator.
+/// All clashes of two paths in order of time, as an iterator.
 pub fn clashes<'a>(
     field: &'a ExactTables,
     agents: [usize; 2],
@@ -27,20 +27,20 @@ pub fn clashes<'a>(
     (0..end).flat_map(move |t| [near(t, t), near(t, t + 1), near(t + 1, t)]).flatten()
 }
 
-/// One way to go on: new demands for one or two agents.
+/// One branch of a split: new constraints for one or two agents.
 pub type ConstraintBranch = Vec<(usize, AgentConstraint)>;
 
-/// An agent of a clash with what is asked of it and the ways it has.
+/// An agent of a clash with its constraints and its paths.
 #[derive(Clone, Copy)]
 pub struct Party<'a> {
-    /// Its place in the group.
+    /// Its index in the group.
     pub member: usize,
     pub agent: usize,
     pub demand: &'a AgentConstraint,
     pub layers: &'a MultiValueDecisionDiagram,
 }
 
-/// Costs: the second one rises, or it does not and then the first one rises to `first_least`.
+/// Split by cost: the second one's cost rises, or it does not and the first one's rises to `first_least`.
 pub fn by_cost(first: Party, second: Party, first_least: u32) -> [ConstraintBranch; 2] {
     let second_rises = AgentConstraint { least: second.layers.cost() + 1, ..second.demand.clone() };
     let second_stays = AgentConstraint { most: second.layers.cost(), ..second.demand.clone() };
@@ -48,7 +48,7 @@ pub fn by_cost(first: Party, second: Party, first_least: u32) -> [ConstraintBran
     [vec![(second.member, second_rises)], vec![(first.member, first_rises), (second.member, second_stays)]]
 }
 
-/// Several that do not all go together at their costs: one of them rises, and those before it do not.
+/// Split of several agents that are not all compatible at their costs: one of them rises, and those before it do not.
 pub fn by_costs<'a>(parties: impl Iterator<Item = Party<'a>>) -> Vec<ConstraintBranch> {
     let mut unchanged: ConstraintBranch = vec![];
     let mut branches = vec![];
@@ -61,7 +61,7 @@ pub fn by_costs<'a>(parties: impl Iterator<Item = Party<'a>>) -> Vec<ConstraintB
     branches
 }
 
-/// One stands on its goal for good while the other passes: it arrives later, or the other keeps away from then on (compare the
+/// One agent stays on its goal for good while the other passes: it arrives later, or the other keeps away from then on (compare the
 /// target reasoning of Li, Harabor, Stuckey, Ma, Gange, Koenig, "Pairwise symmetry reasoning for multi-agent path finding search",
 /// Artificial Intelligence 301, 2021).
 pub fn at_goal(field: &ExactTables, parties: [Party; 2], clash: Clash) -> Option<[ConstraintBranch; 2]> {
@@ -82,8 +82,8 @@ pub fn at_goal(field: &ExactTables, parties: [Party; 2], clash: Clash) -> Option
     Some([vec![(still.member, later)], vec![(still.member, by_then), (passing.member, with(passing.demand, zone))]])
 }
 
-/// A box as wide and as high as the separation and two instants long: at most one of the two is in it. Returns how little it leaves
-/// the two at best, less being better, with the branches.
+/// Split by a box as wide and as high as the separation and two instants long: any two positions in it are too near, so at most one
+/// of the two agents enters it. Returns the branches and how much of their paths they keep; less is better.
 pub fn by_box(field: &ExactTables, parties: [Party; 2], clash: Clash) -> (Leaves, [ConstraintBranch; 2]) {
     let boxes = boxes(field, parties, clash);
     let (leaves, ban) = boxes
@@ -99,7 +99,7 @@ fn with(demand: &AgentConstraint, ban: Ban) -> AgentConstraint {
     demand
 }
 
-/// The boxes that hold both positions of a clash.
+/// The boxes that contain both positions of a clash.
 fn boxes<'a>(field: &'a ExactTables, parties: [Party; 2], clash: Clash) -> impl Iterator<Item = Ban> + 'a {
     let side = field.instance.separation as i32 - 1;
     let [(c, r), (d, s)] = clash.cells.map(|cell| field.place(cell));
@@ -120,7 +120,7 @@ fn boxes<'a>(field: &'a ExactTables, parties: [Party; 2], clash: Clash) -> impl 
     })
 }
 
-/// How much of their ways a box leaves the two agents: how many of them have any left, and the shares in thousandths.
+/// Paths that a box leaves the two agents: how many of them have any left, and the shares of nodes in thousandths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Leaves {
     with_ways: usize,
@@ -128,7 +128,7 @@ pub struct Leaves {
 }
 
 impl Leaves {
-    /// Whether the cost of one of the two rises outside of the box.
+    /// Whether the cost of at least one of the two rises outside the box.
     pub fn some_have_none(&self) -> bool {
         self.with_ways <= 1
     }

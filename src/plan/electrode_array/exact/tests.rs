@@ -24,7 +24,7 @@ fn tiny() -> Vec<Shape> {
     ]
 }
 
-/// The groups' search against the plain searches, on instances small enough for them.
+/// The search by groups against plain searches, on instances small enough for them.
 #[test]
 fn conflict_based_search_agrees_with_plain_searches() {
     let mut chance = Chance(0xc0ffee);
@@ -45,7 +45,7 @@ fn conflict_based_search_agrees_with_plain_searches() {
             let limited = groups::search(&field, wanted, &mut meter());
             let everyone: Vec<usize> = (0..field.agents()).collect();
             let aim = JointAim::SumOfCosts { limit: Some(makespan as u32) };
-            let joint::JointOutcome::Found(best) = joint::search(&field, &everyone, aim, &mut meter()) else {
+            let joint::JointAnswer::Found(best) = joint::search(&field, &everyone, aim, &mut meter()) else {
                 panic!("{instance:?}")
             };
             let End::Found { cost, .. } = limited else { panic!("{instance:?}: {limited:?}") };
@@ -87,7 +87,9 @@ fn proofs_agree_with_plain_searches() {
                     impossible += 1;
                     continue;
                 };
-                let BoardAnswer::Found { paths, bounds } = answer else { panic!("{instance:?}: {answer:?}") };
+                let BoardAnswer::Found(BoardPlan { paths, bounds }) = answer else {
+                    panic!("{instance:?}: {answer:?}")
+                };
                 assert_eq!(fault(&instance, &paths), None, "{instance:?}");
                 assert_eq!(
                     (BoardCosts::of(&paths).key(objective).0, bounds.key(objective).0),
@@ -135,7 +137,7 @@ fn table_6_takes_its_lower_bounds_by_both_objectives() {
     let instance = table_6();
     for objective in [BoardObjective::Makespan, BoardObjective::SumOfCosts] {
         let answer = prove(&instance, objective, None, None, &mut Meter::new(SearchBudget::of(1_000_000)));
-        let BoardAnswer::Found { paths, bounds } = answer else { panic!("{answer:?}") };
+        let BoardAnswer::Found(BoardPlan { paths, bounds }) = answer else { panic!("{answer:?}") };
         assert_eq!(fault(&instance, &paths), None);
         assert_eq!(BoardCosts::of(&paths), BoardCosts { makespan: 86, sum_of_costs: 312 });
         assert_eq!(bounds, BoardCosts { makespan: 86, sum_of_costs: 49 + 49 + 86 + 73 + 55 });
@@ -150,12 +152,12 @@ fn an_incumbent_at_the_bound_is_proven_without_a_step_and_one_above_is_bettered(
     let mut meter = meter();
     let answer = prove(&instance, BoardObjective::SumOfCosts, Some(&direct), None, &mut meter);
     let bounds = BoardCosts { makespan: 4, sum_of_costs: 8 };
-    assert_eq!((answer, meter.spent()), (BoardAnswer::Found { paths: direct.clone(), bounds }, 0));
+    assert_eq!((answer, meter.spent()), (BoardAnswer::Found(BoardPlan { paths: direct.clone(), bounds }), 0));
 
     let mut late = direct.clone();
     late[0].insert(0, 0);
     let answer = prove(&instance, BoardObjective::SumOfCosts, Some(&late), None, &mut meter);
-    let BoardAnswer::Found { paths, bounds: proven } = answer else { panic!("{answer:?}") };
+    let BoardAnswer::Found(BoardPlan { paths, bounds: proven }) = answer else { panic!("{answer:?}") };
     assert_eq!((BoardCosts::of(&paths), proven), (bounds, bounds));
 }
 
@@ -170,7 +172,7 @@ fn the_pair_that_cannot_pass_is_named_and_no_one_else() {
     let instance =
         drawn(&["..........", "####.#####", ".........."], 1, &[((0, 2), (9, 2)), ((0, 0), (9, 0)), ((9, 0), (0, 0))]);
     let answer = prove(&instance, BoardObjective::Makespan, None, None, &mut meter());
-    assert!(matches!(answer, BoardAnswer::Found { .. }), "{answer:?}");
+    assert!(matches!(answer, BoardAnswer::Found(_)), "{answer:?}");
 }
 
 #[test]
@@ -189,7 +191,7 @@ fn a_blocked_pair_is_found_in_a_joint_space_too_large_to_search() {
 
 #[test]
 fn three_that_block_although_each_pair_passes_are_proven_so() {
-    // One free cell beside three agents in a ring of four, each pair alone could pass; odd permutations of all three cannot be.
+    // With one free cell, each pair of three agents in a ring of four could pass; an odd permutation of all three cannot.
     let instance = drawn(&["..", ".."], 1, &[((0, 0), (1, 0)), ((1, 0), (0, 0)), ((1, 1), (1, 1))]);
     let answer = prove(&instance, BoardObjective::SumOfCosts, None, None, &mut meter());
     assert_eq!(answer, BoardAnswer::Impossible(NoBoardPlan::Blocked { agents: vec![0, 1, 2] }));
@@ -199,7 +201,7 @@ fn three_that_block_although_each_pair_passes_are_proven_so() {
 fn a_limit_at_the_optimum_passes_and_one_below_names_it() {
     let instance = table_6();
     let at = prove(&instance, BoardObjective::SumOfCosts, None, Some(86), &mut meter());
-    assert!(matches!(at, BoardAnswer::Found { .. }), "{at:?}");
+    assert!(matches!(at, BoardAnswer::Found(_)), "{at:?}");
     let below = prove(&instance, BoardObjective::SumOfCosts, None, Some(85), &mut meter());
     assert_eq!(below, BoardAnswer::Impossible(NoBoardPlan::TooFewSteps { least: 86 }));
     // Passing in a bay takes longer than the distance, which is 9.
@@ -209,7 +211,7 @@ fn a_limit_at_the_optimum_passes_and_one_below_names_it() {
     for objective in [BoardObjective::Makespan, BoardObjective::SumOfCosts] {
         let below = prove(&narrow, objective, None, Some(optimum - 1), &mut meter());
         assert_eq!(below, BoardAnswer::Impossible(NoBoardPlan::TooFewSteps { least: optimum }));
-        assert!(matches!(prove(&narrow, objective, None, Some(optimum), &mut meter()), BoardAnswer::Found { .. }));
+        assert!(matches!(prove(&narrow, objective, None, Some(optimum), &mut meter()), BoardAnswer::Found(_)));
     }
 }
 
@@ -219,10 +221,10 @@ fn walls_are_named_and_a_budget_of_nothing_gives_the_distances() {
     let answer = prove(&walled, BoardObjective::Makespan, None, None, &mut meter());
     assert_eq!(answer, BoardAnswer::Impossible(NoBoardPlan::Closed { agent: 1, stop: 0 }));
     let answer = prove(&table_6(), BoardObjective::Makespan, None, None, &mut Meter::new(SearchBudget::of(0)));
-    assert_eq!(answer, BoardAnswer::GaveUp { bounds: BoardCosts { makespan: 86, sum_of_costs: 312 } });
+    assert_eq!(answer, BoardAnswer::GaveUp(BoardCosts { makespan: 86, sum_of_costs: 312 }));
     let nobody = Instance { board: BoardGrid::new(3, 3), separation: 2, agents: vec![], merges: vec![] };
     let answer = prove(&nobody, BoardObjective::Makespan, None, None, &mut meter());
-    assert_eq!(answer, BoardAnswer::Found { paths: vec![], bounds: BoardCosts::default() });
+    assert_eq!(answer, BoardAnswer::Found(BoardPlan { paths: vec![], bounds: BoardCosts::default() }));
 }
 
 #[test]
@@ -231,7 +233,7 @@ fn a_board_beyond_the_tables_is_bounded_all_the_same() {
     let agents = vec![Agent { start: 0, stops: vec![board.cell(10, 7), board.cell(0, 7)] }];
     let instance = Instance { board, separation: 4, agents, merges: vec![] };
     let answer = prove(&instance, BoardObjective::Makespan, None, None, &mut meter());
-    assert_eq!(answer, BoardAnswer::GaveUp { bounds: BoardCosts { makespan: 27, sum_of_costs: 27 } });
+    assert_eq!(answer, BoardAnswer::GaveUp(BoardCosts { makespan: 27, sum_of_costs: 27 }));
 }
 
 #[test]
@@ -241,7 +243,7 @@ fn every_budget_ends_with_sound_bounds() {
         2,
         &[((0, 0), (11, 4)), ((11, 4), (0, 0)), ((0, 4), (11, 0)), ((11, 0), (0, 4)), ((6, 2), (3, 2))],
     );
-    let BoardAnswer::Found { bounds: full, .. } =
+    let BoardAnswer::Found(BoardPlan { bounds: full, .. }) =
         prove(&instance, BoardObjective::SumOfCosts, None, None, &mut meter())
     else {
         panic!("solved within the full budget")
@@ -249,11 +251,11 @@ fn every_budget_ends_with_sound_bounds() {
     for steps in [1, 10, 100, 1_000, 10_000, 100_000] {
         let mut meter = Meter::new(SearchBudget::of(steps));
         let bounds = match prove(&instance, BoardObjective::SumOfCosts, None, None, &mut meter) {
-            BoardAnswer::Found { paths, bounds } => {
+            BoardAnswer::Found(BoardPlan { paths, bounds }) => {
                 assert_eq!(fault(&instance, &paths), None);
                 bounds
             }
-            BoardAnswer::GaveUp { bounds } => bounds,
+            BoardAnswer::GaveUp(bounds) => bounds,
             BoardAnswer::Impossible(why) => panic!("{why:?}"),
         };
         assert!(bounds.sum_of_costs <= full.sum_of_costs, "{steps}: {bounds:?}");

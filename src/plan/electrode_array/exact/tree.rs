@@ -1,11 +1,11 @@
-//! Conflict-based search for a group of agents under the rule of distance.
+//! Conflict-based search for a group of agents under the separation rule.
 //!
-//! A node of the tree asks something of each agent alone ([`Demand`]) and holds for each all its ways of least cost ([`Layers`]) and
-//! one of them, chosen so that few paths clash. Where two clash the node is split in two so that every plan that meets its
-//! demands meets those of one part (Sharon, Stern, Felner, Sturtevant, "Conflict-based search for optimal multi-agent
-//! pathfinding", Artificial Intelligence 219, 2015; boxes for large agents: Li, Surynek, Felner, Ma, Kumar, Koenig, "Multi-agent path
-//! finding for large agents", AAAI 2019). Pairs whose least-cost ways do not go together at all are split by their
-//! costs instead, and raise the bound of the node ([`cover`]).
+//! A node of the constraint tree holds constraints on each agent alone ([`AgentConstraint`]), all its least-cost paths
+//! ([`MultiValueDecisionDiagram`]) and one of them, chosen so that few paths clash. Where two clash, the node is split so that
+//! every plan that meets its constraints meets those of at least one child (Sharon, Stern, Felner, Sturtevant, "Conflict-based
+//! search for optimal multi-agent pathfinding", Artificial Intelligence 219, 2015; boxes for large agents: Li, Surynek, Felner, Ma,
+//! Kumar, Koenig, "Multi-agent path finding for large agents", AAAI 2019). Pairs without any compatible least-cost paths (cardinal
+//! conflicts) are split by their costs instead, and raise the bound of the node ([`cover`]).
 
 use super::super::board::{CellIndex, Paths};
 use super::cover::{Edge, least_rise};
@@ -21,60 +21,60 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::rc::Rc;
 
-/// What is to be found.
+/// Task of a search.
 #[derive(Clone, Copy)]
 pub struct ConstraintTreeTask<'a> {
     pub field: &'a ExactTables<'a>,
-    /// The agents, in this order everywhere below.
+    /// The agents; members are indices into this.
     pub group: &'a [usize],
-    /// Everyone counts as arrived at this instant at the earliest.
+    /// No arrival counts before this instant.
     pub least: u32,
-    /// Everyone has arrived at this instant, or `ALWAYS`.
+    /// Latest arrival for everyone, or `ALWAYS`.
     pub most: u32,
-    /// Only a smaller sum of costs is of interest.
+    /// Only sums of costs below this are of interest.
     pub ceiling: u64,
-    /// There is known to be nothing with a smaller sum of costs.
+    /// Known lower bound on the sum of costs.
     pub floor: u64,
-    /// Paths of agents outside of the group that are avoided where that costs nothing.
+    /// Paths of agents outside the group, which are avoided where that costs nothing.
     pub outside: &'a [(usize, &'a [CellIndex])],
 }
 
-/// What became of it.
+/// Result of a search.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum End {
-    /// Paths of least sum of costs; costs counted from `least` on.
+    /// Paths of least sum of costs; no agent's cost counts less than `least`.
     Found { paths: Paths, cost: u64 },
-    /// There are none with a sum of costs below the ceiling.
+    /// Proven: no plan has a sum of costs below the ceiling.
     Nothing,
-    /// The budget ran out; none have a smaller sum of costs.
+    /// The budget ran out; `bound` is a lower bound on the sum of costs.
     GaveUp { bound: u64 },
 }
 
-/// Rises of the costs of a pair up to this are told apart.
+/// Joint cost rises of a pair are computed up to this.
 const MOST_RISE: u32 = 2;
 
-/// How far one of a pair is made to wait alone before the other has to.
+/// Longest wait that is tried for one of a pair alone before the other's cost rises too.
 const FARTHEST_WAIT: u32 = 8;
 
-/// Clashes of a pair that are looked at for the best split.
+/// Clashes of a pair that are compared for the best split.
 const CLASHES_WEIGHED: usize = 6;
 
-/// Tables together take at most about 8 bytes times this.
+/// Limit on all compatibility tables together: about 8 bytes times this.
 const MOST_TABLE_WORDS: usize = 1 << 22;
 
-/// Longer ways that are kept.
+/// Diagrams at raised costs that are cached.
 const MOST_WAITS: usize = 256;
 
-/// How many nodes of layers are one step when a path is chosen.
+/// Nodes of layers per step when a path is chosen.
 const NODES_A_STEP: u64 = 4;
 
-/// How many positions are one step when two paths are compared.
+/// Positions per step when two paths are compared.
 const POSITIONS_A_STEP: u64 = 16;
 
-/// How often the paths of a node are chosen anew.
+/// Rounds of choosing the paths of a node again.
 const POLISHING_ROUNDS: usize = 2;
 
-/// Searches; one step of the budget is a node of an agent's own search or layers expanded.
+/// Runs the search; one step of the budget is one expanded node of an agent's own search or of its layers.
 pub fn search(task: ConstraintTreeTask, meter: &mut Meter) -> End {
     let mut tree = ConstraintTree {
         task,
@@ -94,9 +94,9 @@ pub fn search(task: ConstraintTreeTask, meter: &mut Meter) -> End {
     }
 }
 
-/// An agent in a node.
+/// Plan of one agent in a tree node.
 struct AgentPlan {
-    /// Unlike that of any other.
+    /// Unique.
     id: u32,
     demand: AgentConstraint,
     layers: Rc<MultiValueDecisionDiagram>,
@@ -108,7 +108,7 @@ struct ConstraintNode {
     paths: Vec<Rc<Vec<CellIndex>>>,
     /// Pairs of members whose paths clash, the smaller first.
     clashing: Vec<[usize; 2]>,
-    /// No plan that meets the demands has a smaller sum of costs.
+    /// Lower bound on the sum of costs of plans that meet the constraints.
     bound: u64,
 }
 
@@ -116,16 +116,16 @@ struct ConstraintTree<'a, 'm> {
     task: ConstraintTreeTask<'a>,
     meter: &'m mut Meter,
     nodes: Vec<Option<ConstraintNode>>,
-    /// By bound, then by clashes, then the newest.
+    /// Open list, by bound, then by clashes, then the newest.
     open: BinaryHeap<Reverse<(u64, usize, Reverse<usize>)>>,
-    /// By the ids of two plans: how much their costs together rise at least.
+    /// By the ids of two plans: least rise of their joint costs.
     rises: FxHashMap<[u32; 2], u32>,
-    /// Layers of a plan at a greater cost.
+    /// Diagrams of a plan at a raised cost.
     waits: FxHashMap<(u32, u32), Rc<MultiValueDecisionDiagram>>,
     /// By the ids of two plans.
     tables: FxHashMap<[u32; 2], Rc<CompatiblePairs>>,
     table_words: usize,
-    /// By the ids of some plans: that they do not go together, or that this is not known.
+    /// By the ids of some plans: they are incompatible, or it is not known.
     jams: FxHashMap<Vec<u32>, Jam>,
     ids: u32,
 }
@@ -138,8 +138,8 @@ impl ConstraintTree<'_, '_> {
             if bound >= self.task.ceiling {
                 return Ok(End::Nothing);
             }
-            // The node stays in the queue until it is dealt with, so that its bound counts if the budget ends here.
-            let Some(mut node) = self.nodes[index].clone() else { unreachable!("an open node is there") };
+            // The node stays in the queue until it is processed, so that its bound counts if the budget ends here.
+            let Some(mut node) = self.nodes[index].clone() else { unreachable!("an open node is stored") };
             if node.clashing.is_empty() {
                 let cost = node.plans.iter().map(|plan| u64::from(plan.layers.cost())).sum();
                 return Ok(End::Found { paths: node.paths.iter().map(|path| path.to_vec()).collect(), cost });
@@ -187,7 +187,7 @@ impl ConstraintTree<'_, '_> {
         Ok(Some(Rc::new(AgentPlan { id: self.ids, demand, layers })))
     }
 
-    /// One of the ways of a member, with few clashes.
+    /// A least-cost path of a member with few clashes.
     fn best_path(
         &mut self,
         node: &ConstraintNode,
@@ -201,14 +201,14 @@ impl ConstraintTree<'_, '_> {
         path
     }
 
-    /// The paths of all but one, outsiders with them.
+    /// The paths of all members but one, and of the outsiders.
     fn others<'n>(&'n self, node: &'n ConstraintNode, member: usize) -> Vec<(usize, &'n [CellIndex])> {
         let inside = node.paths.iter().enumerate().filter(|(other, _)| *other != member);
         let inside = inside.map(|(other, path)| (self.task.group[other], path.as_slice()));
         inside.chain(self.task.outside.iter().copied()).collect()
     }
 
-    /// Brings the clashing pairs of one member up to date.
+    /// Updates the clashing pairs of one member.
     fn find_clashes(&mut self, node: &mut ConstraintNode, member: usize) {
         self.meter.charge((node.paths.len() * node.paths[member].len()) as u64 / POSITIONS_A_STEP + 1);
         node.clashing.retain(|pair| !pair.contains(&member));
@@ -223,7 +223,7 @@ impl ConstraintTree<'_, '_> {
         node.clashing.sort_unstable();
     }
 
-    /// Chooses other ways of the same cost while that leaves fewer clashes.
+    /// Chooses other paths of the same cost while that reduces the clashes.
     fn polish(&mut self, node: &mut ConstraintNode) {
         for _ in 0..POLISHING_ROUNDS {
             let before = node.clashing.len();
@@ -247,7 +247,7 @@ impl ConstraintTree<'_, '_> {
         }
     }
 
-    /// The bound of a node with what its clashing pairs add.
+    /// The bound of a node, raised by its clashing pairs.
     fn raised(&mut self, node: &ConstraintNode) -> Result<u64, OutOfSteps> {
         let sum: u64 = node.plans.iter().map(|plan| u64::from(plan.layers.cost())).sum();
         let mut edges = vec![];
@@ -257,7 +257,7 @@ impl ConstraintTree<'_, '_> {
         Ok(node.bound.max(sum + u64::from(least_rise(&edges))))
     }
 
-    /// How much the costs of a pair rise at least, up to one more than [`MOST_RISE`].
+    /// Least rise of the joint costs of a pair, up to one more than [`MOST_RISE`].
     fn rise(&mut self, node: &ConstraintNode, pair: [usize; 2]) -> Result<u32, OutOfSteps> {
         let key = pair.map(|member| node.plans[member].id);
         if let Some(rise) = self.rises.get(&key) {
@@ -280,7 +280,7 @@ impl ConstraintTree<'_, '_> {
         Ok(false)
     }
 
-    /// Whether a pair may go together at costs that rise by so much.
+    /// Whether a pair has compatible paths at costs raised by `rises`.
     fn goes(&mut self, node: &ConstraintNode, pair: [usize; 2], rises: [u32; 2]) -> Result<bool, OutOfSteps> {
         let one = self.longer(node, pair[0], rises[0])?;
         let other = self.longer(node, pair[1], rises[1])?;
@@ -293,7 +293,7 @@ impl ConstraintTree<'_, '_> {
         Ok(CompatiblePairs::new(self.task.field, first, second, self.meter).allows_start())
     }
 
-    /// The table of a pair, the smaller member first.
+    /// The compatibility table of a pair, the smaller member first.
     fn table(&mut self, node: &ConstraintNode, pair: [usize; 2]) -> Rc<CompatiblePairs> {
         let plans = pair.map(|member| &node.plans[member]);
         let key = plans.map(|plan| plan.id);
@@ -312,7 +312,7 @@ impl ConstraintTree<'_, '_> {
         table
     }
 
-    /// The ways of a member that count as `rise` longer; none if it may not take so long.
+    /// The paths of a member at a cost raised by `rise`; `None` if its constraints forbid that cost.
     fn longer(
         &mut self,
         node: &ConstraintNode,
@@ -341,7 +341,7 @@ impl ConstraintTree<'_, '_> {
         Ok(Some(layers))
     }
 
-    /// What takes the place of a node whose paths clash: itself with a higher bound or with fewer clashes, or its children.
+    /// The replacement of a node whose paths clash: itself with a higher bound or fewer clashes, or its children.
     fn successors(&mut self, node: &mut ConstraintNode) -> Result<Vec<ConstraintNode>, OutOfSteps> {
         let raised = self.raised(node)?;
         if raised > node.bound {
@@ -353,7 +353,7 @@ impl ConstraintTree<'_, '_> {
         self.children(node, branches.into())
     }
 
-    /// The children of a node by branches.
+    /// The children of a node, one per branch.
     fn children(
         &mut self,
         node: &ConstraintNode,
@@ -366,7 +366,7 @@ impl ConstraintTree<'_, '_> {
         Ok(children)
     }
 
-    /// The pair whose costs rise most, if those of one rise.
+    /// The clashing pair with the greatest rise, if any pair's costs rise.
     fn worst_pair(&mut self, node: &ConstraintNode) -> Result<Option<[usize; 2]>, OutOfSteps> {
         let mut worst = (0, None);
         for pair in &node.clashing {
@@ -378,7 +378,7 @@ impl ConstraintTree<'_, '_> {
         Ok(worst.1)
     }
 
-    /// Pair by pair the clashing agents go together: so they may all, or some of them do not.
+    /// Every pair of clashing agents is compatible: so all of them may be, or some larger set is not.
     fn jam_successors(&mut self, node: &mut ConstraintNode) -> Result<Vec<ConstraintNode>, OutOfSteps> {
         let mut members: Vec<usize> = node.clashing[0].to_vec();
         loop {
@@ -422,7 +422,7 @@ impl ConstraintTree<'_, '_> {
         self.children(node, best.1.into())
     }
 
-    /// Some members and all whose paths clash with theirs, and so on.
+    /// The transitive closure of some members under clashes.
     fn clashing_with(&self, node: &ConstraintNode, mut members: Vec<usize>) -> Vec<usize> {
         loop {
             let joins = |pair: &&[usize; 2]| members.contains(&pair[0]) != members.contains(&pair[1]);
@@ -457,7 +457,7 @@ impl ConstraintTree<'_, '_> {
         found
     }
 
-    /// Leaves out members one by one while the rest is still stuck.
+    /// Drops members one by one while the rest is still stuck.
     fn fewest_stuck(&mut self, node: &ConstraintNode, mut members: Vec<usize>) -> Vec<usize> {
         let mut place = 0;
         while place < members.len() && members.len() > 2 {
@@ -484,14 +484,14 @@ impl ConstraintTree<'_, '_> {
         Ok(split::by_cost(first, second, first.layers.cost() + alone[longer]))
     }
 
-    /// The least rise of one of a pair alone at which the two may go together, up to one more than [`FARTHEST_WAIT`]: who may take
-    /// longer has all the shorter ways too, so it is searched for by halving.
+    /// The least rise of one of a pair alone at which the two are compatible, up to one more than [`FARTHEST_WAIT`]. A higher cost
+    /// allows all the shorter paths too, so compatibility is monotone and bisection is valid.
     fn wait_alone(&mut self, node: &ConstraintNode, pair: [usize; 2], side: usize) -> Result<u32, OutOfSteps> {
         let plan = &node.plans[pair[side]];
         let farthest = FARTHEST_WAIT.min(plan.demand.most - plan.layers.cost());
         let (mut fails, mut goes) = (0, farthest + 1);
         while goes - fails > 1 {
-            // The farthest first: if that fails nothing else has to be tried.
+            // The farthest first: if that fails, nothing else needs a try.
             let middle = if goes > farthest { farthest } else { fails.midpoint(goes) };
             let rises = if side == 0 { [middle, 0] } else { [0, middle] };
             if self.goes(node, pair, rises)? {
@@ -503,7 +503,7 @@ impl ConstraintTree<'_, '_> {
         Ok(goes)
     }
 
-    /// The box that leaves the least to the agents of one of some clashing pairs.
+    /// The box that leaves the fewest paths to the agents of one of some clashing pairs.
     fn best_box(&self, node: &ConstraintNode, pairs: &[[usize; 2]]) -> Option<(split::Leaves, [ConstraintBranch; 2])> {
         pairs.iter().flat_map(|pair| self.box_splits(node, *pair)).min_by_key(|(leaves, _)| *leaves)
     }
@@ -531,7 +531,7 @@ impl ConstraintTree<'_, '_> {
         Party { member, agent: self.task.group[member], demand: &plan.demand, layers: &plan.layers }
     }
 
-    /// A node with some demands replaced; none if one of them cannot be met.
+    /// A node with some constraints replaced; `None` if one of them cannot be met.
     fn child(&mut self, node: &ConstraintNode, branch: ConstraintBranch) -> Result<Option<ConstraintNode>, OutOfSteps> {
         let mut child = node.clone();
         for (member, demand) in branch {

@@ -1,4 +1,4 @@
-//! What all stages of the fast planner share: the instance, distances, reservations and the search of one agent.
+//! State that all stages of the fast planner share: the instance, distances, reservations and the search of one agent.
 
 use super::super::board::{CellIndex, Instance, NoBoardPlan, Paths};
 use super::distances::Distances;
@@ -12,33 +12,33 @@ pub(super) struct PlannedInstance<'a> {
     pub(super) instance: &'a Instance,
     pub(super) table: Reservations,
     pub(super) random: SplitMix64,
-    /// The last instant at which an agent may arrive.
+    /// Latest arrival of an agent.
     pub(super) step_limit: u32,
-    /// By agent: the steps that it needs when it is alone.
+    /// By agent: the steps that it needs when alone.
     pub(super) least: Vec<u32>,
     distances: Distances,
     sipp: Sipp,
     partners: Vec<Vec<u32>>,
 }
 
-/// How an agent is to be planned.
+/// Settings for planning one agent.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wish {
     pub(super) others: Others,
-    /// How many instants one unit of soft cost weighs.
+    /// Instants that one unit of soft cost is worth.
     pub(super) weight: u32,
-    /// How much the search hurries, see [`Query::haste`].
+    /// Extra weight of the heuristic, see [`Query::haste`].
     pub(super) haste: u32,
-    /// The last instant at which it may arrive.
+    /// Latest arrival.
     pub(super) limit: u32,
-    /// Until this instant it stays on its start.
+    /// It stays on its start until this instant.
     pub(super) delay: u32,
-    /// Where it comes by before its stops.
+    /// A cell to visit before its stops.
     pub(super) detour: Option<CellIndex>,
 }
 
 impl<'a> PlannedInstance<'a> {
-    /// Fails where an agent alone cannot come to one of its stops.
+    /// Fails where an agent alone cannot reach one of its stops.
     pub(super) fn new(
         instance: &'a Instance,
         seed: u64,
@@ -63,12 +63,12 @@ impl<'a> PlannedInstance<'a> {
         })
     }
 
-    /// How many agents there are.
+    /// Number of agents.
     pub(super) fn count(&self) -> usize {
         self.instance.agents.len()
     }
 
-    /// A path of one agent, which must not be in the table itself.
+    /// A path of one agent, whose own path must not be in the table.
     pub(super) fn plan(&mut self, agent: usize, wish: Wish, meter: &mut Meter) -> Option<Vec<CellIndex>> {
         let it = &self.instance.agents[agent];
         let stops = wish.detour.iter().chain(&it.stops);
@@ -87,7 +87,7 @@ impl<'a> PlannedInstance<'a> {
         self.sipp.plan(&query, &mut self.table, &mut self.random, meter)
     }
 
-    /// The agents in the table that a path comes too near to, sorted.
+    /// The agents in the table with which a path conflicts, sorted.
     pub(super) fn conflicts(&self, agent: usize, path: &[CellIndex]) -> Vec<usize> {
         let goal = self.instance.agents[agent].goal();
         let asking = Asking { goal, partners: &self.partners[agent], others: Others::Hard };
@@ -102,7 +102,7 @@ impl<'a> PlannedInstance<'a> {
         found
     }
 
-    /// A shortest path of one agent without the others, one of many.
+    /// A random shortest path of one agent without the others.
     pub(super) fn alone(&mut self, agent: usize, meter: &mut Meter) -> Vec<CellIndex> {
         let it = &self.instance.agents[agent];
         let mut path = vec![it.start];
@@ -122,7 +122,7 @@ impl<'a> PlannedInstance<'a> {
         path
     }
 
-    /// Empties the table and enters these paths.
+    /// Resets the table and enters these paths.
     pub(super) fn enter_all(&mut self, paths: &Paths) {
         self.table = Reservations::new(self.instance);
         for (agent, path) in paths.iter().enumerate() {
@@ -131,7 +131,7 @@ impl<'a> PlannedInstance<'a> {
     }
 }
 
-/// By agent: the steps that it needs when it is alone.
+/// By agent: the steps that it needs when alone.
 pub(super) fn individual(
     instance: &Instance,
     distances: &mut Distances,
@@ -146,7 +146,7 @@ pub(super) fn individual(
     (0..instance.agents.len()).map(one).collect()
 }
 
-/// The way by these stops; the index of the first that cannot be reached if there is one.
+/// The route through these stops; an error with the index of the first unreachable one.
 fn route<'s>(
     instance: &Instance,
     start: CellIndex,

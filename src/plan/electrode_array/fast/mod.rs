@@ -1,17 +1,17 @@
-//! Plans of many agents found fast and made better: the half of the planner that proves nothing but its simple bounds.
+//! Plans of many agents, found fast and improved: the half of the planner that proves nothing but its simple bounds.
 //!
-//! Problem: agents on a grid that all move at the same time, each by its stops to its goal, no two ever too near
+//! Problem: agents on a grid that all move at the same time, each through its stops to its goal, with separation kept
 //! ([`super::board`]). Method: prioritised planning with safe intervals (Phillips and Likhachev, ICRA 2011); where no order works,
-//! repair of paths in conflict (MAPF-LNS2: Li and others, AAAI 2022); then large-neighbourhood search (MAPF-LNS: Li and others,
+//! repair of conflicting paths (MAPF-LNS2: Li and others, AAAI 2022); then large-neighbourhood search (MAPF-LNS: Li and others,
 //! IJCAI 2021).
 //!
-//! Guaranteed: every plan is legal; [`improve`] never returns a worse one; [`bounds`] are below every plan; the same input, seed
-//! and budget mean the same plan. Not guaranteed: that a plan is found where there is one, or an optimum. Where there is no plan the
-//! search ends with its meter.
+//! Guaranteed: every plan is legal; [`improve`] never returns a worse one; [`bounds`] are lower bounds on every plan; the same
+//! input, seed and budget give the same plan. Not guaranteed: that a plan is found where there is one, or an optimum. Where there
+//! is no plan the search ends with its meter.
 //!
-//! Cost: one step of the meter is one expanded node of the search of one agent, one round of repair or improvement, or 32 cells
-//! of a table of distances; the last search or table may overdraw it by the latter. Memory grows with the cells (36 bytes
-//! each), with the moves of all paths times the separation (24 bytes each times two), and with at most 128 MB of tables.
+//! Cost: one step of the meter is one expanded node of the search of one agent, one round of repair or improvement, or 32 cells of
+//! a distance table; the last search or table may overdraw it by the latter. Memory grows with the cells (36 bytes each), with the
+//! moves of all paths times the separation (24 bytes each times two), and with at most 128 MB of tables.
 
 mod crew;
 mod distances;
@@ -26,20 +26,20 @@ use crate::plan::search::{Meter, SearchBudget};
 use crew::PlannedInstance;
 use prioritise::PrioritisedOutcome;
 
-/// On boards with more cells nothing is planned.
+/// Boards with more cells are not planned.
 pub const MAX_CELLS: usize = 1 << 21;
 
-/// What a first plan has to keep besides the instance.
+/// Conditions on a first plan besides the instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FirstPlanTerms {
-    /// Decides between plans that are as good; any number.
+    /// Random seed; any number.
     pub seed: u64,
-    /// The last instant at which an agent may arrive.
+    /// Latest arrival of an agent.
     pub step_limit: Option<u32>,
 }
 
-/// Bounds below every plan: the makespan and the sum of costs of agents that do not see one another. An agent that alone cannot
-/// come to a stop is an error. Costs a breadth-first search for each stop, none where the free cells are a rectangle.
+/// Lower bounds: the makespan and the sum of costs of agents that ignore one another. An error if an agent alone cannot reach a
+/// stop. Costs a breadth-first search per stop, none where the free cells are a rectangle.
 pub fn bounds(instance: &Instance) -> Result<BoardCosts, NoBoardPlan> {
     let mut unlimited = Meter::new(SearchBudget::of(u64::MAX));
     let mut distances = distances::Distances::of(&instance.board);
@@ -47,7 +47,7 @@ pub fn bounds(instance: &Instance) -> Result<BoardCosts, NoBoardPlan> {
     Ok(total(&least))
 }
 
-/// A first plan, unless the meter runs out, an agent is walled in, or the board has more than [`MAX_CELLS`].
+/// A first plan, unless the meter runs out, an agent is enclosed, or the board has more than [`MAX_CELLS`].
 pub fn first(instance: &Instance, terms: FirstPlanTerms, meter: &mut Meter) -> Option<Paths> {
     if instance.board.cells() > MAX_CELLS {
         return None;
@@ -63,7 +63,7 @@ pub fn first(instance: &Instance, terms: FirstPlanTerms, meter: &mut Meter) -> O
     }
 }
 
-/// The best plan found from a legal one, itself at worst; ends early where both bounds are met.
+/// The best plan found from a legal one, at worst itself; ends early where both bounds are met.
 pub fn improve(instance: &Instance, paths: Paths, objective: BoardObjective, seed: u64, meter: &mut Meter) -> Paths {
     if instance.board.cells() > MAX_CELLS {
         return paths;

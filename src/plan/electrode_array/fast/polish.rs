@@ -1,10 +1,10 @@
-//! A legal plan made better until its bounds are met or the budget is spent.
+//! Improves a legal plan until its bounds are met or the budget is spent.
 //!
-//! Method: large-neighbourhood search (MAPF-LNS: Li and others, IJCAI 2021): take out the paths of a few agents, plan them again one
-//! after the other in a random order among the rest, keep what is not worse. Three ways to choose the few, each the more often
-//! the more it has gained lately: a late agent with those in its way, agents that meet at one place, and any.
-//! Guaranteed: the plan stays legal and never gets worse; it is optimal where it meets the bounds. Not guaranteed: an optimum
-//! within any budget. Cost: one search for each agent of a neighbourhood ([`SIZES`]).
+//! Method: large-neighbourhood search (MAPF-LNS: Li and others, IJCAI 2021): remove the paths of a few agents, replan them one
+//! after the other in a random order among the rest, and keep a result that is not worse. Three ways to choose the few, weighted by
+//! their recent gains: a late agent with those that block it, agents that meet at one place, and random ones. Guaranteed: the plan
+//! stays legal and never gets worse; it is optimal where it meets the bounds. Not guaranteed: an optimum within any budget. Cost:
+//! one search for each agent of a neighbourhood ([`SIZES`]).
 
 use super::super::board::{BoardCosts, BoardObjective, CellIndex, Paths};
 use super::crew::{PlannedInstance, Wish};
@@ -15,15 +15,15 @@ use crate::random::SplitMix64;
 /// The sizes of neighbourhoods.
 const SIZES: [usize; 6] = [1, 2, 3, 4, 5, 8];
 
-/// How an objective compares two plans: makespan, how much too late in all, sum of costs; or sum of costs, makespan.
+/// Sort key of a plan under an objective: makespan, sum of excess arrival times, sum of costs; or sum of costs, makespan.
 type PlanKey = (u64, u64, u64);
 
 /// The ways to choose a neighbourhood.
 #[derive(Debug, Clone, Copy)]
 enum NeighbourhoodChoice {
-    /// A late agent and those who are in its way.
+    /// A late agent and those that block it.
     Blockers,
-    /// Those who come by one place.
+    /// Agents that pass one place.
     Crossing,
     Random,
 }
@@ -31,16 +31,16 @@ enum NeighbourhoodChoice {
 const CHOICES: [NeighbourhoodChoice; 3] =
     [NeighbourhoodChoice::Blockers, NeighbourhoodChoice::Crossing, NeighbourhoodChoice::Random];
 
-/// Options of which those are taken the more often that have gained more for a step lately.
+/// Adaptive choice among options, weighted by their recent gains per step.
 #[derive(Debug)]
 struct AdaptiveWeights<const N: usize>([u64; N]);
 
 impl<const N: usize> AdaptiveWeights<N> {
     /// Credit of a gain that cost nothing.
     const MOST: u64 = 1 << 20;
-    /// No option falls lower, as a share of [`Self::MOST`].
+    /// Least weight of an option, as a share of [`Self::MOST`], so that each is tried now and then.
     const LEAST: u64 = Self::MOST >> 12;
-    /// How many steps halve the credit of a gain.
+    /// Number of steps that halves the credit of a gain.
     const HALVE: u64 = 64;
 
     fn pick(&self, random: &mut SplitMix64) -> usize {
@@ -61,7 +61,7 @@ impl<const N: usize> AdaptiveWeights<N> {
     }
 }
 
-/// Weight of each option at the beginning.
+/// Initial weight of each option.
 const EVEN: u64 = 1 << 14;
 
 struct Polish<'c, 'a> {
@@ -71,7 +71,7 @@ struct Polish<'c, 'a> {
     bounds: BoardCosts,
     choices: AdaptiveWeights<{ CHOICES.len() }>,
     sizes: AdaptiveWeights<{ SIZES.len() }>,
-    /// Whose turn it is to be the late agent.
+    /// Agent whose turn as the late one is next.
     turn: usize,
 }
 
@@ -96,7 +96,7 @@ pub(super) fn polish(
     while state.is_open() && meter.step().is_some() {
         state.round(meter);
     }
-    // Less too late in all may have cost more in sum than the last arrival has gained.
+    // A smaller excess may have cost more in sum than the last arrival has gained.
     let worse = BoardCosts::of(&state.paths).key(objective) > BoardCosts::of(&paths).key(objective);
     if worse { paths } else { state.paths }
 }
@@ -125,7 +125,7 @@ impl Polish<'_, '_> {
         }
     }
 
-    /// One neighbourhood, planned again.
+    /// Replans one neighbourhood.
     fn round(&mut self, meter: &mut Meter) {
         let pick = self.choices.pick(&mut self.crew.random);
         let pick_size = self.sizes.pick(&mut self.crew.random);
@@ -142,7 +142,7 @@ impl Polish<'_, '_> {
         self.sizes.learn(pick_size, gained, steps);
     }
 
-    /// A late agent, by turns; where the makespan counts and is too long, every other time one that arrives last.
+    /// A late agent, in turn; where the makespan is minimised and above its bound, every other time one that arrives last.
     fn late(&mut self) -> usize {
         let count = self.crew.count();
         let makespan = BoardCosts::of(&self.paths).makespan;
@@ -185,7 +185,7 @@ impl Polish<'_, '_> {
         self.fill(Vec::new(), size)
     }
 
-    /// Adds random agents up to a size.
+    /// Fills the neighbourhood to a size with random agents.
     fn fill(&mut self, mut chosen: Vec<usize>, size: usize) -> Vec<usize> {
         let size = size.min(self.crew.count());
         while chosen.len() < size {
@@ -197,7 +197,7 @@ impl Polish<'_, '_> {
         chosen
     }
 
-    /// Plans the chosen agents again and keeps what is not worse; whether it is better.
+    /// Replans the chosen agents and keeps a result that is not worse; returns whether it is better.
     fn again(&mut self, chosen: &[usize], before: PlanKey, meter: &mut Meter) -> bool {
         for agent in chosen {
             self.crew.table.hide(*agent);
@@ -227,7 +227,7 @@ impl Polish<'_, '_> {
         }
     }
 
-    /// The table follows the paths; the last one in the order is not in it yet.
+    /// Makes the table follow the paths; the last agent in the order is not in it yet.
     fn accept(&mut self, order: &[usize], old: &[Vec<CellIndex>]) {
         if let Some(last) = order.last() {
             self.crew.table.add_instead(*last, &self.paths[*last]);
@@ -237,12 +237,13 @@ impl Polish<'_, '_> {
         }
     }
 
-    /// Plans agents in an order, up to the first that has no path that could do; all but the last of the order are entered.
+    /// Plans agents in an order, up to the first without an acceptable path; all but the last of the order are entered.
     fn place(&mut self, order: &[usize], meter: &mut Meter) -> Vec<Vec<CellIndex>> {
         let (limit, mut slack) = self.allowance(order);
         let mut found = Vec::with_capacity(order.len());
         for (turn, agent) in order.iter().enumerate() {
             let least = u64::from(self.crew.least[*agent]);
+            // A path later than this would make the sum of costs worse, whatever the rest of the chosen agents do.
             let limit = limit.min(least.saturating_add(slack)).min(u64::from(u32::MAX));
             let wish = Wish { others: Others::Hard, weight: 0, haste: 0, limit: limit as u32, delay: 0, detour: None };
             let Some(path) = self.crew.plan(*agent, wish, meter) else { break };
@@ -255,12 +256,14 @@ impl Polish<'_, '_> {
         found
     }
 
-    /// The latest arrival that may do for agents that are planned again, and how much they may all together lose.
+    /// Latest acceptable arrival of replanned agents, and the total delay that they may have.
     fn allowance(&self, chosen: &[usize]) -> (u64, u64) {
         let slack = chosen.iter().map(|agent| self.delay(*agent)).sum();
         let ours = chosen.iter().map(|agent| self.arrival(*agent)).max().unwrap_or(0);
         let rest = (0..self.crew.count()).filter(|agent| !chosen.contains(agent));
         let theirs = rest.map(|agent| self.arrival(agent)).max().unwrap_or(0);
+        // With the makespan at its bound, only the sum of costs can improve. Above it, the latest arrival counts first: if it is
+        // among the chosen, they must all arrive earlier; otherwise they may arrive as late as the others.
         match self.objective {
             BoardObjective::SumOfCosts => (u64::MAX, slack),
             BoardObjective::Makespan if ours.max(theirs) <= self.bounds.makespan => (self.bounds.makespan, slack),

@@ -1,42 +1,43 @@
-//! A first plan, one agent after the other among those before it.
+//! A first plan, one agent after the other.
 //!
-//! Method: prioritised planning (Erdmann and Lozano-Pérez, 1987) with the search of [`super::sipp`]. The starts of agents that have no
-//! path yet cost a little to pass, so that ways out stay open. When an agent finds no path it comes first in the next order.
-//! Guaranteed: a plan that is returned is legal. Not guaranteed: that there is one; some solvable instances have no order that works.
-//! Cost: at most [`ORDERS`] orders of one search for each agent.
+//! Method: prioritised planning (Erdmann and Lozano-Pérez, 1987) with the search of [`super::sipp`]. Passing the start of an agent
+//! without a path yet costs a little, so that its exit stays open. An agent that finds no path comes first in the next order.
+//! Guaranteed: a returned plan is legal. Not guaranteed: that one is found; some solvable instances have no order that works. Cost:
+//! at most [`ORDERS`] orders of one search for each agent.
 
 use super::super::board::{CellIndex, Paths};
 use super::crew::{PlannedInstance, Wish};
 use super::reservations::{Others, Reservations};
-use crate::plan::search::{Meter, SearchBudget};
+use crate::plan::search::Meter;
 
-/// How many orders are tried.
+/// Number of orders that are tried.
 const ORDERS: usize = 8;
 
-/// A search may take so many steps
+/// Steps of one search,
 const SEARCH_STEPS: u64 = 4_000;
 
-/// and so many more for each move that its agent has to make; then another order is the cheaper try.
+/// plus this many for each move that its agent must make; beyond them another order is the cheaper try.
 const SEARCH_STEPS_PER_MOVE: u64 = 100;
 
-/// How long a start without a path is a hazard, in separations.
+/// Time for which a start without a path is a hazard, in separations.
 const HAZARD_SEPARATIONS: u32 = 6;
 
-/// How many instants of detour one hazard is worth.
+/// Instants of detour that one hazard is worth.
 const HAZARD_WEIGHT: u32 = 1;
 
-/// How much the searches hurry, see [`super::sipp::Query::haste`]: ways a little longer, a sixth of the nodes on large boards.
+/// Extra weight of the heuristic, see [`super::sipp::Query::haste`]: paths get slightly longer, for a sixth of the nodes on large
+/// boards.
 const HASTE: u32 = 2;
 
-/// What an order came to.
+/// Result of prioritised planning.
 pub(super) enum PrioritisedOutcome {
     /// A legal plan.
     Plan(Paths),
-    /// Of the order that left the fewest agents without a path: the paths found.
+    /// The paths found in the order that left the fewest agents without one.
     Part(Vec<Option<Vec<CellIndex>>>),
 }
 
-/// Tries orders: the shortest way first, then those that found no path earlier each time.
+/// Tries orders: shortest path first; then each time the agents that found no path move to the front.
 pub(super) fn prioritise(crew: &mut PlannedInstance, meter: &mut Meter) -> PrioritisedOutcome {
     let mut order: Vec<usize> = (0..crew.count()).collect();
     order.sort_by_key(|agent| crew.least[*agent]);
@@ -58,7 +59,7 @@ pub(super) fn prioritise(crew: &mut PlannedInstance, meter: &mut Meter) -> Prior
     PrioritisedOutcome::Part(best)
 }
 
-/// Plans in an order until as many found no path as `most`; the paths, and who found none.
+/// Plans in an order until `most` agents have found no path; returns the paths, and the agents without one.
 fn attempt(
     crew: &mut PlannedInstance,
     order: &[usize],
@@ -75,10 +76,8 @@ fn attempt(
         Wish { others: Others::Hard, weight: HAZARD_WEIGHT, haste: HASTE, limit: u32::MAX, delay: 0, detour: None };
     for agent in order {
         crew.table.remove_hazard(*agent, crew.instance.agents[*agent].start);
-        let allowed = (SEARCH_STEPS + SEARCH_STEPS_PER_MOVE * u64::from(crew.least[*agent])).min(meter.left().steps);
-        let mut part = Meter::new(SearchBudget::of(allowed));
-        let path = crew.plan(*agent, wish, &mut part);
-        meter.charge(part.spent());
+        let allowed = SEARCH_STEPS + SEARCH_STEPS_PER_MOVE * u64::from(crew.least[*agent]);
+        let path = meter.share(allowed, |meter| crew.plan(*agent, wish, meter));
         match &path {
             Some(path) => crew.table.add(*agent, path),
             None => failed.push(*agent),

@@ -1,38 +1,38 @@
-//! From paths that come too near to one another to a legal plan.
+//! Repairs conflicting paths into a legal plan.
 //!
-//! Method: MAPF-LNS2 (Li and others, AAAI 2022): take out the paths of a few agents that are in conflict, plan them again one after
-//! the other so that they touch as few others as can be, and keep the outcome if there are no more conflicts than before.
-//! Now and then an agent waits at its start or goes round by a cell nearby: two that swap in a corridor need one of them in a bay.
-//! Guaranteed: a plan that is returned is legal. Not guaranteed: that it ends in one; it ends with its meter.
-//! Cost: one search for each agent of a neighbourhood of at most [`LARGEST`].
+//! Method: MAPF-LNS2 (Li and others, AAAI 2022): remove the paths of a few conflicting agents, replan them one after the other with
+//! as few conflicts as possible, and keep the result if there are no more conflicts than before. Now and then an agent waits at its
+//! start or detours via a nearby cell: for two agents to swap in a corridor, one of them must enter a bay. Guaranteed: a returned
+//! plan is legal. Not guaranteed: that one is found; the search ends with its meter. Cost: one search for each agent of a
+//! neighbourhood of at most [`LARGEST`].
 
 use super::super::board::{CellIndex, Paths};
 use super::crew::{PlannedInstance, Wish};
 use super::reservations::Others;
 use crate::plan::search::Meter;
 
-/// How many agents are planned again at once, at most.
+/// Most agents that are replanned at once.
 const LARGEST: usize = 5;
 
-/// How many instants of detour one instant of conflict is worth.
+/// Instants of detour that one instant of conflict is worth.
 const WEIGHT: u32 = 500;
 
-/// How much the searches hurry, see [`super::sipp::Query::haste`].
+/// Extra weight of the heuristic, see [`super::sipp::Query::haste`].
 const HASTE: u32 = 2;
 
-/// One of so many agents that are planned again is delayed,
+/// One in this many replanned agents is delayed,
 const DELAYED: usize = 8;
 
-/// by less than the length of its path and so many instants.
+/// by less than the length of its path plus this many instants.
 const LONGEST_DELAY: usize = 8;
 
-/// One of so many of the others goes round by a cell,
+/// One in this many of the others detours via a cell,
 const DETOURED: usize = 12;
 
-/// no farther away than so many separations.
+/// at most this many separations away.
 const DETOUR_SEPARATIONS: u32 = 3;
 
-/// Paths and who is in conflict with whom.
+/// Paths, and their conflicts.
 struct RepairState {
     paths: Paths,
     near: Vec<Vec<usize>>,
@@ -72,7 +72,7 @@ pub(super) fn repair(
     Some(state.paths)
 }
 
-/// Enters the paths of an attempt and plans the missing ones through them.
+/// Enters the paths of an attempt and plans the missing ones, conflicts allowed.
 fn begin(crew: &mut PlannedInstance, part: Vec<Option<Vec<CellIndex>>>, meter: &mut Meter) -> Option<RepairState> {
     let known = part.iter().flatten().cloned().collect::<Vec<_>>();
     let agents: Vec<usize> = (0..part.len()).filter(|agent| part[*agent].is_some()).collect();
@@ -98,7 +98,7 @@ fn begin(crew: &mut PlannedInstance, part: Vec<Option<Vec<CellIndex>>>, meter: &
 
 const SOFT: Wish = Wish { others: Others::Soft, weight: WEIGHT, haste: HASTE, limit: u32::MAX, delay: 0, detour: None };
 
-/// A few agents round a conflict: a walk from conflict to conflict, filled up with agents that pass near.
+/// Agents around a conflict: a random walk along conflicts, filled up with agents that pass nearby.
 fn neighbourhood(crew: &mut PlannedInstance, state: &RepairState) -> Vec<usize> {
     let troubled: Vec<usize> = (0..crew.count()).filter(|agent| !state.near[*agent].is_empty()).collect();
     let size = (2 + crew.random.below(LARGEST - 1)).min(crew.count());
@@ -122,7 +122,7 @@ fn neighbourhood(crew: &mut PlannedInstance, state: &RepairState) -> Vec<usize> 
     chosen
 }
 
-/// Someone who passes near a random position of a path.
+/// An agent that passes near a random position of a path.
 fn passer(crew: &mut PlannedInstance, path: &[CellIndex]) -> usize {
     let cell = path[crew.random.below(path.len())];
     let count = crew.table.visitors(cell).count();
@@ -130,7 +130,7 @@ fn passer(crew: &mut PlannedInstance, path: &[CellIndex]) -> usize {
     crew.table.visitors(cell).nth(pick).expect("the path itself is in the table")
 }
 
-/// Plans the chosen agents again; undoes it if there are more conflicts than before. `None` when the meter ran out.
+/// Replans the chosen agents; undone if there are more conflicts than before. `None` when the meter ran out.
 fn again(crew: &mut PlannedInstance, state: &mut RepairState, mut chosen: Vec<usize>, meter: &mut Meter) -> Option<()> {
     let before = state.pairs();
     let old: Vec<_> = chosen.iter().map(|agent| (*agent, state.paths[*agent].clone())).collect();
@@ -168,7 +168,7 @@ fn again(crew: &mut PlannedInstance, state: &mut RepairState, mut chosen: Vec<us
     (meter.left().steps > 0).then_some(())
 }
 
-/// Mostly the shortest way; of some agents one that waits or goes round for a while, for those who cannot pass otherwise.
+/// Mostly the shortest path; some agents wait or detour first, for those that cannot pass otherwise.
 fn otherwise(crew: &mut PlannedInstance, path: &[CellIndex]) -> Wish {
     if crew.random.below(DELAYED) == 0 {
         return Wish { delay: crew.random.below(path.len() + LONGEST_DELAY) as u32, ..SOFT };

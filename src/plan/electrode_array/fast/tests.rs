@@ -1,4 +1,4 @@
-//! Plans against a checker that knows nothing of spans and boxes, on many small instances and some large ones.
+//! Plans against a checker that knows neither spans nor boxes, on many small instances and some large ones.
 
 use super::super::board::{Agent, BoardGrid, CellIndex, position};
 use super::*;
@@ -10,7 +10,7 @@ fn meter(steps: u64) -> Meter {
     Meter::new(SearchBudget::of(steps))
 }
 
-/// Everything that is wrong with a plan, in words.
+/// All violations of a plan, as text.
 fn violations(instance: &Instance, paths: &Paths) -> Vec<String> {
     let mut wrong = Vec::new();
     if paths.len() != instance.agents.len() {
@@ -70,7 +70,7 @@ fn alone(instance: &Instance, agent: usize, path: &[CellIndex]) -> Vec<String> {
     wrong
 }
 
-/// How dense and large random instances are.
+/// Density and size of random instances.
 #[derive(Debug, Clone, Copy)]
 struct Shape {
     sides: (usize, usize),
@@ -80,7 +80,7 @@ struct Shape {
     stops: usize,
 }
 
-/// Up to as many free cells as wanted, that far apart.
+/// Up to `count` free cells, at least `apart` from each other.
 fn scattered(random: &mut SplitMix64, board: &BoardGrid, count: usize, apart: u32) -> Vec<CellIndex> {
     let mut cells: Vec<CellIndex> = Vec::new();
     for _ in 0..count * 200 {
@@ -110,7 +110,7 @@ fn random_instance(random: &mut SplitMix64, shape: Shape) -> Instance {
     Instance { board, separation: shape.separation, agents, merges: Vec::new() }
 }
 
-/// Lets neighbouring agents merge, every other pair of them.
+/// Makes every other pair of neighbouring agents merge.
 fn with_merges(mut instance: Instance) -> Instance {
     for one in (0..instance.agents.len() / 2).step_by(2) {
         let goal = instance.agents[2 * one].goal();
@@ -121,7 +121,7 @@ fn with_merges(mut instance: Instance) -> Instance {
     instance
 }
 
-/// Plans, checks, improves both ways, checks; whether there was a plan.
+/// Plans, checks, improves for both objectives, checks again; returns whether there was a plan.
 fn plan_and_check(instance: &Instance, seed: u64, steps: u64) -> bool {
     let terms = FirstPlanTerms { seed, step_limit: None };
     let Some(paths) = first(instance, terms, &mut meter(steps)) else { return false };

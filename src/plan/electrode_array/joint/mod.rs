@@ -1,28 +1,28 @@
-//! Few parts together, exactly: a search of the space of their joint positions.
+//! Exact plans for a few parts: a search of their joint space.
 //!
-//! Problem: a group of agents, all others left out, from their starts to their goals. Method: A* over joint nodes with
-//! the agents' own distances as the bound (for the makespan the largest, for the sum of costs their sum), moves of the agents
-//! chosen one after the other so that a move that is too near to an earlier one cuts off all that follows (compare T.
-//! Standley, "Finding Optimal Solutions to Cooperative Pathfinding Problems", AAAI 2010). For the sum of costs a node says of
-//! each agent whether it has arrived for good; only agents that have not are charged for a step.
+//! Problem: a group of agents, all others ignored, from their starts to their goals. Method: A* over joint nodes with the agents'
+//! own distances as lower bound (for the makespan the largest, for the sum of costs their sum); the agents' moves are chosen one
+//! after the other, so that a move too near to an earlier one prunes all its extensions (compare T. Standley, "Finding Optimal
+//! Solutions to Cooperative Pathfinding Problems", AAAI 2010). For the sum of costs a node records for each agent whether it has
+//! arrived for good; only agents that have not are charged for a step.
 //!
-//! Where only the moves matter, or only whether there is a plan, one agent moves at a time: a move never comes near a place that
-//! is being left, so the moves of one step may as well be made one after the other, and the fewest moves in turns are the
-//! fewest of all. Any plan is then searched for with the distances weighted by `HURRY` and its moves are made as early as can be.
+//! Where only the moves matter, or only whether there is a plan, one agent moves at a time: a move never comes near a place that is
+//! being left, so the moves of one step may equally be made one after the other, and the fewest moves in turns are the fewest of
+//! all. For any plan, the distances are weighted by `HURRY` and the moves of the result are made as early as possible.
 //!
-//! Guaranteed, while the budget lasts: a plan of least cost, or the proof that there is none, with a limit on the steps none
-//! within it. Not guaranteed: that ties between plans of the same cost are broken well. The number of joint nodes is the product
-//! of the agents' nodes, so it fits two parts on most boards and more on small ones. One step of the budget is one move of
-//! one agent that is tried; memory is at most some 50 bytes for each, and some 400 MB in all.
+//! Guaranteed, while the budget lasts: a plan of least cost, or the proof that there is none; under a limit on the steps, none
+//! within it. Not guaranteed: good tie-breaking between plans of the same cost. The number of joint nodes is the product of the
+//! agents' nodes, so two parts fit on most boards and more on small ones. One step of the budget is one tried move of one agent;
+//! memory is at most some 50 bytes for each, and some 400 MB in all.
 
 use super::board::{CellIndex, Paths};
 use super::exact::field::{ExactTables, FAR, StagedCell};
-use crate::plan::search::Meter;
+use crate::plan::search::{Meter, SearchAnswer};
 use states::States;
 
 pub mod states;
 
-/// What the search is for.
+/// Aim of the search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointAim {
     /// Any plan, or the proof that there is none.
@@ -35,36 +35,36 @@ pub enum JointAim {
     SumOfCosts { limit: Option<u32> },
 }
 
-/// What became of a group.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum JointOutcome {
-    /// A plan, best for the aim; one path for each member of the group, in its order.
-    Found(Paths),
-    /// There is no plan at all.
-    Impossible,
-    /// There is none within the limit; whether there is one beyond it is not known.
-    NotWithin,
-    /// The budget ran out; no plan costs less than this.
-    GaveUp { bound: u64 },
+/// Result for a group: a plan, best for the aim, with a path for each member in its order; a search that gave up has a lower bound on
+/// the cost of any plan.
+pub type JointAnswer = SearchAnswer<Paths, NoJointPlan, u64>;
+
+/// Why a group has no plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoJointPlan {
+    /// There is none at all.
+    AtAll,
+    /// There is none within the limit; beyond it nothing is known.
+    WithinLimit,
 }
 
-/// How much farther from the goals counts than a move more, where any plan will do.
+/// Heuristic weight where any plan is sufficient.
 const HURRY: u32 = 4;
 
 /// Larger groups are not searched.
 const MOST_MEMBERS: usize = 64;
 
-/// The same for the sum of costs, where who stays for good multiplies the states of one instant by up to 2 for each member.
+/// The same for the sum of costs, where parking multiplies the states of one instant by up to 2 for each member.
 const MOST_SUMMED: usize = 12;
 
 /// Searches for the agents of `group` alone.
-pub fn search(field: &ExactTables, group: &[usize], aim: JointAim, meter: &mut Meter) -> JointOutcome {
+pub fn search(field: &ExactTables, group: &[usize], aim: JointAim, meter: &mut Meter) -> JointAnswer {
     if group.is_empty() {
-        return JointOutcome::Found(vec![]);
+        return JointAnswer::Found(vec![]);
     }
     let most = if matches!(aim, JointAim::SumOfCosts { .. }) { MOST_SUMMED } else { MOST_MEMBERS };
     if group.len() > most {
-        return JointOutcome::GaveUp { bound: 0 };
+        return JointAnswer::GaveUp(0);
     }
     let mut search = JointSearch::new(field, group, aim);
     search.begin();
@@ -81,10 +81,10 @@ struct JointSearch<'a> {
     group: &'a [usize],
     aim: JointAim,
     states: States,
-    /// Indices of states by their bound on the whole cost.
+    /// Open list: indices of states by lower bound on the total cost.
     open: Vec<Vec<u32>>,
     lowest: usize,
-    /// Something was left out because of the limit.
+    /// Something was pruned because of the limit.
     limited: bool,
 }
 
@@ -101,8 +101,8 @@ impl<'a> JointSearch<'a> {
         self.insert_with_parking(&mut words, 0, 0, u32::MAX, &[]);
     }
 
-    /// Inserts a state in each variant of who, of those who have just come to their goals, stays for good. Calls itself
-    /// at most [`MOST_SUMMED`] deep.
+    /// Inserts a state in each variant of which agents, among those just arrived at their goals, stay for good. Recursion is at
+    /// most [`MOST_SUMMED`] deep.
     fn insert_with_parking(
         &mut self,
         words: &mut Vec<AgentWord>,
@@ -146,7 +146,7 @@ impl<'a> JointSearch<'a> {
         }
     }
 
-    /// A bound on the cost from here; none if an agent cannot come to its goal.
+    /// Lower bound on the remaining cost; `None` if an agent cannot reach its goal.
     fn ahead(&self, words: &[AgentWord]) -> Option<u32> {
         let mut largest = 0;
         let mut sum = 0u32;
@@ -164,7 +164,7 @@ impl<'a> JointSearch<'a> {
         })
     }
 
-    /// Who waits on his goal without having arrived for good has to leave it and to come back.
+    /// An agent that waits on its goal without having arrived for good must leave it and come back: 2 steps.
     fn own_distance(&self, agent: usize, word: AgentWord) -> u32 {
         let distance = self.field.distance(agent, word >> 1);
         let unsettled = matches!(self.aim, JointAim::SumOfCosts { .. }) && word & PARKED == 0 && distance == 0;
@@ -184,11 +184,11 @@ impl<'a> JointSearch<'a> {
         }
     }
 
-    fn run(&mut self, meter: &mut Meter) -> JointOutcome {
+    fn run(&mut self, meter: &mut Meter) -> JointAnswer {
         let mut ply = Ply::new(self.group.len());
         while let Some(state) = self.pop() {
             if self.is_final(state) {
-                return JointOutcome::Found(self.paths(state));
+                return JointAnswer::Found(self.paths(state));
             }
             let expanded = match self.aim {
                 JointAim::Any | JointAim::Moves => self.expand_in_turns(state, meter),
@@ -196,13 +196,17 @@ impl<'a> JointSearch<'a> {
             };
             if self.states.is_full() || expanded.is_none() {
                 let bound = if self.aim == JointAim::Any { 0 } else { self.lowest as u64 };
-                return JointOutcome::GaveUp { bound };
+                return JointAnswer::GaveUp(bound);
             }
         }
-        if self.limited { JointOutcome::NotWithin } else { JointOutcome::Impossible }
+        if self.limited {
+            JointAnswer::Impossible(NoJointPlan::WithinLimit)
+        } else {
+            JointAnswer::Impossible(NoJointPlan::AtAll)
+        }
     }
 
-    /// The open state with the least bound, each state once.
+    /// The open state with the least bound; each state is returned once.
     fn pop(&mut self) -> Option<u32> {
         while self.lowest < self.open.len() {
             match self.open[self.lowest].pop() {
@@ -272,7 +276,7 @@ impl<'a> JointSearch<'a> {
         Some(())
     }
 
-    /// Whether a member may come to a node while the others stand still.
+    /// Whether a member may move to a node while the others stay.
     fn is_clear(&self, member: usize, node: StagedCell, words: &[AgentWord]) -> bool {
         let (agent, cell) = (self.group[member], self.field.cell(node));
         let mut others = self.group.iter().zip(words).enumerate().filter(|(other, _)| *other != member);
@@ -288,7 +292,7 @@ impl<'a> JointSearch<'a> {
         }
     }
 
-    /// Whether a move of a member goes together with those of the members before it.
+    /// Whether a move of a member is compatible with those of the members before it.
     fn fits(&self, member: usize, word: AgentWord, before: &[AgentWord], words: &[AgentWord]) -> bool {
         let cell = |word: AgentWord| self.field.cell(word >> 1);
         let (from, to) = (cell(before[member]), cell(word));
@@ -301,7 +305,7 @@ impl<'a> JointSearch<'a> {
         })
     }
 
-    /// The way that led to a final state; each path ends at its last arrival.
+    /// The paths to a final state; each ends at its last arrival.
     fn paths(&self, state: u32) -> Paths {
         let mut paths: Paths = vec![vec![]; self.group.len()];
         let mut at = state;
@@ -319,7 +323,7 @@ impl<'a> JointSearch<'a> {
     }
 }
 
-/// The moves that are still to be tried, of each member.
+/// The untried moves of each member.
 struct Ply {
     moves: Vec<Vec<AgentWord>>,
 }
@@ -336,13 +340,13 @@ impl Ply {
             return;
         }
         moves.extend(field.next(agent, word >> 1).map(|node: StagedCell| node * 2));
-        // The one that comes closest to the goal is tried, and put into the bucket, last, and so comes out first.
+        // The move that comes closest to the goal must be tried last: the bucket is a stack, so it leaves first.
         moves.sort_by_key(|word| std::cmp::Reverse(field.distance(agent, *word >> 1)));
         moves.reverse();
     }
 }
 
-/// Cuts off the waiting at the end, so that the last position is the last arrival.
+/// Drops the waiting at the end, so that the last position is the last arrival.
 pub(super) fn trim(path: &mut Vec<CellIndex>) {
     while path.len() > 1 && path[path.len() - 2] == path[path.len() - 1] {
         path.pop();

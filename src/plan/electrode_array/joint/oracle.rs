@@ -3,10 +3,10 @@
 use super::super::board::{Agent, BoardGrid, BoardObjective, CellIndex, Instance, Paths, position};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Cells, stops done, and who has settled for good.
+/// Cells, number of stops visited, and which agents have arrived for good.
 type Joint = (Vec<CellIndex>, Vec<usize>, Vec<bool>);
 
-/// The least makespan or sum of costs, or none if there is no plan.
+/// The least makespan or sum of costs; `None` if there is no plan.
 pub fn least(instance: &Instance, objective: BoardObjective) -> Option<u64> {
     let cells: Vec<CellIndex> = instance.agents.iter().map(|agent| agent.start).collect();
     let done = cells.iter().enumerate().map(|(agent, cell)| passed(instance, agent, 0, *cell)).collect();
@@ -37,7 +37,7 @@ fn passed(instance: &Instance, agent: usize, mut done: usize, at: CellIndex) -> 
     done
 }
 
-/// One agent settles at no cost, or all make a step.
+/// Successors: one agent arrives for good at no cost, or all make a step.
 fn followers(instance: &Instance, objective: BoardObjective, joint: &Joint) -> Vec<(u64, Joint)> {
     let (cells, done, settled) = joint;
     let mut found = vec![];
@@ -76,7 +76,7 @@ fn keeps_rule(instance: &Instance, from: &[CellIndex], to: &[CellIndex]) -> bool
     })
 }
 
-/// What is wrong with a plan, if anything.
+/// The first violation of a plan, if any.
 pub fn fault(instance: &Instance, paths: &Paths) -> Option<String> {
     if paths.len() != instance.agents.len() {
         return Some("not one path for each agent".into());
@@ -121,7 +121,7 @@ impl Chance {
     }
 }
 
-/// What random instances look like.
+/// Shape of random instances.
 #[derive(Clone, Copy)]
 pub struct Shape {
     pub width: u32,
@@ -134,7 +134,7 @@ pub struct Shape {
     pub merges: bool,
 }
 
-/// A random instance that keeps the invariants, or none if the places do not suffice.
+/// A random instance that keeps the invariants; `None` if there are too few cells.
 pub fn random(shape: Shape, chance: &mut Chance) -> Option<Instance> {
     let mut board = BoardGrid::new(shape.width, shape.height);
     for cell in 0..board.cells() as CellIndex {

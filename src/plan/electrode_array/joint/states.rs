@@ -1,30 +1,30 @@
 //! Joint states, each stored once: a hash table of indices over flat words.
 
-/// A place of the table that holds no state.
+/// An empty slot of the table.
 const NONE: (u32, u32) = (u32::MAX, 0);
 
-/// Words of all states together at most; 4 bytes each.
+/// Most words of all states together; 4 bytes each.
 const MOST_WORDS: usize = 1 << 25;
 
-/// States at most.
+/// Most states.
 const MOST_STATES: usize = 1 << 23;
 
 /// An odd number near 2^64 divided by the golden ratio: products spread over all bits (Knuth, The Art of Computer Programming 3, 6.4).
 const SPREAD: u64 = 0x9E37_79B9_7F4A_7C15;
 
-/// The states that were made, with the least cost known and the state it came from.
+/// The stored states, each with its least known cost and its parent.
 pub struct States {
     width: usize,
     words: Vec<u32>,
     costs: Vec<u32>,
     parents: Vec<u32>,
     closed: Vec<bool>,
-    /// States with their hashes.
+    /// Index and hash of each state.
     table: Vec<(u32, u32)>,
 }
 
 impl States {
-    /// For states of `width` words, at least one.
+    /// For states of `width` words; `width` is at least 1.
     pub fn new(width: usize) -> Self {
         States { width, words: vec![], costs: vec![], parents: vec![], closed: vec![], table: vec![NONE; 64] }
     }
@@ -41,22 +41,22 @@ impl States {
         self.costs[state as usize]
     }
 
-    /// The state it came from; `u32::MAX` for a first one.
+    /// The parent of a state; `u32::MAX` for a root.
     pub fn parent(&self, state: u32) -> u32 {
         self.parents[state as usize]
     }
 
-    /// Marks it as dealt with; false if it was.
+    /// Marks a state as closed; `false` if it was already.
     pub fn close(&mut self, state: u32) -> bool {
         !std::mem::replace(&mut self.closed[state as usize], true)
     }
 
-    /// Whether there is no room for more.
+    /// Whether the limits on memory are reached.
     pub fn is_full(&self) -> bool {
         self.words.len() >= MOST_WORDS || self.costs.len() >= MOST_STATES
     }
 
-    /// The index of a state that is new or cheaper than known; none for one that is not.
+    /// Inserts a state and returns its index if it is new or cheaper than known; otherwise `None`.
     pub fn insert(&mut self, words: &[u32], cost: u32, parent: u32) -> Option<u32> {
         let hash = hash(words);
         let place = self.find(words, hash);
@@ -81,13 +81,13 @@ impl States {
         Some(state)
     }
 
-    /// The index of a state that was made.
+    /// The index of a stored state.
     pub fn find_known(&self, words: &[u32]) -> Option<u32> {
         let (state, _) = self.table[self.find(words, hash(words))];
         (state != NONE.0).then_some(state)
     }
 
-    /// Where a state is in the table, or would be.
+    /// Slot of a state in the table, or the slot for its insertion.
     fn find(&self, words: &[u32], hash: u32) -> usize {
         let mask = self.table.len() - 1;
         let mut place = hash as usize & mask;

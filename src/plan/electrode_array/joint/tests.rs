@@ -57,15 +57,19 @@ fn optima_and_impossibility_agree_with_plain_searches() {
                 let any = search(&field, &group, JointAim::Any, &mut meter());
                 match least(&instance, objective) {
                     Some(cost) => {
-                        let JointOutcome::Found(paths) = &found else { panic!("{instance:?}: {found:?}") };
+                        let JointAnswer::Found(paths) = &found else { panic!("{instance:?}: {found:?}") };
                         assert_eq!(fault(&instance, paths), None, "{instance:?}");
                         assert_eq!(BoardCosts::of(paths).key(objective).0, cost, "{instance:?} {objective:?}");
-                        let JointOutcome::Found(paths) = &any else { panic!("{instance:?}: {any:?}") };
+                        let JointAnswer::Found(paths) = &any else { panic!("{instance:?}: {any:?}") };
                         assert_eq!(fault(&instance, paths), None, "{instance:?}");
                         solved += 1;
                     }
                     None => {
-                        assert_eq!((found, any), (JointOutcome::Impossible, JointOutcome::Impossible), "{instance:?}");
+                        assert_eq!(
+                            (found, any),
+                            (JointAnswer::Impossible(NoJointPlan::AtAll), JointAnswer::Impossible(NoJointPlan::AtAll)),
+                            "{instance:?}"
+                        );
                         impossible += 1;
                     }
                 }
@@ -87,11 +91,11 @@ fn a_limit_just_at_the_optimum_passes_and_one_below_does_not() {
             let group = everyone(&field);
             for aim in [|limit| JointAim::Makespan { limit }, |limit| JointAim::SumOfCosts { limit }] {
                 let at = search(&field, &group, aim(Some(least as u32)), &mut meter());
-                let JointOutcome::Found(paths) = at else { panic!("{instance:?}: {at:?}") };
+                let JointAnswer::Found(paths) = at else { panic!("{instance:?}: {at:?}") };
                 assert_eq!((fault(&instance, &paths), BoardCosts::of(&paths).makespan), (None, least));
                 if least > 0 {
                     let below = search(&field, &group, aim(Some(least as u32 - 1)), &mut meter());
-                    assert_eq!(below, JointOutcome::NotWithin, "{instance:?}");
+                    assert_eq!(below, JointAnswer::Impossible(NoJointPlan::WithinLimit), "{instance:?}");
                 }
                 compared += 1;
             }
@@ -107,6 +111,6 @@ fn a_budget_ends_the_search_with_a_bound() {
     let field = ExactTables::new(&instance).ok().unwrap();
     let mut meter = Meter::new(SearchBudget::of(50));
     let outcome = search(&field, &[0, 1], JointAim::SumOfCosts { limit: None }, &mut meter);
-    assert_eq!(outcome, JointOutcome::GaveUp { bound: 36 });
+    assert_eq!(outcome, JointAnswer::GaveUp(36));
     assert_eq!(meter.spent(), 50);
 }

@@ -1,9 +1,10 @@
-//! One configuration from another by rules: who is urgent goes nearer to its goal, who is in the way is pushed aside.
+//! Rule-based successor of a configuration: urgent agents approach their goals, agents in their way are pushed aside.
 //!
-//! Method: in the manner of PIBT (Okumura, Machida, Défago, Tamura, "Priority inheritance with backtracking for iterative multi-agent
-//! path finding", Artificial Intelligence 310, 2022), under the rule of distance. No one comes near a cell that another only
-//! leaves in the same step, so an agent whose way is taken waits, which the rule always allows, and those in its way choose before
-//! all others: the first move of a shortest way, past nothing but blocked cells and the agent, to where they are in its way no more.
+//! Method: in the manner of PIBT (Okumura, Machida, Défago, Tamura, "Priority inheritance with backtracking for iterative
+//! multi-agent path finding", Artificial Intelligence 310, 2022), under the separation rule. No agent comes near a cell that
+//! another leaves in the same step, so an agent whose path is blocked waits, which the rule always allows, and the agents that
+//! block it choose before all others: the first move of a shortest path, past nothing but blocked cells and the pushing agent, to a
+//! cell outside its path.
 
 use super::super::board::CellIndex;
 use super::super::exact::field::{ExactTables, StagedCell};
@@ -13,37 +14,37 @@ use rustc_hash::FxHashSet;
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-/// The most agents on one cell: two that merge.
+/// Most agents on one cell: two that merge.
 const MOST_ON_CELL: usize = 2;
 
 /// Agents by cell.
 type Places = Vec<[u32; MOST_ON_CELL]>;
 
-/// So many separations of its way does an agent want free.
+/// Length of the path that an agent wants free, in separations.
 const WAY_SEPARATIONS: u32 = 3;
 
-/// So many cells, each times the cells of the way, are looked at for a place out of the way.
+/// Budget of the search for a cell out of the way: cells examined times cells of the path.
 const LOOKS: usize = 20_000;
 
-/// One of so many agents that are pushed goes a longer way where the shortest is taken.
+/// One in this many pushed agents takes a longer way out where the shortest is blocked.
 const RETREAT: usize = 16;
 
-/// An agent wants others away.
+/// A request of one agent that others move away.
 struct Push {
-    /// Where it stands.
+    /// Its cell.
     at: CellIndex,
-    /// The cells that it wants to go over, and those that are wanted by whoever wants it away itself.
+    /// The cells of its intended path, and those wanted by the agent that pushes it.
     way: Vec<CellIndex>,
 }
 
-/// Makes configurations; its tables are empty in between.
+/// Generates configurations; its tables are empty between calls.
 pub(super) struct ConfigurationGenerator<'a> {
     field: &'a ExactTables<'a>,
     here: Places,
     next: Places,
-    /// By agent where it goes, once that is decided.
+    /// Decided move of each agent.
     to: Vec<Option<StagedCell>>,
-    /// Those that choose next, with who wants them away.
+    /// Agents that choose next, with the push to which they react.
     queue: VecDeque<(usize, Option<Rc<Push>>)>,
     seen: FxHashSet<CellIndex>,
 }
@@ -61,7 +62,7 @@ impl<'a> ConfigurationGenerator<'a> {
         }
     }
 
-    /// A configuration that may follow, in which the agents that are told go where they are told; none if those cannot.
+    /// A successor in which constrained agents make their moves; `None` if those are impossible.
     pub(super) fn make(
         &mut self,
         from: &[StagedCell],
@@ -108,7 +109,7 @@ impl<'a> ConfigurationGenerator<'a> {
         self.to[agent] = Some(node);
     }
 
-    /// The best move that is free; else the agent waits and pushes those who are in the way of the best.
+    /// The best free move; otherwise the agent waits and pushes the agents that block the best move.
     fn decide(&mut self, from: &[StagedCell], agent: usize, push: Option<&Push>, random: &mut SplitMix64) {
         let here = from[agent];
         let candidates = match push {
@@ -124,7 +125,7 @@ impl<'a> ConfigurationGenerator<'a> {
                 return self.go(agent, node);
             }
             wanted = wanted.or(Some(node));
-            // Back into the way is no way out; now and then it is, where nobody can move.
+            // A move back into the path is no way out; but now and then it frees a jam in which nobody can move.
             if push.is_some() && random.below(RETREAT) > 0 {
                 break;
             }
@@ -142,7 +143,7 @@ impl<'a> ConfigurationGenerator<'a> {
         self.queue.extend(blocking.into_iter().map(|other| (other, Some(push.clone()))));
     }
 
-    /// The cells of the next steps of an agent that goes the shortest way.
+    /// The cells of an agent's next steps on a shortest path.
     fn way(&self, agent: usize, mut node: StagedCell) -> Vec<CellIndex> {
         let mut way = vec![self.field.cell(node)];
         while way.len() < (WAY_SEPARATIONS * self.field.instance.separation) as usize {
@@ -157,7 +158,7 @@ impl<'a> ConfigurationGenerator<'a> {
         way
     }
 
-    /// The moves that come nearer to the goal.
+    /// The moves that reduce the distance to the goal.
     fn nearer(&self, agent: usize, here: StagedCell, random: &mut SplitMix64) -> Vec<StagedCell> {
         let distance = self.field.distance(agent, here);
         let nearer = |node: &StagedCell| self.field.distance(agent, *node) < distance;
@@ -166,7 +167,7 @@ impl<'a> ConfigurationGenerator<'a> {
         moves
     }
 
-    /// The moves out of someone's way, that of the shortest way out first.
+    /// The moves out of the pushing agent's path, the shortest way out first.
     fn aside(&mut self, agent: usize, here: StagedCell, push: &Push, random: &mut SplitMix64) -> Vec<StagedCell> {
         let (field, instance) = (self.field, self.field.instance);
         let is_out = |cell: CellIndex| push.way.iter().all(|at| instance.board.apart(cell, *at) >= instance.separation);
@@ -202,7 +203,7 @@ impl<'a> ConfigurationGenerator<'a> {
         self.near(places, agent, self.field.cell(node)).next().is_none()
     }
 
-    /// The others that are too near to a cell.
+    /// The other agents that are too near to a cell.
     fn near<'s>(&'s self, places: &'s Places, agent: usize, cell: CellIndex) -> impl Iterator<Item = usize> + 's {
         let around = self.field.instance.board.around(cell, self.field.instance.separation);
         let others = around.flat_map(|at| places[at as usize].iter().map(move |other| (at, *other as usize)));

@@ -1,21 +1,21 @@
-//! The planner of Kritikou et al. 2018 as it is printed, for comparison: parts one after the other, each step by step to its goal.
+//! The planner of Kritikou et al. 2018 as printed, for comparison: parts one after the other, each step by step to its goal.
 //!
-//! Problem: parts that move at the same time on a board, in the order of their priority. Method: "μCA*", Algorithm 1 of
-//! G. Kritikou, N. Lamprianidis, N. Aspragathos, "A Modified Cooperative A* Algorithm for the Simultaneous Motion of Multiple
-//! Microparts on a Smart Platform with Electrostatic Fields", Micromachines 9(11), 548, 2018. For each part of higher priority
-//! the whole way is known; the next position of a part is the one of its five candidates that is allowed and has the least value
-//! of a function (equation 12 or 13); one candidate survives each step, nothing is ever taken back.
+//! Problem: parts that move at the same time on a board, in order of priority. Method: "μCA*", Algorithm 1 of G. Kritikou, N.
+//! Lamprianidis, N. Aspragathos, "A Modified Cooperative A* Algorithm for the Simultaneous Motion of Multiple Microparts on a Smart
+//! Platform with Electrostatic Fields", Micromachines 9(11), 548, 2018. For each part of higher priority the whole path is known;
+//! the next position of a part is the one of its five candidates that is allowed and has the least value of a function (equation 12
+//! or 13); one candidate survives each step, without backtracking.
 //!
-//! Guaranteed: the part that has a way keeps the chosen check against every part of higher priority that has one, up to the
-//! horizon. Not guaranteed: that a way is found where there is one, or that it is short; and parts without a way are forgotten
-//! by the others although they still stand somewhere, as in the paper. Cost: parts² · horizon.
+//! Guaranteed: a part that has a path keeps the chosen check against every part of higher priority that has one, up to the horizon.
+//! Not guaranteed: that a path is found where there is one, or that it is short; and parts without a path are ignored by the others
+//! although they still stand on the board, as in the paper. Cost: parts² · horizon.
 
 mod table;
 
 use super::board::{BoardGrid, CellIndex, Instance, position};
 pub use table::{PartMotion, Zero};
 
-/// The function whose least value chooses the next position.
+/// Function whose least value chooses the next position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Heuristic {
     /// Equation 12: the candidate's Manhattan distance from the goal, and a summand below 1 that prefers to be far from the parts
@@ -25,19 +25,19 @@ pub enum Heuristic {
     Plain,
 }
 
-/// What decides whether two moves go together.
+/// Check of two moves for compatibility.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PairCheck {
     /// The rule of the board: all four combinations of starts and ends keep the separation.
     Clean,
-    /// Table 3 as printed, with its unsafe and its over-strict entries; made for a separation of 4.
+    /// Table 3 as printed, with its unsafe and its over-strict entries; designed for a separation of 4.
     AsPublished(Zero),
 }
 
-/// Which of several candidates with the least value is taken; the paper leaves it open.
+/// Tie-breaking between candidates of least value, which the paper leaves open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Ties {
-    /// The order in which the candidates are made, each motion once; the first of the best survives.
+    /// The order of the candidates, each motion once; the first of the best survives.
     pub order: [PartMotion; 5],
 }
 
@@ -56,19 +56,19 @@ pub struct PaperReading {
     pub ties: Ties,
 }
 
-/// What became of one part.
+/// Result for one part.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum PublishedOutcome {
-    /// Its way up to its last arrival at its goal; it stays there up to the horizon.
+    /// Its path up to its last arrival at its goal; it stays there up to the horizon.
     Arrived(Vec<CellIndex>),
-    /// "There is no path": after this way no candidate was allowed.
+    /// "There is no path": after this partial path no candidate was allowed.
     Stuck(Vec<CellIndex>),
-    /// The horizon came first; this is the way up to it.
+    /// The horizon came first; this is the path up to it.
     OutOfTime(Vec<CellIndex>),
 }
 
 impl PublishedOutcome {
-    /// The steps to the last arrival, if it arrived.
+    /// Steps to the last arrival, if it arrived.
     pub fn finish(&self) -> Option<usize> {
         match self {
             PublishedOutcome::Arrived(path) => Some(path.len() - 1),
@@ -82,14 +82,14 @@ impl PublishedOutcome {
 pub struct CandidateValue {
     /// Manhattan distance from the next stop, and from there over the remaining ones.
     pub goal_distance: u64,
-    /// How many parts of higher priority are looked at.
+    /// Number of parts of higher priority that count.
     pub others: u64,
     /// The sum of the Manhattan distances from them, at least 1.
     pub spread: u64,
 }
 
 impl CandidateValue {
-    /// The order of the values, exactly.
+    /// Exact comparison of the values.
     fn less_than(&self, other: &CandidateValue) -> bool {
         let scaled = |one: &CandidateValue, by: &CandidateValue| {
             u128::from(one.goal_distance * one.spread + one.others) * u128::from(by.spread)
@@ -98,7 +98,7 @@ impl CandidateValue {
     }
 }
 
-/// Plans every part in the order of the instance over `horizon` steps; one outcome for each.
+/// Plans every part in the order of the instance over `horizon` steps; one outcome per part.
 pub fn plan(instance: &Instance, reading: PaperReading, horizon: usize) -> Vec<PublishedOutcome> {
     let mut outcomes: Vec<PublishedOutcome> = Vec::with_capacity(instance.agents.len());
     let mut walks: Vec<(usize, Vec<CellIndex>)> = Vec::new();
@@ -113,12 +113,12 @@ pub fn plan(instance: &Instance, reading: PaperReading, horizon: usize) -> Vec<P
     outcomes
 }
 
-/// One part on its way past the parts of higher priority.
+/// Search for the path of one part, given those of higher priority.
 struct PublishedWalk<'a> {
     instance: &'a Instance,
     reading: PaperReading,
     agent: usize,
-    /// The agents that have a way, with it.
+    /// The agents that have a path, with it.
     higher: &'a [(usize, Vec<CellIndex>)],
 }
 
@@ -208,7 +208,7 @@ impl PublishedWalk<'_> {
     }
 }
 
-/// Where a motion leads, if that is on the board and free.
+/// The cell to which a motion leads, if it is on the board and free.
 fn moved(board: &BoardGrid, here: CellIndex, motion: PartMotion) -> Option<CellIndex> {
     let (column, row) = board.place(here);
     let cell = match motion {

@@ -1,12 +1,12 @@
-//! Table 3 of the paper: which two moves go together, by the distance of the parts before the step.
+//! Table 3 of the paper: which two moves are compatible, by the distance of the parts before the step.
 //!
 //! The table is written for a part `i` of higher priority that lies right of and above a part `j`, both distances at most 6. Other
-//! quadrants follow by mirroring both motions; beyond 6 on an axis every pair is safe. Several printed entries are unsafe
-//! and others stricter than the rule; they stand here as printed.
+//! quadrants follow by mirroring both motions; beyond 6 on an axis every pair is safe. Several printed entries are unsafe and
+//! others stricter than the rule; they are kept as printed.
 
 use super::super::board::{BoardGrid, CellIndex};
 
-/// What a part does in a step.
+/// Motion of a part in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PartMotion {
     Right,
@@ -16,18 +16,18 @@ pub enum PartMotion {
     Stay,
 }
 
-/// How the table, printed for two distances above zero, is read when one of them is zero.
+/// How the table, printed for two distances above zero, is applied when one of them is zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Zero {
     /// As if `i` lay on the printed side.
     Printed,
     /// Allowed if the table allows it on one of the two sides.
     EitherSide,
-    /// Allowed only if it allows it on both.
+    /// Allowed only if the table allows it on both sides.
     BothSides,
 }
 
-/// Beyond this distance on one axis the table says nothing: the parts do not influence one another.
+/// Beyond this distance on one axis the table has no entry: the parts do not influence one another.
 const REACH: i64 = 6;
 
 impl PartMotion {

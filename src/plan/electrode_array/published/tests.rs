@@ -1,13 +1,13 @@
-//! What our reading of the paper gives, beside what it prints. Every order of the five candidates was tried (the paper leaves
-//! ties open) with both checks and three readings of a zero distance; the survey behind these tests found:
+//! Results of our reading of the paper, compared with its printed ones. Every order of the five candidates was tried (the paper
+//! leaves ties open) with both checks and three readings of a zero distance; the survey behind these tests found:
 //!
-//! - Equation 13 (plain): the printed pattern, parts 1 and 2 at instant 50, 3 without a path, 4 at 74, 5 without a path, comes
-//!   out for the order right, left, down, up, stay, which is the order of the paper's action space, with both checks. The places
-//!   where 3 and 5 are stuck do not: printed are (27, 11) at 35 and (43, 27) at 74. With ties drawn by lot and Table 3, part 3 is
-//!   mostly stuck in column 27, even at (27, 11) now and then but at 29 or 30: the paper's ties seem to follow no fixed order.
-//! - Equation 12 (spread): 50 and 50 come out; 88, 86 and 86 for parts 3 to 5 under no reading: part 3 needs 87, and part 4 meets
-//!   it head-on in column 46 and is stuck. Ways that do not come out either: the distances of the others one instant
-//!   earlier, to the last part only, by columns or rows instead of both; a violation that spares the candidate if another
+//! - Equation 13 (plain): the printed pattern, parts 1 and 2 at instant 50, 3 without a path, 4 at 74, 5 without a path, results
+//!   from the order right, left, down, up, stay, which is the order of the paper's action space, with both checks. The places where
+//!   3 and 5 are stuck do not: printed are (27, 11) at 35 and (43, 27) at 74. With random ties and Table 3, part 3 is mostly stuck
+//!   in column 27, occasionally even at (27, 11) but at 29 or 30: the paper's ties seem to follow no fixed order.
+//! - Equation 12 (spread): 50 and 50 are reproduced; 88, 86 and 86 for parts 3 to 5 under no reading: part 3 needs 87, and part 4
+//!   meets it head-on in column 46 and is stuck. Readings that do not reproduce them either: the distances of the others one
+//!   instant earlier, to the last part only, by columns or rows instead of both; a violation that spares the candidate if another
 //!   part allows it; Table 3 unmirrored; a plain distance of 5.
 //! - Table A1: all decisions and the values of the chosen cells; six printed entries are wrong (see the test).
 
@@ -32,7 +32,7 @@ pub(in super::super) fn table_6() -> Instance {
     Instance { board, separation: 4, agents, merges: vec![] }
 }
 
-/// The instant in the paper's count, which starts at 1, or where a part is stuck: column, row, instant.
+/// The instant in the paper's count, which starts at 1, or the place where a part is stuck: column, row, instant.
 fn printed_form(board: &BoardGrid, outcome: &PublishedOutcome) -> Result<usize, (u32, u32, usize)> {
     match outcome {
         PublishedOutcome::Arrived(path) => Ok(path.len()),

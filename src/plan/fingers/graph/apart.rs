@@ -1,7 +1,7 @@
-//! What routes cost at least, by their legs apart: each leg from the best grasp that it can begin with to the best that it may end with.
+//! Lower bounds on the cost of routes, leg by leg: each leg from the best grasp it can begin with to the best it may end with.
 //!
-//! Fingers are alike, so that a leg which begins at a junction costs the same whichever two of them hold there. Legs that several
-//! routes have in common are searched once. The sum over the legs of a route is never too large.
+//! Fingers are interchangeable, so a leg that begins at a junction costs the same whichever two of them hold there. Legs that
+//! several routes share are searched once. The sum over the legs of a route is an admissible bound.
 
 use super::greedy::{alone, grasp};
 use super::route::cheapest;
@@ -10,20 +10,20 @@ use crate::plan::search::Meter;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Up to so many routes are searched without a look at their legs apart.
+/// With at most this many routes, legs are not searched separately.
 pub const FEW: usize = 4;
 
-/// A leg that was searched by itself.
+/// A leg that was searched alone.
 struct KnownLeg<'a> {
     leg: &'a TurnLeg,
     next: Option<&'a TurnLeg>,
     start: Start,
-    /// `None` where it has no way.
+    /// Cost of the leg; `None` if it has no path.
     cost: Option<u64>,
 }
 
-/// A bound for each route in the unit of the request's costs, whatever the limit of reconfigurations; `None` for one that has no way.
-/// Without bounds where the budget runs out meanwhile.
+/// A lower bound for each route in the unit of the request's costs, valid for any limit on reconfigurations; `None` for a route
+/// without a path. `None` as a whole if the budget runs out.
 pub fn bounds(request: &GraspRequest, estimator: Estimator, meter: &mut Meter) -> Option<Vec<Option<u64>>> {
     let mut known: Vec<KnownLeg> = Vec::new();
     let mut bounds = Vec::with_capacity(request.routes.len());
@@ -63,17 +63,17 @@ impl KnownLeg<'_> {
     }
 }
 
-/// With what the leg of a route begins, as far as it matters to its cost.
+/// Start of a leg of a route, as far as it affects the cost.
 fn begins(request: &GraspRequest, route: &[TurnLeg], at: usize) -> Start {
     match (at, route[at].entry) {
         (0, _) => request.start,
-        // A grasp at its end tells fingers apart.
+        // A pinned grasp at the end distinguishes the fingers.
         (_, Regrasp::Across { new, .. }) if route[at].end.is_none() => Start::At(grasp(&[0, 1], new)),
         (_, Regrasp::Across { .. } | Regrasp::Same) => Start::Any,
     }
 }
 
-/// What a leg costs by itself; `None` where the budget runs out.
+/// Cost of a leg alone; `None` where the budget runs out.
 fn apart(
     request: &GraspRequest,
     leg: &TurnLeg,
@@ -91,6 +91,6 @@ fn apart(
     ) {
         GraspAnswer::Found(way) => Some(Some(way.cost)),
         GraspAnswer::Impossible(_) => Some(None),
-        GraspAnswer::GaveUp(_) | GraspAnswer::LooksSpent { .. } | GraspAnswer::TooLarge { .. } => None,
+        GraspAnswer::GaveUp(_) => None,
     }
 }

@@ -1,4 +1,4 @@
-//! A route made ready: its legs with their strands, and how nodes of one leg go on in the next.
+//! A prepared route: its legs with their strands, and the transitions of nodes from one leg to the next.
 
 use super::flood::removed;
 use super::layout::{GraspChain, MAX_DIGIT, MAX_LEGS, NodeSpot, Sets, wrapped};
@@ -11,37 +11,38 @@ use crate::plan::fingers::tables::{ContactBits, Tables};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// A leg made ready.
+/// A prepared leg.
 #[derive(Debug)]
 pub struct Sheet {
     pub tables: Arc<Tables>,
     pub strands: Rc<Strands>,
     pub contacts: usize,
-    /// How many there are.
+    /// Number of angles.
     pub angles: usize,
-    /// Where it begins and ends, counted from its lowest angle.
+    /// Start and end of the turn, counted from the leg's lowest angle.
     pub start: usize,
     pub end: usize,
-    /// How it follows the one before; [`Entry::Same`] for the first.
+    /// Transition from the leg before; [`Regrasp::Same`] for the first.
     pub entry: Regrasp,
     pub pin: Option<Grasp>,
-    /// See [`Leg::lazy`].
+    /// See [`TurnLeg::lazy`].
     pub lazy: Option<Rc<Lazy>>,
     /// The leg's lowest angle.
     lowest: i32,
 }
 
-/// A route made ready.
+/// A prepared route.
 #[derive(Debug)]
 pub struct PreparedRoute {
     pub sets: Rc<Sets>,
     pub sheets: Vec<Sheet>,
-    /// The most reconfigurations, if they are limited.
+    /// Limit on reconfigurations, if any.
     pub most_gaits: Option<u32>,
     pub looks: Rc<LooksBudget>,
 }
 
-/// The routes of a request made ready, or the nodes of one that has too many. Legs with the same tables share their strands.
+/// The prepared routes of a request, or the number of nodes of one that has too many. Legs with the same tables share their
+/// strands.
 pub fn courses(request: &GraspRequest) -> Result<Vec<PreparedRoute>, u64> {
     let sets = Rc::new(Sets::of(request.fingers));
     let nodes = request.routes.iter().map(|route| nodes(&sets, route)).max().unwrap_or(0);
@@ -74,7 +75,7 @@ pub fn courses(request: &GraspRequest) -> Result<Vec<PreparedRoute>, u64> {
     Ok(request.routes.iter().map(course).collect())
 }
 
-/// The nodes of a route, or more than are allowed where its legs are beyond what can be numbered.
+/// Number of nodes of a route, or a number above the limit if its legs cannot be indexed.
 fn nodes(sets: &Sets, route: &[TurnLeg]) -> u64 {
     let leg = |leg: &TurnLeg| {
         let fits = leg.tables.contacts <= MAX_DIGIT && leg.angles() <= MAX_DIGIT;
@@ -99,21 +100,21 @@ fn sheet(leg: &TurnLeg, strands: Rc<Strands>) -> Sheet {
 }
 
 impl Sheet {
-    /// Where three fingers may roll on, from each angle to the next.
+    /// Angles from which three fingers may roll to the next angle.
     #[inline]
     pub fn rolls_three<const N: usize>(&self, phases: [u16; 3]) -> AngleMask<N> {
         let head = self.strands.head(phases[0]);
         self.rolling(self.strands.roll_triple.window(self.strands.triple(head, phases), head.bit))
     }
 
-    /// Where two fingers may.
+    /// Angles from which two fingers may roll to the next angle.
     #[inline]
     pub fn rolls_two<const N: usize>(&self, phases: [u16; 2]) -> AngleMask<N> {
         let head = self.strands.head(phases[0]);
         self.rolling(self.strands.roll_pair.window(self.strands.pair(head, phases), head.bit))
     }
 
-    /// A window of rolling steps cut off at the last angle, from which nothing rolls on.
+    /// A window of rolling steps, cut off at the last angle, from which nothing can roll further.
     #[inline]
     pub fn rolling<const N: usize>(&self, window: AngleMask<N>) -> AngleMask<N> {
         below(window, self.angles - 1)
@@ -138,13 +139,13 @@ impl Sheet {
         wrapped(contact + angle % self.contacts, self.contacts) as u16
     }
 
-    /// Whether contacts that hold without a load do so with it.
+    /// Whether contacts that hold without a load also hold with it.
     #[inline]
     fn bears(&self, angle: usize, contacts: &[usize]) -> bool {
         self.lazy.as_ref().is_none_or(|lazy| lazy.holds(self.lowest + angle as i32, contacts))
     }
 
-    /// Whether contacts that would roll on from an angle without a load do so with it.
+    /// Whether contacts that would roll from an angle without a load also do so with it.
     #[inline]
     pub fn bears_on(&self, angle: usize, contacts: &[usize]) -> bool {
         self.lazy.as_ref().is_none_or(|lazy| lazy.rolls(self.lowest + angle as i32, contacts))
@@ -156,7 +157,7 @@ impl Sheet {
         self.lazy.as_ref().is_none_or(|lazy| lazy.leaves(self.lowest + angle as i32, [i, j], k))
     }
 
-    /// Whether contacts hold at an angle, as far as the tables know: two of them, or all three.
+    /// Whether two or three contacts hold at an angle, according to the tables.
     #[inline]
     pub fn holds(&self, angle: usize, contacts: &[usize]) -> bool {
         let layer = self.tables.layer(angle);
@@ -169,13 +170,14 @@ impl Sheet {
 }
 
 impl PreparedRoute {
-    /// The number of a pair's chain among those of its leg.
+    /// Index of a pair's chain within its leg.
     #[inline]
     pub fn pair_index(&self, leg: usize, chain: GraspChain) -> usize {
         self.sets.index(self.sheets[leg].contacts, chain)
     }
 
-    /// The number of the pair that is left at a place of a triple, as a number for phase 0 of its last member and a step for each more.
+    /// Index of the pair that remains without one place of a triple: its value for phase 0 of the triple's varying member, and the
+    /// increment per phase.
     pub fn pair_steps(&self, leg: usize, triple: impl Fn(u16) -> GraspChain, place: usize) -> (usize, usize) {
         let index = |third: u16| {
             let chain = triple(third);
@@ -185,7 +187,7 @@ impl PreparedRoute {
         (index(0), index(1) - index(0))
     }
 
-    /// The contacts of a node, of each member of its set.
+    /// The contact of each member of a node's set.
     pub fn contacts(&self, spot: NodeSpot) -> [usize; 3] {
         spot.chain.phases.map(|phase| self.sheets[spot.leg].contact(spot.angle, phase))
     }
@@ -212,7 +214,7 @@ impl PreparedRoute {
         holds.then_some(NodeSpot { leg, angle, chain: GraspChain { set, phases } })
     }
 
-    /// The node of a grasp; `None` where it does not hold, or is no grasp of this hand on this section.
+    /// The node of a grasp; `None` where it does not hold, or is not a grasp of this hand on this section.
     pub fn place(&self, leg: usize, angle: usize, grasp: &Grasp) -> Option<NodeSpot> {
         let fingers: Vec<usize> = (0..grasp.0.len()).filter(|finger| grasp.0[*finger] != 0).collect();
         let contacts: Vec<usize> = fingers.iter().filter_map(|finger| grasp.contact(*finger)).collect();
@@ -221,12 +223,12 @@ impl PreparedRoute {
         if fits { self.spot(leg, angle, set, &contacts) } else { None }
     }
 
-    /// Whether a leg may end with a node at its end, as far as its pinned grasp goes.
+    /// Whether the leg's pinned grasp, if any, allows it to end at this node.
     fn may_end(&self, spot: NodeSpot) -> bool {
         self.sheets[spot.leg].pin.is_none_or(|pin| self.grasp(spot) == pin)
     }
 
-    /// The nodes with which a leg may end, where they are few; `None` where any grasp will do.
+    /// The nodes at which a leg may end, if they are few; `None` where any grasp is allowed.
     pub fn few_ends(&self, leg: usize) -> Option<Vec<NodeSpot>> {
         let sheet = &self.sheets[leg];
         if let Some(pin) = &sheet.pin {
@@ -245,13 +247,13 @@ impl PreparedRoute {
         self.sheets[spot.leg].bears(spot.angle, &contacts[..count])
     }
 
-    /// The contacts that the fingers of a node hold.
+    /// The contacts that the fingers of a node hold, and their number.
     #[inline]
     pub fn held(&self, spot: NodeSpot) -> ([usize; 3], usize) {
         (self.contacts(spot), if self.sets.is_pair(spot.chain.set) { 2 } else { 3 })
     }
 
-    /// How many nodes there are at an angle of a leg, as far as the tables know.
+    /// Number of nodes at an angle of a leg, according to the tables.
     pub fn count(&self, leg: usize, angle: usize) -> u64 {
         let layer = self.sheets[leg].tables.layer(angle);
         let ones = |bits: &ContactBits| bits.words().iter().map(|word| u64::from(word.count_ones())).sum::<u64>();
@@ -259,13 +261,13 @@ impl PreparedRoute {
         pairs * ones(&layer.pair) + (self.sets.len() as u64 - pairs) * ones(&layer.triple)
     }
 
-    /// Whether a node is an end of the route.
+    /// Whether a node is a goal of the route.
     #[inline]
     pub fn is_goal(&self, spot: NodeSpot) -> bool {
         spot.leg + 1 == self.sheets.len() && spot.angle == self.sheets[spot.leg].end && self.may_end(spot)
     }
 
-    /// The node with which the next leg begins where this one ends.
+    /// The node at the start of the next leg that corresponds to this end of a leg.
     pub fn next(&self, spot: NodeSpot) -> Option<NodeSpot> {
         let next = self.sheets.get(spot.leg + 1)?;
         if spot.angle != self.sheets[spot.leg].end || !self.may_end(spot) {
@@ -279,7 +281,7 @@ impl PreparedRoute {
         }
     }
 
-    /// The node with which the leg before ended where this one begins.
+    /// The node at the end of the previous leg that corresponds to this start of a leg.
     pub fn previous(&self, spot: NodeSpot) -> Option<NodeSpot> {
         let sheet = &self.sheets[spot.leg];
         let leg = spot.leg.checked_sub(1)?;
@@ -301,7 +303,7 @@ impl PreparedRoute {
         if fits { self.spot(leg, angle, set, contacts) } else { None }
     }
 
-    /// Two fingers on contacts of one section, on those of the other.
+    /// The node of two fingers on contacts of one section, carried over to the corresponding contacts of the other.
     fn crossed(
         &self,
         set: u8,

@@ -1,8 +1,8 @@
-//! Floods: from which nodes the goals are reached (or which the start reaches), by the least number of reconfigurations.
+//! Floods: breadth-first distances, in reconfigurations, from the goals (or from the start) to all nodes.
 //!
-//! Only pairs are kept: between two pairs lies one triple, which rolls. All angles of a chain are dealt with at once, as bits of a
-//! mask, and so a flood looks at each of the pairs' C(F,2)·c² chains once for each third contact. The layer of a triple is found
-//! from those of the pairs that it becomes, when it is asked for.
+//! Only pairs are stored: between two pairs lies one triple, which rolls. All angles of a chain are handled at once, as bits of a
+//! mask, so a flood examines each of the pairs' C(F,2)·c² chains once for each third contact. The layer of a triple is derived on
+//! demand from those of the pairs it becomes.
 
 use super::Regrasp;
 use super::course::{PreparedRoute, Sheet};
@@ -10,7 +10,7 @@ use super::layout::{GraspChain, NodeSpot, wrapped};
 use super::strands::{AngleMask, below, both, except, has, single, spread};
 use rustc_hash::FxHashMap;
 
-/// Which way edges are followed.
+/// Direction in which edges are followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
     /// From the start.
@@ -19,7 +19,7 @@ pub enum Direction {
     Back,
 }
 
-/// A part of a chain of pairs, newly reached.
+/// A newly reached part of a chain of pairs.
 #[derive(Debug, Clone, Copy)]
 struct FloodPiece<const N: usize> {
     leg: usize,
@@ -27,38 +27,38 @@ struct FloodPiece<const N: usize> {
     mask: AngleMask<N>,
 }
 
-/// In `Field::first`: look the layers up in `Field::pieces`.
+/// In `ReachedPairs::first`: look the layers up in `ReachedPairs::pieces`.
 const SEVERAL: u8 = u8::MAX;
 
-/// Layers from here on are counted as this one, which keeps every bound a bound.
+/// Layers saturate here, which keeps every bound admissible.
 const LAST: u32 = SEVERAL as u32 - 1;
 
-/// What is reached of a leg's pairs.
+/// The reached pairs of a leg.
 #[derive(Debug)]
 struct ReachedPairs<const N: usize> {
-    /// The angles of each chain that are nodes and not reached.
+    /// For each chain, the angles that are nodes but not reached.
     open: Vec<AngleMask<N>>,
-    /// For each set, member and phase of it how many chains have angles in `open`.
+    /// For each set, member and phase: the number of chains that have angles in `open`.
     left: Vec<u16>,
     /// The layer of each chain's first piece.
     first: Vec<u8>,
-    /// The layers of all pieces, of chains with several.
+    /// The layers of all pieces of chains that have several.
     pieces: FxHashMap<usize, Vec<(AngleMask<N>, u8)>>,
     /// All angles at which anything is reached.
     angles: AngleMask<N>,
-    /// Whether triples go on to the neighbouring leg, against the direction of the edges if the flood runs back.
+    /// Whether triples continue into the neighbouring leg (backwards, if the flood runs against the edges).
     hands_on: bool,
 }
 
-/// A flood that goes on when asked.
+/// A resumable flood.
 #[derive(Debug)]
 pub struct GraspFlood<'a, const N: usize> {
     course: &'a PreparedRoute,
     direction: Direction,
     fields: Vec<ReachedPairs<N>>,
-    /// The pieces of the layer to be looked at next, and of the two after it.
+    /// The pieces of the next layer to be expanded, and of the two after it.
     fronts: [Vec<FloodPiece<N>>; 3],
-    /// The layer to be looked at next: all pairs up to the one after it are known.
+    /// The next layer to be expanded: all pairs up to the layer after it are known.
     layer: u32,
     /// Whether the newest pieces touch the start of the route.
     arrives: bool,
@@ -67,7 +67,7 @@ pub struct GraspFlood<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> GraspFlood<'a, N> {
-    /// A flood that knows its sources, and the pairs next to them.
+    /// A flood with its sources, and the pairs next to them.
     pub fn from(course: &'a PreparedRoute, direction: Direction, sources: &[NodeSpot]) -> Self {
         let mut flood = GraspFlood::dry(course, direction);
         let (pairs, triples): (Vec<&NodeSpot>, Vec<&NodeSpot>) =
@@ -121,7 +121,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         flood
     }
 
-    /// A flood that has no source yet.
+    /// A flood without sources.
     fn dry(course: &'a PreparedRoute, direction: Direction) -> Self {
         let chains = |leg: usize| course.sets.pairs() * course.sheets[leg].contacts.pow(2);
         course.looks.take((0..course.sheets.len()).map(chains).sum::<usize>() as u64);
@@ -135,7 +135,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         self.is_seeded && self.fronts.iter().all(Vec::is_empty)
     }
 
-    /// Whether the looks ran out, so that it goes on no more.
+    /// Whether the looks ran out, so that it cannot continue.
     pub fn stopped(&self) -> bool {
         self.course.looks.are_spent()
     }
@@ -150,7 +150,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         self.fields[leg].angles
     }
 
-    /// No node that is not known has a layer below this.
+    /// Lower bound on the layer of a node whose layer is not known.
     pub fn floor(&self, spot: NodeSpot) -> u32 {
         if !self.is_seeded {
             return 0;
@@ -159,9 +159,9 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         (self.layer + beyond).min(LAST)
     }
 
-    /// Looks at one layer more: from its pairs over triples to the pairs of the layer after the next.
+    /// Expands one more layer: from its pairs over triples to the pairs of the layer after the next.
     ///
-    /// Where the looks run out meanwhile, what was not reached counts as if it were in the layer that was looked at.
+    /// If the looks run out, everything not reached counts as being in the layer that was expanded.
     pub fn deepen(&mut self) {
         if self.stopped() {
             return;
@@ -178,7 +178,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         self.layer += 1;
     }
 
-    /// The layer of a node, if it is known. Triples are known of floods from the goals only.
+    /// The layer of a node, if known. Triples are known only in floods from the goals.
     #[inline]
     pub fn layer_of(&self, spot: NodeSpot) -> Option<u32> {
         if self.course.sets.is_pair(spot.chain.set) {
@@ -217,7 +217,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         }
     }
 
-    /// From a pair over all triples with a finger more.
+    /// Expands a pair over all triples that add a finger.
     fn widen(&mut self, piece: &FloodPiece<N>) {
         let course = self.course;
         let (leg, [p, q, _]) = (piece.leg, piece.chain.phases);
@@ -234,11 +234,13 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         for (set, place) in course.sets.wider(piece.chain.set) {
             let chain = |third: u16| GraspChain { set: *set, phases: inserted([p, q], third, *place) };
             let goes_over = self.fields[leg].hands_on || wants_angles;
+            // A triple whose pairs are all known adds nothing, unless it continues into the next leg or its angles are needed.
             if !goes_over && !self.has_open(leg, chain(0), *place) {
                 continue;
             }
             let pairs = [0, 1, 2].map(|place| course.pair_steps(leg, chain, place));
             course.looks.take(sheet.contacts as u64);
+            // Cyclic distance from the first contact of the pair to the third; the triples' strands are ordered by it.
             for two in 0..sheet.contacts {
                 let third = wrapped(usize::from(p) + two, sheet.contacts);
                 let field = &self.fields[leg];
@@ -255,13 +257,13 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         }
     }
 
-    /// How far triples roll matters where it is asked how far the start reaches.
+    /// Whether the angles that triples reach are needed: only for the reach of the start, until all angles are reached.
     fn wants_angles(&self, leg: usize) -> bool {
         let all = below([u64::MAX; N], self.course.sheets[leg].angles);
         self.direction == Direction::Onward && self.fields[leg].angles != all
     }
 
-    /// Whether a pair is open that a triple becomes.
+    /// Whether a triple leads to a pair with open angles.
     fn is_news(&self, spot: &NodeSpot) -> bool {
         (0..3).any(|place| {
             let ([p, q], _) = removed(spot.chain.phases, place);
@@ -270,7 +272,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         })
     }
 
-    /// Whether any pair is open that a triple becomes, whatever the phase at a place.
+    /// Whether any triple leads to a pair with open angles, over all phases at a place.
     fn has_open(&self, leg: usize, triple: GraspChain, place: usize) -> bool {
         let (course, field) = (self.course, &self.fields[leg]);
         let ([p, q], _) = removed(triple.phases, place);
@@ -285,7 +287,8 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
             })
     }
 
-    /// From a part of a triple's chain to all pairs with a finger less; over to the neighbouring leg where it touches the border.
+    /// From a part of a triple's chain to all pairs with one finger less, and into the neighbouring leg where it touches the
+    /// border.
     fn part(&mut self, mut leg: usize, mut chain: GraspChain, mut mask: AngleMask<N>, layer: u32) {
         let course = self.course;
         loop {
@@ -310,7 +313,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         }
     }
 
-    /// Takes angles of a pair's chain, and all to which they roll, into a layer, as far as they are new.
+    /// Adds the new angles of a pair's chain, and all to which they roll, to a layer.
     fn meet(&mut self, mut leg: usize, mut chain: GraspChain, mut nodes: AngleMask<N>, layer: u32) {
         let course = self.course;
         loop {
@@ -333,7 +336,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         }
     }
 
-    /// Where a chain goes on in the neighbouring leg, if a part of it touches the border.
+    /// Continuation of a chain in the neighbouring leg, if a part of it touches the border.
     fn beyond(&self, leg: usize, chain: GraspChain, mask: AngleMask<N>) -> Option<NodeSpot> {
         let sheet = &self.course.sheets[leg];
         let angle = match self.direction {
@@ -379,7 +382,7 @@ impl<const N: usize> ReachedPairs<N> {
         }
     }
 
-    /// The least layer of some angles of a chain.
+    /// The least layer among some angles of a chain.
     #[inline]
     fn least(&self, index: usize, angles: AngleMask<N>) -> Option<u32> {
         let reached = except(angles, self.open[index]);
@@ -395,7 +398,7 @@ impl<const N: usize> ReachedPairs<N> {
         }
     }
 
-    /// Counts a chain out that has become wholly known.
+    /// Updates the counts after all angles of a chain have been reached.
     fn close(&mut self, chain: GraspChain, contacts: usize) {
         for member in members(chain, contacts) {
             self.left[member] -= 1;
@@ -418,13 +421,13 @@ impl<const N: usize> ReachedPairs<N> {
     }
 }
 
-/// Where a pair's two members and phases are counted.
+/// Indices of a pair's two members and phases in the counts.
 fn members(pair: GraspChain, contacts: usize) -> [usize; 2] {
     let set = usize::from(pair.set) * 2;
     [set * contacts + usize::from(pair.phases[0]), (set + 1) * contacts + usize::from(pair.phases[1])]
 }
 
-/// The phases of a triple: those of a pair, with a third at a place.
+/// The phases of a triple: those of a pair, with a third inserted at a place.
 #[inline]
 pub fn inserted([p, q]: [u16; 2], third: u16, place: usize) -> [u16; 3] {
     match place {
@@ -434,7 +437,7 @@ pub fn inserted([p, q]: [u16; 2], third: u16, place: usize) -> [u16; 3] {
     }
 }
 
-/// The phases of a pair, and the third that was at a place.
+/// The phases of a pair, and the third one that was at a place.
 #[inline]
 pub fn removed([a, b, c]: [u16; 3], place: usize) -> ([u16; 2], u16) {
     match place {

@@ -1,7 +1,7 @@
-//! One leg after the other, as the paper plans: each by itself, with the cheapest of the ends that the next one can begin with.
+//! The paper's method: one leg after the other, each alone, ending at the cheapest grasp with which the next leg can begin.
 //!
-//! Each leg's way is cheapest for itself. The whole need not be, and a route that has a way can be missed: an end that is cheap may
-//! be one from which the next leg has none.
+//! Each leg's path is optimal alone. The whole may not be, and a route that has a path may be missed: the next leg may have no path
+//! from a cheap end.
 
 use super::route::{bound, cheapest};
 use super::{Estimator, FarthestRoute, Grasp, GraspAnswer, GraspPath, GraspRequest, Regrasp, Start, TurnLeg, Within};
@@ -27,7 +27,7 @@ pub fn decompose(request: &GraspRequest, estimator: Estimator, budget: SearchBud
                 };
                 return GraspAnswer::Found(GraspPath { bound: bound(&one).unwrap_or(0).min(way.cost), ..way });
             }
-            other @ (GraspAnswer::GaveUp(_) | GraspAnswer::LooksSpent { .. } | GraspAnswer::TooLarge { .. }) => {
+            other @ GraspAnswer::GaveUp(_) => {
                 return other;
             }
         }
@@ -52,7 +52,7 @@ fn by_legs(request: &GraspRequest, route: usize, estimator: Estimator, meter: &m
             GraspAnswer::Impossible(blocked) => {
                 return GraspAnswer::Impossible(FarthestRoute { route, leg: at, ..blocked });
             }
-            other @ (GraspAnswer::GaveUp(_) | GraspAnswer::LooksSpent { .. } | GraspAnswer::TooLarge { .. }) => {
+            other @ GraspAnswer::GaveUp(_) => {
                 return other;
             }
         };
@@ -67,22 +67,22 @@ fn by_legs(request: &GraspRequest, route: usize, estimator: Estimator, meter: &m
     GraspAnswer::Found(way)
 }
 
-/// A leg by itself. Where it has to end at a junction the next one follows without its turn: the search then takes the cheapest of
-/// all permutations of fingers.
+/// A leg alone. If it must end at a junction, the next leg follows without its turn: the search then takes the cheapest of all
+/// permutations of fingers.
 pub fn alone(leg: &TurnLeg, next: Option<&TurnLeg>) -> Vec<TurnLeg> {
     let crossed = next.filter(|next| next.entry != Regrasp::Same);
     let standing = crossed.map(|next| TurnLeg { steps: 0, end: None, ..next.clone() });
     std::iter::once(TurnLeg { entry: Regrasp::Same, ..leg.clone() }).chain(standing).collect()
 }
 
-/// Two fingers on two contacts, from 0.
+/// Two fingers on two contacts, counted from 0.
 pub fn grasp(fingers: &[usize], contacts: [usize; 2]) -> Grasp {
     let mut grasp = Grasp([0; MAX_FINGERS as usize]);
     fingers.iter().zip(contacts).for_each(|(finger, contact)| grasp.0[*finger] = contact as u16 + 1);
     grasp
 }
 
-/// The grasp with which the next leg begins; `None` where it cannot go on.
+/// The grasp with which the next leg begins; `None` if it cannot continue.
 fn carried(held: Grasp, entry: Regrasp) -> Option<Grasp> {
     let Regrasp::Across { old, new } = entry else { return Some(held) };
     let fingers: Vec<usize> = (0..held.0.len()).filter(|finger| held.contact(*finger).is_some()).collect();

@@ -1,21 +1,21 @@
-//! Names of nodes: sets of fingers, phases in place of contacts, and both packed into a number.
+//! Encoding of nodes: sets of fingers, phases instead of contacts, and both packed into a number.
 //!
 //! A phase is (contact + angle) modulo the number of contacts, angles counted from the lowest of the leg. Rolling leaves the phases
-//! of all holding fingers as they are, so that nodes which differ in the angle only form a chain.
+//! of all holding fingers unchanged, so nodes that differ only in the angle form a chain.
 
 /// The sets of two or three fingers, pairs first, each kind in lexicographic order.
 #[derive(Debug, Clone)]
 pub struct Sets {
     members: Vec<Vec<usize>>,
-    /// For each pair the triples with a finger more, and the place of that finger.
+    /// For each pair, the triples with one more finger, and the place of that finger.
     wider: Vec<Vec<(u8, usize)>>,
-    /// For each triple the pairs without the finger at each place.
+    /// For each triple, the pairs without the finger at each place.
     narrower: Vec<Vec<u8>>,
     pairs: usize,
 }
 
 impl Sets {
-    /// The sets of so many fingers.
+    /// The sets of a hand with `fingers` fingers.
     pub fn of(fingers: usize) -> Self {
         let mut members: Vec<Vec<usize>> = Vec::new();
         for a in 0..fingers {
@@ -44,7 +44,7 @@ impl Sets {
         Sets { members, wider, narrower, pairs }
     }
 
-    /// How many sets there are.
+    /// Number of sets.
     pub fn len(&self) -> usize {
         self.members.len()
     }
@@ -60,7 +60,7 @@ impl Sets {
         usize::from(set) < self.pairs
     }
 
-    /// How many of them are pairs.
+    /// Number of pairs.
     pub fn pairs(&self) -> usize {
         self.pairs
     }
@@ -70,7 +70,7 @@ impl Sets {
         self.members.iter().position(|set| set == fingers).map(|at| at as u8)
     }
 
-    /// The triples that a pair becomes with a finger more, and the place of that finger.
+    /// The triples that a pair becomes with one more finger, and the place of that finger.
     #[inline]
     pub fn wider(&self, pair: u8) -> &[(u8, usize)] {
         &self.wider[usize::from(pair)]
@@ -82,13 +82,13 @@ impl Sets {
         self.narrower[usize::from(triple)][place]
     }
 
-    /// How many chains a leg with so many contacts has.
+    /// Number of chains of a leg with `contacts` contacts.
     pub fn chains(&self, contacts: usize) -> u64 {
         let contacts = contacts as u64;
         self.pairs as u64 * contacts.pow(2) + (self.len() - self.pairs) as u64 * contacts.pow(3)
     }
 
-    /// The number of a chain, below [`Sets::chains`].
+    /// The index of a chain, below [`Sets::chains`].
     #[inline]
     pub fn index(&self, contacts: usize, chain: GraspChain) -> usize {
         let [a, b, c] = chain.phases.map(usize::from);
@@ -102,7 +102,7 @@ impl Sets {
 }
 
 impl Sets {
-    /// The chain of a number.
+    /// The chain of an index.
     pub fn chain(&self, contacts: usize, index: usize) -> GraspChain {
         let (pairs, digit) =
             (self.pairs * contacts * contacts, |power: u32, at: usize| at / contacts.pow(power) % contacts);
@@ -116,19 +116,19 @@ impl Sets {
     }
 }
 
-/// Grasps of one set of fingers that roll into each other.
+/// Grasps of one set of fingers that roll into one another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct GraspChain {
     pub set: u8,
-    /// Of each member of the set; 0 for the third of a pair.
+    /// Phase of each member of the set; 0 for the third of a pair.
     pub phases: [u16; 3],
 }
 
-/// A node.
+/// A node of the grasp graph.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NodeSpot {
     pub leg: usize,
-    /// Counted from the lowest of the leg.
+    /// Counted from the lowest angle of the leg.
     pub angle: usize,
     pub chain: GraspChain,
 }
@@ -136,10 +136,10 @@ pub struct NodeSpot {
 /// Bits of a phase, and of an angle, in a packed spot.
 const DIGIT: u32 = 9;
 
-/// Contacts and angles of a leg stay within this.
+/// Limit on the contacts and angles of a leg.
 pub const MAX_DIGIT: usize = 1 << DIGIT;
 
-/// Legs of a route stay within this.
+/// Limit on the legs of a route.
 pub const MAX_LEGS: usize = 1 << 16;
 
 impl NodeSpot {
@@ -151,7 +151,7 @@ impl NodeSpot {
         ((self.leg as u64) << (6 + 3 * DIGIT) | chain) << DIGIT | self.angle as u64
     }
 
-    /// The node of a number.
+    /// The node of a packed number.
     #[inline]
     pub fn unpack(number: u64) -> Self {
         let digit = |place: u32| (number >> (place * DIGIT)) as usize & (MAX_DIGIT - 1);
@@ -161,13 +161,13 @@ impl NodeSpot {
     }
 }
 
-/// A number from 0 below `2 * contacts` brought below `contacts`.
+/// Reduces a number in `0..2 * contacts` modulo `contacts`.
 #[inline]
 pub fn wrapped(number: usize, contacts: usize) -> usize {
     if number >= contacts { number - contacts } else { number }
 }
 
-/// The difference of two phases, from 0.
+/// The difference of two phases, modulo the number of contacts.
 #[inline]
 pub fn ahead(of: u16, phase: u16, contacts: usize) -> usize {
     wrapped(usize::from(phase) + contacts - usize::from(of), contacts)

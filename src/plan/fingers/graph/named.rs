@@ -1,12 +1,13 @@
-//! Fingers are alike but for those that a task names: a request with fewer of them has ways of the same cost.
+//! Finger symmetry: fingers are interchangeable except those that a task names, so a request with fewer of them has paths of the
+//! same cost.
 //!
-//! At most three fingers hold at the same time, and a finger comes only where two hold. So of the fingers that neither the beginning nor a
-//! grasp that is asked for names, three stand for all: whichever comes, one of the three is free.
+//! At most three fingers hold at the same time, and a finger is placed only where two hold. So of the fingers that neither the
+//! start nor a requested grasp names, three represent all: whichever is placed, one of the three is free.
 
 use super::{Grasp, GraspAnswer, GraspPath, GraspRequest, Start};
 use crate::device::fingers::{MAX_FINGERS, MAX_HOLDING};
 
-/// The answer to a request, searched with the fewest fingers that it needs.
+/// The answer to a request, searched with the fewest fingers that suffice.
 pub fn by_few(request: &GraspRequest, solve: impl Fn(&GraspRequest) -> GraspAnswer) -> GraspAnswer {
     let kept = kept(request);
     if kept.len() == request.fingers {
@@ -23,14 +24,11 @@ pub fn by_few(request: &GraspRequest, solve: impl Fn(&GraspRequest) -> GraspAnsw
     }
     match solve(&fewer) {
         GraspAnswer::Found(way) => GraspAnswer::Found(restored(way, &kept)),
-        other @ (GraspAnswer::Impossible(_)
-        | GraspAnswer::GaveUp(_)
-        | GraspAnswer::LooksSpent { .. }
-        | GraspAnswer::TooLarge { .. }) => other,
+        other @ (GraspAnswer::Impossible(_) | GraspAnswer::GaveUp(_)) => other,
     }
 }
 
-/// The fingers that are named, and three more if there are.
+/// The named fingers, and up to three more.
 fn kept(request: &GraspRequest) -> Vec<usize> {
     let start = match request.start {
         Start::At(grasp) => Some(grasp),
@@ -38,7 +36,7 @@ fn kept(request: &GraspRequest) -> Vec<usize> {
     };
     let pins = request.routes.iter().flatten().filter_map(|leg| leg.end);
     let named: Vec<Grasp> = start.into_iter().chain(pins).collect();
-    // A finger that the device does not have stays named, so that its grasp is found not to hold.
+    // A finger that the device does not have stays named, so that its grasp turns out not to hold.
     let is_named = |finger: &usize| named.iter().any(|grasp| grasp.contact(*finger).is_some());
     let others = (0..request.fingers).filter(|finger| !is_named(finger)).take(MAX_HOLDING);
     let all = 0..MAX_FINGERS as usize;
@@ -47,7 +45,7 @@ fn kept(request: &GraspRequest) -> Vec<usize> {
     if kept.iter().any(|finger| *finger >= request.fingers) { (0..request.fingers).collect() } else { kept }
 }
 
-/// A grasp whose finger at each place is the one that held at another.
+/// A grasp with its fingers permuted.
 fn moved(grasp: Grasp, from: impl Fn(usize) -> Option<usize>) -> Grasp {
     let mut other = Grasp([0; MAX_FINGERS as usize]);
     for (to, contact) in other.0.iter_mut().enumerate() {

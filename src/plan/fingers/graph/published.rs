@@ -1,27 +1,27 @@
-//! The paper's estimate of reconfigurations to go (its Table 1), corrected and completed.
+//! The paper's estimate of the remaining reconfigurations (its Table 1), corrected and extended.
 //!
-//! Of each finger it is asked whether it holds now and at the goal: in neither (nu), in one of them (ar), in both and rolls from
-//! here to there (dp), in both and does not (ip). The count is 2·ip + ar, and 2 more where two fingers hold now, the same two at the
-//! goal, and one of them is ip. It is never too large: a finger that is ip has to leave and to come back, one that is ar to come or
-//! to leave; and of two fingers neither can leave before a third one comes, which must leave again. With three fingers this is the
-//! paper's table; the last case reads there "one is nu", which is the same with three fingers only. The paper compares contacts
-//! without taking them modulo their number, which makes some counts too large; here they are phases.
+//! Each finger is classified by whether it holds now and at the goal: in neither (nu), in one of them (ar), in both and it rolls
+//! from here to there (dp), in both and it does not (ip). The count is 2·ip + ar, plus 2 where two fingers hold now, the same two
+//! at the goal, and one of them is ip. It is admissible: an ip finger must leave and come back, an ar finger must come or leave;
+//! and of two fingers neither can leave before a third one comes, which must leave again. With three fingers this is the paper's
+//! table; the last case reads there "one is nu", which is the same with three fingers only. The paper compares contacts without
+//! taking them modulo their number, which makes some counts too large; here they are phases.
 //!
-//! One placement or removal changes a class by one step: ip to ar to dp or nu, so the sum by one; and what it does to the case of
-//! the same two fingers, the sum makes up for (checked on all classes in the tests). So the count is consistent. Where a leg ends in
-//! one of several grasps it is the least over them, each with what is to go from there.
+//! One placement or removal changes a class by one step: ip to ar to dp or nu, and so the sum by one; its effect on the case of the
+//! same two fingers is compensated by the sum (checked on all classes in the tests). So the estimate is consistent. Where a leg
+//! ends in one of several grasps, it is the minimum over them, each with the remainder from there.
 
 use super::course::PreparedRoute;
 use super::layout::{NodeSpot, Sets};
 use super::walk::{Estimate, NEVER};
 
-/// A grasp that a leg may end with.
+/// A grasp with which a leg may end.
 #[derive(Debug, Clone, Copy)]
 struct EndGrasp {
     set: u8,
-    /// In phases of the leg.
+    /// Phases in this leg.
     phases: [u16; 3],
-    /// Reconfigurations to go from there.
+    /// Remaining reconfigurations from there.
     rest: u32,
 }
 
@@ -29,12 +29,12 @@ struct EndGrasp {
 #[derive(Debug)]
 pub struct Published<'a> {
     course: &'a PreparedRoute,
-    /// For each leg the grasps to aim at; `None` where any will do.
+    /// For each leg the target grasps; `None` where any is allowed.
     goals: Vec<Option<Vec<EndGrasp>>>,
 }
 
 impl<'a> Published<'a> {
-    /// Reads off the goals of all legs, from the last to the first.
+    /// Derives the targets of all legs, from the last to the first.
     pub fn of(course: &'a PreparedRoute) -> Self {
         let mut published = Published { course, goals: vec![None; course.sheets.len()] };
         for leg in (0..course.sheets.len()).rev() {
@@ -53,7 +53,7 @@ impl<'a> Published<'a> {
         if let Some(ends) = course.few_ends(leg) {
             return Some(ends.into_iter().filter_map(goal).collect());
         }
-        // The next leg is in the same plane. A phase of it as one of this leg: the contact at the border is the same.
+        // The next leg is in the same plane. Converts one of its phases to this leg: the contact at the border is the same.
         let next = course.sheets.get(leg + 1)?;
         let carried = |phase: u16| sheet.phase(sheet.end, next.contact(next.start, phase));
         let goals = self.goals[leg + 1].as_ref()?.iter();
@@ -78,7 +78,7 @@ impl Estimate for Published<'_> {
     fn deepen(&mut self) {}
 }
 
-/// The estimated placements and removals between two chains of a leg, each a set of fingers and their phases.
+/// Estimated placements and removals between two chains of a leg, each a set of fingers and their phases.
 pub fn reconfigurations(sets: &Sets, now: (u8, [u16; 3]), goal: (u8, [u16; 3])) -> u32 {
     let (here, there) = (sets.members(now.0), sets.members(goal.0));
     let (mut both, mut blocked) = (0, 0);

@@ -1,4 +1,4 @@
-//! Alternative routes as one search: the one with the least bound goes on, until it is at its goal.
+//! Alternative routes as one search: the one with the least bound is advanced, until it reaches its goal.
 
 use super::apart;
 use super::course::{PreparedRoute, courses};
@@ -7,10 +7,13 @@ use super::layout::NodeSpot;
 use super::published::Published;
 use super::strands::has;
 use super::walk::{Estimate, NEVER, RankedEntry, RouteWalk, WalkProgress, ranked, unranked};
-use super::{Estimator, FarthestRoute, GraspAnswer, GraspCosts, GraspNode, GraspPath, GraspRequest, Start, TurnLeg};
+use super::{
+    Estimator, FarthestRoute, GraspAnswer, GraspCosts, GraspNode, GraspPath, GraspRequest, GraspSearchEnd, Start,
+    TurnLeg,
+};
 use crate::plan::search::Meter;
 
-/// The exact number of reconfigurations to go, as far as the flood has come; what it has not reached is farther.
+/// The exact number of remaining reconfigurations where the flood has reached; a lower bound elsewhere.
 #[derive(Debug)]
 pub struct RemainingReconfigurations<'a, const N: usize>(pub GraspFlood<'a, N>);
 
@@ -38,7 +41,7 @@ impl<const N: usize> Estimate for RemainingReconfigurations<'_, N> {
 pub fn cheapest(request: &GraspRequest, estimator: Estimator, meter: &mut Meter) -> GraspAnswer {
     let courses = match courses(request) {
         Ok(courses) => courses,
-        Err(nodes) => return GraspAnswer::TooLarge { nodes },
+        Err(nodes) => return GraspAnswer::GaveUp(GraspSearchEnd::TooLarge { nodes }),
     };
     let search = RouteSearch { request, courses: &courses, meter };
     match angles(request) {
@@ -48,8 +51,8 @@ pub fn cheapest(request: &GraspRequest, estimator: Estimator, meter: &mut Meter)
     }
 }
 
-/// No way of any route costs less; `None` where there is none, or where a route is too large. Where the looks run out, fewer
-/// reconfigurations are counted.
+/// Lower bound over all routes; `None` if none has a path, or a route is too large. If the looks run out, fewer reconfigurations
+/// are counted, which keeps the bound admissible.
 pub fn bound(request: &GraspRequest) -> Option<u64> {
     let courses = courses(request).ok()?;
     let bound = |course: &PreparedRoute| {
@@ -64,7 +67,7 @@ pub fn bound(request: &GraspRequest) -> Option<u64> {
     courses.iter().filter_map(bound).min()
 }
 
-/// The least number of reconfigurations from the start to the end.
+/// Least number of reconfigurations from the start to the end.
 fn gaits<const N: usize>(course: &PreparedRoute, start: Start) -> u32 {
     if course.looks.are_spent() {
         return 0;
@@ -92,7 +95,7 @@ fn gaits<const N: usize>(course: &PreparedRoute, start: Start) -> u32 {
     }
 }
 
-/// The most angles of a leg.
+/// Largest number of angles of a leg.
 fn angles(request: &GraspRequest) -> usize {
     request.routes.iter().flatten().map(TurnLeg::angles).max().unwrap_or(1)
 }
@@ -100,9 +103,9 @@ fn angles(request: &GraspRequest) -> usize {
 /// A route that may still be the cheapest.
 struct Candidate<'a, E> {
     route: usize,
-    /// No way of it costs less.
+    /// Lower bound on its paths.
     bound: u64,
-    /// `None` until its turn comes.
+    /// `None` until it is first advanced.
     walk: Option<RouteWalk<'a, E>>,
 }
 
@@ -131,7 +134,7 @@ impl<'a> RouteSearch<'a> {
         if let Some(found) = found {
             return found;
         }
-        // How far ways within a limit come is not asked.
+        // With a limit on reconfigurations, the reach of the routes is not needed.
         let blocked = match self.request.within.gaits {
             Some(_) => FarthestRoute::NOWHERE,
             None => blocked::<N>(self.courses, self.request.start),
@@ -139,9 +142,9 @@ impl<'a> RouteSearch<'a> {
         GraspAnswer::Impossible(blocked)
     }
 
-    /// Lets the route with the least bound, the first of several, go on up to the bound of the next one.
+    /// Advances the route with the least bound (the first of several) up to the bound of the next one.
     ///
-    /// `bounds` are those of the routes by their legs apart, where they are known.
+    /// `bounds` are the sums over the routes' separate legs, if known.
     fn portfolio<E: Estimate>(
         &mut self,
         bounds: Option<&[Option<u64>]>,
@@ -186,16 +189,18 @@ impl<'a> RouteSearch<'a> {
                 WalkProgress::AtLeast(bound) => candidate.bound = bound,
                 WalkProgress::Exhausted => drop(open.remove(at)),
                 WalkProgress::Spent(bound) if self.courses[candidate.route].looks.are_spent() => {
-                    return Some(GraspAnswer::LooksSpent { bound: unranked(bound) * unit });
+                    return Some(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound: unranked(bound) * unit }));
                 }
                 WalkProgress::Spent(bound) => {
-                    return Some(GraspAnswer::GaveUp(self.meter.gave_up(unranked(bound) * unit)));
+                    return Some(GraspAnswer::GaveUp(GraspSearchEnd::Expansions(
+                        self.meter.gave_up(unranked(bound) * unit),
+                    )));
                 }
             }
         }
     }
 
-    /// A route's walk before its first step; `None` where its start does not hold.
+    /// A route's walk before its first step; `None` if its start does not hold.
     fn begun<E: Estimate>(
         &self,
         route: usize,
@@ -213,7 +218,7 @@ impl<'a> RouteSearch<'a> {
     }
 }
 
-/// The costs divided by what they have in common.
+/// The costs divided by their greatest common divisor.
 fn reduced(costs: GraspCosts) -> GraspCosts {
     let (mut a, mut b) = (costs.roll, costs.gait);
     while b != 0 {
@@ -223,13 +228,13 @@ fn reduced(costs: GraspCosts) -> GraspCosts {
     GraspCosts { roll: costs.roll / unit, gait: costs.gait / unit }
 }
 
-/// What two fingers cost that roll all the way.
+/// Cost of two fingers that roll all the way.
 fn least(course: &PreparedRoute, costs: GraspCosts) -> u64 {
     let steps = course.sheets.iter().map(|sheet| sheet.start.abs_diff(sheet.end) as u64);
     2 * u64::from(costs.roll) * steps.sum::<u64>()
 }
 
-/// A flood from the goals that has come to the start, or to its end.
+/// A flood from the goals, run until it reaches the start or is exhausted.
 pub fn flooded<const N: usize>(course: &PreparedRoute, start: Start) -> GraspFlood<'_, N> {
     let leg = course.sheets.len() - 1;
     let mut flood = match course.few_ends(leg) {
@@ -242,7 +247,7 @@ pub fn flooded<const N: usize>(course: &PreparedRoute, start: Start) -> GraspFlo
     flood
 }
 
-/// Whether a flood from the goals has just come to the start.
+/// Whether a flood from the goals has just reached the start.
 fn arrived<const N: usize>(flood: &GraspFlood<N>, course: &PreparedRoute, start: Start) -> bool {
     match start {
         Start::Any => flood.arrives(),
@@ -252,7 +257,7 @@ fn arrived<const N: usize>(flood: &GraspFlood<N>, course: &PreparedRoute, start:
     }
 }
 
-/// The nodes of a way by legs.
+/// The nodes of a path, by leg.
 fn legs(course: &PreparedRoute, way: &[NodeSpot]) -> Vec<Vec<GraspNode>> {
     let mut legs: Vec<Vec<GraspNode>> = vec![Vec::new(); course.sheets.len()];
     for spot in way {
@@ -262,7 +267,7 @@ fn legs(course: &PreparedRoute, way: &[NodeSpot]) -> Vec<Vec<GraspNode>> {
     legs
 }
 
-/// The farthest that any route comes, when none comes to its end.
+/// The farthest point of any route, when none reaches its end.
 fn blocked<const N: usize>(courses: &[PreparedRoute], start: Start) -> FarthestRoute {
     let reports = courses.iter().enumerate().map(|(route, course)| stuck::<N>(route, course, start));
     let mut farthest: Option<FarthestRoute> = None;
@@ -274,7 +279,7 @@ fn blocked<const N: usize>(courses: &[PreparedRoute], start: Start) -> FarthestR
     farthest.unwrap_or(FarthestRoute::NOWHERE)
 }
 
-/// Where a route that has no way comes to a stop.
+/// The farthest point of a route that has no path.
 fn stuck<const N: usize>(route: usize, course: &PreparedRoute, start: Start) -> FarthestRoute {
     let mut flood: GraspFlood<N> = match start {
         Start::Any => GraspFlood::from_all(course, Direction::Onward, 0, course.sheets[0].start),
@@ -286,7 +291,7 @@ fn stuck<const N: usize>(route: usize, course: &PreparedRoute, start: Start) -> 
     while !flood.ended() && !flood.stopped() {
         flood.deepen();
     }
-    // The last leg that can begin is the one whose end is out of reach.
+    // The last leg that can begin is the one whose end is unreachable.
     let is_begun = |leg: &usize| has(&flood.angles(*leg), course.sheets[*leg].start);
     let leg = (0..course.sheets.len()).rev().find(is_begun).unwrap_or(0);
     let sheet = &course.sheets[leg];
@@ -297,9 +302,9 @@ fn stuck<const N: usize>(route: usize, course: &PreparedRoute, start: Start) -> 
         Some(ends) => ends.iter().filter(|spot| may_end(spot)).count() as u64,
         None => course.count(leg, sheet.end),
     };
-    // Under a load the tables know more than there is.
+    // Under a load the tables are optimistic.
     let is_known = !flood.stopped() && course.sheets.iter().all(|sheet| sheet.lazy.is_none());
-    // Any grasp holds somewhere, unless it was found that none does.
+    // Some grasp holds somewhere, unless it was proven that none does.
     let farthest = farthest.or((start == Start::Any && !is_known).then_some(0));
     FarthestRoute { route, leg, farthest, ends, is_known }
 }

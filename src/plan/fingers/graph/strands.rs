@@ -1,16 +1,16 @@
-//! The bits of [`Tables`] laid along chains: what a chain allows at all its angles is one window of bits.
+//! The bits of [`Tables`] rearranged along chains: a window of bits gives what a chain allows at all its angles.
 //!
-//! Where all angles have the same layer, the grasps with the same distances between contacts form one cyclic strand, and a chain is a
-//! window of it; where each angle has its own, each chain is a strand.
+//! If all angles share one layer, the grasps with the same distances between contacts form one cyclic strand, and a chain is a
+//! window of it; if each angle has its own layer, each chain is a strand.
 
 use super::layout::{ahead, wrapped};
 use super::weave::columns;
 use crate::plan::fingers::tables::{AngleLayer, Tables};
 
-/// One bit for each angle.
+/// One bit per angle.
 pub type AngleMask<const N: usize> = [u64; N];
 
-/// Bits of many strands, the same number of words for each.
+/// Bits of many strands, with the same number of words each.
 #[derive(Debug)]
 pub struct Strand {
     words: Vec<u64>,
@@ -27,7 +27,7 @@ impl Strand {
         self.words[strand * self.stride + bit / 64] |= 1 << (bit % 64);
     }
 
-    /// The first words of a strand.
+    /// Sets the first words of a strand.
     fn set(&mut self, strand: usize, words: impl Iterator<Item = u64>) {
         let from = strand * self.stride;
         self.words[from..from + self.stride].iter_mut().zip(words).for_each(|(word, bits)| *word = bits);
@@ -57,7 +57,7 @@ impl Strand {
         self.words[strand * self.stride + bit / 64] >> (bit % 64) & 1 == 1
     }
 
-    /// The bits of a strand from one on; those behind the leg's angles have no meaning.
+    /// The bits of a strand from `bit` on; those beyond the leg's angles are meaningless.
     #[inline]
     pub fn window<const N: usize>(&self, strand: usize, bit: usize) -> AngleMask<N> {
         let from = strand * self.stride + bit / 64;
@@ -72,24 +72,24 @@ impl Strand {
     }
 }
 
-/// What the chains of one section allow.
+/// The bits of all chains of one section.
 #[derive(Debug)]
 pub struct Strands {
     contacts: usize,
-    /// Whether all angles have the same layer.
+    /// Whether all angles share one layer.
     turning: StrandTurning,
     /// Pairs that are nodes.
     pub hold_pair: Strand,
-    /// From an angle to the next, with a node at both ends.
+    /// Rolling from an angle to the next, with a node at both ends.
     pub roll_pair: Strand,
     pub roll_triple: Strand,
-    /// From a pair to a triple, both of them nodes.
+    /// Placement: from a pair to a triple, both of them nodes.
     pub place: Strand,
-    /// From a triple to a pair, both of them nodes.
+    /// Removal: from a triple to a pair, both of them nodes.
     pub leave: Strand,
 }
 
-/// How strands go with angles.
+/// How strands depend on angles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum StrandTurning {
     /// One cyclic strand for each distance between contacts.
@@ -98,17 +98,17 @@ enum StrandTurning {
     Apart,
 }
 
-/// Where the strands of chains with the same first phase begin.
+/// Start of the strands of chains with the same first phase.
 #[derive(Debug, Clone, Copy)]
 pub struct StrandHead {
-    /// Of the strands, in units of first phases.
+    /// Row of strands, in units of first phases.
     row: usize,
     /// The bit of the lowest angle.
     pub bit: usize,
 }
 
 impl Strands {
-    /// Of tables for legs of at most so many angles.
+    /// From tables, for legs of at most `angles` angles.
     pub fn of(tables: &Tables, angles: usize) -> Self {
         let contacts = tables.contacts;
         let turning = if tables.layers.len() == 1 { StrandTurning::Alike } else { StrandTurning::Apart };
@@ -150,7 +150,7 @@ impl Strands {
         }
     }
 
-    /// The triples of one layer whose first two contacts are so far apart.
+    /// Fills the triples of one layer whose second contact is `one` after the first.
     fn weave(&mut self, tables: &Tables, one: usize) {
         let contacts = self.contacts;
         let width = contacts.div_ceil(64);
@@ -164,7 +164,7 @@ impl Strands {
         for two in 0..contacts {
             let range = two * width..(two + 1) * width;
             let here = &nodes[range.clone()];
-            // The bits of the next angle: each one down, and the first of them behind the last.
+            // The bits of the next angle: all shifted down by one, the first wrapped to the end.
             let last =
                 |at: usize| if at + 1 == width { (here[0] & 1) << ((contacts - 1) % 64) } else { here[at + 1] << 63 };
             let next = |at: usize| here[at] >> 1 | last(at);
@@ -176,7 +176,7 @@ impl Strands {
         }
     }
 
-    /// The bits of all pairs with a first contact, whose strands are in a row, at one bit of them.
+    /// Sets the bits of all pairs with a first contact, whose strands form a row, at one bit position.
     fn lay_pairs(
         &mut self,
         tables: &Tables,
@@ -199,7 +199,7 @@ impl Strands {
         }
     }
 
-    /// The bits of all triples with a first contact.
+    /// Sets the bits of all triples with a first contact.
     fn lay_triples(
         &mut self,
         tables: &Tables,
@@ -229,7 +229,7 @@ impl Strands {
         }
     }
 
-    /// Where chains with a first phase begin.
+    /// Start of the strands of chains with a first phase.
     #[inline]
     pub fn head(&self, phase: u16) -> StrandHead {
         match self.turning {
@@ -246,19 +246,19 @@ impl Strands {
         head.row * self.contacts + ahead(phases[0], phases[1], self.contacts)
     }
 
-    /// The strand of a triple; the third phase counts as the one that comes or leaves.
+    /// The strand of a triple; the third phase is the finger that is placed or removed.
     #[inline]
     pub fn triple(&self, head: StrandHead, phases: [u16; 3]) -> usize {
         self.pair(head, [phases[0], phases[1]]) * self.contacts + ahead(phases[0], phases[2], self.contacts)
     }
 }
 
-/// The contact that one becomes by a step.
+/// The contact that one becomes after a step.
 fn before(contact: usize, contacts: usize) -> usize {
     if contact == 0 { contacts - 1 } else { contact - 1 }
 }
 
-/// The bits below one.
+/// The bits below `end`.
 #[inline]
 pub fn below<const N: usize>(mut mask: AngleMask<N>, end: usize) -> AngleMask<N> {
     for (at, word) in mask.iter_mut().enumerate() {
@@ -270,13 +270,13 @@ pub fn below<const N: usize>(mut mask: AngleMask<N>, end: usize) -> AngleMask<N>
     mask
 }
 
-/// What two masks have in common.
+/// Intersection of two masks.
 #[inline]
 pub fn both<const N: usize>(a: AngleMask<N>, b: AngleMask<N>) -> AngleMask<N> {
     std::array::from_fn(|at| a[at] & b[at])
 }
 
-/// What the first has and the second has not.
+/// Difference of two masks.
 #[inline]
 pub fn except<const N: usize>(a: AngleMask<N>, b: AngleMask<N>) -> AngleMask<N> {
     std::array::from_fn(|at| a[at] & !b[at])
@@ -296,10 +296,10 @@ pub fn single<const N: usize>(bit: usize) -> AngleMask<N> {
     mask
 }
 
-/// All angles to which seeds roll, the seeds with them.
+/// All angles to which seeds roll, including the seeds.
 ///
-/// A carry runs upwards from a seed through the steps above it and comes to rest one past their end: that is the upper part for
-/// masks of one word. The rest doubles the way with each shift.
+/// For masks of one word, upward: the addition carries from a seed through the steps above it and stops one past their end.
+/// Otherwise the covered distance doubles with each shift.
 #[inline]
 pub fn spread<const N: usize>(seeds: AngleMask<N>, rolls: AngleMask<N>) -> AngleMask<N> {
     let mut filled = seeds;

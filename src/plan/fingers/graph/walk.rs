@@ -1,16 +1,16 @@
-//! A* through one route, which stops at a cost and goes on when asked.
+//! Resumable A* through one route, which stops at a cost limit.
 //!
-//! The estimate of a node is h = 2·roll·(steps to go) + gait·(reconfigurations to go, by the estimator). It is never too large: at
-//! least two fingers roll in each step, steps to go change by one at most in each, and reconfigurations are counted apart. It is
-//! consistent when the estimator's count changes by at most one per reconfiguration, and not at all along other edges: both
-//! estimators promise that the count of an edge's first end is at most that of its second, plus 1 for a reconfiguration. So no node
-//! is expanded at more than its least cost.
+//! The estimate of a node is h = 2·roll·(remaining steps) + gait·(remaining reconfigurations, by the estimator). It is admissible:
+//! at least two fingers roll in each step, each step changes the remaining steps by at most one, and reconfigurations are counted
+//! separately. It is consistent if the estimator's count changes by at most one per reconfiguration, and not at all along other
+//! edges: both estimators promise that the count of an edge's first end is at most that of its second, plus 1 for a
+//! reconfiguration. So no node is expanded at more than its least cost.
 //!
-//! Where reconfigurations are limited, a node is met once for each number of them (labels of two costs, as in BOA*, Hernández and others
-//! 2023): since nodes are expanded in the order of their cost, one that comes with no fewer than an earlier one is of no use.
+//! With a limit on reconfigurations, a node is kept once per number of them (labels of two costs, as in BOA*, Hernández and others
+//! 2023): since nodes are expanded in order of cost, one with no fewer than an earlier one is dominated.
 //!
-//! Placements are expanded partially: those that do not raise the estimated cost are met at once, the rest when their own cost
-//! comes up.
+//! Placements are expanded partially: those that do not raise the estimated cost are generated at once, the rest when their own
+//! cost comes up.
 
 use super::course::PreparedRoute;
 use super::flood::{inserted, removed};
@@ -19,17 +19,17 @@ use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
-/// No way at all.
+/// No path.
 pub const NEVER: u32 = u32::MAX;
 
-/// Looks that a placement takes whose reconfigurations to go are estimated.
+/// Looks per placement whose remaining reconfigurations are estimated.
 const LOOKS: u64 = 4;
 
-/// Bits of a cost that count reconfigurations: more than any way has.
+/// Bits of a cost that count reconfigurations: more than any path has.
 const COUNT: u32 = 20;
 
-/// Costs as the search adds them up: of two ways of the same cost that with fewer reconfigurations counts less, and how many it has can
-/// be read off.
+/// Edge costs in the combined key of the search: among paths of equal cost fewer reconfigurations rank lower, and their number can
+/// be read from the key.
 #[derive(Debug, Clone, Copy)]
 pub struct RankedEntry {
     roll: u64,
@@ -42,59 +42,59 @@ impl RankedEntry {
     }
 }
 
-/// A cost without reconfigurations.
+/// Key of a cost without reconfigurations.
 pub fn ranked(cost: u64) -> u64 {
     cost.saturating_mul(1 << COUNT)
 }
 
-/// The cost alone.
+/// The cost of a key.
 pub fn unranked(cost: u64) -> u64 {
     cost >> COUNT
 }
 
-/// The reconfigurations so far.
+/// The reconfigurations of a key.
 fn gaits_of(cost: u64) -> u32 {
     (cost & ((1 << COUNT) - 1)) as u32
 }
 
-/// Counts reconfigurations to go.
+/// Lower bounds on the remaining reconfigurations.
 pub trait Estimate {
-    /// A bound from below for a node; [`NEVER`] where no goal can be reached. It may grow by [`Estimate::deepen`] only.
+    /// Lower bound for a node; [`NEVER`] where no goal is reachable. It may only grow, by [`Estimate::deepen`].
     fn gaits(&self, spot: NodeSpot) -> u32;
 
-    /// Whether the bound of a node will not grow any more.
+    /// Whether the bound of a node is final.
     fn is_settled(&self, spot: NodeSpot) -> bool;
 
-    /// Works on, so that bounds that are not settled may grow.
+    /// Continues the computation, so that bounds that are not settled may grow.
     fn deepen(&mut self);
 }
 
-/// How far a walk came.
+/// Result of advancing a walk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WalkProgress {
-    /// The goal, at this cost.
+    /// The goal was reached at this cost.
     Found(u64),
-    /// No goal costs less than this.
+    /// Lower bound on the cost of any goal.
     AtLeast(u64),
-    /// There is no way.
+    /// There is no path.
     Exhausted,
-    /// The budget ran out; no goal costs less than this.
+    /// The budget ran out; lower bound on the cost of any goal.
     Spent(u64),
 }
 
-/// A node that was met.
+/// A generated node.
 #[derive(Debug, Clone, Copy)]
 struct WalkRecord {
     spot: u64,
-    /// The least cost from the start so far.
+    /// Least cost from the start so far.
     cost: u64,
     parent: u32,
 }
 
-/// Of a record without one.
+/// Parent of a root.
 const NO_PARENT: u32 = u32::MAX;
 
-/// A record at a cost, and by how much the placements that are not met yet raise the estimated cost at least.
+/// Queue entry: a record at a cost, and the least raise of the estimated cost by its placements not yet generated.
 #[derive(Debug, Clone, Copy)]
 struct WalkEntry {
     record: u32,
@@ -102,12 +102,12 @@ struct WalkEntry {
     raise: u64,
 }
 
-/// The starts that are still to be met, where any grasp will do.
+/// The starts not yet generated, where any grasp may start.
 #[derive(Debug, Clone, Copy)]
 struct Starts {
-    /// The reconfigurations to go of those that come next.
+    /// Remaining reconfigurations of the next ones.
     gaits: u32,
-    /// The number of the first that was not looked at for this many.
+    /// Index of the first chain not yet examined for this number.
     from: usize,
 }
 
@@ -118,19 +118,19 @@ pub struct RouteWalk<'a, E> {
     costs: RankedEntry,
     pub estimate: E,
     records: Vec<WalkRecord>,
-    /// By the node, and by the reconfigurations so far where these are limited.
+    /// By node, and by reconfigurations so far where these are limited.
     known: FxHashMap<(u64, u32), u32>,
-    /// The fewest reconfigurations with which a node was expanded, where they are limited: who comes later with as many costs more.
+    /// Fewest reconfigurations at which a node was expanded, where they are limited: later entries with as many are dominated.
     expanded: FxHashMap<u64, u32>,
-    /// By estimated cost of the whole way, then by what is to go.
+    /// Open list, by estimated total cost, then by remaining cost.
     open: BTreeMap<(u64, u64), Vec<WalkEntry>>,
     starts: Option<Starts>,
-    /// The steps of all legs after each one.
+    /// Steps of all legs after each one.
     behind: Vec<u64>,
     goal: Option<u32>,
 }
 
-/// The record of an entry that stands for the starts.
+/// Queue entry that represents the remaining starts.
 const STARTS: WalkEntry = WalkEntry { record: u32::MAX, cost: 0, raise: 0 };
 
 impl<'a, E: Estimate> RouteWalk<'a, E> {
@@ -141,7 +141,7 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
         walk
     }
 
-    /// A walk from any node at the beginning.
+    /// A walk from any node at the start angle.
     pub fn anywhere(course: &'a PreparedRoute, costs: RankedEntry, estimate: E) -> Self {
         let mut walk = RouteWalk::new(course, costs, estimate);
         walk.queue_starts(Starts { gaits: 0, from: 0 });
@@ -166,7 +166,7 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
         }
     }
 
-    /// Goes on while the estimated cost is at most a limit.
+    /// Continues while the estimated cost is at most a limit.
     pub fn advance(&mut self, limit: u64, meter: &mut Meter) -> WalkProgress {
         loop {
             let Some((key, entry)) = self.pop(limit) else {
@@ -215,7 +215,7 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
         }
     }
 
-    /// Whether a node's estimate is still what it was queued with, and final; if not it is queued anew.
+    /// Whether a node's estimate is still that of its queue entry, and final; if not, it is queued again.
     fn is_due(&mut self, spot: NodeSpot, queued: u64, entry: WalkEntry) -> bool {
         let to_go = self.to_go(spot, entry.cost);
         if to_go == Some(queued) && self.estimate.is_settled(spot) {
@@ -230,12 +230,12 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
         false
     }
 
-    /// Whether a node was expanded with no more reconfigurations so far, and thus at no more cost, where they are limited.
+    /// Whether, under a limit, a node was expanded with no more reconfigurations, and thus at no more cost.
     fn is_covered(&self, record: WalkRecord) -> bool {
         self.expanded.get(&record.spot).is_some_and(|gaits| *gaits <= gaits_of(record.cost))
     }
 
-    /// h of a node that was reached at a cost; `None` where no goal can be reached within the limit.
+    /// h of a node reached at a cost; `None` where no goal is reachable within the limit.
     #[inline]
     fn to_go(&self, spot: NodeSpot, cost: u64) -> Option<u64> {
         let gaits = self.estimate.gaits(spot);
@@ -246,7 +246,7 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
         is_within.then(|| rolling + self.costs.gait * u64::from(gaits))
     }
 
-    /// Takes a node into the queue, unless it is known at this cost or less.
+    /// Queues a node, unless it is known at this cost or less.
     fn meet(&mut self, spot: NodeSpot, cost: u64, parent: u32) {
         let Some(to_go) = self.to_go(spot, cost) else { return };
         let number = spot.pack();
@@ -263,8 +263,8 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
         self.open.entry((cost + to_go, to_go)).or_default().push(WalkEntry { record, cost, raise: 0 });
     }
 
-    /// Meets the neighbours: of the many placements those that raise the estimated cost just so much, and queues the node anew for
-    /// those that raise it more.
+    /// Generates the neighbours; of the many placements only those with the entry's raise, and queues the node again for those with
+    /// a larger one.
     fn expand(&mut self, spot: NodeSpot, entry: WalkEntry, (estimated, to_go): (u64, u64)) {
         self.course.looks.take(4 * LOOKS);
         if entry.raise == 0 {
@@ -362,7 +362,7 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
         let rolling = 2 * self.costs.roll * (self.behind[0] + self.first_steps());
         let estimated = rolling + self.costs.gait * u64::from(starts.gaits);
         self.starts = Some(starts);
-        // Last among its equals: another start is met only when all nodes of this cost are done.
+        // Last among its equals: another start is generated only when all nodes of this cost are expanded.
         self.open.entry((estimated, u64::MAX)).or_default().push(STARTS);
     }
 
@@ -370,7 +370,7 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
         self.course.sheets[0].start.abs_diff(self.course.sheets[0].end) as u64
     }
 
-    /// Meets the next start, and queues those after it.
+    /// Generates the next start, and queues those after it.
     fn begin(&mut self) {
         let Some(starts) = self.starts.take() else { return };
         let sheet = &self.course.sheets[0];
@@ -378,7 +378,7 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
         for number in starts.from..chains {
             self.course.looks.take(1);
             if self.course.looks.are_spent() {
-                // Nothing is known of the starts from here on.
+                // The looks are spent: nothing is known of the starts from here on.
                 return self.queue_starts(Starts { from: number, ..starts });
             }
             let Some(spot) = self.start(number) else { continue };
@@ -396,7 +396,7 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
         }
     }
 
-    /// The start of a number, where it is a node as far as the tables know.
+    /// The start with this index, if it is a node according to the tables.
     fn start(&self, number: usize) -> Option<NodeSpot> {
         let sheet = &self.course.sheets[0];
         let chain = self.course.sets.chain(sheet.contacts, number);
@@ -409,7 +409,7 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
         })
     }
 
-    /// The nodes of the way that was found, from its start.
+    /// The nodes of the path found, from its start.
     pub fn way(&self) -> Vec<NodeSpot> {
         let mut spots = Vec::new();
         let mut at = self.goal;
@@ -423,12 +423,12 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
     }
 }
 
-/// The placements of an expansion.
+/// State of a node's placements during an expansion.
 #[derive(Debug)]
 struct PlacementTurn {
     entry: WalkEntry,
     /// h of the node.
     to_go: u64,
-    /// The least raise above the entry's.
+    /// Least raise above the entry's.
     next: u64,
 }

@@ -1,9 +1,9 @@
-//! Rows of bits turned into columns, 64 by 64 at a time.
+//! Transposition of rows of bits into columns, 64 by 64 at a time.
 
 use crate::plan::fingers::tables::ContactBits;
 
-/// The bits of all triples whose first two contacts are so far apart, as columns: one for each distance to the third, and in it bit
-/// t for the first contact -t modulo the number of contacts. `rows` says which pairs of contacts count.
+/// The bits of all triples whose second contact is `apart` after the first, as columns: one for each distance to the third, and in
+/// it bit t for the first contact -t modulo the number of contacts. `counts` selects the pairs of contacts.
 pub fn columns(
     bits: &ContactBits,
     contacts: usize,
@@ -21,7 +21,7 @@ pub fn columns(
             continue;
         }
         let start = (first * contacts + second) * contacts;
-        // The third contact counted from the first one: what lies behind it, then what lies before.
+        // Rotates the row, so that the third contact counts from the first one.
         turned.fill(0);
         bits.read_row(start + first, contacts - first, &mut turned);
         turned[(contacts - first).div_ceil(64)..].fill(0);
@@ -41,7 +41,7 @@ pub fn columns(
     }
 }
 
-/// Puts the first `count` bits of a row behind the first `length` of another.
+/// Appends the first `count` bits of a row after the first `length` of another.
 fn append(row: &mut [u64], length: usize, more: &[u64], count: usize) {
     let (word, shift) = (length / 64, length % 64);
     for (at, bits) in more.iter().enumerate().take(count.div_ceil(64)) {
@@ -56,7 +56,7 @@ fn append(row: &mut [u64], length: usize, more: &[u64], count: usize) {
     }
 }
 
-/// Bit j of word i and bit i of word j change places (Warren, Hacker's Delight, 7-3).
+/// Swaps bit j of word i with bit i of word j (Warren, Hacker's Delight, 7-3).
 fn transpose(rows: &mut [u64; 64]) {
     let (mut half, mut mask) = (32, u64::from(u32::MAX));
     while half > 0 {

@@ -1,14 +1,14 @@
-//! A closer look at rolling than the tables take.
+//! Checks of rolling at more instants than the tables use.
 //!
-//! Input: a hand, the contacts of a section, and the load. Output: whether a grasp holds all the way from one angle to the next, and
-//! tables without the steps in which one lapses. Promise: a grasp that passes holds with the device's reserve at each of
-//! [`INSTANTS`] - 1 instants within the step, evenly spaced, those of the tables among them.
+//! Input: a hand, the contacts of a section, and the load. Output: whether a grasp holds throughout a rolling step, and tables
+//! without the steps in which one lapses. Promise: a grasp that passes holds with the device's reserve at [`INSTANTS`] - 1 evenly
+//! spaced instants within the step, those of the tables among them.
 
 use super::{Contact, Contacts, GripModel, Load};
 use crate::device::fingers::FingersFacts;
 use crate::plan::fingers::tables::{AngleLayer, Tables};
 
-/// How many parts a rolling step is cut into.
+/// Number of parts into which a rolling step is divided.
 pub const INSTANTS: u32 = 64;
 
 /// A hand on a section.
@@ -16,15 +16,15 @@ pub const INSTANTS: u32 = 64;
 pub struct Closer<'a> {
     contacts: Contacts<'a>,
     grip: GripModel,
-    /// At angle 0 of the leg.
+    /// Load at angle 0 of the leg.
     load: Load,
 }
 
-/// All contacts and the load at an instant.
+/// All contacts, and the load, at an instant.
 type ContactInstant = (Vec<Contact>, Load);
 
 impl<'a> Closer<'a> {
-    /// Of a hand on the contacts of a section, under a load as it is at angle 0.
+    /// For a hand on the contacts of a section, under the load at angle 0.
     pub fn of(facts: &FingersFacts, contacts: Contacts<'a>, load: Load) -> Self {
         Closer { contacts, grip: GripModel::of(facts, contacts.reach_um()).with_reserve(), load }
     }
@@ -37,7 +37,7 @@ impl<'a> Closer<'a> {
         self.load.after_turn((f64::from(angle) + part_of_step) * self.contacts.step_rad())
     }
 
-    /// Whether fingers on contacts, counted from 0, hold all the way from an angle, in steps, to the next.
+    /// Whether fingers on contacts, counted from 0, hold throughout the step from an angle to the next.
     pub fn lasts(&self, angle: i32, held: &[usize]) -> bool {
         Self::parts().all(|part| {
             let touched: Vec<Contact> = held.iter().map(|contact| self.contacts.one(*contact, part)).collect();
@@ -45,7 +45,7 @@ impl<'a> Closer<'a> {
         })
     }
 
-    /// Takes every step out of the layer of an angle in which a grasp lapses.
+    /// Removes from the layer of an angle every step in which a grasp lapses.
     pub fn sift(&self, tables: &mut Tables, layer: usize, angle: i32) {
         let instants: Vec<ContactInstant> =
             Self::parts().map(|part| (self.contacts.after(part), self.load(angle, part))).collect();
@@ -57,7 +57,7 @@ impl<'a> Closer<'a> {
                 forbid(tables, layer, &[i, j]);
             }
         }
-        // Three fingers hold where two of them do all the way.
+        // Three fingers hold where two of them hold throughout.
         for (i, j) in (0..size).flat_map(|i| (i + 1..size).map(move |j| (i, j))) {
             for k in j + 1..size {
                 let now = &tables.layers[layer];
@@ -75,7 +75,7 @@ impl<'a> Closer<'a> {
     }
 }
 
-/// Takes the step of a grasp out of a layer, whichever fingers hold it; contacts count from 0.
+/// Removes the step of a grasp from a layer, whichever fingers hold it; contacts count from 0.
 pub fn forbid(tables: &mut Tables, layer: usize, contacts: &[usize]) {
     match *contacts {
         [i, j] => {

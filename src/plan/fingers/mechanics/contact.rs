@@ -1,29 +1,29 @@
-//! Where tips touch a section.
+//! Contacts of tips with a section.
 //!
-//! Input: an outline ready for questions, its contacts, and a tip's radius. Output: points, normals and tip centres at any
-//! instant of a rolling step.
+//! Input: a prepared outline, its contacts, and a tip's radius. Output: points, normals and tip centres at any instant of a rolling
+//! step.
 
 use crate::claims::fingers::Section;
 use crate::geometry::outline::{Curve, PRECISION_UM};
 use crate::real::Real;
 
-/// How much nearer than its radius a tip's centre may be to the outline, so that rounding makes no contact unusable.
+/// Tolerance of a tip centre's distance from the outline, so that rounding makes no contact unusable.
 const TOUCH_UM: f64 = 10.0 * PRECISION_UM;
 
-/// A place where a tip may touch the object, in section coordinates.
+/// A possible contact of a tip with the object, in section coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     pub point_um: [f64; 2],
-    /// Outwards, of length 1.
+    /// Outward unit normal.
     pub normal: [f64; 2],
-    /// The centre of a tip that touches here.
+    /// Centre of a tip in contact here.
     pub tip_um: [f64; 2],
-    /// Whether a tip that touches here cuts the outline nowhere else.
+    /// Whether a tip in contact here intersects the outline nowhere else.
     pub usable: bool,
 }
 
 impl Contact {
-    /// How far the centres of tips on two contacts are apart.
+    /// Distance between the centres of tips on two contacts.
     pub fn tips_apart_um(&self, other: &Contact) -> f64 {
         let [x_um, y_um] = [0, 1].map(|k| self.tip_um[k] - other.tip_um[k]);
         (x_um * x_um + y_um * y_um).sqrt()
@@ -37,18 +37,18 @@ pub struct Contacts<'a> {
     number: usize,
     step_rad: f64,
     tip_radius_um: f64,
-    /// Then no tip that touches somewhere cuts the outline elsewhere.
+    /// On a convex outline no tip in contact intersects the outline elsewhere.
     is_convex: bool,
 }
 
 impl<'a> Contacts<'a> {
-    /// Those of a section whose outline `curve` follows.
+    /// The contacts of a section whose outline is `curve`.
     pub fn of(section: &Section, curve: &'a Curve, tip_radius_um: f64) -> Self {
         let is_convex = curve.least_curvature_per_um() >= 0.0;
         Contacts { curve, number: section.contacts as usize, step_rad: section.step_rad, tip_radius_um, is_convex }
     }
 
-    /// c.
+    /// Number of contacts, c.
     pub fn number(&self) -> usize {
         self.number
     }
@@ -58,23 +58,23 @@ impl<'a> Contacts<'a> {
         self.tip_radius_um
     }
 
-    /// By how much a step turns the object.
+    /// Angle by which a step turns the object.
     pub fn step_rad(&self) -> f64 {
         self.step_rad
     }
 
-    /// How far the outline reaches from the origin.
+    /// Greatest distance of the outline from the origin.
     pub fn reach_um(&self) -> f64 {
         self.curve.reach_um()
     }
 
-    /// One of them, counted from 0, where the object has turned by a part of a step since it was touched.
+    /// A contact, counted from 0, after the object has turned by a part of a step.
     pub fn one(&self, contact: usize, part_of_step: f64) -> Contact {
         self.at((contact as f64 - part_of_step) * self.step_rad)
     }
 
-    /// All of them, where the object has turned by a part of a step since they were touched: 0 for the contacts themselves; at 1
-    /// each is where the one before it was.
+    /// All contacts after the object has turned by a part of a step: 0 gives the contacts themselves; at 1 each takes the place of
+    /// the one before it.
     pub fn after(&self, part_of_step: f64) -> Vec<Contact> {
         (0..self.number)
             .map(|index| {

@@ -1,6 +1,6 @@
-//! Whether forces of two or three fingers balance a wrench.
+//! Force equilibrium: whether two or three fingers can balance a wrench.
 //!
-//! Input: contacts with their normals, and the wrench that the fingers have to exert on the object. Output: yes or no, exact up to
+//! Input: contacts with their normals, and the wrench that the fingers must exert on the object. Output: yes or no, exact up to
 //! [`TOLERANCE`].
 
 use super::pair::{ForceCone, LineForce, are_antipodal};
@@ -8,7 +8,7 @@ use super::space::{Lever, SpatialBearing, three_bear};
 use super::{Contact, Load, TOLERANCE};
 use crate::device::fingers::FingersFacts;
 
-/// A force in the plane on the object, and its moment about the origin.
+/// A wrench on the object in the plane: force, and moment about the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wrench {
     pub force_un: [f64; 2],
@@ -20,12 +20,12 @@ impl Wrench {
     /// No force.
     pub const NONE: Wrench = Wrench { force_un: [0.0; 2], moment_un_um: 0.0 };
 
-    /// The one of a force that acts at a point.
+    /// The wrench of a force that acts at a point.
     pub fn of(force_un: [f64; 2], at_um: [f64; 2]) -> Wrench {
         Wrench { force_un, moment_un_um: at_um[0] * force_un[1] - at_um[1] * force_un[0] }
     }
 
-    /// The one that balances both.
+    /// The wrench that balances both.
     pub fn against(self, other: Wrench) -> Wrench {
         Wrench {
             force_un: [-self.force_un[0] - other.force_un[0], -self.force_un[1] - other.force_un[1]],
@@ -34,33 +34,33 @@ impl Wrench {
     }
 }
 
-/// What fingers have to do so that a grasp holds.
+/// Condition for a grasp to hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum GripDemand {
-    /// Nothing acts and nothing sticks: any balance of forces that are not all zero.
+    /// No load and no adhesion: any equilibrium with forces that are not all zero.
     Squeeze,
-    /// Exert this wrench.
+    /// The fingers can exert this wrench.
     Exert(Wrench),
 }
 
-/// What the hand can do at a contact, and how exactly it is looked at.
+/// Contact model of a hand: force limits, and the reserve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GripModel {
     pub(super) friction: f64,
     pub(super) sticking_un: f64,
     pub(super) max_force_un: f64,
-    /// The torque about the normal that a contact bears, for each force that presses or sticks.
+    /// Torque about the normal that a contact bears, per unit of pressing or adhesive force.
     pub(super) torsion_um: f64,
-    /// What the fingers that stay resist when one leaves.
+    /// Pull that the remaining fingers resist when one leaves.
     removal_un: f64,
-    /// The share of the other figures that is kept back while the fingers roll.
+    /// Fraction of the other figures that is held back while the fingers roll.
     reserve: f64,
-    /// Moments are compared as forces at this distance.
+    /// Lever arm that converts moments to forces for comparison.
     pub(super) arm_um: f64,
 }
 
 impl GripModel {
-    /// Of a hand on a part that reaches so far from its origin.
+    /// For a hand on a part with the given greatest distance from its origin.
     pub fn of(facts: &FingersFacts, reach_um: f64) -> GripModel {
         GripModel {
             friction: facts.friction,
@@ -73,7 +73,7 @@ impl GripModel {
         }
     }
 
-    /// The same hand while its fingers roll: without the reserve that the device keeps back.
+    /// The same hand while its fingers roll: reduced by the device's reserve.
     pub fn with_reserve(&self) -> GripModel {
         let kept = 1.0 - self.reserve;
         GripModel {
@@ -87,14 +87,14 @@ impl GripModel {
 
     /// Whether two or three fingers hold under a load; no other number of fingers does.
     ///
-    /// Tips that only push must also be able to hold without the load: a part that merely rests on them is not held. Whether their tips
-    /// have room is not asked here.
+    /// Fingers that only push must also hold without the load: a part that merely rests on them is not held. Room between tips is
+    /// not checked here.
     pub fn holds(&self, contacts: &[Contact], load: &Load) -> bool {
         let leans = self.only_leans(load);
         (!leans || self.holds_under(contacts, &Load::NONE)) && self.holds_under(contacts, load)
     }
 
-    /// Whether they hold, or merely carry the part.
+    /// Whether they are in equilibrium under the load, even if they only carry the part.
     pub(super) fn holds_under(&self, contacts: &[Contact], load: &Load) -> bool {
         let demand = self.demand(load);
         match contacts {
@@ -108,14 +108,14 @@ impl GripModel {
         }
     }
 
-    /// Whether two fingers resist the pull of a third that leaves, besides the load.
+    /// Whether two fingers resist the pull of a third that leaves, in addition to the load.
     ///
-    /// That they hold by themselves afterwards is [`GripModel::holds`].
+    /// Whether the two alone hold afterwards is the question of [`GripModel::holds`].
     pub fn resists(&self, stay: [&Contact; 2], leaves: &Contact, load: &Load) -> bool {
         self.two_hold(stay, load, &self.removal(leaves, load))
     }
 
-    /// The torque of a load about the line through two contacts, and the most that the tips bear of it; `None` where that is enough.
+    /// Torque of a load about the line through two contacts, and the most that the tips can bear; `None` where that is sufficient.
     pub fn torque_left_un_um(&self, [a, b]: [&Contact; 2], load: &Load) -> Option<[f64; 2]> {
         let lever = Lever::of([a, b], &load.across(), 0.0)?;
         let most_un_um = self.torsion_um * (self.max_force_un + self.sticking_un) * lever.leverage();
@@ -123,7 +123,7 @@ impl GripModel {
             .then_some([lever.left_over_un_um, most_un_um])
     }
 
-    /// What the fingers have to do under a load.
+    /// Condition under a load.
     pub(super) fn demand(&self, load: &Load) -> GripDemand {
         if load.is_none() && self.sticking_un == 0.0 {
             return GripDemand::Squeeze;
@@ -131,7 +131,7 @@ impl GripModel {
         GripDemand::Exert(Wrench::of(load.force_un, load.at_um).against(Wrench::NONE))
     }
 
-    /// What the two that stay have to do while a third is pulled off; without adhesion they just hold.
+    /// Condition on the two remaining fingers while a third is pulled off; without adhesion they only need to hold.
     pub(super) fn removal(&self, leaves: &Contact, load: &Load) -> GripDemand {
         if self.removal_un == 0.0 {
             return self.demand(load);
@@ -141,17 +141,17 @@ impl GripModel {
         GripDemand::Exert(pull.against(Wrench::of(load.force_un, load.at_um)))
     }
 
-    /// Whether every grasp holds in which tips have room: the load is none, and forces near zero of every direction are to be had.
+    /// Whether every grasp with room for its tips holds: there is no load, and small forces in every direction are available.
     pub(super) fn holds_anyway(&self, load: &Load) -> bool {
         load.is_none() && self.sticking_un > 0.0
     }
 
-    /// Whether there are balances in which nothing but the load presses the part against the tips.
+    /// Whether there may be equilibria in which only the load presses the part against the tips.
     pub(super) fn only_leans(&self, load: &Load) -> bool {
         !load.is_none() && self.sticking_un == 0.0
     }
 
-    /// The forces of a finger in the plane.
+    /// The forces available to a finger in the plane.
     pub(super) fn reach(&self, contact: &Contact, demand: &GripDemand) -> ForceCone {
         match demand {
             GripDemand::Squeeze => ForceCone::of(contact, self.friction, self.sticking_un, f64::INFINITY),
@@ -159,12 +159,12 @@ impl GripModel {
         }
     }
 
-    /// The same up to the greatest force, where a part of what presses and sticks is needed otherwise.
+    /// The same up to the greatest force, with part of the pressing and adhesive force reserved for other loads.
     pub(super) fn pressing(&self, contact: &Contact, withheld_un: f64) -> ForceCone {
         ForceCone::of(contact, self.friction, self.sticking_un - withheld_un, self.max_force_un)
     }
 
-    /// Whether two fingers do what is asked, and bear what acts out of the plane.
+    /// Whether two fingers meet a condition and bear the out-of-plane load.
     pub(super) fn two_hold(&self, [a, b]: [&Contact; 2], load: &Load, demand: &GripDemand) -> bool {
         match demand {
             GripDemand::Squeeze => are_antipodal(&self.reach(a, demand), &self.reach(b, demand)),
@@ -172,7 +172,7 @@ impl GripModel {
         }
     }
 
-    /// Two fingers that are asked for wrenches; `None` for two contacts on one place.
+    /// Two fingers, prepared for queries; `None` for two contacts at the same place.
     pub(super) fn two(&self, [a, b]: [&Contact; 2], load: &Load) -> Option<Two> {
         if load.is_in_plane() {
             let [a, b] = [a, b].map(|contact| self.pressing(contact, 0.0));
@@ -181,7 +181,7 @@ impl GripModel {
         SpatialBearing::of(self, [a, b], &load.across(), self.slack_un(load)).map(Two::InSpace)
     }
 
-    /// Whether three fingers do what is asked together, each of them with some force.
+    /// Whether three fingers together meet a condition, each with some force.
     pub(super) fn three_hold(&self, [a, b, c]: [&Contact; 3], load: &Load, demand: &GripDemand) -> bool {
         match demand {
             GripDemand::Exert(wrench) if !load.is_in_plane() => {
@@ -194,7 +194,7 @@ impl GripModel {
         }
     }
 
-    /// What two of them bear together in the plane.
+    /// The wrenches that two fingers bear together in the plane.
     pub(super) fn line(&self, [a, b]: [&ForceCone; 2], load: &Load) -> LineForce {
         let slack_un = match self.demand(load) {
             GripDemand::Squeeze => TOLERANCE,
@@ -208,17 +208,17 @@ impl GripModel {
     }
 }
 
-/// Two fingers, ready to be asked for wrenches in the plane.
+/// Two fingers, prepared for queries about wrenches in the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "one at a time, on the stack")]
 pub(super) enum Two {
     InPlane(LineForce),
-    /// Under a load that acts out of the plane as well.
+    /// Under a load with an out-of-plane component.
     InSpace(SpatialBearing),
 }
 
 impl Two {
-    /// Whether they exert a wrench.
+    /// Whether they can exert a wrench.
     pub fn bear(&self, grip: &GripModel, wrench: &Wrench) -> bool {
         match self {
             Two::InPlane(line) => line.bears(wrench),

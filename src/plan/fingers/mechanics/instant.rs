@@ -1,4 +1,4 @@
-//! Which grasps hold at one instant of rolling.
+//! Grasps that hold at one instant of rolling.
 
 use super::grip::{GripDemand, GripModel};
 use super::pair::{ForceCone, LineForce};
@@ -7,26 +7,26 @@ use super::{Contact, Load, TOLERANCE};
 use crate::plan::fingers::looks::LooksBudget;
 use crate::plan::fingers::tables::{ContactBits, Tables};
 
-/// The contacts at an instant, and what pairs of fingers on them do.
+/// The contacts at an instant, and the capabilities of finger pairs on them.
 pub(super) struct PairsInstant<'a> {
     grip: &'a GripModel,
     pub contacts: Vec<Contact>,
     pub load: Load,
     demand: GripDemand,
-    /// Tips on both have room, and both are usable.
+    /// Pairs of usable contacts with room for both tips.
     pub clear: PairRows,
-    /// Two fingers on them have room and hold, also with any third finger that has room and need not do anything.
+    /// Pairs that have room and hold, also with any third finger that has room and exerts no force.
     pub pair: PairRows,
-    /// The forces in the plane of a finger on each contact; empty where every grasp holds that has room.
+    /// In-plane forces of a finger on each contact; empty where every grasp with room holds.
     reaches: Vec<ForceCone>,
     looks: &'a LooksBudget,
 }
 
-/// Looks that a grasp takes whose forces act out of the plane as well.
+/// Looks per grasp with out-of-plane forces.
 const LOOKS_IN_SPACE: u64 = 16;
 
 impl<'a> PairsInstant<'a> {
-    /// Tips stay `apart_um` from each other, centre to centre.
+    /// Tips keep `apart_um` from each other, centre to centre.
     pub fn of(
         grip: &'a GripModel,
         contacts: Vec<Contact>,
@@ -47,14 +47,14 @@ impl<'a> PairsInstant<'a> {
         PairsInstant { grip, contacts, load, demand, clear, pair, reaches, looks }
     }
 
-    /// Puts into a row the contacts that have room beside two others that have.
+    /// Writes into a row the contacts that have room beside each of two others.
     pub fn beside(&self, i: usize, j: usize, row: &mut [u64]) {
         for (k, word) in row.iter_mut().enumerate() {
             *word = self.clear.row(i)[k] & self.clear.row(j)[k];
         }
     }
 
-    /// Takes out of a set of triples in which tips have room, in all orders, those that do not hold.
+    /// Removes the triples that do not hold, in all orders, from a set of triples with room.
     pub fn sift(&self, triples: &mut ContactBits, tables: &Tables) {
         if self.reaches.is_empty() {
             return;
@@ -91,19 +91,19 @@ impl<'a> PairsInstant<'a> {
     }
 }
 
-/// The pairs of usable contacts on which tips stay so far apart, centre to centre.
+/// The pairs of usable contacts whose tips are at least `apart_um` apart, centre to centre.
 pub(super) fn room(contacts: &[Contact], apart_um: f64) -> PairRows {
     let least_um = apart_um * (1.0 - TOLERANCE);
     let has_room = |a: &Contact, b: &Contact| a.usable && b.usable && a.tips_apart_um(b) >= least_um;
     PairRows::symmetric(contacts.len(), |i, j| has_room(&contacts[i], &contacts[j]))
 }
 
-/// The pairs of a symmetric set, the lower number first.
+/// The pairs of a symmetric set, the lower index first.
 pub(super) fn pairs(rows: &PairRows) -> impl Iterator<Item = (usize, usize)> + '_ {
     (0..rows.size()).flat_map(|i| numbers(rows.row(i)).filter(move |&j| j > i).map(move |j| (i, j)))
 }
 
-// The bits of word `word` that stand for numbers above `number`.
+// The bits of word `word` that represent indices above `number`.
 fn above(number: usize, word: usize) -> u64 {
     let from = number + 1;
     match word.cmp(&(from / 64)) {

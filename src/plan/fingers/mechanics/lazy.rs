@@ -1,9 +1,9 @@
-//! What holds under a load, asked grasp by grasp.
+//! Lazy evaluation of grasps under a load.
 //!
-//! Under a load in the plane of a turn grasps differ from angle to angle, so that tables of all of them take seconds, of which a search
-//! looks at few. Input: a hand on the contacts of a section, and the load when a leg begins. Output: the same answers as those of
-//! [`super::tables`], each found out when it is asked for and kept. Promise: every answer that says yes is one for which the tables
-//! without the load say yes as well, if fingers may leave there wherever they may come; only those are to be asked for.
+//! Under a load in the plane of a turn, grasps differ from angle to angle, so tables of all of them take seconds, while a search
+//! needs few. Input: a hand on the contacts of a section, and the load at the start of a leg. Output: the same answers as those of
+//! [`super::tables`], each computed on demand and cached. Promise: whatever holds here also holds in the tables without the load,
+//! if fingers may leave there wherever they may be placed; so only those entries need a query.
 
 use super::{Contact, Contacts, GripModel, Load, PARTS_OF_STEP};
 use crate::device::fingers::FingersFacts;
@@ -12,13 +12,13 @@ use rustc_hash::FxHashMap;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// Looks that one balance takes.
+/// Looks per equilibrium.
 const LOOKS: u64 = 30;
 
 /// Bits of a contact in a key.
 const DIGIT: u32 = 10;
 
-/// The answers of one leg.
+/// Cached answers of one leg.
 #[derive(Debug)]
 pub struct Lazy {
     grip: GripModel,
@@ -26,14 +26,14 @@ pub struct Lazy {
     /// All contacts at each part of a step.
     contacts: [Vec<Contact>; PARTS_OF_STEP],
     step_rad: f64,
-    /// At angle 0 of the leg.
+    /// Load at angle 0 of the leg.
     load: Load,
     looks: Rc<LooksBudget>,
     /// By angle, question and contacts.
     known: RefCell<FxHashMap<u64, bool>>,
 }
 
-/// What is asked of a grasp.
+/// Question about a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Question {
     Holds,
@@ -42,7 +42,7 @@ enum Question {
 }
 
 impl Lazy {
-    /// Of a hand on the contacts of a section, under a load as it is at angle 0.
+    /// For a hand on the contacts of a section, under the load at angle 0.
     pub fn of(facts: &FingersFacts, contacts: &Contacts, load: Load, looks: Rc<LooksBudget>) -> Lazy {
         let grip = GripModel::of(facts, contacts.reach_um());
         Lazy {
@@ -56,12 +56,12 @@ impl Lazy {
         }
     }
 
-    /// Whether two or three contacts, from 0, hold at an angle of the leg.
+    /// Whether two or three contacts, counted from 0, hold at an angle of the leg.
     pub fn holds(&self, angle: i32, held: &[usize]) -> bool {
         self.answer(Question::Holds, angle, &sorted(held), || self.balances(angle, 0, held))
     }
 
-    /// Whether they hold on from an angle to the next one.
+    /// Whether they keep holding from an angle to the next.
     pub fn rolls(&self, angle: i32, held: &[usize]) -> bool {
         let next = || held.iter().map(|contact| (contact + self.contacts[0].len() - 1) % self.contacts[0].len());
         self.answer(Question::Rolls, angle, &sorted(held), || {
@@ -71,7 +71,7 @@ impl Lazy {
         })
     }
 
-    /// Whether two contacts hold and resist that the finger on a third one is pulled off.
+    /// Whether two contacts hold and resist the removal of the finger on a third one.
     pub fn leaves(&self, angle: i32, stay: [usize; 2], leaves: usize) -> bool {
         let [i, j] = [stay[0].min(stay[1]), stay[0].max(stay[1])];
         self.answer(Question::Leaves, angle, &[i, j, leaves], || {
@@ -81,7 +81,7 @@ impl Lazy {
         })
     }
 
-    /// Does without the step of a grasp from an angle to the next.
+    /// Excludes the step of a grasp from an angle to the next.
     pub fn forbid(&self, angle: i32, held: &[usize]) {
         self.known.borrow_mut().insert(key(Question::Rolls, angle, &sorted(held)), false);
     }
@@ -116,6 +116,6 @@ fn sorted(held: &[usize]) -> Vec<usize> {
 
 fn key(question: Question, angle: i32, held: &[usize]) -> u64 {
     let held = held.iter().fold(0, |key, contact| key << DIGIT | (*contact as u64 + 1));
-    // Angles are between -512 and 511.
+    // Angles lie between -512 and 511.
     ((angle + 512) as u64) << (3 * DIGIT + 2) | (question as u64) << (3 * DIGIT) | held
 }

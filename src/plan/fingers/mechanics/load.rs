@@ -1,31 +1,31 @@
-//! What acts on the object besides the fingers.
+//! External load on the object.
 
 use super::space::Across;
 use crate::device::fingers::Plane;
 use crate::real::Real;
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// The part of a force in a plane that rounding alone makes of one across it.
+/// Out-of-plane share of a force below which it is attributed to rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// A force on the object, as a section sees it at some instant.
+/// A force on the object, seen from a section at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
-    /// Its part in the plane, in section coordinates, in micronewtons.
+    /// In-plane component, in section coordinates, in micronewtons.
     pub force_un: [f64; 2],
-    /// Its part across the plane, along its normal, in micronewtons.
+    /// Out-of-plane component, along the plane's normal, in micronewtons.
     pub across_un: f64,
-    /// Where it acts, in section coordinates.
+    /// Point of action, in section coordinates.
     pub at_um: [f64; 2],
-    /// How far in front of the plane it acts, along its normal.
+    /// Height of the point of action above the plane, along its normal.
     pub height_um: f64,
 }
 
 impl Load {
-    /// Nothing acts.
+    /// No load.
     pub const NONE: Load = Load { force_un: [0.0; 2], across_un: 0.0, at_um: [0.0; 2], height_um: 0.0 };
 
-    /// A force given in the hand's frame, on a part that is turned so, in the section of a plane.
+    /// A force given in the hand's frame, on a part with the given orientation, seen from the section of a plane.
     pub fn seen(plane: Plane, orientation: &UnitQuaternion<f64>, load_un: [f64; 3], centre_um: [f64; 3]) -> Load {
         let force_un = orientation.inverse() * Vector3::from(load_un);
         let along = |axis: [f64; 3], of: &Vector3<f64>| Vector3::from(axis).dot(of);
@@ -41,17 +41,17 @@ impl Load {
         }
     }
 
-    /// Whether it looks the same however the part is turned in the plane: it acts across the plane only.
+    /// Whether it is the same for every rotation of the part in the plane: it has no in-plane component.
     pub fn is_across(&self) -> bool {
         self.force_un == [0.0; 2]
     }
 
-    /// Whether it neither acts across the plane nor turns the part out of it.
+    /// Whether it has no component across the plane and no torque out of it.
     pub fn is_in_plane(&self) -> bool {
         self.across_un == 0.0 && (self.height_um == 0.0 || self.force_un == [0.0; 2])
     }
 
-    /// What fingers must exert against it out of the plane.
+    /// Out-of-plane force and torque that the fingers must exert against it.
     pub(super) fn across(&self) -> Across {
         let ([x_um, y_um], [fx_un, fy_un]) = (self.at_um, self.force_un);
         let torque_un_um =
@@ -59,18 +59,18 @@ impl Load {
         Across { force_un: -self.across_un, torque_un_um: torque_un_um.map(|torque| -torque) }
     }
 
-    /// Whether nothing acts.
+    /// Whether there is no load.
     pub fn is_none(&self) -> bool {
         self.size_un() == 0.0
     }
 
-    /// Its size, in micronewtons.
+    /// Magnitude, in micronewtons.
     pub fn size_un(&self) -> f64 {
         let [x_un, y_un] = self.force_un;
         (x_un * x_un + y_un * y_un + self.across_un * self.across_un).sqrt()
     }
 
-    /// The same force after the part has turned in the section's plane: it turns the other way round as the part sees it.
+    /// The same force after the part has turned in the section's plane: in the part's frame it turns the other way.
     pub fn after_turn(&self, angle_rad: f64) -> Load {
         let (sin, cos) = angle_rad.sine_cosine();
         let [x, y] = self.force_un;

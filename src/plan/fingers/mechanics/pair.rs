@@ -1,10 +1,10 @@
-//! The wrenches that two fingers bear, as half-spaces, and whether a third finger can make up what is missing.
+//! The wrenches that two fingers bear, as half-spaces, and whether a third finger can supply the rest.
 
 use super::grip::{GripDemand, Wrench};
 use super::{Contact, TOLERANCE};
 use crate::real::Real;
 
-/// The least slope of a half-space along the chord that bounds the force there: below, the side is taken as parallel to it.
+/// Least slope of a half-space along the chord that bounds the force there; below it the side counts as parallel to the chord.
 const PARALLEL: f64 = 1e-12;
 
 /// A side of a triangle of forces: `normal · f <= bound_un`.
@@ -24,22 +24,22 @@ impl ForceHalfPlane {
     }
 }
 
-/// The forces that a finger can exert: a friction cone with a shifted apex, cut off at the greatest normal force.
+/// The forces available to a finger: a friction cone with a shifted apex, cut off at the greatest normal force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ForceCone {
     at_um: [f64; 2],
-    /// The first two are those of the cone.
+    /// The first two are the sides of the cone.
     sides: [ForceHalfPlane; 3],
-    /// In order; of an endless cone the two at the normal force 1.
+    /// In order; for an unbounded cone, the two at normal force 1.
     corners_un: [[f64; 2]; 3],
-    /// How many sides and corners there are: 2 of an endless cone.
+    /// Number of sides and corners: 2 for an unbounded cone.
     count: usize,
     /// Whether too large a share of the load leaves no force at all.
     nothing: bool,
 }
 
 impl ForceCone {
-    /// `|tangential| <= friction (normal + apex_un)` and `normal <= most_un`; infinite where no greatest force counts.
+    /// `|tangential| <= friction (normal + apex_un)` and `normal <= most_un`; infinite if unbounded.
     pub fn of(contact: &Contact, friction: f64, apex_un: f64, most_un: f64) -> ForceCone {
         let inward = contact.normal.map(|part| -part);
         let along = [-inward[1], inward[0]];
@@ -93,31 +93,31 @@ impl Half {
         }
     }
 
-    /// The same half-space with a normal of length 1, moments counted as forces at `arm_um`.
+    /// The same half-space with a unit normal, moments converted to forces at `arm_um`.
     fn scaled(self, arm_um: f64) -> Half {
         let size = (dot(self.force, self.force) + (self.moment_per_um * arm_um).whole_power(2)).sqrt();
         self.plus(1.0 / size, &Half::NONE, 0.0)
     }
 
-    /// The forces at a point after which what is left of a wrench is in the half-space: half · (wrench − force) <= bound.
+    /// The forces at a point that leave the rest of a wrench in the half-space: half · (wrench − force) <= bound.
     fn left_at(&self, [x_um, y_um]: [f64; 2], wrench: &Wrench, slack_un: f64) -> ForceHalfPlane {
         let normal = [self.moment_per_um * y_um - self.force[0], -self.moment_per_um * x_um - self.force[1]];
         ForceHalfPlane { normal, bound_un: self.bound_un - self.of(wrench) + slack_un }
     }
 }
 
-/// What two fingers bear: only the force along the line through both contacts is free, and it is eliminated.
+/// The wrenches that two fingers bear: the one free unknown, the force along the line through both contacts, is eliminated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LineForce {
     halves: [Half; 9],
     count: usize,
-    /// Whether one of the two can exert nothing at all.
+    /// Whether one of the two can exert no force.
     nothing: bool,
     slack_un: f64,
 }
 
 impl LineForce {
-    /// Of two fingers on different places.
+    /// For two fingers at different places.
     pub fn between(a: &ForceCone, b: &ForceCone, arm_um: f64, slack_un: f64) -> LineForce {
         let mut line = LineForce { halves: [Half::NONE; 9], count: 0, nothing: true, slack_un };
         let (along, length_um) = chord(a, b);
@@ -151,7 +151,7 @@ impl LineForce {
         !self.nothing && self.halves().iter().all(|half| half.of(wrench) <= half.bound_un + self.slack_un)
     }
 
-    /// Whether the two and a third together do what is asked; where nothing acts and nothing sticks, the third presses.
+    /// Whether the two and a third together meet a condition; without load and adhesion the third must press.
     pub fn takes(&self, third: &ForceCone, demand: &GripDemand) -> bool {
         let wrench = match demand {
             GripDemand::Squeeze => Wrench::NONE,
@@ -179,7 +179,7 @@ impl LineForce {
     }
 }
 
-/// Whether a force along the line through both contacts is in both cones, so that it may be as large as one likes.
+/// Whether some direction along the line through both contacts lies in both cones, so that the force may be arbitrarily large.
 pub(super) fn are_antipodal(a: &ForceCone, b: &ForceCone) -> bool {
     let (along, _) = chord(a, b);
     let slopes = || {
@@ -189,7 +189,7 @@ pub(super) fn are_antipodal(a: &ForceCone, b: &ForceCone) -> bool {
     slopes().all(|slope| slope <= TOLERANCE) || slopes().all(|slope| slope >= -TOLERANCE)
 }
 
-// The direction from one contact to the other, and how far it is.
+// The direction from one contact to the other, and their distance.
 fn chord(a: &ForceCone, b: &ForceCone) -> ([f64; 2], f64) {
     let run_um = [b.at_um[0] - a.at_um[0], b.at_um[1] - a.at_um[1]];
     let length_um = dot(run_um, run_um).sqrt();
@@ -205,7 +205,7 @@ struct WrenchBounds {
 impl WrenchBounds {
     fn of(a: &ForceCone, b: &ForceCone, along: [f64; 2], length_um: f64) -> WrenchBounds {
         let across = [-along[1], along[0]];
-        // The force of b across the line is what its moment about a has to be, over the distance.
+        // The transverse force of b follows from its moment about a, divided by the distance.
         let [x, y] = a.at_um.map(|part| part / length_um);
         let of_b = Half { force: [y, -x], moment_per_um: 1.0 / length_um, bound_un: 0.0 };
         let mut bounds = WrenchBounds { all: [(Half::NONE, 0.0); 6], count: 0 };
@@ -243,7 +243,7 @@ impl ForcePolygon {
         corners
     }
 
-    /// Keeps what lies on the inner side (Sutherland and Hodgman).
+    /// Clips to the inner side (Sutherland and Hodgman).
     fn cut(&mut self, side: &ForceHalfPlane) {
         let (all, count) = (self.at_un, self.count);
         self.count = 0;
@@ -261,7 +261,7 @@ impl ForcePolygon {
     }
 
     fn push(&mut self, corner_un: [f64; 2]) {
-        // Each half-plane adds one corner at most: 3 + 9.
+        // Each half-plane adds at most one corner: 3 + 9.
         if self.count < self.at_un.len() {
             self.at_un[self.count] = corner_un;
             self.count += 1;

@@ -1,6 +1,6 @@
-//! Square sets of pairs of contacts, a row of bits for each contact.
+//! Square sets of pairs of contacts, one row of bits per contact.
 
-/// Pairs of numbers below a size.
+/// A set of pairs of numbers below a size.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct PairRows {
     size: usize,
@@ -9,13 +9,13 @@ pub(super) struct PairRows {
 }
 
 impl PairRows {
-    /// No pair.
+    /// The empty set.
     pub fn new(size: usize) -> PairRows {
         let width = size.div_ceil(64);
         PairRows { size, width, words: vec![0; width * size] }
     }
 
-    /// The pairs of different numbers, in both orders, that `holds` says yes to.
+    /// The pairs of distinct numbers, in both orders, for which `holds` is true.
     pub fn symmetric(size: usize, holds: impl Fn(usize, usize) -> bool) -> PairRows {
         let mut rows = PairRows::new(size);
         for (i, j) in (0..size).flat_map(|i| (i + 1..size).map(move |j| (i, j))).filter(|&(i, j)| holds(i, j)) {
@@ -25,17 +25,17 @@ impl PairRows {
         rows
     }
 
-    /// The numbers are below this.
+    /// Exclusive upper limit of the numbers.
     pub fn size(&self) -> usize {
         self.size
     }
 
-    /// How many words a row has.
+    /// Number of words per row.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Whether a pair is in it.
+    /// Whether it contains a pair.
     pub fn has(&self, i: usize, j: usize) -> bool {
         self.words[i * self.width + j / 64] >> (j % 64) & 1 == 1
     }
@@ -49,7 +49,7 @@ impl PairRows {
         self.words[i * self.width + j / 64] |= 1 << (j % 64);
     }
 
-    /// The pairs (i, j) of which the pair one lower, round the circle, is in it.
+    /// The pairs (i, j) for which it contains the pair one lower, cyclically.
     pub fn stepped(&self) -> PairRows {
         let mut stepped = PairRows::new(self.size);
         for i in 0..self.size {
@@ -60,7 +60,7 @@ impl PairRows {
         stepped
     }
 
-    /// Keeps the pairs that are in the other too.
+    /// Intersects with another set.
     pub fn keep(&mut self, other: &PairRows) {
         for (word, other) in self.words.iter_mut().zip(&other.words) {
             *word &= other;
@@ -68,7 +68,7 @@ impl PairRows {
     }
 }
 
-/// The numbers one above those of a row, round the circle of `size`.
+/// The numbers one above those of a row, cyclically modulo `size`.
 pub(super) fn step(row: &[u64], size: usize, stepped: &mut [u64]) {
     let mut carried = row[(size - 1) / 64] >> ((size - 1) % 64) & 1;
     for (word, to) in row.iter().zip(stepped.iter_mut()) {
@@ -92,7 +92,7 @@ pub(super) fn numbers(row: &[u64]) -> impl Iterator<Item = usize> + '_ {
     })
 }
 
-/// Keeps the numbers of a row that `keeps` says yes to.
+/// Keeps the numbers of a row for which `keeps` is true.
 pub(super) fn retain(row: &mut [u64], mut keeps: impl FnMut(usize) -> bool) {
     for (k, word) in row.iter_mut().enumerate() {
         for bit in numbers(&[*word]) {

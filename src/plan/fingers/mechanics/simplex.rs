@@ -1,42 +1,42 @@
-//! A small linear program: whether conditions on a dozen numbers can be kept together.
+//! A small linear program: feasibility of conditions on a dozen variables.
 //!
-//! Input: equalities and inequalities. Output: whether numbers keep all of them, each inequality up to a slack. Method: equalities
-//! are solved for some of the variables (Gauss and Jordan); of the inequalities that are left the greatest margin is the least value of
-//! the dual program, which the simplex method finds in two phases with Bland's rule, so that it ends.
+//! Input: equalities and inequalities. Output: whether some values satisfy all of them, each inequality up to a slack. Method:
+//! equalities are solved for some of the variables (Gauss and Jordan); for the remaining inequalities the greatest margin is the
+//! least value of the dual program, which the two-phase simplex method finds with Bland's rule, which guarantees termination.
 
-/// The forces and torques of three fingers.
+/// Forces and torques of three fingers.
 pub const VARIABLES: usize = 12;
 
 /// Sums of forces and moments.
 const EQUALITIES: usize = 6;
 
-/// Conditions of three fingers.
+/// Conditions on three fingers.
 const INEQUALITIES: usize = 21;
 
-/// What is left of zero by rounding.
+/// Magnitude below which a number counts as zero, up to rounding.
 const NOTHING: f64 = 1e-11;
 
-/// A row: shares of the variables, and what they come to.
+/// A row: coefficients of the variables, and the right-hand side.
 type SimplexRow = [f64; VARIABLES + 1];
 
-/// Conditions that are to be kept together.
+/// A system of conditions.
 #[derive(Debug, Clone)]
 pub struct Conditions {
-    /// The shares sum to exactly the last number.
+    /// The left-hand side equals the last number.
     pub equalities: [SimplexRow; EQUALITIES],
-    /// The shares sum to at most the last number.
+    /// The left-hand side is at most the last number.
     inequalities: [SimplexRow; INEQUALITIES],
     count: usize,
 }
 
 impl Conditions {
-    /// No inequality, and equalities that all numbers keep.
+    /// No inequality, and trivial equalities.
     pub fn none() -> Conditions {
         let (equalities, inequalities) = ([[0.0; VARIABLES + 1]; EQUALITIES], [[0.0; VARIABLES + 1]; INEQUALITIES]);
         Conditions { equalities, inequalities, count: 0 }
     }
 
-    /// Four variables from one on come to at most a bound.
+    /// Adds an inequality over four consecutive variables.
     pub fn push(&mut self, from: usize, shares: [f64; 4], bound: f64) {
         let row = &mut self.inequalities[self.count];
         row[from..from + 4].copy_from_slice(&shares);
@@ -45,13 +45,13 @@ impl Conditions {
     }
 }
 
-/// Whether some numbers keep all conditions, inequalities up to a slack.
+/// Whether some values satisfy all conditions, inequalities up to a slack.
 pub fn are_kept(conditions: &Conditions, slack: f64) -> bool {
     let mut conditions = conditions.clone();
     let Some(solved) = solve(&mut conditions, slack) else { return false };
     let free: Vec<usize> = (0..VARIABLES).filter(|variable| !solved[*variable]).collect();
     let inequalities = &conditions.inequalities[..conditions.count];
-    // One row for each free variable, and the sum of the weights, which is 1.
+    // One row for each free variable, and the sum of the weights, which must be 1.
     let mut rows: Vec<Vec<f64>> = Vec::with_capacity(free.len() + 1);
     for variable in &free {
         rows.push(inequalities.iter().map(|row| row[*variable]).chain([0.0]).collect());
@@ -60,13 +60,13 @@ pub fn are_kept(conditions: &Conditions, slack: f64) -> bool {
     let costs: Vec<f64> = inequalities.iter().map(|row| row[VARIABLES]).collect();
     match least(rows, &costs, -slack) {
         Some(margin) => margin >= -slack,
-        // No weights: the margin has no limit.
+        // The dual is infeasible: the margin is unbounded.
         None => true,
     }
 }
 
-/// Solves the equalities for as many variables as they determine, and puts these into the inequalities; which variables they are.
-/// `None` where the equalities contradict one another.
+/// Solves the equalities for as many variables as they determine, and substitutes these into the inequalities; returns which
+/// variables they are. `None` where the equalities contradict one another.
 fn solve(conditions: &mut Conditions, slack: f64) -> Option<[bool; VARIABLES]> {
     let mut solved = [false; VARIABLES];
     for at in 0..EQUALITIES {
@@ -95,11 +95,11 @@ fn solve(conditions: &mut Conditions, slack: f64) -> Option<[bool; VARIABLES]> {
     Some(solved)
 }
 
-/// The least sum of costs of weights, none negative, that keep the rows (the last number of each is its sum, which is not
-/// negative); or some sum that is below `enough`. `None` where no weights keep them.
+/// The least cost of non-negative weights that satisfy the rows (the last number of each is its right-hand side, which is not
+/// negative); or any cost below `enough`. `None` if the rows are infeasible.
 fn least(mut rows: Vec<Vec<f64>>, costs: &[f64], enough: f64) -> Option<f64> {
     let (count, width) = (rows.len(), costs.len());
-    // A helper for each row, which is in the basis at first.
+    // One artificial variable per row, initially in the basis.
     for (at, row) in rows.iter_mut().enumerate() {
         let sum = row.pop().unwrap_or_default();
         row.extend((0..count).map(|helper| if helper == at { 1.0 } else { 0.0 }));
@@ -110,7 +110,7 @@ fn least(mut rows: Vec<Vec<f64>>, costs: &[f64], enough: f64) -> Option<f64> {
     if descend(&mut rows, &mut basis, &helping, width + count, f64::NEG_INFINITY) > 1e-9 {
         return None;
     }
-    // Helpers that stay in the basis are zero; they leave it where their row has any other share.
+    // Artificial variables left in the basis are zero; pivot them out where their row has another coefficient.
     for at in 0..count {
         if basis[at] >= width
             && let Some(column) = (0..width).find(|column| rows[at][*column].abs() > 1e-9)
@@ -122,10 +122,10 @@ fn least(mut rows: Vec<Vec<f64>>, costs: &[f64], enough: f64) -> Option<f64> {
     Some(descend(&mut rows, &mut basis, &all, width, enough))
 }
 
-/// Goes down from corner to corner; the sum of costs at the last one.
+/// Descends from vertex to vertex; returns the cost at the last one.
 fn descend(rows: &mut [Vec<f64>], basis: &mut [usize], costs: &[f64], width: usize, enough: f64) -> f64 {
     let last = rows[0].len() - 1;
-    // Bland's rule ends by itself; the limit is against rounding.
+    // Bland's rule terminates in exact arithmetic; the limit guards against rounding.
     for _ in 0..MAX_PIVOTS {
         let sum: f64 = rows.iter().zip(basis.iter()).map(|(row, at)| row[last] * costs[*at]).sum();
         if sum < enough {
@@ -150,7 +150,7 @@ fn descend(rows: &mut [Vec<f64>], basis: &mut [usize], costs: &[f64], width: usi
     rows.iter().zip(basis.iter()).map(|(row, at)| row[last] * costs[*at]).sum()
 }
 
-/// More changes of the basis than any program of this size takes.
+/// More pivots than any program of this size takes.
 const MAX_PIVOTS: usize = 1000;
 
 fn pivot(rows: &mut [Vec<f64>], basis: &mut [usize], (at, column): (usize, usize)) {

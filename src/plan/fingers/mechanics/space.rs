@@ -1,23 +1,23 @@
-//! Equilibrium in space: what acts across the plane of the contacts, and turns the part out of it.
+//! Equilibrium in space: forces across the plane of the contacts, and torques out of it.
 //!
-//! A contact bears a force across the plane by friction, and a torque about its normal, up to `torsion` times what presses and
-//! sticks: the soft finger of Murray, Li and Sastry (A Mathematical Introduction to Robotic Manipulation, 1994, section 5.2). Its
-//! friction goes to both tangents: the sizes of the two tangential forces together are at most friction times what presses and sticks,
-//! a pyramid within their cone.
+//! A contact bears a force across the plane by friction, and a torque about its normal up to `torsion` times its pressing and
+//! adhesive force: the soft finger of Murray, Li and Sastry (A Mathematical Introduction to Robotic Manipulation, 1994, section
+//! 5.2). Its friction serves both tangential directions: the magnitudes of the two tangential forces add up to at most friction
+//! times the pressing and adhesive force, a pyramid within the cone.
 //!
-//! Two fingers have two unknowns left, the force along the chord between them and how the torque about it is shared; one is
-//! eliminated (Fourier and Motzkin), which leaves intervals of the other. Three are first tried without torsion, where the forces
-//! across are those of a lever, and without the load across; only what both leave open takes a linear program.
+//! Two fingers leave two unknowns, the force along the chord between them and the split of the torque about it; one is eliminated
+//! (Fourier and Motzkin), which leaves intervals of the other. Three are first tested without torsion, where the out-of-plane
+//! forces are those of a lever, and without the out-of-plane load; only what both leave open takes a linear program.
 
 use super::grip::{GripModel, Wrench};
 use super::pair::{ForceCone, LineForce};
 use super::simplex;
 use super::{Contact, TOLERANCE};
 
-/// Below this share a number is what rounding leaves of zero.
+/// Magnitude below which a number counts as zero, up to rounding.
 const NOTHING: f64 = 1e-12;
 
-/// What fingers must exert out of the plane, about the origin of the section.
+/// Out-of-plane force and torque that fingers must exert, about the origin of the section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Across {
     pub force_un: f64,
@@ -25,21 +25,21 @@ pub(super) struct Across {
     pub torque_un_um: [f64; 2],
 }
 
-/// Two fingers and what they must exert out of the plane.
+/// Two fingers and their out-of-plane load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lever {
     touch: [Contact; 2],
     along: [f64; 2],
     length_um: f64,
-    /// The forces across the plane and the torques about the inward normals, each with how it grows with the free share.
+    /// Out-of-plane forces and torques about the inward normals, each with its slope in the free share.
     across_un: [[f64; 2]; 2],
     torque_un_um: [[f64; 2]; 2],
-    /// The torque about the chord that no finger bears.
+    /// Torque about the chord that no finger bears.
     pub left_over_un_um: f64,
 }
 
 impl Lever {
-    /// `torsion_um` is 0 where tips bear no torque. `None` for two contacts on one place.
+    /// `torsion_um` is 0 where tips bear no torque. `None` for two contacts at the same place.
     pub fn of(touch: [&Contact; 2], across: &Across, torsion_um: f64) -> Option<Lever> {
         let [a, b] = touch.map(|contact| contact.point_um);
         let run_um = [b[0] - a[0], b[1] - a[1]];
@@ -52,7 +52,7 @@ impl Lever {
         let about_a =
             [across.torque_un_um[0] - across.force_un * a[1], across.torque_un_um[1] + across.force_un * a[0]];
         let (wanted, crosswise) = (dot(about_a, along), dot(about_a, beside));
-        // Torques are counted about the inward normals.
+        // Torques are taken about the inward normals.
         let [cosines, sines] = [along, beside].map(|axis| touch.map(|contact| -dot(contact.normal, axis)));
         let square = dot(cosines, cosines);
         let bears = torsion_um > 0.0 && square > NOTHING * NOTHING;
@@ -72,13 +72,13 @@ impl Lever {
         Some(Lever { touch: touch.map(|contact| *contact), along, length_um, across_un, torque_un_um, left_over_un_um })
     }
 
-    /// How much of the torques about both normals turns about the chord, at most.
+    /// Largest share of the torques about both normals that acts about the chord.
     pub fn leverage(&self) -> f64 {
         self.touch.iter().map(|contact| dot(contact.normal, self.along).abs()).sum()
     }
 
-    /// What the fingers need of friction and torsion at least, as a force that they must do without, if they share the torque about
-    /// the chord by their leverage.
+    /// Contact force that each finger needs for friction and torsion under the out-of-plane load, if they share the torque about
+    /// the chord in proportion to their leverage.
     fn withheld_un(&self, grip: &GripModel) -> [f64; 2] {
         [0, 1].map(|k| {
             let torque_un_um = self.torque_un_um[k][0].abs();
@@ -87,7 +87,7 @@ impl Lever {
         })
     }
 
-    /// Whether the two exert a wrench of the plane as well.
+    /// Whether the two also exert a wrench of the plane.
     fn bears(&self, grip: &GripModel, wrench: &Wrench, slack_un: f64) -> bool {
         if self.left_over_un_um > slack_un * grip.arm_um {
             return false;
@@ -102,7 +102,7 @@ impl Lever {
         for (k, (force_un, sign)) in [(of_first, -1.0), (of_second, 1.0)].into_iter().enumerate() {
             let inward = self.touch[k].normal.map(|part| -part);
             let tangent = [-inward[1], inward[0]];
-            // Each as it is, and as it grows with the force along the chord.
+            // Each as a constant, and its slope in the force along the chord.
             let [normal, tangential] =
                 [inward, tangent].map(|axis| [dot(force_un, axis), sign * dot(self.along, axis)]);
             let (across, torque) = (self.across_un[k], self.torque_un_um[k]);
@@ -150,7 +150,7 @@ impl WrenchRows {
         self.count += 1;
     }
 
-    /// Whether there are two numbers that keep all of them.
+    /// Whether two numbers satisfy all rows.
     fn meet(&self) -> bool {
         let rows = &self.all[..self.count];
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -182,19 +182,19 @@ impl WrenchRows {
     }
 }
 
-/// Two fingers under a load that acts out of the plane, ready to be asked for wrenches of the plane.
+/// Two fingers under a load with an out-of-plane component, prepared for queries about wrenches of the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SpatialBearing {
     lever: Lever,
-    /// As if nothing acted out of the plane: what this does not bear, nothing does.
+    /// Without the out-of-plane load: a necessary condition.
     most: LineForce,
-    /// With what the load across needs at least held back: what this bears is borne.
+    /// With the contact force that the out-of-plane load needs held back: a sufficient condition.
     least: LineForce,
     slack_un: f64,
 }
 
 impl SpatialBearing {
-    /// `None` for two contacts on one place.
+    /// `None` for two contacts at the same place.
     pub fn of(grip: &GripModel, touch: [&Contact; 2], across: &Across, slack_un: f64) -> Option<SpatialBearing> {
         let lever = Lever::of(touch, across, grip.torsion_um)?;
         let [a, b] = touch.map(|contact| grip.pressing(contact, 0.0));
@@ -205,7 +205,7 @@ impl SpatialBearing {
         Some(SpatialBearing { lever, most, least, slack_un })
     }
 
-    /// Whether the two exert a wrench of the plane besides.
+    /// Whether the two also exert a wrench of the plane.
     pub fn bears(&self, grip: &GripModel, wrench: &Wrench) -> bool {
         let is_balanced = self.lever.left_over_un_um <= self.slack_un * grip.arm_um;
         is_balanced
@@ -214,7 +214,7 @@ impl SpatialBearing {
     }
 }
 
-/// Whether three fingers exert a wrench of the plane and what is asked out of it.
+/// Whether three fingers exert a wrench of the plane together with the out-of-plane load.
 pub(super) fn three_bear(
     grip: &GripModel,
     touch: [&Contact; 3],
@@ -240,7 +240,7 @@ pub(super) fn three_bear(
     simplex::are_kept(&program(grip, touch, across, wrench), slack_un)
 }
 
-/// The forces across the plane of three fingers that bear no torque; `None` of contacts on one line.
+/// Out-of-plane forces of three fingers that bear no torque; `None` for contacts on one line.
 fn levers(touch: [&Contact; 3], across: &Across, arm_um: f64) -> Option<[f64; 3]> {
     let [a, b, c] = touch.map(|contact| contact.point_um);
     let from_a = |[x, y]: [f64; 2]| [x - a[0], y - a[1]];
@@ -249,7 +249,7 @@ fn levers(touch: [&Contact; 3], across: &Across, arm_um: f64) -> Option<[f64; 3]
     if twice_area.abs() <= TOLERANCE * arm_um * arm_um {
         return None;
     }
-    // Where a force would act that exerts the same about the first contact.
+    // Point of action, relative to the first contact, of a single force equivalent to the load.
     let x = -(across.torque_un_um[1] + across.force_un * a[0]);
     let y = across.torque_un_um[0] - across.force_un * a[1];
     let of_b = (x * c[1] - y * c[0]) / twice_area;
@@ -257,7 +257,8 @@ fn levers(touch: [&Contact; 3], across: &Across, arm_um: f64) -> Option<[f64; 3]
     Some([across.force_un - of_b - of_c, of_b, of_c])
 }
 
-/// The conditions of three fingers: for each its normal, tangential and across force, and its torque as a force at the arm.
+/// The linear program of three fingers: for each its normal, tangential and out-of-plane force, and its torque as a force at the
+/// arm.
 fn program(grip: &GripModel, touch: [&Contact; 3], across: &Across, wrench: &Wrench) -> simplex::Conditions {
     let mut conditions = simplex::Conditions::none();
     let sums = [wrench.force_un[0], wrench.force_un[1], wrench.moment_un_um / grip.arm_um, across.force_un];

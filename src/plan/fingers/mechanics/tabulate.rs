@@ -1,8 +1,8 @@
-//! The tables of a leg: one layer for all angles, or one for each where a load makes them differ.
+//! The tables of a leg: one layer for all angles, or one per angle where a load makes them differ.
 //!
-//! Method: pairs first. A grasp of three holds if two of its fingers do, which whole words of bits answer; only what is left is
-//! looked at one by one, each set of three once. Cost: with adhesion and without a load c² rows of c/64 words, and c³/6 looks at
-//! removals; otherwise up to c³/6 looks for each instant that is looked at.
+//! Method: pairs first. A grasp of three holds if two of its fingers do, which whole words of bits decide; only the rest is checked
+//! one by one, each triple once. Cost: with adhesion and without a load c² rows of c/64 words, and c³/6 looks at removals;
+//! otherwise up to c³/6 looks for each instant.
 
 use super::grip::{GripDemand, GripModel};
 use super::instant::{self, PairsInstant, pairs};
@@ -12,28 +12,28 @@ use crate::device::fingers::{FingersFacts, MAX_GRASPS};
 use crate::plan::fingers::looks::LooksBudget;
 use crate::plan::fingers::tables::{AngleLayer, ContactBits, Tables};
 
-/// Into how many parts a rolling step is cut for holding: where they meet, a grasp must hold with the device's reserve.
-/// What holds there and lapses between them is found by [`super::Closer`] before a way is taken.
+/// Parts into which a rolling step is divided for holding: at their borders a grasp must hold with the device's reserve. A grasp
+/// that holds there but lapses in between is found by [`super::Closer`] before a path is accepted.
 ///
-/// A grasp that holds at both ends of a part may lapse within it only where its balance goes from one set of bounds to another: of
-/// 214,000 grasps of three that roll without adhesion, at friction 0.2 and 0.5, on ellipses up to 20 to 6, a superellipse, a
-/// rectangle with sharp corners and a waisted part, 20 did, all by less than a twentieth of the friction.
+/// A grasp that holds at both ends of a part may lapse within it only where its equilibrium passes from one set of bounds to
+/// another: of 214,000 grasps of three that roll without adhesion, at friction 0.2 and 0.5, on ellipses up to 20 to 6, a
+/// superellipse, a rectangle with sharp corners and a waisted part, 20 did, all by less than a twentieth of the friction.
 pub const PARTS_OF_STEP: usize = 4;
 
-/// Into how many parts a rolling step is cut for room between tips: more, as looking is cheap. Between two looks a distance falls
-/// short by at most the step's square times the reach over 2,000: some thousandths of a micrometre.
+/// Parts into which a rolling step is divided for room between tips: more, since the check is cheap. Between two checks a distance
+/// falls short by at most the step's square times the reach over 2,000: some thousandths of a micrometre.
 pub const PARTS_OF_ROLLING: usize = 16;
 
-/// What tables are asked for.
+/// Input of the tabulation.
 #[derive(Debug, Clone, Copy)]
 pub struct TableRequest<'a> {
     pub facts: &'a FingersFacts,
     pub contacts: Contacts<'a>,
-    /// At angle 0 of the leg.
+    /// Load at angle 0 of the leg.
     pub load: Load,
     /// The lowest angle of the leg, in steps.
     pub lowest: i64,
-    /// How many angles the leg has; at least 1.
+    /// Number of angles of the leg; at least 1.
     pub angles: usize,
 }
 
@@ -42,17 +42,18 @@ pub struct TableRequest<'a> {
 pub enum NoTables {
     /// They would be too large.
     TooManyGrasps { contacts: usize, layers: usize },
-    /// The looks that a task may take are spent.
+    /// The looks of the task are spent.
     LooksSpent,
 }
 
-/// What the grasp graph of a leg is made of.
+/// Tabulates the grasp graph of a leg.
 ///
-/// `reaches(i, j, k)` says whether a free finger can come to contact k, and leave it, while two others hold i and j; contacts count
-/// from 0, and it is asked with i < j only.
+/// `reaches(i, j, k)` tells whether a free finger can come to contact k, and leave it, while two others hold i and j; contacts
+/// count from 0, and only i < j is queried.
 ///
 /// # Errors
-/// [`NoTables::TooManyGrasps`] where contacts and layers ask for more than [`MAX_GRASPS`]: four sets of them, a bit each, take 256 MiB.
+/// [`NoTables::TooManyGrasps`] where contacts and layers need more than [`MAX_GRASPS`]: four sets of them, one bit each, take 256
+/// MiB.
 pub fn tables(
     asked: &TableRequest,
     looks: &LooksBudget,
@@ -90,13 +91,13 @@ fn keep(layer: &mut AngleLayer, other: &AngleLayer) {
     layer.triple.keep(&other.triple);
     layer.roll_pair.keep(&other.roll_pair);
     layer.roll_triple.keep(&other.roll_triple);
-    // Where nothing acts fingers that only push come and go alike.
+    // Without a load, fingers that only push may leave wherever they may be placed.
     layer.place.keep(&other.place);
     layer.leave.keep(&other.leave);
 }
 
 impl TableRequest<'_> {
-    // Some parts of a step after the angle of a layer.
+    // An instant, some parts of a step after the angle of a layer.
     fn instant<'a>(&self, grip: &'a GripModel, looks: &'a LooksBudget, layer: usize, parts: usize) -> PairsInstant<'a> {
         let part_of_step = parts as f64 / PARTS_OF_STEP as f64;
         let angle_rad = ((self.lowest + layer as i64) as f64 + part_of_step) * self.contacts.step_rad();
@@ -108,7 +109,7 @@ impl TableRequest<'_> {
         2.0 * self.contacts.tip_radius_um() + self.facts.clearance_um
     }
 
-    // Pairs that have room all along a step.
+    // Pairs that have room throughout a step.
     fn room(&self) -> PairRows {
         let mut room = PairRows::symmetric(self.contacts.number(), |_, _| true);
         for part in 1..PARTS_OF_ROLLING {
@@ -118,7 +119,7 @@ impl TableRequest<'_> {
     }
 }
 
-// Which contacts can be come to and left, as far as tips have room there; of one layer only what it may ask for.
+// Contacts that a third tip can reach and leave, where tips have room; with a single layer, only beside pairs that hold.
 fn ways(
     now: &PairsInstant,
     layers: usize,
@@ -135,7 +136,7 @@ fn ways(
     open
 }
 
-// All of a layer but rolling.
+// A layer without its rolling steps.
 fn standing(grip: &GripModel, now: &PairsInstant, open: &ContactBits, tables: &Tables) -> AngleLayer {
     let cube = || ContactBits::new(tables.contacts.pow(3));
     let mut layer = AngleLayer {
@@ -174,7 +175,7 @@ fn come_and_go(grip: &GripModel, now: &PairsInstant, open: &ContactBits, tables:
     }
 }
 
-// Which grasps hold all the way from each layer to the next; nothing rolls on from the last one of several.
+// Grasps that hold throughout the step from each layer to the next; the last one of several has no rolling step.
 fn roll(asked: &TableRequest, grip: &GripModel, looks: &LooksBudget, tables: &mut Tables) {
     let count = tables.layers.len();
     let firm = grip.with_reserve();

@@ -1,4 +1,4 @@
-//! The walk through a course, act after act.
+//! Converts a course into a motion, act by act.
 
 use super::rolling;
 use super::sphere::{self, Arc};
@@ -8,13 +8,13 @@ use crate::plan::fingers::{FingersMotion, HeldGrasp, Stance, TipsMove};
 use crate::real::Real;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector2, Vector3};
 
-/// A tip that has less to go than this, in micrometres, is there.
+/// Positioning tolerance, in micrometres.
 const THERE_UM: f64 = 1e-9;
 
-/// How far a tip may be from its contact, as a share of the tolerance.
+/// Largest deviation of a tip from its contact, as a share of the tolerance.
 const ADRIFT: f64 = 0.9;
 
-/// How the fingers move in a course.
+/// The motion of the fingers in a course.
 pub fn motion(hand: &HandSections, course: &FingersCourse) -> Result<FingersMotion, WayError> {
     if !is_sound(hand, &course.start) {
         return Err(WayError::Unfit { step: 0 });
@@ -41,38 +41,38 @@ fn is_sound(hand: &HandSections, start: &Stance) -> bool {
     start.tips_um.len() == fingers && start.hold.grasp.len() == fingers && are_there
 }
 
-/// How far a tip that holds is from where its contact would have it.
+/// Offset of a holding tip from the nominal position on its contact.
 ///
-/// Two sections seldom put a tip into the same place to the last nanometre. A tip that goes on in another plane stays where it is, and
-/// rolls from there: were it moved to its contact's exact place, it would slip and turn the part.
+/// Two sections rarely agree on a tip position to the last nanometre. A tip that continues in another plane stays where it is, and
+/// rolls from there: moving it to the exact place of its contact would make it slip and turn the part.
 #[derive(Debug, Clone, Copy, Default)]
 struct Seat {
     /// Along the outline, as a rolling coordinate.
     rolled_rad: f64,
     gap_um: f64,
-    /// Across the plane.
+    /// Out of the plane.
     height_um: f64,
 }
 
-/// Where everything is on the way.
+/// Current state of the conversion.
 struct MotionWalk<'a> {
     hand: &'a HandSections<'a>,
     tips_um: Vec<Vector3<f64>>,
     grasp: Vec<u32>,
-    /// By finger.
+    /// Offset of each finger.
     seats: Vec<Seat>,
     plane: Plane,
     angle_index: i64,
     position_um: Vector3<f64>,
-    /// The orientation at `base_index` of the turn, so that steps do not add up their rounding.
+    /// The orientation at `base_index` of the turn, so that rounding does not accumulate over steps.
     base: UnitQuaternion<f64>,
     base_index: i64,
-    /// Of the step that goes on.
+    /// Moves of the current step.
     moves: Vec<TipsMove>,
-    /// Moves of the steps before.
+    /// Number of moves of the previous steps.
     count: usize,
     step: usize,
-    /// The worst place beyond a stage's range, and how far beyond it is.
+    /// The worst excess beyond a stage's range, and its size.
     beyond: Option<WayError>,
     worst_um: f64,
 }
@@ -100,7 +100,7 @@ impl<'a> MotionWalk<'a> {
         walk
     }
 
-    /// A finger that holds goes on from where its tip is.
+    /// A holding finger continues from the position of its tip.
     fn take_seat(&mut self, finger: usize) {
         self.seats[finger] = Seat::default();
         let (contact, Some(side)) = (self.grasp[finger], self.hand.side(self.plane)) else { return };
@@ -121,7 +121,7 @@ impl<'a> MotionWalk<'a> {
         };
     }
 
-    /// How far a tip that holds is from where its contact would have it.
+    /// Distance of a holding tip from the nominal position on its contact.
     fn adrift_um(&self, finger: usize) -> f64 {
         let Seat { rolled_rad, gap_um, height_um } = self.seats[finger];
         Vector3::new(rolled_rad * self.hand.facts.tip_radius_um, gap_um, height_um).norm()
@@ -170,7 +170,7 @@ impl<'a> MotionWalk<'a> {
         Ok(())
     }
 
-    /// The new turn's angles count from here.
+    /// Restarts the count of angles for a new turn.
     fn turn(&mut self, plane: Plane) -> Result<(), WayError> {
         self.base = self.orientation(0.0);
         (self.base_index, self.angle_index) = (1, 1);
@@ -185,7 +185,7 @@ impl<'a> MotionWalk<'a> {
         Ok(())
     }
 
-    /// What the contact of a finger is called in the new plane, where it has to be in the same place.
+    /// Renames a finger's contact for the new plane, where it must be at the same place.
     fn cross(&mut self, finger: usize, [old, new]: [Option<u32>; 2]) -> Result<(), WayError> {
         let contact = self.grasp[finger];
         if contact > 1 {
@@ -225,7 +225,7 @@ impl<'a> MotionWalk<'a> {
         Ok(())
     }
 
-    /// A free finger comes to a contact: on its sphere to the way's end, then in, at last slowly.
+    /// A free finger comes to a contact: on its sphere to the end of the approach path, then inward, slowly at the end.
     fn come(&mut self, finger: usize, contact: u32) -> Result<(), WayError> {
         if self.grasp.get(finger) != Some(&0) || contact == 0 {
             return Err(self.unfit());
@@ -243,7 +243,7 @@ impl<'a> MotionWalk<'a> {
         Ok(())
     }
 
-    /// A finger leaves its contact for its sphere.
+    /// A finger leaves its contact and returns to its sphere.
     fn go(&mut self, finger: usize) -> Result<(), WayError> {
         let contact = self.grasp.get(finger).copied().filter(|contact| *contact != 0).ok_or(self.unfit())?;
         self.grasp[finger] = 0;
@@ -263,7 +263,7 @@ impl<'a> MotionWalk<'a> {
     fn translate(&mut self, by_um: Vector3<f64>) -> Result<(), WayError> {
         self.position_um += by_um;
         let tips_um: Vec<Vector3<f64>> = self.tips_um.iter().map(|tip| tip + by_um).collect();
-        // Free tips come along.
+        // Free tips move along.
         let (facts, any_free) = (self.hand.facts, self.grasp.contains(&0));
         let free_um_per_s = if any_free { facts.speed_um_per_s } else { f64::INFINITY };
         self.push(duration_ns(by_um.norm(), facts.rolling_um_per_s.min(free_um_per_s)), tips_um)?;
@@ -289,7 +289,7 @@ impl<'a> MotionWalk<'a> {
         Ok(())
     }
 
-    /// A free finger runs along a great circle of its sphere, but for its last chord.
+    /// A free finger travels along a great circle of its sphere, except its last chord.
     fn travel(&mut self, finger: usize, arc: Arc) -> Result<(), WayError> {
         let facts = self.hand.facts;
         let radius_um = self.hand.sphere_um(finger);
@@ -301,7 +301,7 @@ impl<'a> MotionWalk<'a> {
         Ok(())
     }
 
-    /// Touch, bend and end of the way of a finger to or from a contact, in the hand's frame, while the others hold as they do.
+    /// Touch, bend and end of a finger's path to or from a contact, in the hand's frame, given the other holding fingers.
     fn way(&self, finger: usize, contact: u32) -> Result<[Vector3<f64>; 3], WayError> {
         let reach = self.side()?.reach;
         let index = |contact: &u32| *contact as usize - 1;
@@ -315,7 +315,7 @@ impl<'a> MotionWalk<'a> {
         Ok([placed(way.touch_um), placed(way.bend_um), placed(way.end_um(self.hand.sphere_um(finger)))])
     }
 
-    /// The centre of a tip that holds, in the hand's frame, after the part has rolled on by an angle.
+    /// The centre of a holding tip, in the hand's frame, after the part has rolled further by an angle.
     fn touch(&self, finger: usize, rolled_rad: f64) -> Result<Vector3<f64>, WayError> {
         let (side, seat) = (self.side()?, self.seats[finger]);
         let from_rad = f64::from(self.grasp[finger] - 1) * side.section.step_rad + seat.rolled_rad;
@@ -331,7 +331,7 @@ impl<'a> MotionWalk<'a> {
         self.position_um + orientation * (first * place.x + second * place.y)
     }
 
-    /// The part's orientation after it has turned on by an angle.
+    /// The part's orientation after it has turned further by an angle.
     fn orientation(&self, further_rad: f64) -> UnitQuaternion<f64> {
         let steps = (self.angle_index - self.base_index) as f64;
         let step_rad = self.hand.side(self.plane).map_or(0.0, |side| side.section.step_rad);
@@ -350,7 +350,7 @@ impl<'a> MotionWalk<'a> {
         self.glide(tips_um, speed_um_per_s)
     }
 
-    /// All tips move in straight lines, the fastest one at a speed.
+    /// All tips move in straight lines, the fastest one at the given speed.
     fn glide(&mut self, tips_um: Vec<Vector3<f64>>, speed_um_per_s: f64) -> Result<(), WayError> {
         let lengths = tips_um.iter().zip(&self.tips_um).map(|(to, from)| (to - from).norm());
         let longest_um = lengths.fold(0.0, f64::max);
@@ -368,7 +368,7 @@ impl<'a> MotionWalk<'a> {
         Ok(())
     }
 
-    /// The state at the end of the last move is one of the plan's.
+    /// Records the state at the end of the last move.
     fn record(&mut self) {
         let orientation = self.orientation(0.0).normalize();
         let orientation = if orientation.w < 0.0 { -orientation } else { orientation };
@@ -388,7 +388,7 @@ impl<'a> MotionWalk<'a> {
         for (finger, tip) in self.tips_um.iter().enumerate() {
             for axis in 0..AXES.len() {
                 let over_um = tip[axis].abs() - self.hand.facts.range_um[axis];
-                // What is not a number lies nowhere.
+                // NaN counts as out of range.
                 let beyond_um = if over_um.is_nan() { f64::INFINITY } else { over_um };
                 if beyond_um > self.worst_um {
                     self.worst_um = beyond_um;
@@ -411,7 +411,7 @@ impl<'a> MotionWalk<'a> {
     }
 }
 
-/// How long a way takes, in whole nanoseconds and at least one.
+/// Duration of a path, in whole nanoseconds, at least one.
 fn duration_ns(length_um: f64, speed_um_per_s: f64) -> u64 {
     ((length_um / speed_um_per_s * 1e9).ceil() as u64).max(1)
 }

@@ -1,13 +1,14 @@
-//! Which contacts of a section a tip can come to, and leave, while other tips hold.
+//! Contacts of a section that a tip can reach and leave while other tips hold.
 //!
-//! Input: a curve, the hand's facts, the number of contacts. Output: a [`Reach`], which answers for every contact and any tips that
-//! hold. Method: from its contact a tip goes straight out along the normal by [`Facts::slow_um`], and then straight on in the first
-//! clear direction of a fixed fan about the normal, until nothing of the part or of a tip that holds can be near. Each contact and each
-//! direction is tested once against the outline, and once against each tip; a question is then the conjunction of some masks.
+//! Input: a curve, the hand's facts, the number of contacts. Output: a [`ContactReach`], which answers for every contact and any
+//! holding tips. Method: from its contact a tip moves straight out along the normal by [`FingersFacts::slow_um`], and then straight
+//! on in the first clear direction of a fixed fan about the normal, until no part of the object or of a holding tip can be near.
+//! Each contact and each direction is tested once against the outline, and once against each tip; a query is then the conjunction
+//! of some masks.
 //!
-//! Promise: along a way the tip's centre keeps `tip_radius + clearance` from the outline, but for the slow stretch, on which it keeps
-//! the tip's radius, both less than a quarter of the tolerance; and two radii and the clearance from tips that hold, less than
-//! a part in 10⁹. Not promised: that a contact has no way where the fan has none. Cost grows with contacts² × directions.
+//! Promise: along a path the tip's centre keeps `tip_radius + clearance` from the outline, except on the slow stretch, where it
+//! keeps the tip's radius, both less a quarter of the tolerance; and two radii and the clearance from holding tips, less a part in
+//! 10⁹. Not promised: that a contact without a path in the fan has no path. Cost grows with contacts² × directions.
 
 use super::rolling;
 use crate::device::fingers::FingersFacts;
@@ -15,31 +16,31 @@ use crate::geometry::outline::Curve;
 use crate::real::Real;
 use nalgebra::Vector2;
 
-/// How many directions the fan has: an odd number, at most 16.
+/// Directions of the fan: an odd number, at most 16.
 const FAN: u32 = 11;
 
-/// Between neighbouring directions of the fan: 15 deg.
+/// Angle between neighbouring directions of the fan: 15 deg.
 const FAN_STEP_RAD: f64 = std::f64::consts::PI / 12.0;
 
-/// How much nearer than asked two tips may be, of their distance.
+/// Relative tolerance of the distance between two tips.
 const TIP_SLACK: f64 = 1e-9;
 
-/// Samples of an outline that are looked at together.
+/// Samples of an outline that share a bounding circle.
 const BLOCK: usize = 16;
 
-/// The fewest and the most samples of an outline.
+/// Least and greatest number of samples of an outline.
 const SAMPLES: [f64; 2] = [256.0, 16_384.0];
 
-/// The ways to the contacts of one section, in its coordinates. Contacts are counted from 0.
+/// The paths to the contacts of one section, in its coordinates. Contacts are counted from 0.
 #[derive(Debug, Clone)]
 pub struct ContactReach {
     exits: Vec<WayStart>,
-    /// At k·c + i: the directions in which the way of contact k is clear of a tip on contact i, and of the outline; at k·c + k:
-    /// in which it is clear of the outline.
+    /// At k·c + i: the directions in which the path of contact k is clear of a tip on contact i, and of the outline; at k·c + k:
+    /// those in which it is clear of the outline.
     masks: Vec<u16>,
 }
 
-/// Where the ways of one contact begin.
+/// Common start of the paths of one contact.
 #[derive(Debug, Clone, Copy)]
 struct WayStart {
     touch_um: Vector2<f64>,
@@ -47,31 +48,31 @@ struct WayStart {
     normal_rad: f64,
 }
 
-/// The way of a tip's centre from its contact outwards, in the section's coordinates.
+/// Path of a tip's centre from its contact outwards, in the section's coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RetreatPath {
-    /// Where it touches.
+    /// Centre of the tip in contact.
     pub touch_um: Vector2<f64>,
-    /// Where the slow stretch ends.
+    /// End of the slow stretch.
     pub bend_um: Vector2<f64>,
-    /// Where it goes from there.
+    /// Direction from there.
     pub towards: Vector2<f64>,
 }
 
 impl RetreatPath {
-    /// Where it meets a circle about the part's origin that encloses it so far.
+    /// Its intersection with a circle about the part's origin that encloses the bend.
     pub fn end_um(&self, radius_um: f64) -> Vector2<f64> {
         self.bend_um + self.towards * ray_um(self.bend_um, self.towards, radius_um)
     }
 }
 
 impl ContactReach {
-    /// Tests all ways.
+    /// Tests all paths.
     pub fn new(curve: &Curve, facts: &FingersFacts, contacts: u32) -> ContactReach {
         let count = contacts as usize;
         let exits: Vec<WayStart> = (0..count).map(|contact| exit(curve, facts, contact, contacts)).collect();
         let mut reach = ContactReach { masks: vec![0; count * count], exits };
-        // A tip that goes away from a convex outline keeps clear of it.
+        // A tip that moves away from a convex outline stays clear of it.
         let rim = (curve.least_curvature_per_um() < 0.0).then(|| Rim::of(curve, facts));
         let radius_um = facts.sphere_um(0, curve.reach_um());
         for contact in 0..count {
@@ -80,19 +81,19 @@ impl ContactReach {
         reach
     }
 
-    /// How many contacts there are.
+    /// Number of contacts.
     pub fn contacts(&self) -> usize {
         self.exits.len()
     }
 
-    /// Whether a tip can come to the contact k, and leave it, while others hold at i and j; none where two of them are one.
+    /// Whether a tip can reach contact k, and leave it, while others hold i and j; `false` if two of them coincide.
     #[inline]
     pub fn reaches(&self, i: usize, j: usize, k: usize) -> bool {
         let row = k * self.exits.len();
         i != j && i != k && j != k && self.masks[row + i] & self.masks[row + j] != 0
     }
 
-    /// The way of a contact that is clear of tips on others: the first one of the fan.
+    /// The first path of the fan to a contact that is clear of tips on others.
     pub fn way(&self, contact: usize, holding: &[usize]) -> Option<RetreatPath> {
         if holding.contains(&contact) {
             return None;
@@ -102,8 +103,8 @@ impl ContactReach {
         (clear != 0).then(|| self.exits[contact].way(clear.trailing_zeros()))
     }
 
-    /// An order in which tips can come to contacts that are free at first, and in whose reverse they can leave: the first one, as indices
-    /// of the contacts. `None` for more than three contacts too.
+    /// The first order in which tips can come to contacts that are initially free, and in whose reverse they can leave, as indices
+    /// of the contacts. `None` also for more than three contacts.
     pub fn order(&self, contacts: &[usize]) -> Option<Vec<usize>> {
         const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
         let is_clear = |order: &Vec<usize>| {
@@ -138,7 +139,7 @@ impl ContactReach {
 }
 
 impl WayStart {
-    /// The way in a direction of the fan: the normal, then to its sides in turn.
+    /// The path in a direction of the fan: first the normal, then alternately to its sides.
     fn way(&self, direction: u32) -> RetreatPath {
         let side = if direction % 2 == 1 { 1.0 } else { -1.0 };
         let towards_rad = self.normal_rad + side * f64::from(direction.div_ceil(2)) * FAN_STEP_RAD;
@@ -154,15 +155,15 @@ fn exit(curve: &Curve, facts: &FingersFacts, contact: usize, contacts: u32) -> W
     WayStart { touch_um, bend_um: touch_um + Vector2::new(cos, sin) * facts.slow_um(), normal_rad }
 }
 
-/// An outline as points so close together that the nearest one is hardly farther than the outline.
+/// An outline as points so dense that the nearest one is hardly farther than the outline.
 struct Rim {
     points_um: Vec<Vector2<f64>>,
-    /// A circle about each block of points.
+    /// A bounding circle of each block of points.
     blocks: Vec<(Vector2<f64>, f64)>,
 }
 
 impl Rim {
-    /// A sample that lies h/2 beside the nearest place is farther by about h²/8·(1/l2 + κ): h makes that an eighth of the tolerance.
+    /// A sample at h/2 beside the nearest place is farther by about h²/8·(1/l2 + κ); h makes that an eighth of the tolerance.
     fn of(curve: &Curve, facts: &FingersFacts) -> Rim {
         let perimeter_um = curve.perimeter_um();
         let coarse = (0..256).map(|index| curve.spot(perimeter_um * f64::from(index) / 256.0).curvature_per_um.abs());
@@ -175,14 +176,14 @@ impl Rim {
         Rim { points_um, blocks }
     }
 
-    /// Whether a tip keeps clear on the way to a contact from a place far away.
+    /// Whether a tip stays clear of the outline on the path to a contact from a distant place.
     fn lets_pass(&self, exit: &WayStart, end_um: Vector2<f64>, facts: &FingersFacts) -> bool {
         let slow_um = facts.tip_radius_um - facts.tolerance_um / 8.0;
         self.keeps([exit.touch_um, exit.bend_um], slow_um)
             && self.keeps([exit.bend_um, end_um], slow_um + facts.clearance_um)
     }
 
-    /// Whether all points are at least so far from a segment.
+    /// Whether all points are at least `apart_um` from a segment.
     fn keeps(&self, [from, to]: [Vector2<f64>; 2], apart_um: f64) -> bool {
         let is_far = |point: &Vector2<f64>, apart_um: f64| square_to_segment(*point, from, to) >= apart_um * apart_um;
         let mut blocks = self.points_um.chunks(BLOCK).zip(&self.blocks);
@@ -198,7 +199,7 @@ fn circle(points: &[Vector2<f64>]) -> (Vector2<f64>, f64) {
     (middle, points.iter().map(|point| (point - middle).norm()).fold(0.0, f64::max))
 }
 
-/// The square of the distance from a point to a segment.
+/// Squared distance from a point to a segment.
 fn square_to_segment(point: Vector2<f64>, from: Vector2<f64>, to: Vector2<f64>) -> f64 {
     let (along, off) = (to - from, point - from);
     let length = along.norm_squared();
@@ -206,7 +207,7 @@ fn square_to_segment(point: Vector2<f64>, from: Vector2<f64>, to: Vector2<f64>) 
     (off - along * part).norm_squared()
 }
 
-/// How far along a ray from within a circle about the origin it leaves the circle; 0 from outside.
+/// Distance at which a ray from inside a circle about the origin leaves it; 0 from outside.
 fn ray_um(from: Vector2<f64>, towards: Vector2<f64>, radius_um: f64) -> f64 {
     let half = from.dot(&towards);
     let within = radius_um * radius_um - from.norm_squared();

@@ -5,13 +5,13 @@ use crate::real::Real;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Directions that differ by less, or that are so nearly opposite, have no great circle of their own.
+/// Directions that differ by less than this, or are opposite up to this, have no unique great circle.
 const SAME_RAD: f64 = 1e-9;
 
-/// The longest chord, however coarse the tolerance is: 30 deg.
+/// Longest chord, however coarse the tolerance: 30 deg.
 const MAX_CHORD_RAD: f64 = PI / 6.0;
 
-/// A great circle from a direction on; both vectors are of length 1 and square to one another.
+/// A great circle from a direction on; both vectors are orthogonal unit vectors.
 #[derive(Debug, Clone, Copy)]
 pub struct Arc {
     from: Vector3<f64>,
@@ -21,7 +21,7 @@ pub struct Arc {
 }
 
 impl Arc {
-    /// The shorter way between two unit vectors; between opposite ones, of all ways the one that [`square_to`] chooses.
+    /// The shorter arc between two unit vectors; between opposite ones, the arc that [`square_to`] selects.
     pub fn between(from: Vector3<f64>, to: Vector3<f64>) -> Arc {
         let along = from.dot(&to);
         let across = to - from * along;
@@ -29,29 +29,29 @@ impl Arc {
         Arc { from, side, angle_rad: across.norm().arc_tangent_over(along) }
     }
 
-    /// The unit vector at an angle from its beginning.
+    /// The unit vector at an angle from its start.
     pub fn at(&self, angle_rad: f64) -> Vector3<f64> {
         let (sin, cos) = angle_rad.sine_cosine();
         self.from * cos + self.side * sin
     }
 
-    /// Into how many equal chords it is cut, so that none dips below a sphere by more than so much; `None` if that needs too many.
+    /// Number of equal chords such that none dips below the sphere by more than `dip_um`; `None` if that needs too many.
     pub fn chords(&self, radius_um: f64, dip_um: f64) -> Option<u32> {
-        // acos would lose the half of its digits.
+        // acos would lose half of the digits.
         let chord_rad = 4.0 * (dip_um / (2.0 * radius_um)).min(1.0).sqrt().arc_sine();
         let count = (self.angle_rad / chord_rad.min(MAX_CHORD_RAD)).ceil().max(1.0);
         (count <= MAX_CHORDS).then_some(count as u32)
     }
 }
 
-/// A unit vector square to another one: in the plane xy unless that one is nearly along z.
+/// A unit vector orthogonal to another one: in the plane xy unless that one is nearly along z.
 fn square_to(vector: Vector3<f64>) -> Vector3<f64> {
     let pole = if vector.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() };
     pole.cross(&vector).normalize()
 }
 
-/// Where a tip on a sphere steps aside to, away from where a segment meets its sphere, so that it is at least so far from the
-/// segment: the nearest place of those that were tried. `None` if it is clear where it is, or nowhere.
+/// Arc by which a tip on a sphere steps aside from the point where a segment meets its sphere, so that it is at least `apart_um`
+/// from the segment: the nearest of the places tried. `None` if it is already clear, or nowhere clear.
 pub fn aside(tip: Vector3<f64>, [from, to]: [Vector3<f64>; 2], apart_um: f64) -> Option<Arc> {
     const STEP_RAD: f64 = PI / 36.0;
     let radius_um = tip.norm();

@@ -1,4 +1,4 @@
-//! The bed in the course of an assembly: where the robots are, what has been driven, and what states steer whom.
+//! State of the bed during an assembly: poses of the robots, legs driven so far, and the control states that steer given robots.
 
 use super::track::ArmTrack;
 use crate::claims::microrobots::MicrorobotsOrder;
@@ -6,11 +6,11 @@ use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
 use crate::plan::microrobots::{AssemblyStage, Leg, RobotDocking};
 
-/// A bed at some time of an assembly.
+/// The bed at some time of an assembly.
 #[derive(Debug, Clone)]
 pub struct AssemblyState<'a> {
     pub order: &'a MicrorobotsOrder,
-    /// One for each robot of the order, like `docked`.
+    /// One entry per robot of the order, as in `docked`.
     pub poses: Vec<Pose>,
     pub docked: Vec<bool>,
     pub legs: Vec<Leg>,
@@ -18,7 +18,7 @@ pub struct AssemblyState<'a> {
     pub stages: Vec<AssemblyStage>,
 }
 
-/// What a stage adds: its legs, at the end of which these robots dock.
+/// A stage's addition to an assembly: its legs, at the end of which these robots dock.
 #[derive(Debug, Clone)]
 pub struct StageAddition {
     pub legs: Vec<Leg>,
@@ -37,13 +37,13 @@ impl<'a> AssemblyState<'a> {
         self.order.robot(index)
     }
 
-    /// Robots that are not docked, without these.
+    /// Robots that are neither docked nor in `steered`.
     pub fn others<'b>(&'b self, steered: &'b [usize]) -> impl Iterator<Item = usize> + 'b {
         (0..self.poses.len()).filter(move |robot| !self.docked[*robot] && !steered.contains(robot))
     }
 
-    /// The state that puts these robots' arms so, while all others that are not docked orbit and docked ones have their arms up:
-    /// the one with the fewest levels.
+    /// The control state with the fewest levels that sets these robots' arms as given, while all others that are not docked orbit
+    /// and docked ones keep their arms up.
     pub fn state(&self, steered: &[(usize, Arm)]) -> Option<usize> {
         let arm = |state: usize, robot: usize| self.order.states[state].arms[self.order.robots[robot].row];
         let wanted = |robot: usize| match self.docked[robot] {
@@ -80,7 +80,7 @@ impl<'a> AssemblyState<'a> {
         poses
     }
 
-    /// How long legs last, with their control cycles.
+    /// Duration of legs, including their control cycles.
     pub fn duration_ns(&self, legs: &[Leg]) -> u64 {
         let facts = &self.order.facts;
         let cycle_ns = |state: usize| facts.dwell_ns.saturating_mul(self.order.states[state].levels_v.len() as u64);
@@ -88,13 +88,13 @@ impl<'a> AssemblyState<'a> {
         legs.iter().map(leg_ns).fold(0, u64::saturating_add)
     }
 
-    /// The state of the leg that was driven last.
+    /// The control state of the last leg.
     pub fn last_state(&self) -> Option<usize> {
         self.legs.last().map(|leg| leg.state)
     }
 }
 
-/// Legs from the track of the one robot that is steered, by the states in which it turns and runs straight.
+/// Legs from the track of the one steered robot, by the states in which it turns and runs straight.
 pub fn legs_of_one(track: &ArmTrack, [turn, straight]: [usize; 2]) -> Vec<Leg> {
     let state = |arm| match arm {
         Arm::Down => turn,
@@ -103,8 +103,8 @@ pub fn legs_of_one(track: &ArmTrack, [turn, straight]: [usize; 2]) -> Vec<Leg> {
     track.pieces.iter().map(|&(arm, strokes)| Leg { state: state(arm), strokes }).collect()
 }
 
-/// Legs from the tracks of two robots, by the states in which both turn, only the second turns, and none turns. Where only the first
-/// would turn there is none.
+/// Legs from the tracks of two robots, by the states in which both turn, only the second turns, and neither turns. `None` if only
+/// the first would turn at some time.
 pub fn legs_of_two(first: &ArmTrack, second: &ArmTrack, [both, one, none]: [usize; 3]) -> Option<Vec<Leg>> {
     let mut legs = Vec::new();
     let (mut firsts, mut seconds) = (first.pieces.iter().copied(), second.pieces.iter().copied());
@@ -124,7 +124,7 @@ pub fn legs_of_two(first: &ArmTrack, second: &ArmTrack, [both, one, none]: [usiz
     Some(legs)
 }
 
-/// The same legs, neighbours in the same state as one.
+/// The same legs, with neighbours of the same state merged.
 pub fn joined(legs: impl IntoIterator<Item = Leg>) -> Vec<Leg> {
     let mut kept: Vec<Leg> = Vec::new();
     for leg in legs {

@@ -1,10 +1,10 @@
-//! Ways of a given length: straight, turn, straight, turn, straight.
+//! Paths of a given length: straight, turn, straight, turn, straight.
 //!
-//! Input: a robot, where it begins, where it has to end, the length of its way, and how long its last straight stretch has to be
-//! at least. Output: such ways, as many as a grid of first stretches gives. Promise: every way is exact up to rounding. Method: with
-//! a first stretch l0 given, and the sum of both turns (known but for full circles), the ends of the middle stretch l1 lie on a ray
-//! whose points are known up to the last stretch l2, and |w - l2 u| = P - l2 has one solution, w being the vector between the
-//! centres of the two circles, u the last heading and P the length of l1 and l2 together.
+//! Input: a robot, its start and end pose, the length of its path, and the least length of its last straight segment. Output: such
+//! paths, as many as a grid of first segments gives. Promise: every path is exact up to rounding. Method: given the first segment
+//! l0 and the sum of both turns (known up to full circles), the ends of the middle segment l1 lie on a ray whose points are known
+//! up to the last segment l2, and |w - l2 u| = P - l2 has one solution, where w is the vector between the centres of the two
+//! circles, u the last heading and P the length of l1 and l2 together.
 
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
@@ -12,19 +12,19 @@ use crate::plan::microrobots::free::{ArmSegment, length_um, turn_rad};
 use crate::real::Real;
 use std::f64::consts::TAU;
 
-/// First stretches that are tried, evenly over what the length allows.
+/// Number of first segments tried, evenly over the available length.
 const FIRST_STRETCHES: usize = 24;
 
-/// How far apart the stretches of detours are, as a share of the turning radius.
+/// Increment of the straight segments of detours, as a share of the turning radius.
 const STRETCH_SHARE: f64 = 0.25;
 
-/// Full circles beyond what the headings ask for.
+/// Full circles beyond those that the headings require.
 const MAX_CIRCLES: usize = 3;
 
-/// What rounding may take from a stretch of no length, in micrometres.
+/// Rounding tolerance of a segment of length 0, in micrometres.
 const ROUNDING_UM: f64 = 1e-6;
 
-/// What is asked of a way.
+/// Required path.
 #[derive(Debug, Clone, Copy)]
 pub struct ClosingRequest {
     pub from: Pose,
@@ -33,7 +33,7 @@ pub struct ClosingRequest {
     pub least_last_um: f64,
 }
 
-/// Turn, straight, turn: the way from one pose to another that there always is; none of its arcs is a full circle.
+/// Turn, straight, turn: the path between two poses that always exists; none of its arcs is a full circle.
 pub fn turn_straight_turn(robot: &Robot, from: Pose, to: Pose) -> [ArmSegment; 3] {
     let [from_centre, to_centre] = [from, to].map(|pose| robot.orbit_centre_um(pose));
     let (dx_um, dy_um) = (to_centre[0] - from_centre[0], to_centre[1] - from_centre[1]);
@@ -47,7 +47,8 @@ pub fn turn_straight_turn(robot: &Robot, from: Pose, to: Pose) -> [ArmSegment; 3
     ]
 }
 
-/// Ways from pose to pose, the shortest first: straight for one of these stretches, turn–straight–turn, straight for one of those.
+/// Paths between two poses, the shortest first: straight by one of the first lengths, turn–straight–turn, straight by one of the
+/// last lengths.
 pub fn detours(robot: &Robot, from: Pose, to: Pose, firsts_um: &[f64], lasts_um: &[f64]) -> Vec<Vec<ArmSegment>> {
     let way = |first_um: f64, last_um: f64| {
         let [leave, arrive] = [robot.moved(from, Arm::Up, first_um), robot.moved(to, Arm::Up, -last_um)];
@@ -64,12 +65,12 @@ pub fn detours(robot: &Robot, from: Pose, to: Pose, firsts_um: &[f64], lasts_um:
     ways
 }
 
-/// Stretches from 0 on, a share of the robot's turning radius apart.
+/// Lengths from 0 on, in increments of a share of the robot's turning radius.
 pub fn stretches(robot: &Robot, count: usize) -> Vec<f64> {
     (0..count).map(|index| index as f64 * STRETCH_SHARE * robot.turning_radius_um).collect()
 }
 
-/// Ways of the length that was asked for, those without a first stretch before others, and those with few full circles first.
+/// Paths of the required length: those without a first segment first, then those with few full circles.
 pub fn closings(robot: &Robot, asked: &ClosingRequest) -> Vec<Vec<ArmSegment>> {
     let most_um = asked.length_um - asked.least_last_um;
     let first_um = |index: usize| most_um * index as f64 / FIRST_STRETCHES as f64;
@@ -78,7 +79,7 @@ pub fn closings(robot: &Robot, asked: &ClosingRequest) -> Vec<Vec<ArmSegment>> {
     tried.flat_map(|(first_um, circles)| closing(robot, asked, first_um, circles)).collect()
 }
 
-/// The way with this first stretch and so many full circles: none, one, or two that differ in where the circles are.
+/// The paths with this first segment and number of full circles: none, one, or two that differ in the place of the circles.
 fn closing(robot: &Robot, asked: &ClosingRequest, first_um: f64, circles: usize) -> Vec<Vec<ArmSegment>> {
     let ClosingRequest { from, to, length_um, least_last_um } = *asked;
     let [from_centre, to_centre] = [from, to].map(|pose| robot.orbit_centre_um(pose));

@@ -1,4 +1,4 @@
-//! The rules of collision, asked for a bed in the course of an assembly.
+//! Collision rules, applied to a bed during an assembly.
 
 use super::bed::{AssemblyState, StageAddition};
 use super::{RobotBlocker, StuckAssembly, recognition};
@@ -8,13 +8,13 @@ use crate::plan::microrobots::free::ArmSegment;
 use crate::plan::microrobots::ways::{DriveTask, NoWay};
 use crate::plan::microrobots::world::{FirstMeeting, Fixtures, Obstruction, World};
 use crate::plan::microrobots::{Leg, RobotDocking};
-use crate::plan::search::{Meter, SearchBudget};
+use crate::plan::search::Meter;
 use std::f64::consts::TAU;
 
-/// States of one search for a way.
+/// State budget of one path search.
 const MAX_STATES: u64 = 2_000;
 
-/// The bed's world, and where everything stood when the assembly began.
+/// The bed's world, and the poses at the start of the assembly.
 pub struct AssemblyGround<'a> {
     pub world: World,
     docks: &'a [Dock],
@@ -27,12 +27,12 @@ impl<'a> AssemblyGround<'a> {
         AssemblyGround { world: World::new(bed.order), docks, start: bed.poses.clone(), docked: bed.docked.clone() }
     }
 
-    /// A stretch up to where its robots dock.
+    /// A stretch, cut where its robots dock.
     pub fn settled(&self, bed: &AssemblyState, stretch: StageAddition) -> Result<StageAddition, StuckAssembly> {
         recognition::settled(bed, self.docks, stretch)
     }
 
-    /// What rests while some robots are steered: docked bodies, and the discs of all others, which have to have room.
+    /// Everything at rest while some robots are steered: docked bodies, and the orbit discs of all others, which must have room.
     pub fn fixtures(&self, bed: &AssemblyState, steered: &[usize]) -> Result<Fixtures, StuckAssembly> {
         let rests = (0..bed.poses.len()).filter(|robot| bed.docked[*robot]);
         let bodies = rests.map(|robot| self.world.rectangle(robot, bed.poses[robot])).collect();
@@ -48,7 +48,7 @@ impl<'a> AssemblyGround<'a> {
         Ok(fixtures)
     }
 
-    /// A way of a robot around what rests while some robots are steered.
+    /// A path of a robot around everything at rest while some robots are steered.
     pub fn way(
         &self,
         bed: &AssemblyState,
@@ -56,10 +56,7 @@ impl<'a> AssemblyGround<'a> {
         task: &DriveTask,
         meter: &mut Meter,
     ) -> Result<Vec<ArmSegment>, StuckAssembly> {
-        let mut own = Meter::new(SearchBudget::of(meter.left().steps.min(MAX_STATES)));
-        let found = task.find(&mut own);
-        meter.charge(own.spent());
-        match found {
+        match meter.share(MAX_STATES, |meter| task.find(meter)) {
             Ok(found) => Ok(found.way),
             Err(NoWay::GaveUp(_)) if meter.left().steps == 0 => Err(StuckAssembly::GaveUp),
             Err(NoWay::Start(by) | NoWay::Goal(by) | NoWay::Blocked(by) | NoWay::GaveUp(by)) => {
@@ -68,8 +65,9 @@ impl<'a> AssemblyGround<'a> {
         }
     }
 
-    /// What one more stretch brings too near to one another, with the robots that wait orbiting once more afterwards: they will.
-    /// So their discs are kept clear in every stretch, and each can be looked at by itself. The leg is counted from the assembly's first.
+    /// The first collision of one more stretch, including one more full orbit of the waiting robots afterwards, since they will
+    /// make it. So their discs are kept clear in every stretch, and each stretch can be checked separately. The leg is counted from
+    /// the assembly's first.
     pub fn first_hit(&self, bed: &AssemblyState, stretch: &StageAddition) -> Option<FirstMeeting> {
         let mut legs = stretch.legs.clone();
         let leg = legs.len() - 1;
@@ -85,13 +83,13 @@ impl<'a> AssemblyGround<'a> {
         hit.map(|hit| FirstMeeting { leg: hit.leg + bed.legs.len(), ..hit })
     }
 
-    /// What the whole of an assembly brings too near to one another.
+    /// The first collision of a whole assembly.
     pub fn any_hit(&self, bed: &AssemblyState) -> Option<FirstMeeting> {
         self.world.first_hit(&self.start, &self.docked, &bed.legs, &bed.docks)
     }
 }
 
-/// What is in the way, by its index in the order.
+/// The obstruction, by its index in the order.
 fn blocker(bed: &AssemblyState, steered: &[usize], obstruction: Obstruction) -> RobotBlocker {
     let waiting = |index| bed.others(steered).nth(index).unwrap_or(usize::MAX);
     let docked = |index| (0..bed.poses.len()).filter(|robot| bed.docked[*robot]).nth(index).unwrap_or(usize::MAX);

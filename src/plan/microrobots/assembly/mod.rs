@@ -1,13 +1,13 @@
-//! Assembly: robots to goals where they dock with one another, while those that wait their turn orbit.
+//! Assembly: robots move to goals where they dock with one another, while waiting robots orbit.
 //!
 //! The problem: every robot moves with every stroke until it docks, and it docks only at a body that is docked or docks at the same
-//! time. Method (the paper's sections 2 and 3): two robots come together first (`pair`); then one robot after the other comes to
-//! the structure (`single`); the robots that are still to come orbit all the while. Which robots go first, in which role and in
-//! which order, is searched depth first over what the control states allow, and cut off by a bound.
-//! Guaranteed: the result meets no objection of the rules of collision ([`super::world`]), and every robot ends within precision.
-//! Not guaranteed: that there is no faster way, or none at all where the search ends without one. No [`StuckAssembly`] is a proof: only assemblies
-//! are looked for in which robots that are neither docked nor steered orbit where they are, and robots may move away first, or run along.
-//! Cost: one plan for each stage where the table leaves one order, as STRING tables do, and no more than [`MAX_PLANS`].
+//! time. Method (the paper's sections 2 and 3): two robots meet first (`pair`); then one robot after the other joins the structure
+//! (`single`); the remaining robots orbit all the while. Which robots go first, in which role and in which order, is searched depth
+//! first over what the control states allow, with branch and bound. Guaranteed: the result satisfies the collision rules
+//! ([`super::world`]), and every robot ends within precision. Not guaranteed: the fastest assembly, or any where one exists. No
+//! [`StuckAssembly`] is a proof: only assemblies are searched in which robots that are neither docked nor steered orbit in place,
+//! whereas robots might move away first, or run along. Cost: one plan per stage where the table leaves one order, as STRING tables
+//! do, and at most [`MAX_PLANS`].
 
 mod bed;
 mod closing;
@@ -28,63 +28,63 @@ use bed::{AssemblyState, StageAddition};
 use ground::AssemblyGround;
 use orders::{AssemblyMove, Orders};
 
-/// Stages that are planned in all, while orders are tried.
+/// Stages planned in total, over all orders tried.
 pub const MAX_PLANS: usize = 400;
 
-/// Stages that are planned after the first assembly was found, for a faster one.
+/// Stages planned after the first assembly was found, in search of a faster one.
 pub const MAX_MORE_PLANS: usize = 24;
 
-/// An assembly.
+/// A planned assembly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assembled {
     /// Neighbours have different states.
     pub legs: Vec<Leg>,
     pub docks: Vec<RobotDocking>,
     pub stages: Vec<AssemblyStage>,
-    /// Trains and control cycles.
+    /// Stroke trains and control cycles.
     pub duration_ns: u64,
 }
 
-/// Why no assembly was found. Robots are indices of the order's robots.
+/// Why no assembly was found. Robots are indices into the order's robots.
 #[derive(Debug, Clone, PartialEq)]
 pub enum StuckAssembly {
-    /// No control states steer these robots (one, or the first two) while this one orbits; without it: while all others orbit that are
-    /// not docked, and those that are keep their arms up.
+    /// No control states steer these robots (one, or the first two) while `orbiting` orbits; if that is `None`: while all others
+    /// that are not docked orbit, and docked ones keep their arms up.
     Unsteerable { robots: Vec<usize>, orbiting: Option<usize> },
-    /// This robot docks while the other one orbits, for a whole turn at least by then, and its goal is too near to the disc that the
-    /// other sweeps; negative where it lies in it.
+    /// This robot docks while the other one orbits, for at least a full turn by then, and its goal is too near to the orbit disc of
+    /// the other; the gap is negative if it lies inside.
     GoalInOrbit { robot: usize, orbiting: usize, gap_um: f64 },
-    /// At its goal the robot touches neither what is docked nor another robot's goal that could be reached.
+    /// At its goal the robot touches neither a docked body nor a reachable goal of another robot.
     Apart { robot: usize },
-    /// All ways that were tried come too near to something; the last of them so.
+    /// All paths tried cause a collision; this is that of the last one.
     Blocked { robot: usize, partner: Option<usize>, hit: FirstMeeting },
-    /// No two ways that were tried bring both to their goals at the same time, with whole strokes within precision.
+    /// No two paths tried bring both to their goals at the same time, with whole strokes within precision.
     Untimely { first: usize, second: usize },
-    /// No way was found around obstacles, docked bodies and the discs of those that orbit; the shortest one meets this.
+    /// No path was found around obstacles, docked bodies and orbit discs; the shortest one is blocked by this.
     NoWay { robot: usize, blocker: RobotBlocker },
-    /// The robot has to orbit while others are driven, and has no room for it.
+    /// The robot must orbit while others are driven, and has no room for it.
     NoOrbit { robot: usize, blocker: RobotBlocker },
-    /// Whole strokes do not bring the robot to its goal within precision.
+    /// Whole strokes cannot bring the robot to its goal within precision.
     Coarse { robot: usize },
-    /// The robot ends within the precision of its goal, but so far from what it docks with: more than the docking tolerance.
+    /// The robot ends within the precision of its goal, but with a gap to its docking partner above the docking tolerance.
     Loose { robot: usize, gap_um: f64 },
     /// The budget is spent.
     GaveUp,
 }
 
-/// What is in the way of a robot, or of its orbit.
+/// Obstruction of a robot's path or of its orbit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RobotBlocker {
-    /// Index of the order's obstacles.
+    /// Index into the order's obstacles.
     Obstacle(usize),
-    /// The disc of this robot, which orbits.
+    /// The orbit disc of this robot.
     Orbit(usize),
-    /// The body of this robot, which is docked.
+    /// The body of this docked robot.
     Docked(usize),
 }
 
-/// Plans an assembly. `poses` and `docked` are those at its beginning, one for each robot of the order; `docks` are robots that
-/// are not docked. A step of the budget is a candidate that is held against the rules of collision, or a search for a way.
+/// Plans an assembly. `poses` and `docked` describe its start, one entry per robot of the order; `docks` are robots that are not
+/// docked. A step of the budget is a candidate checked against the collision rules, or a path search.
 pub fn assemble(
     order: &MicrorobotsOrder,
     poses: &[Pose],
@@ -115,7 +115,7 @@ pub fn assemble(
     }
 }
 
-/// A time that no assembly of these robots is below: the slowest one's shortest way to its goal, alone on the bed.
+/// Lower bound on the duration of an assembly of these robots: the slowest one's shortest path to its goal, alone on the bed.
 fn least_ns(bed: &AssemblyState, docks: &[Dock]) -> u64 {
     let facts = &bed.order.facts;
     let least_ns = |dock: &Dock| {
@@ -127,21 +127,21 @@ fn least_ns(bed: &AssemblyState, docks: &[Dock]) -> u64 {
     open.map(least_ns).max().map_or(0, |way_ns| way_ns.saturating_add(facts.dwell_ns))
 }
 
-/// The search for an order.
+/// Search over docking orders.
 struct AssemblySearch<'a> {
     orders: Orders<'a>,
     ground: AssemblyGround<'a>,
     meter: Meter,
-    /// The fastest assembly so far, and how long it lasts.
+    /// The fastest assembly so far, and its duration.
     best: Option<(u64, AssemblyState<'a>)>,
-    /// Of the failures, the one with the most robots docked; of these the first.
+    /// Among the failures, the first one with the most robots docked.
     stuck: Option<(usize, StuckAssembly)>,
-    /// Stages that may still be planned.
+    /// Remaining number of stages that may be planned.
     plans: usize,
 }
 
 impl<'a> AssemblySearch<'a> {
-    /// Tries all orders from here on. As deep as there are robots to be docked.
+    /// Tries all orders from here on. The depth is the number of robots to dock.
     fn descend(&mut self, bed: &AssemblyState<'a>) {
         let duration_ns = bed.duration_ns(&bed.legs);
         let least_ns = duration_ns.saturating_add(least_ns(bed, self.orders.docks));

@@ -1,9 +1,9 @@
-//! What may be docked next, by the control states and by what holds still.
+//! Possible next dockings, by the control states and by the bodies at rest.
 //!
-//! Input: the goals, and a bed. Output: the next moves that the control states, the touching of goals and the discs of robots that
-//! wait allow; whether such moves can go on to the end; and if none can, why. That is no proof that there is no assembly: it holds
-//! for those in which robots that are neither docked nor steered orbit where they are. What is docked keeps its arm up, which takes
-//! control states from those that come later, so orders are searched through to see whether one leads to the end.
+//! Input: the goals, and a bed. Output: the next moves that the control states, the contacts of goals and the orbit discs of
+//! waiting robots allow; whether such moves can lead to the end; and if none can, why. That is no proof that there is no assembly:
+//! it covers only those in which robots that are neither docked nor steered orbit in place. Docked robots keep their arms up, which
+//! removes control states from later moves, so orders are searched to see whether one leads to the end.
 
 use super::StuckAssembly;
 use super::bed::AssemblyState;
@@ -17,21 +17,21 @@ use nalgebra::Point2;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
-/// Sets of docked robots from which no order leads to the end, at most; with more of them one is taken to exist.
+/// Most sets of docked robots known to be dead ends; with more of them an order to the end is assumed to exist.
 const MAX_DEAD_ENDS: usize = 64;
 
-/// What is done next.
+/// Next move of an assembly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AssemblyMove {
     Pair(Roles),
-    /// States in which it turns and runs straight.
+    /// Control states in which it turns and runs straight.
     Single {
         robot: usize,
         states: [usize; 2],
     },
 }
 
-/// The goals.
+/// The goals of an assembly.
 pub struct Orders<'a> {
     pub docks: &'a [Dock],
 }
@@ -39,17 +39,17 @@ pub struct Orders<'a> {
 impl<'a> Orders<'a> {
     /// The goal of a robot that has one.
     pub fn dock(&self, robot: usize) -> &'a Dock {
-        self.docks.iter().find(|dock| dock.robot == robot).expect("only robots with goals are moved")
+        self.docks.iter().find(|dock| dock.robot == robot).expect("only robots with goals move")
     }
 
-    /// Goals that are still to be reached, those of the robots that snap last first.
+    /// Unreached goals, those of the robots that snap last first.
     pub fn open<'b>(&'b self, bed: &'b AssemblyState) -> impl Iterator<Item = &'a Dock> + 'b {
         let mut open: Vec<&Dock> = self.docks.iter().filter(|dock| !bed.docked[dock.robot]).collect();
         open.sort_by_key(|dock| downs(bed, dock.robot));
         open.into_iter()
     }
 
-    /// What may be done next: single robots before pairs.
+    /// Possible next moves: single robots before pairs.
     pub fn moves(&self, bed: &AssemblyState) -> Vec<AssemblyMove> {
         let open: Vec<&Dock> = self.open(bed).collect();
         let single = |dock: &&Dock| self.single(bed, dock).ok();
@@ -58,7 +58,7 @@ impl<'a> Orders<'a> {
         open.iter().filter_map(single).chain(pairs.filter_map(pair)).collect()
     }
 
-    /// Whether a robot may be docked next, or why not.
+    /// Whether a robot may dock next, or why not.
     fn single(&self, bed: &AssemblyState, dock: &Dock) -> Result<AssemblyMove, StuckAssembly> {
         if !touches_structure(bed, dock) {
             return Err(StuckAssembly::Apart { robot: dock.robot });
@@ -71,7 +71,7 @@ impl<'a> Orders<'a> {
         Ok(AssemblyMove::Single { robot: dock.robot, states: [turn, straight] })
     }
 
-    /// Whether two robots may be docked together, or why not.
+    /// Whether two robots may dock together, or why not.
     fn pair(&self, bed: &AssemblyState, first: &Dock, second: &Dock) -> Result<AssemblyMove, StuckAssembly> {
         let apart = first.robot == second.robot || touches_structure(bed, first) || touches_structure(bed, second);
         if apart || !touch(bed, (first.robot, first.goal.pose), (second.robot, second.goal.pose)) {
@@ -86,14 +86,14 @@ impl<'a> Orders<'a> {
         Ok(AssemblyMove::Pair(roles))
     }
 
-    /// Whether all goals can be reached after this move, as far as control states and what holds still are asked.
+    /// Whether all goals remain reachable after this move, as far as control states and bodies at rest are concerned.
     pub fn leads_on(&self, bed: &AssemblyState, step: &AssemblyMove) -> bool {
         let mut bed = bed.clone();
         self.carry_out(&mut bed, step);
         self.reaches_end(&bed, &mut BTreeSet::new())
     }
 
-    /// Whether some order of moves docks all robots that are still open. As deep as there are of them.
+    /// Whether some order of moves docks all open robots. The depth is their number.
     fn reaches_end(&self, bed: &AssemblyState, dead_ends: &mut BTreeSet<Vec<bool>>) -> bool {
         if self.open(bed).next().is_none() || dead_ends.len() >= MAX_DEAD_ENDS {
             return true;
@@ -112,7 +112,7 @@ impl<'a> Orders<'a> {
         false
     }
 
-    /// Why no order of moves reaches all goals, if none does: of the order that gets farthest.
+    /// Why no order of moves reaches all goals, if none does: the reason of the order that gets farthest.
     pub fn dead_end(&self, bed: &AssemblyState) -> Option<StuckAssembly> {
         if self.reaches_end(bed, &mut BTreeSet::new()) {
             return None;
@@ -144,14 +144,14 @@ impl<'a> Orders<'a> {
         })
     }
 
-    /// Carries out moves until there is none.
+    /// Executes moves until none is left.
     fn exhaust(&self, bed: &mut AssemblyState) {
         while let Some(step) = self.moves(bed).first() {
             self.carry_out(bed, step);
         }
     }
 
-    /// Puts robots at their goals.
+    /// Places robots at their goals.
     fn carry_out(&self, bed: &mut AssemblyState, step: &AssemblyMove) {
         let mut put = |robot: usize| {
             bed.poses[robot] = self.dock(robot).goal.pose;
@@ -167,13 +167,13 @@ impl<'a> Orders<'a> {
     }
 }
 
-/// In how many states a robot's arm is down: few for those that snap last.
+/// Number of states in which a robot's arm is down: few for those that snap last.
 fn downs(bed: &AssemblyState, robot: usize) -> usize {
     let row = bed.order.robots[robot].row;
     bed.order.states.iter().filter(|state| state.arms[row] == Arm::Down).count()
 }
 
-/// Which robot keeps the others from being steered.
+/// The robot that prevents the others from being steered.
 fn unsteerable(bed: &AssemblyState, robots: &[usize], patterns: &[&[Arm]]) -> StuckAssembly {
     let arm = |state: usize, robot: usize| bed.order.states[state].arms[bed.order.robots[robot].row];
     let steers =
@@ -208,8 +208,8 @@ fn goal_in_orbit(bed: &AssemblyState, docks: &[&Dock]) -> Result<(), StuckAssemb
     Ok(())
 }
 
-/// Whether a robot that orbits turns round at least once while another one goes its shortest way to its goal: else nothing has to
-/// keep clear of the disc.
+/// Whether an orbiting robot completes a full turn while another one takes its shortest path to its goal: otherwise nothing must
+/// keep clear of its disc.
 fn orbits_meanwhile(bed: &AssemblyState, orbiting: usize, dock: &Dock) -> bool {
     let (facts, robot) = (bed.robot(orbiting), bed.robot(dock.robot));
     let exact = Precision { place_um: 0.0, heading_rad: 0.0 };
@@ -222,12 +222,12 @@ fn touches_structure(bed: &AssemblyState, dock: &Dock) -> bool {
     docked.into_iter().any(|other| touch(bed, (dock.robot, dock.goal.pose), (other, bed.poses[other])))
 }
 
-/// Whether two bodies are near enough to be docked.
+/// Whether two bodies are close enough to dock.
 fn touch(bed: &AssemblyState, one: (usize, Pose), other: (usize, Pose)) -> bool {
     gap_um(bed, one, other) <= bed.order.facts.docking.tolerance_um
 }
 
-/// How far two bodies lie apart; no more than 0 where they overlap.
+/// Gap between two bodies; at most 0 where they overlap.
 pub fn gap_um(bed: &AssemblyState, one: (usize, Pose), other: (usize, Pose)) -> f64 {
     let core = Core::Polygon(outline(bed, other.0, other.1).to_vec());
     distance::quadrilateral_core(outline(bed, one.0, one.1), &core)

@@ -1,15 +1,15 @@
-//! The first two robots of a structure: both come to their goals at once.
+//! The first two robots of a structure, which reach their goals simultaneously.
 //!
-//! The problem: while the first robot is driven, the second orbits; while the second is driven, the first runs straight (the paper's
-//! section 2.1). Method: the second robot leaves its orbit for its approach by a known way, so that the time from the start to its
-//! approach is known but for full circles, and for a stretch by which it may run on to its goal's axis earlier. For each such time, the
-//! shortest first, the first robot needs a way of exactly that length whose last stretch is straight at least from when the
-//! second leaves its orbit; such ways are in closed form ([`super::closing`]). This is the paper's phase condition with the phase
-//! free; the paper's choice, the second robot back where it began, is among the times. The second robot may also go near its goal first
-//! and orbit there while the first is driven: then the first one's last straight stretch is short. Where no closed form passes what
-//! rests, the first robot's way is searched for and closed by the paper's racetrack detour ([`super::roundabout`]).
-//! Promise: the stretch that is returned meets no rule of collision's objection, and brings both robots to their goals within
-//! precision. No promise that there is no shorter one; cost grows with the times that have to be looked at.
+//! The problem: while the first robot is driven, the second orbits; while the second is driven, the first runs straight (the
+//! paper's section 2.1). Method: the second robot leaves its orbit for its approach along a known path, so that the time from the
+//! start to its approach is known up to full circles, and up to an optional earlier arrival on its goal's axis. For each such time,
+//! the shortest first, the first robot needs a path of exactly that length whose last segment is straight at least from the time at
+//! which the second leaves its orbit; such paths have a closed form ([`super::closing`]). This is the paper's phase condition with
+//! the phase free; the paper's choice, the second robot back where it began, is among the times. The second robot may also move
+//! near its goal first and orbit there while the first is driven: then the first one's last straight segment is short. Where no
+//! closed form avoids the bodies at rest, the first robot's path is searched and closed by the paper's racetrack detour
+//! ([`super::roundabout`]). Promise: the returned stretch satisfies the collision rules, and brings both robots to their goals
+//! within precision. Not promised: the shortest one; cost grows with the number of times examined.
 
 use super::StuckAssembly;
 use super::bed::{AssemblyState, StageAddition, joined, legs_of_two};
@@ -27,40 +27,40 @@ use crate::plan::microrobots::{AssemblyStage, Leg};
 use crate::plan::search::Meter;
 use std::f64::consts::TAU;
 
-/// Stretches of the second robot on its goal's axis that are tried.
+/// Lengths tried for the second robot's run on its goal's axis.
 const RUNS: usize = 40;
 
-/// Full circles of the second robot's orbit that are tried beyond its shortest way.
+/// Full circles of the second robot's orbit tried beyond its shortest path.
 const MAX_ORBITS: usize = 8;
 
-/// Shares of the fine motion that are tried where the whole of it has no room.
+/// Divisors of the fine motion that are tried where the whole of it has no room.
 pub const FINE_SHARES: [u64; 3] = [1, 2, 4];
 
-/// Ways of the first robot that are looked at for one time.
+/// Paths of the first robot examined per time.
 const MAX_WAYS: usize = 12;
 
-/// By how many strokes a way changes at most when it is put into whole ones, more or less.
+/// Tolerance in strokes for the change of a path when it is rounded to whole strokes.
 const FEW_STROKES: f64 = 4.0;
 
-/// Two robots, and how the bed can steer them while all others orbit.
+/// Two robots, and the control states that steer them while all others orbit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Roles {
     pub first: usize,
     pub second: usize,
-    /// Both turn, only the second turns, none of the two turns.
+    /// Control states in which both turn, only the second turns, neither turns.
     pub states: [usize; 3],
 }
 
 /// Arms of the first and of the second robot in these states.
 const ARMS: [[Arm; 3]; 2] = [[Arm::Down, Arm::Up, Arm::Up], [Arm::Down, Arm::Down, Arm::Up]];
 
-/// How two robots can be steered, if they can.
+/// Control states that steer two robots, if there are any.
 pub fn roles(bed: &AssemblyState, first: usize, second: usize) -> Option<Roles> {
     let state = |part: usize| bed.state(&[(first, ARMS[0][part]), (second, ARMS[1][part])]);
     Some(Roles { first, second, states: [state(0)?, state(1)?, state(2)?] })
 }
 
-/// The stretch that docks both.
+/// The stretch that docks both robots.
 pub fn plan(
     bed: &AssemblyState,
     roles: Roles,
@@ -81,7 +81,7 @@ pub fn plan(
     Err(worst.unwrap_or(StuckAssembly::GaveUp))
 }
 
-/// The same with one length of the fine motion.
+/// The same for one length of the fine motion.
 fn brought_together(
     pairing: &PairingContext,
     site: PairSite,
@@ -110,16 +110,16 @@ fn brought_together(
     Err(stuck)
 }
 
-/// How the two stages of the paper lie to one another.
+/// Overlap of the paper's two stages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum PairStages {
-    /// The first robot has turned for the last time before the second leaves the orbit that it begins on.
+    /// The first robot completes its last turn before the second leaves the orbit on which it begins.
     Apart,
-    /// It may turn whenever the second does.
+    /// The first robot may turn whenever the second does.
     Mingled,
 }
 
-/// What does not change while ways are looked for.
+/// Constants of the search for paths.
 pub(super) struct PairingContext<'a> {
     pub bed: &'a AssemblyState<'a>,
     pub roles: Roles,
@@ -129,19 +129,19 @@ pub(super) struct PairingContext<'a> {
     pub approach: [Pose; 2],
     aims: [TrackAim; 2],
     cycles: Cycles<3>,
-    /// How the first robot's arm has to be at first, since legs that follow one another differ in their states.
+    /// Position of the first robot's arm in its first stroke, if prescribed because consecutive legs must differ in their states.
     forced: Option<Arm>,
 }
 
-/// The rules of collision, and what rests while the two are steered.
+/// The collision rules, and the bodies at rest while the two are steered.
 pub(super) type PairSite<'a> = (&'a AssemblyGround<'a>, &'a Fixtures);
 
-/// A way of the second robot from where it is to its approach; it turns at first.
+/// A path of the second robot from its current pose to its approach; it begins with a turn.
 #[derive(Debug, Clone)]
 pub(super) struct Departure {
     pub way: Vec<ArmSegment>,
     pub total_um: f64,
-    /// Where it orbits a second time, if it does.
+    /// Pose at which it orbits a second time, if it does.
     pub halt: Option<Pose>,
 }
 
@@ -161,8 +161,8 @@ impl<'a> PairingContext<'a> {
         PairingContext { bed, roles, facts, from, goals, approach, aims, cycles, forced }
     }
 
-    /// How the stages may lie, the better first: what is carried out in a closed loop, where the device says its errors, keeps them
-    /// apart as long as it can.
+    /// Allowed overlaps, preferred first: closed-loop execution, used where the device states its errors, keeps the stages apart as
+    /// long as possible.
     fn stages(&self) -> &'static [PairStages] {
         match self.bed.order.facts.errors {
             Some(_) => &[PairStages::Apart, PairStages::Mingled],
@@ -170,7 +170,7 @@ impl<'a> PairingContext<'a> {
         }
     }
 
-    /// The first of these that the rules of collision allow; what stops the last one is noted.
+    /// The first candidate that the collision rules allow; the collision of the last one is recorded.
     fn first_free(
         &self,
         departure: &Departure,
@@ -194,7 +194,7 @@ impl<'a> PairingContext<'a> {
         Ok(None)
     }
 
-    /// Ways of the second robot that meet nothing that rests, those along its goal's axis first, the shortest first.
+    /// Paths of the second robot that avoid the bodies at rest, those along its goal's axis first, the shortest first.
     fn ways_of_second(
         &self,
         (ground, fixtures): PairSite,
@@ -214,7 +214,7 @@ impl<'a> PairingContext<'a> {
         Ok(ways)
     }
 
-    /// Ways of the second robot with full circles at its start, and where it turns last: the first can be driven meanwhile.
+    /// Paths of the second robot with full circles at its start and at its last turn: the first robot can be driven meanwhile.
     fn with_circles(&self, way: &[ArmSegment]) -> Vec<Departure> {
         let counts = (0..=MAX_ORBITS).flat_map(|all| (0..=all).map(move |late| [all - late, late]));
         counts.map(|circles| self.departure(way, circles)).collect()
@@ -234,7 +234,7 @@ impl<'a> PairingContext<'a> {
         Departure { total_um: length_um(&way), way, halt }
     }
 
-    /// Legs that bring both robots to their approaches at the same time, the second by this way.
+    /// Legs that bring both robots to their approaches at the same time, the second by this path.
     fn timed(&self, departure: &Departure, stages: PairStages, site: PairSite) -> Vec<Vec<Leg>> {
         let first = self.facts[0];
         let later_um = match stages {
@@ -253,7 +253,7 @@ impl<'a> PairingContext<'a> {
         self.legs(departure, closings(first, &asked), site)
     }
 
-    /// Strokes of a way of the second robot, and so of the first one's: at least one more than are forced.
+    /// Strokes of the second robot's path, and so of the first one's: at least one more than the forced ones.
     pub fn total(&self, departure: &Departure) -> u64 {
         ((departure.total_um / self.facts[1].step_um).round() as u64).max(2)
     }
@@ -262,18 +262,20 @@ impl<'a> PairingContext<'a> {
         u64::from(self.forced.is_some())
     }
 
-    /// Where the first robot is when it can be driven freely.
+    /// Pose of the first robot from which it can be driven freely.
     pub fn first_from(&self) -> Pose {
         let first = self.facts[0];
         self.forced.map_or(self.from[0], |arm| first.moved(self.from[0], arm, first.step_um))
     }
 
-    /// Legs for those ways of the first robot that fit the second's, and meet nothing that rests.
+    /// Legs for the paths of the first robot that fit the second's and avoid the bodies at rest.
     fn legs(&self, departure: &Departure, ways: Vec<Vec<ArmSegment>>, (ground, fixtures): PairSite) -> Vec<Vec<Leg>> {
         let ([first, second], index, start) = (self.facts, self.roles.first, self.first_from());
         let forced = self.forced_strokes();
-        let fits =
-            |way: &Vec<ArmSegment>| turns_within((way, forced as f64, first.step_um), (&departure.way, second.step_um));
+        let theirs = StrokedPath { segments: &departure.way, before: 0.0, step_um: second.step_um };
+        let fits = |way: &Vec<ArmSegment>| {
+            turns_within(&StrokedPath { segments: way, before: forced as f64, step_um: first.step_um }, &theirs)
+        };
         let clear = |way: &Vec<ArmSegment>| ground.world.obstruction_on(index, start, way, fixtures).is_none();
         let ways: Vec<Vec<ArmSegment>> = ways.into_iter().filter(fits).filter(clear).take(MAX_WAYS).collect();
         let total = self.total(departure);
@@ -304,27 +306,35 @@ impl<'a> PairingContext<'a> {
     }
 }
 
-/// Whether one robot turns only while the other does, up to a few strokes. The ways come with what one stroke is of them, the first one
-/// with the strokes before it, too.
-fn turns_within(
-    (way, before, step_um): (&[ArmSegment], f64, f64),
-    (other, other_step_um): (&[ArmSegment], f64),
-) -> bool {
-    let turns = |way: &[ArmSegment], before: f64, step_um: f64| {
-        let mut end = before;
+/// A path in the strokes of its robot.
+struct StrokedPath<'a> {
+    segments: &'a [ArmSegment],
+    /// Strokes before the path begins.
+    before: f64,
+    step_um: f64,
+}
+
+impl StrokedPath<'_> {
+    /// The strokes in which it turns, without a few at either end.
+    fn turns(&self) -> Vec<[f64; 2]> {
+        let mut end = self.before;
         let mut spans: Vec<[f64; 2]> = Vec::new();
-        for segment in way {
+        for segment in self.segments {
             let start = end;
-            end += segment.way_um / step_um;
+            end += segment.way_um / self.step_um;
             if segment.arm == Arm::Down && end - start > FEW_STROKES {
                 spans.push([start + FEW_STROKES, end - FEW_STROKES]);
             }
         }
         spans
-    };
-    let theirs = turns(other, 0.0, other_step_um);
+    }
+}
+
+/// Whether one robot turns only while the other does, up to a few strokes.
+fn turns_within(one: &StrokedPath, other: &StrokedPath) -> bool {
+    let theirs = other.turns();
     let covered = |span: &[f64; 2]| {
         theirs.iter().any(|other| other[0] - FEW_STROKES <= span[0] && span[1] <= other[1] + FEW_STROKES)
     };
-    turns(way, before, step_um).iter().all(covered)
+    one.turns().iter().all(covered)
 }

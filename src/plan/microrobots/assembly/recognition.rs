@@ -1,8 +1,9 @@
-//! When robots dock, as the judge of schedules recognises it: at the first end of a leg at which a robot is within the precision of its
-//! goal, and its body is no farther than the docking tolerance from one that is docked, or from one that is at its own goal then.
+//! Recognition of docking, as the judge of schedules defines it: at the first end of a leg at which a robot is within the precision
+//! of its goal, and its body is within the docking tolerance of one that is docked, or of one that is at its own goal then.
 //!
-//! Input: a stretch whose robots end at their goals. Output: the same, cut after the leg at which they dock: with short cycles that is
-//! before the last one. Promise: the judge, whose arithmetic differs in its last digits, sees these dockings and no others.
+//! Input: a stretch whose robots end at their goals. Output: the same, cut after the leg at which they dock: with short cycles that
+//! is before the last one. Promise: the judge, whose arithmetic differs in the last digits, recognises these dockings and no
+//! others.
 
 use super::StuckAssembly;
 use super::bed::{AssemblyState, StageAddition};
@@ -12,19 +13,19 @@ use crate::claims::microrobots::{Dock, Precision};
 use crate::geometry::Pose;
 use crate::plan::microrobots::Leg;
 
-/// What roundings may decide: places and gaps, in micrometres.
+/// Tolerance for rounding of places and gaps, in micrometres.
 const ROUNDING_UM: f64 = 1e-5;
 
 /// The same for headings.
 const ROUNDING_RAD: f64 = 1e-8;
 
-/// At most this share of a limit counts as rounding.
+/// Upper limit of the tolerance, as a share of a limit.
 const ROUNDING_SHARE: f64 = 0.01;
 
-/// A stretch up to where its robots dock.
+/// A stretch, cut where its robots dock.
 ///
 /// # Errors
-/// Where they do not dock, or not all at the same time, or where another robot docks.
+/// If they do not dock, or not all at the same time, or if another robot docks.
 pub fn settled(
     bed: &AssemblyState,
     docks: &[Dock],
@@ -42,7 +43,7 @@ pub fn settled(
     }
 }
 
-/// The first leg after which robots dock, and which, with limits that are wider or narrower by what roundings may decide.
+/// The first leg after which robots dock, and these robots, with limits widened or narrowed by the rounding tolerance.
 fn first_docking(bed: &AssemblyState, docks: &[Dock], legs: &[Leg], sign: f64) -> Option<(usize, Vec<usize>)> {
     let limit = |value: f64, rounding: f64| value + sign * rounding.min(ROUNDING_SHARE * value);
     let Precision { place_um, heading_rad } = bed.order.precision;
@@ -64,7 +65,7 @@ fn first_docking(bed: &AssemblyState, docks: &[Dock], legs: &[Leg], sign: f64) -
     None
 }
 
-/// How far a robot is from the nearest one that it may dock with.
+/// Gap between a robot and the nearest one with which it may dock.
 fn nearest_um(bed: &AssemblyState, poses: &[Pose], robot: usize, there: &[usize]) -> f64 {
     let holds = |other: &usize| *other != robot && (bed.docked[*other] || there.contains(other));
     let gap_um = |other: usize| gap_um(bed, (robot, poses[robot]), (other, poses[other]));

@@ -1,8 +1,8 @@
-//! Ways of the first robot of a pair around what rests, made as long as they have to be by the racetrack detour.
+//! Paths of the first robot of a pair around bodies at rest, lengthened by the racetrack detour.
 //!
-//! The closed-form ways of [`super::closing`] go past obstacles by luck. Here the way goes around them by search, and ends on the
-//! goal's axis as early as the second robot's last run asks for; what it is too short then is driven as half a circle, a straight
-//! stretch, half a circle and the same stretch back, somewhere on the way.
+//! The closed-form paths of [`super::closing`] avoid obstacles only by luck. Here the path goes around them by search, and reaches
+//! the goal's axis as early as the second robot's last run requires; its missing length is added somewhere on the path as half a
+//! circle, a straight segment, half a circle and the same segment back.
 
 use super::StuckAssembly;
 use super::pair::{Departure, PairSite, PairingContext};
@@ -13,19 +13,19 @@ use crate::plan::microrobots::ways::DriveTask;
 use crate::plan::search::Meter;
 use std::f64::consts::{PI, TAU};
 
-/// Ways of the second robot that are looked at.
+/// Paths of the second robot that are tried.
 const MAX_WAYS: usize = 3;
 
-/// Where the first robot comes to its goal's axis: so much before it has to, in turning radii.
+/// How early the first robot reaches its goal's axis, in turning radii.
 const LEADS: [f64; 3] = [0.0, 1.0, 2.5];
 
 /// Full circles of the second robot beyond those that are needed.
 const MORE_CIRCLES: usize = 4;
 
-/// Full circles of the second robot at most.
+/// Most full circles of the second robot.
 const MAX_CIRCLES: usize = 40;
 
-/// Where the second robot orbits while the first is driven.
+/// Place where the second robot orbits while the first is driven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum OrbitChoice {
     Early,
@@ -33,7 +33,7 @@ enum OrbitChoice {
 }
 
 impl PairingContext<'_> {
-    /// Ways of both robots, with few circles of the second one first.
+    /// Paths of both robots, with few circles of the second one first.
     pub fn roundabout(
         &self,
         ways: &[Vec<ArmSegment>],
@@ -52,7 +52,7 @@ impl PairingContext<'_> {
         Ok(found)
     }
 
-    /// The same for one way of the second robot, one place of its orbit, and one lead.
+    /// The same for one path of the second robot, one place of its orbit, and one lead.
     fn around(
         &self,
         way: &[ArmSegment],
@@ -94,7 +94,7 @@ impl PairingContext<'_> {
         Ok(found)
     }
 
-    /// How far the first robot has to run straight before the second's orbit and after it.
+    /// Lengths that the first robot must run straight before the second's orbit and after it.
     fn outside(&self, way: &[ArmSegment], orbit: OrbitChoice) -> [f64; 2] {
         let way = joined(way.iter().copied());
         let per_um = self.facts[0].step_um / self.facts[1].step_um;
@@ -110,7 +110,7 @@ impl PairingContext<'_> {
     }
 }
 
-/// Half a circle, a straight stretch, half a circle, and as much back.
+/// Half a circle, a straight segment, half a circle, and the same segment back.
 fn racetrack(radius_um: f64, side_um: f64) -> [ArmSegment; 4] {
     let half = ArmSegment { arm: Arm::Down, way_um: PI * radius_um };
     let side = ArmSegment { arm: Arm::Up, way_um: side_um };

@@ -1,4 +1,4 @@
-//! One robot to the structure, while those that are still to come orbit.
+//! Docking of one robot with the structure, while the remaining ones orbit.
 
 use super::StuckAssembly;
 use super::bed::{AssemblyState, StageAddition, joined, legs_of_one};
@@ -17,14 +17,14 @@ use crate::plan::microrobots::world::Fixtures;
 use crate::plan::search::Meter;
 use std::f64::consts::TAU;
 
-/// Arms in the two states.
+/// Arms in the two control states.
 const ARMS: [Arm; 2] = [Arm::Down, Arm::Up];
 
-/// Straight stretches at the start and on the goal's axis that are tried.
+/// Numbers of straight segments tried at the start and on the goal's axis.
 const FIRST_RUNS: usize = 24;
 const LAST_RUNS: usize = 40;
 
-/// The stretch that docks one robot, with the states in which it turns and runs straight.
+/// The stretch that docks one robot, given the control states in which it turns and runs straight.
 pub fn plan(
     bed: &AssemblyState,
     seat: (&Dock, [usize; 2]),
@@ -43,7 +43,7 @@ pub fn plan(
     Err(stuck.unwrap_or(StuckAssembly::GaveUp))
 }
 
-/// One robot on its way to the structure.
+/// Docking of one robot with the structure.
 struct Visit<'a> {
     bed: &'a AssemblyState<'a>,
     index: usize,
@@ -52,7 +52,7 @@ struct Visit<'a> {
     approach: Pose,
     aim: TrackAim,
     cycles: Cycles<2>,
-    /// A first stroke that keeps legs that follow one another from having the same state.
+    /// A first stroke, if needed so that consecutive legs differ in their states.
     before: ArmTrack,
 }
 
@@ -99,7 +99,7 @@ impl<'a> Visit<'a> {
         }
     }
 
-    /// The stretch with the first of these ways that the rules of collision allow; what stops the last one is noted.
+    /// The stretch with the first of these paths that the collision rules allow; the collision of the last one is recorded.
     fn first_free(
         &self,
         ways: impl Iterator<Item = Vec<ArmSegment>>,
@@ -116,7 +116,7 @@ impl<'a> Visit<'a> {
         Ok(None)
     }
 
-    /// The stretch with this way to the approach.
+    /// The stretch with this path to the approach.
     fn along(&self, way: &[ArmSegment], ground: &AssemblyGround) -> Result<StageAddition, StuckAssembly> {
         let robot = self.bed.robot(self.index);
         let from = self.before.end(robot, self.bed.poses[self.index]);

@@ -1,4 +1,4 @@
-//! Assemblies on made-up beds, with a direct simulation as their oracle.
+//! Assemblies on synthetic beds, with a direct simulation as their oracle.
 
 use super::*;
 use crate::claims::microrobots::{Assurance, MicrorobotsObstacle, MicrorobotsStop, Placed, Precision};
@@ -13,7 +13,7 @@ use std::sync::Arc;
 const UP: Arm = Arm::Up;
 const DOWN: Arm = Arm::Down;
 
-/// A row of the table; robots differ a little in all their figures.
+/// A row of the table; robots differ slightly in all their figures.
 fn row(index: usize) -> Robot {
     Robot {
         name: format!("D{}", index + 1),
@@ -78,10 +78,10 @@ fn order(starts: &[Pose], states: Vec<ControlState>, obstacles: Vec<MicrorobotsO
 }
 
 fn dock(robot: usize, pose: Pose) -> Dock {
-    Dock { robot, goal: MicrorobotsStop { pose, span: Default::default() } }
+    Dock { robot, goal: MicrorobotsStop { pose, span: Default::default(), origin: None } }
 }
 
-/// A structure of so many robots about a place: the last two head on, the others to their sides.
+/// A structure of `count` robots about a place: the last two head on, the others to their sides.
 fn structure(count: usize, at: Pose) -> Vec<Dock> {
     let place = |x: f64, y: f64, turn_deg: f64| super::track::composed(at, pose(x, y, turn_deg));
     let seats = [
@@ -95,7 +95,7 @@ fn structure(count: usize, at: Pose) -> Vec<Dock> {
     (0..count).map(|seat| dock(count - 1 - seat, place(seats[seat].0, seats[seat].1, seats[seat].2))).collect()
 }
 
-/// Carries legs out stroke for stroke but for its sums, and finds the docks by the rule of recognition.
+/// Executes legs leg by leg in closed form, and finds the docks by the rule of recognition.
 fn simulated(
     order: &MicrorobotsOrder,
     starts: &[Pose],
@@ -141,7 +141,7 @@ fn bodies_gap_um(world: &World, one: (usize, Pose), other: (usize, Pose)) -> f64
     crate::geometry::distance::quadrilateral_core([outline[0], outline[1], outline[2], outline[3]], &corners(other))
 }
 
-/// Plans, and holds the result against the simulation and the rules.
+/// Plans, and checks the result against the simulation and the rules.
 fn assembled(order: &MicrorobotsOrder, docks: &[Dock]) -> Result<Assembled, StuckAssembly> {
     let starts: Vec<Pose> = order.robots.iter().map(|placed| placed.pose).collect();
     let docked = vec![false; starts.len()];
@@ -210,7 +210,7 @@ fn disc(x_um: f64, y_um: f64, radius_um: f64) -> MicrorobotsObstacle {
     }
 }
 
-/// Places that keep apart from one another, on a bed of `side_um`.
+/// Random places at a minimum distance, on a bed of `side_um`.
 fn scattered(dice: &mut Dice, count: usize, side_um: f64, apart_um: f64) -> Vec<Pose> {
     let mut found: Vec<Pose> = Vec::new();
     while found.len() < count {
@@ -253,7 +253,7 @@ fn robots_that_turn_the_other_way_are_assembled() {
     assembled(&order, &structure(3, pose(900.0, 1700.0, -50.0))).unwrap();
 }
 
-/// A robot that has no goal orbits all the while, and keeps its place.
+/// A robot without a goal orbits all the while, and keeps its place.
 #[test]
 fn a_robot_without_a_goal_orbits() {
     let starts = in_a_row(3);
@@ -265,7 +265,7 @@ fn a_robot_without_a_goal_orbits() {
     assert!(found.legs.iter().all(down));
 }
 
-/// Of a structure from an earlier task, further robots dock to it one by one.
+/// Further robots dock one by one to a structure from an earlier task.
 #[test]
 fn a_structure_grows() {
     let mut starts = in_a_row(4);
@@ -280,7 +280,7 @@ fn a_structure_grows() {
     assert_eq!(robots, [1, 0]);
 }
 
-/// What snaps first docks last: once it is docked, its arm cannot stay up while another one's is down.
+/// The robot that snaps first docks last: once it is docked, its arm cannot stay up while another one's is down.
 #[test]
 fn what_has_docked_keeps_its_arm_up() {
     let mut starts = in_a_row(3);
@@ -301,7 +301,7 @@ fn what_has_docked_keeps_its_arm_up() {
 fn a_string_table_leaves_one_order() {
     let order = order(&in_a_row(3), string_states(3), Vec::new());
     let seats = structure(3, pose(900.0, 1700.0, 10.0));
-    // Robot 0 in the first pair: robot 1 would have to orbit while robot 2 and it are steered.
+    // Robot 0 in the first pair: robot 1 would need to orbit while robots 0 and 2 are steered.
     let swapped = [dock(2, seats[0].goal.pose), dock(0, seats[1].goal.pose), dock(1, seats[2].goal.pose)];
     let starts = in_a_row(3);
     let found = assemble(&order, &starts, &[false; 3], &swapped[..2], SearchBudget::of(100_000));
@@ -316,7 +316,7 @@ fn other_tables_allow_other_orders() {
     let relabelled = order(&in_a_row(3), chain.map(|arms| state(arms.to_vec())).to_vec(), Vec::new());
     let found = assembled(&relabelled, &swapped).unwrap();
     assert_eq!(found.docks.iter().map(|dock| dock.robot).collect::<Vec<_>>(), [2, 0, 1]);
-    // With all states there are more orders; none of them is kept if it is slower.
+    // With all states there are more orders; a slower one is never kept.
     let free = order(&in_a_row(3), all_states(3), Vec::new());
     assert!(assembled(&free, &swapped).unwrap().duration_ns <= found.duration_ns);
 }
@@ -382,7 +382,7 @@ fn a_spent_budget_is_told() {
     assert_eq!(assembled(&order, &structure(2, pose(900.0, 1700.0, 10.0))), Err(StuckAssembly::GaveUp));
 }
 
-/// A way of a given length has that length, and ends where it should.
+/// A path of a given length has that length, and ends at its goal.
 #[test]
 fn closings_close() {
     let (robot, mut dice) = (row(1), Dice(3));

@@ -1,8 +1,8 @@
-//! The way of one robot as arm positions and whole strokes.
+//! The path of one robot as arm positions and whole strokes.
 //!
-//! Input: a way of arcs and straight lines in micrometres, and where it has to end. Output: the same way in whole strokes, of a given
-//! number in all where one is asked for. Promise: what is returned ends within the precision; the way's pieces change by a few
-//! strokes each.
+//! Input: a path of arcs and straight lines in micrometres, and its required end. Output: the same path in whole strokes, of a
+//! given total number where required. Promise: the returned path ends within the precision; its pieces change by a few strokes
+//! each.
 
 use crate::claims::microrobots::Precision;
 use crate::device::microrobots::{Arm, Robot, wrapped_rad};
@@ -10,16 +10,16 @@ use crate::geometry::Pose;
 use crate::plan::microrobots::free::ArmSegment;
 use crate::real::Real;
 
-/// Changes of a piece that are tried, in strokes: the larger first.
+/// Changes of a piece that are tried, in strokes, the largest first.
 const CHANGES: [i64; 7] = [64, 27, 9, 5, 3, 2, 1];
 
-/// A way is good enough at this share of the precision, and corrected no further.
+/// Share of the precision at which a path is accepted without further correction.
 const GOOD_SHARE: f64 = 0.02;
 
 /// Rounds of corrections.
 const MAX_ROUNDS: usize = 40;
 
-/// The arm of one robot in time.
+/// Arm positions of one robot over time.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ArmTrack {
     /// Neighbours differ; each is at least one stroke.
@@ -39,7 +39,7 @@ impl ArmTrack {
         other.pieces.iter().for_each(|&(arm, strokes)| self.push(arm, strokes));
     }
 
-    /// Where it brings a robot.
+    /// Pose to which it brings a robot.
     pub fn end(&self, robot: &Robot, from: Pose) -> Pose {
         end(robot, from, &self.pieces)
     }
@@ -49,24 +49,24 @@ fn end(robot: &Robot, from: Pose, pieces: &[(Arm, u64)]) -> Pose {
     pieces.iter().fold(from, |pose, &(arm, strokes)| robot.moved(pose, arm, robot.step_um * strokes as f64))
 }
 
-/// How far a pose is from its goal, as a share of the precision: the larger one of place and heading.
+/// Distance of a pose from its goal, as a share of the precision: the larger one of place and heading.
 pub fn miss(precision: Precision, pose: Pose, goal: Pose) -> f64 {
     let place_um = (pose.x_um - goal.x_um).hypotenuse(pose.y_um - goal.y_um);
     let heading_rad = wrapped_rad(pose.heading_rad - goal.heading_rad).abs();
     (place_um / precision.place_um).max(heading_rad / precision.heading_rad)
 }
 
-/// Where a way has to end: a fixed motion comes after it, and then the robot has to be at its goal.
+/// Required end of a path: after the fixed motion that follows it, the robot must be at its goal.
 #[derive(Debug, Clone, Copy)]
 pub struct TrackAim {
     pub goal: Pose,
     pub precision: Precision,
-    /// What comes after the way, as the pose that it brings a robot to from the origin.
+    /// Motion after the path, as the pose to which it brings a robot from the origin.
     pub motion: Pose,
 }
 
 impl TrackAim {
-    /// How far a robot that ends its way here comes to stand from its goal.
+    /// Distance from the goal, after the motion, of a robot that ends its path at this pose.
     pub fn miss(&self, pose: Pose) -> f64 {
         miss(self.precision, composed(pose, self.motion), self.goal)
     }
@@ -82,10 +82,10 @@ pub fn composed(frame: Pose, pose: Pose) -> Pose {
     }
 }
 
-/// A way in whole strokes that ends at the goal within precision, of exactly `total` strokes; `None` if none is found.
+/// A path in whole strokes that ends at the goal within precision, of exactly `total` strokes; `None` if none is found.
 ///
-/// Rounding keeps the sums of turns and of straight lines near theirs; what error is left is taken up by a descent over strokes
-/// that are moved from one piece to another.
+/// Rounding preserves the sums of turns and of straight lines approximately; a descent that moves strokes between pieces removes
+/// the remaining error.
 pub fn whole(robot: &Robot, from: Pose, way: &[ArmSegment], aim: &TrackAim, total: u64) -> Option<ArmTrack> {
     let mut pieces = rounded(robot, way);
     let excess = pieces.iter().map(|piece| piece.1).sum::<u64>() as i64 - total as i64;
@@ -99,7 +99,7 @@ pub fn whole(robot: &Robot, from: Pose, way: &[ArmSegment], aim: &TrackAim, tota
     (best <= 1.0).then_some(track)
 }
 
-/// Moves strokes between pieces as long as that brings the end nearer to the goal; returns the miss that is left.
+/// Moves strokes between pieces as long as that brings the end nearer to the goal; returns the remaining miss.
 fn descend(robot: &Robot, from: Pose, pieces: &mut [(Arm, u64)], aim: &TrackAim) -> f64 {
     let mut best = aim.miss(end(robot, from, pieces));
     for _ in 0..MAX_ROUNDS {
@@ -134,7 +134,7 @@ fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..count).flat_map(move |one| (0..count).map(move |other| (one, other)))
 }
 
-/// Each piece in whole strokes, so that neither the turns nor the straight lines add up to more than half a stroke of error.
+/// Each piece in whole strokes, such that neither the turns nor the straight lines accumulate more than half a stroke of error.
 fn rounded(robot: &Robot, way: &[ArmSegment]) -> Vec<(Arm, u64)> {
     let mut owed = [0.0; 2];
     let round = |&ArmSegment { arm, way_um }: &ArmSegment| {

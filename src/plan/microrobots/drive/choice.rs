@@ -1,4 +1,4 @@
-//! Which control state drives each train of one robot.
+//! Choice of the control state for each stroke train of one robot.
 
 use super::{Drive, StuckReason};
 use crate::device::microrobots::Arm;
@@ -7,26 +7,26 @@ use crate::plan::microrobots::strokes::StrokeTrain;
 use crate::plan::microrobots::world::FirstMeeting;
 use crate::plan::search::Meter;
 
-/// The most choices that are looked at for one way.
+/// Most choices examined for one path.
 const MAX_CHOICES: u32 = 2_000;
 
-/// A depth-first search over the states of trains, one after the other.
+/// A depth-first search over the control states of consecutive trains.
 pub(super) struct TrainChoice<'a> {
     request: &'a Drive<'a>,
     trains: &'a [StrokeTrain],
-    /// Of the legs, those that were there before.
+    /// Number of legs that existed before.
     before: usize,
     legs: Vec<Leg>,
-    /// The states for each place of the robot's arm, those first under which the others run least.
+    /// Candidate states for each position of the robot's arm, those first in which the fewest other robots run.
     down: Vec<usize>,
     up: Vec<usize>,
     left: u32,
-    /// What happened the latest.
+    /// The latest collision found.
     latest: Option<FirstMeeting>,
 }
 
 impl<'a> TrainChoice<'a> {
-    /// States for trains that follow legs.
+    /// Control states for trains that follow legs.
     pub(super) fn new(request: &'a Drive<'a>, legs: &[Leg], trains: &'a [StrokeTrain]) -> Self {
         let world = request.world;
         let with = |arm: Arm| {
@@ -47,9 +47,9 @@ impl<'a> TrainChoice<'a> {
         }
     }
 
-    /// The legs with those of the trains, or what meets at the latest.
+    /// The legs followed by those of the trains, or the collision that happens latest.
     ///
-    /// A search without recursion: for each leg, which of its states is tried.
+    /// Iterative depth-first search: for each leg, the index of its next state.
     pub(super) fn run(mut self, meter: &mut Meter) -> Result<Vec<Leg>, StuckReason> {
         let mut tried: Vec<usize> = vec![0];
         while let Some(next) = tried.last_mut() {
@@ -95,7 +95,7 @@ impl<'a> TrainChoice<'a> {
     }
 }
 
-/// How many other robots run straight in a state.
+/// Number of other robots that run straight in a state.
 fn running(request: &Drive, state: usize) -> usize {
     let others = (0..request.world.count()).filter(|other| *other != request.robot && !request.bed.docked[*other]);
     others.filter(|other| request.world.arm(state, *other) == Arm::Up).count()

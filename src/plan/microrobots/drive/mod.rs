@@ -1,16 +1,17 @@
-//! One robot through its stops, while all others move along with every stroke.
+//! Drives one robot through its stops, while all others move along with every stroke.
 //!
-//! Input: the bed, the robot, the stops. Output: legs of the whole bed under which the robot meets every stop at the end of a leg, and
-//! nothing meets that must not; or why none were found.
+//! Input: the bed, the robot, the stops. Output: legs of the whole bed under which the robot reaches every stop at the end of a leg
+//! without a forbidden collision; or why none were found.
 //!
-//! Method: the way of the driven robot first, as if it were alone (`ways`), in whole strokes (`strokes`). Any control state that has its arm
-//! where a leg needs it serves this leg; they are tried leg by leg, depth first, those first under which the others run the least, since robots
-//! that turn stay where they are (`choice`). If under no choice the bed stays clear, what the driven robot met is put in its way: the body of
-//! a robot where they met, or the disc of one that orbits; and the way is sought again.
+//! Method: first the path of the driven robot alone (`ways`), in whole strokes (`strokes`). Any control state with its arm in the
+//! position that a leg needs can drive this leg; states are tried leg by leg, depth first, those first in which the fewest other
+//! robots run, since robots that turn stay in place (`choice`). If no choice is free of collisions, the collision partner becomes
+//! an obstacle of the driven robot: the body of a robot where they met, or the disc of one that orbits; and the path is searched
+//! again.
 //!
-//! Promise: the legs are free of collisions by `World::first_hit`, and the stops are met within the precision. Not promised: that legs are
-//! found where there are some, or that none are shorter: the stops themselves are aimed at, and drives that spare strokes by stopping
-//! short within the precision are not looked for. What no drive is below, `bound` says.
+//! Promise: the legs are free of collisions by `World::first_hit`, and the stops are met within the precision. Not promised: that
+//! legs are found where there are some, or the fewest strokes: the stops themselves are targeted, and drives that save strokes by
+//! stopping short within the precision are not searched. For lower bounds see `bound`.
 
 mod choice;
 
@@ -26,17 +27,17 @@ use crate::plan::search::{Meter, SearchBudget};
 use crate::real::Real;
 use choice::TrainChoice;
 
-/// How often what was met is put in the way of one stop.
+/// Most collision partners that become obstacles on the way to one stop.
 const MAX_ROUNDS: usize = 8;
 
-/// Who drives where.
+/// A drive request: the robot, its stops, and the bed.
 #[derive(Clone, Copy)]
 pub struct Drive<'a> {
     pub order: &'a MicrorobotsOrder,
     pub world: &'a World,
     pub bed: &'a BedPoses,
     pub robot: usize,
-    /// In their order; the last one is the goal.
+    /// In order; the last one is the goal.
     pub stops: &'a [Pose],
 }
 
@@ -47,72 +48,75 @@ impl Drive<'_> {
     }
 }
 
-/// A drive.
+/// A successful drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Driven {
-    /// Neighbours have different states, but for legs between which a stop lies. Empty if the robot is there.
+    /// Neighbours differ in their states, unless a stop lies between them. Empty if the robot is at its goal already.
     pub legs: Vec<Leg>,
-    /// How many legs each stop takes to be met; ascending.
+    /// Number of legs after which each stop is met; ascending.
     pub met: Vec<usize>,
     pub strokes: u64,
-    /// Of the shortest way to the stops themselves, without obstacles. Drives that stop short within the precision may have fewer.
+    /// Strokes of the shortest path to the stops themselves, without obstacles. Drives that stop short within the precision may
+    /// have fewer.
     pub exact_strokes: u64,
-    /// Whether it has no more than `exact_strokes` and one for each leg.
+    /// Whether it has at most `exact_strokes` plus one per leg.
     pub direct: bool,
-    /// Steps of the budget that were taken.
+    /// Steps of the budget spent.
     pub spent: u64,
 }
 
-/// Why a robot does not come to a stop.
+/// Why a robot does not reach a stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StuckDrive {
-    /// Index of the stops.
+    /// Index into the stops.
     pub stop: usize,
     pub reason: StuckReason,
-    /// Steps of the budget that were taken.
+    /// Steps of the budget spent.
     pub spent: u64,
-    /// How many ways were tried with every choice of control states.
+    /// Number of paths tried with every choice of control states.
     pub ways: usize,
 }
 
-/// What stands in the way.
+/// An obstruction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Thing {
-    /// Index of the order's obstacles.
+    /// Index into the order's obstacles.
     Obstacle(usize),
     /// The body of a robot.
     Robot(usize),
-    /// The disc that a robot sweeps.
+    /// The orbit disc of a robot.
     Orbit(usize),
 }
 
-/// Why.
+/// Reason of a failed drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StuckReason {
-    /// A proof: the robot sticks in a structure.
+    /// A proof: the robot is docked.
     Docked,
-    /// A proof if every plan has the robot here before this stop: it has to turn, and no control state lowers its arm and keeps those of docked robots up.
+    /// A proof if every plan has the robot here before this stop: it must turn, and no control state lowers its arm while keeping
+    /// those of docked robots up.
     NeverTurns,
-    /// A proof if every plan has the robot here before this stop: it has to run straight, and no control state raises its arm and keeps those of docked robots up.
+    /// A proof if every plan has the robot here before this stop: it must run straight, and no control state raises its arm while
+    /// keeping those of docked robots up.
     NeverRuns,
-    /// A proof if every plan has the robot here before this stop: where it stands it is too near to this to move.
+    /// A proof if every plan has the robot here before this stop: at its current pose it is too near to this to move.
     Start(Thing),
     /// At the stop it is too near to this. No proof: it may stop elsewhere within the precision.
     Goal(Thing),
-    /// No way around this was found. No proof.
+    /// No path around this was found. No proof.
     Blocked(Thing),
-    /// The budget ran out; this is in the way of the shortest way. No proof.
+    /// The budget ran out; this blocks the shortest path. No proof.
     GaveUp(Thing),
-    /// The precision is below what whole strokes can do. No proof.
+    /// The precision is finer than whole strokes can achieve. No proof.
     TooFine,
-    /// The budget ran out over the choice of control states. No proof.
+    /// The budget ran out during the choice of control states. No proof.
     OutOfBudget,
-    /// It has a way, but with every choice of control states that was tried something meets; this is what happened last. No proof.
+    /// It has a path, but every choice of control states that was tried causes a collision; this is the latest one. No proof.
     Meets(FirstMeeting),
 }
 
 impl StuckReason {
-    /// Whether there is no drive at all from where the robot is.
+    /// Whether the reason proves that there is no drive from the robot's current pose.
     pub fn is_proof(&self) -> bool {
         match self {
             StuckReason::Docked | StuckReason::NeverTurns | StuckReason::NeverRuns | StuckReason::Start(_) => true,
@@ -141,7 +145,7 @@ pub fn drive(request: &Drive, budget: SearchBudget) -> Result<Driven, StuckDrive
     Ok(progress.driven())
 }
 
-/// Legs up to a stop.
+/// Legs up to a stop, under construction.
 struct DriveProgress<'a> {
     request: &'a Drive<'a>,
     meter: Meter,
@@ -173,7 +177,7 @@ impl DriveProgress<'_> {
         for _ in 0..MAX_ROUNDS {
             let found = match self.find(from, goal, &around) {
                 Ok(way) => way,
-                // What was put in the way closes it: what was met before says more.
+                // The added obstacles close the path: the collision that led to them is the better explanation.
                 Err(reason) => return Err(last.map_or(reason, StuckReason::Meets)),
             };
             let trains = strokes::whole(&world.body(robot).robot, from, goal, &found, order.precision);
@@ -194,7 +198,8 @@ impl DriveProgress<'_> {
         self.other_word(from, goal, last)
     }
 
-    /// A way of the robot alone. Unless the free optimum is clear, it keeps room for the rounding to whole strokes where there is room.
+    /// A path of the robot alone. Unless the free optimum is clear, it leaves room for rounding to whole strokes where there is
+    /// room.
     fn find(&mut self, from: Pose, to: Pose, around: &Around) -> Result<Vec<ArmSegment>, StuckReason> {
         let Drive { order, world, robot, .. } = *self.request;
         let exact = DriveTask { world, robot, from, to, fixtures: &around.fixtures };
@@ -210,7 +215,7 @@ impl DriveProgress<'_> {
         found.map(|found| found.way).map_err(|no_way| around.reason(no_way))
     }
 
-    /// The other free way, which lets the others move otherwise.
+    /// The other free path, under which the others move differently.
     fn other_word(&mut self, from: Pose, goal: Pose, last: Option<FirstMeeting>) -> Result<(), StuckReason> {
         let Drive { order, world, bed, robot, .. } = *self.request;
         let around = Around::docked(world, bed, robot);
@@ -230,12 +235,12 @@ impl DriveProgress<'_> {
         TrainChoice::new(self.request, &self.legs, trains).run(&mut self.meter)
     }
 
-    /// Whether control states have the arm where every way needs it.
+    /// Whether control states put the arm in the positions that every path needs.
     fn can_steer(&self, from: Pose, goal: Pose) -> Result<(), StuckReason> {
         let Drive { order, world, robot, .. } = *self.request;
         let has = |arm: Arm| self.request.states().any(|state| world.arm(state, robot) == arm);
         let facts = &world.body(robot).robot;
-        // Without a turn the heading stays, and without a run the middle does.
+        // Without a turn the heading is constant, and without a run the turning centre is.
         let Precision { place_um, heading_rad } = order.precision;
         let turn_rad = free::turn_rad(facts, from.heading_rad, goal.heading_rad);
         let (sin, cos) = from.heading_rad.sine_cosine();
@@ -269,19 +274,19 @@ impl DriveProgress<'_> {
     }
 }
 
-/// What a number of strokes gives away to roundings.
+/// Rounding allowance of a number of strokes.
 const ROUNDING: f64 = 1e-3;
 
-/// What rests or is taken to rest, and whose it is.
+/// Bodies and discs at rest, or assumed to be, and their robots.
 struct Around {
     fixtures: Fixtures,
-    /// Of the fixtures' bodies and discs: which robot's.
+    /// Robots of the fixtures' bodies and discs.
     bodies: Vec<usize>,
     discs: Vec<usize>,
 }
 
 impl Around {
-    /// The bodies that are docked.
+    /// The docked bodies.
     fn docked(world: &World, bed: &BedPoses, robot: usize) -> Self {
         let bodies: Vec<usize> = (0..world.count()).filter(|other| bed.docked[*other] && *other != robot).collect();
         let rectangles = bodies.iter().map(|other| world.rectangle(*other, bed.poses[*other])).collect();
@@ -305,7 +310,7 @@ impl Around {
         }
     }
 
-    /// Puts what the driven robot met in its way; `false` if it is not the driven robot that met, or is there already.
+    /// Adds the collision partner as an obstacle; `false` if the driven robot did not collide, or the obstacle exists already.
     fn add(&mut self, request: &Drive, legs: &[Leg], hit: FirstMeeting) -> bool {
         let Drive { world, bed, robot, .. } = *request;
         let (other, with) = match hit.meeting {

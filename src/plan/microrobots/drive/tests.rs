@@ -1,4 +1,4 @@
-//! Drives end to end: every plan is integrated and looked at again.
+//! Drives end to end: every plan is integrated and checked.
 
 use super::*;
 use crate::claims::microrobots::MicrorobotsObstacle;
@@ -89,7 +89,7 @@ fn who_orbits_is_driven_around() {
     let order = three([pose(1_000.0, -30.0, 180.0), Pose::at(0.0, 0.0), far(2)], Vec::new());
     let plan = drive_in(&order, &[], 1, &[Pose::at(2_200.0, 0.0)]).unwrap();
     assert!(!plan.direct, "{plan:?}");
-    // If it runs away, nothing is in the way; nor if it orbits elsewhere.
+    // If it runs away, nothing obstructs it; nor if it orbits elsewhere.
     let order = three([pose(1_000.0, 150.0, 0.0), Pose::at(0.0, 0.0), far(2)], Vec::new());
     assert!(drive_in(&order, &[], 1, &[Pose::at(2_200.0, 0.0)]).unwrap().direct);
     let order = three([pose(1_000.0, 700.0, 0.0), Pose::at(0.0, 0.0), far(2)], Vec::new());
@@ -106,7 +106,7 @@ fn docked_robots_are_driven_around() {
     assert_eq!(drive_in(&order, &[1], 1, &[Pose::at(1_000.0, 500.0)]).unwrap_err().reason, StuckReason::Docked);
 }
 
-/// Of the second robot the arm is down whenever the first one's is not the only one.
+/// The second robot's arm is down only together with the first one's.
 #[test]
 fn the_arms_of_docked_robots_stay_up() {
     let order = three([Pose::at(0.0, 0.0), pose(3_000.0, 0.0, 90.0), far(2)], Vec::new());
@@ -126,7 +126,7 @@ fn what_others_hit_is_told() {
     let StuckReason::Meets(hit) = stuck.reason else { panic!("{stuck:?}") };
     assert_eq!(hit.meeting, ForbiddenMeeting::Obstacle { robot: 2, obstacle: 0 });
     assert!(!stuck.reason.is_proof());
-    // Where its legs are chosen so, it turns in time: with all arms down in between it comes back.
+    // With its legs chosen accordingly, it turns in time: while all arms are down in between, it comes back.
     let wall = obstacle("wall", Shape::Box { size_um: [40.0, 4_000.0] }, Pose::at(9_000.0, 0.0));
     let order = three([Pose::at(0.0, 0.0), far(1), pose(5_000.0, 0.0, 0.0)], vec![wall]);
     assert!(drive_in(&order, &[], 0, &[Pose::at(2_000.0, 0.0)]).is_ok());

@@ -1,47 +1,47 @@
-//! Interpolated turning: the fine motion that brings robots the last stretch to their goals.
+//! Interpolated turning: the fine motion over the last stretch to the goals.
 //!
-//! Input: a robot, where it is, and where it has to go through, or how long its last stretch is. Output: the shares of a cycle in
-//! which its arm is down, or why none will do; and cycles of whole strokes, carried out forwards or backwards. Promise: whole cycles
-//! are exact in both directions up to the rounding of `f64`; a share steers through its point up to third order in the cycle's
-//! length. Source: the paper's section 3.1, with the shares of its two-primitive radius exchanged, and of its third equation the
-//! robot's index put right: an arm that is down in a share ρ of the way bends it to the radius r / ρ.
+//! Input: a robot, its pose, and the point through which it must pass, or the length of its last stretch. Output: the shares of a
+//! cycle with its arm down, or why there are none; and cycles of whole strokes, applied forwards or backwards. Promise: whole
+//! cycles are exact in both directions up to the rounding of `f64`; a share leads through its point up to third order in the
+//! cycle's length. Source: the paper's section 3.1, with the shares of its two-primitive radius exchanged, and the robot's index in
+//! its third equation corrected: an arm that is down for a share ρ of the path bends it to the radius r / ρ.
 
 use super::Leg;
 use crate::device::microrobots::{Arm, Fine, Robot};
 use crate::geometry::Pose;
 use crate::real::Real;
 
-/// How often a share is corrected for the lead of its own turns; each time gains about two digits.
+/// Corrections of a share for the lead of its own turns; each gains about two digits.
 const CORRECTIONS: usize = 6;
 
-/// A share may leave its range by so much from rounding alone.
+/// Rounding tolerance of the range of a share.
 const SHARE_TOLERANCE: f64 = 1e-9;
 
-/// Shares of both robots' arms down, of only the second's and of none, when neither is corrected.
+/// Shares of both robots' arms down, of only the second's, and of neither, without corrections.
 pub const SYMMETRIC: [f64; 3] = [1.0 / 3.0; 3];
 
-/// A circle through a place, on the side to which the robot turns; or the straight line to it.
+/// A circle through a point, on the side to which the robot turns; or the straight line to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bend {
     /// 1 / radius; 0 for the straight line.
     pub turn_per_um: f64,
-    /// Along it to the place.
+    /// Arc length to the point.
     pub way_um: f64,
 }
 
-/// Shares of a cycle, in the order of its primitives, that lead through a place.
+/// Shares of a cycle, in the order of its primitives, that lead through a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Steering<const K: usize> {
-    /// They add up to 1.
+    /// They sum to 1.
     pub shares: [f64; K],
-    /// Of the robot until it is there; of the first robot, where there are two.
+    /// Path length of the robot to the point; of the first robot, if there are two.
     pub way_um: f64,
 }
 
-/// Why no shares of a cycle lead through a place.
+/// Why no shares of a cycle lead through a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unreachable {
-    /// It lies on the side to which the robot does not turn, so far off the robot's axis.
+    /// It lies on the side to which the robot does not turn, this far from the robot's axis.
     OtherSide { off_um: f64 },
     /// It lies on the axis, behind the robot.
     Behind { off_um: f64 },
@@ -49,11 +49,11 @@ pub enum Unreachable {
     TooNarrow { radius_um: f64, least_um: f64 },
     /// The circle through it is wider than the greatest radius that the shares allow.
     TooWide { radius_um: f64, most_um: f64 },
-    /// The first robot would have to turn for a greater share than the second, which turns whenever the first does.
+    /// The first robot would have to turn for a larger share than the second, which turns whenever the first does.
     OutOfOrder { first: f64, second: f64 },
 }
 
-/// The circle that leaves a pose along its heading and passes through a place: the paper's equation 1.
+/// The circle that leaves a pose along its heading and passes through a point: the paper's equation 1.
 pub fn bend(robot: &Robot, pose: Pose, [x_um, y_um]: [f64; 2]) -> Result<Bend, Unreachable> {
     let (sin, cos) = pose.heading_rad.sine_cosine();
     let (dx_um, dy_um) = (x_um - pose.x_um, y_um - pose.y_um);
@@ -70,14 +70,14 @@ pub fn bend(robot: &Robot, pose: Pose, [x_um, y_um]: [f64; 2]) -> Result<Bend, U
     Ok(Bend { turn_per_um, way_um: 2.0 * aside_um.arc_tangent_over(ahead_um) / turn_per_um })
 }
 
-/// Shares of turning and of running straight that lead one robot through a place: all that its two primitives reach.
+/// Shares of turning and of running straight that lead one robot through a point: everything that its two primitives reach.
 pub fn two(robot: &Robot, cycle_um: f64, pose: Pose, place_um: [f64; 2]) -> Result<Steering<2>, Unreachable> {
     let (share, way_um) = share(robot, cycle_um, pose, place_um, [0.0, 1.0])?;
     Ok(Steering { shares: [share, 1.0 - share], way_um })
 }
 
-/// Shares of three primitives that lead the first of two robots through a place, while the second keeps its nominal radius: from
-/// three times the first one's own radius upwards.
+/// Shares of three primitives that lead the first of two robots through a point, while the second keeps its nominal radius: radii
+/// from three times the first one's own upwards.
 pub fn three_for_first(
     first: &Robot,
     cycle_um: f64,
@@ -88,8 +88,8 @@ pub fn three_for_first(
     Ok(Steering { shares: [share, 2.0 / 3.0 - share, 1.0 / 3.0], way_um })
 }
 
-/// Shares of three primitives that lead the second of two robots through a place, while the first keeps its nominal radius: from
-/// the second one's own radius to one and a half of it.
+/// Shares of three primitives that lead the second of two robots through a point, while the first keeps its nominal radius: radii
+/// from the second one's own to one and a half times it.
 pub fn three_for_second(
     second: &Robot,
     cycle_um: f64,
@@ -100,7 +100,7 @@ pub fn three_for_second(
     Ok(Steering { shares: [1.0 / 3.0, share - 1.0 / 3.0, 1.0 - share], way_um })
 }
 
-/// Shares of three primitives that lead two robots through places of theirs at once. Their ways may differ in length.
+/// Shares of three primitives that lead two robots through a point each. Their paths may differ in length.
 pub fn three_for_both(
     [first, second]: [&Robot; 2],
     cycles_um: [f64; 2],
@@ -116,10 +116,10 @@ pub fn three_for_both(
     Ok(Steering { shares: [both, second_share - both, 1.0 - second_share], way_um })
 }
 
-/// The share of the way for which the arm has to be down, and the way.
+/// The share of the path with the arm down, and the path length.
 ///
-/// Every cycle begins with its turns, so that on average the heading is ahead of the circle's by half of what one cycle's straight
-/// share holds back: the circle is laid from that heading.
+/// Every cycle begins with its turns, so on average the heading leads that of the circle by half of the turn that one cycle's
+/// straight share delays: the circle is computed from that leading heading.
 fn share(
     robot: &Robot,
     cycle_um: f64,
@@ -146,7 +146,7 @@ fn share(
     Ok((share.clamp(least, most), way_um))
 }
 
-/// Whole strokes of each primitive of a cycle, and how often the cycle comes. The last primitive runs straight.
+/// Whole strokes of each primitive of a cycle, and the number of cycles. The last primitive runs straight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cycles<const K: usize> {
     pub strokes: [u64; K],
@@ -154,7 +154,7 @@ pub struct Cycles<const K: usize> {
 }
 
 impl<const K: usize> Cycles<K> {
-    /// Equal shares over the whole fine motion, for robots with these steps; the fastest does the device's length.
+    /// Equal shares over the whole fine motion, for robots with these steps; the fastest one covers the device's length.
     pub fn symmetric(fine: &Fine, steps_um: &[f64]) -> Self {
         let step_um = steps_um.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let parts = K.max(1) as u64;
@@ -163,18 +163,18 @@ impl<const K: usize> Cycles<K> {
         Cycles { strokes: split([1.0 / parts as f64; K], strokes), count }
     }
 
-    /// Strokes of all of it.
+    /// Total number of strokes.
     pub fn total(&self) -> u64 {
         self.strokes.iter().sum::<u64>() * self.count
     }
 
-    /// Where it brings a robot whose arm is like this in the primitives.
+    /// Pose to which it brings a robot whose arm has these positions in the primitives.
     pub fn forward(&self, robot: &Robot, arms: [Arm; K], from: Pose) -> Pose {
         let go = |pose, (arm, strokes): (Arm, u64)| robot.moved(pose, arm, robot.step_um * strokes as f64);
         (0..self.count).fold(from, |pose, _| arms.into_iter().zip(self.strokes).fold(pose, go))
     }
 
-    /// Where a robot has to be for it to bring it to a goal.
+    /// Pose from which it brings a robot to a goal.
     pub fn backward(&self, robot: &Robot, arms: [Arm; K], goal: Pose) -> Pose {
         let go = |pose, (arm, strokes): (Arm, u64)| robot.moved(pose, arm, -robot.step_um * strokes as f64);
         (0..self.count).fold(goal, |pose, _| arms.into_iter().zip(self.strokes).rev().fold(pose, go))
@@ -187,7 +187,7 @@ impl<const K: usize> Cycles<K> {
     }
 }
 
-/// Whole strokes of a cycle by their shares; they add up to `strokes`.
+/// Whole strokes of a cycle from its shares; they add up to `strokes`.
 pub fn split<const K: usize>(shares: [f64; K], strokes: u64) -> [u64; K] {
     let (mut share, mut given) = (0.0, 0);
     shares.map(|part| {

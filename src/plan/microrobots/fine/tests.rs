@@ -13,14 +13,14 @@ fn pose(x_um: f64, y_um: f64, heading_deg: f64) -> Pose {
     Pose { x_um, y_um, heading_rad: heading_deg.to_radians() }
 }
 
-/// The place so far along a bend.
+/// The point at a path length along a bend.
 fn along(robot: &Robot, from: Pose, radius_um: f64, way_um: f64) -> [f64; 2] {
     let wider = Robot { turning_radius_um: radius_um, ..robot.clone() };
     let end = wider.moved(from, Arm::Down, way_um);
     [end.x_um, end.y_um]
 }
 
-/// Drives cycles with these shares of the arm, and returns how near they come to a place.
+/// Drives cycles with these shares of the arm, and returns their least distance from a point.
 fn nearest_um(robot: &Robot, from: Pose, shares: &[(Arm, f64)], cycle_um: f64, [x, y]: [f64; 2]) -> f64 {
     let (mut pose, mut best_um) = (from, f64::INFINITY);
     for _ in 0..80 {
@@ -142,7 +142,8 @@ fn cycles_go_back_as_they_went() {
     assert_eq!(legs[2].state, 1);
 }
 
-/// However short the fine motion and its cycles are, each primitive comes at least once, and no cycle has more strokes than it may.
+/// However short the fine motion and its cycles are, each primitive occurs at least once, and no cycle exceeds its limit of
+/// strokes.
 #[test]
 fn short_fine_motions_still_end_straight() {
     for (length_um, cycle_um) in [(0.005, 0.001), (0.02, 0.02), (0.1, 0.03), (5.0, 10.0)] {

@@ -1,26 +1,28 @@
-//! The shortest way of one robot from pose to pose where nothing is in its way.
+//! The shortest path of one robot between two poses without obstacles (a one-sided Dubins path).
 //!
 //! The problem: a robot runs straight (arm up) or turns to one side, always the same, on a circle of radius r (arm down).
 //!
-//! Method: look at the middle of the circle that it turns on. While it turns, the middle rests; while it runs straight, the middle
-//! runs along with the heading. So a way is a polyline from the first middle c0 to the last one c1; its edges are run with the
-//! heading at that time, the turns happen at its corners, and it costs its length + r × the angle T turned in all. Headings only go
-//! round one way, so that T = T0 + 2πk with T0 = (the angle from the first heading round to the last one) in [0, 2π). Let d = c1 − c0.
+//! Method: consider the centre of its turning circle. While the robot turns, the centre rests; while it runs straight, the centre
+//! moves along the heading. So a path is a polyline from the first centre c0 to the last one c1; its edges are run with the heading
+//! at that time, the turns happen at its corners, and it costs its length + r × the total turning angle T. Headings only change in
+//! one sense, so T = T0 + 2πk, where T0 in [0, 2π) is the angle from the first heading to the last one. Let d = c1 − c0.
 //!
-//! For given T the edges are d as a sum of vectors whose directions lie in the arc of headings that the turn passes, and every order
-//! of headings along the arc is one way. The least sum of lengths is the gauge of d with respect to the convex hull of
-//! that arc of the unit circle and the origin:
-//! - d points into the arc: |d| by one edge, and nothing is below |d|. That is turn–straight–turn.
-//! - d points beside the arc, and T0 > π: the hull is bounded there by the chord between the first and the last heading,
-//!   and the least sum takes these two alone. That is straight–turn–straight.
-//! - d points beside the arc, and T0 ≤ π: d is no such sum. (At T0 = π the arc is a closed half-circle, and d points to its other side.)
+//! For given T the edges express d as a sum of vectors whose directions lie in the arc of headings that the turn sweeps, and every
+//! order of headings along the arc is a path. The least sum of lengths is the gauge of d with respect to the convex hull of that
+//! arc of the unit circle and the origin:
+//! - d points into the arc: |d| by one edge, which is least, since no sum is below |d|. That is turn–straight–turn.
+//! - d points beside the arc, and T0 > π: the hull is bounded there by the chord between the first and the last heading, and the
+//!   least sum uses these two only. That is straight–turn–straight.
+//! - d points beside the arc, and T0 ≤ π: d is no such sum. (At T0 = π the arc is a closed half-circle, and d points to its other
+//!   side.)
 //! - k ≥ 1: the arc is the whole circle, |d| by one edge; k = 1 is the cheapest of these.
 //!
-//! So the optimum is turn–straight–turn with T = T0 if d points into the arc, and else the better of straight–turn–straight with T0 (where
-//! T0 > π) and turn–straight–turn with T0 + 2π. Shorter words are these with zeros in them. Everything is in closed form.
+//! So the optimum is turn–straight–turn with T = T0 if d points into the arc, and otherwise the better of straight–turn–straight
+//! with T0 (if T0 > π) and turn–straight–turn with T0 + 2π. Shorter words are these with zeros in them. Everything has a closed
+//! form.
 //!
-//! Promise: the way ends at the goal up to [`SLACK_UM`] and [`SLACK_RAD`]. These slacks are there because a goal exactly ahead must not
-//! cost a whole circle for the sake of a rounding.
+//! Promise: the path ends at the goal up to [`SLACK_UM`] and [`SLACK_RAD`]. Without these slacks, rounding could cost a full circle
+//! for a goal exactly ahead.
 
 use crate::claims::microrobots::Precision;
 use crate::device::microrobots::{Arm, Robot};
@@ -28,21 +30,21 @@ use crate::geometry::Pose;
 use crate::real::Real;
 use std::f64::consts::{PI, TAU};
 
-/// By how much a way may miss its goal to the side for the sake of a turn less.
+/// Lateral miss of the goal that is allowed to save a turn.
 pub const SLACK_UM: f64 = 1e-6;
 
 /// The same for headings.
 pub const SLACK_RAD: f64 = 1e-9;
 
-/// A stretch of a robot's way with its arm in one place.
+/// A segment of a robot's path with its arm in one position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ArmSegment {
     pub arm: Arm,
-    /// Of its centre, at least 0.
+    /// Path length of its centre, at least 0.
     pub way_um: f64,
 }
 
-/// A way in at most five stretches: turn, run, turn, run, turn.
+/// A path of at most five segments: turn, run, turn, run, turn.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DubinsWord {
     pub turns_rad: [f64; 3],
@@ -50,12 +52,12 @@ pub struct DubinsWord {
 }
 
 impl DubinsWord {
-    /// The way of the centre of a robot with this turning radius.
+    /// Path length of the centre of a robot with this turning radius.
     pub fn length_um(&self, radius_um: f64) -> f64 {
         self.runs_um[0] + self.runs_um[1] + radius_um * (self.turns_rad[0] + self.turns_rad[1] + self.turns_rad[2])
     }
 
-    /// The stretches that are not empty, neighbours of the same arm as one.
+    /// The segments that are not empty, neighbours with the same arm merged.
     pub fn segments(&self, radius_um: f64) -> Vec<ArmSegment> {
         let turn = |index: usize| ArmSegment { arm: Arm::Down, way_um: radius_um * self.turns_rad[index] };
         let run = |index: usize| ArmSegment { arm: Arm::Up, way_um: self.runs_um[index] };
@@ -63,7 +65,7 @@ impl DubinsWord {
     }
 }
 
-/// The same way without empty stretches, neighbours of the same arm as one.
+/// The same path without empty segments, neighbours with the same arm merged.
 pub fn joined(segments: impl IntoIterator<Item = ArmSegment>) -> Vec<ArmSegment> {
     let mut kept: Vec<ArmSegment> = Vec::new();
     for segment in segments.into_iter().filter(|segment| segment.way_um > 0.0) {
@@ -75,17 +77,17 @@ pub fn joined(segments: impl IntoIterator<Item = ArmSegment>) -> Vec<ArmSegment>
     kept
 }
 
-/// Length of a way.
+/// Length of a path.
 pub fn length_um(way: &[ArmSegment]) -> f64 {
     way.iter().map(|segment| segment.way_um).sum()
 }
 
-/// A shortest way.
+/// A shortest path.
 pub fn shortest(robot: &Robot, from: Pose, to: Pose) -> Vec<ArmSegment> {
     best(robot, from, to).segments(robot.turning_radius_um)
 }
 
-/// Length of a shortest way.
+/// Length of a shortest path.
 pub fn distance_um(robot: &Robot, from: Pose, to: Pose) -> f64 {
     best(robot, from, to).length_um(robot.turning_radius_um)
 }
@@ -94,8 +96,8 @@ fn best(robot: &Robot, from: Pose, to: Pose) -> DubinsWord {
     words(robot, from, to)[0]
 }
 
-/// The ways without a needless edge, the shortest first: turn–straight–turn, and straight–turn–straight where there is one. If there is none,
-/// both are the same.
+/// The paths without a needless edge, the shortest first: turn–straight–turn, and straight–turn–straight if it exists. Otherwise
+/// both are equal.
 pub fn words(robot: &Robot, from: Pose, to: Pose) -> [DubinsWord; 2] {
     let journey = MirroredJourney::new(robot, from, to);
     let one = journey.turn_run_turn();
@@ -108,7 +110,7 @@ pub fn words(robot: &Robot, from: Pose, to: Pose) -> [DubinsWord; 2] {
     }
 }
 
-/// The angle from one heading round to another to the side to which the robot turns, in [0, 2π); nearly 2π counts as 0.
+/// Angle from one heading to another in the robot's turning sense, in [0, 2π); almost 2π counts as 0.
 pub fn turn_rad(robot: &Robot, from_rad: f64, to_rad: f64) -> f64 {
     snapped((robot.turning.sign() * (to_rad - from_rad)).rem_euclid(TAU), SLACK_RAD)
 }
@@ -117,13 +119,13 @@ fn snapped(turn_rad: f64, slack_rad: f64) -> f64 {
     if turn_rad >= TAU - slack_rad { 0.0 } else { turn_rad }
 }
 
-/// A start and a goal in terms of the middles, mirrored so that headings rise while the robot turns.
+/// Start and goal in terms of the turning centres, mirrored so that headings increase while the robot turns.
 struct MirroredJourney {
     radius_um: f64,
-    /// From the first middle to the last one, in the frame of the first heading.
+    /// From the first centre to the last one, in the frame of the first heading.
     along_um: [f64; 2],
     distance_um: f64,
-    /// From the first heading to the direction of the last middle.
+    /// Angle from the first heading to the direction of the last centre.
     aim_rad: f64,
     /// T0 of the module's documentation.
     turn_rad: f64,
@@ -164,10 +166,10 @@ impl MirroredJourney {
     }
 }
 
-/// A length that no way is below from a pose within a slack of the first one to a pose within a slack of the second one.
+/// Lower bound on the length of any path from a pose within a slack of the first to a pose within a slack of the second.
 ///
-/// The optimum of the module's documentation with every quantity taken at its cheapest within the slacks: each middle lies within
-/// place + r × heading of the pose's own, and the frame of the first heading is turned by as much as that is off.
+/// The optimum of the module's documentation with every quantity at its cheapest within the slacks: each centre lies within place +
+/// r × heading of the pose's own, and the frame of the first heading may be rotated by its slack.
 pub fn least_um(robot: &Robot, (from, before): (Pose, Precision), (to, after): (Pose, Precision)) -> f64 {
     let journey = MirroredJourney::new(robot, from, to);
     let off_rad = before.heading_rad + after.heading_rad + SLACK_RAD;
@@ -185,7 +187,7 @@ pub fn least_um(robot: &Robot, (from, before): (Pose, Precision), (to, after): (
     if ahead {
         return direct_um;
     }
-    // With a circle more the turn is no shorter than that; it may be less than a whole one.
+    // With one more circle the turn is no shorter than this; it may be less than a full one.
     let circled_um = near_um + journey.radius_um * (TAU + turn_rad - off_rad);
     if turn_rad + off_rad <= PI {
         return circled_um;
@@ -195,8 +197,8 @@ pub fn least_um(robot: &Robot, (from, before): (Pose, Precision), (to, after): (
 }
 
 impl MirroredJourney {
-    /// The least sum of two edges along the first and the last heading, no more than this off, in a frame that may be turned. The chord's
-    /// normal points to the middle of the gap between the two headings, and the sum is the part of d along it / the cosine of half the gap.
+    /// Least sum of two edges along the first and the last heading, up to `off_um`, in a frame that may be rotated. The chord's
+    /// normal bisects the gap between the two headings, and the sum is the component of d along it / the cosine of half the gap.
     fn chord_um(&self, off_um: f64, off_rad: f64, tilt_rad: f64) -> f64 {
         let middle_rad = (self.turn_rad + TAU) / 2.0;
         let (sin, cos) = middle_rad.sine_cosine();
@@ -207,7 +209,7 @@ impl MirroredJourney {
     }
 }
 
-/// How many stretches every way has at least that ends within `slack` of the goal.
+/// Least number of segments of any path that ends within `slack` of the goal.
 pub fn fewest_segments(robot: &Robot, from: Pose, to: Pose, slack: Precision) -> usize {
     let journey = MirroredJourney::new(robot, from, to);
     let off_um = slack.place_um + journey.radius_um * slack.heading_rad;

@@ -1,4 +1,4 @@
-//! Shortest ways against all sums of two of many directions, and their ends.
+//! Shortest paths compared with all sums of two of many directions, and their ends.
 
 use super::*;
 use crate::device::microrobots::Turning;
@@ -81,7 +81,7 @@ fn what_lies_ahead_costs_no_circle() {
 fn a_little_aside_costs_a_circle_on_one_side() {
     let robot = robot(200.0, Turning::Clockwise);
     let from = Pose::at(0.0, 0.0);
-    // Clockwise to the right, on and straight back to the heading: not without a circle.
+    // To the right, clockwise, and straight back to the heading: impossible without a circle.
     assert!(distance_um(&robot, from, pose(5_000.0, -3.0, 0.0)) > 5_000.0 + TAU * 199.0);
     assert!(distance_um(&robot, from, pose(5_000.0, -3.0, -0.1)) < 5_100.0);
 }

@@ -1,54 +1,54 @@
-//! What the fine motion can correct, and what it leaves.
+//! Range of corrections of the fine motion, and its remaining error.
 //!
-//! Seen from the goal, with Y the place across at which a robot would dock if it ran straight, the curvature κ that it needs is
-//! -Y / S(D), where S(D) = D(D + l)/2 is by how much a curvature moves the front of a robot of length l on a way D. An interval that is
-//! driven with an error of curvature ε changes what is needed by ε (S(D) - S(D')) / S(D'); the sum over all intervals is what has to
-//! be kept in reserve on both sides. ε has two parts: that of the measurement, E(D) / S(D), and the robot's own.
+//! Seen from the goal, let Y be the lateral place at which a robot would dock if it ran straight. It needs the curvature κ = -Y /
+//! S(D), where S(D) = D(D + l)/2 is the lateral shift of the front of a robot of length l per unit of curvature over a distance D.
+//! An interval driven with a curvature error ε changes the needed curvature by ε (S(D) - S(D')) / S(D'); the sum over all intervals
+//! must be kept in reserve on both sides. ε has two parts: that of the measurement, E(D) / S(D), and the robot's own.
 
 use crate::geometry::Pose;
 use crate::plan::microrobots::strategy::{Cylinder, Driver, GoalFrame, steered};
 use crate::real::Real;
 
-/// The steepest heading that is reckoned with, against the normal of the edge.
+/// Steepest heading considered, relative to the normal of the edge.
 const STEEPEST_RAD: f64 = 1.3;
 
-/// With more intervals than these nothing is bounded.
+/// With more intervals than this nothing is bounded.
 const MAX_INTERVALS: f64 = 10_000.0;
 
-/// So often the incidence and the reserve, which depend on each other, are worked out anew.
+/// Iterations of the incidence and the reserve, which depend on each other.
 const ROUNDS: usize = 30;
 
-/// A cylinder that is longer along the way to the goal.
+/// A cylinder that is elongated along the path to the goal.
 #[derive(Debug, Clone, Copy)]
 pub struct Region {
     pub cylinder: Cylinder,
     pub along_um: f64,
 }
 
-/// The bounds of a fine motion that begins in a cylinder.
+/// Bounds of a fine motion that begins in a cylinder.
 #[derive(Debug, Clone, Copy)]
 pub struct Last {
-    /// A cylinder of this radius could just be corrected.
+    /// Radius of the largest correctable cylinder.
     pub reach_um: f64,
-    /// At contact.
+    /// Incidence at contact.
     pub incidence_rad: f64,
-    /// At contact, once the robot lies flat.
+    /// Lateral offset at contact, once the robot lies flat.
     pub across_um: f64,
-    /// By how much the curvature may differ from what is needed from the middle of the cylinder.
+    /// Largest deviation of the needed curvature from that at the middle of the cylinder.
     pub bend_per_um: f64,
 }
 
 struct FineBounds<'a> {
     driver: &'a Driver<'a>,
     incidence_rad: f64,
-    /// Of the heading when the fine motion begins.
+    /// Steepest heading at the start of the fine motion.
     steepest_rad: f64,
-    /// The longest way to the contact.
+    /// Longest path to the contact.
     way_um: f64,
 }
 
 impl Last {
-    /// Of a robot that steers by a share of turning between two bounds.
+    /// For a robot that steers by a share of turning between two bounds.
     pub fn new(driver: &Driver, frame: &GoalFrame, approach: Pose, region: Region, shares: [f64; 2]) -> Self {
         let seen = frame.seen(approach);
         let steepest_rad = (seen.heading_rad.abs() + region.cylinder.heading_rad).min(STEEPEST_RAD);
@@ -68,7 +68,7 @@ impl Last {
     }
 }
 
-/// Eight corners of a box that holds a cylinder, as poses of the world, and whether they are seen to lie apart from its middle.
+/// The eight corners of a box that contains a cylinder, as poses of the world.
 fn corners(frame: &GoalFrame, approach: Pose, region: Region) -> Vec<Pose> {
     let seen = frame.seen(approach);
     let off = |index: usize, bit: usize| if index & bit == 0 { -1.0 } else { 1.0 };
@@ -80,8 +80,8 @@ fn corners(frame: &GoalFrame, approach: Pose, region: Region) -> Vec<Pose> {
     (0..8).map(corner).collect()
 }
 
-/// If nothing went wrong any more: the steepest incidence from a cylinder, how far curvatures differ from the middle's, the
-/// longest way.
+/// Without further errors: the steepest incidence from a cylinder, the largest deviation of curvatures from the middle's, and the
+/// longest path.
 fn met(driver: &Driver, frame: &GoalFrame, approach: Pose, region: Region, shares: [f64; 2]) -> [f64; 3] {
     let per_um = 1.0 / driver.robot.turning_radius_um;
     let share = |seen: Pose| steered(driver, frame, frame.placed(seen), shares).0;
@@ -94,11 +94,11 @@ fn met(driver: &Driver, frame: &GoalFrame, approach: Pose, region: Region, share
         way_um = way_um.max(contact.map_or(0.0, |contact| contact.way_um));
         bend_per_um = bend_per_um.max((share - middle).abs() * per_um);
     }
-    // Between the corners all change monotonically but for the curvature along the way, which a tenth covers.
+    // Between the corners everything changes monotonically except the curvature along the path; a margin of a tenth covers that.
     [incidence_rad, bend_per_um, way_um].map(|most| 1.1 * most)
 }
 
-/// By how much a cylinder could be larger and still be steered to the goal by shares that keep a reserve of curvature.
+/// How much larger a cylinder may be and still be steered to the goal by shares that keep a reserve of curvature.
 fn slack(
     driver: &Driver,
     frame: &GoalFrame,
@@ -108,7 +108,7 @@ fn slack(
 ) -> f64 {
     let per_um = 1.0 / driver.robot.turning_radius_um;
     let (low, high) = (least * per_um + reserve_per_um, most * per_um - reserve_per_um);
-    // The place across has at most one extreme along x within the cylinder; the sagitta bounds it.
+    // The lateral place has at most one extremum along x within the cylinder; the sagitta bounds it.
     let sagitta_um = region.along_um * region.along_um * per_um / 2.0;
     let across = |ahead: f64, aside: f64, turn_per_um: f64| {
         let corner = Pose {
@@ -128,12 +128,12 @@ impl FineBounds<'_> {
         self.driver.robot.length_um
     }
 
-    /// By how much a curvature moves the front on a way, at most, but for the incidence.
+    /// Upper bound on the lateral shift of the front per unit of curvature over a distance, apart from the incidence.
     fn moved(&self, way_um: f64) -> f64 {
         way_um * (way_um + self.length_um()) / 2.0
     }
 
-    /// The same at least: on a way that bends as much as it can, against the normal of its end.
+    /// Lower bound on the same: on a path of maximal curvature, relative to the normal of its end.
     fn moved_at_least(&self, way_um: f64) -> f64 {
         let bent_rad =
             (way_um / self.driver.robot.turning_radius_um).min(self.steepest_rad + self.incidence_rad).min(1.5);
@@ -142,7 +142,7 @@ impl FineBounds<'_> {
         least.max(1e-6)
     }
 
-    /// What a measurement so far before the contact may cost across.
+    /// Lateral error due to a measurement at this distance before the contact.
     fn measured_um(&self, way_um: f64) -> f64 {
         let errors = self.driver.errors;
         let lever_um = way_um + self.length_um() / 2.0;
@@ -154,18 +154,18 @@ impl FineBounds<'_> {
         self.driver.errors.turning_rad_per_um * (1.0 + self.driver.errors.speed_ratio)
     }
 
-    /// The shortest way to the contact at a measurement after which the share is still changed.
+    /// Shortest distance to the contact at a measurement after which the share is still adjusted.
     fn shortest_um(&self) -> f64 {
         let errors = self.driver.errors;
         let unsure_um =
             errors.place_um + errors.heading_rad * self.length_um().hypotenuse(self.driver.robot.width_um) / 2.0;
         let over_um = self.driver.fine_interval_um * errors.speed_ratio;
-        // A turn may bring the front ahead faster than the middle.
+        // A turn may advance the front faster than the middle.
         (0.8 * (self.driver.kept_um - over_um - unsure_um)).max(0.05 * self.driver.kept_um)
     }
 
-    /// How much the curvature that is needed may change, and the incidence with it, over all intervals; the last one that is
-    /// steered anew lies as near to the contact as it may.
+    /// Change of the needed curvature, and of the incidence with it, over all intervals; the last steered interval lies as near to
+    /// the contact as possible.
     fn reserve(&self) -> [f64; 2] {
         let step_um = self.driver.fine_interval_um * (1.0 + self.driver.errors.speed_ratio);
         let (mut per_um, mut turned_rad) = (0.0, self.drift_per_um() * self.way_um);
@@ -188,14 +188,14 @@ impl FineBounds<'_> {
         [per_um, turned_rad]
     }
 
-    /// The error across at contact: of the last measurement, of the way after it, and of a cycle that is broken off.
+    /// Lateral error at contact: of the last measurement, of the path after it, and of an interrupted cycle.
     fn across_um(&self) -> f64 {
         let errors = self.driver.errors;
         let robot = self.driver.robot;
         let unsure_um = errors.place_um + errors.heading_rad * self.length_um().hypotenuse(robot.width_um) / 2.0;
         let gap_um = self.driver.fine_interval_um + self.driver.kept_um + unsure_um;
         let steepest_rad = self.incidence_rad + 1.3 * gap_um / robot.turning_radius_um;
-        // A turn takes back the corner that is ahead.
+        // A turn moves the leading corner back.
         let turning = robot.width_um / 2.0 / robot.turning_radius_um;
         let way_um = gap_um / (steepest_rad.min(STEEPEST_RAD).cosine() - turning).max(0.2);
         let cycle_um = self.driver.cycle_um;

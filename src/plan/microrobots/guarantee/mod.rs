@@ -1,16 +1,16 @@
-//! What is likely to keep the closed-loop strategy from bringing robots to their goals, with the errors at their bounds.
+//! Estimates of what may prevent the closed-loop strategy from bringing robots to their goals, with the errors at their bounds.
 //!
-//! Input: an order whose device says its errors, and a plan. Output: for each stage of an assembly the containments on which success
-//! rests, each with what is needed and what there is. No promise: these are estimates. Of 76 tasks of which all containments held, trials of
-//! `simulate` failed in 14 (up to 4.5 % of the trials), so that a stage is never said to be guaranteed by them; they say what to look at
-//! first. A stage of which one does not hold may well succeed nearly always.
+//! Input: an order whose device states its errors, and a plan. Output: for each stage of an assembly the containments on which
+//! success rests, each with the required and the available value. No promise: these are estimates. Of 76 tasks in which all
+//! containments held, trials of `simulate` failed in 14 (up to 4.5 % of the trials), so a stage is never called guaranteed because
+//! of them; they show what to examine first. A stage in which one does not hold may well succeed nearly always.
 //!
-//! Method: the forward projection of the gross motion is the cylinder about the approach ([`Driver::cylinder`]); it has to lie in
-//! the preimage of the goal under the fine motion (`fine`), that is within the reach of its curvatures on both sides, less
-//! what the errors of all intervals may use up of it. The error at contact is that of the last measurement and of the way after
-//! it. The goal region is enlarged by compliance: any angle within the docking limits will do. The ways themselves, with all that
-//! robots may stray from them, have to stay clear of everything (`room`); the paper's C_O is replaced by that test. Source: the
-//! paper's section 3.4, with the ranges of the three primitives put to the right robots.
+//! Method: the forward projection of the gross motion is the cylinder about the approach ([`Driver::cylinder`]); it must lie in the
+//! preimage of the goal under the fine motion (`fine`), that is, within the reach of its curvatures on both sides, less the share
+//! that the errors of all intervals may consume. The error at contact is that of the last measurement and of the path after it. The
+//! goal region is enlarged by compliance: any angle within the docking limits is accepted. The paths themselves, with all possible
+//! deviations of the robots, must stay clear of everything (`room`); this test replaces the paper's C_O. Source: the paper's
+//! section 3.4, with the ranges of the three primitives assigned to the correct robots.
 
 mod fine;
 mod pair;
@@ -24,53 +24,53 @@ use crate::geometry::Pose;
 use crate::real::Real;
 use room::{GrossMotion, Surroundings};
 
-/// What has to lie within what.
+/// The kind of a containment.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ContainmentCheck {
-    /// The cylinder about the approach in the preimage of the fine motion: its radius, and what can be corrected; in micrometres.
+    /// The cylinder about the approach in the preimage of the fine motion: its radius, and the correctable radius; in micrometres.
     Cone,
-    /// How far from its place the robot may come to lie, and the docking tolerance; in micrometres.
+    /// Lateral offset at which the robot may come to rest, and the docking tolerance; in micrometres.
     Place,
-    /// Between heading and the normal of the edge at contact, and the limit; in radians.
+    /// Angle between heading and the normal of the edge at contact, and its limit; in radians.
     Angle,
-    /// Between the axes of two robots that meet, and up to which distance they align themselves; in micrometres.
+    /// Offset between the axes of two robots that meet, and the limit of self-alignment; in micrometres.
     Axes,
-    /// Between the directions of two robots that meet, and up to which angle they align themselves; in radians.
+    /// Angle between the directions of two robots that meet, and the limit of self-alignment; in radians.
     Directions,
-    /// How far the robot may stray in gross motion, and the room to the thing of this name; in micrometres.
+    /// Deviation of the robot in gross motion, and the room to the thing of this name; in micrometres.
     Gross(String),
     /// The same in fine motion.
     Fine(String),
-    /// There has to be an edge before the robot at its goal: 1 is needed, and there are so many.
+    /// An edge must lie before the robot at its goal: 1 is required, and this many exist.
     Edge,
-    /// The angle that a turn of a robot has to have, so that no circle is driven, and what it has; in radians.
+    /// Angle that a turn of a robot needs so that no circle is driven, and its actual angle; in radians.
     Turn,
-    /// By how much two robots may miss one another in time, as a way, and what is accepted; in micrometres.
+    /// Timing error between two robots, as a distance, and its limit; in micrometres.
     Meeting,
 }
 
-/// A containment: it holds if no more is needed than there is.
+/// A containment: it holds if the required value is at most the available one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Containment {
-    /// Index of the order's robots.
+    /// Index into the order's robots.
     pub robot: usize,
     pub check: ContainmentCheck,
     pub needs: f64,
     pub has: f64,
 }
 
-/// What the success of a stage rests on.
+/// The containments of a stage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assured {
-    /// Index of the order's steps.
+    /// Index into the order's steps.
     pub step: usize,
-    /// Indices of the order's robots that are driven.
+    /// Indices of the driven robots, into the order's robots.
     pub robots: Vec<usize>,
     pub containments: Vec<Containment>,
 }
 
 impl Containment {
-    /// What is left, in micrometres or radians; negative when it does not hold.
+    /// Available minus required, in micrometres or radians; negative if it does not hold.
     pub fn margin(&self) -> f64 {
         self.has - self.needs
     }
@@ -90,9 +90,9 @@ impl Containment {
 }
 
 impl Assured {
-    /// The first containment that does not hold; without one the stage is guaranteed.
+    /// The first containment that does not hold. If there is none, the stage is still not guaranteed: these are estimates.
     pub fn violated(&self) -> Option<&Containment> {
-        // What is not a number does not hold.
+        // NaN does not hold.
         self.containments.iter().find(|containment| containment.margin().is_nan() || containment.margin() < 0.0)
     }
 
@@ -111,7 +111,7 @@ impl Assured {
     }
 }
 
-/// The stages of a plan in order of time; `None` where the device does not say its errors.
+/// The stages of a plan in order of time; `None` where the device does not state its errors.
 pub fn guarantees(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> Option<Vec<Assured>> {
     order.facts.errors?;
     let solids = obstacles(order);
@@ -132,7 +132,7 @@ pub fn guarantees(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> Optio
     Some(found)
 }
 
-/// How far the structure may be from where it should be.
+/// Possible displacement of the structure from its nominal pose.
 #[derive(Debug, Clone, Copy, Default)]
 struct Displaced {
     middle_um: [f64; 2],
@@ -141,25 +141,25 @@ struct Displaced {
 }
 
 impl Displaced {
-    /// How far a point may be displaced that moves with the structure.
+    /// Possible displacement of a point that moves with the structure.
     fn of_um(&self, pose: Pose) -> f64 {
         let arm_um = (pose.x_um - self.middle_um[0]).hypotenuse(pose.y_um - self.middle_um[1]);
         self.place_um + self.heading_rad * arm_um
     }
 }
 
-/// A stage with all that matters to it.
+/// A stage with its context.
 struct StageContext<'a> {
     order: &'a MicrorobotsOrder,
     episode: &'a Episode<'a>,
     obstacles: &'a [StrategySolid],
-    /// Its step begins with it: where robots are on their orbits is known.
+    /// Whether its step begins with it, so that the robots' poses on their orbits are known.
     is_first: bool,
     structure: Displaced,
 }
 
 impl StageContext<'_> {
-    /// What the robots other than these are to them: the docked ones, and the discs of those that orbit.
+    /// Surroundings of the driven robots: docked robots, and the discs of those that orbit.
     fn surroundings(&self, driven: &[usize]) -> Surroundings {
         let order = self.order;
         let mut around = Surroundings { free: self.obstacles.to_vec(), docked: Vec::new() };

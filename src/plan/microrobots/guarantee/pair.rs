@@ -1,8 +1,8 @@
-//! The bounds of the first two robots.
+//! Bounds of the first two robots.
 //!
 //! The first is brought to its intermediate pose like any robot; then it runs straight and uncorrected for as long as the second is
-//! driven, which is bounded only if the second surely drives no circle ([`Check::Turn`]). In the fine motion each of them has half
-//! of the range of curvatures. What that does not correct is left to their aligning themselves.
+//! driven, which is bounded only if the second certainly drives no circle ([`ContainmentCheck::Turn`]). In the fine motion each of
+//! them has half of the range of curvatures. The error that remains is left to self-alignment.
 
 use super::fine::{Last, Region};
 use super::room::{ENOUGH_UM, FineMotion, GrossMotion, Surroundings, is_looked_at, unbounded};
@@ -14,10 +14,10 @@ use crate::plan::microrobots::strategy::{Couple, Cylinder, GoalFrame, SHARES, St
 use crate::real::Real;
 use std::f64::consts::{PI, TAU};
 
-/// Goals whose headings are so far from opposite are not head on.
+/// Largest deviation of two goal headings from opposite for a head-on meeting.
 const HEAD_ON_RAD: f64 = 0.02;
 
-/// Between two looks at both bodies.
+/// Step between two checks of both bodies.
 const LOOK_UM: f64 = 5.0;
 
 struct PairGuarantee<'a, 'b> {
@@ -42,7 +42,7 @@ pub fn containments(bed: &StageContext, structure: &mut Displaced) -> Option<Vec
     let cylinders = pairing.cylinders(&ways[1], missed_um);
     let frames = [0, 1].map(|at| GoalFrame::new(pairing.couple.drivers[at].robot, goals[at], 0.0));
     let lasts = [0, 1].map(|at| {
-        // Where they meet is shifted by half of what they miss each other: as if both had begun so much nearer or farther.
+        // Their meeting point shifts by half of their timing error: as if both had begun that much nearer or farther.
         let driver = &pairing.couple.drivers[at];
         let region = Region { cylinder: cylinders[at], along_um: driver.cylinder().radius_um + missed_um / 2.0 };
         Last::new(driver, &frames[at], approach[at], region, SHARES[at])
@@ -63,7 +63,7 @@ impl<'a> PairGuarantee<'a, '_> {
         Containment { robot: self.robots[which], check, needs, has }
     }
 
-    /// The two touch at their goals, and face each other there.
+    /// The two touch and face each other at their goals.
     fn edge(&self) -> Containment {
         let facts = [0, 1].map(|at| self.couple.drivers[at].robot);
         let other = StrategySolid::standing(facts[1], self.goals[1]);
@@ -74,7 +74,7 @@ impl<'a> PairGuarantee<'a, '_> {
         self.held(0, ContainmentCheck::Edge, 1.0, f64::from(u8::from(touch && face)))
     }
 
-    /// The way of the first to its intermediate pose, slid as far as it may, and of the second to its approach.
+    /// The path of the first to its intermediate pose, slid as far as possible, and of the second to its approach.
     fn ways(&'a self) -> [GrossMotion<'a>; 2] {
         let via_um = |at: usize| self.bed.episode.via_um.get(at).map_or(&[][..], |via_um| &via_um[..]);
         let mut first = GrossMotion::between(&self.couple.drivers[0], self.couple.slide_um());
@@ -84,7 +84,7 @@ impl<'a> PairGuarantee<'a, '_> {
         [first, second]
     }
 
-    /// Where the second robot orbits until it is driven to its approach.
+    /// Pose at which the second robot orbits until it is driven to its approach.
     fn halt(&self) -> Pose {
         let second = self.robots[1];
         let ends = self.bed.episode.gross.first().map_or(0, |gross| gross[1]);
@@ -92,34 +92,34 @@ impl<'a> PairGuarantee<'a, '_> {
         poses[poses.len() - 1]
     }
 
-    /// The second robot leaves its orbit when it wants; any later turn has to be long enough.
+    /// The second robot may leave its orbit at any time; any later turn must be long enough.
     fn turns(&self, ways: &[GrossMotion; 2]) -> Option<Containment> {
         let shortage = |[needs, has]: &[f64; 2]| has - needs;
         let tightest = ways[1].turns_rad.iter().skip(1).min_by(|a, b| shortage(a).total_cmp(&shortage(b)));
         tightest.map(|[needs, has]| self.held(1, ContainmentCheck::Turn, *needs, *has))
     }
 
-    /// How long the second robot is driven, at most: from anywhere on its orbit, in micrometres of the first one's way.
+    /// Longest drive of the second robot, from anywhere on its orbit, in micrometres of the first one's path.
     fn run_um(&self, second: &GrossMotion) -> f64 {
         let circle_um = TAU * self.couple.drivers[1].robot.turning_radius_um;
         let nominal_um = self.couple.run_um(self.intermediate) + self.couple.slide_um();
         nominal_um.max((second.length_um[0] + second.length_um[1]) / self.couple.ratio).min(nominal_um + circle_um)
     }
 
-    /// By how much they may miss each other when the second is there, and what is accepted.
+    /// Timing error of the two when the second arrives, and its limits.
     fn meeting(&self, second: &GrossMotion) -> (f64, [Containment; 2]) {
         let drivers = &self.couple.drivers;
         let speed = drivers[0].errors.speed_ratio + drivers[1].errors.speed_ratio;
         let unsure_um = drivers[0].errors.place_um + drivers[1].centre_error_um();
         let missed_um = self.couple.begun_um() + speed * self.run_um(second) + second.length_um[1] + unsure_um;
-        // After the last slide there are a circle and two intervals.
+        // After the last slide a circle and two intervals remain.
         let circle_um = TAU * drivers[0].robot.turning_radius_um;
         let late_um = speed * (circle_um + 2.0 * (drivers[0].interval_um + drivers[0].guard_um())) + unsure_um;
         let late = self.held(1, ContainmentCheck::Meeting, late_um, self.couple.begun_um());
         (missed_um, [late, self.held(0, ContainmentCheck::Meeting, missed_um, self.couple.missed_um)])
     }
 
-    /// Where both are when the fine motion begins, what they miss each other in time left out.
+    /// Cylinders of both at the start of the fine motion, without their timing error.
     fn cylinders(&self, second: &GrossMotion, missed_um: f64) -> [Cylinder; 2] {
         let [first, other] = [0, 1].map(|at| self.couple.drivers[at].cylinder());
         let drift =
@@ -130,7 +130,7 @@ impl<'a> PairGuarantee<'a, '_> {
         [Cylinder { radius_um, heading_rad }, other]
     }
 
-    /// How far beside its place each may come to lie.
+    /// Lateral offset at which each may come to rest.
     fn aside_um(&self, cylinders: &[Cylinder; 2], lasts: &[Last; 2]) -> [f64; 2] {
         [0, 1].map(|at| {
             let length_um = self.bed.order.facts.fine.length_um;
@@ -145,7 +145,7 @@ impl<'a> PairGuarantee<'a, '_> {
         let docking = self.bed.order.facts.docking;
         let aside_um = self.aside_um(cylinders, lasts);
         let between_rad = lasts[0].incidence_rad + lasts[1].incidence_rad;
-        // The axes are compared at the fronts, which lie as far apart as a corner leans.
+        // The axes are compared at the fronts, whose offset grows with the lean of a corner.
         let lean_um = self.couple.drivers[0].robot.width_um * between_rad.min(1.0).sine();
         [
             self.held(0, ContainmentCheck::Axes, aside_um[0] + aside_um[1] + lean_um, docking.self_aligning_um),
@@ -164,7 +164,7 @@ impl<'a> PairGuarantee<'a, '_> {
         let mut found = Vec::new();
         for at in [1, 0] {
             if at == 0 {
-                // While it is driven, the second orbits.
+                // While the first is driven, the second orbits.
                 let driver = &self.couple.drivers[1];
                 let creep_um = driver.creep_um(ways[0].length_um[0]) + driver.centre_miss_um();
                 around.free.push(StrategySolid::orbit(driver.robot, self.halt(), creep_um));
@@ -184,7 +184,7 @@ impl<'a> PairGuarantee<'a, '_> {
         found
     }
 
-    /// The run of the first, against everything and against the second, which is driven meanwhile.
+    /// The run of the first, checked against everything and against the second, which is driven meanwhile.
     fn apart(&self, around: &Surroundings, ways: &[GrossMotion; 2], missed_um: f64) -> Vec<Containment> {
         let [first, second] = [0, 1].map(|at| &self.couple.drivers[at]);
         let run_um = self.run_um(&ways[1]);

@@ -1,7 +1,7 @@
-//! Whether there is room for all that robots may stray from their ways.
+//! Whether there is room for all possible deviations of robots from their paths.
 //!
-//! Ways are looked at every few micrometres of their length, with half of that distance added to what the robot may stray; so
-//! nothing between is missed.
+//! Paths are checked every few micrometres of their length, with half of that distance added to the deviation, so that nothing in
+//! between is missed.
 
 use super::StageContext;
 use super::fine::Last;
@@ -10,24 +10,24 @@ use crate::plan::microrobots::strategy::{BodyCorners, Driver, GoalFrame, Strateg
 use crate::real::Real;
 use std::f64::consts::{E, TAU};
 
-/// Between two looks at a body.
+/// Step between two checks of a body.
 const LOOK_UM: f64 = 5.0;
 
-/// The most looks at one piece of a way: with errors that take more of them nothing is bounded.
+/// Most checks of one piece of a path: errors that need more are not bounded.
 const MAX_LOOKS: f64 = 10_000.0;
 
-/// Rooms beyond this are not measured exactly.
+/// Room beyond this is not measured exactly.
 pub const ENOUGH_UM: f64 = 500.0;
 
-/// What stands or moves about a robot that is driven.
+/// Bodies at rest or in motion around a driven robot.
 pub struct Surroundings {
     pub free: Vec<StrategySolid>,
-    /// With how far each may be from where it should be.
+    /// Each with its possible displacement.
     pub docked: Vec<(StrategySolid, f64)>,
 }
 
 impl Surroundings {
-    /// The tightest: what is needed, and the room that there is.
+    /// The tightest spot: required and available room.
     pub fn tightest(
         &self,
         body: &BodyCorners,
@@ -49,20 +49,20 @@ impl Surroundings {
     }
 }
 
-/// A name, what is needed and what there is.
+/// Name of the obstruction, required room, available room.
 pub type Room = (String, f64, f64);
 
-/// No room is enough for a way that is not bounded.
+/// An unbounded path: no room is sufficient.
 pub fn unbounded() -> Room {
     (String::new(), f64::INFINITY, 0.0)
 }
 
-/// Whether a way can be looked at every few micrometres.
+/// Whether a path can be checked every few micrometres.
 pub fn is_looked_at(way_um: f64, look_um: f64) -> bool {
     way_um / look_um <= MAX_LOOKS
 }
 
-/// A piece of the nominal way.
+/// A piece of the nominal path.
 struct NominalPiece {
     from: Pose,
     /// Counter-clockwise is positive.
@@ -71,22 +71,23 @@ struct NominalPiece {
     stray_um: f64,
 }
 
-/// A gross motion with what a robot may stray from it.
+/// A gross motion with the possible deviations of a robot.
 pub struct GrossMotion<'a> {
     driver: &'a Driver<'a>,
     parts: Vec<NominalPiece>,
-    /// What it would be without errors.
+    /// The motion without errors.
     nominal: Vec<NominalPiece>,
-    /// How far the approach may be displaced with the structure.
+    /// Possible displacement of the approach with the structure.
     pub shift_um: f64,
-    /// Of every turn before a run, and of the last one: what it needs so that no circle is driven, and what it has; in radians.
+    /// For every turn before a run, and for the last one: the angle it needs so that no circle is driven, and its actual angle; in
+    /// radians.
     pub turns_rad: Vec<[f64; 2]>,
-    /// The nominal length, and by how much it may be longer or shorter if no circle is driven.
+    /// The nominal length, and its possible deviation if no circle is driven.
     pub length_um: [f64; 2],
 }
 
 impl<'a> GrossMotion<'a> {
-    /// From where the stage begins, or any place on that orbit, by way of centres to the approach.
+    /// From the start of the stage, or any place on that orbit, via centres to the approach.
     pub fn new(bed: &StageContext, driver: &'a Driver<'a>, robot: usize, via_um: &[[f64; 2]], approach: Pose) -> Self {
         let shift_um = bed.structure.of_um(approach);
         let mut way = GrossMotion::between(driver, shift_um);
@@ -95,7 +96,7 @@ impl<'a> GrossMotion<'a> {
         way
     }
 
-    /// Without any part yet; its approach may be displaced by so much.
+    /// Without parts; its approach may be displaced by `shift_um`.
     pub fn between(driver: &'a Driver<'a>, shift_um: f64) -> Self {
         GrossMotion {
             driver,
@@ -107,12 +108,12 @@ impl<'a> GrossMotion<'a> {
         }
     }
 
-    /// The most that it strays anywhere.
+    /// The largest deviation.
     pub fn stray_um(&self) -> f64 {
         self.parts.iter().map(|part| part.stray_um).fold(0.0, f64::max)
     }
 
-    /// Nominally, so far before its end; on the first orbit if that is longer ago.
+    /// Nominal pose at this distance before its end; on the first orbit if that is longer ago.
     pub fn left(&self, mut left_um: f64) -> Pose {
         for part in self.nominal.iter().rev() {
             if left_um <= part.way_um {
@@ -123,7 +124,7 @@ impl<'a> GrossMotion<'a> {
         self.nominal.first().map_or(Pose::at(0.0, 0.0), |part| bent(part.from, part.turn_per_um, -left_um))
     }
 
-    /// From a pose that is known, or from any place on its orbit.
+    /// From a known pose, or from any place on its orbit.
     pub fn walk(&mut self, start: Pose, via_um: &[[f64; 2]], approach: Pose, tilt_rad: f64, is_orbiting: bool) {
         let driver = self.driver;
         let mut centre_um = driver.robot.orbit_centre_um(start);
@@ -183,7 +184,7 @@ impl<'a> GrossMotion<'a> {
         let radius_um = self.driver.robot.turning_radius_um;
         let from = self.on_circle(centre_um, direction_rad);
         self.nominal.push(NominalPiece { from, turn_per_um: 0.0, way_um: run_um, stray_um: 0.0 });
-        // A centre on its line with a heading that is off puts the body farther along, and hardly aside.
+        // With the centre on its line, a heading error moves the body mostly along the line, and hardly sideways.
         let (tilt_rad, reach_um) =
             (stray.heading_rad, self.driver.robot.length_um.hypotenuse(self.driver.robot.width_um) / 2.0);
         let (longer_um, aside_um) = (radius_um * tilt_rad, radius_um * tilt_rad * tilt_rad / 2.0);
@@ -191,13 +192,13 @@ impl<'a> GrossMotion<'a> {
         let stray_um = stray.place_um + aside_um + reach_um * tilt_rad;
         self.parts.push(NominalPiece { from, turn_per_um: 0.0, way_um: run_um + 2.0 * longer_um, stray_um });
         self.length_um[0] += run_um;
-        // Turns add up to what the headings ask for, less what the robot turns on its own account.
+        // Turns add up to the required change of heading, minus the robot's own drift.
         let errors = self.driver.errors;
         let turned_um = errors.turning_rad_per_um * run_um * radius_um;
         self.length_um[1] += run_um * tilt_rad * tilt_rad / 2.0 + turned_um + self.driver.centre_miss_um();
     }
 
-    /// Where there is the least room for it, if there is anything.
+    /// The spot with the least room, if there is anything around.
     pub fn tightest(&self, around: &Surroundings) -> Option<Room> {
         let mut tightest = None;
         for part in &self.parts {
@@ -221,15 +222,15 @@ impl<'a> GrossMotion<'a> {
     }
 }
 
-/// How far a robot may be from a straight way between two turns.
+/// Possible deviation of a robot from a straight path between two turns.
 struct Stray {
     place_um: f64,
     heading_rad: f64,
 }
 
 impl Stray {
-    /// The direction lags by 2 ε + 2 u/D + ω D/2 and what an interval adds at most, where ε is the error of a measured heading,
-    /// u that of a centre and ω the bound on the curvature; integrated along the way that is the offset from the line.
+    /// The direction lags by at most 2 ε + 2 u/D + ω D/2 plus the contribution of an interval, where ε is the error of a measured
+    /// heading, u that of a centre and ω the bound on the curvature; integrated along the path this gives the offset from the line.
     fn new(driver: &Driver, run_um: f64, off_um: f64) -> Self {
         let errors = driver.errors;
         let interval_um = driver.interval_um.min(run_um);
@@ -237,8 +238,11 @@ impl Stray {
         let centre_um = driver.centre_error_um() + driver.creep_um(driver.interval_um);
         let steady_rad = 2.0 * errors.heading_rad + drift * interval_um;
         let first_rad = 2.0 * driver.miss_rad_per_um() * interval_um;
+        // Sagitta of the most curved path. A steady error s of the measured direction adds the offset s·D·ln(L/D) at distance D
+        // from the target of a run L: at most s·L/e.
         let bulge_um = drift * run_um * run_um / 8.0 + steady_rad * run_um / E;
         let place_um = off_um + 2.0 * centre_um + 1.1 * bulge_um + first_rad * interval_um;
+        // The slope of that offset, s·(1 + ln(L/D)), at the last interval.
         let logs = 1.0 + (run_um / interval_um.max(1.0)).max(1.0).natural_logarithm();
         let heading_rad = drift * run_um / 2.0
             + steady_rad * logs
@@ -248,7 +252,7 @@ impl Stray {
     }
 }
 
-/// A fine motion with what a robot may stray from it.
+/// A fine motion with the possible deviations of a robot.
 pub struct FineMotion<'a> {
     pub driver: &'a Driver<'a>,
     pub frame: &'a GoalFrame,
@@ -258,7 +262,7 @@ pub struct FineMotion<'a> {
 }
 
 impl FineMotion<'_> {
-    /// Where there is the least room for it but at the edge that it meets, if there is anything.
+    /// The spot with the least room except at the edge that it meets, if there is anything around.
     pub fn tightest(&self, around: &Surroundings) -> Option<Room> {
         let robot = self.driver.robot;
         let share = steered(self.driver, self.frame, self.approach, [0.0, 1.0]).0;

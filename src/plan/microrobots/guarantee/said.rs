@@ -1,10 +1,10 @@
-//! Containments in words.
+//! Containments as text.
 
 use super::{Containment, ContainmentCheck};
 use crate::claims::microrobots::MicrorobotsOrder;
 
 impl Containment {
-    /// What is needed and what there is, as a clause that begins with what is meant.
+    /// The required and the available value, as a clause that begins with the quantity.
     pub fn said(&self, order: &MicrorobotsOrder) -> String {
         let name = &order.robot(self.robot).name;
         let (needs, has) = (self.needs, self.has);
@@ -30,7 +30,7 @@ impl Containment {
                 "{name} and its partner may meet at an angle of {needs_deg:.1} deg, they align themselves up to {has_deg:.1} deg"
             ),
             ContainmentCheck::Gross(thing) => {
-                format!("{name} may stray {needs:.1} um from its way, which passes {thing} at {:.1} um", has.max(0.0))
+                format!("{name} may stray {needs:.1} um from its path, which passes {thing} at {:.1} um", has.max(0.0))
             }
             ContainmentCheck::Fine(thing) => format!(
                 "{name} may stray {needs:.1} um in its fine motion, which passes {thing} at {:.1} um",
@@ -38,7 +38,7 @@ impl Containment {
             ),
             ContainmentCheck::Edge => format!("{name} faces no docked robot at its goal"),
             ContainmentCheck::Turn => format!(
-                "a turn of {name} of {has_deg:.1} deg is too short to be sure of, {needs_deg:.1} deg are needed"
+                "a turn of {name} of {has_deg:.1} deg is too short to be sure of; {needs_deg:.1} deg are needed"
             ),
             ContainmentCheck::Meeting => format!(
                 "{name} and its partner may miss each other by {needs:.1} um of their ways, {has:.1} um can be made up for"

@@ -1,41 +1,41 @@
-//! Fine motion: the curvature that docks a robot in its place.
+//! Fine motion: the curvature with which a robot docks in its place.
 
 use super::{Driver, angle};
 use crate::device::microrobots::Robot;
 use crate::geometry::Pose;
 use crate::real::Real;
 
-/// How often a curvature is halved between two; far below what a cycle can set.
+/// Bisection steps for a curvature; the error is then far below the resolution of a cycle.
 const HALVINGS: usize = 40;
 
-/// How often the way to the contact is corrected.
+/// Newton steps for the path length to the contact.
 const NEWTON_STEPS: usize = 20;
 
-/// A goal as its robot sees it: x ahead, y to the side to which it turns, so that every robot seems to turn counter-clockwise.
+/// A goal in its robot's frame: x ahead, y to the side to which it turns, so that every robot seems to turn counter-clockwise.
 #[derive(Debug, Clone, Copy)]
 pub struct GoalFrame {
     pub goal: Pose,
     /// +1 if the robot turns counter-clockwise.
     side: f64,
-    /// Where the edge that it meets lies, ahead of the goal's middle.
+    /// Position of the edge that it meets, ahead of the goal's middle.
     pub edge_um: f64,
     length_um: f64,
     width_um: f64,
 }
 
-/// How a robot meets an edge.
+/// Contact of a robot with an edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EdgeContact {
-    /// How far from its place it is sideways, when its front lies flat; positive is the side to which it turns.
+    /// Lateral offset from its place once its front lies flat; positive is the side to which it turns.
     pub across_um: f64,
-    /// Between its heading and the normal of the edge, before it lies flat.
+    /// Angle between its heading and the normal of the edge, before it lies flat.
     pub incidence_rad: f64,
-    /// The way to the contact.
+    /// Path length to the contact.
     pub way_um: f64,
 }
 
 impl GoalFrame {
-    /// The edge touches the robot's front when it is at its goal, but for a gap.
+    /// The edge lies at the robot's front when it is at its goal, up to a gap.
     pub fn new(robot: &Robot, goal: Pose, gap_um: f64) -> Self {
         GoalFrame {
             goal,
@@ -46,7 +46,7 @@ impl GoalFrame {
         }
     }
 
-    /// A pose of the world as seen from the goal.
+    /// A pose of the world in the goal's frame.
     pub fn seen(&self, pose: Pose) -> Pose {
         let (sin, cos) = self.goal.heading_rad.sine_cosine();
         let (dx_um, dy_um) = (pose.x_um - self.goal.x_um, pose.y_um - self.goal.y_um);
@@ -57,13 +57,13 @@ impl GoalFrame {
         }
     }
 
-    /// How far a pose is from touching the edge; negative when it is past it.
+    /// Distance of a pose from contact with the edge; negative when it is past it.
     pub fn gap_um(&self, seen: Pose) -> f64 {
         let (sin, cos) = seen.heading_rad.sine_cosine();
         self.edge_um - seen.x_um - self.length_um / 2.0 * cos - self.width_um / 2.0 * sin.abs()
     }
 
-    /// What becomes of a pose that touches the edge.
+    /// The contact that results from a pose touching the edge.
     pub fn contact(&self, seen: Pose, way_um: f64) -> EdgeContact {
         let (sin, cos) = seen.heading_rad.sine_cosine();
         let lean_um = self.width_um / 2.0 * (1.0 - cos) * sin.signum();
@@ -71,7 +71,7 @@ impl GoalFrame {
         EdgeContact { across_um, incidence_rad: seen.heading_rad, way_um }
     }
 
-    /// The contact of a robot that goes on with a curvature; `None` if it turns away before.
+    /// The contact of a robot that continues with a curvature; `None` if it turns away before.
     pub fn met(&self, seen: Pose, turn_per_um: f64) -> Option<EdgeContact> {
         let mut way_um = self.gap_um(seen).max(0.0);
         for _ in 0..NEWTON_STEPS {
@@ -91,7 +91,7 @@ impl GoalFrame {
         Some(self.contact(bent(seen, turn_per_um, way_um), way_um))
     }
 
-    /// A pose of the goal's frame in the world.
+    /// A pose of the goal's frame in the world frame.
     pub fn placed(&self, seen: Pose) -> Pose {
         let (sin, cos) = self.goal.heading_rad.sine_cosine();
         let y_um = self.side * seen.y_um;
@@ -103,9 +103,9 @@ impl GoalFrame {
     }
 }
 
-/// A pose after so long a way of so great a curvature, counter-clockwise.
+/// A pose after a path of this length and curvature, counter-clockwise.
 pub fn bent(pose: Pose, turn_per_um: f64, way_um: f64) -> Pose {
-    // The chord of an arc, in the direction of its middle: exact, and right for the straight line too.
+    // The chord of an arc, in the direction of its midpoint: exact, and valid for the straight line too.
     let half_rad = turn_per_um * way_um / 2.0;
     let chord_um = if half_rad.abs() < 1e-6 { way_um } else { way_um * half_rad.sine() / half_rad };
     let (sin, cos) = (pose.heading_rad + half_rad).sine_cosine();
@@ -116,8 +116,8 @@ pub fn bent(pose: Pose, turn_per_um: f64, way_um: f64) -> Pose {
     }
 }
 
-/// The share of turning, between bounds, that docks a robot in its place; and how far that share is from what is needed: by so
-/// much it would dock aside of its place, 0 if the place lies within reach.
+/// The share of turning, within bounds, that docks a robot in its place; and the lateral offset from its place with that share, 0
+/// if the place is within reach.
 pub fn steered(driver: &Driver, frame: &GoalFrame, measured: Pose, [least, most]: [f64; 2]) -> (f64, f64) {
     let seen = frame.seen(measured);
     let per_um = 1.0 / driver.robot.turning_radius_um;

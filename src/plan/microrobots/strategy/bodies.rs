@@ -1,4 +1,4 @@
-//! What a robot may run into.
+//! Possible collision partners of a robot.
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::Robot;
@@ -7,13 +7,13 @@ use crate::geometry::{Core, Pose};
 use crate::real::Real;
 use nalgebra::Point2;
 
-/// What overlaps a front by less than this lies before it.
+/// An overlap with a front below this counts as lying before it.
 const TOUCHING_UM: f64 = 1.0;
 
 /// The corners of a robot's body, in order around it.
 pub type BodyCorners = [Point2<f64>; 4];
 
-/// The body of a robot, less so much on every side.
+/// The body of a robot, shrunk by `less_um` on every side.
 pub fn body(robot: &Robot, pose: Pose, less_um: f64) -> BodyCorners {
     let (sin, cos) = pose.heading_rad.sine_cosine();
     let (a, b) = ((robot.length_um / 2.0 - less_um).max(0.0), (robot.width_um / 2.0 - less_um).max(0.0));
@@ -21,14 +21,14 @@ pub fn body(robot: &Robot, pose: Pose, less_um: f64) -> BodyCorners {
         .map(|(x, y)| Point2::new(pose.x_um + x * cos - y * sin, pose.y_um + x * sin + y * cos))
 }
 
-/// Something that fills a part of the bed.
+/// A solid that occupies a part of the bed.
 #[derive(Debug, Clone)]
 pub struct StrategySolid {
-    /// As people know it.
+    /// Name in messages.
     pub name: String,
     core: Core,
     radius_um: f64,
-    /// A disc that holds it.
+    /// A bounding disc.
     middle: Point2<f64>,
     reach_um: f64,
 }
@@ -46,19 +46,19 @@ impl StrategySolid {
         StrategySolid { name, core, radius_um, middle, reach_um }
     }
 
-    /// The body of a robot that stands.
+    /// The body of a robot at rest.
     pub fn standing(robot: &Robot, pose: Pose) -> Self {
         StrategySolid::new(robot.name.clone(), Core::Polygon(body(robot, pose, 0.0).to_vec()), 0.0)
     }
 
-    /// The disc that an orbiting robot sweeps, grown.
+    /// The disc that an orbiting robot sweeps, enlarged.
     pub fn orbit(robot: &Robot, pose: Pose, growth_um: f64) -> Self {
         let [x_um, y_um] = robot.orbit_centre_um(pose);
         let name = format!("the orbit of {}", robot.name);
         StrategySolid::new(name, Core::Point(Point2::new(x_um, y_um)), robot.orbit_reach_um() + growth_um)
     }
 
-    /// Whether all of it lies before the front of a robot at its goal, but for a tolerance in touching.
+    /// Whether all of it lies before the front of a robot at its goal, up to a contact tolerance.
     pub fn is_ahead(&self, robot: &Robot, goal: Pose) -> bool {
         let (sin, cos) = goal.heading_rad.sine_cosine();
         let ahead_um = |point: &Point2<f64>| (point.x - goal.x_um) * cos + (point.y - goal.y_um) * sin;
@@ -74,7 +74,7 @@ impl StrategySolid {
         }
     }
 
-    /// How far a body is from it; exact below `enough_um`, and a lower bound beyond.
+    /// Distance of a body from it; exact below `enough_um`, and a lower bound beyond.
     pub fn distance_um(&self, body: &BodyCorners, enough_um: f64) -> f64 {
         let middle = nalgebra::center(&body[0], &body[2]);
         let half_um = (body[2] - body[0]).norm() / 2.0;
@@ -95,8 +95,8 @@ pub fn obstacles(order: &MicrorobotsOrder) -> Vec<StrategySolid> {
     order.obstacles.iter().filter_map(solid).collect()
 }
 
-/// How far before or behind a robot's front the nearest of some bodies lies that it faces at its goal; `None` if none does within
-/// the tolerance.
+/// Signed distance between a robot's front at its goal and the nearest of some bodies that it faces; `None` if none is within the
+/// tolerance.
 pub fn edge_gap_um(robot: &Robot, goal: Pose, bodies: &[(&Robot, Pose)], tolerance_um: f64) -> Option<f64> {
     let (sin, cos) = goal.heading_rad.sine_cosine();
     let at_goal = body(robot, goal, 0.0);

@@ -1,4 +1,4 @@
-//! The first two robots: how their ways are brought to end at once, and how one cycle steers both.
+//! The first two robots: making their paths end at the same time, and steering both with one cycle.
 
 use super::{Driver, GoalFrame, Phase, Pursuit, steered};
 use crate::claims::microrobots::MicrorobotsOrder;
@@ -6,41 +6,41 @@ use crate::geometry::Pose;
 use crate::real::Real;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// The share of turning of the first robot and of the second, from and to: so each can be chosen for itself.
+/// Range of the share of turning of the first robot and of the second: disjoint ranges allow independent choices.
 pub const SHARES: [[f64; 2]; 2] = [[0.0, 0.5], [0.5, 1.0]];
 
-/// The part of the fine motion by which one robot may be ahead of the other.
+/// Part of the fine motion by which one robot may be ahead of the other.
 const MISSED_SHARE: f64 = 0.6;
 
-/// What of that is accepted when the first robot begins its run.
+/// Part of that which is accepted when the first robot begins its run.
 const BEGUN_SHARE: f64 = 0.4;
 
-/// The intermediate pose slides on its line by so much of the turning radius at most, to either side.
+/// Most that the intermediate pose slides on its line, to either side, in turning radii.
 const SLIDE_SHARE: f64 = 0.5;
 
-/// By so much the intermediate pose is moved at once.
+/// Largest single slide of the intermediate pose.
 const SLIDE_STEP_UM: f64 = 30.0;
 
-/// What a slide has to change for each micrometre, to be worth it.
+/// Least effect per micrometre for a slide to be useful.
 const LEAST_EFFECT: f64 = 0.2;
 
-/// Two robots that have to meet.
+/// Two robots that must meet.
 pub struct Couple<'a> {
     pub drivers: [Driver<'a>; 2],
-    /// Of the second robot, for every micrometre of the first.
+    /// Path length of the second robot per micrometre of the first.
     pub ratio: f64,
-    /// Where the fine motion begins.
+    /// Poses at which the fine motion begins.
     pub approach: [Pose; 2],
-    /// How far one may be ahead of the other, as a way of the first.
+    /// Largest distance by which one may be ahead of the other, as path length of the first.
     pub missed_um: f64,
     intermediate: Pose,
-    /// Farther back by whole circles of the second robot, where it would have too little time otherwise.
+    /// Shift back by whole circles of the second robot, where it would otherwise have too little time.
     back_um: f64,
     slid_um: f64,
 }
 
 impl<'a> Couple<'a> {
-    /// `None` where the device does not say its errors.
+    /// `None` where the device does not state its errors.
     pub fn new(
         order: &'a MicrorobotsOrder,
         [first, second]: [usize; 2],
@@ -53,12 +53,12 @@ impl<'a> Couple<'a> {
         Some(Couple { drivers, ratio, approach, missed_um, intermediate, back_um: 0.0, slid_um: 0.0 })
     }
 
-    /// The most that the intermediate pose slides.
+    /// Most that the intermediate pose slides.
     pub fn slide_um(&self) -> f64 {
         SLIDE_SHARE * self.drivers[0].robot.turning_radius_um
     }
 
-    /// Where the first robot's own driving is to end; farther back by what it has slid.
+    /// Pose at which the first robot's own drive should end, moved back by its slide.
     pub fn intermediate(&self) -> Pose {
         let (sin, cos) = self.approach[0].heading_rad.sine_cosine();
         let at = self.intermediate;
@@ -70,19 +70,19 @@ impl<'a> Couple<'a> {
         TAU * self.drivers[1].robot.turning_radius_um / self.ratio
     }
 
-    /// How far one may be ahead of the other when the first begins its run.
+    /// Largest distance by which one may be ahead when the first begins its run.
     pub fn begun_um(&self) -> f64 {
         BEGUN_SHARE * self.missed_um
     }
 
-    /// Gives the second robot the time that it needs, by a first robot that begins its run farther back, or not as far back as was
-    /// planned: the paper's bound t_4π on a run that has to be tried again.
+    /// Gives the second robot the time that it needs, by starting the first robot's run farther back, or less far than planned: the
+    /// paper's bound t_4π on a run that must be repeated.
     pub fn give_time(&mut self, second: &Pursuit, measured: Pose, round: usize) {
         let least_um = second.least_um(&self.drivers[1], measured) / self.ratio;
         (self.back_um, self.slid_um) = (0.0, 0.0);
         let short_um = least_um - self.run_um(self.intermediate()) - self.begun_um();
         let circles = (short_um / self.circle_um()).ceil();
-        // The plan's own ways are known to be free.
+        // The plan's own paths are known to be free.
         self.back_um = if round == 0 { circles.max(0.0) } else { circles } * self.circle_um();
     }
 
@@ -92,14 +92,14 @@ impl<'a> Couple<'a> {
         spare_um > 0.75 * self.circle_um()
     }
 
-    /// How far the first robot has to run along its line from a pose.
+    /// Distance that the first robot must run along its line from a pose.
     pub fn run_um(&self, from: Pose) -> f64 {
         let (sin, cos) = self.approach[0].heading_rad.sine_cosine();
         (self.approach[0].x_um - from.x_um) * cos + (self.approach[0].y_um - from.y_um) * sin
     }
 
-    /// By how much the first robot would come too late, were both driven to their approaches, the first by way of the intermediate
-    /// pose; between minus and plus half of the second one's circle.
+    /// Delay of the first robot, as a distance, if both were driven to their approaches, the first via the intermediate pose;
+    /// between minus and plus half of the second one's circle.
     pub fn late_um(&self, pursuits: [&Pursuit; 2], measured: [Pose; 2]) -> f64 {
         let first_um = match pursuits[0].phase {
             Phase::Arrived => self.run_um(measured[0]),
@@ -113,7 +113,7 @@ impl<'a> Couple<'a> {
         if late_um > circle_um / 2.0 { late_um - circle_um } else { late_um }
     }
 
-    /// Slides the intermediate pose so that both come at once, as far as that helps.
+    /// Slides the intermediate pose so that both arrive at the same time, as far as that helps.
     pub fn slide(&mut self, pursuit: &mut Pursuit, second: &Pursuit, measured: [Pose; 2]) {
         let before_um = self.slid_um;
         let late_um = self.late_um([&*pursuit, second], measured);
@@ -129,7 +129,7 @@ impl<'a> Couple<'a> {
         pursuit.aim(&self.drivers[0], self.intermediate());
     }
 
-    /// A round trip of the first robot that makes up for its being late: the paper's racetrack, aside of the line.
+    /// A loop of the first robot that compensates for its being late: the paper's racetrack, beside the line.
     pub fn racetrack(&self, late_um: f64) -> Vec<[f64; 2]> {
         let driver = &self.drivers[0];
         let circles_um = [driver, &self.drivers[1]].map(|driver| TAU * driver.robot.turning_radius_um);
@@ -139,7 +139,7 @@ impl<'a> Couple<'a> {
         vec![[x_um + run_um * cos, y_um + run_um * sin]]
     }
 
-    /// Frames of both goals, their edges where the robots will meet.
+    /// Frames of both goals, with their edges where the robots will meet.
     pub fn frames(&self, goals: [Pose; 2], measured: [Pose; 2]) -> [GoalFrame; 2] {
         let mut frames = [0, 1].map(|at| GoalFrame::new(self.drivers[at].robot, goals[at], 0.0));
         let ways_um = [0, 1].map(|at| {

@@ -1,4 +1,4 @@
-//! The stages of a plan, each with where everything nominally is when it begins, and the ways that its robots take.
+//! The stages of a plan, each with the nominal poses at its start and the paths of its robots.
 
 use super::SAME_UM;
 use crate::claims::microrobots::MicrorobotsOrder;
@@ -10,17 +10,17 @@ use crate::real::Real;
 /// A stage and its surroundings.
 #[derive(Debug, Clone)]
 pub struct Episode<'a> {
-    /// Index of the order's steps.
+    /// Index into the order's steps.
     pub step: usize,
     pub stage: &'a AssemblyStage,
-    /// Where each robot of the order is when it begins.
+    /// Pose of each robot of the order at its start.
     pub poses: Vec<Pose>,
     pub docked: Vec<bool>,
-    /// Of this stage alone.
+    /// Legs of this stage only.
     pub legs: &'a [Leg],
-    /// The gross motion of each robot that is driven, in the order of driving: after so many legs it begins, and ends.
+    /// Gross motion of each driven robot, in the order of driving: numbers of legs before its start and end.
     pub gross: Vec<[usize; 2]>,
-    /// The centres of turns between its beginning and its approach, for each of them.
+    /// Centres of the turns between its start and its approach, for each of them.
     pub via_um: Vec<Vec<[f64; 2]>>,
 }
 
@@ -32,7 +32,7 @@ pub fn episodes<'a>(order: &MicrorobotsOrder, motion: &'a MicrorobotsMotion) -> 
         let MicrorobotsStepMotion::Legs { legs, docks, stages } = steps else { continue };
         let numbered: Vec<(usize, &Leg)> = legs.iter().enumerate().collect();
         let mut at = 0;
-        // What an escort does belongs to the episode of its pair, in which the second robot is brought near at first.
+        // The legs of an escort belong to the episode of its pair, in which the second robot is first brought near.
         for stage in stages.iter().filter(|stage| !matches!(stage, AssemblyStage::Escort { .. })) {
             let end = last_leg(stage, docks).map_or(legs.len(), |leg| leg + 1).clamp(at, legs.len());
             found.push(episode(order, step, stage, (&crew.poses, &crew.docked), &legs[at..end]));
@@ -47,7 +47,7 @@ pub fn episodes<'a>(order: &MicrorobotsOrder, motion: &'a MicrorobotsMotion) -> 
     found
 }
 
-/// The robots of a stage in the order in which they are driven, with the poses at which that ends.
+/// The driven robots of a stage in the order of driving, with the poses at which each drive ends.
 pub fn driven(stage: &AssemblyStage) -> Vec<(usize, Pose)> {
     match stage {
         AssemblyStage::Pair { first, second, intermediate, approach, .. } => {
@@ -89,7 +89,7 @@ fn episode<'a>(
     Episode { step, stage, poses: poses.to_vec(), docked: docked.to_vec(), legs, gross, via_um }
 }
 
-/// Where a robot is before each leg, and after the last one.
+/// Poses of a robot before each leg, and after the last one.
 pub fn poses_of(order: &MicrorobotsOrder, robot: usize, start: Pose, legs: &[Leg]) -> Vec<Pose> {
     let mut poses = vec![start];
     for leg in legs {
@@ -99,7 +99,7 @@ pub fn poses_of(order: &MicrorobotsOrder, robot: usize, start: Pose, legs: &[Leg
     poses
 }
 
-/// After how many legs a robot is nearest to a pose.
+/// Number of legs after which a robot is nearest to a pose.
 fn nearest(order: &MicrorobotsOrder, robot: usize, way: &[Pose], target: Pose) -> usize {
     let radius_um = order.robot(robot).turning_radius_um;
     let off_um = |pose: &Pose| {
@@ -110,7 +110,7 @@ fn nearest(order: &MicrorobotsOrder, robot: usize, way: &[Pose], target: Pose) -
     (0..count).min_by(|a, b| off_um(&way[*a]).total_cmp(&off_um(&way[*b]))).unwrap_or(0)
 }
 
-/// The centres about which a robot turns in some legs, but for the first one and the last one.
+/// The centres about which a robot turns in some legs, except the first and the last one.
 pub fn centres(order: &MicrorobotsOrder, robot: usize, way: &[Pose], legs: &[Leg], begins: usize) -> Vec<[f64; 2]> {
     let facts = order.robot(robot);
     let first_um = facts.orbit_centre_um(way[begins]);

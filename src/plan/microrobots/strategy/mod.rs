@@ -1,32 +1,31 @@
-//! The closed-loop strategy by which robots are brought to their goals, defined once: `simulate` carries it out, `guarantee` bounds it.
+//! The closed-loop strategy that brings robots to their goals, defined once: `simulate` executes it, `guarantee` bounds it.
 //!
-//! Input: what a robot is and what the errors are at most; a measured pose. Output: what the arm does until the next measurement.
+//! Input: the data of a robot and the bounds on the errors; a measured pose. Output: the arm's actions until the next measurement.
 //! The two steps are those of the paper's section 3.2 (error detection and recovery).
 //!
-//! **Gross motion** (`pursuit`). While its arm is down a robot turns about a centre that stays; while it is up the centre goes
-//! where the robot heads. So a way is a list of centres, and after the last one a turn to the heading that is wanted. A robot
-//! turns to one side only, so an error of its heading to the other side costs a circle. Hence it never turns as far as its
-//! target: it keeps a lag, as much as the bounds let it drift to the bad side on the rest of the way, plus the uncertainty
-//! of what was measured. With the lag λ(D) = u + asin(ωD/2), D the distance, ω the bound on the curvature, u the uncertainty
-//! of the measured direction, the true direction of the target stays on the good side all the way: asin(ωD/2) is the angle
-//! of the chord of the most curved way, and a way that starts outside of it and bends less stays outside. Excess over the lag
-//! is corrected at every measurement, at once and cheaply. What is left at the target is the excess of the last interval;
-//! [`Driver::cylinder`] bounds it. A circle is driven where a new target lies less than the lag ahead, and where the heading has
-//! passed the last one; that is the paper's δ(t_2π).
+//! **Gross motion** (`pursuit`). While its arm is down a robot turns about a fixed centre; while it is up the centre moves along
+//! the heading. So a path is a list of centres, and after the last one a turn to the required heading. A robot turns to one side
+//! only, so an error of its heading to the other side costs a circle. Hence it never turns all the way to its target: it keeps a
+//! lag, the largest drift to the bad side that the bounds allow on the rest of the path, plus the uncertainty of the measurement.
+//! With the lag λ(D) = u + asin(ωD/2), where D is the distance, ω the bound on the curvature and u the uncertainty of the measured
+//! direction, the true direction of the target stays on the good side all the way: asin(ωD/2) is the angle of the chord of the most
+//! curved path, and a path that starts outside of it and bends less stays outside. Excess over the lag is corrected at every
+//! measurement, at once and cheaply. The remainder at the target is the excess of the last interval; [`Driver::cylinder`] bounds
+//! it. A circle is driven where a new target lies less than the lag ahead, and where the heading has passed the last one; that is
+//! the paper's δ(t_2π).
 //!
-//! **Fine motion** (`approach`). At every measurement the share of the cycle with the arm down is chosen so that the robot,
-//! when one of its front corners has met the edge and it has turned about it until its front lies flat, is in its place
-//! sideways. Since the bed may rest, an interval of the fine motion is at most a tenth of its length, whatever the time
-//! between measurements. When less than an eighth would be left after another interval, the share is kept until contact: so
-//! near, a measurement moves the place less than its own error.
-
+//! **Fine motion** (`approach`). At every measurement the share of the cycle with the arm down is chosen so that the robot is
+//! laterally in its place once one of its front corners has met the edge and it has turned about that corner until its front lies
+//! flat. Since the bed may rest, an interval of the fine motion is at most a tenth of its length, whatever the time between
+//! measurements. When less than an eighth would be left after another interval, the share is kept until contact: so near, a
+//! measurement changes the place by less than its own error.
 //!
-//! **Two robots at once** (`couple`). The second orbits while the first is driven, and the first runs straight, uncorrected, while the
-//! second is driven. They come at once if the first has as far to run along its line as the second has to its approach; what
-//! the first is late is made up for by sliding the pose where its own driving ends along its line, and, where that
-//! does not help, by a racetrack. If they still miss each other by too much of the fine motion, all begins anew from the
-//! measured poses. In the fine motion the first turns for at most, the second for at least half of a cycle, so that each can
-//! be steered for itself; they stick together where they meet.
+//! **Two robots at once** (`couple`). The second orbits while the first is driven, and the first runs straight, uncorrected, while
+//! the second is driven. They arrive simultaneously if the first has as far to run along its line as the second has to its
+//! approach; a delay of the first is compensated by sliding the pose at which its own drive ends along its line, and, where that
+//! does not help, by a racetrack. If they still miss each other by too much of the fine motion, everything restarts from the
+//! measured poses. In the fine motion the first turns for at most, the second for at least half of a cycle, so that each can be
+//! steered independently; they stick together where they meet.
 
 mod approach;
 mod bodies;
@@ -46,47 +45,47 @@ use crate::geometry::Pose;
 use crate::real::Real;
 use std::f64::consts::TAU;
 
-/// Into so many intervals the fine motion is divided at least.
+/// Least number of intervals of the fine motion.
 const FINE_INTERVALS: f64 = 10.0;
 
-/// This part of the fine motion is driven with the share that was chosen before.
+/// One part in this many of the fine motion is driven with the last chosen share.
 const KEPT_PARTS: f64 = 8.0;
 
-/// An interval near a target is at most this part of the fine motion.
+/// An interval near a target is at most one part in this many of the fine motion.
 const NEAR_INTERVALS: f64 = 6.0;
 
-/// A direction is measured at so many times the error of a centre.
+/// Distance, in errors of a centre, from which on a direction is measured.
 const SURE_CENTRES: f64 = 20.0;
 
-/// Two centres nearer than this are one.
+/// Centres nearer to each other than this coincide.
 pub const SAME_UM: f64 = 1e-6;
 
-/// A way with the arm up or down.
+/// A path segment with the arm up or down.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrategyPiece {
     pub arm: Arm,
-    /// Nominally, in micrometres of the driven robot's way.
+    /// Nominal, in micrometres of the driven robot's path.
     pub way_um: f64,
 }
 
-/// A robot that is driven, and how well.
+/// A driven robot, with its errors and intervals.
 #[derive(Debug, Clone, Copy)]
 pub struct Driver<'a> {
     pub robot: &'a Robot,
     pub errors: Errors,
-    /// The nominal way from one measurement to the next, in gross motion.
+    /// Nominal path between two measurements, in gross motion.
     pub interval_um: f64,
-    /// The same near a target, and in the last bit of the last turn: the bed rests for the remainder.
+    /// The same near a target, and at the end of the last turn: the bed rests for the remainder.
     pub near_interval_um: f64,
     /// The same in fine motion: whole cycles.
     pub fine_interval_um: f64,
     /// The share of the last cycles is kept when less than this would be left after another interval.
     pub kept_um: f64,
-    /// A cycle of the fine motion.
+    /// Path length of one cycle of the fine motion.
     pub cycle_um: f64,
 }
 
-/// A ball of places about a pose, with an interval of headings.
+/// A disc of positions about a pose, with an interval of headings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cylinder {
     pub radius_um: f64,
@@ -95,7 +94,7 @@ pub struct Cylinder {
 }
 
 impl Cylinder {
-    /// Whether it holds a pose, if it stands about another.
+    /// Whether it contains `pose` when centred on `about`.
     pub fn holds(&self, about: Pose, pose: Pose) -> bool {
         let off_um = (pose.x_um - about.x_um).hypotenuse(pose.y_um - about.y_um);
         off_um <= self.radius_um && angle(pose.heading_rad - about.heading_rad).abs() <= self.heading_rad
@@ -103,7 +102,7 @@ impl Cylinder {
 }
 
 impl<'a> Driver<'a> {
-    /// `None` where the device does not say its errors.
+    /// `None` where the device does not state its errors.
     pub fn new(order: &'a MicrorobotsOrder, robot: usize) -> Option<Self> {
         let facts = &order.facts;
         let errors = facts.errors?;
@@ -123,57 +122,57 @@ impl<'a> Driver<'a> {
         self.robot.turning.sign()
     }
 
-    /// The bound on the error of the measured centre of its turns.
+    /// Bound on the error of the measured centre of its turns.
     pub fn centre_error_um(&self) -> f64 {
         self.errors.place_um + self.robot.turning_radius_um * self.errors.heading_rad
     }
 
-    /// By how much a turn may miss its angle, for each micrometre of its nominal way.
+    /// Bound on the angular error of a turn, per micrometre of its nominal path.
     pub fn miss_rad_per_um(&self) -> f64 {
         let speed = self.errors.speed_ratio;
         speed / self.robot.turning_radius_um + (1.0 + speed) * self.errors.turning_rad_per_um
     }
 
-    /// How far its centre may creep while it turns on so long a nominal way.
+    /// Bound on the creep of its centre while it turns on a nominal path of this length.
     pub fn creep_um(&self, way_um: f64) -> f64 {
         self.robot.turning_radius_um * self.errors.turning_rad_per_um * (1.0 + self.errors.speed_ratio) * way_um
     }
 
-    /// How far its centre may creep in a circle; what is granted to those that orbit.
+    /// Bound on the creep of its centre in a full circle; allowance for orbiting robots.
     pub fn orbit_error_um(&self) -> f64 {
         self.creep_um(TAU * self.robot.turning_radius_um)
     }
 
-    /// The bound on the error of the direction of a target so far away, with what an interval adds.
+    /// Bound on the error of the direction of a target at this distance, including the contribution of an interval.
     pub fn aim_error_rad(&self, distance_um: f64) -> f64 {
         let off_um = self.centre_error_um() + self.creep_um(self.interval_um.min(distance_um));
         self.errors.heading_rad + (off_um / distance_um.max(off_um).max(SAME_UM)).arc_sine()
     }
 
-    /// How far it stays from the direction of a target, to the side from which corrections are cheap.
+    /// Lag kept from the direction of a target, on the side from which corrections are cheap.
     pub fn lag_rad(&self, distance_um: f64) -> f64 {
         let chord = self.errors.turning_rad_per_um * (distance_um + self.centre_error_um()) / 2.0;
         self.aim_error_rad(distance_um) + chord.min(1.0).arc_sine()
     }
 
-    /// A target is reached when it is measured within this.
+    /// Measured distance within which a target counts as reached.
     pub fn capture_um(&self) -> f64 {
         1.5 * self.centre_error_um() + SAME_UM
     }
 
-    /// A new target is not sought when the centre is measured so near: it could not surely be brought nearer.
+    /// A new target is skipped when the centre is measured this near: it could not reliably be brought nearer.
     pub fn left_alone_um(&self) -> f64 {
         self.centre_miss_um() - self.centre_error_um()
     }
 
-    /// No interval that is corrected ends nearer before a target: so that none is passed unawares, and that the noise of a measured
-    /// centre turns the robot only a little.
+    /// Least distance to a target at which a corrected interval ends, so that no target is passed unnoticed, and the noise of a
+    /// measured centre turns the robot only slightly.
     pub fn guard_um(&self) -> f64 {
         let passed_um = self.centre_error_um() + self.errors.speed_ratio * self.interval_um;
         (2.0 * passed_um).max(SURE_CENTRES * self.centre_error_um()) + SAME_UM
     }
 
-    /// How far from its target a centre may end, before the last turn.
+    /// Largest distance between a centre and its target, before the last turn.
     pub fn centre_miss_um(&self) -> f64 {
         let centre_um = self.centre_error_um();
         let left_um = self.near_interval_um + self.guard_um() + centre_um;
@@ -185,7 +184,7 @@ impl<'a> Driver<'a> {
         across_um.hypotenuse(along_um).max(self.capture_um() + centre_um)
     }
 
-    /// Where the gross motion ends, truly: the paper's δ(t_2π) for this strategy, measured once more and believed.
+    /// Bound on the true end of the gross motion: the paper's δ(t_2π) for this strategy, measured once more and accepted.
     pub fn cylinder(&self) -> Cylinder {
         let heading_rad = self.errors.heading_rad + self.near_interval_um * self.miss_rad_per_um() + 1e-9;
         let circle_um = self.creep_um(TAU * self.robot.turning_radius_um);
@@ -196,7 +195,7 @@ impl<'a> Driver<'a> {
         }
     }
 
-    /// Within this a measured pose is taken to be there.
+    /// Measured poses within this count as arrived.
     pub fn accepted(&self) -> Cylinder {
         let true_one = self.cylinder();
         Cylinder {
@@ -206,13 +205,13 @@ impl<'a> Driver<'a> {
     }
 }
 
-/// An angle from 0 to a full turn, the latter left out.
+/// An angle reduced to one turn from 0, the full turn excluded.
 pub fn turn(angle_rad: f64) -> f64 {
     let turned_rad = angle_rad.rem_euclid(TAU);
     if turned_rad >= TAU { 0.0 } else { turned_rad }
 }
 
-/// An angle between minus and plus half a turn.
+/// An angle reduced to the range between minus and plus half a turn.
 pub fn angle(angle_rad: f64) -> f64 {
     crate::device::microrobots::wrapped_rad(angle_rad)
 }

@@ -1,4 +1,4 @@
-//! Gross motion: from centre to centre, always a little behind, and then to a heading.
+//! Gross motion: from centre to centre, always with a lag, and finally to a heading.
 
 use super::{Driver, StrategyPiece, angle, turn};
 use crate::device::microrobots::Arm;
@@ -6,40 +6,40 @@ use crate::geometry::Pose;
 use crate::real::Real;
 use std::f64::consts::TAU;
 
-/// What the next measurement is for.
+/// Purpose of the next measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
-    /// To turn towards a new target; a circle if it does not lie as far ahead as the lag.
+    /// Turn towards a new target; a circle if it lies less than the lag ahead.
     Facing,
-    /// To run towards the target; what it drifts away to the good side is corrected.
+    /// Run towards the target; drift to the good side is corrected.
     Running,
-    /// To finish the run, uncorrected, because the target is too near.
+    /// Finish the run without correction, because the target is too near.
     Finishing,
-    /// To turn to the heading of the approach.
+    /// Turn to the heading of the approach.
     Turning,
-    /// To see whether it is there.
+    /// Check whether it has arrived.
     Arrived,
 }
 
 /// The gross motion of a robot.
 #[derive(Debug, Clone)]
 pub struct Pursuit {
-    /// Centres of turns, the last one that of the approach.
+    /// Turning centres; the last one is that of the approach.
     pub centres_um: Vec<[f64; 2]>,
     pub approach: Pose,
-    /// Index of the centre that is sought.
+    /// Index of the current target.
     pub next: usize,
     pub phase: Phase,
 }
 
 impl Pursuit {
-    /// By way of these centres; that of the approach itself is added.
+    /// Via these centres; that of the approach itself is appended.
     pub fn new(driver: &Driver, mut via_um: Vec<[f64; 2]>, approach: Pose) -> Self {
         via_um.push(driver.robot.orbit_centre_um(approach));
         Pursuit { centres_um: via_um, approach, next: 0, phase: Phase::Facing }
     }
 
-    /// Goes on after a measurement at the end that was not believed: turns on if that is all, begins anew otherwise.
+    /// Continues after a final measurement that was not accepted: turns further if that suffices, otherwise restarts.
     pub fn retry(&mut self, driver: &Driver, measured: Pose) {
         let ahead_rad = driver.side() * angle(self.approach.heading_rad - measured.heading_rad);
         let [x_um, y_um] = driver.robot.orbit_centre_um(measured);
@@ -49,7 +49,7 @@ impl Pursuit {
         self.next = if self.phase == Phase::Turning { self.centres_um.len() } else { self.centres_um.len() - 1 };
     }
 
-    /// Changes where it ends.
+    /// Changes the approach.
     pub fn aim(&mut self, driver: &Driver, approach: Pose) {
         self.approach = approach;
         if let Some(last_um) = self.centres_um.last_mut() {
@@ -57,7 +57,7 @@ impl Pursuit {
         }
     }
 
-    /// Whether where it ends can still be changed.
+    /// Whether the approach can still be changed.
     pub fn is_far(&self, driver: &Driver, measured: Pose) -> bool {
         let is_last = self.next + 1 == self.centres_um.len();
         let near_um = 2.0 * (driver.interval_um + driver.guard_um());
@@ -68,7 +68,8 @@ impl Pursuit {
         self.centres_um[self.centres_um.len() - 1]
     }
 
-    /// What the robot does until the next measurement, at most so long a way; shorter where it rests for the measurement.
+    /// Actions of the robot until the next measurement, of at most `most_um` path length; shorter where it rests for the
+    /// measurement.
     pub fn pieces(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<StrategyPiece> {
         self.skip_captured(driver, measured);
         match self.phase {
@@ -95,7 +96,7 @@ impl Pursuit {
         let [to_x_um, to_y_um] = self.centres_um[self.next];
         let (dx_um, dy_um) = (to_x_um - x_um, to_y_um - y_um);
         let ahead_rad = turn(driver.side() * (dy_um.arc_tangent_over(dx_um) - measured.heading_rad));
-        // A rounding behind is not a circle ahead.
+        // A target behind by rounding only does not lie a full circle ahead.
         let ahead_rad = if ahead_rad > TAU - 1e-9 { 0.0 } else { ahead_rad };
         PursuitTarget { distance_um: dx_um.hypotenuse(dy_um), ahead_rad }
     }
@@ -153,7 +154,7 @@ impl Pursuit {
         vec![StrategyPiece { arm: Arm::Down, way_um: (turn_um - driver.near_interval_um / 2.0).min(most_um) }]
     }
 
-    /// The least way that is left, if the heading happens to be right for it.
+    /// Lower bound on the remaining path length, for the most favourable heading.
     pub fn least_um(&self, driver: &Driver, pose: Pose) -> f64 {
         let [x_um, y_um] = driver.robot.orbit_centre_um(pose);
         let Some([to_x_um, to_y_um]) = self.centres_um.get(self.next) else { return self.left_um(driver, pose) };
@@ -164,12 +165,12 @@ impl Pursuit {
         self.left_um(driver, Pose { x_um: x_um + arm_um * sin, y_um: y_um - arm_um * cos, heading_rad })
     }
 
-    /// The nominal way that is left from a pose, as if corrections cost nothing but the circles that they do.
+    /// Remaining nominal path length from a pose, assuming that corrections cost nothing except the circles they cause.
     pub fn left_um(&self, driver: &Driver, pose: Pose) -> f64 {
         let radius_um = driver.robot.turning_radius_um;
         let [mut x_um, mut y_um] = driver.robot.orbit_centre_um(pose);
         let (mut heading_rad, mut way_um) = (pose.heading_rad, 0.0);
-        // What lies within the noise behind is not a circle ahead.
+        // A target behind by less than the noise does not lie a full circle ahead.
         let ahead = |to_rad: f64, from_rad: f64, slack_rad: f64| {
             let turned_rad = turn(driver.side() * (to_rad - from_rad));
             if turned_rad > TAU - slack_rad { turned_rad - TAU } else { turned_rad }
@@ -181,7 +182,7 @@ impl Pursuit {
                 let direction_rad = dy_um.arc_tangent_over(dx_um);
                 let lag_rad = driver.lag_rad(distance_um);
                 let turned_rad = match self.phase {
-                    // What lies within the lag costs a circle.
+                    // A target within the lag costs a circle.
                     Phase::Facing => lag_rad + ahead(direction_rad, heading_rad + driver.side() * lag_rad, 0.0),
                     Phase::Running | Phase::Finishing | Phase::Turning | Phase::Arrived => {
                         ahead(direction_rad, heading_rad, 0.5)
@@ -198,15 +199,15 @@ impl Pursuit {
 }
 
 impl Driver<'_> {
-    /// The narrowest turn that the errors allow, as a curvature.
+    /// Largest curvature that the errors allow.
     fn steepest_per_um(&self) -> f64 {
         1.0 / self.robot.turning_radius_um + self.errors.turning_rad_per_um
     }
 }
 
-/// Where a centre is to go.
+/// Target of a centre.
 struct PursuitTarget {
     distance_um: f64,
-    /// To turn until the heading points to it; from 0 to a full turn.
+    /// Angle to turn until the heading points to it; from 0 to a full turn.
     ahead_rad: f64,
 }

@@ -1,16 +1,17 @@
-//! A way in whole strokes.
+//! Rounding of a path to whole strokes.
 //!
-//! The problem: a stroke carries a robot by some nanometres and turns it by step / radius; a heading that is off by half of that is
+//! The problem: a stroke moves a robot by some nanometres and turns it by step / radius; a heading that is off by half of that is
 //! off by micrometres at the end of a long leg.
 //!
-//! Method: as in `free`, the way is the polyline of the middles of the robot's circle, and its headings are counted in strokes of turning.
-//! Edge by edge, the polyline's next corner is aimed at from where the robot exactly is; so errors do not add up. An edge whose
-//! rounded heading would miss its corner by too much is run in two parts with one stroke of turning between them:
-//! the two neighbouring headings span every direction between them, so that only the rounding of their lengths is left. The last
-//! corner is that of the rounded last heading.
+//! Method: as in `free`, the path is the polyline of the centres of the robot's turning circle, and its headings are counted in
+//! strokes of turning. Edge by edge, the polyline's next corner is aimed at from the robot's exact position, so errors do not
+//! accumulate. An edge whose rounded heading would miss its corner by too much is run in two parts with one stroke of turning
+//! between them: the two neighbouring headings span every direction between them, so only the rounding of their lengths remains.
+//! The last corner is that of the rounded last heading.
 //!
-//! Promise: the end is within the given precision of the goal, or nothing is returned; it is computed by the robot's own exact steps. The way
-//! differs from the given one by less than [`ASTRAY`] of the precision at its corners, roundings of single strokes aside.
+//! Promise: the end is within the given precision of the goal, or nothing is returned; it is computed from the robot's exact steps.
+//! The path differs from the given one by less than [`ASTRAY`] of the precision at its corners, apart from rounding of single
+//! strokes.
 
 use super::free::ArmSegment;
 use crate::claims::microrobots::Precision;
@@ -19,19 +20,19 @@ use crate::geometry::Pose;
 use crate::real::Real;
 use std::f64::consts::FRAC_PI_2;
 
-/// The share of the precision that one rounded heading may cost at the goal.
+/// Share of the precision that one rounded heading may cost at the goal.
 const AT_GOAL: f64 = 0.08;
 
-/// The share of the precision at which no better rounding is looked for.
+/// Share of the precision at which no better rounding is sought.
 const GOOD: f64 = 0.15;
 
-/// The same at a corner on the way.
+/// Share of the precision by which a path may miss its corners.
 pub const ASTRAY: f64 = 0.5;
 
-/// By how many strokes of turning an edge may be turned to make good for the one before it.
+/// Strokes of turning by which an edge may be rotated to compensate for the previous one.
 const MOST_CORRECTION: f64 = 200.0;
 
-/// Strokes with the arm in one place.
+/// Strokes with the arm in one position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StrokeTrain {
     pub arm: Arm,
@@ -39,7 +40,7 @@ pub struct StrokeTrain {
     pub strokes: u64,
 }
 
-/// Where a robot is after its trains.
+/// Pose of a robot after its trains.
 pub fn end(robot: &Robot, from: Pose, trains: &[StrokeTrain]) -> Pose {
     let way_um = |train: &StrokeTrain| robot.step_um * train.strokes as f64;
     trains.iter().fold(from, |pose, train| robot.moved(pose, train.arm, way_um(train)))
@@ -51,7 +52,7 @@ pub fn is_within(pose: Pose, goal: Pose, precision: Precision) -> bool {
         && wrapped_rad(pose.heading_rad - goal.heading_rad).abs() <= precision.heading_rad
 }
 
-/// A way to a goal in whole strokes; `None` if its end is not within the precision, as with a precision below a stroke.
+/// A path to a goal in whole strokes; `None` if its end is not within the precision, as with a precision below a stroke.
 pub fn whole(
     robot: &Robot,
     from: Pose,
@@ -61,7 +62,7 @@ pub fn whole(
 ) -> Option<Vec<StrokeTrain>> {
     let edges = edges(robot, way);
     let turned = edges.turned.round();
-    // An edge may want one stroke of turning more than the last heading when it is rounded.
+    // After rounding, an edge may need one stroke of turning more than the last heading.
     let choices = [(ASTRAY, turned), (ASTRAY, turned + 1.0), (0.0, turned), (0.0, turned + 1.0)];
     let mut best: Option<(f64, Vec<StrokeTrain>)> = None;
     for (astray, turned) in choices {
@@ -81,11 +82,11 @@ pub fn whole(
     best.map(|(_, trains)| trains)
 }
 
-/// A way as a polyline of middles.
+/// A path as a polyline of turning centres.
 struct PolylineEdges {
-    /// The strokes of turning before each edge, and its length.
+    /// Strokes of turning before each edge, and its length.
     edges: Vec<(f64, f64)>,
-    /// The strokes of turning in all.
+    /// Total strokes of turning.
     turned: f64,
 }
 
@@ -100,15 +101,15 @@ fn edges(robot: &Robot, way: &[ArmSegment]) -> PolylineEdges {
     found
 }
 
-/// A way that is being rounded.
+/// State of the rounding of a path.
 struct Rounding<'a> {
     robot: &'a Robot,
     from: Pose,
-    /// Where the middle is now.
+    /// Current turning centre.
     middle_um: [f64; 2],
-    /// The strokes of turning so far: a whole number.
+    /// Strokes of turning so far: a whole number.
     turned: f64,
-    /// No edge is turned further than this.
+    /// Most strokes of turning of any edge.
     most: f64,
     trains: Vec<StrokeTrain>,
 }
@@ -128,12 +129,12 @@ impl<'a> Rounding<'a> {
         [cos, sin]
     }
 
-    /// The middle at a goal that is met with a rounded heading.
+    /// Turning centre at a goal that is reached with a rounded heading.
     fn middle_of(&self, goal: Pose, turned: f64) -> [f64; 2] {
         self.robot.orbit_centre_um(Pose { heading_rad: self.heading_rad(turned), ..goal })
     }
 
-    /// Follows the edges to the last middle; the tolerances are that of the last corner and that of the others.
+    /// Follows the edges to the last centre; the tolerances are that of the last corner and that of the others.
     fn follow(&mut self, edges: &PolylineEdges, goal_um: [f64; 2], [goal_tolerance_um, tolerance_um]: [f64; 2]) {
         let mut corner_um = self.middle_um;
         for (index, (turned, length_um)) in edges.edges.iter().enumerate() {
@@ -141,7 +142,7 @@ impl<'a> Rounding<'a> {
             corner_um = [0, 1].map(|axis| corner_um[axis] + length_um * unit[axis]);
             match edges.edges.get(index + 1) {
                 None => self.run_to(goal_um, *turned, goal_tolerance_um),
-                // What is missed at a corner must not turn the next edge about.
+                // The miss at a corner must not reverse the next edge.
                 Some((later, next_um)) => {
                     let room = (later - turned).clamp(1.0, MOST_CORRECTION) / 4.0;
                     let swing_um = next_um * room * self.robot.step_um / self.robot.turning_radius_um;
@@ -151,7 +152,7 @@ impl<'a> Rounding<'a> {
         }
     }
 
-    /// Runs to a corner, its heading near to what was planned.
+    /// Runs to a corner with a heading near the planned one.
     fn run_to(&mut self, corner_um: [f64; 2], planned: f64, tolerance_um: f64) {
         let [dx, dy] = [0, 1].map(|axis| corner_um[axis] - self.middle_um[axis]);
         let stroke_rad = self.robot.step_um / self.robot.turning_radius_um;
@@ -194,7 +195,7 @@ impl<'a> Rounding<'a> {
     }
 
     fn push(&mut self, arm: Arm, strokes: f64) {
-        // The most strokes of a way of a metre are far below 2^53.
+        // The strokes of a path of a metre are far below 2^53.
         let strokes = strokes as u64;
         match self.trains.last_mut() {
             Some(last) if last.arm == arm => last.strokes += strokes,

@@ -1,4 +1,4 @@
-//! Ways in whole strokes end where they should.
+//! Paths in whole strokes end within the precision.
 
 use super::*;
 use crate::device::microrobots::Turning;

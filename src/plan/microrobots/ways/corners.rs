@@ -1,9 +1,9 @@
-//! Where the polyline of a way may have its corners.
+//! Candidate corners of a path's polyline.
 //!
-//! For each point p that a way may have to go round (corners of obstacles and bodies, points about discs): middles so far from p that the robot
-//! just turns around it, with p inside its orbit; middles so far that the whole orbit stays clear of it; and middles on
-//! the lines along which the robot just passes it on either side. Besides these: points on the first and the last heading,
-//! and a coarse lattice. Every one is kept only if the robot can be there with some heading.
+//! For each point p that a path may pass around (corners of obstacles and bodies, points around discs): turning centres at the
+//! distance from p at which the robot just turns around it, with p inside its orbit; centres at the distance at which the whole
+//! orbit stays clear of it; and centres on the lines along which the robot just passes it on either side. In addition: points on
+//! the first and the last heading, and a coarse lattice. A candidate is kept only if the robot can be there with some heading.
 
 use super::DriveTask;
 use crate::geometry::{Core, Rounded};
@@ -15,22 +15,22 @@ use std::f64::consts::TAU;
 /// Directions around a point.
 const DIRECTIONS: usize = 8;
 
-/// Points about a disc.
+/// Points around a disc.
 const POINTS_OF_DISC: usize = 6;
 
-/// The most points that a way may go round.
+/// Most points that a path may pass around.
 const MAX_POINTS: usize = 400;
 
-/// Points of the lattice in a row.
+/// Points per row of the lattice.
 const LATTICE: usize = 7;
 
-/// Corners that are nearer to each other are one.
+/// Corners nearer to each other than this coincide.
 const SAME_UM: f64 = 1.0;
 
-/// What is kept from what is passed beyond what has to be.
+/// Distance kept beyond the required clearance.
 const ROOM_UM: f64 = 0.5 + MARGIN_UM;
 
-/// Corners in the order in which they are tried: those with the shortest ways over them first.
+/// Corners in the order in which they are tried: those with the shortest paths through them first.
 pub(super) struct OrderedCorners {
     ranked: std::vec::IntoIter<[f64; 2]>,
     kept: Vec<[f64; 2]>,
@@ -50,7 +50,7 @@ impl OrderedCorners {
         OrderedCorners { ranked: ranked.into_iter(), kept: Vec::new() }
     }
 
-    /// The first so many corners that the robot can be at; fewer if there are no more.
+    /// The first `count` corners at which the robot can be; fewer if there are no more.
     pub(super) fn first(&mut self, task: &DriveTask, count: usize) -> &[[f64; 2]] {
         while self.kept.len() < count {
             let Some(corner) = self.ranked.next() else { break };
@@ -63,7 +63,7 @@ impl OrderedCorners {
     }
 }
 
-/// What a way over a corner costs where nothing is in its way: to the corner by a turn and a run, and on by the free optimum.
+/// Cost of a path via a corner without obstacles: a turn and a run to the corner, then the free optimum.
 fn cost_um(task: &DriveTask, corner: [f64; 2]) -> f64 {
     let Some([turn, run]) = task.leg_to(task.from, corner) else { return f64::INFINITY };
     let pose = task.end(task.from, &[turn, run]);
@@ -77,12 +77,12 @@ fn is_usable(task: &DriveTask, corner: [f64; 2]) -> bool {
     })
 }
 
-/// A point that a way may go round.
+/// A point that a path may pass around.
 struct CornerPoint {
     at_um: [f64; 2],
-    /// What a body keeps from it.
+    /// Clearance of a body from it.
     keep_um: f64,
-    /// Of a side next to it.
+    /// Heading of an adjacent side.
     heading_rad: f64,
 }
 
@@ -156,7 +156,7 @@ fn around_point(task: &DriveTask, point: &CornerPoint, found: &mut Vec<[f64; 2]>
         found.push(at(outer_um, 0.0));
         found.extend((inner_um > 0.0).then(|| at(inner_um, 0.0)));
         if direction % 2 == 0 {
-            // The middle is to the side to which the robot turns; the point may be between them or on the other side.
+            // The centre is on the side to which the robot turns; the point may be between them or on the other side.
             let sign = task.facts().turning.sign();
             for left_um in [sign * beside_um, sign * inner_um] {
                 found.extend([at(-beyond_um, left_um), at(beyond_um, left_um)]);
@@ -178,7 +178,7 @@ fn along_headings(task: &DriveTask, found: &mut Vec<[f64; 2]>) {
             way_um *= 1.5;
         }
     }
-    // Where the straight–turn–straight way has its corner.
+    // The corner of the straight–turn–straight path.
     found.extend(free::words(task.facts(), task.from, task.to).map(|word| {
         let [x, y] = task.facts().orbit_centre_um(task.from);
         let (sin, cos) = (task.from.heading_rad + task.facts().turning.sign() * word.turns_rad[0]).sine_cosine();

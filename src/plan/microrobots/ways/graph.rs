@@ -1,6 +1,6 @@
-//! Which corners a robot can run straight between, and how long the shortest polyline over them is.
+//! Visibility graph: pairs of corners between which a robot can run straight, and the shortest polyline lengths over them.
 //!
-//! An edge has one heading, whatever turns are before and after it; so whether it is free is asked once for every pair.
+//! An edge has one heading, whatever the turns before and after it, so each pair is tested once.
 
 use super::{DriveTask, SHORTEST_UM};
 use crate::device::microrobots::Arm;
@@ -12,12 +12,12 @@ pub(super) struct Graph {
     count: usize,
     /// By the corner where it begins, then by the one where it ends.
     leads: Vec<bool>,
-    /// The length of the shortest polyline to the goal's middle, turns aside; infinite if there is none.
+    /// Length of the shortest polyline to the goal's turning centre, without turns; infinite if there is none.
     rest_um: Vec<f64>,
 }
 
 impl Graph {
-    /// Asks for every pair of corners.
+    /// Tests every pair of corners.
     pub(super) fn new(task: &DriveTask, corners: &[[f64; 2]]) -> Self {
         let count = corners.len();
         let goal_um = task.facts().orbit_centre_um(task.to);
@@ -38,12 +38,12 @@ impl Graph {
         self.leads[from * self.count + to]
     }
 
-    /// The least length from a corner to the goal's middle.
+    /// The least length from a corner to the goal's turning centre.
     pub(super) fn rest_um(&self, corner: usize) -> f64 {
         self.rest_um[corner]
     }
 
-    /// Dijkstra's search backwards, by rows: the graph is dense.
+    /// Dijkstra's algorithm from the goal, in its dense form.
     fn settle(&mut self, corners: &[[f64; 2]]) {
         let mut open: Vec<usize> = (0..self.count).collect();
         while !open.is_empty() {
@@ -62,7 +62,7 @@ fn apart_um(a: [f64; 2], b: [f64; 2]) -> f64 {
     (b[0] - a[0]).hypotenuse(b[1] - a[1])
 }
 
-/// The length of the last run, if it is free.
+/// Length of the last run, if it is free.
 fn last_um(task: &DriveTask, corner: [f64; 2], goal_um: [f64; 2]) -> f64 {
     let way_um = apart_um(corner, goal_um);
     if way_um <= SHORTEST_UM || is_free(task, corner, goal_um) { way_um } else { f64::INFINITY }

@@ -1,19 +1,18 @@
-//! The shortest way of one robot around obstacles, discs and bodies that rest.
+//! The shortest path of one robot around obstacles, discs and bodies at rest.
 //!
-//! Input: the bed, a robot, two poses, what rests on the bed besides the obstacles. Output: a way whose every stretch is free, with a lower
-//! bound of its length; or why there is none.
+//! Input: the bed, a robot, two poses, and fixtures on the bed besides the obstacles. Output: a path whose every segment is free,
+//! with a lower bound on its length; or why there is none.
 //!
-//! Method: the free optimum first (`free`): if nothing is in its way it is the optimum. Otherwise A* over polylines of the middles of the robot's
-//! circle, as in `free`: the corners come from a finite set around whatever rests (`corners`), and a state is a corner with the heading that led
-//! there. The rest is estimated by the free optimum, and by the shortest polyline over edges that are free (`graph`). The first state
-//! from which the free optimum meets nothing ends the search. Whether a turn is free is asked only when its end is
-//! taken (lazy A*; Cohen, Phillips, Likhachev, 2014). Several searches follow one another, with more corners and more haste each
-//! (`STAGES`): corners that cost the least by themselves first.
-//! What is found is then shortened by moving its corners (`shorten`).
+//! Method: the free optimum first (`free`): if it is unobstructed it is optimal. Otherwise A* over polylines of the centres of the
+//! robot's turning circle, as in `free`: the corners come from a finite set around the fixtures (`corners`), and a state is a
+//! corner with the heading that led there. The heuristic is the larger of the free optimum and the shortest polyline over free
+//! edges (`graph`). The first state from which the free optimum is unobstructed ends the search. A turn is tested only when its end
+//! is expanded (lazy A*; Cohen, Phillips, Likhachev, 2014). Several searches follow one another, each with more corners and a
+//! larger heuristic weight (`STAGES`): corners that cost the least alone come first. The result is then shortened by moving its
+//! corners (`shorten`).
 //!
-//! Promise: a free way, never one that is not. Not promised: that one is found where there is one, or that it is the shortest, unless it is as
-//! long as the bound. Cost grows with corners² × headings; each state that is taken
-//! is a step of the budget.
+//! Promise: a returned path is free. Not promised: that one is found where there is one, or that it is the shortest, unless its
+//! length equals the bound. Cost grows with corners² × headings; each expanded state is a step of the budget.
 
 mod corners;
 mod graph;
@@ -32,7 +31,7 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 use std::f64::consts::TAU;
 
-/// The searches, one after the other until one finds a way.
+/// The searches, one after the other until one finds a path.
 const STAGES: [WaySearch; 5] = [
     WaySearch { corners: 48, weight: 1.0, states: 1_000 },
     WaySearch { corners: 96, weight: 1.2, states: 2_000 },
@@ -41,23 +40,23 @@ const STAGES: [WaySearch; 5] = [
     WaySearch { corners: 640, weight: 3.0, states: 40_000 },
 ];
 
-/// One search.
+/// Settings of one search.
 struct WaySearch {
-    /// How many corners are tried.
+    /// Number of corners used.
     corners: usize,
-    /// Of the rest of the way in the estimate; above 1 the search goes for the goal, and its way may be longer by this factor.
+    /// Heuristic weight (weighted A*): above 1 the search is greedier, and its path may be longer by this factor.
     weight: f64,
-    /// The most states that are taken, unless the budget ends before.
+    /// Most expanded states, unless the budget ends earlier.
     states: u64,
 }
 
-/// States with headings that differ by less are one.
+/// States whose headings differ by less than this coincide.
 const SAME_HEADING_RAD: f64 = TAU / 90.0;
 
-/// The most states of one search that wait or are done.
+/// Most states of one search, open or closed.
 const MAX_STATES: usize = 2_000_000;
 
-/// Who goes where, and among what.
+/// A path request.
 #[derive(Clone, Copy)]
 pub struct DriveTask<'a> {
     pub world: &'a World,
@@ -67,30 +66,30 @@ pub struct DriveTask<'a> {
     pub fixtures: &'a Fixtures,
 }
 
-/// A free way.
+/// A free path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FreeWay {
     pub way: Vec<ArmSegment>,
     pub length_um: f64,
-    /// No way to the goal is shorter, whatever is or is not around.
+    /// Lower bound on any path to the goal, whatever the surroundings.
     pub bound_um: f64,
 }
 
-/// Why there is no way.
+/// Why there is no path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NoWay {
-    /// A proof: the robot is too near to this where it starts.
+    /// A proof: the robot is too near to this at its start.
     Start(Obstruction),
     /// A proof: it would be too near to this at its goal.
     Goal(Obstruction),
-    /// Every way over the corners that were tried is blocked; this blocks the shortest one. No proof.
+    /// Every path over the corners that were tried is blocked; this blocks the shortest one. No proof.
     Blocked(Obstruction),
-    /// The budget ran out; this blocks the shortest way. No proof.
+    /// The budget ran out; this blocks the shortest path. No proof.
     GaveUp(Obstruction),
 }
 
 impl<'a> DriveTask<'a> {
-    /// A way around everything.
+    /// A path around everything.
     pub fn find(&self, meter: &mut Meter) -> Result<FreeWay, NoWay> {
         let blocked = match self.direct() {
             Ok(found) => return Ok(found),
@@ -111,7 +110,7 @@ impl<'a> DriveTask<'a> {
         Err(NoWay::Blocked(blocked))
     }
 
-    /// The better of the two free ways that meets nothing; else what is in the way of the shorter one.
+    /// The free optimum if it is unobstructed, or the other free path if it is as short; otherwise the obstruction of the optimum.
     pub fn direct(&self) -> Result<FreeWay, Obstruction> {
         let words = free::words(self.facts(), self.from, self.to);
         let radius_um = self.facts().turning_radius_um;
@@ -125,7 +124,7 @@ impl<'a> DriveTask<'a> {
         });
         let [one, other] = tried;
         one.or_else(|blocked| match other {
-            // The longer of the two is a way, though maybe not the best one around: it is left to the search then.
+            // The longer one is a valid path, though perhaps not the best one around: then the search decides.
             Ok(found) if found.length_um <= bound_um + free::SLACK_UM => Ok(found),
             Ok(_) | Err(_) => Err(blocked),
         })
@@ -147,13 +146,13 @@ impl<'a> DriveTask<'a> {
         way.iter().fold(from, |pose, segment| self.facts().moved(pose, segment.arm, segment.way_um))
     }
 
-    /// The pose of a robot whose middle is here.
+    /// The pose of a robot with this turning centre.
     fn pose_about(&self, [x_um, y_um]: [f64; 2], heading_rad: f64) -> Pose {
         let [dx, dy] = self.facts().orbit_centre_um(Pose { x_um: 0.0, y_um: 0.0, heading_rad });
         Pose { x_um: x_um - dx, y_um: y_um - dy, heading_rad }
     }
 
-    /// The turn and the run that lead from a pose to a middle; `None` if it is there.
+    /// The turn and the run from a pose to a turning centre; `None` if it is there.
     fn leg_to(&self, from: Pose, middle_um: [f64; 2]) -> Option<[ArmSegment; 2]> {
         let here_um = self.facts().orbit_centre_um(from);
         let [dx, dy] = [0, 1].map(|axis| middle_um[axis] - here_um[axis]);
@@ -175,7 +174,7 @@ struct CornerSearch<'a> {
     stage: WaySearch,
     states: Vec<CornerState>,
     queue: BinaryHeap<Reverse<CornerEntry>>,
-    /// The least cost with which a corner was taken, by heading.
+    /// Least cost at which a corner was expanded, by heading.
     done: FxHashMap<(u32, u16), f64>,
 }
 
@@ -188,7 +187,7 @@ struct CornerState {
     before: u32,
 }
 
-/// The index of the start, which is no corner.
+/// Index of the start, which is not a corner.
 const START: u32 = u32::MAX;
 
 struct CornerEntry {
@@ -224,7 +223,7 @@ impl<'a> CornerSearch<'a> {
         search
     }
 
-    /// The cheapest way over the corners; `None` if there is none.
+    /// The cheapest path over the corners; `None` if there is none.
     fn run(mut self, meter: &mut Meter, blocked: Obstruction) -> Result<Option<Vec<ArmSegment>>, NoWay> {
         let mut taken = 0;
         while let Some(Reverse(CornerEntry { state: index, .. })) = self.queue.pop() {
@@ -262,7 +261,7 @@ impl<'a> CornerSearch<'a> {
         self.done.insert(Self::key(state), state.cost_um);
     }
 
-    /// Whether the last leg to a state is free. Between corners the graph knows of the run.
+    /// Whether the last leg to a state is free. Runs between corners are known from the graph.
     fn is_reached(&self, state: &CornerState) -> bool {
         let Some(before) = self.states.get(state.before as usize) else { return true };
         let leg = self.task.leg_to(before.pose, self.corners[state.corner as usize]);

@@ -1,20 +1,20 @@
-//! A free way made shorter: corners are left out and moved as long as that makes it shorter and it stays free.
+//! Shortens a free path: corners are removed and moved as long as that makes it shorter and keeps it free.
 
 use super::{DriveTask, SHORTEST_UM};
 use crate::device::microrobots::Arm;
 use crate::plan::microrobots::free::{self, ArmSegment, joined};
 use crate::real::Real;
 
-/// The first and the last step by which a corner is moved.
+/// The first and the last step size of a corner.
 const STEPS_UM: [f64; 2] = [200.0, 0.5];
 
-/// The most tries.
+/// Most tries.
 const MAX_TRIES: usize = 500;
 
-/// What a move has to gain.
+/// Least gain of a move.
 const LEAST_GAIN_UM: f64 = 1e-3;
 
-/// A way that is no longer than the given one. If a try is no way, it is dropped.
+/// A path no longer than the given one. Invalid tries are dropped.
 pub(super) fn shortened(task: &DriveTask, way: Vec<ArmSegment>) -> Vec<ArmSegment> {
     let mut corners = corners(task, &way);
     let mut best = (free::length_um(&way), way);
@@ -31,7 +31,7 @@ pub(super) fn shortened(task: &DriveTask, way: Vec<ArmSegment>) -> Vec<ArmSegmen
     best.1
 }
 
-/// The corners of a way but the first and the last middle.
+/// The corners of a path, except the first and the last turning centre.
 fn corners(task: &DriveTask, way: &[ArmSegment]) -> Vec<[f64; 2]> {
     let mut pose = task.from;
     let mut corners = Vec::new();
@@ -46,7 +46,7 @@ fn corners(task: &DriveTask, way: &[ArmSegment]) -> Vec<[f64; 2]> {
     corners
 }
 
-/// The way over corners to the goal, the rest by the free optimum.
+/// The path over corners to the goal, ending with the free optimum.
 fn over(task: &DriveTask, corners: &[[f64; 2]]) -> Option<Vec<ArmSegment>> {
     let mut pose = task.from;
     let mut way = Vec::with_capacity(2 * corners.len() + 5);
@@ -59,7 +59,7 @@ fn over(task: &DriveTask, corners: &[[f64; 2]]) -> Option<Vec<ArmSegment>> {
     Some(joined(way))
 }
 
-/// Whether the corners lead to a shorter way that is free; it is the best one then.
+/// Whether the corners give a shorter path that is free; it then becomes the best one.
 fn improves(task: &DriveTask, corners: &[[f64; 2]], best: &mut (f64, Vec<ArmSegment>), tries: &mut usize) -> bool {
     *tries += 1;
     let Some(way) = over(task, corners) else { return false };

@@ -1,4 +1,4 @@
-//! Ways around things.
+//! Paths around obstacles.
 
 use super::*;
 use crate::geometry::Shape;
@@ -13,7 +13,7 @@ fn disc(x_um: f64, y_um: f64, radius_um: f64) -> crate::claims::microrobots::Mic
     obstacle("disc", Shape::Disc { radius_um }, Pose::at(x_um, y_um))
 }
 
-/// The way found, proven to be free by samples; with the states that were taken.
+/// The path found, verified to be free by samples; with the number of expanded states.
 fn found(
     obstacles: Vec<crate::claims::microrobots::MicrorobotsObstacle>,
     from: Pose,
@@ -55,7 +55,7 @@ fn a_disc_in_the_way_is_passed() {
     for y_um in [-60.0, 0.0, 60.0] {
         let (found, taken) =
             found(vec![disc(1_000.0, y_um, 50.0)], pose(0.0, 0.0, 0.0), pose(2_000.0, 0.0, 0.0)).unwrap();
-        // To the side and back takes a whole turn.
+        // A lateral offset takes a full turn.
         assert!(found.length_um < 2_000.0 + TAU * 150.0 + 60.0, "{found:?}");
         assert!(taken < 20_000, "{taken}");
     }

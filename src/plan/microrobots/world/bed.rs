@@ -1,18 +1,18 @@
-//! The bed between steps: where robots stand, and what happened since their arms were last up.
+//! State of the bed between steps: poses of the robots, and the legs since their arms were last up.
 
 use super::{FirstMeeting, World};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::plan::microrobots::{Leg, RobotDocking};
 
-/// Where the robots stand, and the legs that an arm stayed down through up to now: its turn goes on counting in the legs that follow.
+/// Poses of the robots, and the recent legs during which some arm stayed down: its turn continues to count in the legs that follow.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BedPoses {
-    /// Where each robot of the order stands.
+    /// Pose of each robot of the order.
     pub poses: Vec<Pose>,
-    /// Whether it sticks in a structure.
+    /// Whether it is docked.
     pub docked: Vec<bool>,
-    /// The same before the legs.
+    /// The same before the recorded legs.
     before: (Vec<Pose>, Vec<bool>),
     legs: Vec<Leg>,
     docks: Vec<RobotDocking>,
@@ -29,8 +29,8 @@ impl BedPoses {
         *self = BedPoses::new(std::mem::take(&mut self.poses), std::mem::take(&mut self.docked));
     }
 
-    /// The first forbidden meeting of legs from here on. Its leg is counted among these; if the whole disc of a robot was already
-    /// violated before them, it is the first one.
+    /// The first forbidden meeting in the legs from here on. Its leg is an index into these; if the orbit disc of a robot was
+    /// already violated before them, it is the first one.
     pub fn first_hit(&self, world: &World, legs: &[Leg], docks: &[RobotDocking]) -> Option<FirstMeeting> {
         let past = self.legs.len();
         if past == 0 {
@@ -43,7 +43,7 @@ impl BedPoses {
         hit.map(|hit| FirstMeeting { leg: hit.leg.saturating_sub(past), ..hit })
     }
 
-    /// Follows legs.
+    /// Advances through legs.
     pub fn follow(&mut self, world: &World, legs: &[Leg], docks: &[RobotDocking]) {
         let past = self.legs.len();
         for (index, leg) in legs.iter().enumerate() {
@@ -55,7 +55,7 @@ impl BedPoses {
         self.forget(world);
     }
 
-    /// Drops the legs before the one from which on some arm stays down.
+    /// Drops the legs before the first one since which some arm has stayed down.
     fn forget(&mut self, world: &World) {
         let held = |robot: &usize| {
             let down = |leg: &&Leg| world.arm(leg.state, *robot) == Arm::Down;

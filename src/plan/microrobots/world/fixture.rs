@@ -10,7 +10,7 @@ pub fn pose(x_um: f64, y_um: f64, heading_deg: f64) -> Pose {
     Pose { x_um, y_um, heading_rad: heading_deg.to_radians() }
 }
 
-/// A robot of a usual size that turns clockwise.
+/// A robot of typical size that turns clockwise.
 pub fn robot(name: &str, turning_radius_um: f64, step_um: f64) -> Robot {
     Robot {
         name: name.to_owned(),

@@ -1,15 +1,17 @@
-//! The bed while it is planned: what stands on it, and what the legs of a plan would bring together.
+//! Collision model of the bed during planning: its bodies, and the first collision of a plan's legs.
 //!
-//! Input: the robots, obstacles and control states of an order; where the robots stand; legs. Output: the first meeting that the rules
-//! of collision forbid, or none. The rules: a body that moves keeps the clearance from obstacles and other bodies; the disc of a robot that
-//! turns by a whole turn or more keeps the orbit clearance from everything; a robot that docks may come to the structure in the last stretch.
+//! Input: the robots, obstacles and control states of an order; the poses of the robots; legs. Output: the first meeting that the
+//! collision rules forbid, or none. The rules: a moving body keeps the clearance from obstacles and other bodies; the disc of a
+//! robot that turns by a full turn or more keeps the orbit clearance from everything; a robot that docks may approach the structure
+//! in the last stretch.
 //!
-//! Method: conservative advancement (Mirtich, 1996): the distance at an instant, divided by the greatest speed of the two, is time in which
-//! nothing can happen. Two bodies that both run straight need no such steps: their distance is convex in time. A body that runs straight past
-//! something that rests sweeps a rectangle.
+//! Method: conservative advancement (Mirtich, 1996): the distance at an instant, divided by the greatest relative speed, is a time
+//! during which nothing can happen. Two bodies that both run straight need no such steps: their distance is convex in time. A body
+//! that runs straight past something at rest sweeps a rectangle.
 //!
-//! Promise: stricter than the rules by [`MARGIN_UM`], so that roundings decide nothing. What is not told apart within `MAX_SAMPLES` instants
-//! of one pair in one leg counts as a meeting. Cost: pairs of robots + robots × obstacles for each leg, most of them by their bounds alone.
+//! Promise: stricter than the rules by [`MARGIN_UM`], so that rounding decides nothing. A case that is not decided within
+//! `MAX_SAMPLES` instants of one pair in one leg counts as a meeting. Cost: pairs of robots + robots × obstacles for each leg, most
+//! of them decided by bounding volumes alone.
 
 mod bed;
 mod pairs;
@@ -29,13 +31,13 @@ use crate::real::Real;
 use std::f64::consts::TAU;
 use tracks::RobotTrack;
 
-/// By how much the planner is stricter than the rules.
+/// Margin by which the planner is stricter than the rules.
 pub const MARGIN_UM: f64 = 1e-3;
 
-/// By how much less than a whole turn counts as one.
+/// Tolerance of a full turn.
 const MARGIN_RAD: f64 = 1e-6;
 
-/// The most instants at which one pair is looked at during one leg.
+/// Most instants at which one pair is sampled during one leg.
 const MAX_SAMPLES: u32 = 200_000;
 
 /// The bed of an order.
@@ -47,43 +49,43 @@ pub struct World {
     arms: Vec<Arm>,
     keep_um: f64,
     orbit_keep_um: f64,
-    /// How far docked bodies may overlap.
+    /// Largest overlap of docked bodies.
     overlap_um: f64,
-    /// The last stretch before docking.
+    /// Length of the last stretch before docking.
     fine_um: f64,
 }
 
-/// What is in the way.
+/// A placed obstacle.
 #[derive(Debug, Clone)]
 struct WorldObstacle {
     body: Rounded,
-    /// It lies within this.
+    /// A bounding disc.
     bound: OrbitDisc,
 }
 
-/// A robot's measures.
+/// Dimensions of a robot.
 #[derive(Debug, Clone)]
 pub struct RobotDimensions {
     pub robot: Robot,
     pub half_um: [f64; 2],
-    /// From its centre to its corners.
+    /// Distance from its centre to its corners.
     pub corner_um: f64,
-    /// Of the disc that it sweeps when it orbits.
+    /// Radius of its orbit disc.
     pub reach_um: f64,
 }
 
-/// What is forbidden to meet.
+/// A forbidden meeting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ForbiddenMeeting {
     /// A body and an obstacle.
     Obstacle { robot: usize, obstacle: usize },
     /// Two bodies.
     Robots { robot: usize, other: usize },
-    /// The disc of a robot that orbits, and an obstacle.
+    /// The disc of an orbiting robot, and an obstacle.
     OrbitObstacle { robot: usize, obstacle: usize },
-    /// The disc of a robot that orbits, and a body.
+    /// The disc of an orbiting robot, and a body.
     OrbitRobot { robot: usize, other: usize },
-    /// Two such discs.
+    /// Two orbit discs.
     Orbits { robot: usize, other: usize },
 }
 
@@ -91,18 +93,18 @@ pub enum ForbiddenMeeting {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstMeeting {
     pub meeting: ForbiddenMeeting,
-    /// Index of the legs.
+    /// Index into the legs.
     pub leg: usize,
-    /// How many strokes of the leg are done by then.
+    /// Strokes of the leg completed by then.
     pub strokes: f64,
-    /// Where the first robot of the meeting is then.
+    /// Pose of the first robot of the meeting at that time.
     pub at: Pose,
-    /// Where the other robot is then; the first one, if there is none.
+    /// Pose of the other robot at that time; of the first one, if there is no other.
     pub with: Pose,
 }
 
 impl World {
-    /// The bed of an order. Obstacles whose shape cannot be placed are left out: the check refuses them.
+    /// The bed of an order. Obstacles whose shape cannot be placed are dropped: the checker rejects them.
     pub fn new(order: &MicrorobotsOrder) -> Self {
         let facts = &order.facts;
         let bodies: Vec<RobotDimensions> =
@@ -120,17 +122,17 @@ impl World {
         }
     }
 
-    /// How many robots there are.
+    /// Number of robots.
     pub fn count(&self) -> usize {
         self.bodies.len()
     }
 
-    /// How many control states there are.
+    /// Number of control states.
     pub fn state_count(&self) -> usize {
         self.arms.len().checked_div(self.bodies.len()).unwrap_or(0)
     }
 
-    /// The measures of a robot.
+    /// The dimensions of a robot.
     pub fn body(&self, robot: usize) -> &RobotDimensions {
         &self.bodies[robot]
     }
@@ -140,7 +142,7 @@ impl World {
         self.obstacles.iter().map(|obstacle| &obstacle.body)
     }
 
-    /// The same bed with larger clearances: what is free there stays free when it is moved by this.
+    /// The same bed with larger clearances: a path that is free there stays free when it is displaced by `room_um`.
     pub fn widened(&self, room_um: f64) -> Self {
         World { keep_um: self.keep_um + room_um, orbit_keep_um: self.orbit_keep_um + room_um, ..self.clone() }
     }
@@ -150,7 +152,7 @@ impl World {
         [self.keep_um, self.orbit_keep_um]
     }
 
-    /// Where a robot's arm is in a control state.
+    /// Arm position of a robot in a control state.
     pub fn arm(&self, state: usize, robot: usize) -> Arm {
         self.arms[state * self.bodies.len() + robot]
     }
@@ -165,13 +167,13 @@ impl World {
         OrientedRectangle::new(pose, self.bodies[robot].half_um)
     }
 
-    /// The disc that a robot at a pose sweeps when it orbits.
+    /// The disc that a robot at a pose sweeps on its orbit.
     pub fn disc(&self, robot: usize, pose: Pose) -> OrbitDisc {
         let body = &self.bodies[robot];
         OrbitDisc { centre_um: body.robot.orbit_centre_um(pose), radius_um: body.reach_um }
     }
 
-    /// The way of a robot's centre in so many strokes.
+    /// Path length of a robot's centre in `strokes` strokes.
     pub fn way_um(&self, robot: usize, strokes: u64) -> f64 {
         self.bodies[robot].robot.step_um * strokes as f64
     }
@@ -183,7 +185,7 @@ impl World {
         }
     }
 
-    /// The first forbidden meeting of legs, without what happened before them.
+    /// The first forbidden meeting in legs, without those before them.
     pub fn first_hit(
         &self,
         start: &[Pose],
@@ -212,23 +214,23 @@ impl RobotDimensions {
         RobotDimensions { robot: robot.clone(), half_um, corner_um, reach_um }
     }
 
-    /// The turning angle of a way.
+    /// The turning angle of a path.
     pub fn turn_rad(&self, way_um: f64) -> f64 {
         way_um / self.robot.turning_radius_um
     }
 }
 
-/// Legs while they are followed.
+/// State while legs are followed.
 struct LegCursor<'a> {
     world: &'a World,
     legs: &'a [Leg],
     docks: &'a [RobotDocking],
     poses: Vec<Pose>,
     docked: Vec<bool>,
-    /// By leg, then by robot: whether its arm stays down for a whole turn in all.
+    /// By leg, then by robot: whether its arm stays down for a full turn in total.
     orbits: Vec<bool>,
     tracks: Vec<RobotTrack>,
-    /// For each robot, the instant of this leg from which on it may come near to the structure.
+    /// For each robot, the instant of this leg from which it may come near the structure.
     fine_from: Vec<f64>,
 }
 
@@ -270,7 +272,7 @@ impl<'a> LegCursor<'a> {
         }
     }
 
-    /// The first meeting of a leg; without one, everything stands at its end then.
+    /// The first meeting of a leg; if there is none, the state advances to its end.
     fn follow(&mut self, leg: usize) -> Option<FirstMeeting> {
         let Leg { state, strokes } = self.legs[leg];
         self.tracks.clear();
@@ -285,7 +287,7 @@ impl<'a> LegCursor<'a> {
         hit
     }
 
-    /// From which instant of a leg on a robot is in the last stretch of its way; docked robots are there always.
+    /// Instant of a leg from which a robot is in the last stretch of its path; docked robots always are.
     fn fine_from(&self, leg: usize, robot: usize) -> f64 {
         if self.docked[robot] {
             return f64::NEG_INFINITY;
@@ -298,7 +300,7 @@ impl<'a> LegCursor<'a> {
         left as f64 - (self.world.fine_um - MARGIN_UM) / self.world.bodies[robot].robot.step_um
     }
 
-    /// From which instant on two robots may come as near as docked ones, infinite if never.
+    /// Instant from which two robots may come as near as docked ones; infinite if never.
     fn near_from(&self, one: usize, other: usize) -> f64 {
         let together = self.last_leg(one) == self.last_leg(other) || self.docked[one] || self.docked[other];
         if together { self.fine_from[one].max(self.fine_from[other]) } else { f64::INFINITY }

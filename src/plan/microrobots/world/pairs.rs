@@ -1,4 +1,4 @@
-//! The rules of collision for one leg of the whole bed.
+//! Collision rules for one leg of the whole bed.
 
 use super::tracks::{MotionKind, RobotTrack, far_apart, first_near, first_near_convex};
 use super::{FirstMeeting, ForbiddenMeeting, LegCursor, MARGIN_UM, OrbitDisc, WorldObstacle, statics};
@@ -39,7 +39,7 @@ impl LegCursor<'_> {
         }
     }
 
-    /// The disc of a robot that orbits against everything else.
+    /// Checks the disc of an orbiting robot against everything else.
     fn orbit_of(&self, leg: usize, robot: usize, told: &mut impl FnMut(Option<f64>, ForbiddenMeeting)) {
         let RobotTrack { centre_um, reach_um, .. } = self.tracks[robot];
         let disc = OrbitDisc { centre_um, radius_um: reach_um };

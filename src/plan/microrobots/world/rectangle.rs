@@ -1,11 +1,11 @@
-//! A robot's body as a rectangle, and how far it is from others.
+//! A robot's body as an oriented rectangle, and its distances.
 
 use crate::geometry::distance::quadrilateral_core;
 use crate::geometry::{Pose, Rounded};
 use crate::real::Real;
 use nalgebra::Point2;
 
-/// A rectangle in any direction.
+/// An oriented rectangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OrientedRectangle {
     pub centre_um: [f64; 2],
@@ -22,7 +22,7 @@ impl OrientedRectangle {
         OrientedRectangle { centre_um: [pose.x_um, pose.y_um], axis: [cos, sin], half_um }
     }
 
-    /// What it sweeps when it moves along its length.
+    /// The rectangle that it sweeps when it moves along its length.
     pub fn swept(&self, way_um: f64) -> Self {
         let [x_um, y_um] = self.centre_um;
         let [cos, sin] = self.axis;
@@ -49,21 +49,21 @@ impl OrientedRectangle {
         [dx * cos + dy * sin, dy * cos - dx * sin]
     }
 
-    /// Distance of a point, 0 inside.
+    /// Distance to a point, 0 inside.
     pub fn to_point_um(&self, point_um: [f64; 2]) -> f64 {
         let [along_um, left_um] = self.local(point_um);
         (along_um.abs() - self.half_um[0]).max(0.0).hypotenuse((left_um.abs() - self.half_um[1]).max(0.0))
     }
 
-    /// Distance of a body, 0 where they meet; negative if it has a radius and its core is nearer.
+    /// Distance to a body, 0 on contact; negative if it has a radius and its core is nearer.
     pub fn to_rounded_um(&self, body: &Rounded) -> f64 {
         quadrilateral_core(self.corners().map(|[x, y]| Point2::new(x, y)), &body.core) - body.radius_um
     }
 
-    /// Distance of two rectangles; where they overlap, less 0 by the shortest way that parts them.
+    /// Distance between two rectangles; negative where they overlap, by the least translation that separates them.
     ///
-    /// Two convex polygons overlap by the least of their overlaps along the normals of their sides; if they do not, a corner of one is
-    /// nearest to the other.
+    /// The overlap of two convex polygons is the least of their overlaps along the normals of their sides; if they do not overlap,
+    /// a corner of one is nearest to the other.
     pub fn to_rectangle_um(&self, other: &OrientedRectangle) -> f64 {
         let apart_um = self.apart_um(other).max(other.apart_um(self));
         if apart_um <= 0.0 {
@@ -75,7 +75,7 @@ impl OrientedRectangle {
         of(self, other).min(of(other, self))
     }
 
-    /// How far another rectangle lies beyond the sides of this one.
+    /// Distance of another rectangle beyond the sides of this one.
     fn apart_um(&self, other: &OrientedRectangle) -> f64 {
         let [along_um, left_um] = self.local(other.centre_um);
         let cos = (self.axis[0] * other.axis[0] + self.axis[1] * other.axis[1]).abs();

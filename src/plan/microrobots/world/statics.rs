@@ -1,4 +1,4 @@
-//! One robot's way among things that rest: what every search asks over and over.
+//! One robot's path among bodies at rest: the queries that every search repeats.
 
 use super::tracks::{MotionKind, RobotTrack, first_near};
 use super::{MARGIN_UM, OrientedRectangle, World, WorldObstacle};
@@ -10,7 +10,7 @@ use crate::real::Real;
 use nalgebra::Point2;
 use std::f64::consts::TAU;
 
-/// A disc, as an orbiting robot sweeps it.
+/// A disc, as swept by an orbiting robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OrbitDisc {
     pub centre_um: [f64; 2],
@@ -18,41 +18,41 @@ pub struct OrbitDisc {
 }
 
 impl OrbitDisc {
-    /// Distance of an obstacle; negative where they overlap.
+    /// Distance to an obstacle; negative where they overlap.
     pub fn to_rounded_um(&self, body: &Rounded) -> f64 {
         let [x, y] = self.centre_um;
         segment_core([Point2::new(x, y); 2], &body.core) - body.radius_um - self.radius_um
     }
 
-    /// Distance of another disc; negative where they overlap.
+    /// Distance to another disc; negative where they overlap.
     pub fn to_disc_um(&self, other: &OrbitDisc) -> f64 {
         let [dx, dy] = [0, 1].map(|axis| self.centre_um[axis] - other.centre_um[axis]);
         dx.hypotenuse(dy) - self.radius_um - other.radius_um
     }
 }
 
-/// What rests on the bed besides the obstacles while one robot is driven.
+/// Things at rest on the bed besides the obstacles while one robot is driven.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Fixtures {
-    /// Discs of robots that orbit; they keep the orbit clearance.
+    /// Orbit discs of robots; they keep the orbit clearance.
     pub discs: Vec<OrbitDisc>,
-    /// Bodies that rest.
+    /// Bodies at rest.
     pub bodies: Vec<OrientedRectangle>,
 }
 
-/// What is in the way of one robot.
+/// An obstruction of one robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Obstruction {
-    /// Index of the order's obstacles.
+    /// Index into the order's obstacles.
     Obstacle(usize),
-    /// Index of the fixtures' discs.
+    /// Index into the fixtures' discs.
     Disc(usize),
-    /// Index of the fixtures' bodies.
+    /// Index into the fixtures' bodies.
     Body(usize),
 }
 
 impl World {
-    /// What a robot meets on a stretch of its way, if anything: obstacles first, then discs and bodies.
+    /// Obstruction of a robot on a segment of its path, if any: obstacles first, then discs and bodies.
     pub fn obstruction(
         &self,
         robot: usize,
@@ -72,7 +72,7 @@ impl World {
             .or_else(|| rests().map(Obstruction::Body))
     }
 
-    /// What a robot meets on its way, and on which stretch of it.
+    /// Obstruction of a robot on its path, and the segment where it occurs.
     pub fn obstruction_on(
         &self,
         robot: usize,
@@ -88,12 +88,12 @@ impl World {
         })
     }
 
-    /// What a robot at a pose is too near to.
+    /// Obstruction of a robot at a pose.
     pub fn obstruction_at(&self, robot: usize, pose: Pose, fixtures: &Fixtures) -> Option<Obstruction> {
         self.obstruction(robot, pose, ArmSegment { arm: Arm::Up, way_um: 0.0 }, fixtures)
     }
 
-    /// What the disc of a robot that orbits is too near to, besides other robots that move.
+    /// Obstruction of the disc of an orbiting robot, apart from other moving robots.
     pub fn obstruction_of_orbit(&self, disc: &OrbitDisc, fixtures: &Fixtures) -> Option<Obstruction> {
         let keep_um = self.orbit_keep_um + MARGIN_UM;
         let obstacle = self.obstacles.iter().position(|other| disc.to_rounded_um(&other.body) < keep_um);
@@ -106,7 +106,7 @@ impl World {
             .or_else(|| rests().map(Obstruction::Body))
     }
 
-    /// By how much a robot at a pose is farther from everything that rests than it has to be; negative if it is too near.
+    /// Distance of a robot at a pose from everything at rest, beyond the required clearance; negative if it is too near.
     pub fn room_um(&self, robot: usize, pose: Pose, fixtures: &Fixtures) -> f64 {
         let body = self.rectangle(robot, pose);
         let obstacles = self.obstacles.iter().map(|other| body.to_rounded_um(&other.body) - self.keep_um);
@@ -151,10 +151,10 @@ fn meets_rectangle(track: &RobotTrack, body: &OrientedRectangle, keep_um: f64) -
     meets(track, keep_um, |rectangle| rectangle.to_rectangle_um(body))
 }
 
-/// The first instant at which a body comes nearer than `keep_um` to something that rests.
+/// The first instant at which a body comes nearer than `keep_um` to something at rest.
 fn meets(track: &RobotTrack, keep_um: f64, distance_um: impl Fn(&OrientedRectangle) -> f64) -> Option<f64> {
     if track.kind == MotionKind::Turns {
-        // After a whole turn everything comes again.
+        // After a full turn everything repeats.
         let strokes = track.strokes.min(TAU * track.speed_um.recip() * track.reach_um);
         return first_near([0.0, strokes], track.speed_um, keep_um, |at| distance_um(&track.at(at)));
     }

@@ -1,4 +1,4 @@
-//! The rules of collision against samples in short steps, by measures of their own.
+//! The collision rules compared with dense samples, by independent distance computations.
 
 use super::fixture::{bed, obstacle, pose, robot};
 use super::*;
@@ -6,7 +6,7 @@ use crate::geometry::Shape;
 use crate::plan::microrobots::free::ArmSegment;
 use proptest::prelude::*;
 
-/// Points of the border of a rectangle that is a robot at a pose.
+/// Points on the border of a robot's rectangle at a pose.
 fn border(pose: Pose, [a_um, b_um]: [f64; 2]) -> Vec<[f64; 2]> {
     let (sin, cos) = pose.heading_rad.sin_cos();
     let place = |[x, y]: [f64; 2]| [pose.x_um + x * cos - y * sin, pose.y_um + x * sin + y * cos];
@@ -36,7 +36,7 @@ fn apart_um(one: Pose, other: Pose, half_um: [f64; 2]) -> f64 {
     of(one, other).min(of(other, one))
 }
 
-/// By how much the rules R2 and R3 are kept at the worst of many instants.
+/// Margin by which the rules R2 and R3 are kept, at the worst of many instants.
 fn sampled_room_um(world: &World, discs: &[OrbitDisc], start: &[Pose], legs: &[Leg]) -> f64 {
     let mut poses = start.to_vec();
     let mut least_um = f64::INFINITY;
@@ -79,7 +79,7 @@ proptest! {
         });
         let obstacles = discs.iter().map(|disc| obstacle("o", Shape::Disc { radius_um: disc.2 }, Pose::at(disc.0, disc.1)));
         let mut order = bed(robots.collect(), obstacles.collect());
-        // The discs of orbits have a test of their own.
+        // The orbit discs have a test of their own.
         std::sync::Arc::make_mut(&mut order.facts).orbit_clearance_um = -1e6;
         let world = World::new(&order);
         let start: Vec<Pose> = order.robots.iter().map(|placed| placed.pose).collect();
@@ -99,7 +99,7 @@ proptest! {
     }
 }
 
-/// A row of one robot that turns for `turn_deg` in two legs, and another thing beside its orbit.
+/// A bed with one robot that turns by `turn_deg` in two legs, and another thing beside its orbit.
 fn orbit(turn_deg: f64, gap_um: f64, shape: Option<f64>) -> Option<ForbiddenMeeting> {
     let one = robot("D1", 100.0, 0.02);
     let beyond_um = one.orbit_reach_um() + gap_um;
@@ -144,7 +144,7 @@ fn bodies_keep_exactly_the_clearance() {
     }
 }
 
-/// A robot runs head on into a docked one and ends this far before it.
+/// A robot runs head on into a docked one and stops this far before it.
 fn docks(gap_um: f64, docking: bool) -> Option<FirstMeeting> {
     let start = [pose(0.0, 0.0, 0.0), pose(1_000.0, 0.0, 180.0)];
     let order = bed(vec![(robot("D1", 100.0, 0.02), start[0]), (robot("D2", 100.0, 0.02), start[1])], Vec::new());

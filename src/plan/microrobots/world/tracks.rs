@@ -1,4 +1,4 @@
-//! The motion of one robot during one leg, and the search of the first instant at which a distance is too small.
+//! Motion of one robot during one leg, and the search for the first instant at which a distance is too small.
 
 use super::{MARGIN_UM, MAX_SAMPLES, OrientedRectangle, RobotDimensions};
 use crate::device::microrobots::Arm;
@@ -7,10 +7,10 @@ use crate::geometry::distance::{Segment, segment_segment};
 use crate::real::Real;
 use nalgebra::Point2;
 
-/// Into so many parts an interval is cut at most: beyond that its ends are the same number.
+/// Most sections of an interval: beyond that its ends are the same number.
 const MAX_SECTIONS: u32 = 200;
 
-/// How a robot moves.
+/// Kind of a robot's motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum MotionKind {
     Rests,
@@ -25,20 +25,20 @@ pub(super) struct RobotTrack {
     pub pose: Pose,
     pub strokes: f64,
     pub step_um: f64,
-    /// No point of its body goes farther in a stroke.
+    /// Bound on the speed of any point of its body, per stroke.
     pub speed_um: f64,
-    /// Of its orbit.
+    /// Centre of its orbit.
     pub centre_um: [f64; 2],
     pub reach_um: f64,
     axis: [f64; 2],
-    /// With the sign of its turning.
+    /// Signed turning radius.
     curve_um: f64,
     half_um: [f64; 2],
     corner_um: f64,
 }
 
 impl RobotTrack {
-    /// A robot without an arm's place rests.
+    /// A robot without an arm position rests.
     pub(super) fn new(body: &RobotDimensions, pose: Pose, arm: Option<Arm>, strokes: f64) -> Self {
         let robot = &body.robot;
         let (kind, speed_um) = match arm {
@@ -78,13 +78,13 @@ impl RobotTrack {
         OrientedRectangle { centre_um, axis, half_um: self.half_um }
     }
 
-    /// Where it is at an instant.
+    /// The pose at an instant.
     pub(super) fn pose_at(&self, strokes: f64) -> Pose {
         let OrientedRectangle { centre_um: [x_um, y_um], axis: [cos, sin], .. } = self.at(strokes);
         Pose { x_um, y_um, heading_rad: sin.arc_tangent_over(cos) }
     }
 
-    /// A segment and a radius about it that hold the body all the time.
+    /// A capsule (segment and radius) that contains the body at all times.
     pub(super) fn bound(&self) -> (Segment, f64) {
         let here = Point2::new(self.pose.x_um, self.pose.y_um);
         match self.kind {
@@ -104,15 +104,15 @@ impl RobotTrack {
     }
 }
 
-/// Whether two tracks keep a distance already by their bounds.
+/// Whether the bounding capsules alone prove that two tracks keep a distance.
 pub(super) fn far_apart(one: &RobotTrack, other: &RobotTrack, keep_um: f64) -> bool {
     let ((a, a_um), (b, b_um)) = (one.bound(), other.bound());
     segment_segment(a, b) - a_um - b_um >= keep_um + MARGIN_UM
 }
 
-/// The first instant of a span at which a distance that changes by no more than `speed_um` for each stroke may be less than `keep_um`.
+/// The first instant of a span at which a distance that changes by at most `speed_um` per stroke may be less than `keep_um`.
 ///
-/// Nearer than half the margin counts as too near; the steps keep a quarter of it in hand, so that none is shorter than that.
+/// Nearer than half the margin counts as too near; the steps keep a quarter of it in reserve, so that none is shorter than that.
 pub(super) fn first_near(
     [from, to]: [f64; 2],
     speed_um: f64,
@@ -133,7 +133,7 @@ pub(super) fn first_near(
     Some(at)
 }
 
-/// The same for a distance that is convex in time: its least value is found by the golden section.
+/// The same for a distance that is convex in time: its minimum is found by golden-section search.
 pub(super) fn first_near_convex([from, to]: [f64; 2], keep_um: f64, distance_um: impl Fn(f64) -> f64) -> Option<f64> {
     let is_near = |at: f64| distance_um(at) - keep_um < MARGIN_UM / 2.0;
     if is_near(from) {
@@ -141,7 +141,7 @@ pub(super) fn first_near_convex([from, to]: [f64; 2], keep_um: f64, distance_um:
     }
     let share = (5.0_f64.sqrt() - 1.0) / 2.0;
     let (mut low, mut high) = (from, to);
-    // Instants of very long legs lie farther apart than what is asked for: the numbers end before the loop would.
+    // Instants of very long legs are spaced wider than the tolerance: the floating-point numbers run out before the loop would end.
     let mut sections = 0..MAX_SECTIONS;
     let near = loop {
         let (left, right) = (high - share * (high - low), low + share * (high - low));

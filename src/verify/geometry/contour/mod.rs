@@ -129,7 +129,7 @@ impl Contour {
         &self.nodes[self.spans.len()]
     }
 
-    /// The way once round.
+    /// The perimeter.
     pub fn round_um(&self) -> f64 {
         self.last().way_um - self.nodes[0].way_um
     }
@@ -203,7 +203,7 @@ impl Contour {
         Some(self.foot_at(at, t, 0, point_um))
     }
 
-    /// The place nearest to a point near a place that was found before, downhill from there; its way runs on from that one.
+    /// The place nearest to a point, by descent from a place found before; its path length continues from that one.
     pub fn foot_near(&self, point_um: [f64; 2], way_um: f64) -> Option<Foot> {
         let laps = (way_um / self.round_um()).floor();
         let own_um = way_um - laps * self.round_um();
@@ -285,7 +285,7 @@ impl Contour {
     }
 }
 
-/// Cuts pieces until tangents turn little, and ways are exact, from one node to the next.
+/// Cuts pieces until tangents turn little, and arc lengths are exact, from one node to the next.
 fn halved(pieces: &[Piece]) -> Option<Vec<ContourSpan>> {
     let whole = |piece: usize| {
         let [from_t, to_t] = pieces[piece].range();
@@ -377,7 +377,7 @@ fn nodes(pieces: &[Piece], spans: &[ContourSpan]) -> Option<Vec<ContourNode>> {
     Some(nodes)
 }
 
-/// The way along a piece between two parameters.
+/// The arc length of a piece between two parameters.
 fn arc_um(piece: &Piece, [from_t, to_t]: [f64; 2]) -> f64 {
     if from_t == to_t {
         return 0.0;
@@ -402,7 +402,7 @@ fn rising(function: impl Fn(f64) -> f64, [from, to]: [(f64, f64); 2]) -> Option<
     Some([beside(from, to, -1.0)?, beside(to, from, 1.0)?])
 }
 
-/// Where a function is 0 that is below at one end and above at the other, or the other way round: regula falsi, in which an end that stays
+/// Root of a function that is below 0 at one end and above at the other, in either order: regula falsi, in which an end that stays
 /// counts half (Illinois).
 fn root(function: impl Fn(f64) -> f64, [mut one, mut other]: [(f64, f64); 2]) -> f64 {
     let least_t = ROOT_SHARE * (other.0 - one.0).abs();

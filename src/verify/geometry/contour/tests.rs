@@ -75,7 +75,7 @@ proptest! {
         let blur = near * spot.curvature_per_um.abs();
         prop_assert!(turn.min(TAU - turn) <= NEAR + blur, "{turn}");
         let bend = spot.curvature_per_um * curve.perimeter_um();
-        // Curvature has a root of the way in it where an exponent is little more than 2.
+        // The curvature contains a root of the arc length if the exponent is little more than 2.
         let most = if matches!(outline, Outline::Superellipse { .. }) { 0.05 } else { 1e-6 + 10.0 * blur };
         prop_assert!((judged.curvature_per_um * curve.perimeter_um() - bend).abs() <= most * (1.0 + bend.abs()));
     }

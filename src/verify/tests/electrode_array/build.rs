@@ -69,7 +69,11 @@ pub fn order(
 }
 
 pub fn go(part: usize, stops: &[(u32, u32)]) -> ElectrodeArrayMove {
-    let stop = |(column, row): &(u32, u32)| ElectrodeArrayStop { cell: cell(*column, *row), span: Span::default() };
+    let stop = |(column, row): &(u32, u32)| ElectrodeArrayStop {
+        cell: cell(*column, *row),
+        span: Span::default(),
+        origin: None,
+    };
     ElectrodeArrayMove { part, with: None, stops: stops.iter().map(stop).collect(), span: Span::default() }
 }
 

@@ -56,7 +56,7 @@ fn verified(facts: &ElectrodeArrayFacts, one: (ElectrodeCell, char), other: (Ele
     found.is_empty()
 }
 
-/// Compares on all cases; `needed` is the least distance that the formula asks for.
+/// Compares on all cases; `needed` is the least distance by the formula.
 fn compare(facts: &ElectrodeArrayFacts, needed: u32) -> usize {
     let here = cell(25, 25);
     let mut cases = 0;

@@ -211,7 +211,7 @@ fn mutate(schedule: &mut Schedule, mutation: &Mutation) {
     schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
 }
 
-/// A stroll, and then the way to a goal, cut at the first arrival there: as a word and as cells.
+/// A random walk, then the path to a goal, cut at the first arrival there: as a word and as cells.
 fn to_goal(
     start: ElectrodeCell,
     stroll: &[usize],
@@ -260,7 +260,7 @@ proptest! {
         let [one, other] = [0, 1].map(|at| to_goal(starts[at], &strolls[at], rows_first[at], goal));
         let position = |path: &[ElectrodeCell], instant: usize| path[instant.min(path.len() - 1)];
         let near = |a: ElectrodeCell, b: ElectrodeCell| a != goal && b != goal && a.apart(b) < 2;
-        // Before the first step nothing is on the way to the goal, so parts stand apart as any others.
+        // Before the first step nothing is moving to the goal, so parts keep apart like any others.
         let safe = starts[0].apart(starts[1]) >= 2 && (0..one.1.len().max(other.1.len())).all(|t| {
             let now = [position(&one.1, t), position(&other.1, t)];
             let next = [position(&one.1, t + 1), position(&other.1, t + 1)];

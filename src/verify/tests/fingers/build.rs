@@ -199,12 +199,12 @@ impl Day {
         self
     }
 
-    /// A free finger comes to a contact: round the part high above it, down, in and slowly to touch.
+    /// A free finger approaches a contact: round the part high above it, down, in and slowly to touch.
     pub fn come(self, finger: usize, contact: u32) -> Day {
         self.come_off(finger, contact, 0.0)
     }
 
-    /// As [`Day::come`], beside the contact by a way of the tip.
+    /// As [`Day::come`], but off the contact by a distance of the tip.
     pub fn come_off(mut self, finger: usize, contact: u32, off_um: f64) -> Day {
         let rolled_rad = self.rolled_rad(contact) + off_um / self.order.facts.tip_radius_um;
         let across = self.orientation * Point::from(self.plane.normal()) * 35.0;

@@ -175,14 +175,14 @@ const UNFIT: &[(&str, Spoil)] = &[
     ("fingers that they do not have", |order| order.steps[0].action = FingersAction::Grasp(Some(vec![1, 38]))),
     ("with too few fingers", |order| order.steps[0].action = FingersAction::Grasp(Some(vec![1, 0, 0]))),
     ("a contact that is none", |order| order.steps[0].action = FingersAction::Grasp(Some(vec![1, 75, 0]))),
-    ("no angle", |order| {
+    ("not an angle", |order| {
         order.steps[1].action = FingersAction::Rotate { plane: Plane::Xy, steps: 1, angle_rad: f64::NAN };
     }),
     ("no outline", |order| {
         part_of(order).xz = None;
         order.steps[1].action = FingersAction::Rotate { plane: Plane::Xz, steps: 1, angle_rad: 0.3 };
     }),
-    ("no orientation", |order| {
+    ("not an orientation", |order| {
         order.steps[1].action =
             FingersAction::Orient { goal: [0.5; 4].map(|x| x * 1.1), turns: vec![], left_out_steps: None }
     }),

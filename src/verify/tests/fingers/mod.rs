@@ -74,7 +74,7 @@ fn cut(schedule: &mut Schedule, finger: u32, axis: u32, line: usize) {
 /// Index, among the lines of an axis in the day's schedule, of the first one of its second step.
 const ROLL: usize = 10;
 
-/// The first line of the part's way through the air.
+/// The first line of the part's path through the air.
 const CARRY: usize = ROLL + 8 + 8 + 5 + 8 + 2;
 
 type StateEdit<'a> = (&'a mut Vec<u32>, &'a mut i64, &'a mut Plane, &'a mut [f64; 3], &'a mut [f64; 4]);

@@ -1,9 +1,9 @@
-//! Goals of steps, ways of free tips, and the clearances of all.
+//! Goals of steps, paths of free tips, and all clearances.
 
 use super::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// The rules that the day breaks where a step asks for something else.
+/// The rules that the day breaks if the goal of a step is another.
 fn asked(nth: usize, action: FingersAction) -> Vec<Rule> {
     let (schedule, mut claims) = day().both();
     order_of(&mut claims, 0).steps[nth].action = action;
@@ -110,7 +110,7 @@ fn free_tips_keep_clear_of_the_part() {
     assert_eq!(past(&[[0.0, -40.0, 40.0], [0.0, 0.0, 40.0], [0.0, 0.0, least - 1e-3]]), [Rule::Pierce]);
 }
 
-/// A tip may be near the part only where it comes to its contact or leaves it.
+/// A tip may be near the part only where it approaches its contact or leaves it.
 #[test]
 fn tips_come_along_the_normal() {
     let grasped = |seats: &[(f64, f64)]| {

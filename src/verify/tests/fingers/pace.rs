@@ -47,7 +47,7 @@ fn with_speeds(edit: impl Fn(&mut FingersFacts)) -> Vec<Rule> {
 fn each_speed_is_a_limit() {
     let day = brisk(order());
     assert_eq!(broken(&day), []);
-    // The longest ways are those of free tips, through the air; the last step carries all of them; tips come by their last 5 um.
+    // The longest paths are those of free tips, through the air; the last step carries all of them; tips approach over their last 5 um.
     let free = fastest_um_per_s(&day, |_, _| true);
     let carried = fastest_um_per_s(&day, |step, _| step == 2);
     assert!((carried - 38.0_f64.sqrt() / 2.0 / 0.1).abs() < 1e-9, "{carried} um/s");

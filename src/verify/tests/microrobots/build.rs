@@ -92,7 +92,7 @@ pub fn order(robots: &[(usize, f64, f64, f64)]) -> MicrorobotsOrder {
 }
 
 pub fn stop(pose: Pose) -> MicrorobotsStop {
-    MicrorobotsStop { pose, span: Span::default() }
+    MicrorobotsStop { pose, span: Span::default(), origin: None }
 }
 
 pub fn obstacle(name: &str, shape: Shape, pose: Pose) -> MicrorobotsObstacle {

@@ -139,7 +139,7 @@ fn others_keep_clear_of_an_orbit() {
     assert_eq!(later(&[(1, 900), (2, 500)]), [Rule::Orbit]);
 }
 
-/// A long way takes no more looks than a short one where there is room, nor does an endless orbit.
+/// A long path takes no more evaluations than a short one where there is room, nor does an endless orbit.
 #[test]
 fn long_ways_are_looked_at_quickly() {
     let far = |strokes| {
@@ -151,7 +151,7 @@ fn long_ways_are_looked_at_quickly() {
     assert_eq!(far(10_000_000_000), []);
 }
 
-/// Two that turn side by side come to the very limit twice in each turn: after millions of turns nobody knows.
+/// Two that turn side by side come to the very limit twice in each turn: after millions of turns no decision is possible.
 #[test]
 fn what_takes_too_long_is_refused() {
     let turns = |strokes| {
@@ -177,11 +177,11 @@ fn messages_name_bodies_distances_and_limits() {
     let mut day = Day::new(order(&[(0, 0.0, 0.0, 90.0), (1, 1000.0, 0.0, 90.0)])).apply(2, 1300);
     day.order.obstacles = Arc::new(vec![dust(100.0, 10.0, 1.0)]);
     let inside = told(&day);
-    assert_eq!(inside, "the orbit of `D1` overlaps `dust` by 167.918 um at 10 ms, 20 um are needed");
+    assert_eq!(inside, "the orbit of `D1` overlaps `dust` by 167.918 um at 10 ms; 20 um are needed");
     let meeting = Day::new(order(&[(0, 0.0, 0.0, 0.0), (1, 0.0, 65.0, 0.0)])).apply(0, 10);
     let near = told(&meeting);
-    assert_eq!(near, "`D1` and `D2` come within 5 um of each other at 5.5 ms, 10 um are needed");
+    assert_eq!(near, "`D1` and `D2` come within 5 um of each other at 5.5 ms; 10 um are needed");
     let mut wall = Day::new(order(&[(0, 0.0, 0.0, 0.0)])).apply(0, 10);
     wall.order.obstacles = Arc::new(vec![dust(0.0, 39.0, 5.0)]);
-    assert_eq!(told(&wall), "`D1` comes within 4 um of `dust` at 5.5 ms, 10 um are needed");
+    assert_eq!(told(&wall), "`D1` comes within 4 um of `dust` at 5.5 ms; 10 um are needed");
 }

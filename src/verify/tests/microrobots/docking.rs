@@ -1,4 +1,4 @@
-//! Robots that come to stick in a structure.
+//! Robots that dock to a structure.
 
 use super::*;
 use crate::claims::microrobots::Dock;
@@ -43,7 +43,7 @@ fn a_robot_docks_at_its_goal_only() {
     assert_eq!(off(0.501, &[0, 1]), [Rule::State, Rule::Dock]);
 }
 
-/// The exception holds for the last stretch alone: both close in at one micrometre for each of their own.
+/// The exception holds for the last stretch alone: both approach at one micrometre per micrometre of path.
 #[test]
 fn bodies_touch_on_the_last_stretch_only() {
     let stretch = |length_um, cycle_um| {
@@ -122,7 +122,7 @@ fn only_an_assembly_docks() {
     assert_eq!(judged(&elsewhere), [Rule::Dock]);
 }
 
-/// A robot that comes to its goal one leg before the other one has nothing to dock with, and moves on.
+/// A robot that reaches its goal one leg before the other one has nothing to dock with, and moves on.
 #[test]
 fn robots_dock_together_or_with_what_is_docked() {
     let start = [(0, 0.0, 0.0, 0.0), (1, 842.0, 0.0, 180.0)];
@@ -132,7 +132,7 @@ fn robots_dock_together_or_with_what_is_docked() {
     assert_eq!(judged(&day), [Rule::Meet, Rule::Dock]);
 }
 
-/// Docked robots stand in the way of orbits like any others.
+/// Docked robots are obstacles to orbits like any others.
 #[test]
 fn orbits_keep_clear_of_what_is_docked() {
     let reach = f64::hypot(130.0, 120.0);

@@ -223,7 +223,7 @@ fn arms_surely_go_up_without_voltage() {
     assert_eq!(told(11.0, 0), "");
     assert_eq!(told(10.999, 0), "the arm of `D1` may be up or down when strokes begin at 5 ms");
     assert_eq!(told(2.0, 1), "");
-    assert_eq!(told(1.999, 1), "the arm of `D1` need not go up at 0 V, at 0 ms");
+    assert_eq!(told(1.999, 1), "the arm of `D1` may stay down at 0 V, at 0 ms");
 }
 
 #[test]
@@ -344,7 +344,7 @@ fn messages_name_robots_voltages_times_and_limits() {
     };
     assert_eq!(
         told(|s| level(s, 2, [250.0; 2])),
-        "actuation 2 on `fleet.bed` swings between 100 V and 60 V, but is said to go from 250 V to 250 V"
+        "actuation 2 on `fleet.bed` swings between 100 V and 60 V, but is recorded as going from 250 V to 250 V"
     );
     assert_eq!(told(|s| level(s, 0, [250.0; 2])), "the bed is at 250 V at 0 ms, the source gives 0 V to 200 V");
     assert_eq!(told(|s| level(s, 0, [60.0; 2])), "the arm of `D3` may be up or down when strokes begin at 10 ms");

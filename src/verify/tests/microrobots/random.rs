@@ -11,7 +11,7 @@ use nalgebra::Point2;
 use proptest::prelude::*;
 use proptest::sample::Index;
 
-/// The way between two samples, in strokes.
+/// The path between two samples, in strokes.
 const SAMPLE: f64 = 0.2;
 
 /// Within this the least of the samples is the least of all: bodies go at most 0.23 um from one sample to the next.

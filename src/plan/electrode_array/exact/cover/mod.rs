@@ -1,18 +1,17 @@
-//! How much a set of pairs raises the sum of costs at least, when each pair is known to need some more (a weighted
-//! vertex cover; Li, Felner, Boyarski, Ma, Koenig, "Improved heuristics for multi-agent path finding with conflict-based search",
-//! IJCAI 2019).
+//! Lower bound on the increase of the sum of costs, given the least joint increase of each pair (a weighted vertex cover; Li,
+//! Felner, Boyarski, Ma, Koenig, "Improved heuristics for multi-agent path finding with conflict-based search", IJCAI 2019).
 
-/// Two agents whose costs together rise by at least `weight`.
+/// Two agents whose joint costs rise by at least `weight`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Edge {
     pub ends: [usize; 2],
     pub weight: u32,
 }
 
-/// With more edges than this the bound is that of a greedy matching.
+/// With more edges than this the bound comes from a greedy matching.
 const MOST_EDGES: usize = 12;
 
-/// A bound on the sum of the rises: exact for few edges.
+/// A lower bound on the sum of the rises: exact for few edges.
 pub fn least_rise(edges: &[Edge]) -> u32 {
     let mut edges: Vec<Edge> = edges.iter().copied().filter(|edge| edge.weight > 0).collect();
     edges.sort_by_key(|edge| std::cmp::Reverse((edge.weight, edge.ends)));
@@ -25,7 +24,7 @@ pub fn least_rise(edges: &[Edge]) -> u32 {
     best
 }
 
-/// The weights of edges without a common end.
+/// Sum of the weights of edges without a common end.
 fn matched(edges: &[Edge]) -> u32 {
     let mut taken: Vec<usize> = vec![];
     let mut sum = 0;
@@ -38,7 +37,7 @@ fn matched(edges: &[Edge]) -> u32 {
     sum
 }
 
-/// Tries every division of what the first uncovered edge lacks; at most [`MOST_EDGES`] deep.
+/// Tries every split of the first uncovered edge's deficit; recursion is at most [`MOST_EDGES`] deep.
 fn cover(edges: &[Edge], rises: &mut Vec<u32>, sum: u32, best: &mut u32) {
     if sum >= *best {
         return;

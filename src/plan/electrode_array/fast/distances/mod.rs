@@ -1,8 +1,7 @@
-//! How far each cell is from a stop when an agent is alone: exact, and the planner's only heuristic.
+//! Distance of each cell from a stop for an agent alone: exact, and the planner's only heuristic.
 //!
-//! Where the free cells fill a rectangle the distance is Manhattan's and nothing is stored. Elsewhere a breadth-first search from
-//! the stop fills a table of two bytes for each cell; tables are kept up to [`TABLES_BYTES`] and made again when they were pushed
-//! out, the oldest first.
+//! Where the free cells fill a rectangle, the distance is Manhattan's and nothing is stored. Elsewhere a breadth-first search from
+//! the stop fills a table of two bytes per cell; tables are cached up to [`TABLES_BYTES`] and evicted oldest first.
 
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -12,16 +11,16 @@ use rustc_hash::FxHashMap;
 use super::super::board::{BoardGrid, CellIndex};
 use crate::plan::search::Meter;
 
-/// The memory that tables may take together: 400 of a board of 400 by 400.
+/// Memory for all tables together: 400 of a board of 400 by 400.
 const TABLES_BYTES: usize = 400 * 400 * 400 * 2;
 
-/// A breadth-first search is charged one step for so many cells.
+/// Cells of a breadth-first search per step of the meter.
 const CELLS_PER_STEP: u64 = 32;
 
-/// No way leads from there.
+/// Distance of a cell from which the stop is unreachable.
 pub(super) const UNREACHABLE: u32 = u32::MAX;
 
-/// Table entry without a way.
+/// Table entry of such a cell.
 const NO_WAY: u16 = u16::MAX;
 
 /// The distances to one cell.
@@ -32,7 +31,7 @@ pub(super) enum DistanceField {
         row: u32,
         width: u32,
     },
-    /// Entries are exact up to 65,534 and stop there, which stays below the truth.
+    /// Entries are exact up to 65,534 and saturate there, which keeps them lower bounds.
     Table(Rc<[u16]>),
 }
 
@@ -52,7 +51,7 @@ impl DistanceField {
     }
 }
 
-/// All fields of one board.
+/// Distance fields of one board.
 #[derive(Debug)]
 pub(super) struct Distances {
     open: bool,

@@ -1,8 +1,8 @@
-//! Who is too near to which cell when: for each cell the spans of instants in which a path of another agent forbids it.
+//! Reservation table: for each cell, the spans of instants in which a path of another agent forbids it.
 //!
 //! A position forbids the box of cells nearer than the separation at its own instant and at both neighbouring ones. While an agent
-//! moves one cell, only one row or column of the box changes, so a path of `L` moves is about `(2s - 1) (2s - 1 + L)` spans, and
-//! adding or taking it out costs no more than that.
+//! moves one cell, only one row or column of the box changes, so a path of `L` moves has about `(2s - 1) (2s - 1 + L)` spans, and
+//! adding or removing it costs no more than that.
 
 use super::super::board::{CellIndex, Instance};
 
@@ -12,11 +12,11 @@ pub(super) const NEVER: u32 = u32::MAX;
 /// Marks the spans of an agent on the goal where it merges.
 const PARKED: u32 = 1 << 31;
 
-/// Marks the spans round the start of an agent that has no path yet.
+/// Marks the spans around the start of an agent without a path yet.
 const HAZARD: u32 = 1 << 30;
 
-/// A span of instants `from..to` in which its owner forbids a cell. The owner is twice the agent, plus one for the second of the two
-/// paths that it can have while it is planned again, with a mark.
+/// A span of instants `from..to` in which its owner forbids a cell. The owner is twice the agent, plus one for the second of the
+/// two paths that it can have while it is replanned, plus a mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct ReservedSpan {
     from: u32,
@@ -30,42 +30,42 @@ impl ReservedSpan {
         self.version() as u32 / 2
     }
 
-    /// Which of the two paths of which agent.
+    /// Index of the path: agent and which of its two.
     #[inline]
     fn version(self) -> usize {
         (self.owner & !(PARKED | HAZARD)) as usize
     }
 }
 
-/// Instants `from..to` in which an agent may be on a cell, against a cost.
+/// Instants `from..to` in which an agent may be on a cell, at a cost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct SafeInterval {
     pub(super) from: u32,
     pub(super) to: u32,
-    /// How many others are too near; 0 where all of them are hard.
+    /// Number of conflicts with others; 0 where all of them are hard.
     pub(super) cost: u32,
 }
 
-/// What the paths of the others are to the one that asks.
+/// How the paths of the others constrain a query.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Others {
-    /// Not to be touched.
+    /// Conflicts are forbidden.
     Hard,
-    /// To be touched at a cost.
+    /// Conflicts are allowed at a cost.
     Soft,
 }
 
-/// Who asks for segments.
+/// The agent of a query.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Asking<'a> {
     pub(super) goal: CellIndex,
-    /// Those with whom it merges on its goal.
+    /// The agents with which it merges on its goal.
     pub(super) partners: &'a [u32],
     pub(super) others: Others,
 }
 
 impl Asking<'_> {
-    /// Whether a span does not count: near a partner, on the common goal or of the partner on it.
+    /// Whether a span is ignored: that of a merge partner, on the common goal or parked on it.
     #[inline]
     fn ignores(&self, cell: CellIndex, span: ReservedSpan) -> bool {
         !self.partners.is_empty()
@@ -80,19 +80,19 @@ pub(super) struct Reservations {
     width: u32,
     height: u32,
     reach: u32,
-    /// By cell, in the order of `from`.
+    /// By cell, in order of `from`.
     spans: Vec<Vec<ReservedSpan>>,
     merges: Vec<bool>,
-    /// By agent: which of its two owners is that of its path.
+    /// By agent: which of its two owners is its path.
     current: Vec<u32>,
-    /// By owner: whether its spans count.
+    /// By owner: whether its spans are in force.
     counts: Vec<bool>,
     hazards: usize,
-    /// Scratch of [`Reservations::trace`]: when the cell with these remainders came into the box.
+    /// Scratch of [`Reservations::trace`]: the instant at which the cell with these remainders entered the box.
     entered: Vec<u32>,
-    /// Picks the remainders: a power of two less one.
+    /// Masks the remainders: a power of two minus one.
     mask: u32,
-    /// How many bits the mask has.
+    /// Number of bits of the mask.
     bits: u32,
     /// Scratch: the spans of one path.
     traced: Vec<(CellIndex, u32, u32)>,
@@ -100,7 +100,7 @@ pub(super) struct Reservations {
     events: Vec<(u32, i64)>,
 }
 
-/// More than all soft costs of a cell.
+/// More than the sum of all soft costs of a cell.
 const HARD: i64 = 1 << 32;
 
 impl Reservations {
@@ -133,29 +133,29 @@ impl Reservations {
         self.each_part(agent, self.current[agent], path, Reservations::insert);
     }
 
-    /// Takes out what [`Reservations::add`] entered.
+    /// Removes the path that [`Reservations::add`] entered.
     pub(super) fn remove(&mut self, agent: usize, path: &[CellIndex]) {
         self.each_part(agent, self.current[agent], path, Reservations::delete);
     }
 
-    /// Lets the path of an agent not count until [`Reservations::accept`] or [`Reservations::reject`].
+    /// Suspends the path of an agent until [`Reservations::accept`] or [`Reservations::reject`].
     pub(super) fn hide(&mut self, agent: usize) {
         self.counts[self.current[agent] as usize] = false;
     }
 
-    /// Enters another path of an agent whose path is hidden.
+    /// Enters a second path of an agent whose path is hidden.
     pub(super) fn add_instead(&mut self, agent: usize, path: &[CellIndex]) {
         self.each_part(agent, self.current[agent] ^ 1, path, Reservations::insert);
     }
 
-    /// Takes out the hidden path of an agent for good, in favour of the one entered instead.
+    /// Removes the hidden path of an agent for good and keeps the second one.
     pub(super) fn accept(&mut self, agent: usize, hidden: &[CellIndex]) {
         self.remove(agent, hidden);
         self.counts[self.current[agent] as usize] = true;
         self.current[agent] ^= 1;
     }
 
-    /// Lets the hidden path of an agent count again; `instead` is what was entered meanwhile.
+    /// Restores the hidden path of an agent and removes the second one, if any.
     pub(super) fn reject(&mut self, agent: usize, instead: Option<&[CellIndex]>) {
         if let Some(path) = instead {
             self.each_part(agent, self.current[agent] ^ 1, path, Reservations::delete);
@@ -170,14 +170,14 @@ impl Reservations {
         self.insert(self.current[agent] | HAZARD);
     }
 
-    /// Takes out what [`Reservations::add_hazard`] entered.
+    /// Removes the hazard that [`Reservations::add_hazard`] entered.
     pub(super) fn remove_hazard(&mut self, agent: usize, start: CellIndex) {
         self.hazards -= 1;
         self.trace(&[start], 0, NEVER);
         self.delete(self.current[agent] | HAZARD);
     }
 
-    /// Traces a path, the stay on a common goal by itself, and does something with each of the two.
+    /// Traces a path, with the stay on a common goal as a separate part, and applies `act` to each part.
     fn each_part(&mut self, agent: usize, owner: u32, path: &[CellIndex], act: impl Fn(&mut Reservations, u32)) {
         if !self.merges[agent] {
             self.trace(path, 0, NEVER);
@@ -192,7 +192,7 @@ impl Reservations {
         act(self, owner | PARKED);
     }
 
-    /// Lists the spans of a path: those of its first position begin with `from`, those of its last end with `to`.
+    /// Lists the spans of a path: those of its first position begin at `from`, those of its last end at `to`.
     fn trace(&mut self, path: &[CellIndex], from: u32, to: u32) {
         self.traced.clear();
         let mut at = self.place(path[0]);
@@ -222,7 +222,7 @@ impl Reservations {
         }
     }
 
-    /// Where a cell of the box has its place in `entered`: the box is no wider than the ring of remainders.
+    /// Index in `entered` of a cell of the box: the box is no wider than the ring of remainders.
     #[inline]
     fn slot(&self, column: u32, row: u32) -> usize {
         ((row & self.mask) << self.bits | column & self.mask) as usize
@@ -263,7 +263,7 @@ impl Reservations {
         }
     }
 
-    /// Appends the segments of a cell, in their order; hard instants are in none of them.
+    /// Appends the safe intervals of a cell, in order; they contain no hard instants.
     pub(super) fn segments(&mut self, cell: CellIndex, asking: &Asking, out: &mut Vec<SafeInterval>) {
         match asking.others {
             Others::Hard if self.hazards == 0 => self.gaps(cell, asking, out),
@@ -312,7 +312,7 @@ impl Reservations {
         }
     }
 
-    /// Calls with each agent that is too near to a path, once or more often.
+    /// Calls `found` with each agent that conflicts with a path, at least once.
     pub(super) fn conflicts(&self, path: &[CellIndex], asking: &Asking, mut found: impl FnMut(usize)) {
         let mut start = 0;
         while start < path.len() {
@@ -331,7 +331,7 @@ impl Reservations {
         }
     }
 
-    /// The agents whose paths forbid a cell at some instant, in the order of the first.
+    /// The agents whose paths forbid a cell at some instant, in order of the first such instant.
     pub(super) fn visitors(&self, cell: CellIndex) -> impl Iterator<Item = usize> + '_ {
         self.spans[cell as usize].iter().map(|span| span.agent() as usize)
     }
@@ -344,7 +344,7 @@ struct CellRectangle {
     rows: (u32, u32),
 }
 
-/// What is in the first rectangle and not in the second, which is the first moved by one cell.
+/// The part of the first rectangle outside the second, which is the first moved by one cell.
 fn strips(first: CellRectangle, second: CellRectangle) -> CellRectangle {
     let side = |(low, high): (u32, u32), (other_low, other_high): (u32, u32)| {
         if low < other_low { (low, other_low) } else { (other_high, high.max(other_high)) }

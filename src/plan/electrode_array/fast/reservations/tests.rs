@@ -1,4 +1,4 @@
-//! Segments against the rule of distance, position by position.
+//! Segments against the separation rule, position by position.
 
 use super::super::super::board::{Agent, BoardGrid, position};
 use super::*;
@@ -29,7 +29,7 @@ fn three(random: &mut SplitMix64, separation: u32) -> (Instance, Vec<Vec<CellInd
     (Instance { board, separation, agents, merges: vec![[1, 2]] }, paths)
 }
 
-/// How many of these agents are too near to a third on a cell at an instant.
+/// Number of these agents that are too near to a third on a cell at an instant.
 fn near(
     instance: &Instance,
     paths: &[Vec<CellIndex>],

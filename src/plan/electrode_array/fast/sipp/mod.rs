@@ -1,13 +1,12 @@
-//! The way of one agent among the paths of the others: its stops in their order, then its goal, where it stays.
+//! The path of one agent among the others' paths: its stops in order, then its goal, where it stays.
 //!
-//! Method: safe-interval path planning (Phillips and Likhachev, ICRA 2011) over the segments of
-//! [`Reservations`], with soft segments at a cost as in SIPPS (Li and others, AAAI 2022). The rule of distance forbids single
-//! positions and no moves, so the earliest arrival in each segment stands for all later ones.
-//! Guaranteed with hard segments only and no haste: a path with the earliest last arrival within the limit, if the meter lets the
-//! search end. With haste it may arrive later, by no more than that part of the earliest arrival.
-//! With soft ones: a path of least cost plus arrival in the weights asked, as far as the earliest arrivals tell.
-//! Cost: one step for each expanded node; there are at most as many nodes as segments times stops, with soft segments a few
-//! times as many.
+//! Method: safe-interval path planning (Phillips and Likhachev, ICRA 2011) over the safe intervals ("segments") of
+//! [`Reservations`], with soft segments at a cost as in SIPPS (Li and others, AAAI 2022). The separation rule forbids single
+//! positions and no moves, so the earliest arrival in each segment dominates all later ones. Guaranteed with hard segments only and
+//! no haste: a path with the earliest last arrival within the limit, if the meter lets the search end. With haste it may arrive
+//! later, by at most that fraction of the earliest arrival. With soft ones: a path of least cost plus arrival in the given weights,
+//! as far as earliest arrivals represent the others. Cost: one step for each expanded node; there are at most as many nodes as
+//! segments times stops, with soft segments a few times as many.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -25,19 +24,19 @@ const NONE: u32 = u32::MAX;
 /// The unit of [`Query::haste`].
 const GRAIN: u64 = 16;
 
-/// What is asked of a search.
+/// Input of a search.
 pub(super) struct Query<'a> {
     pub(super) board: &'a BoardGrid,
     pub(super) start: CellIndex,
     pub(super) route: &'a StopRoute,
     pub(super) asking: Asking<'a>,
-    /// How many instants one unit of cost weighs.
+    /// Instants that one unit of cost is worth.
     pub(super) weight: u32,
-    /// How much more than a step taken a step ahead weighs, in parts of [`GRAIN`]: with more the search goes straight to the goal.
+    /// Extra weight of the heuristic, in parts of [`GRAIN`] (weighted A*): a larger value heads straight for the goal.
     pub(super) haste: u32,
-    /// The last instant at which it may arrive.
+    /// Latest arrival.
     pub(super) limit: u32,
-    /// Until this instant it stays on its start.
+    /// It stays on its start until this instant.
     pub(super) delay: u32,
 }
 
@@ -45,12 +44,12 @@ pub(super) struct Query<'a> {
 #[derive(Debug, Clone)]
 pub(super) struct StopRoute {
     stops: Vec<(CellIndex, DistanceField)>,
-    /// From each stop to the end.
+    /// Distance from each stop to the end of the route.
     rest: Vec<u32>,
 }
 
 impl StopRoute {
-    /// `stops` is not empty; the index of the first stop that the one before cannot reach if there is one.
+    /// `stops` must not be empty. The error is the index of the first stop that is unreachable from the one before.
     pub(super) fn new(start: CellIndex, stops: Vec<(CellIndex, DistanceField)>) -> Result<StopRoute, usize> {
         let mut from = start;
         for (index, (stop, field)) in stops.iter().enumerate() {
@@ -66,7 +65,7 @@ impl StopRoute {
         Ok(StopRoute { stops, rest })
     }
 
-    /// Steps from a cell to the end, when `layer` stops are behind.
+    /// Steps from a cell to the end of the route once `layer` stops are passed.
     #[inline]
     pub(super) fn steps(&self, cell: CellIndex, layer: u32) -> u32 {
         self.stops[layer as usize].1.from(cell).saturating_add(self.rest[layer as usize])
@@ -76,7 +75,7 @@ impl StopRoute {
         self.stops.len() as u32 - 1
     }
 
-    /// How many stops are behind once the agent is on a cell.
+    /// Number of stops passed once the agent is on a cell.
     #[inline]
     pub(super) fn passed(&self, cell: CellIndex, mut layer: u32) -> u32 {
         while layer < self.last() && self.stops[layer as usize].0 == cell {
@@ -86,7 +85,7 @@ impl StopRoute {
     }
 }
 
-/// The earliest way found into a segment at some cost.
+/// The earliest known arrival in a segment at some cost.
 #[derive(Debug, Clone, Copy)]
 struct SippNode {
     cell: CellIndex,
@@ -95,19 +94,19 @@ struct SippNode {
     arrival: u32,
     cost: u32,
     parent: u32,
-    /// Another node of the same segment and layer.
+    /// Next node of the same segment and layer.
     sibling: u32,
     closed: bool,
 }
 
-/// The search and its memory, which searches after one another share.
+/// The search with buffers that consecutive searches reuse.
 #[derive(Debug)]
 pub(super) struct Sipp {
     round: u32,
-    /// By cell: the round in which its segments were listed, and where in `segments`.
+    /// By cell: the round in which its segments were listed, and their range in `segments`.
     listed: Vec<(u32, u32, u32)>,
     segments: Vec<SafeInterval>,
-    /// By segment and layer: the first of its nodes.
+    /// By segment and layer: the first node of its list.
     heads: Vec<u32>,
     nodes: Vec<SippNode>,
     open: BinaryHeap<Reverse<(u64, u32)>>,
@@ -125,7 +124,7 @@ impl Sipp {
         }
     }
 
-    /// A path, unless there is none within the limit or the meter ran out.
+    /// A path, unless there is none within the limit or the meter runs out.
     pub(super) fn plan(
         &mut self,
         query: &Query,
@@ -149,7 +148,7 @@ impl Sipp {
         None
     }
 
-    /// Puts the start into the queue; the instant from which the goal is free for ever, or `None` if there is no start or end.
+    /// Queues the start; returns the instant from which the goal is free for ever, or `None` if start or goal is unavailable.
     fn begin(&mut self, query: &Query, reservations: &mut Reservations) -> Option<u32> {
         self.round += 1;
         self.segments.clear();
@@ -179,7 +178,7 @@ impl Sipp {
         Some(earliest)
     }
 
-    /// The segment in which a stay from the first instant on has lasted that long, and the cost until then.
+    /// The segment that contains the instant `delay` if the agent stays from the first instant on, and the cost until then.
     fn after(&self, segments: Range<u32>, delay: u32) -> Option<(u32, u32)> {
         let (mut until, mut cost) = (0, 0);
         for segment in segments {
@@ -195,7 +194,7 @@ impl Sipp {
         None
     }
 
-    /// The segments of a cell, listed once a search.
+    /// The segments of a cell, listed once per search.
     fn list(&mut self, query: &Query, reservations: &mut Reservations, cell: CellIndex) -> (u32, u32) {
         let (round, first, end) = self.listed[cell as usize];
         if round == self.round {
@@ -242,7 +241,7 @@ impl Sipp {
         }
     }
 
-    /// Adds the node for going or waiting into a segment, if that can be and no better way into it is known.
+    /// Adds the node for moving or waiting into a segment, if possible and not dominated by a known node.
     fn enter(
         &mut self,
         query: &Query,
@@ -314,7 +313,7 @@ impl Sipp {
         self.open.push(Reverse((first << 32 | second << 12 | u64::from(dice), index)));
     }
 
-    /// Position by position up to the last arrival.
+    /// The positions up to the last arrival.
     fn path(&self, end: u32) -> Vec<CellIndex> {
         let mut chain = vec![self.nodes[end as usize]];
         while let Some(node) = chain.last().filter(|node| node.parent != NONE) {

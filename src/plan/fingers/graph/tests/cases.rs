@@ -1,12 +1,12 @@
-//! Single cases: proofs, limits, ties, long turns, and the paper's way leg by leg.
+//! Single cases: proofs, limits, ties, long turns, and the paper's path leg by leg.
 
 use super::oracle::{dijkstra, judge};
 use super::random::{Random, case, circle};
 use crate::plan::fingers::graph::layout::{GraspChain, NodeSpot, Sets};
 use crate::plan::fingers::graph::strands::{AngleMask, below, has, single, spread};
 use crate::plan::fingers::graph::{
-    Estimator, FarthestRoute, Grasp, GraspAnswer, GraspCosts, GraspRequest, Regrasp, Start, TurnLeg, Within, decompose,
-    solve,
+    Estimator, FarthestRoute, Grasp, GraspAnswer, GraspCosts, GraspRequest, GraspSearchEnd, Regrasp, Start, TurnLeg,
+    Within, decompose, solve,
 };
 use crate::plan::fingers::tables::Tables;
 use crate::plan::search::SearchBudget;
@@ -35,7 +35,7 @@ fn a_way_that_no_finger_may_leave_is_none() {
     let start = Start::At(grasp(&[1, 7, 0]));
     let asked = request(start, vec![vec![leg(tables, 3, Some(&[1, 7, 0]))]]);
     for estimator in BOTH {
-        // Two fingers roll to the end, but the one grasp there is another one.
+        // Two fingers roll to the end, but the only grasp there is a different one.
         let expected = FarthestRoute { route: 0, leg: 0, farthest: Some(3), ends: 1, is_known: true };
         assert_eq!(solve(&asked, estimator, SearchBudget::DEFAULT), GraspAnswer::Impossible(expected));
     }
@@ -58,7 +58,7 @@ fn a_start_that_does_not_hold_has_no_way() {
 #[test]
 fn rolling_that_ends_half_way_is_told() {
     let mut tables = circle(12, 6);
-    // Only opposite contacts hold, and they do not roll from 3 and 9 (counted from 0) on.
+    // Only opposite contacts hold, and they do not roll from 3 and 9 (counted from 0).
     tables.layers[0].roll_pair.take(3 * 12 + 9);
     tables.layers[0].roll_pair.take(9 * 12 + 3);
     let asked = request(Start::At(grasp(&[6, 12, 0])), vec![vec![leg(tables, 5, None)]]);
@@ -87,7 +87,8 @@ fn the_cheaper_route_is_found_and_of_equal_ones_the_first() {
 #[test]
 fn a_budget_ends_a_search_with_a_bound() {
     let asked = request(Start::At(grasp(&[1, 38, 0])), vec![vec![leg(circle(74, 6), 11, Some(&[38, 1, 0]))]]);
-    let GraspAnswer::GaveUp(report) = solve(&asked, Estimator::Layers, SearchBudget::of(3)) else {
+    let GraspAnswer::GaveUp(GraspSearchEnd::Expansions(report)) = solve(&asked, Estimator::Layers, SearchBudget::of(3))
+    else {
         panic!("three nodes are few")
     };
     assert_eq!(report.spent, 3);
@@ -98,10 +99,13 @@ fn a_budget_ends_a_search_with_a_bound() {
 fn too_many_nodes_are_refused() {
     let tables = Tables { contacts: 600, layers: circle(4, 1).layers };
     let asked = request(Start::Any, vec![vec![leg(tables, 1, None)]]);
-    assert!(matches!(solve(&asked, Estimator::Layers, SearchBudget::DEFAULT), GraspAnswer::TooLarge { .. }));
+    assert!(matches!(
+        solve(&asked, Estimator::Layers, SearchBudget::DEFAULT),
+        GraspAnswer::GaveUp(GraspSearchEnd::TooLarge { .. })
+    ));
 }
 
-/// More angles than a word has bits; contacts go round several times.
+/// More angles than a word has bits; contacts wrap around several times.
 #[test]
 fn long_turns_agree_with_the_plain_search() {
     for (steps, goal) in [(100, [4, 0, 1]), (-130, [1, 7, 0]), (360, [5, 2, 9])] {
@@ -117,7 +121,7 @@ fn long_turns_agree_with_the_plain_search() {
     }
 }
 
-/// Leg by leg is never cheaper than all legs as one, its bound holds for both, and sometimes it is dearer.
+/// Leg by leg is never cheaper than all legs jointly, its bound holds for both, and sometimes it is more expensive.
 #[test]
 fn greedy_ways_are_ways() {
     let (mut ways, mut dearer) = (0, 0);

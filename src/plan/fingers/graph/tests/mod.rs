@@ -1,4 +1,4 @@
-//! Against a plain Dijkstra over an explicit graph, and the cases of the paper.
+//! Comparison with a plain Dijkstra search over an explicit graph, and the cases of the paper.
 
 mod cases;
 mod oracle;

@@ -1,4 +1,4 @@
-//! The same problem without any cleverness: nodes as lists of contacts, all edges asked of the tables, Dijkstra.
+//! The same problem by brute force: nodes as lists of contacts, all edges read from the tables, Dijkstra's algorithm.
 
 use crate::plan::fingers::graph::{Grasp, GraspNode, GraspPath, GraspRequest, Regrasp, Start, TurnLeg};
 use crate::plan::fingers::tables::Tables;
@@ -53,7 +53,7 @@ fn rolls(leg: &TurnLeg, angle: i32, grasp: &Grasp) -> bool {
     }
 }
 
-/// The nodes of the next leg that an end of a leg becomes: at most one.
+/// The node of the next leg that corresponds to an end of a leg, if any.
 pub fn onward(route: &[TurnLeg], (leg, angle, grasp): At) -> Option<At> {
     let (here, next) = (&route[leg], route.get(leg + 1)?);
     if angle != here.steps || here.end.is_some_and(|end| end != grasp) {
@@ -77,7 +77,7 @@ pub fn onward(route: &[TurnLeg], (leg, angle, grasp): At) -> Option<At> {
     holds(next, 0, &carried).then_some((leg + 1, 0, carried))
 }
 
-/// All edges from a node, with what they cost.
+/// All edges from a node, with their costs.
 pub fn edges(request: &GraspRequest, route: &[TurnLeg], (at, angle, grasp): At) -> Vec<(u64, At)> {
     let leg = &route[at];
     let count = held(&grasp).len() as u64;
@@ -129,7 +129,7 @@ pub fn grasps(fingers: usize, contacts: usize) -> Vec<Grasp> {
     all
 }
 
-/// Where a route may begin.
+/// Possible start nodes of a route.
 pub fn starts(request: &GraspRequest, route: &[TurnLeg]) -> Vec<At> {
     let all = match request.start {
         Start::Any => grasps(request.fingers, route[0].tables.contacts),
@@ -142,11 +142,11 @@ pub fn is_end(route: &[TurnLeg], (leg, angle, grasp): At) -> bool {
     leg + 1 == route.len() && angle == route[leg].steps && route[leg].end.is_none_or(|end| end == grasp)
 }
 
-/// The least cost of a route and the fewest reconfigurations at this cost, within the limit of reconfigurations; and the farthest leg
-/// that is begun.
+/// The least cost of a route and the fewest reconfigurations at this cost, within the limit of reconfigurations; and the farthest
+/// leg that is begun.
 pub fn dijkstra(request: &GraspRequest, route: &[TurnLeg]) -> (Option<(u64, u32)>, usize) {
     let most = request.within.gaits;
-    // Where they are limited, a node is another one for each number of reconfigurations.
+    // Where they are limited, nodes are distinguished by their number of reconfigurations.
     let place = |at: At, gaits: u32| (at, most.map_or(0, |_| gaits));
     let mut costs: FxHashMap<(At, u32), (u64, u32)> = FxHashMap::default();
     let mut open: BinaryHeap<Reverse<((u64, u32), At)>> = BinaryHeap::new();
@@ -178,13 +178,13 @@ pub fn dijkstra(request: &GraspRequest, route: &[TurnLeg]) -> (Option<(u64, u32)
     (None, farthest)
 }
 
-/// How many fingers a way places and takes away.
+/// Number of fingers placed and removed on a path.
 pub fn gaits(way: &GraspPath) -> u32 {
     let changes = |nodes: &Vec<GraspNode>| nodes.windows(2).filter(|pair| pair[0].angle == pair[1].angle).count();
     way.legs.iter().map(changes).sum::<usize>() as u32
 }
 
-/// Follows a way edge by edge, and adds its cost up.
+/// Follows a path edge by edge, and adds up its cost.
 pub fn judge(request: &GraspRequest, way: &GraspPath) {
     let route = &request.routes[way.route];
     let nodes: Vec<At> = (way.legs.iter().enumerate())

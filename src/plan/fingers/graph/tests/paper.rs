@@ -1,4 +1,4 @@
-//! The paper's tables, as corrected: classes of fingers by what it takes to bring them to the goal.
+//! The paper's tables, as corrected: classes of fingers by the effort to bring them to the goal.
 
 use super::oracle::judge;
 use super::random::circle;
@@ -98,7 +98,7 @@ fn the_closed_form_is_the_relaxed_optimum() {
     }
 }
 
-/// For each state (of each finger: free, as at the goal, elsewhere) the least number of operations to the goal.
+/// For each state (of each finger: free, as at the goal, elsewhere), the least number of operations to the goal.
 fn relaxed(fingers: usize, sets: &Sets, goal: u8) -> HashMap<Vec<u8>, u32> {
     let end: Vec<u8> = (0..fingers).map(|finger| u8::from(sets.members(goal).contains(&finger))).collect();
     let mut known = HashMap::from([(end.clone(), 0)]);
@@ -151,7 +151,7 @@ fn rolling_is_enough_for_the_first_rotation() {
     }
 }
 
-/// Where every grasp and removal is allowed, six reconfigurations are enough for the paper's fourth permutation.
+/// Where every grasp and removal is allowed, six reconfigurations suffice for the paper's fourth permutation.
 #[test]
 fn the_relaxed_second_rotation() {
     for estimator in [Estimator::Published, Estimator::Layers] {

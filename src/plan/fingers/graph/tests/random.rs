@@ -6,7 +6,8 @@ use crate::plan::fingers::graph::published::Published;
 use crate::plan::fingers::graph::route::{RemainingReconfigurations, flooded};
 use crate::plan::fingers::graph::walk::{Estimate, NEVER};
 use crate::plan::fingers::graph::{
-    Estimator, Grasp, GraspAnswer, GraspCosts, GraspRequest, Regrasp, Start, TurnLeg, Within, decompose, solve,
+    Estimator, Grasp, GraspAnswer, GraspCosts, GraspRequest, GraspSearchEnd, Regrasp, Start, TurnLeg, Within,
+    decompose, solve,
 };
 use crate::plan::fingers::looks::LooksBudget;
 use crate::plan::fingers::tables::{AngleLayer, ContactBits, Tables};
@@ -29,7 +30,7 @@ impl Random {
         (self.next() % end as u64) as usize
     }
 
-    /// With a chance in a hundred.
+    /// True with a probability in percent.
     pub fn chance(&mut self, percent: usize) -> bool {
         self.below(100) < percent
     }
@@ -39,7 +40,7 @@ impl Random {
     }
 }
 
-/// A layer from predicates of sets of contacts; the last of `place` and `leave` counts apart.
+/// A layer from predicates on sets of contacts; the last contact of `place` and `leave` is separate.
 pub fn layer(
     contacts: usize,
     mut pair: impl FnMut(usize, usize) -> [bool; 2],
@@ -104,7 +105,7 @@ fn noise(random: &mut Random, contacts: usize, layers: usize) -> Tables {
     Tables { contacts, layers: layers.collect() }
 }
 
-/// A case: fingers, contacts, legs, junctions, pins and all.
+/// A random case: fingers, contacts, legs, junctions and pins.
 pub fn case(seed: u64) -> GraspRequest {
     let random = &mut Random(seed.wrapping_mul(0x1234_5677));
     let fingers = if random.chance(75) || seed.is_multiple_of(50) { 3 } else { 4 };
@@ -139,14 +140,14 @@ pub fn case(seed: u64) -> GraspRequest {
     }
 }
 
-/// Any grasp, mostly one that holds.
+/// A random grasp, mostly one that holds.
 fn some(random: &mut Random, fingers: usize, leg: &TurnLeg, angle: i32) -> Grasp {
     let tries: Vec<Grasp> = (0..50).map(|_| any(random, fingers, leg.tables.contacts)).collect();
     let holding = tries.iter().copied().find(|grasp| holds(leg, angle, grasp));
     if random.chance(95) { holding.unwrap_or(tries[0]) } else { tries[0] }
 }
 
-/// Two or three fingers somewhere.
+/// A random grasp of two or three fingers.
 fn any(random: &mut Random, fingers: usize, contacts: usize) -> Grasp {
     let count = 2 + random.below(2);
     let mut grasp = Grasp([0; 6]);
@@ -193,7 +194,7 @@ fn best(request: &GraspRequest) -> Best {
 fn agrees(seed: u64) -> Option<u64> {
     let mut request = case(seed);
     let way = agrees_within(seed, &request);
-    // With fewer reconfigurations than the cheapest way has, as few as there may be.
+    // With fewer reconfigurations than the cheapest path has, as few as possible.
     let mut most = way.map_or(0, |(_, gaits)| gaits);
     while let Some(fewer) = most.checked_sub(1) {
         request.within.gaits = Some(fewer);
@@ -202,7 +203,7 @@ fn agrees(seed: u64) -> Option<u64> {
     way.map(|(cost, _)| cost)
 }
 
-/// Cost and reconfigurations of the best way within the limit of a request.
+/// Cost and reconfigurations of the best path within the limit of a request.
 fn agrees_within(seed: u64, request: &GraspRequest) -> Option<(u64, u32)> {
     let (best, farthest) = best(request);
     for estimator in [Estimator::Published, Estimator::Layers] {
@@ -223,7 +224,7 @@ fn agrees_within(seed: u64, request: &GraspRequest) -> Option<(u64, u32)> {
     best.map(|(cost, gaits, _)| (cost, gaits))
 }
 
-/// However few looks there are, what is said with them is so.
+/// However few looks are available, claims made with them are true.
 #[test]
 fn what_is_said_when_looks_run_out_is_so() {
     let (mut ended, mut found) = (0, 0);
@@ -238,7 +239,7 @@ fn what_is_said_when_looks_run_out_is_so() {
                     found += 1;
                 }
                 GraspAnswer::Impossible(_) => assert_eq!(best, None, "case {seed}, {looks} looks"),
-                GraspAnswer::LooksSpent { bound } => {
+                GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound }) => {
                     assert!(
                         best.is_none_or(|(cost, ..)| bound <= cost),
                         "case {seed}, {looks} looks: {bound}, {best:?}"

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 mod oracle;
 mod paper;
 
-/// The paper's hand, with κ as it imitates the paper.
+/// The paper's hand, with a κ that imitates the paper.
 fn hand(friction: f64, adhesion: Adhesion) -> FingersFacts {
     FingersFacts {
         adhesion,
@@ -24,7 +24,7 @@ fn hand(friction: f64, adhesion: Adhesion) -> FingersFacts {
     }
 }
 
-/// An ellipse with so many contacts.
+/// An ellipse with `contacts` contacts.
 fn ellipse(semi_um: [f64; 2], contacts: u32) -> (Section, Curve) {
     section(Outline::Ellipse { semi_um }, contacts)
 }
@@ -46,12 +46,12 @@ fn count(bits: &ContactBits) -> u32 {
     bits.words().iter().map(|word| word.count_ones()).sum()
 }
 
-/// Of three fingers: ordered grasps of two or three of them.
+/// Number of ordered grasps of two or three of three fingers.
 fn grasps(tables: &Tables) -> u32 {
     3 * count(&tables.layers[0].pair) + count(&tables.layers[0].triple)
 }
 
-/// Whole numbers that look random, the same ones every time (splitmix64).
+/// Deterministic pseudo-random whole numbers (splitmix64).
 struct Dice(u64);
 
 impl Dice {
@@ -109,7 +109,7 @@ fn without_adhesion_grasps_grow_with_friction_as_in_table_2() {
     }
 }
 
-/// Every bit of the tables, told again from single grasps: what `holds` says of contacts at an instant, and room between tips.
+/// Compares every bit of the tables with single grasps: `holds` for contacts at an instant, and room between tips.
 fn assert_told_by_single_grasps(facts: &FingersFacts, part: &(Section, Curve), load: Load, angles: usize) {
     let tables = tabulated(facts, part, load, angles);
     let contacts = Contacts::of(&part.0, &part.1, facts.tip_radius_um);
@@ -147,7 +147,7 @@ fn assert_told_by_single_grasps(facts: &FingersFacts, part: &(Section, Curve), l
     }
 }
 
-/// Contacts and load at an angle, and a part of a step after it.
+/// Contacts and load a part of a step after an angle.
 struct Told<'a> {
     grip: &'a GripModel,
     contacts: Vec<Contact>,
@@ -190,7 +190,7 @@ fn tables_say_what_single_grasps_say() {
     }
 }
 
-/// Slimmer in the middle: a tip in the waist may cut the outline elsewhere.
+/// Slimmer in the middle: a tip in the waist may intersect the outline elsewhere.
 fn peanut(contacts: u32) -> (Section, Curve) {
     let round = |k: usize| {
         let (sin, cos) = (k as f64 * TAU / 32.0).sin_cos();
@@ -200,7 +200,7 @@ fn peanut(contacts: u32) -> (Section, Curve) {
     section(Outline::Spline { points_um: (0..32).map(round).collect() }, contacts)
 }
 
-/// A contact every 10 deg round a circle, exactly.
+/// A contact every 10 deg around a circle, exactly.
 fn circle() -> Vec<Contact> {
     let at = |index: u32| {
         let (sin, cos) = (f64::from(index) * TAU / 36.0).sin_cos();
@@ -212,28 +212,28 @@ fn circle() -> Vec<Contact> {
 
 #[test]
 fn what_is_exactly_balanced_holds() {
-    // Two fingers at the ends of a right angle seen from the middle: the chord is 45 deg off both normals.
+    // Two fingers 90 deg apart as seen from the centre: the chord is 45 deg off both normals.
     let contacts = circle();
     let grip = |friction: f64| GripModel::of(&hand(friction, Adhesion::Absent), 9.0);
     let right_angle = [contacts[0], contacts[9]];
     assert!(grip(1.0).holds(&right_angle, &Load::NONE));
     assert!(!grip(1.0 - 1e-8).holds(&right_angle, &Load::NONE));
-    // Three at 0, 90 and 180 deg: the third one is of no use without friction, and not needed.
+    // Three at 0, 90 and 180 deg: without friction the third one is useless, and not needed.
     let three = [contacts[0], contacts[9], contacts[18]];
     assert!(grip(1e-3).holds(&three, &Load::NONE));
-    // Three on one half of a circle have nothing to push against.
+    // Three on one half of a circle cannot press against each other.
     assert!(!grip(1e-3).holds(&[contacts[0], contacts[4], contacts[9]], &Load::NONE));
 }
 
 #[test]
 fn a_removal_in_balance_holds_up_to_its_safety() {
-    // Without a moment two opposite fingers resist across their chord as far as friction goes with all that presses and sticks.
+    // Without a moment two opposite fingers resist across their chord up to friction times all pressing and adhesive force.
     let contacts = circle();
     let resists = |safety: f64| {
         let facts = FingersFacts { removal_safety: safety, ..hand(0.3, Adhesion::Sticking) };
         GripModel::of(&facts, 9.0).resists([&contacts[0], &contacts[18]], &contacts[9], &Load::NONE)
     };
-    // Both press with all they have: 2 × 0.3 × (30 + 1.5) μN over 1.5 μN.
+    // Both press with their greatest force: 2 × 0.3 × (30 + 1.5) μN over 1.5 μN.
     assert!(resists(12.6) && !resists(12.6 + 1e-6));
 }
 
@@ -248,13 +248,13 @@ fn a_load_across_is_borne_by_levers_and_torsion() {
     // Through the chord: each of two that press with 30 uN bears 0.3 × (30 + 1.5) uN.
     assert!(holds(&[0, 18], 0.0, across(18.9)) && !holds(&[0, 18], 0.0, across(18.9 + 1e-6)));
     assert!(holds(&[0, 12, 24], 0.0, across(-28.35)) && !holds(&[0, 12, 24], 0.0, across(-28.35 - 1e-6)));
-    // Off the chord: what two bear there is the torque about their normals, 2 × 31.5 uN × 0.1 um.
+    // Off the chord, two bear the torque about their normals, 2 × 31.5 uN × 0.1 um.
     let beside = |across_un: f64| Load { across_un, at_um: [0.0, 3.0], ..Load::NONE };
     assert!(!holds(&[0, 18], 0.0, beside(1e-3)));
     assert!(holds(&[0, 18], 0.1, beside(2.1)) && !holds(&[0, 18], 0.1, beside(2.1 + 1e-6)));
-    // A third finger behind the chord is a lever: the load off it is borne, for tips that stick pull as well.
+    // A third finger behind the chord acts as a lever: the load off the chord is borne, since adhesive tips pull too.
     assert!(holds(&[0, 18, 27], 0.0, beside(1.0)));
-    // In the plane, but before it.
+    // Parallel to the plane, but acting at a height above it.
     let before = |height_um: f64| Load { force_un: [0.0, 1.0], height_um, ..Load::NONE };
     assert!(
         holds(&[0, 18], 0.0, before(0.0)) && !holds(&[0, 18], 0.0, before(0.1)) && holds(&[0, 18], 0.1, before(0.1))

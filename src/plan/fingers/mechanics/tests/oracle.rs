@@ -2,7 +2,7 @@ use super::*;
 use microlp::{ComparisonOp, OptimizationDirection, Problem, SolveOutcome, Variable};
 use nalgebra::Vector3;
 
-/// What is asked of a solver, and of the predicate.
+/// One random query to the solver and to the predicate.
 #[derive(Debug, Clone)]
 struct Case {
     facts: FingersFacts,
@@ -35,7 +35,7 @@ impl Case {
         Case { facts, contacts, leaves, load }
     }
 
-    /// Two fingers, three, or two against one that leaves; with adhesion, or without.
+    /// Category: two fingers, three, or two against one that leaves; with or without adhesion.
     fn sort(&self) -> usize {
         let fingers = if self.leaves.is_some() { 2 } else { self.contacts.len() - 2 };
         2 * fingers + usize::from(self.facts.adhesion == Adhesion::Absent)
@@ -49,7 +49,7 @@ impl Case {
         }
     }
 
-    /// Friction and forces changed by a part.
+    /// The solver's answer with friction and forces changed by a relative amount.
     fn solved(&self, change: f64) -> bool {
         let leans = self.leaves.is_none() && self.facts.sticking_un() == 0.0 && self.load.size_un() > 0.0;
         if leans && !(Case { load: Load::NONE, ..self.clone() }).solved(change) {
@@ -109,7 +109,7 @@ impl Case {
     }
 }
 
-/// On an ellipse, with its normal turned by up to a tilt: as on a concave outline.
+/// A contact on an ellipse, with its normal rotated by up to `tilt_rad`, as on a concave outline.
 fn any_contact(dice: &mut Dice, [a, b]: [f64; 2], tilt_rad: f64) -> Contact {
     let (sin, cos) = dice.within(0.0, TAU).sin_cos();
     let normal_rad = (sin / b).atan2(cos / a) + dice.within(-tilt_rad, tilt_rad);

@@ -7,7 +7,7 @@ use crate::plan::fingers::graph::{
 use crate::plan::search::SearchBudget;
 use std::sync::Arc;
 
-/// The six ways in which three fingers hold I and J, in the order of Table 3.
+/// The six grasps of three fingers that hold I and J, in the order of Table 3.
 const SIX: [[u32; 3]; 6] = [[1, 0, 38], [0, 1, 38], [38, 0, 1], [38, 1, 0], [0, 38, 1], [1, 38, 0]];
 
 /// An ellipse that fits c = 74 as well as the paper's, a little slimmer than the one that fits its Table 2.
@@ -17,7 +17,7 @@ fn tables_of(facts: &FingersFacts, semi_um: [f64; 2]) -> Arc<Tables> {
     Arc::new(tabulated(facts, &ellipse(semi_um, 74), Load::NONE, 19))
 }
 
-/// Cost in degrees and reconfigurations of a turn from a grasp to one of others, if there is a way.
+/// Cost in degrees and reconfigurations of a turn from a grasp to one of others; `None` without a path.
 fn turned(tables: &Arc<Tables>, steps: i32, from: [u32; 3], goals: &[Option<Grasp>]) -> Option<(u64, usize)> {
     let leg = |goal: &Option<Grasp>| TurnLeg {
         tables: Arc::clone(tables),
@@ -41,7 +41,7 @@ fn turned(tables: &Arc<Tables>, steps: i32, from: [u32; 3], goals: &[Option<Gras
             Some((way.cost, changes.count()))
         }
         GraspAnswer::Impossible(_) => None,
-        GraspAnswer::GaveUp(_) | GraspAnswer::LooksSpent { .. } | GraspAnswer::TooLarge { .. } => {
+        GraspAnswer::GaveUp(_) => {
             panic!("a graph of this size is searched to its end")
         }
     }
@@ -53,8 +53,8 @@ fn second_rotation(semi_um: [f64; 2], removal_safety: f64) -> [(u64, usize); 6] 
     SIX.map(|goal| turned(&tables, 11, [1, 38, 0], &[Grasp::of(&goal)]).expect("a way"))
 }
 
-/// The published costs are 2240, 2240, 2240, 1880, 2240, 2600: 10, 10, 10, 8, 10 and 12 reconfigurations. By mirror images the second
-/// and third, and the first and fifth, cost the same on any ellipse.
+/// The published costs are 2240, 2240, 2240, 1880, 2240, 2600: 10, 10, 10, 8, 10 and 12 reconfigurations. By mirror symmetry the
+/// second and third, and the first and fifth, cost the same on any ellipse.
 #[test]
 fn the_second_rotation_costs_more_the_safer_removal_is() {
     let found = |removal_safety: f64| second_rotation(PAPER, removal_safety);
@@ -73,7 +73,7 @@ fn a_slimmer_ellipse_has_the_papers_reconfigurations_but_for_the_last() {
     assert_eq!(found, [(2240, 10), (2240, 10), (2240, 10), (1960, 8), (2240, 10), (2240, 10)]);
 }
 
-/// Table 4: 0, 8 and 0 reconfigurations with adhesion, and no way without it at friction 0.3.
+/// Table 4: 0, 8 and 0 reconfigurations with adhesion, and no path without it at friction 0.3.
 #[test]
 fn the_spatial_rotation_needs_adhesion() {
     for (semi_um, ways_without) in [(PAPER, [true, false, true]), (SLIM, [false; 3])] {
@@ -88,7 +88,7 @@ fn the_spatial_rotation_needs_adhesion() {
     }
 }
 
-/// What opens the way without adhesion is friction.
+/// Without adhesion, more friction makes the turn possible.
 #[test]
 fn more_friction_opens_the_second_rotation() {
     let six = SIX.map(|goal| Grasp::of(&goal));

@@ -1,4 +1,4 @@
-//! Whole courses: states, places, speeds, and what cannot be carried out.
+//! Whole courses: states, positions, speeds, and courses that cannot be executed.
 
 use super::*;
 use nalgebra::Unit;
@@ -72,7 +72,7 @@ fn turns_go_backwards_below_one() {
     assert!(turned.angle_to(&UnitQuaternion::from_axis_angle(&about_y, -3.0 * bench.section.step_rad)) < 1e-12);
 }
 
-/// At each state the tips that hold touch the outline at the contact of their number.
+/// At each state the holding tips touch the outline at their contacts.
 #[test]
 fn tips_are_at_their_contacts() {
     let (bench, motion) = paper();
@@ -86,7 +86,7 @@ fn tips_are_at_their_contacts() {
     }
 }
 
-/// The fastest tip of each stretch moves at the speed of what it does, to the nanosecond.
+/// The fastest tip of each stretch moves at the speed of its act, to the nanosecond.
 #[test]
 fn speeds_are_those_of_the_facts() {
     let (bench, motion) = paper();
@@ -123,7 +123,7 @@ fn courses_go_on_where_others_ended() {
     };
     let (parts, whole_values) = (flat(&steps), flat(&whole.steps));
     assert_eq!(parts.len(), whole_values.len());
-    // Each part measures anew where its tips hold.
+    // Each part measures the positions of its holding tips anew.
     assert!(parts.iter().zip(&whole_values).all(|(a, b)| (a - b).abs() < 1e-6));
     assert_eq!(end(&whole).hold.grasp, [0, 0, 0]);
 }

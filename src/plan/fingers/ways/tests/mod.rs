@@ -21,7 +21,7 @@ pub fn ellipse() -> Outline {
     Outline::Ellipse { semi_um: [16.0, 11.845] }
 }
 
-/// A waist above and below, which tips reach.
+/// A waist above and below, within reach of the tips.
 pub fn peanut() -> Outline {
     let place = |index: u32| {
         let turn_rad = TAU * f64::from(index) / 48.0;
@@ -31,7 +31,7 @@ pub fn peanut() -> Outline {
     Outline::Spline { points_um: (0..48).map(place).collect() }
 }
 
-/// A part of two equal sections, with all that a hand asks of it.
+/// A part of two equal sections, with all data that a hand needs.
 pub struct Bench {
     pub facts: FingersFacts,
     pub section: Section,
@@ -61,7 +61,7 @@ impl Bench {
     }
 }
 
-/// Both outlines, with a hand of so many fingers.
+/// Both outlines, with a hand of `fingers` fingers.
 pub fn benches(fingers: u32) -> [Bench; 2] {
     [ellipse(), peanut()].map(|outline| Bench::new(outline, facts(fingers)))
 }
@@ -70,7 +70,7 @@ pub fn begin(plane: Plane, grasp: &[u32]) -> FingerAct {
     FingerAct::Begin { plane, grasp: grasp.to_vec() }
 }
 
-/// Numbers that look random, the same ones each time.
+/// Deterministic pseudo-random numbers.
 pub struct Dice(u64);
 
 impl Dice {
@@ -90,7 +90,7 @@ pub fn rotation(orientation: [f64; 4]) -> UnitQuaternion<f64> {
     UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z))
 }
 
-/// A place of the hand's frame in the coordinates of a plane of the part, and its distance from that plane.
+/// A point of the hand's frame in the coordinates of a plane of the part, and its distance from that plane.
 pub fn in_section(hold: &HeldGrasp, tip_um: [f64; 3]) -> (Vector2<f64>, f64) {
     let own = rotation(hold.orientation).inverse() * (Vector3::from(tip_um) - Vector3::from(hold.position_um));
     let [first, second] = hold.plane.axes().map(Vector3::from);

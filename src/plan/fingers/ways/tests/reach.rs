@@ -1,8 +1,9 @@
-//! The masks against ways that are walked along in small steps.
+//! The masks compared with paths that are sampled in small steps.
 
 use super::*;
 
-/// By how much a tip on a way comes nearer than it should, to the outline and to tips on other contacts: negative where it is clear.
+/// Greatest violation of the clearances by a tip on a path, from the outline and from tips on other contacts: negative where it is
+/// clear.
 fn intrusion_um(bench: &Bench, way: &RetreatPath, holding: &[usize]) -> f64 {
     let facts = &bench.facts;
     let far_um = facts.sphere_um(0, bench.curve.reach_um());
@@ -63,7 +64,7 @@ fn ways_are_clear() {
     }
 }
 
-/// Where there is no way, each direction of the fan meets something.
+/// Where there is no path, each direction of the fan is obstructed.
 #[test]
 fn blocked_contacts_are_blocked() {
     for bench in benches(3) {
@@ -87,7 +88,7 @@ fn blocked_contacts_are_blocked() {
     }
 }
 
-/// The paper's ellipsoid: tips six contacts apart have room, and five apart have not.
+/// The paper's ellipsoid: tips six contacts apart have room, tips five apart do not.
 #[test]
 fn tips_keep_apart() {
     let paper = FingersFacts { clearance_um: 0.0, ..facts(3) };
@@ -110,7 +111,7 @@ fn tips_come_in_an_order_that_is_clear() {
     assert_eq!(bench.reach.order(&[0, 20, 40, 60]), None, "never more than three");
 }
 
-/// A pocket that a tip's disc does not fit through is not reached, however its floor is curved.
+/// A pocket too narrow for a tip's disc is not reached, however its floor is curved.
 #[test]
 fn narrow_pockets_are_not_reached() {
     let curve = Curve::of(&pocket()).expect("it is sound");

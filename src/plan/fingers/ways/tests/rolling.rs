@@ -1,10 +1,11 @@
-//! The closed form of rolling against an integration that knows only that nothing slips, and chords against the closed form.
+//! The closed form of rolling compared with an integration of the no-slip condition alone, and chords compared with the closed
+//! form.
 
 use super::*;
 use crate::plan::fingers::ways::rolling::{chords, tip};
 
-/// A tip's centre after the part has turned by an angle, integrated: the tip moves as the material of the part at the contact, and
-/// the contact is the nearest place of the outline.
+/// A tip's centre after the part has turned by an angle, by integration: the tip moves like the material of the part at the
+/// contact, and the contact is the nearest point of the outline.
 fn integrated(curve: &Curve, mut centre: Vector2<f64>, turn_rad: f64) -> Vector2<f64> {
     const STEPS: u32 = 400;
     let velocity = |centre: Vector2<f64>, angle_rad: f64| {
@@ -54,7 +55,7 @@ fn contacts_come_round() {
     }
 }
 
-/// On chords all tips stay within half the tolerance of where they should be, and so near that the part is not turned, and touch.
+/// On chords all tips stay within half the tolerance of exact rolling, and near enough that the part is not turned, and touch.
 #[test]
 fn chords_stay_near_the_curve() {
     for bench in benches(3) {

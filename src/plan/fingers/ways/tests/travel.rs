@@ -1,8 +1,8 @@
-//! Free tips keep clear of everything, whatever the grasps: all stretches are sampled densely.
+//! Free tips keep their clearances for all grasps: every stretch is sampled densely.
 
 use super::*;
 
-/// Acts that fit one another, by chance.
+/// Random acts that are consistent with one another.
 struct Author<'a> {
     bench: &'a Bench,
     dice: Dice,
@@ -104,11 +104,11 @@ fn by_chance(bench: &Bench, seed: u64) -> FingersCourse {
     bench.course(author.acts)
 }
 
-/// What is true while the moves between two states run.
+/// The situation during the moves between two states.
 struct Scene<'a> {
     bench: &'a Bench,
     holds: [&'a HeldGrasp; 2],
-    /// Where each tip is at both states.
+    /// Position of each tip at both states.
     ends: [&'a [[f64; 3]]; 2],
 }
 
@@ -117,7 +117,7 @@ impl Scene<'_> {
         self.holds.iter().any(|hold| hold.grasp[finger] == 0)
     }
 
-    /// The part keeps its place: neither turned nor carried.
+    /// Whether the part rests: neither turned nor moved.
     fn is_quiet(&self) -> bool {
         let [before, after] = self.holds;
         before.position_um == after.position_um && before.orientation == after.orientation
@@ -134,7 +134,7 @@ impl Scene<'_> {
         free.map(|finger| self.check_outline(finger, tips[finger])).sum()
     }
 
-    /// 1 where the tip is so near that the outline was asked.
+    /// 1 if the tip is near enough for a check against the outline.
     fn check_outline(&self, finger: usize, tip: [f64; 3]) -> usize {
         let (bench, facts) = (self.bench, &self.bench.facts);
         let hold = HeldGrasp { plane: self.holds[1].plane, ..self.holds[0].clone() };
@@ -192,7 +192,7 @@ fn free_tips_keep_clear() {
     }
 }
 
-/// Only the finger that an act names moves, but for others that step aside.
+/// Only the finger that an act names moves, apart from others that step aside.
 #[test]
 fn fingers_step_aside_only_where_they_must() {
     let mut asides = 0;
@@ -226,7 +226,7 @@ fn home_is_clear() {
     }
 }
 
-/// From a direction to the opposite one there is no one great circle: the way is the same each time, and lies on the sphere.
+/// Between opposite directions the great circle is not unique: the path is deterministic, and lies on the sphere.
 #[test]
 fn opposite_directions_have_a_way() {
     let bench = Bench::new(ellipse(), facts(3));
@@ -240,7 +240,7 @@ fn opposite_directions_have_a_way() {
     assert!(sample(&bench, &motion) > 10);
 }
 
-/// Chords are as long as the tolerance lets them be, and no longer.
+/// Chords are as long as the tolerance allows.
 #[test]
 fn travel_follows_its_sphere() {
     let bench = Bench::new(ellipse(), facts(3));

@@ -1,0 +1,86 @@
+//! Objects of scenes as tasks meet them: each scene judged once for each device, and the objects that steps name.
+
+use super::lets::Argument;
+use super::scenes::{CheckedScene, SceneObject};
+use super::scope::{DeclarationPlace, nearest};
+use super::tasks::TaskSite;
+use super::value::Value;
+use super::{Checker, errors};
+use crate::device::Vocabulary;
+use crate::diagnostic::{Diagnostic, Sink};
+use crate::source::Span;
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// Scenes by the scene and the device that meets it, each in the type of the device's kind.
+pub type JudgedScenes = BTreeMap<(DeclarationPlace, DeclarationPlace), Rc<dyn Any>>;
+
+impl Checker<'_> {
+    /// The scene of a task as its device meets it, judged once with each device; `judge` gets `None` where the task has no scene.
+    pub fn scene_met<S: 'static>(
+        &mut self,
+        site: &TaskSite,
+        judge: impl FnOnce(&mut Self, Option<&CheckedScene>) -> S,
+    ) -> Rc<S> {
+        let Some((place, scene)) = &site.scene else { return Rc::new(judge(self, None)) };
+        let key = (*place, site.place);
+        // A device is of one kind, and each kind judges its scenes in one type.
+        if let Some(Ok(known)) = self.judged.get(&key).map(|known| Rc::clone(known).downcast::<S>()) {
+            return known;
+        }
+        let met = Rc::new(judge(self, Some(scene)));
+        self.judged.insert(key, met.clone());
+        met
+    }
+}
+
+/// What is wrong with an object that a kind has no noun for.
+pub fn of_other_kind(object: &SceneObject, vocabulary: &Vocabulary) -> Diagnostic {
+    let known: Vec<&str> = vocabulary.nouns.iter().map(|noun| noun.name).collect();
+    errors::noun_of_other_kind(object.noun_span, &object.noun, vocabulary.name, &known)
+}
+
+/// The parts or robots of a scene, by the names that steps use.
+#[derive(Debug, Clone, Default)]
+pub struct ObjectNames {
+    /// Each with its index if nothing is wrong with it.
+    indices: BTreeMap<String, Option<usize>>,
+    obstacles: BTreeMap<String, Span>,
+}
+
+impl ObjectNames {
+    /// Enters a part or a robot.
+    pub fn insert(&mut self, name: &str, index: Option<usize>) {
+        self.indices.insert(name.to_owned(), index);
+    }
+
+    /// Enters an obstacle, which no step can name as a part.
+    pub fn insert_obstacle(&mut self, name: &str, span: Span) {
+        self.obstacles.insert(name.to_owned(), span);
+    }
+
+    /// The index of the object that an argument names; `None` after an error, be it one of the argument or of the object.
+    ///
+    /// `scene` is where the task's scene is declared; a scene that was cut for its size knows none of its names, and says so alone.
+    pub fn index(&self, argument: &Argument, scene: Option<Span>, is_whole: bool, sink: &mut Sink) -> Option<usize> {
+        let Value::Object(object) = &argument.value else { return None };
+        if let Some(known) = self.indices.get(&object.name) {
+            return *known;
+        }
+        let is_cut = scene.is_some() && !is_whole && self.indices.is_empty();
+        let wrong = match self.obstacles.get(&object.name) {
+            Some(span) => {
+                let found = ("obstacle", *span);
+                Some(errors::object_of_other_noun(argument.span, &object.name, object.noun, found))
+            }
+            None if is_cut => None,
+            None => {
+                let near = nearest(&object.name, self.indices.keys().map(String::as_str));
+                Some(errors::unknown_object(argument.span, &object.name, object.noun, near, scene))
+            }
+        };
+        argument.unless(wrong, sink)?;
+        None
+    }
+}
