@@ -524,7 +524,16 @@ fn faults_have_a_place() {
     assert!(faults.len() >= 40, "only {} faults", faults.len());
     for (number, (path, old, new)) in (1..).zip(&faults) {
         let source = std::fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"));
-        let count = source.matches(old.as_str()).count();
+        // A text that stands within a longer word would be replaced there, and not compile.
+        let is_within_a_word = |at: usize| {
+            let touches = |before: Option<char>, after: Option<char>| {
+                let is_word = |char: Option<char>| char.is_some_and(|char| char.is_alphanumeric() || char == '_');
+                is_word(before) && is_word(after)
+            };
+            touches(source[..at].chars().next_back(), old.chars().next())
+                || touches(old.chars().next_back(), source[at + old.len()..].chars().next())
+        };
+        let count = source.match_indices(old.as_str()).filter(|(at, _)| !is_within_a_word(*at)).count();
         assert!(!old.is_empty() && !new.is_empty() && old != new, "fault {number} changes nothing");
         assert_eq!(count, 1, "fault {number} of tests/faults/faults.txt: `{old}` stands {count} times in {path}");
     }

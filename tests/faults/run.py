@@ -2,10 +2,12 @@
 
     python3 tests/faults/run.py                 all faults
     python3 tests/faults/run.py --only 3,16     some of them
+    python3 tests/faults/run.py --write         all faults; the tests that notice them are written into faults.txt
 
 The source is copied to target/faults/tree. There each fault stands beside the right text, and the environment variable TWEEZE_FAULT
-chooses one when a program runs, so that one build serves all. Left out are the tests that need other programs or look at the source
-itself: `judges`, `fuzz` and `tidy`.
+chooses one when a program runs, so that one build serves all. The test that faults.txt names on a line `* program test` is asked first;
+where it does not notice the fault, the tests of the files near by, then all tests. Left out are the tests that need other programs or
+look at the source itself: `judges`, `fuzz` and `tidy`.
 
 Exit status: 0 if all faults are killed but for at most 2 % that are explained in faults.txt, each on a line `= why nothing can tell`;
 1 if not; 2 if a fault is stale or the tests fail without one.
@@ -38,10 +40,13 @@ pub fn on(number: u32) -> bool {
 """
 
 
+SIGNS = {"- ": "old", "+ ": "new", "= ": "excuse", "* ": "killer"}
+
+
 class Fault:
     def __init__(self, number, path, meaning):
         self.number, self.path, self.meaning = number, path, meaning
-        self.old = self.new = self.excuse = None
+        self.old = self.new = self.excuse = self.killer = None
 
 
 def stale(text):
@@ -56,8 +61,8 @@ def read_faults():
         head = re.fullmatch(r"(\d+) (\S+): (.+)", line)
         if head:
             faults.append(Fault(int(head[1]), head[2], head[3]))
-        elif line[:2] in ("- ", "+ ", "= "):
-            setattr(faults[-1], {"-": "old", "+": "new", "=": "excuse"}[line[0]], line[2:])
+        elif line[:2] in SIGNS:
+            setattr(faults[-1], SIGNS[line[:2]], line[2:])
         elif line.strip() and not line.startswith("#"):
             stale(f"faults.txt: `{line}` is no line of a fault")
     for number, fault in enumerate(faults, 1):
@@ -65,10 +70,17 @@ def read_faults():
             stale(f"faults.txt: fault {fault.number} should be {number}")
         if not fault.old or not fault.new or fault.old == fault.new:
             stale(f"fault {number} does not say what takes the place of what")
-        found = (ROOT / fault.path).read_text().count(fault.old) if (ROOT / fault.path).is_file() else 0
+        found = len(places(fault, (ROOT / fault.path).read_text())) if (ROOT / fault.path).is_file() else 0
         if found != 1:
             stale(f"fault {number} is stale: its text stands {found} times in {fault.path}")
     return faults
+
+
+def places(fault, text):
+    """Where the old text stands as whole words."""
+    begin = r"\b" if re.match(r"\w", fault.old) else ""
+    end = r"\b" if re.search(r"\w$", fault.old) else ""
+    return [found.start() for found in re.finditer(begin + re.escape(fault.old) + end, text)]
 
 
 def with_switch(text, fault):
@@ -76,7 +88,8 @@ def with_switch(text, fault):
         both = f"if crate::fault_switch::on({fault.number}) {{ {fault.new} }} else {{ {fault.old} }}"
     else:
         both = f"(if crate::fault_switch::on({fault.number}) {{ {fault.new} }} else {{ {fault.old} }})"
-    return text.replace(fault.old, both)
+    (at,) = places(fault, text)
+    return text[:at] + both + text[at + len(fault.old) :]
 
 
 def lay_out(tree, faults):
@@ -119,38 +132,84 @@ def build(tree, target):
     return {name: path for name, path in programs.items() if name not in LEFT_OUT}
 
 
-def run(tree, program, fault, limit_s, words=()):
-    """What of a test program failed, or None; ends it at the first failure. With words, only tests whose names hold one of them."""
-    environment = {
-        **os.environ,
-        "TWEEZE_FAULT": str(fault),
-        "INSTA_UPDATE": "no",
-        "INSTA_WORKSPACE_ROOT": str(tree),
-        "CARGO_MANIFEST_DIR": str(tree),
-        "PROPTEST_FAILURE_PERSISTENCE": "off",
-    }
-    child = subprocess.Popen(
-        [program, *words], cwd=tree, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-        errors="replace", start_new_session=True,
-    )
-    timer = None
-    if limit_s is not None:
-        timer = threading.Timer(limit_s, lambda: end(child))
-        timer.start()
-    failed = None
-    for line in child.stdout:
-        found = re.match(r"test (.+) \.\.\. FAILED", line)
-        if found:
-            failed = found[1]
-            break
-    if failed:
-        end(child)
-    status = child.wait()
-    if timer:
-        timer.cancel()
-    if failed:
-        return failed
-    return None if status == 0 else f"ended with {status}: crash, or no end in {limit_s} s"
+class Tests:
+    """The test programs of the copy. What they do without a fault is learnt when it is first needed."""
+
+    def __init__(self, tree, programs):
+        self.tree, self.programs, self.lasts = tree, programs, {}
+
+    def run(self, name, fault, limit_s, *words):
+        """What of a test program failed, or None; ends it at the first failure. With words, only tests whose names hold one of them."""
+        environment = {
+            **os.environ,
+            "TWEEZE_FAULT": str(fault),
+            "INSTA_UPDATE": "no",
+            "INSTA_WORKSPACE_ROOT": str(self.tree),
+            "CARGO_MANIFEST_DIR": str(self.tree),
+            "PROPTEST_FAILURE_PERSISTENCE": "off",
+        }
+        child = subprocess.Popen(
+            [self.programs[name], *words], cwd=self.tree, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            text=True, errors="replace", start_new_session=True,
+        )
+        timer = None
+        if limit_s is not None:
+            timer = threading.Timer(limit_s, lambda: end(child))
+            timer.start()
+        failed = None
+        for line in child.stdout:
+            found = re.match(r"test (\S+)( - should panic)? \.\.\. FAILED", line)
+            if found:
+                failed = found[1]
+                break
+        if failed:
+            end(child)
+        status = child.wait()
+        if timer:
+            timer.cancel()
+        if failed:
+            return failed
+        return None if status == 0 else f"(ended with {status}: crash, or no end in {limit_s} s)"
+
+    def limit_s(self, name):
+        """A time limit for a program; the first time it runs without a fault, to see that it passes and how long it takes."""
+        if name not in self.lasts:
+            begun = time.monotonic()
+            failed = self.run(name, 0, None)
+            self.lasts[name] = time.monotonic() - begun
+            if failed:
+                stale(f"without a fault, {name} fails: {failed}")
+        return 60 + 10 * self.lasts[name]
+
+    def known(self, fault):
+        """The test that faults.txt names, if it notices the fault and passes without it."""
+        name, _, test = (fault.killer or "").partition(" ")
+        if name not in self.programs or not test:
+            return None
+        begun = time.monotonic()
+        if self.run(name, 0, None, "--exact", test):
+            stale(f"without a fault, {fault.killer} fails")
+        limit_s = 60 + 10 * (time.monotonic() - begun)
+        return f"{name} {test}" if self.run(name, fault.number, limit_s, "--exact", test) else None
+
+    def killer(self, fault):
+        """A test that notices a fault, the nearest ones asked first."""
+        known = self.known(fault)
+        if known:
+            return known
+        near = re.sub(r"(/mod)?\.rs$", "", fault.path).split("/")[1:]
+        words = [near[-1], near[0]] if len(near) == 1 else [near[1], near[0]]
+        for word in words:
+            failed = self.run("library", fault.number, self.limit_s("library"), word)
+            if failed:
+                return f"library {failed}"
+        for name in self.programs:
+            self.limit_s(name)
+        for name in sorted(self.programs, key=lambda name: self.lasts[name]):
+            failed = self.run(name, fault.number, self.limit_s(name))
+            if failed:
+                return f"{name} {failed}"
+        return None
 
 
 def end(child):
@@ -160,19 +219,18 @@ def end(child):
         pass
 
 
-def killer_of(fault, tree, programs, order, lasts):
-    """The first test that notices a fault, the nearest ones asked first."""
-    near = re.sub(r"(/mod)?\.rs$", "", fault.path).split("/")[1:]
-    places = [near[-1], near[0]] if len(near) == 1 else [near[1], near[0]]
-    for words in places:
-        failed = run(tree, programs["library"], fault.number, 60 + 10 * lasts["library"], [words])
-        if failed:
-            return f"library: {failed}"
-    for name in order:
-        failed = run(tree, programs[name], fault.number, 60 + 10 * lasts[name])
-        if failed:
-            return f"{name}: {failed}"
-    return None
+def write_killers(killers):
+    """Writes into faults.txt which test notices which fault, after the line of what takes the place of the old text."""
+    path, number, lines = ROOT / "tests/faults/faults.txt", 0, []
+    for line in path.read_text().splitlines():
+        head = re.match(r"(\d+) \S+: ", line)
+        number = int(head[1]) if head else number
+        if line.startswith("* ") and number in killers:
+            continue
+        lines.append(line)
+        if line.startswith("+ ") and killers.get(number):
+            lines.append(f"* {killers[number]}")
+    path.write_text("\n".join(lines) + "\n")
 
 
 def main():
@@ -180,34 +238,31 @@ def main():
     arguments.add_argument("--only", help="numbers of faults, with commas")
     arguments.add_argument("--target", type=Path, default=ROOT / "target/faults", help="where to copy and build")
     arguments.add_argument("--keep", action="store_true", help="take the copy that is there, whatever has changed since")
+    arguments.add_argument("--write", action="store_true", help="write the tests that notice the faults into faults.txt")
     given = arguments.parse_args()
     faults = read_faults()
     tree = given.target.resolve() / "tree"
     if not given.keep:
         lay_out(tree, faults)
-    programs = build(tree, given.target.resolve() / "build")
-    print(f"{len(faults)} faults, {len(programs)} test programs", flush=True)
-    lasts = {}
-    for name, program in programs.items():
-        begun = time.monotonic()
-        failed = run(tree, program, 0, None)
-        lasts[name] = time.monotonic() - begun
-        if failed:
-            stale(f"without a fault, {name} fails: {failed}")
-    print(f"without a fault all pass, in {sum(lasts.values()):.0f} s", flush=True)
-    order = sorted(programs, key=lambda name: lasts[name])
+    begun = time.monotonic()
+    tests = Tests(tree, build(tree, given.target.resolve() / "build"))
+    print(f"{len(faults)} faults, {len(tests.programs)} test programs, built in {time.monotonic() - begun:.0f} s", flush=True)
+    begun = time.monotonic()
     only = {int(number) for number in given.only.split(",")} if given.only else None
     tried = [fault for fault in faults if only is None or fault.number in only]
-    survived, wrong = [], []
+    survived, wrong, killers = [], [], {}
     for fault in tried:
-        killer = killer_of(fault, tree, programs, order, lasts)
+        killer = killers[fault.number] = tests.killer(fault)
         if killer is None:
             survived.append(fault)
         if (killer is None) != (fault.excuse is not None):
             wrong.append(fault)
         print(f"{'SURVIVES' if killer is None else 'killed  '} {fault.number:3} {fault.path}: {fault.meaning}", flush=True)
         print(f"             {killer or fault.excuse or 'no test notices, and no reason is given'}", flush=True)
-    print(f"{len(tried)} faults, {len(tried) - len(survived)} killed, {len(survived)} survive")
+    if given.write:
+        write_killers({number: killer for number, killer in killers.items() if killer and "(" not in killer})
+    took_s = time.monotonic() - begun
+    print(f"{len(tried)} faults, {len(tried) - len(survived)} killed, {len(survived)} survive, in {took_s:.0f} s")
     too_many = only is None and len(survived) > MOST_SURVIVING * len(tried)
     sys.exit(1 if wrong or too_many else 0)
 

@@ -1,12 +1,12 @@
 //! The least effort of a task by Dijkstra's algorithm over every grasp at every angle of every turn, all turns together.
 //!
 //! It shares nothing with the planner: ellipses are integrated here, holding is decided by a linear program over forces and torques in
-//! space, and all edges are examined. Taken from docs/language.md: the places of contacts, that a grasp holds at 63 instants of a step
+//! space (`forces`), and all edges are examined. Taken from docs/language.md: the places of contacts, that a grasp holds at 63 instants of a step
 //! with the reserve kept back, which fingers may come and leave, the costs, and that a turn goes once round at most, in its own direction.
 
-use crate::case::{Case, FINGERS, Step};
+use crate::case::{Case, FINGERS, Step, TRANSLATED_UM};
+use crate::forces::{self, Tip};
 use crate::orient;
-use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -115,6 +115,17 @@ pub struct Brute<'a> {
     known: HashMap<(u8, i32, [u8; FINGERS]), bool>,
     rolled: HashMap<(u8, i16, [u8; FINGERS]), bool>,
     removed: HashMap<(u8, [u8; FINGERS], u8), bool>,
+    /// How far a tip goes that rolls from a contact to the one before, by axis and contact, in micrometres.
+    ways_um: HashMap<(bool, u8), f64>,
+}
+
+/// What the parts of a task cost.
+#[derive(Debug, Clone, Copy)]
+enum Costs {
+    /// For each finger that rolls by a step, and for each that comes or leaves while others hold.
+    Effort { roll: u64, gait: u64 },
+    /// The time in nanoseconds that the parts take at least: tips that hold go along what they roll, fingers come and leave one at a time.
+    Time,
 }
 
 /// The least sum of costs of a task, and the fewest reconfigurations at this cost.
@@ -126,7 +137,7 @@ impl<'a> Brute<'a> {
         let sections = [Section::of(case, [a, b]), Section::of(case, [a, c])];
         let empty = (HashMap::new(), HashMap::new(), HashMap::new());
         let (known, rolled, removed) = empty;
-        Brute { case, sections, legs: Vec::new(), slack, known, rolled, removed }
+        Brute { case, sections, legs: Vec::new(), slack, known, rolled, removed, ways_um: HashMap::new() }
     }
 
     /// The turns of a task, once for each choice among the ways to its orientations.
@@ -170,8 +181,13 @@ impl<'a> Brute<'a> {
         choices.iter().map(|turns| legs(&case.steps, turns)).collect()
     }
 
+    /// How many choices there are among the ways to its orientations.
+    pub fn count(&self) -> usize {
+        self.choices().len()
+    }
+
     /// The least over all choices, with at most so many reconfigurations.
-    fn over_all(&mut self, [roll, gait]: [u64; 2], most: Option<u32>) -> Least {
+    fn over_all(&mut self, costs: Costs, most: Option<u32>) -> Least {
         let mut best: Least = None;
         for legs in self.choices() {
             if self.case.load_un != [0.0; 3] {
@@ -180,7 +196,7 @@ impl<'a> Brute<'a> {
                 self.removed.clear();
             }
             self.legs = legs;
-            let found = self.least([roll, gait], most, best.map(|(cost, _)| cost));
+            let found = self.least(costs, most, best.map(|(cost, _)| cost));
             best = best.into_iter().chain(found).min();
         }
         best
@@ -250,57 +266,28 @@ impl<'a> Brute<'a> {
     fn balance(&self, touches: &[Touch], load: Load, leaves: Option<&Touch>, kept: f64) -> bool {
         let case = self.case;
         let change = kept * (1.0 + self.slack);
-        let friction = case.friction * change;
-        let sticking = if case.adhesion { case.pull_off_un * kept } else { 0.0 };
-        let pull = if case.adhesion { case.pull_off_un * case.removal_safety } else { 0.0 };
-        if leaves.is_none() && load == [0.0; 3] && sticking > 0.0 {
+        let sticking_un = if case.adhesion { case.pull_off_un * kept } else { 0.0 };
+        if leaves.is_none() && load == [0.0; 3] && sticking_un > 0.0 {
             return true;
         }
-        let is_idle = sticking == 0.0 && load == [0.0; 3];
         let arm_um = case.semi_um[0];
-        let mut problem = Problem::new(OptimizationDirection::Maximize);
-        let mut rows: [Vec<(Variable, f64)>; 6] = Default::default();
-        let free = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut normals = Vec::new();
-        for touch in touches {
-            let most = if is_idle { f64::INFINITY } else { case.max_force_un * change };
-            let normal = problem.add_var(0.0, (-sticking, most));
-            let [tangential, across, torque] = [0, 1, 2].map(|_| problem.add_var(0.0, free));
-            normals.push(normal);
-            for (one, other) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
-                let row = [(tangential, one), (across, other), (normal, -friction)];
-                problem.add_constraint(row, ComparisonOp::Le, friction * sticking + self.slack.max(0.0));
-            }
-            let torsion = case.torsion_um * change / arm_um;
-            for sign in [1.0, -1.0] {
-                let row = [(torque, sign), (normal, -torsion)];
-                problem.add_constraint(row, ComparisonOp::Le, torsion * sticking + self.slack.max(0.0));
-            }
-            let [x, y] = touch.normal.map(|part| -part);
-            let [px, py] = touch.at_um.map(|part| part / arm_um);
-            for (variable, [fx, fy, fz]) in
-                [(normal, [x, y, 0.0]), (tangential, [-y, x, 0.0]), (across, [0.0, 0.0, 1.0])]
-            {
-                let parts = [fx, fy, fz, py * fz, -px * fz, px * fy - py * fx];
-                rows.iter_mut().zip(parts).for_each(|(row, part)| row.push((variable, part)));
-            }
-            rows[3].push((torque, x));
-            rows[4].push((torque, y));
-        }
-        if is_idle {
-            let sum: Vec<_> = normals.iter().map(|normal| (*normal, 1.0)).collect();
-            problem.add_constraint(&sum, ComparisonOp::Eq, 1.0);
-        }
-        let mut outer = [load[0], load[1], load[2], 0.0, 0.0, 0.0];
+        let tip = |touch: &Touch| Tip {
+            at_um: touch.at_um,
+            inward: touch.normal.map(|part| -part),
+            friction: case.friction * change,
+            torsion: case.torsion_um * change / arm_um,
+            sticking_un,
+            most_un: case.max_force_un * change,
+        };
+        let tips: Vec<Tip> = touches.iter().map(tip).collect();
+        let mut outer = forces::wrench(load, [0.0; 2], arm_um);
         if let Some(touch) = leaves {
-            let [x, y] = touch.normal.map(|part| part * pull);
-            let [px, py] = touch.at_um.map(|part| part / arm_um);
-            outer = [outer[0] + x, outer[1] + y, outer[2], 0.0, 0.0, px * y - py * x];
+            let pull_un = if case.adhesion { case.pull_off_un * case.removal_safety } else { 0.0 };
+            let [x, y] = touch.normal.map(|part| part * pull_un);
+            let pull = forces::wrench([x, y, 0.0], touch.at_um, arm_um);
+            outer.iter_mut().zip(pull).for_each(|(outer, pull)| *outer += pull);
         }
-        for (row, outer) in rows.iter().zip(outer) {
-            problem.add_constraint(row, ComparisonOp::Eq, -outer);
-        }
-        problem.solve().is_ok()
+        forces::balance(&tips, outer, arm_um, self.slack.max(0.0))
     }
 
     /// Whether contacts hold all the way from an angle to the next.
@@ -329,41 +316,109 @@ impl<'a> Brute<'a> {
     /// carries the task out.
     pub fn least_deg(&mut self, most: Option<u32>) -> Option<(f64, u32)> {
         let unit = |deg: f64| (deg * 1000.0).round() as u64;
-        let costs = [unit(360.0 / f64::from(self.case.steps_per_turn)), unit(self.case.gaiting_cost_deg)];
-        self.over_all(costs, most).map(|(cost, gaits)| (cost as f64 / 1000.0, gaits))
+        let (roll, gait) = (unit(360.0 / f64::from(self.case.steps_per_turn)), unit(self.case.gaiting_cost_deg));
+        self.over_all(Costs::Effort { roll, gait }, most).map(|(cost, gaits)| (cost as f64 / 1000.0, gaits))
+    }
+
+    /// A time in seconds below which no sequence of grasps carries the task out: what free fingers go far from the part takes none here.
+    pub fn least_s(&mut self) -> Option<f64> {
+        let translations = self.case.steps.iter().filter(|step| **step == Step::Translate).count();
+        let by_um = Vector3::from(TRANSLATED_UM).norm() * translations as f64;
+        let least = self.over_all(Costs::Time, None)?;
+        Some(least.0 as f64 / 1e9 + by_um / self.case.rolling_um_per_s)
+    }
+
+    /// How far a tip goes that rolls from a contact to the one before while the part turns by a step.
+    fn way_um(&mut self, leg: u8, contact: u8) -> f64 {
+        const PARTS: u32 = 256;
+        let key = (self.legs[usize::from(leg)].is_about_z, contact);
+        if let Some(known) = self.ways_um.get(&key) {
+            return *known;
+        }
+        let section = self.section(leg);
+        let tip = |part: f64| {
+            let touch = section.touch(f64::from(contact) - part);
+            let [x, y] = [0, 1].map(|k| touch.at_um[k] + self.case.tip_radius_um * touch.normal[k]);
+            let (sin, cos) = (part * section.step_rad).sin_cos();
+            [x * cos - y * sin, x * sin + y * cos]
+        };
+        let places: Vec<[f64; 2]> = (0..=PARTS).map(|k| tip(f64::from(k) / f64::from(PARTS))).collect();
+        let way_um = places.windows(2).map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1])).sum();
+        self.ways_um.insert(key, way_um);
+        way_um
+    }
+
+    /// What it costs that fingers roll by a step, each from its contact to the one before, or back.
+    fn rolling(&mut self, costs: Costs, leg: u8, held: [u8; FINGERS]) -> u64 {
+        let contacts = held.into_iter().filter(|contact| *contact != FREE);
+        match costs {
+            Costs::Effort { roll, .. } => roll * contacts.count() as u64,
+            Costs::Time => {
+                let longest_um = contacts.map(|contact| self.way_um(leg, contact)).fold(0.0, f64::max);
+                (1e9 * longest_um / self.case.rolling_um_per_s) as u64
+            }
+        }
+    }
+
+    /// What it costs that so many fingers come or leave where none holds before or after.
+    fn coming(&self, costs: Costs, fingers: usize) -> u64 {
+        let near_um = self.case.retract_um.max(self.case.clearance_um);
+        match costs {
+            Costs::Effort { .. } => 0,
+            Costs::Time => (1e9 * near_um * fingers as f64 / self.case.approach_um_per_s) as u64,
+        }
+    }
+
+    /// What it costs that one comes or leaves while others hold.
+    fn gaiting(&self, costs: Costs) -> u64 {
+        match costs {
+            Costs::Effort { gait, .. } => gait,
+            Costs::Time => self.coming(costs, 1),
+        }
     }
 
     /// The fewest reconfigurations.
     pub fn fewest(&mut self) -> Option<u32> {
-        self.over_all([0, 1], None).map(|(_, gaits)| gaits)
+        self.over_all(Costs::Effort { roll: 0, gait: 1 }, None).map(|(_, gaits)| gaits)
     }
 
-    /// The least sum of costs of rolling by a step, for each finger, and of a finger that comes or leaves; nothing dearer than `enough`.
-    fn least(&mut self, [roll, gait]: [u64; 2], most: Option<u32>, enough: Option<u64>) -> Least {
+    /// The least sum of costs; nothing dearer than `enough`.
+    fn least(&mut self, costs: Costs, most: Option<u32>, enough: Option<u64>) -> Least {
         let mut open: BinaryHeap<Reverse<(u64, u32, Node)>> = BinaryHeap::new();
         // Where reconfigurations are limited, a node is another one for each number of them.
         let mut best: HashMap<(Node, u32), (u64, u32)> = HashMap::new();
+        // The least with what the release costs that ends the task.
+        let mut ended: Least = None;
         for held in self.first(0) {
-            open.push(Reverse((0, 0, Node { leg: 0, angle: 0, held })));
+            open.push(Reverse((self.coming(costs, holding(&held)), 0, Node { leg: 0, angle: 0, held })));
         }
+        let is_released = self.case.steps.last() == Some(&Step::Release);
         while let Some(Reverse((cost, gaits, node))) = open.pop() {
             let place = (node, most.map_or(0, |_| gaits));
             if best.get(&place).is_some_and(|known| *known <= (cost, gaits))
                 || enough.is_some_and(|enough| cost > enough)
+                || ended.is_some_and(|ended| (cost, gaits) >= ended)
             {
                 continue;
             }
             best.insert(place, (cost, gaits));
             let Leg { turn, end, .. } = self.legs[usize::from(node.leg)];
             if i32::from(node.angle) == turn && end.is_none_or(|end| numbered(end) == node.held) {
+                let left = self.coming(costs, holding(&node.held));
                 if usize::from(node.leg) + 1 == self.legs.len() {
-                    return Some((cost, gaits));
+                    if !is_released || left == 0 {
+                        return Some((cost, gaits));
+                    }
+                    ended = ended.into_iter().chain([(cost + left, gaits)]).min();
+                    continue;
                 }
+                let goes_on = self.legs[usize::from(node.leg) + 1].begins == Begins::Held;
                 for held in self.handed_over(node) {
-                    open.push(Reverse((cost, gaits, Node { leg: node.leg + 1, angle: 0, held })));
+                    let anew = if goes_on { 0 } else { left + self.coming(costs, holding(&held)) };
+                    open.push(Reverse((cost + anew, gaits, Node { leg: node.leg + 1, angle: 0, held })));
                 }
             }
-            let holding = node.held.iter().filter(|contact| **contact != FREE).count();
+            let holding = holding(&node.held);
             let round = self.case.steps_per_turn;
             let [low, high] = if turn < 0 { [turn.min(-round), 0] } else { [0, turn.max(round)] };
             let count = self.section(node.leg).contacts;
@@ -371,24 +426,24 @@ impl<'a> Brute<'a> {
                 let held = self.turned(node.leg, node.held, count - 1);
                 let next = Node { angle: node.angle + 1, held, ..node };
                 if self.holds(node.leg, next.angle, held, 0) {
-                    open.push(Reverse((cost + roll * holding as u64, gaits, next)));
+                    open.push(Reverse((cost + self.rolling(costs, node.leg, node.held), gaits, next)));
                 }
             }
             let before = self.turned(node.leg, node.held, 1);
             if i32::from(node.angle) > low && self.lasts(node.leg, node.angle - 1, before) {
                 let next = Node { angle: node.angle - 1, held: before, ..node };
                 if self.holds(node.leg, next.angle, before, 0) {
-                    open.push(Reverse((cost + roll * holding as u64, gaits, next)));
+                    open.push(Reverse((cost + self.rolling(costs, node.leg, before), gaits, next)));
                 }
             }
             if most.is_some_and(|most| gaits >= most) {
                 continue;
             }
             for next in self.gaited(node, holding) {
-                open.push(Reverse((cost + gait, gaits + 1, next)));
+                open.push(Reverse((cost + self.gaiting(costs), gaits + 1, next)));
             }
         }
-        None
+        ended
     }
 
     /// A finger comes, or leaves.
@@ -479,6 +534,11 @@ impl<'a> Brute<'a> {
         let held = [a, b, c];
         if on_axis == 2 && self.holds(next, 0, held, 0) { vec![held] } else { Vec::new() }
     }
+}
+
+/// How many fingers hold.
+fn holding(held: &[u8; FINGERS]) -> usize {
+    held.iter().filter(|contact| **contact != FREE).count()
 }
 
 /// A grasp as nodes have it.

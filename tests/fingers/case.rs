@@ -3,6 +3,9 @@
 /// Fingers of every hand.
 pub const FINGERS: usize = 3;
 
+/// By how much a translation carries the part.
+pub const TRANSLATED_UM: [f64; 3] = [1.0, -2.0, 0.5];
+
 /// A hand, a part that is an ellipsoid, and a task of turns.
 #[derive(Debug, Clone)]
 pub struct Case {
@@ -22,6 +25,9 @@ pub struct Case {
     pub steps: Vec<Step>,
     /// What the turns may miss.
     pub precision_deg: u32,
+    pub rolling_um_per_s: f64,
+    pub approach_um_per_s: f64,
+    pub retract_um: f64,
 }
 
 /// A step of a task.
@@ -42,6 +48,7 @@ impl Case {
     pub fn text(&self) -> String {
         let [a, b, c] = self.semi_um;
         let [x, y, z] = self.load_un;
+        let by_um = TRANSLATED_UM;
         let step_deg = 360 / self.steps_per_turn;
         let step = |step: &Step| match step {
             Step::Turn(is_about_z, turn) => {
@@ -49,7 +56,7 @@ impl Case {
             }
             Step::Grasp([one, two, three]) => format!("  grasp bead at ({one}, {two}, {three})\n"),
             Step::Orient([a, b, c]) => format!("  orient bead to euler({a} deg, {b} deg, {c} deg)\n"),
-            Step::Translate => "  translate bead by (1 um, -2 um, 0.5 um)\n".to_owned(),
+            Step::Translate => format!("  translate bead by ({} um, {} um, {} um)\n", by_um[0], by_um[1], by_um[2]),
             Step::Release => "  release\n".to_owned(),
         };
         let steps: String = self.steps.iter().map(step).collect();
@@ -57,7 +64,8 @@ impl Case {
         format!(
             "use std.fingers as f\ndevice hand : f.three_fingers {{ tip_radius: {} um, step: {step_deg} deg, adhesion: {}, \
              friction: {}, removal_safety: {}, clearance: {} um, gaiting_cost: {} deg, pull_off: {} uN, max_force: {} uN, \
-             torsion: {} um, rolling_reserve: {}, support: 90 uN, range: (900 um, 900 um, 900 um) }}\n\
+             torsion: {} um, rolling_reserve: {}, rolling_speed: {} um/s, approach_speed: {} um/s, retract: {} um, \
+             support: 90 uN, range: (900 um, 900 um, 900 um) }}\n\
              scene cell {{ part bead : ellipsoid {{ axes: ({a} um, {b} um, {c} um) }} }}\n\
              task flip on hand in cell {{\n  precision: {} deg\n{load}{steps}}}\n",
             self.tip_radius_um,
@@ -70,6 +78,9 @@ impl Case {
             self.max_force_un,
             self.torsion_um,
             self.reserve,
+            self.rolling_um_per_s,
+            self.approach_um_per_s,
+            self.retract_um,
             self.precision_deg,
         )
     }

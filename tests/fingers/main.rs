@@ -4,7 +4,9 @@
 #![allow(clippy::disallowed_methods)]
 
 mod brute;
+mod caps;
 mod case;
+mod forces;
 mod mechanics;
 mod oracle;
 mod orient;

@@ -54,6 +54,9 @@ fn random_case(chance: &mut Random, kind: Kind) -> Case {
         load_un,
         steps,
         precision_deg: if kind == Kind::Oriented { [12, 20, 35, 60][chance.below(4) as usize] } else { 30 },
+        rolling_um_per_s: chance.thousandths(5.0, 100.0),
+        approach_um_per_s: chance.thousandths(2.0, 60.0),
+        retract_um: chance.thousandths(0.5, 4.0),
     }
 }
 
@@ -109,6 +112,8 @@ struct Tally {
     proven_none: u32,
     limited: u32,
     limits_proven_too_low: u32,
+    /// Held against the quickest sequence of grasps.
+    timed: u32,
     /// Not searched to its end: bounds are held against the least, and nothing is said to be proven.
     open: u32,
     /// Only within the slack.
@@ -213,6 +218,7 @@ fn with_limits(text: &str, limits: &str) -> String {
 /// than a plan has there is none with as few reconfigurations.
 fn limited(case: &Case, plan: Planned, text: &str, tally: &mut Tally) {
     let mut best = plan;
+    timed(case, plan, text, tally);
     let soonest_s = time_bound_s(text);
     loop {
         assert!(best.time_s >= soonest_s, "{best:?}, but none is said to take less than {soonest_s} s\n{text}");
@@ -243,6 +249,22 @@ fn limited(case: &Case, plan: Planned, text: &str, tally: &mut Tally) {
             }
         }
     }
+}
+
+/// No sequence of grasps takes less than is said to be proven, and no plan less than the quickest sequence; with its own time as a limit a
+/// plan is found, and below it nothing is said to be proven that is not so.
+fn timed(case: &Case, plan: Planned, text: &str, tally: &mut Tally) {
+    let least_s = |slack: f64| Brute::of(case, slack).least_s();
+    let (soonest_s, Some(loose_s)) = (time_bound_s(text), least_s(SLACK)) else { panic!("there is a plan\n{text}") };
+    assert!(soonest_s <= loose_s * (1.0 + 1e-6), "{soonest_s} s is said to be the least, {loose_s} s is\n{text}");
+    // Rolling goes along short straight stretches, which spare a little of the way.
+    assert!(plan.time_s >= loose_s * 0.99, "{plan:?} is quicker than {loose_s} s\n{text}");
+    let within = |limit_s: f64| with_limits(text, &format!("  require time <= {} ns\n", (limit_s * 1e9).round()));
+    let built = build(&within(plan.time_s));
+    assert!(planned(&built).is_some_and(|kept| kept.time_s <= plan.time_s + 1e-9), "{plan:?}\n{text}");
+    let said = said(&within(plan.time_s.midpoint(soonest_s)));
+    assert!(said.iter().all(|report| !report.contains("proven: ")), "{said:?}\n{text}");
+    tally.timed += 1;
 }
 
 /// The time below which there is said to be no plan, in seconds.

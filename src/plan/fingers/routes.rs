@@ -135,3 +135,56 @@ fn route(
     }
     route
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::claims::fingers::{FingersPlanner, FingersStep, HandPart, Section};
+    use crate::device::fingers::fixture;
+    use crate::geometry::outline::Outline;
+    use crate::source::Span;
+    use std::sync::Arc;
+
+    fn order(steps: Vec<FingersStep>, load_un: [f64; 3]) -> FingersOrder {
+        let outline = Outline::Ellipse { semi_um: [16.0, 11.845] };
+        let part = HandPart {
+            name: "bead".to_owned(),
+            xy: Section { outline, contacts: 74, opposite: Some(38), step_rad: 0.349 },
+            xz: None,
+            centre_um: [0.0; 3],
+            position_um: [0.0; 3],
+            span: Span::default(),
+        };
+        FingersOrder {
+            facts: Arc::new(fixture::hand()),
+            part: Arc::new(part),
+            precision_rad: 0.01,
+            load_un,
+            planner: FingersPlanner::JointAstar,
+            expansions: 1000,
+            steps,
+        }
+    }
+
+    /// Orientations of so many ways each: what the ways turn is different for each of them.
+    fn asked(ways: [i32; 3], is_loaded: bool) -> Routes {
+        let step = |(scale, count): (i32, i32)| {
+            let turns = (1..=count).map(|steps| vec![FingersTurn { plane: Plane::Xy, steps: scale * steps }]).collect();
+            let action = FingersAction::Orient { goal: [1.0, 0.0, 0.0, 0.0], turns, left_out_steps: None };
+            FingersStep { action, span: Span::default() }
+        };
+        let load_un = if is_loaded { [0.0, 0.0, -0.1] } else { [0.0; 3] };
+        routes(&order([1, 10, 100].into_iter().zip(ways).map(step).collect(), load_un), 0..3, None)
+    }
+
+    /// Beyond the cap the routes that turn most are left out, and it is known how little they turn.
+    #[test]
+    fn what_is_left_out_is_counted() {
+        let told = |routes: &Routes| (routes.routes.len(), routes.left_out);
+        assert_eq!(told(&asked([8, 8, 4], false)), (256, None));
+        // Of 8 x 8 x 5 the 64 that turn 500 steps in the last.
+        assert_eq!(told(&asked([8, 8, 5], false)), (256, Some(511)));
+        assert_eq!(told(&asked([4, 4, 4], true)), (64, None));
+        assert_eq!(told(&asked([4, 4, 5], true)), (64, Some(511)));
+    }
+}

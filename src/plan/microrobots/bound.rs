@@ -161,3 +161,26 @@ impl<'a> JobPrefix<'a> {
         (legs * levels) as u64 * order.facts.dwell_ns
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::world::fixture::{bed, pose, robot};
+    use super::*;
+    use crate::device::microrobots::Arm;
+
+    /// A way that is driven in so many strokes is not said to need more, and of a straight one all are counted.
+    #[test]
+    fn a_way_needs_no_more_strokes_than_it_is_driven_in() {
+        let order = bed(vec![(robot("D1", 150.0, 0.015), pose(0.0, 0.0, 30.0))], Vec::new());
+        let facts = order.robot(0);
+        let from = order.robots[0].pose;
+        for strokes in [1, 2, 1000, 123_456] {
+            for arm in [Arm::Up, Arm::Down] {
+                let to = facts.moved(from, arm, f64::from(strokes) * facts.step_um);
+                let least = least_strokes(&order, 0, (from, EXACT), (to, EXACT));
+                assert!(least <= strokes as u64, "{least} strokes where {strokes} do, arm {arm:?}");
+                assert!(arm == Arm::Down || least == strokes as u64, "{least} of {strokes} strokes");
+            }
+        }
+    }
+}

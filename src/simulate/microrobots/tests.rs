@@ -1,3 +1,4 @@
+use super::trial::ContactManners;
 use super::*;
 use crate::claims::microrobots::{Assurance, Placed, Precision};
 use crate::device::microrobots::{
@@ -133,6 +134,25 @@ fn without_errors_everything_fits() {
         assert_eq!(report.successes, 8, "{report:?}");
         assert!(report.dockings[0].across_um.max < 0.2 && report.dockings[0].incidence_rad.max < 0.02, "{report:?}");
     }
+}
+
+/// Every stroke of the bed moves every robot that has not docked, by its own arm.
+#[test]
+fn robots_that_are_not_driven_move_with_the_bed() {
+    let none = Errors { speed_ratio: 0.0, turning_rad_per_um: 0.0, place_um: 0.0, heading_rad: 0.0, replan_ns: 0 };
+    let poses = [pose(0.0, 0.0, 0.0), pose(0.0, 2000.0, 90.0), pose(0.0, 9000.0, 90.0)];
+    let order = order(3, Turning::Clockwise, none, &poses);
+    let mut trial = Trial::new(&order, none, &[], (&poses, &[false, false, true]), (1, 0));
+    trial.begin(vec![0]);
+    // No arm is down in state 0, the first two are in state 2.
+    assert_eq!(trial.drive(0, 0, 100.0, ContactManners::Apart), Ok(()));
+    let [driven, other, docked] = trial.poses[..] else { panic!("three robots") };
+    assert!((driven.x_um - 100.0).abs() < 1e-6 && driven.y_um.abs() < 1e-6, "{driven:?}");
+    assert!(other.x_um.abs() < 1e-6 && (other.y_um - 2100.0).abs() < 1e-6, "{other:?}");
+    assert_eq!(trial.drive(2, 0, 16.5, ContactManners::Apart), Ok(()));
+    let turned_rad = trial.poses[1].heading_rad - other.heading_rad;
+    assert!((turned_rad + 0.1).abs() < 1e-9, "16.5 um on a circle of 165 um: {turned_rad}");
+    assert_eq!((trial.poses[2], docked), (poses[2], poses[2]));
 }
 
 #[test]

@@ -120,6 +120,19 @@ mod tests {
         }
     }
 
+    /// One electrode pulls a droplet to the four cells beside it, and to none across a corner.
+    #[test]
+    fn a_droplet_goes_to_a_cell_beside_it_and_no_farther() {
+        let at = ElectrodeCell::new(10, 10);
+        let goes_to = |column: u32, row: u32| {
+            let on = FxHashSet::from_iter([ElectrodeCell::new(column, row)]);
+            explained(&on, Electrodes::Single, at).map(|pull| (pull.to.column, pull.to.row))
+        };
+        assert_eq!([goes_to(11, 10), goes_to(10, 9), goes_to(10, 10)], [Some((11, 10)), Some((10, 9)), Some((10, 10))]);
+        assert_eq!([goes_to(11, 11), goes_to(9, 11), goes_to(9, 9)], [None; 3]);
+        assert_eq!(goes_to(12, 10), Some((10, 10)), "what is two cells off does not act on it");
+    }
+
     #[test]
     fn no_electrode_is_looked_for_off_the_numbers() {
         let on = FxHashSet::from_iter([ElectrodeCell::new(0, 0), ElectrodeCell::new(u32::MAX, u32::MAX)]);

@@ -103,6 +103,9 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
         s.plans[0].bound = s.plans[0].cost;
     }),
     ("a bound above the cost", Rule::Figure, |s| s.plans[0].bound *= 1.000_001),
+    ("a bound above the cost of no optimum", Rule::Figure, |s| {
+        (s.plans[0].bound, s.plans[0].optimal) = (s.plans[0].cost * 1.000_001, false);
+    }),
     ("an optimum without proof", Rule::Figure, |s| s.plans[0].bound *= 0.999_999),
     ("a shorter time", Rule::Figure, |s| *s.plans[0].outcomes.get_mut("time").unwrap() -= 1e-6),
     ("a switch less", Rule::Figure, |s| *s.plans[0].outcomes.get_mut("switches").unwrap() -= 1.0),

@@ -232,6 +232,35 @@ fn volumes_agree_with_sums() {
     assert!((found / (8.0 * 16.0 * 12.0 * 11.0 * share) - 1.0).abs() < 1e-4);
 }
 
+/// Volumes and with them weights against how many of many random points lie within a shape, by its definition in the handbook.
+#[test]
+fn weights_are_those_of_the_points_within_a_shape() {
+    let mut random = crate::random::SplitMix64::new(31);
+    let mut counted = |text: &str, half_um: [f64; 3], within: &dyn Fn([f64; 3]) -> bool| {
+        let order = order("range: (1 mm, 1 mm, 1 mm)", &format!("{text}, material: 2330 kg/m^3 }}"), "grasp bead");
+        let points = 200_000;
+        let inside = (0..points).filter(|_| within([0, 1, 2].map(|axis| half_um[axis] * random.signed_unit()))).count();
+        let volume_um3 = 8.0 * half_um.iter().product::<f64>() * inside as f64 / f64::from(points);
+        // kg/m^3 times um^3 times m/s^2, in uN.
+        let weight_un = 2330.0 * 1e-18 * volume_um3 * 9.806_65 * 1e6;
+        assert!((-order.load_un[2] / weight_un - 1.0).abs() < 0.01, "{text}: {:?}, not {weight_un}", order.load_un);
+        assert_eq!(order.load_un[..2], [0.0; 2]);
+    };
+    let [a, b, c] = [16.0, 12.0, 11.0];
+    let power = move |exponent: f64, point: [f64; 3]| -> f64 {
+        point.into_iter().zip([a, b, c]).map(|(at, half)| (at / half).abs().powf(exponent)).sum()
+    };
+    counted("ellipsoid { axes: (16 um, 12 um, 11 um)", [a, b, c], &|point| power(2.0, point) <= 1.0);
+    for exponent in [2.5, 6.0] {
+        let text = format!("superellipsoid {{ axes: (16 um, 12 um, 11 um), exponent: {exponent}");
+        counted(&text, [a, b, c], &|point| power(exponent, point) <= 1.0);
+    }
+    counted("rounded_box { size: (32 um, 24 um, 22 um), radius: 5 um", [a, b, c], &|point| {
+        let beyond = point.into_iter().zip([a, b, c]).map(|(at, half)| (at.abs() - (half - 5.0)).max(0.0).powi(2));
+        beyond.sum::<f64>() <= 25.0
+    });
+}
+
 #[test]
 fn a_mesh_is_its_ball() {
     let order = order("", "mesh { file: \"bead.stl\", unit: 1 um, material: 1e6 kg/m^3 }", "grasp bead");

@@ -2,6 +2,7 @@ use super::super::tests::device_topics;
 use super::course::MAX_POSES;
 use super::foxglove::{FrameTransforms, SceneUpdate};
 use super::*;
+use crate::device::microrobots::Arm;
 use crate::emit::fixture;
 use crate::emit::mcap::bench;
 use crate::schedule::State;
@@ -68,6 +69,22 @@ fn an_orbit_is_a_whole_turn_without_interruption() {
     assert_eq!(found, [(0, 0, 32_000_000), (1, 0, 32_000_000)]);
     assert!((orbits[0].centre_um[1] + 150.0).abs() < 1e-9);
     assert_eq!(orbits[0].reach_um, 180f64.hypot(60.0));
+}
+
+/// A robot that has docked orbits no longer, though its arm is down.
+#[test]
+fn a_docked_robot_has_no_orbit() {
+    let (bed, _) = fixture::bed();
+    let mut course = BedCourse::new(&bed, "m");
+    let orbits = |course: &BedCourse| -> Vec<(usize, u64)> {
+        course.plans[0].orbits().iter().map(|orbit| (orbit.robot, orbit.end_ns)).collect()
+    };
+    let next = &mut course.plans[0].legs[1].movers;
+    next.iter_mut().for_each(|body| body.arm = Arm::Down);
+    next[0].is_docked = true;
+    let end_ns = course.plans[0].legs[1].end_ns;
+    assert!(end_ns > 32_000_000);
+    assert_eq!(orbits(&course)[..2], [(0, 32_000_000), (1, end_ns)]);
 }
 
 #[test]

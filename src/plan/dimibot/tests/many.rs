@@ -3,8 +3,12 @@
 use super::oracle::{Oracle, Random};
 use super::scenes::{scene, some_cell};
 use crate::claims::dimibot::{DimibotMethod, DimibotObjective};
+use crate::plan::dimibot::pulses::front;
+use crate::plan::dimibot::tally::MotionTally;
+use crate::plan::dimibot::tour::{TourCosts, ascent, improved};
 use crate::plan::dimibot::*;
-use crate::plan::search::SearchBudget;
+use crate::plan::search::{Meter, SearchBudget};
+use crate::random::SplitMix64;
 
 fn check_train(oracle: &Oracle<'_>, start: LatticeCell, goal: LatticeCell, train: &PulseTrain) {
     let mut at = start;
@@ -62,6 +66,24 @@ fn the_search_by_length_is_honest() {
     assert!(all > 50 && proven * 10 > all * 9, "{proven} of {all}");
 }
 
+/// Where no pulse can lead to the goal within a limit, nothing is looked at beyond the pulses from the start.
+#[test]
+fn pulses_beyond_a_limit_are_not_searched_on() {
+    let lattice = Lattice::new([3, 3], [1.0, 1.0]).unwrap();
+    let field = LatticeField::new(lattice, &[]).unwrap();
+    let ends = [LatticeCell::new(0, 0), LatticeCell::new(7, 7)];
+    let searched = |switches: u64| {
+        let mut meter = Meter::new(SearchBudget::DEFAULT);
+        let limits = MotionTally { switches, ..MotionTally::MAX };
+        let found = front(&field, ends, limits, Vec::new(), &mut meter);
+        (found.ways.len(), found.is_complete, meter.spent())
+    };
+    // All six modules differ, and the other 63 cells are one pulse away.
+    assert_eq!(searched(5), (0, true, 63));
+    let (ways, is_complete, spent) = searched(6);
+    assert!(ways == 1 && is_complete && spent > 63, "{ways} ways, {spent} steps");
+}
+
 #[test]
 fn many_places_get_a_tour_within_its_bound() {
     let mut random = Random(24);
@@ -95,6 +117,44 @@ fn many_places_get_a_tour_within_its_bound() {
             }
         }
     }
+}
+
+/// The cost of the best order of the places, by trying all of them.
+fn best_order(table: &TourCosts, order: &mut Vec<usize>, rest: &mut Vec<usize>) -> u64 {
+    if rest.is_empty() {
+        return table.length(order);
+    }
+    let mut best = u64::MAX;
+    for at in 0..rest.len() {
+        order.push(rest.remove(at));
+        best = best.min(best_order(table, order, rest));
+        rest.insert(at, order.pop().unwrap());
+    }
+    best
+}
+
+/// The bound on tours is a bound, and on most small ones it is the best tour itself.
+#[test]
+fn no_order_of_places_is_below_the_bound_on_tours() {
+    let mut random = SplitMix64::new(25);
+    let mut tight = 0;
+    for round in 0..300 {
+        let nodes = 2 + round % 5;
+        let mut costs = vec![vec![0; nodes]; nodes];
+        for (a, b) in (0..nodes).flat_map(|a| (0..a).map(move |b| (a, b))) {
+            let cost = 1 + random.below(40) as u64;
+            (costs[a][b], costs[b][a]) = (cost, cost);
+        }
+        let end = (round % 2 == 0 && nodes > 2).then_some(nodes - 1);
+        let table = TourCosts { costs, end };
+        let mut places: Vec<usize> = (1..nodes - usize::from(end.is_some())).collect();
+        let best = best_order(&table, &mut Vec::new(), &mut places);
+        let found = table.length(&improved(&table));
+        let bound = ascent(&table, found);
+        assert!(bound <= best && best <= found, "{bound} <= {best} <= {found}: {:?}", table.costs);
+        tight += usize::from(bound == best);
+    }
+    assert!(tight > 150, "{tight} of 300");
 }
 
 /// Each stage visits all its cells, and each pulse is safe.

@@ -204,3 +204,22 @@ fn single(bed: &StageContext, robot: usize, approach: Pose, goal: Pose) -> Optio
     found.extend(stretch.tightest(&around).map(|(name, needs, has)| held(ContainmentCheck::Fine(name), needs, has)));
     Some(found)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is needed and not there, or is no number, is a containment that does not hold; what is just there holds.
+    #[test]
+    fn a_containment_without_its_margin_is_violated() {
+        let violated = |needs: f64, has: f64| {
+            let holds = Containment { robot: 0, check: ContainmentCheck::Cone, needs: 1.0, has: 2.0 };
+            let other = Containment { robot: 1, check: ContainmentCheck::Angle, needs, has };
+            let stage = Assured { step: 0, robots: vec![0, 1], containments: vec![holds, other] };
+            stage.violated().map(|containment| containment.robot)
+        };
+        assert_eq!(violated(1.0, 1.0), None);
+        assert_eq!(violated(1.0, 1.0 - 1e-9), Some(1));
+        assert_eq!(violated(f64::NAN, 1.0), Some(1));
+    }
+}

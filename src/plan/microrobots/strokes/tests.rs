@@ -78,3 +78,11 @@ fn a_precision_below_a_stroke_is_not_promised() {
     assert!(within(0.02) && !within(0.001));
     assert_eq!(whole(&robot, from, from, &[], PRECISION), Some(Vec::new()));
 }
+
+#[test]
+fn a_heading_has_a_precision_of_its_own() {
+    let goal = fixture::pose(10.0, 20.0, 179.9);
+    let within = |x_um: f64, degrees: f64| is_within(fixture::pose(x_um, 20.0, degrees), goal, PRECISION);
+    assert!(within(10.0, 179.9) && within(10.49, 179.5) && within(10.0, -179.7), "up to 0.5 um and 0.5 deg");
+    assert!(!within(10.51, 179.9) && !within(10.0, 179.3) && !within(10.0, -179.5) && !within(10.0, 0.0));
+}

@@ -130,6 +130,9 @@ fn tips_come_along_the_normal() {
     assert_eq!(grasped(&[(0.0, 30.0), (3.0, 0.4), (0.0, 0.0)]), []);
     assert_eq!(grasped(&[(0.0, 30.0), (5.0, 0.4), (0.0, 0.0)]), [Rule::Pierce]);
     assert_eq!(grasped(&[(0.0, 30.0), (2.0, 0.4), (2.0, 3.0), (0.0, 0.0)]), [Rule::Pierce]);
+    // Nor may it go into the part where it may be near.
+    assert_eq!(grasped(&[(0.0, 30.0), (1.0, 0.4), (0.0, 0.0)]), []);
+    assert_eq!(grasped(&[(0.0, 30.0), (1.0, -0.5), (0.0, 0.0)]), [Rule::Pierce]);
 }
 
 #[test]
@@ -149,6 +152,19 @@ fn tips_keep_clear_of_one_another() {
     day.tips_um.swap(1, 2);
     day.line(100 * MS);
     assert_eq!(broken(&day), [Rule::Goal, Rule::Apart]);
+}
+
+/// Tips that rest too near one another from the first instant on, and never move.
+#[test]
+fn tips_stand_clear_of_one_another_at_first() {
+    let standing = |apart_um: f64| {
+        let mut day = Day::new(order());
+        day.start_um[1] = day.start_um[0] + Point::new(apart_um, 0.0, 0.0);
+        day.tips_um.clone_from(&day.start_um);
+        broken(&day.step(FingersAction::Wait(7 * MS)).still(7 * MS))
+    };
+    assert_eq!(standing(9.0 + 0.5 - 0.05 + 1e-4), []);
+    assert_eq!(standing(9.0 + 0.5 - 0.05 - 1e-4), [Rule::Apart]);
 }
 
 #[test]

@@ -257,7 +257,7 @@ impl Sipp {
             return;
         }
         let arrival = target.from.max(node.arrival + 1);
-        if arrival >= target.to || arrival > leave {
+        if arrival > leave {
             return;
         }
         let cost = node.cost + target.cost;

@@ -266,6 +266,35 @@ fn costs_are_those_of_a_plain_search() {
     assert!((200..450).contains(&found), "{found} of 500 cases have a way");
 }
 
+/// What a flood says of nodes that it has not reached: they lie in no layer below.
+#[test]
+fn no_node_lies_below_the_floor_of_a_flood() {
+    let (mut unknown, mut exact) = (0, 0);
+    for seed in 500..700 {
+        let request = case(seed);
+        let courses = courses(&request).expect("cases are small");
+        for (course, route) in courses.iter().zip(&request.routes) {
+            let random = &mut Random(seed);
+            let (shallow, mut deep) = (flooded::<1>(course, request.start), flooded::<1>(course, request.start));
+            while !deep.ended() {
+                deep.deepen();
+            }
+            for _ in 0..300 {
+                let leg = random.below(route.len());
+                let angle = route[leg].lowest + random.below(route[leg].angles()) as i32;
+                let grasp = some(random, request.fingers, &route[leg], angle);
+                let spot = course.place(leg, (angle - route[leg].lowest) as usize, &grasp);
+                let Some(spot) = spot.filter(|spot| shallow.layer_of(*spot).is_none()) else { continue };
+                let (floor, Some(layer)) = (shallow.floor(spot), deep.layer_of(spot)) else { continue };
+                assert!(floor <= layer, "case {seed}: {spot:?} lies in layer {layer}, below {floor}");
+                unknown += 1;
+                exact += usize::from(floor == layer);
+            }
+        }
+    }
+    assert!(exact > 20, "{exact} of {unknown} nodes lie on the floor");
+}
+
 /// Neither estimate drops by more than an edge costs.
 #[test]
 fn estimates_are_consistent() {

@@ -261,6 +261,18 @@ fn a_load_across_is_borne_by_levers_and_torsion() {
     );
 }
 
+/// Two tips below a part bear its weight as a table would; held it is only if they would hold it without the weight as well.
+#[test]
+fn a_part_that_rests_on_its_tips_is_not_held() {
+    let contacts = circle();
+    let grip = GripModel::of(&hand(0.3, Adhesion::Absent), 9.0);
+    let weight = Load { force_un: [0.0, -1.0], ..Load::NONE };
+    let below = [contacts[24], contacts[30]];
+    assert!(grip.holds_under(&below, &weight) && !grip.holds(&below, &weight));
+    let beside = [contacts[0], contacts[18]];
+    assert!(grip.holds_under(&beside, &weight) && grip.holds(&beside, &weight));
+}
+
 #[test]
 fn a_load_turns_against_the_part() {
     let load = Load { force_un: [0.0, -2.0], across_un: 0.5, at_um: [1.0, 0.0], height_um: 0.0 };
