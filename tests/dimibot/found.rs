@@ -43,5 +43,5 @@ fn the_blame_for_a_way_that_is_shut_has_its_own_budget() {
     assert_eq!(told.len(), 1);
     assert_eq!(told[0].code.name(), "E0601");
     // The budget ends before the smallest set is known, and the report says so.
-    assert!(told[0].help.as_ref().is_some_and(|help| help.contains("was not found")), "{told:?}");
+    assert!(told[0].help.as_ref().is_some_and(|help| help.contains("were not found")), "{told:?}");
 }
