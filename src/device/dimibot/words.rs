@@ -12,9 +12,9 @@ use crate::quantity::Dimension;
 words! {
     /// Objective.
     pub enum DimibotObjective {
-        Distance = "distance": "the way of the end-effector",
-        Switches = "switches": "how often a module is switched",
-        Time = "time": "how long it takes",
+        Distance = "distance": "path length of the end-effector",
+        Switches = "switches": "number of switchings of modules",
+        Time = "time": "duration of the task",
         Energy = "energy": "energy of the pulses",
     }
 }
@@ -22,8 +22,8 @@ words! {
 words! {
     /// A figure of a plan.
     pub enum DimibotOutcome {
-        Distance = "distance": "the way of the end-effector",
-        Switches = "switches": "how often a module is switched",
+        Distance = "distance": "path length of the end-effector",
+        Switches = "switches": "number of switchings of modules",
         Time = "time": "from the beginning of the task to the end of its last rest",
         Energy = "energy": "voltage times current times time, over all pulses",
     }
@@ -122,14 +122,14 @@ const FIELDS: &[VocabularyField] = &[
         "repeatability",
         Dimension::LENGTH,
         Range::NotNegative,
-        "how far the end-effector may stand from its nominal place",
+        "greatest distance of the end-effector from its nominal place",
     ),
     quantity("tip_radius", Dimension::LENGTH, Range::NotNegative, "radius of the tip in the working plane"),
     VocabularyField {
         name: "home",
         sort: Sort::State,
         need: Need::Optional("all modules at 0"),
-        doc: "where the robot stands before the first task",
+        doc: "position of the robot before the first task",
     },
     VocabularyField {
         name: "simultaneous",
@@ -144,7 +144,7 @@ const SETTINGS: &[VocabularyField] = &[
         name: "precision",
         sort: Sort::Quantity { dimension: Dimension::LENGTH, range: Range::Positive },
         need: Need::Optional("any place in the workspace takes its nearest cell"),
-        doc: "how far the cell taken for a place may lie from it",
+        doc: "greatest distance between a place and the cell taken for it",
     },
     VocabularyField {
         name: "simultaneous",
@@ -179,7 +179,7 @@ const VERBS: &[Verb] = &[
 ];
 
 const BUDGET: [VocabularyField; 1] =
-    [expansions("20 million", "how many states the search may expand before it gives up")];
+    [expansions("20 million", "number of states the search may expand before it gives up")];
 
 /// The names of the planners, as `using` takes them and reports show them.
 pub const PLANNERS: &[Planner] = &[

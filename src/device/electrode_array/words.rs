@@ -74,7 +74,7 @@ const FORCES: [VocabularyField; 7] = [
 const FIELDS: &[VocabularyField] = &[
     required("columns", Sort::Count { least: 1, most: MAX_SIDE }, "electrodes along a row"),
     required("rows", Sort::Count { least: 1, most: MAX_SIDE }, "electrodes along a column"),
-    required("radius", positive(Dimension::LENGTH), "of an electrode"),
+    required("radius", positive(Dimension::LENGTH), "radius of an electrode"),
     required(
         "pitch_ratio",
         positive(Dimension::NUMBER),
@@ -94,7 +94,7 @@ const FIELDS: &[VocabularyField] = &[
         "settling",
         not_negative(Dimension::TIME),
         "from the equation of motion if `forces` are given",
-        "from one cell to rest on the next, where it was measured",
+        "measured time from one cell to rest on the next",
     ),
     required("part", Sort::Shape(ShapeForm::Layout), "the layout of every part, seen from below"),
     optional(
@@ -106,12 +106,12 @@ const FIELDS: &[VocabularyField] = &[
     required(
         "separation",
         Sort::CountOrWord { least: 1, most: MAX_APART, words: &SEPARATION },
-        "how many electrodes the centres of two parts keep apart, along columns or along rows",
+        "least distance between the centres of two parts, in electrodes along columns or rows",
     ),
     required(
         "clearance",
         Sort::Count { least: 1, most: MAX_APART },
-        "how many electrodes a centre keeps from an electrode under an obstacle",
+        "least distance from a centre to an electrode under an obstacle, in electrodes",
     ),
     optional("forces", Sort::Table(&FORCES), "forces are not checked", "forces on a part, by electrode radius"),
     optional(
@@ -134,7 +134,7 @@ const FIELDS: &[VocabularyField] = &[
         "share of the pitch, and of the greatest speed, within which a part is at rest",
     ),
     optional("density", positive(Dimension::DENSITY), "from `mass`", "density of a part, a plate half a radius thick"),
-    optional("mass", positive(Dimension::MASS), "by `density`", "of a part, where it was measured"),
+    optional("mass", positive(Dimension::MASS), "from `density`", "measured mass of a part"),
     optional("viscosity", positive(Dimension::VISCOSITY), "from `damping`", "viscosity of the liquid under the parts"),
     optional("damping", positive(Dimension::DAMPING), "by `viscosity`", "drag over speed, where it was measured"),
 ];
@@ -175,7 +175,7 @@ const VERBS: &[Verb] = &[
 
 const BUDGET: [VocabularyField; 1] = [expansions(
     "16 million, 2 more for each part and cell, at most 64 million",
-    "how many states the search of one step may expand before it gives up",
+    "number of states the search of one step may expand before it gives up",
 )];
 
 const PLANNERS: &[Planner] = &[

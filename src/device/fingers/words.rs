@@ -40,7 +40,7 @@ const FIELDS: &[VocabularyField] = &[
         Sort::Count { least: MIN_FINGERS, most: MAX_FINGERS },
         "number of fingers; two or three of them hold at the same time",
     ),
-    required("tip_radius", positive(Dimension::LENGTH), "of the spherical tip of each finger"),
+    required("tip_radius", positive(Dimension::LENGTH), "radius of the spherical tip of each finger"),
     required("adhesion", Sort::Flag, "whether tips stick to the object and must be pulled off"),
     required(
         "pull_off",
@@ -49,7 +49,7 @@ const FIELDS: &[VocabularyField] = &[
     ),
     required("max_force", positive(Dimension::FORCE), "the greatest force of one tip along the normal"),
     required("friction", positive(Dimension::NUMBER), "the coefficient between a tip and the object"),
-    required("step", positive(Dimension::ANGLE), "of rotation; it divides 360 deg"),
+    required("step", positive(Dimension::ANGLE), "rotation step; it must divide 360 deg"),
     required(
         "removal_safety",
         not_negative(Dimension::NUMBER),
@@ -64,15 +64,15 @@ const FIELDS: &[VocabularyField] = &[
     required(
         "retract",
         positive(Dimension::LENGTH),
-        "how far a tip leaves its contact along the normal, at `approach_speed`",
+        "distance by which a tip leaves its contact along the normal, at `approach_speed`",
     ),
-    required("speed", positive(Dimension::SPEED), "of a free tip"),
-    required("approach_speed", positive(Dimension::SPEED), "of a tip that comes to its contact or leaves it"),
-    required("rolling_speed", positive(Dimension::SPEED), "of the fastest tip while the object rolls"),
+    required("speed", positive(Dimension::SPEED), "speed of a free tip"),
+    required("approach_speed", positive(Dimension::SPEED), "speed of a tip that approaches or leaves its contact"),
+    required("rolling_speed", positive(Dimension::SPEED), "speed of the fastest tip while the object rolls"),
     required(
         "range",
         Sort::Vector { dimension: Dimension::LENGTH, range: Range::Positive },
-        "how far each stage reaches along x, y and z, to both sides of the hand's origin",
+        "travel of the stages along x, y and z, to either side of the hand's origin",
     ),
     optional(
         "support",
@@ -80,7 +80,11 @@ const FIELDS: &[VocabularyField] = &[
         "0 uN",
         "force with which the support holds the object before the first grasp and after a release",
     ),
-    required("tolerance", positive(Dimension::LENGTH), "how far a contact may be from touching and rolling exactly"),
+    required(
+        "tolerance",
+        positive(Dimension::LENGTH),
+        "greatest deviation of a contact from exact touching and rolling",
+    ),
     optional(
         "torsion",
         not_negative(Dimension::LENGTH),
@@ -96,7 +100,7 @@ const FIELDS: &[VocabularyField] = &[
 ];
 
 const SETTINGS: &[VocabularyField] = &[
-    optional("precision", positive(Dimension::ANGLE), "0.5 deg", "how far from its goal each turn may end"),
+    optional("precision", positive(Dimension::ANGLE), "0.5 deg", "greatest error at the end of each turn"),
     optional(
         "load",
         Sort::Vector { dimension: Dimension::FORCE, range: Range::Any },
@@ -168,7 +172,7 @@ const VERBS: &[Verb] = &[
 ];
 
 const BUDGET: [VocabularyField; 1] =
-    [expansions("200 000 000", "how many grasps the search may expand before it gives up")];
+    [expansions("200 000 000", "number of grasps the search may expand before it gives up")];
 
 const PLANNERS: &[Planner] = &[
     planner(FingersPlanner::JointAstar.choice(), &BUDGET),

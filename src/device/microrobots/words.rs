@@ -39,13 +39,13 @@ const TURNS: [WordChoice; 2] = [
 
 const ROBOTS: [VocabularyField; 8] = [
     required("robot", Sort::Name, "its name, as scenes and tasks say it"),
-    required("snap_down", positive(Dimension::VOLTAGE), "at or above it the arm goes down"),
-    required("release", positive(Dimension::VOLTAGE), "at or below it the arm goes up"),
-    required("turning_radius", positive(Dimension::LENGTH), "of its circle while the arm is down"),
+    required("snap_down", positive(Dimension::VOLTAGE), "voltage at or above which the arm goes down"),
+    required("release", positive(Dimension::VOLTAGE), "voltage at or below which the arm goes up"),
+    required("turning_radius", positive(Dimension::LENGTH), "radius of its circle while the arm is down"),
     optional("speed", positive(Dimension::SPEED), "`step_size` times `drive_frequency`", "while the bed is driven"),
     optional("turns", Sort::Word(&TURNS), "clockwise", "the side to which it turns"),
-    optional("length", positive(Dimension::LENGTH), "the device's", "of its body, along its heading"),
-    optional("width", positive(Dimension::LENGTH), "the device's", "of its body, across its heading"),
+    optional("length", positive(Dimension::LENGTH), "the device's", "length of its body, along its heading"),
+    optional("width", positive(Dimension::LENGTH), "the device's", "width of its body, across its heading"),
 ];
 
 const FIELDS: &[VocabularyField] = &[
@@ -55,8 +55,8 @@ const FIELDS: &[VocabularyField] = &[
     required("relax", positive(Dimension::VOLTAGE), "the level between the strokes of the drive train"),
     required("flex", positive(Dimension::VOLTAGE), "the level of the strokes of the drive train"),
     required("drive_frequency", positive(Dimension::FREQUENCY), "strokes of the drive train"),
-    required("step_size", positive(Dimension::LENGTH), "how far one stroke carries a robot"),
-    required("dwell", positive(Dimension::TIME), "how long each level of a control cycle lasts"),
+    required("step_size", positive(Dimension::LENGTH), "distance that one stroke carries a robot"),
+    required("dwell", positive(Dimension::TIME), "duration of each level of a control cycle"),
     optional("levels", Sort::Count { least: 1, most: MAX_LEVELS }, "8", "the most levels of one control cycle"),
     optional(
         "non_string",
@@ -64,8 +64,8 @@ const FIELDS: &[VocabularyField] = &[
         "false",
         "whether a table may be used whose gaps are nested, if it still lets every task be planned",
     ),
-    required("length", positive(Dimension::LENGTH), "of a robot's body, along its heading"),
-    required("width", positive(Dimension::LENGTH), "of a robot's body, across its heading"),
+    required("length", positive(Dimension::LENGTH), "length of a robot's body, along its heading"),
+    required("width", positive(Dimension::LENGTH), "width of a robot's body, across its heading"),
     required(
         "clearance",
         not_negative(Dimension::LENGTH),
@@ -91,12 +91,8 @@ const FIELDS: &[VocabularyField] = &[
         positive(Dimension::ANGLE),
         "up to this angle from the normal of an edge a robot that meets a structure sticks to it",
     ),
-    required(
-        "docking_tolerance",
-        positive(Dimension::LENGTH),
-        "how far bodies that are docked may lie apart or overlap",
-    ),
-    required("fine_length", positive(Dimension::LENGTH), "the way of the fine motion before a goal"),
+    required("docking_tolerance", positive(Dimension::LENGTH), "greatest gap or overlap between docked bodies"),
+    required("fine_length", positive(Dimension::LENGTH), "path length of the fine motion before a goal"),
     required("fine_cycle", positive(Dimension::LENGTH), "path length in which a fine motion runs each primitive once"),
     optional(
         "speed_error",
@@ -112,11 +108,16 @@ const FIELDS: &[VocabularyField] = &[
     ),
     optional("place_error", not_negative(Dimension::LENGTH), "unknown", "bound on the error of a measured place"),
     optional("heading_error", not_negative(Dimension::ANGLE), "unknown", "bound on the error of a measured heading"),
-    optional("replan_interval", positive(Dimension::TIME), "unknown", "from one measurement to the next"),
+    optional("replan_interval", positive(Dimension::TIME), "unknown", "time from one measurement to the next"),
 ];
 
 const SETTINGS: &[VocabularyField] = &[
-    optional("precision", positive(Dimension::LENGTH), "0.5 um", "how far from its goal a robot may end"),
+    optional(
+        "precision",
+        positive(Dimension::LENGTH),
+        "0.5 um",
+        "greatest distance from its goal at which a robot may end",
+    ),
     optional("heading_precision", positive(Dimension::ANGLE), "0.5 deg", "by how much its heading may then be off"),
     optional("guaranteed", Sort::Flag, "false", "whether a goal that cannot be guaranteed is an error"),
 ];
@@ -154,7 +155,7 @@ const VERBS: &[Verb] = &[
 ];
 
 const BUDGET: [VocabularyField; 1] =
-    [expansions("200 000", "how many ways the search of one step may expand before it gives up")];
+    [expansions("200 000", "number of paths the search of one step may expand before it gives up")];
 
 const PLANNERS: &[Planner] = &[planner(MicrorobotsPlanner::OneWayDubins.choice(), &BUDGET)];
 

@@ -128,11 +128,15 @@ impl Journal {
 }
 
 /// The number of a file on its disk, where the system has one; `None` if there is no such file.
+#[cfg(unix)]
 fn number(path: &Path) -> Option<u64> {
-    #[cfg(unix)]
-    return path.symlink_metadata().ok().map(|about| std::os::unix::fs::MetadataExt::ino(&about));
-    #[cfg(not(unix))]
-    return None;
+    path.symlink_metadata().ok().map(|about| std::os::unix::fs::MetadataExt::ino(&about))
+}
+
+/// Such numbers cannot be asked for here.
+#[cfg(not(unix))]
+fn number(_path: &Path) -> Option<u64> {
+    None
 }
 
 /// A folder locked for one build.
