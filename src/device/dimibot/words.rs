@@ -12,18 +12,18 @@ use crate::quantity::Dimension;
 words! {
     /// Objective.
     pub enum DimibotObjective {
-        Distance = "distance": "path length of the end-effector",
-        Switches = "switches": "number of switchings of modules",
-        Time = "time": "duration of the task",
-        Energy = "energy": "energy of the pulses",
+        Distance = "distance": "the path length of the end-effector",
+        Switches = "switches": "the number of module switchings",
+        Time = "time": "the duration of the task",
+        Energy = "energy": "the energy of the pulses",
     }
 }
 
 words! {
     /// A figure of a plan.
     pub enum DimibotOutcome {
-        Distance = "distance": "path length of the end-effector",
-        Switches = "switches": "number of switchings of modules",
+        Distance = "distance": "the path length of the end-effector",
+        Switches = "switches": "the number of module switchings",
         Time = "time": "from the beginning of the task to the end of its last rest",
         Energy = "energy": "voltage times current times time, over all pulses",
     }
