@@ -38,8 +38,13 @@ pub struct Parts {
 impl Parts {
     /// The limit of expansions set by the task, if any.
     pub fn expansions(&self) -> Option<u64> {
+        self.budget("expansions")
+    }
+
+    /// A limit of the planner's search set by the task, if any.
+    pub fn budget(&self, name: &str) -> Option<u64> {
         let (_, options) = self.planner.as_ref()?;
-        match &options.get("expansions")?.value {
+        match &options.get(name)?.value {
             Value::Quantity(quantity) => whole(*quantity).and_then(|number| u64::try_from(number).ok()),
             _ => None,
         }

@@ -23,6 +23,9 @@ pub struct FingersOrder {
     pub planner: FingersPlanner,
     /// Grasps that the search may expand.
     pub expansions: u64,
+    /// Looks at grasps that all its searches may take; `None`: the planner's default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub looks: Option<u64>,
     pub steps: Vec<FingersStep>,
 }
 

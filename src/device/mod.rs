@@ -200,8 +200,13 @@ const fn optional(name: &'static str, sort: Sort, without: &'static str, doc: &'
 
 /// The option of a planner that limits its search, which is `default` steps where it is left out.
 const fn expansions(default: &'static str, doc: &'static str) -> VocabularyField {
-    let sort = Sort::Count { least: 1, most: MAX_EXPANSIONS };
-    VocabularyField { name: "expansions", sort, need: Need::Optional(default), doc }
+    budget("expansions", MAX_EXPANSIONS, default, doc)
+}
+
+/// An option of a planner that limits its search, counted in something else than expansions.
+const fn budget(name: &'static str, most: u32, default: &'static str, doc: &'static str) -> VocabularyField {
+    let sort = Sort::Count { least: 1, most };
+    VocabularyField { name, sort, need: Need::Optional(default), doc }
 }
 
 /// A planner by its word, with its options.

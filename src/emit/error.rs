@@ -3,8 +3,8 @@
 use super::{Format, Signals};
 use crate::diagnostic::{Code, Diagnostic};
 
-/// The largest text file that is written, in bytes.
-pub const MAX_TEXT_BYTES: u64 = 1 << 30;
+/// The largest text file that is written, in bytes: it is made in memory, and its readers load it whole.
+pub const MAX_TEXT_BYTES: u64 = 1 << 28;
 
 /// Why a schedule cannot be written in a format.
 #[derive(Debug, Clone, PartialEq)]

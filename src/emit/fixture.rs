@@ -441,10 +441,9 @@ fn hand_order(facts: Hand) -> FingersOrder {
         position_um: [0.0; 3],
         span: Span::default(),
     };
-    let turn = fingers::FingersAction::Rotate { plane: Plane::Xy, steps: 2, angle_rad: 2.0 * step_rad() };
     let actions = [
         fingers::FingersAction::Grasp(Some(vec![1, 38, 0])),
-        turn,
+        fingers::FingersAction::Rotate { plane: Plane::Xy, steps: 2, angle_rad: 2.0 * step_rad() },
         fingers::FingersAction::Translate([0.0, 0.0, 5.0]),
         fingers::FingersAction::Wait(50_000_000),
     ];
@@ -456,6 +455,7 @@ fn hand_order(facts: Hand) -> FingersOrder {
         load_un: [0.0; 3],
         planner: fingers::FingersPlanner::JointAstar,
         expansions: 1,
+        looks: None,
         steps,
     }
 }

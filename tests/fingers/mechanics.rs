@@ -86,6 +86,7 @@ fn what_cannot_be_planned_with_is_refused_by_the_check() {
         ("refused-fingers-precision", "E0403", "at most 90 deg"),
         ("fingers-many-grasps", "E0541", "536870912"),
         ("slow-64-profiles", "E0514", "corner"),
+        ("fingers-load-too-large", "E0403", "at most 1 N"),
     ] {
         let said = said(&found(name));
         assert!(said.iter().any(|said| said.contains(code) && said.contains(word)), "{name}: {said:?}");
@@ -93,6 +94,14 @@ fn what_cannot_be_planned_with_is_refused_by_the_check() {
     // What the help suggests is taken.
     let coarser = found("fingers-many-grasps").replace("step: 5 deg", "step: 8 deg");
     assert!(!said(&coarser).iter().any(|said| said.contains("E0541")));
+}
+
+/// Each was once planned and then refused by the verifier.
+#[test]
+fn what_was_refused_by_the_verifier_is_built() {
+    for name in ["fingers-wait-before-grasp", "fingers-balanced-while-carried", "fingers-orient-then-grasp"] {
+        assert_eq!(cost(&found(name)), [0.0; 2], "{name}");
+    }
 }
 
 /// Outlines that are nearly too rough take longest to refuse; there is an end to them.
@@ -146,6 +155,15 @@ fn a_limit_of_reconfigurations_is_searched_for() {
 fn large_parts_and_loads_are_planned_with_few_looks() {
     assert_eq!(cost(&found("fingers-many-ways-slow")), [240.0; 2]);
     assert_eq!(cost(&found("fingers-loaded-slow")), [280.0; 2]);
+    // More looks find what few do not, and the help says so.
+    let weighed = found("fingers-weighed-slow");
+    let given_up = said(&weighed);
+    let more = "`using published_astar { looks: 600000000 }`";
+    assert!(given_up.len() == 1 && given_up[0].contains("E0602") && given_up[0].contains(more), "{given_up:?}");
+    // The work of bounds and estimates is counted too.
+    assert_eq!(cost(&found("fingers-decomposed-slow")), [2600.0, 440.0]);
+    let given_up = said(&found("fingers-published-slow"));
+    assert!(given_up.len() == 1 && given_up[0].contains("E0602") && given_up[0].contains("looks"), "{given_up:?}");
 }
 
 #[test]

@@ -95,5 +95,9 @@ fn main() -> ExitCode {
         worker::serve(&run);
         return ExitCode::SUCCESS;
     }
+    if seeds::all().is_empty() {
+        eprintln!("fuzz: no programs to begin with: run it in the checkout in which it was built");
+        return ExitCode::FAILURE;
+    }
     watch::run(&run)
 }

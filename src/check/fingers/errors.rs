@@ -63,6 +63,25 @@ pub fn precision_too_large(span: Span, found: Quantity, most_rad: f64) -> Diagno
         .help("write how far from its goal a turn may end, as `precision: 0.5 deg`, or check the unit")
 }
 
+pub fn load_too_large(span: Span, force_un: f64, most_un: f64) -> Diagnostic {
+    let [force, most] = [force_un, most_un].map(in_newtons);
+    Diagnostic::new(Code::E0403, format!("`load` is {force}, but must be at most {most}"))
+        .label(span, "no micro-gripper bears this")
+        .help("write the force on the part, as `load: (0 uN, 0 uN, -0.2 uN)`, or check the unit")
+}
+
+pub fn part_too_heavy(span: Span, name: &str, weight_un: f64, most_un: f64) -> Diagnostic {
+    let [weight, most] = [weight_un, most_un].map(in_newtons);
+    Diagnostic::new(Code::E0403, format!("part `{name}` weighs {weight}, but at most {most} are allowed"))
+        .label(span, "from its volume and its `material`")
+        .help("check the unit of `material`: silicon has 2330 kg/m^3")
+}
+
+/// A force in a message.
+fn in_newtons(force_un: f64) -> String {
+    format!("{} N", digits(force_un * 1e-6))
+}
+
 pub fn gaiting_cost_not_whole(found: Quantity, most_deg: f64) -> Diagnostic {
     let nearest = found.si.to_degrees().round().clamp(1.0, most_deg);
     Diagnostic::new(

@@ -71,7 +71,12 @@ impl PartReader<'_> {
             self.sink.push(told.label(self.device.span, "of this device"));
             return None;
         }
-        Some(JudgedPart { part, weight_un: weight_un(&solid) })
+        let weight_un = weight_un(&solid);
+        if weight_un > MAX_LOAD_UN {
+            self.sink.push(errors::part_too_heavy(shape.span, &part.name, weight_un, MAX_LOAD_UN));
+            return None;
+        }
+        Some(JudgedPart { part, weight_un })
     }
 
     fn position_um(&mut self) -> Option<[f64; 3]> {
@@ -214,6 +219,9 @@ pub fn out_of_range(part: &HandPart, position_um: [f64; 3], facts: &FingersFacts
         (needed_um > range_um * (1.0 + 1e-12)).then_some(errors::ShortStage { axis, needed_um, range_um })
     })
 }
+
+/// The largest force on a part, in micronewtons: far more than tips of micrometres bear.
+pub const MAX_LOAD_UN: f64 = 1e6;
 
 /// The weight of a solid of known volume and density, in micronewtons.
 fn weight_un(solid: &HandSolid) -> f64 {

@@ -3,7 +3,7 @@
 use super::bench::HandScene;
 use super::errors;
 use super::orientation;
-use super::part;
+use super::part::{self, MAX_LOAD_UN};
 use super::step;
 use crate::check::Checker;
 use crate::check::lets::Argument;
@@ -16,6 +16,7 @@ use crate::diagnostic::{Diagnostic, Sink};
 use crate::geometry::outline::Curve;
 use crate::real::Real;
 use crate::source::Span;
+use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -39,7 +40,7 @@ impl Checker<'_> {
         let lying = the_part(&bench, &parts, scene, site, self.sink)?;
         let (part, weight_un) = lying?;
         let precision_rad = precision_rad(&parts, self.sink)?;
-        let load_un = load_un(&parts, weight_un)?;
+        let load_un = load_un(&parts, weight_un, self.sink)?;
         let turns = turns(&parts.steps);
         let mut judge = HandStepJudge { facts, part: &part, precision_rad, turns, sink: self.sink };
         let planes = grasp_planes(&parts.steps, &part);
@@ -52,6 +53,7 @@ impl Checker<'_> {
             load_un,
             planner: planner(&parts)?,
             expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS),
+            looks: parts.budget("looks"),
             steps: steps.into_iter().collect::<Option<Vec<FingersStep>>>()?,
         })
     }
@@ -73,13 +75,18 @@ fn planner(parts: &Parts) -> Option<FingersPlanner> {
     asked_for.map_or(Some(FingersPlanner::JointAstar), FingersPlanner::find)
 }
 
-/// The force on the part with its weight; `None` where it is unknown.
-fn load_un(parts: &Parts, weight_un: f64) -> Option<[f64; 3]> {
-    let mut load_un = match parts.settings.get("load").map(|setting| &setting.value) {
-        Some(Value::Point(point)) => [0, 1, 2].map(|axis| point.get(axis).map_or(0.0, |force| force.in_unit("uN"))),
-        Some(_) => return None,
-        None => [0.0; 3],
-    };
+/// The force on the part with its weight; `None` where it is unknown, or after an error.
+fn load_un(parts: &Parts, weight_un: f64, sink: &mut Sink) -> Option<[f64; 3]> {
+    let mut load_un = [0.0; 3];
+    if let Some(setting) = parts.settings.get("load") {
+        let Value::Point(point) = &setting.value else { return None };
+        load_un = [0, 1, 2].map(|axis| point.get(axis).map_or(0.0, |force| force.in_unit("uN")));
+        let size_un = Vector3::from(load_un).norm();
+        if size_un > MAX_LOAD_UN {
+            sink.push(errors::load_too_large(setting.span, size_un, MAX_LOAD_UN));
+            return None;
+        }
+    }
     load_un[2] -= weight_un;
     Some(load_un)
 }

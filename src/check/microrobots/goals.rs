@@ -2,13 +2,12 @@
 
 use super::bodies::{ObstacleSolid, RobotBody};
 use super::errors;
-use super::ground::{BedScene, first_near, is_near};
+use super::ground::{BedScene, exact_pose, first_near};
 use super::{CheckedBed, DEFAULT_EXPANSIONS};
 use crate::check::Checker;
 use crate::check::fields::Accepted;
 use crate::check::figures::Figures;
 use crate::check::lets::Argument;
-use crate::check::shapes::{self, MAX_HEADING_RAD};
 use crate::check::tasks::{self, Call, Parts, TaskSite};
 use crate::check::value::{ModuleWord, Value, whole};
 use crate::claims::microrobots::{
@@ -16,7 +15,6 @@ use crate::claims::microrobots::{
 };
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::geometry::Pose;
-use crate::geometry::shape::MAX_EXTENT_UM;
 use crate::real::Real;
 use crate::source::Span;
 use std::collections::BTreeMap;
@@ -202,11 +200,7 @@ impl BedStepJudge<'_> {
 
     /// A pose at which the robot's body is clear of obstacles.
     fn stop(&mut self, target: &Argument, robot: Option<usize>) -> Option<MicrorobotsStop> {
-        let pose = shapes::pose_of(&target.value)?;
-        let far = (!is_near(&pose)).then(|| errors::pose_too_far(target.span, MAX_EXTENT_UM));
-        target.unless(far, self.sink)?;
-        let unknown = errors::heading_too_large(target.span, MAX_HEADING_RAD.to_degrees());
-        target.unless((!shapes::heading_is_known(&pose)).then_some(unknown), self.sink)?;
+        let pose = exact_pose(target, self.sink)?;
         let wrong = robot.and_then(|robot| self.on_obstacle(robot, pose, target.span));
         target.unless(wrong, self.sink)?;
         Some(MicrorobotsStop { pose, span: target.span, origin: target.origin.clone() })

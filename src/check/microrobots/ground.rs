@@ -138,16 +138,7 @@ impl GroundReader<'_> {
             self.sink.push(errors::given_at(errors::no_heading(at.span, &object.name, &at.value), &at));
             return None;
         };
-        let pose = shapes::pose_of(&at.value)?;
-        if !is_near(&pose) {
-            self.sink.push(errors::given_at(errors::pose_too_far(at.span, MAX_EXTENT_UM), &at));
-            return None;
-        }
-        if !shapes::heading_is_known(&pose) {
-            let wrong = errors::heading_too_large(at.span, MAX_HEADING_RAD.to_degrees());
-            self.sink.push(errors::given_at(wrong, &at));
-            return None;
-        }
+        let pose = exact_pose(&at, self.sink)?;
         Some((at, pose))
     }
 
@@ -184,8 +175,18 @@ impl GroundReader<'_> {
 }
 
 /// Whether a pose is within the range of exact geometry.
-pub fn is_near(pose: &Pose) -> bool {
+fn is_near(pose: &Pose) -> bool {
     pose.x_um.abs().max(pose.y_um.abs()) <= MAX_EXTENT_UM
+}
+
+/// The pose that an argument gives, where geometry counts exactly and with a heading that is known; `None` after an error.
+pub fn exact_pose(at: &Argument, sink: &mut Sink) -> Option<Pose> {
+    let pose = shapes::pose_of(&at.value)?;
+    let far = (!is_near(&pose)).then(|| errors::pose_too_far(at.span, MAX_EXTENT_UM));
+    at.unless(far, sink)?;
+    let unknown = errors::heading_too_large(at.span, MAX_HEADING_RAD.to_degrees());
+    at.unless((!shapes::heading_is_known(&pose)).then_some(unknown), sink)?;
+    Some(pose)
 }
 
 /// Robots start clear of obstacles and of each other: all of them move with the first stroke.

@@ -13,26 +13,17 @@ impl ReportedOrder for ElectrodeArrayOrder {
         let steps = |value: f64| count(value as usize, "step");
         let sum = |value: f64| format!("sum of costs {}", digits(value));
         let reached = |outcome: ElectrodeArrayOutcome| figure_of(plan, outcome.name());
-        match self.objective {
+        let (minimised, other, reached) = match self.objective {
             ElectrodeArrayObjective::Makespan => {
-                let other = bounded(plan, ElectrodeArrayOutcome::SumOfCosts);
-                format!(
-                    "{}, {}; {}{other}",
-                    steps(plan.cost),
-                    proof(plan, digits),
-                    sum(reached(ElectrodeArrayOutcome::SumOfCosts))
-                )
+                let other = ElectrodeArrayOutcome::SumOfCosts;
+                (steps(plan.cost), other, sum(reached(other)))
             }
             ElectrodeArrayObjective::SumOfCosts => {
-                let other = bounded(plan, ElectrodeArrayOutcome::Steps);
-                format!(
-                    "{}, {}; {}{other}",
-                    sum(plan.cost),
-                    proof(plan, digits),
-                    steps(reached(ElectrodeArrayOutcome::Steps))
-                )
+                let other = ElectrodeArrayOutcome::Steps;
+                (sum(plan.cost), other, steps(reached(other)))
             }
-        }
+        };
+        format!("{minimised}, {}; {reached}{}", proof(plan, digits), bounded(plan, other))
     }
 }
 

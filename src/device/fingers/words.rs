@@ -1,11 +1,11 @@
 //! The vocabulary of hands.
 
-use super::{MAX_FINGERS, MIN_FINGERS};
+use super::{MAX_FINGERS, MAX_LOOKS, MIN_FINGERS};
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
     Count, Frames, Noun, Outcome, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
-    WordChoice, any, expansions, not_negative, optional, outcome, planner, positive, required,
+    WordChoice, any, budget, expansions, not_negative, optional, outcome, planner, positive, required,
 };
 use crate::quantity::Dimension;
 
@@ -171,8 +171,15 @@ const VERBS: &[Verb] = &[
     },
 ];
 
-const BUDGET: [VocabularyField; 1] =
-    [expansions("200 000 000", "number of grasps the search may expand before it gives up")];
+const BUDGET: [VocabularyField; 2] = [
+    expansions("200 000 000", "number of grasps the search may expand before it gives up"),
+    budget(
+        "looks",
+        MAX_LOOKS,
+        "150 000 000",
+        "number of looks at grasps, some tens of nanoseconds each, before it gives up",
+    ),
+];
 
 const PLANNERS: &[Planner] = &[
     planner(FingersPlanner::JointAstar.choice(), &BUDGET),

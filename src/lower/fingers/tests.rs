@@ -30,6 +30,7 @@ fn order(steps: usize) -> FingersOrder {
         load_un: [0.0; 3],
         planner: FingersPlanner::JointAstar,
         expansions: 1_000,
+        looks: None,
         steps: (0..steps).map(|_| FingersStep { action: FingersAction::Release, span: Span::default() }).collect(),
     }
 }

@@ -10,7 +10,7 @@ use super::graph::{
 use super::limited::{self, Sooner};
 use super::looks::LooksBudget;
 use super::mechanics::NoTables;
-use super::routes::{Holding, RouteTurn, Routes, routes};
+use super::routes::{Holding, RouteTurn, Routes, routes, takes_hold};
 use super::sections::{LoadedSections, Sections, Sifted};
 use super::ways::{self, FingerAct, FingersCourse};
 use super::why::{HandReasons, kept_back};
@@ -69,8 +69,13 @@ pub enum FirstCriterion {
     Reconfigurations,
 }
 
-/// Budget of looks for planning one task: a few seconds.
-pub const MOST_LOOKS: u64 = 150_000_000;
+/// Default budget of looks for planning one task: a few seconds.
+const DEFAULT_LOOKS: u64 = 150_000_000;
+
+/// Budget of looks for planning one task.
+pub fn most_looks(order: &FingersOrder) -> u64 {
+    order.looks.unwrap_or(DEFAULT_LOOKS)
+}
 
 /// A plan, and the stance after it.
 fn planned(
@@ -79,7 +84,7 @@ fn planned(
     stance: Option<Stance>,
     sink: &mut Sink,
 ) -> Option<(Option<Plan<FingersMotion>>, Stance)> {
-    let looks = Rc::new(LooksBudget::of(MOST_LOOKS));
+    let looks = Rc::new(LooksBudget::of(most_looks(order)));
     let mut sections = match Sections::of(order, looks) {
         Ok(sections) => sections,
         Err(error) => {
@@ -262,17 +267,8 @@ impl<'a> HandTally<'a> {
         (index, stretch): (usize, Range<usize>),
         sink: &mut Option<&mut Sink>,
     ) -> Result<(), Stop> {
-        let takes = stretch.clone().any(|step| {
-            matches!(
-                self.order.steps[step].action,
-                FingersAction::Grasp(_)
-                    | FingersAction::Rotate { .. }
-                    | FingersAction::Orient { .. }
-                    | FingersAction::Translate(_)
-            )
-        });
         self.stretches.push(TaskStretch { cost: 0, gaits: 0, is_best: true });
-        if takes {
+        if stretch.clone().any(|step| takes_hold(&self.order.steps[step].action)) {
             self.turn(sections, (index, stretch.clone()), sink)?;
         }
         for step in stretch {
@@ -385,9 +381,7 @@ pub fn sound(
         return lasting(order, sections, planned, orientation, chosen);
     }
     let looks = Rc::clone(sections.looks());
-    looks.hold_half_back();
-    let answer = lasting(order, sections, planned, orientation, chosen);
-    looks.give_back();
+    let answer = looks.with_half(|| lasting(order, sections, planned, orientation, chosen));
     let Ok(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound })) = answer else { return answer };
     sections.deal_with_load(LoadedSections::Tabulated);
     let tabulated = lasting(order, sections, planned, orientation, chosen);

@@ -7,13 +7,12 @@ use std::cell::Cell;
 #[derive(Debug)]
 pub struct LooksBudget {
     left: Cell<u64>,
-    held_back: Cell<u64>,
 }
 
 impl LooksBudget {
     /// A budget of `most` looks.
     pub fn of(most: u64) -> LooksBudget {
-        LooksBudget { left: Cell::new(most), held_back: Cell::new(0) }
+        LooksBudget { left: Cell::new(most) }
     }
 
     /// Spends looks; the last ones may overdraw the budget.
@@ -28,16 +27,13 @@ impl LooksBudget {
         self.left.get() == 0
     }
 
-    /// Reserves half of the remaining looks until [`LooksBudget::give_back`].
-    pub fn hold_half_back(&self) {
-        let half = self.left.get() / 2;
-        self.take(half);
-        self.held_back.set(self.held_back.get() + half);
-    }
-
-    /// Releases the reserved looks.
-    pub fn give_back(&self) {
-        self.left.set(self.left.get().saturating_add(self.held_back.take()));
+    /// Runs a search that may spend half of the remaining looks.
+    pub fn with_half<T>(&self, search: impl FnOnce() -> T) -> T {
+        let held_back = self.left.get() / 2;
+        self.take(held_back);
+        let answer = search();
+        self.left.set(self.left.get().saturating_add(held_back));
+        answer
     }
 }
 

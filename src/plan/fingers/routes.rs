@@ -102,6 +102,17 @@ fn first_grasp(order: &FingersOrder, steps: Range<usize>) -> Option<Grasp> {
     None
 }
 
+/// Whether an action needs fingers on the part.
+pub fn takes_hold(action: &FingersAction) -> bool {
+    match action {
+        FingersAction::Grasp(_)
+        | FingersAction::Rotate { .. }
+        | FingersAction::Orient { .. }
+        | FingersAction::Translate(_) => true,
+        FingersAction::Release | FingersAction::Wait(_) => false,
+    }
+}
+
 fn route(
     order: &FingersOrder,
     steps: Range<usize>,
@@ -114,7 +125,8 @@ fn route(
     };
     let mut route = TurnRoute::new();
     let mut is_held = held.is_some();
-    let begins = steps.start;
+    // A wait before it stays one.
+    let begins = steps.clone().find(|step| takes_hold(&order.steps[*step].action)).unwrap_or(steps.start);
     for step in steps {
         if let FingersAction::Grasp(contacts) = &order.steps[step].action {
             if let Some(pin) = contacts.as_ref().filter(|_| is_held).and_then(|contacts| Grasp::of(contacts)) {
@@ -124,8 +136,9 @@ fn route(
         }
         for (_, turn) in turns.iter().filter(|(of, _)| *of == step) {
             route.push(RouteTurn { step, turn: *turn, pin: None });
-            is_held = true;
         }
+        // An orientation that is reached already turns nothing, but any grasp may hold the part there.
+        is_held |= matches!(order.steps[step].action, FingersAction::Rotate { .. } | FingersAction::Orient { .. });
     }
     let first = route.first().map_or((begins, plane_at(begins)), |first| (first.step, first.turn.plane));
     let changes_plane = held.is_some_and(|held| held.plane != first.1);
@@ -162,6 +175,7 @@ mod tests {
             load_un,
             planner: FingersPlanner::JointAstar,
             expansions: 1000,
+            looks: None,
             steps,
         }
     }

@@ -182,7 +182,7 @@ impl<'a> Sections<'a> {
     ///
     /// The tables check a few instants of each step, the close check many. A path that passes is still cheapest, since only edges
     /// that do not exist were removed. Where a layer lapses repeatedly, all of it is checked closely, so that the search is not
-    /// repeated for each of its edges.
+    /// repeated for each of its edges; half of the remaining looks may go into that.
     pub fn sift(&mut self, route: &TurnRoute, way: &GraspPath, start: UnitQuaternion<f64>) -> Sifted {
         let mut orientation = start;
         let mut sifted = Sifted::Sound;
@@ -205,7 +205,7 @@ impl<'a> Sections<'a> {
                 let lapses = self.lapses.entry((key, layer)).or_default();
                 *lapses += 1;
                 if *lapses == MANY_LAPSES {
-                    closer.sift(tables, layer, angle);
+                    self.looks.with_half(|| closer.sift(tables, layer, angle, &self.looks));
                 }
                 sifted = Sifted::Lapsed;
             }

@@ -2,7 +2,7 @@
 
 use super::Stance;
 use super::graph::{FarthestRoute, GraspAnswer, GraspSearchEnd};
-use super::job::{AskedStretch, FirstCriterion, MOST_LOOKS, carried_out, sound};
+use super::job::{AskedStretch, FirstCriterion, carried_out, most_looks, sound};
 use super::looks::LooksBudget;
 use super::mechanics::{Contacts, GripModel, Load, NoTables};
 use super::routes::{Holding, RouteTurn, Routes, routes};
@@ -11,6 +11,7 @@ use super::ways::WayError;
 use crate::claims::Job;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, HandPart, Section};
 use crate::device::MAX_EXPANSIONS;
+use crate::device::fingers::MAX_LOOKS;
 use crate::device::fingers::sampling::contacts;
 use crate::device::fingers::{AXES, Adhesion, FingersFacts, MAX_CONTACTS, MAX_GRASPS, Plane};
 use crate::diagnostic::{Code, Diagnostic};
@@ -27,9 +28,6 @@ const MOST_FRICTION: f64 = 2.0;
 
 /// Resolution of the figures that a help proposes.
 const GRAIN: f64 = 0.01;
-
-/// Budget of looks for the search for a remedy: a fifth of that of the search that found no plan.
-const EXPLAINING_LOOKS: u64 = MOST_LOOKS / 5;
 
 /// Start of a stretch: the held grasp, the part's orientation, and its steps.
 pub type Begins = (Option<Holding>, UnitQuaternion<f64>, Range<usize>);
@@ -102,10 +100,16 @@ impl HandReasons<'_> {
     /// Report: the looks of the task are spent.
     fn looks_spent(&self, bound: u64) -> Diagnostic {
         let bound = digits(bound as f64 / f64::from(self.order.facts.steps_per_turn));
-        let title = format!("{}: the search gave up after {MOST_LOOKS} looks at grasps", self.what());
+        let (most, budget) = (u64::from(MAX_LOOKS), most_looks(self.order));
+        let title = format!("{}: the search gave up after {budget} looks at grasps", self.what());
+        let fewer = "make the grasps fewer: by a larger `step`, larger tips or shorter tasks";
+        let help = match budget.saturating_mul(4).min(most) {
+            _ if budget >= most => fewer.to_owned(),
+            more => format!("allow more: `using {} {{ looks: {more} }}`; or {fewer}", self.order.planner.name()),
+        };
         Diagnostic::new(Code::E0602, title)
             .label(self.span(), format!("neither planned nor disproved; no plan costs less than {bound} deg"))
-            .help("make the grasps fewer: by a larger `step`, larger tips or shorter tasks")
+            .help(help)
     }
 
     /// Description of a step, as the subject of a sentence.
@@ -123,7 +127,8 @@ impl HandReasons<'_> {
     }
 
     fn impossible(&self, blocked: &FarthestRoute, planned: &Routes, begins: Begins) -> Diagnostic {
-        let trials = Trials { why: self, begins: &begins, looks: Rc::new(LooksBudget::of(EXPLAINING_LOOKS)) };
+        // The search for a remedy takes at most half as long as the one that found no plan.
+        let trials = Trials { why: self, begins: &begins, looks: Rc::new(LooksBudget::of(most_looks(self.order) / 2)) };
         if self.order.planner == FingersPlanner::GreedyDecomposition {
             return self.greedy(&trials);
         }

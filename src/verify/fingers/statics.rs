@@ -21,7 +21,7 @@ pub(super) const TOLERANCE: f64 = 1e-6;
 /// precedence.
 const SUM_WEIGHT: f64 = 1e3;
 
-/// Share of a load below which it counts as zero (rounding).
+/// Share of a load, or of a lever, below which it counts as zero (rounding).
 const ROUNDING: f64 = 1e-9;
 
 /// Where a tip touches, in section coordinates.
@@ -197,7 +197,8 @@ impl<'a> Statics<'a> {
         let mut add = |variable: Option<Variable>, parts: [f64; 6]| {
             for (row, part) in rows.iter_mut().zip(parts) {
                 match variable {
-                    Some(variable) => row.0.push((variable, part)),
+                    // Rounding of a zero would only spoil the solver's scale.
+                    Some(variable) => row.0.push((variable, if part.abs() < ROUNDING { 0.0 } else { part })),
                     None => row.1 -= part / unit_un,
                 }
             }

@@ -131,15 +131,13 @@ impl<'a, 'f> LatticeJourney<'a, 'f> {
 
     fn search(&mut self, guide: &impl Guide, lists: &mut Lists, flood: &mut GoalFlood, limit: u64) -> Option<Decided> {
         let limit = limit.min(self.allowed());
-        let mut meter = Meter::new(SearchBudget::of(limit));
         let (start, goal) = (self.start, self.goal);
         let ground = &mut self.reader;
         let mut search = GuidedSearch { ground, guide, lists, weights: self.weights, target: goal, greed: 1 };
         let Some(estimate) = search.estimate(start) else {
             return Some(Decided::No(Proof::BlocksApart));
         };
-        let ended = search.run(start, &mut meter, |ground| flood.keep_pace(ground));
-        self.meter.charge(meter.spent());
+        let ended = self.meter.share(limit, |meter| search.run(start, meter, |ground| flood.keep_pace(ground)));
         match ended {
             SearchEnd::Found => Some(Decided::Path),
             SearchEnd::Exhausted(cells) => Some(Decided::No(Proof::StartShut { cells })),
@@ -170,13 +168,11 @@ impl<'a, 'f> LatticeJourney<'a, 'f> {
         let [start, goal] = [self.start, self.goal].map(small);
         let weights = self.weights.without(middle.fine);
         let limit = self.allowed();
-        let mut meter = Meter::new(SearchBudget::of(limit));
         let mut ground = middle;
         let (lists, guide) = (&mut space.lists, &to_start);
         let mut search = GuidedSearch { ground: &mut ground, guide, lists, weights: &weights, target: start, greed: 1 };
         let estimate = search.estimate(goal)?;
-        let ended = search.run(goal, &mut meter, |_| true);
-        self.meter.charge(meter.spent());
+        let ended = self.meter.share(limit, |meter| search.run(goal, meter, |_| true));
         match ended {
             SearchEnd::Found | SearchEnd::OutOfBudget(_) => {}
             SearchEnd::Exhausted(_) | SearchEnd::Stopped => return Some(Decided::No(Proof::BlocksApart)),

@@ -57,7 +57,7 @@ pub fn courses(request: &GraspRequest) -> Result<Vec<PreparedRoute>, u64> {
     let mut strands = |tables: &Arc<Tables>| match known.iter().find(|(other, _)| Arc::ptr_eq(other, tables)) {
         Some((_, strands)) => strands.clone(),
         None => {
-            request.within.looks.take((tables.contacts.pow(3) / 64 * tables.layers.len()) as u64);
+            request.within.looks.take(Strands::looks(tables));
             let made = Rc::new(Strands::of(tables, angles(tables)));
             known.push((tables.clone(), made.clone()));
             made

@@ -30,6 +30,9 @@ struct FloodPiece<const N: usize> {
 /// In `ReachedPairs::first`: look the layers up in `ReachedPairs::pieces`.
 const SEVERAL: u8 = u8::MAX;
 
+/// Looks at grasps that one triple costs: its angles are spread, and the bits of three pairs read. Measured for masks of one word.
+pub const TRIPLE_LOOKS: u64 = 8;
+
 /// Layers saturate here, which keeps every bound admissible.
 const LAST: u32 = SEVERAL as u32 - 1;
 
@@ -292,6 +295,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
     fn part(&mut self, mut leg: usize, mut chain: GraspChain, mut mask: AngleMask<N>, layer: u32) {
         let course = self.course;
         loop {
+            course.looks.take(TRIPLE_LOOKS);
             let strands = &course.sheets[leg].strands;
             let bits = match self.direction {
                 Direction::Onward => &strands.leave,

@@ -64,6 +64,7 @@ impl<'a> Published<'a> {
 impl Estimate for Published<'_> {
     fn gaits(&self, spot: NodeSpot) -> u32 {
         let Some(goals) = &self.goals[spot.leg] else { return 0 };
+        self.course.looks.take(goals.len() as u64);
         let count = |goal: &EndGrasp| {
             reconfigurations(&self.course.sets, (spot.chain.set, spot.chain.phases), (goal.set, goal.phases))
                 + goal.rest

@@ -2,7 +2,7 @@
 
 use super::apart;
 use super::course::{PreparedRoute, courses};
-use super::flood::{Direction, GraspFlood};
+use super::flood::{Direction, GraspFlood, TRIPLE_LOOKS};
 use super::layout::NodeSpot;
 use super::published::Published;
 use super::strands::has;
@@ -87,6 +87,7 @@ fn gaits<const N: usize>(course: &PreparedRoute, start: Start) -> u32 {
                 let spot = NodeSpot { leg: 0, angle: sheet.start, chain };
                 let held = &course.contacts(spot)[..course.sets.members(chain.set).len()];
                 if sheet.holds(sheet.start, held) {
+                    course.looks.take(TRIPLE_LOOKS);
                     least = least.min(layers.gaits(spot));
                 }
             }

@@ -108,6 +108,16 @@ pub struct StrandHead {
 }
 
 impl Strands {
+    /// Looks at grasps that [`Strands::of`] costs: words of three tables are woven if all angles share one layer, else each triple
+    /// is laid alone.
+    pub fn looks(tables: &Tables) -> u64 {
+        let contacts = tables.contacts as u64;
+        match tables.layers.len() as u64 {
+            1 => 8 * contacts * contacts * contacts.div_ceil(64),
+            layers => contacts * contacts * contacts * layers / 4,
+        }
+    }
+
     /// From tables, for legs of at most `angles` angles.
     pub fn of(tables: &Tables, angles: usize) -> Self {
         let contacts = tables.contacts;

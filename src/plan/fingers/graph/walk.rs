@@ -13,7 +13,7 @@
 //! cost comes up.
 
 use super::course::PreparedRoute;
-use super::flood::{inserted, removed};
+use super::flood::{TRIPLE_LOOKS, inserted, removed};
 use super::layout::{GraspChain, NodeSpot, wrapped};
 use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
@@ -382,6 +382,7 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
                 return self.queue_starts(Starts { from: number, ..starts });
             }
             let Some(spot) = self.start(number) else { continue };
+            self.course.looks.take(TRIPLE_LOOKS);
             while self.estimate.gaits(spot) == starts.gaits && !self.estimate.is_settled(spot) {
                 self.estimate.deepen();
             }
@@ -390,6 +391,7 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
                 return self.queue_starts(Starts { from: number + 1, ..starts });
             }
         }
+        self.course.looks.take(chains as u64);
         let later = (0..chains).filter_map(|number| self.start(number)).map(|spot| self.estimate.gaits(spot));
         if let Some(gaits) = later.filter(|gaits| *gaits != NEVER && *gaits > starts.gaits).min() {
             self.queue_starts(Starts { gaits, from: 0 });

@@ -6,10 +6,20 @@
 
 use super::{Contact, Contacts, GripModel, Load};
 use crate::device::fingers::FingersFacts;
+use crate::plan::fingers::looks::LooksBudget;
 use crate::plan::fingers::tables::{AngleLayer, Tables};
 
 /// Number of parts into which a rolling step is divided.
 pub const INSTANTS: u32 = 64;
+
+/// Looks at grasps that two fingers cost at one instant: two friction cones, and the half-spaces of their forces.
+const PAIR_LOOKS: u64 = 4;
+
+/// The same for three fingers: three pairs, and a third finger that supplies the rest.
+const TRIPLE_LOOKS: u64 = 16;
+
+/// How many times as much they cost with out-of-plane forces.
+const IN_SPACE: u64 = 4;
 
 /// A hand on a section.
 #[derive(Debug, Clone, Copy)]
@@ -45,11 +55,18 @@ impl<'a> Closer<'a> {
         })
     }
 
-    /// Removes from the layer of an angle every step in which a grasp lapses.
-    pub fn sift(&self, tables: &mut Tables, layer: usize, angle: i32) {
+    /// Removes from the layer of an angle the steps in which a grasp lapses: all of them, or as many as looks are available for.
+    pub fn sift(&self, tables: &mut Tables, layer: usize, angle: i32, looks: &LooksBudget) {
         let instants: Vec<ContactInstant> =
             Self::parts().map(|part| (self.contacts.after(part), self.load(angle, part))).collect();
-        let lasts = |held: &[usize]| instants.iter().all(|instant| self.holds(instant, held));
+        let lasts = |held: &[usize]| {
+            let grasp = if held.len() == 2 { PAIR_LOOKS } else { TRIPLE_LOOKS };
+            let cost = if self.load.is_in_plane() { grasp } else { IN_SPACE * grasp };
+            instants.iter().all(|instant| {
+                looks.take(cost);
+                looks.are_spent() || self.holds(instant, held)
+            })
+        };
         let size = tables.contacts;
         let has_pair = |layer: &AngleLayer, i: usize, j: usize| layer.roll_pair.has(i * size + j);
         for (i, j) in (0..size).flat_map(|i| (i + 1..size).map(move |j| (i, j))) {
@@ -59,6 +76,9 @@ impl<'a> Closer<'a> {
         }
         // Three fingers hold where two of them hold throughout.
         for (i, j) in (0..size).flat_map(|i| (i + 1..size).map(move |j| (i, j))) {
+            if looks.are_spent() {
+                return;
+            }
             for k in j + 1..size {
                 let now = &tables.layers[layer];
                 let by_two = || [[i, j], [i, k], [j, k]].iter().any(|[a, b]| has_pair(now, *a, *b));

@@ -19,11 +19,14 @@ pub(super) struct PairsInstant<'a> {
     pub pair: PairRows,
     /// In-plane forces of a finger on each contact; empty where every grasp with room holds.
     reaches: Vec<ForceCone>,
-    looks: &'a LooksBudget,
+    pub looks: &'a LooksBudget,
 }
 
-/// Looks per grasp with out-of-plane forces.
-const LOOKS_IN_SPACE: u64 = 16;
+/// Looks per grasp of three with out-of-plane forces.
+const LOOKS_IN_SPACE: u64 = 32;
+
+/// The same for two.
+const PAIR_LOOKS_IN_SPACE: u64 = 4;
 
 impl<'a> PairsInstant<'a> {
     /// Tips keep `apart_um` from each other, centre to centre.
@@ -34,7 +37,7 @@ impl<'a> PairsInstant<'a> {
         apart_um: f64,
         looks: &'a LooksBudget,
     ) -> PairsInstant<'a> {
-        looks.take(contacts.len().pow(2) as u64);
+        looks.take(contacts.len().pow(2) as u64 * if load.is_in_plane() { 1 } else { PAIR_LOOKS_IN_SPACE });
         let clear = room(&contacts, apart_um);
         let demand = grip.demand(&load);
         if grip.holds_anyway(&load) {

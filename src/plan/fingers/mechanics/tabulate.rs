@@ -166,6 +166,11 @@ fn come_and_go(grip: &GripModel, now: &PairsInstant, open: &ContactBits, tables:
         layer.triple.read_row(tables.three(i, j, 0), tables.contacts, &mut holding);
         row.iter_mut().zip(&holding).for_each(|(word, holding)| *word &= holding);
         put_both(&mut layer.place, tables, [i, j], &row);
+        let removals = row.iter().map(|word| u64::from(word.count_ones())).sum::<u64>();
+        now.looks.take(if now.load.is_in_plane() { removals / 4 } else { 4 * removals });
+        if now.looks.are_spent() {
+            return;
+        }
         let two = grip.two([&now.contacts[i], &now.contacts[j]], &now.load);
         retain(&mut row, |k| match demands[k] {
             GripDemand::Squeeze => true,

@@ -74,19 +74,6 @@ impl Containment {
     pub fn margin(&self) -> f64 {
         self.has - self.needs
     }
-
-    fn is_angle(&self) -> bool {
-        match self.check {
-            ContainmentCheck::Angle | ContainmentCheck::Directions | ContainmentCheck::Turn => true,
-            ContainmentCheck::Cone
-            | ContainmentCheck::Place
-            | ContainmentCheck::Axes
-            | ContainmentCheck::Gross(_)
-            | ContainmentCheck::Fine(_)
-            | ContainmentCheck::Edge => false,
-            ContainmentCheck::Meeting => false,
-        }
-    }
 }
 
 impl Assured {
@@ -94,20 +81,6 @@ impl Assured {
     pub fn violated(&self) -> Option<&Containment> {
         // NaN does not hold.
         self.containments.iter().find(|containment| containment.margin().is_nan() || containment.margin() < 0.0)
-    }
-
-    /// The containment of lengths with the smallest margin.
-    pub fn tightest_um(&self) -> Option<&Containment> {
-        self.containments
-            .iter()
-            .filter(|containment| !containment.is_angle() && containment.check != ContainmentCheck::Edge)
-            .min_by(|a, b| a.margin().total_cmp(&b.margin()))
-    }
-
-    /// The containment of angles with the smallest margin.
-    pub fn tightest_rad(&self) -> Option<&Containment> {
-        let angles = self.containments.iter().filter(|containment| containment.is_angle());
-        angles.min_by(|a, b| a.margin().total_cmp(&b.margin()))
     }
 }
 

@@ -62,6 +62,7 @@ pub fn order() -> FingersOrder {
         load_un: [0.0; 3],
         planner: FingersPlanner::JointAstar,
         expansions: 1000,
+        looks: None,
         steps: Vec::new(),
     }
 }
