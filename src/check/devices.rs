@@ -2,7 +2,7 @@
 
 use super::fields::{Accepted, Given, Owner};
 use super::lineage::Base;
-use super::scope::{DeclarationPlace, DeclarationSort, nearest, path_text};
+use super::scope::{DeclarationPlace, DeclarationSort, in_a_used_file, nearest, path_text};
 use super::{Checker, KindFacts, checks, errors};
 use crate::claims::ValueOrigin;
 use crate::device::Kind;
@@ -125,7 +125,8 @@ impl Checker<'_> {
         let kinds: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
         let mut known = self.names_in_reach(&self.top(place), DeclarationSort::Device);
         known.retain(|name| *name != item.name.text);
-        let near = nearest(&text, known.iter().map(String::as_str).chain(kinds.iter().copied()));
+        let near = in_a_used_file(&text, &known);
+        let near = near.or_else(|| nearest(&text, known.iter().map(String::as_str).chain(kinds.iter().copied())));
         self.sink.push(errors::unknown_kind(item.base.span, &text, near, &kinds));
     }
 

@@ -144,6 +144,9 @@ impl Checker<'_> {
     /// The element that the indices of a path's segment take out of a list.
     fn element_of(&mut self, value: Value, path: &Path, segment: usize, scope: &Scope) -> Value {
         if let Some(extra) = path.segments.get(segment + 1) {
+            if value.is_unknown() {
+                return Value::Unknown;
+            }
             return self.unknown(errors::no_fields_on_values(extra.name.span));
         }
         let mut value = value;

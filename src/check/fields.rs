@@ -59,7 +59,19 @@ impl Checker<'_> {
             let Some(entry) = table.iter().find(|entry| entry.name == field.name.text) else {
                 let known: Vec<&str> = table.iter().map(|entry| entry.name).collect();
                 let near = nearest(&field.name.text, known.iter().copied());
-                self.sink.push(errors::unknown_field(&field.name, &owner.name, near, &known));
+                let setting = super::verbs::STEP_WORDS.contains(&field.name.text.as_str());
+                self.sink.push(match setting {
+                    true => errors::setting_with_colon(&field.name),
+                    false => errors::unknown_field(&field.name, &owner.name, near, &known),
+                });
+                // A misspelt field is read as the near one, so that it is the only mistake.
+                let meant = table.iter().find(|entry| Some(entry.name) == near && !setting);
+                if let Some(entry) =
+                    meant.filter(|entry| !given.iter().any(|other| other.field.name.text == entry.name))
+                {
+                    let value = self.accept(entry.sort, &field.value, scope, &owner.wanted(entry));
+                    accepted.insert(entry.name, Spanned::new(value.unwrap_or(Value::Unknown), field.value.span));
+                }
                 continue;
             };
             let value = self.accept(entry.sort, &field.value, scope, &owner.wanted(entry));
@@ -230,11 +242,16 @@ impl Checker<'_> {
         let mut shape = shape;
         let owner = Owner { name: shape.form.with_article(), declared: None };
         let given: Vec<Given> = fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
+        let errors_before = self.sink.errors();
         shape.fields.extend(self.read_fields(&owner, &given, shape.form.fields()));
         if shape.form.is_of_space() && !self.counts_as_outline(SOLID_TURNS, span) {
             return Value::Unknown;
         }
         let missing = Self::missing(&shape.fields, shape.form.fields());
+        // A field under another name, reported by now, is most likely one that seems missing.
+        if !missing.is_empty() && self.sink.errors() > errors_before {
+            return Value::Unknown;
+        }
         if !missing.is_empty() {
             return self.unknown(errors::missing_fields(span, &owner.name, &missing, None));
         }

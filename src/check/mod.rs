@@ -284,7 +284,7 @@ impl<'a> Checker<'a> {
         self.use_import(path, scope);
         let Some((place, segment)) = self.find(path, scope) else {
             self.report_unknown(path, scope, sort);
-            return None;
+            return self.meant(path, scope, sort);
         };
         self.use_place(place);
         let declaration = self.declaration(place);
@@ -297,6 +297,17 @@ impl<'a> Checker<'a> {
             return None;
         }
         Some(place)
+    }
+
+    /// The declaration of this file that a misspelt device or scene means: what stands under it is checked all the same.
+    fn meant(&self, path: &Path, scope: &Scope, sort: DeclarationSort) -> Option<DeclarationPlace> {
+        if !matches!(sort, DeclarationSort::Device | DeclarationSort::Scene) || path.segments.len() > 1 {
+            return None;
+        }
+        let names = &self.modules[scope.module].names;
+        let known = names.iter().filter(|(_, declaration)| declaration.sort == sort).map(|(name, _)| name.as_str());
+        let near = scope::nearest(&path.segments[0].name.text, known)?;
+        Some(DeclarationPlace { module: scope.module, item: names[near].item })
     }
 
     fn use_import(&mut self, path: &Path, scope: &Scope) {
@@ -324,6 +335,12 @@ impl<'a> Checker<'a> {
             Some(import) if is_alone => {
                 self.sink.push(errors::file_for_value(path.span, &first.name.text, import.span, sort));
             }
+            // What a file that cannot be used would have been called is not known.
+            None if !is_alone && file.has_broken_use(&first.name.text) => {}
+            None if !is_alone && file.used_as(&first.name.text).is_some() => {
+                let used = file.used_as(&first.name.text).unwrap_or_default();
+                self.sink.push(errors::file_used_as(path, used));
+            }
             None if !is_alone => {
                 let near = scope::nearest(&first.name.text, file.imports.keys().map(String::as_str));
                 self.sink.push(errors::unknown_file(first.span, &first.name.text, near));
@@ -332,7 +349,8 @@ impl<'a> Checker<'a> {
                 // A finding that is only counted needs no near name: to look for it among very many takes long.
                 let known = if self.sink.is_full() { Vec::new() } else { self.names_in_reach(scope, sort) };
                 let text = scope::path_text(path);
-                let near = scope::nearest(&text, known.iter().map(String::as_str));
+                let near = scope::in_a_used_file(&text, &known);
+                let near = near.or_else(|| scope::nearest(&text, known.iter().map(String::as_str)));
                 self.sink.push(errors::unknown_name(path.span, &text, sort, near));
             }
         }

@@ -115,6 +115,23 @@ impl Module {
         self.tree.items.iter().any(|item| matches!(item, Item::Error(_)))
     }
 
+    /// Whether a file that could not be used, or a `use` that could not be read, may be behind a name.
+    pub fn has_broken_use(&self, name: &str) -> bool {
+        let is_library = crate::stdlib::file(name).is_some();
+        self.imports.values().any(|import| import.module.is_none()) || (is_library && self.has_broken_parts())
+    }
+
+    /// The name that a file of the library was given by `as`, and where.
+    pub fn used_as(&self, name: &str) -> Option<(&str, Span)> {
+        self.tree.items.iter().find_map(|item| {
+            let Item::Use(tree::Use { path: tree::UsePath::Library { words, .. }, alias: Some(alias), .. }) = item
+            else {
+                return None;
+            };
+            (words.last()?.text == name).then_some((alias.text.as_str(), alias.span))
+        })
+    }
+
     /// Whether it belongs to the standard library.
     pub fn is_library(&self) -> bool {
         self.origin == Origin::Library
@@ -207,6 +224,12 @@ impl Scope {
         let Spanned { value, span: given } = value;
         self.locals.push(Local { name: name.text.clone(), value, span: name.span, given });
     }
+}
+
+/// The one known name of a used file that ends with a name, as `dimibot.femto_st` with `femto_st`.
+pub fn in_a_used_file<'a>(name: &str, known: &'a [String]) -> Option<&'a str> {
+    let mut ends = known.iter().filter(|known| known.rsplit_once('.').is_some_and(|(_, last)| last == name));
+    ends.next().filter(|_| ends.next().is_none()).map(String::as_str)
 }
 
 /// A longer name has no near one: it is no slip of the pen, and the cost of comparing is quadratic in its length.

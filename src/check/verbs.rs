@@ -17,7 +17,12 @@ impl Checker<'_> {
             let verbs: Vec<&str> = vocabulary.verbs.iter().map(|verb| verb.name).collect();
             let near = nearest(&step.head.text, verbs.iter().copied().chain(STEP_WORDS));
             let written = (step.head.span, step.head.text.as_str());
-            self.sink.push(errors::unknown_verb(written, vocabulary.name, near, &verbs, vocabulary.together));
+            let objectives: Vec<&str> = vocabulary.objectives.iter().map(|objective| objective.name).collect();
+            self.sink.push(match step.head.text.as_str() {
+                "maximize" | "maximise" => errors::maximized(step.head.span, &objectives),
+                "then" => errors::second_objective(step.head.span),
+                _ => errors::unknown_verb(written, vocabulary.name, near, &verbs, vocabulary.together),
+            });
             return None;
         };
         self.noun(step, verb)?;
@@ -35,6 +40,11 @@ impl Checker<'_> {
             (Some(noun), Some(own)) => {
                 let near = nearest(&noun.text, [own]);
                 self.sink.push(errors::wrong_noun(noun, verb, own, near));
+            }
+            // `rotate bead 80 deg`: the word is the object, and the preposition of what follows is missing.
+            (Some(_), None) if step.object.is_some() && !verb.phrases.is_empty() => {
+                let value = step.object.as_ref().map_or(step.span, |value| value.span);
+                self.sink.push(errors::missing_preposition(value, verb, verb.phrases[0].preposition));
             }
             (Some(noun), None) => self.sink.push(errors::unexpected_part(noun.span, verb, "a noun")),
             (None, Some(own)) => self.sink.push(errors::missing_part(step.span, verb, &format!("`{own}`"))),
@@ -216,4 +226,4 @@ fn lacking(sort: device::Sort) -> String {
 }
 
 /// The words that stand where a verb may, whatever the kind.
-const STEP_WORDS: [&str; 6] = ["wait", "together", "minimize", "using", "require", "start"];
+pub const STEP_WORDS: [&str; 6] = ["wait", "together", "minimize", "using", "require", "start"];

@@ -20,9 +20,18 @@ pub fn too_large(path: &Path, limit: usize) -> Diagnostic {
     Diagnostic::new(Code::E0802, format!("`{}` is larger than {} MiB", path.display(), limit / (1024 * 1024)))
 }
 
-pub fn not_utf8(path: &Path, at: usize, line: usize) -> Diagnostic {
+pub fn not_utf8(path: &Path, bytes: &[u8], at: usize) -> Diagnostic {
+    let line = bytes[..at].iter().filter(|byte| **byte == b'\n').count() + 1;
+    let is_wide = bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]);
+    let guess = match bytes[at] {
+        _ if is_wide => "it is UTF-16, as some shells write with `>`: ",
+        0xB5 => "this byte is `µ` in Latin-1: ",
+        0xB0 => "this byte is `°` in Latin-1: ",
+        0xB1 => "this byte is `±` in Latin-1: ",
+        _ => "",
+    };
     Diagnostic::new(Code::E0803, format!("`{}` is not UTF-8 at byte {at}, in line {line}", path.display()))
-        .help("save it as UTF-8 in your editor; if it is no Tweeze program, name the right file")
+        .help(format!("{guess}save it as UTF-8 in your editor; if it is no Tweeze program, name the right file"))
 }
 
 pub fn unwritable(path: &Path, error: &io::Error) -> Diagnostic {

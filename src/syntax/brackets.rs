@@ -3,6 +3,7 @@
 use super::errors;
 use super::lexical;
 use super::scan::{MAX_NESTING, Scan};
+use super::slips;
 use crate::source::Span;
 
 /// An opening bracket.
@@ -29,6 +30,11 @@ impl Brackets {
     /// Whether the innermost bracket is a brace that stands at or after an offset.
     pub fn opened_after(&self, offset: usize) -> bool {
         self.open.last().is_some_and(|open| open.bracket == b'{' && open.at >= offset)
+    }
+
+    /// Whether no list and no place is open.
+    pub fn takes_entries(&self) -> bool {
+        self.open.last().is_none_or(|open| open.bracket == b'{')
     }
 
     /// A line ended where an open `(` or `[` may not continue on the next one.
@@ -64,6 +70,10 @@ fn counterpart(bracket: u8) -> u8 {
 impl Scan<'_> {
     pub fn opening(&mut self, bracket: u8) {
         let at = self.at;
+        let is_of_head = at == self.line_start + self.indent || self.head_end.is_some_and(|end| at < end);
+        if bracket == b'{' && self.brackets.open.is_empty() && is_of_head {
+            self.head_end = None;
+        }
         if self.brackets.open.len() >= MAX_NESTING {
             self.too_deep();
             return;
@@ -120,6 +130,13 @@ impl Scan<'_> {
     }
 
     fn stray(&mut self, at: usize) {
+        if let Some(head) = self.head_end.take().filter(|_| self.text.as_bytes()[at] == b'}') {
+            let line = errors::line_before(self.text, head);
+            let last = errors::token_before_sign(&self.text[..head]).len();
+            let mark = self.span(head - last, head);
+            self.report(slips::missing_brace(mark, line));
+            return self.replace(head, head + 1, "{");
+        }
         let span = self.span(at, at + 1);
         self.report(errors::stray_bracket(span, self.text));
         if self.text.as_bytes()[at] == b'}' {
@@ -146,7 +163,7 @@ impl Scan<'_> {
 
     /// A declaration begins: any bracket open here that stands no further right was forgotten.
     pub fn item_begins(&mut self) {
-        let Some(first) = self.brackets.open.first() else { return };
+        let Some(first) = self.brackets.open.first() else { return self.head_begins() };
         if self.indent > first.indent {
             return;
         }
@@ -154,6 +171,15 @@ impl Scan<'_> {
         let item = self.span(self.at, next);
         let limit = self.line_end.unwrap_or(self.line_start);
         self.close_all(limit, Some(item));
+        self.head_begins();
+    }
+
+    /// Remembers where a block must begin.
+    fn head_begins(&mut self) {
+        let end = self.end_of_line();
+        let takes_block = ["scene", "task", "program", "wiring"].iter().any(|word| self.rest().starts_with(word));
+        let code = errors::code_end_before(self.text, end);
+        self.head_end = Some(code).filter(|code| takes_block && *code > self.at && *code < self.text.len());
     }
 
     pub fn end_of_text(&mut self) {

@@ -3,6 +3,7 @@
 use super::errors;
 use super::grammar::{Node, Rule};
 use super::reader::Reader;
+use super::slips;
 use super::tree::{
     Doc, Entry, Expr, ExprKind, Field, For, Object, Phrase, SceneEntry, Step, TextPart, Wire, WiringEntry,
 };
@@ -15,6 +16,13 @@ impl Reader<'_> {
         for child in self.children(node) {
             if child.as_rule() == Rule::docs {
                 doc = Some(child);
+                continue;
+            }
+            // `move to 19, 28`: one mistake, of which the comma makes two entries.
+            if child.as_rule() == Rule::bad_entry && slips::is_rest_of_place(self.span(&child), self.source) {
+                let finding = slips::places_without_brackets(self.span(&child), self.source);
+                self.report(finding);
+                entries.pop();
                 continue;
             }
             let takes_doc = matches!(child.as_rule(), Rule::field | Rule::object | Rule::bad_entry);

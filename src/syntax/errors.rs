@@ -53,12 +53,12 @@ pub(super) fn token_at(text: &str, offset: usize) -> &str {
 const SIGHT_BYTES: usize = 512;
 
 /// The text before an offset, as far as a message looks.
-fn before(text: &str, offset: usize) -> &str {
+pub(super) fn before(text: &str, offset: usize) -> &str {
     &text[text.floor_char_boundary(offset.saturating_sub(SIGHT_BYTES))..offset]
 }
 
 /// The text from an offset on, as far as a message looks.
-fn after(text: &str, offset: usize) -> &str {
+pub(super) fn after(text: &str, offset: usize) -> &str {
     &text[offset..text.ceil_char_boundary((offset + SIGHT_BYTES).min(text.len()))]
 }
 
@@ -77,7 +77,7 @@ pub(super) fn code_end_before(text: &str, offset: usize) -> usize {
 }
 
 /// The line of an offset up to that offset, without its indentation.
-fn line_before(text: &str, offset: usize) -> &str {
+pub(super) fn line_before(text: &str, offset: usize) -> &str {
     let seen = before(text, offset);
     seen.rfind('\n').map_or(seen, |at| &seen[at + 1..]).trim()
 }
@@ -190,7 +190,7 @@ pub(super) fn missing_value(at: Span, text: &str) -> Diagnostic {
 }
 
 /// The last word or sign of a text.
-fn token_before_sign(text: &str) -> &str {
+pub(super) fn token_before_sign(text: &str) -> &str {
     let text = before(text, text.len());
     let Some(last) = text.chars().next_back() else { return "" };
     let in_word = |c: char| c.is_alphanumeric() || c == '_';
@@ -391,6 +391,7 @@ pub(super) fn foreign_character(span: Span, text: &str) -> Diagnostic {
     let written = &text[span.range()];
     let help = match written.chars().next() {
         Some('°') => "write `deg`, as in `80 deg`",
+        Some('±') => "remove it: a figure of this kind is taken to both sides",
         Some('&') => "join conditions by two `require` lines",
         Some('\\') => "a line continues after an operator or inside brackets, without a marker",
         _ => "remove it: names are letters, digits and `_`",

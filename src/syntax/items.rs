@@ -3,7 +3,9 @@
 use super::errors;
 use super::grammar::{Node, Rule};
 use super::reader::Reader;
+use super::slips;
 use super::tree::{Device, Doc, Ident, Item, Let, Parameter, Path, Program, Scene, Task, Use, UsePath, Wiring};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
 /// The parts of a declaration, in whatever order they were met.
@@ -99,13 +101,27 @@ impl Reader<'_> {
                 _ => {
                     head.is_broken = true;
                     if !Self::has_hole(&part) {
-                        let finding = errors::bad_head(self.span(&part), rule, span, self.source);
+                        let rest = self.span(&part);
+                        if self.is_reserved_name(rest) {
+                            continue;
+                        }
+                        let slip = slips::head(rest, rule, span, self.source);
+                        let finding = slip.unwrap_or_else(|| errors::bad_head(rest, rule, span, self.source));
                         self.report(finding);
                     }
                 }
             }
         }
         head
+    }
+
+    /// Whether the head ends with a reserved word that was reported where it was declared.
+    fn is_reserved_name(&self, rest: Span) -> bool {
+        let last = self.source[rest.range()].split_whitespace().next_back().unwrap_or_default();
+        let is_declared = |finding: &Diagnostic| {
+            finding.code == Code::E0110 && finding.span().is_some_and(|place| self.source[place.range()] == *last)
+        };
+        super::RESERVED.contains(&last) && self.findings.iter().any(is_declared)
     }
 
     fn parameter(&mut self, node: Node) -> Option<Parameter> {

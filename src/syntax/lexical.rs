@@ -2,6 +2,7 @@
 
 use super::errors;
 use super::scan::{MAX_NESTING, Scan};
+use super::slips;
 
 /// Whether a character may stand in a name.
 pub(super) fn is_word(c: char) -> bool {
@@ -140,6 +141,23 @@ pub(super) fn number(scan: &mut Scan) {
         }
     }
     scan.at = end;
+    decimal_comma(scan, start);
+}
+
+/// `0,8` where no list stands, read as 0.8.
+fn decimal_comma(scan: &mut Scan, start: usize) {
+    let (text, comma) = (scan.text, scan.at);
+    if !scan.brackets.takes_entries() || !text[comma..].starts_with(',') || !is_digit_at(text, comma + 1) {
+        return;
+    }
+    let end = end_of_digits(text, comma + 1);
+    let written = &text[start..end];
+    if written.bytes().all(|byte| byte.is_ascii_digit() || byte == b',') && !text[end..].starts_with([',', '.']) {
+        let span = scan.span(start, end);
+        scan.report(slips::decimal_comma(span, written));
+        scan.replace(start, end, &written.replacen(',', ".", 1));
+        scan.at = end;
+    }
 }
 
 fn bad_number(

@@ -17,6 +17,7 @@ mod lexical;
 mod reader;
 mod recover;
 mod scan;
+mod slips;
 pub mod tree;
 mod values;
 
@@ -24,7 +25,7 @@ pub use scan::MAX_NESTING;
 pub use values::MAX_OPERATORS;
 
 use crate::diagnostic::Sink;
-use crate::source::FileId;
+use crate::source::{FileId, Span};
 use grammar::{Grammar, Rule};
 use pest::Parser;
 use reader::Reader;
@@ -38,6 +39,11 @@ pub const RESERVED: [&str; 21] = [
 
 /// Reads one file.
 pub fn parse(file: FileId, text: &str, sink: &mut Sink) -> Tree {
+    if let Some(at) = text.find('\r').filter(|_| !text.contains('\n')).filter(|at| at + 1 < text.len()) {
+        sink.push(slips::carriage_returns(Span::new(file, 0, at)));
+        let whole = Span::new(file, 0, text.len());
+        return Tree { file, doc: None, items: vec![tree::Item::Error(whole)], broken_names: Vec::new() };
+    }
     let scanned = scan::scan(file, text);
     let mut reader = Reader::new(file, text, &scanned.text, scanned.findings);
     let node = Grammar::parse(Rule::file, &scanned.text).ok().and_then(|mut nodes| nodes.next());
@@ -46,6 +52,7 @@ pub fn parse(file: FileId, text: &str, sink: &mut Sink) -> Tree {
         None => reader.unreadable(),
     };
     reader.misplaced_docs(&scanned.docs);
+    reader.shorten(&items);
     let broken_names = std::mem::take(&mut reader.broken_names);
     reader.tell(sink);
     Tree { file, doc, items, broken_names }

@@ -5,12 +5,15 @@
 
 use super::errors;
 use super::grammar::{Node, Rule};
-use super::tree::{Doc, Expr, ExprKind, Ident};
-use crate::diagnostic::{Diagnostic, MAX_DIAGNOSTICS, Sink};
+use super::tree::{Doc, Expr, ExprKind, Ident, Item};
+use crate::diagnostic::{Code, Diagnostic, MAX_DIAGNOSTICS, Sink};
 use crate::source::{FileId, Span};
 
 /// Greatest number of findings that a pass keeps of one text; the sink shows fewer.
 pub(super) const MAX_FINDINGS: usize = 4 * MAX_DIAGNOSTICS;
+
+/// So many unreadable lines, and no other, make no program.
+const FOREIGN_LINES: usize = 5;
 
 /// The length of `///` and of `//!`.
 const DOC_MARK_BYTES: usize = 3;
@@ -138,6 +141,15 @@ impl<'s> Reader<'s> {
             if self.attached_docs.binary_search(&(doc.start as usize)).is_err() {
                 self.report(errors::misplaced_doc(doc, self.source));
             }
+        }
+    }
+
+    /// One finding instead of one for each line of a file that is no program at all.
+    pub fn shorten(&mut self, items: &[Item]) {
+        let is_foreign = items.len() >= FOREIGN_LINES && items.iter().all(|item| matches!(item, Item::Error(_)));
+        let first = self.findings.iter().find(|finding| finding.code == Code::E0101).and_then(Diagnostic::span);
+        if let Some(first) = first.filter(|_| is_foreign) {
+            self.findings = vec![super::slips::not_a_program(first)];
         }
     }
 

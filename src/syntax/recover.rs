@@ -4,6 +4,7 @@ use super::errors::{self, ListPlace};
 use super::foreign;
 use super::grammar::{Grammar, Node, Rule};
 use super::reader::Reader;
+use super::slips;
 use super::tree::{Doc, Expr, Ident, Item};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
@@ -92,8 +93,14 @@ impl Reader<'_> {
             let place = self.stop(Rule::one_item, span).map_or(span.start as usize, |(at, _)| at);
             let token = errors::token_at(&self.source[..span.end as usize], place);
             let rest = errors::part(span, place, place + token.len());
+            if let Some(slip) = slips::device_without_kind(span, text) {
+                self.report(slip);
+                return None;
+            }
             let finding = match rule {
-                Rule::use_rest | Rule::let_rest => errors::bad_short_item(rest, *rule, self.source),
+                Rule::use_rest | Rule::let_rest => {
+                    slips::sort_of_let(span, text).unwrap_or_else(|| errors::bad_short_item(rest, *rule, self.source))
+                }
                 _ => errors::bad_head(rest, *rule, span, self.source),
             };
             self.report(finding);
@@ -115,6 +122,9 @@ impl Reader<'_> {
     fn unknown_item(&mut self, span: Span) {
         let text = &self.source[span.range()];
         let mut words = text.split([' ', '\t']).filter(|word| !word.is_empty()).skip(1);
+        if let Some(slip) = slips::comment(span, text).or_else(|| slips::field_outside(span, text)) {
+            return self.report(slip);
+        }
         let finding = match words.next() {
             Some("=" | ":=") if text.starts_with(super::lexical::is_word) => errors::value_without_let(span, text),
             Some(second) if text.contains('{') && second.starts_with(super::lexical::is_word) => {
@@ -183,6 +193,9 @@ impl Reader<'_> {
     /// The finding for a fragment of which only its place is known: where parsing stopped and what was expected there.
     fn diagnose(&mut self, span: Span, place: ListPlace) -> Diagnostic {
         let text = &self.source[span.range()];
+        if let Some(slip) = slips::entry(span, place, self.source) {
+            return slip;
+        }
         if place == ListPlace::Steps
             && let Some(at) = second_step(text)
         {
@@ -192,7 +205,7 @@ impl Reader<'_> {
         if place == ListPlace::Fields
             && let Some(name) = field_without_colon(text)
         {
-            return errors::missing_colon(span, name, text);
+            return slips::blank_in_name(span, text).unwrap_or_else(|| errors::missing_colon(span, name, text));
         }
         let rule = match place {
             ListPlace::Fields => Rule::one_field,
@@ -203,7 +216,8 @@ impl Reader<'_> {
         match self.stop(rule, span) {
             Some((at, wants_value)) if at > span.start as usize => {
                 let open = open_bracket(&self.text[span.start as usize..at]);
-                errors::stopped(span, at, wants_value, open, self.source)
+                slips::in_value(span, at, open, self.source)
+                    .unwrap_or_else(|| errors::stopped(span, at, wants_value, open, self.source))
             }
             _ => errors::not_an_entry(span, place, self.source),
         }

@@ -53,6 +53,8 @@ pub(super) struct Scan<'t> {
     findings: Vec<Diagnostic>,
     docs: Vec<Span>,
     pub brackets: Brackets,
+    /// Where the code of a declaration's head ends that has had no block yet.
+    pub head_end: Option<usize>,
     /// The last byte of code, and where the line of that code ends, if a line end has been met since.
     pub last: u8,
     pub line_end: Option<usize>,
@@ -76,6 +78,7 @@ impl<'t> Scan<'t> {
             findings: Vec::new(),
             docs: Vec::new(),
             brackets: Brackets::default(),
+            head_end: None,
             last: b'\n',
             line_end: None,
             line_start: 0,
@@ -157,6 +160,9 @@ impl<'t> Scan<'t> {
             '%' if self.is_line_start => return lexical::foreign_comment(self),
             _ => {}
         }
+        if self.is_line_start && first == '|' && self.outer_bars() {
+            return;
+        }
         if self.is_line_start {
             self.is_line_start = false;
             self.indent = self.at - self.line_start;
@@ -176,6 +182,24 @@ impl<'t> Scan<'t> {
         }
         self.last = self.text.as_bytes()[self.at - 1];
         self.line_end = None;
+    }
+
+    /// The bars around a row, and the line under a header, as in Markdown: blank to the grammar.
+    fn outer_bars(&mut self) -> bool {
+        let line = self.text[self.at..self.line_limit].trim_end();
+        if line.len() < 2 || !line.ends_with('|') {
+            return false;
+        }
+        if line.bytes().all(|byte| matches!(byte, b'|' | b'-' | b':' | b' ')) {
+            self.replace(self.at, self.at + line.len(), "");
+            self.at += line.len();
+            return true;
+        }
+        let last = self.at + line.len() - 1;
+        self.replace(self.at, self.at + 1, "");
+        self.replace(last, last + 1, "");
+        self.at += 1;
+        true
     }
 
     /// A blank to the grammar, wherever it stands.

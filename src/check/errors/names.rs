@@ -13,11 +13,19 @@ use std::collections::BTreeSet;
 pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<&str>) -> Diagnostic {
     Diagnostic::new(Code::E0201, format!("no {} is named `{name}`", sort.name()))
         .label(span, if name.contains('.') { "not declared in that file" } else { "not declared in this file" })
-        .help_if(meant(near))
+        .help_if(meant(near).or_else(|| match sort {
+            DeclarationSort::Let if !name.contains('.') => {
+                Some(format!("values are named at the top of a file, `let {name} = …`, or as parameters of a task"))
+            }
+            _ => None,
+        }))
 }
 
 pub fn unknown_function(span: Span, name: &str, near: Option<&str>) -> Diagnostic {
-    let known = format!("the functions are {}", listed(FUNCTIONS.iter().copied()));
+    let known = match name {
+        "range" | "linspace" | "arange" => "a range is `0..4`: 0, 1, 2, 3".to_owned(),
+        _ => format!("the functions are {}", listed(FUNCTIONS.iter().copied())),
+    };
     Diagnostic::new(Code::E0201, format!("no function is named `{name}`"))
         .label(span, "not a function")
         .help(meant(near).unwrap_or(known))
@@ -27,7 +35,20 @@ pub fn unknown_shape(span: Span, name: &str, near: Option<&str>) -> Diagnostic {
     let known = format!("the shapes are {}", listed(ShapeForm::ALL.iter().map(|form| form.name())));
     Diagnostic::new(Code::E0201, format!("no shape is named `{name}`"))
         .label(span, "neither a shape nor a value of this file")
-        .help(meant(near).unwrap_or(known))
+        .help(meant(shape_synonym(name).or(near)).unwrap_or(known))
+}
+
+/// The shape that another word means elsewhere.
+fn shape_synonym(name: &str) -> Option<&'static str> {
+    Some(match name.to_lowercase().as_str() {
+        "circle" | "round" | "dot" => "disc",
+        "rect" | "rectangle" | "square" | "bar" | "cuboid" => "box",
+        "sphere" | "ball" | "bead" => "ellipsoid",
+        "line" | "rod" | "stick" | "segment" => "capsule",
+        "poly" | "triangle" | "points" => "polygon",
+        "stl" | "file" | "model" => "mesh",
+        _ => return None,
+    })
 }
 
 /// A file's name alone, where one of the names in the file belongs.
@@ -43,6 +64,16 @@ pub fn unknown_kind(span: Span, name: &str, near: Option<&str>, kinds: &[&str]) 
     Diagnostic::new(Code::E0201, format!("no device or device kind is named `{name}`"))
         .label(span, "not declared in this file")
         .help(meant(near).unwrap_or(known))
+}
+
+/// A used file under the name that it would have without its `as`.
+pub fn file_used_as(path: &Path, (alias, used): (&str, Span)) -> Diagnostic {
+    let words: Vec<&str> = path.segments.iter().skip(1).map(|segment| segment.name.text.as_str()).collect();
+    let file = &path.segments[0];
+    Diagnostic::new(Code::E0201, format!("no file is used here as `{}`", file.name.text))
+        .label(file.span, "not the name of a `use`")
+        .label(used, format!("it is used as `{alias}`"))
+        .help(format!("write `{alias}.{}`", words.join(".")))
 }
 
 pub fn unknown_file(span: Span, alias: &str, near: Option<&str>) -> Diagnostic {
@@ -169,6 +200,33 @@ pub fn unknown_verb(
     Diagnostic::new(Code::E0208, format!("{kind} cannot `{verb}`"))
         .label(span, "not a step")
         .help(meant(near).unwrap_or(list))
+}
+
+/// A setting of a task that was written as a field.
+pub fn setting_with_colon(name: &Ident) -> Diagnostic {
+    let example = match name.text.as_str() {
+        "require" => "require time <= 400 ms",
+        "using" => "using staged_astar",
+        "wait" => "wait 10 ms",
+        "start" => "start at (3, 3)",
+        _ => "minimize time",
+    };
+    Diagnostic::new(Code::E0119, format!("`{}` takes no `:`", name.text))
+        .label(name.span, "a setting, not a field")
+        .help(format!("leave the colon out, as in `{example}`"))
+}
+
+pub fn maximized(span: Span, objectives: &[&str]) -> Diagnostic {
+    let known = listed(objectives.iter().copied());
+    Diagnostic::new(Code::E0208, "plans are minimized, not maximized")
+        .label(span, "not a setting")
+        .help(format!("write `minimize` with {known}; `require` sets a limit, as in `require time >= 400 ms`"))
+}
+
+pub fn second_objective(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0208, "a second objective")
+        .label(span, "a task minimizes one figure")
+        .help("limit the others, as in `require energy <= 2 mJ`; ties are broken by the other figures anyway")
 }
 
 pub fn unknown_field(name: &Ident, owner: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {

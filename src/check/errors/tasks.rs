@@ -6,6 +6,7 @@ use crate::check::value::Value;
 use crate::claims::ValueOrigin;
 use crate::device::{Verb, Vocabulary, VocabularyPhrase};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::{Dimension, digits};
 use crate::source::Span;
 use crate::syntax::tree::Ident;
 
@@ -239,9 +240,26 @@ pub fn shape_too_large(span: Span, limit: &str) -> Diagnostic {
 }
 
 pub fn wrong_place(span: Span, found: &Value, wanted: &str) -> Diagnostic {
+    if let Some(parts) = part_of_cell(found) {
+        let cell = |round: fn(f64) -> f64| {
+            let parts: Vec<String> = parts.iter().map(|part| digits(round(*part))).collect();
+            format!("({})", parts.join(", "))
+        };
+        return Diagnostic::new(Code::E0515, format!("cell {} is not whole", cell(|part| part)))
+            .label(span, "cells are counted")
+            .help(format!("write `{}` or `{}`", cell(f64::floor), cell(f64::ceil)));
+    }
     Diagnostic::new(Code::E0515, format!("`at` needs {wanted}, but this is {}", found.describe_fully()))
         .label(span, found.describe())
         .help("write `at (12, 7)` for a cell, `at (4 um, 2.5 um)` for a place, `at pose(8 um, 3 um, 30 deg)` for a turned shape")
+}
+
+/// The coordinates of a cell of which one is no whole number.
+fn part_of_cell(found: &Value) -> Option<Vec<f64>> {
+    let Value::Point(coordinates) = found else { return None };
+    let parts: Vec<f64> = coordinates.iter().map(|part| part.si).collect();
+    let are_numbers = coordinates.iter().all(|part| part.dimension == Dimension::NUMBER);
+    (are_numbers && parts.iter().any(|part| part.fract() != 0.0)).then_some(parts)
 }
 
 pub fn noun_of_other_kind(span: Span, noun: &str, kind: &str, known: &[&str]) -> Diagnostic {
@@ -253,7 +271,7 @@ pub fn noun_of_other_kind(span: Span, noun: &str, kind: &str, known: &[&str]) ->
 pub fn repeated_object(name: &str, span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0202, format!("`{name}` is declared again by each turn of the `for`"))
         .label(span, "one name for several objects")
-        .help(format!("give it an index: `{name}[i]`"))
+        .help(format!("give it an index that the loop counts, as in `for i, p in places {{ … {name}[i] … }}`"))
 }
 
 pub fn bad_requirement(span: Span, vocabulary: &Vocabulary) -> Diagnostic {

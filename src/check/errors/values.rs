@@ -261,7 +261,10 @@ pub fn repeats_nothing(span: Span) -> Diagnostic {
 pub fn not_to_repeat(span: Span, found: &Value) -> Diagnostic {
     Diagnostic::new(Code::E0304, format!("`for` runs over a range or a list, but this is {}", found.describe_fully()))
         .label(span, found.describe())
-        .help("write `for i in 0..4 { … }` or `for p in spots { … }`")
+        .help(match found {
+            Value::Table(_) => "write a list of its values, as `for p in [(3, 4), (5, 6)] { … }`",
+            _ => "write `for i in 0..4 { … }` or `for p in spots { … }`",
+        })
 }
 
 pub fn bad_coordinate(span: Span, found: &Value) -> Diagnostic {
@@ -270,10 +273,15 @@ pub fn bad_coordinate(span: Span, found: &Value) -> Diagnostic {
 }
 
 pub fn mixed_point(first: (Span, &Value), odd: (Span, &Value)) -> Diagnostic {
+    let is_heading = matches!(odd.1, Value::Quantity(quantity) if quantity.dimension == Dimension::ANGLE);
+    let help = match is_heading {
+        true => "a place with a heading is a pose: write `pose(1 mm, 2 mm, 90 deg)`",
+        false => "`(5, 3)` is a cell, `(5 um, 3 um)` is a place; one point is not both",
+    };
     Diagnostic::new(Code::E0310, "a point of unlike coordinates")
         .label(odd.0, odd.1.describe_fully())
         .label(first.0, first.1.describe_fully())
-        .help("`(5, 3)` is a cell, `(5 um, 3 um)` is a place; one point is not both")
+        .help(help)
 }
 
 pub fn bad_pose(span: Span, found: &Value, dimension: Dimension) -> Diagnostic {

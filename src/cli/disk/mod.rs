@@ -24,8 +24,7 @@ pub fn read_program(path: &Path) -> Result<String, Box<Diagnostic>> {
     let bytes = read_bytes(path, MAX_FILE_BYTES)?;
     String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
-        let line = error.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count() + 1;
-        Box::new(errors::not_utf8(path, at, line))
+        Box::new(errors::not_utf8(path, error.as_bytes(), at))
     })
 }
 

@@ -155,7 +155,7 @@ const FILES: &[(&str, &str, &str)] = &[
     ("def go(x) {\n  return x;\n}\n", "E0122", "def"),
     ("const a = 3;\n", "E0122", "const"),
     ("device bot dimibot { left: 5 }\n", "E0124", "dimibot"),
-    ("task t in b { wait 1 s }\n", "E0124", "in b"),
+    ("task t in b { wait 1 s }\n", "E0124", "in"),
     ("task t {\n  wait 1 s\n}\n", "E0124", "t"),
     ("program (p) { wait 1 s }\n", "E0124", "("),
     ("device : x { left: 5 }\n", "E0124", ":"),

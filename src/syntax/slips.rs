@@ -1,0 +1,266 @@
+//! Slips of the pen that are known by their shape: each gets one diagnostic with the mend, where the general ones could only name the
+//! place at which reading stopped.
+
+use super::errors::{self, ListPlace, part, quote, token_at};
+use super::grammar::Rule;
+use super::lexical::{end_of_word, is_word};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::source::Span;
+
+/// The slip that an unreadable entry of a block is, if it is a known one.
+pub(super) fn entry(span: Span, place: ListPlace, source: &str) -> Option<Diagnostic> {
+    let text = &source[span.range()];
+    match place {
+        ListPlace::Wires => wire(span, text),
+        ListPlace::Scene => object_name(span, text),
+        ListPlace::Fields | ListPlace::Steps => None,
+    }
+}
+
+/// `bl0.set: "…"`, `bl0.set = "…"`, or an output without quotes.
+fn wire(span: Span, text: &str) -> Option<Diagnostic> {
+    let channel = text.len() - text.trim_start_matches(|c| is_word(c) || matches!(c, '.' | '[' | ']')).len();
+    let rest = text[channel..].trim_start();
+    let sign = ["->", ":=", ":", "="].into_iter().find(|sign| rest.starts_with(sign))?;
+    let output = rest[sign.len()..].trim();
+    let quoted = if output.starts_with('"') { output.to_owned() } else { format!("\"{output}\"") };
+    let mend = format!("write `{} -> {}`", &text[..channel], quote(&quoted));
+    let start = span.start as usize + (text.len() - rest.len());
+    if sign != "->" {
+        return Some(
+            Diagnostic::new(Code::E0119, format!("`{sign}` where `->` belongs"))
+                .label(part(span, start, start + sign.len()), "between a channel and its output stands `->`")
+                .help(mend),
+        );
+    }
+    let at = span.start as usize + (text.len() - rest[sign.len()..].trim_start().len());
+    (!output.is_empty() && !output.starts_with('"')).then(|| {
+        Diagnostic::new(Code::E0101, "an output without quotes")
+            .label(part(span, at, at + output.len()), "an output is a string")
+            .help(mend)
+    })
+}
+
+/// `obstacle glass-bead …`, `obstacle 1bead …`.
+fn object_name(span: Span, text: &str) -> Option<Diagnostic> {
+    let noun = token_at(text, 0);
+    let rest = text[noun.len()..].trim_start_matches([' ', '\t']);
+    let name = rest.split([' ', '\t', ':', '\n', '{']).next().filter(|name| !name.is_empty())?;
+    let is_written_so = name.chars().all(|c| is_word(c) || matches!(c, '-' | '.' | '#' | '\''));
+    let is_name = name.chars().all(is_word) && !name.starts_with(|c: char| c.is_ascii_digit());
+    let has_letter = name.chars().any(|c| is_word(c) && !c.is_ascii_digit());
+    if !noun.starts_with(is_word) || !is_written_so || is_name || !has_letter {
+        return None;
+    }
+    let letters: String = name.chars().map(|c| if is_word(c) { c } else { '_' }).collect();
+    let digits = letters.len() - letters.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+    let mended = format!("{}{}", &letters[digits..], &letters[..digits]);
+    let at = span.start as usize + (text.len() - rest.len());
+    Some(
+        Diagnostic::new(Code::E0110, format!("`{}` is no name", quote(name)))
+            .label(part(span, at, at + name.len()), "names are letters, digits and `_`, and begin with a letter")
+            .help(format!("write `{noun} {}`", quote(&mended))),
+    )
+}
+
+/// Whether an entry that could not be read continues the coordinates or places with which the entry before it ended, as in
+/// `move to 19, 28`.
+pub(super) fn is_rest_of_place(span: Span, source: &str) -> bool {
+    let begins = |text: &str| text.starts_with(|c: char| c.is_ascii_digit() || c == '(');
+    let before = source[..span.start as usize].trim_end_matches([' ', '\t']);
+    before.strip_suffix(',').is_some_and(|before| places_from(before).is_some()) && begins(&source[span.range()])
+}
+
+/// Where the value begins that ends a line, after `to`, `at`, `from`, `via` or `visit`.
+fn places_from(before: &str) -> Option<usize> {
+    let seen = before.len() - errors::before(before, before.len()).len();
+    let line = before[seen..].rfind('\n').map_or(seen, |end| seen + end + 1);
+    let words = [" to ", " at ", " from ", " via ", "visit "];
+    let at = words.iter().filter_map(|word| before[line..].rfind(word).map(|at| line + at + word.len())).max()?;
+    let value = before[at..].trim_start();
+    let is_value = value.starts_with(|c: char| c.is_ascii_digit() || c == '(') && !value.contains(['{', '}']);
+    is_value.then(|| before.len() - value.len())
+}
+
+/// Coordinates or places that stand side by side without a bracket around them.
+pub(super) fn places_without_brackets(span: Span, source: &str) -> Diagnostic {
+    let before = source[..span.start as usize].trim_end_matches([' ', '\t']).trim_end_matches(',');
+    let start = places_from(before).unwrap_or(span.start as usize);
+    let line = errors::after(source, start).lines().next().unwrap_or_default();
+    let end = line.find(['}', '{']).unwrap_or(line.len());
+    let written = line[..end].split("//").next().unwrap_or_default().trim_end();
+    let place = part(span, start, start + written.len());
+    let (title, mend) = match written.starts_with('(') {
+        true => ("places without brackets around them", format!("write a list: `[{}]`", quote(written))),
+        false => ("coordinates without brackets around them", format!("write `({})`", quote(written))),
+    };
+    Diagnostic::new(Code::E0127, title).label(place, "a comma ends an entry here").help(mend)
+}
+
+/// `let k: cell = …`.
+pub(super) fn sort_of_let(span: Span, text: &str) -> Option<Diagnostic> {
+    let name = text.strip_prefix("let")?.trim_start();
+    let rest = name.trim_start_matches(is_word);
+    let sort = rest.trim_start().strip_prefix(':')?.trim_start();
+    let value = sort.trim_start_matches(is_word).trim_start().strip_prefix('=')?.trim();
+    let name = &name[..name.len() - rest.len()];
+    let at = span.start as usize + (text.len() - rest.len());
+    let end = at + (rest.len() - sort.len()) + end_of_word(sort, 0);
+    Some(
+        Diagnostic::new(Code::E0124, "`let` takes no sort")
+            .label(part(span, at, end), "a value has the sort that it is written with")
+            .help(format!("write `let {name} = {}`", quote(value.lines().next().unwrap_or_default()))),
+    )
+}
+
+/// The slip in the head of a declaration, of which `rest` could not be read.
+pub(super) fn head(rest: Span, rule: Rule, item: Span, source: &str) -> Option<Diagnostic> {
+    let text = source[rest.range()].trim();
+    let start = rest.start as usize + (source[rest.range()].len() - source[rest.range()].trim_start().len());
+    let before = source[item.start as usize..start].trim_end();
+    let mark = |length: usize| part(rest, start, start + length);
+    let wrong = |title: String, length: usize, note: &str, mend: String| {
+        Some(Diagnostic::new(Code::E0124, title).label(mark(length), note).help(format!("write `{mend}`")))
+    };
+    if text.starts_with('(') && !text.contains("on ") {
+        return wrong("`(` where `{` belongs".to_owned(), 1, "a block stands in braces", format!("{before} {{"));
+    }
+    if rule == Rule::device_rest && text.is_empty() {
+        return device_without_kind(item, &source[item.range()]);
+    }
+    let word = token_at(text, 0);
+    match rule {
+        Rule::device_rest if word == "=" => {
+            let kind = text[1..].trim();
+            let mend = format!("{before} : {}", quote(kind));
+            wrong("`=` where `:` belongs".to_owned(), 1, "between a device and its kind stands `:`", mend)
+        }
+        Rule::task_rest if word == "in" => {
+            let mend = format!("{before} on DEVICE {} {{", quote(text));
+            wrong("a task without its device".to_owned(), word.len(), "`on` and a device belong before this", mend)
+        }
+        Rule::task_rest if word.starts_with(is_word) && word != "on" => {
+            let device = text[word.len()..].trim_start();
+            let mend = format!("{before} on {} {{", quote(device));
+            wrong(format!("`{word}` where `on` belongs"), word.len(), "a task runs `on` a device", mend)
+        }
+        Rule::task_rest => {
+            let device = text.strip_prefix("on")?.trim_start();
+            let after = device.trim_start_matches(|c| is_word(c) || c == '.').trim_start();
+            let word = token_at(after, 0);
+            if !word.starts_with(is_word) || word == "in" {
+                return None;
+            }
+            let at = start + (text.len() - after.len());
+            let scene = after[word.len()..].trim_start();
+            let mend = format!("{before} {}in {} {{", &text[..text.len() - after.len()], quote(scene));
+            Some(
+                Diagnostic::new(Code::E0124, format!("`{word}` where `in` belongs"))
+                    .label(part(rest, at, at + word.len()), "a task runs `in` a scene")
+                    .help(format!("write `{mend}`")),
+            )
+        }
+        _ => None,
+    }
+}
+
+/// `pulse voltage: 20 V`.
+pub(super) fn blank_in_name(span: Span, text: &str) -> Option<Diagnostic> {
+    let (name, value) = text.split_once(':')?;
+    let words: Vec<&str> = name.split_whitespace().collect();
+    let are_words = words.len() > 1 && words.iter().all(|word| word.chars().all(is_word));
+    are_words.then(|| {
+        let value = value.lines().next().unwrap_or_default().trim();
+        Diagnostic::new(Code::E0119, format!("a blank in the name `{}`", quote(&words.join(" "))))
+            .label(part(span, span.start as usize, span.start as usize + name.trim_end().len()), "names have no blanks")
+            .help(format!("write `{}: {}`", quote(&words.join("_")), quote(value)))
+    })
+}
+
+/// A value at which reading stopped because a comma is missing, or because of a remainder as in `19 % 4`.
+pub(super) fn in_value(span: Span, at: usize, open: Option<char>, source: &str) -> Option<Diagnostic> {
+    let token = token_at(&source[..span.end as usize], at);
+    let place = part(span, at, at + token.len());
+    if errors::line_before(source, at).ends_with('%') {
+        let finding = Diagnostic::new(Code::E0101, "`%` is the unit per cent, not a remainder");
+        return Some(
+            finding
+                .label(place, "complete before this")
+                .help("write `a - b * floor(a / b)` for the remainder of `a / b`"),
+        );
+    }
+    let is_value = token.starts_with(|c: char| is_word(c) || c == '(');
+    (is_value && matches!(open, Some('(' | '['))).then(|| {
+        Diagnostic::new(Code::E0101, format!("a comma is missing before `{token}`"))
+            .label(place, "the value before this is complete")
+            .help("separate the values in brackets with commas, as in `(4 um, 2 um)`")
+    })
+}
+
+/// `device bot { … }`.
+pub(super) fn device_without_kind(span: Span, text: &str) -> Option<Diagnostic> {
+    let name = text.strip_prefix("device")?.trim_start();
+    let length = end_of_word(name, 0);
+    let at = span.start as usize + (text.len() - name.len());
+    (length > 0 && name[length..].trim_start().starts_with('{')).then(|| {
+        let word = &name[..length];
+        Diagnostic::new(Code::E0124, format!("device `{word}` has no kind"))
+            .label(part(span, at, at + length), "`:` and a kind or another device belong behind this")
+            .help(format!("write `device {word} : dimibot {{ … }}`; `tweeze devices` lists the kinds"))
+    })
+}
+
+/// `/ …` or `-- …` at the head of a line.
+pub(super) fn comment(span: Span, text: &str) -> Option<Diagnostic> {
+    let mark = ["--", "/"].into_iter().find(|mark| text.starts_with(mark))?;
+    let words = text.trim_start_matches(['-', '/']).trim();
+    Some(
+        Diagnostic::new(Code::E0125, format!("a comment behind `{mark}`"))
+            .label(part(span, span.start as usize, span.start as usize + mark.len()), "comments begin with `//`")
+            .help(format!("write `// {}`", quote(words.lines().next().unwrap_or_default()))),
+    )
+}
+
+/// `bot.left = 6` at the top of a file.
+pub(super) fn field_outside(span: Span, text: &str) -> Option<Diagnostic> {
+    let (path, value) = text.split_once('=')?;
+    let (device, field) = path.trim_end().split_once('.')?;
+    let is_path = [device, field].iter().all(|word| !word.is_empty() && word.chars().all(is_word));
+    is_path.then(|| {
+        let value = value.lines().next().unwrap_or_default().trim();
+        Diagnostic::new(Code::E0111, format!("a field of `{device}` outside of its declaration"))
+            .label(part(span, span.start as usize, span.start as usize + path.trim_end().len()), "given here")
+            .help(format!(
+                "give it where the device is declared: `device {device} : … {{ {field}: {} }}`",
+                quote(value)
+            ))
+    })
+}
+
+/// A head whose block has a `}` and no `{`.
+pub(super) fn missing_brace(file_mark: Span, head: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0124, "`{` is missing")
+        .label(file_mark, "a block begins behind this")
+        .help(format!("write `{} {{`", quote(head)))
+}
+
+/// `0,8` where a point belongs.
+pub(super) fn decimal_comma(span: Span, written: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0116, format!("a decimal comma in `{}`", quote(written)))
+        .label(span, "numbers take a point")
+        .help(format!("write `{}`", quote(&written.replacen(',', ".", 1))))
+}
+
+/// A file of lines that end as on computers of the last century.
+pub(super) fn carriage_returns(first: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0118, "the lines of this file end in a carriage return alone")
+        .label(first, "the whole file reads as one line")
+        .help("save it with LF or CRLF at the line ends")
+}
+
+/// A file in which nothing is of the language.
+pub(super) fn not_a_program(first: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0101, "this does not look like a Tweeze program")
+        .label(first, "no line begins a declaration")
+        .help("name another file; a program has lines such as `use std.dimibot` and `task fetch on bot { … }`")
+}
