@@ -127,8 +127,8 @@ impl HandReasons<'_> {
     }
 
     fn impossible(&self, blocked: &FarthestRoute, planned: &Routes, begins: Begins) -> Diagnostic {
-        // The search for a remedy takes at most half as long as the one that found no plan.
-        let trials = Trials { why: self, begins: &begins, looks: Rc::new(LooksBudget::of(most_looks(self.order) / 2)) };
+        // The search for a remedy takes at most a fifth of the looks of the one that found no plan.
+        let trials = Trials { why: self, begins: &begins, looks: Rc::new(LooksBudget::of(most_looks(self.order) / 5)) };
         if self.order.planner == FingersPlanner::GreedyDecomposition {
             return self.greedy(&trials);
         }
