@@ -14,6 +14,7 @@ pub(super) fn help(word: &str) -> Option<&'static str> {
         "const" | "var" | "val" | "define" | "int" | "float" | "double" => {
             "`let pitch = 70 um` at the top of the file names a value"
         }
+        "end" | "endfor" | "done" => "a block ends with `}`",
         "return" | "break" | "continue" => "steps are carried out in their order, to the last",
         "class" | "struct" => "`device NAME : KIND { … }` declares a device, `scene NAME { … }` its surroundings",
         _ => return None,

@@ -154,6 +154,12 @@ fn decimal_comma(scan: &mut Scan, start: usize) {
     let written = &text[start..end];
     if written.bytes().all(|byte| byte.is_ascii_digit() || byte == b',') && !text[end..].starts_with([',', '.']) {
         let span = scan.span(start, end);
+        if end - comma == 4 && !written.starts_with('0') {
+            scan.report(slips::thousands_comma(span, written));
+            scan.cover(start, end);
+            scan.at = end;
+            return;
+        }
         scan.report(slips::decimal_comma(span, written));
         scan.replace(start, end, &written.replacen(',', ".", 1));
         scan.at = end;

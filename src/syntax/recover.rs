@@ -86,6 +86,10 @@ impl Reader<'_> {
             return None;
         }
         if let Some((_, rule)) = known {
+            if let Some(slip) = slips::colon_for_brace(span, text) {
+                self.report(slip);
+                return None;
+            }
             if wants_more(text) {
                 self.report(errors::missing_value(span.after(), self.source));
                 return None;

@@ -115,14 +115,17 @@ pub(super) fn sort_of_let(span: Span, text: &str) -> Option<Diagnostic> {
 
 /// The slip in the head of a declaration, of which `rest` could not be read.
 pub(super) fn head(rest: Span, rule: Rule, item: Span, source: &str) -> Option<Diagnostic> {
-    let text = source[rest.range()].trim();
-    let start = rest.start as usize + (source[rest.range()].len() - source[rest.range()].trim_start().len());
-    let before = source[item.start as usize..start].trim_end();
+    let written = &source[rest.range()];
+    // Parameters are read, and what is wrong stands behind them.
+    let behind = written.trim_start().starts_with('(').then(|| written.find(')')).flatten().map_or(0, |at| at + 1);
+    let text = written[behind..].trim();
+    let start = rest.start as usize + (written.len() - written[behind..].trim_start().len());
+    let before = quote(source[item.start as usize..start].trim_end());
     let mark = |length: usize| part(rest, start, start + length);
     let wrong = |title: String, length: usize, note: &str, mend: String| {
         Some(Diagnostic::new(Code::E0124, title).label(mark(length), note).help(format!("write `{mend}`")))
     };
-    if text.starts_with('(') && !text.contains("on ") {
+    if text.starts_with('(') {
         return wrong("`(` where `{` belongs".to_owned(), 1, "a block stands in braces", format!("{before} {{"));
     }
     if rule == Rule::device_rest && text.is_empty() {
@@ -189,6 +192,19 @@ pub(super) fn in_value(span: Span, at: usize, open: Option<char>, source: &str) 
                 .help("write `a - b * floor(a / b)` for the remainder of `a / b`"),
         );
     }
+    if let Some((_, right)) = [("=<", "<="), ("=>", ">=")].into_iter().find(|(wrong, _)| *wrong == token) {
+        let finding = Diagnostic::new(Code::E0101, format!("`{token}` is no comparison"));
+        return Some(finding.label(place, "the sign of equality comes last").help(format!("write `{right}`")));
+    }
+    if token == ":" && open == Some('(') {
+        return Some(
+            Diagnostic::new(Code::E0101, "an argument with its name")
+                .label(place, "no name stands before an argument")
+                .help(
+                    "leave the name out: arguments stand in the order of the parameters, as in `run fetch((19, 28))`",
+                ),
+        );
+    }
     let is_value = token.starts_with(|c: char| is_word(c) || c == '(');
     (is_value && matches!(open, Some('(' | '['))).then(|| {
         Diagnostic::new(Code::E0101, format!("a comma is missing before `{token}`"))
@@ -249,6 +265,26 @@ pub(super) fn decimal_comma(span: Span, written: &str) -> Diagnostic {
     Diagnostic::new(Code::E0116, format!("a decimal comma in `{}`", quote(written)))
         .label(span, "numbers take a point")
         .help(format!("write `{}`", quote(&written.replacen(',', ".", 1))))
+}
+
+/// `1,000`, which may be a thousand or one.
+pub(super) fn thousands_comma(span: Span, written: &str) -> Diagnostic {
+    let [thousand, one] = ["", "."].map(|sign| written.replacen(',', sign, 1));
+    Diagnostic::new(Code::E0116, format!("a comma in the number `{}`", quote(written)))
+        .label(span, "a thousand, or one?")
+        .help(format!("write `{}` or `{}`", quote(&thousand), quote(&one)))
+}
+
+/// `task fetch on bot:` with a block by indentation.
+pub(super) fn colon_for_brace(span: Span, text: &str) -> Option<Diagnostic> {
+    let head = text.lines().next()?.trim_end().strip_suffix(':')?;
+    let takes_block = ["scene", "task", "program", "wiring"].iter().any(|word| head.starts_with(word));
+    let at = span.start as usize + head.len();
+    takes_block.then(|| {
+        Diagnostic::new(Code::E0124, "`:` where `{` belongs")
+            .label(part(span, at, at + 1), "a block stands in braces, however it is indented")
+            .help(format!("write `{} {{`, and `}}` where the block ends", quote(head.trim_end())))
+    })
 }
 
 /// A file of lines that end as on computers of the last century.

@@ -14,10 +14,16 @@ pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<
     Diagnostic::new(Code::E0201, format!("no {} is named `{name}`", sort.name()))
         .label(span, if name.contains('.') { "not declared in that file" } else { "not declared in this file" })
         .help_if(meant(near).or_else(|| match sort {
-            DeclarationSort::Let if !name.contains('.') => {
+            _ if name.contains('.') => None,
+            DeclarationSort::Let => {
                 Some(format!("values are named at the top of a file, `let {name} = …`, or as parameters of a task"))
             }
-            _ => None,
+            DeclarationSort::Device => {
+                Some(format!("declare it: `device {name} : KIND {{ … }}`; `tweeze devices` lists the kinds"))
+            }
+            DeclarationSort::Scene => Some(format!("declare it: `scene {name} {{ … }}`")),
+            DeclarationSort::Task => Some(format!("declare it: `task {name} on DEVICE {{ … }}`")),
+            DeclarationSort::Program => Some(format!("declare it: `program {name} {{ … }}`")),
         }))
 }
 

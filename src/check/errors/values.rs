@@ -270,6 +270,10 @@ pub fn not_to_repeat(span: Span, found: &Value) -> Diagnostic {
 pub fn bad_coordinate(span: Span, found: &Value) -> Diagnostic {
     Diagnostic::new(Code::E0304, format!("a point consists of numbers or lengths, but this is {}", found.describe()))
         .label(span, found.describe_fully())
+        .help_if(
+            matches!(found, Value::Point(_))
+                .then(|| "write a list of places in `[ ]`, as `[(3, 4), (5, 6)]`".to_owned()),
+        )
 }
 
 pub fn mixed_point(first: (Span, &Value), odd: (Span, &Value)) -> Diagnostic {

@@ -225,7 +225,7 @@ impl HandReasons<'_> {
             return format!("{what}, and that lets go");
         }
         if !blocked.is_known {
-            return junction.map_or("it was not looked at how far fingers come".to_owned(), |junction| junction);
+            return junction.map_or("how far the turn comes was not searched".to_owned(), |junction| junction);
         }
         let reached = match blocked.farthest {
             Some(angle) if angle != leg.turn.steps => {
