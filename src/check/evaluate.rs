@@ -136,7 +136,7 @@ impl Checker<'_> {
     fn unknown_value_name(&mut self, path: &Path, scope: &Scope) -> Value {
         match ShapeForm::find(&path_text(path)) {
             Some(form) => self.sink.push(errors::shape_without_fields(path.span, form)),
-            None => self.report_unknown(path, scope, DeclarationSort::Let),
+            None => drop(self.report_unknown(path, scope, DeclarationSort::Let)),
         }
         Value::Unknown
     }

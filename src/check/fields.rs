@@ -56,28 +56,32 @@ impl Checker<'_> {
                 self.sink.push(errors::field_twice(&field.name, earlier));
                 continue;
             }
-            let Some(entry) = table.iter().find(|entry| entry.name == field.name.text) else {
-                let known: Vec<&str> = table.iter().map(|entry| entry.name).collect();
-                let near = nearest(&field.name.text, known.iter().copied());
-                let setting = super::verbs::STEP_WORDS.contains(&field.name.text.as_str());
-                self.sink.push(match setting {
-                    true => errors::setting_with_colon(&field.name),
-                    false => errors::unknown_field(&field.name, &owner.name, near, &known),
-                });
-                // A misspelt field is read as the near one, so that it is the only mistake.
-                let meant = table.iter().find(|entry| Some(entry.name) == near && !setting);
-                if let Some(entry) =
-                    meant.filter(|entry| !given.iter().any(|other| other.field.name.text == entry.name))
-                {
-                    let value = self.accept(entry.sort, &field.value, scope, &owner.wanted(entry));
-                    accepted.insert(entry.name, Spanned::new(value.unwrap_or(Value::Unknown), field.value.span));
-                }
-                continue;
-            };
+            let known = table.iter().find(|entry| entry.name == field.name.text);
+            let Some(entry) = known.or_else(|| self.misspelt(field, owner, given, table)) else { continue };
             let value = self.accept(entry.sort, &field.value, scope, &owner.wanted(entry));
             accepted.insert(entry.name, Spanned::new(value.unwrap_or(Value::Unknown), field.value.span));
         }
         accepted
+    }
+
+    /// Reports an unknown field. Returns the near one that it means and that is not given: it is read as that, so that it is the only
+    /// mistake.
+    fn misspelt(
+        &mut self,
+        field: &tree::Field,
+        owner: &Owner,
+        given: &[Given],
+        table: &'static [device::VocabularyField],
+    ) -> Option<&'static device::VocabularyField> {
+        if super::verbs::STEP_WORDS.contains(&field.name.text.as_str()) {
+            self.sink.push(errors::setting_with_colon(&field.name));
+            return None;
+        }
+        let known: Vec<&str> = table.iter().map(|entry| entry.name).collect();
+        let near = nearest(&field.name.text, known.iter().copied());
+        self.sink.push(errors::unknown_field(&field.name, &owner.name, near, &known));
+        let is_free = |name: &str| !given.iter().any(|other| other.field.name.text == name);
+        table.iter().find(|entry| Some(entry.name) == near && is_free(entry.name))
     }
 
     /// The required fields of a table that were not given.

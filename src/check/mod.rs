@@ -283,8 +283,7 @@ impl<'a> Checker<'a> {
         }
         self.use_import(path, scope);
         let Some((place, segment)) = self.find(path, scope) else {
-            self.report_unknown(path, scope, sort);
-            return self.meant(path, scope, sort);
+            return self.report_unknown(path, scope, sort);
         };
         self.use_place(place);
         let declaration = self.declaration(place);
@@ -299,17 +298,6 @@ impl<'a> Checker<'a> {
         Some(place)
     }
 
-    /// The declaration of this file that a misspelt device or scene means: what stands under it is checked all the same.
-    fn meant(&self, path: &Path, scope: &Scope, sort: DeclarationSort) -> Option<DeclarationPlace> {
-        if !matches!(sort, DeclarationSort::Device | DeclarationSort::Scene) || path.segments.len() > 1 {
-            return None;
-        }
-        let names = &self.modules[scope.module].names;
-        let known = names.iter().filter(|(_, declaration)| declaration.sort == sort).map(|(name, _)| name.as_str());
-        let near = scope::nearest(&path.segments[0].name.text, known)?;
-        Some(DeclarationPlace { module: scope.module, item: names[near].item })
-    }
-
     fn use_import(&mut self, path: &Path, scope: &Scope) {
         if path.segments.len() > 1 {
             self.used_imports.insert((scope.module, path.segments[0].name.text.clone()));
@@ -318,7 +306,9 @@ impl<'a> Checker<'a> {
 
     /// Reports an unknown name, unless its declaration could not be read or its file could not be used, which
     /// was already reported.
-    fn report_unknown(&mut self, path: &Path, scope: &Scope, sort: DeclarationSort) {
+    ///
+    /// Returns the declaration of this file that a misspelt device or scene means: what stands under it is checked all the same.
+    fn report_unknown(&mut self, path: &Path, scope: &Scope, sort: DeclarationSort) -> Option<DeclarationPlace> {
         let file = &self.modules[scope.module];
         let first = &path.segments[0];
         let import = file.imports.get(&first.name.text);
@@ -328,7 +318,7 @@ impl<'a> Checker<'a> {
             None => file.is_broken(&first.name.text),
         };
         if is_broken {
-            return;
+            return None;
         }
         match import {
             Some(Import { module: None, .. }) => {}
@@ -337,13 +327,12 @@ impl<'a> Checker<'a> {
             }
             // What a file that cannot be used would have been called is not known.
             None if !is_alone && file.has_broken_use(&first.name.text) => {}
-            None if !is_alone && file.used_as(&first.name.text).is_some() => {
-                let used = file.used_as(&first.name.text).unwrap_or_default();
-                self.sink.push(errors::file_used_as(path, used));
-            }
             None if !is_alone => {
                 let near = scope::nearest(&first.name.text, file.imports.keys().map(String::as_str));
-                self.sink.push(errors::unknown_file(first.span, &first.name.text, near));
+                self.sink.push(match file.used_as(&first.name.text) {
+                    Some(used) => errors::file_used_as(path, used),
+                    None => errors::unknown_file(first.span, &first.name.text, near),
+                });
             }
             Some(_) | None => {
                 // A finding that is only counted needs no near name: to look for it among very many takes long.
@@ -352,8 +341,13 @@ impl<'a> Checker<'a> {
                 let near = scope::in_a_used_file(&text, &known);
                 let near = near.or_else(|| scope::nearest(&text, known.iter().map(String::as_str)));
                 self.sink.push(errors::unknown_name(path.span, &text, sort, near));
+                if matches!(sort, DeclarationSort::Device | DeclarationSort::Scene) {
+                    let meant = near.and_then(|near| file.names.get(near));
+                    return meant.map(|meant| DeclarationPlace { module: scope.module, item: meant.item });
+                }
             }
         }
+        None
     }
 
     /// The names of a sort that may be written here.

@@ -17,9 +17,8 @@ impl Checker<'_> {
             let verbs: Vec<&str> = vocabulary.verbs.iter().map(|verb| verb.name).collect();
             let near = nearest(&step.head.text, verbs.iter().copied().chain(STEP_WORDS));
             let written = (step.head.span, step.head.text.as_str());
-            let objectives: Vec<&str> = vocabulary.objectives.iter().map(|objective| objective.name).collect();
             self.sink.push(match step.head.text.as_str() {
-                "maximize" | "maximise" => errors::maximized(step.head.span, &objectives),
+                "maximize" | "maximise" => errors::maximized(step.head.span, vocabulary),
                 "then" => errors::second_objective(step.head.span),
                 _ => errors::unknown_verb(written, vocabulary.name, near, &verbs, vocabulary.together),
             });

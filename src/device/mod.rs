@@ -203,7 +203,7 @@ const fn expansions(default: &'static str, doc: &'static str) -> VocabularyField
     budget("expansions", MAX_EXPANSIONS, default, doc)
 }
 
-/// An option of a planner that limits its search, counted in something else than expansions.
+/// An option of a planner that limits its search to at most `most`, and to `default` where it is left out.
 const fn budget(name: &'static str, most: u32, default: &'static str, doc: &'static str) -> VocabularyField {
     let sort = Sort::Count { least: 1, most };
     VocabularyField { name, sort, need: Need::Optional(default), doc }

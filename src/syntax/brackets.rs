@@ -56,6 +56,11 @@ pub(super) fn starts_item(line: &str) -> bool {
     })
 }
 
+/// Whether a declaration, of which this is the beginning, has a block.
+pub(super) fn takes_block(item: &str) -> bool {
+    ["scene", "task", "program", "wiring"].iter().any(|word| item.starts_with(word))
+}
+
 fn counterpart(bracket: u8) -> u8 {
     match bracket {
         b'(' => b')',
@@ -177,9 +182,9 @@ impl Scan<'_> {
     /// Remembers where a block must begin.
     fn head_begins(&mut self) {
         let end = self.end_of_line();
-        let takes_block = ["scene", "task", "program", "wiring"].iter().any(|word| self.rest().starts_with(word));
         let code = errors::code_end_before(self.text, end);
-        self.head_end = Some(code).filter(|code| takes_block && *code > self.at && *code < self.text.len());
+        self.head_end =
+            Some(code).filter(|code| takes_block(self.rest()) && *code > self.at && *code < self.text.len());
     }
 
     pub fn end_of_text(&mut self) {

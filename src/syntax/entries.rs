@@ -19,9 +19,9 @@ impl Reader<'_> {
                 continue;
             }
             // `move to 19, 28`: one mistake, of which the comma makes two entries.
-            if child.as_rule() == Rule::bad_entry && slips::is_rest_of_place(self.span(&child), self.source) {
-                let finding = slips::places_without_brackets(self.span(&child), self.source);
-                self.report(finding);
+            let is_bad = child.as_rule() == Rule::bad_entry;
+            if let Some(slip) = is_bad.then(|| slips::rest_of_place(self.span(&child), self.source)).flatten() {
+                self.report(slip);
                 entries.pop();
                 continue;
             }

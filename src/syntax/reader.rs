@@ -146,7 +146,9 @@ impl<'s> Reader<'s> {
 
     /// One finding instead of one for each line of a file that is no program at all.
     pub fn shorten(&mut self, items: &[Item]) {
-        let is_foreign = items.len() >= FOREIGN_LINES && items.iter().all(|item| matches!(item, Item::Error(_)));
+        // A broken declaration keeps its name: then it is a program.
+        let is_foreign = items.len() >= FOREIGN_LINES && self.broken_names.is_empty();
+        let is_foreign = is_foreign && items.iter().all(|item| matches!(item, Item::Error(_)));
         let first = self.findings.iter().find(|finding| finding.code == Code::E0101).and_then(Diagnostic::span);
         if let Some(first) = first.filter(|_| is_foreign) {
             self.findings = vec![super::slips::not_a_program(first)];

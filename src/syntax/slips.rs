@@ -1,6 +1,7 @@
 //! Slips of the pen that are known by their shape: each gets one diagnostic with the mend, where the general ones could only name the
 //! place at which reading stopped.
 
+use super::brackets::takes_block;
 use super::errors::{self, ListPlace, part, quote, token_at};
 use super::grammar::Rule;
 use super::lexical::{end_of_word, is_word};
@@ -63,14 +64,6 @@ fn object_name(span: Span, text: &str) -> Option<Diagnostic> {
     )
 }
 
-/// Whether an entry that could not be read continues the coordinates or places with which the entry before it ended, as in
-/// `move to 19, 28`.
-pub(super) fn is_rest_of_place(span: Span, source: &str) -> bool {
-    let begins = |text: &str| text.starts_with(|c: char| c.is_ascii_digit() || c == '(');
-    let before = source[..span.start as usize].trim_end_matches([' ', '\t']);
-    before.strip_suffix(',').is_some_and(|before| places_from(before).is_some()) && begins(&source[span.range()])
-}
-
 /// Where the value begins that ends a line, after `to`, `at`, `from`, `via` or `visit`.
 fn places_from(before: &str) -> Option<usize> {
     let seen = before.len() - errors::before(before, before.len()).len();
@@ -82,10 +75,12 @@ fn places_from(before: &str) -> Option<usize> {
     is_value.then(|| before.len() - value.len())
 }
 
-/// Coordinates or places that stand side by side without a bracket around them.
-pub(super) fn places_without_brackets(span: Span, source: &str) -> Diagnostic {
-    let before = source[..span.start as usize].trim_end_matches([' ', '\t']).trim_end_matches(',');
-    let start = places_from(before).unwrap_or(span.start as usize);
+/// Coordinates or places side by side without a bracket around them, of which an unreadable entry is the rest, as in
+/// `move to 19, 28`.
+pub(super) fn rest_of_place(span: Span, source: &str) -> Option<Diagnostic> {
+    let is_value = source[span.range()].starts_with(|c: char| c.is_ascii_digit() || c == '(');
+    let before = source[..span.start as usize].trim_end_matches([' ', '\t']).strip_suffix(',').filter(|_| is_value)?;
+    let start = places_from(before)?;
     let line = errors::after(source, start).lines().next().unwrap_or_default();
     let end = line.find(['}', '{']).unwrap_or(line.len());
     let written = line[..end].split("//").next().unwrap_or_default().trim_end();
@@ -94,7 +89,7 @@ pub(super) fn places_without_brackets(span: Span, source: &str) -> Diagnostic {
         true => ("places without brackets around them", format!("write a list: `[{}]`", quote(written))),
         false => ("coordinates without brackets around them", format!("write `({})`", quote(written))),
     };
-    Diagnostic::new(Code::E0127, title).label(place, "a comma ends an entry here").help(mend)
+    Some(Diagnostic::new(Code::E0127, title).label(place, "a comma ends an entry here").help(mend))
 }
 
 /// `let k: cell = …`.
@@ -180,7 +175,7 @@ pub(super) fn blank_in_name(span: Span, text: &str) -> Option<Diagnostic> {
     })
 }
 
-/// A value at which reading stopped because a comma is missing, or because of a remainder as in `19 % 4`.
+/// What stopped reading inside a value: a remainder as in `19 % 4`, `=<`, the name of an argument, a missing comma.
 pub(super) fn in_value(span: Span, at: usize, open: Option<char>, source: &str) -> Option<Diagnostic> {
     let token = token_at(&source[..span.end as usize], at);
     let place = part(span, at, at + token.len());
@@ -254,9 +249,9 @@ pub(super) fn field_outside(span: Span, text: &str) -> Option<Diagnostic> {
 }
 
 /// A head whose block has a `}` and no `{`.
-pub(super) fn missing_brace(file_mark: Span, head: &str) -> Diagnostic {
+pub(super) fn missing_brace(mark: Span, head: &str) -> Diagnostic {
     Diagnostic::new(Code::E0124, "`{` is missing")
-        .label(file_mark, "a block begins behind this")
+        .label(mark, "a block begins behind this")
         .help(format!("write `{} {{`", quote(head)))
 }
 
@@ -278,16 +273,15 @@ pub(super) fn thousands_comma(span: Span, written: &str) -> Diagnostic {
 /// `task fetch on bot:` with a block by indentation.
 pub(super) fn colon_for_brace(span: Span, text: &str) -> Option<Diagnostic> {
     let head = text.lines().next()?.trim_end().strip_suffix(':')?;
-    let takes_block = ["scene", "task", "program", "wiring"].iter().any(|word| head.starts_with(word));
     let at = span.start as usize + head.len();
-    takes_block.then(|| {
+    takes_block(head).then(|| {
         Diagnostic::new(Code::E0124, "`:` where `{` belongs")
             .label(part(span, at, at + 1), "a block stands in braces, however it is indented")
             .help(format!("write `{} {{`, and `}}` where the block ends", quote(head.trim_end())))
     })
 }
 
-/// A file of lines that end as on computers of the last century.
+/// A file whose lines end in CR alone.
 pub(super) fn carriage_returns(first: Span) -> Diagnostic {
     Diagnostic::new(Code::E0118, "the lines of this file end in a carriage return alone")
         .label(first, "the whole file reads as one line")

@@ -2,8 +2,8 @@
 
 use super::{listed, meant, with_article};
 use crate::check::scope::{Declaration, DeclarationSort, FUNCTIONS, path_text};
-use crate::device::Together;
 use crate::device::shape::ShapeForm;
+use crate::device::{Together, Vocabulary};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use crate::stdlib;
@@ -222,8 +222,8 @@ pub fn setting_with_colon(name: &Ident) -> Diagnostic {
         .help(format!("leave the colon out, as in `{example}`"))
 }
 
-pub fn maximized(span: Span, objectives: &[&str]) -> Diagnostic {
-    let known = listed(objectives.iter().copied());
+pub fn maximized(span: Span, vocabulary: &Vocabulary) -> Diagnostic {
+    let known = listed(vocabulary.objectives.iter().map(|objective| objective.name));
     Diagnostic::new(Code::E0208, "plans are minimized, not maximized")
         .label(span, "not a setting")
         .help(format!("write `minimize` with {known}; `require` sets a limit, as in `require time >= 400 ms`"))
