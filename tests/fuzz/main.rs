@@ -2,8 +2,8 @@
 //!
 //! Five attacks take turns: texts are parsed; texts are checked and the reports drawn; programs are built, written in every format, and
 //! their logs read back and verified; every number of published devices is swept over magnitudes; logs are altered, their checksums
-//! corrected, and verified. Must never happen: a panic, a case of more than [`watch::CPU_LIMIT_S`] of processor time or 1 GB of memory,
-//! a fresh plan that the verifier refuses, a log of Tweeze's own that does not verify.
+//! corrected, and verified. Must never happen: a panic, a case of more than [`watch::CPU_LIMIT_S`] of processor time for each of its
+//! tasks, or of 1 GB of memory, a fresh plan that the verifier refuses, a log of Tweeze's own that does not verify.
 //!
 //! `cargo test --test fuzz -- [--seed N] [--seconds N | --cases N] [--jobs N] [--only parse|check|build|sweep|verify]`; faults are
 //! written to `tmp/fuzz` of the target folder. `-- --show N` prints a case, `-- --file PATH` runs one program.

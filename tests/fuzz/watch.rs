@@ -12,11 +12,13 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
 
-/// The most processor time of a case, in seconds: 5 for the compiler as it is shipped, three times that without optimisation.
+/// The most processor time of a case, in seconds for each of its tasks: 5 for the compiler as it is shipped, three times that without
+/// optimisation.
 pub const CPU_LIMIT_S: u64 = if cfg!(debug_assertions) { 15 } else { 5 };
 
-/// The most seconds by the wall, for a worker that waits for ever, and for systems that do not say what a process has used.
-const WALL_LIMIT_S: u64 = 20 * CPU_LIMIT_S;
+/// The most seconds by the wall, for a worker that waits for ever, and for systems that do not say what a process has used. Many, for a
+/// worker may have to wait for the processor.
+const WALL_LIMIT_S: u64 = 60 * CPU_LIMIT_S;
 
 /// The most memory of a worker, in kilobytes of addresses: 1 GB, and what its code, its stack and its stock take.
 const MEMORY_LIMIT_KB: u64 = 1_250_000;
@@ -73,21 +75,27 @@ impl Worker {
             return Err("the worker was gone".to_owned());
         }
         let looks = WALL_LIMIT_S * 1000 / LOOK.as_millis() as u64;
-        for _ in 0..looks {
+        let (mut tasks, mut looked) = (1, 0);
+        while looked < looks * tasks {
             match self.answers.recv_timeout(LOOK) {
-                Ok(answer) => return Ok(answer),
+                Ok(answer) => match answer.strip_prefix(worker::TASKS) {
+                    Some(number) => tasks = number.parse().unwrap_or(1),
+                    None => return Ok(answer),
+                },
                 Err(RecvTimeoutError::Disconnected) => {
                     let status = self.child.wait().map_or_else(|error| error.to_string(), |status| status.to_string());
                     return Err(format!("died or out of memory: {status}"));
                 }
                 Err(RecvTimeoutError::Timeout) => {
-                    if self.used_s().zip(before_s).is_some_and(|(now, before)| now - before > CPU_LIMIT_S as f64) {
-                        return Err(format!("more than {CPU_LIMIT_S} s of processor time"));
+                    looked += 1;
+                    let limit_s = CPU_LIMIT_S * tasks;
+                    if self.used_s().zip(before_s).is_some_and(|(now, before)| now - before > limit_s as f64) {
+                        return Err(format!("more than {limit_s} s of processor time for {tasks} tasks"));
                     }
                 }
             }
         }
-        Err(format!("no answer in {WALL_LIMIT_S} s"))
+        Err(format!("no answer in {} s", WALL_LIMIT_S * tasks))
     }
 
     /// The processor time that a worker has used, where the system says it.

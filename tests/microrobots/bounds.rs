@@ -219,6 +219,23 @@ fn no_sequence_of_states_beats_the_bound_of_stops_and_steps() {
     });
 }
 
+/// More stops than the bound relates to one another, and more than the planner's alternatives: caps of the search enter no claim.
+#[test]
+fn no_sequence_of_states_beats_the_bound_of_many_stops() {
+    compared(15, 30, |chance| {
+        let small = Small::random(chance, 1);
+        let mut places = small.starts.clone();
+        let stops = 10 + chance.below(3) as usize;
+        let tasks: Vec<Task> = (1..=stops)
+            .map(|stop| {
+                let goal = small.somewhere(chance, &mut places, (0, 1));
+                Task::Stop(0, goal, stop < stops && chance.below(3) != 0)
+            })
+            .collect();
+        holds(&small, &tasks, stops + 2)
+    });
+}
+
 #[test]
 fn no_sequence_of_states_beats_the_bound_of_two_robots() {
     compared(13, 40, |chance| {
