@@ -5,7 +5,8 @@
 //! exactly; then a search whose cost is the number of distinct obstacles crossed, one set kept per cell, and a deletion filter on
 //! its result. Guaranteed: see [`Opening`]. One step of the budget is one flip examined.
 
-use super::field::{FieldObstacle, LatticeField};
+use super::field::LatticeField;
+use super::obstacles::FieldObstacle;
 use super::lattice::{Flip, LatticeCell, Side, SwitchWeights, bits};
 use super::outcome::DimibotAnswer;
 use super::shortest::{outside, shortest};

@@ -4,7 +4,8 @@
 //! one by one, each triple once. Cost: with adhesion and without a load c² rows of c/64 words, and c³/6 looks at removals;
 //! otherwise up to c³/6 looks for each instant.
 
-use super::grip::{GripDemand, GripModel};
+use super::load::GripDemand;
+use super::model::GripModel;
 use super::instant::{self, PairsInstant, pairs};
 use super::rows::{PairRows, retain, step};
 use super::{Contacts, Load};
