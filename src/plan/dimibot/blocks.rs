@@ -6,8 +6,8 @@
 //! connected prove that there is no path. It is built once per field from the free runs of all lines; a row of blocks is finished
 //! as soon as all its flips are known to exist.
 
-use super::lines::LineReader;
 use super::lattice::{Side, SwitchWeights, bits};
+use super::lines::LineReader;
 
 /// Coarse modules of each side in the finest abstraction: 1024 by 1024 blocks.
 const MAX_COARSE: u32 = 10;

@@ -7,8 +7,8 @@
 //! cells times modules.
 
 use super::blocks::{BlockDistances, Blocks};
-use super::lines::LineReader;
 use super::lattice::{Flip, Side, SwitchWeights, bits};
+use super::lines::LineReader;
 use super::queue::RadixQueue;
 use super::seen::Seen;
 use crate::plan::search::Meter;

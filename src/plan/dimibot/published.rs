@@ -6,8 +6,8 @@
 //! a stage whose two modules both differ, so it is admissible but weak.
 
 use super::field::LatticeField;
-use super::lines::LineReader;
 use super::lattice::{Flip, Lattice, LatticeCell, Side, SwitchWeights, bits};
+use super::lines::LineReader;
 use super::outcome::{DimibotAnswer, FlipPath, Proof};
 use super::shortest::outside;
 use crate::plan::search::{Meter, SearchBudget};

@@ -5,9 +5,9 @@
 //! optimal unless the budget runs out. One step of the budget is one cell queued.
 
 use super::field::LatticeField;
-use super::lines::LineReader;
 use super::journey::LatticeJourney;
 use super::lattice::{Flip, LatticeCell, Side, SwitchWeights, bits};
+use super::lines::LineReader;
 use super::outcome::{DimibotAnswer, FlipPath, Proof};
 use crate::plan::search::SearchBudget;
 

@@ -6,8 +6,8 @@
 //! its result. Guaranteed: see [`Opening`]. One step of the budget is one flip examined.
 
 use super::field::LatticeField;
-use super::obstacles::FieldObstacle;
 use super::lattice::{Flip, LatticeCell, Side, SwitchWeights, bits};
+use super::obstacles::FieldObstacle;
 use super::outcome::DimibotAnswer;
 use super::shortest::{outside, shortest};
 use crate::plan::search::{Meter, SearchBudget};

@@ -105,7 +105,9 @@ impl NoCourse {
             NoCourse::Blocked { planned, .. } => {
                 planned.left_out.is_none() && order.planner != FingersPlanner::GreedyDecomposition
             }
-            NoCourse::GaveUp { .. } | NoCourse::NoTables { .. } | NoCourse::NoRelease { .. } | NoCourse::NoWay(_) => false,
+            NoCourse::GaveUp { .. } | NoCourse::NoTables { .. } | NoCourse::NoRelease { .. } | NoCourse::NoWay(_) => {
+                false
+            }
         }
     }
 }
@@ -214,11 +216,7 @@ impl<'a> HandTally<'a> {
     }
 
     /// The cheapest path through the turns of a stretch.
-    fn turn(
-        &mut self,
-        sections: &mut Sections,
-        (index, stretch): (usize, Range<usize>),
-    ) -> Result<(), Box<NoCourse>> {
+    fn turn(&mut self, sections: &mut Sections, (index, stretch): (usize, Range<usize>)) -> Result<(), Box<NoCourse>> {
         let mut planned = routes(self.order, stretch.clone(), self.held);
         // Under a load, another earlier path might have left the part where it is easier to hold.
         if self.may_differ && self.order.load_un != [0.0; 3] {

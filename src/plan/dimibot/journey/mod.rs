@@ -7,9 +7,9 @@
 //! proven so far. Guaranteed: see [`DimibotSearchOutcome`]. One step of the budget is one cell queued.
 
 use super::blocks::{BlockDistances, Blocks};
-use super::lines::LineReader;
 use super::guided::{BlockGuide, Guide, GuidedSearch, Lists, NoBlocks, SearchEnd, SearchSpace, small_difference};
 use super::lattice::{Flip, Side, SwitchWeights, bits};
+use super::lines::LineReader;
 use super::outcome::{DimibotAnswer, FlipPath, Proof};
 use super::seen::Seen;
 use crate::plan::search::{Meter, SearchBudget};
