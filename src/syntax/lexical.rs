@@ -5,7 +5,7 @@ use super::scan::{MAX_NESTING, Scan};
 use super::slips;
 
 /// Whether a character may stand in a name.
-pub(super) fn is_word(c: char) -> bool {
+pub(crate) fn is_word(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_' || (!c.is_ascii() && c.is_alphabetic())
 }
 

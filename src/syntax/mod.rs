@@ -21,6 +21,7 @@ mod slips;
 pub mod tree;
 mod values;
 
+pub(crate) use lexical::is_word;
 pub use scan::MAX_NESTING;
 pub use values::MAX_OPERATORS;
 
