@@ -28,15 +28,12 @@ use std::ops::Range;
 pub fn format(file: FileId, text: &str, sink: &mut Sink) -> String {
     let mut own = Sink::default();
     let tree = syntax::parse(file, text, &mut own);
-    let errors: Vec<Diagnostic> = own.sorted().into_iter().cloned().collect();
     let formatted = match (own.errors(), own.dropped()) {
         (0, _) => formatted(text, &Marks::of(&tree), &[]),
-        (_, 0) => around_errors(text, &tree, &errors),
+        (_, 0) => around_errors(text, &tree, &own.sorted()),
         _ => None,
     };
-    for error in errors {
-        sink.push(error);
-    }
+    sink.append(own);
     formatted.unwrap_or_else(|| text.to_owned())
 }
 
@@ -48,7 +45,7 @@ fn formatted(text: &str, marks: &Marks, kept: &[Range<usize>]) -> Option<String>
 }
 
 /// The canonical text of the declarations without errors between those with errors, if that changes nothing of what is reported.
-fn around_errors(text: &str, tree: &Tree, errors: &[Diagnostic]) -> Option<String> {
+fn around_errors(text: &str, tree: &Tree, errors: &[&Diagnostic]) -> Option<String> {
     let marks = Marks::of(tree);
     let spans: Vec<Span> = tree.items.iter().map(|item| item.span()).collect();
     let places: Vec<Span> = errors.iter().flat_map(|error| error.labels.iter().map(|label| label.span)).collect();
@@ -63,10 +60,10 @@ fn around_errors(text: &str, tree: &Tree, errors: &[Diagnostic]) -> Option<Strin
     let result = formatted(text, &marks, &broken_lines(text, &spans, &broken))?;
     let mut sink = Sink::default();
     let again = syntax::parse(tree.file, &result, &mut sink);
-    let reports = |errors: Vec<&Diagnostic>| -> Vec<String> {
-        errors.into_iter().map(|error| format!("{} {}", error.code.name(), error.title)).collect()
+    let reports = |errors: &[&Diagnostic]| -> Vec<String> {
+        errors.iter().map(|error| format!("{} {}", error.code.name(), error.title)).collect()
     };
-    let same_errors = reports(sink.sorted()) == reports(errors.iter().collect());
+    let same_errors = reports(&sink.sorted()) == reports(errors);
     let same_items = again.items.len() == tree.items.len() && Marks::of(&again).broken_items == marks.broken_items;
     (same_errors && same_items).then_some(result)
 }
