@@ -3,15 +3,14 @@
 //! Input: a plan, how many trials, a seed. Output: a report of its kind. Promise: the same seed gives the same report,
 //! whatever the number of threads. Only microrobots state their errors so far.
 
-pub mod microrobots;
-
 use crate::plan::Motion;
-pub use microrobots::{Dockings, FailureReason, Failures, SimulationReport, Spread};
+use crate::plan::microrobots::simulation;
+pub use simulation::{Dockings, FailureReason, Failures, SimulationReport, Spread};
 
 /// Report on `trials` trials of a plan; `None` if the kind or the device has no error bounds, or nothing is assembled.
 pub fn simulate(motion: &Motion, trials: u64, seed: u64, threads: usize) -> Option<SimulationReport> {
     match motion {
-        Motion::Microrobots(planned) => microrobots::simulate(planned.order, &planned.motion, trials, seed, threads),
+        Motion::Microrobots(planned) => simulation::simulate(planned.order, &planned.motion, trials, seed, threads),
         // These kinds have no simulation.
         Motion::Dimibot(_) | Motion::ElectrodeArray(_) | Motion::Fingers(_) => None,
     }

@@ -558,12 +558,14 @@ fn turned(turns: &[(bool, i32)], step_rad: impl Fn(bool) -> f64) -> UnitQuaterni
 fn legs(steps: &[Step], turns: &[Vec<(bool, i32)>]) -> Vec<Leg> {
     let mut legs: Vec<Leg> = Vec::new();
     let mut begins = Begins::Any;
+    // That of the next turn of the task, else of its last one.
+    let plane_at = |at: usize| {
+        let (before, after) = turns.split_at(at);
+        let turn = after.iter().flatten().next().or_else(|| before.iter().flatten().last());
+        turn.is_none_or(|(is_about_z, _)| *is_about_z)
+    };
     for (at, step) in steps.iter().enumerate() {
-        // Until the release nothing else counts.
-        let end = (at..steps.len()).find(|later| steps[*later] == Step::Release).unwrap_or(steps.len());
-        let next = turns[at..end].iter().flatten().next();
-        let last = legs.last().filter(|_| begins == Begins::Held);
-        let plane = next.map(|(is_about_z, _)| *is_about_z).or(last.map(|leg| leg.is_about_z)).unwrap_or(true);
+        let plane = plane_at(at);
         match step {
             Step::Grasp(pin) if begins == Begins::Any => begins = Begins::With(*pin),
             Step::Grasp(pin) => {
@@ -586,7 +588,7 @@ fn legs(steps: &[Step], turns: &[Vec<(bool, i32)>]) -> Vec<Leg> {
         }
     }
     if begins != Begins::Held && !matches!(steps.last(), Some(Step::Release)) {
-        legs.push(Leg { is_about_z: true, turn: 0, end: None, begins });
+        legs.push(Leg { is_about_z: plane_at(steps.len()), turn: 0, end: None, begins });
     }
     legs
 }

@@ -97,6 +97,24 @@ fn what_cannot_be_planned_with_is_refused_by_the_check() {
 }
 
 /// Each was once planned and then refused by the verifier.
+/// The contacts of a grasp are counted in the plane of the task's next turn, else in that of its last one, whatever is released between.
+#[test]
+fn contacts_are_counted_in_the_plane_of_the_next_turn_or_the_last() {
+    let after_release = found("fingers-grasp-after-release");
+    let before_release = after_release
+        .replace("  grasp bead at (0, 2, 6)\n", "")
+        .replace("  release\n", "  grasp bead at (0, 2, 6)\n  release\n  rotate bead by 60 deg about z\n");
+    let without_turns = "task alone on hand in cell {\n  release\n  grasp bead at (0, 2, 6)\n}\n\
+                         program both { run flip, run alone }\n";
+    for text in [after_release.clone(), before_release, format!("{after_release}{without_turns}")] {
+        let built = build(&text);
+        assert!(!built.refused, "{:?}\n{text}", built.codes);
+        let is_answered = built.codes.iter().all(|code| ["E0601", "E0602"].contains(code));
+        assert!(is_answered, "{:?}\n{text}", built.codes);
+    }
+    assert_eq!(build(&after_release).codes, Vec::<&str>::new());
+}
+
 #[test]
 fn what_was_refused_by_the_verifier_is_built() {
     for name in ["fingers-wait-before-grasp", "fingers-balanced-while-carried", "fingers-orient-then-grasp"] {

@@ -78,12 +78,17 @@ pub fn check(text: &str) -> Result<bool, String> {
     }
 }
 
-/// Through everything.
-pub fn build(text: &str) -> Built {
+/// Through everything; `next` is called before each task is planned, with its number from 1 on.
+pub fn build(text: &str, next: &mut dyn FnMut(u64)) -> Built {
+    let mut tasks = 0;
+    let mut progress = |_: usize, _: usize, _: &str| {
+        tasks += 1;
+        next(tasks);
+    };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();
     let program = CompileRequest { name: NAME, text, library: &Carried(&[]), options: &options };
-    let outcome = compile::compile(&program, &mut sources, &mut sink, &mut |_, _, _| ());
+    let outcome = compile::compile(&program, &mut sources, &mut sink, &mut progress);
     draw(&sink, &sources);
     let first = |sink: &Sink| {
         sink.sorted().into_iter().find(|diagnostic| diagnostic.is_error()).map(|d| (d.code.name(), d.title.clone()))

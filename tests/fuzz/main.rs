@@ -88,7 +88,7 @@ fn main() -> ExitCode {
     }
     if let Some(path) = value("--file") {
         let text = std::fs::read_to_string(&path).unwrap_or_default();
-        println!("{:?}", judge::build(&text));
+        println!("{:?}", judge::build(&text, &mut |_| ()));
         return ExitCode::SUCCESS;
     }
     if arguments.iter().any(|argument| argument == "--worker") {

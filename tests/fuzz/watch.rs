@@ -78,7 +78,7 @@ impl Worker {
         let (mut tasks, mut looked) = (1, 0);
         while looked < looks * tasks {
             match self.answers.recv_timeout(LOOK) {
-                Ok(answer) => match answer.strip_prefix(worker::TASKS) {
+                Ok(answer) => match answer.strip_prefix(worker::TASK) {
                     Some(number) => tasks = number.parse().unwrap_or(1),
                     None => return Ok(answer),
                 },

@@ -1,7 +1,8 @@
 //! Runs cases in a process of its own, which may die or hang.
 //!
 //! Each line of the standard input is the number of a case; each line of the output is its result: `fine`, with the numbers of texts
-//! parsed, checked, built, verified and refused; or `fault`, and which. A line before it says how many tasks a program has.
+//! parsed, checked, built, verified and refused; or `fault`, and which. A line before it says which task of a program
+//! is planned.
 
 use super::generate;
 use super::judge::{self, Built};
@@ -147,14 +148,8 @@ pub fn shown(run: &Run, case: u64) -> String {
     }
 }
 
-/// How the line begins that says how many tasks the case at work has to plan.
-pub const TASKS: &str = "tasks ";
-
-/// How often a program defines or runs a task: each is planned with a budget of its own.
-fn tasks(text: &str) -> usize {
-    let begins = |line: &&str| ["task ", "run "].iter().any(|word| line.trim_start().starts_with(word));
-    text.lines().filter(begins).count().max(1)
-}
+/// How the line begins that says which task of the case at work is planned: each has a budget of its own.
+pub const TASK: &str = "task ";
 
 /// The text that is at work, for the fault's file.
 static CURRENT: Mutex<String> = Mutex::new(String::new());
@@ -185,9 +180,8 @@ fn carry_out(run: &Run, case: u64) -> Result<Tally, String> {
         Attack::Build | Attack::Sweep => {
             let text = program(run, case);
             current(&text);
-            println!("{TASKS}{}", tasks(&text));
             tally.built += 1;
-            match judge::build(&text) {
+            match judge::build(&text, &mut |task| println!("{TASK}{task}")) {
                 Built::Fault(fault) => return Err(fault),
                 Built::Verified => tally.verified += 1,
                 Built::Errors(_) => {}

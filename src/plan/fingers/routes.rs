@@ -49,7 +49,12 @@ pub struct Routes {
 pub fn routes(order: &FingersOrder, steps: Range<usize>, held: Option<Holding>) -> Routes {
     let (mut choices, left_out) = choices(order, steps.clone());
     choices.sort_by_key(|choice| turned(choice));
-    let routes = choices.iter().map(|choice| route(order, steps.clone(), choice, held)).collect();
+    let planes = free_planes(order, &steps, held);
+    let in_plane = |plane: Option<Plane>| {
+        let steps = &steps;
+        choices.iter().map(move |choice| route(order, steps.clone(), choice, (held, plane)))
+    };
+    let routes = planes.into_iter().flat_map(in_plane).collect();
     let start = held.map(|held| held.grasp).or_else(|| first_grasp(order, steps));
     Routes { routes, start, left_out }
 }
@@ -113,15 +118,52 @@ pub fn takes_hold(action: &FingersAction) -> bool {
     }
 }
 
+/// The planes in which the fingers may take hold, where nothing in the range says which: no turn, no grasp on named contacts, and nothing
+/// held. `None` leaves it to the turns.
+fn free_planes(order: &FingersOrder, steps: &Range<usize>, held: Option<Holding>) -> Vec<Option<Plane>> {
+    let is_bound = order.steps[steps.clone()].iter().any(|step| match &step.action {
+        FingersAction::Rotate { .. } | FingersAction::Orient { .. } | FingersAction::Grasp(Some(_)) => true,
+        FingersAction::Grasp(None) | FingersAction::Translate(_) | FingersAction::Release | FingersAction::Wait(_) => {
+            false
+        }
+    });
+    if held.is_some() || is_bound {
+        return vec![None];
+    }
+    let planes = Plane::ALL.into_iter().filter(|plane| order.part.section(*plane).is_some());
+    planes.map(Some).collect()
+}
+
+/// The plane of the first turn from a step on.
+fn turned_later(order: &FingersOrder, from: usize) -> Option<Plane> {
+    order.steps[from..].iter().find_map(|step| match &step.action {
+        FingersAction::Rotate { plane, .. } => Some(*plane),
+        FingersAction::Orient { turns, .. } => turns.iter().find_map(|turns| turns.first()).map(|turn| turn.plane),
+        FingersAction::Grasp(_) | FingersAction::Translate(_) | FingersAction::Release | FingersAction::Wait(_) => None,
+    })
+}
+
+/// The plane of the last turn before a step.
+fn turned_before(order: &FingersOrder, step: usize) -> Option<Plane> {
+    order.steps[..step].iter().rev().find_map(|step| match &step.action {
+        FingersAction::Rotate { plane, .. } => Some(*plane),
+        FingersAction::Orient { turns, .. } => turns.iter().find_map(|turns| turns.last()).map(|turn| turn.plane),
+        FingersAction::Grasp(_) | FingersAction::Translate(_) | FingersAction::Release | FingersAction::Wait(_) => None,
+    })
+}
+
 fn route(
     order: &FingersOrder,
     steps: Range<usize>,
     turns: &[(usize, FingersTurn)],
-    held: Option<Holding>,
+    (held, free): (Option<Holding>, Option<Plane>),
 ) -> TurnRoute {
+    // That of the next turn of the task, else of its last one: turns of this range as chosen, the others as written.
+    let last = turns.last().map(|(_, turn)| turn.plane).or_else(|| turned_before(order, steps.start));
+    let later = turned_later(order, steps.end);
     let plane_at = |step: usize| {
-        let next = turns.iter().find(|(of, _)| *of >= step).or(turns.last());
-        next.map(|(_, turn)| turn.plane).or(held.map(|held| held.plane)).unwrap_or(Plane::Xy)
+        let next = turns.iter().find(|(of, _)| *of >= step).map(|(_, turn)| turn.plane);
+        free.or(next).or(later).or(last).unwrap_or(Plane::Xy)
     };
     let mut route = TurnRoute::new();
     let mut is_held = held.is_some();

@@ -8,6 +8,7 @@ pub mod fine;
 pub mod free;
 pub mod guarantee;
 mod job;
+pub mod simulation;
 pub mod strategy;
 pub mod strokes;
 pub mod ways;
