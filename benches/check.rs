@@ -1,4 +1,4 @@
-//! Reading and checking a generated program of 10,000 steps, judging a crowded scene, and drawing reports on a large file: the
+//! Reading, formatting and checking a generated program of 10,000 steps, judging a crowded scene, and drawing reports on a large file: the
 //! median of several runs, in milliseconds.
 //!
 //! `cargo bench --bench check`. The text comes from a fixed seed. There is no public library that does the same work.
@@ -31,6 +31,10 @@ fn main() {
         let tree = tweeze::syntax::parse(FileId(0), &text, &mut sink);
         assert_eq!(tree.items.len(), 4);
     });
+    let formatting = median_ms(|| {
+        let formatted = tweeze::format::format(FileId(0), &text, &mut Sink::default());
+        assert!(formatted.len() > text.len() / 2);
+    });
     let checking = median_ms(|| {
         let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
         let program = CompileRequest { name: "steps.twz", text: &text, library: &Nothing, options: &options };
@@ -48,6 +52,7 @@ fn main() {
     let megabytes = text.len() as f64 / 1e6;
     println!("{STEPS} steps, 200 obstacles, {megabytes:.2} MB");
     println!("read             {reading:6.1} ms, {:.1} MB/s", megabytes / reading * 1e3);
+    println!("read and formatted {formatting:4.1} ms, {:.1} ms of it beyond reading", formatting - reading);
     println!("read and checked {checking:6.1} ms, {:.1} MB/s", megabytes / checking * 1e3);
     println!("50,000 obstacles, {STEPS} steps on or beside them: read and checked {judging:6.1} ms");
     println!("{REPORTS} reports on a file of 10 MB: {drawing:6.1} ms");

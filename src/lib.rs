@@ -19,7 +19,8 @@
 //! [`claims`] and [`schedule`] are the contract: data that the stages hand to one another. `check`, `plan`, `verify` and [`log`], which
 //! reads MCAP logs back, stand side by side on it, and none of them sees another.
 //!
-//! Beside them [`simulate`] carries plans out with imperfect devices, where a kind says its errors.
+//! Beside them [`simulate`] carries plans out with imperfect devices, where a kind says its errors, and [`mod@format`] turns the text of
+//! a program into its canonical form.
 //!
 //! They stand on a base that knows nothing of them: [`source`] (files and spans), [`real`] (elementary functions that are the same on
 //! every platform), [`random`] (numbers that a seed determines), [`quantity`] (units and dimensions),
@@ -56,6 +57,7 @@ pub mod compile;
 pub mod device;
 pub mod diagnostic;
 pub mod emit;
+pub mod format;
 pub mod geometry;
 pub mod log;
 pub mod lower;

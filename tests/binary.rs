@@ -81,7 +81,7 @@ fn says(text: &str, parts: &[&str]) {
 #[test]
 fn help_teaches() {
     let bench = Bench::new();
-    let commands = ["check", "build", "verify", "explain", "simulate", "devices", "completions"];
+    let commands = ["check", "build", "verify", "explain", "fmt", "simulate", "devices", "completions"];
     let top = out(&bench.run(&["--help"]).code(DONE));
     says(&top, &commands);
     says(&top, &["Exit status: 0 done; 1 the program has errors; 2 wrong usage; 3", "tweeze build FILE.twz"]);
@@ -103,6 +103,7 @@ fn wrong_usage_is_told_apart() {
         &["build"],
         &["check"],
         &["verify"],
+        &["fmt"],
         &["build", "a.twz", "b.twz"],
         &["build", "a.twz", "--emit", "mp3"],
         &["build", "a.twz", "--emit", ""],

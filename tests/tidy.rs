@@ -17,6 +17,7 @@ const BASE: [&str; 7] = ["source", "real", "random", "quantity", "geometry", "di
 const SIGHT: &[(&str, &[&str])] = &[
     ("stdlib", &[]),
     ("syntax", &[]),
+    ("format", &["syntax"]),
     // The contract: what the stages hand to one another.
     ("claims", &[]),
     ("schedule", &["claims"]),
@@ -32,7 +33,10 @@ const SIGHT: &[(&str, &[&str])] = &[
     ("compile", &["syntax", "check", "plan", "lower", "verify"]),
     (
         "cli",
-        &["syntax", "stdlib", "claims", "schedule", "check", "plan", "verify", "log", "simulate", "emit", "compile"],
+        &[
+            "syntax", "format", "stdlib", "claims", "schedule", "check", "plan", "verify", "log", "simulate", "emit",
+            "compile",
+        ],
     ),
 ];
 

@@ -37,6 +37,13 @@ pub enum Command {
     /// Explain a diagnostic, with an example and its fix
     #[command(after_help = "Example: tweeze explain E0503")]
     Explain(ExplainArguments),
+    /// Write programs in their canonical form: blanks, indentation, columns and units; line breaks and comments stay
+    #[command(
+        after_help = "Examples:\n  tweeze fmt fetch.twz\n  tweeze fmt --diff fetch.twz\n  tweeze fmt --check .\n  \
+                      tweeze fmt - < fetch.twz\n\nA declaration with a syntax error stays as it is, and the error is \
+                      reported. Exit status: 0 done; 1 a program has syntax errors or, with --check, would change."
+    )]
+    Fmt(FmtArguments),
     /// Simulate the assemblies of a program with imperfect robots and measurements, and count the outcomes
     #[command(after_help = "Example: tweeze simulate assemble.twz --trials 1000 --seed 7")]
     Simulate(SimulateArguments),
@@ -115,6 +122,21 @@ pub struct VerifyArguments {
 pub struct ExplainArguments {
     /// A code such as E0503; all codes are listed if omitted
     pub code: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub struct FmtArguments {
+    /// Programs to rewrite in place; folders stand for all .twz files in them, - for standard input
+    #[arg(required = true, value_name = "FILE|DIR|-")]
+    pub files: Vec<PathBuf>,
+    /// Write nothing; list the files that would change, and exit with 1 if there are any
+    #[arg(long)]
+    pub check: bool,
+    /// Write nothing; show what would change
+    #[arg(long)]
+    pub diff: bool,
+    #[command(flatten)]
+    pub report: ReportArguments,
 }
 
 #[derive(Debug, Args)]

@@ -39,6 +39,16 @@ pub fn unwritable(path: &Path, error: &io::Error) -> Diagnostic {
         .help("nothing was written; choose another folder with `-o DIR`")
 }
 
+pub fn not_replaced(path: &Path, error: &io::Error) -> Diagnostic {
+    Diagnostic::new(Code::E0804, format!("cannot write `{}`: {}", path.display(), reason(error)))
+        .help("the file is unchanged; `tweeze fmt - < FILE` writes the canonical form to standard output")
+}
+
+pub fn nothing_to_format(folder: &Path) -> Diagnostic {
+    Diagnostic::new(Code::E0801, format!("`{}` contains no `.twz` file", folder.display()))
+        .help("name a file, or a folder with programs")
+}
+
 pub fn of_another_program(file: &Path, program: &str) -> Diagnostic {
     let title = format!("`{}` was built from another program, `{program}`", file.display());
     Diagnostic::new(Code::E0806, title).help("choose another folder with `-o DIR`, or replace it with `--force`")

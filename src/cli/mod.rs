@@ -7,6 +7,7 @@ mod devices;
 mod disk;
 mod errors;
 mod explain;
+mod fmt;
 mod library;
 mod loaded;
 mod report;
@@ -68,6 +69,7 @@ fn dispatch(command: Command) -> Exit {
         Command::Build(arguments) => build::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
+        Command::Fmt(arguments) => fmt::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),
         Command::Completions(arguments) => {

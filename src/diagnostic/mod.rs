@@ -142,6 +142,14 @@ impl Sink {
         }
     }
 
+    /// Adds the findings of another sink, with the number of those that it did not keep.
+    pub fn append(&mut self, other: Sink) {
+        let kept = other.diagnostics.iter().filter(|diagnostic| diagnostic.is_error()).count();
+        self.errors += other.errors - kept;
+        self.dropped += other.dropped;
+        other.diagnostics.into_iter().for_each(|diagnostic| self.push(diagnostic));
+    }
+
     /// How many errors were pushed so far: a stage compares before and after to know whether it failed.
     pub fn errors(&self) -> usize {
         self.errors

@@ -5,6 +5,7 @@
 
 use crate::real::Real;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::fmt;
 
 /// The exponents of the base units metre, kilogram, second, ampere, kelvin, radian and pixel.
@@ -277,6 +278,12 @@ impl Unit {
     pub fn scale(self) -> f64 {
         self.factor * 10f64.whole_power(self.ten)
     }
+}
+
+/// A unit in its usual spelling: `um` for `µm`. A text that is no unit stays as it is.
+pub fn canonical_unit(text: &str) -> Cow<'_, str> {
+    const MICRO: [char; 2] = ['µ', 'μ'];
+    if text.contains(MICRO) && Unit::parse(text).is_ok() { text.replace(MICRO, "u").into() } else { text.into() }
 }
 
 fn power(text: &str) -> Result<(Unit, i32), UnitError> {

@@ -40,6 +40,22 @@ pub enum Item {
     Error(Span),
 }
 
+impl Item {
+    /// Where it stands, without its doc comment.
+    pub fn span(&self) -> Span {
+        match self {
+            Item::Use(item) => item.span,
+            Item::Let(item) => item.span,
+            Item::Device(item) => item.span,
+            Item::Scene(item) => item.span,
+            Item::Task(item) => item.span,
+            Item::Program(item) => item.span,
+            Item::Wiring(item) => item.span,
+            Item::Error(span) => *span,
+        }
+    }
+}
+
 /// `use std.dimibot as d` or `use "bench.twz" as lab`.
 #[derive(Debug, Clone)]
 pub struct Use {

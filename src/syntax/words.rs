@@ -7,7 +7,7 @@ pub const RESERVED: [&str; 21] = [
 ];
 
 /// Whether a character may stand in a name.
-pub(super) fn is_word(c: char) -> bool {
+pub(crate) fn is_word(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_' || (!c.is_ascii() && c.is_alphabetic())
 }
 

@@ -7,7 +7,7 @@ use tweeze::diagnostic::{Sink, render};
 use tweeze::emit::{self, EmitError, Format, Provenance, mcap};
 use tweeze::log;
 use tweeze::schedule::SourceRef;
-use tweeze::source::{Origin, Sources, beside};
+use tweeze::source::{FileId, Origin, Sources, beside};
 use tweeze::verify::{self, Verdict, Verified};
 
 /// The name of every program of the attack.
@@ -44,6 +44,18 @@ pub fn parse(text: &str) {
     let file = sources.add(NAME, text);
     tweeze::syntax::parse(file, text, &mut sink);
     draw(&sink, &sources);
+    if text.len().is_multiple_of(4) {
+        format(text, sink.errors());
+    }
+}
+
+/// Through the formatter: the canonical text is its own, and has as many errors.
+fn format(text: &str, errors: usize) {
+    let mut sink = Sink::default();
+    let once = tweeze::format::format(FileId(0), text, &mut Sink::default());
+    let twice = tweeze::format::format(FileId(0), &once, &mut sink);
+    assert_eq!(once, twice, "another canonical text");
+    assert_eq!(errors, sink.errors(), "another number of errors");
 }
 
 fn draw(sink: &Sink, sources: &Sources) {

@@ -10,8 +10,8 @@ use crate::source::MAX_FILE_BYTES;
 use commit::{DiskFault, Folder, JOURNAL, RealDisk};
 use manifest::Manifest;
 use std::fs::{self, File};
-use std::io::{self, Read};
-use std::path::Path;
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
 
 /// The largest log that is read, in bytes.
 pub const MAX_LOG_BYTES: usize = 1024 * 1024 * 1024;
@@ -44,6 +44,69 @@ pub fn read_bytes(path: &Path, limit: usize) -> Result<Vec<u8>, Box<Diagnostic>>
         return Err(Box::new(errors::too_large(path, limit)));
     }
     Ok(bytes)
+}
+
+/// Reads a program's text from standard input.
+///
+/// # Errors
+/// A diagnostic: it cannot be read, is too large, or is not UTF-8.
+pub fn read_standard_input(name: &Path) -> Result<String, Box<Diagnostic>> {
+    let mut bytes = Vec::new();
+    let read = io::stdin().lock().take(MAX_FILE_BYTES as u64 + 1).read_to_end(&mut bytes);
+    read.map_err(|error| Box::new(errors::unreadable(name, &error)))?;
+    if bytes.len() > MAX_FILE_BYTES {
+        return Err(Box::new(errors::too_large(name, MAX_FILE_BYTES)));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        Box::new(errors::not_utf8(name, error.as_bytes(), at))
+    })
+}
+
+/// The `.twz` files of a folder and of its folders, by path; hidden folders and links to folders are left out.
+///
+/// # Errors
+/// A diagnostic: a folder cannot be read.
+pub fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Box<Diagnostic>> {
+    let mut found = Vec::new();
+    let mut open = vec![folder.to_owned()];
+    while let Some(folder) = open.pop() {
+        let unreadable = |error: io::Error| Box::new(errors::unreadable(&folder, &error));
+        for entry in fs::read_dir(&folder).map_err(unreadable)? {
+            let entry = entry.map_err(unreadable)?;
+            let path = entry.path();
+            let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
+            if entry.file_type().map_err(unreadable)?.is_dir() {
+                open.extend((!is_hidden).then_some(path));
+            } else if path.extension().is_some_and(|ending| ending == "twz") {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// Replaces the text of a file at once: whoever reads it finds the old text or the new one. Its permissions stay, and a link to it does.
+///
+/// # Errors
+/// A diagnostic: the file is read-only, or its folder cannot be written to.
+pub fn replace(path: &Path, text: &str) -> Result<(), Box<Diagnostic>> {
+    replaced(path, text).map_err(|error| Box::new(errors::not_replaced(path, &error)))
+}
+
+fn replaced(path: &Path, text: &str) -> io::Result<()> {
+    let target = fs::canonicalize(path)?;
+    let permissions = fs::metadata(&target)?.permissions();
+    if permissions.readonly() {
+        return Err(io::Error::new(io::ErrorKind::PermissionDenied, "it is read-only"));
+    }
+    let folder = target.parent().unwrap_or(Path::new("."));
+    let mut file = tempfile::Builder::new().prefix(".tweeze-fmt-").tempfile_in(folder)?;
+    file.write_all(text.as_bytes())?;
+    file.as_file().set_permissions(permissions)?;
+    file.as_file().sync_all()?;
+    file.persist(&target).map(drop).map_err(|error| error.error)
 }
 
 /// Target of a set of files.

@@ -1,0 +1,79 @@
+//! `tweeze fmt`.
+
+use super::arguments::FmtArguments;
+use super::{Exit, disk, errors, terminal};
+use crate::diagnostic::{Diagnostic, Sink};
+use crate::format;
+use crate::source::Sources;
+use similar::TextDiff;
+use std::path::{Path, PathBuf};
+
+/// The argument that stands for standard input.
+const STANDARD_INPUT: &str = "-";
+
+/// The name of standard input in messages.
+const STANDARD_INPUT_NAME: &str = "<stdin>";
+
+/// Formats each program; the exit status is the gravest one.
+pub fn run(arguments: &FmtArguments) -> Exit {
+    let mut exit = Exit::Done;
+    for argument in &arguments.files {
+        match programs(argument) {
+            Ok(files) => exit = files.iter().map(|file| one(file, arguments)).fold(exit, Exit::max),
+            Err(diagnostic) => exit = exit.max(unreadable(*diagnostic, arguments)),
+        }
+    }
+    exit
+}
+
+fn unreadable(diagnostic: Diagnostic, arguments: &FmtArguments) -> Exit {
+    terminal::report_one(diagnostic, arguments.report.format);
+    Exit::Files
+}
+
+/// The files that an argument stands for.
+fn programs(argument: &Path) -> Result<Vec<PathBuf>, Box<Diagnostic>> {
+    if !argument.is_dir() {
+        return Ok(vec![argument.to_owned()]);
+    }
+    let files = disk::programs_in(argument)?;
+    if files.is_empty() { Err(Box::new(errors::nothing_to_format(argument))) } else { Ok(files) }
+}
+
+fn one(file: &Path, arguments: &FmtArguments) -> Exit {
+    let is_input = file.as_os_str() == STANDARD_INPUT;
+    let name = if is_input { Path::new(STANDARD_INPUT_NAME) } else { file };
+    let text = match if is_input { disk::read_standard_input(name) } else { disk::read_program(file) } {
+        Ok(text) => text,
+        Err(diagnostic) => return unreadable(*diagnostic, arguments),
+    };
+    let name = name.to_string_lossy();
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let id = sources.add(&*name, text.as_str());
+    let formatted = format::format(id, &text, &mut sink);
+    terminal::report(&sink, &sources, arguments.report.format);
+    let exit = if sink.errors() > 0 { Exit::Errors } else { Exit::Done };
+    let writes = !arguments.check && !arguments.diff;
+    if writes && is_input {
+        return exit.max(terminal::answer(&formatted));
+    }
+    if formatted == text {
+        return exit;
+    }
+    let told = match (arguments.diff, arguments.check) {
+        (true, _) => terminal::answer(&difference(&name, &text, &formatted)),
+        (false, true) => terminal::answer(&format!("{}\n", terminal::name(&name))),
+        (false, false) => match disk::replace(file, &formatted) {
+            Ok(()) => terminal::answer(&terminal::line("Formatted", &name, 0, "")),
+            Err(diagnostic) => unreadable(*diagnostic, arguments),
+        },
+    };
+    let status = if arguments.check { Exit::Errors } else { Exit::Done };
+    exit.max(told).max(status)
+}
+
+/// What formatting changes, as a unified diff.
+fn difference(name: &str, before: &str, after: &str) -> String {
+    let name = terminal::name(name);
+    TextDiff::from_lines(before, after).unified_diff().header(&name, &format!("{name} (canonical)")).to_string()
+}

@@ -1,0 +1,88 @@
+//! The canonical form of a program.
+//!
+//! Problem: programs that say the same should look the same, so that changes to them can be read. Input: the text of one file.
+//! Output: its canonical text.
+//!
+//! Method: line breaks, groups of lines and comments are the user's; everything between is Tweeze's. The text is cut into
+//! [pieces](piece), of which the tree says what their characters do not: which words are a unit, which `-` is a sign, which bracket
+//! belongs to a name ([`marks`]). The pieces are put into [lines](layout) with the blanks that their neighbours ask for, and the lines
+//! are [indented and aligned](columns). No line is broken or joined because of its length.
+//!
+//! Promises, for every text without syntax errors: the canonical text has the same tree, apart from the spelling of units, and the same
+//! comments in the same order; its own canonical text is itself. A declaration with an error is left as it is, byte for byte; so is the
+//! whole file if there is an error outside of its declarations.
+
+mod columns;
+mod layout;
+mod marks;
+mod piece;
+
+use crate::diagnostic::{Diagnostic, Sink};
+use crate::source::{FileId, Span};
+use crate::syntax;
+use crate::syntax::tree::Tree;
+use marks::Marks;
+use std::ops::Range;
+
+/// The canonical text of a file. Syntax errors are reported to `sink`; what they are in stays as it is.
+pub fn format(file: FileId, text: &str, sink: &mut Sink) -> String {
+    let mut own = Sink::default();
+    let tree = syntax::parse(file, text, &mut own);
+    let formatted = match (own.errors(), own.dropped()) {
+        (0, _) => formatted(text, &Marks::of(&tree), &[]),
+        (_, 0) => around_errors(text, &tree, &own.sorted()),
+        _ => None,
+    };
+    sink.append(own);
+    formatted.unwrap_or_else(|| text.to_owned())
+}
+
+/// The canonical text, except for ranges of whole lines that stay as they are; `None` if it cannot be read, which only the lines of an
+/// error can cause.
+fn formatted(text: &str, marks: &Marks, kept: &[Range<usize>]) -> Option<String> {
+    let pieces = piece::without_idle_commas(piece::pieces(text, marks, kept)?);
+    Some(columns::print(&layout::lines(&pieces)))
+}
+
+/// The canonical text of the declarations without errors between those with errors, if that changes nothing of what is reported.
+fn around_errors(text: &str, tree: &Tree, errors: &[&Diagnostic]) -> Option<String> {
+    let marks = Marks::of(tree);
+    let spans: Vec<Span> = tree.items.iter().map(|item| item.span()).collect();
+    let places: Vec<Span> = errors.iter().flat_map(|error| error.labels.iter().map(|label| label.span)).collect();
+    let touches = |item: &Span, place: &Span| item.start <= place.start && place.start <= item.end;
+    if errors.iter().any(|error| error.span().is_none_or(|place| !spans.iter().any(|item| touches(item, &place)))) {
+        return None;
+    }
+    let is_broken = |(index, item): (usize, &Span)| {
+        marks.broken_items.contains(&index) || places.iter().any(|place| touches(item, place))
+    };
+    let broken: Vec<bool> = spans.iter().enumerate().map(is_broken).collect();
+    let result = formatted(text, &marks, &broken_lines(text, &spans, &broken))?;
+    let mut sink = Sink::default();
+    let again = syntax::parse(tree.file, &result, &mut sink);
+    let reports = |errors: &[&Diagnostic]| -> Vec<String> {
+        errors.iter().map(|error| format!("{} {}", error.code.name(), error.title)).collect()
+    };
+    let same_errors = reports(&sink.sorted()) == reports(errors);
+    let same_items = again.items.len() == tree.items.len() && Marks::of(&again).broken_items == marks.broken_items;
+    (same_errors && same_items).then_some(result)
+}
+
+/// The lines of broken declarations, as ranges of bytes in order, with the declarations that share lines with them.
+fn broken_lines(text: &str, items: &[Span], broken: &[bool]) -> Vec<Range<usize>> {
+    let mut clusters: Vec<(Range<usize>, bool)> = Vec::new();
+    for (item, &is_broken) in items.iter().zip(broken) {
+        let start = text[..item.start as usize].rfind('\n').map_or(0, |end| end + 1);
+        // A declaration that is never closed ends with the file.
+        let last = text[..item.end as usize].trim_end().len().max(start);
+        let end = text[last..].find('\n').map_or(text.len(), |length| last + length);
+        match clusters.last_mut() {
+            Some((lines, any)) if start < lines.end => {
+                lines.end = lines.end.max(end);
+                *any |= is_broken;
+            }
+            _ => clusters.push((start..end, is_broken)),
+        }
+    }
+    clusters.into_iter().filter(|(_, any)| *any).map(|(lines, _)| lines).collect()
+}

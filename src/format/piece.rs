@@ -1,0 +1,302 @@
+//! The pieces of a text: words, signs, comments and line ends, without the blanks between them.
+
+use super::marks::Marks;
+use crate::quantity;
+use crate::syntax::is_word;
+use std::borrow::Cow;
+use std::ops::Range;
+
+/// What a piece is to its neighbours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum PieceKind {
+    /// A name, a reserved word.
+    Word,
+    /// A number, a string, `0b01`.
+    Literal,
+    Unit,
+    /// `(`, `[` or `{`.
+    Open,
+    /// `(` or `[` of the name before it.
+    Joint,
+    Close,
+    Comma,
+    Colon,
+    Equals,
+    Arrow,
+    Dot,
+    /// `..`.
+    Range,
+    /// `|`.
+    Bar,
+    /// An operator between two values, except for `^`.
+    Operator,
+    /// `^`.
+    Power,
+    /// A sign before a value.
+    Minus,
+    Comment,
+    /// `///`.
+    Doc,
+    /// The end of a line.
+    Break,
+    /// The end of a line before one or more empty ones.
+    Gap,
+    /// Whole lines that stay as they are.
+    Kept,
+}
+
+impl PieceKind {
+    pub fn is_comment(self) -> bool {
+        matches!(self, PieceKind::Comment | PieceKind::Doc)
+    }
+
+    pub fn is_break(self) -> bool {
+        matches!(self, PieceKind::Break | PieceKind::Gap)
+    }
+
+    /// Whether it is part of the program, for which comments and line ends are not.
+    pub fn is_code(self) -> bool {
+        !self.is_comment() && !self.is_break()
+    }
+
+    /// Whether a value must follow, on the next line if need be.
+    pub fn goes_on(self) -> bool {
+        matches!(
+            self,
+            PieceKind::Colon
+                | PieceKind::Equals
+                | PieceKind::Arrow
+                | PieceKind::Range
+                | PieceKind::Operator
+                | PieceKind::Power
+                | PieceKind::Minus
+        )
+    }
+}
+
+/// A piece of the text.
+#[derive(Debug, Clone)]
+pub(super) struct TextPiece<'t> {
+    pub kind: PieceKind,
+    pub text: Cow<'t, str>,
+}
+
+impl TextPiece<'_> {
+    pub fn is_brace(&self) -> bool {
+        self.kind == PieceKind::Open && self.text == "{"
+    }
+}
+
+/// Walks over a text.
+struct Cutter<'t, 'm> {
+    text: &'t str,
+    at: usize,
+    units: &'m [(u32, u32)],
+    operators: &'m [u32],
+    joints: &'m [u32],
+    pieces: Vec<TextPiece<'t>>,
+}
+
+/// Cuts a text into pieces; `kept` are ranges of whole lines. `None` if something in between is no Tweeze.
+pub(super) fn pieces<'t>(text: &'t str, marks: &Marks, kept: &[Range<usize>]) -> Option<Vec<TextPiece<'t>>> {
+    let (units, operators, joints) = (&marks.units[..], &marks.operators[..], &marks.joints[..]);
+    let start = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+    let mut cutter = Cutter { text, at: start, units, operators, joints, pieces: Vec::new() };
+    let mut kept = kept.iter().peekable();
+    while cutter.at < text.len() {
+        match kept.peek() {
+            Some(lines) if lines.contains(&cutter.at) => {
+                cutter.take(PieceKind::Kept, lines.end);
+                kept.next();
+            }
+            _ => cutter.next()?,
+        }
+    }
+    Some(cutter.pieces)
+}
+
+/// Takes those off the front of a list that lie before an offset; whether the next one is at it.
+fn reaches(list: &mut &[u32], at: usize) -> bool {
+    while let Some((first, rest)) = list.split_first()
+        && (*first as usize) < at
+    {
+        *list = rest;
+    }
+    list.first().is_some_and(|first| *first as usize == at)
+}
+
+impl<'t> Cutter<'t, '_> {
+    fn take(&mut self, kind: PieceKind, end: usize) {
+        self.pieces.push(TextPiece { kind, text: Cow::Borrowed(&self.text[self.at..end]) });
+        self.at = end;
+    }
+
+    fn next(&mut self) -> Option<()> {
+        let (at, rest) = (self.at, &self.text[self.at..]);
+        if let Some(end) = self.unit() {
+            self.take(PieceKind::Unit, end);
+            if let Some(piece) = self.pieces.last_mut() {
+                piece.text = quantity::canonical_unit(&self.text[at..end]);
+            }
+            return Some(());
+        }
+        let end_of = |is_in: fn(char) -> bool| rest.find(|c| !is_in(c)).map_or(self.text.len(), |length| at + length);
+        match rest.chars().next()? {
+            ' ' | '\t' | '\r' => self.at += 1,
+            '\n' => self.line_end(),
+            '/' if rest.starts_with("//") => self.comment(),
+            '"' => {
+                let end = at + 1 + rest[1..].find(['"', '\n'])?;
+                self.take(PieceKind::Literal, end + 1);
+            }
+            '0'..='9' => self.take(PieceKind::Literal, at + number(rest)),
+            c if is_word(c) => self.take(PieceKind::Word, end_of(is_word)),
+            _ => {
+                let (kind, length) = self.sign()?;
+                self.take(kind, at + length);
+            }
+        }
+        Some(())
+    }
+
+    /// Where the unit ends that begins here.
+    fn unit(&mut self) -> Option<usize> {
+        while let Some(((start, _), rest)) = self.units.split_first()
+            && (*start as usize) < self.at
+        {
+            self.units = rest;
+        }
+        self.units.first().filter(|unit| unit.0 as usize == self.at).map(|unit| unit.1 as usize)
+    }
+
+    fn line_end(&mut self) {
+        let rest = &self.text[self.at..];
+        let blank = &rest[..rest.len() - rest.trim_start_matches([' ', '\t', '\r', '\n']).len()];
+        let ends = blank.bytes().filter(|byte| *byte == b'\n').count();
+        let last = blank.rfind('\n').unwrap_or_default();
+        let kind = if ends > 1 { PieceKind::Gap } else { PieceKind::Break };
+        self.take(kind, self.at + last + 1);
+    }
+
+    fn comment(&mut self) {
+        let rest = &self.text[self.at..];
+        let line = rest.lines().next().unwrap_or_default();
+        let is_doc = line.starts_with("///") && !line.starts_with("////");
+        let end = self.at + rest.find('\n').unwrap_or(rest.len());
+        self.take(if is_doc { PieceKind::Doc } else { PieceKind::Comment }, end);
+        if let Some(piece) = self.pieces.last_mut() {
+            piece.text = Cow::Borrowed(line.trim_end());
+        }
+    }
+
+    /// The sign that stands here and its length.
+    fn sign(&mut self) -> Option<(PieceKind, usize)> {
+        let (at, rest) = (self.at, &self.text[self.at..]);
+        let pairs = [
+            ("->", PieceKind::Arrow),
+            ("..", PieceKind::Range),
+            ("==", PieceKind::Operator),
+            ("!=", PieceKind::Operator),
+            ("<=", PieceKind::Operator),
+            (">=", PieceKind::Operator),
+        ];
+        if let Some((_, kind)) = pairs.into_iter().find(|(sign, _)| rest.starts_with(sign)) {
+            return Some((kind, 2));
+        }
+        let kind = match rest.as_bytes().first()? {
+            b'(' | b'[' if reaches(&mut self.joints, at) => PieceKind::Joint,
+            b'(' | b'[' | b'{' => PieceKind::Open,
+            b')' | b']' | b'}' => PieceKind::Close,
+            b',' => PieceKind::Comma,
+            b':' => PieceKind::Colon,
+            b'=' => PieceKind::Equals,
+            b'.' => PieceKind::Dot,
+            b'|' => PieceKind::Bar,
+            b'^' => PieceKind::Power,
+            b'-' if !reaches(&mut self.operators, at) => PieceKind::Minus,
+            b'+' | b'-' | b'*' | b'/' | b'<' | b'>' => PieceKind::Operator,
+            _ => return None,
+        };
+        Some((kind, 1))
+    }
+}
+
+/// The length of the number or the word `0b01` at the front of a text.
+fn number(text: &str) -> usize {
+    if text.starts_with("0b") {
+        return text.find(|c: char| !is_word(c)).unwrap_or(text.len());
+    }
+    let digits = |from: usize| {
+        let rest = &text[from..];
+        from + rest.find(|c: char| !c.is_ascii_digit() && c != '_').unwrap_or(rest.len())
+    };
+    let is_digit = |at: usize| text.as_bytes().get(at).is_some_and(u8::is_ascii_digit);
+    let mut end = digits(0);
+    if text[end..].starts_with('.') && is_digit(end + 1) {
+        end = digits(end + 1);
+    }
+    if text[end..].starts_with(['e', 'E']) {
+        let sign = usize::from(text[end + 1..].starts_with(['+', '-']));
+        if is_digit(end + 1 + sign) {
+            end = digits(end + 1 + sign);
+        }
+    }
+    end
+}
+
+/// The pieces without commas that separate nothing, each comma on the line of what is before it, and doc comments before what they
+/// document, on lines of their own.
+pub(super) fn without_idle_commas(pieces: Vec<TextPiece>) -> Vec<TextPiece> {
+    let mut kept: Vec<TextPiece> = Vec::with_capacity(pieces.len());
+    // Whether each open bracket is a brace.
+    let mut open: Vec<bool> = Vec::new();
+    for piece in pieces {
+        let is_list = open.last() == Some(&false);
+        match piece.kind {
+            PieceKind::Open | PieceKind::Joint => open.push(piece.is_brace()),
+            PieceKind::Close => {
+                open.pop();
+                drop_last_comma(&mut kept, is_list);
+                empty(&mut kept);
+            }
+            PieceKind::Comma if is_list => {
+                let code = kept.iter().rposition(|piece| piece.kind.is_code()).map_or(0, |last| last + 1);
+                kept.insert(code, piece);
+                continue;
+            }
+            PieceKind::Comma if !separates(&kept) => continue,
+            PieceKind::Break | PieceKind::Gap | PieceKind::Comment if !is_list => drop_last_comma(&mut kept, false),
+            PieceKind::Doc if !is_list => {
+                drop_last_comma(&mut kept, false);
+                if kept.last().is_some_and(|piece| piece.kind.is_code()) {
+                    kept.push(TextPiece { kind: PieceKind::Break, text: Cow::Borrowed("\n") });
+                }
+            }
+            _ => {}
+        }
+        kept.push(piece);
+    }
+    drop_last_comma(&mut kept, false);
+    kept
+}
+
+/// Whether a comma after these pieces of a block separates two entries of one line.
+fn separates(kept: &[TextPiece]) -> bool {
+    kept.last().is_some_and(|piece| piece.kind.is_code() && piece.kind != PieceKind::Comma && !piece.is_brace())
+}
+
+/// Drops the line ends at the end if only an opening bracket is before them.
+fn empty(kept: &mut Vec<TextPiece>) {
+    let last = kept.iter().rposition(|piece| !piece.kind.is_break());
+    if let Some(last) = last.filter(|last| matches!(kept[*last].kind, PieceKind::Open | PieceKind::Joint)) {
+        kept.truncate(last + 1);
+    }
+}
+
+/// Drops a comma that nothing follows; in a list, there may be comments and line ends behind it.
+fn drop_last_comma(kept: &mut Vec<TextPiece>, is_list: bool) {
+    let last = kept.iter().rposition(|piece| !is_list || piece.kind.is_code());
+    if let Some(last) = last.filter(|last| kept[*last].kind == PieceKind::Comma) {
+        kept.remove(last);
+    }
+}

@@ -1,0 +1,17 @@
+//! The canonical form: what it must keep, and the command that makes it.
+
+mod command;
+#[path = "../fuzz/generate.rs"]
+mod generate;
+mod laws;
+mod mangle;
+#[path = "../fuzz/mutate.rs"]
+mod mutate;
+#[path = "../fuzz/numbers.rs"]
+mod numbers;
+#[path = "../support/random.rs"]
+mod random;
+mod rules;
+#[path = "../fuzz/seeds.rs"]
+#[allow(dead_code, reason = "other attacks begin with other texts")]
+mod seeds;
