@@ -3,7 +3,8 @@
 use super::Checker;
 use super::errors::{self, WantedName};
 use super::scope::{STEP_WORDS, Scope, nearest, path_text};
-use super::value::{Accepted, ObjectName, ShapeValue, TableValue, Value, whole};
+pub use super::value::Accepted;
+use super::value::{ObjectName, ShapeValue, TableValue, Value, whole};
 use crate::device::shape::ShapeForm;
 use crate::device::{self, Need, Sort};
 use crate::diagnostic::Diagnostic;
