@@ -80,11 +80,24 @@ macro_rules! standings {
 
 for_each_kind!(standings, {});
 
-/// What a kind brings to this stage, on its orders.
-trait KindPlanner {
-    /// A plan for a job of this order; without one an error was pushed, for this job or for one of the same device before it.
-    fn planned<'a>(&'a self, job: &Job, standings: &mut Standings, sink: &mut Sink) -> Option<Plan<Motion<'a>>>;
+macro_rules! planned {
+    ({ $job:ident, $standings:ident, $sink:ident } $($module:ident $kind:ident),+) => {
+        match &$job.order {
+            $(Order::$kind(order) => {
+                let plan = $module::plan($job, order, &mut $standings.$module, $sink)?;
+                Some(plan.map(|motion| Motion::$kind(Planned { order, motion })))
+            })+
+        }
+    };
+}
 
+/// A plan for a job; without one an error was pushed, for this job or for one of the same device before it.
+fn planned<'a>(job: &'a Job, standings: &mut Standings, sink: &mut Sink) -> Option<Plan<Motion<'a>>> {
+    for_each_kind!(planned, { job, standings, sink })
+}
+
+/// What a kind may bring to this stage besides, on its orders.
+trait KindPlanner {
     /// The plans of a program, changed where devices of this kind would be in one another's way; asked once. `None` after an error.
     fn settled<'a>(
         &self,
@@ -110,7 +123,7 @@ pub fn plan<'a>(claims: &'a Claims, sink: &mut Sink, progress: Progress) -> Opti
     let mut plans = Vec::with_capacity(claims.jobs.len());
     for (index, job) in claims.jobs.iter().enumerate() {
         progress(index, claims.jobs.len(), &job.task);
-        plans.push(planner(&job.order).planned(job, &mut standings, sink));
+        plans.push(planned(job, &mut standings, sink));
     }
     let plans = plans.into_iter().collect::<Option<Vec<_>>>()?;
     claims.first_of_kinds().try_fold(plans, |plans, job| planner(&job.order).settled(claims, plans, sink))

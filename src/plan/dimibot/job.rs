@@ -17,7 +17,7 @@ use crate::diagnostic::Sink;
 use crate::plan::errors::{self, Removal};
 use crate::plan::requirements::{Kept, KnownLimit, keeps, require};
 use crate::plan::search::{GaveUp, SearchBudget};
-use crate::plan::{KindPlanner, Motion, Optimality, Plan, Planned, Standings};
+use crate::plan::{KindPlanner, Motion, Optimality, Plan};
 use crate::source::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -113,11 +113,6 @@ impl DimibotStandings {
 }
 
 impl KindPlanner for DimibotOrder {
-    fn planned<'a>(&'a self, job: &Job, standings: &mut Standings, sink: &mut Sink) -> Option<Plan<Motion<'a>>> {
-        let plan = plan(job, self, &mut standings.dimibot, sink)?;
-        Some(plan.map(|motion| Motion::Dimibot(Planned { order: self, motion })))
-    }
-
     fn settled<'a>(
         &self,
         claims: &'a Claims,

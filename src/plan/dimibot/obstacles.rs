@@ -60,6 +60,8 @@ pub(super) struct Obstacles {
 }
 
 impl Obstacles {
+    /// Sorts the obstacles of a lattice.
+    ///
     /// # Errors
     /// See [`FieldError`].
     pub(super) fn new(lattice: Lattice, obstacles: &[FieldObstacle]) -> Result<Self, FieldError> {

@@ -23,7 +23,7 @@ use crate::diagnostic::{Code, Sink};
 use crate::plan::errors::{self, Removal};
 use crate::plan::requirements::{Kept, KnownLimit, require};
 use crate::plan::search::SearchBudget;
-use crate::plan::{KindPlanner, Motion, Optimality, Plan, Planned, Standings};
+use crate::plan::{KindPlanner, Optimality, Plan};
 use crate::source::Span;
 use std::collections::BTreeMap;
 
@@ -77,12 +77,7 @@ impl BoardStandings {
     }
 }
 
-impl KindPlanner for ElectrodeArrayOrder {
-    fn planned<'a>(&'a self, job: &Job, standings: &mut Standings, sink: &mut Sink) -> Option<Plan<Motion<'a>>> {
-        let plan = plan(job, self, &mut standings.electrode_array, sink)?;
-        Some(plan.map(|motion| Motion::ElectrodeArray(Planned { order: self, motion })))
-    }
-}
+impl KindPlanner for ElectrodeArrayOrder {}
 
 /// A plan for a job; `None` after an error was pushed.
 pub fn plan(

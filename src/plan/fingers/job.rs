@@ -11,7 +11,7 @@ use crate::claims::{Job, Requirement};
 use crate::device::fingers::FingersOutcome;
 use crate::diagnostic::Sink;
 use crate::plan::requirements::{Kept, KnownLimit, require};
-use crate::plan::{KindPlanner, Motion, Optimality, Plan, Planned, Standings};
+use crate::plan::{KindPlanner, Optimality, Plan};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -22,12 +22,7 @@ pub struct HandStandings {
     stances: BTreeMap<String, Option<Stance>>,
 }
 
-impl KindPlanner for FingersOrder {
-    fn planned<'a>(&'a self, job: &Job, standings: &mut Standings, sink: &mut Sink) -> Option<Plan<Motion<'a>>> {
-        let plan = plan(job, self, &mut standings.fingers, sink)?;
-        Some(plan.map(|motion| Motion::Fingers(Planned { order: self, motion })))
-    }
-}
+impl KindPlanner for FingersOrder {}
 
 /// A plan for a job; without one an error was pushed, for this job or an earlier one of the same hand.
 pub fn plan(

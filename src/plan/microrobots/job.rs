@@ -20,7 +20,7 @@ use crate::diagnostic::{Remark, Sink};
 use crate::geometry::Pose;
 use crate::plan::requirements::{Kept, KnownLimit, require};
 use crate::plan::search::SearchBudget;
-use crate::plan::{KindPlanner, Motion, Optimality, Plan, Planned, Standings};
+use crate::plan::{KindPlanner, Optimality, Plan};
 use std::collections::BTreeMap;
 
 /// Poses of the robots of a bed, one entry per robot of its orders.
@@ -59,12 +59,7 @@ impl BedStandings {
     }
 }
 
-impl KindPlanner for MicrorobotsOrder {
-    fn planned<'a>(&'a self, job: &Job, standings: &mut Standings, sink: &mut Sink) -> Option<Plan<Motion<'a>>> {
-        let plan = plan(job, self, &mut standings.microrobots, sink)?;
-        Some(plan.map(|motion| Motion::Microrobots(Planned { order: self, motion })))
-    }
-}
+impl KindPlanner for MicrorobotsOrder {}
 
 /// A plan for a job; without one an error was pushed, for this job or an earlier one of the same bed.
 pub fn plan(
