@@ -41,6 +41,7 @@ enum ReportTopic {
     Nearest,
     Waits,
     Guaranteed,
+    Expected,
     Contacts,
     Remarked,
     Absent,
@@ -48,11 +49,12 @@ enum ReportTopic {
 }
 
 impl ReportTopic {
-    const ALL: [ReportTopic; 8] = [
+    const ALL: [ReportTopic; 9] = [
         ReportTopic::Visits,
         ReportTopic::Nearest,
         ReportTopic::Waits,
         ReportTopic::Guaranteed,
+        ReportTopic::Expected,
         ReportTopic::Contacts,
         ReportTopic::Remarked,
         ReportTopic::Absent,
@@ -65,6 +67,7 @@ impl ReportTopic {
             ReportTopic::Nearest => "Nearest",
             ReportTopic::Waits => "Waits",
             ReportTopic::Guaranteed => "Assured",
+            ReportTopic::Expected => "Expected",
             ReportTopic::Contacts => "Contacts",
             ReportTopic::Remarked => "Chosen",
             ReportTopic::Absent => "Absent",
