@@ -3,8 +3,7 @@
 use super::Checker;
 use super::errors::{self, WantedName};
 use super::scope::{STEP_WORDS, Scope, nearest, path_text};
-pub use super::value::Accepted;
-use super::value::{ObjectName, ShapeValue, TableValue, Value, whole};
+use super::value::{Accepted, ObjectName, ShapeValue, TableValue, Value, whole};
 use crate::device::shape::ShapeForm;
 use crate::device::{self, Need, Sort};
 use crate::diagnostic::Diagnostic;

@@ -8,7 +8,7 @@ use super::lets::Argument;
 use super::scenes::CheckedScene;
 use super::scope::{DeclarationPlace, DeclarationSort, Scope, nearest, path_text};
 use super::value::{Accepted, Value, whole};
-pub use super::verbs::Call;
+use super::verbs::Call;
 use crate::claims::{Job, Relation, Requirement};
 use crate::device::{self, Together, Vocabulary};
 use crate::quantity::Dimension;

@@ -5,11 +5,11 @@ use super::errors;
 use super::ground::{BedScene, exact_pose, first_near};
 use super::{CheckedBed, DEFAULT_EXPANSIONS};
 use crate::check::Checker;
-use crate::check::fields::Accepted;
 use crate::check::figures::Figures;
 use crate::check::lets::Argument;
-use crate::check::tasks::{self, Call, Parts, TaskSite};
-use crate::check::value::{ModuleWord, Value, whole};
+use crate::check::tasks::{self, Parts, TaskSite};
+use crate::check::value::{Accepted, ModuleWord, Value, whole};
+use crate::check::verbs::Call;
 use crate::claims::microrobots::{
     Assurance, Dock, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop, Precision,
 };

@@ -11,13 +11,14 @@ pub mod guarantee;
 mod job;
 pub mod safest;
 pub mod simulation;
+mod steps;
 pub mod strategy;
 pub mod strokes;
 pub mod ways;
 mod why;
 pub mod world;
 
-pub use job::{BedStandings as Standings, Crew, leg_ns, plan};
+pub use job::{BedStandings as Standings, plan};
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
@@ -46,6 +47,24 @@ pub enum MicrorobotsStepMotion {
     Wait(u64),
 }
 
+/// Poses of the robots of a bed, one entry per robot of its orders.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crew {
+    pub poses: Vec<Pose>,
+    /// Whether it is docked, and so no longer moves.
+    pub docked: Vec<bool>,
+}
+
+impl Crew {
+    /// Moves all robots through a leg, given with its index within the step; some may dock at its end.
+    pub fn follow(&mut self, order: &MicrorobotsOrder, (index, leg): (usize, &Leg), docks: &[RobotDocking]) {
+        for robot in (0..self.poses.len()).filter(|robot| !self.docked[*robot]) {
+            self.poses[robot] = leg.carried(order, robot, self.poses[robot]);
+        }
+        docks.iter().filter(|dock| dock.leg == index).for_each(|dock| self.docked[dock.robot] = true);
+    }
+}
+
 /// A control state and the strokes driven in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Leg {
@@ -62,6 +81,12 @@ impl Leg {
         let arm = order.states[self.state].arms[order.robots[robot].row];
         facts.moved(pose, arm, facts.step_um * self.strokes as f64)
     }
+}
+
+/// Duration of a leg: its control cycle, then its strokes.
+pub fn leg_ns(order: &MicrorobotsOrder, leg: Leg) -> u64 {
+    let cycle_ns = order.states[leg.state].levels_v.len() as u64 * order.facts.dwell_ns;
+    cycle_ns.saturating_add(leg.strokes.saturating_mul(order.facts.period_ns))
 }
 
 /// A robot that reaches its goal and stays there.

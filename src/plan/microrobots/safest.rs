@@ -7,9 +7,9 @@
 //! counted in trials of its own, so that it is not flattered by the choice. Cost: [`CLEARANCES_UM`] times [`DRAWS`] plans at most, and some
 //! thousand trials.
 
-use super::job::{BedRoute, Crew, FirstLegs, carried_out, leg_ns};
 use super::simulation::{self, SimulationReport};
-use super::{MicrorobotsMotion, MicrorobotsStepMotion};
+use super::steps::{BedRoute, FirstLegs, carried_out};
+use super::{Crew, MicrorobotsMotion, MicrorobotsStepMotion, leg_ns};
 use crate::claims::Job;
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
 use crate::device::microrobots::MicrorobotsObjective;
