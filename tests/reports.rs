@@ -8,8 +8,8 @@ use tempfile::TempDir;
 
 const SOUND: &str = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n";
 
-/// An unused `let` behind letters of several bytes, and a voltage where a length belongs.
-const BROKEN: &str = "let µ位 = 3 um\nuse std.dimibot\ndevice bot : dimibot.femto_st { stroke: 5 V }\n";
+/// No task, of which there is a warning, and a name of letters of several bytes that is declared twice.
+const BROKEN: &str = "let µ位 = 3 um\nlet µ位 = 4 um\n";
 
 fn bench() -> TempDir {
     let bench = tempfile::tempdir().expect("a folder for the test");
@@ -43,8 +43,8 @@ fn short_is_a_line_for_each_diagnostic() {
     let text = err(&failed);
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 3, "{text}");
-    assert!(lines[0].starts_with("bro,ken 1%.twz:1:5: warning[W"), "{text}");
-    assert!(lines[1].starts_with("bro,ken 1%.twz:3:41: error[E"), "{text}");
+    assert!(lines[0].starts_with("bro,ken 1%.twz:1:1: warning[W0503]"), "{text}");
+    assert!(lines[1].starts_with("bro,ken 1%.twz:2:5: error[E0202]"), "{text}");
     assert!(lines[2].starts_with("error[E0801]: cannot read `gone.twz`"), "{text}");
     assert_eq!(out(&failed), "  Checked  sound.twz  1 device, 1 task\n");
 }
@@ -56,10 +56,10 @@ fn json_has_the_place_and_all_labels() {
     let lines: Vec<Value> = err(&failed).lines().map(parsed).collect();
     let (warning, error, unreadable) = (&lines[0], &lines[1], &lines[2]);
     assert_eq!(warning["severity"], "warning");
-    assert_eq!([&warning["line"], &warning["column"]], [1, 5]);
-    assert_eq!([&warning["end_line"], &warning["end_column"]], [1, 7], "columns are characters");
+    assert_eq!([&warning["line"], &warning["column"]], [1, 1]);
     assert_eq!([&error["severity"], &error["file"]], ["error", "bro,ken 1%.twz"]);
-    assert_eq!([&error["line"], &error["column"]], [3, 41]);
+    assert_eq!([&error["line"], &error["column"]], [2, 5]);
+    assert_eq!([&error["end_line"], &error["end_column"]], [2, 7], "columns are characters");
     let first = &error["labels"][0];
     for key in ["file", "line", "column", "end_line", "end_column"] {
         assert_eq!(error[key], first[key]);
@@ -78,7 +78,7 @@ fn reports_of_success_are_json_too() {
     let built = parsed(&out(&run(&bench, &["build", "sound.twz", "--emit", "mcap,csv", "--format", "json"]).code(0)));
     assert_eq!([&built["built"], &built["declared"]], [&json!("sound.twz"), &declared]);
     let schedule = &built["schedules"][0];
-    assert_eq!([&schedule["name"], &schedule["files"]], [&json!("go"), &json!(["go.csv", "go.mcap"])]);
+    assert_eq!([&schedule["name"], &schedule["files"]], [&json!("go"), &json!(["go.mcap", "go.csv"])]);
     assert_eq!(schedule["plans"][0]["optimal"], true);
     assert_eq!(schedule["plans"][0]["cost"], schedule["plans"][0]["bound"]);
     let verified = run(&bench, &["verify", "go.mcap", "--against", "sound.twz", "--format", "json"]).code(0);
@@ -94,12 +94,9 @@ fn workflow_commands_are_escaped() {
     let text = err(&failed);
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 2, "{text}");
-    let place = "file=bro%2Cken 1%25.twz,line=1,endLine=1,col=5,endColumn=7,title=W";
-    assert!(lines[0].starts_with(&format!("::warning {place}")), "{text}");
-    assert!(
-        lines[1].starts_with("::error file=bro%2Cken 1%25.twz,line=3,") && lines[1].contains("%0Ahelp: "),
-        "{text}"
-    );
+    let place = "file=bro%2Cken 1%25.twz,line=2,endLine=2,col=5,endColumn=7,title=E0202";
+    assert!(lines[0].starts_with("::warning file=bro%2Cken 1%25.twz,line=1,"), "{text}");
+    assert!(lines[1].starts_with(&format!("::error {place}::")) && text.contains("%0Ahelp: "), "{text}");
 }
 
 /// What Tweeze uses of SARIF 2.1.0, by sections 3.13 (document) to 3.30 (regions) of the standard.
@@ -152,9 +149,11 @@ fn sarif_is_one_document() {
         let rule = &run_of["tool"]["driver"]["rules"][result["ruleIndex"].as_u64().expect("a number") as usize];
         assert_eq!([&rule["id"], &rule["defaultConfiguration"]["level"]], [&result["ruleId"], &result["level"]]);
     }
-    let place = &results[0]["locations"][0]["physicalLocation"];
+    let place = &results[1]["locations"][0]["physicalLocation"];
     assert_eq!(place["artifactLocation"]["uri"], "bro%2Cken%201%25.twz");
-    assert_eq!(place["region"], json!({ "startLine": 1, "startColumn": 5, "endLine": 1, "endColumn": 7 }));
+    assert_eq!(place["region"], json!({ "startLine": 2, "startColumn": 5, "endLine": 2, "endColumn": 7 }));
+    let related = &results[1]["relatedLocations"][0]["physicalLocation"];
+    assert_eq!(related["region"]["startLine"], 1, "{document:#}");
     assert_eq!(results[2]["locations"], json!([]));
     let sound = parsed(&out(&run(&bench, &["check", "sound.twz", "--format", "sarif"]).code(0)));
     assert_eq!(sound["runs"][0]["results"], json!([]));
