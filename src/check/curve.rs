@@ -1,7 +1,7 @@
 //! Curves: an expression of the angle `t`, evaluated over a full turn.
 
 use super::errors::{self, WantedName};
-use crate::check::scope::{DeclarationSort, Scope};
+use crate::check::scope::{ANGLE_NAME, DeclarationSort, Scope};
 use crate::check::value::Value;
 use crate::check::{Checker, fields};
 use crate::device::{Range, Sort};
@@ -13,9 +13,6 @@ use std::rc::Rc;
 
 /// Number of angles at which a curve is evaluated.
 pub const SAMPLES: usize = 1024;
-
-/// The name of the angle.
-pub const ANGLE_NAME: &str = "t";
 
 impl Checker<'_> {
     /// The lengths of a curve; `None` after an error.

@@ -1,8 +1,9 @@
 //! Devices: bases, fields, and the facts that the kind derives from them.
 
-use super::fields::{Accepted, Given, Owner};
+use super::fields::{Given, Owner};
 use super::lineage::Base;
 use super::scope::{DeclarationPlace, DeclarationSort, in_a_used_file, nearest, path_text};
+use super::value::Accepted;
 use super::{Checker, KindFacts, checks, errors};
 use crate::claims::ValueOrigin;
 use crate::device::Kind;

@@ -1,13 +1,12 @@
 //! Expressions to values: every operator and function checked for the dimensions of its operands.
 
 use super::budget::MAX_LIST_DEPTH;
-use super::curve::ANGLE_NAME;
-use super::scope::{DeclarationSort, Scope, nearest, path_text};
-use super::value::{ListValue, ModuleWord, PoseValue, TableValue, Value, whole};
+use super::scope::{ANGLE_NAME, DeclarationSort, FUNCTIONS, Scope, nearest, path_text};
+use super::value::{ListValue, ModuleWord, TableValue, Value, whole};
 use super::{Checker, errors, functions};
 use crate::device::MAX_WORD_DIGITS;
 use crate::device::shape::ShapeForm;
-use crate::quantity::{Dimension, Quantity, Unit, UnitError};
+use crate::quantity::{Quantity, Unit, UnitError};
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{Expr, ExprKind, Field, Ident, Operator, Path, Table, Text, TextPart};
 use std::rc::Rc;
@@ -257,11 +256,11 @@ impl Checker<'_> {
         let name = path_text(function);
         let values: Vec<Spanned<Value>> =
             arguments.iter().map(|argument| self.evaluate_spanned(argument, scope)).collect();
-        if !super::scope::FUNCTIONS.contains(&name.as_str()) {
-            let near = nearest(&name, super::scope::FUNCTIONS.iter().copied());
+        if !FUNCTIONS.contains(&name.as_str()) {
+            let near = nearest(&name, FUNCTIONS.iter().copied());
             return self.unknown(errors::unknown_function(function.span, &name, near));
         }
-        let elements: usize = values.iter().map(|value| elements(&value.value)).sum();
+        let elements: usize = values.iter().map(|value| value.value.elements()).sum();
         if !self.spend(elements as u64, span) {
             return Value::Unknown;
         }
@@ -368,15 +367,6 @@ impl Checker<'_> {
     }
 }
 
-/// Number of elements of a value that are visited one by one.
-pub fn elements(value: &Value) -> usize {
-    match value {
-        Value::List(list) => list.len(),
-        Value::Table(table) => table.rows.len() * table.columns.len(),
-        _ => 0,
-    }
-}
-
 /// The sign and the digits of a number without a unit.
 fn bare_number(expr: &Expr) -> Option<(f64, &str)> {
     match &expr.kind {
@@ -388,9 +378,4 @@ fn bare_number(expr: &Expr) -> Option<(f64, &str)> {
 
 fn is_word(path: &Path) -> bool {
     path.segments.len() == 1 && path.segments[0].indices.is_empty()
-}
-
-/// A pose from a place without a heading: it faces along x.
-pub fn unturned(x: Quantity, y: Quantity) -> PoseValue {
-    PoseValue { x, y, heading: Quantity::new(0.0, Dimension::ANGLE) }
 }

@@ -2,8 +2,8 @@
 
 use super::Checker;
 use super::errors::{self, WantedName};
-use super::evaluate::elements;
-use super::scope::{Scope, nearest, path_text};
+use super::scope::{STEP_WORDS, Scope, nearest, path_text};
+pub use super::value::Accepted;
 use super::value::{ObjectName, ShapeValue, TableValue, Value, whole};
 use crate::device::shape::ShapeForm;
 use crate::device::{self, Need, Sort};
@@ -12,9 +12,6 @@ use crate::quantity::{Dimension, digits};
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{self, Expr, ExprKind};
 use std::collections::BTreeMap;
-
-/// The fields that were given and accepted, by name.
-pub type Accepted = BTreeMap<&'static str, Spanned<Value>>;
 
 /// Whose fields are being read.
 #[derive(Debug, Clone)]
@@ -73,7 +70,7 @@ impl Checker<'_> {
         given: &[Given],
         table: &'static [device::VocabularyField],
     ) -> Option<&'static device::VocabularyField> {
-        if super::verbs::STEP_WORDS.contains(&field.name.text.as_str()) {
+        if STEP_WORDS.contains(&field.name.text.as_str()) {
             self.sink.push(errors::setting_with_colon(&field.name));
             return None;
         }
@@ -117,7 +114,7 @@ impl Checker<'_> {
             return self.accept_object(noun, expr, scope, wanted);
         }
         let value = self.evaluate(expr, scope);
-        if value.is_unknown() || !self.spend(elements(&value) as u64, expr.span) {
+        if value.is_unknown() || !self.spend(value.elements() as u64, expr.span) {
             return None;
         }
         let value = if is_of_scene(sort) { self.in_scene(value, expr.span, scope) } else { value };
@@ -262,7 +259,7 @@ impl Checker<'_> {
         if shape.fields.values().any(|field| field.value.is_unknown()) {
             return Value::Unknown;
         }
-        let corners = shape.fields.values().map(|field| elements(&field.value)).max().unwrap_or(0) as u64;
+        let corners = shape.fields.values().map(|field| field.value.elements()).max().unwrap_or(0) as u64;
         if shape.form == ShapeForm::Polygon && !self.spend(corners * corners / SIDES_AT_ONCE, span) {
             return Value::Unknown;
         }

@@ -3,8 +3,7 @@
 //! Sorts and ranges were checked against the vocabulary before. A figure that was not given is `None`; no number stands for "missing".
 
 use super::clock_ns;
-use super::fields::Accepted;
-use super::value::{Value, whole};
+use super::value::{Accepted, Value, whole};
 use crate::diagnostic::Sink;
 use crate::quantity::Quantity;
 

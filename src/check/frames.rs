@@ -1,18 +1,18 @@
-//! Frames: the places of devices in a scene, and the robots of a program that must keep apart.
+//! Frames: the places of devices and of camera images in a scene.
 //!
 //! `frame left at pose(…)` in a scene puts the frame of the device `left` there; a frame with a shape is that of an image
-//! ([`super::camera`]). Promise: a device has one place in all scenes of a
-//! program, so that the relative place of any two with a place in the same scene is known.
+//! ([`super::camera`]), whose pixels are converted here, where a place or a pose is accepted.
 
-use super::scenes::CheckedScene;
+use super::camera::{Camera, View, is_in_pixels};
 use super::scope::{DeclarationPlace, DeclarationSort, Scope};
-use super::{Checker, checks, errors};
-use crate::claims::{Job, SharedScene, Timeline};
-use crate::device::{Frames, Kind};
+use super::shapes::{MAX_HEADING_RAD, pose_of};
+use super::value::{ListValue, Value};
+use super::{Checker, errors};
+use crate::device::shape::ShapeForm;
+use crate::device::{Frames, MAX_REACH_UM};
 use crate::geometry::shape::Pose;
-use crate::source::Span;
+use crate::source::{Span, Spanned};
 use crate::syntax::tree::{self, Ident, IndexedName, Path};
-use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 /// The noun of a scene that places a device. It is the language's own and no kind's.
@@ -25,30 +25,6 @@ pub struct DeviceFrame {
     pub pose: Pose,
     /// The name of the device where it is placed.
     pub span: Span,
-}
-
-/// One run of a task in a program: its device and scene, and where it is written.
-#[derive(Debug, Clone, Copy)]
-pub struct RunSite {
-    pub device: DeclarationPlace,
-    pub scene: Option<DeclarationPlace>,
-    pub span: Span,
-}
-
-/// The devices of a program that scenes place.
-pub struct PlacedDevices<'a> {
-    pub scenes: &'a BTreeMap<DeclarationPlace, Rc<CheckedScene>>,
-    /// The devices that some task of the program runs on.
-    pub running: &'a BTreeSet<DeclarationPlace>,
-    /// One for each job of the program.
-    pub sites: &'a [RunSite],
-}
-
-/// Neighbourhood of a program's robots.
-#[derive(Default)]
-pub struct Neighbours {
-    pub shared: Vec<SharedScene>,
-    pub not_held: Vec<[String; 2]>,
 }
 
 impl Checker<'_> {
@@ -75,96 +51,103 @@ impl Checker<'_> {
         self.frame_pose(&value, at.span)
     }
 
-    /// Neighbourhood of the robots of a program; those that never run remain at home, in the way of the others.
-    pub fn neighbours(&mut self, timeline: &Timeline, sites: &[RunSite], jobs: &mut [Job]) -> Neighbours {
-        let scenes: BTreeMap<DeclarationPlace, Rc<CheckedScene>> = {
-            let places: BTreeSet<DeclarationPlace> = sites.iter().filter_map(|site| site.scene).collect();
-            places.into_iter().filter_map(|place| Some((place, self.scene(place)?))).collect()
-        };
-        let running: BTreeSet<DeclarationPlace> = sites.iter().map(|site| site.device).collect();
-        self.one_place_each(&scenes, &running);
-        let shared = self.shared(&scenes, &running);
-        let placed = PlacedDevices { scenes: &scenes, running: &running, sites };
-        Kind::ALL.iter().for_each(|kind| checks(*kind).beside(self, &placed, jobs));
-        let not_held = self.not_held(timeline, sites, &shared);
-        Neighbours { shared, not_held }
-    }
-
-    /// A device stands at one place in all scenes of a program.
-    fn one_place_each(
-        &mut self,
-        scenes: &BTreeMap<DeclarationPlace, Rc<CheckedScene>>,
-        running: &BTreeSet<DeclarationPlace>,
-    ) {
-        let mut placed: BTreeMap<DeclarationPlace, &DeviceFrame> = BTreeMap::new();
-        for frame in scenes.values().flat_map(|scene| scene.frames.values()) {
-            let first = *placed.entry(frame.device).or_insert(frame);
-            if first.pose != frame.pose && running.contains(&frame.device) {
-                let name = self.named(frame.device).0;
-                self.sink.push(errors::device_at_two_places(name, frame.span, first.span));
-            }
-        }
-    }
-
-    fn shared(
-        &self,
-        scenes: &BTreeMap<DeclarationPlace, Rc<CheckedScene>>,
-        running: &BTreeSet<DeclarationPlace>,
-    ) -> Vec<SharedScene> {
-        let frames = |scene: &CheckedScene| {
-            let placed = scene.frames.values().filter(|frame| running.contains(&frame.device));
-            placed.map(|frame| (self.named(frame.device).0.to_owned(), frame.pose)).collect::<BTreeMap<_, _>>()
-        };
-        let all = scenes.iter().map(|(place, scene)| (self.named(*place).0.to_owned(), frames(scene)));
-        let several = all.filter(|(_, frames)| frames.len() > 1);
-        several.map(|(scene, frames)| SharedScene { scene, frames }).collect()
-    }
-
-    /// Devices that run together in one scene without a place for each, which is warned of.
-    fn not_held(&mut self, timeline: &Timeline, sites: &[RunSite], shared: &[SharedScene]) -> Vec<[String; 2]> {
-        let mut pairs: BTreeMap<[DeclarationPlace; 2], [Span; 2]> = BTreeMap::new();
-        concurrent(timeline, sites, &mut |one, other| {
-            let (one, other) = (sites[one], sites[other]);
-            if one.scene.is_some() && one.scene == other.scene {
-                let pair = [one.device.min(other.device), one.device.max(other.device)];
-                pairs.entry(pair).or_insert([one.span, other.span]);
-            }
-        });
-        let mut not_held = Vec::new();
-        for (pair, spans) in pairs {
-            let names = pair.map(|device| self.named(device).0);
-            if shared.iter().any(|scene| names.iter().all(|name| scene.frames.contains_key(*name))) {
+    /// The image of a scene, out of its entries; `Err` after an error, `Ok(None)` where they put none.
+    pub fn image(&mut self, entries: &[tree::SceneEntry], scope: &Scope) -> Result<Option<Camera>, ()> {
+        let mut found: Option<Camera> = None;
+        for entry in entries {
+            let tree::SceneEntry::Object(object) = entry else { continue };
+            let Some(shape) = object.shape.as_ref().filter(|_| object.noun.text == NOUN) else {
                 continue;
+            };
+            let camera = self.camera(object, shape, scope).ok_or(())?;
+            if let Some(first) = found {
+                self.sink.push(errors::two_images(camera.span, first.span));
+                return Err(());
             }
-            self.sink.push(errors::not_held(names, spans));
-            not_held.push(names.map(str::to_owned));
+            found = Some(camera);
         }
-        not_held
+        Ok(found)
     }
-}
 
-/// A run of each device in each scene.
-type Firsts = BTreeMap<(DeclarationPlace, Option<DeclarationPlace>), usize>;
-
-/// Calls `each` with runs in two branches of one `together`: one for each device and scene. Returns those of the whole part.
-fn concurrent(timeline: &Timeline, sites: &[RunSite], each: &mut impl FnMut(usize, usize)) -> Firsts {
-    match timeline {
-        Timeline::Run(job) => Firsts::from([((sites[*job].device, sites[*job].scene), *job)]),
-        Timeline::Wait(_) => Firsts::new(),
-        Timeline::Sequence(parts) => {
-            let all = parts.iter().rev().map(|part| concurrent(part, sites, each));
-            all.flatten().collect()
-        }
-        Timeline::Together(parts) => {
-            let mut before = Firsts::new();
-            for part in parts {
-                let jobs = concurrent(part, sites, each);
-                for one in before.values() {
-                    jobs.values().for_each(|other| each(*one, *other));
-                }
-                before.extend(jobs);
+    fn camera(&mut self, object: &tree::Object, shape: &tree::Expr, scope: &Scope) -> Option<Camera> {
+        let image = match self.evaluate(shape, scope) {
+            Value::Shape(image) if image.form == ShapeForm::Image => image,
+            Value::Unknown => return None,
+            _ => {
+                self.sink.push(errors::frame_with_shape(shape.span));
+                return None;
             }
-            before
+        };
+        self.object_name(&object.name, scope)?;
+        let pose = match &object.at {
+            None => Pose::at(0.0, 0.0),
+            Some(at) => {
+                let value = self.evaluate(at, scope);
+                if is_in_pixels(&value) {
+                    self.sink.push(errors::image_in_itself(at.span));
+                    return None;
+                }
+                self.frame_pose(&value, at.span)?
+            }
+        };
+        Camera::new(&image, pose, object.name.span)
+    }
+
+    /// The pose of an object in scene coordinates; `None` after an error.
+    pub fn frame_pose(&mut self, value: &Value, span: Span) -> Option<Pose> {
+        if value.is_unknown() {
+            return None;
         }
+        let Some(pose) = pose_of(value) else {
+            self.sink.push(errors::wrong_place(span, value, "a place or a pose for a frame"));
+            return None;
+        };
+        if pose.x_um.abs().max(pose.y_um.abs()) > MAX_REACH_UM {
+            self.sink.push(errors::frame_too_far(span, "100 mm"));
+            return None;
+        }
+        if pose.heading_rad.abs() > MAX_HEADING_RAD {
+            self.sink.push(errors::frame_turned_too_far(span, MAX_HEADING_RAD.to_degrees()));
+            return None;
+        }
+        Some(pose)
+    }
+
+    /// A value with its pixels converted into scene coordinates; [`Value::Unknown`] after an error.
+    pub fn in_scene(&mut self, value: Value, span: Span, scope: &Scope) -> Value {
+        match &value {
+            Value::List(list) if list.iter().any(|element| is_in_pixels(&element.value)) => {
+                let mut seen = Vec::with_capacity(list.len());
+                for element in list.iter() {
+                    let inside = if span.contains(element.span) { element.span } else { span };
+                    let one = self.one_in_scene(element.value.clone(), inside, scope);
+                    if one.is_unknown() && !element.value.is_unknown() {
+                        // The others have the same fault.
+                        return Value::Unknown;
+                    }
+                    seen.push(Spanned::new(one, element.span));
+                }
+                Value::List(Rc::new(ListValue::new(seen)))
+            }
+            _ => self.one_in_scene(value, span, scope),
+        }
+    }
+
+    fn one_in_scene(&mut self, value: Value, span: Span, scope: &Scope) -> Value {
+        if !is_in_pixels(&value) {
+            return value;
+        }
+        let seen = match scope.view {
+            View::Image(camera) => camera.seen(&value),
+            View::Unknown => return Value::Unknown,
+            View::None => return self.unknown(errors::no_image(span)),
+            View::Shifted => return self.unknown(errors::pixels_in_shifted_shape(span)),
+        };
+        let is_finite = match &seen {
+            Value::Point(point) => point.iter().all(|coordinate| coordinate.si.is_finite()),
+            Value::Pose(pose) => [pose.x, pose.y, pose.heading].iter().all(|part| part.si.is_finite()),
+            _ => true,
+        };
+        if is_finite { seen } else { self.unknown(errors::not_finite(span)) }
     }
 }

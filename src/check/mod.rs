@@ -23,6 +23,7 @@ pub mod lets;
 mod lineage;
 mod meshes;
 pub mod microrobots;
+mod neighbours;
 mod objects;
 mod orientation;
 mod programs;
@@ -157,7 +158,7 @@ trait KindChecks {
     fn agree(&self, jobs: &mut [Job], sink: &mut Sink);
 
     /// Puts those of the program's placed devices that never run in the way of the others; for kinds that have frames.
-    fn beside(&self, _checker: &mut Checker, _placed: &frames::PlacedDevices, _jobs: &mut [Job]) {}
+    fn beside(&self, _checker: &mut Checker, _placed: &neighbours::PlacedDevices, _jobs: &mut [Job]) {}
 }
 
 /// The checks of a kind.

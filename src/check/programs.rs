@@ -1,8 +1,8 @@
 //! Programs: runs of tasks on one clock, and conflicts between them.
 
 use super::errors::{self, WantedName};
-use super::frames::{Neighbours, RunSite};
 use super::lets::Argument;
+use super::neighbours::{Neighbours, RunSite};
 use super::scope::{Declaration, DeclarationPlace, DeclarationSort, Scope, nearest};
 use super::tasks::TaskRun;
 use super::value::Value;

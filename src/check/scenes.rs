@@ -98,6 +98,15 @@ impl Checker<'_> {
         self.scenes.get(&place).cloned().flatten()
     }
 
+    /// The view that a task has of its scene.
+    pub fn view_of(&mut self, scene: Option<Option<DeclarationPlace>>) -> View {
+        match scene {
+            None => View::None,
+            Some(None) => View::Unknown,
+            Some(Some(place)) => self.scene(place).map_or(View::Unknown, |scene| scene.view()),
+        }
+    }
+
     fn base_scene(&mut self, place: DeclarationPlace) -> Base<()> {
         let Item::Scene(item) = self.item(place) else { return Base::Broken };
         match &item.base {

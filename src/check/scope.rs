@@ -14,6 +14,12 @@ use std::sync::Arc;
 pub const FUNCTIONS: &[&str] =
     &["abs", "min", "max", "round", "floor", "sqrt", "sin", "cos", "atan2", "count", "pose", "euler", "quaternion"];
 
+/// The words that stand where a verb may, whatever the kind.
+pub const STEP_WORDS: [&str; 6] = ["wait", "together", "minimize", "using", "require", "start"];
+
+/// The name of the angle in the expression of a curve.
+pub const ANGLE_NAME: &str = "t";
+
 /// A file with its declarations and the files that it uses.
 #[derive(Debug)]
 pub struct Module {

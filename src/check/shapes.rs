@@ -1,7 +1,6 @@
 //! From the shapes of the language to the shapes of the plane.
 
 use super::errors;
-use super::evaluate::unturned;
 use super::solid;
 use super::value::{PoseValue, ShapeValue, Value};
 use crate::device::shape::ShapeForm;
@@ -121,7 +120,7 @@ pub fn pose_of(at: &Value) -> Option<Pose> {
     let pose = match at {
         Value::Pose(pose) if pose.x.dimension == Dimension::LENGTH => *pose,
         Value::Point(point) if point.len() == 2 && point[0].dimension == Dimension::LENGTH => {
-            unturned(point[0], point[1])
+            PoseValue::unturned(point[0], point[1])
         }
         _ => return None,
     };

@@ -3,11 +3,12 @@
 use super::Checker;
 use super::devices::CheckedDevice;
 use super::errors::{self, WantedName};
-use super::fields::{Accepted, Given, Owner};
+use super::fields::{Given, Owner};
 use super::lets::Argument;
 use super::scenes::CheckedScene;
 use super::scope::{DeclarationPlace, DeclarationSort, Scope, nearest, path_text};
-use super::value::{Value, whole};
+use super::value::{Accepted, Value, whole};
+pub use super::verbs::Call;
 use crate::claims::{Job, Relation, Requirement};
 use crate::device::{self, Together, Vocabulary};
 use crate::quantity::Dimension;
@@ -64,23 +65,6 @@ pub enum VocabularyAction {
     Together(Vec<Call>),
     /// In nanoseconds.
     Wait(u64),
-}
-
-/// A verb with its object and its prepositions, each accepted by the vocabulary.
-pub struct Call {
-    pub verb: &'static device::Verb,
-    pub object: Option<Argument>,
-    pub phrases: Vec<(&'static str, Argument)>,
-    /// The entries in its braces.
-    pub entries: Vec<Entered>,
-    pub span: Span,
-}
-
-/// An entry of a verb's braces: an object with its prepositions.
-pub struct Entered {
-    pub object: Argument,
-    pub phrases: Vec<(&'static str, Argument)>,
-    pub span: Span,
 }
 
 /// Context of a task: its device with the facts of its kind, and its scene.

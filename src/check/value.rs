@@ -50,6 +50,13 @@ pub struct PoseValue {
     pub heading: Quantity,
 }
 
+impl PoseValue {
+    /// A place without a heading faces along x.
+    pub fn unturned(x: Quantity, y: Quantity) -> PoseValue {
+        PoseValue { x, y, heading: Quantity::new(0.0, Dimension::ANGLE) }
+    }
+}
+
 /// An object of a scene, by its noun and its name; the task determines the scene.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ObjectName {
@@ -97,11 +104,14 @@ impl std::ops::Deref for ListValue {
     }
 }
 
+/// The fields that were given and accepted, by name.
+pub type Accepted = BTreeMap<&'static str, Spanned<Value>>;
+
 /// A shape with the fields given to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShapeValue {
     pub form: ShapeForm,
-    pub fields: BTreeMap<&'static str, Spanned<Value>>,
+    pub fields: Accepted,
 }
 
 /// The columns of a table, each cell with its place.
@@ -160,6 +170,15 @@ impl Value {
     /// A plain number.
     pub fn number(value: f64) -> Value {
         Value::Quantity(Quantity::number(value))
+    }
+
+    /// Number of its elements that are visited one by one.
+    pub fn elements(&self) -> usize {
+        match self {
+            Value::List(list) => list.len(),
+            Value::Table(table) => table.rows.len() * table.columns.len(),
+            _ => 0,
+        }
     }
 
     /// Whether nothing is known of it.

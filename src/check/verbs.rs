@@ -3,12 +3,28 @@
 use super::Checker;
 use super::errors::{self, WantedName};
 use super::lets::Argument;
-use super::scope::{Scope, nearest, path_text};
-use super::tasks::{Call, Entered};
+use super::scope::{STEP_WORDS, Scope, nearest, path_text};
 use crate::device::{self, Count, Vocabulary};
 use crate::source::Span;
 use crate::syntax::tree::{self, Entry, Expr, ExprKind};
 use std::collections::BTreeMap;
+
+/// A verb with its object and its prepositions, each accepted by the vocabulary.
+pub struct Call {
+    pub verb: &'static device::Verb,
+    pub object: Option<Argument>,
+    pub phrases: Vec<(&'static str, Argument)>,
+    /// The entries in its braces.
+    pub entries: Vec<Entered>,
+    pub span: Span,
+}
+
+/// An entry of a verb's braces: an object with its prepositions.
+pub struct Entered {
+    pub object: Argument,
+    pub phrases: Vec<(&'static str, Argument)>,
+    pub span: Span,
+}
 
 impl Checker<'_> {
     /// A step that is a verb with its object and its prepositions; `None` after an error.
@@ -223,6 +239,3 @@ impl Checker<'_> {
 fn lacking(sort: device::Sort) -> String {
     if let device::Sort::Object(noun) = sort { format!("a {noun}") } else { "an object".to_owned() }
 }
-
-/// The words that stand where a verb may, whatever the kind.
-pub const STEP_WORDS: [&str; 6] = ["wait", "together", "minimize", "using", "require", "start"];

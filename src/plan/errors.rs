@@ -1,6 +1,5 @@
 //! Error reports of planning: E06xx.
 
-use super::requirements::{LimitVerdict, Texts};
 use crate::claims::{Relation, Requirement};
 use crate::device::MAX_EXPANSIONS;
 use crate::diagnostic::{Code, Diagnostic};
@@ -22,6 +21,31 @@ pub struct StepEnds<'a> {
     pub step: Span,
     pub from: &'a str,
     pub to: &'a str,
+}
+
+/// Content of the report of a missed limit besides the limit itself; values are of the outcome, in SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LimitVerdict {
+    /// Proven: the least value of all plans that keep the other limits, and some plan attains it.
+    Least(f64),
+    /// Proven lower bound for plans that keep the other limits; then the value of the best plan found, if it keeps them.
+    AtLeast(f64, Option<f64>),
+    /// Proven, without a value of its own: the limits exclude one another.
+    Conflict,
+    /// No plan was found, and nothing is proven.
+    NotFound,
+    /// No plan was found for this objective, but `minimize` with the other objective finds one that keeps all limits.
+    Elsewhere(&'static str, f64),
+}
+
+/// The figures of the report of a missed limit.
+pub struct LimitTexts {
+    pub reached: String,
+    pub limit: String,
+    /// Rounded up, so that a limit of this value is kept.
+    pub value: Option<String>,
+    /// Rounded down, so that it remains a lower bound.
+    pub floor: Option<String>,
 }
 
 pub fn impossible(ends: StepEnds, proof: &str, blamed: &[(&str, Span)], removal: Removal) -> Diagnostic {
@@ -134,14 +158,14 @@ pub fn requirement_missed(
     requirement: &Requirement,
     verdict: LimitVerdict,
     all: usize,
-    texts: &dyn Fn(Option<f64>) -> Texts,
+    texts: &dyn Fn(Option<f64>) -> LimitTexts,
 ) -> Diagnostic {
     let name = &requirement.outcome;
     let value = match verdict {
         LimitVerdict::Least(value) | LimitVerdict::AtLeast(value, _) | LimitVerdict::Elsewhere(_, value) => Some(value),
         LimitVerdict::Conflict | LimitVerdict::NotFound => None,
     };
-    let Texts { reached, limit, value, floor } = texts(value);
+    let LimitTexts { reached, limit, value, floor } = texts(value);
     let [value, floor] = [value, floor].map(Option::unwrap_or_default);
     let (within, raise) = match requirement.relation {
         Relation::Less => ("below", "above"),

@@ -4,7 +4,8 @@
 //! are kept; each missed one is reported. Promise: "no plan" is only reported where the kind has a proof, and a help names only a
 //! plan or a limit that works.
 
-use super::{Plan, errors};
+use super::Plan;
+use super::errors::{self, LimitTexts, LimitVerdict};
 use crate::claims::{Job, Relation, Requirement};
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity, Unit};
@@ -35,21 +36,6 @@ pub struct KnownLimit {
     pub other: Option<Plan<()>>,
     /// Advice on finding a plan where none was found and nothing is proven.
     pub advice: Option<String>,
-}
-
-/// Content of the report of a missed limit besides the limit itself; values are of the outcome, in SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum LimitVerdict {
-    /// Proven: the least value of all plans that keep the other limits, and some plan attains it.
-    Least(f64),
-    /// Proven lower bound for plans that keep the other limits; then the value of the best plan found, if it keeps them.
-    AtLeast(f64, Option<f64>),
-    /// Proven, without a value of its own: the limits exclude one another.
-    Conflict,
-    /// No plan was found, and nothing is proven.
-    NotFound,
-    /// No plan was found for this objective, but `minimize` with the other objective finds one that keeps all limits.
-    Elsewhere(&'static str, f64),
 }
 
 /// Checks an outcome against a requirement.
@@ -92,7 +78,7 @@ pub fn require<M>(
         let known = if is_upper(requirement) { known(requirement) } else { KnownLimit::default() };
         let verdict = verdict(job, index, plan, &known);
         let dimension = dimension(job, requirement);
-        let texts = |value: Option<f64>| Texts {
+        let texts = |value: Option<f64>| LimitTexts {
             reached: show(reached, dimension),
             limit: limit_text(requirement.limit, reached, dimension),
             value: value.map(|value| enough(value, dimension)),
@@ -103,16 +89,6 @@ pub fn require<M>(
         sink.push(missed.help_if(advice));
     }
     all_kept
-}
-
-/// The figures of a report.
-pub struct Texts {
-    pub reached: String,
-    pub limit: String,
-    /// Rounded up, so that a limit of this value is kept.
-    pub value: Option<String>,
-    /// Rounded down, so that it remains a lower bound.
-    pub floor: Option<String>,
 }
 
 /// The strongest statement about a missed limit that is known to be true.

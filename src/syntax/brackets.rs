@@ -1,65 +1,9 @@
 //! Matching of brackets: which are open, which were forgotten, and where a forgotten one is taken as closed.
 
-use super::errors;
-use super::lexical;
-use super::scan::{MAX_NESTING, Scan};
-use super::slips;
+use super::cursor::{Brackets, Cursor, OpenBracket};
+use super::words::takes_block;
+use super::{MAX_NESTING, errors, slips};
 use crate::source::Span;
-
-/// An opening bracket.
-#[derive(Debug, Clone, Copy)]
-struct Open {
-    bracket: u8,
-    at: usize,
-    /// The blanks at the head of its line.
-    indent: usize,
-    /// The first line end inside that neither the code before it nor a closing bracket after it explains.
-    line_end: Option<usize>,
-}
-
-/// The brackets that are open.
-#[derive(Debug, Default)]
-pub(super) struct Brackets {
-    open: Vec<Open>,
-    /// A brace that was closed by a `}` further left than its own line: its own closing brace is missing.
-    suspect: Option<usize>,
-    is_too_deep: bool,
-}
-
-impl Brackets {
-    /// Whether the innermost bracket is a brace that stands at or after an offset.
-    pub fn opened_after(&self, offset: usize) -> bool {
-        self.open.last().is_some_and(|open| open.bracket == b'{' && open.at >= offset)
-    }
-
-    /// Whether no list and no place is open.
-    pub fn takes_entries(&self) -> bool {
-        self.open.last().is_none_or(|open| open.bracket == b'{')
-    }
-
-    /// A line ended where an open `(` or `[` may not continue on the next one.
-    pub fn line_ended(&mut self, at: usize) {
-        for open in self.open.iter_mut().rev().take_while(|open| open.bracket != b'{') {
-            open.line_end.get_or_insert(at);
-        }
-    }
-}
-
-/// Whether a line begins a declaration: a reserved word and something of its own behind it, but no field's colon.
-pub(super) fn starts_item(line: &str) -> bool {
-    let words = ["use", "let", "device", "scene", "task", "program", "wiring"];
-    words.iter().any(|word| {
-        line.strip_prefix(word).is_some_and(|rest| {
-            let name = rest.trim_start_matches([' ', '\t']);
-            name.len() < rest.len() && name.starts_with(|c| lexical::is_word(c) || c == '"')
-        })
-    })
-}
-
-/// Whether a declaration, of which this is the beginning, has a block.
-pub(super) fn takes_block(item: &str) -> bool {
-    ["scene", "task", "program", "wiring"].iter().any(|word| item.starts_with(word))
-}
 
 fn counterpart(bracket: u8) -> u8 {
     match bracket {
@@ -72,7 +16,7 @@ fn counterpart(bracket: u8) -> u8 {
     }
 }
 
-impl Scan<'_> {
+impl Cursor<'_> {
     pub fn opening(&mut self, bracket: u8) {
         let at = self.at;
         let is_of_head = at == self.line_start + self.indent || self.head_end.is_some_and(|end| at < end);
@@ -83,7 +27,7 @@ impl Scan<'_> {
             self.too_deep();
             return;
         }
-        self.brackets.open.push(Open { bracket, at, indent: self.indent, line_end: None });
+        self.brackets.open.push(OpenBracket { bracket, at, indent: self.indent, line_end: None });
         self.at += 1;
     }
 
@@ -115,7 +59,7 @@ impl Scan<'_> {
         let opening = counterpart(bracket);
         let at = self.at;
         self.at += 1;
-        let reach = |open: &Open| open.bracket == opening || (opening != b'{' && open.bracket == b'{');
+        let reach = |open: &OpenBracket| open.bracket == opening || (opening != b'{' && open.bracket == b'{');
         let Some(place) = self.brackets.open.iter().rposition(reach) else { return self.stray(at) };
         if self.brackets.open[place].bracket != opening {
             return self.stray(at);
@@ -153,7 +97,7 @@ impl Scan<'_> {
 
     /// Reports the `(` and `[` from `first` on as one mistake and covers them, up to their line's end or to `limit`.
     fn unclosed_brackets(&mut self, first: usize, limit: usize) {
-        let lost: Vec<Open> = self.brackets.open.drain(first..).collect();
+        let lost: Vec<OpenBracket> = self.brackets.open.drain(first..).collect();
         let (Some(outer), Some(inner)) = (lost.first(), lost.last()) else { return };
         if !self.brackets.is_too_deep {
             let span = self.span(inner.at, inner.at + 1);

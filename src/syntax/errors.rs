@@ -206,7 +206,7 @@ pub(super) fn token_before_sign(text: &str) -> &str {
 }
 
 pub(super) fn too_many_operators(span: Span, count: usize) -> Diagnostic {
-    let limit = super::values::MAX_OPERATORS;
+    let limit = super::MAX_OPERATORS;
     Diagnostic::new(Code::E0121, format!("{count} operators in one expression; the limit is {limit}"))
         .label(span, "this expression")
         .help("name parts of it with `let`")
@@ -305,7 +305,7 @@ pub(super) fn name_too_long(span: Span, bytes: usize, limit: usize) -> Diagnosti
 }
 
 pub(super) fn too_deep(span: Span) -> Diagnostic {
-    let limit = super::scan::MAX_NESTING;
+    let limit = super::MAX_NESTING;
     Diagnostic::new(Code::E0120, format!("brackets or blocks nested more than {limit} deep"))
         .label(span, format!("this is number {}", limit + 1))
         .help("name the inner parts with `let`")

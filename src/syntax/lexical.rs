@@ -1,30 +1,20 @@
 //! Words, numbers, strings and signs: their valid forms, and the diagnostics of invalid ones.
 
-use super::errors;
-use super::scan::{MAX_NESTING, Scan};
-use super::slips;
-
-/// Whether a character may stand in a name.
-pub(crate) fn is_word(c: char) -> bool {
-    c.is_ascii_alphanumeric() || c == '_' || (!c.is_ascii() && c.is_alphabetic())
-}
-
-/// Where the run of name characters at an offset ends.
-pub(super) fn end_of_word(text: &str, at: usize) -> usize {
-    text[at..].find(|c| !is_word(c)).map_or(text.len(), |length| at + length)
-}
+use super::cursor::Cursor;
+use super::words::{end_of_word, is_word};
+use super::{MAX_NESTING, errors, slips};
 
 /// Greatest number of bytes of a name: it is repeated in every channel, file and message that uses it.
 pub const MAX_NAME_BYTES: usize = 200;
 
 /// A name or a word of the language.
-pub(super) fn word(scan: &mut Scan) {
-    let (start, end) = (scan.at, end_of_word(scan.text, scan.at));
-    scan.at = end;
+pub(super) fn word(cursor: &mut Cursor) {
+    let (start, end) = (cursor.at, end_of_word(cursor.text, cursor.at));
+    cursor.at = end;
     if end - start > MAX_NAME_BYTES {
-        let span = scan.span(start, end);
-        scan.report(errors::name_too_long(span, end - start, MAX_NAME_BYTES));
-        scan.cover(start, end);
+        let span = cursor.span(start, end);
+        cursor.report(errors::name_too_long(span, end - start, MAX_NAME_BYTES));
+        cursor.cover(start, end);
     }
 }
 
@@ -37,56 +27,56 @@ fn is_digit_at(text: &str, at: usize) -> bool {
 }
 
 /// `/* … */`, which is blank to the grammar.
-pub(super) fn block_comment(scan: &mut Scan) {
-    let start = scan.at;
-    let end = scan.rest().find("*/").map_or_else(|| scan.end_of_line(), |length| start + length + 2);
-    let span = scan.span(start, start + 2);
-    scan.report(errors::block_comment(span, &scan.text[start..end]));
+pub(super) fn block_comment(cursor: &mut Cursor) {
+    let start = cursor.at;
+    let end = cursor.rest().find("*/").map_or_else(|| cursor.end_of_line(), |length| start + length + 2);
+    let span = cursor.span(start, start + 2);
+    cursor.report(errors::block_comment(span, &cursor.text[start..end]));
     let mut line = start;
-    while let Some(length) = scan.text[line..end].find('\n') {
-        scan.replace(line, line + length, "");
-        scan.at = line + length;
-        scan.newline();
-        line = scan.at;
+    while let Some(length) = cursor.text[line..end].find('\n') {
+        cursor.replace(line, line + length, "");
+        cursor.at = line + length;
+        cursor.newline();
+        line = cursor.at;
     }
-    scan.replace(line, end, "");
-    scan.at = end;
+    cursor.replace(line, end, "");
+    cursor.at = end;
 }
 
 /// `# …` or `% …`, which is blank to the grammar.
-pub(super) fn foreign_comment(scan: &mut Scan) {
-    let (start, end) = (scan.at, scan.end_of_line());
-    let span = scan.span(start, start + 1);
-    scan.report(errors::foreign_comment(span, &scan.text[start..end]));
-    scan.replace(start, end, "");
-    scan.at = end;
+pub(super) fn foreign_comment(cursor: &mut Cursor) {
+    let (start, end) = (cursor.at, cursor.end_of_line());
+    let span = cursor.span(start, start + 1);
+    cursor.report(errors::foreign_comment(span, &cursor.text[start..end]));
+    cursor.replace(start, end, "");
+    cursor.at = end;
 }
 
 /// A string up to its closing quote, which must stand on the same line.
-pub(super) fn string(scan: &mut Scan) {
-    let start = scan.at;
-    let line_end = scan.end_of_line();
-    let Some(length) = scan.text[start + 1..line_end].find('"') else {
-        let mut end = start + scan.text[start..line_end].trim_end().len();
-        if scan.text[start..end].ends_with(" }") && scan.brackets.opened_after(scan.line_start) {
-            end = start + scan.text[start..end - 1].trim_end().len();
+pub(super) fn string(cursor: &mut Cursor) {
+    let start = cursor.at;
+    let line_end = cursor.end_of_line();
+    let Some(length) = cursor.text[start + 1..line_end].find('"') else {
+        let mut end = start + cursor.text[start..line_end].trim_end().len();
+        if cursor.text[start..end].ends_with(" }") && cursor.brackets.opened_after(cursor.line_start) {
+            end = start + cursor.text[start..end - 1].trim_end().len();
         }
-        let span = scan.span(start, end);
-        scan.report(errors::unterminated_string(span, scan.text));
-        scan.cover(start, end);
-        scan.at = end;
+        let span = cursor.span(start, end);
+        cursor.report(errors::unterminated_string(span, cursor.text));
+        cursor.cover(start, end);
+        cursor.at = end;
         return;
     };
     let end = start + length + 2;
-    scan.at = end;
-    if let Some(brace) = open_hole(&scan.text[start + 1..end - 1]) {
-        let span = scan.span(start + 1 + brace, start + 2 + brace);
-        scan.report(errors::open_text_hole(span));
-        scan.cover(start, end);
-    } else if scan.text[start..end].bytes().filter(|byte| matches!(byte, b'(' | b'[')).count() > MAX_NESTING {
-        let span = scan.span(start, start + 1);
-        scan.report(errors::too_deep(span));
-        scan.cover(start, end);
+    cursor.at = end;
+    if let Some(brace) = open_hole(&cursor.text[start + 1..end - 1]) {
+        let span = cursor.span(start + 1 + brace, start + 2 + brace);
+        cursor.report(errors::open_text_hole(span));
+        cursor.cover(start, end);
+    } else if cursor.text[start..end].bytes().filter(|byte| matches!(byte, b'(' | b'[')).count() > MAX_NESTING {
+        let span = cursor.span(start, start + 1);
+        cursor.report(errors::too_deep(span));
+        cursor.cover(start, end);
     }
 }
 
@@ -108,17 +98,17 @@ fn open_hole(inside: &str) -> Option<usize> {
 }
 
 /// A number or a word `0b…`; a unit may be glued to it.
-pub(super) fn number(scan: &mut Scan) {
-    let (text, start) = (scan.text, scan.at);
+pub(super) fn number(cursor: &mut Cursor) {
+    let (text, start) = (cursor.text, cursor.at);
     let word = &text[start..end_of_word(text, start)];
     if word.len() > 1 && matches!(word.as_bytes()[..2], [b'0', b'b' | b'B' | b'x' | b'X' | b'o' | b'O']) {
         let end = start + word.len();
-        scan.at = end;
+        cursor.at = end;
         let is_sound = word.starts_with("0b")
             && word[2..].bytes().all(|byte| matches!(byte, b'0' | b'1' | b'_'))
             && word[2..].contains(['0', '1']);
         if !is_sound {
-            bad_number(scan, start, end, errors::bad_bits);
+            bad_number(cursor, start, end, errors::bad_bits);
         }
         return;
     }
@@ -127,79 +117,79 @@ pub(super) fn number(scan: &mut Scan) {
         end = end_of_digits(text, end + 1);
         if text[end..].starts_with('.') && is_digit_at(text, end + 1) {
             let tail = text[end..].find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len() - end);
-            return bad_number(scan, start, end + tail, errors::two_points);
+            return bad_number(cursor, start, end + tail, errors::two_points);
         }
     } else if text[end..].starts_with('.') && !text[end + 1..].starts_with('.') {
-        return bad_number(scan, start, end + 1, errors::bare_point);
+        return bad_number(cursor, start, end + 1, errors::bare_point);
     }
     if text[end..].starts_with(['e', 'E']) {
         let sign = usize::from(text[end + 1..].starts_with(['+', '-']));
         if is_digit_at(text, end + 1 + sign) {
             end = end_of_digits(text, end + 1 + sign);
         } else if sign == 1 || end_of_word(text, end) == end + 1 {
-            return bad_number(scan, start, end + 1 + sign, errors::no_exponent);
+            return bad_number(cursor, start, end + 1 + sign, errors::no_exponent);
         }
     }
-    scan.at = end;
-    decimal_comma(scan, start);
+    cursor.at = end;
+    decimal_comma(cursor, start);
 }
 
 /// `0,8` where no list stands, read as 0.8.
-fn decimal_comma(scan: &mut Scan, start: usize) {
-    let (text, comma) = (scan.text, scan.at);
-    if !scan.brackets.takes_entries() || !text[comma..].starts_with(',') || !is_digit_at(text, comma + 1) {
+fn decimal_comma(cursor: &mut Cursor, start: usize) {
+    let (text, comma) = (cursor.text, cursor.at);
+    if !cursor.brackets.takes_entries() || !text[comma..].starts_with(',') || !is_digit_at(text, comma + 1) {
         return;
     }
     let end = end_of_digits(text, comma + 1);
     let written = &text[start..end];
     if written.bytes().all(|byte| byte.is_ascii_digit() || byte == b',') && !text[end..].starts_with([',', '.']) {
-        let span = scan.span(start, end);
+        let span = cursor.span(start, end);
         if end - comma == 4 && !written.starts_with('0') {
-            scan.report(slips::thousands_comma(span, written));
-            scan.cover(start, end);
-            scan.at = end;
+            cursor.report(slips::thousands_comma(span, written));
+            cursor.cover(start, end);
+            cursor.at = end;
             return;
         }
-        scan.report(slips::decimal_comma(span, written));
-        scan.replace(start, end, &written.replacen(',', ".", 1));
-        scan.at = end;
+        cursor.report(slips::decimal_comma(span, written));
+        cursor.replace(start, end, &written.replacen(',', ".", 1));
+        cursor.at = end;
     }
 }
 
 fn bad_number(
-    scan: &mut Scan,
+    cursor: &mut Cursor,
     start: usize,
     end: usize,
     finding: fn(crate::source::Span, &str) -> crate::diagnostic::Diagnostic,
 ) {
-    let span = scan.span(start, end);
-    scan.report(finding(span, &scan.text[start..end]));
-    scan.cover(start, end);
-    scan.at = end;
+    let span = cursor.span(start, end);
+    cursor.report(finding(span, &cursor.text[start..end]));
+    cursor.cover(start, end);
+    cursor.at = end;
 }
 
 /// Whether `.5` stands here, and not a point between names or numbers.
-pub(super) fn is_bare_fraction(scan: &Scan) -> bool {
-    let before = scan.text[..scan.at].chars().next_back();
-    is_digit_at(scan.text, scan.at + 1) && !before.is_some_and(|c| is_word(c) || matches!(c, ']' | ')' | '.'))
+pub(super) fn is_bare_fraction(cursor: &Cursor) -> bool {
+    let before = cursor.text[..cursor.at].chars().next_back();
+    is_digit_at(cursor.text, cursor.at + 1) && !before.is_some_and(|c| is_word(c) || matches!(c, ']' | ')' | '.'))
 }
 
 /// `.5`.
-pub(super) fn bare_fraction(scan: &mut Scan) {
-    let start = scan.at;
-    let end = end_of_digits(scan.text, start + 1);
-    bad_number(scan, start, end, errors::bare_fraction);
+pub(super) fn bare_fraction(cursor: &mut Cursor) {
+    let start = cursor.at;
+    let end = end_of_digits(cursor.text, start + 1);
+    bad_number(cursor, start, end, errors::bare_fraction);
 }
 
 /// `;`: at a line's end it is blank to the grammar, elsewhere a comma.
-pub(super) fn semicolon(scan: &mut Scan) {
-    let start = scan.at;
-    let rest = scan.text[start + 1..scan.end_of_line()].trim_start();
+pub(super) fn semicolon(cursor: &mut Cursor) {
+    let start = cursor.at;
+    let rest = cursor.text[start + 1..cursor.end_of_line()].trim_start();
     let is_last = rest.is_empty() || rest.starts_with("//") || rest.starts_with('}');
-    let span = scan.span(start, start + 1);
-    scan.report(errors::semicolon(span));
-    scan.replace(start, start + 1, if is_last { "" } else { "," });
-    scan.at += 1;
+    let span = cursor.span(start, start + 1);
+    cursor.report(errors::semicolon(span));
+    cursor.replace(start, start + 1, if is_last { "" } else { "," });
+    cursor.at += 1;
 }
 
 /// Signs that people write for ours, and ours.
@@ -220,32 +210,32 @@ const SPELLINGS: &[(char, &str)] = &[
 ];
 
 /// A sign; one that the language does not have is replaced by Tweeze's or covered.
-pub(super) fn sign(scan: &mut Scan, first: char) {
-    let start = scan.at;
+pub(super) fn sign(cursor: &mut Cursor, first: char) {
+    let start = cursor.at;
     let end = start + first.len_utf8();
-    scan.at = end;
+    cursor.at = end;
     if matches!(first, ',' | ':' | '.' | '=' | '<' | '>' | '+' | '-' | '*' | '/' | '^' | '|' | '%') {
         return;
     }
-    if scan.text[start..].starts_with("!=") {
-        scan.at += 1;
+    if cursor.text[start..].starts_with("!=") {
+        cursor.at += 1;
         return;
     }
     if let Some((_, ours)) = SPELLINGS.iter().find(|(theirs, _)| *theirs == first) {
-        let span = scan.span(start, end);
-        scan.report(errors::foreign_sign(span, first, ours));
-        scan.replace(start, end, ours);
+        let span = cursor.span(start, end);
+        cursor.report(errors::foreign_sign(span, first, ours));
+        cursor.replace(start, end, ours);
         return;
     }
     if is_quote(first) {
-        return quoted(scan, start, end);
+        return quoted(cursor, start, end);
     }
     let is_strange = |c: char| !c.is_whitespace() && !is_word(c) && !",:.=<>+-*/^|%()[]{}\"#;".contains(c);
-    let end = scan.text[end..].find(|c| !is_strange(c)).map_or(scan.text.len(), |length| end + length);
-    scan.at = end;
-    let span = scan.span(start, end);
-    scan.report(errors::foreign_character(span, scan.text));
-    scan.cover(start, end);
+    let end = cursor.text[end..].find(|c| !is_strange(c)).map_or(cursor.text.len(), |length| end + length);
+    cursor.at = end;
+    let span = cursor.span(start, end);
+    cursor.report(errors::foreign_character(span, cursor.text));
+    cursor.cover(start, end);
 }
 
 fn is_quote(c: char) -> bool {
@@ -253,19 +243,19 @@ fn is_quote(c: char) -> bool {
 }
 
 /// A string in other quotes; the grammar reads it in ours.
-fn quoted(scan: &mut Scan, start: usize, inside: usize) {
-    let line_end = scan.end_of_line();
-    let rest = &scan.text[inside..line_end];
+fn quoted(cursor: &mut Cursor, start: usize, inside: usize) {
+    let line_end = cursor.end_of_line();
+    let rest = &cursor.text[inside..line_end];
     let close = rest.char_indices().find(|(_, c)| is_quote(*c) || *c == '"');
     let (close, end) = close.map_or((line_end, line_end), |(at, c)| (inside + at, inside + at + c.len_utf8()));
-    let span = scan.span(start, end);
-    scan.report(errors::foreign_quotes(span, &scan.text[inside..close]));
-    if close == end || scan.text[inside..close].contains('{') {
-        scan.cover(start, end);
+    let span = cursor.span(start, end);
+    cursor.report(errors::foreign_quotes(span, &cursor.text[inside..close]));
+    if close == end || cursor.text[inside..close].contains('{') {
+        cursor.cover(start, end);
     } else {
-        scan.replace(start, inside - 1, "");
-        scan.replace(inside - 1, inside, "\"");
-        scan.replace(close, end, "\"");
+        cursor.replace(start, inside - 1, "");
+        cursor.replace(inside - 1, inside, "\"");
+        cursor.replace(close, end, "\"");
     }
-    scan.at = end;
+    cursor.at = end;
 }

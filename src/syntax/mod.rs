@@ -8,6 +8,7 @@
 //! tree and reports the faults of the parts that only those rules accepted.
 
 mod brackets;
+mod cursor;
 mod entries;
 mod errors;
 mod foreign;
@@ -20,23 +21,27 @@ mod scan;
 mod slips;
 pub mod tree;
 mod values;
+mod words;
 
-pub(crate) use lexical::is_word;
-pub use scan::MAX_NESTING;
-pub use values::MAX_OPERATORS;
+pub use words::RESERVED;
+pub(crate) use words::is_word;
 
-use crate::diagnostic::Sink;
+use crate::diagnostic::{MAX_DIAGNOSTICS, Sink};
 use crate::source::{FileId, Span};
 use grammar::{Grammar, Rule};
 use pest::Parser;
 use reader::Reader;
 use tree::{Expr, Tree};
 
-/// The words that cannot be names.
-pub const RESERVED: [&str; 21] = [
-    "use", "as", "let", "device", "scene", "task", "program", "wiring", "table", "true", "false", "to", "from", "by",
-    "about", "for", "at", "via", "with", "in", "on",
-];
+/// The deepest that brackets, braces and blocks may nest.
+pub const MAX_NESTING: usize = 64;
+
+/// Greatest number of operators in one expression, those of the brackets around it included. With the limit of nesting it bounds the
+/// height of a tree.
+pub const MAX_OPERATORS: usize = 256;
+
+/// Greatest number of findings that a pass keeps of one text; the sink shows fewer.
+const MAX_FINDINGS: usize = 4 * MAX_DIAGNOSTICS;
 
 /// Reads one file.
 pub fn parse(file: FileId, text: &str, sink: &mut Sink) -> Tree {

@@ -3,14 +3,13 @@
 //! Input: the pairs of one text. Output: nodes of the tree with owned spans, and findings. Promise: a finding for every
 //! mark that the grammar left where it recovered from a mistake, and none for text that `scan` has covered.
 
-use super::errors;
+use super::cursor::HOLE;
 use super::grammar::{Node, Rule};
 use super::tree::{Doc, Expr, ExprKind, Ident, Item};
-use crate::diagnostic::{Code, Diagnostic, MAX_DIAGNOSTICS, Sink};
+use super::words::RESERVED;
+use super::{MAX_FINDINGS, errors};
+use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::source::{FileId, Span};
-
-/// Greatest number of findings that a pass keeps of one text; the sink shows fewer.
-pub(super) const MAX_FINDINGS: usize = 4 * MAX_DIAGNOSTICS;
 
 /// So many unreadable lines, and no other, make no program.
 const FOREIGN_LINES: usize = 5;
@@ -109,7 +108,7 @@ impl<'s> Reader<'s> {
     /// A word that gets a name here, and so must not be a reserved one.
     pub fn declared(&mut self, node: &Node) -> Ident {
         let ident = self.ident(node);
-        if super::RESERVED.contains(&ident.text.as_str()) {
+        if RESERVED.contains(&ident.text.as_str()) {
             self.report(errors::reserved_name(&ident));
         }
         ident
@@ -168,6 +167,6 @@ impl<'s> Reader<'s> {
 
     /// Whether the scan has already reported something in this node.
     pub fn has_hole(node: &Node) -> bool {
-        node.as_str().contains(super::scan::HOLE)
+        node.as_str().contains(HOLE)
     }
 }

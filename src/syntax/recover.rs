@@ -6,6 +6,7 @@ use super::grammar::{Grammar, Node, Rule};
 use super::reader::Reader;
 use super::slips;
 use super::tree::{Doc, Expr, Ident, Item};
+use super::words::is_word;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use pest::Parser;
@@ -130,10 +131,8 @@ impl Reader<'_> {
             return self.report(slip);
         }
         let finding = match words.next() {
-            Some("=" | ":=") if text.starts_with(super::lexical::is_word) => errors::value_without_let(span, text),
-            Some(second) if text.contains('{') && second.starts_with(super::lexical::is_word) => {
-                errors::unknown_item(span, text)
-            }
+            Some("=" | ":=") if text.starts_with(is_word) => errors::value_without_let(span, text),
+            Some(second) if text.contains('{') && second.starts_with(is_word) => errors::unknown_item(span, text),
             _ => errors::not_an_item(span, text),
         };
         if matches!(finding.code, Code::E0111) {
@@ -164,8 +163,8 @@ impl Reader<'_> {
         let second =
             first.len() + (text[first.len()..].len() - text[first.len()..].trim_start_matches([' ', '\t']).len());
         let word = errors::token_at(text, second);
-        let (at, name) = if word.starts_with(super::lexical::is_word) { (second, word) } else { (0, first) };
-        if name.starts_with(super::lexical::is_word) {
+        let (at, name) = if word.starts_with(is_word) { (second, word) } else { (0, first) };
+        if name.starts_with(is_word) {
             let start = span.start as usize + at;
             let place = errors::part(span, start, start + name.len());
             self.broken_names.push(Ident { text: name.to_owned(), span: place });
@@ -302,8 +301,8 @@ fn field_without_colon(text: &str) -> Option<&str> {
     let name = errors::token_at(text, 0);
     let rest = &text[name.len()..];
     let value = rest.trim_start_matches([' ', '\t']);
-    let is_value = value.starts_with(|c: char| super::lexical::is_word(c) || matches!(c, '(' | '[' | '"' | '-'));
-    (name.starts_with(super::lexical::is_word) && value.len() < rest.len() && is_value).then_some(name)
+    let is_value = value.starts_with(|c: char| is_word(c) || matches!(c, '(' | '[' | '"' | '-'));
+    (name.starts_with(is_word) && value.len() < rest.len() && is_value).then_some(name)
 }
 
 /// The bracket that is open at the end of a text.

@@ -1,10 +1,9 @@
 //! Slips of the pen that are known by their shape: each gets one diagnostic with the mend, where the general ones could only name the
 //! place at which reading stopped.
 
-use super::brackets::takes_block;
 use super::errors::{self, ListPlace, part, quote, token_at};
 use super::grammar::Rule;
-use super::lexical::{end_of_word, is_word};
+use super::words::{end_of_word, is_word, takes_block};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 

@@ -1,15 +1,12 @@
 //! Values: from `35 um` to tables.
 
-use super::errors;
+use super::cursor::HOLE;
 use super::grammar::{Grammar, Node, Rule, STRENGTHS};
 use super::reader::Reader;
 use super::tree::{Column, Expr, ExprKind, Field, Ident, IndexedName, Operator, Path, Row, Table, Text, TextPart};
+use super::{MAX_OPERATORS, errors};
 use crate::source::Span;
 use pest::Parser;
-
-/// Greatest number of operators in one expression, those of the brackets around it included. With the limit of nesting it bounds the
-/// height of a tree.
-pub const MAX_OPERATORS: usize = 256;
 
 impl Reader<'_> {
     /// An expression of any of the grammar's three sorts.
@@ -172,7 +169,7 @@ impl Reader<'_> {
         };
         self.origin.base = outer;
         expr.unwrap_or_else(|| {
-            if !source.contains(super::scan::HOLE) {
+            if !source.contains(HOLE) {
                 self.report(errors::text_hole(span, source));
             }
             Expr { kind: ExprKind::Error, span }

@@ -1,6 +1,7 @@
 //! Robots that share a scene: those beside one another, and those that never run.
 
-use crate::check::frames::{DeviceFrame, PlacedDevices};
+use crate::check::frames::DeviceFrame;
+use crate::check::neighbours::PlacedDevices;
 use crate::check::scenes::CheckedScene;
 use crate::check::scope::DeclarationPlace;
 use crate::check::{Checker, KindFacts};

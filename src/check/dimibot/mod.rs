@@ -1,13 +1,14 @@
 //! Is this DiMiBot possible, is this scene possible for it, are these goals?
 
 use super::devices::CheckedDevice;
-use super::fields::Accepted;
 use super::figures::Figures;
-use super::frames::{DeviceFrame, PlacedDevices};
+use super::frames::DeviceFrame;
 use super::lets::Argument;
+use super::neighbours::PlacedDevices;
 use super::objects::of_other_kind;
 use super::scenes::{CheckedScene, SceneObject};
 use super::tasks::{self, Parts, TaskSite};
+use super::value::Accepted;
 use super::value::{ModuleWord, Value, whole};
 use super::{CheckedFacts, Checker, KindChecks, KindFacts, errors, shapes};
 use crate::claims::dimibot::{

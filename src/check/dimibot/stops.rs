@@ -1,7 +1,7 @@
 //! Goals and starts: within the workspace, on the lattice, clear of obstacles.
 
 use super::*;
-use crate::check::tasks::Call;
+use crate::check::verbs::Call;
 use crate::claims::ValueOrigin;
 use crate::claims::dimibot::{in_robot_um, in_scene_um};
 use crate::diagnostic::Code;

@@ -3,9 +3,9 @@
 use super::errors;
 use super::physics::{self, rounded_up};
 use crate::check::devices::CheckedDevice;
-use crate::check::fields::Accepted;
 use crate::check::figures::Figures;
 use crate::check::labels::DeviceLabel;
+use crate::check::value::Accepted;
 use crate::check::value::{ShapeValue, Value, whole};
 use crate::device::electrode_array::{ElectrodeArrayFacts, Electrodes, Hold, Layout, Separation};
 use crate::diagnostic::Sink;

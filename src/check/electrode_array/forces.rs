@@ -4,7 +4,7 @@
 //! square of the potential, which is exact for one dielectric and a first approximation for layers of several.
 
 use super::motion::Pull;
-use crate::check::fields::Accepted;
+use crate::check::value::Accepted;
 use crate::check::value::{TableValue, Value};
 use crate::real::Real;
 use crate::source::Span;

@@ -7,7 +7,8 @@ use super::tray::{BlockedCell, BoardScene, on_board, on_obstacle, whole_cell};
 use crate::check::Checker;
 use crate::check::figures::Figures;
 use crate::check::lets::Argument;
-use crate::check::tasks::{self, Call, Parts, TaskSite};
+use crate::check::tasks::{self, Parts, TaskSite};
+use crate::check::verbs::Call;
 use crate::claims::electrode_array::{
     Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective,
     ElectrodeArrayOrder, ElectrodeArrayPlanner, ElectrodeArrayStep, ElectrodeArrayStop,

@@ -6,8 +6,8 @@
 //! connected prove that there is no path. It is built once per field from the free runs of all lines; a row of blocks is finished
 //! as soon as all its flips are known to exist.
 
-use super::field::FieldReader;
 use super::lattice::{Side, SwitchWeights, bits};
+use super::lines::LineReader;
 
 /// Coarse modules of each side in the finest abstraction: 1024 by 1024 blocks.
 const MAX_COARSE: u32 = 10;
@@ -32,7 +32,7 @@ type Exist = [[u64; WORDS]; MAX_COARSE as usize];
 
 impl Blocks {
     /// The abstraction with at most 2^`coarse` blocks per side, `coarse` ≤ 10.
-    pub(super) fn new(reader: &mut FieldReader<'_>, coarse: u32) -> Self {
+    pub(super) fn new(reader: &mut LineReader<'_>, coarse: u32) -> Self {
         let modules = reader.lattice().modules;
         let coarse = modules.map(|n| n.min(coarse));
         let mut blocks = Blocks::without_flips(modules, coarse);
@@ -54,7 +54,7 @@ impl Blocks {
     }
 
     /// For each coarse module of `side` the set of blocks in the row (or column) `across` of blocks in which it may switch.
-    fn along(&self, reader: &mut FieldReader<'_>, side: Side, across: u32, lines: &mut u64) -> Exist {
+    fn along(&self, reader: &mut LineReader<'_>, side: Side, across: u32, lines: &mut u64) -> Exist {
         let (fine, coarse) = (self.fine[side.index()], self.coarse[side.index()]);
         let count = 1_u32 << coarse;
         let mut all = [0; WORDS];

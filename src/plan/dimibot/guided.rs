@@ -7,8 +7,8 @@
 //! cells times modules.
 
 use super::blocks::{BlockDistances, Blocks};
-use super::field::FieldReader;
 use super::lattice::{Flip, Side, SwitchWeights, bits};
+use super::lines::LineReader;
 use super::queue::RadixQueue;
 use super::seen::Seen;
 use crate::plan::search::Meter;
@@ -26,14 +26,14 @@ pub(super) trait SearchSpace {
     fn legal(&mut self, at: [u32; 2]) -> [u32; 2];
 }
 
-impl SearchSpace for FieldReader<'_> {
+impl SearchSpace for LineReader<'_> {
     fn modules(&self) -> [u32; 2] {
         self.lattice().modules
     }
 
     #[inline]
     fn legal(&mut self, at: [u32; 2]) -> [u32; 2] {
-        FieldReader::legal(self, at).unwrap_or([0, 0])
+        LineReader::legal(self, at).unwrap_or([0, 0])
     }
 }
 

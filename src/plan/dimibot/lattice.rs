@@ -69,6 +69,15 @@ impl Lattice {
     }
 }
 
+/// Modules that switch together, as bit masks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ModulePulse {
+    /// Left modules.
+    pub left: u32,
+    /// Right modules.
+    pub right: u32,
+}
+
 /// Cost of switching each module, in integer units of the objective.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SwitchWeights {

@@ -5,9 +5,9 @@
 
 use super::field::LatticeField;
 use super::labels::{self, LabelFront};
-use super::lattice::{Flip, LatticeCell, Side, SwitchWeights};
+use super::lattice::{Flip, LatticeCell, ModulePulse, Side, SwitchWeights};
 use super::outcome::{DimibotAnswer, FlipPath, Impossible};
-use super::pulses::{self, ModulePulse, PulseTrain};
+use super::pulses::{self, PulseTrain};
 use super::tally::MotionTally;
 use super::{published, shortest};
 use crate::claims::dimibot::{DimibotMethod, DimibotObjective};

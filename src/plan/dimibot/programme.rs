@@ -2,19 +2,57 @@
 //! best one.
 
 use super::labels::LabelFront;
-use super::lattice::LatticeCell;
-use super::legs::{Legs, Meters};
-use super::pulses::ModulePulse;
-use super::route::{MissingLeg, RouteStage};
+use super::lattice::{LatticeCell, ModulePulse};
+use super::legs::{Legs, Meters, NoLeg};
 use super::tally::{MotionTally, add_to_front};
 use super::tour::{TourCosts, ascent, improved};
 use crate::claims::dimibot::DimibotObjective;
 use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
 
+/// Up to this many places the order of a visit is proven best.
+pub const EXACT_PLACES: usize = 12;
+
 pub(super) const NONE: u32 = u32::MAX;
 /// Table cost of a leg that the limits forbid.
 const FORBIDDEN: u64 = 1 << 44;
+
+/// A part of a task.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RouteStage {
+    /// To this cell.
+    To(LatticeCell),
+    /// To all these cells, in the best order.
+    All(Vec<LatticeCell>),
+}
+
+impl RouteStage {
+    pub(super) fn cells(&self) -> &[LatticeCell] {
+        match self {
+            RouteStage::To(cell) => std::slice::from_ref(cell),
+            RouteStage::All(cells) => cells,
+        }
+    }
+
+    /// The cell written last.
+    pub(super) fn last(&self) -> Option<LatticeCell> {
+        self.cells().last().copied()
+    }
+
+    fn is_large(&self) -> bool {
+        self.cells().len() > EXACT_PLACES
+    }
+}
+
+/// A leg that was not found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MissingLeg {
+    pub stage: usize,
+    /// Index into the stage's cells.
+    pub place: usize,
+    pub from: LatticeCell,
+    pub reason: NoLeg,
+}
 
 /// Which partial routes are kept for a state.
 #[derive(Clone, Copy)]

@@ -5,8 +5,9 @@
 //! non-symmetric robot are matched from the largest stroke down. Algorithm 3's heuristic is used as printed: it counts nothing for
 //! a stage whose two modules both differ, so it is admissible but weak.
 
-use super::field::{FieldReader, LatticeField};
+use super::field::LatticeField;
 use super::lattice::{Flip, Lattice, LatticeCell, Side, SwitchWeights, bits};
+use super::lines::LineReader;
 use super::outcome::{DimibotAnswer, FlipPath, Proof};
 use super::shortest::outside;
 use crate::plan::search::{Meter, SearchBudget};
@@ -236,7 +237,7 @@ fn refused(field: &LatticeField, start: LatticeCell, goal: LatticeCell) -> Optio
         .or_else(|| field.legal(goal).is_none().then_some(Proof::GoalCovered))
 }
 
-fn legal_flips(reader: &mut FieldReader<'_>, cell: LatticeCell) -> impl Iterator<Item = Flip> + use<> {
+fn legal_flips(reader: &mut LineReader<'_>, cell: LatticeCell) -> impl Iterator<Item = Flip> + use<> {
     let [left, right] = reader.legal(cell.pair()).unwrap_or([0, 0]);
     let of = |side, mask| bits(mask).map(move |bit| Flip::of_bit(side, bit));
     of(Side::Left, left).chain(of(Side::Right, right))

@@ -11,7 +11,7 @@
 
 use super::field::LatticeField;
 use super::labels::LabelFront;
-use super::lattice::{Lattice, LatticeCell, Side, SwitchWeights};
+use super::lattice::{Lattice, LatticeCell, ModulePulse, Side, SwitchWeights};
 use super::outcome::{DimibotAnswer, FlipPath, Proof};
 use super::shortest::{outside, shortest};
 use super::tally::{MotionTally, add_to_front};
@@ -24,15 +24,6 @@ const TABLE_MODULES: u32 = 12;
 const TRIES: u64 = 1 << 18;
 /// Sequences longer than this are not sought by branch and bound: a node would have 4^4 children and more.
 const MAX_SOUGHT: usize = 4;
-
-/// Modules that switch together, as bit masks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ModulePulse {
-    /// Left modules.
-    pub left: u32,
-    /// Right modules.
-    pub right: u32,
-}
 
 /// A sequence of pulses.
 #[derive(Clone, Debug, PartialEq, Eq)]

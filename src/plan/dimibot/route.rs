@@ -2,50 +2,19 @@
 //!
 //! Problem: from a start through stages, each a cell or a set of cells to be visited in any order; least by an objective, ties
 //! broken by the other figures, within limits on all figures. Method: a dynamic programme over the stages whose state is the cell
-//! in which a stage ends; within a visit of up to [`EXACT_PLACES`] places, that of Held and Karp (1962) over sets. Without limits
+//! in which a stage ends; within a visit of up to [`super::EXACT_PLACES`] places, that of Held and Karp (1962) over sets. Without limits
 //! one best route is kept per state, with limits the Pareto front of routes. Larger visits are ordered by [`super::tour`], and
 //! bounded by the same programme over the bounds of the legs. Guaranteed: `bound` holds for the whole task; optimal where it equals
 //! the cost.
 
 use super::field::LatticeField;
-use super::lattice::LatticeCell;
-use super::legs::{Legs, Meters, NoLeg};
-use super::programme::{Mode, NONE, Programme, StageEnd};
-use super::pulses::ModulePulse;
+use super::lattice::{LatticeCell, ModulePulse};
+use super::legs::{Legs, Meters};
+use super::programme::{MissingLeg, Mode, NONE, Programme, RouteStage, StageEnd};
 use super::tally::MotionTally;
 use crate::claims::dimibot::{DimibotMethod, DimibotObjective};
 use crate::plan::search::{Meter, SearchBudget};
 use rustc_hash::FxHashMap;
-
-/// Up to this many places the order of a visit is proven best.
-pub const EXACT_PLACES: usize = 12;
-
-/// A part of a task.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum RouteStage {
-    /// To this cell.
-    To(LatticeCell),
-    /// To all these cells, in the best order.
-    All(Vec<LatticeCell>),
-}
-
-impl RouteStage {
-    pub(super) fn cells(&self) -> &[LatticeCell] {
-        match self {
-            RouteStage::To(cell) => std::slice::from_ref(cell),
-            RouteStage::All(cells) => cells,
-        }
-    }
-
-    /// The cell written last.
-    fn last(&self) -> Option<LatticeCell> {
-        self.cells().last().copied()
-    }
-
-    pub(super) fn is_large(&self) -> bool {
-        self.cells().len() > EXACT_PLACES
-    }
-}
 
 /// A task to be planned.
 pub struct RouteRequest<'a> {
@@ -70,16 +39,6 @@ pub struct Route {
     pub bound: u64,
     /// Whether no route of equal cost is better in the other figures.
     pub is_exact: bool,
-}
-
-/// A leg that was not found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MissingLeg {
-    pub stage: usize,
-    /// Index into the stage's cells.
-    pub place: usize,
-    pub from: LatticeCell,
-    pub reason: NoLeg,
 }
 
 /// Result of the search for the best route within limits.

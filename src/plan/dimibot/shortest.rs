@@ -4,9 +4,10 @@
 //! goal, whose cost is the XOR distance and therefore optimal when it arrives; then [`super::journey`]. Guaranteed: complete, and
 //! optimal unless the budget runs out. One step of the budget is one cell queued.
 
-use super::field::{FieldReader, LatticeField};
+use super::field::LatticeField;
 use super::journey::LatticeJourney;
 use super::lattice::{Flip, LatticeCell, Side, SwitchWeights, bits};
+use super::lines::LineReader;
 use super::outcome::{DimibotAnswer, FlipPath, Proof};
 use crate::plan::search::SearchBudget;
 
@@ -53,7 +54,7 @@ pub(super) fn outside(field: &LatticeField, start: LatticeCell, goal: LatticeCel
 /// A path that only switches modules whose states differ, so that no path is cheaper: all of one side, then all of the other, or
 /// else always the largest that may switch. Every cell entered is checked, so it fails if an end is covered, unless start and goal
 /// are the same.
-fn walk(reader: &mut FieldReader<'_>, [start, goal]: [[u32; 2]; 2]) -> Option<Vec<Flip>> {
+fn walk(reader: &mut LineReader<'_>, [start, goal]: [[u32; 2]; 2]) -> Option<Vec<Flip>> {
     let differing = [start[0] ^ goal[0], start[1] ^ goal[1]];
     let mut flips = Vec::with_capacity((differing[0].count_ones() + differing[1].count_ones()) as usize);
     for first in Side::BOTH {
@@ -80,7 +81,7 @@ fn walk(reader: &mut FieldReader<'_>, [start, goal]: [[u32; 2]; 2]) -> Option<Ve
 }
 
 /// Whether all differing modules of the side may switch from this cell, in any order.
-fn stretch_is_free(reader: &mut FieldReader<'_>, at: [u32; 2], goal: [u32; 2], side: Side) -> bool {
+fn stretch_is_free(reader: &mut LineReader<'_>, at: [u32; 2], goal: [u32; 2], side: Side) -> bool {
     let (k, across) = (side.index(), side.other().index());
     match reader.free_run(side, at[across], at[k]) {
         Some([low, high]) => low <= at[k] & goal[k] && at[k] | goal[k] <= high,

@@ -3,8 +3,7 @@
 //! Time and energy of a DiMiBot follow from the numbers of pulses and switches, so three whole numbers determine all outcomes. Ties
 //! in the objective are broken by the other outcomes in the order of the vocabulary: distance, switches, time, energy.
 
-use super::lattice::{Lattice, Side};
-use super::pulses::ModulePulse;
+use super::lattice::{Lattice, ModulePulse, Side};
 use crate::claims::dimibot::DimibotObjective;
 
 /// The figures of a motion.

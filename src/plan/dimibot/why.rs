@@ -5,8 +5,9 @@
 //! exactly; then a search whose cost is the number of distinct obstacles crossed, one set kept per cell, and a deletion filter on
 //! its result. Guaranteed: see [`Opening`]. One step of the budget is one flip examined.
 
-use super::field::{FieldObstacle, LatticeField};
+use super::field::LatticeField;
 use super::lattice::{Flip, LatticeCell, Side, SwitchWeights, bits};
+use super::obstacles::FieldObstacle;
 use super::outcome::DimibotAnswer;
 use super::shortest::{outside, shortest};
 use crate::plan::search::{Meter, SearchBudget};

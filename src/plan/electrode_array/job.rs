@@ -9,7 +9,7 @@ use super::labels::{BoardFigures, PlanLimits};
 use super::limited::{self, AskedStep, PlanFront, UNLIMITED};
 use super::limits;
 use super::published::{self, Heuristic, PairCheck, PaperReading, PublishedOutcome, Ties, Zero};
-use super::remedy::Shut;
+use super::remedy::{Shut, Tried};
 use super::stage::{self, BoardGround, BoardStage, CellBlocker};
 use super::{portfolio, why};
 use crate::claims::Job;
@@ -19,7 +19,7 @@ use crate::claims::electrode_array::{
 };
 use crate::device::MAX_EXPANSIONS;
 use crate::device::electrode_array::{ElectrodeArrayOutcome, ElectrodeCell, Separation};
-use crate::diagnostic::Sink;
+use crate::diagnostic::{Code, Sink};
 use crate::plan::errors::{self, Removal};
 use crate::plan::requirements::{Kept, KnownLimit, require};
 use crate::plan::search::SearchBudget;
@@ -96,16 +96,6 @@ pub fn plan(
     let names = order.parts.iter().map(|part| part.name.clone());
     standing.cells.entry(job.device.clone()).or_default().extend(names.zip(end));
     plan
-}
-
-/// A plan of a job whose order was changed to test a remedy; no further remedy is sought.
-pub fn without_remedies(
-    job: &Job,
-    order: &ElectrodeArrayOrder,
-    start: Vec<Option<ElectrodeCell>>,
-    sink: &mut Sink,
-) -> Option<Plan<ElectrodeArrayMotion>> {
-    planned(job, order, start, false, sink).0
 }
 
 /// A plan, and the cells of the parts after it.
@@ -386,16 +376,8 @@ impl Tasks<'_> {
         let to = asked.stops[stop];
         let (blamed, removal) = why::why(stage, from, to);
         let part = &self.order.parts[actor.part];
-        let shut = Shut {
-            job: self.job,
-            order: self.order,
-            start: self.start,
-            stage,
-            blamed: &blamed,
-            removal,
-            part: &part.name,
-        };
-        let help = shut.help(std::mem::replace(&mut self.may_remedy, false));
+        let shut = Shut { order: self.order, stage, blamed: &blamed, removal, part: &part.name };
+        let help = shut.help(self.tried(&shut));
         let blockers: Vec<&CellBlocker> = stage.blockers().collect();
         let blamed: Vec<(String, Span)> =
             blamed.iter().map(|index| (blockers[*index].name(), blockers[*index].span)).collect();
@@ -414,6 +396,18 @@ impl Tasks<'_> {
             Some(help) => told.help(help),
             None => told,
         });
+    }
+
+    /// Plans the whole task with a remedy, which seeks no further one.
+    fn tried(&mut self, shut: &Shut) -> Tried {
+        let may_remedy = std::mem::replace(&mut self.may_remedy, false);
+        let Some(order) = shut.remedied().filter(|_| may_remedy) else { return Tried::LeftOut };
+        let mut sink = Sink::default();
+        if planned(self.job, &order, self.start.to_vec(), false, &mut sink).0.is_some() {
+            return Tried::Planned;
+        }
+        let is_proven = sink.sorted().iter().any(|told| told.code == Code::E0601);
+        if is_proven { Tried::Impossible } else { Tried::NotFound(order.planner.expansions) }
     }
 
     fn add(&mut self, paths: &Paths, bounds: BoardCosts) {

@@ -1,16 +1,12 @@
 //! A remedy for a part that is cut off, tried on the whole task before it is advised.
 //!
-//! Input: a task, the initial cells of its parts, and the blockers without which the part alone has a path. Method: the task is
-//! planned again without the obstacles among them and, where a part that stays is one of them, with `may_yield: true`; all its
-//! steps and limits count. Promise: the help mentions a plan only where one was found; otherwise it states what is known of the
+//! Input: a task, and the blockers without which the part alone has a path. Output: the task without the obstacles among them and,
+//! where a part that stays is one of them, with `may_yield: true`, to be planned with all its steps and limits; then the help.
+//! Promise: the help mentions a plan only where one was found; otherwise it states what is known of the
 //! part alone. Cost: each step of the task may expand one [`SHARE`]th of its budget again.
 
-use super::job;
 use super::stage::BoardStage;
-use crate::claims::Job;
 use crate::claims::electrode_array::{Bystanders, ElectrodeArrayMethod, ElectrodeArrayOrder, ElectrodeArrayPlanner};
-use crate::device::electrode_array::ElectrodeCell;
-use crate::diagnostic::{Code, Sink};
 use crate::plan::errors::{Removal, listed};
 use std::sync::Arc;
 
@@ -22,10 +18,7 @@ const MAX_NAMED: usize = 6;
 
 /// A task with a part that blockers cut off.
 pub struct Shut<'a> {
-    pub job: &'a Job,
     pub order: &'a ElectrodeArrayOrder,
-    /// Cells of the parts before the task.
-    pub start: &'a [Option<ElectrodeCell>],
     pub stage: &'a BoardStage<'a>,
     /// Indices of the stage's blockers.
     pub blamed: &'a [usize],
@@ -35,7 +28,7 @@ pub struct Shut<'a> {
 }
 
 /// Result of planning the task with a remedy.
-enum Tried {
+pub enum Tried {
     Planned,
     /// Proven: it has no plan with the remedy either.
     Impossible,
@@ -47,11 +40,10 @@ enum Tried {
 
 impl Shut<'_> {
     /// The help of the report; none where nothing is blamed.
-    pub fn help(&self, may_try: bool) -> Option<String> {
+    pub fn help(&self, tried: Tried) -> Option<String> {
         if self.blamed.is_empty() {
             return None;
         }
-        let tried = if may_try { self.tried() } else { Tried::LeftOut };
         let alone = format!("without {} `{}` has a way", self.names(self.blamed), self.part);
         Some(match tried {
             Tried::Planned => format!("{} there is a plan{}", self.remedy(), self.extent()),
@@ -92,25 +84,19 @@ impl Shut<'_> {
         }
     }
 
-    /// Plans the task with the remedy.
-    fn tried(&self) -> Tried {
-        if self.order.planner.method != ElectrodeArrayMethod::Portfolio {
-            return Tried::LeftOut;
+    /// The task with the remedy; `None` where nothing is blamed, or its planner proves nothing.
+    pub fn remedied(&self) -> Option<ElectrodeArrayOrder> {
+        if self.blamed.is_empty() || self.order.planner.method != ElectrodeArrayMethod::Portfolio {
+            return None;
         }
         let gone = self.obstacles();
         let kept = self.order.obstacles.iter().enumerate().filter(|(index, _)| !gone.contains(index));
         let expansions = self.order.planner.expansions / SHARE;
-        let order = ElectrodeArrayOrder {
+        Some(ElectrodeArrayOrder {
             obstacles: Arc::new(kept.map(|(_, obstacle)| obstacle.clone()).collect()),
             bystanders: if self.has_part() { Bystanders::Yield } else { self.order.bystanders },
             planner: ElectrodeArrayPlanner { expansions, ..self.order.planner.clone() },
             ..self.order.clone()
-        };
-        let mut sink = Sink::default();
-        if job::without_remedies(self.job, &order, self.start.to_vec(), &mut sink).is_some() {
-            return Tried::Planned;
-        }
-        let is_proven = sink.sorted().iter().any(|told| told.code == Code::E0601);
-        if is_proven { Tried::Impossible } else { Tried::NotFound(expansions) }
+        })
     }
 }

@@ -1,31 +1,18 @@
-//! One job of a hand: each stretch from a first grasp to a release as one problem, then the motions of the fingers.
-//!
-//! After each stretch the part stands where its turns and translations have carried it, so a stretch without a plan leaves the
-//! later ones without a start: the job ends there.
+//! One job of a hand: its plan without limits, then one that keeps them.
 
-use super::course::{follow, reconfigurations};
-use super::graph::{
-    self, Estimator, Grasp, GraspAnswer, GraspCosts, GraspNode, GraspPath, GraspRequest, GraspSearchEnd, Start, Within,
-};
 use super::limited::{self, Sooner};
 use super::looks::LooksBudget;
-use super::mechanics::NoTables;
-use super::routes::{Holding, RouteTurn, Routes, routes, takes_hold};
-use super::sections::{LoadedSections, Sections, Sifted};
-use super::ways::{self, FingerAct, FingersCourse};
-use super::why::{HandReasons, kept_back};
-use super::{FingersMotion, HeldGrasp, Stance};
-use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, FingersTurn};
+use super::sections::Sections;
+use super::stretches::{AskedStretch, Done, FirstCriterion, carried_out, most_looks};
+use super::why::{no_plan, not_followed};
+use super::{FingersMotion, Stance};
+use crate::claims::fingers::FingersOrder;
 use crate::claims::{Job, Requirement};
-use crate::device::fingers::{FingersObjective, FingersOutcome, Plane};
-use crate::diagnostic::{Remark, Sink};
+use crate::device::fingers::FingersOutcome;
+use crate::diagnostic::Sink;
 use crate::plan::requirements::{Kept, KnownLimit, require};
-use crate::plan::search::{GaveUp, SearchBudget};
 use crate::plan::{KindPlanner, Motion, Optimality, Plan, Planned, Standings};
-use nalgebra::{Quaternion, UnitQuaternion};
 use std::collections::BTreeMap;
-use std::f64::consts::PI;
-use std::ops::Range;
 use std::rc::Rc;
 
 /// State that the plans of a schedule hand on to later jobs.
@@ -60,23 +47,6 @@ pub fn plan(
     plan
 }
 
-/// Primary criterion of a path.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FirstCriterion {
-    /// Effort first, then the number of reconfigurations.
-    Effort,
-    /// Reconfigurations first, then the rolling.
-    Reconfigurations,
-}
-
-/// Default budget of looks for planning one task: a few seconds.
-const DEFAULT_LOOKS: u64 = 150_000_000;
-
-/// Budget of looks for planning one task.
-pub fn most_looks(order: &FingersOrder) -> u64 {
-    order.looks.unwrap_or(DEFAULT_LOOKS)
-}
-
 /// A plan, and the stance after it.
 fn planned(
     job: &Job,
@@ -88,13 +58,19 @@ fn planned(
     let mut sections = match Sections::of(order, looks) {
         Ok(sections) => sections,
         Err(error) => {
-            sink.push(HandReasons { order, job, stance: stance.as_ref(), at: 0 }.not_followed(&error));
+            sink.push(not_followed(order, &error));
             return None;
         }
     };
     let mut asked =
         AskedStretch { job, order, stance: stance.as_ref(), first: FirstCriterion::Effort, gaits: Vec::new() };
-    let mut done = carried_out(&mut sections, &asked, Some(sink)).ok()?;
+    let mut done = match carried_out(&mut sections, &asked) {
+        Ok(done) => done,
+        Err(none) => {
+            sink.push(no_plan(&asked, *none));
+            return None;
+        }
+    };
     let (mut fewest, mut none_keeps_all) = (None, false);
     if let Some(most) = limited::most_gaits(job).filter(|most| u64::from(*most) < done.gaits()) {
         match limited::within(&mut sections, &asked, &done, most) {
@@ -102,7 +78,7 @@ fn planned(
             limited::HandWithin::None { is_proven } => {
                 none_keeps_all = is_proven;
                 asked.first = FirstCriterion::Reconfigurations;
-                let least = carried_out(&mut sections, &asked, None).ok();
+                let least = carried_out(&mut sections, &asked).ok();
                 fewest = least.map(|least| least.plan).filter(|plan| plan.proof == Optimality::Proven);
             }
         }
@@ -131,396 +107,4 @@ fn planned(
     };
     let kept = require(job, &plan, known, sink);
     Some(((kept == Kept::Yes).then_some(plan), end))
-}
-
-/// Request for a plan.
-#[derive(Clone)]
-pub struct AskedStretch<'a> {
-    pub job: &'a Job,
-    pub order: &'a FingersOrder,
-    /// Current stance; `None` before the device's first task.
-    pub stance: Option<&'a Stance>,
-    pub first: FirstCriterion,
-    /// Limit on the reconfigurations of each stretch; unlimited where there is no number.
-    pub gaits: Vec<Option<u32>>,
-}
-
-/// A plan, with its limits not yet checked.
-pub struct Done {
-    /// Its proof concerns the primary criterion.
-    pub plan: Plan<FingersMotion>,
-    /// The stance after it.
-    pub end: Stance,
-    pub stretches: Vec<TaskStretch>,
-}
-
-/// Figures of one stretch of a plan.
-#[derive(Debug, Clone, Copy)]
-pub struct TaskStretch {
-    /// The effort, in units of [`costs`].
-    pub cost: u64,
-    pub gaits: u64,
-    /// Whether no path of the stretch has less effort within the given limit.
-    pub is_best: bool,
-}
-
-impl Done {
-    /// Sum of its reconfigurations.
-    pub fn gaits(&self) -> u64 {
-        self.stretches.iter().map(|stretch| stretch.gaits).sum()
-    }
-}
-
-/// Why there is no plan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stop {
-    /// Proven: there is none.
-    Proven,
-    /// None was found.
-    Open,
-}
-
-/// A plan, or why there is none, reported if a sink is given.
-pub fn carried_out(sections: &mut Sections, asked: &AskedStretch, mut sink: Option<&mut Sink>) -> Result<Done, Stop> {
-    let AskedStretch { job, order, stance, .. } = *asked;
-    let start = stance.cloned().unwrap_or_else(|| sections.hand().home(order.part.position_um));
-    let mut tally = HandTally::of(asked, start.clone());
-    for (index, stretch) in stretches(order).into_iter().enumerate() {
-        tally.carry_out(sections, (index, stretch), &mut sink)?;
-    }
-    let course = FingersCourse { start, steps: tally.acts };
-    let motion = sections.hand().motion(&course).map_err(|error| {
-        if let Some(sink) = &mut sink {
-            sink.push(HandReasons { order, job, stance, at: 0 }.no_way(&error));
-        }
-        Stop::Open
-    })?;
-    let end = ways::end(&motion);
-    if let Some(share) = kept_back(order).filter(|_| tally.sums.cost > 0) {
-        let text = format!("{share} % of friction and forces while it rolls (`rolling_reserve`)");
-        tally.sums.remarks.push(Remark { subject: "kept back".to_owned(), text });
-    }
-    let stretches = std::mem::take(&mut tally.stretches);
-    Ok(Done { plan: tally.sums.plan(order, motion), end, stretches })
-}
-
-/// The steps of an order, split after each release.
-pub fn stretches(order: &FingersOrder) -> Vec<Range<usize>> {
-    let mut stretches = Vec::new();
-    let mut begin = 0;
-    for (step, _) in order.steps.iter().enumerate().filter(|(_, step)| step.action == FingersAction::Release) {
-        stretches.push(begin..step + 1);
-        begin = step + 1;
-    }
-    if begin < order.steps.len() {
-        stretches.push(begin..order.steps.len());
-    }
-    stretches
-}
-
-/// Partial plan while its stretches are planned.
-struct HandTally<'a> {
-    asked: &'a AskedStretch<'a>,
-    order: &'a FingersOrder,
-    acts: Vec<Vec<FingerAct>>,
-    held: Option<Holding>,
-    orientation: UnitQuaternion<f64>,
-    /// Whether a different earlier path could have left the part in another orientation.
-    may_differ: bool,
-    sums: Sums,
-    stretches: Vec<TaskStretch>,
-}
-
-/// Sums over the stretches.
-struct Sums {
-    /// The effort, in units of [`costs`].
-    cost: u64,
-    /// In the same units, lower bound on the primary criterion: effort, or reconfigurations only.
-    bound: u64,
-    /// Whether each path is optimal by its primary criterion.
-    is_best: bool,
-    reconfigurations: u64,
-    remarks: Vec<Remark>,
-}
-
-impl<'a> HandTally<'a> {
-    fn of(asked: &'a AskedStretch, start: Stance) -> HandTally<'a> {
-        let order = asked.order;
-        let HeldGrasp { grasp, plane, orientation: [w, x, y, z], .. } = start.hold;
-        let held = Grasp::of(&grasp).filter(|grasp| grasp.holding() > 0);
-        HandTally {
-            asked,
-            order,
-            acts: vec![Vec::new(); order.steps.len()],
-            held: held.map(|grasp| Holding { grasp, plane }),
-            orientation: UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)),
-            may_differ: false,
-            stretches: Vec::new(),
-            sums: Sums { cost: 0, bound: 0, is_best: true, reconfigurations: 0, remarks: Vec::new() },
-        }
-    }
-
-    /// Plans a stretch and appends its acts.
-    fn carry_out(
-        &mut self,
-        sections: &mut Sections,
-        (index, stretch): (usize, Range<usize>),
-        sink: &mut Option<&mut Sink>,
-    ) -> Result<(), Stop> {
-        self.stretches.push(TaskStretch { cost: 0, gaits: 0, is_best: true });
-        if stretch.clone().any(|step| takes_hold(&self.order.steps[step].action)) {
-            self.turn(sections, (index, stretch.clone()), sink)?;
-        }
-        for step in stretch {
-            match &self.order.steps[step].action {
-                FingersAction::Translate(by_um) => self.acts[step].push(FingerAct::Translate(*by_um)),
-                FingersAction::Wait(duration_ns) => self.acts[step].push(FingerAct::Wait(*duration_ns)),
-                FingersAction::Release => self.release(sections, step, sink)?,
-                FingersAction::Grasp(_) | FingersAction::Rotate { .. } | FingersAction::Orient { .. } => (),
-            }
-        }
-        Ok(())
-    }
-
-    fn why(&self, at: usize) -> HandReasons<'a> {
-        HandReasons { order: self.order, job: self.asked.job, stance: self.asked.stance, at }
-    }
-
-    /// The cheapest path through the turns of a stretch.
-    fn turn(
-        &mut self,
-        sections: &mut Sections,
-        (index, stretch): (usize, Range<usize>),
-        sink: &mut Option<&mut Sink>,
-    ) -> Result<(), Stop> {
-        let mut planned = routes(self.order, stretch.clone(), self.held);
-        // Under a load, another earlier path might have left the part where it is easier to hold.
-        if self.may_differ && self.order.load_un != [0.0; 3] {
-            let least = planned.routes.iter().map(|route| steps_of(route)).min().unwrap_or_default();
-            planned.left_out = Some(planned.left_out.map_or(least, |known| known.min(least)));
-        }
-        let gaits = self.asked.gaits.get(index).copied().flatten();
-        let way = match sound(self.order, sections, &planned, self.orientation, (self.asked.first, gaits)) {
-            Ok(GraspAnswer::Found(way)) => way,
-            Ok(stuck) => {
-                let is_proven = matches!(stuck, GraspAnswer::Impossible(_)) && planned.left_out.is_none();
-                let is_exact = self.order.planner != FingersPlanner::GreedyDecomposition;
-                if let Some(sink) = sink {
-                    let why = self.why(stuck_at(&planned, &stuck));
-                    sink.push(why.stuck(&stuck, &planned, (self.held, self.orientation, stretch)));
-                }
-                return Err(if is_proven && is_exact { Stop::Proven } else { Stop::Open });
-            }
-            Err(none) => {
-                if let Some(sink) = sink {
-                    sink.push(self.why(stretch.start).no_tables(&none));
-                }
-                return Err(Stop::Open);
-            }
-        };
-        let route = &planned.routes[way.route];
-        let is_grasp = |step: &usize| matches!(self.order.steps[*step].action, FingersAction::Grasp(_));
-        let first = route.first().map_or(stretch.start, |turning| turning.step);
-        let begins = stretch.clone().find(is_grasp).map_or(first, |grasp| grasp.min(first));
-        let fingers = self.order.facts.fingers as usize;
-        follow(&mut self.acts, (route, &way), self.held.is_none().then_some(begins), fingers);
-        let cost = effort(self.order, &way);
-        self.sums.cost += cost;
-        let bound = match self.asked.first {
-            FirstCriterion::Effort => way.bound,
-            FirstCriterion::Reconfigurations => 0,
-        };
-        self.sums.bound += planned.left_out.map_or(bound, |steps| bound.min(2 * ROLL * steps));
-        let is_best = planned.left_out.is_none() && way.bound >= way.cost;
-        self.sums.is_best &= is_best;
-        self.sums.reconfigurations += reconfigurations(&way);
-        self.stretches[index] = TaskStretch { cost, gaits: reconfigurations(&way), is_best };
-        let is_free = |step: usize| matches!(self.order.steps[step].action, FingersAction::Orient { .. });
-        self.may_differ |= planned.routes.len() > 1;
-        if route.iter().any(|turning| is_free(turning.step)) {
-            let said: Vec<String> = route.iter().map(|turning| said(sections, turning.turn)).collect();
-            self.sums.remarks.push(Remark { subject: "turns".to_owned(), text: said.join(", ") });
-        }
-        for turning in route {
-            self.orientation = sections.turned(self.orientation, turning.turn);
-        }
-        let last = way.legs.last().and_then(|nodes| nodes.last());
-        self.held =
-            route.last().zip(last).map(|(turning, last)| Holding { grasp: last.grasp, plane: turning.turn.plane });
-        Ok(())
-    }
-
-    /// All fingers leave, in an order in which the remaining ones always hold.
-    fn release(&mut self, sections: &mut Sections, step: usize, sink: &mut Option<&mut Sink>) -> Result<(), Stop> {
-        let Some(holding) = self.held.take() else { return Ok(()) };
-        let Some(order) = sections.leaving(holding, self.orientation) else {
-            if let Some(sink) = sink {
-                sink.push(self.why(step).stuck_fingers());
-            }
-            return Err(Stop::Open);
-        };
-        self.acts[step].push(FingerAct::Release { order });
-        Ok(())
-    }
-}
-
-/// The planner's answer whose path holds at every instant, within a limit on reconfigurations.
-///
-/// Under a load, grasps are first evaluated lazily, with half of the looks; if that is not enough, tables are used.
-///
-/// # Errors
-/// Where a section has too many contacts for its tables, or the looks are spent.
-pub fn sound(
-    order: &FingersOrder,
-    sections: &mut Sections,
-    planned: &Routes,
-    orientation: UnitQuaternion<f64>,
-    chosen: (FirstCriterion, Option<u32>),
-) -> Result<GraspAnswer, NoTables> {
-    if order.load_un == [0.0; 3] {
-        return lasting(order, sections, planned, orientation, chosen);
-    }
-    let looks = Rc::clone(sections.looks());
-    let answer = looks.with_half(|| lasting(order, sections, planned, orientation, chosen));
-    let Ok(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound })) = answer else { return answer };
-    sections.deal_with_load(LoadedSections::Tabulated);
-    let tabulated = lasting(order, sections, planned, orientation, chosen);
-    sections.deal_with_load(LoadedSections::Asked);
-    Ok(tabulated.unwrap_or(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound })))
-}
-
-/// A path with a grasp that lapses between two angles is searched again without that step, as often as necessary: every search has
-/// fewer steps left, so this ends. All searches together keep to the budget.
-fn lasting(
-    order: &FingersOrder,
-    sections: &mut Sections,
-    planned: &Routes,
-    orientation: UnitQuaternion<f64>,
-    chosen: (FirstCriterion, Option<u32>),
-) -> Result<GraspAnswer, NoTables> {
-    let (mut left, mut least) = (order.expansions, 0);
-    loop {
-        match answer(order, sections, planned, orientation, chosen, SearchBudget::of(left))? {
-            GraspAnswer::Found(way) => {
-                if sections.sift(&planned.routes[way.route], &way, orientation) == Sifted::Sound {
-                    return Ok(GraspAnswer::Found(way));
-                }
-                left = left.saturating_sub(way.expanded);
-                least = way.bound;
-            }
-            GraspAnswer::GaveUp(GraspSearchEnd::Expansions(gave_up)) => {
-                let (budget, bound) = (SearchBudget::of(order.expansions), least.max(gave_up.bound));
-                return Ok(GraspAnswer::GaveUp(GraspSearchEnd::Expansions(GaveUp {
-                    budget,
-                    spent: budget.steps,
-                    bound,
-                })));
-            }
-            GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound }) => {
-                return Ok(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound: bound.max(least) }));
-            }
-            other @ (GraspAnswer::Impossible(_) | GraspAnswer::GaveUp(GraspSearchEnd::TooLarge { .. })) => {
-                return Ok(other);
-            }
-        }
-    }
-}
-
-/// Cost of rolling one finger by a step, in the unit of [`costs`].
-const ROLL: u64 = 360;
-
-/// Cost of a reconfiguration where their number comes first: larger than the rolling of any path.
-const MORE_THAN_ALL_ROLLING: u32 = 1 << 24;
-
-/// Least number of steps that a route rolls.
-fn steps_of(route: &[RouteTurn]) -> u64 {
-    route.iter().map(|turning| u64::from(turning.turn.steps.unsigned_abs())).sum()
-}
-
-/// Cost of a path, in units of [`costs`].
-fn effort(order: &FingersOrder, way: &GraspPath) -> u64 {
-    let GraspCosts { roll, gait } = costs(order);
-    let pairs = way.legs.iter().flat_map(|nodes| nodes.windows(2));
-    let cost = |pair: &[GraspNode]| match pair[0].angle == pair[1].angle {
-        true => u64::from(gait),
-        false => u64::from(roll) * pair[0].grasp.holding() as u64,
-    };
-    pairs.map(cost).sum()
-}
-
-/// Costs as whole numbers, in units of a degree divided by the steps of a turn.
-fn costs(order: &FingersOrder) -> GraspCosts {
-    let gait = order.facts.gaiting_cost_deg * f64::from(order.facts.steps_per_turn);
-    GraspCosts { roll: ROLL as u32, gait: gait.round() as u32 }
-}
-
-/// The answer of the planner that the task selects.
-fn answer(
-    order: &FingersOrder,
-    sections: &mut Sections,
-    planned: &Routes,
-    orientation: UnitQuaternion<f64>,
-    (first, gaits): (FirstCriterion, Option<u32>),
-    budget: SearchBudget,
-) -> Result<GraspAnswer, NoTables> {
-    let legs: Result<Vec<_>, _> = planned.routes.iter().map(|route| sections.legs(route, orientation)).collect();
-    let request = GraspRequest {
-        fingers: order.facts.fingers as usize,
-        start: planned.start.map_or(Start::Any, Start::At),
-        routes: legs?,
-        costs: match first {
-            FirstCriterion::Effort => costs(order),
-            FirstCriterion::Reconfigurations => GraspCosts { roll: 1, gait: MORE_THAN_ALL_ROLLING },
-        },
-        within: Within { gaits, looks: Rc::clone(sections.looks()) },
-    };
-    Ok(match order.planner {
-        FingersPlanner::JointAstar => graph::solve(&request, Estimator::Layers, budget),
-        FingersPlanner::PublishedAstar => graph::solve(&request, Estimator::Published, budget),
-        FingersPlanner::GreedyDecomposition => graph::decompose(&request, Estimator::Published, budget),
-    })
-}
-
-/// The step of the leg at which an answer without a path ends.
-fn stuck_at(planned: &Routes, answer: &GraspAnswer) -> usize {
-    let at = |route: usize, leg: usize| planned.routes.get(route).and_then(|route| route.get(leg));
-    let leg = match answer {
-        GraspAnswer::Impossible(blocked) => at(blocked.route, blocked.leg),
-        GraspAnswer::Found(_) | GraspAnswer::GaveUp(_) => at(0, 0),
-    };
-    leg.map_or(0, |turning| turning.step)
-}
-
-/// A turn as text, by the angle of its whole steps: `79.99 deg about z`.
-fn said(sections: &Sections, turn: FingersTurn) -> String {
-    let axis = match turn.plane {
-        Plane::Xy => "z",
-        Plane::Xz => "y",
-    };
-    let degrees = (f64::from(turn.steps) * sections.step_rad(turn.plane)).to_degrees();
-    format!("{} deg about {axis}", crate::quantity::digits((degrees * 1e4).round() / 1e4))
-}
-
-impl Sums {
-    fn plan(self, order: &FingersOrder, motion: FingersMotion) -> Plan<FingersMotion> {
-        let degrees = |cost: u64| cost as f64 / f64::from(order.facts.steps_per_turn);
-        let time_s = ways::duration_ns(&motion).unwrap_or(u64::MAX) as f64 / 1e9;
-        let outcomes = [
-            (FingersOutcome::Effort, degrees(self.cost) * PI / 180.0),
-            (FingersOutcome::Reconfigurations, self.reconfigurations as f64),
-            (FingersOutcome::Time, time_s),
-        ];
-        Plan {
-            planner: order.planner.name(),
-            objective: FingersObjective::Effort.name(),
-            unit: "deg",
-            cost: degrees(self.cost),
-            bound: degrees(self.bound),
-            proof: if self.is_best { Optimality::Proven } else { Optimality::Open },
-            bounds: BTreeMap::new(),
-            outcomes: outcomes.map(|(word, value)| (word.name().to_owned(), value)).into_iter().collect(),
-            remarks: self.remarks,
-            motion,
-        }
-    }
 }

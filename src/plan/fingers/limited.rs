@@ -11,9 +11,9 @@
 
 use super::FingersMotion;
 use super::Stance;
-use super::job::{AskedStretch, Done, Stop, TaskStretch, carried_out, stretches};
 use super::routes::routes;
 use super::sections::Sections;
+use super::stretches::{AskedStretch, Done, TaskStretch, carried_out, stretches};
 use crate::claims::fingers::{FingersAction, FingersOrder};
 use crate::claims::{Job, Relation};
 use crate::device::fingers::FingersOutcome;
@@ -144,7 +144,7 @@ pub fn within(sections: &mut Sections, asked: &AskedStretch, any: &Done, most: u
     let is_whole = fronts.iter().all(|front| front.is_whole);
     let Some((cost, gaits)) = choice(&fronts, most) else { return HandWithin::None { is_proven: is_whole } };
     let gaits = gaits.into_iter().map(Some).collect();
-    let Ok(mut done) = carried_out(sections, &AskedStretch { gaits, ..asked.clone() }, None) else {
+    let Ok(mut done) = carried_out(sections, &AskedStretch { gaits, ..asked.clone() }) else {
         return HandWithin::None { is_proven: false };
     };
     if done.gaits() > u64::from(most) {
@@ -173,7 +173,7 @@ fn front(sections: &mut Sections, asked: &AskedStretch, (any, at): (&Done, usize
         let fewer = u32::try_from(last - 1).unwrap_or(u32::MAX).min(most);
         let mut gaits = vec![None; at];
         gaits.push(Some(fewer));
-        match carried_out(sections, &AskedStretch { gaits, ..asked.clone() }, None) {
+        match carried_out(sections, &AskedStretch { gaits, ..asked.clone() }) {
             // The greedy planner ignores limits.
             Ok(done) if done.stretches[at].gaits >= last => {
                 front.is_whole = false;
@@ -184,9 +184,8 @@ fn front(sections: &mut Sections, asked: &AskedStretch, (any, at): (&Done, usize
                 front.is_whole &= way.is_best;
                 front.ways.push(way);
             }
-            Err(Stop::Proven) => return front,
-            Err(Stop::Open) => {
-                front.is_whole = false;
+            Err(none) => {
+                front.is_whole &= none.is_proven(asked.order);
                 return front;
             }
         }

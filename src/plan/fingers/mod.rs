@@ -8,6 +8,7 @@ pub mod looks;
 pub mod mechanics;
 pub mod routes;
 mod sections;
+mod stretches;
 pub mod tables;
 pub mod ways;
 mod why;

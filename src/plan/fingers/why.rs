@@ -2,11 +2,11 @@
 
 use super::Stance;
 use super::graph::{FarthestRoute, GraspAnswer, GraspSearchEnd};
-use super::job::{AskedStretch, FirstCriterion, carried_out, most_looks, sound};
 use super::looks::LooksBudget;
 use super::mechanics::{Contacts, GripModel, Load, NoTables};
-use super::routes::{Holding, RouteTurn, Routes, routes};
+use super::routes::{RouteTurn, Routes, routes};
 use super::sections::Sections;
+use super::stretches::{AskedStretch, Begins, FirstCriterion, NoCourse, carried_out, kept_back, most_looks, sound};
 use super::ways::WayError;
 use crate::claims::Job;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, HandPart, Section};
@@ -18,8 +18,6 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::outline::{Curve, OutlineError};
 use crate::plan::search::GaveUp;
 use crate::quantity::digits;
-use nalgebra::UnitQuaternion;
-use std::ops::Range;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -29,17 +27,14 @@ const MOST_FRICTION: f64 = 2.0;
 /// Resolution of the figures that a help proposes.
 const GRAIN: f64 = 0.01;
 
-/// Start of a stretch: the held grasp, the part's orientation, and its steps.
-pub type Begins = (Option<Holding>, UnitQuaternion<f64>, Range<usize>);
-
 /// Text of the messages about one step.
-pub struct HandReasons<'a> {
-    pub order: &'a FingersOrder,
-    pub job: &'a Job,
+struct HandReasons<'a> {
+    order: &'a FingersOrder,
+    job: &'a Job,
     /// The stance at the start of the task; `None` before the device's first one.
-    pub stance: Option<&'a Stance>,
+    stance: Option<&'a Stance>,
     /// Index into the order's steps.
-    pub at: usize,
+    at: usize,
 }
 
 /// What is known of a plan with changed figures.
@@ -59,23 +54,40 @@ struct Trials<'a> {
     looks: Rc<LooksBudget>,
 }
 
+/// The report of a task without a plan.
+pub fn no_plan(asked: &AskedStretch, none: NoCourse) -> Diagnostic {
+    let AskedStretch { job, order, stance, .. } = *asked;
+    let reasons = |at: usize| HandReasons { order, job, stance, at };
+    match none {
+        NoCourse::Blocked { at, blocked, planned, begins } => reasons(at).impossible(&blocked, &planned, begins),
+        NoCourse::GaveUp { at, end } => reasons(at).search_ended(&end),
+        NoCourse::NoTables { at, none } => reasons(at).no_tables(&none),
+        NoCourse::NoRelease { at } => reasons(at).stuck_fingers(),
+        NoCourse::NoWay(error) => reasons(0).no_way(&error),
+    }
+}
+
+/// Report of an outline that cannot be followed.
+pub fn not_followed(order: &FingersOrder, error: &OutlineError) -> Diagnostic {
+    let title = format!("the outline of `{}` cannot be followed: {error:?}", order.part.name);
+    Diagnostic::new(Code::E0602, title).label(order.part.span, "this part")
+}
+
 impl HandReasons<'_> {
     fn span(&self) -> crate::source::Span {
         self.order.steps.get(self.at).map_or_else(Default::default, |step| step.span)
     }
 
-    /// Report of a stretch for which the search found no path.
-    pub fn stuck(&self, answer: &GraspAnswer, planned: &Routes, begins: Begins) -> Diagnostic {
-        match answer {
-            GraspAnswer::Impossible(blocked) => self.impossible(blocked, planned, begins),
-            GraspAnswer::GaveUp(GraspSearchEnd::Expansions(gave_up)) => self.gave_up(gave_up),
-            GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound }) => self.looks_spent(*bound),
-            GraspAnswer::GaveUp(GraspSearchEnd::TooLarge { nodes }) => {
+    /// Report of a search that gave up.
+    fn search_ended(&self, end: &GraspSearchEnd) -> Diagnostic {
+        match end {
+            GraspSearchEnd::Expansions(gave_up) => self.gave_up(gave_up),
+            GraspSearchEnd::Looks { bound } => self.looks_spent(*bound),
+            GraspSearchEnd::TooLarge { nodes } => {
                 Diagnostic::new(Code::E0602, format!("{} has {nodes} grasps, more than can be searched", self.what()))
                     .label(self.span(), "this turn")
                     .help("take a larger `step`, fewer `fingers`, or several tasks")
             }
-            GraspAnswer::Found(_) => unreachable!("a found path is not explained"),
         }
     }
 
@@ -275,7 +287,7 @@ impl HandReasons<'_> {
     }
 
     /// Report of sections without tables.
-    pub fn no_tables(&self, none: &NoTables) -> Diagnostic {
+    fn no_tables(&self, none: &NoTables) -> Diagnostic {
         let NoTables::TooManyGrasps { contacts, layers } = *none else { return self.looks_spent(0) };
         let title = format!("{contacts} contacts at {layers} angles make more than {MAX_GRASPS} grasps of three");
         Diagnostic::new(Code::E0602, title)
@@ -284,20 +296,14 @@ impl HandReasons<'_> {
     }
 
     /// Report of a grasp that no finger may leave.
-    pub fn stuck_fingers(&self) -> Diagnostic {
+    fn stuck_fingers(&self) -> Diagnostic {
         Diagnostic::new(Code::E0602, "no finger can leave the grasp that was found first")
             .label(self.span(), "of the fingers that hold here; other grasps were not tried")
             .help("end with two fingers: put `grasp … at (…)` before it")
     }
 
-    /// Report of an outline that cannot be followed.
-    pub fn not_followed(&self, error: &OutlineError) -> Diagnostic {
-        let title = format!("the outline of `{}` cannot be followed: {error:?}", self.order.part.name);
-        Diagnostic::new(Code::E0602, title).label(self.order.part.span, "this part")
-    }
-
     /// Report of fingers that cannot reach the positions of a plan.
-    pub fn no_way(&self, error: &WayError) -> Diagnostic {
+    fn no_way(&self, error: &WayError) -> Diagnostic {
         let at = |step: usize| HandReasons { at: step, ..*self }.span();
         match *error {
             WayError::Range { step, finger, axis, beyond_um } => {
@@ -340,13 +346,6 @@ impl HandReasons<'_> {
     }
 }
 
-/// Reserve while tips roll, in percent; `None` if it is zero or has no effect: with adhesion and without a load, every grasp holds.
-pub fn kept_back(order: &FingersOrder) -> Option<String> {
-    let facts = &order.facts;
-    let counts = facts.rolling_reserve > 0.0 && (facts.sticking_un() == 0.0 || order.load_un != [0.0; 3]);
-    counts.then(|| digits(facts.rolling_reserve * 100.0))
-}
-
 /// Rounded to three significant digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
@@ -373,7 +372,7 @@ impl Trials<'_> {
         }
         let (job, stance) = (self.why.job, self.why.stance);
         let asked = AskedStretch { job, order, stance, first: FirstCriterion::Effort, gaits: Vec::new() };
-        match carried_out(&mut sections, &asked, None) {
+        match carried_out(&mut sections, &asked) {
             Ok(_) => Known::There,
             Err(_) => Known::Nothing,
         }

@@ -2,9 +2,8 @@
 
 use super::super::rule::{Findings, Rule, ms};
 use super::Point;
-use super::body::ObjectPose;
-use super::hand::{JudgedHand, nominal_step_rad};
-use crate::claims::fingers::{FingersAction, FingersOrder, FingersTurn};
+use super::hand::{JudgedHand, nominal_step_rad, planes_after};
+use crate::claims::fingers::FingersAction;
 use crate::device::fingers::Plane;
 use crate::quantity::digits;
 use crate::schedule::Reached;
@@ -18,19 +17,6 @@ const TOLD_DEG: f64 = 0.01;
 
 /// Share of a step of rotation by which a part may be turned where it should not be.
 const STEADY: f64 = 1e-3;
-
-/// Orientation of a part at the beginning of a step, and the turns since, by plane.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Since {
-    pub pose: ObjectPose,
-    pub turns_rad: [f64; 2],
-}
-
-impl Since {
-    fn turn_rad(&self, plane: Plane) -> f64 {
-        self.turns_rad[plane as usize]
-    }
-}
 
 impl JudgedHand<'_, '_> {
     /// Checks a finished step against its goal in the task.
@@ -142,33 +128,4 @@ impl JudgedHand<'_, '_> {
         let holding = self.grip.holds.len();
         (holding > 0).then(|| format!("{holding} fingers touch the part after a release"))
     }
-}
-
-/// The planes in which the contacts of a grasp may be meant: that of the next turn, or of the last one where none follows.
-pub(super) fn planes_after(order: &FingersOrder, nth: usize) -> Vec<Plane> {
-    let first = |action: &FingersAction| match action {
-        FingersAction::Rotate { plane, .. } => vec![*plane],
-        FingersAction::Orient { turns, .. } => ends(turns, |turns| turns.first()),
-        FingersAction::Grasp(_) | FingersAction::Translate(_) | FingersAction::Release | FingersAction::Wait(_) => {
-            Vec::new()
-        }
-    };
-    let last = |action: &FingersAction| match action {
-        FingersAction::Rotate { plane, .. } => vec![*plane],
-        FingersAction::Orient { turns, .. } => ends(turns, |turns| turns.last()),
-        FingersAction::Grasp(_) | FingersAction::Translate(_) | FingersAction::Release | FingersAction::Wait(_) => {
-            Vec::new()
-        }
-    };
-    let (before, after) = order.steps.split_at(nth.min(order.steps.len()));
-    let next = after.iter().map(|step| first(&step.action)).find(|planes| !planes.is_empty());
-    let mut last = before.iter().rev().map(|step| last(&step.action)).filter(|planes| !planes.is_empty());
-    next.or_else(|| last.next()).unwrap_or_else(|| vec![Plane::Xy])
-}
-
-fn ends(turns: &[Vec<FingersTurn>], end: fn(&[FingersTurn]) -> Option<&FingersTurn>) -> Vec<Plane> {
-    let mut planes: Vec<Plane> = turns.iter().filter_map(|turns| end(turns)).map(|turn| turn.plane).collect();
-    planes.sort_unstable();
-    planes.dedup();
-    planes
 }

@@ -8,14 +8,13 @@ use super::super::rule::{Findings, Rule, Violation, ms};
 use super::super::{Halt, Unfit};
 use super::body::{ObjectPose, PartOutlines, Surface};
 use super::clearance::{self, Flight, TipHit};
-use super::goals::{Since, planes_after};
 use super::grip::JudgedGrip;
 use super::pace::Pace;
 use super::states::{Due, Spans, chosen};
 use super::statics::{ContactPoint, Statics, pull_off_un};
 use super::track::{Stretch, Tracks};
 use super::{Point, orientation_of};
-use crate::claims::fingers::{FingersAction, FingersOrder};
+use crate::claims::fingers::{FingersAction, FingersOrder, FingersTurn};
 use crate::device::fingers::{FingersFacts, FingersOutcome, MAX_HOLDING, Plane};
 use crate::quantity::digits;
 use crate::schedule::fingers::FingersState;
@@ -37,6 +36,19 @@ enum Held {
 enum ReportedGrip {
     Nothing,
     Weak,
+}
+
+/// Orientation of a part at the beginning of a step, and the turns since, by plane.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Since {
+    pub pose: ObjectPose,
+    pub turns_rad: [f64; 2],
+}
+
+impl Since {
+    pub fn turn_rad(&self, plane: Plane) -> f64 {
+        self.turns_rad[plane as usize]
+    }
 }
 
 /// A hand in the course of a run.
@@ -492,4 +504,33 @@ pub(super) fn nominal_step_rad(facts: &FingersFacts) -> f64 {
 fn surface_of(body: &PartOutlines, plane: Plane) -> Result<&Surface, Halt> {
     let surface = body.surface(plane);
     surface.ok_or_else(|| Unfit("the claims hold no outline in a plane of a turn".to_owned()).into())
+}
+
+/// The planes in which the contacts of a grasp may be meant: that of the next turn, or of the last one where none follows.
+pub(super) fn planes_after(order: &FingersOrder, nth: usize) -> Vec<Plane> {
+    let first = |action: &FingersAction| match action {
+        FingersAction::Rotate { plane, .. } => vec![*plane],
+        FingersAction::Orient { turns, .. } => ends(turns, |turns| turns.first()),
+        FingersAction::Grasp(_) | FingersAction::Translate(_) | FingersAction::Release | FingersAction::Wait(_) => {
+            Vec::new()
+        }
+    };
+    let last = |action: &FingersAction| match action {
+        FingersAction::Rotate { plane, .. } => vec![*plane],
+        FingersAction::Orient { turns, .. } => ends(turns, |turns| turns.last()),
+        FingersAction::Grasp(_) | FingersAction::Translate(_) | FingersAction::Release | FingersAction::Wait(_) => {
+            Vec::new()
+        }
+    };
+    let (before, after) = order.steps.split_at(nth.min(order.steps.len()));
+    let next = after.iter().map(|step| first(&step.action)).find(|planes| !planes.is_empty());
+    let mut last = before.iter().rev().map(|step| last(&step.action)).filter(|planes| !planes.is_empty());
+    next.or_else(|| last.next()).unwrap_or_else(|| vec![Plane::Xy])
+}
+
+fn ends(turns: &[Vec<FingersTurn>], end: fn(&[FingersTurn]) -> Option<&FingersTurn>) -> Vec<Plane> {
+    let mut planes: Vec<Plane> = turns.iter().filter_map(|turns| end(turns)).map(|turn| turn.plane).collect();
+    planes.sort_unstable();
+    planes.dedup();
+    planes
 }

@@ -5,12 +5,9 @@
 //! retraction, or the clearance, without a break: that a tip is approaching is known only once it touches, so its path is
 //! kept until then.
 
-use super::super::rule::{Findings, Rule, ms};
 use super::Point;
-use super::hand::JudgedHand;
 use super::track::Stretch;
 use crate::device::fingers::FingersFacts;
-use crate::quantity::digits;
 use std::mem::take;
 
 /// Relative excess of speed that is tolerated: durations are whole nanoseconds.
@@ -19,9 +16,9 @@ const TOO_FAST: f64 = 1e-6;
 /// Rounding of the distance within which tips must be slow.
 const NEAR_UM: f64 = 1e-6;
 
-/// A straight path of a free tip, without the stretches in which it rests.
+/// A straight path of a tip, without the stretches in which it rests.
 #[derive(Debug, Clone, Copy)]
-struct FreeTipLeg {
+struct TipLeg {
     start_ns: u64,
     from_um: Point,
     to_um: Point,
@@ -33,7 +30,7 @@ struct FreeTipLeg {
 pub(super) struct Pace {
     /// The contact that it left, until it is far enough from it.
     left_um: Option<Point>,
-    legs: Vec<FreeTipLeg>,
+    legs: Vec<TipLeg>,
 }
 
 /// A tip that is too fast.
@@ -46,15 +43,15 @@ pub(super) struct Fast {
     pub doing: &'static str,
 }
 
-impl FreeTipLeg {
-    fn of(stretch: &Stretch, finger: usize) -> FreeTipLeg {
+impl TipLeg {
+    fn of(stretch: &Stretch, finger: usize) -> TipLeg {
         let (from_um, to_um) = (stretch.from_um[finger], stretch.to_um[finger]);
         let seconds = (stretch.end_ns - stretch.start_ns) as f64 / 1e9;
-        FreeTipLeg { start_ns: stretch.start_ns, from_um, to_um, um_per_s: (to_um - from_um).norm() / seconds }
+        TipLeg { start_ns: stretch.start_ns, from_um, to_um, um_per_s: (to_um - from_um).norm() / seconds }
     }
 
     fn against(&self, due_um_per_s: f64, doing: &'static str) -> Result<(), Fast> {
-        let &FreeTipLeg { start_ns: time_ns, um_per_s, .. } = self;
+        let &TipLeg { start_ns: time_ns, um_per_s, .. } = self;
         match um_per_s <= due_um_per_s * (1.0 + TOO_FAST) {
             true => Ok(()),
             false => Err(Fast { time_ns, um_per_s, due_um_per_s, doing }),
@@ -81,6 +78,11 @@ impl Pace {
         Pace { left_um: Some(left_um), legs: Vec::new() }
     }
 
+    /// A tip that holds moves along a stretch.
+    pub fn holds(stretch: &Stretch, finger: usize, facts: &FingersFacts) -> Result<(), Fast> {
+        TipLeg::of(stretch, finger).against(facts.rolling_um_per_s, "holds")
+    }
+
     /// Ends the flight of a tip without a contact: the part moves, or the run ends.
     pub fn settle(&mut self, facts: &FingersFacts) -> Result<(), Fast> {
         let legs = take(self).legs;
@@ -89,7 +91,7 @@ impl Pace {
 
     /// A free tip moves along a stretch.
     pub fn follow(&mut self, stretch: &Stretch, finger: usize, facts: &FingersFacts) -> Result<(), Fast> {
-        let leg = FreeTipLeg::of(stretch, finger);
+        let leg = TipLeg::of(stretch, finger);
         if let Some(left_um) = self.left_um {
             self.left_um = Some(left_um).filter(|left_um| is_near((leg.to_um - left_um).norm(), facts));
             return leg.against(facts.approach_um_per_s, "leaves its contact");
@@ -102,47 +104,11 @@ impl Pace {
     pub fn lands(&mut self, contact_um: &Point, facts: &FingersFacts) -> Result<(), Fast> {
         self.left_um = None;
         let legs = take(&mut self.legs);
-        let outside = |leg: &FreeTipLeg| !is_near((leg.from_um - contact_um).norm(), facts);
+        let outside = |leg: &TipLeg| !is_near((leg.from_um - contact_um).norm(), facts);
         let begin = legs.iter().rposition(outside).unwrap_or(0);
         legs.iter().enumerate().try_for_each(|(at, leg)| match at >= begin && is_near(leg.off_um(contact_um), facts) {
             true => leg.against(facts.approach_um_per_s, "comes to its contact"),
             false => leg.against(facts.speed_um_per_s, "is free"),
         })
-    }
-}
-
-impl JudgedHand<'_, '_> {
-    /// Tips that hold move along a stretch, and maybe free ones too.
-    pub(super) fn check_carrying_pace(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) {
-        let facts = &self.order.facts;
-        for finger in (0..self.paces.len()).filter(|finger| !stretch.rests(*finger)) {
-            let leg = FreeTipLeg::of(stretch, finger);
-            let kept = match self.grip.has(finger) {
-                true => leg.against(facts.rolling_um_per_s, "holds"),
-                false => self.paces[finger].follow(stretch, finger, facts),
-            };
-            self.tell_pace(nth, finger, kept, findings);
-        }
-        self.settle_paces(nth, findings);
-    }
-
-    /// Ends the flights of all free tips.
-    pub(super) fn settle_paces(&mut self, nth: usize, findings: &mut Findings) {
-        for finger in 0..self.paces.len() {
-            let kept = self.paces[finger].settle(&self.order.facts);
-            self.tell_pace(nth, finger, kept, findings);
-        }
-    }
-
-    /// Tells of the first tip of a step that is too fast.
-    pub(super) fn tell_pace(&mut self, nth: usize, finger: usize, kept: Result<(), Fast>, findings: &mut Findings) {
-        let Err(fast) = kept else { return };
-        if self.hurried != Some(nth) {
-            self.hurried = Some(nth);
-            let [found, due] = [fast.um_per_s, fast.due_um_per_s].map(digits);
-            let (finger, doing, when) = (finger + 1, fast.doing, ms(fast.time_ns));
-            let title = format!("finger {finger} {doing} at {when} and moves at {found} um/s, {due} um/s are allowed");
-            findings.push(self.violation(Rule::Speed, nth, fast.time_ns, title));
-        }
     }
 }

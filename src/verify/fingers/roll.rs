@@ -8,6 +8,7 @@ use super::Point;
 use super::clearance::Flight;
 use super::grip::RollingMisfit;
 use super::hand::{JudgedHand, nominal_step_rad};
+use super::pace::Pace;
 use super::states::Due;
 use super::track::Stretch;
 use crate::claims::fingers::FingersAction;
@@ -156,6 +157,19 @@ impl JudgedHand<'_, '_> {
         self.leg_steps = whole as i64;
         self.spans.begin(time_ns, Due::Always, self.views());
         Ok(())
+    }
+
+    /// Tips that hold move along a stretch, and maybe free ones too.
+    fn check_carrying_pace(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) {
+        let facts = &self.order.facts;
+        for finger in (0..self.paces.len()).filter(|finger| !stretch.rests(*finger)) {
+            let kept = match self.grip.has(finger) {
+                true => Pace::holds(stretch, finger, facts),
+                false => self.paces[finger].follow(stretch, finger, facts),
+            };
+            self.tell_pace(nth, finger, kept, findings);
+        }
+        self.settle_paces(nth, findings);
     }
 }
 

@@ -1,8 +1,9 @@
 //! Descriptions of a hand's state and of its faults, for records and messages.
 
-use super::super::rule::ms;
+use super::super::rule::{Findings, Rule, ms};
 use super::clearance::{self, TipHit};
 use super::hand::JudgedHand;
+use super::pace::Fast;
 use crate::device::fingers::Plane;
 use crate::quantity::digits;
 use crate::schedule::State;
@@ -27,6 +28,26 @@ impl JudgedHand<'_, '_> {
         let [one, other] = pair.map(|finger| finger + 1);
         let (apart, when) = (digits(apart_um), ms(time_ns));
         format!("the tips of fingers {one} and {other} are {apart} um apart at {when}, {due} um are due")
+    }
+
+    /// Ends the flights of all free tips.
+    pub(super) fn settle_paces(&mut self, nth: usize, findings: &mut Findings) {
+        for finger in 0..self.paces.len() {
+            let kept = self.paces[finger].settle(&self.order.facts);
+            self.tell_pace(nth, finger, kept, findings);
+        }
+    }
+
+    /// Tells of the first tip of a step that is too fast.
+    pub(super) fn tell_pace(&mut self, nth: usize, finger: usize, kept: Result<(), Fast>, findings: &mut Findings) {
+        let Err(fast) = kept else { return };
+        if self.hurried != Some(nth) {
+            self.hurried = Some(nth);
+            let [found, due] = [fast.um_per_s, fast.due_um_per_s].map(digits);
+            let (finger, doing, when) = (finger + 1, fast.doing, ms(fast.time_ns));
+            let title = format!("finger {finger} {doing} at {when} and moves at {found} um/s, {due} um/s are allowed");
+            findings.push(self.violation(Rule::Speed, nth, fast.time_ns, title));
+        }
     }
 
     /// The numbers of the contacts in a plane, if all fingers that hold touch there.

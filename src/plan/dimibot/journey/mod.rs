@@ -7,9 +7,9 @@
 //! proven so far. Guaranteed: see [`DimibotSearchOutcome`]. One step of the budget is one cell queued.
 
 use super::blocks::{BlockDistances, Blocks};
-use super::field::FieldReader;
 use super::guided::{BlockGuide, Guide, GuidedSearch, Lists, NoBlocks, SearchEnd, SearchSpace, small_difference};
 use super::lattice::{Flip, Side, SwitchWeights, bits};
+use super::lines::LineReader;
 use super::outcome::{DimibotAnswer, FlipPath, Proof};
 use super::seen::Seen;
 use crate::plan::search::{Meter, SearchBudget};
@@ -53,13 +53,13 @@ struct GoalFlood {
 
 impl Workspace {
     /// Builds the first abstraction of the field.
-    pub(super) fn prepare(&mut self, reader: &mut FieldReader<'_>) {
+    pub(super) fn prepare(&mut self, reader: &mut LineReader<'_>) {
         self.coarse.get_or_insert_with(|| Blocks::new(reader, COARSE));
     }
 }
 
 pub(super) struct LatticeJourney<'a, 'f> {
-    reader: FieldReader<'f>,
+    reader: LineReader<'f>,
     weights: &'a SwitchWeights,
     start: [u32; 2],
     goal: [u32; 2],
@@ -77,7 +77,7 @@ enum Decided {
 impl<'a, 'f> LatticeJourney<'a, 'f> {
     /// Both cells must be free and different.
     pub(super) fn new(
-        reader: FieldReader<'f>,
+        reader: LineReader<'f>,
         weights: &'a SwitchWeights,
         ends: [[u32; 2]; 2],
         budget: SearchBudget,

@@ -4,14 +4,14 @@
 //! several routes share are searched once. The sum over the legs of a route is an admissible bound.
 
 use super::greedy::{alone, grasp};
-use super::route::cheapest;
+use super::route::cheapest_of_few;
 use super::{Estimator, GraspAnswer, GraspRequest, Regrasp, Start, TurnLeg, Within};
 use crate::plan::search::Meter;
 use std::rc::Rc;
 use std::sync::Arc;
 
 /// With at most this many routes, legs are not searched separately.
-pub const FEW: usize = 4;
+const FEW: usize = 4;
 
 /// A leg that was searched alone.
 struct KnownLeg<'a> {
@@ -22,9 +22,11 @@ struct KnownLeg<'a> {
     cost: Option<u64>,
 }
 
-/// A lower bound for each route in the unit of the request's costs, valid for any limit on reconfigurations; `None` for a route
-/// without a path. `None` as a whole if the budget runs out.
+/// See [`super::route::RouteBounds`]. The bounds are valid for any limit on reconfigurations.
 pub fn bounds(request: &GraspRequest, estimator: Estimator, meter: &mut Meter) -> Option<Vec<Option<u64>>> {
+    if request.routes.len() <= FEW {
+        return None;
+    }
     let mut known: Vec<KnownLeg> = Vec::new();
     let mut bounds = Vec::with_capacity(request.routes.len());
     for route in &request.routes {
@@ -84,7 +86,7 @@ fn apart(
 ) -> Option<Option<u64>> {
     let routes = vec![alone(leg, next)];
     let within = Within { gaits: None, looks: Rc::clone(&request.within.looks) };
-    match cheapest(
+    match cheapest_of_few(
         &GraspRequest { fingers: request.fingers, start, routes, costs: request.costs, within },
         estimator,
         meter,

@@ -1,7 +1,6 @@
 //! A prepared route: its legs with their strands, and the transitions of nodes from one leg to the next.
 
-use super::flood::removed;
-use super::layout::{GraspChain, MAX_DIGIT, MAX_LEGS, NodeSpot, Sets, wrapped};
+use super::layout::{GraspChain, MAX_DIGIT, MAX_LEGS, NodeSpot, Sets, removed, wrapped};
 use super::strands::{AngleMask, Strands, below};
 use super::{Grasp, GraspRequest, MAX_NODES, Regrasp, TurnLeg};
 use crate::device::fingers::MAX_FINGERS;

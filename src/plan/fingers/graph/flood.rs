@@ -6,7 +6,7 @@
 
 use super::Regrasp;
 use super::course::{PreparedRoute, Sheet};
-use super::layout::{GraspChain, NodeSpot, wrapped};
+use super::layout::{GraspChain, NodeSpot, inserted, removed, wrapped};
 use super::strands::{AngleMask, below, both, except, has, single, spread};
 use rustc_hash::FxHashMap;
 
@@ -429,24 +429,4 @@ impl<const N: usize> ReachedPairs<N> {
 fn members(pair: GraspChain, contacts: usize) -> [usize; 2] {
     let set = usize::from(pair.set) * 2;
     [set * contacts + usize::from(pair.phases[0]), (set + 1) * contacts + usize::from(pair.phases[1])]
-}
-
-/// The phases of a triple: those of a pair, with a third inserted at a place.
-#[inline]
-pub fn inserted([p, q]: [u16; 2], third: u16, place: usize) -> [u16; 3] {
-    match place {
-        0 => [third, p, q],
-        1 => [p, third, q],
-        _ => [p, q, third],
-    }
-}
-
-/// The phases of a pair, and the third one that was at a place.
-#[inline]
-pub fn removed([a, b, c]: [u16; 3], place: usize) -> ([u16; 2], u16) {
-    match place {
-        0 => ([b, c], a),
-        1 => ([a, c], b),
-        _ => ([a, b], c),
-    }
 }

@@ -3,7 +3,7 @@
 //! Each leg's path is optimal alone. The whole may not be, and a route that has a path may be missed: the next leg may have no path
 //! from a cheap end.
 
-use super::route::{bound, cheapest};
+use super::route::{bound, cheapest_of_few};
 use super::{Estimator, FarthestRoute, Grasp, GraspAnswer, GraspPath, GraspRequest, Regrasp, Start, TurnLeg, Within};
 use crate::device::fingers::MAX_FINGERS;
 use crate::plan::search::{Meter, SearchBudget};
@@ -43,7 +43,7 @@ fn by_legs(request: &GraspRequest, route: usize, estimator: Estimator, meter: &m
         let routes = vec![alone(leg, legs.get(at + 1))];
         let within = Within { gaits: None, looks: Rc::clone(&request.within.looks) };
         let alone = GraspRequest { fingers: request.fingers, start, routes, costs: request.costs, within };
-        let nodes = match cheapest(&alone, estimator, meter) {
+        let nodes = match cheapest_of_few(&alone, estimator, meter) {
             GraspAnswer::Found(part) => {
                 way.cost += part.cost;
                 way.expanded += part.expanded;

@@ -172,3 +172,23 @@ pub fn wrapped(number: usize, contacts: usize) -> usize {
 pub fn ahead(of: u16, phase: u16, contacts: usize) -> usize {
     wrapped(usize::from(phase) + contacts - usize::from(of), contacts)
 }
+
+/// The phases of a triple: those of a pair, with a third inserted at a place.
+#[inline]
+pub fn inserted([p, q]: [u16; 2], third: u16, place: usize) -> [u16; 3] {
+    match place {
+        0 => [third, p, q],
+        1 => [p, third, q],
+        _ => [p, q, third],
+    }
+}
+
+/// The phases of a pair, and the third one that was at a place.
+#[inline]
+pub fn removed([a, b, c]: [u16; 3], place: usize) -> ([u16; 2], u16) {
+    match place {
+        0 => ([b, c], a),
+        1 => ([a, c], b),
+        _ => ([a, b], c),
+    }
+}

@@ -211,7 +211,7 @@ pub enum GraspSearchEnd {
 ///
 /// A step of the budget is an expanded node; looks of floods and placements are counted separately, by [`LooksBudget`].
 pub fn solve(request: &GraspRequest, estimator: Estimator, budget: SearchBudget) -> GraspAnswer {
-    named::by_few(request, |request| route::cheapest(request, estimator, &mut Meter::new(budget)))
+    named::by_few(request, |request| route::cheapest(request, estimator, apart::bounds, &mut Meter::new(budget)))
 }
 
 /// The first route that is feasible leg by leg: at each junction, a cheapest of the F(F - 1) assignments of two fingers is taken.

@@ -1,6 +1,5 @@
 //! Alternative routes as one search: the one with the least bound is advanced, until it reaches its goal.
 
-use super::apart;
 use super::course::{PreparedRoute, courses};
 use super::flood::{Direction, GraspFlood, TRIPLE_LOOKS};
 use super::layout::NodeSpot;
@@ -37,18 +36,27 @@ impl<const N: usize> Estimate for RemainingReconfigurations<'_, N> {
     }
 }
 
-/// See [`super::solve`].
-pub fn cheapest(request: &GraspRequest, estimator: Estimator, meter: &mut Meter) -> GraspAnswer {
+/// A lower bound for each route in the unit of the request's costs, `None` for a route without a path; `None` as a whole where
+/// bounds do not pay, or the budget ran out.
+pub type RouteBounds = fn(&GraspRequest, Estimator, &mut Meter) -> Option<Vec<Option<u64>>>;
+
+/// See [`super::solve`]; `bounds` are sought first, and order the routes.
+pub fn cheapest(request: &GraspRequest, estimator: Estimator, bounds: RouteBounds, meter: &mut Meter) -> GraspAnswer {
     let courses = match courses(request) {
         Ok(courses) => courses,
         Err(nodes) => return GraspAnswer::GaveUp(GraspSearchEnd::TooLarge { nodes }),
     };
-    let search = RouteSearch { request, courses: &courses, meter };
+    let search = RouteSearch { request, courses: &courses, bounds, meter };
     match angles(request) {
         0..=64 => search.run::<1>(estimator),
         65..=128 => search.run::<2>(estimator),
         _ => search.run::<8>(estimator),
     }
+}
+
+/// The cheapest path over all routes, each bounded by two fingers that roll all the way.
+pub fn cheapest_of_few(request: &GraspRequest, estimator: Estimator, meter: &mut Meter) -> GraspAnswer {
+    cheapest(request, estimator, |_, _, _| None, meter)
 }
 
 /// Lower bound over all routes; `None` if none has a path, or a route is too large. If the looks run out, fewer reconfigurations
@@ -113,6 +121,7 @@ struct Candidate<'a, E> {
 struct RouteSearch<'a> {
     request: &'a GraspRequest,
     courses: &'a [PreparedRoute],
+    bounds: RouteBounds,
     meter: &'a mut Meter,
 }
 
@@ -121,10 +130,7 @@ impl<'a> RouteSearch<'a> {
         if let Some(route) = self.courses.iter().position(|course| course.sheets.is_empty()) {
             return GraspAnswer::Found(GraspPath { route, cost: 0, bound: 0, legs: Vec::new(), expanded: 0 });
         }
-        let bounds = match self.request.routes.len() {
-            0..=apart::FEW => None,
-            _ => apart::bounds(self.request, estimator, self.meter),
-        };
+        let bounds = (self.bounds)(self.request, estimator, self.meter);
         let found = match estimator {
             Estimator::Published => self.portfolio(bounds.as_deref(), Published::of),
             Estimator::Layers => {

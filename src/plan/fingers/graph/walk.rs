@@ -13,8 +13,8 @@
 //! cost comes up.
 
 use super::course::PreparedRoute;
-use super::flood::{TRIPLE_LOOKS, inserted, removed};
-use super::layout::{GraspChain, NodeSpot, wrapped};
+use super::flood::TRIPLE_LOOKS;
+use super::layout::{GraspChain, NodeSpot, inserted, removed, wrapped};
 use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;

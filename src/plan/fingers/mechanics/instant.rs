@@ -1,6 +1,7 @@
 //! Grasps that hold at one instant of rolling.
 
-use super::grip::{GripDemand, GripModel};
+use super::load::GripDemand;
+use super::model::GripModel;
 use super::pair::{ForceCone, LineForce};
 use super::rows::{PairRows, numbers};
 use super::{Contact, Load, TOLERANCE};

@@ -1,6 +1,5 @@
-//! External load on the object.
+//! External load on the object, and the wrenches that fingers must exert against it.
 
-use super::space::Across;
 use crate::device::fingers::Plane;
 use crate::real::Real;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -76,4 +75,47 @@ impl Load {
         let [x, y] = self.force_un;
         Load { force_un: [x * cos + y * sin, y * cos - x * sin], ..*self }
     }
+}
+
+/// Out-of-plane force and torque that fingers must exert, about the origin of the section.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Across {
+    pub force_un: f64,
+    /// About the two axes of the plane.
+    pub torque_un_um: [f64; 2],
+}
+
+/// A wrench on the object in the plane: force, and moment about the origin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wrench {
+    pub force_un: [f64; 2],
+    /// Counter-clockwise.
+    pub moment_un_um: f64,
+}
+
+impl Wrench {
+    /// No force.
+    pub const NONE: Wrench = Wrench { force_un: [0.0; 2], moment_un_um: 0.0 };
+
+    /// The wrench of a force that acts at a point.
+    pub fn of(force_un: [f64; 2], at_um: [f64; 2]) -> Wrench {
+        Wrench { force_un, moment_un_um: at_um[0] * force_un[1] - at_um[1] * force_un[0] }
+    }
+
+    /// The wrench that balances both.
+    pub fn against(self, other: Wrench) -> Wrench {
+        Wrench {
+            force_un: [-self.force_un[0] - other.force_un[0], -self.force_un[1] - other.force_un[1]],
+            moment_un_um: -self.moment_un_um - other.moment_un_um,
+        }
+    }
+}
+
+/// Condition for a grasp to hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum GripDemand {
+    /// No load and no adhesion: any equilibrium with forces that are not all zero.
+    Squeeze,
+    /// The fingers can exert this wrench.
+    Exert(Wrench),
 }

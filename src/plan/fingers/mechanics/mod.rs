@@ -16,6 +16,7 @@ mod grip;
 mod instant;
 mod lazy;
 mod load;
+mod model;
 mod pair;
 mod rows;
 mod simplex;
@@ -24,9 +25,9 @@ mod tabulate;
 
 pub use closer::{Closer, forbid};
 pub use contact::{Contact, Contacts};
-pub use grip::{GripModel, Wrench};
 pub use lazy::Lazy;
-pub use load::Load;
+pub use load::{Load, Wrench};
+pub use model::GripModel;
 pub use tabulate::{NoTables, PARTS_OF_ROLLING, PARTS_OF_STEP, TableRequest, tables};
 
 /// Tolerance of an equilibrium, relative to the forces involved: an exact balance holds, whatever the rounding.

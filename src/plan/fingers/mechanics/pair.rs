@@ -1,6 +1,6 @@
 //! The wrenches that two fingers bear, as half-spaces, and whether a third finger can supply the rest.
 
-use super::grip::{GripDemand, Wrench};
+use super::load::{GripDemand, Wrench};
 use super::{Contact, TOLERANCE};
 use crate::real::Real;
 

@@ -9,21 +9,14 @@
 //! (Fourier and Motzkin), which leaves intervals of the other. Three are first tested without torsion, where the out-of-plane
 //! forces are those of a lever, and without the out-of-plane load; only what both leave open takes a linear program.
 
-use super::grip::{GripModel, Wrench};
+use super::load::{Across, GripDemand, Wrench};
+use super::model::GripModel;
 use super::pair::{ForceCone, LineForce};
 use super::simplex;
 use super::{Contact, TOLERANCE};
 
 /// Magnitude below which a number counts as zero, up to rounding.
 const NOTHING: f64 = 1e-12;
-
-/// Out-of-plane force and torque that fingers must exert, about the origin of the section.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Across {
-    pub force_un: f64,
-    /// About the two axes of the plane.
-    pub torque_un_um: [f64; 2],
-}
 
 /// Two fingers and their out-of-plane load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -224,7 +217,7 @@ pub(super) fn three_bear(
 ) -> bool {
     let bear = |withheld_un: [f64; 3], slack_un: f64| {
         let [a, b, c]: [ForceCone; 3] = [0, 1, 2].map(|k| grip.pressing(touch[k], withheld_un[k]));
-        LineForce::between(&a, &b, grip.arm_um, slack_un).takes(&c, &super::grip::GripDemand::Exert(*wrench))
+        LineForce::between(&a, &b, grip.arm_um, slack_un).takes(&c, &GripDemand::Exert(*wrench))
     };
     if !bear([0.0; 3], slack_un) {
         return false;

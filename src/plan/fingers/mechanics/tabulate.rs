@@ -4,8 +4,9 @@
 //! one by one, each triple once. Cost: with adhesion and without a load c² rows of c/64 words, and c³/6 looks at removals;
 //! otherwise up to c³/6 looks for each instant.
 
-use super::grip::{GripDemand, GripModel};
 use super::instant::{self, PairsInstant, pairs};
+use super::load::GripDemand;
+use super::model::GripModel;
 use super::rows::{PairRows, retain, step};
 use super::{Contacts, Load};
 use crate::device::fingers::{FingersFacts, MAX_GRASPS};

@@ -3,8 +3,10 @@
 use super::track::ArmTrack;
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Robot};
-use crate::geometry::Pose;
+use crate::geometry::{Core, Pose, distance};
 use crate::plan::microrobots::{AssemblyStage, Leg, RobotDocking};
+use crate::real::Real;
+use nalgebra::Point2;
 
 /// The bed at some time of an assembly.
 #[derive(Debug, Clone)]
@@ -35,6 +37,21 @@ impl<'a> AssemblyState<'a> {
 
     pub fn robot(&self, index: usize) -> &'a Robot {
         self.order.robot(index)
+    }
+
+    /// Gap between two bodies, each a robot in a pose; at most 0 where they overlap.
+    pub fn gap_um(&self, one: (usize, Pose), other: (usize, Pose)) -> f64 {
+        let core = Core::Polygon(self.outline(other.0, other.1).to_vec());
+        distance::quadrilateral_core(self.outline(one.0, one.1), &core)
+    }
+
+    /// The corners of a body, in order around it.
+    pub fn outline(&self, robot: usize, pose: Pose) -> [Point2<f64>; 4] {
+        let facts = self.robot(robot);
+        let (sin, cos) = pose.heading_rad.sine_cosine();
+        let (half_um, side_um) = (facts.length_um / 2.0, facts.width_um / 2.0);
+        [(half_um, side_um), (-half_um, side_um), (-half_um, -side_um), (half_um, -side_um)]
+            .map(|(x, y)| Point2::new(pose.x_um + x * cos - y * sin, pose.y_um + x * sin + y * cos))
     }
 
     /// Robots that are neither docked nor in `steered`.

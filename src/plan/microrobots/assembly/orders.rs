@@ -195,7 +195,7 @@ fn goal_in_orbit(bed: &AssemblyState, docks: &[&Dock]) -> Result<(), StuckAssemb
         let centre = Core::Point(Point2::new(x_um, y_um));
         for dock in docks.iter().filter(|dock| orbits_meanwhile(bed, orbiting, dock)) {
             let robot = bed.robot(dock.robot);
-            let body = outline(bed, dock.robot, dock.goal.pose);
+            let body = bed.outline(dock.robot, dock.goal.pose);
             let gap_um = distance::quadrilateral_core(body, &centre) - facts.orbit_reach_um();
             let corner_um = robot.length_um.hypotenuse(robot.width_um) / 2.0;
             let precision = bed.order.precision;
@@ -224,20 +224,5 @@ fn touches_structure(bed: &AssemblyState, dock: &Dock) -> bool {
 
 /// Whether two bodies are close enough to dock.
 fn touch(bed: &AssemblyState, one: (usize, Pose), other: (usize, Pose)) -> bool {
-    gap_um(bed, one, other) <= bed.order.facts.docking.tolerance_um
-}
-
-/// Gap between two bodies; at most 0 where they overlap.
-pub fn gap_um(bed: &AssemblyState, one: (usize, Pose), other: (usize, Pose)) -> f64 {
-    let core = Core::Polygon(outline(bed, other.0, other.1).to_vec());
-    distance::quadrilateral_core(outline(bed, one.0, one.1), &core)
-}
-
-/// The corners of a body, in order around it.
-fn outline(bed: &AssemblyState, robot: usize, pose: Pose) -> [Point2<f64>; 4] {
-    let facts = bed.robot(robot);
-    let (sin, cos) = pose.heading_rad.sine_cosine();
-    let (half_um, side_um) = (facts.length_um / 2.0, facts.width_um / 2.0);
-    [(half_um, side_um), (-half_um, side_um), (-half_um, -side_um), (half_um, -side_um)]
-        .map(|(x, y)| Point2::new(pose.x_um + x * cos - y * sin, pose.y_um + x * sin + y * cos))
+    bed.gap_um(one, other) <= bed.order.facts.docking.tolerance_um
 }

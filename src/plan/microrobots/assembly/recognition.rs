@@ -7,7 +7,6 @@
 
 use super::StuckAssembly;
 use super::bed::{AssemblyState, StageAddition};
-use super::orders::gap_um;
 use super::track::miss;
 use crate::claims::microrobots::{Dock, Precision};
 use crate::geometry::Pose;
@@ -68,7 +67,7 @@ fn first_docking(bed: &AssemblyState, docks: &[Dock], legs: &[Leg], sign: f64) -
 /// Gap between a robot and the nearest one with which it may dock.
 fn nearest_um(bed: &AssemblyState, poses: &[Pose], robot: usize, there: &[usize]) -> f64 {
     let holds = |other: &usize| *other != robot && (bed.docked[*other] || there.contains(other));
-    let gap_um = |other: usize| gap_um(bed, (robot, poses[robot]), (other, poses[other]));
+    let gap_um = |other: usize| bed.gap_um((robot, poses[robot]), (other, poses[other]));
     (0..poses.len()).filter(holds).map(gap_um).fold(f64::INFINITY, f64::min)
 }
 

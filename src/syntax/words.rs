@@ -1,0 +1,33 @@
+//! Words: which characters make a name, which names the language reserves, and which words begin a declaration.
+
+/// The words that cannot be names.
+pub const RESERVED: [&str; 21] = [
+    "use", "as", "let", "device", "scene", "task", "program", "wiring", "table", "true", "false", "to", "from", "by",
+    "about", "for", "at", "via", "with", "in", "on",
+];
+
+/// Whether a character may stand in a name.
+pub(crate) fn is_word(c: char) -> bool {
+    c.is_ascii_alphanumeric() || c == '_' || (!c.is_ascii() && c.is_alphabetic())
+}
+
+/// Where the run of name characters at an offset ends.
+pub(super) fn end_of_word(text: &str, at: usize) -> usize {
+    text[at..].find(|c| !is_word(c)).map_or(text.len(), |length| at + length)
+}
+
+/// Whether a line begins a declaration: a reserved word and something of its own behind it, but no field's colon.
+pub(super) fn starts_item(line: &str) -> bool {
+    let words = ["use", "let", "device", "scene", "task", "program", "wiring"];
+    words.iter().any(|word| {
+        line.strip_prefix(word).is_some_and(|rest| {
+            let name = rest.trim_start_matches([' ', '\t']);
+            name.len() < rest.len() && name.starts_with(|c| is_word(c) || c == '"')
+        })
+    })
+}
+
+/// Whether a declaration, of which this is the beginning, has a block.
+pub(super) fn takes_block(item: &str) -> bool {
+    ["scene", "task", "program", "wiring"].iter().any(|word| item.starts_with(word))
+}
