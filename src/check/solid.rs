@@ -276,6 +276,7 @@ fn told_of_polygon(fault: &OutlineError, at: &dyn Fn(String) -> Box<Diagnostic>)
         OutlineError::TooFewPoints(_) | OutlineError::NoArea | OutlineError::RepeatedPoint(_) => {
             "too few triangles meet it".to_owned()
         }
+        OutlineError::Thin => "it is thinner than 10 nm".to_owned(),
         OutlineError::TooManyPoints(count) => format!("{count} triangles meet it, which is too many"),
         OutlineError::Crossing { .. } => "it crosses itself".to_owned(),
         OutlineError::Rough { point_um } => format!("it has a corner near {}", point(*point_um)),
@@ -385,6 +386,12 @@ fn told(fault: &OutlineError, outline: &Outline, span: Span) -> Diagnostic {
             "an outline that encloses no area",
             "its points lie on one line, or it crosses itself",
             "give the points in order round it",
+        ),
+        OutlineError::Thin => errors::bad_shape(
+            span,
+            "an outline that is thinner than 10 nm",
+            "too thin to be followed",
+            "check the units of its figures",
         ),
         OutlineError::Crossing { ways_um } => {
             let ways = ways_um.map(|way| format!("{} um", digits(way))).join(" and ");

@@ -2,7 +2,7 @@
 
 use super::{KindOrder, Order, ValueOrigin};
 use crate::device::Kind;
-use crate::device::microrobots::{ControlState, MicrorobotsFacts};
+use crate::device::microrobots::{ControlState, MicrorobotsFacts, MicrorobotsObjective};
 use crate::geometry::{Pose, Shape};
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
@@ -23,9 +23,15 @@ pub struct MicrorobotsOrder {
     pub robots: Arc<Vec<Placed>>,
     /// Ways that the search of one step may expand.
     pub expansions: u64,
+    #[serde(default, skip_serializing_if = "is_time")]
+    pub objective: MicrorobotsObjective,
     pub precision: Precision,
     pub assurance: Assurance,
     pub steps: Vec<MicrorobotsStep>,
+}
+
+fn is_time(objective: &MicrorobotsObjective) -> bool {
+    *objective == MicrorobotsObjective::Time
 }
 
 impl KindOrder for MicrorobotsOrder {

@@ -158,8 +158,8 @@ struct Replay<'a> {
 struct RecordTerms {
     planner: &'static str,
     objective: &'static str,
-    /// The outcome that the objective minimises.
-    outcome: &'static str,
+    /// The outcome that the objective minimises; `None` for an estimate, which no replay derives.
+    outcome: Option<&'static str>,
     /// Unit of the cost.
     unit: &'static str,
     /// Number of these units in one SI unit.

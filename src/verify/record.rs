@@ -52,11 +52,22 @@ fn names(run: &JudgedRun, findings: &mut Findings) {
 
 fn cost(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     let RecordTerms { outcome, unit, scale, .. } = judge_of(&run.job.order).terms();
+    let Some(outcome) = outcome else { return estimate(run, findings) };
     let replayed = replay.outcomes[outcome] * scale;
     if !alike(run.plan.cost, replayed) {
         let (recorded, replayed) = apart(run.plan.cost, replayed);
         let title =
             format!("the recorded cost of `{}` is {recorded} {unit}, but the replay gives {replayed}", run.job.task);
+        findings.push(figure(run, title));
+    }
+}
+
+/// An estimated cost is a share.
+fn estimate(run: &JudgedRun, findings: &mut Findings) {
+    let cost = run.plan.cost;
+    if !(0.0..=1.0).contains(&cost) {
+        let title =
+            format!("the recorded cost of `{}` is {}, which is no share from 0 to 1", run.job.task, digits(cost));
         findings.push(figure(run, title));
     }
 }

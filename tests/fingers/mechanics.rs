@@ -96,7 +96,6 @@ fn what_cannot_be_planned_with_is_refused_by_the_check() {
     assert!(!said(&coarser).iter().any(|said| said.contains("E0541")));
 }
 
-/// Each was once planned and then refused by the verifier.
 /// The contacts of a grasp are counted in the plane of the task's next turn, else in that of its last one, whatever is released between.
 #[test]
 fn contacts_are_counted_in_the_plane_of_the_next_turn_or_the_last() {
@@ -115,6 +114,12 @@ fn contacts_are_counted_in_the_plane_of_the_next_turn_or_the_last() {
     assert_eq!(build(&after_release).codes, Vec::<&str>::new());
 }
 
+#[test]
+fn an_outline_thinner_than_can_be_followed_is_refused_at_the_door() {
+    assert_eq!(build(&found("fingers-thin-outline")).codes, ["E0514"]);
+}
+
+/// Each was once planned and then refused by the verifier.
 #[test]
 fn what_was_refused_by_the_verifier_is_built() {
     for name in ["fingers-wait-before-grasp", "fingers-balanced-while-carried", "fingers-orient-then-grasp"] {

@@ -13,6 +13,7 @@ use crate::check::value::{ModuleWord, Value, whole};
 use crate::claims::microrobots::{
     Assurance, Dock, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop, Precision,
 };
+use crate::device::microrobots::MicrorobotsObjective;
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::geometry::Pose;
 use crate::real::Real;
@@ -43,12 +44,18 @@ impl Checker<'_> {
             obstacles: Arc::clone(&ground.obstacles),
             robots: Arc::clone(&ground.robots),
             expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS),
+            objective: objective(parts.objective)?,
             precision: precision?,
             assurance: assurance(&parts.settings),
             steps: steps?,
         };
         ground.is_whole.then_some(order)
     }
+}
+
+/// The objective that `minimize` names; time by default.
+fn objective(name: Option<&str>) -> Option<MicrorobotsObjective> {
+    name.map_or(Some(MicrorobotsObjective::Time), MicrorobotsObjective::find)
 }
 
 fn assurance(settings: &Accepted) -> Assurance {

@@ -42,6 +42,7 @@ enum ReportTopic {
     Nearest,
     Waits,
     Guaranteed,
+    Expected,
     Contacts,
     Remarked,
     Absent,
@@ -49,11 +50,12 @@ enum ReportTopic {
 }
 
 impl ReportTopic {
-    const ALL: [ReportTopic; 8] = [
+    const ALL: [ReportTopic; 9] = [
         ReportTopic::Visits,
         ReportTopic::Nearest,
         ReportTopic::Waits,
         ReportTopic::Guaranteed,
+        ReportTopic::Expected,
         ReportTopic::Contacts,
         ReportTopic::Remarked,
         ReportTopic::Absent,
@@ -66,6 +68,7 @@ impl ReportTopic {
             ReportTopic::Nearest => "Nearest",
             ReportTopic::Waits => "Waits",
             ReportTopic::Guaranteed => "Assured",
+            ReportTopic::Expected => "Expected",
             ReportTopic::Contacts => "Contacts",
             ReportTopic::Remarked => "Chosen",
             ReportTopic::Absent => "Absent",

@@ -13,6 +13,27 @@ words! {
     /// Objective.
     pub enum MicrorobotsObjective {
         Time = "time": "from the beginning of the task to the end of its last step",
+        Switches = "switches": "control cycles",
+        Failures = "failures": "share of simulated assemblies that fail with the errors of the device",
+    }
+}
+
+impl MicrorobotsObjective {
+    /// Unit of cost and bound; empty for counts and shares.
+    pub fn unit(self) -> &'static str {
+        match self {
+            MicrorobotsObjective::Time => "s",
+            MicrorobotsObjective::Switches | MicrorobotsObjective::Failures => "",
+        }
+    }
+
+    /// The figure of a plan that it minimizes; `None` for an estimate, which no replay can derive.
+    pub fn outcome(self) -> Option<MicrorobotsOutcome> {
+        match self {
+            MicrorobotsObjective::Time => Some(MicrorobotsOutcome::Time),
+            MicrorobotsObjective::Switches => Some(MicrorobotsOutcome::Switches),
+            MicrorobotsObjective::Failures => None,
+        }
     }
 }
 

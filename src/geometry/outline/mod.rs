@@ -33,6 +33,9 @@ pub const MAX_POINTS: usize = 4096;
 /// Greatest coordinate or semi-axis.
 pub const MAX_UM: f64 = 1e6;
 
+/// Least mean thickness of an outline, in micrometres: twice its area over its perimeter.
+pub const MIN_THICKNESS_UM: f64 = 0.01;
+
 /// Least semi-axis, half width or radius of a corner.
 pub const MIN_UM: f64 = 1e-3;
 
@@ -84,6 +87,8 @@ pub enum OutlineError {
     RepeatedPoint(usize),
     /// It encloses no area.
     NoArea,
+    /// It is thinner than [`MIN_THICKNESS_UM`] on average: a line more than an outline, which cannot be followed reliably.
+    Thin,
     /// It intersects itself at these two arc lengths.
     Crossing { ways_um: [f64; 2] },
     /// It has a corner, or bends too sharply to be followed, near this point.
@@ -150,6 +155,9 @@ impl Curve {
         };
         if curve.nearest([0.0, 0.0]).distance_um >= 0.0 {
             return Err(OutlineError::OffOrigin);
+        }
+        if 2.0 * curve.area_um2 < MIN_THICKNESS_UM * curve.perimeter_um {
+            return Err(OutlineError::Thin);
         }
         curve.reach_um = -curve.least(|spot| -norm(spot.point_um));
         curve.width_um = -curve.least(|spot| -spot.point_um[0]) - curve.least(|spot| spot.point_um[0]);

@@ -75,6 +75,7 @@ pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
         obstacles: Arc::new(vec![post]),
         robots: Arc::new(start.into_iter().enumerate().map(placed).collect()),
         expansions: 1,
+        objective: crate::device::microrobots::MicrorobotsObjective::Time,
         precision: Precision { place_um: 0.5, heading_rad: 0.01 },
         assurance: Assurance::Told,
         steps: steps.iter().map(asked).collect(),

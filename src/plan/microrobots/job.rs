@@ -1,15 +1,17 @@
 //! One job of microrobots: its steps planned one after the other, from the current poses.
 //!
 //! After each step every robot is where the strokes have carried it, so a step without a plan leaves the later ones without a
-//! start: the job ends there.
+//! start: the job ends there. Steps may begin with first legs that move the whole bed (`departure`); the best by the objective is kept.
 
-use super::assembly::{self, Assembled};
+use super::assembly::{self, Assembled, StuckAssembly};
 use super::bound;
+use super::departure::{Departure, Departures};
 use super::drive::{self, Drive};
 use super::guarantee::{Assured, guarantees};
+use super::safest;
 use super::strategy::{driven, episodes};
 use super::why::BedReasons;
-use super::world::{BedPoses, World};
+use super::world::{BedPoses, FirstMeeting, World};
 use super::{AssemblyStage, Leg, MicrorobotsMotion, MicrorobotsStepMotion, RobotDocking};
 use crate::claims::Job;
 use crate::claims::microrobots::{
@@ -87,27 +89,59 @@ fn planned(
     (start, is_first): (Crew, bool),
     sink: &mut Sink,
 ) -> Option<(Option<Plan<MicrorobotsMotion>>, Crew)> {
+    let bound_ns = bound::least_ns(order, &start);
+    let fastest = carried_out(order, (&start, is_first), FirstLegs::Best, sink)?;
+    let BedRoute { motion, end } = match order.objective {
+        MicrorobotsObjective::Time | MicrorobotsObjective::Switches => fastest,
+        MicrorobotsObjective::Failures => safest::safest(order, (&start, is_first), fastest),
+    };
+    let mut tally = BedTally::of(order, &motion, bound_ns);
+    let are_guaranteed = assure(order, &motion, &mut tally.remarks, sink);
+    tally.failing = safest::expected(job, order, &motion, &mut tally.remarks, sink);
+    let plan = tally.plan(order.objective, motion);
+    let kept = require(job, &plan, &mut |_| KnownLimit::default(), sink);
+    Some(((kept == Kept::Yes && are_guaranteed).then_some(plan), end))
+}
+
+/// The motion of a whole job, and the state of the robots after it.
+pub struct BedRoute {
+    pub motion: MicrorobotsMotion,
+    pub end: Crew,
+}
+
+/// First legs that a step may begin with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FirstLegs {
+    /// None, or those with which a step is best by the objective.
+    Best,
+    /// None for an assembly, the best for other steps.
+    None,
+    /// An assembly begins with the first ones of this seed, other steps with the best.
+    Drawn(u64),
+}
+
+/// Plans the steps of a job one after the other; without a plan for one of them its error was pushed.
+pub fn carried_out(
+    order: &MicrorobotsOrder,
+    (start, is_first): (&Crew, bool),
+    first_legs: FirstLegs,
+    sink: &mut Sink,
+) -> Option<BedRoute> {
     let world = World::new(order);
     let mut bed = BedPoses::new(start.poses.clone(), start.docked.clone());
-    let mut tally = BedTally { bound_ns: bound::least_ns(order, &start), ..BedTally::default() };
     let mut steps = Vec::with_capacity(order.steps.len());
     let mut is_given = is_first;
     for step in &order.steps {
-        let done = BedStepPlanner { order, world: &world, bed: &bed, step, is_given }.done(sink)?;
+        let motion = BedStepPlanner { order, world: &world, bed: &bed, step, is_given, first_legs }.done(sink)?;
         is_given &= matches!(step.action, MicrorobotsAction::Wait(_) | MicrorobotsAction::Apply { .. });
-        match &done.motion {
+        match &motion {
             MicrorobotsStepMotion::Legs { legs, docks, .. } => bed.follow(&world, legs, docks),
             MicrorobotsStepMotion::Wait(_) => bed.rest(),
         }
-        tally.add(order, &done);
-        steps.push(done.motion);
+        steps.push(motion);
     }
-    let motion = MicrorobotsMotion { start, steps };
-    let are_guaranteed = assure(order, &motion, &mut tally.remarks, sink);
-    let plan = tally.plan(motion);
-    let crew = Crew { poses: bed.poses, docked: bed.docked };
-    let kept = require(job, &plan, &mut |_| KnownLimit::default(), sink);
-    Some(((kept == Kept::Yes && are_guaranteed).then_some(plan), crew))
+    let motion = MicrorobotsMotion { start: start.clone(), steps };
+    Some(BedRoute { motion, end: Crew { poses: bed.poses, docked: bed.docked } })
 }
 
 /// Remarks for each stage of an assembly whether it is guaranteed; `false` if the task demands a guarantee that does not exist.
@@ -118,7 +152,8 @@ fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Ve
     let is_exact = order.facts.errors.is_some_and(|errors| errors.are_zero());
     let estimates = if is_exact { Vec::new() } else { guarantees(order, motion).unwrap_or_default() };
     let mut all_hold = true;
-    for (nth, episode) in episodes(order, motion).iter().enumerate() {
+    let all = episodes(order, motion);
+    for (nth, episode) in all.iter().filter(|episode| !driven(episode.stage).is_empty()).enumerate() {
         let names = driven(episode.stage).into_iter().map(|(robot, _)| order.robot(robot).name.as_str());
         let subject = names.collect::<Vec<_>>().join(" and ");
         let why = match (order.facts.errors, estimates.get(nth).and_then(Assured::violated)) {
@@ -144,12 +179,6 @@ fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Ve
     all_hold
 }
 
-/// A step with its plan.
-struct PlannedStep {
-    motion: MicrorobotsStepMotion,
-    remarks: Vec<Remark>,
-}
-
 /// Planner of one step, from the current state of the bed.
 struct BedStepPlanner<'a> {
     order: &'a MicrorobotsOrder,
@@ -158,14 +187,22 @@ struct BedStepPlanner<'a> {
     step: &'a MicrorobotsStep,
     /// Whether every plan leads to this state of the bed: nothing driven so far left a choice.
     is_given: bool,
+    first_legs: FirstLegs,
 }
 
+/// Most first legs that are tried for a step.
+const MAX_DEPARTURES: usize = 40;
+
+/// Each of them may expand this share of the step's budget.
+const DEPARTURE_SHARE: u64 = 16;
+
+/// Seed of the first legs among which the best is chosen.
+const BEST_SEED: u64 = 1;
+
 impl<'a> BedStepPlanner<'a> {
-    fn done(&self, sink: &mut Sink) -> Option<PlannedStep> {
+    fn done(&self, sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
         match &self.step.action {
-            MicrorobotsAction::Wait(duration_ns) => {
-                Some(PlannedStep { motion: MicrorobotsStepMotion::Wait(*duration_ns), remarks: Vec::new() })
-            }
+            MicrorobotsAction::Wait(duration_ns) => Some(MicrorobotsStepMotion::Wait(*duration_ns)),
             MicrorobotsAction::Apply { state, duration_ns } => self.applied(*state, *duration_ns, sink),
             MicrorobotsAction::Drive { robot, stops } => self.driven(*robot, stops, sink),
             MicrorobotsAction::Assemble(docks) => self.assembled(docks, sink),
@@ -176,7 +213,7 @@ impl<'a> BedStepPlanner<'a> {
         BedReasons { order: self.order, step: self.step, docked: &self.bed.docked, is_given: self.is_given }
     }
 
-    fn applied(&self, state: usize, duration_ns: u64, sink: &mut Sink) -> Option<PlannedStep> {
+    fn applied(&self, state: usize, duration_ns: u64, sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
         let leg = Leg { state, strokes: duration_ns.div_ceil(self.order.facts.period_ns) };
         let lowers = |robot: &usize| self.bed.docked[*robot] && self.world.arm(state, *robot) == Arm::Down;
         if let Some(robot) = (0..self.world.count()).find(lowers) {
@@ -187,40 +224,138 @@ impl<'a> BedStepPlanner<'a> {
             sink.push(self.why().applied_into(&hit));
             return None;
         }
-        Some(PlannedStep { motion: plain(vec![leg]), remarks: Vec::new() })
+        Some(plain(vec![leg]))
     }
 
-    fn driven(&self, robot: usize, stops: &[MicrorobotsStop], sink: &mut Sink) -> Option<PlannedStep> {
+    fn driven(&self, robot: usize, stops: &[MicrorobotsStop], sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
         let poses: Vec<Pose> = stops.iter().map(|stop| stop.pose).collect();
         let request = Drive { order: self.order, world: self.world, bed: self.bed, robot, stops: &poses };
-        match drive::drive(&request, SearchBudget::of(self.order.expansions)) {
-            Ok(driven) => Some(PlannedStep { motion: plain(driven.legs), remarks: Vec::new() }),
-            Err(stuck) => {
-                sink.push(self.why().not_driven(robot, &stuck, stops));
-                None
+        let direct = drive::drive(&request, SearchBudget::of(self.order.expansions));
+        let mut best = match &direct {
+            Ok(driven) if driven.direct => return Some(plain(driven.legs.clone())),
+            Err(stuck) if stuck.reason.is_proof() => None,
+            Ok(driven) => Some(driven.legs.clone()),
+            Err(_) => None,
+        };
+        let is_proof = direct.as_ref().is_err_and(|stuck| stuck.reason.is_proof());
+        let departures = if is_proof { 0 } else { MAX_DEPARTURES };
+        for Departure { mut legs, bed } in self.departures(poses.iter().copied(), BEST_SEED).take(departures) {
+            let after = Drive { bed: &bed, ..request };
+            let Ok(driven) = drive::drive(&after, self.departure_budget()) else { continue };
+            // A stop is met at the end of a leg of the drive.
+            let (Some(first), false) = (driven.legs.first(), driven.met.contains(&0)) else { continue };
+            if let Some(last) = legs.last_mut().filter(|last| last.state == first.state) {
+                last.strokes += first.strokes;
+                legs.extend(&driven.legs[1..]);
+            } else {
+                legs.extend(&driven.legs);
             }
+            let is_better = best.as_ref().is_none_or(|best| self.cost(&legs) < self.cost(best));
+            if is_better && self.bed.first_hit(self.world, &legs, &[]).is_none() {
+                best = Some(legs);
+            }
+        }
+        if let (None, Err(stuck)) = (&best, &direct) {
+            sink.push(self.why().not_driven(robot, stuck, stops));
+        }
+        best.map(plain)
+    }
+
+    /// First legs for a step with these goals.
+    fn departures(&self, goals: impl Iterator<Item = Pose>, seed: u64) -> Departures<'_> {
+        Departures::new(self.order, (self.world, self.bed), goals, seed)
+    }
+
+    fn departure_budget(&self) -> SearchBudget {
+        SearchBudget::of((self.order.expansions / DEPARTURE_SHARE).max(1))
+    }
+
+    /// What the legs of a step cost: by the objective, then by the other figure.
+    fn cost(&self, legs: &[Leg]) -> [u64; 2] {
+        let time_ns = legs.iter().map(|leg| leg_ns(self.order, *leg)).fold(0, u64::saturating_add);
+        let switches = legs.len() as u64;
+        match self.order.objective {
+            MicrorobotsObjective::Time | MicrorobotsObjective::Failures => [time_ns, switches],
+            MicrorobotsObjective::Switches => [switches, time_ns],
         }
     }
 
-    fn assembled(&self, docks: &[Dock], sink: &mut Sink) -> Option<PlannedStep> {
-        let (poses, docked) = (&self.bed.poses, &self.bed.docked);
+    fn assembled(&self, docks: &[Dock], sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
+        let goals = || docks.iter().map(|dock| dock.goal.pose);
+        if let FirstLegs::Drawn(seed) = self.first_legs {
+            return self.departures(goals(), seed).take(1).find_map(|departure| self.after(departure, docks));
+        }
         let budget = SearchBudget::of(self.order.expansions);
-        let goal = |robot: usize| docks.iter().find(|dock| dock.robot == robot).map(|dock| dock.goal.span);
-        let span = |robot: usize| goal(robot).unwrap_or(self.step.span);
-        let assembled = match assembly::assemble(self.order, poses, docked, docks, budget) {
-            Ok(assembled) => assembled,
-            Err(stuck) => {
-                sink.push(self.why().not_assembled(&stuck, &span));
-                return None;
+        let direct = self.assembly(self.bed, docks, (budget, assembly::MAX_PLANS));
+        let mut best = direct.as_ref().ok().cloned();
+        // Neither arms nor goals change with the robots' places.
+        let is_in_vain =
+            matches!(direct, Err(NoAssembly::Stuck(StuckAssembly::Unsteerable { .. } | StuckAssembly::Apart { .. })));
+        let departures = if is_in_vain || self.first_legs == FirstLegs::None { 0 } else { MAX_DEPARTURES };
+        for departure in self.departures(goals(), BEST_SEED).take(departures) {
+            let is_late = best.as_ref().is_some_and(|best| self.cost(legs_of(best)) <= self.cost(&departure.legs));
+            let Some(found) = (!is_late).then(|| self.after(departure, docks)).flatten() else { continue };
+            if best.as_ref().is_none_or(|best| self.cost(legs_of(&found)) < self.cost(legs_of(best))) {
+                best = Some(found);
             }
+        }
+        if let (None, Err(none)) = (&best, &direct) {
+            let goal = |robot: usize| docks.iter().find(|dock| dock.robot == robot).map(|dock| dock.goal.span);
+            let span = |robot: usize| goal(robot).unwrap_or(self.step.span);
+            sink.push(match none {
+                NoAssembly::Stuck(stuck) => self.why().not_assembled(stuck, &span),
+                NoAssembly::StillTurning(hit) => self.why().still_turning(hit),
+            });
+        }
+        best
+    }
+
+    /// The assembly after first legs; `None` also where its first state is that of the last of them.
+    fn after(&self, Departure { mut legs, bed }: Departure, docks: &[Dock]) -> Option<MicrorobotsStepMotion> {
+        let effort = (self.departure_budget(), assembly::MAX_MORE_PLANS);
+        let MicrorobotsStepMotion::Legs { legs: later, docks: mut docking, mut stages } =
+            self.assembly(&bed, docks, effort).ok()?
+        else {
+            return None;
         };
-        let Assembled { legs, docks, stages, .. } = assembled;
-        // The assembly was planned from rest, but a robot may have been turning since the previous step.
-        if let Some(hit) = self.bed.first_hit(self.world, &legs, &docks) {
-            sink.push(self.why().still_turning(&hit));
+        if legs.last().map(|leg| leg.state) == later.first().map(|leg| leg.state) {
             return None;
         }
-        Some(PlannedStep { motion: MicrorobotsStepMotion::Legs { legs, docks, stages }, remarks: Vec::new() })
+        stages.insert(0, AssemblyStage::Departure { legs: legs.len() });
+        docking.iter_mut().for_each(|dock| dock.leg += legs.len());
+        legs.extend(later);
+        let is_free = self.bed.first_hit(self.world, &legs, &docking).is_none();
+        is_free.then_some(MicrorobotsStepMotion::Legs { legs, docks: docking, stages })
+    }
+
+    /// An assembly from a state of the bed, of at most so many stages planned.
+    fn assembly(
+        &self,
+        bed: &BedPoses,
+        docks: &[Dock],
+        (budget, most_stages): (SearchBudget, usize),
+    ) -> Result<MicrorobotsStepMotion, NoAssembly> {
+        let assembled = assembly::assemble(self.order, (&bed.poses, &bed.docked), docks, budget, most_stages);
+        let Assembled { legs, docks, stages, .. } = assembled.map_err(NoAssembly::Stuck)?;
+        // The assembly was planned from rest, but a robot may have been turning since the previous step.
+        match bed.first_hit(self.world, &legs, &docks) {
+            Some(hit) => Err(NoAssembly::StillTurning(hit)),
+            None => Ok(MicrorobotsStepMotion::Legs { legs, docks, stages }),
+        }
+    }
+}
+
+/// Why a step brings no robots together.
+enum NoAssembly {
+    Stuck(StuckAssembly),
+    /// A robot has been turning since the previous step, and meets something.
+    StillTurning(FirstMeeting),
+}
+
+fn legs_of(motion: &MicrorobotsStepMotion) -> &[Leg] {
+    match motion {
+        MicrorobotsStepMotion::Legs { legs, .. } => legs,
+        MicrorobotsStepMotion::Wait(_) => &[],
     }
 }
 
@@ -240,40 +375,56 @@ struct BedTally {
     time_ns: u64,
     /// Lower bound on the duration of the job.
     bound_ns: u64,
+    /// Lower bound on the number of control cycles: one for each state that is applied.
+    least_switches: u64,
     switches: u64,
     strokes: u64,
+    /// Share of simulated trials that fail, where they can be simulated.
+    failing: Option<f64>,
     remarks: Vec<Remark>,
 }
 
 impl BedTally {
-    fn add(&mut self, order: &MicrorobotsOrder, done: &PlannedStep) {
-        self.remarks.extend(done.remarks.iter().cloned());
-        match &done.motion {
-            MicrorobotsStepMotion::Wait(duration_ns) => self.time_ns = self.time_ns.saturating_add(*duration_ns),
-            MicrorobotsStepMotion::Legs { legs, .. } => {
-                self.switches += legs.len() as u64;
-                for leg in legs {
-                    self.time_ns = self.time_ns.saturating_add(leg_ns(order, *leg));
-                    self.strokes = self.strokes.saturating_add(leg.strokes);
+    fn of(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, bound_ns: u64) -> BedTally {
+        let is_applied = |step: &&MicrorobotsStep| matches!(step.action, MicrorobotsAction::Apply { .. });
+        let least_switches = order.steps.iter().filter(is_applied).count() as u64;
+        let mut tally = BedTally { bound_ns, least_switches, ..BedTally::default() };
+        for step in &motion.steps {
+            match step {
+                MicrorobotsStepMotion::Wait(duration_ns) => tally.time_ns = tally.time_ns.saturating_add(*duration_ns),
+                MicrorobotsStepMotion::Legs { legs, .. } => {
+                    tally.switches += legs.len() as u64;
+                    for leg in legs {
+                        tally.time_ns = tally.time_ns.saturating_add(leg_ns(order, *leg));
+                        tally.strokes = tally.strokes.saturating_add(leg.strokes);
+                    }
                 }
             }
         }
+        tally
     }
 
-    fn plan(self, motion: MicrorobotsMotion) -> Plan<MicrorobotsMotion> {
+    fn plan(self, objective: MicrorobotsObjective, motion: MicrorobotsMotion) -> Plan<MicrorobotsMotion> {
         let seconds = |ns: u64| ns as f64 / 1e9;
         let outcomes = [
             (MicrorobotsOutcome::Time, seconds(self.time_ns)),
             (MicrorobotsOutcome::Switches, self.switches as f64),
             (MicrorobotsOutcome::Strokes, self.strokes as f64),
         ];
+        let time_s = [self.time_ns, self.bound_ns].map(seconds);
+        let ([cost, bound], is_exact) = match objective {
+            MicrorobotsObjective::Time => (time_s, true),
+            MicrorobotsObjective::Switches => ([self.switches, self.least_switches].map(|count| count as f64), true),
+            // An estimate, which proves nothing.
+            MicrorobotsObjective::Failures => ([self.failing.unwrap_or(0.0), 0.0], false),
+        };
         Plan {
             planner: MicrorobotsPlanner::OneWayDubins.name(),
-            objective: MicrorobotsObjective::Time.name(),
-            unit: "s",
-            cost: seconds(self.time_ns),
-            bound: seconds(self.bound_ns),
-            proof: if self.bound_ns >= self.time_ns { Optimality::Proven } else { Optimality::Open },
+            objective: objective.name(),
+            unit: objective.unit(),
+            cost,
+            bound,
+            proof: if is_exact && bound >= cost { Optimality::Proven } else { Optimality::Open },
             bounds: BTreeMap::new(),
             outcomes: outcomes.map(|(word, value)| (word.name().to_owned(), value)).into_iter().collect(),
             remarks: self.remarks,

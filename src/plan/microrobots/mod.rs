@@ -3,11 +3,13 @@
 
 pub mod assembly;
 pub mod bound;
+pub mod departure;
 pub mod drive;
 pub mod fine;
 pub mod free;
 pub mod guarantee;
 mod job;
+pub mod safest;
 pub mod simulation;
 pub mod strategy;
 pub mod strokes;
@@ -74,6 +76,8 @@ pub struct RobotDocking {
 /// A stage of an assembly.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AssemblyStage {
+    /// Before all others: the whole bed moves by the first legs of the step, of this number, so that the robots stand better.
+    Departure { legs: usize },
     /// Precedes an [`AssemblyStage::Pair`] and concerns its second robot, `robot`: it is driven to the place where it orbits while
     /// the first one is driven; the first one, `beside`, meanwhile runs straight (it may turn while `robot` does).
     Escort {

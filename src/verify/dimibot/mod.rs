@@ -93,7 +93,7 @@ impl Judge for DimibotOrder {
         RecordTerms {
             planner: self.planner.method.name(),
             objective: objective.name(),
-            outcome: objective.outcome().name(),
+            outcome: Some(objective.outcome().name()),
             unit: objective.unit(),
             scale: objective.units_per_si(),
         }

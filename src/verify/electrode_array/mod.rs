@@ -53,7 +53,13 @@ impl Judge for ElectrodeArrayOrder {
 
     fn terms(&self) -> RecordTerms {
         let (planner, objective) = (self.planner.method.name(), self.objective);
-        RecordTerms { planner, objective: objective.name(), outcome: objective.outcome().name(), unit: "", scale: 1.0 }
+        RecordTerms {
+            planner,
+            objective: objective.name(),
+            outcome: Some(objective.outcome().name()),
+            unit: "",
+            scale: 1.0,
+        }
     }
 
     fn minimized_as(&self, outcome: &str) -> Option<&'static str> {

@@ -70,7 +70,7 @@ impl Judge for FingersOrder {
         RecordTerms {
             planner: self.planner.name(),
             objective: FingersObjective::Effort.name(),
-            outcome: FingersOutcome::Effort.name(),
+            outcome: Some(FingersOutcome::Effort.name()),
             unit: "deg",
             scale: 180.0 / std::f64::consts::PI,
         }

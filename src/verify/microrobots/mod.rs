@@ -74,15 +74,18 @@ impl Judge for MicrorobotsOrder {
     fn terms(&self) -> RecordTerms {
         RecordTerms {
             planner: MicrorobotsPlanner::OneWayDubins.name(),
-            objective: MicrorobotsObjective::Time.name(),
-            outcome: MicrorobotsOutcome::Time.name(),
-            unit: "s",
+            objective: self.objective.name(),
+            outcome: self.objective.outcome().map(MicrorobotsOutcome::name),
+            unit: self.objective.unit(),
             scale: 1.0,
         }
     }
 
     fn minimized_as(&self, outcome: &str) -> Option<&'static str> {
-        (outcome == MicrorobotsOutcome::Time.name()).then_some(MicrorobotsObjective::Time.name())
+        MicrorobotsObjective::ALL
+            .iter()
+            .find(|one| one.outcome().map(MicrorobotsOutcome::name) == Some(outcome))
+            .map(|one| one.name())
     }
 
     fn replay<'a>(

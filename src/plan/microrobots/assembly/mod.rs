@@ -84,13 +84,14 @@ pub enum RobotBlocker {
 }
 
 /// Plans an assembly. `poses` and `docked` describe its start, one entry per robot of the order; `docks` are robots that are not
-/// docked. A step of the budget is a candidate checked against the collision rules, or a path search.
+/// docked. A step of the budget is a candidate checked against the collision rules, or a path search; at most `most_stages` stages are
+/// planned, over all orders.
 pub fn assemble(
     order: &MicrorobotsOrder,
-    poses: &[Pose],
-    docked: &[bool],
+    (poses, docked): (&[Pose], &[bool]),
     docks: &[Dock],
     budget: SearchBudget,
+    most_stages: usize,
 ) -> Result<Assembled, StuckAssembly> {
     let bed = AssemblyState::new(order, poses, docked);
     let orders = Orders { docks };
@@ -103,7 +104,7 @@ pub fn assemble(
         meter: Meter::new(budget),
         best: None,
         stuck: None,
-        plans: MAX_PLANS,
+        plans: most_stages,
     };
     search.descend(&bed);
     match (search.best, search.stuck) {

@@ -71,6 +71,7 @@ fn order(starts: &[Pose], states: Vec<ControlState>, obstacles: Vec<MicrorobotsO
         obstacles: Arc::new(obstacles),
         robots: Arc::new(starts.iter().enumerate().map(placed).collect()),
         expansions: 100_000,
+        objective: crate::device::microrobots::MicrorobotsObjective::Time,
         precision: Precision { place_um: 0.5, heading_rad: 0.5_f64.to_radians() },
         assurance: Assurance::Told,
         steps: Vec::new(),
@@ -145,7 +146,7 @@ fn bodies_gap_um(world: &World, one: (usize, Pose), other: (usize, Pose)) -> f64
 fn assembled(order: &MicrorobotsOrder, docks: &[Dock]) -> Result<Assembled, StuckAssembly> {
     let starts: Vec<Pose> = order.robots.iter().map(|placed| placed.pose).collect();
     let docked = vec![false; starts.len()];
-    let found = assemble(order, &starts, &docked, docks, SearchBudget::of(order.expansions))?;
+    let found = assemble(order, (&starts, &docked), docks, SearchBudget::of(order.expansions), MAX_PLANS)?;
     check(order, &starts, &docked, docks, &found);
     Ok(found)
 }
@@ -274,7 +275,7 @@ fn a_structure_grows() {
     built.iter().for_each(|dock| starts[dock.robot] = dock.goal.pose);
     let order = order(&starts, string_states(4), Vec::new());
     let docked = [false, false, true, true];
-    let found = assemble(&order, &starts, &docked, new, SearchBudget::of(100_000)).unwrap();
+    let found = assemble(&order, (&starts, &docked), new, SearchBudget::of(100_000), MAX_PLANS).unwrap();
     check(&order, &starts, &docked, new, &found);
     let robots: Vec<usize> = found.docks.iter().map(|dock| dock.robot).collect();
     assert_eq!(robots, [1, 0]);
@@ -289,7 +290,7 @@ fn what_has_docked_keeps_its_arm_up() {
     let docked = [true, false, true];
     let alone = |states: Vec<ControlState>| {
         let order = order(&starts, states, Vec::new());
-        let found = assemble(&order, &starts, &docked, &docks[1..2], SearchBudget::of(100_000))?;
+        let found = assemble(&order, (&starts, &docked), &docks[1..2], SearchBudget::of(100_000), MAX_PLANS)?;
         check(&order, &starts, &docked, &docks[1..2], &found);
         Ok(found)
     };
@@ -304,7 +305,7 @@ fn a_string_table_leaves_one_order() {
     // Robot 0 in the first pair: robot 1 would need to orbit while robots 0 and 2 are steered.
     let swapped = [dock(2, seats[0].goal.pose), dock(0, seats[1].goal.pose), dock(1, seats[2].goal.pose)];
     let starts = in_a_row(3);
-    let found = assemble(&order, &starts, &[false; 3], &swapped[..2], SearchBudget::of(100_000));
+    let found = assemble(&order, (&starts, &[false; 3]), &swapped[..2], SearchBudget::of(100_000), MAX_PLANS);
     assert_eq!(found, Err(StuckAssembly::Unsteerable { robots: vec![2, 0], orbiting: Some(1) }));
 }
 

@@ -96,7 +96,7 @@ pub fn guarantees(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> Optio
         let bed = StageContext { order, episode, obstacles: &solids, is_first, structure };
         let containments = match episode.stage {
             AssemblyStage::Pair { .. } => pair::containments(&bed, &mut structure),
-            AssemblyStage::Escort { .. } => continue,
+            AssemblyStage::Escort { .. } | AssemblyStage::Departure { .. } => continue,
             AssemblyStage::Single { robot, approach, goal, .. } => single(&bed, *robot, *approach, *goal),
         };
         let robots = super::strategy::driven(episode.stage).into_iter().map(|(robot, _)| robot).collect();

@@ -75,10 +75,12 @@ fn run(mut trial: Trial, episodes: &[Episode]) -> EndedTrial {
 fn stage(trial: &mut Trial, episode: &Episode) -> Result<(), TrialFailure> {
     trial.take(episode);
     // Stages without legs are those of tests of the strategy alone.
-    if trial.errors.are_zero() && !episode.legs.is_empty() {
+    if trial.errors.are_zero() && !episode.legs.is_empty() && !matches!(episode.stage, AssemblyStage::Departure { .. })
+    {
         return written::run(trial, episode);
     }
     match *episode.stage {
+        AssemblyStage::Departure { .. } => written::depart(trial, episode),
         AssemblyStage::Single { robot, states, approach, goal } => {
             SingleStage { robot, states, approach, goal }.run(trial, episode)
         }

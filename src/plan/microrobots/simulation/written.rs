@@ -15,7 +15,7 @@ pub fn run(trial: &mut Trial, episode: &Episode) -> Result<(), TrialFailure> {
     let goals = match *episode.stage {
         AssemblyStage::Pair { first, second, goals, .. } => vec![(first, goals[0]), (second, goals[1])],
         AssemblyStage::Single { robot, goal, .. } => vec![(robot, goal)],
-        AssemblyStage::Escort { .. } => return Ok(()),
+        AssemblyStage::Escort { .. } | AssemblyStage::Departure { .. } => return Ok(()),
     };
     let Some(&(robot, _)) = goals.first() else { return Ok(()) };
     trial.begin(goals.iter().map(|(robot, _)| *robot).collect());
@@ -30,6 +30,28 @@ pub fn run(trial: &mut Trial, episode: &Episode) -> Result<(), TrialFailure> {
         left_um -= way_um(leg.strokes);
     }
     goals.into_iter().try_for_each(|(robot, goal)| dock(trial, robot, goal))
+}
+
+/// Carries out the legs by which the whole bed departs, with errors that change from interval to interval.
+pub fn depart(trial: &mut Trial, episode: &Episode) -> Result<(), TrialFailure> {
+    let moving: Vec<usize> = (0..trial.poses.len()).filter(|robot| !trial.docked[*robot]).collect();
+    let Some(&robot) = moving.first() else { return Ok(()) };
+    trial.begin(moving);
+    let facts = &trial.order.facts;
+    let (step_um, interval) =
+        (trial.order.robot(robot).step_um, (trial.errors.replan_ns / facts.period_ns.max(1)).max(1));
+    for leg in episode.legs {
+        let mut left = leg.strokes;
+        while left > 0 {
+            let strokes = left.min(interval);
+            trial.drive(leg.state, robot, step_um * strokes as f64, ContactManners::Apart)?;
+            if !trial.errors.are_zero() {
+                trial.tick();
+            }
+            left -= strokes;
+        }
+    }
+    Ok(())
 }
 
 /// The final place of a robot, in the frame of its goal.

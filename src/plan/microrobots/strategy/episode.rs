@@ -34,7 +34,13 @@ pub fn episodes<'a>(order: &MicrorobotsOrder, motion: &'a MicrorobotsMotion) -> 
         let mut at = 0;
         // The legs of an escort belong to the episode of its pair, in which the second robot is first brought near.
         for stage in stages.iter().filter(|stage| !matches!(stage, AssemblyStage::Escort { .. })) {
-            let end = last_leg(stage, docks).map_or(legs.len(), |leg| leg + 1).clamp(at, legs.len());
+            let end = match stage {
+                AssemblyStage::Departure { legs } => at + legs,
+                AssemblyStage::Escort { .. } | AssemblyStage::Pair { .. } | AssemblyStage::Single { .. } => {
+                    last_leg(stage, docks).map_or(legs.len(), |leg| leg + 1)
+                }
+            };
+            let end = end.clamp(at, legs.len());
             found.push(episode(order, step, stage, (&crew.poses, &crew.docked), &legs[at..end]));
             numbered[at..end].iter().for_each(|leg| crew.follow(order, *leg, docks));
             at = end;
@@ -55,13 +61,14 @@ pub fn driven(stage: &AssemblyStage) -> Vec<(usize, Pose)> {
         }
         AssemblyStage::Escort { robot, to, .. } => vec![(*robot, *to)],
         AssemblyStage::Single { robot, approach, .. } => vec![(*robot, *approach)],
+        AssemblyStage::Departure { .. } => Vec::new(),
     }
 }
 
 fn goals(stage: &AssemblyStage) -> Vec<(usize, Pose)> {
     match stage {
         AssemblyStage::Pair { first, second, goals, .. } => vec![(*first, goals[0]), (*second, goals[1])],
-        AssemblyStage::Escort { .. } => Vec::new(),
+        AssemblyStage::Escort { .. } | AssemblyStage::Departure { .. } => Vec::new(),
         AssemblyStage::Single { robot, goal, .. } => vec![(*robot, *goal)],
     }
 }

@@ -42,6 +42,7 @@ pub fn bed(robots: Vec<(Robot, Pose)>, obstacles: Vec<MicrorobotsObstacle>) -> M
         obstacles: Arc::new(obstacles),
         robots: Arc::new(robots.iter().enumerate().map(placed).collect()),
         expansions: 16_000_000,
+        objective: crate::device::microrobots::MicrorobotsObjective::Time,
         precision: Precision { place_um: 0.5, heading_rad: 0.5_f64.to_radians() },
         assurance: Assurance::Told,
         steps: Vec::new(),

@@ -86,6 +86,7 @@ pub fn order(robots: &[(usize, f64, f64, f64)]) -> MicrorobotsOrder {
         obstacles: Default::default(),
         robots: Arc::new(robots.iter().map(place).collect()),
         expansions: 1000,
+        objective: crate::device::microrobots::MicrorobotsObjective::Time,
         precision: Precision { place_um: 0.5, heading_rad: 0.01 },
         assurance: Assurance::Told,
         steps: Vec::new(),

@@ -1,0 +1,104 @@
+//! First legs of a step: the whole bed moves before the step proper, which then finds more room, a faster way or a safer one.
+//!
+//! The problem: every robot moves with every stroke, so what stands in the way of a step, or whose orbit lies over a goal, depends on where
+//! the step begins. Method: random sequences of a few legs in control states that keep docked arms up, from a fixed seed; the caller plans
+//! its step from where they end and keeps the best. Guaranteed: the legs are free of collisions, neighbours have different states, and the
+//! same request gives the same sequences. Not guaranteed: that one helps. Cost: for each sequence a check of its legs against the
+//! collision rules.
+
+use super::world::{BedPoses, World};
+use super::{Leg, RobotDocking};
+use crate::claims::microrobots::MicrorobotsOrder;
+use crate::geometry::Pose;
+use crate::random::SplitMix64;
+
+/// Most legs of a departure.
+const MAX_LEGS: usize = 3;
+
+/// Sequences drawn for each one that is free of collisions, before no more are tried.
+const MAX_DRAWS: usize = 16;
+
+/// Shortest path of a leg, as a share of the longest.
+const SHORTEST_SHARE: f64 = 0.02;
+
+/// Least path of the longest leg, in micrometres: a few bodies, so that robots that stand close have a choice.
+const LEAST_SPAN_UM: f64 = 800.0;
+
+/// First legs, and the bed after them.
+#[derive(Debug, Clone)]
+pub struct Departure {
+    pub legs: Vec<Leg>,
+    pub bed: BedPoses,
+}
+
+/// Departures from a bed, in a fixed random order.
+pub struct Departures<'a> {
+    world: &'a World,
+    bed: &'a BedPoses,
+    random: SplitMix64,
+    /// Control states that keep the arms of docked robots up.
+    states: Vec<usize>,
+    /// Strokes of the longest leg.
+    most_strokes: u64,
+}
+
+impl<'a> Departures<'a> {
+    /// Departures for robots that have these goals; another seed gives others.
+    pub fn new(
+        order: &MicrorobotsOrder,
+        (world, bed): (&'a World, &'a BedPoses),
+        goals: impl Iterator<Item = Pose>,
+        seed: u64,
+    ) -> Departures<'a> {
+        let moving = || (0..world.count()).filter(|robot| !bed.docked[*robot]);
+        let poses: Vec<Pose> = moving().map(|robot| bed.poses[robot]).chain(goals).collect();
+        let extent_um = |of: fn(&Pose) -> f64| {
+            let all = || poses.iter().map(of);
+            all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)
+        };
+        let span_um = extent_um(|pose| pose.x_um).max(extent_um(|pose| pose.y_um)).max(LEAST_SPAN_UM);
+        let step_um = moving().map(|robot| order.robot(robot).step_um).fold(0.0, f64::max);
+        let states = if step_um > 0.0 { world.state_count() } else { 0 };
+        Departures {
+            world,
+            bed,
+            random: SplitMix64::new(seed),
+            states: (0..states).filter(|state| world.spares(*state, &bed.docked)).collect(),
+            most_strokes: (span_um / step_um.max(f64::MIN_POSITIVE)) as u64,
+        }
+    }
+
+    /// Legs at random: few of them are more likely, and so are short ones.
+    fn draw(&mut self) -> Vec<Leg> {
+        let mut legs: Vec<Leg> = Vec::with_capacity(MAX_LEGS);
+        for _ in 0..=self.random.below(MAX_LEGS) {
+            let state = self.states[self.random.below(self.states.len())];
+            let share = SHORTEST_SHARE + (1.0 - SHORTEST_SHARE) * self.random.unit() * self.random.unit();
+            let strokes = ((self.most_strokes as f64 * share) as u64).max(1);
+            if legs.last().is_none_or(|last| last.state != state) {
+                legs.push(Leg { state, strokes });
+            }
+        }
+        legs
+    }
+}
+
+impl Iterator for Departures<'_> {
+    type Item = Departure;
+
+    fn next(&mut self) -> Option<Departure> {
+        const NONE: [RobotDocking; 0] = [];
+        if self.states.is_empty() {
+            return None;
+        }
+        for _ in 0..MAX_DRAWS {
+            let legs = self.draw();
+            if self.bed.first_hit(self.world, &legs, &NONE).is_none() {
+                let mut bed = self.bed.clone();
+                bed.follow(self.world, &legs, &NONE);
+                return Some(Departure { legs, bed });
+            }
+        }
+        None
+    }
+}
