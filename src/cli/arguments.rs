@@ -23,7 +23,8 @@ Begin with `tweeze build FILE.twz`; `tweeze devices` lists what can be programme
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Report every error of programs, each once, without planning
-    #[command(after_help = "Example: tweeze check fetch.twz --set pitch=80um")]
+    #[command(after_help = "Examples:\n  tweeze check fetch.twz --set pitch=80um\n  \
+                            tweeze check *.twz --format sarif > tweeze.sarif")]
     Check(CheckArguments),
     /// Check, plan, verify and write a program
     #[command(
@@ -61,8 +62,40 @@ pub enum Command {
 pub enum ReportFormat {
     /// The source with every place labelled, and the fix
     Human,
+    /// One line per diagnostic, as `FILE:LINE:COLUMN: error[CODE]: TITLE`
+    Short,
     /// One JSON object per line
     Json,
+    /// Workflow commands of GitHub Actions
+    Github,
+}
+
+/// Format of the diagnostics of `check`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum CheckFormat {
+    /// The source with every place labelled, and the fix
+    Human,
+    /// One line per diagnostic, as `FILE:LINE:COLUMN: error[CODE]: TITLE`
+    Short,
+    /// One JSON object per line
+    Json,
+    /// Workflow commands of GitHub Actions
+    Github,
+    /// One SARIF 2.1.0 document for all programs, on standard output
+    Sarif,
+}
+
+impl CheckFormat {
+    /// The format that reports diagnostics one by one; `None` for one that reports all at the end.
+    pub fn one_by_one(self) -> Option<ReportFormat> {
+        match self {
+            CheckFormat::Human => Some(ReportFormat::Human),
+            CheckFormat::Short => Some(ReportFormat::Short),
+            CheckFormat::Json => Some(ReportFormat::Json),
+            CheckFormat::Github => Some(ReportFormat::Github),
+            CheckFormat::Sarif => None,
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -72,8 +105,9 @@ pub struct CheckArguments {
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub settings: Settings,
-    #[command(flatten)]
-    pub report: ReportArguments,
+    /// Format of diagnostics on standard error, of SARIF on standard output; with `json`, the line of success is JSON too
+    #[arg(long, value_enum, default_value = "human")]
+    pub format: CheckFormat,
 }
 
 #[derive(Debug, Args)]
@@ -219,7 +253,7 @@ pub struct Settings {
 
 #[derive(Debug, Args)]
 pub struct ReportArguments {
-    /// Format of diagnostics on standard error
+    /// Format of diagnostics on standard error; with `json`, the report of a build or a verification is JSON too
     #[arg(long, value_enum, default_value = "human")]
     pub format: ReportFormat,
 }

@@ -74,7 +74,16 @@ fn write(arguments: &BuildArguments, compiled: Compiled, provenance: &Provenance
         terminal::report_one(*diagnostic, arguments.report.format);
         return Exit::Files;
     }
-    terminal::answer(&report::build(&arguments.file, &compiled, &arguments.settings.set, &written))
+    let settings = &arguments.settings.set;
+    terminal::answer(&match arguments.report.format {
+        ReportFormat::Json => {
+            let file = arguments.file.to_string_lossy();
+            format!("{}\n", report::json::built(&file, &compiled, settings, &written))
+        }
+        ReportFormat::Human | ReportFormat::Short | ReportFormat::Github => {
+            report::build(&arguments.file, &compiled, settings, &written)
+        }
+    })
 }
 
 /// Verifies the log of a schedule from its bytes, as `tweeze verify` would: whatever is written can be read. The schedule read back replaces

@@ -1,34 +1,59 @@
 //! `tweeze check`.
 
-use super::arguments::CheckArguments;
+use super::arguments::{CheckArguments, CheckFormat, ReportFormat};
 use super::loaded::Loaded;
-use super::{Exit, terminal};
-use crate::check::Options;
+use super::{Exit, report, terminal};
+use crate::check::{DeclarationTally, Options};
 use crate::compile;
-use crate::diagnostic::Sink;
+use crate::diagnostic::{Sink, machine};
 use crate::source::Sources;
 use std::path::Path;
 
 /// Checks each file separately; the exit status is the gravest one.
 pub fn run(arguments: &CheckArguments) -> Exit {
-    let exits = arguments.files.iter().map(|file| one(file, arguments));
-    exits.fold(Exit::Done, Exit::max)
+    let mut exit = Exit::Done;
+    let mut reports: Vec<(Sources, Sink)> = Vec::new();
+    for file in &arguments.files {
+        let (mut sources, mut sink) = (Sources::default(), Sink::default());
+        let checked = one(file, arguments, &mut sources, &mut sink);
+        match arguments.format.one_by_one() {
+            Some(format) => terminal::report(&sink, &sources, format),
+            None => reports.push((sources, sink)),
+        }
+        exit = exit.max(match checked {
+            Ok(tally) => success(file, tally, arguments.format),
+            Err(exit) => exit,
+        });
+    }
+    if arguments.format == CheckFormat::Sarif {
+        exit = exit.max(terminal::answer(&machine::sarif(&reports)));
+    }
+    exit
 }
 
-fn one(file: &Path, arguments: &CheckArguments) -> Exit {
+/// What a program declares, or the exit status after an error.
+fn one(
+    file: &Path,
+    arguments: &CheckArguments,
+    sources: &mut Sources,
+    sink: &mut Sink,
+) -> Result<DeclarationTally, Exit> {
     let options = Options { settings: arguments.settings.set.clone(), only: None };
-    let loaded = match Loaded::read(file, options, &arguments.report) {
-        Ok(loaded) => loaded,
-        Err(exit) => return exit,
-    };
-    let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let checked = compile::check(&loaded.program(&loaded.disk()), &mut sources, &mut sink);
-    terminal::report(&sink, &sources, arguments.report.format);
-    match checked {
-        Some(checked) => {
-            let line = terminal::line("Checked", &loaded.shown(), 0, &super::report::tally(checked.tally));
-            terminal::answer(&line)
+    let loaded = Loaded::open(file, options).map_err(|diagnostic| {
+        sink.push(*diagnostic);
+        Exit::Files
+    })?;
+    let checked = compile::check(&loaded.program(&loaded.disk()), sources, sink);
+    checked.map(|checked| checked.tally).ok_or(Exit::Errors)
+}
+
+fn success(file: &Path, tally: DeclarationTally, format: CheckFormat) -> Exit {
+    let shown = file.to_string_lossy();
+    match format.one_by_one() {
+        Some(ReportFormat::Json) => terminal::answer(&format!("{}\n", report::json::checked(&shown, tally))),
+        Some(ReportFormat::Human | ReportFormat::Short | ReportFormat::Github) => {
+            terminal::answer(&terminal::line("Checked", &shown, 0, &report::tally(tally)))
         }
-        None => Exit::Errors,
+        None => Exit::Done,
     }
 }

@@ -1,10 +1,11 @@
 //! `tweeze fmt`.
 
-use super::arguments::FmtArguments;
+use super::arguments::{FmtArguments, ReportFormat};
 use super::{Exit, disk, errors, terminal};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::format;
 use crate::source::Sources;
+use serde_json::json;
 use similar::TextDiff;
 use std::path::{Path, PathBuf};
 
@@ -60,11 +61,18 @@ fn one(file: &Path, arguments: &FmtArguments) -> Exit {
     if formatted == text {
         return exit;
     }
+    let is_json = arguments.report.format == ReportFormat::Json;
     let told = match (arguments.diff, arguments.check) {
         (true, _) => terminal::answer(&difference(&name, &text, &formatted)),
-        (false, true) => terminal::answer(&format!("{}\n", terminal::name(&name))),
+        (false, true) => terminal::answer(&match is_json {
+            true => format!("{}\n", json!({ "not_canonical": name })),
+            false => format!("{}\n", terminal::name(&name)),
+        }),
         (false, false) => match disk::replace(file, &formatted) {
-            Ok(()) => terminal::answer(&terminal::line("Formatted", &name, 0, "")),
+            Ok(()) => terminal::answer(&match is_json {
+                true => format!("{}\n", json!({ "formatted": name })),
+                false => terminal::line("Formatted", &name, 0, ""),
+            }),
             Err(diagnostic) => unreadable(*diagnostic, arguments),
         },
     };

@@ -6,6 +6,7 @@ use super::library::Disk;
 use super::{Exit, terminal};
 use crate::check::Options;
 use crate::compile::CompileRequest;
+use crate::diagnostic::Diagnostic;
 use std::path::{Path, PathBuf};
 
 /// A program as a command was given it.
@@ -23,13 +24,19 @@ impl Loaded {
     /// # Errors
     /// The exit status if it cannot be read.
     pub fn read(file: &Path, options: Options, report: &ReportArguments) -> Result<Loaded, Exit> {
-        match disk::read_program(file) {
-            Ok(text) => Ok(Loaded { path: file.to_owned(), name: Disk::round(file).program_name(), text, options }),
-            Err(diagnostic) => {
-                terminal::report_one(*diagnostic, report.format);
-                Err(Exit::Files)
-            }
-        }
+        Loaded::open(file, options).map_err(|diagnostic| {
+            terminal::report_one(*diagnostic, report.format);
+            Exit::Files
+        })
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// A diagnostic: it cannot be read.
+    pub fn open(file: &Path, options: Options) -> Result<Loaded, Box<Diagnostic>> {
+        let text = disk::read_program(file)?;
+        Ok(Loaded { path: file.to_owned(), name: Disk::round(file).program_name(), text, options })
     }
 
     /// The name that messages show: the path as it was typed.

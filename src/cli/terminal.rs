@@ -4,7 +4,7 @@ use super::Exit;
 use super::arguments::ReportFormat;
 use crate::diagnostic::plain::{plain, shortened};
 use crate::diagnostic::render::{self, Characters, Colour, Look};
-use crate::diagnostic::{Diagnostic, Sink};
+use crate::diagnostic::{Diagnostic, Sink, machine};
 use crate::source::Sources;
 use std::io::{self, IsTerminal, Write};
 
@@ -19,18 +19,15 @@ pub fn report(sink: &Sink, sources: &Sources, format: ReportFormat) {
     let mut text = String::new();
     let look = look();
     for diagnostic in sink.sorted() {
-        match format {
-            ReportFormat::Human => {
-                text.push_str(&render::human(diagnostic, sources, look));
-                text.push('\n');
-            }
-            ReportFormat::Json => {
-                text.push_str(&render::json_line(diagnostic, sources));
-                text.push('\n');
-            }
-        }
+        text.push_str(&match format {
+            ReportFormat::Human => render::human(diagnostic, sources, look),
+            ReportFormat::Short => machine::short_line(diagnostic, sources),
+            ReportFormat::Json => machine::json_line(diagnostic, sources),
+            ReportFormat::Github => machine::github_line(diagnostic, sources),
+        });
+        text.push('\n');
     }
-    if sink.dropped() > 0 && format == ReportFormat::Human {
+    if sink.dropped() > 0 && matches!(format, ReportFormat::Human | ReportFormat::Short) {
         text.push_str(&format!("and {} more\n", sink.dropped()));
     }
     to_stderr(&text);

@@ -1,6 +1,6 @@
 //! `tweeze verify`: from a log alone, or against a program that the user trusts.
 
-use super::arguments::VerifyArguments;
+use super::arguments::{ReportFormat, VerifyArguments};
 use super::disk::{self, MAX_LOG_BYTES};
 use super::library::{Disk, Embedded};
 use super::{Exit, errors, report, terminal};
@@ -189,6 +189,10 @@ fn report(arguments: &VerifyArguments, judged: &Judged) -> String {
     let file = arguments.file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let trusted = arguments.against.as_ref().map(|path| path.to_string_lossy().into_owned());
     let names: Vec<String> = [file.clone(), schedule.name.clone()].into_iter().chain(trusted.clone()).collect();
+    if arguments.report.format == ReportFormat::Json {
+        let log = arguments.file.to_string_lossy();
+        return format!("{}\n", report::json::verified(&log, schedule, settings, trusted.as_deref()));
+    }
     let width = report::width(names.into_iter().chain(settings.iter().map(|setting| format!("--set {setting}"))));
     let program = terminal::name(&judged.provenance.files[0].0);
     let origin = format!("written by tweeze {} from {program}", judged.version);

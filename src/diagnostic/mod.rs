@@ -1,10 +1,11 @@
 //! Diagnostics: one form for every stage, collected in a [`Sink`].
 //!
-//! A stage pushes [`Diagnostic`]s and continues; it never prints. `code` is the ledger of codes, `render` the only place that
-//! turns a diagnostic into text.
+//! A stage pushes [`Diagnostic`]s and continues; it never prints. `code` is the ledger of codes; `render` turns a diagnostic into
+//! text for people, `machine` into text for other programs.
 
 pub mod code;
 mod excerpt;
+pub mod machine;
 pub mod plain;
 pub mod render;
 

@@ -5,7 +5,6 @@ use super::plain::{plain, plain_lines};
 use super::{Diagnostic, Label, Severity};
 use crate::source::{FileId, Sources};
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, ThemeCharacters, ThemeStyles};
-use serde_json::json;
 use std::fmt;
 
 /// How a report looks.
@@ -57,29 +56,6 @@ fn handler(look: Look) -> GraphicalReportHandler {
         .with_width(look.width.max(MIN_WIDTH))
         .with_links(false)
         .with_context_lines(CONTEXT_LINES)
-}
-
-/// One diagnostic as a line of JSON: code, severity, title, labels with line and column, help.
-pub fn json_line(diagnostic: &Diagnostic, sources: &Sources) -> String {
-    let labels: Vec<_> = diagnostic.labels.iter().map(|label| json_label(label, sources)).collect();
-    let severity = match diagnostic.code.severity() {
-        Severity::Error => "error",
-        Severity::Warning => "warning",
-    };
-    json!({
-        "code": diagnostic.code,
-        "severity": severity,
-        "title": diagnostic.title,
-        "labels": labels,
-        "help": diagnostic.help,
-    })
-    .to_string()
-}
-
-fn json_label(label: &Label, sources: &Sources) -> serde_json::Value {
-    let file = sources.file(label.span.file);
-    let (start, end) = (file.position(label.span.start), file.position(label.span.end));
-    json!({ "file": file.shown, "start": start, "end": end, "text": label.text })
 }
 
 /// A diagnostic as miette sees it: the labels of one file, further files as related reports.

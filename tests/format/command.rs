@@ -81,8 +81,11 @@ fn errors_are_reported_and_the_rest_is_formatted() {
     assert_eq!(read(&bench, "a.twz"), "let a = 1 um\nlet b = = 2 um\n");
     let failed = fmt(&bench, &["a.twz", "--format", "json"], "").code(1);
     assert!(err(&failed).starts_with('{') && out(&failed).is_empty(), "{}", err(&failed));
-    let empty = fmt(&bench, &["."], "");
-    empty.code(1);
+    fmt(&bench, &["."], "").code(1);
+    fs::write(bench.path().join("a.twz"), LOOSE).expect("it can be written");
+    let json = |arguments: &[&str]| out(&fmt(&bench, arguments, ""));
+    assert_eq!(json(&["--check", "a.twz", "--format", "json"]), "{\"not_canonical\":\"a.twz\"}\n");
+    assert_eq!(json(&["a.twz", "--format", "json"]), "{\"formatted\":\"a.twz\"}\n");
     fs::remove_file(bench.path().join("a.twz")).expect("it is there");
     let empty = fmt(&bench, &["."], "").code(4);
     assert!(err(&empty).contains("contains no `.twz` file"), "{}", err(&empty));

@@ -3,7 +3,7 @@
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
 use tweeze::compile::{self, CompileOutcome, CompileRequest};
-use tweeze::diagnostic::{Sink, render};
+use tweeze::diagnostic::{Sink, machine, render};
 use tweeze::emit::{self, EmitError, Format, Provenance, mcap};
 use tweeze::log;
 use tweeze::schedule::SourceRef;
@@ -61,7 +61,7 @@ fn format(text: &str, errors: usize) {
 fn draw(sink: &Sink, sources: &Sources) {
     for diagnostic in sink.sorted().into_iter().take(20) {
         render::human(diagnostic, sources, LOOK);
-        render::json_line(diagnostic, sources);
+        machine::json_line(diagnostic, sources);
     }
 }
 

@@ -5,6 +5,7 @@
 mod dimibot;
 mod electrode_array;
 mod fingers;
+pub mod json;
 mod microrobots;
 
 pub use microrobots::suggest;

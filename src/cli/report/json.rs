@@ -1,0 +1,63 @@
+//! Reports of success as JSON, one object in a line.
+
+use crate::check::DeclarationTally;
+use crate::compile::Compiled;
+use crate::schedule::{PlanRecord, Schedule};
+use crate::verify::Verified;
+use serde_json::{Value, json};
+
+/// The report of `check`.
+pub fn checked(file: &str, tally: DeclarationTally) -> Value {
+    json!({ "checked": file, "declared": declared(tally) })
+}
+
+fn declared(tally: DeclarationTally) -> Value {
+    let DeclarationTally { devices, scenes, tasks, programs } = tally;
+    json!({ "devices": devices, "scenes": scenes, "tasks": tasks, "programs": programs })
+}
+
+/// The report of `build`: each schedule with its plans and the files written.
+pub fn built(file: &str, compiled: &Compiled, settings: &[String], written: &[Vec<String>]) -> Value {
+    let schedules = compiled.schedules.iter().zip(written);
+    let schedules: Vec<Value> = schedules.map(|(verified, files)| schedule(verified, files)).collect();
+    json!({ "built": file, "declared": declared(compiled.tally), "settings": settings, "schedules": schedules })
+}
+
+fn schedule(verified: &Verified, files: &[String]) -> Value {
+    let schedule = verified.schedule();
+    let plans: Vec<Value> = schedule.plans.iter().map(plan).collect();
+    let mut report = verified_schedule(schedule);
+    report["plans"] = plans.into();
+    report["files"] = files.into();
+    report
+}
+
+fn verified_schedule(schedule: &Schedule) -> Value {
+    json!({
+        "name": schedule.name,
+        "channels": schedule.channels.len(),
+        "actuations": schedule.actuations.len(),
+        "duration_ns": schedule.duration_ns,
+    })
+}
+
+fn plan(plan: &PlanRecord) -> Value {
+    json!({
+        "task": plan.task,
+        "device": plan.device,
+        "planner": plan.planner,
+        "objective": plan.objective,
+        "unit": plan.unit,
+        "cost": plan.cost,
+        "bound": plan.bound,
+        "optimal": plan.optimal,
+        "outcomes": plan.outcomes,
+        "start_ns": plan.start_ns,
+        "duration_ns": plan.duration_ns,
+    })
+}
+
+/// The report of `verify`; bounds and optimality in a log are recorded and not derived again, so they are left out.
+pub fn verified(log: &str, schedule: &Schedule, settings: &[String], against: Option<&str>) -> Value {
+    json!({ "verified": log, "against": against, "settings": settings, "schedule": verified_schedule(schedule) })
+}
