@@ -51,7 +51,10 @@ fn every_example_builds_without_a_word_and_is_written_in_every_format() {
             let assembles = plan.states.iter().any(|timed| has_docked(&timed.state));
             // Of assemblies and drives on a bed only bounds are known.
             let is_open = assembles || name == "microrobots_drive.twz";
-            assert!(plan.bound > 0.0 && plan.bound <= plan.cost && plan.optimal == (plan.bound == plan.cost), "{name}");
+            // A share of failures is an estimate, of which nothing is proven.
+            let is_estimate = plan.objective == "failures";
+            let is_bound = plan.bound <= plan.cost && (is_estimate || plan.bound > 0.0);
+            assert!(is_bound && plan.optimal == (plan.bound == plan.cost), "{name}");
             assert!(is_open || plan.optimal, "{name}");
         }
     }

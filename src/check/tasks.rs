@@ -26,7 +26,8 @@ pub struct TaskRun {
 
 /// A task's body, checked as far as the vocabulary goes.
 pub struct Parts {
-    pub objective: Option<&'static str>,
+    /// What `minimize` names, with the place of the step.
+    pub objective: Option<Spanned<&'static str>>,
     pub planner: Option<(Spanned<&'static device::Planner>, Accepted)>,
     pub start: Option<Argument>,
     pub settings: Accepted,
@@ -205,7 +206,10 @@ impl<'a> Checker<'a> {
             self.sink.push(errors::setting_twice(head, earlier));
         }
         match head.text.as_str() {
-            "minimize" => reading.parts.objective = self.objective(step, reading.vocabulary),
+            "minimize" => {
+                let objective = self.objective(step, reading.vocabulary);
+                reading.parts.objective = objective.map(|value| Spanned { value, span: step.span });
+            }
             "using" => reading.parts.planner = self.planner(step, scope, reading.vocabulary),
             "require" => match self.requirement(step, scope, reading.vocabulary) {
                 Some(requirement) => reading.parts.requirements.push(requirement),

@@ -346,7 +346,7 @@ fn order(
     sink: &mut Sink,
 ) -> Option<DimibotOrder> {
     let precision = precision(&parts.settings, facts, sink);
-    let objective = objective(parts.objective)?;
+    let objective = objective(parts.objective.as_ref().map(|objective| objective.value))?;
     let simultaneous = simultaneous(&parts.settings).unwrap_or(facts.simultaneous);
     let planner = planner(&parts, (objective, simultaneous), sink);
     warn_of_simultaneous(&parts.settings, objective, sink);

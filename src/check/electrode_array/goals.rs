@@ -28,7 +28,7 @@ impl Checker<'_> {
         parts: Parts,
     ) -> Option<ElectrodeArrayOrder> {
         let tray = self.tray(site, facts);
-        let objective = objective(parts.objective)?;
+        let objective = objective(parts.objective.as_ref().map(|objective| objective.value))?;
         let bystanders = bystanders(&parts);
         let planner = planner(&parts, (objective, bystanders), (facts, tray.parts.len()), self.sink);
         let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);

@@ -96,6 +96,12 @@ pub fn some_error_bounds(missing: &[&str]) -> Diagnostic {
         .help(format!("add {list}, 0 where there is no such error, or leave the others out"))
 }
 
+pub fn failures_in_vain(span: Span, why: &str) -> Diagnostic {
+    Diagnostic::new(Code::W0504, "`minimize failures` changes nothing: no trial can be simulated")
+        .label(span, why.to_owned())
+        .help("leave the line out; for an assembly on a device with all error bounds it chooses the plan that fails least")
+}
+
 pub fn no_stroke(relax: &str, flex: &str) -> Diagnostic {
     Diagnostic::new(Code::E0419, format!("relax level {relax} must be below the flex level of {flex}"))
         .help("a stroke goes up to `flex` and back to `relax`: make `relax` the lower one")

@@ -17,7 +17,7 @@ use crate::device::microrobots::MicrorobotsObjective;
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::geometry::Pose;
 use crate::real::Real;
-use crate::source::Span;
+use crate::source::{Span, Spanned};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -38,24 +38,41 @@ impl Checker<'_> {
         let mut judge = BedStepJudge { bed, ground: &ground, solids, scene, device, sink: self.sink };
         let steps: Vec<Option<MicrorobotsStep>> = parts.steps.iter().map(|step| judge.step(step)).collect();
         let steps: Option<Vec<MicrorobotsStep>> = steps.into_iter().collect();
+        let steps = steps?;
+        let objective = self.bed_objective(&parts, bed, &steps)?;
         let order = MicrorobotsOrder {
             facts: Arc::clone(&bed.facts),
             states: Arc::clone(&bed.states),
             obstacles: Arc::clone(&ground.obstacles),
             robots: Arc::clone(&ground.robots),
             expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS),
-            objective: objective(parts.objective)?,
+            objective,
             precision: precision?,
             assurance: assurance(&parts.settings),
-            steps: steps?,
+            steps,
         };
         ground.is_whole.then_some(order)
     }
-}
 
-/// The objective that `minimize` names; time by default.
-fn objective(name: Option<&str>) -> Option<MicrorobotsObjective> {
-    name.map_or(Some(MicrorobotsObjective::Time), MicrorobotsObjective::find)
+    /// The objective that `minimize` names; time by default, and where nothing can fail.
+    fn bed_objective(
+        &mut self,
+        parts: &Parts,
+        bed: &CheckedBed,
+        steps: &[MicrorobotsStep],
+    ) -> Option<MicrorobotsObjective> {
+        let Some(Spanned { value: name, span }) = parts.objective.as_ref() else {
+            return Some(MicrorobotsObjective::Time);
+        };
+        let assembles = steps.iter().any(|step| matches!(step.action, MicrorobotsAction::Assemble(_)));
+        let why = match MicrorobotsObjective::find(name)? {
+            MicrorobotsObjective::Failures if !assembles => "the task assembles nothing",
+            MicrorobotsObjective::Failures if bed.facts.errors.is_none() => "the device does not state all its errors",
+            objective => return Some(objective),
+        };
+        self.sink.push(errors::failures_in_vain(*span, why));
+        Some(MicrorobotsObjective::Time)
+    }
 }
 
 fn assurance(settings: &Accepted) -> Assurance {

@@ -151,8 +151,8 @@ impl BedTally {
         let ([cost, bound], is_exact) = match objective {
             MicrorobotsObjective::Time => (time_s, true),
             MicrorobotsObjective::Switches => ([self.switches, self.least_switches].map(|count| count as f64), true),
-            // An estimate, which proves nothing.
-            MicrorobotsObjective::Failures => ([self.failing.unwrap_or(0.0), 0.0], false),
+            // An estimate, which proves nothing; the worst where the plan is too long to be simulated.
+            MicrorobotsObjective::Failures => ([self.failing.unwrap_or(1.0), 0.0], false),
         };
         Plan {
             planner: MicrorobotsPlanner::OneWayDubins.name(),

@@ -4,8 +4,8 @@
 //! back from an error a robot drives circles, which meet what stands near. Method: the job is planned again with larger clearances and other
 //! first legs; all plans are simulated with a few trials, the better ones with more and more. Guaranteed: the plan keeps the clearances of
 //! the task, and of two runs on one request both give the same plan. Not guaranteed: that no plan fails less. The share that is reported is
-//! counted in trials of its own, so that it is not flattered by the choice. Cost: [`CLEARANCES_UM`] times [`DRAWS`] plans at most, and some
-//! thousand trials.
+//! counted in trials of its own, so that it is not flattered by the choice. Cost: at most eight clearances
+//! times five beginnings are planned, and simulated some three thousand times in all.
 
 use super::simulation::{self, SimulationReport};
 use super::steps::{BedRoute, FirstLegs, carried_out};
@@ -17,15 +17,15 @@ use crate::diagnostic::{Code, Diagnostic, Remark, Sink};
 use crate::quantity::digits;
 use std::sync::Arc;
 
-/// Added to the clearance of bodies, and to that of orbits, in micrometres.
-const CLEARANCES_UM: [[f64; 2]; 8] =
-    [[0.0, 0.0], [50.0, 40.0], [100.0, 80.0], [170.0, 0.0], [0.0, 130.0], [100.0, 200.0], [240.0, 80.0], [50.0, 300.0]];
+/// Added to the clearance of bodies, and to that of orbits: shares of the largest turning radius, since circles are what needs room.
+const CLEARANCE_SHARES: [[f64; 2]; 8] =
+    [[0.0, 0.0], [0.3, 0.25], [0.6, 0.5], [1.0, 0.0], [0.0, 0.8], [0.6, 1.2], [1.5, 0.5], [0.3, 1.8]];
 
 /// Seeds of first legs that are drawn for each clearance, besides none.
 const DRAWS: u64 = 4;
 
 /// Trials of each plan in a round of the choice, and how many plans come into it.
-const ROUNDS: [(u64, usize); 3] = [(16, usize::MAX), (64, 8), (300, 2)];
+const ROUNDS: [(u64, usize); 3] = [(24, usize::MAX), (100, 8), (400, 2)];
 
 /// Seed of the trials among which is chosen.
 const CHOICE_SEED: u64 = 2;
@@ -33,6 +33,16 @@ const CHOICE_SEED: u64 = 2;
 /// Trials that are reported, and their seed.
 const EXPECTED_TRIALS: u64 = 400;
 const EXPECTED_SEED: u64 = 1;
+
+/// Most work of the trials of a round of the choice, and of those that are reported: the intervals and the stretches of
+/// [`STRETCH_UM`] of all robots that a plan has, times the trials. Enough for all trials of ten robots that drive for some minutes.
+const MAX_WORK: u64 = 16_000_000;
+
+/// Path between two looks at what a simulated robot meets, in micrometres.
+const STRETCH_UM: f64 = 10.0;
+
+/// With fewer trials nothing is said of a plan.
+const LEAST_TRIALS: u64 = 10;
 
 /// Below this share of successes a plan is warned of.
 const DOUBTFUL_SHARE: f64 = 0.5;
@@ -47,8 +57,8 @@ pub fn safest(order: &MicrorobotsOrder, (start, is_first): (&Crew, bool), fastes
         return fastest;
     }
     let mut routes = vec![fastest];
-    for [more_um, orbit_more_um] in CLEARANCES_UM {
-        let wider = widened(order, more_um, orbit_more_um);
+    for shares in CLEARANCE_SHARES {
+        let wider = widened(order, shares);
         for first_legs in std::iter::once(FirstLegs::None).chain((1..=DRAWS).map(FirstLegs::Drawn)) {
             let route = carried_out(&wider, (start, is_first), first_legs, &mut Sink::default());
             routes.extend(route.filter(|route| routes.iter().all(|other| other.motion != route.motion)));
@@ -57,9 +67,10 @@ pub fn safest(order: &MicrorobotsOrder, (start, is_first): (&Crew, bool), fastes
     let mut kept: Vec<usize> = (0..routes.len()).collect();
     for (trials, most) in ROUNDS {
         kept.truncate(most);
+        let work = MAX_WORK / kept.len().max(1) as u64;
         let failures = |route: &usize| {
-            let report = simulated(order, &routes[*route].motion, trials, CHOICE_SEED);
-            report.map_or(trials, |report| report.trials - report.successes)
+            let report = simulated(order, &routes[*route].motion, (trials, CHOICE_SEED), work);
+            report.map_or(u64::MAX, |report| (report.trials - report.successes) * trials / report.trials.max(1))
         };
         kept.sort_by_cached_key(|route| (failures(route), duration_ns(order, &routes[*route].motion), *route));
     }
@@ -76,7 +87,7 @@ pub fn expected(
     remarks: &mut Vec<Remark>,
     sink: &mut Sink,
 ) -> Option<f64> {
-    let report = simulated(order, motion, EXPECTED_TRIALS, EXPECTED_SEED)?;
+    let report = simulated(order, motion, (EXPECTED_TRIALS, EXPECTED_SEED), MAX_WORK)?;
     let SimulationReport { trials, successes, .. } = report;
     let percent = |share: f64| digits((share * 1e3).round() / 10.0);
     let share = successes as f64 / trials.max(1) as f64;
@@ -105,17 +116,35 @@ fn assembles(order: &MicrorobotsOrder) -> bool {
 }
 
 /// The same order with larger clearances: what keeps these keeps the order's own.
-fn widened(order: &MicrorobotsOrder, more_um: f64, orbit_more_um: f64) -> MicrorobotsOrder {
+fn widened(order: &MicrorobotsOrder, shares: [f64; 2]) -> MicrorobotsOrder {
+    let radii_um = (0..order.robots.len()).map(|robot| order.robot(robot).turning_radius_um);
+    let radius_um = radii_um.fold(0.0, f64::max);
     let mut wider = order.clone();
     let facts = Arc::make_mut(&mut wider.facts);
-    facts.clearance_um += more_um;
-    facts.orbit_clearance_um += orbit_more_um;
+    facts.clearance_um += shares[0] * radius_um;
+    facts.orbit_clearance_um += shares[1] * radius_um;
     wider
 }
 
-fn simulated(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, trials: u64, seed: u64) -> Option<SimulationReport> {
+/// As many trials of a plan as the work allows; `None` also where these are too few.
+fn simulated(
+    order: &MicrorobotsOrder,
+    motion: &MicrorobotsMotion,
+    (trials, seed): (u64, u64),
+    most_work: u64,
+) -> Option<SimulationReport> {
+    let errors = order.facts.errors?;
+    let strokes = |step: &MicrorobotsStepMotion| match step {
+        MicrorobotsStepMotion::Wait(_) => 0,
+        MicrorobotsStepMotion::Legs { legs, .. } => legs.iter().map(|leg| leg.strokes).fold(0, u64::saturating_add),
+    };
+    let strokes = motion.steps.iter().map(strokes).fold(0, u64::saturating_add) as f64;
+    let stroke_um: f64 = (0..order.robots.len()).map(|robot| order.robot(robot).step_um).sum();
+    let intervals = duration_ns(order, motion) / errors.replan_ns.max(1);
+    let work = intervals.saturating_add((strokes * stroke_um / STRETCH_UM) as u64).saturating_add(1);
+    let trials = trials.min(most_work / work);
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    simulation::simulate(order, motion, trials, seed, threads)
+    (trials >= LEAST_TRIALS).then(|| simulation::simulate(order, motion, trials, seed, threads)).flatten()
 }
 
 fn duration_ns(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> u64 {
