@@ -276,7 +276,7 @@ fn told_of_polygon(fault: &OutlineError, at: &dyn Fn(String) -> Box<Diagnostic>)
         OutlineError::TooFewPoints(_) | OutlineError::NoArea | OutlineError::RepeatedPoint(_) => {
             "too few triangles meet it".to_owned()
         }
-        OutlineError::Thin => "it is thinner than 10 nm".to_owned(),
+        OutlineError::Thin => "it is thinner than 1 nm".to_owned(),
         OutlineError::TooManyPoints(count) => format!("{count} triangles meet it, which is too many"),
         OutlineError::Crossing { .. } => "it crosses itself".to_owned(),
         OutlineError::Rough { point_um } => format!("it has a corner near {}", point(*point_um)),
@@ -389,7 +389,7 @@ fn told(fault: &OutlineError, outline: &Outline, span: Span) -> Diagnostic {
         ),
         OutlineError::Thin => errors::bad_shape(
             span,
-            "an outline that is thinner than 10 nm",
+            "an outline that is thinner than 1 nm",
             "too thin to be followed",
             "check the units of its figures",
         ),

@@ -1,6 +1,6 @@
 //! Names: E02xx.
 
-use super::{listed, meant, with_article};
+use super::{either, listed, meant, with_article};
 use crate::check::scope::{Declaration, DeclarationSort, FUNCTIONS, path_text};
 use crate::device::shape::ShapeForm;
 use crate::device::{Together, Vocabulary};
@@ -223,7 +223,8 @@ pub fn setting_with_colon(name: &Ident) -> Diagnostic {
 }
 
 pub fn maximized(span: Span, vocabulary: &Vocabulary) -> Diagnostic {
-    let known = listed(vocabulary.objectives.iter().map(|objective| objective.name));
+    let known: Vec<&str> = vocabulary.objectives.iter().map(|objective| objective.name).collect();
+    let known = either(&known);
     Diagnostic::new(Code::E0208, "plans are minimized, not maximized")
         .label(span, "not a setting")
         .help(format!("write `minimize` with {known}; `require` sets a limit, as in `require time >= 400 ms`"))

@@ -34,7 +34,7 @@ pub const MAX_POINTS: usize = 4096;
 pub const MAX_UM: f64 = 1e6;
 
 /// Least mean thickness of an outline, in micrometres: twice its area over its perimeter.
-pub const MIN_THICKNESS_UM: f64 = 0.01;
+pub const MIN_THICKNESS_UM: f64 = 0.001;
 
 /// Least semi-axis, half width or radius of a corner.
 pub const MIN_UM: f64 = 1e-3;
