@@ -60,7 +60,13 @@ fn what_was_not_derived_again_is_called_so() {
     bench.write("a.twz", "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n");
     bench.run(&["build", "a.twz"]).code(DONE);
     let told = bench.run(&["verify", "go.mcap", "--against", "a.twz"]).code(DONE).out;
-    says(&told, &["Unchecked", "the planner's bounds, and that the plan is optimal: recorded, and not derived again"]);
+    says(
+        &told,
+        &[
+            "Unchecked",
+            "the planner's bounds and estimates, and that the plan is optimal: recorded, and not derived again",
+        ],
+    );
 }
 
 #[cfg(unix)]
