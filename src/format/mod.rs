@@ -4,9 +4,9 @@
 //! Output: its canonical text.
 //!
 //! Method: line breaks, groups of lines and comments are the user's; everything between is Tweeze's. The text is cut into
-//! [pieces](piece), of which the tree says what their characters do not: which words are a unit, which `-` is a sign, which bracket
-//! belongs to a name ([`marks`]). The pieces are put into [lines](layout) with the blanks that their neighbours ask for, and the lines
-//! are [indented and aligned](columns). No line is broken or joined because of its length.
+//! pieces (`piece`), of which the tree says what their characters do not: which words are a unit, which `-` is a sign, which bracket
+//! belongs to a name (`marks`). The pieces are put into lines (`layout`) with the blanks that their neighbours ask for, and the lines
+//! are indented and aligned (`columns`). No line is broken or joined because of its length.
 //!
 //! Promises, for every text without syntax errors: the canonical text has the same tree, apart from the spelling of units, and the same
 //! comments in the same order; its own canonical text is itself. A declaration with an error is left as it is, byte for byte; so is the

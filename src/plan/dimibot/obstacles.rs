@@ -11,7 +11,7 @@ use crate::geometry::{Pose, Rounded, Shape, ShapeError};
 /// Added to every grown shape, so that float rounding cannot make the verifier, which uses the plain growth, reject a plan.
 pub const SAFETY_MARGIN_UM: f64 = 1e-9;
 
-/// Something the end-effector must not touch. Its index in the list given to [`LatticeField::new`] is its identity.
+/// Something the end-effector must not touch. Its index in the list given to [`LatticeField::new`](super::LatticeField::new) is its identity.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FieldObstacle {
     /// All cells with coordinates between `from` and `to`, both included, in either order; cells outside the lattice are ignored.
