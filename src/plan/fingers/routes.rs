@@ -4,7 +4,7 @@
 //! its `orient` steps, cheapest estimate first. Promise: every route has at least one turn, and each turn knows its step.
 
 use super::graph::Grasp;
-use crate::claims::fingers::{FingersAction, FingersOrder, FingersTurn};
+use crate::claims::fingers::{FingersAction, FingersOrder, FingersStep, FingersTurn};
 use crate::device::fingers::Plane;
 use std::ops::Range;
 
@@ -134,22 +134,13 @@ fn free_planes(order: &FingersOrder, steps: &Range<usize>, held: Option<Holding>
     planes.map(Some).collect()
 }
 
-/// The plane of the first turn from a step on.
-fn turned_later(order: &FingersOrder, from: usize) -> Option<Plane> {
-    order.steps[from..].iter().find_map(|step| match &step.action {
+/// The plane in which a step begins or ends to turn, by the end of its turns that is asked for; of an orientation its first way's.
+fn turned_in(step: &FingersStep, end: fn(&[FingersTurn]) -> Option<&FingersTurn>) -> Option<Plane> {
+    match &step.action {
         FingersAction::Rotate { plane, .. } => Some(*plane),
-        FingersAction::Orient { turns, .. } => turns.iter().find_map(|turns| turns.first()).map(|turn| turn.plane),
+        FingersAction::Orient { turns, .. } => turns.iter().find_map(|turns| end(turns)).map(|turn| turn.plane),
         FingersAction::Grasp(_) | FingersAction::Translate(_) | FingersAction::Release | FingersAction::Wait(_) => None,
-    })
-}
-
-/// The plane of the last turn before a step.
-fn turned_before(order: &FingersOrder, step: usize) -> Option<Plane> {
-    order.steps[..step].iter().rev().find_map(|step| match &step.action {
-        FingersAction::Rotate { plane, .. } => Some(*plane),
-        FingersAction::Orient { turns, .. } => turns.iter().find_map(|turns| turns.last()).map(|turn| turn.plane),
-        FingersAction::Grasp(_) | FingersAction::Translate(_) | FingersAction::Release | FingersAction::Wait(_) => None,
-    })
+    }
 }
 
 fn route(
@@ -159,8 +150,11 @@ fn route(
     (held, free): (Option<Holding>, Option<Plane>),
 ) -> TurnRoute {
     // That of the next turn of the task, else of its last one: turns of this range as chosen, the others as written.
-    let last = turns.last().map(|(_, turn)| turn.plane).or_else(|| turned_before(order, steps.start));
-    let later = turned_later(order, steps.end);
+    let last = turns.last().map(|(_, turn)| turn.plane).or_else(|| {
+        let mut before = order.steps[..steps.start].iter().rev();
+        before.find_map(|step| turned_in(step, <[FingersTurn]>::last))
+    });
+    let later = order.steps[steps.end..].iter().find_map(|step| turned_in(step, <[FingersTurn]>::first));
     let plane_at = |step: usize| {
         let next = turns.iter().find(|(of, _)| *of >= step).map(|(_, turn)| turn.plane);
         free.or(next).or(later).or(last).unwrap_or(Plane::Xy)

@@ -6,7 +6,7 @@ use super::safest;
 use super::steps::{BedRoute, FirstLegs, carried_out};
 use super::strategy::{driven, episodes};
 use super::why::BedReasons;
-use super::{Crew, MicrorobotsMotion, MicrorobotsStepMotion, leg_ns};
+use super::{Crew, MicrorobotsMotion};
 use crate::claims::Job;
 use crate::claims::microrobots::{Assurance, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep};
 use crate::device::microrobots::{MicrorobotsObjective, MicrorobotsOutcome, MicrorobotsPlanner};
@@ -106,7 +106,6 @@ fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Ve
 }
 
 /// Sums over the steps of a job.
-#[derive(Default)]
 struct BedTally {
     time_ns: u64,
     /// Lower bound on the duration of the job.
@@ -124,20 +123,15 @@ impl BedTally {
     fn of(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, bound_ns: u64) -> BedTally {
         let is_applied = |step: &&MicrorobotsStep| matches!(step.action, MicrorobotsAction::Apply { .. });
         let least_switches = order.steps.iter().filter(is_applied).count() as u64;
-        let mut tally = BedTally { bound_ns, least_switches, ..BedTally::default() };
-        for step in &motion.steps {
-            match step {
-                MicrorobotsStepMotion::Wait(duration_ns) => tally.time_ns = tally.time_ns.saturating_add(*duration_ns),
-                MicrorobotsStepMotion::Legs { legs, .. } => {
-                    tally.switches += legs.len() as u64;
-                    for leg in legs {
-                        tally.time_ns = tally.time_ns.saturating_add(leg_ns(order, *leg));
-                        tally.strokes = tally.strokes.saturating_add(leg.strokes);
-                    }
-                }
-            }
+        BedTally {
+            time_ns: motion.duration_ns(order),
+            bound_ns,
+            least_switches,
+            switches: motion.steps.iter().map(|step| step.legs().len() as u64).sum(),
+            strokes: motion.strokes(),
+            failing: None,
+            remarks: Vec::new(),
         }
-        tally
     }
 
     fn plan(self, objective: MicrorobotsObjective, motion: MicrorobotsMotion) -> Plan<MicrorobotsMotion> {

@@ -83,6 +83,42 @@ impl Leg {
     }
 }
 
+impl MicrorobotsStepMotion {
+    /// Its legs; none while it waits.
+    pub fn legs(&self) -> &[Leg] {
+        match self {
+            MicrorobotsStepMotion::Legs { legs, .. } => legs,
+            MicrorobotsStepMotion::Wait(_) => &[],
+        }
+    }
+
+    /// Duration in nanoseconds.
+    pub fn duration_ns(&self, order: &MicrorobotsOrder) -> u64 {
+        match self {
+            MicrorobotsStepMotion::Legs { legs, .. } => legs_ns(order, legs),
+            MicrorobotsStepMotion::Wait(duration_ns) => *duration_ns,
+        }
+    }
+}
+
+impl MicrorobotsMotion {
+    /// Duration of all steps in nanoseconds.
+    pub fn duration_ns(&self, order: &MicrorobotsOrder) -> u64 {
+        self.steps.iter().map(|step| step.duration_ns(order)).fold(0, u64::saturating_add)
+    }
+
+    /// Strokes of all steps.
+    pub fn strokes(&self) -> u64 {
+        let legs = self.steps.iter().flat_map(MicrorobotsStepMotion::legs);
+        legs.map(|leg| leg.strokes).fold(0, u64::saturating_add)
+    }
+}
+
+/// Duration of legs, including their control cycles.
+pub fn legs_ns(order: &MicrorobotsOrder, legs: &[Leg]) -> u64 {
+    legs.iter().map(|leg| leg_ns(order, *leg)).fold(0, u64::saturating_add)
+}
+
 /// Duration of a leg: its control cycle, then its strokes.
 pub fn leg_ns(order: &MicrorobotsOrder, leg: Leg) -> u64 {
     let cycle_ns = order.states[leg.state].levels_v.len() as u64 * order.facts.dwell_ns;

@@ -9,7 +9,7 @@
 
 use super::simulation::{self, SimulationReport};
 use super::steps::{BedRoute, FirstLegs, carried_out};
-use super::{Crew, MicrorobotsMotion, MicrorobotsStepMotion, leg_ns};
+use super::{Crew, MicrorobotsMotion};
 use crate::claims::Job;
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
 use crate::device::microrobots::MicrorobotsObjective;
@@ -72,7 +72,7 @@ pub fn safest(order: &MicrorobotsOrder, (start, is_first): (&Crew, bool), fastes
             let report = simulated(order, &routes[*route].motion, (trials, CHOICE_SEED), work);
             report.map_or(u64::MAX, |report| (report.trials - report.successes) * trials / report.trials.max(1))
         };
-        kept.sort_by_cached_key(|route| (failures(route), duration_ns(order, &routes[*route].motion), *route));
+        kept.sort_by_cached_key(|route| (failures(route), routes[*route].motion.duration_ns(order), *route));
     }
     let best = kept.first().copied().unwrap_or_default();
     routes.swap_remove(best)
@@ -134,25 +134,10 @@ fn simulated(
     most_work: u64,
 ) -> Option<SimulationReport> {
     let errors = order.facts.errors?;
-    let strokes = |step: &MicrorobotsStepMotion| match step {
-        MicrorobotsStepMotion::Wait(_) => 0,
-        MicrorobotsStepMotion::Legs { legs, .. } => legs.iter().map(|leg| leg.strokes).fold(0, u64::saturating_add),
-    };
-    let strokes = motion.steps.iter().map(strokes).fold(0, u64::saturating_add) as f64;
     let stroke_um: f64 = (0..order.robots.len()).map(|robot| order.robot(robot).step_um).sum();
-    let intervals = duration_ns(order, motion) / errors.replan_ns.max(1);
-    let work = intervals.saturating_add((strokes * stroke_um / STRETCH_UM) as u64).saturating_add(1);
+    let intervals = motion.duration_ns(order) / errors.replan_ns.max(1);
+    let work = intervals.saturating_add((motion.strokes() as f64 * stroke_um / STRETCH_UM) as u64).saturating_add(1);
     let trials = trials.min(most_work / work);
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     (trials >= LEAST_TRIALS).then(|| simulation::simulate(order, motion, trials, seed, threads)).flatten()
-}
-
-fn duration_ns(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> u64 {
-    let of = |step: &MicrorobotsStepMotion| match step {
-        MicrorobotsStepMotion::Wait(duration_ns) => *duration_ns,
-        MicrorobotsStepMotion::Legs { legs, .. } => {
-            legs.iter().map(|leg| leg_ns(order, *leg)).fold(0, u64::saturating_add)
-        }
-    };
-    motion.steps.iter().map(of).fold(0, u64::saturating_add)
 }

@@ -8,7 +8,7 @@ use super::departure::{Departure, Departures};
 use super::drive::{self, Drive};
 use super::why::BedReasons;
 use super::world::{BedPoses, FirstMeeting, World};
-use super::{AssemblyStage, Crew, Leg, MicrorobotsMotion, MicrorobotsStepMotion, leg_ns};
+use super::{AssemblyStage, Crew, Leg, MicrorobotsMotion, MicrorobotsStepMotion, legs_ns};
 use crate::claims::microrobots::{Dock, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop};
 use crate::device::microrobots::{Arm, MicrorobotsObjective};
 use crate::diagnostic::Sink;
@@ -108,14 +108,12 @@ impl<'a> BedStepPlanner<'a> {
         let poses: Vec<Pose> = stops.iter().map(|stop| stop.pose).collect();
         let request = Drive { order: self.order, world: self.world, bed: self.bed, robot, stops: &poses };
         let direct = drive::drive(&request, SearchBudget::of(self.order.expansions));
-        let mut best = match &direct {
+        let (mut best, departures) = match &direct {
             Ok(driven) if driven.direct => return Some(plain(driven.legs.clone())),
-            Err(stuck) if stuck.reason.is_proof() => None,
-            Ok(driven) => Some(driven.legs.clone()),
-            Err(_) => None,
+            Ok(driven) => (Some(driven.legs.clone()), MAX_DEPARTURES),
+            Err(stuck) if stuck.reason.is_proof() => (None, 0),
+            Err(_) => (None, MAX_DEPARTURES),
         };
-        let is_proof = direct.as_ref().is_err_and(|stuck| stuck.reason.is_proof());
-        let departures = if is_proof { 0 } else { MAX_DEPARTURES };
         for Departure { mut legs, bed } in self.departures(poses.iter().copied(), BEST_SEED).take(departures) {
             let after = Drive { bed: &bed, ..request };
             let Ok(driven) = drive::drive(&after, self.departure_budget()) else { continue };
@@ -149,7 +147,7 @@ impl<'a> BedStepPlanner<'a> {
 
     /// What the legs of a step cost: by the objective, then by the other figure.
     fn cost(&self, legs: &[Leg]) -> [u64; 2] {
-        let time_ns = legs.iter().map(|leg| leg_ns(self.order, *leg)).fold(0, u64::saturating_add);
+        let time_ns = legs_ns(self.order, legs);
         let switches = legs.len() as u64;
         match self.order.objective {
             MicrorobotsObjective::Time | MicrorobotsObjective::Failures => [time_ns, switches],
@@ -170,9 +168,9 @@ impl<'a> BedStepPlanner<'a> {
             matches!(direct, Err(NoAssembly::Stuck(StuckAssembly::Unsteerable { .. } | StuckAssembly::Apart { .. })));
         let departures = if is_in_vain || self.first_legs == FirstLegs::None { 0 } else { MAX_DEPARTURES };
         for departure in self.departures(goals(), BEST_SEED).take(departures) {
-            let is_late = best.as_ref().is_some_and(|best| self.cost(legs_of(best)) <= self.cost(&departure.legs));
+            let is_late = best.as_ref().is_some_and(|best| self.cost(best.legs()) <= self.cost(&departure.legs));
             let Some(found) = (!is_late).then(|| self.after(departure, docks)).flatten() else { continue };
-            if best.as_ref().is_none_or(|best| self.cost(legs_of(&found)) < self.cost(legs_of(best))) {
+            if best.as_ref().is_none_or(|best| self.cost(found.legs()) < self.cost(best.legs())) {
                 best = Some(found);
             }
         }
@@ -227,13 +225,6 @@ enum NoAssembly {
     Stuck(StuckAssembly),
     /// A robot has been turning since the previous step, and meets something.
     StillTurning(FirstMeeting),
-}
-
-fn legs_of(motion: &MicrorobotsStepMotion) -> &[Leg] {
-    match motion {
-        MicrorobotsStepMotion::Legs { legs, .. } => legs,
-        MicrorobotsStepMotion::Wait(_) => &[],
-    }
 }
 
 fn plain(legs: Vec<Leg>) -> MicrorobotsStepMotion {

@@ -4,7 +4,7 @@ use super::track::ArmTrack;
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::{Core, Pose, distance};
-use crate::plan::microrobots::{AssemblyStage, Leg, RobotDocking};
+use crate::plan::microrobots::{AssemblyStage, Leg, RobotDocking, legs_ns};
 use crate::real::Real;
 use nalgebra::Point2;
 
@@ -99,10 +99,7 @@ impl<'a> AssemblyState<'a> {
 
     /// Duration of legs, including their control cycles.
     pub fn duration_ns(&self, legs: &[Leg]) -> u64 {
-        let facts = &self.order.facts;
-        let cycle_ns = |state: usize| facts.dwell_ns.saturating_mul(self.order.states[state].levels_v.len() as u64);
-        let leg_ns = |leg: &Leg| facts.period_ns.saturating_mul(leg.strokes).saturating_add(cycle_ns(leg.state));
-        legs.iter().map(leg_ns).fold(0, u64::saturating_add)
+        legs_ns(self.order, legs)
     }
 
     /// The control state of the last leg.

@@ -15,7 +15,8 @@ pub fn run(trial: &mut Trial, episode: &Episode) -> Result<(), TrialFailure> {
     let goals = match *episode.stage {
         AssemblyStage::Pair { first, second, goals, .. } => vec![(first, goals[0]), (second, goals[1])],
         AssemblyStage::Single { robot, goal, .. } => vec![(robot, goal)],
-        AssemblyStage::Escort { .. } | AssemblyStage::Departure { .. } => return Ok(()),
+        AssemblyStage::Departure { .. } => return depart(trial, episode),
+        AssemblyStage::Escort { .. } => return Ok(()),
     };
     let Some(&(robot, _)) = goals.first() else { return Ok(()) };
     trial.begin(goals.iter().map(|(robot, _)| *robot).collect());
