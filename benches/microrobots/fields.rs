@@ -11,6 +11,7 @@ use tweeze::claims::microrobots::MicrorobotsOrder;
 use tweeze::compile::{self, CompileRequest};
 use tweeze::diagnostic::Sink;
 use tweeze::random::SplitMix64;
+use tweeze::real::Real;
 use tweeze::source::Sources;
 
 /// Half the length of a robot.
@@ -99,7 +100,7 @@ pub fn assembly((count, side_um): (usize, f64), seed: u64, objective: &str) -> S
     let turned = random.unit() * 360.0;
     let mut seats = SEATS[..count].to_vec();
     random.shuffle(&mut seats[2..]);
-    let (sin, cos) = (turned / 360.0 * TAU).sin_cos();
+    let (sin, cos) = (turned / 360.0 * TAU).sine_cosine();
     let placed = |[x, y, heading]: [f64; 3]| {
         pose([middle[0] + x * cos - y * sin, middle[1] + x * sin + y * cos, (heading + turned) % 360.0])
     };

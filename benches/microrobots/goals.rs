@@ -98,7 +98,9 @@ fn row(name: &str, all: &[Outcome]) {
 }
 
 fn assemblies(objective: &str, usual: u64) {
-    println!("\nAssemblies on random fields, `minimize {objective}`; success of {TRIALS} trials; times include the 400 trials of `build`.\n");
+    println!(
+        "\nAssemblies on random fields, `minimize {objective}`; success of {TRIALS} trials; times include the 400 trials of `build`.\n"
+    );
     println!(
         "| robots, field | fields | planned | missed | without first legs | median [ms] | p90 [ms] | lasts [s] | shorter by | over bound | success |"
     );
@@ -131,7 +133,9 @@ pub fn drives() {
     let found: Vec<Outcome> = (0..programs(200)).map(one).collect();
     let count = |is: fn(&Outcome) -> bool| found.iter().filter(|one| is(one)).count();
     println!("\nDrives of one of three robots among up to 12 obstacles.\n");
-    println!("| drives | planned | no plan, proven | no plan found (E0602) | of these the simple search has one | median [ms] | p90 [ms] | over bound |");
+    println!(
+        "| drives | planned | no plan, proven | no plan found (E0602) | of these the simple search has one | median [ms] | p90 [ms] | over bound |"
+    );
     println!("|---|---|---|---|---|---|---|---|");
     println!(
         "| {} | {} | {} | {} | {} | {:.1} | {:.1} | {:.2} |",

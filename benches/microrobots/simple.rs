@@ -77,11 +77,7 @@ pub fn has_plan(order: &MicrorobotsOrder) -> bool {
 }
 
 /// When the robots of an assembly dock: where they come within the precision of their goals.
-fn docks(
-    order: &MicrorobotsOrder,
-    legs: &[Leg],
-    start: &[Pose],
-) -> Vec<tweeze::plan::microrobots::RobotDocking> {
+fn docks(order: &MicrorobotsOrder, legs: &[Leg], start: &[Pose]) -> Vec<tweeze::plan::microrobots::RobotDocking> {
     let Some(MicrorobotsAction::Assemble(docks)) = order.steps.first().map(|step| &step.action) else {
         return Vec::new();
     };
