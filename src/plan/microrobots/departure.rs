@@ -1,4 +1,5 @@
-//! First legs of a step: the whole bed moves before the step proper, which then finds more room, a faster way or a safer one.
+//! First legs of a step, drawn at random: the whole bed moves before the step proper, which then finds more room or a faster way. Those of
+//! assemblies are searched for ([`super::gathering`]), and only drawn where that finds none.
 //!
 //! The problem: every robot moves with every stroke, so what stands in the way of a step, or whose orbit lies over a goal, depends on where
 //! the step begins. Method: random sequences of a few legs in control states that keep docked arms up, from a fixed seed; the caller plans

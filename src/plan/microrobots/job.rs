@@ -57,7 +57,7 @@ fn planned(
     sink: &mut Sink,
 ) -> Option<(Option<Plan<MicrorobotsMotion>>, Crew)> {
     let bound_ns = bound::least_ns(order, &start);
-    let fastest = carried_out(order, (&start, is_first), FirstLegs::Best, sink)?;
+    let fastest = carried_out((order, order), (&start, is_first), FirstLegs::Best, sink)?;
     let BedRoute { motion, end } = match order.objective {
         MicrorobotsObjective::Time | MicrorobotsObjective::Switches => fastest,
         MicrorobotsObjective::Failures => safest::safest(order, (&start, is_first), fastest),

@@ -7,6 +7,7 @@ pub mod departure;
 pub mod drive;
 pub mod fine;
 pub mod free;
+pub mod gathering;
 pub mod guarantee;
 mod job;
 pub mod safest;

@@ -1,11 +1,11 @@
 //! The plan whose simulated trials fail least, and how often those of any plan do.
 //!
 //! The problem: plans that take about the same time differ by everything in how often robots with errors carry them out, for on its way
-//! back from an error a robot drives circles, which meet what stands near. Method: the job is planned again with larger clearances and other
-//! first legs; all plans are simulated with a few trials, the better ones with more and more. Guaranteed: the plan keeps the clearances of
-//! the task, and of two runs on one request both give the same plan. Not guaranteed: that no plan fails less. The share that is reported is
-//! counted in trials of its own, so that it is not flattered by the choice. Cost: at most eight clearances
-//! times five beginnings are planned, and simulated some three thousand times in all.
+//! back from an error a robot drives circles, which meet what stands near. Method: the job is planned again with more room ([`ROOMS`]) and
+//! other first legs; all plans are simulated with a few trials, the rooms of the best ones get more first legs, and the better plans more
+//! and more trials. Guaranteed: the plan keeps the clearances of the task, and of two runs on one request both give the same plan. Not
+//! guaranteed: that no plan fails less. The share that is reported is counted in trials of its own, so that it is not flattered by the
+//! choice. Cost: some twenty-five plans, and two thousand trials in all.
 
 use super::simulation::{self, SimulationReport};
 use super::steps::{BedRoute, FirstLegs, carried_out};
@@ -17,15 +17,30 @@ use crate::diagnostic::{Code, Diagnostic, Remark, Sink};
 use crate::quantity::digits;
 use std::sync::Arc;
 
-/// Added to the clearance of bodies, and to that of orbits: shares of the largest turning radius, since circles are what needs room.
-const CLEARANCE_SHARES: [[f64; 2]; 8] =
-    [[0.0, 0.0], [0.3, 0.25], [0.6, 0.5], [1.0, 0.0], [0.0, 0.8], [0.6, 1.2], [1.5, 0.5], [0.3, 1.8]];
+/// How much room the tried plans keep. Added to the clearance of bodies, and to that of orbits: shares of the largest turning radius,
+/// since circles are what needs room. And the length of the fine motion, as a multiple of the device's: a robot that turns to its
+/// approach farther from the structure has room for a circle there.
+const ROOMS: [[f64; 3]; 8] = [
+    [0.0, 0.0, 1.0],
+    [0.3, 0.25, 1.0],
+    [0.6, 0.5, 1.5],
+    [1.0, 0.0, 2.0],
+    [0.0, 0.8, 1.0],
+    [0.6, 1.2, 1.5],
+    [1.5, 0.5, 1.0],
+    [0.3, 1.8, 2.0],
+];
 
-/// Seeds of first legs that are drawn for each clearance, besides none.
-const DRAWS: u64 = 4;
+/// Seeds of first legs that are drawn for each room, how many rooms of the best plans are then kept, and seeds for these.
+const FIRST_DRAWS: u64 = 2;
+const GOOD_ROOMS: usize = 2;
+const DRAWS: u64 = 6;
 
-/// Trials of each plan in a round of the choice, and how many plans come into it.
-const ROUNDS: [(u64, usize); 3] = [(24, usize::MAX), (100, 8), (400, 2)];
+/// Trials of each plan before the rooms are chosen.
+const FIRST_TRIALS: u64 = 16;
+
+/// Trials of each plan in a round of the choice among all, and how many plans come into it.
+const ROUNDS: [(u64, usize); 3] = [(20, usize::MAX), (60, 6), (200, 2)];
 
 /// Seed of the trials among which is chosen.
 const CHOICE_SEED: u64 = 2;
@@ -56,26 +71,46 @@ pub fn safest(order: &MicrorobotsOrder, (start, is_first): (&Crew, bool), fastes
     if !can_fail || !assembles(order) {
         return fastest;
     }
-    let mut routes = vec![fastest];
-    for shares in CLEARANCE_SHARES {
-        let wider = widened(order, shares);
-        for first_legs in std::iter::once(FirstLegs::None).chain((1..=DRAWS).map(FirstLegs::Drawn)) {
-            let route = carried_out(&wider, (start, is_first), first_legs, &mut Sink::default());
-            routes.extend(route.filter(|route| routes.iter().all(|other| other.motion != route.motion)));
+    let rooms = ROOMS.map(|shares| widened(order, shares));
+    let planned = |room: usize, first_legs: FirstLegs, routes: &mut Vec<(usize, BedRoute)>| {
+        let route = carried_out((order, &rooms[room]), (start, is_first), first_legs, &mut Sink::default());
+        let is_new = |route: &BedRoute| routes.iter().all(|other| other.1.motion != route.motion);
+        if let Some(route) = route.filter(is_new) {
+            routes.push((room, route));
+        }
+    };
+    let mut routes = vec![(0, fastest)];
+    planned(0, FirstLegs::None, &mut routes);
+    for room in 0..ROOMS.len() {
+        (1..=FIRST_DRAWS).for_each(|seed| planned(room, FirstLegs::Drawn(seed), &mut routes));
+    }
+    let all = |routes: &[(usize, BedRoute)]| (0..routes.len()).collect::<Vec<usize>>();
+    let mut good: Vec<usize> = Vec::new();
+    for route in ranked(order, &routes, all(&routes), FIRST_TRIALS) {
+        if !good.contains(&routes[route].0) && good.len() < GOOD_ROOMS {
+            good.push(routes[route].0);
         }
     }
-    let mut kept: Vec<usize> = (0..routes.len()).collect();
+    for room in good {
+        (FIRST_DRAWS + 1..=DRAWS).for_each(|seed| planned(room, FirstLegs::Drawn(seed), &mut routes));
+    }
+    let mut kept = all(&routes);
     for (trials, most) in ROUNDS {
         kept.truncate(most);
-        let work = MAX_WORK / kept.len().max(1) as u64;
-        let failures = |route: &usize| {
-            let report = simulated(order, &routes[*route].motion, (trials, CHOICE_SEED), work);
-            report.map_or(u64::MAX, |report| (report.trials - report.successes) * trials / report.trials.max(1))
-        };
-        kept.sort_by_cached_key(|route| (failures(route), routes[*route].motion.duration_ns(order), *route));
+        kept = ranked(order, &routes, kept, trials);
     }
-    let best = kept.first().copied().unwrap_or_default();
-    routes.swap_remove(best)
+    routes.swap_remove(kept.first().copied().unwrap_or_default()).1
+}
+
+/// Plans in order of how many of so many trials fail, then by their duration.
+fn ranked(order: &MicrorobotsOrder, routes: &[(usize, BedRoute)], mut kept: Vec<usize>, trials: u64) -> Vec<usize> {
+    let work = MAX_WORK / kept.len().max(1) as u64;
+    let failures = |route: &usize| {
+        let report = simulated(order, &routes[*route].1.motion, (trials, CHOICE_SEED), work);
+        report.map_or(u64::MAX, |report| (report.trials - report.successes) * trials / report.trials.max(1))
+    };
+    kept.sort_by_cached_key(|route| (failures(route), routes[*route].1.motion.duration_ns(order), *route));
+    kept
 }
 
 /// The share of simulated trials of a plan that fail, with a remark on it, and a warning where most fail; `None` if nothing is assembled,
@@ -116,13 +151,14 @@ fn assembles(order: &MicrorobotsOrder) -> bool {
 }
 
 /// The same order with larger clearances: what keeps these keeps the order's own.
-fn widened(order: &MicrorobotsOrder, shares: [f64; 2]) -> MicrorobotsOrder {
+fn widened(order: &MicrorobotsOrder, shares: [f64; 3]) -> MicrorobotsOrder {
     let radii_um = (0..order.robots.len()).map(|robot| order.robot(robot).turning_radius_um);
     let radius_um = radii_um.fold(0.0, f64::max);
     let mut wider = order.clone();
     let facts = Arc::make_mut(&mut wider.facts);
     facts.clearance_um += shares[0] * radius_um;
     facts.orbit_clearance_um += shares[1] * radius_um;
+    facts.fine.length_um *= shares[2];
     wider
 }
 

@@ -1,11 +1,14 @@
 //! The steps of a job of microrobots, planned one after the other from the current poses.
 //!
 //! After each step every robot is where the strokes have carried it, so a step without a plan leaves the later ones without a
-//! start: the job ends there. Steps may begin with first legs that move the whole bed (`departure`); the best by the objective is kept.
+//! start: the job ends there. Steps may begin with first legs that move the whole bed (`departure`, `gathering`); the best by the objective is
+//! kept.
 
 use super::assembly::{self, Assembled, StuckAssembly};
 use super::departure::{Departure, Departures};
 use super::drive::{self, Drive};
+use super::free;
+use super::gathering::Gathering;
 use super::why::BedReasons;
 use super::world::{BedPoses, FirstMeeting, World};
 use super::{AssemblyStage, Crew, Leg, MicrorobotsMotion, MicrorobotsStepMotion, legs_ns};
@@ -14,6 +17,7 @@ use crate::device::microrobots::{Arm, MicrorobotsObjective};
 use crate::diagnostic::Sink;
 use crate::geometry::Pose;
 use crate::plan::search::SearchBudget;
+use crate::random::SplitMix64;
 
 /// The motion of a whole job, and the state of the robots after it.
 pub struct BedRoute {
@@ -28,13 +32,14 @@ pub enum FirstLegs {
     Best,
     /// None for an assembly, the best for other steps.
     None,
-    /// An assembly begins with the first ones of this seed, other steps with the best.
+    /// An assembly begins with those of one descent of this seed, other steps with the best.
     Drawn(u64),
 }
 
-/// Plans the steps of a job one after the other; without a plan for one of them its error was pushed.
+/// Plans the steps of a job one after the other; without a plan for one of them its error was pushed. `roomy` is the order with the
+/// clearances that an assembly keeps after its first legs, no smaller than the order's own.
 pub fn carried_out(
-    order: &MicrorobotsOrder,
+    (order, roomy): (&MicrorobotsOrder, &MicrorobotsOrder),
     (start, is_first): (&Crew, bool),
     first_legs: FirstLegs,
     sink: &mut Sink,
@@ -44,7 +49,8 @@ pub fn carried_out(
     let mut steps = Vec::with_capacity(order.steps.len());
     let mut is_given = is_first;
     for step in &order.steps {
-        let motion = BedStepPlanner { order, world: &world, bed: &bed, step, is_given, first_legs }.done(sink)?;
+        let motion =
+            BedStepPlanner { order, roomy, world: &world, bed: &bed, step, is_given, first_legs }.done(sink)?;
         is_given &= matches!(step.action, MicrorobotsAction::Wait(_) | MicrorobotsAction::Apply { .. });
         match &motion {
             MicrorobotsStepMotion::Legs { legs, docks, .. } => bed.follow(&world, legs, docks),
@@ -59,6 +65,7 @@ pub fn carried_out(
 /// Planner of one step, from the current state of the bed.
 struct BedStepPlanner<'a> {
     order: &'a MicrorobotsOrder,
+    roomy: &'a MicrorobotsOrder,
     world: &'a World,
     bed: &'a BedPoses,
     step: &'a MicrorobotsStep,
@@ -72,6 +79,14 @@ const MAX_DEPARTURES: usize = 40;
 
 /// Each of them may expand this share of the step's budget.
 const DEPARTURE_SHARE: u64 = 16;
+
+/// The same for a drive's first attempt without first legs, and for each with them; more only where these find nothing.
+const FIRST_SHARE: u64 = 50;
+const DRIVE_SHARE: u64 = 200;
+
+/// Descents to first legs of an assembly, and changes of the best of them that are planned.
+const DESCENTS: u64 = 8;
+const VARIATIONS: usize = 16;
 
 /// Seed of the first legs among which the best is chosen.
 const BEST_SEED: u64 = 1;
@@ -107,16 +122,42 @@ impl<'a> BedStepPlanner<'a> {
     fn driven(&self, robot: usize, stops: &[MicrorobotsStop], sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
         let poses: Vec<Pose> = stops.iter().map(|stop| stop.pose).collect();
         let request = Drive { order: self.order, world: self.world, bed: self.bed, robot, stops: &poses };
-        let direct = drive::drive(&request, SearchBudget::of(self.order.expansions));
-        let (mut best, departures) = match &direct {
+        let direct = drive::drive(&request, self.share(FIRST_SHARE));
+        match &direct {
             Ok(driven) if driven.direct => return Some(plain(driven.legs.clone())),
-            Ok(driven) => (Some(driven.legs.clone()), MAX_DEPARTURES),
-            Err(stuck) if stuck.reason.is_proof() => (None, 0),
-            Err(_) => (None, MAX_DEPARTURES),
-        };
-        for Departure { mut legs, bed } in self.departures(poses.iter().copied(), BEST_SEED).take(departures) {
-            let after = Drive { bed: &bed, ..request };
-            let Ok(driven) = drive::drive(&after, self.departure_budget()) else { continue };
+            Err(stuck) if stuck.reason.is_proof() => {
+                sink.push(self.why().not_driven(robot, stuck, stops));
+                return None;
+            }
+            Ok(_) | Err(_) => {}
+        }
+        let best = direct.ok().map(|driven| driven.legs);
+        let best = self.driven_after_legs(&request, best, self.share(DRIVE_SHARE));
+        if best.is_some() {
+            return best.map(plain);
+        }
+        match drive::drive(&request, self.share(1)) {
+            Ok(driven) => Some(plain(driven.legs)),
+            Err(stuck) => {
+                let found = self.driven_after_legs(&request, None, self.share(DEPARTURE_SHARE));
+                if found.is_none() {
+                    sink.push(self.why().not_driven(robot, &stuck, stops));
+                }
+                found.map(plain)
+            }
+        }
+    }
+
+    /// The best of drives after first legs, and of the given one.
+    fn driven_after_legs(&self, request: &Drive, direct: Option<Vec<Leg>>, budget: SearchBudget) -> Option<Vec<Leg>> {
+        let (robot, stops) = (request.robot, request.stops);
+        let mut best = direct;
+        for Departure { mut legs, bed } in self.departures(stops.iter().copied(), BEST_SEED).take(MAX_DEPARTURES) {
+            if best.as_ref().is_some_and(|best| self.cannot_beat(best, &legs, (robot, bed.poses[robot]), stops)) {
+                continue;
+            }
+            let after = Drive { bed: &bed, ..*request };
+            let Ok(driven) = drive::drive(&after, budget) else { continue };
             // A stop is met at the end of a leg of the drive.
             let (Some(first), false) = (driven.legs.first(), driven.met.contains(&0)) else { continue };
             if let Some(last) = legs.last_mut().filter(|last| last.state == first.state) {
@@ -130,19 +171,32 @@ impl<'a> BedStepPlanner<'a> {
                 best = Some(legs);
             }
         }
-        if let (None, Err(stuck)) = (&best, &direct) {
-            sink.push(self.why().not_driven(robot, stuck, stops));
+        best
+    }
+
+    fn share(&self, parts: u64) -> SearchBudget {
+        SearchBudget::of((self.order.expansions / parts).max(1))
+    }
+
+    /// Whether no drive from a pose through stops, after first legs, is shorter than the best one so far: the shortest paths without
+    /// obstacles take as long.
+    fn cannot_beat(&self, best: &[Leg], legs: &[Leg], (robot, from): (usize, Pose), stops: &[Pose]) -> bool {
+        let facts = self.order.robot(robot);
+        let ways = std::iter::once(&from).chain(stops).zip(stops);
+        let way_um: f64 = ways.map(|(from, to)| free::distance_um(facts, *from, *to)).sum();
+        let driven: u64 = legs.iter().map(|leg| leg.strokes).sum();
+        let strokes = |legs: &[Leg]| legs.iter().map(|leg| leg.strokes).sum::<u64>();
+        match self.order.objective {
+            MicrorobotsObjective::Time | MicrorobotsObjective::Failures => {
+                driven + (way_um / facts.step_um) as u64 >= strokes(best)
+            }
+            MicrorobotsObjective::Switches => legs.len() >= best.len(),
         }
-        best.map(plain)
     }
 
     /// First legs for a step with these goals.
     fn departures(&self, goals: impl Iterator<Item = Pose>, seed: u64) -> Departures<'_> {
         Departures::new(self.order, (self.world, self.bed), goals, seed)
-    }
-
-    fn departure_budget(&self) -> SearchBudget {
-        SearchBudget::of((self.order.expansions / DEPARTURE_SHARE).max(1))
     }
 
     /// What the legs of a step cost: by the objective, then by the other figure.
@@ -156,23 +210,18 @@ impl<'a> BedStepPlanner<'a> {
     }
 
     fn assembled(&self, docks: &[Dock], sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
-        let goals = || docks.iter().map(|dock| dock.goal.pose);
+        let gathering = Gathering::new((self.order, self.roomy), (self.world, self.bed), docks);
         if let FirstLegs::Drawn(seed) = self.first_legs {
-            return self.departures(goals(), seed).take(1).find_map(|departure| self.after(departure, docks));
+            return gathering.and_then(|gathering| self.after(gathering.descend(seed)?, docks));
         }
         let budget = SearchBudget::of(self.order.expansions);
-        let direct = self.assembly(self.bed, docks, (budget, assembly::MAX_PLANS));
-        let mut best = direct.as_ref().ok().cloned();
+        let direct = self.assembly((self.bed, None), docks, (budget, assembly::MAX_PLANS));
         // Neither arms nor goals change with the robots' places.
         let is_in_vain =
             matches!(direct, Err(NoAssembly::Stuck(StuckAssembly::Unsteerable { .. } | StuckAssembly::Apart { .. })));
-        let departures = if is_in_vain || self.first_legs == FirstLegs::None { 0 } else { MAX_DEPARTURES };
-        for departure in self.departures(goals(), BEST_SEED).take(departures) {
-            let is_late = best.as_ref().is_some_and(|best| self.cost(best.legs()) <= self.cost(&departure.legs));
-            let Some(found) = (!is_late).then(|| self.after(departure, docks)).flatten() else { continue };
-            if best.as_ref().is_none_or(|best| self.cost(found.legs()) < self.cost(best.legs())) {
-                best = Some(found);
-            }
+        let mut best = direct.as_ref().ok().cloned();
+        if !is_in_vain && self.first_legs != FirstLegs::None {
+            best = self.gathered(gathering.as_ref(), docks, best);
         }
         if let (None, Err(none)) = (&best, &direct) {
             let goal = |robot: usize| docks.iter().find(|dock| dock.robot == robot).map(|dock| dock.goal.span);
@@ -185,11 +234,47 @@ impl<'a> BedStepPlanner<'a> {
         best
     }
 
-    /// The assembly after first legs; `None` also where its first state is that of the last of them.
+    /// The best of assemblies after first legs, and of the given one.
+    fn gathered(
+        &self,
+        gathering: Option<&Gathering>,
+        docks: &[Dock],
+        direct: Option<MicrorobotsStepMotion>,
+    ) -> Option<MicrorobotsStepMotion> {
+        let (mut best, mut best_legs) = (direct, None);
+        let improve =
+            |departure: Departure, best: &mut Option<MicrorobotsStepMotion>, best_legs: &mut Option<Departure>| {
+                let is_late = best.as_ref().is_some_and(|best| self.cost(best.legs()) <= self.cost(&departure.legs));
+                let Some(found) = (!is_late).then(|| self.after(departure.clone(), docks)).flatten() else { return };
+                if best.as_ref().is_none_or(|best| self.cost(found.legs()) < self.cost(best.legs())) {
+                    (*best, *best_legs) = (Some(found), Some(departure));
+                }
+            };
+        for seed in 1..=DESCENTS {
+            if let Some(departure) = gathering.and_then(|gathering| gathering.descend(seed)) {
+                improve(departure, &mut best, &mut best_legs);
+            }
+        }
+        let mut random = SplitMix64::new(BEST_SEED);
+        for _ in 0..VARIATIONS {
+            let varied =
+                gathering.zip(best_legs.as_ref()).and_then(|(gathering, legs)| gathering.varied(legs, &mut random));
+            if let Some(departure) = varied {
+                improve(departure, &mut best, &mut best_legs);
+            }
+        }
+        if best.is_none() {
+            let goals = docks.iter().map(|dock| dock.goal.pose);
+            best = self.departures(goals, BEST_SEED).take(MAX_DEPARTURES).find_map(|legs| self.after(legs, docks));
+        }
+        best
+    }
+
+    /// The assembly after first legs.
     fn after(&self, Departure { mut legs, bed }: Departure, docks: &[Dock]) -> Option<MicrorobotsStepMotion> {
-        let effort = (self.departure_budget(), assembly::MAX_MORE_PLANS);
+        let effort = (self.share(DEPARTURE_SHARE), assembly::MAX_MORE_PLANS);
         let MicrorobotsStepMotion::Legs { legs: later, docks: mut docking, mut stages } =
-            self.assembly(&bed, docks, effort).ok()?
+            self.assembly((&bed, legs.last().map(|leg| leg.state)), docks, effort).ok()?
         else {
             return None;
         };
@@ -203,14 +288,15 @@ impl<'a> BedStepPlanner<'a> {
         is_free.then_some(MicrorobotsStepMotion::Legs { legs, docks: docking, stages })
     }
 
-    /// An assembly from a state of the bed, of at most so many stages planned.
+    /// An assembly from a state of the bed, after a leg in a control state, of at most so many stages planned.
     fn assembly(
         &self,
-        bed: &BedPoses,
+        (bed, state): (&BedPoses, Option<usize>),
         docks: &[Dock],
         (budget, most_stages): (SearchBudget, usize),
     ) -> Result<MicrorobotsStepMotion, NoAssembly> {
-        let assembled = assembly::assemble(self.order, (&bed.poses, &bed.docked), docks, budget, most_stages);
+        let assembled =
+            assembly::assemble_after(self.roomy, (&bed.poses, &bed.docked, state), docks, budget, most_stages);
         let Assembled { legs, docks, stages, .. } = assembled.map_err(NoAssembly::Stuck)?;
         // The assembly was planned from rest, but a robot may have been turning since the previous step.
         match bed.first_hit(self.world, &legs, &docks) {

@@ -18,6 +18,8 @@ pub struct AssemblyState<'a> {
     pub legs: Vec<Leg>,
     pub docks: Vec<RobotDocking>,
     pub stages: Vec<AssemblyStage>,
+    /// The control state of the last leg before the assembly.
+    before: Option<usize>,
 }
 
 /// A stage's addition to an assembly: its legs, at the end of which these robots dock.
@@ -30,9 +32,9 @@ pub struct StageAddition {
 }
 
 impl<'a> AssemblyState<'a> {
-    pub fn new(order: &'a MicrorobotsOrder, poses: &[Pose], docked: &[bool]) -> Self {
+    pub fn new(order: &'a MicrorobotsOrder, poses: &[Pose], docked: &[bool], before: Option<usize>) -> Self {
         let (poses, docked) = (poses.to_vec(), docked.to_vec());
-        AssemblyState { order, poses, docked, legs: Vec::new(), docks: Vec::new(), stages: Vec::new() }
+        AssemblyState { order, poses, docked, legs: Vec::new(), docks: Vec::new(), stages: Vec::new(), before }
     }
 
     pub fn robot(&self, index: usize) -> &'a Robot {
@@ -102,9 +104,9 @@ impl<'a> AssemblyState<'a> {
         legs_ns(self.order, legs)
     }
 
-    /// The control state of the last leg.
+    /// The control state of the last leg, of the assembly or before it.
     pub fn last_state(&self) -> Option<usize> {
-        self.legs.last().map(|leg| leg.state)
+        self.legs.last().map(|leg| leg.state).or(self.before)
     }
 }
 

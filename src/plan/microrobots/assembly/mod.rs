@@ -93,7 +93,18 @@ pub fn assemble(
     budget: SearchBudget,
     most_stages: usize,
 ) -> Result<Assembled, StuckAssembly> {
-    let bed = AssemblyState::new(order, poses, docked);
+    assemble_after(order, (poses, docked, None), docks, budget, most_stages)
+}
+
+/// The same after a leg in this control state, if any: the assembly's first leg is in another one.
+pub fn assemble_after(
+    order: &MicrorobotsOrder,
+    (poses, docked, state): (&[Pose], &[bool], Option<usize>),
+    docks: &[Dock],
+    budget: SearchBudget,
+    most_stages: usize,
+) -> Result<Assembled, StuckAssembly> {
+    let bed = AssemblyState::new(order, poses, docked, state);
     let orders = Orders { docks };
     if let Some(stuck) = orders.dead_end(&bed) {
         return Err(stuck);

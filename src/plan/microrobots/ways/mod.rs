@@ -53,6 +53,9 @@ struct WaySearch {
 /// States whose headings differ by less than this coincide.
 const SAME_HEADING_RAD: f64 = TAU / 90.0;
 
+/// Pairs of corners that are examined for one step of the budget.
+const EDGES_A_STEP: u64 = 16;
+
 /// Most states of one search, open or closed.
 const MAX_STATES: usize = 2_000_000;
 
@@ -102,6 +105,11 @@ impl<'a> DriveTask<'a> {
         let mut corners = OrderedCorners::around(self);
         for stage in STAGES {
             let corners = corners.first(self, stage.corners);
+            let edges = (corners.len() * corners.len()) as u64 / EDGES_A_STEP;
+            if meter.left().steps <= edges {
+                return Err(NoWay::GaveUp(blocked));
+            }
+            meter.charge(edges);
             if let Some(way) = CornerSearch::new(self, corners, stage).run(meter, blocked)? {
                 let way = shorten::shortened(self, way);
                 return Ok(FreeWay { length_um: free::length_um(&way), way, bound_um });

@@ -1,0 +1,231 @@
+//! Estimate of an assembly from given poses: the strokes of its stages one after the other, and strokes for too little room.
+//!
+//! Each robot makes its way from its turning circle straight to that of its approach; a robot that has waited begins with half a circle
+//! in the mean. Room is lacking where the disc of a waiting robot, an obstacle or the way of a steered robot are too near to each other. A
+//! strip as wide as the steered robot's orbit disc is wanted clear along its way, since a robot with errors drives circles there;
+//! a strip as wide as its body must be. No claim rests on the estimate: plans are checked against the collision rules.
+
+use crate::claims::microrobots::{Dock, MicrorobotsOrder};
+use crate::device::microrobots::{Arm, Robot};
+use crate::geometry::Pose;
+use crate::geometry::distance::{point_segment, segment_core};
+use crate::plan::microrobots::fine::Cycles;
+use crate::plan::microrobots::free::turn_rad;
+use crate::plan::microrobots::world::{BedPoses, World};
+use crate::real::Real;
+use nalgebra::Point2;
+use std::f64::consts::PI;
+
+/// Room that is wanted beside the strip of a steered robot, as a share of its turning radius.
+const WANTED_SHARE: f64 = 0.3;
+
+/// Path that a micrometre of lacking room is worth: where it is wanted, and where it must be.
+const WANTED: f64 = 2.0;
+const REQUIRED: f64 = 20.0;
+
+/// Most micrometres of lacking room that count in one place.
+const MOST_LACKING_UM: f64 = 600.0;
+
+/// A point or the middle of a turn.
+type Point = [f64; 2];
+
+/// Estimate for the robots and goals of one assembly.
+pub struct AssemblyEstimate {
+    robots: Vec<Robot>,
+    /// Radius of each robot's orbit disc.
+    reach_um: Vec<f64>,
+    /// In order of docking; the first two together if `has_pair`.
+    seats: Vec<Seat>,
+    has_pair: bool,
+    /// Robots that are neither docked nor to dock, and go round all the time.
+    idle: Vec<usize>,
+    world: World,
+    /// Outline axes and half widths of docked bodies.
+    rests: Vec<([Point2<f64>; 2], f64)>,
+    orbit_keep_um: f64,
+    keep_um: f64,
+}
+
+/// A robot's place in the structure.
+#[derive(Debug, Clone)]
+pub struct Seat {
+    pub robot: usize,
+    /// Pose at the start of its fine motion, and the middle of its turn there.
+    approach: Pose,
+    centre_um: Point,
+    /// The axis of its body from the approach to the goal.
+    lane: [Point2<f64>; 2],
+    /// The axis of its body at the goal.
+    axis: [Point2<f64>; 2],
+}
+
+impl AssemblyEstimate {
+    /// `None` if no robot is left to dock.
+    pub fn new(order: &MicrorobotsOrder, world: &World, bed: &BedPoses, docks: &[Dock]) -> Option<Self> {
+        let downs =
+            |robot: usize| (0..world.state_count()).filter(|state| world.arm(*state, robot) == Arm::Down).count();
+        let mut open: Vec<&Dock> = docks.iter().filter(|dock| !bed.docked[dock.robot]).collect();
+        open.sort_by_key(|dock| downs(dock.robot));
+        let has_pair = !bed.docked.contains(&true) && open.len() >= 2;
+        let seats: Vec<Seat> =
+            open.iter().enumerate().map(|(at, dock)| seat(order, &open, at, has_pair && at < 2, dock)).collect();
+        let is_idle = |robot: &usize| !bed.docked[*robot] && open.iter().all(|dock| dock.robot != *robot);
+        let robots: Vec<Robot> = (0..world.count()).map(|robot| order.robot(robot).clone()).collect();
+        let rests = (0..world.count()).filter(|robot| bed.docked[*robot]);
+        let rests = rests.map(|robot| (axis(&robots[robot], bed.poses[robot]), robots[robot].width_um / 2.0)).collect();
+        (!seats.is_empty()).then(|| AssemblyEstimate {
+            reach_um: robots.iter().map(Robot::orbit_reach_um).collect(),
+            robots,
+            seats,
+            has_pair,
+            idle: (0..world.count()).filter(is_idle).collect(),
+            world: world.clone(),
+            rests,
+            orbit_keep_um: order.facts.orbit_clearance_um,
+            keep_um: order.facts.clearance_um,
+        })
+    }
+
+    /// Strokes of the assembly from these poses, with those for lacking room.
+    pub fn strokes(&self, poses: &[Pose]) -> f64 {
+        let centres: Vec<Point> =
+            self.robots.iter().zip(poses).map(|(robot, pose)| robot.orbit_centre_um(*pose)).collect();
+        let singles = if self.has_pair { 2 } else { 0 };
+        let mut strokes = if self.has_pair { self.pair(poses, &centres) } else { 0.0 };
+        for at in singles..self.seats.len() {
+            let seat = &self.seats[at];
+            strokes += self.single(seat, centres[seat.robot]);
+            strokes += self.lacking(at + 1, seat, &[centres[seat.robot], seat.centre_um], &centres, at);
+        }
+        strokes + self.orbits(&centres)
+    }
+
+    fn stroke_um(&self, robot: usize) -> f64 {
+        self.robots[robot].step_um
+    }
+
+    /// Way from a circle to that of the approach, and the turn there.
+    fn way_um(&self, seat: &Seat, centre_um: Point) -> f64 {
+        let [dx, dy] = [0, 1].map(|axis| seat.centre_um[axis] - centre_um[axis]);
+        let robot = &self.robots[seat.robot];
+        let turn_rad = turn_rad(robot, dy.arc_tangent_over(dx), seat.approach.heading_rad);
+        dx.hypotenuse(dy) + robot.turning_radius_um * turn_rad
+    }
+
+    fn single(&self, seat: &Seat, centre_um: Point) -> f64 {
+        let half_um = PI * self.robots[seat.robot].turning_radius_um;
+        (half_um + self.way_um(seat, centre_um)) / self.stroke_um(seat.robot)
+    }
+
+    /// The first robot's way to where it waits for the second one's way, and that way.
+    fn pair(&self, poses: &[Pose], centres: &[Point]) -> f64 {
+        let [first, second] = [&self.seats[0], &self.seats[1]];
+        let robots = [first, second].map(|seat| &self.robots[seat.robot]);
+        let half = PI * robots[1].turning_radius_um / robots[1].step_um;
+        let later = self.way_um(second, centres[second.robot]) / robots[1].step_um;
+        let back_um = later * robots[0].step_um;
+        let (sin, cos) = first.approach.heading_rad.sine_cosine();
+        let turn_um = [first.centre_um[0] - back_um * cos, first.centre_um[1] - back_um * sin];
+        let halt = Seat { centre_um: turn_um, ..first.clone() };
+        let pose = poses[first.robot];
+        let here_um = centres[first.robot];
+        let aim_rad = (turn_um[1] - here_um[1]).arc_tangent_over(turn_um[0] - here_um[0]);
+        let begin_um = robots[0].turning_radius_um * turn_rad(robots[0], pose.heading_rad, aim_rad);
+        let before = (begin_um + self.way_um(&halt, here_um)) / robots[0].step_um;
+        let to_line = [here_um, turn_um];
+        let line = [turn_um, first.centre_um];
+        let mut lacking = self.lacking(2, first, &to_line, centres, 0) + self.lacking(2, first, &line, centres, 0);
+        lacking += self.beside(first, &to_line, (second.robot, centres[second.robot]));
+        lacking += self.lacking(2, second, &[centres[second.robot], second.centre_um], centres, 0);
+        before + later + half + lacking
+    }
+
+    /// Strokes for lacking room along a steered robot's way, while those that dock later and the idle ones wait; `docked` seats are
+    /// taken.
+    fn lacking(&self, later: usize, seat: &Seat, way: &[Point; 2], centres: &[Point], docked: usize) -> f64 {
+        let waiting = self.seats[later..].iter().map(|seat| seat.robot).chain(self.idle.iter().copied());
+        let mut strokes: f64 = waiting.map(|robot| self.beside(seat, way, (robot, centres[robot]))).sum();
+        let [reach_um, half_um] = [self.reach_um[seat.robot], self.robots[seat.robot].width_um / 2.0];
+        let line = way.map(|[x, y]| Point2::new(x, y));
+        for body in self.world.obstacles() {
+            let gap_um = segment_core(line, &body.core) - body.radius_um - self.keep_um;
+            strokes += self.charge(seat.robot, gap_um - reach_um, WANTED)
+                + self.charge(seat.robot, gap_um - half_um, REQUIRED);
+        }
+        let taken = self.seats[..docked].iter().map(|seat| (seat.axis, self.robots[seat.robot].width_um / 2.0));
+        for (axis, wide_um) in self.rests.iter().copied().chain(taken) {
+            let gap_um = apart_um(line, axis) - wide_um - self.keep_um;
+            strokes += self.charge(seat.robot, gap_um - reach_um, WANTED);
+        }
+        strokes
+    }
+
+    /// The same for one waiting robot: beside the way, and beside the last stretch before the goal.
+    fn beside(&self, seat: &Seat, way: &[Point; 2], (robot, [x, y]): (usize, Point)) -> f64 {
+        let (at, disc_um) = (Point2::new(x, y), self.reach_um[robot] + self.orbit_keep_um);
+        let [reach_um, half_um] = [self.reach_um[seat.robot], self.robots[seat.robot].width_um / 2.0];
+        let gap_um = point_segment(at, way.map(|[x, y]| Point2::new(x, y))) - disc_um;
+        let lane_um = point_segment(at, seat.lane) - disc_um - half_um;
+        let wanted_um = gap_um - reach_um - WANTED_SHARE * self.robots[seat.robot].turning_radius_um;
+        self.charge(seat.robot, wanted_um, WANTED)
+            + self.charge(seat.robot, gap_um.min(lane_um + half_um) - half_um, REQUIRED)
+    }
+
+    /// Strokes for a gap below 0.
+    fn charge(&self, robot: usize, gap_um: f64, weight: f64) -> f64 {
+        (-gap_um).clamp(0.0, MOST_LACKING_UM) * weight / self.stroke_um(robot)
+    }
+
+    /// Strokes for orbits of waiting robots that are too near to each other, to obstacles and to docked bodies.
+    fn orbits(&self, centres: &[Point]) -> f64 {
+        let waits = |seat: &Seat| seat.robot;
+        let first = usize::from(self.has_pair);
+        let waiting: Vec<usize> = self.seats[first..].iter().map(waits).chain(self.idle.iter().copied()).collect();
+        let mut strokes = 0.0;
+        for (index, &robot) in waiting.iter().enumerate() {
+            let at = Point2::new(centres[robot][0], centres[robot][1]);
+            let disc_um = self.reach_um[robot] + self.orbit_keep_um;
+            for body in self.world.obstacles() {
+                let gap_um = segment_core([at; 2], &body.core) - body.radius_um - disc_um;
+                strokes += self.charge(robot, gap_um, REQUIRED);
+            }
+            for (axis, wide_um) in &self.rests {
+                strokes += self.charge(robot, point_segment(at, *axis) - wide_um - disc_um, REQUIRED);
+            }
+            for &other in &waiting[index + 1..] {
+                let [dx, dy] = [0, 1].map(|axis| centres[robot][axis] - centres[other][axis]);
+                strokes += self.charge(robot, dx.hypotenuse(dy) - disc_um - self.reach_um[other], REQUIRED);
+            }
+        }
+        strokes
+    }
+}
+
+/// The seat of the dock at this place of the order.
+fn seat(order: &MicrorobotsOrder, open: &[&Dock], at: usize, is_paired: bool, dock: &Dock) -> Seat {
+    let (robot, goal, fine) = (order.robot(dock.robot), dock.goal.pose, &order.facts.fine);
+    let approach = if is_paired {
+        let cycles = Cycles::<3>::symmetric(fine, &[0, 1].map(|at| order.robot(open[at].robot).step_um));
+        let arms = if at == 0 { [Arm::Down, Arm::Up, Arm::Up] } else { [Arm::Down, Arm::Down, Arm::Up] };
+        cycles.backward(robot, arms, goal)
+    } else {
+        Cycles::<2>::symmetric(fine, &[robot.step_um]).backward(robot, [Arm::Down, Arm::Up], goal)
+    };
+    let axis = axis(robot, goal);
+    let [back, _] = self::axis(robot, approach);
+    let lane = [back, axis[1]];
+    Seat { robot: dock.robot, approach, centre_um: robot.orbit_centre_um(approach), lane, axis }
+}
+
+/// The axis of a body, from its back to its front.
+fn axis(robot: &Robot, pose: Pose) -> [Point2<f64>; 2] {
+    let (sin, cos) = pose.heading_rad.sine_cosine();
+    let half_um = robot.length_um / 2.0;
+    [-half_um, half_um].map(|way_um| Point2::new(pose.x_um + way_um * cos, pose.y_um + way_um * sin))
+}
+
+/// Distance between two segments that do not cross; less than half of a crossing one's length otherwise.
+fn apart_um(one: [Point2<f64>; 2], other: [Point2<f64>; 2]) -> f64 {
+    let to = |points: [Point2<f64>; 2], segment| points.map(|point| point_segment(point, segment));
+    to(one, other).into_iter().chain(to(other, one)).fold(f64::INFINITY, f64::min)
+}

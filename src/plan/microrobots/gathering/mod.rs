@@ -1,0 +1,189 @@
+//! First legs of an assembly: the whole bed moves, so that every robot begins near its place, and waits where it is in nobody's way.
+//!
+//! The problem: every robot moves with every stroke. After the first legs robots are steered one after the other while the rest go round
+//! where they are; whatever way all of them make at the same time before is saved, and where they then wait decides whether others get
+//! by. Method: descents over short sequences of control states and strokes, each from another beginning and with its own random numbers;
+//! a change is kept if it improves the estimate of the whole assembly ([`estimate`]) and the legs meet nothing. Guaranteed: the legs keep
+//! the collision rules, neighbours have different states, and the same request gives the same legs. Not guaranteed: that the estimate is
+//! met, or that an assembly is found after them. Cost: `ROUNDS` estimates for each descent.
+
+mod estimate;
+
+use super::departure::Departure;
+use super::world::{BedPoses, World};
+use super::{Leg, RobotDocking};
+use crate::claims::microrobots::{Dock, MicrorobotsOrder};
+use crate::geometry::Pose;
+use crate::random::SplitMix64;
+use estimate::AssemblyEstimate;
+
+/// Most legs.
+const MAX_LEGS: usize = 14;
+
+/// Changes tried in one descent.
+const ROUNDS: usize = 16_000;
+
+/// Most legs with which a descent begins; the first descent begins with none.
+const FIRST_LEGS: usize = 4;
+
+/// Path by which a change may make the estimate worse, at most and at the beginning.
+const HEAT_UM: f64 = 400.0;
+
+/// Largest change of a leg, in micrometres, the factor from one scale to the next, and the number of scales.
+const CHANGE_UM: f64 = 1_600.0;
+const SCALE_SHARE: f64 = 0.3;
+const SCALES: usize = 4;
+
+/// Legs with fewer strokes are left out, in micrometres.
+const SHORTEST_UM: f64 = 2.0;
+
+/// Search for first legs.
+pub struct Gathering<'a> {
+    order: &'a MicrorobotsOrder,
+    world: &'a World,
+    bed: &'a BedPoses,
+    estimate: AssemblyEstimate,
+    /// Control states that keep the arms of docked robots up.
+    states: Vec<usize>,
+    /// Path of the fastest robot in one stroke.
+    step_um: f64,
+}
+
+/// Legs under construction, and what the assembly costs after them, in strokes.
+#[derive(Debug, Clone)]
+struct Draft {
+    legs: Vec<Leg>,
+    cost: f64,
+}
+
+impl<'a> Gathering<'a> {
+    /// A search for robots with these goals; `roomy` is the order with the clearances that the assembly after the first legs is to keep.
+    /// `None` if there is nothing to move.
+    pub fn new(
+        (order, roomy): (&'a MicrorobotsOrder, &MicrorobotsOrder),
+        (world, bed): (&'a World, &'a BedPoses),
+        docks: &[Dock],
+    ) -> Option<Gathering<'a>> {
+        let states: Vec<usize> = (0..world.state_count()).filter(|state| world.spares(*state, &bed.docked)).collect();
+        let moving = (0..world.count()).filter(|robot| !bed.docked[*robot]);
+        let step_um = moving.map(|robot| order.robot(robot).step_um).fold(0.0, f64::max);
+        let estimate = AssemblyEstimate::new(roomy, world, bed, docks)?;
+        (step_um > 0.0 && !states.is_empty()).then_some(Gathering { order, world, bed, estimate, states, step_um })
+    }
+
+    /// The first legs of one descent; `None` if none are better than others.
+    pub fn descend(&self, seed: u64) -> Option<Departure> {
+        let mut random = SplitMix64::stream(seed, self.states.len() as u64);
+        let mut now = self.beginning(seed, &mut random);
+        let mut best = now.clone();
+        for round in 0..ROUNDS {
+            let mut legs = now.legs.clone();
+            for _ in 0..=random.below(2) {
+                self.change(&mut legs, &mut random);
+            }
+            tidy(&mut legs, (SHORTEST_UM / self.step_um) as u64);
+            let cost = self.cost(&legs);
+            let cooled = 1.0 - round as f64 / ROUNDS as f64;
+            let allowed = HEAT_UM / self.step_um * cooled * cooled * random.unit();
+            if cost < now.cost + allowed && legs.len() <= MAX_LEGS && self.is_free(&legs) {
+                now = Draft { legs, cost };
+                if now.cost < best.cost {
+                    best = now.clone();
+                }
+            }
+        }
+        self.departure(best.legs)
+    }
+
+    /// First legs like these, changed a little.
+    pub fn varied(&self, departure: &Departure, random: &mut SplitMix64) -> Option<Departure> {
+        let mut legs = departure.legs.clone();
+        self.change(&mut legs, random);
+        tidy(&mut legs, (SHORTEST_UM / self.step_um) as u64);
+        let is_new = legs != departure.legs && self.is_free(&legs);
+        is_new.then(|| self.departure(legs)).flatten()
+    }
+
+    fn departure(&self, legs: Vec<Leg>) -> Option<Departure> {
+        let mut bed = self.bed.clone();
+        bed.follow(self.world, &legs, &NO_DOCKS);
+        (!legs.is_empty()).then_some(Departure { legs, bed })
+    }
+
+    fn beginning(&self, seed: u64, random: &mut SplitMix64) -> Draft {
+        let mut legs = Vec::new();
+        if seed % 4 != 1 {
+            for _ in 0..=random.below(FIRST_LEGS) {
+                legs.push(self.leg(random));
+            }
+            tidy(&mut legs, 1);
+            if !self.is_free(&legs) {
+                legs.clear();
+            }
+        }
+        let cost = self.cost(&legs);
+        Draft { legs, cost }
+    }
+
+    fn leg(&self, random: &mut SplitMix64) -> Leg {
+        let state = self.states[random.below(self.states.len())];
+        let way_um = CHANGE_UM * random.unit() * random.unit();
+        Leg { state, strokes: (way_um / self.step_um) as u64 + 1 }
+    }
+
+    /// One random change.
+    fn change(&self, legs: &mut Vec<Leg>, random: &mut SplitMix64) {
+        if legs.is_empty() {
+            return legs.push(self.leg(random));
+        }
+        let at = random.below(legs.len());
+        match random.below(8) {
+            0 | 1 => legs.insert(random.below(legs.len() + 1), self.leg(random)),
+            2 => {
+                legs.remove(at);
+            }
+            3 => legs[at].state = self.states[random.below(self.states.len())],
+            4 => {
+                let (other, strokes) = (random.below(legs.len()), self.some_strokes(random));
+                let moved = strokes.clamp(-(legs[at].strokes as i64), legs[other].strokes as i64);
+                legs[at].strokes = legs[at].strokes.saturating_add_signed(moved);
+                legs[other].strokes = legs[other].strokes.saturating_add_signed(-moved);
+            }
+            _ => legs[at].strokes = legs[at].strokes.saturating_add_signed(self.some_strokes(random)),
+        }
+    }
+
+    /// A number of strokes of either sign, on one of several scales.
+    fn some_strokes(&self, random: &mut SplitMix64) -> i64 {
+        let scale = (0..random.below(SCALES)).fold(1.0, |scale, _| scale * SCALE_SHARE);
+        (random.signed_unit() * scale * CHANGE_UM / self.step_um) as i64
+    }
+
+    fn is_free(&self, legs: &[Leg]) -> bool {
+        self.bed.first_hit(self.world, legs, &NO_DOCKS).is_none()
+    }
+
+    /// Strokes, and control cycles as strokes, of the legs and of the estimate after them.
+    fn cost(&self, legs: &[Leg]) -> f64 {
+        let mut poses: Vec<Pose> = self.bed.poses.clone();
+        legs.iter().for_each(|leg| self.world.advance(&mut poses, &self.bed.docked, *leg));
+        let facts = &self.order.facts;
+        let cycle = |leg: &Leg| self.order.states[leg.state].levels_v.len() as f64 * facts.dwell_ns as f64;
+        let driven: f64 = legs.iter().map(|leg| leg.strokes as f64 + cycle(leg) / facts.period_ns as f64).sum();
+        driven + self.estimate.strokes(&poses)
+    }
+}
+
+const NO_DOCKS: [RobotDocking; 0] = [];
+
+/// Leaves out short legs and joins neighbours of the same state.
+fn tidy(legs: &mut Vec<Leg>, least: u64) {
+    legs.retain(|leg| leg.strokes >= least.max(1));
+    legs.dedup_by(|later, earlier| {
+        let is_same = later.state == earlier.state;
+        if is_same {
+            earlier.strokes = earlier.strokes.saturating_add(later.strokes);
+        }
+        is_same
+    });
+}
