@@ -81,7 +81,7 @@ fn says(text: &str, parts: &[&str]) {
 #[test]
 fn help_teaches() {
     let bench = Bench::new();
-    let commands = ["check", "build", "verify", "explain", "fmt", "simulate", "devices", "completions"];
+    let commands = ["check", "build", "verify", "explain", "fmt", "simulate", "control", "devices", "completions"];
     let top = out(&bench.run(&["--help"]).code(DONE));
     says(&top, &commands);
     says(&top, &["Exit status: 0 done; 1 the program has errors; 2 wrong usage; 3", "tweeze build FILE.twz"]);
@@ -525,7 +525,7 @@ fn a_simulation_is_the_same_for_the_same_seed() {
         out(&bench.run(&["simulate", &four, "--trials", "100", "--seed", seed]).code(DONE))
     };
     let told = simulated("7");
-    says(&told, &["of 100 trials succeeded", "95 % confidence (seed 7)", "D1", "incidence"]);
+    says(&told, &["of 100 trials succeeded", "95 % confidence (seed 7)", "area of the goal", "D1", "incidence"]);
     assert_eq!(told, simulated("7"));
     assert_ne!(told, simulated("8"));
     let fetch = example("dimibot_fetch.twz");

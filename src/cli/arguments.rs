@@ -1,5 +1,6 @@
 //! Command-line arguments.
 
+use super::control::Address;
 use crate::emit::Format;
 use crate::quantity::{Dimension, Unit};
 use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser, builder::TypedValueParser};
@@ -16,7 +17,7 @@ pub struct Invocation {
 
 const EXIT_STATUS: &str = "\
 Exit status: 0 done; 1 the program has errors; 2 wrong usage; 3 verification refused a schedule; 4 a file \
-could not be read or written; 5 tweeze itself failed, which is a bug.
+could not be read or written; 5 tweeze itself failed, which is a bug; 6 a task was given up while it was controlled.
 
 Begin with `tweeze build FILE.twz`; `tweeze devices` lists what can be programmed.";
 
@@ -48,6 +49,15 @@ pub enum Command {
     /// Simulate the assemblies of a program with imperfect robots and measurements, and count the outcomes
     #[command(after_help = "Example: tweeze simulate assemble.twz --trials 1000 --seed 7")]
     Simulate(SimulateArguments),
+    /// Control a task on a bed of microrobots: read measured poses as lines, answer each with the next drive segments
+    #[command(after_help = "Examples:\n  camera | tweeze control assemble.twz --record run.mcap | source\n  \
+                      tweeze control assemble.twz --listen 127.0.0.1:7000\n  \
+                      tweeze control assemble.twz --listen unix:/tmp/bed.sock\n\n\
+                      A line of input: {\"t_ns\": 0, \"robots\": {\"D1\": {\"x_um\": 1.5, \"y_um\": 2, \"heading_deg\": 90}}}\n\
+                      A line of output: {\"command\": \"drive\", \"until_ns\": ..., \"segments\": [...], ...}\n\n\
+                      The protocol is described in docs/control.md and schema/control.schema.json. Exit status: 0 the \
+                      task is done; 6 it was given up, for the reason in the last line.")]
+    Control(ControlArguments),
     /// List the device kinds, the vocabulary of one of them, or the devices of a program with all derived figures
     #[command(after_help = "Examples:\n  tweeze devices dimibot\n  tweeze devices assemble.twz\n  \
                       tweeze devices --suggest microrobots --robots 6 --margin 4V --max 200V")]
@@ -236,6 +246,25 @@ pub struct SimulateArguments {
     pub report: ReportArguments,
 }
 
+#[derive(Debug, Args)]
+pub struct ControlArguments {
+    /// The program
+    pub file: PathBuf,
+    /// Control this task; needed if the program has several
+    #[arg(long, value_name = "NAME")]
+    pub task: Option<String>,
+    /// Wait for one connection at this address of this machine instead of using standard input and output
+    #[arg(long, value_name = "HOST:PORT|unix:PATH", value_parser = Address::parse)]
+    pub listen: Option<Address>,
+    /// Record all lines in a new MCAP file
+    #[arg(long, value_name = "FILE.mcap")]
+    pub record: Option<PathBuf>,
+    #[command(flatten)]
+    pub settings: Settings,
+    #[command(flatten)]
+    pub report: ReportArguments,
+}
+
 /// Greatest number of trials in one simulation.
 const MAX_TRIALS: i64 = 1_000_000;
 
@@ -253,7 +282,7 @@ pub struct Settings {
 
 #[derive(Debug, Args)]
 pub struct ReportArguments {
-    /// Format of diagnostics on standard error; with `json`, the report of a build or a verification is JSON too
+    /// Format of diagnostics on standard error; with `json`, the report of a build, a verification or a simulation is JSON too
     #[arg(long, value_enum, default_value = "human")]
     pub format: ReportFormat,
 }

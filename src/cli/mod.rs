@@ -10,15 +10,16 @@ mod explain;
 mod fmt;
 mod library;
 mod loaded;
+mod microrobots;
 mod report;
 mod signals;
-mod simulate;
 mod terminal;
 mod verify;
 mod waiting;
 
 use arguments::{Command, Invocation};
 use clap::{CommandFactory, Parser};
+use microrobots::{control, simulate};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -36,6 +37,8 @@ pub enum Exit {
     Files = 4,
     /// Tweeze itself failed.
     Fault = 5,
+    /// A task was given up while it was controlled.
+    Stopped = 6,
 }
 
 /// Stack of the working thread, in bytes: several times the need of the deepest nesting that is accepted.
@@ -71,6 +74,7 @@ fn dispatch(command: Command) -> Exit {
         Command::Explain(arguments) => explain::run(&arguments),
         Command::Fmt(arguments) => fmt::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Control(arguments) => control::run(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),
         Command::Completions(arguments) => {
             let mut script = Vec::new();

@@ -4,8 +4,9 @@
 //! whatever the number of threads. Only microrobots state their errors so far.
 
 use crate::plan::Motion;
-use crate::plan::microrobots::simulation;
-pub use simulation::{Dockings, FailureReason, Failures, SimulationReport, Spread};
+use crate::plan::microrobots::{control, simulation};
+pub use control::ControlPhase;
+pub use simulation::{Dockings, FailureReason, Failures, ShareSpread, SimulationReport, Spread};
 
 /// Report on `trials` trials of a plan; `None` if the kind or the device has no error bounds, or nothing is assembled.
 pub fn simulate(motion: &Motion, trials: u64, seed: u64, threads: usize) -> Option<SimulationReport> {

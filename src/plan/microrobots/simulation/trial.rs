@@ -1,9 +1,13 @@
 //! One trial: true poses of the robots, their measurements, and the time.
 
+use super::area::AreaMatch;
+use super::contact::NextDocking;
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Errors};
 use crate::geometry::Pose;
-use crate::plan::microrobots::strategy::{BodyCorners, Driver, Episode, StrategySolid, bent, body};
+use crate::plan::microrobots::AssemblyStage;
+use crate::plan::microrobots::control::{ControlPhase, Segment, Stop, StopReason};
+use crate::plan::microrobots::strategy::{BodyCorners, StrategySolid, bent, body};
 use crate::random::SplitMix64;
 use crate::real::Real;
 use nalgebra::{Isometry2, Vector2};
@@ -29,10 +33,47 @@ pub enum FailureReason {
     Collision(String),
     /// It took too long.
     TimeLimit,
+    /// The controller held it for docked, and it was not.
+    NotDocked,
+    /// It was not seen, or measured where it cannot be, too many times in a row.
+    Unmeasured,
+    /// The controller stopped for want of measurements.
+    Silence,
 }
 
-/// Which robot of the order failed, and why.
-pub type TrialFailure = (usize, FailureReason);
+impl FailureReason {
+    /// Why a controller gave up.
+    pub fn of(reason: StopReason) -> FailureReason {
+        match reason {
+            StopReason::LeftCylinder => FailureReason::LeftCylinder,
+            StopReason::MissedCone => FailureReason::MissedCone,
+            StopReason::Misplaced => FailureReason::Misplaced,
+            StopReason::TimeLimit => FailureReason::TimeLimit,
+            StopReason::Unseen | StopReason::Doubtful => FailureReason::Unmeasured,
+            StopReason::Silence | StopReason::Clock | StopReason::Garbled => FailureReason::Silence,
+        }
+    }
+}
+
+/// Which robot failed, why and when.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TrialFailure {
+    /// Index of the order's robots.
+    pub robot: usize,
+    pub reason: FailureReason,
+    /// Index of the order's steps.
+    pub step: usize,
+    /// What the controller was doing.
+    pub phase: ControlPhase,
+}
+
+impl TrialFailure {
+    /// The failure of a trial that a controller gave up.
+    pub fn stopped(stop: Stop) -> TrialFailure {
+        let Stop { reason, robot, step, phase } = stop;
+        TrialFailure { robot: robot.unwrap_or(0), reason: FailureReason::of(reason), step, phase }
+    }
+}
 
 /// How a robot met its structure.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,6 +91,8 @@ pub struct EndedTrial {
     pub met: Vec<Met>,
     pub failure: Option<TrialFailure>,
     pub time_ns: u64,
+    /// Of a trial that succeeded.
+    pub area: Option<AreaMatch>,
 }
 
 /// How errors are drawn.
@@ -84,85 +127,70 @@ pub struct Trial<'a> {
     pub structure: Isometry2<f64>,
     pub met: Vec<Met>,
     obstacles: &'a [StrategySolid],
-    scene: Vec<StrategySolid>,
+    /// Bodies of docked robots.
     bodies: Vec<StrategySolid>,
-    active: Vec<usize>,
+    /// Stages in which robots dock, in order of time, and how many of them are over.
+    stages: &'a [&'a AssemblyStage],
+    over: usize,
+    next: Option<NextDocking>,
     drifts: Vec<Drift>,
     manner: Manner,
     random: SplitMix64,
-    step: Option<usize>,
-    state: Option<usize>,
     time_ns: f64,
     spent_ns: f64,
 }
 
-/// Permitted contact of a moving body with docked ones.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ContactManners {
-    /// Touch none.
-    Apart,
-    /// Overlap them by the docking tolerance; those that are driven may touch each other.
-    Docking,
+/// The bed before a trial.
+#[derive(Debug, Clone, Copy)]
+pub struct TrialStart<'a> {
+    pub obstacles: &'a [StrategySolid],
+    /// Stages in which robots dock, in order of time.
+    pub stages: &'a [&'a AssemblyStage],
+    pub poses: &'a [Pose],
+    pub docked: &'a [bool],
 }
 
+/// A robot, and why it failed.
+type Mishap = (usize, FailureReason);
+
 impl<'a> Trial<'a> {
-    pub fn new(
-        order: &'a MicrorobotsOrder,
-        errors: Errors,
-        obstacles: &'a [StrategySolid],
-        start: (&[Pose], &[bool]),
-        (seed, index): (u64, u64),
-    ) -> Self {
+    pub fn new(order: &'a MicrorobotsOrder, errors: Errors, start: TrialStart<'a>, (seed, index): (u64, u64)) -> Self {
         let mut random = SplitMix64::stream(seed, index);
         let manner = [Manner::Corner, Manner::Shaken, Manner::Mixed, Manner::Mixed][(index % 4) as usize];
-        let drifts = start.0.iter().map(|_| Drift::biased(&mut random, manner, &errors)).collect();
-        Trial {
+        let drifts = start.poses.iter().map(|_| Drift::biased(&mut random, manner, &errors)).collect();
+        let mut trial = Trial {
             order,
             errors,
-            poses: start.0.to_vec(),
-            docked: start.1.to_vec(),
+            poses: start.poses.to_vec(),
+            docked: start.docked.to_vec(),
             structure: Isometry2::identity(),
             met: Vec::new(),
-            obstacles,
-            scene: Vec::new(),
+            obstacles: start.obstacles,
             bodies: Vec::new(),
-            active: Vec::new(),
+            stages: start.stages,
+            over: 0,
+            next: None,
             drifts,
             manner,
             random,
-            step: None,
-            state: None,
             time_ns: 0.0,
             spent_ns: 0.0,
-        }
+        };
+        trial.begin();
+        trial
     }
 
-    /// The stage begins in which these robots are driven or watched; the others orbit.
-    pub fn begin(&mut self, active: Vec<usize>) {
-        let order = self.order;
-        self.scene = self.obstacles.to_vec();
-        self.bodies.clear();
-        for robot in (0..self.poses.len()).filter(|robot| !active.contains(robot)) {
-            let (facts, pose) = (order.robot(robot), self.poses[robot]);
-            if self.docked[robot] {
-                self.bodies.push(StrategySolid::standing(facts, pose));
-            } else if let Some(driver) = Driver::new(order, robot) {
-                self.scene.push(StrategySolid::orbit(facts, pose, driver.orbit_error_um()));
-            }
-        }
-        self.active = active;
+    /// The next stage begins: other robots may dock.
+    fn begin(&mut self) {
+        let standing = |robot: usize| StrategySolid::standing(self.order.robot(robot), self.poses[robot]);
+        self.bodies = (0..self.poses.len()).filter(|robot| self.docked[*robot]).map(standing).collect();
+        let stage = self.stages.get(self.over).copied();
+        self.next = stage.and_then(|stage| NextDocking::of(self, stage));
     }
 
-    /// Takes over the plan's poses of robots that are not docked, at the beginning of a step of the task; docked ones keep their
-    /// true poses.
-    pub fn take(&mut self, episode: &Episode) {
-        if self.step.replace(episode.step) == Some(episode.step) {
-            return;
-        }
-        for (robot, is_docked) in self.docked.iter_mut().enumerate().filter(|(_, is_docked)| !**is_docked) {
-            self.poses[robot] = episode.poses[robot];
-            *is_docked = episode.docked[robot];
-        }
+    /// Bodies of docked robots.
+    pub fn docked_bodies(&self) -> impl Iterator<Item = &StrategySolid> {
+        self.bodies.iter()
     }
 
     /// The next measurement is due: an interval is over.
@@ -190,32 +218,82 @@ impl<'a> Trial<'a> {
         }
     }
 
-    /// Drives the bed in a state for a nominal path length of a robot.
-    pub fn drive(
-        &mut self,
-        state: usize,
-        robot: usize,
-        way_um: f64,
-        manners: ContactManners,
-    ) -> Result<(), TrialFailure> {
-        if way_um <= 0.0 {
-            return Ok(());
-        }
-        let strokes = way_um / self.order.robot(robot).step_um;
-        self.spend(state, strokes);
-        let strides = (way_um / STRIDE_UM).ceil().max(1.0);
-        for _ in 0..strides as u64 {
-            for index in 0..self.active.len() {
-                let active = self.active[index];
-                self.poses[active] = self.gone(active, state, strokes / strides);
+    /// Carries a command out.
+    ///
+    /// # Errors
+    /// The first robot that runs into something, or docks out of its place.
+    pub fn carry_out(&mut self, segments: &[Segment]) -> Result<(), Mishap> {
+        for segment in segments {
+            self.spend(segment);
+            let mut left = segment.strokes as f64;
+            while left > 0.0 {
+                left -= self.drive(segment.state, left)?;
             }
-            self.collide(manners)?;
         }
-        for other in (0..self.poses.len()).filter(|other| !self.docked[*other] && !self.active.contains(other)) {
-            let facts = self.order.robot(other);
-            self.poses[other] = facts.moved(self.poses[other], self.arm(other, state), strokes * facts.step_um);
+        if self.errors.are_zero() && self.next.is_some_and(|next| next.settle(self)) {
+            self.over += 1;
+            self.begin();
         }
         Ok(())
+    }
+
+    /// The bed rests until an instant, if that is still to come.
+    pub fn rest_until(&mut self, until_ns: u64) {
+        self.spent_ns = self.spent_ns.max(until_ns as f64 - self.time_ns);
+    }
+
+    /// Whether all robots that should have docked did.
+    ///
+    /// # Errors
+    /// The first one that did not, after a step.
+    pub fn all_docked(&self, step: usize) -> Result<(), TrialFailure> {
+        match self.next.and_then(|next| next.robots().find(|robot| !self.docked[*robot])) {
+            Some(robot) => {
+                Err(TrialFailure { robot, reason: FailureReason::NotDocked, step, phase: ControlPhase::Over })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Drives the bed in a state for so many strokes, or until robots dock; the strokes that were driven.
+    fn drive(&mut self, state: usize, strokes: f64) -> Result<f64, Mishap> {
+        let moving = (0..self.poses.len()).filter(|robot| !self.docked[*robot]);
+        let step_um = moving.map(|robot| self.order.robot(robot).step_um).fold(0.0, f64::max);
+        let strides = (strokes * step_um / STRIDE_UM).ceil().max(1.0);
+        let stride = strokes / strides;
+        for index in 0..strides as u64 {
+            let before = index as f64 * stride;
+            let is_near = self.next.is_some_and(|next| next.is_near(self));
+            if let Some(next) = self.next.filter(|next| is_near && next.touches(self, state, stride)) {
+                let part = next.strokes_to_contact(self, state, stride);
+                for robot in 0..self.poses.len() {
+                    let strokes = if self.is_driven(robot) { part } else { before + part };
+                    self.poses[robot] = self.gone(robot, state, strokes);
+                }
+                next.judge(self)?;
+                self.over += 1;
+                self.begin();
+                return Ok(before + part);
+            }
+            for robot in 0..self.poses.len() {
+                if self.is_driven(robot) {
+                    self.poses[robot] = self.gone(robot, state, stride);
+                }
+            }
+            self.collide_driven((state, before + stride), is_near)?;
+        }
+        for robot in 0..self.poses.len() {
+            if !self.is_driven(robot) {
+                self.poses[robot] = self.gone(robot, state, strokes);
+            }
+        }
+        self.collide_others()?;
+        Ok(strokes)
+    }
+
+    /// Whether a robot is looked at after every stride: those that may dock next, or all where none may.
+    fn is_driven(&self, robot: usize) -> bool {
+        self.next.is_none_or(|next| next.robots().any(|driven| driven == robot))
     }
 
     /// True pose of a robot after `strokes` strokes in a state.
@@ -235,35 +313,65 @@ impl<'a> Trial<'a> {
         self.order.states[state].arms[self.order.robots[robot].row]
     }
 
-    fn spend(&mut self, state: usize, strokes: f64) {
-        if self.state != Some(state) {
-            let levels = self.order.states[state].levels_v.len() as f64;
+    fn spend(&mut self, segment: &Segment) {
+        if segment.sets_arms {
+            let levels = self.order.states[segment.state].levels_v.len() as f64;
             self.spent_ns += levels * self.order.facts.dwell_ns as f64;
-            self.state = Some(state);
         }
-        self.spent_ns += strokes * self.order.facts.period_ns as f64;
+        self.spent_ns += segment.strokes as f64 * self.order.facts.period_ns as f64;
     }
 
-    fn collide(&self, manners: ContactManners) -> Result<(), TrialFailure> {
-        for (index, &robot) in self.active.iter().enumerate().filter(|(_, robot)| !self.docked[**robot]) {
+    /// Collisions of the robots that are looked at, after some strokes of a segment; the others are still where they began it.
+    fn collide_driven(&self, (state, strokes): (usize, f64), is_near: bool) -> Result<(), Mishap> {
+        let count = self.poses.len();
+        for robot in (0..count).filter(|robot| !self.docked[*robot] && self.is_driven(*robot)) {
             let facts = self.order.robot(robot);
             let whole = body(facts, self.poses[robot], 0.0);
-            hit(robot, &self.scene, &whole)?;
-            match manners {
-                ContactManners::Apart => {
-                    hit(robot, &self.bodies, &whole)?;
-                    for &other in &self.active[index + 1..] {
-                        let solid = StrategySolid::standing(self.order.robot(other), self.poses[other]);
-                        hit(robot, std::slice::from_ref(&solid), &whole)?;
-                    }
-                }
-                ContactManners::Docking => {
+            hit(robot, self.obstacles, &whole)?;
+            match is_near {
+                false => hit(robot, &self.bodies, &whole)?,
+                true => {
                     let core = body(facts, self.poses[robot], self.order.facts.docking.tolerance_um);
                     hit(robot, &self.bodies, &core)?;
                 }
             }
+            for other in (0..count).filter(|other| *other != robot && !self.docked[*other]) {
+                let is_partner = self.is_driven(other);
+                if (is_partner && (is_near || other < robot)) || self.is_apart(robot, other, strokes) {
+                    continue;
+                }
+                let pose = if is_partner { self.poses[other] } else { self.gone(other, state, strokes) };
+                let solid = StrategySolid::standing(self.order.robot(other), pose);
+                hit(robot, std::slice::from_ref(&solid), &whole)?;
+            }
         }
         Ok(())
+    }
+
+    /// Collisions of the other robots, at the end of a segment.
+    fn collide_others(&self) -> Result<(), Mishap> {
+        let count = self.poses.len();
+        for robot in (0..count).filter(|robot| !self.docked[*robot] && !self.is_driven(*robot)) {
+            let whole = body(self.order.robot(robot), self.poses[robot], 0.0);
+            hit(robot, self.obstacles, &whole)?;
+            hit(robot, &self.bodies, &whole)?;
+            for other in (0..robot).filter(|other| !self.docked[*other] && !self.is_driven(*other)) {
+                if !self.is_apart(robot, other, 0.0) {
+                    let solid = StrategySolid::standing(self.order.robot(other), self.poses[other]);
+                    hit(robot, std::slice::from_ref(&solid), &whole)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether two bodies are apart for certain, wherever the second has gone in so many strokes.
+    fn is_apart(&self, robot: usize, other: usize, strokes: f64) -> bool {
+        let [one, two] = [robot, other].map(|robot| self.order.robot(robot));
+        let [a, b] = [robot, other].map(|robot| self.poses[robot]);
+        let reach_um = (one.length_um + one.width_um + two.length_um + two.width_um) / 2.0;
+        let gone_um = strokes * two.step_um * (1.0 + self.errors.speed_ratio);
+        (a.x_um - b.x_um).hypotenuse(a.y_um - b.y_um) > reach_um + gone_um
     }
 
     /// A pose of the plan, moved along with the structure.
@@ -281,7 +389,7 @@ pub fn motion(from: Pose, to: Pose) -> Isometry2<f64> {
     Isometry2::new(Vector2::new(to.x_um, to.y_um) - start, to.heading_rad - from.heading_rad)
 }
 
-fn hit(robot: usize, solids: &[StrategySolid], body: &BodyCorners) -> Result<(), TrialFailure> {
+fn hit(robot: usize, solids: &[StrategySolid], body: &BodyCorners) -> Result<(), Mishap> {
     match solids.iter().find(|solid| solid.distance_um(body, 0.0) <= 0.0) {
         Some(solid) => Err((robot, FailureReason::Collision(solid.name.clone()))),
         None => Ok(()),

@@ -1,16 +1,20 @@
 //! `tweeze simulate`.
 
-use super::arguments::SimulateArguments;
-use super::loaded::Loaded;
-use super::{Exit, terminal};
+use crate::cli::arguments::{ReportFormat, SimulateArguments};
+use crate::cli::loaded::Loaded;
+use crate::cli::{Exit, terminal};
 use crate::check::Options;
 use crate::claims::Job;
+use crate::claims::microrobots::MicrorobotsOrder;
 use crate::compile::{self, CompileRequest};
 use crate::diagnostic::Sink;
 use crate::plan::{self, Motion, Plan};
 use crate::quantity::digits;
-use crate::simulate::{Dockings, FailureReason, Failures, SimulationReport, Spread, simulate};
+use crate::simulate::{
+    ControlPhase, Dockings, FailureReason, Failures, ShareSpread, SimulationReport, Spread, simulate,
+};
 use crate::source::Sources;
+use serde_json::{Value, json};
 
 /// Runs the assemblies of a program against robots and measurements with errors.
 pub fn run(arguments: &SimulateArguments) -> Exit {
@@ -45,7 +49,7 @@ fn told(
     for claims in &checked.claims {
         match plan::plan(claims, sink, &mut |_, _, _| ()) {
             Some(plans) => {
-                told.extend(claims.jobs.iter().zip(&plans).filter_map(|(job, plan)| one(job, plan, arguments)))
+                told.extend(claims.jobs.iter().zip(&plans).filter_map(|(job, plan)| one(job, plan, arguments, sources)))
             }
             None => is_whole = false,
         }
@@ -54,11 +58,50 @@ fn told(
 }
 
 /// Outcomes of one assembly; `None` if there is none, or if the device does not bound its errors.
-fn one(job: &Job, plan: &Plan<Motion>, arguments: &SimulateArguments) -> Option<String> {
+fn one(job: &Job, plan: &Plan<Motion>, arguments: &SimulateArguments, sources: &Sources) -> Option<String> {
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let (trials, seed) = (u64::from(arguments.trials), arguments.seed);
     let report = simulate(&plan.motion, trials, seed, threads)?;
-    Some(format!("{}{}{}", summary(&job.task, seed, &report), dockings(&report), failures(&report)))
+    let line = |step: usize| step_line(job, step, sources);
+    if arguments.report.format == ReportFormat::Json {
+        return Some(json(&job.task, seed, &report, &line).to_string());
+    }
+    Some(format!("{}{}{}", summary(&job.task, seed, &report), dockings(&report), failures(&report, &line)))
+}
+
+/// The line of a step in the program's text, counted from 1.
+fn step_line(job: &Job, step: usize, sources: &Sources) -> Option<u32> {
+    let order = MicrorobotsOrder::of(&job.order)?;
+    order.steps.get(step).map(|step| sources.position(step.span).line)
+}
+
+/// The report as one JSON object.
+fn json(task: &str, seed: u64, report: &SimulationReport, line: &dyn Fn(usize) -> Option<u32>) -> Value {
+    let name = |robot: usize| report.names[robot].as_str();
+    let docking = |docking: &Dockings| {
+        json!({
+            "robot": name(docking.robot), "count": docking.count, "across_um": docking.across_um,
+            "along_um": docking.along_um, "incidence_rad": docking.incidence_rad, "heading_rad": docking.heading_rad,
+        })
+    };
+    let failure = |failure: &Failures| {
+        json!({
+            "robot": name(failure.robot), "reason": failure.reason, "phase": failure.phase, "step": failure.step,
+            "line": line(failure.step), "count": failure.count,
+        })
+    };
+    json!({
+        "simulated": task,
+        "seed": seed,
+        "trials": report.trials,
+        "successes": report.successes,
+        "confidence_95": report.wilson,
+        "time_s": report.time_s,
+        "area_in_place": report.area_in_place,
+        "area_of_shape": report.area_of_shape,
+        "dockings": report.dockings.iter().map(docking).collect::<Vec<_>>(),
+        "failures": report.failures.iter().map(failure).collect::<Vec<_>>(),
+    })
 }
 
 fn summary(task: &str, seed: u64, report: &SimulationReport) -> String {
@@ -76,10 +119,15 @@ fn summary(task: &str, seed: u64, report: &SimulationReport) -> String {
     if report.successes == 0 {
         return line;
     }
-    format!(
-        "{line}{}",
-        terminal::line("", "", task.chars().count(), &format!("time of those: {time} s (mean, 95 %, longest)"))
-    )
+    let share = |share: f64| format!("{:.1}", share * 100.0);
+    let area = |area: ShareSpread| format!("{} / {} / {} %", share(area.mean), share(area.p5), share(area.min));
+    let area = format!(
+        "area of the goal that they cover: {}, as a shape {} (mean, 5 %, least)",
+        area(report.area_in_place),
+        area(report.area_of_shape)
+    );
+    let below = |text: &str| terminal::line("", "", task.chars().count(), text);
+    format!("{line}{}{}", below(&format!("time of those: {time} s (mean, 95 %, longest)")), below(&area))
 }
 
 /// A row for each robot, each figure as its mean, the 95th percentile and the largest.
@@ -100,12 +148,27 @@ fn dockings(report: &SimulationReport) -> String {
     format!("\n  errors without their signs: mean, 95th percentile, largest\n{}", terminal::aligned(&rows))
 }
 
-fn failures(report: &SimulationReport) -> String {
-    let line = |failure: &Failures| {
-        format!("  {} of {}: {}\n", failure.count, report.names[failure.robot], reason(&failure.reason))
+fn failures(report: &SimulationReport, line: &dyn Fn(usize) -> Option<u32>) -> String {
+    let row = |failure: &Failures| {
+        let line = line(failure.step).map(|line| format!(", line {line}")).unwrap_or_default();
+        let (robot, reason) = (&report.names[failure.robot], reason(&failure.reason));
+        format!("  {} of {robot}{line}, {}: {reason}\n", failure.count, phase(failure.phase))
     };
-    let lines: Vec<String> = report.failures.iter().map(line).collect();
+    let lines: Vec<String> = report.failures.iter().map(row).collect();
     if lines.is_empty() { String::new() } else { format!("\n  failures\n{}", lines.concat()) }
+}
+
+fn phase(phase: ControlPhase) -> &'static str {
+    match phase {
+        ControlPhase::Legs => "in legs as written",
+        ControlPhase::Wait => "while the bed waits",
+        ControlPhase::Approach => "on its way",
+        ControlPhase::Timing => "before it is in time with its partner",
+        ControlPhase::Meeting => "on its way to its partner",
+        ControlPhase::Fine => "in fine motion",
+        ControlPhase::Contact => "at contact",
+        ControlPhase::Over => "at the end",
+    }
 }
 
 fn reason(reason: &FailureReason) -> String {
@@ -116,6 +179,9 @@ fn reason(reason: &FailureReason) -> String {
         FailureReason::Angle => "it met its structure at too large an angle".to_owned(),
         FailureReason::Collision(thing) => format!("it ran into {thing}"),
         FailureReason::TimeLimit => "it took too long".to_owned(),
+        FailureReason::NotDocked => "it was held for docked, and was not".to_owned(),
+        FailureReason::Unmeasured => "it was not measured, or where it cannot be, too often".to_owned(),
+        FailureReason::Silence => "measurements failed to come".to_owned(),
     }
 }
 
