@@ -1,17 +1,28 @@
-//! Microrobots on one voltage: what their compiler costs, beside plain searches on the same work in the same run.
+//! Microrobots on one voltage: what their compiler costs, beside plain searches on the same work in the same run; and how good their
+//! plans are on random fields.
 //!
-//! `cargo bench --bench microrobots` prints all tables, `-- states` one of them. Instances come from fixed seeds.
+//! `cargo bench --bench microrobots` prints all tables, `-- states` one of them, `-- fastest 8` with so many programs of each kind.
+//! Instances come from fixed seeds.
 
 mod assemblies;
 #[path = "../electrode_array/clock.rs"]
 mod clock;
+mod fields;
+mod goals;
 mod relays;
 mod rival;
+mod simple;
 
 fn main() {
     let filter = std::env::args().skip(1).find(|argument| !argument.starts_with('-')).unwrap_or_default();
-    let tables: [(&str, fn()); 3] =
-        [("check", relays::check), ("states", relays::states), ("assemblies", assemblies::table)];
+    let tables: [(&str, fn()); 6] = [
+        ("check", relays::check),
+        ("states", relays::states),
+        ("assemblies", assemblies::table),
+        ("fastest", goals::fastest),
+        ("safest", goals::safest),
+        ("drives", goals::drives),
+    ];
     for (_, table) in tables.iter().filter(|(name, _)| name.contains(&filter)) {
         table();
     }
