@@ -1,11 +1,11 @@
 //! `tweeze simulate`.
 
-use crate::cli::arguments::{ReportFormat, SimulateArguments};
-use crate::cli::loaded::Loaded;
-use crate::cli::{Exit, terminal};
 use crate::check::Options;
 use crate::claims::Job;
 use crate::claims::microrobots::MicrorobotsOrder;
+use crate::cli::arguments::{ReportFormat, SimulateArguments};
+use crate::cli::loaded::Loaded;
+use crate::cli::{Exit, terminal};
 use crate::compile::{self, CompileRequest};
 use crate::diagnostic::Sink;
 use crate::plan::{self, Motion, Plan};

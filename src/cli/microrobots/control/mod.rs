@@ -3,13 +3,13 @@
 mod link;
 mod protocol;
 
+use crate::check::Options;
+use crate::claims::Claims;
+use crate::claims::microrobots::MicrorobotsOrder;
 use crate::cli::arguments::{ControlArguments, ReportFormat};
 use crate::cli::loaded::Loaded;
 use crate::cli::waiting::ProgressLine;
 use crate::cli::{Exit, build, errors, terminal};
-use crate::check::Options;
-use crate::claims::Claims;
-use crate::claims::microrobots::MicrorobotsOrder;
 use crate::compile::{self, CompileOutcome};
 use crate::diagnostic::Sink;
 use crate::emit::Provenance;

@@ -144,7 +144,9 @@ fn robots_that_are_not_driven_move_with_the_bed() {
     let none = Errors { speed_ratio: 0.0, turning_rad_per_um: 0.0, place_um: 0.0, heading_rad: 0.0, replan_ns: 0 };
     let poses = [pose(0.0, 0.0, 0.0), pose(0.0, 2000.0, 90.0), pose(0.0, 9000.0, 90.0)];
     let order = order(3, Turning::Clockwise, none, &poses);
-    let start = TrialStart { obstacles: &[], stages: &[], poses: &poses, docked: &[false, false, true] };
+    let far = pose(9000.0, 9000.0, 0.0);
+    let stage = AssemblyStage::Single { robot: 0, states: [1, 0], approach: far, goal: far };
+    let start = TrialStart { obstacles: &[], stages: &[&stage], poses: &poses, docked: &[false, false, true] };
     let mut trial = Trial::new(&order, none, start, (1, 0));
     let segment = |state: usize, strokes: u64| Segment { state, strokes, sets_arms: true };
     // No arm is down in state 0, the first two are in state 2.

@@ -267,8 +267,8 @@ impl<'a> Trial<'a> {
             if let Some(next) = self.next.filter(|next| is_near && next.touches(self, state, stride)) {
                 let part = next.strokes_to_contact(self, state, stride);
                 for robot in 0..self.poses.len() {
-                    let strokes = if self.is_driven(robot) { part } else { before + part };
-                    self.poses[robot] = self.gone(robot, state, strokes);
+                    let until_contact = if self.is_driven(robot) { part } else { before + part };
+                    self.poses[robot] = self.gone(robot, state, until_contact);
                 }
                 next.judge(self)?;
                 self.over += 1;
