@@ -1,8 +1,9 @@
 //! Command-line arguments.
 
-use super::control::Address;
+use super::Address;
 use crate::emit::Format;
 use crate::quantity::{Dimension, Unit};
+use crate::simulate::Disturbances;
 use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser, builder::TypedValueParser};
 use std::path::PathBuf;
 
@@ -47,7 +48,8 @@ pub enum Command {
     )]
     Fmt(FmtArguments),
     /// Simulate the assemblies of a program with imperfect robots and measurements, and count the outcomes
-    #[command(after_help = "Example: tweeze simulate assemble.twz --trials 1000 --seed 7")]
+    #[command(after_help = "Examples:\n  tweeze simulate assemble.twz --trials 1000 --seed 7\n  \
+                      tweeze simulate assemble.twz --trials 5 --against-controller --delay 50ms --lost 0.02 --wrong 0.01")]
     Simulate(SimulateArguments),
     /// Control a task on a bed of microrobots: read measured poses as lines, answer each with the next drive segments
     #[command(after_help = "Examples:\n  camera | tweeze control assemble.twz --record run.mcap | source\n  \
@@ -215,6 +217,24 @@ pub struct DevicesArguments {
     pub swing: f64,
 }
 
+/// A share from 0 to 1.
+fn share(text: &str) -> Result<f64, String> {
+    let share: f64 = text.parse().map_err(|_| "a share is a number from 0 to 1, such as 0.02".to_owned())?;
+    if (0.0..=1.0).contains(&share) { Ok(share) } else { Err("a share is from 0 to 1".to_owned()) }
+}
+
+/// A time of an hour or less, in nanoseconds.
+fn time_ns(text: &str) -> Result<u64, String> {
+    let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit());
+    let unit = text[digits.len()..].trim();
+    let form = || "a time is written as 50ms or 0.5s".to_owned();
+    let quantity = Unit::parse(unit).ok().and_then(|unit| unit.of(digits)).ok_or_else(form)?;
+    match quantity.dimension == Dimension::TIME && (0.0..=3600.0).contains(&quantity.si) {
+        true => Ok((quantity.si * 1e9).round() as u64),
+        false => Err(form()),
+    }
+}
+
 /// A voltage above zero, in volts.
 fn voltage(text: &str) -> Result<f64, String> {
     let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit());
@@ -240,6 +260,24 @@ pub struct SimulateArguments {
     /// Seed of the random numbers; the same seed gives the same results
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// Let `tweeze control` bring the robots together, in another process over a socket: one for each run
+    #[arg(long)]
+    pub against_controller: bool,
+    /// Time from a measurement to its command, such as 50ms; the bed holds still meanwhile
+    #[arg(long, value_name = "TIME", default_value = "0s", value_parser = time_ns)]
+    pub delay: u64,
+    /// Share of measured poses that are lost, such as 0.02
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
+    pub lost: f64,
+    /// Share of measured poses that are off by up to 0.5 mm and any angle
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
+    pub wrong: f64,
+    /// Share of intervals in which a robot does not move
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
+    pub stalls: f64,
+    /// Share of intervals before which a robot slips by up to 10 um and 3 deg
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
+    pub slips: f64,
     #[command(flatten)]
     pub settings: Settings,
     #[command(flatten)]
@@ -263,6 +301,14 @@ pub struct ControlArguments {
     pub settings: Settings,
     #[command(flatten)]
     pub report: ReportArguments,
+}
+
+impl SimulateArguments {
+    /// What goes wrong besides the errors of the device.
+    pub fn disturbances(&self) -> Disturbances {
+        let SimulateArguments { delay, lost, wrong, stalls, slips, .. } = *self;
+        Disturbances { delay_ns: delay, lost, wrong, stalls, slips }
+    }
 }
 
 /// Greatest number of trials in one simulation.

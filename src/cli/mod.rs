@@ -19,7 +19,7 @@ mod waiting;
 
 use arguments::{Command, Invocation};
 use clap::{CommandFactory, Parser};
-use microrobots::{control, simulate};
+use microrobots::{Address, run_control, run_simulate};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -73,8 +73,8 @@ fn dispatch(command: Command) -> Exit {
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
         Command::Fmt(arguments) => fmt::run(&arguments),
-        Command::Simulate(arguments) => simulate::run(&arguments),
-        Command::Control(arguments) => control::run(&arguments),
+        Command::Simulate(arguments) => run_simulate(&arguments),
+        Command::Control(arguments) => run_control(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),
         Command::Completions(arguments) => {
             let mut script = Vec::new();

@@ -1,5 +1,6 @@
 //! `tweeze simulate`.
 
+use super::remote::{RemotePilot, RemoteTask};
 use crate::check::Options;
 use crate::claims::Job;
 use crate::claims::microrobots::MicrorobotsOrder;
@@ -8,10 +9,11 @@ use crate::cli::loaded::Loaded;
 use crate::cli::{Exit, terminal};
 use crate::compile::{self, CompileRequest};
 use crate::diagnostic::Sink;
+use crate::plan::microrobots::simulation::{EndedTrial, SimulatedBed};
 use crate::plan::{self, Motion, Plan};
 use crate::quantity::digits;
 use crate::simulate::{
-    ControlPhase, Dockings, FailureReason, Failures, ShareSpread, SimulationReport, Spread, simulate,
+    ControlPhase, Dockings, FailureReason, Failures, ShareSpread, SimulationReport, Spread, simulate_disturbed,
 };
 use crate::source::Sources;
 use serde_json::{Value, json};
@@ -26,6 +28,10 @@ pub fn run(arguments: &SimulateArguments) -> Exit {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let told = told(&loaded.program(&loaded.disk()), arguments, &mut sources, &mut sink);
     terminal::report(&sink, &sources, arguments.report.format);
+    let told = match told {
+        Ok(told) => told,
+        Err(why) => return terminal::fault(&why),
+    };
     match told {
         None => Exit::Errors,
         Some(told) if told.is_empty() => {
@@ -36,37 +42,73 @@ pub fn run(arguments: &SimulateArguments) -> Exit {
     }
 }
 
-/// Outcomes of each assembly; `None` after an error.
+/// Outcomes of each assembly; `None` after an error of the program. The error is that of a controller that could not be asked.
 fn told(
     program: &CompileRequest,
     arguments: &SimulateArguments,
     sources: &mut Sources,
     sink: &mut Sink,
-) -> Option<Vec<String>> {
-    let checked = compile::check(program, sources, sink)?;
+) -> Result<Option<Vec<String>>, String> {
+    let Some(checked) = compile::check(program, sources, sink) else { return Ok(None) };
     let mut told = Vec::new();
     let mut is_whole = true;
     for claims in &checked.claims {
         match plan::plan(claims, sink, &mut |_, _, _| ()) {
             Some(plans) => {
-                told.extend(claims.jobs.iter().zip(&plans).filter_map(|(job, plan)| one(job, plan, arguments, sources)))
+                let jobs = claims.jobs.iter().zip(&plans);
+                let outcomes = jobs.filter_map(|(job, plan)| one((&claims.name, job), plan, arguments, sources));
+                told.extend(outcomes.collect::<Result<Vec<String>, String>>()?);
             }
             None => is_whole = false,
         }
     }
-    is_whole.then_some(told)
+    Ok(is_whole.then_some(told))
 }
 
-/// Outcomes of one assembly; `None` if there is none, or if the device does not bound its errors.
-fn one(job: &Job, plan: &Plan<Motion>, arguments: &SimulateArguments, sources: &Sources) -> Option<String> {
-    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+/// Outcomes of one assembly of the schedule of a name; `None` if there is none, or if the device does not bound its errors.
+fn one(
+    (name, job): (&str, &Job),
+    plan: &Plan<Motion>,
+    arguments: &SimulateArguments,
+    sources: &Sources,
+) -> Option<Result<String, String>> {
     let (trials, seed) = (u64::from(arguments.trials), arguments.seed);
-    let report = simulate(&plan.motion, trials, seed, threads)?;
+    let report = match arguments.against_controller {
+        false => {
+            let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+            simulate_disturbed(&plan.motion, arguments.disturbances(), (trials, seed, threads)).map(Ok)
+        }
+        true => against(job, plan, name, arguments),
+    };
+    let report = match report? {
+        Ok(report) => report,
+        Err(why) => return Some(Err(why)),
+    };
     let line = |step: usize| step_line(job, step, sources);
     if arguments.report.format == ReportFormat::Json {
-        return Some(json(&job.task, seed, &report, &line).to_string());
+        return Some(Ok(json(&job.task, seed, &report, &line).to_string()));
     }
-    Some(format!("{}{}{}", summary(&job.task, seed, &report), dockings(&report), failures(&report, &line)))
+    Some(Ok(format!("{}{}{}", summary(&job.task, seed, &report), dockings(&report), failures(&report, &line))))
+}
+
+/// The trials of an assembly by controllers in processes of their own, one for each.
+fn against(
+    job: &Job,
+    plan: &Plan<Motion>,
+    name: &str,
+    arguments: &SimulateArguments,
+) -> Option<Result<SimulationReport, String>> {
+    let (Motion::Microrobots(planned), Some(order)) = (&plan.motion, MicrorobotsOrder::of(&job.order)) else {
+        return None;
+    };
+    let bed = SimulatedBed::new(order, &planned.motion, arguments.disturbances())?;
+    let task = RemoteTask { file: &arguments.file, task: name, settings: &arguments.settings.set };
+    let trial = |index: u64| {
+        let mut pilot = RemotePilot::start(order, &task)?;
+        Ok(bed.trial(arguments.seed, index, &mut pilot))
+    };
+    let trials: Result<Vec<EndedTrial>, String> = (0..u64::from(arguments.trials)).map(trial).collect();
+    Some(trials.map(|trials| bed.report(&trials)))
 }
 
 /// The line of a step in the program's text, counted from 1.

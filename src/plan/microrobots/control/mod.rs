@@ -91,6 +91,32 @@ enum LastCommand {
     Stop(Stop),
 }
 
+/// Whatever answers measurements with commands: a [`Controller`], here or in another process.
+pub trait Pilot {
+    /// See [`Controller::observe`].
+    fn observe(&mut self, measured: &[Option<Pose>], now_ns: u64) -> Command<'_>;
+
+    /// Index of the order's step that is carried out.
+    fn step(&self) -> usize;
+
+    /// What is done at the moment.
+    fn phase(&self) -> ControlPhase;
+}
+
+impl Pilot for Controller<'_> {
+    fn observe(&mut self, measured: &[Option<Pose>], now_ns: u64) -> Command<'_> {
+        Controller::observe(self, measured, now_ns)
+    }
+
+    fn step(&self) -> usize {
+        Controller::step(self)
+    }
+
+    fn phase(&self) -> ControlPhase {
+        Controller::phase(self)
+    }
+}
+
 /// Segments of a command in the making.
 #[derive(Debug, Clone)]
 pub struct Drive {

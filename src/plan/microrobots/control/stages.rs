@@ -10,10 +10,10 @@ use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
 use crate::device::microrobots::Arm;
 use crate::plan::microrobots::strategy::{Episode, StrategyPiece, episodes};
 use crate::plan::microrobots::{AssemblyStage, MicrorobotsMotion, MicrorobotsStepMotion};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What a controller is doing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ControlPhase {
     /// Legs are carried out as the plan has them.
@@ -35,7 +35,7 @@ pub enum ControlPhase {
 }
 
 /// Why a task was given up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StopReason {
     /// After the greatest number of rounds it had still not reached the start of the fine motion, or its pose.

@@ -17,17 +17,21 @@
 
 mod area;
 mod contact;
+mod disturbances;
 mod report;
 mod trial;
 
+pub use disturbances::Disturbances;
 pub use report::{Dockings, Failures, ShareSpread, SimulationReport, Spread, wilson};
-pub use trial::FailureReason;
+pub use trial::{EndedTrial, FailureReason};
 
 use crate::claims::microrobots::MicrorobotsOrder;
-use crate::plan::microrobots::control::{Command, Controller};
-use crate::plan::microrobots::strategy::obstacles;
+use crate::device::microrobots::Errors;
+use crate::plan::microrobots::control::{Command, Controller, Pilot};
+use crate::plan::microrobots::strategy::{StrategySolid, obstacles};
 use crate::plan::microrobots::{AssemblyStage, MicrorobotsMotion, MicrorobotsStepMotion};
-use trial::{EndedTrial, Trial, TrialFailure, TrialStart};
+use disturbances::DisturbedView;
+use trial::{Trial, TrialFailure, TrialStart};
 
 /// Greatest number of trials in one call.
 pub const MAX_TRIALS: u64 = 10_000_000;
@@ -35,8 +39,46 @@ pub const MAX_TRIALS: u64 = 10_000_000;
 /// Measurements of one trial: more than a day of them at five a second.
 const MAX_MEASUREMENTS: u64 = 1_000_000;
 
-/// Report on `trials` trials (at most [`MAX_TRIALS`]) of a plan; `None` if the device does not bound its errors, or nothing is
-/// assembled.
+/// The bed of a task, on which trials are run.
+pub struct SimulatedBed<'a> {
+    order: &'a MicrorobotsOrder,
+    motion: &'a MicrorobotsMotion,
+    errors: Errors,
+    obstacles: Vec<StrategySolid>,
+    stages: Vec<&'a AssemblyStage>,
+    disturbances: Disturbances,
+}
+
+impl<'a> SimulatedBed<'a> {
+    /// `None` if the device does not bound its errors, or nothing is assembled.
+    pub fn new(
+        order: &'a MicrorobotsOrder,
+        motion: &'a MicrorobotsMotion,
+        disturbances: Disturbances,
+    ) -> Option<SimulatedBed<'a>> {
+        let (errors, stages) = (order.facts.errors?, docking_stages(motion));
+        let obstacles = obstacles(order);
+        (!stages.is_empty()).then_some(SimulatedBed { order, motion, errors, obstacles, stages, disturbances })
+    }
+
+    /// One trial; it depends on the seed, its own index and the pilot alone.
+    pub fn trial(&self, seed: u64, index: u64, pilot: &mut impl Pilot) -> EndedTrial {
+        let crew = &self.motion.start;
+        let (obstacles, stages) = (self.obstacles.as_slice(), self.stages.as_slice());
+        let start = TrialStart { obstacles, stages, poses: &crew.poses, docked: &crew.docked };
+        let trial = Trial::new(self.order, self.errors, start, (seed, index));
+        run(trial, DisturbedView::new(self.disturbances, seed, index), pilot)
+    }
+
+    /// Statistics of trials.
+    pub fn report(&self, trials: &[EndedTrial]) -> SimulationReport {
+        let names = (0..self.order.robots.len()).map(|robot| self.order.robot(robot).name.clone()).collect();
+        SimulationReport::new(names, trials)
+    }
+}
+
+/// Report on `trials` trials (at most [`MAX_TRIALS`]) of a plan by the controller; `None` if the device does not bound its errors, or
+/// nothing is assembled.
 pub fn simulate(
     order: &MicrorobotsOrder,
     motion: &MicrorobotsMotion,
@@ -44,18 +86,20 @@ pub fn simulate(
     seed: u64,
     threads: usize,
 ) -> Option<SimulationReport> {
-    let errors = order.facts.errors?;
-    let stages = docking_stages(motion);
-    if stages.is_empty() {
-        return None;
-    }
-    let solids = obstacles(order);
-    let start =
-        TrialStart { obstacles: &solids, stages: &stages, poses: &motion.start.poses, docked: &motion.start.docked };
+    simulate_disturbed(order, motion, Disturbances::default(), (trials, seed, threads))
+}
+
+/// The same under disturbances; the last numbers are the trials, the seed and the threads.
+pub fn simulate_disturbed(
+    order: &MicrorobotsOrder,
+    motion: &MicrorobotsMotion,
+    disturbances: Disturbances,
+    (trials, seed, threads): (u64, u64, usize),
+) -> Option<SimulationReport> {
+    let bed = SimulatedBed::new(order, motion, disturbances)?;
     let controller = Controller::new(order, motion)?;
-    let one = |index: u64| run(Trial::new(order, errors, start, (seed, index)), controller.clone());
-    let names = (0..order.robots.len()).map(|robot| order.robot(robot).name.clone()).collect();
-    Some(SimulationReport::new(names, &gathered(trials.min(MAX_TRIALS), threads.max(1) as u64, &one)))
+    let one = |index: u64| bed.trial(seed, index, &mut controller.clone());
+    Some(bed.report(&gathered(trials.min(MAX_TRIALS), threads.max(1) as u64, &one)))
 }
 
 /// The stages of a plan in which robots dock, in order of time.
@@ -77,8 +121,8 @@ fn gathered(trials: u64, threads: u64, one: &(impl Fn(u64) -> EndedTrial + Sync)
     })
 }
 
-fn run(mut trial: Trial, mut controller: Controller) -> EndedTrial {
-    let failure = attempt(&mut trial, &mut controller).err();
+fn run(mut trial: Trial, mut view: DisturbedView, pilot: &mut impl Pilot) -> EndedTrial {
+    let failure = attempt(&mut trial, &mut view, pilot).err();
     trial.tick();
     let area = match failure {
         None => area::area_match(trial.order, &trial.poses, trial.structure),
@@ -87,14 +131,17 @@ fn run(mut trial: Trial, mut controller: Controller) -> EndedTrial {
     EndedTrial { failure, time_ns: trial.time_ns(), met: trial.met, area }
 }
 
-/// Measures, asks and drives until the controller ends.
-fn attempt(trial: &mut Trial, controller: &mut Controller) -> Result<(), TrialFailure> {
+/// Measures, asks and drives until the pilot ends.
+fn attempt(trial: &mut Trial, view: &mut DisturbedView, pilot: &mut impl Pilot) -> Result<(), TrialFailure> {
     let mut measured = vec![None; trial.poses.len()];
     for _ in 0..MAX_MEASUREMENTS {
         trial.tick();
+        view.disturb(trial);
+        (0..measured.len()).for_each(|robot| measured[robot] = view.seen(trial.measured(robot)));
         let now_ns = trial.time_ns();
-        (0..measured.len()).for_each(|robot| measured[robot] = Some(trial.measured(robot)));
-        let done = match controller.observe(&measured, now_ns) {
+        // The bed holds still until the answer comes.
+        trial.rest_until(now_ns.saturating_add(view.delay_ns()));
+        let done = match pilot.observe(&measured, now_ns) {
             Command::Drive { segments, until_ns } => {
                 let done = trial.carry_out(segments);
                 trial.rest_until(until_ns);
@@ -104,14 +151,13 @@ fn attempt(trial: &mut Trial, controller: &mut Controller) -> Result<(), TrialFa
                 trial.rest_until(until_ns);
                 Ok(())
             }
-            Command::Finished => return trial.all_docked(controller.step()),
+            Command::Finished => return trial.all_docked(pilot.step()),
             Command::Stop(stop) => return Err(TrialFailure::stopped(stop)),
         };
-        let during =
-            |(robot, reason)| TrialFailure { robot, reason, step: controller.step(), phase: controller.phase() };
+        let during = |(robot, reason)| TrialFailure { robot, reason, step: pilot.step(), phase: pilot.phase() };
         done.map_err(during)?;
     }
-    Err(TrialFailure { robot: 0, reason: FailureReason::TimeLimit, step: controller.step(), phase: controller.phase() })
+    Err(TrialFailure { robot: 0, reason: FailureReason::TimeLimit, step: pilot.step(), phase: pilot.phase() })
 }
 
 #[cfg(test)]

@@ -134,6 +134,8 @@ pub struct Trial<'a> {
     over: usize,
     next: Option<NextDocking>,
     drifts: Vec<Drift>,
+    /// Robots that do not move until the next measurement.
+    pub stalled: Vec<bool>,
     manner: Manner,
     random: SplitMix64,
     time_ns: f64,
@@ -171,6 +173,7 @@ impl<'a> Trial<'a> {
             over: 0,
             next: None,
             drifts,
+            stalled: vec![false; start.poses.len()],
             manner,
             random,
             time_ns: 0.0,
@@ -298,7 +301,7 @@ impl<'a> Trial<'a> {
 
     /// True pose of a robot after `strokes` strokes in a state.
     pub fn gone(&self, robot: usize, state: usize, strokes: f64) -> Pose {
-        if self.docked[robot] {
+        if self.docked[robot] || self.stalled[robot] {
             return self.poses[robot];
         }
         let (facts, drift) = (self.order.robot(robot), self.drifts[robot]);
