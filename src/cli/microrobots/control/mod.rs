@@ -179,7 +179,8 @@ impl Session<'_> {
             let over = match next {
                 Ok(Incoming::Line(line)) => self.take(&line)?,
                 Ok(Incoming::Unreadable(why)) => self.refuse(why)?,
-                Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => self.stop(StopReason::Silence)?,
+                Err(RecvTimeoutError::Timeout) => self.stop(StopReason::Silence)?,
+                Err(RecvTimeoutError::Disconnected) => self.stop(StopReason::Closed)?,
             };
             if let Some(exit) = over {
                 return Ok(exit);

@@ -190,6 +190,7 @@ pub fn stopped(order: &MicrorobotsOrder, stop: Stop) -> String {
             let watchdog_s = order.facts.watchdog_ns() as f64 / 1e9;
             format!("no measurement came for {} s after the end of the last command", digits(watchdog_s))
         }
+        StopReason::Closed => "the measurements ended before the task was done".to_owned(),
         StopReason::Clock => "the time of a measurement lies before that of the last one".to_owned(),
         StopReason::Garbled => "too many lines in a row are no measurements".to_owned(),
     }

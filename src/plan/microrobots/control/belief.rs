@@ -28,6 +28,8 @@ pub struct Belief<'a> {
     pub poses: Vec<Pose>,
     pub docked: Vec<bool>,
     means: Vec<PoseMean>,
+    /// Nominal path of each robot since the last measurement that was believed, and the part of it with the arm down.
+    since: Vec<[f64; 2]>,
     /// A measurement that could not be true, and may be confirmed by the next one.
     suspects: Vec<Option<Pose>>,
     /// The robots whose places define that of the structure, with their planned poses.
@@ -75,6 +77,7 @@ impl<'a> Belief<'a> {
             poses: poses.to_vec(),
             docked: docked.to_vec(),
             means: vec![PoseMean::NONE; poses.len()],
+            since: vec![[0.0; 2]; poses.len()],
             suspects: vec![None; poses.len()],
             base,
             structure: Placement::default(),
@@ -84,6 +87,7 @@ impl<'a> Belief<'a> {
 
     /// Takes a measurement over, made after some segments. Nothing is taken over unless all of it can be used.
     pub fn see(&mut self, measured: &[Option<Pose>], driven: &[Segment]) -> Sighting {
+        self.count(driven);
         if let Some(robot) = (0..self.poses.len()).find(|robot| measured.get(*robot).copied().flatten().is_none()) {
             return Sighting::Unseen(robot);
         }
@@ -91,8 +95,8 @@ impl<'a> Belief<'a> {
         for (robot, pose) in measured.iter().enumerate().filter_map(|(robot, pose)| Some((robot, (*pose)?))) {
             let can_be = robot < self.poses.len()
                 && (self.is_first
-                    || self.can_reach(robot, self.poses[robot], pose, driven)
-                    || self.suspects[robot].is_some_and(|suspect| self.can_reach(robot, suspect, pose, &[])));
+                    || self.can_reach(robot, self.poses[robot], pose, self.since[robot])
+                    || self.suspects[robot].is_some_and(|suspect| self.can_reach(robot, suspect, pose, [0.0; 2])));
             let is_new = robot < self.poses.len() && !can_be;
             if robot < self.poses.len() {
                 self.suspects[robot] = is_new.then_some(pose);
@@ -105,6 +109,7 @@ impl<'a> Belief<'a> {
             return Sighting::Doubtful(robot);
         }
         self.is_first = false;
+        self.since.fill([0.0; 2]);
         for (robot, pose) in measured.iter().enumerate().filter_map(|(robot, pose)| Some((robot, (*pose)?))) {
             let Some(known) = self.poses.get_mut(robot) else { continue };
             *known = match self.docked[robot] {
@@ -116,16 +121,23 @@ impl<'a> Belief<'a> {
         Sighting::Usable
     }
 
-    /// Whether a robot can have come from one measured pose to another while some segments were driven; it may have been stopped on its way.
-    fn can_reach(&self, robot: usize, from: Pose, to: Pose, driven: &[Segment]) -> bool {
+    /// Adds what was driven to the paths since the last measurement that was believed.
+    fn count(&mut self, driven: &[Segment]) {
+        for (robot, since) in self.since.iter_mut().enumerate() {
+            let (step_um, row) = (self.order.robot(robot).step_um, self.order.robots[robot].row);
+            for segment in driven {
+                let way_um = step_um * segment.strokes as f64;
+                since[0] += way_um;
+                since[1] += if self.order.states[segment.state].arms[row] == Arm::Down { way_um } else { 0.0 };
+            }
+        }
+    }
+
+    /// Whether a robot can have come from one measured pose to another on some path; it may have been stopped on its way.
+    fn can_reach(&self, robot: usize, from: Pose, to: Pose, [whole_um, turned_um]: [f64; 2]) -> bool {
         let (facts, errors) = (self.order.robot(robot), self.errors);
-        let row = self.order.robots[robot].row;
-        let way_um = |segment: &Segment| facts.step_um * segment.strokes as f64;
-        let whole_um: f64 = driven.iter().map(way_um).sum();
-        let is_down = |segment: &&Segment| self.order.states[segment.state].arms[row] == Arm::Down;
-        let turned_um: f64 = driven.iter().filter(is_down).map(way_um).sum();
         // Robots that meet align themselves.
-        let aligned = if driven.is_empty() { (0.0, 0.0) } else { self.alignment() };
+        let aligned = if whole_um == 0.0 { (0.0, 0.0) } else { self.alignment() };
         let most_um = (1.0 + errors.speed_ratio) * whole_um + GATE * errors.place_um + SLACK_UM + aligned.0;
         let turn_per_um = 1.0 / facts.turning_radius_um;
         let most_rad =

@@ -11,11 +11,7 @@
 //! Everything is allocated before the first measurement. Without errors (all bounds 0) the legs of the plan are carried out as written.
 
 mod belief;
-mod coarse;
-mod pair;
-mod single;
 mod stages;
-mod written;
 
 pub use stages::{ControlPhase, StopReason};
 

@@ -40,6 +40,26 @@ fn what_was_not_seen_is_not_acted_upon() {
     assert_eq!(lost.observe(&seen(), now_ns + INTERVAL_NS), Command::Stop(stop), "for good");
 }
 
+/// What was driven before a measurement that could not be used still counts for the next one.
+#[test]
+fn a_measurement_that_is_lost_on_the_way_does_no_harm() {
+    let (order, motion) = single(pose(1500.0, 900.0, 30.0), turning(), errors(100));
+    let mut controller = Controller::new(&order, &motion).expect("the errors are known");
+    let mut poses = [pose(1500.0, 900.0, 30.0), pose(0.0, 0.0, 0.0)];
+    let mut now_ns = 0;
+    for nth in 0..30 {
+        let lost = nth % 3 == 1;
+        let measured = [(!lost).then_some(poses[0]), Some(poses[1])];
+        let Command::Drive { segments, until_ns } = controller.observe(&measured, now_ns) else { panic!("a drive") };
+        assert_eq!(segments.is_empty(), lost, "{nth}");
+        for segment in segments {
+            let arm = order.states[segment.state].arms[0];
+            poses[0] = order.robot(0).moved(poses[0], arm, order.robot(0).step_um * segment.strokes as f64);
+        }
+        now_ns = until_ns;
+    }
+}
+
 /// A jump is not believed at once, and believed if the next measurement confirms it.
 #[test]
 fn jumps_are_confirmed_first() {

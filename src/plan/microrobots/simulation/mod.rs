@@ -16,7 +16,6 @@
 //! Cost grows with trials times the path length over the interval.
 
 mod area;
-mod contact;
 mod disturbances;
 mod report;
 mod trial;

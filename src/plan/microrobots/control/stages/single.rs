@@ -1,12 +1,12 @@
 //! A robot that is brought to a structure: gross motion, fine motion, contact.
 
-use super::Drive;
-use super::belief::Belief;
-use super::stages::{ControlPhase, Progress, StopReason, add_pieces, strokes};
+use super::{ControlPhase, Progress, StopReason, add_pieces, strokes};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::plan::microrobots::AssemblyStage;
+use crate::plan::microrobots::control::Drive;
+use crate::plan::microrobots::control::belief::Belief;
 use crate::plan::microrobots::strategy::{Driver, Episode, GoalFrame, Phase, Pursuit, edge_gap_um, steered};
 use std::f64::consts::TAU;
 

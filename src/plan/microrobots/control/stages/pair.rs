@@ -1,12 +1,12 @@
 //! The first two robots, which are brought together: stage 1, stage 2, and again if they do not come at once; then the fine motion.
 
-use super::Drive;
-use super::belief::Belief;
 use super::single::{MAX_FINE_TIMES, MAX_PUSHES, MAX_ROUNDS, again_um, push_um, touching_um, whole_strokes};
-use super::stages::{ControlPhase, Progress, StopReason, add_pieces, strokes};
+use super::{ControlPhase, Progress, StopReason, add_pieces, strokes};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
+use crate::plan::microrobots::control::Drive;
+use crate::plan::microrobots::control::belief::Belief;
 use crate::plan::microrobots::strategy::{Couple, Episode, Phase, Pursuit, SHARES, angle, centres, poses_of, steered};
 use crate::plan::microrobots::{AssemblyStage, Leg};
 use crate::real::Real;
@@ -15,8 +15,9 @@ use std::f64::consts::PI;
 /// Intervals of one gross motion.
 const MAX_INTERVALS: usize = 20_000;
 
-/// Share of the distance of self-alignment that is used before the fine motion.
-const ALIGNED_SHARE: f64 = 0.5;
+/// Share of the distance of self-alignment that is used before the fine motion: two robots that turn away so near to each other
+/// collide more often than they miss the rest.
+const ALIGNED_SHARE: f64 = 0.75;
 
 /// What the two are doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,7 +4,7 @@
 //! where they did. A single robot touches when a corner of its front comes to the edge that it faces at its goal; it then
 //! lies flat against it. Robots that touch anything else have collided.
 
-use super::trial::{FailureReason, Met, Trial, motion};
+use super::{FailureReason, Met, Trial, motion};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Robot, wrapped_rad};
 use crate::geometry::Pose;

@@ -1,16 +1,21 @@
 //! The stages of a task, each a machine of its own.
 
+mod coarse;
+mod pair;
+mod single;
+mod written;
+
 use super::Drive;
 use super::belief::Belief;
-use super::coarse::DriveStage;
-use super::pair::PairStage;
-use super::single::SingleStage;
-use super::written::{RestStage, WrittenStage};
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
 use crate::device::microrobots::Arm;
 use crate::plan::microrobots::strategy::{Episode, StrategyPiece, episodes};
 use crate::plan::microrobots::{AssemblyStage, MicrorobotsMotion, MicrorobotsStepMotion};
+use coarse::DriveStage;
+use pair::PairStage;
 use serde::{Deserialize, Serialize};
+use single::SingleStage;
+use written::{RestStage, WrittenStage};
 
 /// What a controller is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -52,6 +57,8 @@ pub enum StopReason {
     Doubtful,
     /// No measurement came in time.
     Silence,
+    /// The measurements ended.
+    Closed,
     /// The time of a measurement lies before that of the one before.
     Clock,
     /// Too many lines could not be understood.

@@ -1,11 +1,11 @@
 //! Legs carried out as the plan has them, interval by interval, and waits.
 
-use super::Drive;
-use super::belief::Belief;
-use super::stages::{Progress, StopReason};
+use super::{Progress, StopReason};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::wrapped_rad;
 use crate::geometry::Pose;
+use crate::plan::microrobots::control::Drive;
+use crate::plan::microrobots::control::belief::Belief;
 use crate::plan::microrobots::strategy::Episode;
 use crate::plan::microrobots::{AssemblyStage, Leg};
 use crate::real::Real;

@@ -1,7 +1,8 @@
 //! One trial: true poses of the robots, their measurements, and the time.
 
+mod contact;
+
 use super::area::AreaMatch;
-use super::contact::NextDocking;
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Errors};
 use crate::geometry::Pose;
@@ -10,6 +11,7 @@ use crate::plan::microrobots::control::{ControlPhase, Segment, Stop, StopReason}
 use crate::plan::microrobots::strategy::{BodyCorners, StrategySolid, bent, body};
 use crate::random::SplitMix64;
 use crate::real::Real;
+use contact::NextDocking;
 use nalgebra::{Isometry2, Vector2};
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -50,7 +52,9 @@ impl FailureReason {
             StopReason::Misplaced => FailureReason::Misplaced,
             StopReason::TimeLimit => FailureReason::TimeLimit,
             StopReason::Unseen | StopReason::Doubtful => FailureReason::Unmeasured,
-            StopReason::Silence | StopReason::Clock | StopReason::Garbled => FailureReason::Silence,
+            StopReason::Silence | StopReason::Closed | StopReason::Clock | StopReason::Garbled => {
+                FailureReason::Silence
+            }
         }
     }
 }

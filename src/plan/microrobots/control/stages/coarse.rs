@@ -3,14 +3,14 @@
 //! A robot with errors cannot be brought to its stop exactly: it counts as there once it is measured within the cylinder that the
 //! errors allow, and the drive is repeated otherwise.
 
-use super::Drive;
-use super::belief::Belief;
 use super::single::{MAX_ROUNDS, MAX_TIMES, whole_strokes};
-use super::stages::{Progress, StopReason, add_pieces};
+use super::{Progress, StopReason, add_pieces};
 use crate::claims::microrobots::{MicrorobotsOrder, MicrorobotsStop};
 use crate::device::microrobots::{Arm, wrapped_rad};
 use crate::geometry::Pose;
 use crate::plan::microrobots::Leg;
+use crate::plan::microrobots::control::Drive;
+use crate::plan::microrobots::control::belief::Belief;
 use crate::plan::microrobots::strategy::{Driver, Phase, Pursuit, centres, poses_of};
 use crate::real::Real;
 use std::f64::consts::TAU;
