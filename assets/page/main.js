@@ -19,6 +19,9 @@ class Player {
     this.model = buildModel(page);
     this.t_ns = 0;
     this.isPlaying = false;
+    const dark = window.matchMedia("(prefers-color-scheme: dark)");
+    document.documentElement.dataset.theme = dark.matches ? "dark" : "light";
+    dark.addEventListener("change", () => this.retheme(dark.matches));
     this.theme = themeOf();
     this.views = viewsOf(this.model);
     const find = (id) => document.getElementById(id);
@@ -37,7 +40,6 @@ class Player {
     this.readLink();
     window.addEventListener("hashchange", () => this.readLink());
     window.addEventListener("resize", () => this.draw());
-    window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.retheme());
     this.draw();
   }
 
@@ -79,10 +81,7 @@ class Player {
     document.getElementById("back").addEventListener("click", () => this.toEvent(-1));
     document.getElementById("forth").addEventListener("click", () => this.toEvent(1));
     document.getElementById("theme").addEventListener("click", () => {
-      const root = document.documentElement;
-      const isDark = getComputedStyle(root).getPropertyValue("--scheme").trim() === "dark";
-      root.dataset.theme = isDark ? "light" : "dark";
-      this.retheme();
+      this.retheme(document.documentElement.dataset.theme === "light");
     });
     document.addEventListener("keydown", (event) => this.key(event));
   }
@@ -106,7 +105,8 @@ class Player {
     acts[event.key]();
   }
 
-  retheme() {
+  retheme(isDark) {
+    document.documentElement.dataset.theme = isDark ? "dark" : "light";
     this.theme = themeOf();
     this.timeline.theme = this.theme;
     this.draw();
