@@ -37,6 +37,10 @@ pub enum Command {
     #[command(after_help = "Examples:\n  tweeze verify fetch.mcap\n  tweeze verify fetch.mcap --against fetch.twz\n  \
                       tweeze verify fetch.mcap --against fetch.twz --set pitch=80um")]
     Verify(VerifyArguments),
+    /// Write the page that plays a program or a log, and open it in the browser
+    #[command(after_help = "Examples:\n  tweeze view fetch.twz\n  tweeze view out/fetch.mcap -o out --no-open\n\n\
+                            A log is verified first. The page is one file: it needs no network and can be passed on.")]
+    View(ViewArguments),
     /// Explain a diagnostic, with an example and its fix
     #[command(after_help = "Example: tweeze explain E0503")]
     Explain(ExplainArguments),
@@ -160,6 +164,29 @@ pub struct VerifyArguments {
     /// Set a value of the `--against` program; without this option the program's own values apply, whatever the log contains
     #[arg(long = "set", value_name = "NAME=VALUE", requires = "against")]
     pub set: Vec<String>,
+    #[command(flatten)]
+    pub report: ReportArguments,
+}
+
+#[derive(Debug, Args)]
+pub struct ViewArguments {
+    /// The program or the log to show
+    #[arg(value_name = "FILE.twz|FILE.mcap")]
+    pub file: PathBuf,
+    /// Show this task or program alone
+    #[arg(long, value_name = "NAME")]
+    pub task: Option<String>,
+    /// Folder to write to; created if missing
+    #[arg(short, long, value_name = "DIR", default_value = ".")]
+    pub output: PathBuf,
+    /// Write the page only
+    #[arg(long)]
+    pub no_open: bool,
+    /// Replace files that were built from other programs
+    #[arg(long)]
+    pub force: bool,
+    #[command(flatten)]
+    pub settings: Settings,
     #[command(flatten)]
     pub report: ReportArguments,
 }
@@ -319,14 +346,14 @@ pub struct CompletionsArguments {
     pub shell: clap_complete::Shell,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Settings {
     /// Replace a top-level `let`, such as pitch=80um, or lab.pitch=80um in a used file
     #[arg(long = "set", value_name = "NAME=VALUE")]
     pub set: Vec<String>,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct ReportArguments {
     /// Format of diagnostics on standard error; with `json`, the report of a build, a verification or a simulation is JSON too
     #[arg(long, value_enum, default_value = "human")]

@@ -15,6 +15,7 @@ mod report;
 mod signals;
 mod terminal;
 mod verify;
+mod view;
 mod waiting;
 
 use arguments::{Command, Invocation};
@@ -71,6 +72,7 @@ fn dispatch(command: Command) -> Exit {
         Command::Check(arguments) => check::run(&arguments),
         Command::Build(arguments) => build::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
+        Command::View(arguments) => view::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
         Command::Fmt(arguments) => fmt::run(&arguments),
         Command::Simulate(arguments) => run_simulate(&arguments),
