@@ -2,9 +2,10 @@
 
 use crate::check::imports::{self, Library};
 use crate::check::{self, Checked, DeclarationTally, Options};
+use crate::claims::Claims;
 use crate::diagnostic::Sink;
 use crate::lower::lower;
-use crate::plan::{self, Progress};
+use crate::plan::{self, Motion, Plan, Progress};
 use crate::source::Sources;
 use crate::verify::{self, Verdict, Verified};
 
@@ -37,6 +38,32 @@ pub enum CompileOutcome {
 pub fn check(program: &CompileRequest, sources: &mut Sources, sink: &mut Sink) -> Option<Checked> {
     let modules = imports::load(sources, program.name, program.text, program.library, sink);
     check::check(sources, &modules, program.options, sink)
+}
+
+/// Plans of a schedule's jobs, with the schedule that the verifier accepted.
+pub struct VerifiedPlans<'a> {
+    pub plans: Vec<Plan<Motion<'a>>>,
+    pub verified: Verified,
+}
+
+/// Plans, schedules and verifies one schedule of a program.
+///
+/// # Errors
+/// [`CompileOutcome::Errors`] or [`CompileOutcome::Refused`]; the diagnostics were pushed.
+pub fn verified_plans<'a>(
+    claims: &'a Claims,
+    sources: &Sources,
+    sink: &mut Sink,
+    progress: Progress,
+) -> Result<VerifiedPlans<'a>, CompileOutcome> {
+    let plans = plan::plan(claims, sink, progress).ok_or(CompileOutcome::Errors)?;
+    let schedule = lower(claims, &plans, sources, sink).ok_or(CompileOutcome::Errors)?;
+    match verify::verify_program(schedule, claims, sources) {
+        Verdict::Accepted(verified) => return Ok(VerifiedPlans { plans, verified }),
+        Verdict::Rejected(violations) => violations.into_iter().for_each(|violation| sink.push(violation.into())),
+        Verdict::Inconclusive { why } => sink.push(verify::inconclusive(&why)),
+    }
+    Err(CompileOutcome::Refused)
 }
 
 /// Reads, checks, plans, schedules and verifies a program.

@@ -14,7 +14,7 @@
 //! | [`plan`] | claims | a [`Plan`](plan::Plan) for each job, or a proof that there is none, or the budget that ran out |
 //! | [`lower`] | plans | one [`Schedule`](schedule::Schedule): channels and actuations in integer nanoseconds |
 //! | [`verify`] | a schedule and the claims | a [`Verified`](verify::Verified) schedule, replayed by geometry of its own |
-//! | [`emit`] | a verified schedule | MCAP, JSON, CSV, VCD, SPICE, SCPI and G-code files |
+//! | [`emit`] | a verified schedule | MCAP, JSON, CSV, VCD, SPICE, SCPI and G-code files, and a page (`assets/page`) that plays it |
 //!
 //! [`claims`] and [`schedule`] are the contract: data that the stages hand to one another. `check`, `plan`, `verify` and [`log`], which
 //! reads MCAP logs back, stand side by side on it, and none of them sees another.

@@ -15,9 +15,9 @@ const FILES: i32 = 4;
 
 const SMALL: &str = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n";
 
-const ALL_FORMATS: &str = "mcap,json,csv,vcd,pwl,scpi";
+const ALL_FORMATS: &str = "mcap,json,csv,vcd,pwl,scpi,html";
 
-const ENDINGS: [&str; 8] = ["mcap", "json", "csv", "vcd", "pwl.inc", "cir", "scpi", "scpi.txt"];
+const ENDINGS: [&str; 9] = ["mcap", "json", "csv", "vcd", "pwl.inc", "cir", "scpi", "scpi.txt", "html"];
 
 fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name)
@@ -81,7 +81,7 @@ fn says(text: &str, parts: &[&str]) {
 #[test]
 fn help_teaches() {
     let bench = Bench::new();
-    let commands = ["check", "build", "verify", "explain", "fmt", "simulate", "devices", "completions"];
+    let commands = ["check", "build", "verify", "explain", "fmt", "simulate", "control", "devices", "completions"];
     let top = out(&bench.run(&["--help"]).code(DONE));
     says(&top, &commands);
     says(&top, &["Exit status: 0 done; 1 the program has errors; 2 wrong usage; 3", "tweeze build FILE.twz"]);
@@ -503,6 +503,25 @@ fn logs_that_are_damaged_or_of_another_program_are_refused() {
 }
 
 #[test]
+fn a_log_is_shown_as_its_program_is_once_it_is_verified() {
+    let bench = Bench::with(SMALL);
+    let shown = bench.run(&["view", "a.twz", "--no-open"]).code(DONE);
+    says(&out(&shown), &["Verified  go", "Wrote  go.html"]);
+    let page = fs::read(bench.path("go.html")).expect("the page is there");
+    bench.run(&["build", "a.twz", "-o", "logs"]).code(DONE);
+    let shown = bench.run(&["view", "logs/go.mcap", "-o", "pages", "--no-open"]).code(DONE);
+    says(&out(&shown), &["Verified  go", "Wrote  pages/go.html"]);
+    assert_eq!(fs::read(bench.path("pages/go.html")).expect("the page is there"), page);
+    let mut log = fs::read(bench.path("logs/go.mcap")).expect("the log is there");
+    let middle = log.len() / 2;
+    log[middle] ^= 1;
+    fs::write(bench.path("logs/go.mcap"), log).expect("the log is damaged");
+    let refused = bench.run(&["view", "logs/go.mcap", "-o", "none", "--no-open"]).get_output().status.code();
+    assert!(refused != Some(DONE) && bench.names("none").is_empty());
+    bench.run(&["view", "a.twz", "-o", "pages", "--no-open"]).code(FILES);
+}
+
+#[test]
 fn a_suggested_table_is_a_program_that_checks_and_tells_its_states() {
     let bench = Bench::new();
     let wanted = ["devices", "--suggest", "microrobots", "--robots", "6", "--margin", "4V", "--max", "200V"];
@@ -525,7 +544,7 @@ fn a_simulation_is_the_same_for_the_same_seed() {
         out(&bench.run(&["simulate", &four, "--trials", "100", "--seed", seed]).code(DONE))
     };
     let told = simulated("7");
-    says(&told, &["of 100 trials succeeded", "95 % confidence (seed 7)", "D1", "incidence"]);
+    says(&told, &["of 100 trials succeeded", "95 % confidence (seed 7)", "area of the goal", "D1", "incidence"]);
     assert_eq!(told, simulated("7"));
     assert_ne!(told, simulated("8"));
     let fetch = example("dimibot_fetch.twz");

@@ -30,7 +30,7 @@ const SIGHT: &[(&str, &[&str])] = &[
     ("simulate", &["claims", "plan"]),
     ("lower", &["claims", "plan", "schedule"]),
     ("emit", &["claims", "schedule", "verify", "log"]),
-    ("compile", &["syntax", "check", "plan", "lower", "verify"]),
+    ("compile", &["syntax", "claims", "check", "plan", "lower", "verify"]),
     (
         "cli",
         &[
@@ -338,10 +338,10 @@ fn a_kind_has_the_same_name_in_every_stage() {
 const MAX_SHARED_FILES: usize = 10;
 const MAX_SHARED_LINES: usize = 15;
 
-/// Lines that a kind has for what no other kind offers.
-const OWN_OFFERS: &[(&str, usize)] = &[
-    // It is simulated, and tables of voltages are suggested for it.
-    ("microrobots", 3),
+/// Files and lines that a kind has for what no other kind offers.
+const OWN_OFFERS: &[(&str, [usize; 2])] = &[
+    // It is simulated and controlled, and tables of voltages are suggested for it.
+    ("microrobots", [1, 5]),
 ];
 
 /// How often the shared files name a kind in code, by file: `dimibot` as a word, or a word that begins with `Dimibot`. A file or a
@@ -364,8 +364,9 @@ fn shared_files_seldom_name_a_kind() {
         let counts = names_of_kind(kind);
         let (files, lines) = (counts.len(), counts.values().sum::<usize>());
         println!("{kind}: {files} shared files, {lines} lines: {counts:?}");
-        let own = OWN_OFFERS.iter().find(|(offered, _)| *offered == kind).map_or(0, |(_, lines)| *lines);
-        assert!(files <= MAX_SHARED_FILES && lines <= MAX_SHARED_LINES + own, "{kind}: {files}, {lines}: {counts:?}");
+        let own = OWN_OFFERS.iter().find(|(offered, _)| *offered == kind).map_or([0; 2], |(_, own)| *own);
+        let is_seldom = files <= MAX_SHARED_FILES + own[0] && lines <= MAX_SHARED_LINES + own[1];
+        assert!(is_seldom, "{kind}: {files}, {lines}: {counts:?}");
         all.extend(counts.into_keys());
     }
     let page = std::fs::read_to_string(root().join("src/device/mod.rs")).unwrap_or_default();

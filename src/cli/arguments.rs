@@ -1,7 +1,9 @@
 //! Command-line arguments.
 
+use super::Address;
 use crate::emit::Format;
 use crate::quantity::{Dimension, Unit};
+use crate::simulate::Disturbances;
 use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser, builder::TypedValueParser};
 use std::path::PathBuf;
 
@@ -16,7 +18,7 @@ pub struct Invocation {
 
 const EXIT_STATUS: &str = "\
 Exit status: 0 done; 1 the program has errors; 2 wrong usage; 3 verification refused a schedule; 4 a file \
-could not be read or written; 5 tweeze itself failed, which is a bug.
+could not be read or written; 5 tweeze itself failed, which is a bug; 6 a task was given up while it was controlled.
 
 Begin with `tweeze build FILE.twz`; `tweeze devices` lists what can be programmed.";
 
@@ -35,6 +37,10 @@ pub enum Command {
     #[command(after_help = "Examples:\n  tweeze verify fetch.mcap\n  tweeze verify fetch.mcap --against fetch.twz\n  \
                       tweeze verify fetch.mcap --against fetch.twz --set pitch=80um")]
     Verify(VerifyArguments),
+    /// Write the page that plays a program or a log, and open it in the browser
+    #[command(after_help = "Examples:\n  tweeze view fetch.twz\n  tweeze view out/fetch.mcap -o out --no-open\n\n\
+                            A log is verified first. The page is one file: it needs no network and can be passed on.")]
+    View(ViewArguments),
     /// Explain a diagnostic, with an example and its fix
     #[command(after_help = "Example: tweeze explain E0503")]
     Explain(ExplainArguments),
@@ -46,8 +52,18 @@ pub enum Command {
     )]
     Fmt(FmtArguments),
     /// Simulate the assemblies of a program with imperfect robots and measurements, and count the outcomes
-    #[command(after_help = "Example: tweeze simulate assemble.twz --trials 1000 --seed 7")]
+    #[command(after_help = "Examples:\n  tweeze simulate assemble.twz --trials 1000 --seed 7\n  \
+                      tweeze simulate assemble.twz --trials 5 --against-controller --delay 50ms --lost 0.02 --wrong 0.01")]
     Simulate(SimulateArguments),
+    /// Control a task on a bed of microrobots: read measured poses as lines, answer each with the next drive segments
+    #[command(after_help = "Examples:\n  camera | tweeze control assemble.twz --record run.mcap | source\n  \
+                      tweeze control assemble.twz --listen 127.0.0.1:7000\n  \
+                      tweeze control assemble.twz --listen unix:/tmp/bed.sock\n\n\
+                      A line of input: {\"t_ns\": 0, \"robots\": {\"D1\": {\"x_um\": 1.5, \"y_um\": 2, \"heading_deg\": 90}}}\n\
+                      A line of output: {\"command\": \"drive\", \"until_ns\": ..., \"segments\": [...], ...}\n\n\
+                      The protocol is described in docs/control.md and schema/control.schema.json. Exit status: 0 the \
+                      task is done; 6 it was given up, for the reason in the last line.")]
+    Control(ControlArguments),
     /// List the device kinds, the vocabulary of one of them, or the devices of a program with all derived figures
     #[command(after_help = "Examples:\n  tweeze devices dimibot\n  tweeze devices assemble.twz\n  \
                       tweeze devices --suggest microrobots --robots 6 --margin 4V --max 200V")]
@@ -153,6 +169,29 @@ pub struct VerifyArguments {
 }
 
 #[derive(Debug, Args)]
+pub struct ViewArguments {
+    /// The program or the log to show
+    #[arg(value_name = "FILE.twz|FILE.mcap")]
+    pub file: PathBuf,
+    /// Show this task or program alone
+    #[arg(long, value_name = "NAME")]
+    pub task: Option<String>,
+    /// Folder to write to; created if missing
+    #[arg(short, long, value_name = "DIR", default_value = ".")]
+    pub output: PathBuf,
+    /// Write the page only
+    #[arg(long)]
+    pub no_open: bool,
+    /// Replace files that were built from other programs
+    #[arg(long)]
+    pub force: bool,
+    #[command(flatten)]
+    pub settings: Settings,
+    #[command(flatten)]
+    pub report: ReportArguments,
+}
+
+#[derive(Debug, Args)]
 pub struct ExplainArguments {
     /// A code such as E0503; all codes are listed if omitted
     pub code: Option<String>,
@@ -205,6 +244,24 @@ pub struct DevicesArguments {
     pub swing: f64,
 }
 
+/// A share from 0 to 1.
+fn share(text: &str) -> Result<f64, String> {
+    let share: f64 = text.parse().map_err(|_| "a share is a number from 0 to 1, such as 0.02".to_owned())?;
+    if (0.0..=1.0).contains(&share) { Ok(share) } else { Err("a share is from 0 to 1".to_owned()) }
+}
+
+/// A time of an hour or less, in nanoseconds.
+fn time_ns(text: &str) -> Result<u64, String> {
+    let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit());
+    let unit = text[digits.len()..].trim();
+    let form = || "a time is written as 50ms or 0.5s".to_owned();
+    let quantity = Unit::parse(unit).ok().and_then(|unit| unit.of(digits)).ok_or_else(form)?;
+    match quantity.dimension == Dimension::TIME && (0.0..=3600.0).contains(&quantity.si) {
+        true => Ok((quantity.si * 1e9).round() as u64),
+        false => Err(form()),
+    }
+}
+
 /// A voltage above zero, in volts.
 fn voltage(text: &str) -> Result<f64, String> {
     let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit());
@@ -230,10 +287,55 @@ pub struct SimulateArguments {
     /// Seed of the random numbers; the same seed gives the same results
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// Let `tweeze control` bring the robots together, in another process over a socket: one for each run
+    #[arg(long)]
+    pub against_controller: bool,
+    /// Time from a measurement to its command, such as 50ms; the bed holds still meanwhile
+    #[arg(long, value_name = "TIME", default_value = "0s", value_parser = time_ns)]
+    pub delay: u64,
+    /// Share of measured poses that are lost, such as 0.02
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
+    pub lost: f64,
+    /// Share of measured poses that are off by up to 0.5 mm and any angle
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
+    pub wrong: f64,
+    /// Share of intervals in which a robot does not move
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
+    pub stalls: f64,
+    /// Share of intervals before which a robot slips by up to 10 um and 3 deg
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
+    pub slips: f64,
     #[command(flatten)]
     pub settings: Settings,
     #[command(flatten)]
     pub report: ReportArguments,
+}
+
+#[derive(Debug, Args)]
+pub struct ControlArguments {
+    /// The program
+    pub file: PathBuf,
+    /// Control this task; needed if the program has several
+    #[arg(long, value_name = "NAME")]
+    pub task: Option<String>,
+    /// Wait for one connection at this address of this machine instead of using standard input and output
+    #[arg(long, value_name = "HOST:PORT|unix:PATH", value_parser = Address::parse)]
+    pub listen: Option<Address>,
+    /// Record all lines in a new MCAP file
+    #[arg(long, value_name = "FILE.mcap")]
+    pub record: Option<PathBuf>,
+    #[command(flatten)]
+    pub settings: Settings,
+    #[command(flatten)]
+    pub report: ReportArguments,
+}
+
+impl SimulateArguments {
+    /// What goes wrong besides the errors of the device.
+    pub fn disturbances(&self) -> Disturbances {
+        let SimulateArguments { delay, lost, wrong, stalls, slips, .. } = *self;
+        Disturbances { delay_ns: delay, lost, wrong, stalls, slips }
+    }
 }
 
 /// Greatest number of trials in one simulation.
@@ -244,16 +346,16 @@ pub struct CompletionsArguments {
     pub shell: clap_complete::Shell,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Settings {
     /// Replace a top-level `let`, such as pitch=80um, or lab.pitch=80um in a used file
     #[arg(long = "set", value_name = "NAME=VALUE")]
     pub set: Vec<String>,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct ReportArguments {
-    /// Format of diagnostics on standard error; with `json`, the report of a build or a verification is JSON too
+    /// Format of diagnostics on standard error; with `json`, the report of a build, a verification or a simulation is JSON too
     #[arg(long, value_enum, default_value = "human")]
     pub format: ReportFormat,
 }

@@ -16,13 +16,18 @@ use std::path::{Path, PathBuf};
 
 /// Builds a program and writes the whole set of its files, or nothing.
 pub fn run(arguments: &BuildArguments) -> Exit {
+    built(arguments).map_or_else(|exit| exit, |(report, _)| terminal::answer(&report))
+}
+
+/// Builds a program and writes its files; the report, and where the files stand.
+///
+/// # Errors
+/// The exit status, once the diagnostics were reported.
+pub fn built(arguments: &BuildArguments) -> Result<(String, Vec<PathBuf>), Exit> {
     signals::catch();
     let format = arguments.report.format;
     let options = Options { settings: arguments.settings.set.clone(), only: arguments.task.clone() };
-    let loaded = match Loaded::read(&arguments.file, options, &arguments.report) {
-        Ok(loaded) => loaded,
-        Err(exit) => return exit,
-    };
+    let loaded = Loaded::read(&arguments.file, options, &arguments.report)?;
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let waiting = ProgressLine::begin();
     let outcome =
@@ -32,8 +37,8 @@ pub fn run(arguments: &BuildArguments) -> Exit {
     drop(waiting);
     terminal::report(&sink, &sources, format);
     match outcome {
-        CompileOutcome::Errors => Exit::Errors,
-        CompileOutcome::Refused => Exit::Refused,
+        CompileOutcome::Errors => Err(Exit::Errors),
+        CompileOutcome::Refused => Err(Exit::Refused),
         CompileOutcome::Compiled(compiled) => write(arguments, compiled, &provenance(&sources, &loaded.options)),
     }
 }
@@ -45,10 +50,14 @@ pub fn provenance(sources: &Sources, options: &Options) -> Provenance {
     Provenance { files, settings: options.settings.clone() }
 }
 
-fn write(arguments: &BuildArguments, compiled: Compiled, provenance: &Provenance) -> Exit {
+fn write(
+    arguments: &BuildArguments,
+    compiled: Compiled,
+    provenance: &Provenance,
+) -> Result<(String, Vec<PathBuf>), Exit> {
     let formats: BTreeSet<Format> = arguments.emit.iter().copied().collect();
     let mut files: Vec<OutputFile> = Vec::new();
-    let mut written: Vec<Vec<String>> = Vec::new();
+    let mut written: Vec<Vec<PathBuf>> = Vec::new();
     let mut schedules = Vec::with_capacity(compiled.schedules.len());
     for verified in compiled.schedules {
         let mut own: Vec<OutputFile> = Vec::new();
@@ -57,14 +66,11 @@ fn write(arguments: &BuildArguments, compiled: Compiled, provenance: &Provenance
                 Ok(set) => own.extend(set),
                 Err(error) => {
                     terminal::report_one(error.diagnostic(), arguments.report.format);
-                    return Exit::Errors;
+                    return Err(Exit::Errors);
                 }
             }
         }
-        match read_back(verified, &own, arguments.report.format) {
-            Ok(verified) => schedules.push(verified),
-            Err(exit) => return exit,
-        }
+        schedules.push(read_back(verified, &own, arguments.report.format)?);
         written.push(own.iter().map(|file| shown(&arguments.output, &file.name)).collect());
         files.extend(own);
     }
@@ -72,18 +78,21 @@ fn write(arguments: &BuildArguments, compiled: Compiled, provenance: &Provenance
     let to = Destination { folder: &arguments.output, program: &arguments.file, force: arguments.force };
     if let Err(diagnostic) = disk::write_all(&to, &files) {
         terminal::report_one(*diagnostic, arguments.report.format);
-        return Exit::Files;
+        return Err(Exit::Files);
     }
     let settings = &arguments.settings.set;
-    terminal::answer(&match arguments.report.format {
+    let names = |paths: &Vec<PathBuf>| paths.iter().map(|path| path.to_string_lossy().into_owned()).collect();
+    let names: Vec<Vec<String>> = written.iter().map(names).collect();
+    let report = match arguments.report.format {
         ReportFormat::Json => {
             let file = arguments.file.to_string_lossy();
-            format!("{}\n", report::json::built(&file, &compiled, settings, &written))
+            format!("{}\n", report::json::built(&file, &compiled, settings, &names))
         }
         ReportFormat::Human | ReportFormat::Short | ReportFormat::Github => {
-            report::build(&arguments.file, &compiled, settings, &written)
+            report::build(&arguments.file, &compiled, settings, &names)
         }
-    })
+    };
+    Ok((report, written.concat()))
 }
 
 /// Verifies the log of a schedule from its bytes, as `tweeze verify` would: whatever is written can be read. The schedule read back replaces
@@ -102,7 +111,6 @@ fn read_back(verified: Verified, set: &[OutputFile], report: ReportFormat) -> Re
 }
 
 /// Where a file stands, as the user would write it.
-fn shown(folder: &Path, name: &str) -> String {
-    let path = if folder == Path::new(".") { PathBuf::from(name) } else { folder.join(name) };
-    path.to_string_lossy().into_owned()
+pub fn shown(folder: &Path, name: &str) -> PathBuf {
+    if folder == Path::new(".") { PathBuf::from(name) } else { folder.join(name) }
 }

@@ -39,6 +39,12 @@ pub fn unwritable(path: &Path, error: &io::Error) -> Diagnostic {
         .help("nothing was written; choose another folder with `-o DIR`")
 }
 
+pub fn not_recorded(path: &Path, error: &io::Error) -> Diagnostic {
+    let exists = error.kind() == io::ErrorKind::AlreadyExists;
+    let help = if exists { "recordings are never overwritten: choose another name" } else { "choose another folder" };
+    Diagnostic::new(Code::E0804, format!("cannot record in `{}`: {}", path.display(), reason(error))).help(help)
+}
+
 pub fn not_replaced(path: &Path, error: &io::Error) -> Diagnostic {
     Diagnostic::new(Code::E0804, format!("cannot write `{}`: {}", path.display(), reason(error)))
         .help("the file is unchanged; `tweeze fmt - < FILE` writes the canonical form to standard output")

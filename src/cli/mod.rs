@@ -10,15 +10,17 @@ mod explain;
 mod fmt;
 mod library;
 mod loaded;
+mod microrobots;
 mod report;
 mod signals;
-mod simulate;
 mod terminal;
 mod verify;
+mod view;
 mod waiting;
 
 use arguments::{Command, Invocation};
 use clap::{CommandFactory, Parser};
+use microrobots::{Address, run_control, run_simulate};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -36,6 +38,8 @@ pub enum Exit {
     Files = 4,
     /// Tweeze itself failed.
     Fault = 5,
+    /// A task was given up while it was controlled.
+    Stopped = 6,
 }
 
 /// Stack of the working thread, in bytes: several times the need of the deepest nesting that is accepted.
@@ -68,9 +72,11 @@ fn dispatch(command: Command) -> Exit {
         Command::Check(arguments) => check::run(&arguments),
         Command::Build(arguments) => build::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
+        Command::View(arguments) => view::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
         Command::Fmt(arguments) => fmt::run(&arguments),
-        Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Simulate(arguments) => run_simulate(&arguments),
+        Command::Control(arguments) => run_control(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),
         Command::Completions(arguments) => {
             let mut script = Vec::new();

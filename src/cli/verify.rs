@@ -28,16 +28,19 @@ impl Refusal {
         sink.push(diagnostic);
         Box::new(Refusal { sources: Sources::default(), sink, exit })
     }
+
+    /// Reports it; the exit status.
+    pub fn report(&self, format: ReportFormat) -> Exit {
+        terminal::report(&self.sink, &self.sources, format);
+        self.exit
+    }
 }
 
 /// Replays a log; every refusing step states why.
 pub fn run(arguments: &VerifyArguments) -> Exit {
     match judge(arguments) {
         Ok(text) => terminal::answer(&text),
-        Err(refusal) => {
-            terminal::report(&refusal.sink, &refusal.sources, arguments.report.format);
-            refusal.exit
-        }
+        Err(refusal) => refusal.report(arguments.report.format),
     }
 }
 
@@ -57,7 +60,7 @@ fn judge(arguments: &VerifyArguments) -> Result<String, Box<Refusal>> {
 pub struct Judged {
     /// The verified schedule.
     pub verified: Verified,
-    provenance: Provenance,
+    pub provenance: Provenance,
     /// Version of the Tweeze that wrote it.
     version: String,
 }

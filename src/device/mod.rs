@@ -21,6 +21,7 @@
 //! | `src/simulate/mod.rs` | whether it is simulated |
 //! | `src/emit/mcap/mod.rs` | the module |
 //! | `src/cli/report/mod.rs` | the module |
+//! | `src/cli/mod.rs` | commands of its own, if it has any |
 //!
 //! `tests/tidy.rs` holds this table against the code, and counts the lines.
 

@@ -8,6 +8,7 @@ mod error;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub mod gcode;
+mod html;
 mod identifier;
 pub mod mcap;
 pub mod pwl;
@@ -38,12 +39,14 @@ pub enum Format {
     Scpi,
     /// Moves of translation stages, for LinuxCNC.
     Gcode,
+    /// A page that plays the schedule in any browser.
+    Html,
 }
 
 impl Format {
     /// Every format, in the order of the handbook.
     pub const ALL: &'static [Format] =
-        &[Format::Mcap, Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi, Format::Gcode];
+        &[Format::Mcap, Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi, Format::Gcode, Format::Html];
 
     /// The name used by `--emit`.
     pub fn name(self) -> &'static str {
@@ -55,6 +58,7 @@ impl Format {
             Format::Pwl => "pwl",
             Format::Scpi => "scpi",
             Format::Gcode => "gcode",
+            Format::Html => "html",
         }
     }
 
@@ -107,6 +111,7 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
             let programs = gcode::write(&signals)?;
             Ok(programs.into_iter().map(|(of, program)| file(&format!("{of}.ngc"), program)).collect())
         }
+        Format::Html => Ok(vec![file("html", html::write(verified, provenance)?)]),
     }
 }
 

@@ -65,6 +65,13 @@ pub const CLAIMS_FORMAT: &str = "tweeze-claims";
 /// Name of the metadata record with the origin of the log.
 pub const METADATA: &str = "tweeze";
 
+/// Name of the metadata record of a recorded run of a controller.
+pub const RECORDING: &str = "tweeze-recording";
+
+/// Topics of such a recording: lines of measured poses, and lines of commands.
+pub const MEASURED_TOPIC: &str = "/control/measured";
+pub const COMMAND_TOPIC: &str = "/control/command";
+
 /// The topic of a device with its channels of a unit.
 pub fn topic(device: &str, unit: ChannelUnit) -> String {
     format!("/{device}{}", suffix(unit))

@@ -4,13 +4,25 @@
 //! whatever the number of threads. Only microrobots state their errors so far.
 
 use crate::plan::Motion;
-use crate::plan::microrobots::simulation;
-pub use simulation::{Dockings, FailureReason, Failures, SimulationReport, Spread};
+use crate::plan::microrobots::{control, simulation};
+pub use control::ControlPhase;
+pub use simulation::{Disturbances, Dockings, FailureReason, Failures, ShareSpread, SimulationReport, Spread};
 
 /// Report on `trials` trials of a plan; `None` if the kind or the device has no error bounds, or nothing is assembled.
 pub fn simulate(motion: &Motion, trials: u64, seed: u64, threads: usize) -> Option<SimulationReport> {
+    simulate_disturbed(motion, Disturbances::default(), (trials, seed, threads))
+}
+
+/// The same under disturbances; the last numbers are the trials, the seed and the threads.
+pub fn simulate_disturbed(
+    motion: &Motion,
+    disturbances: Disturbances,
+    trials: (u64, u64, usize),
+) -> Option<SimulationReport> {
     match motion {
-        Motion::Microrobots(planned) => simulation::simulate(planned.order, &planned.motion, trials, seed, threads),
+        Motion::Microrobots(planned) => {
+            simulation::simulate_disturbed(planned.order, &planned.motion, disturbances, trials)
+        }
         // These kinds have no simulation.
         Motion::Dimibot(_) | Motion::ElectrodeArray(_) | Motion::Fingers(_) => None,
     }

@@ -4,6 +4,7 @@
 #![allow(clippy::disallowed_methods)]
 
 mod bounds;
+mod control;
 mod found;
 #[path = "../support/random.rs"]
 mod random;

@@ -85,6 +85,10 @@ fn facts(device: &CheckedDevice, table: &RobotTable, sink: &mut Sink) -> Option<
         },
         fine: Fine { length_um: um("fine_length")?, cycle_um: um("fine_cycle")? },
         errors: errors?,
+        watchdog_ns: match device.fields.contains_key("watchdog") {
+            true => Some(device.fields.clock_ns("watchdog", sink)?),
+            false => None,
+        },
     })
 }
 

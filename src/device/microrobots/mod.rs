@@ -194,9 +194,21 @@ pub struct MicrorobotsFacts {
     pub fine: Fine,
     /// `None` unless the device gives them all: nothing can be guaranteed or simulated then.
     pub errors: Option<Errors>,
+    /// Without a measurement for this long, counted from the end of the last command, a controller stops; `None` for the default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub watchdog_ns: Option<u64>,
 }
 
+/// Default of the watchdog, in intervals from one measurement to the next.
+pub const WATCHDOG_INTERVALS: u64 = 5;
+
 impl MicrorobotsFacts {
+    /// For how long a controller waits for a measurement after the end of its last command.
+    pub fn watchdog_ns(&self) -> u64 {
+        let interval_ns = self.errors.map_or(u64::MAX, |errors| errors.replan_ns);
+        self.watchdog_ns.unwrap_or(interval_ns.saturating_mul(WATCHDOG_INTERVALS))
+    }
+
     /// The row of a name.
     pub fn row(&self, name: &str) -> Option<usize> {
         self.robots.iter().position(|robot| robot.name == name)

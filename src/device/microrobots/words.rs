@@ -130,6 +130,12 @@ const FIELDS: &[VocabularyField] = &[
     optional("place_error", not_negative(Dimension::LENGTH), "unknown", "bound on the error of a measured place"),
     optional("heading_error", not_negative(Dimension::ANGLE), "unknown", "bound on the error of a measured heading"),
     optional("replan_interval", positive(Dimension::TIME), "unknown", "time from one measurement to the next"),
+    optional(
+        "watchdog",
+        positive(Dimension::TIME),
+        "five times `replan_interval`",
+        "without a measurement for this long after the end of a command, `tweeze control` stops",
+    ),
 ];
 
 const SETTINGS: &[VocabularyField] = &[

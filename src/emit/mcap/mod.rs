@@ -19,6 +19,7 @@ mod fingers;
 mod foxglove;
 mod frames;
 mod microrobots;
+pub mod recording;
 #[cfg(test)]
 mod tests;
 mod voltages;

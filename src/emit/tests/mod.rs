@@ -396,3 +396,18 @@ fn scpi_repeats_a_train_as_a_step_of_a_sequence() {
     assert_eq!(error.diagnostic().code, Code::E0823);
     assert!(error.diagnostic().title.contains("in at most 3 steps"));
 }
+
+#[test]
+fn a_page_holds_its_data_whatever_the_program_says() {
+    let (verified, mut provenance) = fixture::fetch();
+    provenance.files[0].1.push_str("// </script><script>/*script*/ /*data*/ \u{2028} \"\\");
+    let page = text(Format::Html, &(verified.clone(), provenance.clone()));
+    assert_eq!(page.matches("</script>").count(), 2, "that of the data, and that of the script");
+    let data = page.split_once(r#"<script type="application/json" id="data">"#).expect("the page has data").1;
+    let data = data.split_once("</script>").expect("the data end").0;
+    let data: serde_json::Value = serde_json::from_str(data).expect("the data are JSON");
+    assert_eq!(data["sources"][0]["text"], provenance.files[0].1);
+    let schedule = serde_json::from_slice::<serde_json::Value>(&json::write(verified.schedule())).unwrap();
+    assert_eq!(data["schedule"], schedule);
+    assert_eq!(data["claims"]["jobs"].as_array().map(Vec::len), Some(verified.claims().jobs.len()));
+}

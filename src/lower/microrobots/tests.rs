@@ -45,6 +45,7 @@ pub(crate) fn facts() -> MicrorobotsFacts {
         docking: Meeting { self_aligning_rad: 1.0, self_aligning_um: 80.0, sticking_rad: 0.75, tolerance_um: 2.0 },
         fine: Fine { length_um: 300.0, cycle_um: 30.0 },
         errors: None,
+        watchdog_ns: None,
     }
 }
 

@@ -3,6 +3,7 @@
 
 pub mod assembly;
 pub mod bound;
+pub mod control;
 pub mod departure;
 pub mod drive;
 pub mod fine;
@@ -89,6 +90,14 @@ impl MicrorobotsStepMotion {
     pub fn legs(&self) -> &[Leg] {
         match self {
             MicrorobotsStepMotion::Legs { legs, .. } => legs,
+            MicrorobotsStepMotion::Wait(_) => &[],
+        }
+    }
+
+    /// Its stages; none unless it assembles.
+    pub fn stages(&self) -> &[AssemblyStage] {
+        match self {
+            MicrorobotsStepMotion::Legs { stages, .. } => stages,
             MicrorobotsStepMotion::Wait(_) => &[],
         }
     }

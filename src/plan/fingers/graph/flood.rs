@@ -242,7 +242,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
                 continue;
             }
             let pairs = [0, 1, 2].map(|place| course.pair_steps(leg, chain, place));
-            course.looks.take(sheet.contacts as u64);
+            course.looks.take((sheet.contacts * N) as u64);
             // Cyclic distance from the first contact of the pair to the third; the triples' strands are ordered by it.
             for two in 0..sheet.contacts {
                 let third = wrapped(usize::from(p) + two, sheet.contacts);
@@ -295,7 +295,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
     fn part(&mut self, mut leg: usize, mut chain: GraspChain, mut mask: AngleMask<N>, layer: u32) {
         let course = self.course;
         loop {
-            course.looks.take(TRIPLE_LOOKS);
+            course.looks.take(TRIPLE_LOOKS * N as u64);
             let strands = &course.sheets[leg].strands;
             let bits = match self.direction {
                 Direction::Onward => &strands.leave,

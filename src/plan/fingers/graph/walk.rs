@@ -109,6 +109,8 @@ struct Starts {
     gaits: u32,
     /// Index of the first chain not yet examined for this number.
     from: usize,
+    /// Lower bound on the larger numbers of the chains examined; [`NEVER`] where none was seen.
+    later: u32,
 }
 
 /// The search through one route.
@@ -144,7 +146,7 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
     /// A walk from any node at the start angle.
     pub fn anywhere(course: &'a PreparedRoute, costs: RankedEntry, estimate: E) -> Self {
         let mut walk = RouteWalk::new(course, costs, estimate);
-        walk.queue_starts(Starts { gaits: 0, from: 0 });
+        walk.queue_starts(Starts { gaits: 0, from: 0, later: NEVER });
         walk
     }
 
@@ -375,26 +377,30 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
         let Some(starts) = self.starts.take() else { return };
         let sheet = &self.course.sheets[0];
         let chains = self.course.sets.chains(sheet.contacts) as usize;
+        let mut later = starts.later;
         for number in starts.from..chains {
             self.course.looks.take(1);
             if self.course.looks.are_spent() {
                 // The looks are spent: nothing is known of the starts from here on.
-                return self.queue_starts(Starts { from: number, ..starts });
+                return self.queue_starts(Starts { from: number, later, ..starts });
             }
             let Some(spot) = self.start(number) else { continue };
             self.course.looks.take(TRIPLE_LOOKS);
-            while self.estimate.gaits(spot) == starts.gaits && !self.estimate.is_settled(spot) {
+            let mut gaits = self.estimate.gaits(spot);
+            while gaits == starts.gaits && !self.estimate.is_settled(spot) {
                 self.estimate.deepen();
+                gaits = self.estimate.gaits(spot);
             }
-            if self.estimate.gaits(spot) == starts.gaits && self.course.holds(spot) {
+            if gaits > starts.gaits {
+                later = later.min(gaits);
+            } else if gaits == starts.gaits && self.course.holds(spot) {
                 self.meet(spot, 0, NO_PARENT);
-                return self.queue_starts(Starts { from: number + 1, ..starts });
+                return self.queue_starts(Starts { from: number + 1, later, ..starts });
             }
         }
-        self.course.looks.take(chains as u64);
-        let later = (0..chains).filter_map(|number| self.start(number)).map(|spot| self.estimate.gaits(spot));
-        if let Some(gaits) = later.filter(|gaits| *gaits != NEVER && *gaits > starts.gaits).min() {
-            self.queue_starts(Starts { gaits, from: 0 });
+        if later != NEVER {
+            // Bounds may have grown since; none of these starts has fewer.
+            self.queue_starts(Starts { gaits: later, from: 0, later: NEVER });
         }
     }
 

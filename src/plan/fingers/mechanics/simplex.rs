@@ -46,19 +46,15 @@ impl Conditions {
 }
 
 /// Whether some values satisfy all conditions, inequalities up to a slack.
-pub fn are_kept(conditions: &Conditions, slack: f64) -> bool {
-    let mut conditions = conditions.clone();
+pub fn are_kept(mut conditions: Conditions, slack: f64) -> bool {
     let Some(solved) = solve(&mut conditions, slack) else { return false };
-    let free: Vec<usize> = (0..VARIABLES).filter(|variable| !solved[*variable]).collect();
     let inequalities = &conditions.inequalities[..conditions.count];
-    // One row for each free variable, and the sum of the weights, which must be 1.
-    let mut rows: Vec<Vec<f64>> = Vec::with_capacity(free.len() + 1);
-    for variable in &free {
-        rows.push(inequalities.iter().map(|row| row[*variable]).chain([0.0]).collect());
+    let mut dual = DualTableau { count: 0, rows: [[0.0; COLUMNS]; ROWS], basis: [0; ROWS] };
+    for variable in (0..VARIABLES).filter(|variable| !solved[*variable]) {
+        dual.push(inequalities.iter().map(|row| row[variable]), 0.0);
     }
-    rows.push(vec![1.0; inequalities.len() + 1]);
-    let costs: Vec<f64> = inequalities.iter().map(|row| row[VARIABLES]).collect();
-    match least(rows, &costs, -slack) {
+    dual.push(inequalities.iter().map(|_| 1.0), 1.0);
+    match dual.least(inequalities.iter().map(|row| row[VARIABLES]), -slack) {
         Some(margin) => margin >= -slack,
         // The dual is infeasible: the margin is unbounded.
         None => true,
@@ -83,7 +79,7 @@ fn solve(conditions: &mut Conditions, slack: f64) -> Option<[bool; VARIABLES]> {
         conditions.equalities[at].iter_mut().for_each(|share| *share /= pivot);
         let solution = conditions.equalities[at];
         let rest = conditions.equalities.iter_mut().enumerate().filter(|(row, _)| *row != at).map(|(_, row)| row);
-        for row in rest.chain(&mut conditions.inequalities) {
+        for row in rest.chain(&mut conditions.inequalities[..conditions.count]) {
             let factor = row[variable];
             if factor != 0.0 {
                 row.iter_mut().zip(&solution).for_each(|(share, of)| *share -= factor * of);
@@ -95,74 +91,104 @@ fn solve(conditions: &mut Conditions, slack: f64) -> Option<[bool; VARIABLES]> {
     Some(solved)
 }
 
-/// The least cost of non-negative weights that satisfy the rows (the last number of each is its right-hand side, which is not
-/// negative); or any cost below `enough`. `None` if the rows are infeasible.
-fn least(mut rows: Vec<Vec<f64>>, costs: &[f64], enough: f64) -> Option<f64> {
-    let (count, width) = (rows.len(), costs.len());
-    // One artificial variable per row, initially in the basis.
-    for (at, row) in rows.iter_mut().enumerate() {
-        let sum = row.pop().unwrap_or_default();
-        row.extend((0..count).map(|helper| if helper == at { 1.0 } else { 0.0 }));
-        row.push(sum);
-    }
-    let mut basis: Vec<usize> = (width..width + count).collect();
-    let helping: Vec<f64> = (0..width + count).map(|at| if at < width { 0.0 } else { 1.0 }).collect();
-    if descend(&mut rows, &mut basis, &helping, width + count, f64::NEG_INFINITY) > 1e-9 {
-        return None;
-    }
-    // Artificial variables left in the basis are zero; pivot them out where their row has another coefficient.
-    for at in 0..count {
-        if basis[at] >= width
-            && let Some(column) = (0..width).find(|column| rows[at][*column].abs() > 1e-9)
-        {
-            pivot(&mut rows, &mut basis, (at, column));
-        }
-    }
-    let all: Vec<f64> = costs.iter().copied().chain((0..count).map(|_| 0.0)).collect();
-    Some(descend(&mut rows, &mut basis, &all, width, enough))
-}
+/// Columns of the dual program: one for each inequality, then the right-hand side.
+const COLUMNS: usize = INEQUALITIES + 1;
 
-/// Descends from vertex to vertex; returns the cost at the last one.
-fn descend(rows: &mut [Vec<f64>], basis: &mut [usize], costs: &[f64], width: usize, enough: f64) -> f64 {
-    let last = rows[0].len() - 1;
-    // Bland's rule terminates in exact arithmetic; the limit guards against rounding.
-    for _ in 0..MAX_PIVOTS {
-        let sum: f64 = rows.iter().zip(basis.iter()).map(|(row, at)| row[last] * costs[*at]).sum();
-        if sum < enough {
-            return sum;
-        }
-        let reduced = |column: usize| {
-            costs[column] - rows.iter().zip(basis.iter()).map(|(row, at)| row[column] * costs[*at]).sum::<f64>()
-        };
-        let Some(column) = (0..width).find(|column| reduced(*column) < -NOTHING) else { return sum };
-        let mut leaving: Option<(usize, f64)> = None;
-        for (at, row) in rows.iter().enumerate().filter(|(_, row)| row[column] > NOTHING) {
-            let ratio = row[last] / row[column];
-            let is_first =
-                leaving.is_none_or(|(other, least)| ratio < least || (ratio == least && basis[at] < basis[other]));
-            if is_first {
-                leaving = Some((at, ratio));
-            }
-        }
-        let Some((at, _)) = leaving else { return f64::NEG_INFINITY };
-        pivot(rows, basis, (at, column));
-    }
-    rows.iter().zip(basis.iter()).map(|(row, at)| row[last] * costs[*at]).sum()
-}
+/// Most rows of the dual program: one for each free variable, and the sum of the weights, which must be 1.
+const ROWS: usize = VARIABLES + 1;
 
 /// More pivots than any program of this size takes.
 const MAX_PIVOTS: usize = 1000;
 
-fn pivot(rows: &mut [Vec<f64>], basis: &mut [usize], (at, column): (usize, usize)) {
-    let share = rows[at][column];
-    rows[at].iter_mut().for_each(|number| *number /= share);
-    let base = rows[at].clone();
-    for row in rows.iter_mut().enumerate().filter(|(other, _)| *other != at).map(|(_, row)| row) {
-        let factor = row[column];
-        if factor != 0.0 {
-            row.iter_mut().zip(&base).for_each(|(number, of)| *number -= factor * of);
-            row[column] = 0.0;
-        }
+/// A weight in the basis that stands for none: the artificial variable of its row, which never returns once it has left.
+const ARTIFICIAL: usize = INEQUALITIES;
+
+/// Rows over non-negative weights, and which weight each is solved for.
+struct DualTableau {
+    count: usize,
+    rows: [[f64; COLUMNS]; ROWS],
+    basis: [usize; ROWS],
+}
+
+impl DualTableau {
+    /// Adds a row, which is solved for its artificial variable; the right-hand side is not negative.
+    fn push(&mut self, shares: impl Iterator<Item = f64>, sum: f64) {
+        let row = &mut self.rows[self.count];
+        row.iter_mut().zip(shares).for_each(|(share, given)| *share = given);
+        row[COLUMNS - 1] = sum;
+        self.basis[self.count] = ARTIFICIAL;
+        self.count += 1;
     }
-    basis[at] = column;
+
+    /// The least cost of weights that satisfy the rows; or any cost below `enough`. `None` if the rows are infeasible.
+    fn least(mut self, costs: impl Iterator<Item = f64>, enough: f64) -> Option<f64> {
+        // First the sum of the artificial variables is minimised.
+        let mut sum = [0.0; COLUMNS];
+        sum[ARTIFICIAL] = 1.0;
+        if self.descend(&sum, f64::NEG_INFINITY) > 1e-9 {
+            return None;
+        }
+        // Artificial variables left in the basis are zero; pivot them out where their row has another coefficient.
+        for at in 0..self.count {
+            let pivot = (0..INEQUALITIES).find(|column| self.rows[at][*column].abs() > 1e-9);
+            if let (ARTIFICIAL, Some(column)) = (self.basis[at], pivot) {
+                self.pivot((at, column));
+            }
+        }
+        let mut all = [0.0; COLUMNS];
+        all.iter_mut().zip(costs).for_each(|(share, cost)| *share = cost);
+        Some(self.descend(&all, enough))
+    }
+
+    /// Descends from vertex to vertex by costs, of which the last is that of artificial variables; returns the cost at the last one.
+    fn descend(&mut self, costs: &[f64; COLUMNS], enough: f64) -> f64 {
+        // Bland's rule terminates in exact arithmetic; the limit guards against rounding.
+        for _ in 0..MAX_PIVOTS {
+            let cost = self.sum(COLUMNS - 1, costs);
+            if cost < enough {
+                return cost;
+            }
+            // Computed afresh at each vertex: carried along, reduced costs would add up the rounding of all pivots.
+            let falls = |column: &usize| costs[*column] - self.sum(*column, costs) < -NOTHING;
+            let Some(column) = (0..INEQUALITIES).find(falls) else { return cost };
+            let mut leaving: Option<(usize, f64)> = None;
+            for (at, row) in self.rows[..self.count].iter().enumerate().filter(|(_, row)| row[column] > NOTHING) {
+                let ratio = row[COLUMNS - 1] / row[column];
+                // Artificial variables leave last among equals: their order is that of their rows.
+                let comes_before = |other: usize| (self.basis[at], at) < (self.basis[other], other);
+                if leaving.is_none_or(|(other, least)| ratio < least || (ratio == least && comes_before(other))) {
+                    leaving = Some((at, ratio));
+                }
+            }
+            let Some((at, _)) = leaving else { return f64::NEG_INFINITY };
+            self.pivot((at, column));
+        }
+        self.sum(COLUMNS - 1, costs)
+    }
+
+    /// The sum of a column over all rows, each times the cost of the weight that it is solved for.
+    fn sum(&self, column: usize, costs: &[f64; COLUMNS]) -> f64 {
+        self.rows[..self.count].iter().zip(&self.basis).map(|(row, basic)| row[column] * costs[*basic]).sum()
+    }
+
+    /// Solves a row for the weight of a column.
+    fn pivot(&mut self, (at, column): (usize, usize)) {
+        let share = self.rows[at][column];
+        self.rows[at].iter_mut().for_each(|number| *number /= share);
+        let base = self.rows[at];
+        for row in self.rows[..self.count].iter_mut().enumerate().filter(|(other, _)| *other != at).map(|(_, row)| row)
+        {
+            eliminate(row, &base, column);
+        }
+        self.basis[at] = column;
+    }
+}
+
+/// Takes a weight out of a row, by the row that is solved for it.
+fn eliminate(row: &mut [f64; COLUMNS], by: &[f64; COLUMNS], column: usize) {
+    let factor = row[column];
+    if factor != 0.0 {
+        row.iter_mut().zip(by).for_each(|(number, of)| *number -= factor * of);
+        row[column] = 0.0;
+    }
 }

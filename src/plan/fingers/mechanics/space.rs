@@ -230,7 +230,7 @@ pub(super) fn three_bear(
             return false;
         }
     }
-    simplex::are_kept(&program(grip, touch, across, wrench), slack_un)
+    simplex::are_kept(program(grip, touch, across, wrench), slack_un)
 }
 
 /// Out-of-plane forces of three fingers that bear no torque; `None` for contacts on one line.

@@ -41,6 +41,7 @@ fn facts(count: usize) -> MicrorobotsFacts {
         docking: Limits { self_aligning_rad: 1.0, self_aligning_um: 80.0, sticking_rad: PI / 4.0, tolerance_um: 2.0 },
         fine: Fine { length_um: 200.0, cycle_um: 10.0 },
         errors: None,
+        watchdog_ns: None,
     }
 }
 

@@ -1,41 +1,83 @@
-//! Closed-loop simulation: carries out a plan's assemblies with imperfect robots and measurements.
+//! Simulation of the closed loop: the controller brings imperfect robots together by imperfect measurements.
 //!
 //! Input: an order, its plan, the number of trials, a seed. Output: a [`SimulationReport`]. Every trial draws for each robot errors of its
 //! figures, always within the bounds of the device (`facts.errors`): a part that stays for the trial and a part that
 //! changes from interval to interval; a quarter of the trials keep extreme errors throughout, another quarter change between
-//! extremes. Robots are then brought to their goals by the closed loop of [`strategy`](crate::plan::microrobots::strategy).
+//! extremes. The bed has true poses, which the [`Controller`] never sees: it is given measurements, and
+//! answers with segments of the drive, as it does in `tweeze control`.
 //!
-//! Simulated: measurement, gross motion, fine motion by whole cycles of its primitives, contact of a corner, alignment,
-//! collisions of the true bodies. Not simulated: single strokes (paths are continuous). Robots that orbit keep their nominal centres, and
-//! a body that enters the disc that they sweep, grown by the creep of a centre in one turn, has collided. Other steps than
-//! `assemble` are assumed to be carried out exactly. The structure is where its first two robots stick together: the goals and approaches of
-//! later robots move along with it, and are measured relative to it.
+//! Simulated: measurement, the motion of all robots, contact of bodies, alignment, sticking, collisions of the true bodies. A trial succeeds
+//! if the controller finishes and every robot sticks in its place. Not simulated: single strokes (paths are continuous); a robot that
+//! sticks stays where it is, even if its arm is down until the end of the command in which it docked.
 //!
-//! If all errors are 0, measuring changes nothing: the legs of the plan are carried out as written (`written`).
+//! If all errors are 0, measuring changes nothing: the legs of the plan are carried out as written.
 //!
 //! The same seed gives the same report, whatever the number of threads: a trial depends on the seed and its own index alone.
 //! Cost grows with trials times the path length over the interval.
 
-mod pair;
+mod area;
+mod disturbances;
 mod report;
-mod single;
 mod trial;
-mod written;
 
-pub use report::{Dockings, Failures, SimulationReport, Spread, wilson};
-pub use trial::FailureReason;
+pub use disturbances::Disturbances;
+pub use report::{Dockings, Failures, ShareSpread, SimulationReport, Spread, wilson};
+pub use trial::{EndedTrial, FailureReason};
 
 use crate::claims::microrobots::MicrorobotsOrder;
-use crate::plan::microrobots::strategy::{Episode, episodes, obstacles};
-use crate::plan::microrobots::{AssemblyStage, MicrorobotsMotion};
-use single::SingleStage;
-use trial::{EndedTrial, Trial, TrialFailure};
+use crate::device::microrobots::Errors;
+use crate::plan::microrobots::control::{Command, Controller, Pilot};
+use crate::plan::microrobots::strategy::{StrategySolid, obstacles};
+use crate::plan::microrobots::{AssemblyStage, MicrorobotsMotion, MicrorobotsStepMotion};
+use disturbances::DisturbedView;
+use trial::{Trial, TrialFailure, TrialStart};
 
 /// Greatest number of trials in one call.
 pub const MAX_TRIALS: u64 = 10_000_000;
 
-/// Report on `trials` trials (at most [`MAX_TRIALS`]) of a plan; `None` if the device does not bound its errors, or nothing is
-/// assembled.
+/// Measurements of one trial: more than a day of them at five a second.
+const MAX_MEASUREMENTS: u64 = 1_000_000;
+
+/// The bed of a task, on which trials are run.
+pub struct SimulatedBed<'a> {
+    order: &'a MicrorobotsOrder,
+    motion: &'a MicrorobotsMotion,
+    errors: Errors,
+    obstacles: Vec<StrategySolid>,
+    stages: Vec<&'a AssemblyStage>,
+    disturbances: Disturbances,
+}
+
+impl<'a> SimulatedBed<'a> {
+    /// `None` if the device does not bound its errors, or nothing is assembled.
+    pub fn new(
+        order: &'a MicrorobotsOrder,
+        motion: &'a MicrorobotsMotion,
+        disturbances: Disturbances,
+    ) -> Option<SimulatedBed<'a>> {
+        let (errors, stages) = (order.facts.errors?, docking_stages(motion));
+        let obstacles = obstacles(order);
+        (!stages.is_empty()).then_some(SimulatedBed { order, motion, errors, obstacles, stages, disturbances })
+    }
+
+    /// One trial; it depends on the seed, its own index and the pilot alone.
+    pub fn trial(&self, seed: u64, index: u64, pilot: &mut impl Pilot) -> EndedTrial {
+        let crew = &self.motion.start;
+        let (obstacles, stages) = (self.obstacles.as_slice(), self.stages.as_slice());
+        let start = TrialStart { obstacles, stages, poses: &crew.poses, docked: &crew.docked };
+        let trial = Trial::new(self.order, self.errors, start, (seed, index));
+        run(trial, DisturbedView::new(self.disturbances, seed, index), pilot)
+    }
+
+    /// Statistics of trials.
+    pub fn report(&self, trials: &[EndedTrial]) -> SimulationReport {
+        let names = (0..self.order.robots.len()).map(|robot| self.order.robot(robot).name.clone()).collect();
+        SimulationReport::new(names, trials)
+    }
+}
+
+/// Report on `trials` trials (at most [`MAX_TRIALS`]) of a plan by the controller; `None` if the device does not bound its errors, or
+/// nothing is assembled.
 pub fn simulate(
     order: &MicrorobotsOrder,
     motion: &MicrorobotsMotion,
@@ -43,14 +85,26 @@ pub fn simulate(
     seed: u64,
     threads: usize,
 ) -> Option<SimulationReport> {
-    let errors = order.facts.errors?;
-    let episodes = episodes(order, motion);
-    let first = episodes.first()?;
-    let solids = obstacles(order);
-    let start = (&first.poses[..], &first.docked[..]);
-    let one = |index: u64| run(Trial::new(order, errors, &solids, start, (seed, index)), &episodes);
-    let names = (0..order.robots.len()).map(|robot| order.robot(robot).name.clone()).collect();
-    Some(SimulationReport::new(names, &gathered(trials.min(MAX_TRIALS), threads.max(1) as u64, &one)))
+    simulate_disturbed(order, motion, Disturbances::default(), (trials, seed, threads))
+}
+
+/// The same under disturbances; the last numbers are the trials, the seed and the threads.
+pub fn simulate_disturbed(
+    order: &MicrorobotsOrder,
+    motion: &MicrorobotsMotion,
+    disturbances: Disturbances,
+    (trials, seed, threads): (u64, u64, usize),
+) -> Option<SimulationReport> {
+    let bed = SimulatedBed::new(order, motion, disturbances)?;
+    let controller = Controller::new(order, motion)?;
+    let one = |index: u64| bed.trial(seed, index, &mut controller.clone());
+    Some(bed.report(&gathered(trials.min(MAX_TRIALS), threads.max(1) as u64, &one)))
+}
+
+/// The stages of a plan in which robots dock, in order of time.
+fn docking_stages(motion: &MicrorobotsMotion) -> Vec<&AssemblyStage> {
+    let docks = |stage: &&AssemblyStage| matches!(stage, AssemblyStage::Pair { .. } | AssemblyStage::Single { .. });
+    motion.steps.iter().flat_map(MicrorobotsStepMotion::stages).filter(docks).collect()
 }
 
 /// All trials in their order, by several threads.
@@ -66,27 +120,44 @@ fn gathered(trials: u64, threads: u64, one: &(impl Fn(u64) -> EndedTrial + Sync)
     })
 }
 
-fn run(mut trial: Trial, episodes: &[Episode]) -> EndedTrial {
-    let failure = episodes.iter().try_for_each(|episode| stage(&mut trial, episode)).err();
+fn run(mut trial: Trial, mut view: DisturbedView, pilot: &mut impl Pilot) -> EndedTrial {
+    let failure = attempt(&mut trial, &mut view, pilot).err();
     trial.tick();
-    EndedTrial { failure, time_ns: trial.time_ns(), met: trial.met }
+    let area = match failure {
+        None => area::area_match(trial.order, &trial.poses, trial.structure),
+        Some(_) => None,
+    };
+    EndedTrial { failure, time_ns: trial.time_ns(), met: trial.met, area }
 }
 
-fn stage(trial: &mut Trial, episode: &Episode) -> Result<(), TrialFailure> {
-    trial.take(episode);
-    // Stages without legs are those of tests of the strategy alone.
-    if trial.errors.are_zero() && !episode.legs.is_empty() {
-        return written::run(trial, episode);
+/// Measures, asks and drives until the pilot ends.
+fn attempt(trial: &mut Trial, view: &mut DisturbedView, pilot: &mut impl Pilot) -> Result<(), TrialFailure> {
+    let mut measured = vec![None; trial.poses.len()];
+    for _ in 0..MAX_MEASUREMENTS {
+        trial.tick();
+        view.disturb(trial);
+        (0..measured.len()).for_each(|robot| measured[robot] = view.seen(trial.measured(robot)));
+        let now_ns = trial.time_ns();
+        // The bed holds still until the answer comes.
+        trial.rest_until(now_ns.saturating_add(view.delay_ns()));
+        let done = match pilot.observe(&measured, now_ns) {
+            Command::Drive { segments, until_ns } => {
+                let done = trial.carry_out(segments);
+                trial.rest_until(until_ns);
+                done
+            }
+            Command::Rest { until_ns } | Command::Continue { until_ns } => {
+                trial.rest_until(until_ns);
+                Ok(())
+            }
+            Command::Finished => return trial.all_docked(pilot.step()),
+            Command::Stop(stop) => return Err(TrialFailure::stopped(stop)),
+        };
+        let during = |(robot, reason)| TrialFailure { robot, reason, step: pilot.step(), phase: pilot.phase() };
+        done.map_err(during)?;
     }
-    match *episode.stage {
-        AssemblyStage::Departure { .. } => written::depart(trial, episode),
-        AssemblyStage::Single { robot, states, approach, goal } => {
-            SingleStage { robot, states, approach, goal }.run(trial, episode)
-        }
-        AssemblyStage::Escort { .. } => Ok(()),
-        AssemblyStage::Pair { .. } => pair::run(trial, episode),
-    }
+    Err(TrialFailure { robot: 0, reason: FailureReason::TimeLimit, step: pilot.step(), phase: pilot.phase() })
 }
 
 #[cfg(test)]
-mod tests;
+pub(in crate::plan::microrobots) mod tests;

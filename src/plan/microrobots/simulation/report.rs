@@ -1,6 +1,8 @@
 //! Statistics of the trials.
 
-use super::trial::{EndedTrial, FailureReason, Met};
+use super::area::AreaMatch;
+use super::trial::{EndedTrial, FailureReason, Met, TrialFailure};
+use crate::plan::microrobots::control::ControlPhase;
 use serde::Serialize;
 
 /// The quantile of the normal distribution that belongs to 95 % on both sides.
@@ -31,12 +33,32 @@ pub struct Dockings {
     pub heading_rad: Spread,
 }
 
+/// The mean, the 5th percentile and the minimum of a share.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct ShareSpread {
+    pub mean: f64,
+    pub p5: f64,
+    pub min: f64,
+}
+
+impl ShareSpread {
+    /// Spread of any numbers, in any order; all 0 for none.
+    pub fn of(values: Vec<f64>) -> Self {
+        let Spread { mean, p95, max } = Spread::of(values.into_iter().map(|value| -value).collect());
+        ShareSpread { mean: 0.0 - mean, p5: 0.0 - p95, min: 0.0 - max }
+    }
+}
+
 /// Why trials failed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Failures {
     /// Index of the order's robots.
     pub robot: usize,
     pub reason: FailureReason,
+    /// Index of the order's steps.
+    pub step: usize,
+    /// What the controller was doing.
+    pub phase: ControlPhase,
     pub count: u64,
 }
 
@@ -53,6 +75,10 @@ pub struct SimulationReport {
     pub dockings: Vec<Dockings>,
     /// Times of the successful trials, in seconds.
     pub time_s: Spread,
+    /// Share of the goal structure's area that the robots cover in the successful trials, where they stick.
+    pub area_in_place: ShareSpread,
+    /// The same once the structure is moved as a whole, so that its first two robots match.
+    pub area_of_shape: ShareSpread,
     /// The most frequent first.
     pub failures: Vec<Failures>,
 }
@@ -92,6 +118,9 @@ impl SimulationReport {
     /// Report on trials in their order.
     pub fn new(names: Vec<String>, trials: &[EndedTrial]) -> Self {
         let successes = trials.iter().filter(|trial| trial.failure.is_none()).count() as u64;
+        let area = |of: fn(&AreaMatch) -> f64| {
+            ShareSpread::of(trials.iter().filter_map(|trial| trial.area.as_ref().map(of)).collect())
+        };
         let time_s = |trial: &EndedTrial| trial.failure.is_none().then_some(trial.time_ns as f64 / 1e9);
         SimulationReport {
             names,
@@ -99,6 +128,8 @@ impl SimulationReport {
             successes,
             wilson: wilson(successes, trials.len() as u64),
             dockings: dockings(trials),
+            area_in_place: area(|area| area.in_place),
+            area_of_shape: area(|area| area.of_shape),
             time_s: Spread::of(trials.iter().filter_map(time_s).collect()),
             failures: failures(trials),
         }
@@ -130,12 +161,17 @@ fn docking(robot: usize, trials: &[EndedTrial]) -> Dockings {
 
 fn failures(trials: &[EndedTrial]) -> Vec<Failures> {
     let mut found: Vec<Failures> = Vec::new();
-    for (robot, reason) in trials.iter().filter_map(|trial| trial.failure.clone()) {
-        match found.iter_mut().find(|known| known.robot == robot && known.reason == reason) {
+    for failure in trials.iter().filter_map(|trial| trial.failure.clone()) {
+        let TrialFailure { robot, reason, step, phase } = failure;
+        let is_same = |known: &&mut Failures| {
+            known.robot == robot && known.reason == reason && known.step == step && known.phase == phase
+        };
+        match found.iter_mut().find(is_same) {
             Some(known) => known.count += 1,
-            None => found.push(Failures { robot, reason, count: 1 }),
+            None => found.push(Failures { robot, reason, step, phase, count: 1 }),
         }
     }
-    found.sort_by(|a, b| b.count.cmp(&a.count).then(a.robot.cmp(&b.robot)).then(a.reason.cmp(&b.reason)));
+    let key = |failure: &Failures| (failure.step, failure.robot, failure.phase, failure.reason.clone());
+    found.sort_by(|a, b| b.count.cmp(&a.count).then_with(|| key(a).cmp(&key(b))));
     found
 }

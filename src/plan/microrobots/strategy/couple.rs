@@ -25,6 +25,7 @@ const SLIDE_STEP_UM: f64 = 30.0;
 const LEAST_EFFECT: f64 = 0.2;
 
 /// Two robots that must meet.
+#[derive(Debug, Clone)]
 pub struct Couple<'a> {
     pub drivers: [Driver<'a>; 2],
     /// Path length of the second robot per micrometre of the first.
@@ -129,14 +130,14 @@ impl<'a> Couple<'a> {
         pursuit.aim(&self.drivers[0], self.intermediate());
     }
 
-    /// A loop of the first robot that compensates for its being late: the paper's racetrack, beside the line.
-    pub fn racetrack(&self, late_um: f64) -> Vec<[f64; 2]> {
+    /// The centre of a loop of the first robot that compensates for its being late: the paper's racetrack, beside the line.
+    pub fn racetrack(&self, late_um: f64) -> [f64; 2] {
         let driver = &self.drivers[0];
         let circles_um = [driver, &self.drivers[1]].map(|driver| TAU * driver.robot.turning_radius_um);
         let run_um = (-late_um - circles_um[0]).rem_euclid(circles_um[1] / self.ratio) / 2.0;
         let [x_um, y_um] = driver.robot.orbit_centre_um(self.intermediate());
         let (sin, cos) = (self.approach[0].heading_rad + driver.side() * FRAC_PI_2).sine_cosine();
-        vec![[x_um + run_um * cos, y_um + run_um * sin]]
+        [x_um + run_um * cos, y_um + run_um * sin]
     }
 
     /// Frames of both goals, with their edges where the robots will meet.

@@ -6,6 +6,9 @@ use crate::geometry::Pose;
 use crate::real::Real;
 use std::f64::consts::TAU;
 
+/// The end of a list of pieces.
+const NOTHING: StrategyPiece = StrategyPiece { arm: Arm::Up, way_um: 0.0 };
+
 /// Purpose of the next measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
@@ -39,6 +42,14 @@ impl Pursuit {
         Pursuit { centres_um: via_um, approach, next: 0, phase: Phase::Facing }
     }
 
+    /// Begins again, by way of these centres; that of the approach itself is appended.
+    pub fn restart(&mut self, driver: &Driver, via_um: &[[f64; 2]], approach: Pose) {
+        self.centres_um.clear();
+        self.centres_um.extend_from_slice(via_um);
+        self.centres_um.push(driver.robot.orbit_centre_um(approach));
+        (self.approach, self.next, self.phase) = (approach, 0, Phase::Facing);
+    }
+
     /// Continues after a final measurement that was not accepted: turns further if that suffices, otherwise restarts.
     pub fn retry(&mut self, driver: &Driver, measured: Pose) {
         let ahead_rad = driver.side() * angle(self.approach.heading_rad - measured.heading_rad);
@@ -68,15 +79,15 @@ impl Pursuit {
         self.centres_um[self.centres_um.len() - 1]
     }
 
-    /// Actions of the robot until the next measurement, of at most `most_um` path length; shorter where it rests for the
+    /// Actions of the robot until the next measurement, one after the other, of at most `most_um` path length; shorter where it rests for the
     /// measurement.
-    pub fn pieces(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<StrategyPiece> {
+    pub fn pieces(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> [StrategyPiece; 2] {
         self.skip_captured(driver, measured);
         match self.phase {
             Phase::Facing | Phase::Running => self.towards(driver, measured, most_um),
             Phase::Finishing => self.finish(driver, measured, most_um),
             Phase::Turning => self.last_turn(driver, measured, most_um),
-            Phase::Arrived => Vec::new(),
+            Phase::Arrived => [NOTHING; 2],
         }
     }
 
@@ -101,7 +112,7 @@ impl Pursuit {
         PursuitTarget { distance_um: dx_um.hypotenuse(dy_um), ahead_rad }
     }
 
-    fn towards(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<StrategyPiece> {
+    fn towards(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> [StrategyPiece; 2] {
         let target = self.target(driver, measured);
         let is_near = target.distance_um <= driver.interval_um + driver.guard_um();
         let most_um = if is_near { most_um.min(driver.near_interval_um) } else { most_um };
@@ -109,7 +120,7 @@ impl Pursuit {
         let turn_um = turn_rad / ((1.0 + driver.errors.speed_ratio) * driver.steepest_per_um());
         let turning = StrategyPiece { arm: Arm::Down, way_um: turn_um.min(most_um) };
         if turn_um > most_um {
-            return vec![turning];
+            return [turning, NOTHING];
         }
         let run_um = (target.distance_um * (target.ahead_rad - turn_rad).cosine()).max(0.0);
         let left_um = most_um - turn_um;
@@ -117,7 +128,7 @@ impl Pursuit {
         if run_um <= left_um {
             self.pass();
         }
-        vec![turning, StrategyPiece { arm: Arm::Up, way_um: run_um.min(left_um) }]
+        [turning, StrategyPiece { arm: Arm::Up, way_um: run_um.min(left_um) }]
     }
 
     /// The angle to turn, never beyond the lag whatever the errors.
@@ -134,24 +145,25 @@ impl Pursuit {
         }
     }
 
-    fn finish(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<StrategyPiece> {
+    fn finish(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> [StrategyPiece; 2] {
         let target = self.target(driver, measured);
         let run_um = (target.distance_um * target.ahead_rad.cosine()).max(0.0);
         if run_um <= most_um {
             self.pass();
         }
-        vec![StrategyPiece { arm: Arm::Up, way_um: run_um.min(most_um) }]
+        [StrategyPiece { arm: Arm::Up, way_um: run_um.min(most_um) }, NOTHING]
     }
 
-    fn last_turn(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> Vec<StrategyPiece> {
+    fn last_turn(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> [StrategyPiece; 2] {
         let left_rad = driver.side() * (self.approach.heading_rad - measured.heading_rad);
         let is_over = turn(-left_rad) <= driver.accepted().heading_rad;
         let turn_um = if is_over { 0.0 } else { turn(left_rad) * driver.robot.turning_radius_um };
         if turn_um <= driver.near_interval_um {
             self.phase = Phase::Arrived;
-            return vec![StrategyPiece { arm: Arm::Down, way_um: turn_um }];
+            return [StrategyPiece { arm: Arm::Down, way_um: turn_um }, NOTHING];
         }
-        vec![StrategyPiece { arm: Arm::Down, way_um: (turn_um - driver.near_interval_um / 2.0).min(most_um) }]
+        let way_um = (turn_um - driver.near_interval_um / 2.0).min(most_um);
+        [StrategyPiece { arm: Arm::Down, way_um }, NOTHING]
     }
 
     /// Lower bound on the remaining path length, for the most favourable heading.

@@ -69,5 +69,6 @@ fn facts(robots: Vec<Robot>) -> MicrorobotsFacts {
         },
         fine: Fine { length_um: 200.0, cycle_um: 10.0 },
         errors: None,
+        watchdog_ns: None,
     }
 }

@@ -57,6 +57,7 @@ pub fn facts() -> MicrorobotsFacts {
         docking: Docking { self_aligning_rad: 1.0, self_aligning_um: 80.0, sticking_rad: 0.75, tolerance_um: 5.0 },
         fine: Fine { length_um: 200.0, cycle_um: 20.0 },
         errors: None,
+        watchdog_ns: None,
     }
 }
 

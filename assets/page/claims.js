@@ -1,0 +1,70 @@
+// What the plan claims: cost, bound and proof, limits and what was reached, and what remains to be known.
+"use strict";
+
+function row(label, value, kind = "") {
+  const line = document.createElement("div");
+  line.className = `claim ${kind}`;
+  const [name, text] = [document.createElement("span"), document.createElement("b")];
+  name.textContent = label;
+  text.textContent = value;
+  line.append(name, text);
+  return line;
+}
+
+/** How a value that was reached differs from the one that was asked for. */
+function reachedText(reached) {
+  const pair = (list) => `(${list.map((value) => short(value)).join(", ")}) um`;
+  const off_um = reached.off_um === undefined ? null : `${short(reached.off_um, 3)} um off`;
+  const off_deg = reached.off_deg === undefined ? null : `${short(reached.off_deg, 3)} deg off`;
+  const off = [off_um, off_deg].filter(Boolean).join(", ");
+  const name = reached.robot || (reached.axis ? `about ${reached.axis}` : reached.of);
+  const at = reached.reached_um ? pair(reached.reached_um) : `${short(reached.reached_deg, 6)} deg`;
+  return [name, `${at}, ${off}`];
+}
+
+function drawClaims(root, model, seek) {
+  const add = (parent, tag, text, className = "") => {
+    const element = document.createElement(tag);
+    element.textContent = text;
+    element.className = className;
+    parent.append(element);
+    return element;
+  };
+  for (const { plan, requirements } of model.devices.flatMap((device) => device.runs).sort((a, b) => a.index - b.index)) {
+    const card = add(root, "section", "", "card");
+    const title = add(card, "button", `${plan.task} on ${plan.device}`, "jump");
+    title.type = "button";
+    title.title = `jump to ${timeText(plan.start_ns)}`;
+    title.addEventListener("click", () => seek(plan.start_ns));
+    const unit = plan.unit ? ` ${plan.unit}` : "";
+    card.append(row(`least ${plan.objective.replaceAll("_", " ")}`, plan.optimal ? "proven" : "best found", plan.optimal ? "good" : "open"));
+    card.append(row("cost", short(plan.cost, 6) + unit));
+    const bound = row("bound", short(plan.bound, 6) + unit);
+    bound.title = "no plan costs less";
+    card.append(bound);
+    for (const [outcome, value] of Object.entries(plan.outcomes)) {
+      const limits = requirements.filter((requirement) => requirement.outcome === outcome);
+      const within = limits.map(({ relation, limit }) => ` ${{ at_most: "≤", at_least: "≥", less: "<", more: ">", equal: "=" }[relation] || relation} ${outcomeText(outcome, limit)}`);
+      card.append(row(outcome.replaceAll("_", " "), outcomeText(outcome, value) + within.join(","), limits.length ? "good" : ""));
+    }
+    card.append(row("planner", plan.planner));
+    for (const { subject, text } of plan.remarks || []) add(card, "p", `${subject}: ${text}`, "remark");
+  }
+  const reached = model.steps.flatMap((step) => (step.reached || []).map((one) => ({ step, one })));
+  if (reached.length) {
+    const card = add(root, "section", "", "card");
+    add(card, "h3", "Reached, where a goal is not met exactly");
+    for (const { step, one } of reached.slice(0, 100)) {
+      const [name, text] = reachedText(one);
+      const line = row(name, text);
+      line.title = `${step.file}:${step.line} ${step.text}`;
+      card.append(line);
+    }
+    if (reached.length > 100) add(card, "p", `and ${reached.length - 100} more`, "remark");
+  }
+  const card = add(root, "section", "", "card");
+  add(card, "h3", "About this schedule");
+  card.append(row("channels", String(model.channels.length)), row("actuations", String(model.schedule.actuations.length)));
+  card.append(row("tweeze", model.page.tweeze));
+  for (const setting of model.page.settings || []) card.append(row("set", setting));
+}

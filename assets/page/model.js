@@ -1,0 +1,309 @@
+// What a schedule says, as functions of time. No drawing here: everything can be tested without a browser.
+//
+// Times are nanoseconds from the start, as in the schedule; lengths are micrometres. The page holds `schedule` and `claims` in the forms
+// that `schema/` and the log describe, and `sources`, the text of each file.
+"use strict";
+
+/** The schedule, its claims and its sources, indexed by device, channel and event. */
+function buildModel(page) {
+  const { schedule, claims } = page;
+  const channels = schedule.channels.map((channel, index) => ({ ...channel, index, actuations: [] }));
+  for (const actuation of schedule.actuations) channels[actuation.channel].actuations.push(actuation);
+  const devices = [];
+  schedule.plans.forEach((plan, index) => {
+    let device = devices.find((known) => known.name === plan.device);
+    if (!device) {
+      device = { name: plan.device, kind: plan.kind, runs: [], channels: channels.filter((c) => c.device === plan.device) };
+      devices.push(device);
+    }
+    const order = claims.jobs[index].order[plan.kind];
+    device.runs.push({ plan, order, requirements: claims.jobs[index].requirements, index });
+  });
+  for (const device of devices) device.runs.sort((a, b) => a.plan.start_ns - b.plan.start_ns);
+  const model = { page, schedule, claims, channels, devices, steps: schedule.steps, duration_ns: schedule.duration_ns };
+  model.events = eventsOf(model);
+  for (const device of devices) if (device.kind === "fingers") prepareHand(device);
+  return model;
+}
+
+/** Instants at which something begins or ends, for stepping through. */
+function eventsOf(model) {
+  const instants = new Set([0, model.duration_ns]);
+  for (const step of model.steps) instants.add(step.start_ns).add(step.start_ns + step.duration_ns);
+  for (const plan of model.schedule.plans) for (const state of plan.states) instants.add(state.t_ns);
+  return [...instants].sort((a, b) => a - b);
+}
+
+/** Index of the last entry whose `key` is at most `value`; -1 for none. */
+function lastAtMost(list, key, value) {
+  let low = 0;
+  let high = list.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (list[middle][key] <= value) low = middle + 1;
+    else high = middle;
+  }
+  return low - 1;
+}
+
+/** The run of a device that has begun last at an instant; before all of them the first. */
+function runAt(device, t_ns) {
+  let found = device.runs[0];
+  for (const run of device.runs) if (run.plan.start_ns <= t_ns) found = run;
+  return found;
+}
+
+/** Index of the recorded state that holds at an instant. */
+function stateIndexAt(plan, t_ns) {
+  return Math.max(0, lastAtMost(plan.states, "t_ns", t_ns));
+}
+
+/** The recorded state of a device that holds at an instant. */
+function stateAt(device, t_ns) {
+  const { plan } = runAt(device, t_ns);
+  return plan.states[stateIndexAt(plan, t_ns)];
+}
+
+/** The actuation of a channel at an instant, if there is one. */
+function actuationAt(channel, t_ns) {
+  const actuation = channel.actuations[lastAtMost(channel.actuations, "start_ns", t_ns)];
+  return actuation && t_ns < actuation.start_ns + actuation.duration_ns ? actuation : null;
+}
+
+/** The value of a channel: volts, which are 0 outside of actuations, or micrometres, which are held. */
+function valueAt(channel, t_ns) {
+  const actuation = actuationAt(channel, t_ns);
+  if (actuation) {
+    if (actuation.swing) {
+      const phase = (t_ns - actuation.start_ns) % actuation.swing.period_ns;
+      return actuation.swing.levels[phase < actuation.swing.period_ns / 2 ? 0 : 1];
+    }
+    return actuation.from + ((actuation.to - actuation.from) * (t_ns - actuation.start_ns)) / actuation.duration_ns;
+  }
+  if (channel.unit === "V") return 0;
+  const before = channel.actuations[lastAtMost(channel.actuations, "start_ns", t_ns)];
+  return before ? before.to : channel.actuations.length ? channel.actuations[0].from : 0;
+}
+
+/** The steps at work at an instant, by index; at the very end the last ones stay at work. */
+function stepsAt(model, t_ns) {
+  const found = [];
+  model.steps.forEach((step, index) => {
+    const end_ns = step.start_ns + step.duration_ns;
+    if (step.start_ns <= t_ns && (t_ns < end_ns || (end_ns === model.duration_ns && t_ns >= end_ns))) found.push(index);
+  });
+  return found;
+}
+
+const mix = (a, b, share) => a + (b - a) * share;
+
+// DiMiBot
+
+/** Distance between neighbouring cells along x and y (the paper's equations 2 and 6). */
+function pitchUm(facts) {
+  const widest_um = facts.gain * facts.stroke_um * Math.SQRT2;
+  return [widest_um / 2 ** (facts.left - 1), widest_um / 2 ** (facts.right - 1)];
+}
+
+/** A place of a robot's own frame in its scene. */
+function inScene(order, [x, y]) {
+  if (!order.frame) return [x, y];
+  const { x_um, y_um, heading_rad } = order.frame;
+  const [cos, sin] = [Math.cos(heading_rad), Math.sin(heading_rad)];
+  return [x_um + x * cos - y * sin, y_um + x * sin + y * cos];
+}
+
+/** The tip in its scene; within a pulse on its way from one place to the next. */
+function tipAt(device, t_ns) {
+  const { plan, order } = runAt(device, t_ns);
+  const index = stateIndexAt(plan, t_ns);
+  const [here, next] = [plan.states[index], plan.states[index + 1]];
+  if (!next || t_ns <= next.t_ns - order.facts.pulse_duration_ns) return inScene(order, here.position_um);
+  const share = 1 - (next.t_ns - t_ns) / order.facts.pulse_duration_ns;
+  const place = [0, 1].map((axis) => mix(here.position_um[axis], next.position_um[axis], Math.min(1, Math.max(0, share))));
+  return inScene(order, place);
+}
+
+// Electrode array
+
+/** Where every part is, in columns and rows; between two electrodes while it moves. */
+function partsAt(device, t_ns) {
+  const { plan, order } = runAt(device, t_ns);
+  const index = stateIndexAt(plan, t_ns);
+  const [here, next] = [plan.states[index], plan.states[index + 1]];
+  const begins_ns = next ? Math.max(here.t_ns, next.t_ns - order.facts.step_ns) : 0;
+  const share = next && t_ns > begins_ns ? (t_ns - begins_ns) / (next.t_ns - begins_ns) : 0;
+  const places = {};
+  for (const [name, cell] of Object.entries(here.parts)) {
+    // A part that is gone in the next state has merged; it stays where it was until then.
+    const to = (next && next.parts[name]) || cell;
+    places[name] = [mix(cell[0], to[0], share), mix(cell[1], to[1], share)];
+  }
+  return places;
+}
+
+// Microrobots
+
+/** The drive train of a leg: the first that begins between its start and the next state. */
+function trainOf(channel, start_ns, end_ns) {
+  const { actuations } = channel;
+  for (let at = lastAtMost(actuations, "start_ns", start_ns - 1) + 1; at < actuations.length; at += 1) {
+    if (actuations[at].start_ns >= end_ns) return null;
+    if (actuations[at].swing) return actuations[at];
+  }
+  return null;
+}
+
+/** The path of a robot along its heading, or along its circle with its arm down. */
+function moved(facts, [x, y, heading_rad], isDown, way_um) {
+  if (!isDown) return [x + way_um * Math.cos(heading_rad), y + way_um * Math.sin(heading_rad), heading_rad];
+  const side = facts.turning === "clockwise" ? -1 : 1;
+  const radius_um = facts.turning_radius_um;
+  const turned_rad = heading_rad + (side * way_um) / radius_um;
+  return [
+    x + side * radius_um * (Math.sin(turned_rad) - Math.sin(heading_rad)),
+    y - side * radius_um * (Math.cos(turned_rad) - Math.cos(heading_rad)),
+    turned_rad,
+  ];
+}
+
+/** The centre of a robot's circle. */
+function orbitCentre(facts, [x, y, heading_rad]) {
+  const side = facts.turning === "clockwise" ? -1 : 1;
+  return [x - side * facts.turning_radius_um * Math.sin(heading_rad), y + side * facts.turning_radius_um * Math.cos(heading_rad)];
+}
+
+/** Pose, arm and docking of every robot at an instant. */
+function robotsAt(device, t_ns) {
+  const { plan, order } = runAt(device, t_ns);
+  const index = stateIndexAt(plan, t_ns);
+  const state = plan.states[index];
+  const end_ns = plan.states[index + 1] ? plan.states[index + 1].t_ns : plan.start_ns + plan.duration_ns;
+  const train = trainOf(device.channels[0], state.t_ns, end_ns);
+  const driven_ns = train ? Math.min(train.duration_ns, Math.max(0, t_ns - train.start_ns)) : 0;
+  const strokes = train ? driven_ns / train.swing.period_ns : 0;
+  return order.robots.map(({ row }) => {
+    const facts = order.facts.robots[row];
+    const isDown = state.arms[row] === 1;
+    const isDocked = (state.docked || []).includes(facts.name);
+    const pose = state.poses[facts.name];
+    return {
+      name: facts.name,
+      facts,
+      isDown,
+      isDocked,
+      isDriven: driven_ns > 0 && train && t_ns < train.start_ns + train.duration_ns,
+      pose: isDocked ? pose : moved(facts, pose, isDown, strokes * facts.step_um),
+    };
+  });
+}
+
+// Fingers
+
+/** Finds for each pair of states when the fingers that hold move, and the channels of each finger. */
+function prepareHand(device) {
+  const byName = new Map(device.channels.map((channel) => [channel.name, channel]));
+  const count = device.runs[0].order.facts.fingers;
+  device.stages = Array.from({ length: count }, (_, finger) =>
+    ["x", "y", "z"].map((axis) => byName.get(`${device.name}.f${finger + 1}.${axis}`)));
+  for (const run of device.runs) {
+    const { states } = run.plan;
+    run.motions = states.slice(0, -1).map((state, index) => {
+      let [first, last] = [Infinity, -Infinity];
+      state.grasp.forEach((contact, finger) => {
+        if (contact === 0) return;
+        for (const channel of device.stages[finger]) {
+          for (let at = lastAtMost(channel.actuations, "start_ns", state.t_ns - 1) + 1; at < channel.actuations.length; at += 1) {
+            const ramp = channel.actuations[at];
+            if (ramp.start_ns + ramp.duration_ns > states[index + 1].t_ns) break;
+            if (ramp.from === ramp.to) continue;
+            first = Math.min(first, ramp.start_ns);
+            last = Math.max(last, ramp.start_ns + ramp.duration_ns);
+          }
+        }
+      });
+      return first < last ? [first, last] : null;
+    });
+  }
+}
+
+/** Middle of each tip, and whether it holds. */
+function tipsAt(device, t_ns) {
+  const { grasp } = stateAt(device, t_ns);
+  return device.stages.map((stage, finger) => ({
+    place: stage.map((channel) => valueAt(channel, t_ns)),
+    contact: grasp[finger],
+  }));
+}
+
+/** Position and unit quaternion (w, x, y, z) of the part of a hand. */
+function partAt(device, t_ns) {
+  const run = runAt(device, t_ns);
+  const { states } = run.plan;
+  const index = stateIndexAt(run.plan, t_ns);
+  const [here, next, motion] = [states[index], states[index + 1], run.motions[index]];
+  if (!next || !motion || t_ns <= motion[0]) return { place: here.position_um, turn: here.orientation };
+  const share = (Math.min(t_ns, motion[1]) - motion[0]) / (motion[1] - motion[0]);
+  const place = here.position_um.map((value, axis) => mix(value, next.position_um[axis], share));
+  // A quaternion and its negative are the same turn: the near one is meant.
+  const sign = here.orientation.reduce((sum, value, at) => sum + value * next.orientation[at], 0) < 0 ? -1 : 1;
+  const turn = here.orientation.map((value, at) => mix(value, sign * next.orientation[at], share));
+  const norm = Math.hypot(...turn) || 1;
+  return { place, turn: turn.map((value) => value / norm) };
+}
+
+/** A vector turned by a unit quaternion. */
+function turned([w, x, y, z], [a, b, c]) {
+  const [p, q, r] = [2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)];
+  return [a + w * p + y * r - z * q, b + w * q + z * p - x * r, c + w * r + x * q - y * p];
+}
+
+/** Points round an outline of a section, counter-clockwise. */
+function outlinePoints(outline, count = 96) {
+  const angles = Array.from({ length: count }, (_, at) => (2 * Math.PI * at) / count);
+  if (outline.ellipse) {
+    const [a, b] = outline.ellipse.semi_um;
+    return angles.map((angle) => [a * Math.cos(angle), b * Math.sin(angle)]);
+  }
+  if (outline.superellipse) {
+    const { semi_um: [a, b], exponent } = outline.superellipse;
+    const power = (value) => Math.sign(value) * Math.abs(value) ** (2 / exponent);
+    return angles.map((angle) => [a * power(Math.cos(angle)), b * power(Math.sin(angle))]);
+  }
+  if (outline.rounded_rectangle) {
+    const { half_um: [a, b], radius_um } = outline.rounded_rectangle;
+    return angles.map((angle) => {
+      const corner = Math.floor(angle / (Math.PI / 2));
+      const [sx, sy] = [[1, 1], [-1, 1], [-1, -1], [1, -1]][corner];
+      return [sx * (a - radius_um) + radius_um * Math.cos(angle), sy * (b - radius_um) + radius_um * Math.sin(angle)];
+    });
+  }
+  return outline.spline.points_um;
+}
+
+// Numbers as people read them
+
+/** A number with at most `digits` significant digits. */
+function short(value, digits = 4) {
+  if (Number.isInteger(value) && Math.abs(value) < 1e15) return String(value);
+  const text = Number(value).toPrecision(digits);
+  return text.includes("e") ? text : String(Number(text));
+}
+
+/** A time with a unit that fits. */
+function timeText(t_ns) {
+  if (t_ns === 0) return "0 s";
+  for (const [unit, size] of [["s", 1e9], ["ms", 1e6], ["us", 1e3]]) {
+    if (Math.abs(t_ns) >= size) return `${short(t_ns / size, 5)} ${unit}`;
+  }
+  return `${t_ns} ns`;
+}
+
+/** An outcome, which the schedule has in SI units, in the unit of its word. */
+function outcomeText(outcome, value) {
+  if (outcome === "time") return timeText(value * 1e9);
+  if (outcome === "distance") return `${short(value * 1e6)} um`;
+  if (outcome === "energy") return `${short(value * 1e3)} mJ`;
+  if (outcome === "effort") return `${short((value * 180) / Math.PI)} deg`;
+  return short(value, 6);
+}

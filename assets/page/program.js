@@ -1,0 +1,127 @@
+// The program's text: highlighted, with the step at work lit.
+"use strict";
+
+const WORDS = new Set(("use using device task program scene obstacle part droplet robot let for in if else and or not minimize require start at move to visit " +
+  "merge with together wait release grasp rotate orient translate by about apply assemble drive simultaneous run wiring on frame state states table through " +
+  "precision true false").split(" "));
+
+/** Pieces of a line: [class, text] each; names of the scene get their own class. */
+function piecesOf(line, names) {
+  const pieces = [];
+  const token = /(\/\/.*$)|("(?:[^"\\]|\\.)*")|(0b[01_]+|\d[\d_]*(?:\.\d+)?(?:e[+-]?\d+)?)|([A-Za-z_µ%][\w]*)|(\s+)|(.)/gu;
+  for (const [text, comment, string, number, word] of line.matchAll(token)) {
+    if (comment) pieces.push(["comment", text]);
+    else if (string) pieces.push(["string", text]);
+    else if (number) pieces.push(["number", text]);
+    else if (word && names.has(word)) pieces.push(["thing", text]);
+    else if (word && WORDS.has(word)) pieces.push(["word", text]);
+    else pieces.push(["", text]);
+  }
+  return pieces;
+}
+
+/** The lines of a step: from its first to the one that closes its brackets. */
+function linesOfStep(lines, { line, column }) {
+  let depth = 0;
+  for (let at = line - 1; at < lines.length; at += 1) {
+    const text = (at === line - 1 ? lines[at].slice(column - 1) : lines[at]).replace(/\/\/.*$/, "");
+    for (const letter of text) depth += "{([".includes(letter) ? 1 : "})]".includes(letter) ? -1 : 0;
+    if (depth <= 0) return [line, at + 1];
+  }
+  return [line, line];
+}
+
+class Program {
+  constructor(root, model, { seek, light }) {
+    Object.assign(this, { root, model, seek, shown: null });
+    const names = new Set(viewsOf(model).flatMap((view) => view.things()));
+    const tabs = root.querySelector(".tabs");
+    this.files = model.page.sources.map((source) => this.file(source, names, light));
+    this.files.forEach((file) => {
+      const tab = document.createElement("button");
+      Object.assign(tab, { type: "button", textContent: file.name });
+      tab.addEventListener("click", () => this.show(file));
+      tabs.append(tab);
+      file.tab = tab;
+      root.append(file.code);
+    });
+    tabs.hidden = this.files.length < 2;
+    this.show(this.files[0]);
+  }
+
+  file({ name, text }, names, light) {
+    const code = document.createElement("ol");
+    code.className = "code";
+    const lines = text.replace(/\n$/, "").split(/\r\n|\r|\n/);
+    const steps = this.model.steps.map((step, index) => ({ ...step, index })).filter((step) => step.file === name);
+    const rows = lines.map((line) => {
+      const row = document.createElement("li");
+      for (const [kind, part] of piecesOf(line, names)) {
+        const piece = document.createElement("span");
+        piece.textContent = part;
+        if (kind) piece.className = kind;
+        if (kind === "thing") {
+          piece.dataset.thing = part;
+          piece.addEventListener("pointerenter", () => light(part));
+          piece.addEventListener("pointerleave", () => light(null));
+        }
+        row.append(piece);
+      }
+      code.append(row);
+      return row;
+    });
+    const blocks = [];
+    for (const step of steps) {
+      const [from, to] = linesOfStep(lines, step);
+      blocks.push({ step, from, to });
+      for (let line = from; line <= to; line += 1) {
+        const row = rows[line - 1];
+        row.classList.add("step");
+        row.tabIndex = line === from ? 0 : -1;
+        row.title = `jump to ${timeText(step.start_ns)}`;
+        const jump = () => {
+          // A line that runs several times: from one run to the next.
+          const all = blocks.filter((block) => line >= block.from && line <= block.to).map((block) => block.step.start_ns);
+          this.seek(all.find((start_ns) => start_ns > this.t_ns) ?? Math.min(...all));
+        };
+        row.onclick = jump;
+        row.onkeydown = (event) => { if (event.key === "Enter") jump(); };
+      }
+    }
+    return { name, code, rows, blocks };
+  }
+
+  show(file) {
+    for (const other of this.files) {
+      other.code.hidden = other !== file;
+      other.tab.classList.toggle("chosen", other === file);
+    }
+    this.shown = file;
+  }
+
+  /** Lights the steps at work, and ticks those that are over. */
+  draw(t_ns) {
+    this.t_ns = t_ns;
+    const atWork = new Set(stepsAt(this.model, t_ns));
+    const key = [...atWork].join();
+    if (key === this.key) return;
+    this.key = key;
+    for (const file of this.files) {
+      file.rows.forEach((row) => row.classList.remove("now", "done"));
+      for (const { step, from, to } of file.blocks) {
+        const kind = atWork.has(step.index) ? "now" : step.start_ns + step.duration_ns <= t_ns ? "done" : null;
+        if (!kind) continue;
+        for (let line = from; line <= to; line += 1) {
+          const { classList } = file.rows[line - 1];
+          classList.add(kind);
+          if (kind === "now") classList.remove("done");
+          if (kind === "now" && file === this.shown && line === from) file.rows[line - 1].scrollIntoView({ block: "nearest" });
+        }
+      }
+    }
+  }
+
+  light(thing) {
+    this.root.querySelectorAll(".thing").forEach((piece) => piece.classList.toggle("lit", piece.dataset.thing === thing));
+  }
+}

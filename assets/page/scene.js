@@ -1,0 +1,592 @@
+// Draws the scene of each kind of device at an instant, to scale.
+//
+// A view shows one device, or several DiMiBots that share a scene. Every view has `extent` (the corners that must be seen, in its own
+// unit), `draw(pen, t_ns)`, and `unit_um`, the length of its unit.
+"use strict";
+
+/** Colours that people with any colour vision tell apart (Okabe and Ito). */
+const TURNS = ["#56b4e9", "#e69f00", "#009e73", "#cc79a7", "#0072b2", "#d55e00", "#f0e442"];
+const colorOf = (index) => TURNS[index % TURNS.length];
+
+/** States of a path drawn behind and ahead of now: more would lie over one another. */
+const TRAIL = 400;
+
+/** The states of a plan about an index: those behind it, and those from it on. */
+function around(list, index) {
+  return [list.slice(Math.max(0, index + 1 - TRAIL), index + 1), list.slice(index, index + TRAIL)];
+}
+
+/** A canvas with a scale: y points up, lengths in the view's unit. */
+class Pen {
+  constructor(canvas, box, [[x0, y0], [x1, y1]], theme) {
+    Object.assign(this, { canvas, box, theme, g: canvas.getContext("2d") });
+    const [width, height] = [x1 - x0 || 1, y1 - y0 || 1];
+    this.scale = Math.min(box.width / width, box.height / height);
+    this.left = box.x + (box.width - width * this.scale) / 2 - x0 * this.scale;
+    this.base = box.y + (box.height + height * this.scale) / 2 + y0 * this.scale;
+  }
+
+  at([x, y]) {
+    return [this.left + x * this.scale, this.base - y * this.scale];
+  }
+
+  /** The place of the scene under a point of the canvas. */
+  under([px, py]) {
+    return [(px - this.left) / this.scale, (this.base - py) / this.scale];
+  }
+
+  path(points, isClosed = false) {
+    const { g } = this;
+    g.beginPath();
+    points.forEach((point, index) => (index ? g.lineTo(...this.at(point)) : g.moveTo(...this.at(point))));
+    if (isClosed) g.closePath();
+  }
+
+  line(points, color, width = 1.5, dash = []) {
+    if (points.length < 2) return;
+    const { g } = this;
+    this.path(points);
+    Object.assign(g, { strokeStyle: color, lineWidth: width, lineJoin: "round", lineCap: "round" });
+    g.setLineDash(dash);
+    g.stroke();
+    g.setLineDash([]);
+  }
+
+  shape(points, { fill, stroke, width = 1, dash = [] }) {
+    const { g } = this;
+    this.path(points, true);
+    this.paint({ fill, stroke, width, dash });
+  }
+
+  disc(place, radius, { fill, stroke, width = 1, dash = [], least = 0 }) {
+    const { g } = this;
+    g.beginPath();
+    g.arc(...this.at(place), Math.max(least, radius * this.scale), 0, 2 * Math.PI);
+    this.paint({ fill, stroke, width, dash });
+  }
+
+  paint({ fill, stroke, width, dash }) {
+    const { g } = this;
+    if (fill) {
+      g.fillStyle = fill;
+      g.fill();
+    }
+    if (stroke) {
+      Object.assign(g, { strokeStyle: stroke, lineWidth: width });
+      g.setLineDash(dash);
+      g.stroke();
+      g.setLineDash([]);
+    }
+  }
+
+  text(place, words, color, { dx = 0, dy = 0, align = "left", size = 12, weight = "" } = {}) {
+    const { g } = this;
+    const [x, y] = this.at(place);
+    Object.assign(g, { font: `${weight} ${size}px system-ui, sans-serif`, textAlign: align, textBaseline: "middle" });
+    Object.assign(g, { lineWidth: 3, strokeStyle: this.theme.paper, lineJoin: "round" });
+    g.strokeText(words, x + dx, y + dy);
+    g.fillStyle = color;
+    g.fillText(words, x + dx, y + dy);
+  }
+}
+
+/** Corners of a shape at its pose, grown by a length; round parts as many short sides. */
+function shapePoints(shape, pose, growth_um = 0) {
+  const name = typeof shape === "string" ? shape : Object.keys(shape)[0];
+  const figures = shape[name] || {};
+  let [core, radius_um] = [[[0, 0]], growth_um];
+  if (name === "disc") radius_um += figures.radius_um;
+  if (name === "capsule") {
+    core = [[-figures.length_um / 2, 0], [figures.length_um / 2, 0]];
+    radius_um += figures.radius_um;
+  }
+  if (name === "box") {
+    const [a, b] = figures.size_um.map((size) => size / 2);
+    core = [[-a, -b], [a, -b], [a, b], [-a, b]];
+  }
+  if (name === "polygon") core = figures.points_um;
+  const [cos, sin] = [Math.cos(pose.heading_rad), Math.sin(pose.heading_rad)];
+  const placed = core.map(([x, y]) => [pose.x_um + x * cos - y * sin, pose.y_um + x * sin + y * cos]);
+  return { points: placed, radius_um };
+}
+
+/** Draws a rounded shape: its core, stroked by twice its radius. */
+function drawShape(pen, { points, radius_um }, color) {
+  const { g } = pen;
+  pen.path(points, points.length > 2);
+  Object.assign(g, { fillStyle: color, strokeStyle: color, lineJoin: "round", lineCap: "round" });
+  g.lineWidth = 2 * radius_um * pen.scale;
+  if (points.length === 1) return pen.disc(points[0], radius_um, { fill: color, least: 2 });
+  if (points.length > 2) g.fill();
+  if (radius_um > 0) g.stroke();
+  return undefined;
+}
+
+/** The smallest box about points, grown by a share of its size. */
+function boxAbout(points, share = 0.06) {
+  const low = [0, 1].map((axis) => Math.min(...points.map((point) => point[axis])));
+  const high = [0, 1].map((axis) => Math.max(...points.map((point) => point[axis])));
+  const more = share * Math.max(high[0] - low[0], high[1] - low[1], 1e-6);
+  return [low.map((value) => value - more), high.map((value) => value + more)];
+}
+
+// DiMiBot
+
+function dimibotView(devices) {
+  const places = [];
+  const cells = (order) => [2 ** order.facts.left - 1, 2 ** order.facts.right - 1];
+  for (const device of devices) {
+    for (const { order } of device.runs) {
+      const [dx, dy] = pitchUm(order.facts);
+      const [nx, ny] = cells(order);
+      for (const corner of [[0, 0], [nx * dx, 0], [0, ny * dy], [nx * dx, ny * dy]]) places.push(inScene(order, corner));
+    }
+  }
+  const view = { title: devices.map((device) => device.name).join(" and "), unit_um: 1, extent: boxAbout(places), foot: 26 * devices.length + 8 };
+  const solids = (run) => run.order.obstacles.filter((obstacle) => obstacle.body.solid);
+  view.things = () => {
+    const all = devices.flatMap((device) => device.runs.flatMap((run) => run.order.obstacles));
+    return [...new Set(all.map((obstacle) => obstacle.name))];
+  };
+  view.hit = ([x, y]) => {
+    for (const device of devices) {
+      for (const obstacle of solids(device.runs[0])) {
+        const { shape, pose } = obstacle.body.solid;
+        if (Math.hypot(x - pose.x_um, y - pose.y_um) < (shape.disc ? shape.disc.radius_um : 0.6)) return obstacle.name;
+      }
+    }
+    return null;
+  };
+  view.draw = (pen, t_ns, lit) => {
+    const { theme } = pen;
+    for (const device of devices) {
+      const { order } = runAt(device, t_ns);
+      const [dx, dy] = pitchUm(order.facts);
+      const [nx, ny] = cells(order);
+      const corners = [[0, 0], [nx * dx, 0], [nx * dx, ny * dy], [0, ny * dy]].map((corner) => inScene(order, corner));
+      pen.shape(corners, { stroke: theme.faint });
+      if (dx * pen.scale > 5 && dy * pen.scale > 5) {
+        pen.g.fillStyle = theme.dots;
+        for (let column = 0; column <= nx; column += 1) {
+          for (let row = 0; row <= ny; row += 1) {
+            const [x, y] = pen.at(inScene(order, [column * dx, row * dy]));
+            pen.g.fillRect(x - 1, y - 1, 2, 2);
+          }
+        }
+      }
+    }
+    // Obstacles of a shared scene are every robot's; each is drawn once, with the largest growth.
+    const seen = new Set();
+    for (const device of devices) {
+      const run = runAt(device, t_ns);
+      const { facts } = run.order;
+      for (const obstacle of run.order.obstacles) {
+        if (seen.has(obstacle.name)) continue;
+        seen.add(obstacle.name);
+        const isLit = lit === obstacle.name;
+        if (obstacle.body.solid) {
+          const { shape, pose } = obstacle.body.solid;
+          drawShape(pen, shapePoints(shape, pose, facts.tip_radius_um + facts.repeatability_um), theme.grown);
+          drawShape(pen, shapePoints(shape, pose), isLit ? theme.lit : theme.obstacle);
+          pen.text([pose.x_um, pose.y_um], obstacle.name, theme.ink, { align: "center" });
+        } else {
+          const { from, to } = obstacle.body.cells;
+          const [dx, dy] = pitchUm(facts);
+          const [a, b, c, d] = [from.x - 0.4, from.y - 0.4, to.x + 0.4, to.y + 0.4];
+          const corners = [[a, b], [c, b], [c, d], [a, d]].map(([x, y]) => inScene(run.order, [x * dx, y * dy]));
+          pen.shape(corners, { fill: isLit ? theme.lit : theme.obstacle });
+          const middle = inScene(run.order, [((from.x + to.x) / 2) * dx, ((from.y + to.y) / 2) * dy]);
+          pen.text(middle, obstacle.name, theme.ink, { align: "center", size: 11 });
+        }
+      }
+    }
+    devices.forEach((device, number) => drawDimibot(pen, device, t_ns, colorOf(number)));
+    devices.forEach((device, number) => drawModules(pen, device, t_ns, number, devices.length));
+  };
+  return view;
+}
+
+function drawDimibot(pen, device, t_ns, color) {
+  const { theme } = pen;
+  const { plan, order } = runAt(device, t_ns);
+  const place = (state) => inScene(order, state.position_um);
+  const [behind, ahead] = around(plan.states, stateIndexAt(plan, t_ns));
+  const tip = tipAt(device, t_ns);
+  pen.line(ahead.map(place), theme.ahead, 1.5, [3, 4]);
+  pen.line([...behind.map(place), tip], color, 2.5);
+  const marked = new Set();
+  order.steps.forEach((step) => {
+    const stops = step.action.move || step.action.visit || [];
+    for (const { cell } of stops) {
+      if (marked.has(cell.x * 2 ** 32 + cell.y)) continue;
+      marked.add(cell.x * 2 ** 32 + cell.y);
+      const [dx, dy] = pitchUm(order.facts);
+      const place = inScene(order, [cell.x * dx, cell.y * dy]);
+      pen.disc(place, 0, { stroke: theme.stop, width: 2, least: 6 });
+      const isAtEdge = pen.at(place)[0] > pen.box.x + pen.box.width - 56;
+      pen.text(place, `(${cell.x}, ${cell.y})`, theme.stop, { dx: isAtEdge ? -10 : 10, align: isAtEdge ? "right" : "left", size: 11 });
+    }
+  });
+  pen.disc(place(plan.states[0]), 0, { stroke: color, width: 1.5, least: 4 });
+  pen.disc(tip, order.facts.tip_radius_um, { fill: color, stroke: theme.paper, width: 1.5, least: 5.5 });
+}
+
+/** The modules as switches, the top one first, with the pulse at work; below the scene. */
+function drawModules(pen, device, t_ns, number, of) {
+  const { g, theme, box } = pen;
+  const run = runAt(device, t_ns);
+  const { facts } = run.order;
+  const { word } = stateAt(device, t_ns);
+  const lit = new Map();
+  for (const channel of device.channels) {
+    const actuation = actuationAt(channel, t_ns);
+    if (actuation && actuation.from !== 0) lit.set(channel.name.slice(device.name.length + 1, channel.name.lastIndexOf(".")), channel.name.split(".").pop());
+  }
+  const size = Math.min(20, (box.width - 150) / (facts.left + facts.right + 1));
+  let x = box.x + 8;
+  const y = box.y + box.height + 6 + 26 * number;
+  Object.assign(g, { font: "12px system-ui, sans-serif", textAlign: "left", textBaseline: "middle", fillStyle: theme.ink });
+  if (of > 1) {
+    g.fillText(device.name, x, y + 9);
+    x += 64;
+  }
+  for (const [side, count, shift] of [["bl", facts.left, facts.right], ["br", facts.right, 0]]) {
+    g.fillStyle = theme.ink;
+    g.textAlign = "left";
+    g.fillText(side, x, y + 9);
+    x += 20;
+    for (let module = count - 1; module >= 0; module -= 1) {
+      const isSet = Math.floor(word / 2 ** (shift + module)) % 2 === 1;
+      const pulse = lit.get(`${side}${module}`);
+      g.fillStyle = pulse ? theme.lit : isSet ? colorOf(number) : theme.panel;
+      Object.assign(g, { strokeStyle: pulse ? theme.ink : theme.faint, lineWidth: pulse ? 2 : 1 });
+      g.fillRect(x, y, size - 3, 18);
+      g.strokeRect(x, y, size - 3, 18);
+      g.fillStyle = isSet && !pulse ? "#fff" : theme.ink;
+      if (pulse) g.fillStyle = "#111";
+      g.textAlign = "center";
+      g.fillText(pulse ? (pulse === "set" ? "▲" : "▼") : isSet ? "1" : "0", x + (size - 3) / 2, y + 9.5);
+      x += size;
+    }
+    x += 12;
+  }
+}
+
+// Electrode array
+
+function arrayView(device) {
+  const { facts } = device.runs[0].order;
+  const view = {
+    title: device.name,
+    unit_um: 2 * facts.radius_um * (1 + facts.pitch_ratio),
+    extent: [[0.3, 0.3], [facts.columns + 0.7, facts.rows + 0.7]],
+  };
+  view.things = () => [...new Set(device.runs.flatMap(({ order }) => [...order.parts, ...order.obstacles].map((thing) => thing.name)))];
+  view.hit = ([x, y], t_ns) => {
+    for (const [name, place] of Object.entries(partsAt(device, t_ns))) {
+      if (Math.hypot(x - place[0], y - place[1]) < facts.layout.half_width_pitches) return name;
+    }
+    for (const { name, body } of runAt(device, t_ns).order.obstacles) {
+      if (!body.electrodes) continue;
+      const { from, to } = body.electrodes;
+      if (x > from.column - 0.5 && x < to.column + 0.5 && y > from.row - 0.5 && y < to.row + 0.5) return name;
+    }
+    return null;
+  };
+  view.draw = (pen, t_ns, lit) => {
+    drawBoard(pen, device, t_ns);
+    drawParts(pen, device, t_ns, lit);
+  };
+  return view;
+}
+
+function drawBoard(pen, device, t_ns) {
+  const { theme, g } = pen;
+  const { order } = runAt(device, t_ns);
+  const { facts } = order;
+  const [x0, y0] = pen.at([0.5, facts.rows + 0.5]);
+  g.fillStyle = theme.board;
+  g.fillRect(x0, y0, facts.columns * pen.scale, facts.rows * pen.scale);
+  const radius = 0.5 / (1 + facts.pitch_ratio);
+  const isCoarse = pen.scale < 5;
+  g.fillStyle = theme.electrode;
+  if (!isCoarse) {
+    g.beginPath();
+    for (let column = 1; column <= facts.columns; column += 1) {
+      for (let row = 1; row <= facts.rows; row += 1) {
+        const [x, y] = pen.at([column, row]);
+        g.moveTo(x + radius * pen.scale, y);
+        g.arc(x, y, radius * pen.scale, 0, 2 * Math.PI);
+      }
+    }
+    g.fill();
+  }
+  for (const channel of device.channels) {
+    const actuation = actuationAt(channel, t_ns);
+    if (!actuation || actuation.from === 0) continue;
+    const place = /\.e(\d+)_(\d+)$/.exec(channel.name);
+    if (place) pen.disc([Number(place[1]), Number(place[2])], radius * 1.15, { fill: theme.live, stroke: theme.liveEdge, least: 1.5 });
+  }
+}
+
+function drawParts(pen, device, t_ns, lit) {
+  const { theme } = pen;
+  const run = runAt(device, t_ns);
+  const { order, plan } = run;
+  const half = order.facts.layout.half_width_pitches;
+  const square = ([x, y], size) => [[x - size, y - size], [x + size, y - size], [x + size, y + size], [x - size, y + size]];
+  for (const { name, body } of order.obstacles) {
+    const [low, high] = body.electrodes
+      ? [[body.electrodes.from.column - 0.45, body.electrodes.from.row - 0.45], [body.electrodes.to.column + 0.45, body.electrodes.to.row + 0.45]]
+      : [[body.fixed.column - half, body.fixed.row - half], [body.fixed.column + half, body.fixed.row + half]];
+    pen.shape([low, [high[0], low[1]], high, [low[0], high[1]]], { fill: lit === name ? theme.lit : theme.obstacle });
+    pen.text([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2], name, theme.ink, { align: "center", size: 11 });
+  }
+  const [behind, ahead] = around(plan.states, stateIndexAt(plan, t_ns));
+  const places = partsAt(device, t_ns);
+  const stops = new Map();
+  for (const step of order.steps) for (const move of step.action.move || []) stops.set(move.part, [...(stops.get(move.part) || []), ...move.stops]);
+  order.parts.forEach(({ name }, number) => {
+    const color = colorOf(number);
+    const route = (states) => states.map((state) => state.parts[name]).filter(Boolean);
+    pen.line(route(ahead), color, 1, [2, 4]);
+    if (places[name]) pen.line([...route(behind), places[name]], color, 2);
+    for (const { cell } of stops.get(number) || []) {
+      pen.shape(square([cell.column, cell.row], 0.5), { stroke: color, width: 1.5, dash: [3, 2] });
+    }
+  });
+  order.parts.forEach(({ name }, number) => {
+    const place = places[name];
+    if (!place) return;
+    const color = colorOf(number);
+    const style = { fill: color, stroke: lit === name ? theme.lit : theme.ink, width: lit === name ? 3 : 1 };
+    if (order.facts.layout.electrodes === "quad") pen.shape(square(place, half), style);
+    else pen.disc(place, half, style);
+    const isWide = half * 2 * pen.scale > 7 * name.length + 4;
+    if (isWide || order.parts.length <= 24) {
+      pen.text(place, name, theme.ink, { align: isWide ? "center" : "left", dx: isWide ? 0 : half * pen.scale + 4, size: 11, weight: "600" });
+    }
+  });
+}
+
+// Microrobots
+
+function bedView(device) {
+  const places = [];
+  const reach = [];
+  for (const { plan, order } of device.runs) {
+    for (const state of plan.states) places.push(...Object.values(state.poses));
+    for (const { pose } of order.obstacles) places.push([pose.x_um, pose.y_um]);
+    reach.push(...order.facts.robots.map((robot) => 2 * robot.turning_radius_um + robot.length_um));
+  }
+  const [low, high] = boxAbout(places, 0.02);
+  const more = Math.max(...reach) / 2;
+  const view = { title: device.name, unit_um: 1, extent: [low.map((v) => v - more), high.map((v) => v + more)] };
+  view.things = () => [...new Set(device.runs.flatMap(({ order }) => [...order.obstacles.map((o) => o.name), ...order.robots.map(({ row }) => order.facts.robots[row].name)]))];
+  view.hit = ([x, y], t_ns) => {
+    for (const robot of robotsAt(device, t_ns)) {
+      if (Math.hypot(x - robot.pose[0], y - robot.pose[1]) < robot.facts.length_um / 2) return robot.name;
+    }
+    return null;
+  };
+  view.draw = (pen, t_ns, lit) => {
+    drawBed(pen, device, t_ns, lit, true);
+    drawInset(pen, device, t_ns, lit);
+  };
+  return view;
+}
+
+/** Goals of a run: the poses of its stops and docks. */
+function goalsOf(order) {
+  const goals = [];
+  for (const step of order.steps) {
+    const { assemble, drive } = step.action;
+    for (const dock of assemble || []) goals.push({ robot: dock.robot, pose: dock.goal.pose });
+    if (drive) for (const stop of drive.stops) goals.push({ robot: drive.robot, pose: stop.pose });
+  }
+  return goals;
+}
+
+function bodyPoints(facts, [x, y, heading_rad]) {
+  const [cos, sin] = [Math.cos(heading_rad), Math.sin(heading_rad)];
+  const [a, b] = [facts.length_um / 2, facts.width_um / 2];
+  return [[-a, -b], [a, -b], [a, b], [-a, b]].map(([u, v]) => [x + u * cos - v * sin, y + u * sin + v * cos]);
+}
+
+/** The path of a robot from a time on, as short lines. */
+function trail(device, run, robot, upTo_ns) {
+  const points = [];
+  const { name } = robot.facts;
+  for (const [index, state] of run.plan.states.entries()) {
+    if (state.t_ns > upTo_ns) break;
+    const end_ns = run.plan.states[index + 1] ? run.plan.states[index + 1].t_ns : run.plan.start_ns + run.plan.duration_ns;
+    const isDown = state.arms[run.order.facts.robots.indexOf(robot.facts)] === 1;
+    const until_ns = Math.min(end_ns, upTo_ns);
+    const count = isDown ? 24 : 1;
+    points.push(state.poses[name]);
+    for (let part = 1; part <= count; part += 1) {
+      const at = robotsAt(device, state.t_ns + ((until_ns - state.t_ns) * part) / count - 1).find((other) => other.name === name);
+      if (at) points.push(at.pose);
+    }
+  }
+  return points;
+}
+
+function drawBed(pen, device, t_ns, lit, withNames) {
+  const { theme } = pen;
+  const run = runAt(device, t_ns);
+  const { order } = run;
+  for (const { name, shape, pose } of order.obstacles) {
+    drawShape(pen, shapePoints(shape, pose, order.facts.clearance_um), theme.grown);
+    drawShape(pen, shapePoints(shape, pose), lit === name ? theme.lit : theme.obstacle);
+    if (withNames) pen.text([pose.x_um, pose.y_um], name, theme.ink, { align: "center" });
+  }
+  for (const { robot, pose } of goalsOf(order)) {
+    const facts = order.facts.robots[order.robots[robot].row];
+    pen.shape(bodyPoints(facts, [pose.x_um, pose.y_um, pose.heading_rad]), { stroke: theme.stop, width: 1.5, dash: [4, 3] });
+  }
+  const robots = robotsAt(device, t_ns);
+  robots.forEach((robot, number) => {
+    if (withNames) pen.line(trailOf(device, run, robot, t_ns), colorOf(number), 1.25);
+    if (robot.isDown && !robot.isDocked) {
+      pen.disc(orbitCentre(robot.facts, robot.pose), robot.facts.turning_radius_um, { stroke: colorOf(number), dash: [5, 4] });
+    }
+  });
+  robots.forEach((robot, number) => {
+    const style = { fill: colorOf(number), stroke: lit === robot.name ? theme.lit : theme.ink, width: lit === robot.name ? 3 : 1 };
+    pen.shape(bodyPoints(robot.facts, robot.pose), style);
+    // The arm reaches out at the front, on the side to which the robot turns; it is filled where it touches the bed.
+    const [x, y, heading_rad] = robot.pose;
+    const side = robot.facts.turning === "clockwise" ? -1 : 1;
+    const [cos, sin] = [Math.cos(heading_rad), Math.sin(heading_rad)];
+    const [u, v] = [robot.facts.length_um * 0.3, side * robot.facts.width_um];
+    const hand = [x + u * cos - v * sin, y + u * sin + v * cos];
+    pen.line([[x + u * cos, y + u * sin], hand], theme.ink, 1.5);
+    pen.disc(hand, robot.facts.width_um * 0.22, { fill: robot.isDown ? theme.alarm : theme.paper, stroke: theme.ink, least: 2.5 });
+    // Docked robots stand close: their names are in the inset.
+    if (withNames && !robot.isDocked) pen.text([x, y], robot.name, theme.ink, { dx: 10, dy: -14, size: 12, weight: "600" });
+    if (!withNames && robot.isDocked) pen.text([x, y], robot.name, theme.ink, { align: "center", size: 10 });
+  });
+}
+
+/** Trails are kept: a leg that is over no longer changes. */
+function trailOf(device, run, robot, t_ns) {
+  device.trails = device.trails || new Map();
+  const index = stateIndexAt(run.plan, t_ns);
+  const key = `${run.index}/${robot.name}/${index}`;
+  if (!device.trails.has(key)) device.trails.set(key, trail(device, run, robot, run.plan.states[index].t_ns - 1));
+  const from_ns = run.plan.states[index].t_ns;
+  const now = [];
+  const count = robot.isDown ? 24 : 1;
+  for (let part = 0; part <= count; part += 1) {
+    const at = robotsAt(device, from_ns + ((t_ns - from_ns) * part) / count).find((other) => other.name === robot.name);
+    now.push(at.pose);
+  }
+  return [...device.trails.get(key), ...now];
+}
+
+/** What is built, enlarged, once two robots are near their goals. */
+function drawInset(pen, device, t_ns, lit) {
+  const { order } = runAt(device, t_ns);
+  const goals = goalsOf(order);
+  if (!order.steps.some((step) => step.action.assemble)) return;
+  const { box, g, theme } = pen;
+  const size = Math.min(box.width, box.height) * 0.34;
+  const [low, high] = boxAbout(goals.map(({ pose }) => [pose.x_um, pose.y_um]), 0.1);
+  const more = 260;
+  const inset = { x: box.x + box.width - size - 6, y: box.y + 6, width: size, height: size };
+  const close = new Pen(pen.canvas, inset, [low.map((v) => v - more), high.map((v) => v + more)], theme);
+  g.save();
+  g.beginPath();
+  g.rect(inset.x, inset.y, size, size);
+  g.fillStyle = theme.panel;
+  g.fill();
+  g.clip();
+  drawBed(close, device, t_ns, lit, false);
+  g.restore();
+  Object.assign(g, { strokeStyle: theme.faint, lineWidth: 1 });
+  g.strokeRect(inset.x, inset.y, size, size);
+  Object.assign(g, { font: "11px system-ui, sans-serif", textAlign: "left", textBaseline: "top", fillStyle: theme.soft });
+  g.fillText("where they meet", inset.x + 6, inset.y + 5);
+}
+
+// Hand
+
+function handView(device) {
+  const { order } = device.runs[0];
+  const sections = [["xy", order.part.xy], ["xz", order.part.xz]].filter(([, section]) => section);
+  const outlines = sections.map(([plane, { outline }]) => ({
+    plane,
+    points: outlinePoints(outline).map(([u, v]) => (plane === "xy" ? [u, v, 0] : [u, 0, v])),
+  }));
+  const reach = Math.max(...outlines.flatMap(({ points }) => points.map((point) => Math.hypot(...point)))) + 3.2 * order.facts.tip_radius_um;
+  const view = { title: device.name, unit_um: 1, extent: [[-reach, -reach], [reach, reach]], turnable: true, yaw: -0.5, pitch: outlines.length > 1 ? 0.5 : 1.1 };
+  view.things = () => [order.part.name];
+  view.hit = ([x, y]) => (Math.hypot(x, y) < reach / 3 ? order.part.name : null);
+  view.draw = (pen, t_ns, lit) => {
+    const { theme } = pen;
+    const [cy, sy, cp, sp] = [Math.cos(view.yaw), Math.sin(view.yaw), Math.cos(view.pitch), Math.sin(view.pitch)];
+    // World z is up; the viewer looks along the third of these.
+    const seen = ([x, y, z]) => {
+      const [u, v] = [x * cy - y * sy, x * sy + y * cy];
+      return [u, z * cp + v * sp, v * cp - z * sp];
+    };
+    drawAxes(pen, seen, reach);
+    const part = partAt(device, t_ns);
+    const placed = (point) => seen(turned(part.turn, point).map((value, axis) => value + part.place[axis]));
+    const state = stateAt(device, t_ns);
+    for (const { plane, points } of outlines) {
+      const isInUse = state.plane === plane;
+      pen.shape(points.map(placed), {
+        fill: isInUse ? theme.section : undefined,
+        stroke: lit === order.part.name ? theme.lit : isInUse ? theme.ink : theme.faint,
+        width: isInUse ? 2 : 1,
+      });
+    }
+    const mark = outlines[0].points[0];
+    pen.disc(placed(mark), 0, { fill: theme.ink, least: 3 });
+    const tips = tipsAt(device, t_ns).map((tip, finger) => ({ ...tip, finger, spot: seen(tip.place) }));
+    tips.sort((a, b) => b.spot[2] - a.spot[2]);
+    for (const { spot, contact, finger } of tips) {
+      const color = colorOf(finger);
+      if (contact) pen.line([spot, seen(part.place)], color, 1, [3, 3]);
+      pen.disc(spot, order.facts.tip_radius_um, { fill: contact ? color : theme.panel, stroke: color, width: 2 });
+    }
+    for (const { spot, contact, finger } of tips) {
+      const words = contact ? `f${finger + 1} on ${contact}` : `f${finger + 1}`;
+      pen.text(spot, words, theme.ink, { align: "center", dy: order.facts.tip_radius_um * pen.scale + 10, size: 11 });
+    }
+    pen.text([-reach, -reach], "drag to turn the view", theme.soft, { dx: 4, dy: -8, size: 11 });
+  };
+  return view;
+}
+
+function drawAxes(pen, seen, reach) {
+  const { theme } = pen;
+  const at = [-reach * 0.82, reach * 0.78];
+  [["x", [1, 0, 0]], ["y", [0, 1, 0]], ["z", [0, 0, 1]]].forEach(([name, axis], number) => {
+    const [u, v] = seen(axis);
+    const end = [at[0] + u * reach * 0.15, at[1] + v * reach * 0.15];
+    pen.line([at, end], colorOf([5, 2, 0][number]), 2);
+    pen.text(end, name, theme.soft, { align: "center", dx: u * 9, dy: -v * 9, size: 11 });
+  });
+}
+
+/** The views of a model: DiMiBots of one scene together, each other device alone. */
+function viewsOf(model) {
+  const views = [];
+  const placed = new Map();
+  for (const { scene, frames } of model.claims.shared || []) for (const name of Object.keys(frames)) placed.set(name, scene);
+  for (const device of model.devices) {
+    if (device.kind === "electrode_array") views.push(arrayView(device));
+    if (device.kind === "microrobots") views.push(bedView(device));
+    if (device.kind === "fingers") views.push(handView(device));
+    if (device.kind !== "dimibot") continue;
+    const scene = placed.get(device.name);
+    const first = model.devices.find((other) => other.kind === "dimibot" && scene && placed.get(other.name) === scene) || device;
+    if (first !== device) continue;
+    const together = model.devices.filter((other) => other === device || (scene && placed.get(other.name) === scene));
+    views.push(dimibotView(together));
+  }
+  return views;
+}

@@ -1,0 +1,132 @@
+//! Where lines come from and go to: standard input and output, or one connection over a socket of this machine.
+
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::net::{SocketAddr, TcpListener, ToSocketAddrs};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+
+/// The longest line that is read, in bytes.
+const MAX_LINE_BYTES: u64 = 1024 * 1024;
+
+/// Lines that may wait for the controller.
+const WAITING_LINES: usize = 64;
+
+/// A line, or why there is none.
+pub enum Incoming {
+    Line(String),
+    /// Longer than [`MAX_LINE_BYTES`], or no UTF-8.
+    Unreadable(&'static str),
+}
+
+/// Both directions of a connection.
+pub struct Link {
+    pub lines: Receiver<Incoming>,
+    pub answers: Box<dyn Write>,
+}
+
+/// Where to listen.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Address {
+    Tcp(SocketAddr),
+    #[cfg(unix)]
+    Unix(std::path::PathBuf),
+}
+
+impl Address {
+    /// From `HOST:PORT` or `unix:PATH`.
+    ///
+    /// # Errors
+    /// What is wrong with it, for people: only this machine itself may be named.
+    pub fn parse(text: &str) -> Result<Address, String> {
+        if let Some(path) = text.strip_prefix("unix:") {
+            #[cfg(unix)]
+            return match path {
+                "" => Err("a path belongs behind `unix:`, as `unix:/tmp/bed.sock`".to_owned()),
+                path => Ok(Address::Unix(path.into())),
+            };
+            #[cfg(not(unix))]
+            return Err(format!("`unix:{path}` is for Unix; use HOST:PORT, as 127.0.0.1:7000"));
+        }
+        let found = text.to_socket_addrs().map_err(|error| format!("{error}; use HOST:PORT, as 127.0.0.1:7000"))?;
+        let (own, others): (Vec<SocketAddr>, Vec<SocketAddr>) = found.partition(|address| address.ip().is_loopback());
+        match (own.first(), others.first()) {
+            (Some(address), None) => Ok(Address::Tcp(*address)),
+            _ => Err("only this machine may be named: use 127.0.0.1, [::1] or localhost".to_owned()),
+        }
+    }
+}
+
+/// Standard input and output.
+pub fn standard() -> Link {
+    Link { lines: reader(io::stdin()), answers: Box::new(io::stdout()) }
+}
+
+/// Waits for one connection; `ready` is called with the address once it can be made.
+///
+/// # Errors
+/// If the address cannot be listened at.
+pub fn accepted(address: &Address, ready: impl FnOnce(&str)) -> io::Result<Link> {
+    match address {
+        Address::Tcp(address) => {
+            let listener = TcpListener::bind(address)?;
+            ready(&listener.local_addr()?.to_string());
+            let (stream, _) = listener.accept()?;
+            stream.set_nodelay(true)?;
+            Ok(Link { lines: reader(stream.try_clone()?), answers: Box::new(stream) })
+        }
+        #[cfg(unix)]
+        Address::Unix(path) => {
+            let listener = std::os::unix::net::UnixListener::bind(path)?;
+            ready(&format!("unix:{}", path.display()));
+            let (stream, _) = listener.accept()?;
+            // The name has done its work.
+            let _ = std::fs::remove_file(path);
+            Ok(Link { lines: reader(stream.try_clone()?), answers: Box::new(stream) })
+        }
+    }
+}
+
+/// Reads lines in a thread of its own, so that waiting for one can end.
+pub fn reader(from: impl Read + Send + 'static) -> Receiver<Incoming> {
+    let (to, lines) = sync_channel(WAITING_LINES);
+    std::thread::spawn(move || read(from, &to));
+    lines
+}
+
+fn read(from: impl Read, to: &SyncSender<Incoming>) {
+    let mut from = BufReader::new(from);
+    loop {
+        let mut bytes = Vec::new();
+        match (&mut from).take(MAX_LINE_BYTES).read_until(b'\n', &mut bytes) {
+            Ok(0) | Err(_) => return,
+            Ok(_) => {}
+        }
+        let is_whole = bytes.last() == Some(&b'\n') || (bytes.len() as u64) < MAX_LINE_BYTES;
+        let incoming = match (is_whole, String::from_utf8(bytes)) {
+            (false, _) => {
+                if skip_line(&mut from).is_err() {
+                    return;
+                }
+                Incoming::Unreadable("a line is longer than 1 MiB")
+            }
+            (true, Err(_)) => Incoming::Unreadable("a line is not UTF-8"),
+            (true, Ok(line)) if line.trim().is_empty() => continue,
+            (true, Ok(line)) => Incoming::Line(line),
+        };
+        if to.send(incoming).is_err() {
+            return;
+        }
+    }
+}
+
+/// Leaves out the rest of a line.
+fn skip_line(from: &mut impl BufRead) -> io::Result<()> {
+    loop {
+        let buffer = from.fill_buf()?;
+        let end = buffer.iter().position(|byte| *byte == b'\n');
+        let (length, is_over) = end.map_or((buffer.len(), buffer.is_empty()), |end| (end + 1, true));
+        from.consume(length);
+        if is_over {
+            return Ok(());
+        }
+    }
+}

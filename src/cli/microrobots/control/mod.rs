@@ -1,0 +1,260 @@
+//! `tweeze control`: brings robots to their goals by measured poses, which come as lines, and answers each with a command.
+
+mod link;
+mod protocol;
+
+use crate::check::Options;
+use crate::claims::Claims;
+use crate::claims::microrobots::MicrorobotsOrder;
+use crate::cli::arguments::{ControlArguments, ReportFormat};
+use crate::cli::loaded::Loaded;
+use crate::cli::waiting::ProgressLine;
+use crate::cli::{Exit, build, errors, terminal};
+use crate::compile::{self, CompileOutcome};
+use crate::diagnostic::Sink;
+use crate::emit::Provenance;
+use crate::emit::mcap::recording::{RecordedLine, Recorder};
+use crate::plan::Motion;
+use crate::plan::microrobots::MicrorobotsMotion;
+use crate::plan::microrobots::control::{Command, Controller, StopReason};
+use crate::source::Sources;
+pub use link::Address;
+use link::Incoming;
+use protocol::{Decision, StepLines};
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+use std::sync::mpsc::RecvTimeoutError;
+use std::time::Duration;
+
+/// So many lines in a row may be no measurements.
+const MAX_GARBLED: u32 = 5;
+
+/// Builds and verifies the program, then controls its task until it is done or given up.
+pub fn run(arguments: &ControlArguments) -> Exit {
+    let options = Options { settings: arguments.settings.set.clone(), only: arguments.task.clone() };
+    let loaded = match Loaded::read(&arguments.file, options, &arguments.report) {
+        Ok(loaded) => loaded,
+        Err(exit) => return exit,
+    };
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let checked = compile::check(&loaded.program(&loaded.disk()), &mut sources, &mut sink);
+    let claims = checked.map(|checked| checked.claims);
+    let claims = match claims.as_deref() {
+        None => {
+            terminal::report(&sink, &sources, arguments.report.format);
+            return Exit::Errors;
+        }
+        Some([one]) => one,
+        Some(all) => {
+            terminal::report(&sink, &sources, arguments.report.format);
+            return not_one(&loaded.shown(), all);
+        }
+    };
+    let Some(order) = the_bed(claims) else { return no_bed(&claims.name) };
+    let waiting = ProgressLine::begin();
+    let built =
+        compile::verified_plans(claims, &sources, &mut sink, &mut |index, count, task| waiting.at(index, count, task));
+    drop(waiting);
+    terminal::report(&sink, &sources, arguments.report.format);
+    let plans = match built {
+        Ok(built) => built.plans,
+        Err(CompileOutcome::Refused) => return Exit::Refused,
+        Err(CompileOutcome::Errors | CompileOutcome::Compiled(_)) => return Exit::Errors,
+    };
+    let Some(Motion::Microrobots(planned)) = plans.first().map(|plan| &plan.motion) else {
+        return no_bed(&claims.name);
+    };
+    let lines = StepLines(order.steps.iter().map(|step| sources.position(step.span).line).collect());
+    let provenance = build::provenance(&sources, &loaded.options);
+    serve(arguments, (claims, &provenance), (order, &planned.motion), lines)
+}
+
+/// The order of a task that can be controlled: one run of one bed.
+fn the_bed(claims: &Claims) -> Option<&MicrorobotsOrder> {
+    match claims.jobs.as_slice() {
+        [job] => MicrorobotsOrder::of(&job.order).filter(|order| order.facts.errors.is_some()),
+        [] | [_, ..] => None,
+    }
+}
+
+fn no_bed(name: &str) -> Exit {
+    terminal::to_stderr(&format!(
+        "tweeze: `{name}` cannot be controlled: that takes one run of one task on a bed of microrobots with all error bounds\n"
+    ));
+    Exit::Usage
+}
+
+fn not_one(shown: &str, all: &[Claims]) -> Exit {
+    let names: Vec<&str> = all.iter().map(|claims| claims.name.as_str()).collect();
+    terminal::to_stderr(&match names.is_empty() {
+        true => format!("tweeze: {shown} has no task to control\n"),
+        false => format!("tweeze: {shown} has several tasks; choose one with `--task`: {}\n", names.join(", ")),
+    });
+    Exit::Usage
+}
+
+/// Connects and controls.
+fn serve(
+    arguments: &ControlArguments,
+    (claims, provenance): (&Claims, &Provenance),
+    (order, motion): (&MicrorobotsOrder, &MicrorobotsMotion),
+    lines: StepLines,
+) -> Exit {
+    let Some(controller) = Controller::new(order, motion) else { return no_bed(&claims.name) };
+    let recorder = match arguments.record.as_deref().map(|path| recorder(path, claims, provenance)).transpose() {
+        Ok(recorder) => recorder,
+        Err(diagnostic) => {
+            terminal::report_one(*diagnostic, arguments.report.format);
+            return Exit::Files;
+        }
+    };
+    let link = match &arguments.listen {
+        None => link::standard(),
+        Some(address) => {
+            let ready = |at: &str| terminal::to_stderr(&format!("tweeze: listening at {at}\n"));
+            match link::accepted(address, ready) {
+                Ok(link) => link,
+                Err(error) => {
+                    terminal::to_stderr(&format!("tweeze: cannot listen there: {error}\n"));
+                    return Exit::Files;
+                }
+            }
+        }
+    };
+    let (answers, incoming) = (link.answers, link.lines);
+    let mut session =
+        Session { order, controller, lines, recorder, answers, t_ns: 0, until_ns: None, garbled: 0, read: 0 };
+    let exit = session.greet(&claims.name).and_then(|()| session.control(&incoming)).unwrap_or_else(|exit| exit);
+    match session.recorder.take().map(Recorder::finish) {
+        None | Some(Ok(())) => exit,
+        Some(Err(error)) => {
+            terminal::report_one(error.diagnostic(), arguments.report.format);
+            Exit::Files
+        }
+    }
+}
+
+fn recorder(
+    path: &Path,
+    claims: &Claims,
+    provenance: &Provenance,
+) -> Result<Recorder<BufWriter<File>>, Box<crate::diagnostic::Diagnostic>> {
+    let file = File::create_new(path).map_err(|error| Box::new(errors::not_recorded(path, &error)))?;
+    Recorder::begin(BufWriter::new(file), claims, provenance).map_err(|error| Box::new(error.diagnostic()))
+}
+
+/// A controller with its connection.
+struct Session<'a> {
+    order: &'a MicrorobotsOrder,
+    controller: Controller<'a>,
+    lines: StepLines,
+    recorder: Option<Recorder<BufWriter<File>>>,
+    answers: Box<dyn Write>,
+    /// Time of the last measurement.
+    t_ns: u64,
+    /// When the last command ends; `None` before the first measurement.
+    until_ns: Option<u64>,
+    /// Lines in a row that were no measurements, and all lines.
+    garbled: u32,
+    read: u64,
+}
+
+impl Session<'_> {
+    fn greet(&mut self, task: &str) -> Result<(), Exit> {
+        self.answer(&protocol::greeting(self.order, task))
+    }
+
+    /// Answers lines until the task is over. The error is the exit of a connection that failed.
+    fn control(&mut self, incoming: &std::sync::mpsc::Receiver<Incoming>) -> Result<Exit, Exit> {
+        loop {
+            let next = match self.until_ns {
+                // The robots rest before the first measurement: there is nothing to stop.
+                None => incoming.recv().map_err(|_| RecvTimeoutError::Disconnected),
+                Some(until_ns) => {
+                    let left_ns = until_ns.saturating_sub(self.t_ns).saturating_add(self.order.facts.watchdog_ns());
+                    incoming.recv_timeout(Duration::from_nanos(left_ns))
+                }
+            };
+            let over = match next {
+                Ok(Incoming::Line(line)) => self.take(&line)?,
+                Ok(Incoming::Unreadable(why)) => self.refuse(why)?,
+                Err(RecvTimeoutError::Timeout) => self.stop(StopReason::Silence)?,
+                Err(RecvTimeoutError::Disconnected) => self.stop(StopReason::Closed)?,
+            };
+            if let Some(exit) = over {
+                return Ok(exit);
+            }
+        }
+    }
+
+    /// A line of measured poses; the exit if the task is over.
+    fn take(&mut self, line: &str) -> Result<Option<Exit>, Exit> {
+        let measured = match protocol::measured(self.order, line) {
+            Ok(measured) => measured,
+            Err(why) => return self.refuse(&why),
+        };
+        (self.garbled, self.read) = (0, self.read + 1);
+        self.record(RecordedLine::Measured, measured.t_ns.max(self.t_ns), line.trim_end())?;
+        let command = self.controller.observe(&measured.poses, measured.t_ns);
+        let over = match command {
+            Command::Drive { until_ns, .. } | Command::Rest { until_ns } | Command::Continue { until_ns } => {
+                self.until_ns = Some(until_ns);
+                None
+            }
+            Command::Finished => Some(Exit::Done),
+            Command::Stop(_) => Some(Exit::Stopped),
+        };
+        self.t_ns = self.t_ns.max(measured.t_ns);
+        // The borrow of the command ends with the line that it becomes.
+        let decision = Decision::of(&self.controller, self.order);
+        let command = self.controller.last();
+        let text = protocol::command(self.order, &self.lines, &decision, self.t_ns, command);
+        self.command(&text)?;
+        Ok(over)
+    }
+
+    /// Refuses a line; the exit if there were too many of them in a row.
+    fn refuse(&mut self, why: &str) -> Result<Option<Exit>, Exit> {
+        (self.garbled, self.read) = (self.garbled + 1, self.read + 1);
+        self.answer(&protocol::error(self.read, why))?;
+        if self.garbled > MAX_GARBLED { self.stop(StopReason::Garbled) } else { Ok(None) }
+    }
+
+    fn stop(&mut self, reason: StopReason) -> Result<Option<Exit>, Exit> {
+        self.controller.stop(reason, None);
+        let decision = Decision::of(&self.controller, self.order);
+        let text = protocol::command(self.order, &self.lines, &decision, self.t_ns, self.controller.last());
+        // Whoever measures may have gone; the recording has the command all the same.
+        let sent = self.command(&text);
+        terminal::to_stderr(&format!("tweeze: stopped: {}\n", self.why()));
+        sent.map(|()| Some(Exit::Stopped)).or(Ok(Some(Exit::Stopped)))
+    }
+
+    fn why(&self) -> String {
+        match self.controller.last() {
+            Command::Stop(stop) => protocol::stopped(self.order, stop),
+            Command::Drive { .. } | Command::Rest { .. } | Command::Continue { .. } | Command::Finished => {
+                String::new()
+            }
+        }
+    }
+
+    fn command(&mut self, text: &str) -> Result<(), Exit> {
+        self.record(RecordedLine::Command, self.t_ns, text.trim_end())?;
+        self.answer(text)
+    }
+
+    fn answer(&mut self, text: &str) -> Result<(), Exit> {
+        // A reader that has gone ends the control: nobody would carry the commands out.
+        self.answers.write_all(text.as_bytes()).and_then(|()| self.answers.flush()).map_err(|_| Exit::Stopped)
+    }
+
+    fn record(&mut self, line: RecordedLine, t_ns: u64, json: &str) -> Result<(), Exit> {
+        let Some(recorder) = &mut self.recorder else { return Ok(()) };
+        recorder.add(line, t_ns, json).map_err(|error| {
+            terminal::report_one(error.diagnostic(), ReportFormat::Human);
+            Exit::Files
+        })
+    }
+}

@@ -1,0 +1,183 @@
+//! A controller in another process, asked over a socket: `tweeze control` as a user runs it.
+
+use crate::claims::microrobots::MicrorobotsOrder;
+use crate::geometry::Pose;
+use crate::plan::microrobots::control::{Command, ControlPhase, Pilot, Segment, Stop, StopReason};
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
+use std::io::{BufRead, BufReader, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Stdio};
+
+/// What standard error says before the address.
+const LISTENING: &str = "listening at ";
+
+/// What the controller is told to control.
+pub struct RemoteTask<'a> {
+    pub file: &'a Path,
+    pub task: &'a str,
+    pub settings: &'a [String],
+}
+
+/// A running `tweeze control` with its connection.
+pub struct RemotePilot<'a> {
+    order: &'a MicrorobotsOrder,
+    child: Child,
+    answers: BufReader<TcpStream>,
+    segments: Vec<Segment>,
+    step: usize,
+    phase: ControlPhase,
+}
+
+/// The parts of a command line that the bed needs.
+#[derive(Deserialize)]
+struct CommandAnswer {
+    command: String,
+    #[serde(default)]
+    until_ns: u64,
+    #[serde(default)]
+    segments: Vec<SegmentAnswer>,
+    reason: Option<StopReason>,
+    step: usize,
+    phase: ControlPhase,
+    #[serde(default)]
+    driven: Vec<String>,
+}
+
+#[derive(Deserialize)]
+struct SegmentAnswer {
+    state: String,
+    levels_v: Vec<f64>,
+    strokes: u64,
+}
+
+impl<'a> RemotePilot<'a> {
+    /// Starts a controller and connects to it.
+    ///
+    /// # Errors
+    /// What went wrong, for people.
+    pub fn start(order: &'a MicrorobotsOrder, task: &RemoteTask) -> Result<Self, String> {
+        let own = std::env::current_exe().map_err(|error| format!("the path of tweeze is unknown: {error}"))?;
+        let settings = task.settings.iter().flat_map(|setting| ["--set", setting]);
+        let mut child = std::process::Command::new(own)
+            .arg("control")
+            .arg(task.file)
+            .args(["--task", task.task, "--listen", "127.0.0.1:0"])
+            .args(settings)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(|error| format!("the controller cannot be started: {error}"))?;
+        match connected(&mut child) {
+            Ok(answers) => {
+                let phase = ControlPhase::Wait;
+                Ok(RemotePilot { order, child, answers, segments: Vec::new(), step: 0, phase })
+            }
+            Err(why) => {
+                end(&mut child);
+                Err(why)
+            }
+        }
+    }
+
+    /// The line of a measurement.
+    fn line(&self, measured: &[Option<Pose>], now_ns: u64) -> String {
+        let pose = |(robot, pose): (usize, &Option<Pose>)| {
+            let pose = pose.map(
+                |pose| json!({ "x_um": pose.x_um, "y_um": pose.y_um, "heading_deg": pose.heading_rad.to_degrees() }),
+            );
+            (self.order.robot(robot).name.clone(), pose.unwrap_or(Value::Null))
+        };
+        let robots: Map<String, Value> = measured.iter().enumerate().map(pose).collect();
+        format!("{}\n", json!({ "t_ns": now_ns, "robots": robots }))
+    }
+
+    fn asked(&mut self, line: &str) -> Option<CommandAnswer> {
+        let mut answer = String::new();
+        self.answers.get_mut().write_all(line.as_bytes()).ok()?;
+        self.answers.read_line(&mut answer).ok().filter(|read| *read > 0)?;
+        serde_json::from_str(&answer).ok()
+    }
+
+    /// The segments of an answer; `None` if it names a state that the device does not have.
+    fn take_segments(&mut self, segments: &[SegmentAnswer]) -> Option<()> {
+        self.segments.clear();
+        for SegmentAnswer { state, levels_v, strokes } in segments {
+            let known = self.order.states.iter().position(|known| known.digits() == *state)?;
+            self.segments.push(Segment { state: known, strokes: *strokes, sets_arms: !levels_v.is_empty() });
+        }
+        Some(())
+    }
+}
+
+impl Pilot for RemotePilot<'_> {
+    fn observe(&mut self, measured: &[Option<Pose>], now_ns: u64) -> Command<'_> {
+        let line = self.line(measured, now_ns);
+        let answer = self.asked(&line);
+        let stopped = |step, phase, reason, robot| Command::Stop(Stop { reason, robot, step, phase });
+        let Some(answer) = answer else { return stopped(self.step, self.phase, StopReason::Silence, None) };
+        (self.step, self.phase) = (answer.step, answer.phase);
+        let until_ns = answer.until_ns;
+        match answer.command.as_str() {
+            "drive" if self.take_segments(&answer.segments).is_some() => {
+                Command::Drive { segments: &self.segments, until_ns }
+            }
+            "rest" => Command::Rest { until_ns },
+            "continue" => Command::Continue { until_ns },
+            "finished" => Command::Finished,
+            _ => {
+                let is_driven = |robot: &usize| answer.driven.contains(&self.order.robot(*robot).name);
+                let robot = (0..self.order.robots.len()).find(is_driven);
+                stopped(self.step, self.phase, answer.reason.unwrap_or(StopReason::Garbled), robot)
+            }
+        }
+    }
+
+    fn step(&self) -> usize {
+        self.step
+    }
+
+    fn phase(&self) -> ControlPhase {
+        self.phase
+    }
+}
+
+impl Drop for RemotePilot<'_> {
+    fn drop(&mut self) {
+        end(&mut self.child);
+    }
+}
+
+/// Ends a controller that has not ended by itself.
+fn end(child: &mut Child) {
+    // It may be over already; then there is nothing to end.
+    let _ = child.kill();
+    let _ = child.wait();
+}
+
+/// The connection to a controller, after its greeting.
+fn connected(child: &mut Child) -> Result<BufReader<TcpStream>, String> {
+    let told = child.stderr.take().ok_or("the controller has no standard error")?;
+    let mut told = BufReader::new(told);
+    let mut said = String::new();
+    let address = loop {
+        let mut line = String::new();
+        match told.read_line(&mut line) {
+            Ok(0) | Err(_) => return Err(format!("the controller ended before it listened:\n{said}")),
+            Ok(_) => match line.split_once(LISTENING) {
+                Some((_, address)) => break address.trim().to_owned(),
+                None => said.push_str(&line),
+            },
+        }
+    };
+    // What else it says must not stop it by a full pipe.
+    std::thread::spawn(move || std::io::copy(&mut told, &mut std::io::sink()));
+    let failed = |error: std::io::Error| format!("the controller cannot be reached at {address}: {error}");
+    let stream = TcpStream::connect(&address).map_err(failed)?;
+    stream.set_nodelay(true).map_err(failed)?;
+    let mut answers = BufReader::new(stream);
+    answers.read_line(&mut String::new()).map_err(failed)?;
+    Ok(answers)
+}

@@ -1,0 +1,233 @@
+//! `tweeze simulate`.
+
+use super::remote::{RemotePilot, RemoteTask};
+use crate::check::Options;
+use crate::claims::Job;
+use crate::claims::microrobots::MicrorobotsOrder;
+use crate::cli::arguments::{ReportFormat, SimulateArguments};
+use crate::cli::loaded::Loaded;
+use crate::cli::{Exit, terminal};
+use crate::compile::{self, CompileRequest};
+use crate::diagnostic::Sink;
+use crate::plan::microrobots::simulation::{EndedTrial, SimulatedBed};
+use crate::plan::{self, Motion, Plan};
+use crate::quantity::digits;
+use crate::simulate::{
+    ControlPhase, Dockings, FailureReason, Failures, ShareSpread, SimulationReport, Spread, simulate_disturbed,
+};
+use crate::source::Sources;
+use serde_json::{Value, json};
+
+/// Runs the assemblies of a program against robots and measurements with errors.
+pub fn run(arguments: &SimulateArguments) -> Exit {
+    let options = Options { settings: arguments.settings.set.clone(), only: arguments.task.clone() };
+    let loaded = match Loaded::read(&arguments.file, options, &arguments.report) {
+        Ok(loaded) => loaded,
+        Err(exit) => return exit,
+    };
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let told = told(&loaded.program(&loaded.disk()), arguments, &mut sources, &mut sink);
+    terminal::report(&sink, &sources, arguments.report.format);
+    let told = match told {
+        Ok(told) => told,
+        Err(why) => return terminal::fault(&why),
+    };
+    match told {
+        None => Exit::Errors,
+        Some(told) if told.is_empty() => {
+            eprintln!("{} has no assembly on a device with all error bounds: nothing to simulate", loaded.shown());
+            Exit::Usage
+        }
+        Some(told) => terminal::answer(&told.join("\n")),
+    }
+}
+
+/// Outcomes of each assembly; `None` after an error of the program. The error is that of a controller that could not be asked.
+fn told(
+    program: &CompileRequest,
+    arguments: &SimulateArguments,
+    sources: &mut Sources,
+    sink: &mut Sink,
+) -> Result<Option<Vec<String>>, String> {
+    let Some(checked) = compile::check(program, sources, sink) else { return Ok(None) };
+    let mut told = Vec::new();
+    let mut is_whole = true;
+    for claims in &checked.claims {
+        match plan::plan(claims, sink, &mut |_, _, _| ()) {
+            Some(plans) => {
+                let jobs = claims.jobs.iter().zip(&plans);
+                let outcomes = jobs.filter_map(|(job, plan)| one((&claims.name, job), plan, arguments, sources));
+                told.extend(outcomes.collect::<Result<Vec<String>, String>>()?);
+            }
+            None => is_whole = false,
+        }
+    }
+    Ok(is_whole.then_some(told))
+}
+
+/// Outcomes of one assembly of the schedule of a name; `None` if there is none, or if the device does not bound its errors.
+fn one(
+    (name, job): (&str, &Job),
+    plan: &Plan<Motion>,
+    arguments: &SimulateArguments,
+    sources: &Sources,
+) -> Option<Result<String, String>> {
+    let (trials, seed) = (u64::from(arguments.trials), arguments.seed);
+    let report = match arguments.against_controller {
+        false => {
+            let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+            simulate_disturbed(&plan.motion, arguments.disturbances(), (trials, seed, threads)).map(Ok)
+        }
+        true => against(job, plan, name, arguments),
+    };
+    let report = match report? {
+        Ok(report) => report,
+        Err(why) => return Some(Err(why)),
+    };
+    let line = |step: usize| step_line(job, step, sources);
+    if arguments.report.format == ReportFormat::Json {
+        return Some(Ok(json(&job.task, seed, &report, &line).to_string()));
+    }
+    Some(Ok(format!("{}{}{}", summary(&job.task, seed, &report), dockings(&report), failures(&report, &line))))
+}
+
+/// The trials of an assembly by controllers in processes of their own, one for each.
+fn against(
+    job: &Job,
+    plan: &Plan<Motion>,
+    name: &str,
+    arguments: &SimulateArguments,
+) -> Option<Result<SimulationReport, String>> {
+    let (Motion::Microrobots(planned), Some(order)) = (&plan.motion, MicrorobotsOrder::of(&job.order)) else {
+        return None;
+    };
+    let bed = SimulatedBed::new(order, &planned.motion, arguments.disturbances())?;
+    let task = RemoteTask { file: &arguments.file, task: name, settings: &arguments.settings.set };
+    let trial = |index: u64| {
+        let mut pilot = RemotePilot::start(order, &task)?;
+        Ok(bed.trial(arguments.seed, index, &mut pilot))
+    };
+    let trials: Result<Vec<EndedTrial>, String> = (0..u64::from(arguments.trials)).map(trial).collect();
+    Some(trials.map(|trials| bed.report(&trials)))
+}
+
+/// The line of a step in the program's text, counted from 1.
+fn step_line(job: &Job, step: usize, sources: &Sources) -> Option<u32> {
+    let order = MicrorobotsOrder::of(&job.order)?;
+    order.steps.get(step).map(|step| sources.position(step.span).line)
+}
+
+/// The report as one JSON object.
+fn json(task: &str, seed: u64, report: &SimulationReport, line: &dyn Fn(usize) -> Option<u32>) -> Value {
+    let name = |robot: usize| report.names[robot].as_str();
+    let docking = |docking: &Dockings| {
+        json!({
+            "robot": name(docking.robot), "count": docking.count, "across_um": docking.across_um,
+            "along_um": docking.along_um, "incidence_rad": docking.incidence_rad, "heading_rad": docking.heading_rad,
+        })
+    };
+    let failure = |failure: &Failures| {
+        json!({
+            "robot": name(failure.robot), "reason": failure.reason, "phase": failure.phase, "step": failure.step,
+            "line": line(failure.step), "count": failure.count,
+        })
+    };
+    json!({
+        "simulated": task,
+        "seed": seed,
+        "trials": report.trials,
+        "successes": report.successes,
+        "confidence_95": report.wilson,
+        "time_s": report.time_s,
+        "area_in_place": report.area_in_place,
+        "area_of_shape": report.area_of_shape,
+        "dockings": report.dockings.iter().map(docking).collect::<Vec<_>>(),
+        "failures": report.failures.iter().map(failure).collect::<Vec<_>>(),
+    })
+}
+
+fn summary(task: &str, seed: u64, report: &SimulationReport) -> String {
+    let percent = |share: f64| format!("{} %", digits((share * 1e4).round() / 100.0));
+    let share = report.successes as f64 / report.trials.max(1) as f64;
+    let [low, high] = report.wilson.map(percent);
+    let counted = format!(
+        "{} of {} trials succeeded: {}, between {low} and {high} with 95 % confidence (seed {seed})",
+        report.successes,
+        report.trials,
+        percent(share)
+    );
+    let time = spread(report.time_s, 1.0);
+    let line = terminal::line("Simulated", task, 0, &counted);
+    if report.successes == 0 {
+        return line;
+    }
+    let share = |share: f64| format!("{:.1}", share * 100.0);
+    let area = |area: ShareSpread| format!("{} / {} / {} %", share(area.mean), share(area.p5), share(area.min));
+    let area = format!(
+        "area of the goal that they cover: {}, as a shape {} (mean, 5 %, least)",
+        area(report.area_in_place),
+        area(report.area_of_shape)
+    );
+    let below = |text: &str| terminal::line("", "", task.chars().count(), text);
+    format!("{line}{}{}", below(&format!("time of those: {time} s (mean, 95 %, longest)")), below(&area))
+}
+
+/// A row for each robot, each figure as its mean, the 95th percentile and the largest.
+fn dockings(report: &SimulationReport) -> String {
+    let heading = ["robot", "docked", "across [um]", "along [um]", "incidence [deg]", "heading [deg]"];
+    let degrees = 180.0 / std::f64::consts::PI;
+    let row = |docking: &Dockings| {
+        let figures = [
+            spread(docking.across_um, 1.0),
+            spread(docking.along_um, 1.0),
+            spread(docking.incidence_rad, degrees),
+            spread(docking.heading_rad, degrees),
+        ];
+        [report.names[docking.robot].clone(), docking.count.to_string()].into_iter().chain(figures).collect()
+    };
+    let rows: Vec<Vec<String>> =
+        std::iter::once(heading.map(str::to_owned).to_vec()).chain(report.dockings.iter().map(row)).collect();
+    format!("\n  errors without their signs: mean, 95th percentile, largest\n{}", terminal::aligned(&rows))
+}
+
+fn failures(report: &SimulationReport, line: &dyn Fn(usize) -> Option<u32>) -> String {
+    let row = |failure: &Failures| {
+        let line = line(failure.step).map(|line| format!(", line {line}")).unwrap_or_default();
+        let (robot, reason) = (&report.names[failure.robot], reason(&failure.reason));
+        format!("  {} of {robot}{line}, {}: {reason}\n", failure.count, phase(failure.phase))
+    };
+    let lines: Vec<String> = report.failures.iter().map(row).collect();
+    if lines.is_empty() { String::new() } else { format!("\n  failures\n{}", lines.concat()) }
+}
+
+fn phase(phase: ControlPhase) -> &'static str {
+    match phase {
+        ControlPhase::Legs => "in legs as written",
+        ControlPhase::Wait => "while the bed waits",
+        ControlPhase::Approach => "on its way",
+        ControlPhase::Timing => "before it is in time with its partner",
+        ControlPhase::Meeting => "on its way to its partner",
+        ControlPhase::Fine => "in fine motion",
+        ControlPhase::Contact => "at contact",
+        ControlPhase::Over => "at the end",
+    }
+}
+
+fn reason(reason: &FailureReason) -> String {
+    match reason {
+        FailureReason::LeftCylinder => "it did not get to where the fine motion begins".to_owned(),
+        FailureReason::MissedCone => "its goal was not within reach of the fine motion".to_owned(),
+        FailureReason::Misplaced => "it docked too far from its place".to_owned(),
+        FailureReason::Angle => "it met its structure at too large an angle".to_owned(),
+        FailureReason::Collision(thing) => format!("it ran into {thing}"),
+        FailureReason::TimeLimit => "it took too long".to_owned(),
+        FailureReason::NotDocked => "it was held for docked, and was not".to_owned(),
+        FailureReason::Unmeasured => "it was not measured, or where it cannot be, too often".to_owned(),
+        FailureReason::Silence => "measurements failed to come".to_owned(),
+    }
+}
+
+fn spread(spread: Spread, scale: f64) -> String {
+    let figure = |value: f64| format!("{:.1}", value * scale);
+    format!("{} / {} / {}", figure(spread.mean), figure(spread.p95), figure(spread.max))
+}

@@ -1,0 +1,73 @@
+//! `tweeze view`: the page of a program or a log, in the browser.
+
+use super::arguments::{BuildArguments, ReportFormat, ViewArguments};
+use super::disk::{self, Destination, MAX_LOG_BYTES};
+use super::{Exit, build, report, terminal, verify};
+use crate::emit::{self, Format};
+use std::path::{Path, PathBuf};
+
+/// Writes the pages of a program, or the page of a log once it is verified, and opens them.
+pub fn run(arguments: &ViewArguments) -> Exit {
+    let is_log = arguments.file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap"));
+    let (report, pages) = match if is_log { of_log(arguments) } else { of_program(arguments) } {
+        Ok(written) => written,
+        Err(exit) => return exit,
+    };
+    let exit = terminal::answer(&report);
+    if !arguments.no_open {
+        pages.iter().for_each(|page| open(page));
+    }
+    exit
+}
+
+/// The report of what was written, and the pages.
+type WrittenPages = (String, Vec<PathBuf>);
+
+fn of_program(arguments: &ViewArguments) -> Result<WrittenPages, Exit> {
+    build::built(&BuildArguments {
+        file: arguments.file.clone(),
+        task: arguments.task.clone(),
+        emit: vec![Format::Html],
+        output: arguments.output.clone(),
+        force: arguments.force,
+        settings: arguments.settings.clone(),
+        report: arguments.report.clone(),
+    })
+}
+
+fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, Exit> {
+    let (path, format) = (&arguments.file, arguments.report.format);
+    let files = |error: Box<crate::diagnostic::Diagnostic>| {
+        terminal::report_one(*error, format);
+        Exit::Files
+    };
+    disk::settle(path).map_err(files)?;
+    let bytes = disk::read_bytes(path, MAX_LOG_BYTES).map_err(files)?;
+    let judged = verify::judge_bytes(path, &bytes).map_err(|refusal| refusal.report(format))?;
+    let pages = emit::emit(Format::Html, &judged.verified, &judged.provenance).map_err(|error| {
+        terminal::report_one(error.diagnostic(), format);
+        Exit::Errors
+    })?;
+    let to = Destination { folder: &arguments.output, program: path, force: arguments.force };
+    disk::write_all(&to, &pages).map_err(files)?;
+    let pages: Vec<PathBuf> = pages.iter().map(|page| build::shown(&arguments.output, &page.name)).collect();
+    let schedule = judged.verified.schedule();
+    let names: Vec<String> = pages.iter().map(|page| page.to_string_lossy().into_owned()).collect();
+    if format == ReportFormat::Json {
+        let log = path.to_string_lossy();
+        let verified = report::json::verified(&log, schedule, &judged.provenance.settings, None);
+        return Ok((format!("{verified}\n"), pages));
+    }
+    let width = report::width(names.iter().cloned().chain([schedule.name.clone()]));
+    let replayed = format!("{} actuations replayed, 0 violations", schedule.actuations.len());
+    let mut text = terminal::line("Verified", &schedule.name, width, &replayed);
+    names.iter().for_each(|name| text.push_str(&terminal::line("Wrote", name, width, "")));
+    Ok((text, pages))
+}
+
+/// Opens a page; without a browser it can still be opened by hand.
+fn open(page: &Path) {
+    if let Err(error) = open::that_detached(page) {
+        terminal::to_stderr(&format!("no browser could be started ({error}): open `{}` in one\n", page.display()));
+    }
+}

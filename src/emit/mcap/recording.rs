@@ -1,0 +1,94 @@
+//! The recording of a controlled run as MCAP: what was measured, and what was commanded and decided, each line as it was exchanged.
+//!
+//! Two topics of JSON messages, `/control/measured` and `/control/command`, at the times of the measurements; the source files and the claims are
+//! attached as in the log of a plan, and the metadata record `tweeze-recording` names the version, the program and its settings. Nothing is
+//! in it that depends on a clock, so that the same measurements give the same bytes.
+
+use super::{CLAIMS, EmitError, Format, LIBRARY, Provenance, SOURCE_PREFIX, attach, options};
+use crate::claims::Claims;
+use crate::log;
+use crate::source::MAX_FILE_BYTES;
+use ::mcap::write::NoSeek;
+use ::mcap::{McapError, Writer, records};
+use std::collections::BTreeMap;
+use std::io::Write;
+
+/// Messages after which the file is brought up to date.
+const FLUSHED_MESSAGES: u32 = 100;
+
+/// The schema of both kinds of lines.
+const SCHEMA: &str = include_str!("../../../schema/control.schema.json");
+
+/// A recording in the making.
+pub struct Recorder<W: Write> {
+    writer: Writer<NoSeek<W>>,
+    /// Numbers of the topics, and how many messages each has.
+    topics: [(u16, u32); 2],
+}
+
+/// A line of the exchange.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RecordedLine {
+    Measured,
+    Command,
+}
+
+impl<W: Write> Recorder<W> {
+    /// Begins a recording of the one task of some claims.
+    ///
+    /// # Errors
+    /// [`EmitError`] if it cannot be written, or a source file is too large.
+    pub fn begin(to: W, claims: &Claims, provenance: &Provenance) -> Result<Self, EmitError> {
+        let mut writer = options().create(NoSeek::new(to)).map_err(failed)?;
+        let entries = [
+            ("version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("schema", log::SCHEMA.to_string()),
+            ("program", claims.name.clone()),
+            ("settings", serde_json::to_string(&provenance.settings).map_err(unwritable)?),
+            ("library", LIBRARY.to_owned()),
+        ];
+        let metadata = entries.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+        let metadata = records::Metadata { name: log::RECORDING.to_owned(), metadata };
+        writer.write_metadata(&metadata).map_err(failed)?;
+        let written = log::write_claims(claims).map_err(unwritable)?;
+        attach(&mut writer, CLAIMS, "application/json", (&written, log::MAX_CLAIMS_BYTES))?;
+        for (name, text) in &provenance.files {
+            let text = (text.as_bytes(), MAX_FILE_BYTES as u64);
+            attach(&mut writer, &format!("{SOURCE_PREFIX}{name}"), "text/plain", text)?;
+        }
+        let schema = writer.add_schema("tweeze.Control", "jsonschema", SCHEMA.as_bytes()).map_err(failed)?;
+        let mut topic = |name: &str| writer.add_channel(schema, name, "json", &BTreeMap::new()).map_err(failed);
+        let topics = [(topic(log::MEASURED_TOPIC)?, 0), (topic(log::COMMAND_TOPIC)?, 0)];
+        Ok(Recorder { writer, topics })
+    }
+
+    /// Adds a line at the time of its measurement.
+    ///
+    /// # Errors
+    /// [`EmitError::Failed`] if it cannot be written.
+    pub fn add(&mut self, line: RecordedLine, t_ns: u64, json: &str) -> Result<(), EmitError> {
+        let (channel_id, sequence) = &mut self.topics[line as usize];
+        let header =
+            records::MessageHeader { channel_id: *channel_id, sequence: *sequence, log_time: t_ns, publish_time: t_ns };
+        *sequence += 1;
+        let is_due = *sequence % FLUSHED_MESSAGES == 0;
+        self.writer.write_to_known_channel(&header, json.as_bytes()).map_err(failed)?;
+        if is_due { self.writer.flush().map_err(failed) } else { Ok(()) }
+    }
+
+    /// Ends the recording.
+    ///
+    /// # Errors
+    /// [`EmitError::Failed`] if it cannot be written.
+    pub fn finish(mut self) -> Result<(), EmitError> {
+        self.writer.finish().map(drop).map_err(failed)
+    }
+}
+
+fn failed(error: McapError) -> EmitError {
+    EmitError::Failed { format: Format::Mcap, detail: error.to_string() }
+}
+
+fn unwritable(error: serde_json::Error) -> EmitError {
+    EmitError::Failed { format: Format::Mcap, detail: error.to_string() }
+}

@@ -1,0 +1,255 @@
+//! What the controller knows of the bed: measured poses, which robots it holds for docked, and where the structure is.
+//!
+//! Docked robots stand still, so their poses are the means of all measurements since they docked. The structure's place is that of
+//! its first robots: a rotation by their measured headings and by the directions between them, each weighted by the bound on its error,
+//! and a shift of their middle.
+
+use crate::claims::microrobots::MicrorobotsOrder;
+use crate::device::microrobots::{Arm, Errors, wrapped_rad};
+use crate::geometry::Pose;
+use crate::plan::microrobots::control::Segment;
+use crate::plan::microrobots::strategy::body;
+use crate::real::Real;
+use std::f64::consts::TAU;
+
+/// Distance and angle that are granted to every measurement besides the bounds on its errors.
+const SLACK_UM: f64 = 0.1;
+const SLACK_RAD: f64 = 1e-3;
+
+/// A measured pose may be this many bounds of an error away from the last one: both may be off.
+const GATE: f64 = 2.0;
+
+/// State of the bed as it is measured.
+#[derive(Debug, Clone)]
+pub struct Belief<'a> {
+    pub order: &'a MicrorobotsOrder,
+    pub errors: Errors,
+    /// One for each robot of the order: the last measurement that was believed, or the mean of a docked robot.
+    pub poses: Vec<Pose>,
+    pub docked: Vec<bool>,
+    means: Vec<PoseMean>,
+    /// Nominal path of each robot since the last measurement that was believed, and the part of it with the arm down.
+    since: Vec<[f64; 2]>,
+    /// A measurement that could not be true, and may be confirmed by the next one.
+    suspects: Vec<Option<Pose>>,
+    /// The robots whose places define that of the structure, with their planned poses.
+    base: Vec<(usize, Pose)>,
+    /// From where the structure should be to where it is.
+    structure: Placement,
+    is_first: bool,
+}
+
+/// A rigid motion: a turn about the origin, then a shift.
+#[derive(Debug, Clone, Copy, Default)]
+struct Placement {
+    turn_rad: f64,
+    shift_um: [f64; 2],
+}
+
+/// Mean of the poses of a robot at rest.
+#[derive(Debug, Clone, Copy)]
+struct PoseMean {
+    first_rad: f64,
+    x_um: f64,
+    y_um: f64,
+    off_rad: f64,
+    count: f64,
+}
+
+/// Whether a measurement can be used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sighting {
+    Usable,
+    /// This robot was not seen.
+    Unseen(usize),
+    /// This robot cannot have come to where it was measured.
+    Doubtful(usize),
+}
+
+impl<'a> Belief<'a> {
+    /// Before the first measurement; the poses are those that the plan begins with.
+    pub fn new(order: &'a MicrorobotsOrder, errors: Errors, poses: &[Pose], docked: &[bool]) -> Self {
+        let base: Vec<(usize, Pose)> =
+            (0..poses.len()).filter(|robot| docked[*robot]).map(|robot| (robot, poses[robot])).collect();
+        Belief {
+            order,
+            errors,
+            poses: poses.to_vec(),
+            docked: docked.to_vec(),
+            means: vec![PoseMean::NONE; poses.len()],
+            since: vec![[0.0; 2]; poses.len()],
+            suspects: vec![None; poses.len()],
+            base,
+            structure: Placement::default(),
+            is_first: true,
+        }
+    }
+
+    /// Takes a measurement over, made after some segments. Nothing is taken over unless all of it can be used.
+    pub fn see(&mut self, measured: &[Option<Pose>], driven: &[Segment]) -> Sighting {
+        self.count(driven);
+        if let Some(robot) = (0..self.poses.len()).find(|robot| measured.get(*robot).copied().flatten().is_none()) {
+            return Sighting::Unseen(robot);
+        }
+        let mut doubtful = None;
+        for (robot, pose) in measured.iter().enumerate().filter_map(|(robot, pose)| Some((robot, (*pose)?))) {
+            let can_be = robot < self.poses.len()
+                && (self.is_first
+                    || self.can_reach(robot, self.poses[robot], pose, self.since[robot])
+                    || self.suspects[robot].is_some_and(|suspect| self.can_reach(robot, suspect, pose, [0.0; 2])));
+            let is_new = robot < self.poses.len() && !can_be;
+            if robot < self.poses.len() {
+                self.suspects[robot] = is_new.then_some(pose);
+            }
+            if is_new && doubtful.is_none() {
+                doubtful = Some(robot);
+            }
+        }
+        if let Some(robot) = doubtful {
+            return Sighting::Doubtful(robot);
+        }
+        self.is_first = false;
+        self.since.fill([0.0; 2]);
+        for (robot, pose) in measured.iter().enumerate().filter_map(|(robot, pose)| Some((robot, (*pose)?))) {
+            let Some(known) = self.poses.get_mut(robot) else { continue };
+            *known = match self.docked[robot] {
+                true => self.means[robot].with(pose),
+                false => pose,
+            };
+        }
+        self.place_structure();
+        Sighting::Usable
+    }
+
+    /// Adds what was driven to the paths since the last measurement that was believed.
+    fn count(&mut self, driven: &[Segment]) {
+        for (robot, since) in self.since.iter_mut().enumerate() {
+            let (step_um, row) = (self.order.robot(robot).step_um, self.order.robots[robot].row);
+            for segment in driven {
+                let way_um = step_um * segment.strokes as f64;
+                since[0] += way_um;
+                since[1] += if self.order.states[segment.state].arms[row] == Arm::Down { way_um } else { 0.0 };
+            }
+        }
+    }
+
+    /// Whether a robot can have come from one measured pose to another on some path; it may have been stopped on its way.
+    fn can_reach(&self, robot: usize, from: Pose, to: Pose, [whole_um, turned_um]: [f64; 2]) -> bool {
+        let (facts, errors) = (self.order.robot(robot), self.errors);
+        // Robots that meet align themselves.
+        let aligned = if whole_um == 0.0 { (0.0, 0.0) } else { self.alignment() };
+        let most_um = (1.0 + errors.speed_ratio) * whole_um + GATE * errors.place_um + SLACK_UM + aligned.0;
+        let turn_per_um = 1.0 / facts.turning_radius_um;
+        let most_rad =
+            (1.0 + errors.speed_ratio) * GATE * (turned_um * turn_per_um + whole_um * errors.turning_rad_per_um)
+                + GATE * errors.heading_rad
+                + SLACK_RAD
+                + aligned.1;
+        let off_um = (to.x_um - from.x_um).hypotenuse(to.y_um - from.y_um);
+        let is_number = [to.x_um, to.y_um, to.heading_rad].into_iter().all(f64::is_finite);
+        is_number && off_um <= most_um && wrapped_rad(to.heading_rad - from.heading_rad).abs() <= most_rad
+    }
+
+    fn alignment(&self) -> (f64, f64) {
+        let docking = self.order.facts.docking;
+        (docking.self_aligning_um, docking.self_aligning_rad)
+    }
+
+    /// A robot is held for docked from now on.
+    pub fn dock(&mut self, robot: usize) {
+        self.docked[robot] = true;
+        self.means[robot] = PoseMean::NONE;
+        self.poses[robot] = self.means[robot].with(self.poses[robot]);
+    }
+
+    /// The structure begins with these robots, at these planned poses.
+    pub fn found(&mut self, base: [(usize, Pose); 2]) {
+        self.base.clear();
+        self.base.extend_from_slice(&base);
+        self.place_structure();
+    }
+
+    /// A pose of the plan, moved along with the structure.
+    pub fn moved_along(&self, pose: Pose) -> Pose {
+        self.structure.moved(pose)
+    }
+
+    /// Distance of a robot's front, at a goal, from the nearest corner of some docked robots before it.
+    pub fn gap_um(&self, robot: usize, goal: Pose, before: &[usize]) -> f64 {
+        let (sin, cos) = goal.heading_rad.sine_cosine();
+        let mut nearest_um = f64::INFINITY;
+        for &other in before.iter().filter(|other| self.docked[**other]) {
+            for corner in body(self.order.robot(other), self.poses[other], 0.0) {
+                nearest_um = nearest_um.min((corner.x - goal.x_um) * cos + (corner.y - goal.y_um) * sin);
+            }
+        }
+        if nearest_um.is_finite() { nearest_um - self.order.robot(robot).length_um / 2.0 } else { 0.0 }
+    }
+
+    /// Bound on the error of the place of a point at this distance from a measured robot.
+    pub fn doubt_um(&self, lever_um: f64) -> f64 {
+        self.errors.place_um + self.errors.heading_rad * lever_um
+    }
+
+    fn place_structure(&mut self) {
+        if self.base.is_empty() {
+            return;
+        }
+        let count = self.base.len() as f64;
+        let middle = |of: &dyn Fn(&(usize, Pose)) -> [f64; 2]| {
+            let sum = self.base.iter().map(of).fold([0.0; 2], |sum, at| [sum[0] + at[0], sum[1] + at[1]]);
+            sum.map(|value| value / count)
+        };
+        let (planned, found) = (
+            middle(&|(_, pose)| [pose.x_um, pose.y_um]),
+            middle(&|(robot, _)| [self.poses[*robot].x_um, self.poses[*robot].y_um]),
+        );
+        let (mut cross, mut dot, mut turned, mut spread) = (0.0, 0.0, 0.0, 0.0);
+        for (robot, pose) in &self.base {
+            let (a, b) = (
+                [pose.x_um - planned[0], pose.y_um - planned[1]],
+                [self.poses[*robot].x_um - found[0], self.poses[*robot].y_um - found[1]],
+            );
+            cross += a[0] * b[1] - a[1] * b[0];
+            dot += a[0] * b[0] + a[1] * b[1];
+            spread += a[0] * a[0] + a[1] * a[1];
+            turned += wrapped_rad(self.poses[*robot].heading_rad - pose.heading_rad) / count;
+        }
+        let by_heading = count / (self.errors.heading_rad * self.errors.heading_rad + 1e-12);
+        let by_place = spread / (self.errors.place_um * self.errors.place_um + 1e-6);
+        let between_rad = if spread > 0.0 { wrapped_rad(cross.arc_tangent_over(dot) - turned) } else { 0.0 };
+        let turn_rad = turned + between_rad * by_place / (by_place + by_heading);
+        let (sin, cos) = turn_rad.sine_cosine();
+        let shift_um =
+            [found[0] - (planned[0] * cos - planned[1] * sin), found[1] - (planned[0] * sin + planned[1] * cos)];
+        self.structure = Placement { turn_rad, shift_um };
+    }
+}
+
+impl Placement {
+    fn moved(&self, pose: Pose) -> Pose {
+        let (sin, cos) = self.turn_rad.sine_cosine();
+        Pose {
+            x_um: pose.x_um * cos - pose.y_um * sin + self.shift_um[0],
+            y_um: pose.x_um * sin + pose.y_um * cos + self.shift_um[1],
+            heading_rad: wrapped_rad(pose.heading_rad + self.turn_rad),
+        }
+    }
+}
+
+impl PoseMean {
+    const NONE: PoseMean = PoseMean { first_rad: 0.0, x_um: 0.0, y_um: 0.0, off_rad: 0.0, count: 0.0 };
+
+    /// The mean with one more pose.
+    fn with(&mut self, pose: Pose) -> Pose {
+        if self.count == 0.0 {
+            self.first_rad = pose.heading_rad;
+        }
+        self.count += 1.0;
+        self.x_um += (pose.x_um - self.x_um) / self.count;
+        self.y_um += (pose.y_um - self.y_um) / self.count;
+        self.off_rad += (wrapped_rad(pose.heading_rad - self.first_rad) - self.off_rad) / self.count;
+        let heading_rad = (self.first_rad + self.off_rad).rem_euclid(TAU);
+        Pose { x_um: self.x_um, y_um: self.y_um, heading_rad: wrapped_rad(heading_rad) }
+    }
+}

@@ -1,0 +1,222 @@
+//! The stages of a task, each a machine of its own.
+
+mod coarse;
+mod pair;
+mod single;
+mod written;
+
+use super::Drive;
+use super::belief::Belief;
+use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
+use crate::device::microrobots::Arm;
+use crate::plan::microrobots::strategy::{Episode, StrategyPiece, episodes};
+use crate::plan::microrobots::{AssemblyStage, MicrorobotsMotion, MicrorobotsStepMotion};
+use coarse::DriveStage;
+use pair::PairStage;
+use serde::{Deserialize, Serialize};
+use single::SingleStage;
+use written::{RestStage, WrittenStage};
+
+/// What a controller is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ControlPhase {
+    /// Legs are carried out as the plan has them.
+    Legs,
+    /// The bed is without voltage.
+    Wait,
+    /// A robot is driven to a pose.
+    Approach,
+    /// The first of two robots is driven until it is in time with the second, which orbits.
+    Timing,
+    /// The first of two robots runs straight, the second is driven to its approach.
+    Meeting,
+    /// The last stretch before a goal.
+    Fine,
+    /// A robot was pushed against its structure, and the next measurement tells whether it docked.
+    Contact,
+    /// Nothing is left to do.
+    Over,
+}
+
+/// Why a task was given up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StopReason {
+    /// After the greatest number of rounds it had still not reached the start of the fine motion, or its pose.
+    LeftCylinder,
+    /// The goal was not within the reach of the fine motion.
+    MissedCone,
+    /// It is at its structure, and farther from its place than the docking tolerance.
+    Misplaced,
+    /// It took too long.
+    TimeLimit,
+    /// A robot was not seen too many times in a row.
+    Unseen,
+    /// A robot was measured too many times in a row where it cannot have come to.
+    Doubtful,
+    /// No measurement came in time.
+    Silence,
+    /// The measurements ended.
+    Closed,
+    /// The time of a measurement lies before that of the one before.
+    Clock,
+    /// Too many lines could not be understood.
+    Garbled,
+}
+
+/// What a stage answers to a measurement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// The drive has its segments; none of them means that the bed holds still until the next measurement.
+    Driving,
+    /// The bed is without voltage until this instant.
+    Resting(u64),
+    /// The stage is over, and the measurement is the next one's.
+    Done,
+    Failed(StopReason, usize),
+}
+
+/// A stage with its step.
+#[derive(Debug, Clone)]
+pub struct StageOf<'a> {
+    /// Index of the order's steps.
+    pub step: usize,
+    pub stage: ControlStage<'a>,
+}
+
+/// A stage of a task.
+#[derive(Debug, Clone)]
+pub enum ControlStage<'a> {
+    Written(WrittenStage<'a>),
+    Rest(RestStage),
+    Drive(Box<DriveStage<'a>>),
+    Pair(Box<PairStage<'a>>),
+    Single(Box<SingleStage<'a>>),
+}
+
+impl ControlStage<'_> {
+    /// The next actions after a measurement.
+    pub fn proceed(&mut self, belief: &mut Belief, drive: &mut Drive, now_ns: u64) -> Progress {
+        match self {
+            ControlStage::Written(stage) => stage.proceed(belief, drive),
+            ControlStage::Rest(stage) => stage.proceed(now_ns),
+            ControlStage::Drive(stage) => stage.proceed(belief, drive),
+            ControlStage::Pair(stage) => stage.proceed(belief, drive),
+            ControlStage::Single(stage) => stage.proceed(belief, drive),
+        }
+    }
+
+    pub fn phase(&self) -> ControlPhase {
+        match self {
+            ControlStage::Written(_) => ControlPhase::Legs,
+            ControlStage::Rest(_) => ControlPhase::Wait,
+            ControlStage::Drive(_) => ControlPhase::Approach,
+            ControlStage::Pair(stage) => stage.phase(),
+            ControlStage::Single(stage) => stage.phase(),
+        }
+    }
+
+    pub fn driven(&self) -> [Option<usize>; 2] {
+        match self {
+            ControlStage::Written(_) | ControlStage::Rest(_) => [None; 2],
+            ControlStage::Drive(stage) => [Some(stage.robot), None],
+            ControlStage::Pair(stage) => stage.robots.map(Some),
+            ControlStage::Single(stage) => [Some(stage.robot), None],
+        }
+    }
+
+    /// Upper bound on the segments of one command.
+    pub fn most_segments(&self, order: &MicrorobotsOrder) -> usize {
+        match self {
+            ControlStage::Written(stage) => stage.most_segments(),
+            ControlStage::Rest(_) => 0,
+            ControlStage::Drive(_) => 2,
+            // Cycles of up to five segments.
+            ControlStage::Pair(_) | ControlStage::Single(_) => {
+                let fine = order.facts.fine;
+                5 * (fine.length_um / fine.cycle_um).ceil().max(1.0) as usize + 8
+            }
+        }
+    }
+}
+
+/// The stages of a plan in order of time.
+pub fn stages<'a>(order: &'a MicrorobotsOrder, motion: &'a MicrorobotsMotion) -> Vec<StageOf<'a>> {
+    let all = episodes(order, motion);
+    let mut found = Vec::new();
+    let mut crew = motion.start.clone();
+    for (step, steps) in motion.steps.iter().enumerate() {
+        let mut push = |stage: ControlStage<'a>| found.push(StageOf { step, stage });
+        let (legs, docks) = match steps {
+            MicrorobotsStepMotion::Wait(duration_ns) => {
+                push(ControlStage::Rest(RestStage::new(*duration_ns)));
+                continue;
+            }
+            MicrorobotsStepMotion::Legs { legs, docks, .. } => (legs, docks),
+        };
+        let of_step = || all.iter().filter(|episode| episode.step == step);
+        of_step().filter_map(|episode| of_episode(order, episode)).for_each(&mut push);
+        if of_step().next().is_none() {
+            push(of_other(order, step, (&crew.poses, &crew.docked), legs));
+        }
+        legs.iter().enumerate().for_each(|leg| crew.follow(order, leg, docks));
+    }
+    found
+}
+
+fn of_episode<'a>(order: &'a MicrorobotsOrder, episode: &Episode<'a>) -> Option<ControlStage<'a>> {
+    let is_exact = order.facts.errors.is_some_and(|errors| errors.are_zero());
+    // Stages without legs are those of tests of the strategy alone.
+    if is_exact && !episode.legs.is_empty() {
+        return Some(ControlStage::Written(WrittenStage::of(order, episode)));
+    }
+    match *episode.stage {
+        AssemblyStage::Departure { .. } => Some(ControlStage::Written(WrittenStage::of(order, episode))),
+        AssemblyStage::Single { .. } => {
+            SingleStage::new(order, episode).map(|stage| ControlStage::Single(Box::new(stage)))
+        }
+        AssemblyStage::Escort { .. } => None,
+        AssemblyStage::Pair { .. } => PairStage::new(order, episode).map(|stage| ControlStage::Pair(Box::new(stage))),
+    }
+}
+
+/// A step that assembles nothing.
+fn of_other<'a>(
+    order: &'a MicrorobotsOrder,
+    step: usize,
+    (poses, docked): (&[crate::geometry::Pose], &[bool]),
+    legs: &'a [crate::plan::microrobots::Leg],
+) -> ControlStage<'a> {
+    let is_exact = order.facts.errors.is_some_and(|errors| errors.are_zero());
+    let written = || ControlStage::Written(WrittenStage::new(order, legs));
+    match order.steps.get(step).map(|step| &step.action) {
+        Some(MicrorobotsAction::Drive { robot, stops }) if !is_exact => {
+            let stage = DriveStage::new(order, (*robot, poses[*robot]), stops, docked, legs);
+            stage.map_or_else(written, |stage| ControlStage::Drive(Box::new(stage)))
+        }
+        Some(
+            MicrorobotsAction::Drive { .. }
+            | MicrorobotsAction::Apply { .. }
+            | MicrorobotsAction::Assemble(_)
+            | MicrorobotsAction::Wait(_),
+        )
+        | None => written(),
+    }
+}
+
+/// Adds the actions of a robot to a drive; `state` gives the control state of an arm.
+pub fn add_pieces(
+    belief: &Belief,
+    drive: &mut Drive,
+    robot: usize,
+    pieces: [StrategyPiece; 2],
+    state: impl Fn(Arm) -> usize,
+) {
+    pieces.into_iter().for_each(|piece| drive.add(state(piece.arm), strokes(belief, robot, piece.way_um)));
+}
+
+/// Whole strokes of a nominal path of a robot.
+pub fn strokes(belief: &Belief, robot: usize, way_um: f64) -> u64 {
+    (way_um.max(0.0) / belief.order.robot(robot).step_um).round() as u64
+}

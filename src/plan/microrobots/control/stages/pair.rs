@@ -1,0 +1,324 @@
+//! The first two robots, which are brought together: stage 1, stage 2, and again if they do not come at once; then the fine motion.
+
+use super::single::{MAX_FINE_TIMES, MAX_PUSHES, MAX_ROUNDS, again_um, push_um, touching_um, whole_strokes};
+use super::{ControlPhase, Progress, StopReason, add_pieces, strokes};
+use crate::claims::microrobots::MicrorobotsOrder;
+use crate::device::microrobots::{Arm, Robot};
+use crate::geometry::Pose;
+use crate::plan::microrobots::control::Drive;
+use crate::plan::microrobots::control::belief::Belief;
+use crate::plan::microrobots::strategy::{Couple, Episode, Phase, Pursuit, SHARES, angle, centres, poses_of, steered};
+use crate::plan::microrobots::{AssemblyStage, Leg};
+use crate::real::Real;
+use std::f64::consts::PI;
+
+/// Intervals of one gross motion.
+const MAX_INTERVALS: usize = 20_000;
+
+/// Share of the distance of self-alignment that is used before the fine motion: two robots that turn away so near to each other
+/// collide more often than they miss the rest.
+const ALIGNED_SHARE: f64 = 0.75;
+
+/// What the two are doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum PairState {
+    /// The second robot is driven to the orbit from which it is driven later.
+    Near,
+    /// A round begins from where they stand.
+    Begin,
+    Timing,
+    Meeting,
+    Fine,
+    Contact,
+}
+
+/// The two robots of a stage.
+#[derive(Debug, Clone)]
+pub struct PairStage<'a> {
+    pub robots: [usize; 2],
+    couple: Couple<'a>,
+    /// Both turn, only the second turns, none of the two turns.
+    states: [usize; 3],
+    goals: [Pose; 2],
+    /// To where the second robot orbits, if it is not there yet.
+    near: Option<Pursuit>,
+    /// Centres on the ways of the first round.
+    via_um: [Vec<[f64; 2]>; 2],
+    pursuits: [Pursuit; 2],
+    doing: PairState,
+    round: usize,
+    intervals: usize,
+    /// Times that the first robot arrived, and was not in time.
+    rounds: usize,
+    shares: [f64; 2],
+    is_kept: bool,
+    left_um: f64,
+    pushes: usize,
+}
+
+impl<'a> PairStage<'a> {
+    pub fn new(order: &'a MicrorobotsOrder, episode: &Episode) -> Option<Self> {
+        let &AssemblyStage::Pair { first, second, states, intermediate, approach, goals } = episode.stage else {
+            return None;
+        };
+        let mut couple = Couple::new(order, [first, second], intermediate, approach)?;
+        couple.drivers = couple.drivers.map(whole_strokes);
+        let (near, via_um) = near(order, &couple, [first, second], episode);
+        let pursuit = |at: usize, to: Pose| Pursuit::new(&couple.drivers[at], via_um[at].clone(), to);
+        let pursuits = [pursuit(0, couple.intermediate()), pursuit(1, approach[1])];
+        Some(PairStage {
+            robots: [first, second],
+            couple,
+            states,
+            goals,
+            doing: if near.is_some() { PairState::Near } else { PairState::Begin },
+            near,
+            via_um,
+            pursuits,
+            round: 0,
+            intervals: 0,
+            rounds: 0,
+            shares: [0.0; 2],
+            is_kept: false,
+            left_um: MAX_FINE_TIMES * order.facts.fine.length_um,
+            pushes: 0,
+        })
+    }
+
+    pub fn phase(&self) -> ControlPhase {
+        match self.doing {
+            PairState::Near => ControlPhase::Approach,
+            PairState::Begin | PairState::Timing => ControlPhase::Timing,
+            PairState::Meeting => ControlPhase::Meeting,
+            PairState::Fine => ControlPhase::Fine,
+            PairState::Contact => ControlPhase::Contact,
+        }
+    }
+
+    pub fn proceed(&mut self, belief: &mut Belief, drive: &mut Drive) -> Progress {
+        let measured = self.robots.map(|robot| belief.poses[robot]);
+        if self.doing == PairState::Contact && self.are_head_on(belief, measured) {
+            self.robots.into_iter().for_each(|robot| belief.dock(robot));
+            belief.found([(self.robots[0], self.goals[0]), (self.robots[1], self.goals[1])]);
+            return Progress::Done;
+        }
+        loop {
+            let progress = match self.doing {
+                PairState::Near => self.bring_near(belief, drive, measured),
+                PairState::Begin => self.begin_round(measured),
+                PairState::Timing => self.time(belief, drive, measured),
+                PairState::Meeting => self.meet(belief, drive, measured),
+                PairState::Fine | PairState::Contact => return self.fine(belief, drive, measured),
+            };
+            match progress {
+                Progress::Done => {}
+                Progress::Driving | Progress::Resting(_) | Progress::Failed(..) => return progress,
+            }
+        }
+    }
+
+    fn state(&self, which: usize, arm: Arm) -> usize {
+        match (which, arm) {
+            (0, Arm::Down) => self.states[0],
+            (0, Arm::Up) | (_, Arm::Down) => self.states[1],
+            (_, Arm::Up) => self.states[2],
+        }
+    }
+
+    fn is_over(&mut self) -> bool {
+        self.intervals += 1;
+        self.intervals > MAX_INTERVALS
+    }
+
+    /// The second robot to the orbit from which it is driven.
+    fn bring_near(&mut self, belief: &Belief, drive: &mut Drive, measured: [Pose; 2]) -> Progress {
+        let over = self.is_over();
+        let driver = &self.couple.drivers[1];
+        let Some(pursuit) = self.near.as_mut().filter(|pursuit| pursuit.phase != Phase::Turning) else {
+            self.doing = PairState::Begin;
+            return Progress::Done;
+        };
+        if over {
+            return Progress::Failed(StopReason::TimeLimit, self.robots[1]);
+        }
+        let pieces = pursuit.pieces(driver, measured[1], driver.interval_um);
+        add_pieces(belief, drive, self.robots[1], pieces, |arm| self.state(1, arm));
+        Progress::Driving
+    }
+
+    fn begin_round(&mut self, measured: [Pose; 2]) -> Progress {
+        if self.round >= MAX_ROUNDS {
+            return Progress::Failed(StopReason::LeftCylinder, self.robots[1]);
+        }
+        // Only the first round takes the ways of the plan.
+        let [first_um, second_um]: [&[[f64; 2]]; 2] =
+            if self.round == 0 { [&self.via_um[0], &self.via_um[1]] } else { [&[], &[]] };
+        let drivers = self.couple.drivers;
+        self.pursuits[1].restart(&drivers[1], second_um, self.couple.approach[1]);
+        self.couple.give_time(&self.pursuits[1], measured[1], self.round);
+        self.pursuits[0].restart(&drivers[0], first_um, self.couple.intermediate());
+        (self.doing, self.round, self.intervals, self.rounds) = (PairState::Timing, self.round + 1, 0, 0);
+        Progress::Done
+    }
+
+    /// The first robot to its line, while the second orbits, until it is there in time.
+    fn time(&mut self, belief: &Belief, drive: &mut Drive, measured: [Pose; 2]) -> Progress {
+        if self.is_over() {
+            return Progress::Failed(StopReason::TimeLimit, self.robots[0]);
+        }
+        let PairStage { couple, pursuits: [pursuit, second], .. } = self;
+        if pursuit.phase == Phase::Arrived {
+            let late_um = couple.late_um([&*pursuit, &*second], measured);
+            let is_there = couple.drivers[0].accepted().holds(pursuit.approach, measured[0]);
+            if is_there && late_um.abs() <= couple.begun_um() {
+                (self.doing, self.intervals) = (PairState::Meeting, 0);
+                return Progress::Done;
+            }
+            self.rounds += 1;
+            if self.rounds > MAX_ROUNDS {
+                return Progress::Failed(StopReason::LeftCylinder, self.robots[0]);
+            }
+            match is_there {
+                true => pursuit.restart(&couple.drivers[0], &[couple.racetrack(late_um)], couple.intermediate()),
+                false => pursuit.retry(&couple.drivers[0], measured[0]),
+            }
+        } else if pursuit.is_far(&couple.drivers[0], measured[0]) {
+            couple.slide(pursuit, second, measured);
+        }
+        self.interval(belief, drive, 0, measured)
+    }
+
+    /// The second robot to its approach, while the first runs straight; given up when the first has come too far.
+    fn meet(&mut self, belief: &Belief, drive: &mut Drive, measured: [Pose; 2]) -> Progress {
+        if self.is_over() {
+            return Progress::Failed(StopReason::TimeLimit, self.robots[1]);
+        }
+        let driver = &self.couple.drivers[1];
+        let pursuit = &mut self.pursuits[1];
+        let is_passed = self.couple.run_um(measured[0]) < -self.couple.missed_um;
+        let is_there = pursuit.phase == Phase::Arrived && driver.accepted().holds(pursuit.approach, measured[1]);
+        if is_there || is_passed {
+            self.doing = if self.is_within_reach(belief, measured) { PairState::Fine } else { PairState::Begin };
+            return Progress::Done;
+        }
+        if pursuit.phase == Phase::Arrived {
+            pursuit.retry(driver, measured[1]);
+        }
+        if pursuit.phase == Phase::Facing && self.couple.has_time(pursuit, measured) {
+            drive.add(self.states[1], strokes(belief, self.robots[1], driver.interval_um));
+            return Progress::Driving;
+        }
+        self.interval(belief, drive, 1, measured)
+    }
+
+    fn interval(&mut self, belief: &Belief, drive: &mut Drive, which: usize, measured: [Pose; 2]) -> Progress {
+        let driver = &self.couple.drivers[which];
+        let pieces = self.pursuits[which].pieces(driver, measured[which], driver.interval_um);
+        add_pieces(belief, drive, self.robots[which], pieces, |arm| self.state(which, arm));
+        Progress::Driving
+    }
+
+    /// Whether the two arrive together, and the error that fine motion cannot correct is within self-alignment.
+    fn is_within_reach(&self, belief: &Belief, measured: [Pose; 2]) -> bool {
+        let frames = self.couple.frames(self.goals, measured);
+        let aside_um =
+            [0, 1].map(|at| steered(&self.couple.drivers[at], &frames[at], measured[at], SHARES[at]).1.abs());
+        let most_um = ALIGNED_SHARE * belief.order.facts.docking.self_aligning_um;
+        self.couple.run_um(measured[0]).abs() <= self.couple.missed_um && aside_um[0] + aside_um[1] <= most_um
+    }
+
+    fn fine(&mut self, belief: &Belief, drive: &mut Drive, measured: [Pose; 2]) -> Progress {
+        // If they were pushed together, they were not there yet.
+        self.doing = PairState::Fine;
+        let frames = self.couple.frames(self.goals, measured);
+        let drivers = self.couple.drivers;
+        let [interval_um, cycle_um] = [drivers[0].fine_interval_um, drivers[0].cycle_um];
+        let seen = frames[0].seen(measured[0]);
+        if !self.is_kept {
+            self.shares = [0, 1].map(|at| steered(&drivers[at], &frames[at], measured[at], SHARES[at]).0);
+            self.is_kept = frames[0].gap_um(seen) < interval_um + drivers[0].kept_um;
+        }
+        let turn_per_um = self.shares[0] / drivers[0].robot.turning_radius_um;
+        let way_um = frames[0].met(seen, turn_per_um).map_or(f64::INFINITY, |contact| contact.way_um);
+        if way_um > interval_um {
+            self.left_um -= interval_um;
+            if self.left_um < 0.0 {
+                return Progress::Failed(StopReason::MissedCone, self.robots[0]);
+            }
+            let count = (interval_um / cycle_um).round().max(1.0);
+            (0..count as u64).for_each(|_| self.cycle(belief, drive, cycle_um));
+            return Progress::Driving;
+        }
+        self.pushes += 1;
+        if self.pushes > MAX_PUSHES {
+            return Progress::Failed(StopReason::MissedCone, self.robots[0]);
+        }
+        self.doing = PairState::Contact;
+        self.last_cycles(belief, drive, way_um);
+        Progress::Driving
+    }
+
+    /// A cycle of three primitives, half before and half after the straight one.
+    fn cycle(&self, belief: &Belief, drive: &mut Drive, cycle_um: f64) {
+        let [first, second] = self.shares;
+        let [both, one, none] = self.states;
+        let (turning_um, second_um) = (first * cycle_um / 2.0, (second - first) * cycle_um / 2.0);
+        let straight_um = (1.0 - second) * cycle_um;
+        let pieces = [(both, turning_um), (one, second_um), (none, straight_um), (one, second_um), (both, turning_um)];
+        pieces.into_iter().for_each(|(state, way_um)| drive.add(state, strokes(belief, self.robots[0], way_um)));
+    }
+
+    /// The cycles before the contact; the last one turns first, so that both arms are up when the robots stick.
+    fn last_cycles(&self, belief: &Belief, drive: &mut Drive, way_um: f64) {
+        let cycle_um = self.couple.drivers[0].cycle_um;
+        let whole = ((way_um / cycle_um).ceil() - 1.0).max(0.0);
+        (0..whole as u64).for_each(|_| self.cycle(belief, drive, cycle_um));
+        let last_um = way_um - whole * cycle_um;
+        let [first, second] = self.shares;
+        let [both, one, none] = self.states;
+        let width_um = self.couple.drivers[0].robot.width_um;
+        let push_um = push_um(belief, width_um, way_um) + again_um(self.pushes, cycle_um);
+        let straight_um = (1.0 - second) * last_um + push_um;
+        for (state, way_um) in [(both, first * last_um), (one, (second - first) * last_um), (none, straight_um)] {
+            drive.add(state, strokes(belief, self.robots[0], way_um));
+        }
+    }
+
+    /// Whether the two are measured with their fronts against each other.
+    fn are_head_on(&self, belief: &Belief, measured: [Pose; 2]) -> bool {
+        let robots = [0, 1].map(|at| self.couple.drivers[at].robot);
+        let noses = [0, 1].map(|at| nose(robots[at], measured[at]));
+        let doubt_um = belief.doubt_um((robots[0].length_um + robots[1].length_um) / 2.0);
+        let apart_um = (noses[1][0] - noses[0][0]).hypotenuse(noses[1][1] - noses[0][1]);
+        let askew_rad = angle(measured[0].heading_rad - measured[1].heading_rad - PI).abs();
+        let tolerance_um = touching_um(belief, robots[0].width_um);
+        apart_um <= 2.0 * doubt_um + tolerance_um && askew_rad <= 2.0 * belief.errors.heading_rad + 0.01
+    }
+}
+
+/// The way of the second robot to the orbit from which it is driven, and the centres on the ways of both from then on.
+fn near(
+    order: &MicrorobotsOrder,
+    couple: &Couple,
+    [first, second]: [usize; 2],
+    episode: &Episode,
+) -> (Option<Pursuit>, [Vec<[f64; 2]>; 2]) {
+    let Some(&[_, ends]) = episode.gross.first() else { return (None, [Vec::new(), Vec::new()]) };
+    let via_um = |at: usize| episode.via_um.get(at).cloned().unwrap_or_default();
+    let row = order.robots[second].row;
+    let runs = |leg: &Leg| order.states[leg.state].arms[row] == Arm::Up;
+    let Some(begins) = episode.legs[..ends].iter().rposition(runs).map(|leg| leg + 1) else {
+        return (None, [via_um(0), via_um(1)]);
+    };
+    let way = poses_of(order, second, episode.poses[second], &episode.legs[..begins]);
+    let via = centres(order, second, &way, &episode.legs[..begins], 0);
+    let pursuit = Pursuit::new(&couple.drivers[1], via, way[begins]);
+    let way = poses_of(order, first, episode.poses[first], &episode.legs[..ends]);
+    (Some(pursuit), [centres(order, first, &way, &episode.legs[..ends], begins), via_um(1)])
+}
+
+/// The middle of a robot's front.
+fn nose(robot: &Robot, pose: Pose) -> [f64; 2] {
+    let (sin, cos) = pose.heading_rad.sine_cosine();
+    [pose.x_um + robot.length_um / 2.0 * cos, pose.y_um + robot.length_um / 2.0 * sin]
+}

@@ -1,0 +1,98 @@
+use super::*;
+use crate::plan::microrobots::simulation::tests::{errors, pose, single};
+
+const INTERVAL_NS: u64 = 100_000_000;
+
+/// One robot and its structure, as they are measured at first.
+fn seen() -> Vec<Option<Pose>> {
+    vec![Some(pose(1500.0, 900.0, 30.0)), Some(pose(0.0, 0.0, 0.0))]
+}
+
+fn turning() -> crate::device::microrobots::Turning {
+    crate::device::microrobots::Turning::Clockwise
+}
+
+#[test]
+fn commands_follow_measurements_and_never_overlap() {
+    let (order, motion) = single(pose(1500.0, 900.0, 30.0), turning(), errors(100));
+    let mut controller = Controller::new(&order, &motion).expect("the errors are known");
+    assert_eq!(controller.last(), Command::Rest { until_ns: 0 });
+    let Command::Drive { segments, until_ns } = controller.observe(&seen(), 7) else { panic!("a drive") };
+    assert!(!segments.is_empty() && segments[0].sets_arms && until_ns >= 7 + INTERVAL_NS, "{segments:?} {until_ns}");
+    assert_eq!(controller.observe(&seen(), until_ns - 1), Command::Continue { until_ns });
+    assert!(matches!(controller.observe(&seen(), until_ns), Command::Drive { .. }), "it is time again");
+}
+
+#[test]
+fn what_was_not_seen_is_not_acted_upon() {
+    let (order, motion) = single(pose(1500.0, 900.0, 30.0), turning(), errors(100));
+    let mut controller = Controller::new(&order, &motion).expect("the errors are known");
+    let mut now_ns = 0;
+    for _ in 0..MAX_UNUSABLE {
+        let command = controller.observe(&[None, Some(pose(0.0, 0.0, 0.0))], now_ns);
+        assert_eq!(command, Command::Drive { segments: &[], until_ns: now_ns + INTERVAL_NS });
+        now_ns += INTERVAL_NS;
+    }
+    let mut lost = controller.clone();
+    assert!(matches!(controller.observe(&seen(), now_ns), Command::Drive { segments: [_, ..], .. }));
+    let Command::Stop(stop) = lost.observe(&[None, None], now_ns) else { panic!("given up") };
+    assert_eq!((stop.reason, stop.robot), (StopReason::Unseen, Some(0)));
+    assert_eq!(lost.observe(&seen(), now_ns + INTERVAL_NS), Command::Stop(stop), "for good");
+}
+
+/// What was driven before a measurement that could not be used still counts for the next one.
+#[test]
+fn a_measurement_that_is_lost_on_the_way_does_no_harm() {
+    let (order, motion) = single(pose(1500.0, 900.0, 30.0), turning(), errors(100));
+    let mut controller = Controller::new(&order, &motion).expect("the errors are known");
+    let mut poses = [pose(1500.0, 900.0, 30.0), pose(0.0, 0.0, 0.0)];
+    let mut now_ns = 0;
+    for nth in 0..30 {
+        let lost = nth % 3 == 1;
+        let measured = [(!lost).then_some(poses[0]), Some(poses[1])];
+        let Command::Drive { segments, until_ns } = controller.observe(&measured, now_ns) else { panic!("a drive") };
+        assert_eq!(segments.is_empty(), lost, "{nth}");
+        for segment in segments {
+            let arm = order.states[segment.state].arms[0];
+            poses[0] = order.robot(0).moved(poses[0], arm, order.robot(0).step_um * segment.strokes as f64);
+        }
+        now_ns = until_ns;
+    }
+}
+
+/// A jump is not believed at once, and believed if the next measurement confirms it.
+#[test]
+fn jumps_are_confirmed_first() {
+    let (order, motion) = single(pose(1500.0, 900.0, 30.0), turning(), errors(100));
+    let mut controller = Controller::new(&order, &motion).expect("the errors are known");
+    let Command::Drive { until_ns, .. } = controller.observe(&seen(), 0) else { panic!("a drive") };
+    let jumped = [Some(pose(1700.0, 900.0, 30.0)), Some(pose(0.0, 0.0, 0.0))];
+    let Command::Drive { segments: [], until_ns } = controller.observe(&jumped, until_ns) else { panic!("it holds") };
+    let mut wrong = controller.clone();
+    assert!(matches!(controller.observe(&jumped, until_ns), Command::Drive { segments: [_, ..], .. }), "it slipped");
+    assert!(
+        matches!(wrong.observe(&seen(), until_ns), Command::Drive { segments: [_, ..], .. }),
+        "a wrong measurement"
+    );
+    let nonsense = [Some(pose(f64::NAN, 0.0, 0.0)), Some(pose(0.0, 0.0, 0.0))];
+    let Command::Drive { until_ns, .. } = wrong.last() else { panic!("a drive") };
+    assert!(matches!(wrong.observe(&nonsense, until_ns), Command::Drive { segments: [], .. }));
+}
+
+#[test]
+fn silence_and_a_clock_that_goes_back_stop_it() {
+    let (mut order, motion) = single(pose(1500.0, 900.0, 30.0), turning(), errors(100));
+    std::sync::Arc::make_mut(&mut order.facts).watchdog_ns = Some(INTERVAL_NS);
+    let reason = |before: &Controller, late_ns: u64| {
+        let mut controller = before.clone();
+        match controller.observe(&seen(), late_ns) {
+            Command::Stop(stop) => Some(stop.reason),
+            Command::Drive { .. } | Command::Rest { .. } | Command::Continue { .. } | Command::Finished => None,
+        }
+    };
+    let mut controller = Controller::new(&order, &motion).expect("the errors are known");
+    let Command::Drive { until_ns, .. } = controller.observe(&seen(), 10) else { panic!("a drive") };
+    assert_eq!(reason(&controller, until_ns + INTERVAL_NS), None);
+    assert_eq!(reason(&controller, until_ns + INTERVAL_NS + 1), Some(StopReason::Silence));
+    assert_eq!(reason(&controller, 9), Some(StopReason::Clock));
+}

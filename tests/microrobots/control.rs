@@ -1,0 +1,134 @@
+//! `tweeze control` as a user runs it: lines in, commands out, over standard input and over a socket.
+
+use assert_cmd::Command;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+const DONE: i32 = 0;
+const USAGE: i32 = 2;
+const FILES: i32 = 4;
+const STOPPED: i32 = 6;
+
+/// The example of four robots, planned for time, with a watchdog that a busy machine does not wake.
+fn four(folder: &TempDir) -> PathBuf {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/microrobots_four.twz");
+    let text = std::fs::read_to_string(example).expect("the example is there");
+    let text =
+        text.replace("minimize failures", "minimize time").replace("margin: 2 V", "margin: 2 V\n  watchdog: 60 s");
+    let path = folder.path().join("four.twz");
+    std::fs::write(&path, text).expect("a program is written");
+    path
+}
+
+fn tweeze(arguments: &[&str]) -> Command {
+    let mut command = Command::cargo_bin("tweeze").expect("tweeze is built");
+    command.args(arguments);
+    command
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Poses of the four robots at their starts, measured at a time.
+fn measured(t_ns: u64) -> String {
+    let pose =
+        |x_um: f64, y_um: f64, heading_deg: f64| json!({ "x_um": x_um, "y_um": y_um, "heading_deg": heading_deg });
+    let robots = json!({
+        "D1": pose(-1500.0, -1000.0, 0.0),
+        "D2": pose(4000.0, -500.0, 90.0),
+        "D3": pose(3500.0, 3000.0, 0.0),
+        "D4": pose(-500.0, 3000.0, 180.0),
+    });
+    format!("{}\n", json!({ "t_ns": t_ns, "robots": robots }))
+}
+
+fn answers(out: &[u8]) -> Vec<Value> {
+    let schema = include_str!("../../schema/control.schema.json");
+    let schema: Value = serde_json::from_str(schema).expect("the schema is JSON");
+    let valid = jsonschema::validator_for(&schema).expect("the schema is a schema");
+    let parsed = |line: &str| {
+        let line: Value = serde_json::from_str(line).expect("an answer is JSON");
+        assert!(valid.is_valid(&line), "{line}");
+        line
+    };
+    text(out).lines().map(parsed).collect()
+}
+
+/// The same trials succeed whether the controller runs in this process or over a socket in another one.
+#[test]
+fn four_robots_are_assembled_over_a_socket() {
+    let folder = folder();
+    let path = four(&folder);
+    let path = path.to_string_lossy();
+    let simulated = |more: &[&str]| {
+        let mut arguments = vec!["simulate", &*path, "--trials", "2", "--seed", "5", "--format", "json"];
+        arguments.extend(more);
+        let out = tweeze(&arguments).assert().code(DONE).get_output().stdout.clone();
+        serde_json::from_slice::<Value>(&out).expect("a report")
+    };
+    let (here, there) = (simulated(&[]), simulated(&["--against-controller"]));
+    assert_eq!(there["successes"], 2, "{there}");
+    assert_eq!(here["dockings"].as_array().map(Vec::len), Some(4));
+    assert_eq!((&here["successes"], &here["trials"]), (&there["successes"], &there["trials"]));
+    let disturbed =
+        ["--against-controller", "--delay", "50ms", "--lost", "0.01", "--wrong", "0.01", "--stalls", "0.01"];
+    assert_eq!(simulated(&disturbed)["trials"], 2);
+}
+
+#[test]
+fn every_line_has_an_answer_and_nonsense_stops_it() {
+    let folder = folder();
+    let path = four(&folder);
+    let path = path.to_string_lossy();
+    let mut input = measured(1000);
+    input.push_str("nonsense\n{\"t_ns\": 1}\n{\"t_ns\": 2, \"robots\": {\"D9\": null}}\n");
+    input.push_str(&"{\"t_ns\": -1, \"robots\": {}}\n".repeat(3));
+    let run = tweeze(&["control", &path]).write_stdin(input).assert().code(STOPPED);
+    let answers = answers(&run.get_output().stdout);
+    assert_eq!(answers[0]["control"], "quartet");
+    assert_eq!((&answers[1]["command"], &answers[1]["line"]), (&json!("drive"), &json!(26)));
+    assert!(!answers[1]["segments"][0]["levels_v"].as_array().is_none_or(Vec::is_empty), "{}", answers[1]);
+    assert!(answers[2..8].iter().all(|answer| answer["error"].is_string()), "{answers:?}");
+    assert!(answers[4]["error"].as_str().is_some_and(|why| why.contains("`D9` is no robot of the scene")));
+    assert_eq!((&answers[8]["command"], &answers[8]["reason"]), (&json!("stop"), &json!("garbled")));
+    assert_eq!(answers.len(), 9);
+}
+
+/// The end of the input is the loss of measurements, and the same measurements are recorded in the same bytes.
+#[test]
+fn a_recording_depends_on_the_measurements_alone() {
+    let folder = folder();
+    let path = four(&folder);
+    let path = path.to_string_lossy();
+    let recorded = |name: &str| {
+        let record = folder.path().join(name);
+        let arguments = ["control", &path, "--record", &record.to_string_lossy()];
+        let run = tweeze(&arguments).write_stdin(measured(7)).assert().code(STOPPED);
+        let last = answers(&run.get_output().stdout).pop().expect("answers");
+        assert_eq!((&last["command"], &last["reason"]), (&json!("stop"), &json!("closed")));
+        tweeze(&arguments).write_stdin(measured(7)).assert().code(FILES);
+        std::fs::read(record).expect("a recording")
+    };
+    let (one, two) = (recorded("one.mcap"), recorded("two.mcap"));
+    assert!(one.starts_with(b"\x89MCAP0\r\n") && one == two);
+}
+
+#[test]
+fn only_this_machine_is_listened_at_and_one_task_controlled() {
+    let folder = folder();
+    let path = four(&folder);
+    let path = path.to_string_lossy();
+    for (address, why) in [("8.8.8.8:7000", "only this machine"), ("7000", "HOST:PORT"), ("unix:", "path")] {
+        let run = tweeze(&["control", &path, "--listen", address]).assert().code(USAGE);
+        assert!(text(&run.get_output().stderr).contains(why), "{address}: {}", text(&run.get_output().stderr));
+    }
+    let other = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/dimibot_fetch.twz");
+    let run = tweeze(&["control", &other.to_string_lossy()]).assert().code(USAGE);
+    assert!(text(&run.get_output().stderr).contains("cannot be controlled"));
+}

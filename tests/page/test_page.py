@@ -1,0 +1,177 @@
+"""Pages that `--emit html` writes, in a real browser: they open from disk, play, and show the states of their schedules.
+
+`TWEEZE_PAGES` names a folder of pages; `CHROMIUM` the browser, if it is not on the path.
+"""
+
+import json
+import math
+import os
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import sync_playwright
+
+PAGES = sorted(Path(os.environ.get("TWEEZE_PAGES", "out/pages")).glob("*.html"))
+WINDOWS = [(1280, 720), (1920, 1080)]
+INSTANTS = 50
+
+
+@pytest.fixture(scope="session")
+def browser():
+    path = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("google-chrome")
+    assert path, "a Chromium is needed: name it by CHROMIUM"
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(params=PAGES, ids=lambda path: path.stem)
+def page(browser, request):
+    page = browser.new_page(viewport={"width": 1280, "height": 720})
+    errors = []
+    page.on("console", lambda message: errors.append(message.text) if message.type in ("error", "warning") else None)
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.on("request", lambda sent: errors.append(sent.url) if not sent.url.startswith("file:") else None)
+    page.goto(request.param.resolve().as_uri())
+    page.data = json.loads(page.locator("#data").text_content())
+    yield page
+    assert errors == []
+    page.close()
+
+
+def now(page):
+    return page.evaluate("tweeze.t_ns")
+
+
+def test_there_are_pages():
+    assert PAGES, "TWEEZE_PAGES names a folder without pages"
+
+
+def test_every_page_is_small():
+    sizes = {path.name: path.stat().st_size for path in PAGES}
+    assert max(sizes.values()) < 1_000_000, sizes
+
+
+def shown(page, plan, t_ns):
+    """What the page draws of a plan's device at an instant, as a flat list of numbers."""
+    return page.evaluate(
+        """([name, t_ns]) => {
+          const device = tweeze.model.devices.find((device) => device.name === name);
+          const run = runAt(device, t_ns);
+          tweeze.seek(t_ns);
+          switch (device.kind) {
+            case "dimibot": return run.order.frame ? null : tipAt(device, t_ns);
+            case "electrode_array": return Object.entries(partsAt(device, t_ns)).sort().flatMap(([, place]) => place);
+            case "microrobots": return robotsAt(device, t_ns).flatMap(({ pose }) => pose.slice(0, 2));
+            case "fingers": { const { place, turn } = partAt(device, t_ns); return [...place, ...turn]; }
+          }
+        }""",
+        [plan["device"], t_ns],
+    )
+
+
+def recorded(plan, state):
+    match plan["kind"]:
+        case "dimibot":
+            return state["position_um"]
+        case "electrode_array":
+            return [number for _, place in sorted(state["parts"].items()) for number in place]
+        case "microrobots":
+            return None  # in the order of the scene; see below
+        case "fingers":
+            return state["position_um"] + state["orientation"]
+
+
+def test_the_page_shows_the_states_of_the_schedule(page):
+    schedule = page.data["schedule"]
+    for plan, job in zip(schedule["plans"], page.data["claims"]["jobs"], strict=True):
+        states = [state for state in plan["states"] if plan["start_ns"] <= state["t_ns"]]
+        last = {state["t_ns"]: state for state in states}
+        instants = sorted(last)
+        for t_ns in instants[:: max(1, len(instants) // INSTANTS)]:
+            following = [other["start_ns"] for other in schedule["plans"] if other["device"] == plan["device"]]
+            if any(plan["start_ns"] < start_ns <= t_ns for start_ns in following):
+                continue  # another run of the device begins at this very instant
+            found, expected = shown(page, plan, t_ns), recorded(plan, last[t_ns])
+            if plan["kind"] == "microrobots":
+                facts = job["order"]["microrobots"]
+                names = [facts["facts"]["robots"][robot["row"]]["name"] for robot in facts["robots"]]
+                expected = [number for name in names for number in last[t_ns]["poses"][name][:2]]
+            if found is None:
+                continue  # placed by a frame: in the coordinates of the scene
+            assert math.dist(found, expected) < 1e-6, (plan["task"], t_ns)
+
+
+def test_between_states_things_move_to_the_next_one(page):
+    """A nanosecond before a state everything is there, within the way of that nanosecond."""
+    for plan in page.data["schedule"]["plans"]:
+        if plan["kind"] == "microrobots":
+            continue
+        for state in plan["states"][1:INSTANTS]:
+            found, expected = shown(page, plan, state["t_ns"] - 1), recorded(plan, state)
+            if found is not None and len(found) == len(expected) and plan["start_ns"] < state["t_ns"]:
+                assert math.dist(found, expected) < 1e-3 or plan["kind"] == "fingers", (plan["task"], state["t_ns"])
+
+
+def test_lines_claims_links_and_keys_lead_to_their_instants(page):
+    steps = page.data["schedule"]["steps"]
+    page.evaluate("tweeze.seek(tweeze.model.duration_ns)")
+    first = min(steps, key=lambda step: step["start_ns"])
+    row = page.locator("ol.code:visible li.step").first
+    if row.count():
+        row.click()
+        assert now(page) in {step["start_ns"] for step in steps}
+    page.locator("#claims .jump").first.click()
+    assert now(page) == min(plan["start_ns"] for plan in page.data["schedule"]["plans"][:1])
+    page.keyboard.press("End")
+    assert now(page) == page.data["schedule"]["duration_ns"]
+    page.keyboard.press("Home")
+    assert now(page) == 0 <= first["start_ns"]
+    page.keyboard.press("ArrowRight")
+    after = now(page)
+    assert after > 0
+    page.keyboard.press("ArrowLeft")
+    assert now(page) == 0
+    page.evaluate(f"location.hash = '#t={after / 1e9}'")
+    page.wait_for_function(f"tweeze.t_ns === {after}")
+
+
+def test_it_plays_and_stops(page):
+    page.select_option("#speed", label=page.locator("#speed option").first.text_content())
+    page.locator("#play").click()
+    page.wait_for_function("tweeze.t_ns > 0")
+    page.locator("#play").click()
+    stopped = now(page)
+    page.wait_for_timeout(60)
+    assert now(page) == stopped
+
+
+@pytest.mark.parametrize("size", WINDOWS, ids=lambda size: f"{size[0]}x{size[1]}")
+def test_everything_fits_the_window(page, size):
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")
+    boxes = [page.locator(f"#{name}").bounding_box() for name in ("program", "stage", "claims", "controls", "timeline")]
+    for index, one in enumerate(boxes):
+        assert one["width"] > 100 and one["height"] > 20
+        for other in boxes[index + 1 :]:
+            apart_x = one["x"] + one["width"] <= other["x"] + 1 or other["x"] + other["width"] <= one["x"] + 1
+            apart_y = one["y"] + one["height"] <= other["y"] + 1 or other["y"] + other["height"] <= one["y"] + 1
+            assert apart_x or apart_y
+
+
+def test_dark_and_light(page):
+    before = page.evaluate("getComputedStyle(document.body).backgroundColor")
+    page.locator("#theme").click()
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") != before
+
+
+def test_data_has_its_schema(page):
+    import jsonschema
+
+    schema = json.loads((Path(__file__).parents[2] / "schema" / "page.schema.json").read_text())
+    jsonschema.Draft202012Validator(schema).validate(page.data)
+    assert not re.search("<", page.locator("#data").inner_html())
