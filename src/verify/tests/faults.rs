@@ -212,7 +212,7 @@ fn faults_in_figures_of_hands_are_noticed() {
 fn faults_of_the_verifier_are_noticed() {
     let dust = dust();
     refused_for(&dust, Fault::JudgedDistance, [0.5, 0.0], Rule::Graze);
-    refused_for(&dust, Fault::JudgedPlace, [1.0, 15.0], Rule::Graze);
+    refused_for(&dust, Fault::JudgedPlace, [1.0, 30.0], Rule::Graze);
     refused_for(BEAD, Fault::JudgedOutline, [1.0, -0.3], Rule::Pierce);
     refused_for(LOADED, Fault::JudgedNormal, [1.0, 0.3], Rule::Equilibrium);
     inconclusive_for(BEAD, Fault::JudgedRoll, [1.01, 0.0], "off the x axis");

@@ -54,7 +54,7 @@ struct WaySearch {
 const SAME_HEADING_RAD: f64 = TAU / 90.0;
 
 /// Pairs of corners that are examined for one step of the budget.
-const EDGES_A_STEP: u64 = 16;
+const EDGES_A_STEP: u64 = 64;
 
 /// Most states of one search, open or closed.
 const MAX_STATES: usize = 2_000_000;
