@@ -519,6 +519,7 @@ fn a_log_is_shown_as_its_program_is_once_it_is_verified() {
     let refused = bench.run(&["view", "logs/go.mcap", "-o", "none", "--no-open"]).get_output().status.code();
     assert!(refused != Some(DONE) && bench.names("none").is_empty());
     bench.run(&["view", "a.twz", "-o", "pages", "--no-open"]).code(FILES);
+    says(&err(&bench.run(&["view", "go.json", "--no-open"]).code(FILES)), &["E0801", "`FILE.mcap`"]);
 }
 
 #[test]

@@ -11,6 +11,11 @@ pub fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
         .help_if(near.then(|| format!("did you mean `{}`?", with_ending.display())))
 }
 
+pub fn no_program_to_show(path: &Path) -> Diagnostic {
+    Diagnostic::new(Code::E0801, format!("`{}` holds no program that a page could show", path.display()))
+        .help("name the program, `FILE.twz`, or its log, `FILE.mcap`; a schedule in JSON has neither text nor scene")
+}
+
 pub fn is_a_folder(path: &Path) -> Diagnostic {
     Diagnostic::new(Code::E0801, format!("cannot read `{}`: it is a folder", path.display()))
         .help("name a file in it, as `fetch.twz`")

@@ -2,13 +2,18 @@
 
 use super::arguments::{BuildArguments, ReportFormat, ViewArguments};
 use super::disk::{self, Destination, MAX_LOG_BYTES};
-use super::{Exit, build, report, terminal, verify};
+use super::{Exit, build, errors, report, terminal, verify};
 use crate::emit::{self, Format};
 use std::path::{Path, PathBuf};
 
 /// Writes the pages of a program, or the page of a log once it is verified, and opens them.
 pub fn run(arguments: &ViewArguments) -> Exit {
-    let is_log = arguments.file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap"));
+    let has_ending = |ending| arguments.file.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
+    if has_ending("json") {
+        terminal::report_one(errors::no_program_to_show(&arguments.file), arguments.report.format);
+        return Exit::Files;
+    }
+    let is_log = has_ending("mcap");
     let (report, pages) = match if is_log { of_log(arguments) } else { of_program(arguments) } {
         Ok(written) => written,
         Err(exit) => return exit,
@@ -67,7 +72,7 @@ fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, Exit> {
 
 /// Opens a page; without a browser it can still be opened by hand.
 fn open(page: &Path) {
-    if let Err(error) = open::that_detached(page) {
-        terminal::to_stderr(&format!("no browser could be started ({error}): open `{}` in one\n", page.display()));
+    if open::that_detached(page).is_err() {
+        terminal::to_stderr(&format!("no browser could be started: open `{}` in one\n", page.display()));
     }
 }

@@ -50,7 +50,7 @@ impl LogError {
             )
             .help("no log of Tweeze is as large; build the program again"),
             LogError::Missing { what } => Diagnostic::new(Code::E0844, format!("the log has no {what}"))
-                .help("`tweeze verify` reads the `.mcap` file that `tweeze build` writes, not logs of other programs"),
+                .help("`tweeze verify` reads the `.mcap` file that `tweeze build` writes, no recording of `tweeze control` and no log of another program"),
             LogError::OtherSchema { schema, version } => other_version(version.as_deref(), Some(schema)),
             LogError::Content { place, what } => {
                 Diagnostic::new(Code::E0845, format!("{place} of the log cannot be read: {what}")).help(AGAIN)

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import sync_playwright
 
-PAGES = sorted(Path(os.environ.get("TWEEZE_PAGES", "out/pages")).glob("*.html"))
+PAGES = sorted(Path(os.environ.get("TWEEZE_PAGES", "out/pages")).glob("**/*.html"))
 WINDOWS = [(1280, 720), (1920, 1080)]
 INSTANTS = 50
 
@@ -28,7 +28,7 @@ def browser():
         browser.close()
 
 
-@pytest.fixture(params=PAGES, ids=lambda path: path.stem)
+@pytest.fixture(params=PAGES, ids=lambda path: f"{path.parent.name}/{path.stem}")
 def page(browser, request):
     page = browser.new_page(viewport={"width": 1280, "height": 720})
     errors = []
