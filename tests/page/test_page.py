@@ -28,9 +28,10 @@ def browser():
         browser.close()
 
 
-@pytest.fixture(params=PAGES, ids=lambda path: f"{path.parent.name}/{path.stem}")
+# Opened once for all its tests, each of which leaves the window as it was.
+@pytest.fixture(scope="module", params=PAGES, ids=lambda path: f"{path.parent.name}/{path.stem}")
 def page(browser, request):
-    page = browser.new_page(viewport={"width": 1280, "height": 720})
+    page = browser.new_page(viewport={"width": WINDOWS[0][0], "height": WINDOWS[0][1]})
     errors = []
     page.on("console", lambda message: errors.append(message.text) if message.type in ("error", "warning") else None)
     page.on("pageerror", lambda error: errors.append(str(error)))
@@ -140,6 +141,7 @@ def test_lines_claims_links_and_keys_lead_to_their_instants(page):
 
 
 def test_it_plays_and_stops(page):
+    page.evaluate("tweeze.seek(0)")
     page.select_option("#speed", label=page.locator("#speed option").first.text_content())
     page.locator("#play").click()
     page.wait_for_function("tweeze.t_ns > 0")
@@ -161,6 +163,7 @@ def test_everything_fits_the_window(page, size):
             apart_x = one["x"] + one["width"] <= other["x"] + 1 or other["x"] + other["width"] <= one["x"] + 1
             apart_y = one["y"] + one["height"] <= other["y"] + 1 or other["y"] + other["height"] <= one["y"] + 1
             assert apart_x or apart_y
+    page.set_viewport_size({"width": WINDOWS[0][0], "height": WINDOWS[0][1]})
 
 
 def test_dark_and_light(page):

@@ -1,7 +1,7 @@
 //! The plan whose simulated trials fail least, and how often those of any plan do.
 //!
 //! The problem: plans that take about the same time differ by everything in how often robots with errors carry them out, for on its way
-//! back from an error a robot drives circles, which meet what stands near. Method: the job is planned again with more room ([`ROOMS`]) and
+//! back from an error a robot drives circles, which meet what stands near. Method: the job is planned again with more room (`ROOMS`) and
 //! other first legs; all plans are simulated with a few trials, the rooms of the best ones get more first legs, and the better plans more
 //! and more trials. Guaranteed: the plan keeps the clearances of the task, and of two runs on one request both give the same plan. Not
 //! guaranteed: that no plan fails less. The share that is reported is counted in trials of its own, so that it is not flattered by the

@@ -3,7 +3,7 @@
 //! The problem: every robot moves with every stroke. After the first legs robots are steered one after the other while the rest go round
 //! where they are; whatever way all of them make at the same time before is saved, and where they then wait decides whether others get
 //! by. Method: descents over short sequences of control states and strokes, each from another beginning and with its own random numbers;
-//! a change is kept if it improves the estimate of the whole assembly ([`estimate`]) and the legs meet nothing. Guaranteed: the legs keep
+//! a change is kept if it improves the estimate of the whole assembly (`estimate`) and the legs meet nothing. Guaranteed: the legs keep
 //! the collision rules, neighbours have different states, and the same request gives the same legs. Not guaranteed: that the estimate is
 //! met, or that an assembly is found after them. Cost: `ROUNDS` estimates for each descent.
 
