@@ -14,7 +14,7 @@
 //! | [`plan`] | claims | a [`Plan`](plan::Plan) for each job, or a proof that there is none, or the budget that ran out |
 //! | [`lower`] | plans | one [`Schedule`](schedule::Schedule): channels and actuations in integer nanoseconds |
 //! | [`verify`] | a schedule and the claims | a [`Verified`](verify::Verified) schedule, replayed by geometry of its own |
-//! | [`emit`] | a verified schedule | MCAP, JSON, CSV, VCD, SPICE, SCPI and G-code files, and a page (`assets/page`) that plays it |
+//! | [`emit`] | a verified schedule | MCAP, JSON, CSV, VCD, SPICE, SCPI and G-code files, a page (`assets/page`) that plays it, and a picture |
 //!
 //! [`claims`] and [`schedule`] are the contract: data that the stages hand to one another. `check`, `plan`, `verify` and [`log`], which
 //! reads MCAP logs back, stand side by side on it, and none of them sees another.
@@ -36,7 +36,7 @@
 //!   with [`geometry`]. `tests/tidy.rs` lists what the verifier names of it, and tests put faults into each of the two and see the build
 //!   refuse. Elementary functions ([`real`]) and plain figures of [`device`] are shared.
 //! - **A device kind is vocabulary.** It is one file of facts in `device`, of `claims`, of judgements in `check`, a planner in `plan`, its
-//!   states in `schedule`, a lowering in `lower`, a judge in `verify`, its pictures in `emit/mcap`, its lines of the report in `cli/report`,
+//!   states in `schedule`, a lowering in `lower`, a judge in `verify`, its motion over time in `emit/course`, its pictures in `emit/mcap` and `emit/svg`, its lines of the report in `cli/report`,
 //!   and a file of published devices in `stdlib/`, all of one name. It adds no syntax. Each stage asks for the kind once and works through
 //!   a small trait from there; what a fifth kind costs stands in [`device`].
 //! - **Nothing is silent.** All errors of a stage are reported in one run, each with a code, the user's own text labelled, and the

@@ -15,9 +15,9 @@ const FILES: i32 = 4;
 
 const SMALL: &str = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n";
 
-const ALL_FORMATS: &str = "mcap,json,csv,vcd,pwl,scpi,html";
+const ALL_FORMATS: &str = "mcap,json,csv,vcd,pwl,scpi,html,svg";
 
-const ENDINGS: [&str; 9] = ["mcap", "json", "csv", "vcd", "pwl.inc", "cir", "scpi", "scpi.txt", "html"];
+const ENDINGS: [&str; 10] = ["mcap", "json", "csv", "vcd", "pwl.inc", "cir", "scpi", "scpi.txt", "html", "svg"];
 
 fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name)
@@ -297,6 +297,31 @@ fn voltages_are_no_gcode() {
     let refused = bench.run(&["build", "a.twz", "-o", "out", "--emit", "json,gcode"]).code(ERRORS);
     says(&err(&refused), &["E0827", "takes voltages"]);
     assert!(bench.names("out").is_empty());
+}
+
+#[test]
+fn a_picture_of_one_instant() {
+    let bench = Bench::with(SMALL);
+    let picture = |spelling: &str| {
+        bench.run(&["build", "a.twz", "-o", "out", "--emit", "svg", "--at", spelling]).code(DONE);
+        fs::read_to_string(bench.path("out/go.svg")).expect("the picture is there")
+    };
+    let drawn = picture("15 ms");
+    assert!(drawn.contains("data-t-ns=\"15000000\"") && drawn.contains("at 15 ms of "));
+    assert!(["15ms", "0.015 s", "15000us"].iter().all(|spelling| picture(spelling) == drawn));
+    bench.run(&["build", "a.twz", "-o", "out", "--emit", "svg"]).code(DONE);
+    assert!(fs::read_to_string(bench.path("out/go.svg")).expect("the picture is there").contains("1:\u{a0}0\u{a0}ms"));
+
+    let late = bench.run(&["build", "a.twz", "-o", "late", "--emit", "svg,json", "--at", "1 h"]).code(ERRORS);
+    says(&err(&late), &["E0828", "after the end of `go`, which lasts 30 ms"]);
+    let unused = bench.run(&["build", "a.twz", "-o", "late", "--at", "5ms"]).code(USAGE);
+    says(&err(&unused), &["--at", "--emit svg", "Usage"]);
+    for text in ["5", "5 um", "ms", "=-5ms"] {
+        let at = format!("--at={}", text.trim_start_matches('='));
+        let wrong = bench.run(&["build", "a.twz", "-o", "late", "--emit", "svg", &at]).code(USAGE);
+        says(&err(&wrong), &["a time is written as 50ms or 0.5s"]);
+    }
+    assert!(bench.names("late").is_empty());
 }
 
 #[cfg(unix)]

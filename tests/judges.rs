@@ -20,7 +20,7 @@ fn main() -> ExitCode {
     for example in examples(root) {
         // Programs of different examples may have one name.
         let folder = folder.path().join(example.file_stem().unwrap_or_default());
-        let mut built = build(&example, "mcap,json,pwl,scpi", &folder);
+        let mut built = build(&example, "mcap,json,pwl,scpi,svg", &folder);
         let written: Vec<Value> = schedules(&folder).iter().map(|path| document(path)).collect();
         if written.iter().all(|schedule| edges(schedule) <= MANY_EDGES) {
             built = built.and_then(|()| build(&example, "csv,vcd", &folder));

@@ -136,6 +136,9 @@ pub struct BuildArguments {
     /// Formats to write, separated by commas
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "mcap", value_parser = formats())]
     pub emit: Vec<Format>,
+    /// With `--emit svg`: draw this one instant, such as 120ms, instead of numbered positions
+    #[arg(long, value_name = "TIME", value_parser = instant_ns)]
+    pub at: Option<u64>,
     /// Folder to write to; created if missing
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub output: PathBuf,
@@ -252,11 +255,20 @@ fn share(text: &str) -> Result<f64, String> {
 
 /// A time of an hour or less, in nanoseconds.
 fn time_ns(text: &str) -> Result<u64, String> {
+    match instant_ns(text) {
+        Ok(time_ns) if time_ns <= 3_600_000_000_000 => Ok(time_ns),
+        Ok(_) => Err("a time of an hour or less is needed".to_owned()),
+        Err(form) => Err(form),
+    }
+}
+
+/// A time from 0 on, in nanoseconds.
+fn instant_ns(text: &str) -> Result<u64, String> {
     let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit());
     let unit = text[digits.len()..].trim();
     let form = || "a time is written as 50ms or 0.5s".to_owned();
     let quantity = Unit::parse(unit).ok().and_then(|unit| unit.of(digits)).ok_or_else(form)?;
-    match quantity.dimension == Dimension::TIME && (0.0..=3600.0).contains(&quantity.si) {
+    match quantity.dimension == Dimension::TIME && quantity.si >= 0.0 {
         true => Ok((quantity.si * 1e9).round() as u64),
         false => Err(form()),
     }

@@ -1,6 +1,6 @@
 //! `tweeze build`.
 
-use super::arguments::{BuildArguments, ReportFormat};
+use super::arguments::{BuildArguments, Invocation, ReportFormat};
 use super::disk::{self, Destination};
 use super::loaded::Loaded;
 use super::waiting::ProgressLine;
@@ -11,6 +11,8 @@ use crate::diagnostic::Sink;
 use crate::emit::{self, Format, OutputFile, Provenance};
 use crate::source::{Origin, Sources};
 use crate::verify::Verified;
+use clap::CommandFactory;
+use clap::error::ErrorKind;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -26,6 +28,9 @@ pub fn run(arguments: &BuildArguments) -> Exit {
 pub fn built(arguments: &BuildArguments) -> Result<(String, Vec<PathBuf>), Exit> {
     signals::catch();
     let format = arguments.report.format;
+    if arguments.at.is_some() && !arguments.emit.contains(&Format::Svg) {
+        return Err(misused("--at draws one instant of a picture: it needs --emit svg"));
+    }
     let options = Options { settings: arguments.settings.set.clone(), only: arguments.task.clone() };
     let loaded = Loaded::read(&arguments.file, options, &arguments.report)?;
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
@@ -41,6 +46,15 @@ pub fn built(arguments: &BuildArguments) -> Result<(String, Vec<PathBuf>), Exit>
         CompileOutcome::Refused => Err(Exit::Refused),
         CompileOutcome::Compiled(compiled) => write(arguments, compiled, &provenance(&sources, &loaded.options)),
     }
+}
+
+/// Wrong usage that the command line's own grammar does not know.
+fn misused(what: &str) -> Exit {
+    let mut command = Invocation::command();
+    let build = command.find_subcommand_mut("build").map(std::mem::take);
+    // A closed pipe is ignored, as with all wrong usage.
+    let _ = build.unwrap_or(command).bin_name("tweeze build").error(ErrorKind::MissingRequiredArgument, what).print();
+    Exit::Usage
 }
 
 /// The user's files of a program; the standard library comes with the compiler, and settings are no files.
@@ -62,7 +76,11 @@ fn write(
     for verified in compiled.schedules {
         let mut own: Vec<OutputFile> = Vec::new();
         for format in &formats {
-            match emit::emit(*format, &verified, provenance) {
+            let set = match (format, arguments.at) {
+                (Format::Svg, Some(t_ns)) => emit::picture_at(&verified, t_ns),
+                (_, _) => emit::emit(*format, &verified, provenance),
+            };
+            match set {
                 Ok(set) => own.extend(set),
                 Err(error) => {
                     terminal::report_one(error.diagnostic(), arguments.report.format);

@@ -33,6 +33,7 @@ fn of_program(arguments: &ViewArguments) -> Result<WrittenPages, Exit> {
         file: arguments.file.clone(),
         task: arguments.task.clone(),
         emit: vec![Format::Html],
+        at: None,
         output: arguments.output.clone(),
         force: arguments.force,
         settings: arguments.settings.clone(),

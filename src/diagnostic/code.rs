@@ -276,6 +276,7 @@ ledger! {
     E0825 "a file could not be composed"
     E0826 "a stage must be in two places"
     E0827 "a format of positions meets something else"
+    E0828 "a picture is asked for after the end"
     E0840 "a file is no MCAP log"
     E0841 "a log breaks off"
     E0842 "a log is damaged"

@@ -2,6 +2,7 @@
 
 use super::{Format, Signals};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::{Dimension, Quantity};
 
 /// The largest text file that is written, in bytes: it is made in memory, and its readers load it whole.
 pub const MAX_TEXT_BYTES: u64 = 1 << 28;
@@ -24,6 +25,8 @@ pub enum EmitError {
     Leap { format: Format, channel: String, t_ns: u64, from: f64, to: f64 },
     /// The format only represents positions of stages: the first channel that is none, if there is a channel.
     NotPositions { format: Format, channel: Option<String> },
+    /// An instant was asked for that is after the end of the schedule.
+    OutsideSchedule { name: String, t_ns: u64, duration_ns: u64 },
     /// The library that writes the format gave up.
     Failed { format: Format, detail: String },
 }
@@ -100,6 +103,12 @@ impl EmitError {
                 };
                 Diagnostic::new(Code::E0827, format!("{what}, but `{}` only holds stage positions", format.name()))
                     .help("write voltages with `--emit csv`, `pwl` or `scpi`, and the tasks of stages on their own with `--task`")
+            }
+            EmitError::OutsideSchedule { name, t_ns, duration_ns } => {
+                let [t, duration] = [*t_ns, *duration_ns].map(|ns| Quantity::new(ns as f64 / 1e9, Dimension::TIME));
+                Diagnostic::new(Code::E0828, format!("{t} is after the end of `{name}`, which lasts {duration}")).help(
+                    format!("choose an instant from 0 ms to {duration}, or build the tasks one at a time with `--task`"),
+                )
             }
             EmitError::Failed { format, detail } => {
                 Diagnostic::new(Code::E0825, format!("the {} file could not be composed: {detail}", format.name()))

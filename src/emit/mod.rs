@@ -3,6 +3,7 @@
 //! Input: a [`Verified`] schedule and its [`Provenance`]. Output: [`OutputFile`]s, in memory. Promise: no file is touched, the
 //! same input gives the same bytes, and every format represents every channel at every instant, or [`EmitError`] states why it cannot.
 
+mod course;
 pub mod csv;
 mod error;
 #[cfg(test)]
@@ -14,6 +15,7 @@ pub mod mcap;
 pub mod pwl;
 pub mod scpi;
 mod signal;
+mod svg;
 pub mod vcd;
 
 pub use error::EmitError;
@@ -41,12 +43,23 @@ pub enum Format {
     Gcode,
     /// A page that plays the schedule in any browser.
     Html,
+    /// A static picture for papers.
+    Svg,
 }
 
 impl Format {
     /// Every format, in the order of the handbook.
-    pub const ALL: &'static [Format] =
-        &[Format::Mcap, Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi, Format::Gcode, Format::Html];
+    pub const ALL: &'static [Format] = &[
+        Format::Mcap,
+        Format::Json,
+        Format::Csv,
+        Format::Vcd,
+        Format::Pwl,
+        Format::Scpi,
+        Format::Gcode,
+        Format::Html,
+        Format::Svg,
+    ];
 
     /// The name used by `--emit`.
     pub fn name(self) -> &'static str {
@@ -59,6 +72,7 @@ impl Format {
             Format::Scpi => "scpi",
             Format::Gcode => "gcode",
             Format::Html => "html",
+            Format::Svg => "svg",
         }
     }
 
@@ -112,7 +126,18 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
             Ok(programs.into_iter().map(|(of, program)| file(&format!("{of}.ngc"), program)).collect())
         }
         Format::Html => Ok(vec![file("html", html::write(verified, provenance)?)]),
+        Format::Svg => Ok(vec![file("svg", svg::write(verified, None)?)]),
     }
+}
+
+/// The picture of one instant of a schedule, in nanoseconds from its start, instead of the strobes of [`Format::Svg`].
+///
+/// # Errors
+/// [`EmitError::OutsideSchedule`] for an instant after the end; otherwise as [`emit`].
+pub fn picture_at(verified: &Verified, t_ns: u64) -> Result<Vec<OutputFile>, EmitError> {
+    let schedule = verified.schedule();
+    check_finite(schedule)?;
+    Ok(vec![OutputFile { name: format!("{}.svg", schedule.name), bytes: svg::write(verified, Some(t_ns))? }])
 }
 
 /// Formats of decimal text have no form for infinity, and neither voltages nor places have a use for it.

@@ -1,8 +1,11 @@
 //! States of a DiMiBot, and the places that its steps reach.
 
+use super::cost::{Costed, count, figure_of, proof, rounded};
 use super::reached::{Reached, Reaching};
-use super::{KindState, State};
+use super::{KindState, PlanRecord, State};
 use crate::claims::dimibot::{Asked, DimibotAction, DimibotOrder, DimibotStop};
+use crate::device::dimibot::{DimibotObjective, DimibotOutcome, Side};
+use crate::quantity::digits;
 use crate::real::Real;
 use serde::{Deserialize, Serialize};
 
@@ -34,5 +37,27 @@ impl Reaching for DimibotOrder {
             Some(Reached::Place { asked_um, reached_um, off_um })
         };
         stops.iter().filter_map(place).collect()
+    }
+}
+
+impl Costed for DimibotOrder {
+    /// `29.88 um (70 r) in 9 switches, optimal (bound 29.88 um)`; in cells only where they are squares.
+    fn cost(&self, plan: &PlanRecord) -> String {
+        let figure = |value: f64| match plan.unit.as_str() {
+            "" => digits(value),
+            unit => format!("{} {unit}", rounded(value)),
+        };
+        let pitches = Side::BOTH.map(|side| self.facts.pitch_um(side));
+        let switches = count(figure_of(plan, DimibotOutcome::Switches.name()) as usize, "switch");
+        let proof = proof(plan, figure);
+        match self.objective {
+            DimibotObjective::Distance if pitches[0] == pitches[1] => {
+                format!("{} ({} r) in {switches}, {proof}", figure(plan.cost), (plan.cost / pitches[0]).round())
+            }
+            DimibotObjective::Switches => format!("{switches}, {proof}"),
+            DimibotObjective::Distance | DimibotObjective::Time | DimibotObjective::Energy => {
+                format!("{} in {switches}, {proof}", figure(plan.cost))
+            }
+        }
     }
 }

@@ -1,8 +1,11 @@
 //! States of an electrode array. Its steps ask for cells, which are met or not.
 
+use super::cost::{Costed, count, figure_of, proof};
 use super::reached::{Reached, Reaching};
-use super::{KindState, State};
-use crate::claims::electrode_array::ElectrodeArrayOrder;
+use super::{KindState, PlanRecord, State};
+use crate::claims::electrode_array::{ElectrodeArrayObjective, ElectrodeArrayOrder};
+use crate::device::electrode_array::ElectrodeArrayOutcome;
+use crate::quantity::digits;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -23,4 +26,34 @@ impl Reaching for ElectrodeArrayOrder {
     fn reached(&self, _nth: usize, _end: &State) -> Vec<Reached> {
         Vec::new()
     }
+}
+
+impl Costed for ElectrodeArrayOrder {
+    /// `86 steps, optimal (bound 86); sum of costs 312, not proven optimal (bound 298)`: the minimised outcome comes first.
+    fn cost(&self, plan: &PlanRecord) -> String {
+        let steps = |value: f64| count(value as usize, "step");
+        let sum = |value: f64| format!("sum of costs {}", digits(value));
+        let reached = |outcome: ElectrodeArrayOutcome| figure_of(plan, outcome.name());
+        let (minimised, other, reached) = match self.objective {
+            ElectrodeArrayObjective::Makespan => {
+                let other = ElectrodeArrayOutcome::SumOfCosts;
+                (steps(plan.cost), other, sum(reached(other)))
+            }
+            ElectrodeArrayObjective::SumOfCosts => {
+                let other = ElectrodeArrayOutcome::Steps;
+                (sum(plan.cost), other, steps(reached(other)))
+            }
+        };
+        format!("{minimised}, {}; {reached}{}", proof(plan, digits), bounded(plan, other))
+    }
+}
+
+/// The bound on an outcome that was not minimised, if the planner knows one.
+fn bounded(plan: &PlanRecord, outcome: ElectrodeArrayOutcome) -> String {
+    let name = outcome.name();
+    let (Some(bound), Some(reached)) = (plan.bounds.get(name), plan.outcomes.get(name)) else {
+        return String::new();
+    };
+    let word = if bound >= reached { "optimal" } else { "not proven optimal" };
+    format!(", {word} (bound {})", digits(*bound))
 }

@@ -1,9 +1,10 @@
 //! States of a hand, and the turns and orientations that its steps reach.
 
+use super::cost::{Costed, count, figure_of, proof, rounded};
 use super::reached::{Reached, Reaching};
-use super::{KindState, State};
+use super::{KindState, PlanRecord, State};
 use crate::claims::fingers::{FingersAction, FingersOrder};
-use crate::device::fingers::Plane;
+use crate::device::fingers::{FingersOutcome, Plane};
 use nalgebra::{Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
@@ -57,5 +58,14 @@ impl Reaching for FingersOrder {
             )
             | None => Vec::new(),
         }
+    }
+}
+
+impl Costed for FingersOrder {
+    /// `2300 deg in 8 reconfigurations, optimal (bound 2300 deg)`.
+    fn cost(&self, plan: &PlanRecord) -> String {
+        let figure = |degrees: f64| format!("{} deg", rounded(degrees));
+        let reconfigurations = figure_of(plan, FingersOutcome::Reconfigurations.name()) as usize;
+        format!("{} in {}, {}", figure(plan.cost), count(reconfigurations, "reconfiguration"), proof(plan, figure))
     }
 }

@@ -1,8 +1,10 @@
 //! States of a bed of microrobots, and the poses that its steps reach.
 
+use super::cost::{Costed, count, figure_of, proof, rounded};
 use super::reached::{Reached, Reaching};
-use super::{KindState, State};
+use super::{KindState, PlanRecord, State};
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
+use crate::device::microrobots::{MicrorobotsObjective, MicrorobotsOutcome};
 use crate::geometry::Pose;
 use crate::real::Real;
 use serde::{Deserialize, Serialize};
@@ -57,5 +59,23 @@ impl Reaching for MicrorobotsOrder {
             })
         };
         goals.into_iter().filter_map(pose).collect()
+    }
+}
+
+impl Costed for MicrorobotsOrder {
+    /// `12.3 s in 9 switches, optimal (bound 12.3 s)`.
+    fn cost(&self, plan: &PlanRecord) -> String {
+        let seconds = |seconds: f64| format!("{} s", rounded(seconds));
+        let switches = |number: f64| count(number as usize, "switch");
+        let time = seconds(figure_of(plan, MicrorobotsOutcome::Time.name()));
+        let switched = switches(figure_of(plan, MicrorobotsOutcome::Switches.name()));
+        match self.objective {
+            MicrorobotsObjective::Time => format!("{time} in {switched}, {}", proof(plan, seconds)),
+            MicrorobotsObjective::Switches => format!("{switched} in {time}, {}", proof(plan, switches)),
+            MicrorobotsObjective::Failures => {
+                let share = rounded(plan.cost * 100.0);
+                format!("{share} % of simulated trials fail, {time} in {switched}, not proven optimal")
+            }
+        }
     }
 }

@@ -4,6 +4,7 @@
 //! channel; a channel has at most one value at a time; every actuation knows its step, every step its source span. There are no floats
 //! but the values of actuations and the figures of plans.
 
+pub mod cost;
 pub mod dimibot;
 pub mod electrode_array;
 pub mod fingers;

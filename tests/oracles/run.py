@@ -1,4 +1,4 @@
-"""Judges a folder of files that `tweeze build --emit mcap,json,csv,vcd,pwl,scpi,gcode` wrote, by programs that are not Tweeze's.
+"""Judges a folder of files that `tweeze build --emit mcap,json,csv,vcd,pwl,scpi,gcode,svg` wrote, by programs that are not Tweeze's.
 
     python tests/oracles/run.py DIR
 
@@ -24,6 +24,7 @@ JUDGES = {
     ".cir": "spice_judge",
     ".scpi": "scpi_judge",
     ".ngc": "gcode_judge",
+    ".svg": "svg_judge",
 }
 
 # Of schedules with more edges than this, files with a line for each edge may be left out.

@@ -48,14 +48,14 @@ def test_a_good_file_is_right(folder, stem, ending):
 
 def test_slopes_are_right():
     outcomes = {name: outcome for name, outcome, _ in run.judge_folder(FIXTURES / "slopes")}
-    expected = {"crowd.json": "right", "crowd.mcap": "right", "crowd.cir": "right"}
+    expected = {"crowd.json": "right", "crowd.mcap": "right", "crowd.cir": "right", "crowd.svg": "right"}
     expected |= {"crowd.csv": "MISSING", "crowd.vcd": "MISSING", "crowd.scpi": "MISSING"}
     assert outcomes == expected
 
 
 def test_a_train_that_is_longer_than_its_deck_is_right():
     outcomes = {name: outcome for name, outcome, _ in run.judge_folder(FIXTURES / "trains")}
-    expected = {f"long{ending}": "right" for ending in (".json", ".csv", ".vcd", ".scpi")}
+    expected = {f"long{ending}": "right" for ending in (".json", ".csv", ".vcd", ".scpi", ".svg")}
     assert outcomes.pop("long.cir") in ("right", "SKIPPED")
     assert outcomes == expected | {"long.mcap": "MISSING"}
 
@@ -81,6 +81,14 @@ FAULTS = [
     (".scpi", ".scpi", b",#294\x00\x00\x7f\xff", b",#294\x7f\xff\x7f\xff"),
     (".scpi", ".scpi", b"\x7f\xff\x00\x00", b"\x00\x00\x00\x00"),
     (".mcap", ".csv", b",20,", b",19.5,"),
+    (".svg", ".svg", b"</svg>", b""),
+    (".svg", ".svg", b"<title>", b"<script/><title>"),
+    (".svg", ".svg", b"<title>", b'<g href="x"/><title>'),
+    (".svg", ".svg", b'data-x-um="0"', b'data-x-um="0.01"'),
+    (".svg", ".svg", b'data-scale="', b'data-scale="1'),
+    (".svg", ".svg", b'data-device="Aid"', b'data-device="bot"'),
+    (".svg", ".svg", b' stroke-width="0.35"', b' stroke-width="0.3"'),
+    (".svg", ".svg", b'<text x="4"', b'<text x="-4"'),
 ]
 
 
@@ -136,6 +144,8 @@ POSITION_FAULTS = [
     (".ngc", ".hand.ngc", b"G1 X0.018500 F600\n", b"G1 X0.018503 F600\n"),
     (".ngc", ".hand.ngc", b"G1 X0.018500 F600\n", b"G1 X0.018500 F601\n"),
     (".ngc", ".hand.ngc", b"; X is hand.f1.x", b"; X is hand.f1.y"),
+    (".svg", ".svg", b'data-finger="2"', b'data-finger="1"'),
+    (".svg", ".svg", b'data-orientation="', b'data-orientation="0.1'),
     (".ngc", ".hand.ngc", b"G4 P0.007", b"G4 P0.008"),
     (".ngc", ".hand.ngc", b"G93\n", b"G94\n"),
     (".ngc", ".hand.ngc", b"G21\n", b"G20\n"),

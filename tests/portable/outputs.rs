@@ -18,6 +18,10 @@ fn examples() -> Vec<PathBuf> {
     paths
 }
 
+fn digest(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 /// The fingerprints of all outputs of all examples, built with some variables in the environment.
 pub fn fingerprints(environment: &[(&str, &Path)]) -> String {
     let mut text = String::new();
@@ -26,17 +30,38 @@ pub fn fingerprints(environment: &[(&str, &Path)]) -> String {
         let out = tempfile::tempdir().expect("a folder");
         // G-code is of stages only.
         let last = if stem.starts_with("fingers") { ",gcode" } else { "" };
-        let formats = format!("mcap,json,csv,vcd,pwl,scpi{last}");
+        let formats = format!("mcap,json,csv,vcd,pwl,scpi,svg{last}");
         let mut command = tweeze(root());
         command.arg("build").arg(&example).args(["--emit", &formats, "-o"]).arg(out.path());
         command.envs(environment.iter().copied());
         done(&mut command);
         for (name, bytes) in files(out.path()) {
-            let digest: String = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-            let _ = writeln!(text, "{digest}  {stem}/{name}");
+            let _ = writeln!(text, "{}  {stem}/{name}", digest(&bytes));
         }
     }
     text
+}
+
+/// The pictures at the head of the README, each with the picture of an example that it is a copy of.
+const PICTURES: [(&str, &str); 4] = [
+    ("dimibot.svg", "dimibot_fetch/fetch.svg"),
+    ("electrode_array.svg", "electrode_array_swap/swap.svg"),
+    ("microrobots.svg", "microrobots_four/quartet.svg"),
+    ("fingers.svg", "fingers_ellipsoid/flip.svg"),
+];
+
+/// The other test holds these fingerprints against what is written today.
+#[test]
+fn pictures_of_the_readme_are_those_of_the_examples() {
+    let fingerprints = std::fs::read_to_string(root().join("tests/data/outputs.sha256")).expect("they are kept");
+    for (name, of) in PICTURES {
+        let bytes = std::fs::read(root().join("docs/pictures").join(name)).expect("the picture is there");
+        let line = format!("{}  {of}", digest(&bytes));
+        assert!(
+            fingerprints.lines().any(|kept| kept == line),
+            "docs/pictures/{name} is not {of} as it is written today"
+        );
+    }
 }
 
 #[test]

@@ -1,36 +1,16 @@
 //! What people read of a DiMiBot's plan.
 
-use super::{Note, ReportTopic, ReportedDevice, ReportedOrder, ReportedRun, count, figure_of, proof, rounded};
+use super::{Note, ReportTopic, ReportedDevice, ReportedOrder, ReportedRun};
 use crate::claims::Claims;
 use crate::claims::dimibot::{Asked, DimibotAction, DimibotOrder, DimibotStop};
-use crate::device::dimibot::{DimibotFacts, DimibotObjective, DimibotOutcome, LatticeCell, Side};
-use crate::quantity::{Dimension, Quantity, digits};
+use crate::device::dimibot::{DimibotFacts, LatticeCell, Side};
+use crate::quantity::{Dimension, Quantity};
 use crate::real::Real;
 use crate::schedule::dimibot::DimibotState;
-use crate::schedule::{PlanRecord, State, TimedState};
+use crate::schedule::{State, TimedState};
 use std::ops::RangeInclusive;
 
 impl ReportedOrder for DimibotOrder {
-    /// `29.88 um (70 r) in 9 switches, optimal (bound 29.88 um)`; in cells only where they are squares.
-    fn cost(&self, plan: &PlanRecord) -> String {
-        let figure = |value: f64| match plan.unit.as_str() {
-            "" => digits(value),
-            unit => format!("{} {unit}", rounded(value)),
-        };
-        let pitches = Side::BOTH.map(|side| self.facts.pitch_um(side));
-        let switches = count(figure_of(plan, DimibotOutcome::Switches.name()) as usize, "switch");
-        let proof = proof(plan, figure);
-        match self.objective {
-            DimibotObjective::Distance if pitches[0] == pitches[1] => {
-                format!("{} ({} r) in {switches}, {proof}", figure(plan.cost), (plan.cost / pitches[0]).round())
-            }
-            DimibotObjective::Switches => format!("{switches}, {proof}"),
-            DimibotObjective::Distance | DimibotObjective::Time | DimibotObjective::Energy => {
-                format!("{} in {switches}, {proof}", figure(plan.cost))
-            }
-        }
-    }
-
     fn notes(&self, run: &ReportedRun) -> Vec<Note> {
         let visits = run.steps.iter().zip(&self.steps).filter_map(|(step, claim)| match &claim.action {
             DimibotAction::Visit(stops) => {

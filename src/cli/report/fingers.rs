@@ -1,23 +1,13 @@
 //! What people read of a plan for a hand.
 
-use super::{
-    Note, ReportTopic, ReportedDevice, ReportedOrder, ReportedRun, count, figure_of, length, proof, reached, rounded,
-};
+use super::{Note, ReportTopic, ReportedDevice, ReportedOrder, ReportedRun, length, reached};
 use crate::claims::Claims;
 use crate::claims::fingers::{FingersOrder, Section};
-use crate::device::fingers::{Adhesion, FingersFacts, FingersOutcome, Plane};
+use crate::device::fingers::{Adhesion, FingersFacts, Plane};
 use crate::quantity::{Dimension, Quantity, digits};
-use crate::schedule::PlanRecord;
 use std::collections::BTreeMap;
 
 impl ReportedOrder for FingersOrder {
-    /// `2300 deg in 8 reconfigurations, optimal (bound 2300 deg)`.
-    fn cost(&self, plan: &PlanRecord) -> String {
-        let figure = |degrees: f64| format!("{} deg", rounded(degrees));
-        let reconfigurations = figure_of(plan, FingersOutcome::Reconfigurations.name()) as usize;
-        format!("{} in {}, {}", figure(plan.cost), count(reconfigurations, "reconfiguration"), proof(plan, figure))
-    }
-
     fn notes(&self, run: &ReportedRun) -> Vec<Note> {
         let sections = Plane::ALL.into_iter().filter_map(|plane| Some(contacts(plane, self.part.section(plane)?)));
         let contacts = format!("{}: {}", self.part.name, sections.collect::<Vec<_>>().join(", "));

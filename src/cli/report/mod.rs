@@ -15,7 +15,8 @@ use crate::check::{DeclarationTally, KindFacts};
 use crate::claims::{Claims, Job, Order};
 use crate::compile::Compiled;
 use crate::device::each_kind;
-use crate::quantity::{Dimension, Quantity, digits};
+use crate::quantity::{Dimension, Quantity};
+use crate::schedule::cost::{cost, count};
 use crate::schedule::{PlanRecord, Schedule, ScheduledStep};
 use crate::verify::Verified;
 use std::collections::BTreeSet;
@@ -79,10 +80,7 @@ impl ReportTopic {
 
 /// What a kind has to say of a plan, on its orders.
 trait ReportedOrder {
-    /// What a run costs and how good that is.
-    fn cost(&self, plan: &PlanRecord) -> String;
-
-    /// More that there is to say of a run.
+    /// More that there is to say of a run than its cost.
     fn notes(&self, _run: &ReportedRun) -> Vec<Note> {
         Vec::new()
     }
@@ -154,7 +152,7 @@ fn subjects(verified: &Verified) -> Vec<String> {
 fn planned(verified: &Verified, width: usize, text: &mut String) {
     let runs = runs(verified);
     for (run, subject) in runs.iter().zip(subjects(verified)) {
-        text.push_str(&terminal::line("Planned", &subject, width, &reported(&run.job.order).cost(run.plan)));
+        text.push_str(&terminal::line("Planned", &subject, width, &cost(&run.job.order, run.plan)));
     }
     let more = runs.len().saturating_sub(MAX_PLAN_LINES);
     if more > 0 {
@@ -215,14 +213,6 @@ fn reached<'a>(run: &'a ReportedRun) -> impl Iterator<Item = Note> + 'a {
     all.filter(|reached| reached.is_off()).map(|reached| (ReportTopic::Nearest, reached.to_string()))
 }
 
-/// `optimal (bound 29.88 um)`.
-fn proof(plan: &PlanRecord, figure: impl Fn(f64) -> String) -> String {
-    match plan.optimal {
-        true => format!("optimal (bound {})", figure(plan.bound)),
-        false => format!("not proven optimal (bound {})", figure(plan.bound)),
-    }
-}
-
 /// `20 channels, 9 actuations, 135 ms, 270 mJ`; the energy where a kind counts it.
 fn figures(schedule: &Schedule) -> String {
     let energies: Vec<f64> = schedule.plans.iter().filter_map(|plan| plan.outcomes.get("energy")).copied().collect();
@@ -243,25 +233,10 @@ fn length(um: f64) -> String {
     Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
 }
 
-/// A figure for the report: two decimals, more where the value is small.
-fn rounded(value: f64) -> String {
-    if value.abs() >= 1.0 { digits((value * 100.0).round() / 100.0) } else { digits(value) }
-}
-
 /// `1 device, 1 scene, 2 tasks`.
 pub fn tally(tally: DeclarationTally) -> String {
     let parts =
         [(tally.devices, "device"), (tally.scenes, "scene"), (tally.tasks, "task"), (tally.programs, "program")];
     let parts: Vec<String> = parts.into_iter().filter(|part| part.0 > 0).map(|(n, noun)| count(n, noun)).collect();
     if parts.is_empty() { "nothing declared".to_owned() } else { parts.join(", ") }
-}
-
-/// A figure of a plan by its word, in SI units; 0 where the plan does not have it.
-fn figure_of(plan: &PlanRecord, outcome: &str) -> f64 {
-    plan.outcomes.get(outcome).copied().unwrap_or_default()
-}
-
-fn count(number: usize, noun: &str) -> String {
-    let plural = if noun.ends_with("ch") { "es" } else { "s" };
-    format!("{number} {noun}{}", if number == 1 { "" } else { plural })
 }

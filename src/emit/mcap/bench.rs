@@ -3,7 +3,6 @@
 use super::frames::{self, Mover, StandingPose};
 use super::{LogTopic, pictures};
 use crate::claims::{Claims, Job};
-use crate::schedule::PlanRecord;
 use crate::verify::Verified;
 use std::collections::BTreeMap;
 
@@ -58,17 +57,4 @@ fn right_of_placed(claims: &Claims) -> f64 {
         pictures(&job.order).right_in_scene(&frame)
     });
     ends.reduce(f64::max).map_or(0.0, |end| end.max(0.0) + GAP)
-}
-
-/// The jobs of a device with their plans, in order of time.
-pub fn jobs<'a>(verified: &'a Verified, device: &str) -> Vec<(&'a Job, &'a PlanRecord)> {
-    let all = verified.claims().jobs.iter().zip(&verified.schedule().plans);
-    let mut jobs: Vec<_> = all.filter(|(job, _)| job.device == device).collect();
-    jobs.sort_by_key(|(_, plan)| plan.start_ns);
-    jobs
-}
-
-/// The plans of a device, in order of time.
-pub fn plans<'a>(verified: &'a Verified, device: &str) -> Vec<&'a PlanRecord> {
-    jobs(verified, device).into_iter().map(|(_, plan)| plan).collect()
 }

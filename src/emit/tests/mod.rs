@@ -128,12 +128,12 @@ fn write_fixtures() {
     ] {
         formats(&make().0).for_each(|format| write(&folder, format, make()));
     }
-    for format in [Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi] {
+    for format in [Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi, Format::Svg] {
         // Longer than the run of the deck.
         let long = fixture::changed(&fixture::train(12_000), |schedule| schedule.name = "long".to_owned());
         write(&trains, format, (long, Provenance::default()));
     }
-    for format in [Format::Mcap, Format::Json, Format::Pwl] {
+    for format in [Format::Mcap, Format::Json, Format::Pwl, Format::Svg] {
         write(&slopes, format, fixture::crowd());
     }
 }

@@ -4,34 +4,14 @@ mod beds;
 
 pub use beds::suggest;
 
-use super::{
-    Note, ReportTopic, ReportedDevice, ReportedOrder, ReportedRun, count, figure_of, length, proof, reached, rounded,
-};
+use super::{Note, ReportTopic, ReportedDevice, ReportedOrder, ReportedRun, length, reached};
 use crate::check::microrobots::CheckedBed;
 use crate::claims::Claims;
 use crate::claims::microrobots::MicrorobotsOrder;
-use crate::device::microrobots::{MicrorobotsObjective, MicrorobotsOutcome};
 use crate::diagnostic::Remark;
 use crate::plan::microrobots::safest::EXPECTED;
-use crate::schedule::PlanRecord;
 
 impl ReportedOrder for MicrorobotsOrder {
-    /// `12.3 s in 9 switches, optimal (bound 12.3 s)`.
-    fn cost(&self, plan: &PlanRecord) -> String {
-        let seconds = |seconds: f64| format!("{} s", rounded(seconds));
-        let switches = |number: f64| count(number as usize, "switch");
-        let time = seconds(figure_of(plan, MicrorobotsOutcome::Time.name()));
-        let switched = switches(figure_of(plan, MicrorobotsOutcome::Switches.name()));
-        match self.objective {
-            MicrorobotsObjective::Time => format!("{time} in {switched}, {}", proof(plan, seconds)),
-            MicrorobotsObjective::Switches => format!("{switched} in {time}, {}", proof(plan, switches)),
-            MicrorobotsObjective::Failures => {
-                let share = rounded(plan.cost * 100.0);
-                format!("{share} % of simulated trials fail, {time} in {switched}, not proven optimal")
-            }
-        }
-    }
-
     fn notes(&self, run: &ReportedRun) -> Vec<Note> {
         let remark = |remark: &Remark| match remark.subject.as_str() {
             EXPECTED => (ReportTopic::Expected, remark.text.clone()),

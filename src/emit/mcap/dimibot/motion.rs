@@ -2,13 +2,11 @@
 //!
 //! A module snaps at some instant within its pulse, so the old pose is repeated at the pulse's start and the new one written at its end.
 
-use crate::emit::mcap::bench::plans;
+use crate::emit::course::dimibot::place;
+use crate::emit::course::plans;
+use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::foxglove::{self, PoseInFrame, PosesInFrame};
-use crate::emit::mcap::{LogTopic, Signals};
-use crate::schedule::dimibot::DimibotState;
-use crate::schedule::{State, TimedState};
 use crate::verify::Verified;
-use std::collections::BTreeSet;
 
 /// The frame that goes with a device's end-effector.
 pub fn tip_frame(device: &str) -> String {
@@ -26,41 +24,6 @@ pub fn topics(verified: &Verified, device: &str, poses: &[(u64, [f64; 3])]) -> [
         (t_ns, foxglove::encode(&message))
     };
     [LogTopic::new::<PoseInFrame>(format!("/{device}/pose"), poses.iter().map(pose).collect()), path(verified, device)]
-}
-
-/// Where the end-effector is in a state.
-pub fn place(state: &TimedState) -> [f64; 3] {
-    match &state.state {
-        State::Dimibot(DimibotState { position_um: [x, y], .. }) => [*x, *y, 0.0],
-        State::ElectrodeArray(_) | State::Microrobots(_) | State::Fingers(_) => {
-            unreachable!("the verifier holds states against the kind of their device")
-        }
-    }
-}
-
-/// The end-effector of a device over time: each new place at the instant of its state, and the old one at the start of the
-/// pulse that leads there. Before its first task it stands where that begins.
-pub fn poses(verified: &Verified, signals: &Signals, device: &str) -> Vec<(u64, [f64; 3])> {
-    let channels = &signals.schedule.channels;
-    let of_device = |channel: u32| channels.get(channel as usize).is_some_and(|channel| channel.device == device);
-    let actuations = signals.schedule.actuations.iter().filter(|actuation| of_device(actuation.channel));
-    let starts: BTreeSet<u64> = actuations.map(|actuation| actuation.start_ns).collect();
-    let mut poses: Vec<(u64, [f64; 3])> = Vec::new();
-    for state in plans(verified, device).iter().flat_map(|plan| &plan.states) {
-        if poses.is_empty() {
-            poses.push((0, place(state)));
-        }
-        if let Some(&(last_ns, old)) = poses.last() {
-            let start_ns = starts.range(..state.t_ns).next_back().copied();
-            if let Some(start_ns) = start_ns.filter(|start_ns| *start_ns > last_ns) {
-                poses.push((start_ns, old));
-            }
-        }
-        if poses.last() != Some(&(state.t_ns, place(state))) {
-            poses.push((state.t_ns, place(state)));
-        }
-    }
-    poses
 }
 
 /// Greatest number of places in one message of a path: readers of logs handle this many easily, and Tweeze's own accepts 64 MiB.

@@ -4,11 +4,11 @@
 //! message of each topic only: every message contains the whole picture. Scenery is written again when a job brings another.
 
 use super::motion;
-use crate::claims::dimibot::{DimibotAction, DimibotObstacle, DimibotObstacleBody, DimibotOrder, DimibotStop};
+use crate::claims::dimibot::{DimibotObstacle, DimibotObstacleBody, DimibotOrder};
 use crate::device::dimibot::Side;
 use crate::device::dimibot::{DimibotFacts, LatticeCell};
+use crate::emit::course::dimibot::{self, extent_um, jobs, sceneries, tiles_um};
 use crate::emit::mcap::LogTopic;
-use crate::emit::mcap::bench;
 use crate::emit::mcap::drawing::{self, Slab, color};
 use crate::emit::mcap::foxglove::{self, SceneEntity, SceneUpdate, line_primitive};
 use crate::schedule::PlanRecord;
@@ -30,40 +30,11 @@ const LABEL_GAP_UM: f64 = 0.3;
 /// Diameter of the mark of a stop.
 pub const STOP_UM: f64 = 0.12;
 
-/// Part of a cell that a blocked one fills, so that neighbours are seen apart from cells.
-const CELL_PART: f64 = 0.8;
-
 /// Greatest number of stops and obstacles with labels.
 const MAX_LABELS: usize = 200;
 
 /// Greatest number of obstacles and stops that are drawn.
 const MAX_DRAWN: usize = 20_000;
-
-/// The cell of all modules at 1.
-pub fn last_cell(facts: &DimibotFacts) -> LatticeCell {
-    LatticeCell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 }
-}
-
-pub fn extent_um(facts: &DimibotFacts) -> [f64; 2] {
-    facts.place_um(last_cell(facts))
-}
-
-/// The goal cells of a task, each once, in source order; of very many only the first.
-pub fn stops(order: &DimibotOrder) -> Vec<LatticeCell> {
-    let all = order.steps.iter().flat_map(|step| match &step.action {
-        DimibotAction::Move(stops) | DimibotAction::Visit(stops) => stops.as_slice(),
-        DimibotAction::Wait(_) => &[],
-    });
-    let mut met = BTreeSet::new();
-    all.map(|stop: &DimibotStop| stop.cell).filter(|cell| met.insert(cell.pair())).take(MAX_DRAWN).collect()
-}
-
-/// The lower and the upper corner of a block of cells, each cell being a tile.
-pub fn tiles_um(facts: &DimibotFacts, from: LatticeCell, to: LatticeCell) -> ([f64; 2], [f64; 2]) {
-    let half = [Side::Left, Side::Right].map(|side| facts.pitch_um(side) * CELL_PART / 2.0);
-    let ([x0, y0], [x1, y1]) = (facts.place_um(from), facts.place_um(to));
-    ([x0 - half[0], y0 - half[1]], [x1 + half[0], y1 + half[1]])
-}
 
 /// `/<device>/scene` and `/<device>/plan`.
 pub fn topics(verified: &Verified, device: &str) -> [LogTopic; 2] {
@@ -87,28 +58,14 @@ pub fn topics(verified: &Verified, device: &str) -> [LogTopic; 2] {
     ]
 }
 
-/// The orders of a device with their plans, in order of time.
-pub fn jobs<'a>(verified: &'a Verified, device: &str) -> Vec<(&'a DimibotOrder, &'a PlanRecord)> {
-    let jobs = bench::jobs(verified, device).into_iter();
-    jobs.filter_map(|(job, plan)| Some((DimibotOrder::of(&job.order)?, plan))).collect()
-}
-
-/// The scenery of a device, with the instant from which it holds; the first holds from the beginning.
-pub fn sceneries<'a>(verified: &'a Verified, device: &str) -> Vec<(u64, &'a DimibotOrder)> {
-    let mut sceneries: Vec<(u64, &DimibotOrder)> = Vec::new();
-    for (order, plan) in jobs(verified, device) {
-        match sceneries.last() {
-            None => sceneries.push((0, order)),
-            Some((_, last)) if last.obstacles == order.obstacles && last.facts == order.facts => {}
-            Some(_) => sceneries.push((plan.start_ns, order)),
-        }
-    }
-    sceneries
-}
-
 /// The obstacles that are drawn: a viewer does not show more in useful time.
 pub fn drawn(order: &DimibotOrder) -> &[DimibotObstacle] {
     &order.obstacles[..order.obstacles.len().min(MAX_DRAWN)]
+}
+
+/// The stops that are drawn.
+pub fn stops(order: &DimibotOrder) -> Vec<LatticeCell> {
+    dimibot::stops(order).into_iter().take(MAX_DRAWN).collect()
 }
 
 fn scenery(order: &DimibotOrder, device: &str, t_ns: u64) -> Vec<SceneEntity> {
@@ -158,12 +115,12 @@ fn lattice(mut entity: SceneEntity, order: &DimibotOrder, device: &str) -> Scene
 
 fn path(mut entity: SceneEntity, plan: &PlanRecord) -> SceneEntity {
     let places = plan.states.iter().map(|state| {
-        let [x, y, z] = motion::place(state);
+        let [x, y, z] = dimibot::place(state);
         [x, y, z + PATH_HEIGHT_UM]
     });
     drawing::line(&mut entity, places, line_primitive::Type::LineStrip, color::PATH);
     if let Some(first) = plan.states.first() {
-        let [x, y, _] = motion::place(first);
+        let [x, y, _] = dimibot::place(first);
         drawing::sphere(&mut entity, [x, y, PATH_HEIGHT_UM], STOP_UM, color::START);
         drawing::text(&mut entity, [x, y - LABEL_GAP_UM, LABEL_HEIGHT_UM], "start".into(), color::START);
     }

@@ -6,28 +6,14 @@
 
 mod scene;
 
-use super::bench;
 use super::foxglove::{self, PosesInFrame};
 use super::frames::{FramePlace, Mover, StandingPose};
 use super::{LogTopic, Pictures, Signals};
 use crate::claims::electrode_array::ElectrodeArrayOrder;
 use crate::device::electrode_array::ElectrodeCell;
+use crate::emit::course::electrode_array::{PartsMoment, moments, place};
 use crate::quantity::{Dimension, Quantity};
-use crate::schedule::State;
-use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::verify::Verified;
-use std::collections::BTreeMap;
-
-/// The middle of an electrode in a picture.
-fn place(cell: ElectrodeCell) -> [f64; 2] {
-    [f64::from(cell.column) - 1.0, f64::from(cell.row) - 1.0]
-}
-
-/// Where the parts of a board are, from an instant on.
-struct PartsMoment {
-    t_ns: u64,
-    parts: BTreeMap<String, ElectrodeCell>,
-}
 
 impl Pictures for ElectrodeArrayOrder {
     fn topics(&self, verified: &Verified, _signals: &Signals, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
@@ -48,34 +34,6 @@ impl Pictures for ElectrodeArrayOrder {
 /// The frame that goes with a part.
 fn frame(device: &str, part: &str) -> String {
     format!("{device}/{part}")
-}
-
-/// Every place of every part: the states of all plans, and before each step of the board the old places once more, so that a
-/// part that rests between steps is not drawn as if it crept.
-fn moments(verified: &Verified, device: &str) -> Vec<PartsMoment> {
-    let mut moments: Vec<PartsMoment> = Vec::new();
-    for (job, plan) in bench::jobs(verified, device) {
-        let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
-        for timed in &plan.states {
-            let State::ElectrodeArray(ElectrodeArrayState { parts }) = &timed.state else { continue };
-            let parts: BTreeMap<String, ElectrodeCell> =
-                parts.iter().map(|(name, [column, row])| (name.clone(), ElectrodeCell::new(*column, *row))).collect();
-            let begins_ns = timed.t_ns.saturating_sub(order.facts.step_ns);
-            let Some(last) = moments.last() else {
-                moments.push(PartsMoment { t_ns: 0, parts });
-                continue;
-            };
-            if last.parts == parts {
-                continue;
-            }
-            if last.t_ns < begins_ns {
-                let parts = last.parts.clone();
-                moments.push(PartsMoment { t_ns: begins_ns, parts });
-            }
-            moments.push(PartsMoment { t_ns: timed.t_ns, parts });
-        }
-    }
-    moments
 }
 
 /// `/<device>/poses`: all parts that are there, in the order of their names, which the metadata list.

@@ -3,13 +3,12 @@
 //! Three topics, since a viewer that jumps in time reads the last message of each only: the scenery (`scene`), the
 //! plan (`plan`), and the electrodes that are on (`active`). The first two are repeated as points for viewers that show no scenes.
 
-use super::{frame, place};
-use crate::claims::electrode_array::{
-    ElectrodeArrayAction, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
-};
+use super::frame;
+use crate::claims::electrode_array::ElectrodeArrayOrder;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes};
+use crate::emit::course;
+use crate::emit::course::electrode_array::{asked, body, outline, place};
 use crate::emit::mcap::LogTopic;
-use crate::emit::mcap::bench;
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, cloud, rectangle};
 use crate::emit::mcap::drawing::{self, Slab, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, line_primitive};
@@ -28,9 +27,6 @@ const OBSTACLE_HEIGHT: f64 = 0.8;
 const PLAN_HEIGHT: f64 = 0.15;
 const LABEL_HEIGHT: f64 = 1.0;
 
-/// Part of an electrode's square that an obstacle on it fills.
-const OBSTACLE_PART: f64 = 0.9;
-
 /// Diameter of the mark of a stop.
 const STOP: f64 = 0.6;
 
@@ -44,7 +40,7 @@ const ACTIVE: Color = Color { r: 1.0, g: 0.95, b: 0.4, a: 1.0 };
 
 /// `/<device>/scene`, `/<device>/plan`, `/<device>/active` and the first two as points.
 pub fn topics(verified: &Verified, device: &str) -> Vec<LogTopic> {
-    let jobs: Vec<(&ElectrodeArrayOrder, &PlanRecord)> = bench::jobs(verified, device)
+    let jobs: Vec<(&ElectrodeArrayOrder, &PlanRecord)> = course::jobs(verified, device)
         .into_iter()
         .filter_map(|(job, plan)| Some((ElectrodeArrayOrder::of(&job.order)?, plan)))
         .collect();
@@ -101,12 +97,6 @@ fn scenery(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> Vec<SceneEnt
     entities
 }
 
-/// The lower and the upper corner of the board, half a pitch outside its electrodes.
-fn outline(facts: &ElectrodeArrayFacts) -> [[f64; 2]; 2] {
-    let [x, y] = place(ElectrodeCell::new(facts.columns, facts.rows));
-    [[-0.5, -0.5], [x + 0.5, y + 0.5]]
-}
-
 fn board(facts: &ElectrodeArrayFacts, device: &str, t_ns: u64) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/board"), device, t_ns);
     let [[x0, y0], [x1, y1]] = outline(facts);
@@ -125,16 +115,6 @@ fn board(facts: &ElectrodeArrayFacts, device: &str, t_ns: u64) -> SceneEntity {
     let title = format!("{device}: {} x {} electrodes, {pitch} apart", facts.columns, facts.rows);
     drawing::text(&mut entity, [(x0 + x1) / 2.0, y1 + 1.0, 0.0], title, color::LATTICE);
     entity
-}
-
-/// The corners of an obstacle's body.
-fn body(facts: &ElectrodeArrayFacts, obstacle: &ElectrodeArrayObstacle) -> [[f64; 2]; 2] {
-    let half = OBSTACLE_PART / 2.0;
-    let (low, high, half) = match obstacle.body {
-        ElectrodeArrayObstacleBody::Electrodes { from, to } => (place(from), place(to), half),
-        ElectrodeArrayObstacleBody::Fixed(cell) => (place(cell), place(cell), facts.layout.half_width_pitches),
-    };
-    [low.map(|value| value - half), high.map(|value| value + half)]
 }
 
 fn obstacles(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> SceneEntity {
@@ -179,15 +159,6 @@ fn way_lines(ways: &[(usize, Vec<ElectrodeCell>)], device: &str, t_ns: u64) -> S
         drawing::line(&mut entity, places, line_primitive::Type::LineStrip, color_of(*part));
     }
     entity
-}
-
-/// The goals of every step of a task: the part's index and the cell.
-fn asked(order: &ElectrodeArrayOrder) -> impl Iterator<Item = (usize, ElectrodeCell)> + '_ {
-    let moves = order.steps.iter().flat_map(|step| match &step.action {
-        ElectrodeArrayAction::Move(moves) => moves.as_slice(),
-        ElectrodeArrayAction::Wait(_) => &[],
-    });
-    moves.flat_map(|action| action.stops.iter().map(|stop| (action.part, stop.cell)))
 }
 
 fn stops(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> SceneEntity {

@@ -1,3 +1,4 @@
+use super::super::bench;
 use super::super::tests::device_topics;
 use super::foxglove::{FrameTransforms, SceneUpdate};
 use super::*;

@@ -3,7 +3,6 @@
 //!
 //! The part and each tip have a frame of their own that moves in the hand's.
 
-mod course;
 mod scene;
 mod solid;
 
@@ -13,9 +12,9 @@ use super::frames::{FramePlace, Mover, StandingPose};
 use super::{LogTopic, Pictures};
 use crate::claims::fingers::{FingersAction, FingersOrder};
 use crate::emit::Signals;
+use crate::emit::course::fingers::{HandCourse, HandMoment, PartPose};
 use crate::geometry::outline::Curve;
 use crate::verify::Verified;
-use course::{HandCourse, HandMoment, PartPose};
 
 /// The frame that goes with the part.
 fn part_frame(device: &str, part: &str) -> String {

@@ -3,11 +3,11 @@
 //! Three topics, since a viewer that jumps in time reads the last message of each only: the scenery (`scene`), the plan
 //! (`plan`), and the grasp of each state (`state`). The first two are repeated as points.
 
-use super::course::{HandCourse, HandPlanCourse, RecordedGrasp};
 use super::solid;
 use super::{part_frame, stand, tip_frame};
 use crate::claims::fingers::{FingersOrder, HandPart};
 use crate::device::fingers::Plane;
+use crate::emit::course::fingers::{HandCourse, HandPlanCourse, RecordedGrasp};
 use crate::emit::mcap::cloud::{SpaceStroke, space_cloud};
 use crate::emit::mcap::drawing::{self, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, Vector3, line_primitive};

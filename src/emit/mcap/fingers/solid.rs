@@ -2,15 +2,13 @@
 
 use crate::claims::fingers::{HandPart, Section};
 use crate::device::fingers::Plane;
+use crate::emit::course::fingers::corners;
 use crate::emit::mcap::drawing;
 use crate::emit::mcap::foxglove::{
     self, Color, Point3, SceneEntity, SpherePrimitive, TriangleListPrimitive, Vector3, line_primitive,
 };
-use crate::geometry::outline::{Curve, Outline};
+use crate::geometry::outline::Outline;
 use nalgebra::Point2;
-
-/// Corners of the polygon that stands for an outline.
-const CORNERS: u32 = 128;
 
 /// Colour of the translucent surface.
 const SURFACE: Color = Color { r: 0.34, g: 0.71, b: 0.91, a: 0.35 };
@@ -27,13 +25,6 @@ pub fn color_of(plane: Plane) -> Color {
 pub fn in_space(plane: Plane, [first, second]: [f64; 2]) -> [f64; 3] {
     let axes = plane.axes();
     [0, 1, 2].map(|axis| drawing::snapped(axes[0][axis] * first + axes[1][axis] * second) + 0.0)
-}
-
-/// An outline as a polygon, in section coordinates; none where it cannot be followed.
-fn corners(section: &Section) -> Vec<[f64; 2]> {
-    let Ok(curve) = Curve::of(&section.outline) else { return Vec::new() };
-    let part_um = curve.perimeter_um() / f64::from(CORNERS);
-    (0..CORNERS).map(|corner| curve.spot(f64::from(corner) * part_um).point_um).collect()
 }
 
 /// The outlines of a part in its frame, each with its plane.

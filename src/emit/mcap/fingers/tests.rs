@@ -1,6 +1,6 @@
 use super::super::tests::device_topics;
-use super::course::{HandCourse, MAX_MOMENTS};
 use super::*;
+use crate::emit::course::fingers::{HandCourse, MAX_MOMENTS};
 use crate::emit::fixture;
 use crate::emit::mcap::foxglove::SceneUpdate;
 use crate::schedule::State;

@@ -1,7 +1,6 @@
 //! Content of a log for microrobots: the bed with its obstacles, each robot with its frame, its path, its orbit, and the
 //! arms as numbers for plots. One unit of its pictures is one micrometre.
 
-mod course;
 mod scene;
 
 use super::foxglove::{self, PosesInFrame};
@@ -9,10 +8,10 @@ use super::frames::{Mover, StandingPose};
 use super::voltages::{MessageShape, encode_fields, schema};
 use super::{LogTopic, Pictures, Signals, drawing};
 use crate::claims::microrobots::MicrorobotsOrder;
+use crate::emit::course::microrobots::{BedCourse, BedMoment, goals};
 use crate::emit::identifier;
 use crate::geometry::Pose;
 use crate::verify::Verified;
-use course::{BedCourse, BedMoment};
 use std::collections::BTreeMap;
 
 /// Name of the field for the control state of the bed.
@@ -47,7 +46,7 @@ impl Pictures for MicrorobotsOrder {
 
     fn reach(&self) -> [f64; 2] {
         let starts = (0..self.robots.len()).map(|robot| (self.robots[robot].pose, orbit_um(self, robot)));
-        let goals = scene::goals(self).map(|(robot, stop)| (stop.pose, orbit_um(self, robot)));
+        let goals = goals(self).map(|(robot, stop)| (stop.pose, orbit_um(self, robot)));
         let obstacles = self.obstacles.iter().map(|obstacle| (obstacle.pose, 0.0));
         let ends =
             starts.chain(goals).chain(obstacles).map(|(pose, reach_um)| [pose.x_um - reach_um, pose.x_um + reach_um]);

@@ -3,10 +3,10 @@
 //! Three topics, since a viewer that jumps in time reads the last message of each only: the scenery (`scene`), the
 //! plan (`plan`), and the state of each leg (`state`). The first two are repeated as points.
 
-use super::course::{BedCourse, BedPlanCourse, ControlLeg, SweptDisc};
 use super::{frame, stand};
-use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop};
+use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Robot};
+use crate::emit::course::microrobots::{BedCourse, BedPlanCourse, ControlLeg, SweptDisc, goals, nose_corners};
 use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, outlines, spaced_cloud};
 use crate::emit::mcap::drawing::{self, Slab, color};
@@ -24,9 +24,6 @@ const OBSTACLE_HEIGHT_UM: f64 = 30.0;
 const ORBIT_HEIGHT_UM: f64 = 1.0;
 const PLAN_HEIGHT_UM: f64 = 2.0;
 const LABEL_HEIGHT_UM: f64 = 40.0;
-
-/// Where the nose of a robot begins, from its middle, as a part of its length.
-const NOSE_PART: f64 = 0.2;
 
 /// Greatest number of marks of arms and docked robots over all legs; beyond it only orbits are shown.
 const MAX_MARKS: usize = 50_000;
@@ -48,15 +45,6 @@ const ORBIT_ALPHA: f64 = 0.25;
 
 fn color_of(robot: usize) -> Color {
     color::in_turn(robot)
-}
-
-/// The goal poses of a task, with their robots.
-pub fn goals(order: &MicrorobotsOrder) -> impl Iterator<Item = (usize, &MicrorobotsStop)> {
-    order.steps.iter().flat_map(|step| match &step.action {
-        MicrorobotsAction::Drive { robot, stops } => stops.iter().map(|stop| (*robot, stop)).collect::<Vec<_>>(),
-        MicrorobotsAction::Assemble(docks) => docks.iter().map(|dock| (dock.robot, &dock.goal)).collect(),
-        MicrorobotsAction::Apply { .. } | MicrorobotsAction::Wait(_) => Vec::new(),
-    })
 }
 
 /// `/<device>/scene`, `/<device>/plan`, `/<device>/state` and the first two as points.
@@ -121,11 +109,6 @@ fn body(robot: &Robot, color: Color, device: &str, t_ns: u64) -> SceneEntity {
     let above = [0.0, 0.0, LABEL_HEIGHT_UM.max(width_um)];
     drawing::text(&mut entity, above, robot.name.clone(), color);
     entity
-}
-
-fn nose_corners(robot: &Robot) -> [Point2<f64>; 3] {
-    let (back_um, half_um) = (NOSE_PART * robot.length_um, robot.width_um / 2.0);
-    [Point2::new(robot.length_um / 2.0, 0.0), Point2::new(back_um, half_um), Point2::new(back_um, -half_um)]
 }
 
 /// The path of each robot that moves.

@@ -1,8 +1,8 @@
 use super::super::tests::device_topics;
-use super::course::MAX_POSES;
 use super::foxglove::{FrameTransforms, SceneUpdate};
 use super::*;
 use crate::device::microrobots::Arm;
+use crate::emit::course::microrobots::MAX_POSES;
 use crate::emit::fixture;
 use crate::emit::mcap::bench;
 use crate::schedule::State;

@@ -3,13 +3,14 @@
 //! The recorded states are the poses at the start of each leg; between them the robots follow their circles and lines while the
 //! drive train lasts, and otherwise stand still. The number of poses written is bounded for every plan.
 
-use crate::claims::microrobots::MicrorobotsOrder;
-use crate::device::microrobots::Arm;
-use crate::emit::mcap::bench;
+use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop};
+use crate::device::microrobots::{Arm, Robot};
+use crate::emit::course;
 use crate::geometry::Pose;
 use crate::schedule::microrobots::MicrorobotsState;
 use crate::schedule::{Actuation, PlanRecord, Schedule, State};
 use crate::verify::Verified;
+use nalgebra::Point2;
 use std::f64::consts::TAU;
 
 /// Greatest distance of a robot between two poses written, unless there would be too many.
@@ -23,6 +24,9 @@ pub const MAX_POSES: usize = 100_000;
 
 /// Rounding of the sum of path lengths, as a share of a turn.
 const TURN_ROUNDING: f64 = 1e-9;
+
+/// Where the nose of a robot begins, from its middle, as a part of its length.
+const NOSE_PART: f64 = 0.2;
 
 /// All that a bed does.
 pub struct BedCourse<'a> {
@@ -81,7 +85,7 @@ impl<'a> BedCourse<'a> {
     /// Motion of a device; empty for one of another kind.
     pub fn new(verified: &'a Verified, device: &str) -> Self {
         let trains = trains(verified.schedule(), device);
-        let jobs = bench::jobs(verified, device).into_iter();
+        let jobs = course::jobs(verified, device).into_iter();
         let plans = jobs.filter_map(|(job, plan)| BedPlanCourse::new(MicrorobotsOrder::of(&job.order)?, plan, &trains));
         let mut plans: Vec<BedPlanCourse> = plans.collect();
         let robots = plans.first().map_or_else(Vec::new, |plan| names(plan.order));
@@ -97,10 +101,40 @@ impl<'a> BedCourse<'a> {
         }
         BedCourse { robots, plans }
     }
+
+    /// The leg at an instant, with its plan, and the poses of the robots then. Before the first leg they stand where it begins.
+    pub fn at(&self, t_ns: u64) -> Option<(&BedPlanCourse<'a>, &ControlLeg<'a>, Vec<Pose>)> {
+        let begun = self.plans.iter().filter(|plan| plan.start_ns <= t_ns).last();
+        let plan = begun.or_else(|| self.plans.first())?;
+        let after = plan.legs.partition_point(|leg| leg.start_ns <= t_ns);
+        let leg = plan.legs.get(after.saturating_sub(1))?;
+        let share = match leg.train_ns {
+            Some([start_ns, end_ns]) if t_ns > start_ns => {
+                (t_ns.min(end_ns) - start_ns) as f64 / (end_ns - start_ns) as f64
+            }
+            Some(_) | None => 0.0,
+        };
+        Some((plan, leg, leg.poses(plan.order, share)))
+    }
 }
 
 fn names(order: &MicrorobotsOrder) -> Vec<String> {
     (0..order.robots.len()).map(|robot| order.robot(robot).name.clone()).collect()
+}
+
+/// The goal poses of a task, with their robots.
+pub fn goals(order: &MicrorobotsOrder) -> impl Iterator<Item = (usize, &MicrorobotsStop)> {
+    order.steps.iter().flat_map(|step| match &step.action {
+        MicrorobotsAction::Drive { robot, stops } => stops.iter().map(|stop| (*robot, stop)).collect::<Vec<_>>(),
+        MicrorobotsAction::Assemble(docks) => docks.iter().map(|dock| (dock.robot, &dock.goal)).collect(),
+        MicrorobotsAction::Apply { .. } | MicrorobotsAction::Wait(_) => Vec::new(),
+    })
+}
+
+/// The corners of a robot's nose in its own frame, the tip first.
+pub fn nose_corners(robot: &Robot) -> [Point2<f64>; 3] {
+    let (back_um, half_um) = (NOSE_PART * robot.length_um, robot.width_um / 2.0);
+    [Point2::new(robot.length_um / 2.0, 0.0), Point2::new(back_um, half_um), Point2::new(back_um, -half_um)]
 }
 
 /// The drive trains of a device, in order of time.

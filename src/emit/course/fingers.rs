@@ -4,10 +4,11 @@
 //! that it is rolled; between two of them it moves steadily while a holding finger does. The number of moments written is bounded
 //! for every plan.
 
-use crate::claims::fingers::FingersOrder;
+use crate::claims::fingers::{FingersOrder, Section};
 use crate::device::fingers::{AXES, Plane, finger_axis};
 use crate::emit::Signals;
-use crate::emit::mcap::bench;
+use crate::emit::course;
+use crate::geometry::outline::Curve;
 use crate::schedule::fingers::FingersState;
 use crate::schedule::{PlanRecord, State};
 use crate::verify::Verified;
@@ -18,9 +19,13 @@ const STEP_UM: f64 = 1.0;
 /// Approximate limit of moments written, besides those at which some tip changes direction.
 pub const MAX_MOMENTS: usize = 20_000;
 
+/// Corners of the polygon that stands for an outline.
+const CORNERS: u32 = 128;
+
 /// All that a hand does.
 pub struct HandCourse<'a> {
     pub fingers: usize,
+    stages: FingerChannels,
     /// In order of time.
     pub plans: Vec<HandPlanCourse<'a>>,
 }
@@ -70,7 +75,7 @@ type FingerChannels = Vec<[usize; 3]>;
 impl<'a> HandCourse<'a> {
     /// Motion of a device; empty for one of another kind.
     pub fn new(verified: &'a Verified, signals: &Signals, device: &str) -> Self {
-        let jobs = bench::jobs(verified, device).into_iter();
+        let jobs = course::jobs(verified, device).into_iter();
         let plans = jobs.filter_map(|(job, plan)| HandPlanCourse::new(FingersOrder::of(&job.order)?, plan));
         let mut plans: Vec<HandPlanCourse> = plans.collect();
         let fingers = plans.first().map_or(0, |plan| plan.order.facts.fingers as usize);
@@ -88,7 +93,16 @@ impl<'a> HandCourse<'a> {
         if let Some(first) = plans.first_mut().and_then(|plan| plan.moments.first_mut()) {
             first.t_ns = 0;
         }
-        HandCourse { fingers, plans }
+        HandCourse { fingers, stages, plans }
+    }
+
+    /// Where everything is at an instant, with the plan and the index of its grasp then.
+    pub fn at(&self, signals: &Signals, t_ns: u64) -> Option<(&HandPlanCourse<'a>, usize, HandMoment)> {
+        let begun = self.plans.iter().filter(|plan| plan.start_ns <= t_ns).last();
+        let plan = begun.or_else(|| self.plans.first()).filter(|plan| !plan.grasps.is_empty())?;
+        let after = plan.grasps.partition_point(|grasp| grasp.t_ns <= t_ns);
+        let tips_um = self.stages.iter().map(|stage| tip_um(signals, stage, t_ns)).collect();
+        Some((plan, after.saturating_sub(1), HandMoment { t_ns, part: plan.part_at(t_ns), tips_um }))
     }
 
     /// The name of the part.
@@ -219,4 +233,11 @@ fn between(one: &PartPose, other: &PartPose, share: f64) -> PartPose {
     let norm = turn.iter().map(|part| part * part).sum::<f64>().sqrt();
     let orientation = if norm > 0.0 { turn.map(|part| part / norm) } else { one.orientation };
     PartPose { position_um: [x, y, z], orientation }
+}
+
+/// An outline as a polygon, in section coordinates; none where it cannot be followed.
+pub fn corners(section: &Section) -> Vec<[f64; 2]> {
+    let Ok(curve) = Curve::of(&section.outline) else { return Vec::new() };
+    let part_um = curve.perimeter_um() / f64::from(CORNERS);
+    (0..CORNERS).map(|corner| curve.spot(f64::from(corner) * part_um).point_um).collect()
 }

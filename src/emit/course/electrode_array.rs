@@ -1,0 +1,80 @@
+//! Motion of the parts of an electrode array, and the board, obstacles and goals of its tasks.
+//!
+//! One unit is one pitch of the board; electrode (1, 1) is the origin.
+
+use crate::claims::electrode_array::{
+    ElectrodeArrayAction, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
+};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
+use crate::emit::course;
+use crate::schedule::State;
+use crate::schedule::electrode_array::ElectrodeArrayState;
+use crate::verify::Verified;
+use std::collections::BTreeMap;
+
+/// Part of an electrode's square that an obstacle on it fills.
+const OBSTACLE_PART: f64 = 0.9;
+
+/// The middle of an electrode in a picture.
+pub fn place(cell: ElectrodeCell) -> [f64; 2] {
+    [f64::from(cell.column) - 1.0, f64::from(cell.row) - 1.0]
+}
+
+/// Where the parts of a board are, from an instant on.
+pub struct PartsMoment {
+    pub t_ns: u64,
+    pub parts: BTreeMap<String, ElectrodeCell>,
+}
+
+/// Every place of every part: the states of all plans, and before each step of the board the old places once more, so that a
+/// part that rests between steps is not drawn as if it crept.
+pub fn moments(verified: &Verified, device: &str) -> Vec<PartsMoment> {
+    let mut moments: Vec<PartsMoment> = Vec::new();
+    for (job, plan) in course::jobs(verified, device) {
+        let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
+        for timed in &plan.states {
+            let State::ElectrodeArray(ElectrodeArrayState { parts }) = &timed.state else { continue };
+            let parts: BTreeMap<String, ElectrodeCell> =
+                parts.iter().map(|(name, [column, row])| (name.clone(), ElectrodeCell::new(*column, *row))).collect();
+            let begins_ns = timed.t_ns.saturating_sub(order.facts.step_ns);
+            let Some(last) = moments.last() else {
+                moments.push(PartsMoment { t_ns: 0, parts });
+                continue;
+            };
+            if last.parts == parts {
+                continue;
+            }
+            if last.t_ns < begins_ns {
+                let parts = last.parts.clone();
+                moments.push(PartsMoment { t_ns: begins_ns, parts });
+            }
+            moments.push(PartsMoment { t_ns: timed.t_ns, parts });
+        }
+    }
+    moments
+}
+
+/// The lower and the upper corner of the board, half a pitch outside its electrodes.
+pub fn outline(facts: &ElectrodeArrayFacts) -> [[f64; 2]; 2] {
+    let [x, y] = place(ElectrodeCell::new(facts.columns, facts.rows));
+    [[-0.5, -0.5], [x + 0.5, y + 0.5]]
+}
+
+/// The corners of an obstacle's body.
+pub fn body(facts: &ElectrodeArrayFacts, obstacle: &ElectrodeArrayObstacle) -> [[f64; 2]; 2] {
+    let half = OBSTACLE_PART / 2.0;
+    let (low, high, half) = match obstacle.body {
+        ElectrodeArrayObstacleBody::Electrodes { from, to } => (place(from), place(to), half),
+        ElectrodeArrayObstacleBody::Fixed(cell) => (place(cell), place(cell), facts.layout.half_width_pitches),
+    };
+    [low.map(|value| value - half), high.map(|value| value + half)]
+}
+
+/// The goals of every step of a task: the part's index and the cell.
+pub fn asked(order: &ElectrodeArrayOrder) -> impl Iterator<Item = (usize, ElectrodeCell)> + '_ {
+    let moves = order.steps.iter().flat_map(|step| match &step.action {
+        ElectrodeArrayAction::Move(moves) => moves.as_slice(),
+        ElectrodeArrayAction::Wait(_) => &[],
+    });
+    moves.flat_map(|action| action.stops.iter().map(|stop| (action.part, stop.cell)))
+}

@@ -1,0 +1,407 @@
+//! Pictures of DiMiBots: lattice, obstacles with their growth, the path of the tip with its stops, and the modules.
+//!
+//! Robots that share a scene are drawn in one panel, in the scene's coordinates.
+
+use super::drawing::{
+    Anchor, Drawing, HAIR_PT, Ink, Letters, PaperBox, PaperView, PlacedLabel, TEXT_PT, THIN_PT, WAY_PT, color, decimal,
+};
+use super::legend::{KeyForm, PanelKey};
+use super::scenery::{self, simplified};
+use super::strobe::{MAX_NUMBERS, MAX_STROBES, StrobedPlace, Strobes};
+use super::{Panel, Pictured, Subject};
+use crate::claims::dimibot::{DimibotObstacle, DimibotObstacleBody, DimibotOrder};
+use crate::device::dimibot::{LatticeCell, Side};
+use crate::emit::course::dimibot::{extent_um, jobs, last_cell, place, poses, stops, tiles_um};
+use crate::geometry::Shape;
+use crate::schedule::dimibot::DimibotState;
+use crate::schedule::{PlanRecord, State};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Least distance of lattice points on paper; of a finer lattice only every second, fourth ... is drawn.
+const LATTICE_PT: f64 = 3.0;
+
+/// Greatest number of stops that are marked.
+const MAX_STOPS: usize = 200;
+
+/// Widest square of a module.
+const MODULE_PT: f64 = 9.0;
+
+/// Narrowest square of a module with a digit in it.
+const DIGIT_PT: f64 = 6.5;
+
+/// One robot with all that it does.
+struct LatticeRobot<'a> {
+    device: &'a str,
+    jobs: Vec<(&'a DimibotOrder, &'a PlanRecord)>,
+    /// In its own frame.
+    poses: Vec<(u64, [f64; 3])>,
+    color: &'static str,
+    /// Whether another robot is drawn in the same panel.
+    has_company: bool,
+}
+
+struct LatticePanel<'a> {
+    robots: Vec<LatticeRobot<'a>>,
+    moment_ns: Option<u64>,
+    strobes: Strobes,
+    subject: Subject<'a>,
+}
+
+impl Pictured for DimibotOrder {
+    fn panels<'a>(&'a self, subject: Subject<'a>) -> Vec<Box<dyn Panel + 'a>> {
+        let devices = company(subject);
+        if devices.first() != Some(&subject.device) {
+            return Vec::new();
+        }
+        let robot = |(index, device): (usize, &&'a str)| LatticeRobot {
+            device,
+            jobs: jobs(subject.verified, device),
+            poses: poses(subject.verified, subject.signals, device),
+            color: color::in_turn(index),
+            has_company: devices.len() > 1,
+        };
+        let robots: Vec<LatticeRobot> = devices.iter().enumerate().map(robot).collect();
+        let strobes = strobes(&robots);
+        vec![Box::new(LatticePanel { robots, moment_ns: subject.moment_ns, strobes, subject })]
+    }
+}
+
+/// The devices that share a scene with one, that one among them, in the order of their first jobs.
+fn company(subject: Subject<'_>) -> Vec<&str> {
+    let claims = subject.verified.claims();
+    let Some(scene) = claims.shared.iter().find(|scene| scene.frames.contains_key(subject.device)) else {
+        return vec![subject.device];
+    };
+    let mut devices: Vec<&str> = Vec::new();
+    for job in &claims.jobs {
+        if scene.frames.contains_key(&job.device) && !devices.contains(&job.device.as_str()) {
+            devices.push(&job.device);
+        }
+    }
+    devices
+}
+
+/// The instants of all states, with those at which a tip is at a stop.
+fn strobes(robots: &[LatticeRobot]) -> Strobes {
+    let (mut all, mut stopped) = (BTreeSet::new(), BTreeSet::new());
+    for (order, plan) in robots.iter().flat_map(|robot| &robot.jobs) {
+        let cells: BTreeSet<[u32; 2]> = stops(order).into_iter().map(LatticeCell::pair).collect();
+        let mut last = None;
+        for timed in &plan.states {
+            let State::Dimibot(DimibotState { cell, .. }) = timed.state else { continue };
+            if last != Some(cell) || all.is_empty() {
+                all.insert(timed.t_ns);
+                stopped.extend(cells.contains(&cell).then_some(timed.t_ns));
+            }
+            last = Some(cell);
+        }
+    }
+    Strobes::chosen(&all, &stopped, (MAX_NUMBERS / robots.len().max(1)).min(MAX_STROBES))
+}
+
+impl LatticeRobot<'_> {
+    fn order(&self) -> Option<&DimibotOrder> {
+        self.jobs.first().map(|(order, _)| *order)
+    }
+
+    /// ` of left`, where it needs to be said.
+    fn of(&self) -> String {
+        if self.has_company { format!(" of {}", self.device) } else { String::new() }
+    }
+
+    /// A place of its own frame in the scene.
+    fn in_scene(&self, own_um: [f64; 2]) -> [f64; 2] {
+        self.order().map_or(own_um, |order| order.in_scene_um(own_um))
+    }
+
+    /// The tip in its own frame; within a pulse on its way from one place to the next.
+    fn tip_um(&self, t_ns: u64) -> Option<[f64; 2]> {
+        scenery::between(&self.poses, t_ns, |[x, y, _]| [*x, *y])
+    }
+
+    /// The places of its states until an instant or from it on, in the scene.
+    fn way(&self, is_meant: impl Fn(u64) -> bool) -> Vec<[f64; 2]> {
+        let states = self.jobs.iter().flat_map(|(_, plan)| &plan.states).filter(|timed| is_meant(timed.t_ns));
+        let places = states.map(|timed| {
+            let [x, y, _] = place(timed);
+            self.in_scene([x, y])
+        });
+        simplified(places)
+    }
+
+    /// The word of its modules at an instant, or at the end.
+    fn word(&self, moment_ns: Option<u64>) -> u64 {
+        let states = self.jobs.iter().flat_map(|(_, plan)| &plan.states);
+        let by_then = states.clone().filter(|timed| moment_ns.is_none_or(|t_ns| timed.t_ns <= t_ns)).last();
+        match by_then.or_else(|| states.clone().next()).map(|timed| &timed.state) {
+            Some(State::Dimibot(DimibotState { word, .. })) => *word,
+            Some(State::ElectrodeArray(_) | State::Microrobots(_) | State::Fingers(_)) | None => 0,
+        }
+    }
+}
+
+impl Panel for LatticePanel<'_> {
+    fn title(&self) -> String {
+        let one = |robot: &LatticeRobot| {
+            let facts = robot.order().map(|order| &order.facts)?;
+            let cells = Side::BOTH.map(|side| facts.cells(side));
+            Some(format!("{}: {} × {} cells", robot.device, cells[0], cells[1]))
+        };
+        self.robots.iter().filter_map(one).collect::<Vec<_>>().join(", ")
+    }
+
+    fn extent(&self) -> [[f64; 2]; 2] {
+        let corners = self.robots.iter().filter_map(|robot| {
+            let order = robot.order()?;
+            let ([x0, y0], [x1, y1]) = tiles_um(&order.facts, LatticeCell::default(), last_cell(&order.facts));
+            Some([[x0, y0], [x1, y0], [x0, y1], [x1, y1]].map(|corner| robot.in_scene(corner)))
+        });
+        let tips = self.robots.iter().filter_map(|robot| robot.order()).map(|order| order.facts.tip_radius_um);
+        scenery::about(corners.flatten(), tips.fold(0.0, f64::max))
+    }
+
+    fn draw(&self, view: &PaperView, to: &mut Drawing) -> PanelKey {
+        let mut key = PanelKey::default();
+        self.robots.iter().for_each(|robot| draw_lattice(robot, view, to, &mut key));
+        draw_obstacles(&self.robots, view, to, &mut key);
+        for robot in &self.robots {
+            match self.moment_ns {
+                Some(t_ns) => draw_moment(robot, t_ns, view, to, &mut key),
+                None => draw_strobes(robot, &self.strobes, view, to, &mut key),
+            }
+        }
+        if self.moment_ns.is_none() {
+            key.under.push(self.strobes.times());
+            key.under.extend(self.strobes.note.clone());
+        }
+        key
+    }
+
+    fn draw_foot(&self, room: PaperBox, top_pt: f64, to: &mut Drawing) -> f64 {
+        let mut top_pt = top_pt;
+        for robot in &self.robots {
+            draw_modules(robot, self, PaperBox { top: top_pt, ..room }, to);
+            top_pt += MODULE_PT + 3.0;
+        }
+        top_pt
+    }
+}
+
+fn draw_lattice(robot: &LatticeRobot, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+    let Some(order) = robot.order() else { return };
+    let facts = &order.facts;
+    let [x, y] = extent_um(facts);
+    let corners = [[0.0, 0.0], [x, 0.0], [x, y], [0.0, y]].map(|corner| robot.in_scene(corner));
+    to.shape(&view.all(corners), Ink::line(color::FAINT, HAIR_PT), &[]);
+    let strides = Side::BOTH.map(|side| {
+        let apart_pt = facts.pitch_um(side) * view.scale;
+        let wanted = (LATTICE_PT / apart_pt.max(f64::MIN_POSITIVE)).max(1.0);
+        (0..u32::BITS - 1).map(|bit| 1u32 << bit).find(|stride| f64::from(*stride) >= wanted).unwrap_or(1 << 30)
+    });
+    let columns = (0..facts.cells(Side::Left)).step_by(strides[0] as usize);
+    let places = columns.flat_map(|x| {
+        let rows = (0..facts.cells(Side::Right)).step_by(strides[1] as usize);
+        rows.map(move |y| LatticeCell { x, y })
+    });
+    to.dots(places.map(|cell| view.at(robot.in_scene(facts.place_um(cell)))), 0.9, color::DOTS);
+    let each =
+        |stride: u32| if stride == 1 { "each".to_owned() } else { format!("every {}", scenery::ordinal(stride)) };
+    let text = match strides {
+        [1, 1] => "lattice cell".to_owned(),
+        [x, y] => format!("lattice cell, {} along x, {} along y", each(x), each(y)),
+    };
+    key.add(KeyForm::Disc, Ink::filled(color::DOTS), text);
+}
+
+fn draw_obstacles(robots: &[LatticeRobot], view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+    // Obstacles of a shared scene are every robot's: each is drawn once, with the largest growth.
+    let mut obstacles: BTreeMap<&str, Vec<(&DimibotObstacle, &DimibotOrder)>> = BTreeMap::new();
+    let mut growth_um: f64 = 0.0;
+    for (order, _) in robots.iter().flat_map(|robot| &robot.jobs) {
+        growth_um = growth_um.max(order.facts.growth_um());
+        for obstacle in order.obstacles.iter() {
+            let known = obstacles.entry(&obstacle.name).or_default();
+            if !known.iter().any(|(other, _)| other.body == obstacle.body) {
+                known.push((obstacle, order));
+            }
+        }
+    }
+    let all: Vec<(&DimibotObstacle, &DimibotOrder)> = obstacles.into_values().flatten().collect();
+    if all.is_empty() {
+        return;
+    }
+    let drawn = &all[..all.len().min(scenery::MAX_OBSTACLES)];
+    let solids: Vec<(&Shape, &crate::geometry::Pose)> = drawn
+        .iter()
+        .filter_map(|(obstacle, _)| match &obstacle.body {
+            DimibotObstacleBody::Solid { shape, pose } => Some((shape, pose)),
+            DimibotObstacleBody::Cells { .. } => None,
+        })
+        .collect();
+    for (grown_um, color) in [(growth_um, color::GROWN), (0.0, color::OBSTACLE)] {
+        solids.iter().for_each(|(shape, pose)| scenery::solid(shape, pose, grown_um, color, view, to));
+    }
+    for (obstacle, order) in drawn {
+        let at = match &obstacle.body {
+            DimibotObstacleBody::Solid { shape, pose } => scenery::middle(shape, pose),
+            DimibotObstacleBody::Cells { from, to: last } => {
+                let ([x0, y0], [x1, y1]) = tiles_um(&order.facts, *from, *last);
+                let corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(|corner| order.in_scene_um(corner));
+                to.shape(&view.all(corners), Ink::filled(color::OBSTACLE), &[]);
+                order.in_scene_um([(x0 + x1) / 2.0, (y0 + y1) / 2.0])
+            }
+        };
+        if all.len() <= scenery::MAX_NAMES {
+            to.label(scenery::name(&obstacle.name, view.at(at)));
+        }
+    }
+    key.add(KeyForm::Box, Ink::filled(color::OBSTACLE), scenery::obstacles_text(all.len(), drawn.len()));
+    if !solids.is_empty() {
+        key.add(KeyForm::Box, Ink::filled(color::GROWN), "kept free for tip radius and repeatability");
+    }
+}
+
+/// Rings about the stops, with their cells.
+fn draw_stops(
+    robot: &LatticeRobot,
+    named: &BTreeMap<[u32; 2], String>,
+    view: &PaperView,
+    to: &mut Drawing,
+    key: &mut PanelKey,
+) {
+    let mut met = BTreeSet::new();
+    for (order, _) in &robot.jobs {
+        for cell in stops(order).into_iter().filter(|cell| met.insert(cell.pair())).take(MAX_STOPS) {
+            let at = view.at(robot.in_scene(order.facts.place_um(cell)));
+            to.disc(at, 4.0, Ink::line(color::STOP, 1.0), &[("stop", format!("{} {}", cell.x, cell.y))]);
+            to.mark(PaperBox::about(at, 4.0));
+            let text = match named.get(&cell.pair()) {
+                Some(numbers) => format!("{numbers} {cell}"),
+                None => cell.to_string(),
+            };
+            let letters = Letters::SMALL.bold().colored(color::STOP);
+            to.label(PlacedLabel { text, letters, at, radius_pt: 4.0, may_cover: false });
+        }
+    }
+    if !met.is_empty() {
+        key.add(KeyForm::Disc, Ink::line(color::STOP, 1.0), "stop, with its cell");
+    }
+}
+
+fn draw_strobes(robot: &LatticeRobot, strobes: &Strobes, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+    let Some(order) = robot.order() else { return };
+    let way = scenery::thinned(&robot.way(|_| true));
+    to.line(&view.all(way.points), Ink::line(robot.color, WAY_PT), &[]);
+    key.add(
+        KeyForm::Line,
+        Ink::line(robot.color, WAY_PT),
+        format!("path of the tip{}, from state to state{}", robot.of(), way.remark),
+    );
+    let places = StrobedPlace::all(strobes, |t_ns| robot.tip_um(t_ns));
+    let cell = |place: &StrobedPlace| order.facts.nearest_cell(place.place).map(LatticeCell::pair);
+    let stops: BTreeSet<[u32; 2]> =
+        robot.jobs.iter().flat_map(|(order, _)| stops(order)).map(LatticeCell::pair).collect();
+    let mut named = BTreeMap::new();
+    let mut passed = Vec::new();
+    for place in &places {
+        let at = view.at(robot.in_scene(place.place));
+        let ink = Ink::filled(robot.color).edged(color::INK, HAIR_PT);
+        let tip = order.facts.tip_radius_um * view.scale;
+        to.disc(at, tip.clamp(1.8, 6.0), ink, &facts(robot, place));
+        to.mark(PaperBox::about(at, 2.0));
+        match cell(place).filter(|cell| stops.contains(cell)) {
+            Some(cell) => drop(named.insert(cell, place.numbers())),
+            None => passed.push((place, at)),
+        }
+    }
+    draw_stops(robot, &named, view, to, key);
+    for (at, numbers) in StrobedPlace::clustered(passed) {
+        to.label(scenery::numbers(&numbers, at, 2.0));
+    }
+    let ink = Ink::filled(robot.color).edged(color::INK, HAIR_PT);
+    key.add(KeyForm::Disc, ink, format!("tip{}, numbered", robot.of()));
+}
+
+/// What a drawn tip stands for, in the robot's own frame as in the schedule.
+fn facts<'f>(robot: &LatticeRobot, place: &StrobedPlace) -> Vec<(&'f str, String)> {
+    let [x, y] = place.place;
+    let mut facts = vec![("device", robot.device.to_owned()), ("t-ns", place.instants())];
+    facts.extend([("x-um", decimal(x, 6)), ("y-um", decimal(y, 6))]);
+    if let Some(frame) = robot.order().and_then(|order| order.frame) {
+        facts.push(("frame", format!("{} {} {}", frame.x_um, frame.y_um, decimal(frame.heading_rad, 12))));
+    }
+    facts
+}
+
+fn draw_moment(robot: &LatticeRobot, t_ns: u64, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+    let (Some(order), Some(tip_um)) = (robot.order(), robot.tip_um(t_ns)) else { return };
+    let here = robot.in_scene(tip_um);
+    let mut behind = robot.way(|other_ns| other_ns <= t_ns);
+    behind.push(here);
+    let ahead: Vec<[f64; 2]> = std::iter::once(here).chain(robot.way(|other_ns| other_ns > t_ns)).collect();
+    let (behind, ahead) = (scenery::thinned(&behind), scenery::thinned(&ahead));
+    to.line(&view.all(ahead.points), Ink::line(color::AHEAD, THIN_PT).dashed("2 2"), &[]);
+    to.line(&view.all(behind.points), Ink::line(robot.color, WAY_PT), &[]);
+    let at = view.at(here);
+    let tip_pt = (order.facts.tip_radius_um * view.scale).clamp(2.4, 8.0);
+    let place = StrobedPlace { place: tip_um, strobes: vec![(1, t_ns)] };
+    to.disc(at, tip_pt, Ink::filled(robot.color).edged(color::INK, THIN_PT), &facts(robot, &place));
+    to.mark(PaperBox::about(at, tip_pt));
+    draw_stops(robot, &BTreeMap::new(), view, to, key);
+    key.add(KeyForm::Disc, Ink::filled(robot.color).edged(color::INK, THIN_PT), format!("tip{}", robot.of()));
+    key.add(KeyForm::Line, Ink::line(robot.color, WAY_PT), format!("where it was{}", behind.remark));
+    key.add(KeyForm::Line, Ink::line(color::AHEAD, THIN_PT).dashed("2 2"), format!("where it will be{}", ahead.remark));
+}
+
+/// The modules as squares, the top one first: full at 1; at an instant those that are being switched are lit.
+fn draw_modules(robot: &LatticeRobot, panel: &LatticePanel, room: PaperBox, to: &mut Drawing) {
+    let Some(order) = robot.order() else { return };
+    let facts = &order.facts;
+    let word = robot.word(panel.moment_ns);
+    let lit = panel.moment_ns.map_or_else(BTreeSet::new, |t_ns| pulsed(panel.subject, robot.device, t_ns));
+    let when = if panel.moment_ns.is_some() { "now" } else { "at the end" };
+    let text = match panel.robots.len() {
+        1 => format!("modules {when}"),
+        _ => format!("modules of {} {when}", robot.device),
+    };
+    let base = room.top + TEXT_PT;
+    to.text([room.left, base], &text, Letters::SMALL.colored(color::SOFT));
+    let mut left = room.left + Letters::SMALL.width_pt(&text) + 6.0;
+    let count = f64::from(facts.left + facts.right);
+    let size_pt = ((room.right - left - 34.0) / count).clamp(1.5, MODULE_PT);
+    for (side, name, shift) in [(Side::Left, "bl", facts.right), (Side::Right, "br", 0)] {
+        to.text([left, base], name, Letters::SMALL);
+        left += Letters::SMALL.width_pt(name) + 2.0;
+        for module in (0..facts.modules(side)).rev() {
+            let is_set = (word >> (shift + module)) & 1 == 1;
+            let is_lit = lit.contains(&format!("{name}{module}"));
+            let fill = match (is_lit, is_set) {
+                (true, _) => color::LIT,
+                (false, true) => robot.color,
+                (false, false) => color::PANEL,
+            };
+            let square =
+                PaperBox { left, right: left + size_pt - 1.0, top: room.top, bottom: room.top + MODULE_PT - 0.5 };
+            let facts =
+                [("module", format!("{}.{name}{module}", robot.device)), ("state", u8::from(is_set).to_string())];
+            to.rect(square, Ink::filled(fill).edged(color::SOFT, HAIR_PT), &facts);
+            if size_pt >= DIGIT_PT {
+                let [x, _] = square.middle();
+                let letters = Letters::SMALL.anchored(Anchor::Middle);
+                to.text([x, base - 0.2], if is_set { "1" } else { "0" }, letters);
+            }
+            left += size_pt;
+        }
+        left += 6.0;
+    }
+}
+
+/// The modules of a device that are being switched at an instant: `bl3`.
+fn pulsed(subject: Subject, device: &str, t_ns: u64) -> BTreeSet<String> {
+    let channels = subject.signals.schedule.channels.iter().enumerate().filter(|(_, channel)| channel.device == device);
+    let on = channels.filter(|(index, _)| subject.signals.value(*index, t_ns) != 0.0);
+    on.filter_map(|(_, channel)| {
+        Some(channel.name.strip_prefix(device)?.strip_prefix('.')?.split('.').next()?.to_owned())
+    })
+    .collect()
+}

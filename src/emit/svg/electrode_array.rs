@@ -1,0 +1,329 @@
+//! Pictures of electrode arrays: the board with its obstacles, the parts at their start and end, and their routes.
+
+use super::drawing::{
+    Drawing, HAIR_PT, Ink, Letters, PaperBox, PaperView, PlacedLabel, THIN_PT, WAY_PT, color, decimal,
+};
+use super::legend::{KeyForm, PanelKey};
+use super::scenery::{self, simplified};
+use super::strobe::{MAX_NUMBERS, MAX_STROBES, StrobedPlace, Strobes, length, ranges};
+use super::{Panel, Pictured, Subject};
+use crate::claims::electrode_array::{ElectrodeArrayObstacle, ElectrodeArrayOrder};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes};
+use crate::emit::course;
+use crate::emit::course::electrode_array::{PartsMoment, asked, body, moments, outline, place};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Least distance of electrodes on paper; of a finer board only the outline is drawn.
+const ELECTRODE_PT: f64 = 2.0;
+
+/// Greatest number of corners of all routes.
+const MAX_ROUTE_CORNERS: usize = 20_000;
+
+struct BoardPanel<'a> {
+    subject: Subject<'a>,
+    orders: Vec<&'a ElectrodeArrayOrder>,
+    moments: Vec<PartsMoment>,
+    /// The names of all parts, in the order of writing.
+    parts: Vec<&'a str>,
+    strobes: Strobes,
+    /// Whether positions between start and end are numbered.
+    has_numbers: bool,
+}
+
+impl Pictured for ElectrodeArrayOrder {
+    fn panels<'a>(&'a self, subject: Subject<'a>) -> Vec<Box<dyn Panel + 'a>> {
+        let jobs = course::jobs(subject.verified, subject.device).into_iter();
+        let orders: Vec<&ElectrodeArrayOrder> =
+            jobs.filter_map(|(job, _)| ElectrodeArrayOrder::of(&job.order)).collect();
+        let moments = moments(subject.verified, subject.device);
+        let parts: Vec<&str> = self.parts.iter().map(|part| part.name.as_str()).collect();
+        let moving = parts.iter().filter(|part| way(&moments, part).len() > 1).count();
+        let most = MAX_NUMBERS / moving.max(1);
+        let strobes = strobes(&orders, &moments, &parts, most.min(MAX_STROBES));
+        vec![Box::new(BoardPanel { subject, orders, moments, parts, strobes, has_numbers: most > 2 })]
+    }
+}
+
+/// The places of a part, one after the other.
+fn way(moments: &[PartsMoment], part: &str) -> Vec<[f64; 2]> {
+    simplified(moments.iter().filter_map(|moment| moment.parts.get(part)).map(|cell| place(*cell)))
+}
+
+/// The instants at which a part has come to another cell, with those at which one comes to a stop.
+fn strobes(orders: &[&ElectrodeArrayOrder], moments: &[PartsMoment], parts: &[&str], most: usize) -> Strobes {
+    let mut all: BTreeSet<u64> = moments.first().map(|moment| moment.t_ns).into_iter().collect();
+    for pair in moments.windows(2).filter(|pair| pair[0].parts != pair[1].parts) {
+        all.insert(pair[1].t_ns);
+    }
+    let goals: BTreeSet<(&str, ElectrodeCell)> = orders
+        .iter()
+        .flat_map(|order| asked(order))
+        .filter_map(|(part, cell)| Some((*parts.get(part)?, cell)))
+        .collect();
+    let arrived = |(part, cell): &(&str, ElectrodeCell)| {
+        moments.iter().find(|moment| moment.parts.get(*part) == Some(cell)).map(|moment| moment.t_ns)
+    };
+    let stops: BTreeSet<u64> = goals.iter().filter_map(arrived).collect();
+    Strobes::chosen(&all, &stops, most)
+}
+
+impl BoardPanel<'_> {
+    fn facts(&self) -> &ElectrodeArrayFacts {
+        &self.orders[0].facts
+    }
+
+    fn place(&self, part: &str, t_ns: u64) -> Option<[f64; 2]> {
+        let after = self.moments.partition_point(|moment| moment.t_ns <= t_ns);
+        let here = self.moments.get(after.saturating_sub(1))?;
+        let cell = *here.parts.get(part)?;
+        let next = self.moments.get(after).filter(|_| after > 0);
+        // A part that is gone in the next state has merged; it stays where it was until then.
+        let to = next.and_then(|next| next.parts.get(part)).copied().unwrap_or(cell);
+        let places = [(here.t_ns, place(cell)), (next.map_or(u64::MAX, |next| next.t_ns), place(to))];
+        scenery::between(&places, t_ns, |place| *place)
+    }
+
+    /// The outline of a part at a place.
+    fn shape(&self, at: [f64; 2], view: &PaperView, ink: Ink, facts: &[(&str, String)], to: &mut Drawing) {
+        let layout = &self.facts().layout;
+        let half_pt = layout.half_width_pitches * view.scale;
+        let at = view.at(at);
+        match layout.electrodes {
+            Electrodes::Quad => to.rect(PaperBox::about(at, half_pt), ink, facts),
+            Electrodes::Single => to.disc(at, half_pt, ink, facts),
+        }
+    }
+
+    /// The name of a part with its numbers there, if there are few parts or it fits into the part.
+    fn name(&self, text: String, at: [f64; 2], to: &mut Drawing, view: &PaperView) {
+        let radius_pt = self.facts().layout.half_width_pitches * view.scale;
+        let letters = Letters::SMALL.bold();
+        let may_cover = letters.width_pt(&text) < 2.0 * radius_pt;
+        if may_cover || self.parts.len() <= scenery::MAX_NAMES {
+            to.label(PlacedLabel { text, letters, at, radius_pt, may_cover });
+        }
+    }
+
+    fn facts_of<'f>(&self, part: &str, place: &StrobedPlace) -> Vec<(&'f str, String)> {
+        let [column, row] = place.place.map(|value| decimal(value + 1.0, 6));
+        let device = self.subject.device.to_owned();
+        vec![
+            ("device", device),
+            ("part", part.to_owned()),
+            ("t-ns", place.instants()),
+            ("column", column),
+            ("row", row),
+        ]
+    }
+}
+
+impl Panel for BoardPanel<'_> {
+    fn title(&self) -> String {
+        let facts = self.facts();
+        let pitch = length(facts.pitch_um());
+        format!("{}: {} × {} electrodes, {pitch} apart", self.subject.device, facts.columns, facts.rows)
+    }
+
+    fn extent(&self) -> [[f64; 2]; 2] {
+        // A part in the corner may reach beyond the board.
+        let beyond = (self.facts().layout.half_width_pitches - 0.5).max(0.0);
+        scenery::about(outline(self.facts()), beyond)
+    }
+
+    fn unit_um(&self) -> f64 {
+        self.facts().pitch_um()
+    }
+
+    fn draw(&self, view: &PaperView, to: &mut Drawing) -> PanelKey {
+        let mut key = PanelKey::default();
+        draw_board(self, view, to, &mut key);
+        draw_obstacles(self, view, to, &mut key);
+        match self.subject.moment_ns {
+            Some(t_ns) => draw_moment(self, t_ns, view, to, &mut key),
+            None => draw_strobes(self, view, to, &mut key),
+        }
+        key
+    }
+}
+
+fn draw_board(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+    let facts = panel.facts();
+    let [[x0, y0], [x1, y1]] = outline(facts);
+    let [low, high] = [view.at([x0, y0]), view.at([x1, y1])];
+    let room = PaperBox { left: low[0], top: high[1], right: high[0], bottom: low[1] };
+    to.rect(room, Ink::filled(color::BOARD).edged(color::FAINT, HAIR_PT), &[]);
+    let diameter_pt = 2.0 * facts.radius_um / facts.pitch_um() * view.scale;
+    if view.scale >= ELECTRODE_PT {
+        let cells =
+            (1..=facts.columns).flat_map(|column| (1..=facts.rows).map(move |row| ElectrodeCell { column, row }));
+        to.dots(cells.map(|cell| view.at(place(cell))), diameter_pt, color::ELECTRODE);
+        key.add(KeyForm::Disc, Ink::filled(color::ELECTRODE), "electrode");
+    } else {
+        key.notes.push(format!(
+            "the {} × {} electrodes of {} are not drawn",
+            facts.columns, facts.rows, panel.subject.device
+        ));
+    }
+    let Some(t_ns) = panel.subject.moment_ns else { return };
+    let signals = panel.subject.signals;
+    let device = panel.subject.device;
+    let of_device = signals.schedule.channels.iter().enumerate().filter(|(_, channel)| channel.device == device);
+    let on = of_device.filter(|(index, _)| signals.value(*index, t_ns) != 0.0);
+    let cells = on.filter_map(|(_, channel)| facts.electrode(channel.name.strip_prefix(device)?.strip_prefix('.')?));
+    let ink = Ink::filled(color::LIVE).edged(color::LIVE_EDGE, HAIR_PT);
+    for cell in cells {
+        to.disc(
+            view.at(place(cell)),
+            (diameter_pt / 2.0).max(0.8),
+            ink,
+            &[("on", format!("{} {}", cell.column, cell.row))],
+        );
+    }
+    key.add(KeyForm::Disc, ink, "electrode that is on");
+}
+
+fn draw_obstacles(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+    let mut all: Vec<&ElectrodeArrayObstacle> = Vec::new();
+    let mut known = BTreeSet::new();
+    for obstacle in panel.orders.iter().flat_map(|order| order.obstacles.iter()) {
+        if known.insert((&obstacle.name, format!("{:?}", obstacle.body))) {
+            all.push(obstacle);
+        }
+    }
+    let drawn = &all[..all.len().min(scenery::MAX_OBSTACLES)];
+    for obstacle in drawn {
+        let [[x0, y0], [x1, y1]] = body(panel.facts(), obstacle);
+        let [low, high] = [view.at([x0, y0]), view.at([x1, y1])];
+        let room = PaperBox { left: low[0], top: high[1], right: high[0], bottom: low[1] };
+        to.rect(room, Ink::filled(color::OBSTACLE), &[]);
+        if all.len() <= scenery::MAX_NAMES {
+            to.label(scenery::name(&obstacle.name, room.middle()));
+        }
+    }
+    if !all.is_empty() {
+        key.add(KeyForm::Box, Ink::filled(color::OBSTACLE), scenery::obstacles_text(all.len(), drawn.len()));
+    }
+}
+
+/// Marks of the goals of all steps.
+fn draw_goals(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+    let goals: BTreeSet<(usize, ElectrodeCell)> = panel.orders.iter().flat_map(|order| asked(order)).collect();
+    for (part, cell) in &goals {
+        let ink = Ink::line(color::in_turn(*part), 1.0).dashed("2 1.5");
+        to.rect(
+            PaperBox::about(view.at(place(*cell)), 0.5 * view.scale),
+            ink,
+            &[("stop", format!("{} {}", cell.column, cell.row))],
+        );
+    }
+    if !goals.is_empty() {
+        key.add(KeyForm::Box, Ink::line(color::SOFT, 1.0).dashed("2 1.5"), "stop or goal");
+    }
+}
+
+fn draw_strobes(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+    let ways: Vec<Vec<[f64; 2]>> = panel.parts.iter().map(|part| way(&panel.moments, part)).collect();
+    let corners: usize = ways.iter().map(Vec::len).sum();
+    let (Some(first), Some(last)) = (panel.strobes.instants.first(), panel.strobes.instants.last()) else { return };
+    for (index, (part, _)) in panel.parts.iter().zip(&ways).enumerate().filter(|(_, (_, way))| way.len() > 1) {
+        let ink = Ink::filled(color::PAPER).edged(color::in_turn(index), THIN_PT);
+        if let Some(start) = panel.place(part, *first) {
+            panel.shape(start, view, ink, &[("start", (*part).to_owned())], to);
+        }
+    }
+    for (index, way) in ways.iter().enumerate().filter(|_| corners <= MAX_ROUTE_CORNERS) {
+        to.line(&view.all(way.iter().copied()), Ink::line(color::in_turn(index), WAY_PT), &[]);
+    }
+    let ends: BTreeMap<&str, [f64; 2]> =
+        panel.parts.iter().filter_map(|part| Some((*part, panel.place(part, *last)?))).collect();
+    for (index, part) in panel.parts.iter().enumerate() {
+        let ink = Ink::filled(color::in_turn(index)).edged(color::INK, HAIR_PT).veiled(0.75);
+        if let Some(end) = ends.get(part) {
+            panel.shape(*end, view, ink, &[("end", (*part).to_owned())], to);
+        }
+    }
+    draw_goals(panel, view, to, key);
+    for (index, part) in panel.parts.iter().enumerate() {
+        draw_part(panel, (index, part), view, to);
+    }
+    let grey = color::AHEAD;
+    key.add(KeyForm::Box, Ink::filled(color::PAPER).edged(grey, THIN_PT), "part at its start");
+    key.add(KeyForm::Box, Ink::filled(grey).edged(color::INK, HAIR_PT).veiled(0.75), "part at its end");
+    if corners <= MAX_ROUTE_CORNERS {
+        key.add(KeyForm::Line, Ink::line(grey, WAY_PT), "route of its middle");
+    } else {
+        key.notes.push(format!("routes are not drawn: they have {corners} corners"));
+    }
+    if panel.has_numbers {
+        key.add(KeyForm::Disc, Ink::filled(color::PAPER).edged(color::INK, THIN_PT), "numbered position of its middle");
+        key.under.push(panel.strobes.times());
+        key.under.extend(panel.strobes.note.clone());
+    } else {
+        key.notes.push(format!(
+            "{} parts move: only their starts and ends are drawn",
+            ways.iter().filter(|way| way.len() > 1).count()
+        ));
+    }
+}
+
+/// The numbered places of a part, with its name at its start and end.
+fn draw_part(panel: &BoardPanel, (index, part): (usize, &str), view: &PaperView, to: &mut Drawing) {
+    let places = StrobedPlace::all(&panel.strobes, |t_ns| panel.place(part, t_ns));
+    for place in &places {
+        let ink = Ink::filled(color::PAPER).edged(color::in_turn(index), THIN_PT);
+        let at = view.at(place.place);
+        to.disc(at, 1.2, ink, &panel.facts_of(part, place));
+        to.mark(PaperBox::about(at, 1.2));
+    }
+    let is_gone = panel.strobes.instants.last().is_some_and(|last| panel.place(part, *last).is_none());
+    let clusters = StrobedPlace::clustered(places.iter().map(|place| (place, view.at(place.place))));
+    let last = clusters.len().saturating_sub(1);
+    for (index, (at, numbers)) in clusters.iter().enumerate() {
+        let numbers = Some(numbers).filter(|_| panel.has_numbers && last > 0);
+        let is_end = index == 0 || (index == last && !is_gone);
+        match (is_end, numbers) {
+            (true, Some(numbers)) => panel.name(format!("{part} {}", ranges(numbers)), *at, to, view),
+            (true, None) => panel.name(part.to_owned(), *at, to, view),
+            (false, Some(numbers)) => to.label(scenery::numbers(numbers, *at, 1.5)),
+            (false, None) => {}
+        }
+    }
+}
+
+fn draw_moment(panel: &BoardPanel, t_ns: u64, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+    let until = |is_behind: bool| {
+        let is_meant = move |moment: &&PartsMoment| (moment.t_ns <= t_ns) == is_behind;
+        move |part: &str| -> Vec<[f64; 2]> {
+            let cells = panel.moments.iter().filter(is_meant).filter_map(|moment| moment.parts.get(part));
+            cells.map(|cell| place(*cell)).collect()
+        }
+    };
+    let (behind, ahead) = (until(true), until(false));
+    let corners: usize = panel.parts.iter().map(|part| way(&panel.moments, part).len()).sum();
+    for (index, part) in panel.parts.iter().enumerate().filter(|_| corners <= MAX_ROUTE_CORNERS) {
+        let here = panel.place(part, t_ns);
+        let dashes = Ink::line(color::in_turn(index), THIN_PT).dashed("2 2");
+        to.line(&view.all(simplified(here.into_iter().chain(ahead(part)))), dashes, &[]);
+        to.line(
+            &view.all(simplified(behind(part).into_iter().chain(here))),
+            Ink::line(color::in_turn(index), WAY_PT),
+            &[],
+        );
+    }
+    for (index, part) in panel.parts.iter().enumerate() {
+        let Some(here) = panel.place(part, t_ns) else { continue };
+        let place = StrobedPlace { place: here, strobes: vec![(1, t_ns)] };
+        let ink = Ink::filled(color::in_turn(index)).edged(color::INK, HAIR_PT);
+        panel.shape(here, view, ink, &panel.facts_of(part, &place), to);
+        panel.name((*part).to_owned(), view.at(here), to, view);
+    }
+    draw_goals(panel, view, to, key);
+    let grey = color::AHEAD;
+    key.add(KeyForm::Box, Ink::filled(grey).edged(color::INK, HAIR_PT), "part");
+    if corners <= MAX_ROUTE_CORNERS {
+        key.add(KeyForm::Line, Ink::line(grey, WAY_PT), "its route so far");
+        key.add(KeyForm::Line, Ink::line(grey, THIN_PT).dashed("2 2"), "its route ahead");
+    } else {
+        key.notes.push(format!("routes are not drawn: they have {corners} corners"));
+    }
+}

@@ -1,0 +1,43 @@
+//! The cost of a plan and how good that is, in words.
+//!
+//! Input: an order and the record of its plan. Output: one line that reports and pictures share, so that no two of them claim
+//! different things of one plan.
+
+use super::PlanRecord;
+use crate::claims::Order;
+use crate::device::each_kind;
+use crate::quantity::digits;
+
+/// What a kind says of the cost of a plan, on its orders.
+pub(super) trait Costed {
+    /// What a run costs and how good that is.
+    fn cost(&self, plan: &PlanRecord) -> String;
+}
+
+/// What a run costs, and whether that is proven to be the least: `29.88 um (70 r) in 9 switches, optimal (bound 29.88 um)`.
+pub fn cost(order: &Order, plan: &PlanRecord) -> String {
+    each_kind!(Order, order, order => order.cost(plan))
+}
+
+/// `optimal (bound 29.88 um)`.
+pub fn proof(plan: &PlanRecord, figure: impl Fn(f64) -> String) -> String {
+    match plan.optimal {
+        true => format!("optimal (bound {})", figure(plan.bound)),
+        false => format!("not proven optimal (bound {})", figure(plan.bound)),
+    }
+}
+
+/// A figure for the report: two decimals, more where the value is small.
+pub fn rounded(value: f64) -> String {
+    if value.abs() >= 1.0 { digits((value * 100.0).round() / 100.0) } else { digits(value) }
+}
+
+/// A figure of a plan by its word, in SI units; 0 where the plan does not have it.
+pub fn figure_of(plan: &PlanRecord, outcome: &str) -> f64 {
+    plan.outcomes.get(outcome).copied().unwrap_or_default()
+}
+
+pub fn count(number: usize, noun: &str) -> String {
+    let plural = if noun.ends_with("ch") { "es" } else { "s" };
+    format!("{number} {noun}{}", if number == 1 { "" } else { plural })
+}
