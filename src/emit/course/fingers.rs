@@ -98,7 +98,7 @@ impl<'a> HandCourse<'a> {
 
     /// Where everything is at an instant, with the plan and the index of its grasp then.
     pub fn at(&self, signals: &Signals, t_ns: u64) -> Option<(&HandPlanCourse<'a>, usize, HandMoment)> {
-        let begun = self.plans.iter().filter(|plan| plan.start_ns <= t_ns).last();
+        let begun = self.plans.iter().rfind(|plan| plan.start_ns <= t_ns);
         let plan = begun.or_else(|| self.plans.first()).filter(|plan| !plan.grasps.is_empty())?;
         let after = plan.grasps.partition_point(|grasp| grasp.t_ns <= t_ns);
         let tips_um = self.stages.iter().map(|stage| tip_um(signals, stage, t_ns)).collect();

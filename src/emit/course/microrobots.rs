@@ -104,7 +104,7 @@ impl<'a> BedCourse<'a> {
 
     /// The leg at an instant, with its plan, and the poses of the robots then. Before the first leg they stand where it begins.
     pub fn at(&self, t_ns: u64) -> Option<(&BedPlanCourse<'a>, &ControlLeg<'a>, Vec<Pose>)> {
-        let begun = self.plans.iter().filter(|plan| plan.start_ns <= t_ns).last();
+        let begun = self.plans.iter().rfind(|plan| plan.start_ns <= t_ns);
         let plan = begun.or_else(|| self.plans.first())?;
         let after = plan.legs.partition_point(|leg| leg.start_ns <= t_ns);
         let leg = plan.legs.get(after.saturating_sub(1))?;

@@ -132,7 +132,7 @@ impl LatticeRobot<'_> {
     /// The word of its modules at an instant, or at the end.
     fn word(&self, moment_ns: Option<u64>) -> u64 {
         let states = self.jobs.iter().flat_map(|(_, plan)| &plan.states);
-        let by_then = states.clone().filter(|timed| moment_ns.is_none_or(|t_ns| timed.t_ns <= t_ns)).last();
+        let by_then = states.clone().rfind(|timed| moment_ns.is_none_or(|t_ns| timed.t_ns <= t_ns));
         match by_then.or_else(|| states.clone().next()).map(|timed| &timed.state) {
             Some(State::Dimibot(DimibotState { word, .. })) => *word,
             Some(State::ElectrodeArray(_) | State::Microrobots(_) | State::Fingers(_)) | None => 0,

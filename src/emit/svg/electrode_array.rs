@@ -260,7 +260,7 @@ fn draw_strobes(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mu
         key.under.extend(panel.strobes.note.clone());
     } else {
         key.notes.push(format!(
-            "{} parts move: only their starts and ends are drawn",
+            "{} parts move: positions between start and end have no numbers",
             ways.iter().filter(|way| way.len() > 1).count()
         ));
     }
@@ -269,10 +269,11 @@ fn draw_strobes(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mu
 /// The numbered places of a part, with its name at its start and end.
 fn draw_part(panel: &BoardPanel, (index, part): (usize, &str), view: &PaperView, to: &mut Drawing) {
     let places = StrobedPlace::all(&panel.strobes, |t_ns| panel.place(part, t_ns));
+    let radius_pt = 0.4 * panel.facts().layout.half_width_pitches * view.scale;
     for place in &places {
         let ink = Ink::filled(color::PAPER).edged(color::in_turn(index), THIN_PT);
         let at = view.at(place.place);
-        to.disc(at, 1.2, ink, &panel.facts_of(part, place));
+        to.disc(at, radius_pt.clamp(0.5, 1.2), ink, &panel.facts_of(part, place));
         to.mark(PaperBox::about(at, 1.2));
     }
     let is_gone = panel.strobes.instants.last().is_some_and(|last| panel.place(part, *last).is_none());

@@ -12,8 +12,8 @@ const BOLD: f64 = 1.12;
 
 /// Width of a text, as a share of its size.
 pub fn width_em(text: &str, is_bold: bool) -> f64 {
-    let width: f64 = text.chars().map(letter_em).sum();
-    if is_bold { width * BOLD } else { width }
+    let width_em: f64 = text.chars().map(letter_em).sum();
+    if is_bold { width_em * BOLD } else { width_em }
 }
 
 /// Width of a letter of DejaVu Sans, which is wide; others by their sort.

@@ -138,7 +138,7 @@ fn composed(verified: &Verified, moment_ns: Option<u64>, panels: &[Box<dyn Panel
         let width = (inside.right - inside.left + GAP_PT) / row;
         for panel in row_of {
             let right = left + width * panel.share() - GAP_PT;
-            let (key, end_pt) = draw_panel(&**panel, PaperBox { left, right, top: top_pt, ..inside }, &mut to);
+            let (key, end_pt) = draw_panel(panel, PaperBox { left, right, top: top_pt, ..inside }, &mut to);
             keys.push(key);
             bottom_pt = bottom_pt.max(end_pt);
             left = right + GAP_PT;
@@ -154,10 +154,10 @@ fn composed(verified: &Verified, moment_ns: Option<u64>, panels: &[Box<dyn Panel
 }
 
 /// Panels side by side while they fit.
-fn rows<'p, 'a>(panels: &'p [Box<dyn Panel + 'a>], most: f64) -> Vec<Vec<&'p Box<dyn Panel + 'a>>> {
+fn rows<'p, 'a>(panels: &'p [Box<dyn Panel + 'a>], most: f64) -> Vec<Vec<&'p (dyn Panel + 'a)>> {
     const ROUNDING: f64 = 1e-6;
-    let mut rows: Vec<(f64, Vec<&Box<dyn Panel + 'a>>)> = Vec::new();
-    for panel in panels {
+    let mut rows: Vec<(f64, Vec<&(dyn Panel + 'a)>)> = Vec::new();
+    for panel in panels.iter().map(|panel| &**panel) {
         match rows.last_mut() {
             Some((used, row)) if *used + panel.share() <= most + ROUNDING => {
                 *used += panel.share();

@@ -150,11 +150,11 @@ pub fn obstacles_text(all: usize, drawn: usize) -> String {
 }
 
 /// Points round a circle or a part of it, from one angle to another in radians.
-pub fn arc([x, y]: [f64; 2], radius: f64, [from_rad, to_rad]: [f64; 2]) -> Vec<[f64; 2]> {
+pub fn arc([x, y]: [f64; 2], radius_um: f64, [from_rad, to_rad]: [f64; 2]) -> Vec<[f64; 2]> {
     const CORNERS: u32 = 48;
     let corner = |index: u32| {
         let (sin, cos) = (from_rad + (to_rad - from_rad) * f64::from(index) / f64::from(CORNERS)).sine_cosine();
-        [x + radius * cos, y + radius * sin]
+        [x + radius_um * cos, y + radius_um * sin]
     };
     (0..=CORNERS).map(corner).collect()
 }
