@@ -1,5 +1,7 @@
 //! States of a bed of microrobots, and the poses that its steps reach.
 
+pub mod control;
+
 use super::reached::{Reached, Reaching};
 use super::{KindState, State};
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
