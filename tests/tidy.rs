@@ -34,8 +34,8 @@ const SIGHT: &[(&str, &[&str])] = &[
     (
         "cli",
         &[
-            "syntax", "format", "stdlib", "claims", "schedule", "check", "plan", "verify", "log", "simulate", "emit",
-            "compile",
+            "syntax", "format", "stdlib", "claims", "schedule", "check", "plan", "verify", "log", "simulate", "lower",
+            "emit", "compile",
         ],
     ),
 ];
@@ -186,6 +186,7 @@ const SHARED: &[(&str, &str)] = &[
     ("normal", "the unit vectors across them"),
     ("digit", "what stands for an arm in words and states: 0 or 1"),
     ("objective", "names of the vocabulary: what `minimize` takes"),
+    ("watchdog_ns", "a figure of the device, or five of its intervals where it states none"),
     ("outcome", "names of the vocabulary: what `require` compares"),
 ];
 

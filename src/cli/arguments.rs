@@ -33,9 +33,10 @@ pub enum Command {
         after_help = "Examples:\n  tweeze build fetch.twz\n  tweeze build fetch.twz --emit mcap,csv,scpi -o out --task fetch"
     )]
     Build(BuildArguments),
-    /// Replay a written log against the device models, independently of the planner
+    /// Replay a written log against the device models, independently of the planner; or judge the recording of a controlled run
     #[command(after_help = "Examples:\n  tweeze verify fetch.mcap\n  tweeze verify fetch.mcap --against fetch.twz\n  \
-                      tweeze verify fetch.mcap --against fetch.twz --set pitch=80um")]
+                      tweeze verify fetch.mcap --against fetch.twz --set pitch=80um\n  \
+                      tweeze verify run.mcap --against assemble.twz --goal-tolerance 20um")]
     Verify(VerifyArguments),
     /// Write the page that plays a program or a log, and open it in the browser
     #[command(after_help = "Examples:\n  tweeze view fetch.twz\n  tweeze view out/fetch.mcap -o out --no-open\n\n\
@@ -158,7 +159,7 @@ fn formats() -> impl TypedValueParser<Value = Format> {
 
 #[derive(Debug, Args)]
 pub struct VerifyArguments {
-    /// The log to replay
+    /// The log to replay, or the recording of `tweeze control`
     #[arg(value_name = "FILE.mcap")]
     pub file: PathBuf,
     /// Check the log against this program too, not only against the one that it contains
@@ -168,7 +169,27 @@ pub struct VerifyArguments {
     #[arg(long = "set", value_name = "NAME=VALUE", requires = "against")]
     pub set: Vec<String>,
     #[command(flatten)]
+    pub tolerances: ToleranceArguments,
+    #[command(flatten)]
     pub report: ReportArguments,
+}
+
+/// What is granted to the recording of a controlled run.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Recordings of tweeze control")]
+pub struct ToleranceArguments {
+    /// Grant each measured place so much besides the errors of the device, such as 20um
+    #[arg(long, value_name = "LENGTH", default_value = "0um", value_parser = length_um)]
+    pub path_tolerance: f64,
+    /// Grant each goal so much besides the precision of the task, such as 50um
+    #[arg(long, value_name = "LENGTH", default_value = "0um", value_parser = length_um)]
+    pub goal_tolerance: f64,
+    /// Grant the heading of each goal so much besides the precision of the task, such as 5deg
+    #[arg(long, value_name = "ANGLE", default_value = "0deg", value_parser = angle_rad)]
+    pub heading_tolerance: f64,
+    /// Grant so much beyond a `require time`, such as 10s
+    #[arg(long, value_name = "TIME", default_value = "0s", value_parser = time_ns)]
+    pub time_tolerance: u64,
 }
 
 #[derive(Debug, Args)]
@@ -253,37 +274,55 @@ fn share(text: &str) -> Result<f64, String> {
     if (0.0..=1.0).contains(&share) { Ok(share) } else { Err("a share is from 0 to 1".to_owned()) }
 }
 
+/// A number with a unit of some dimension, in the SI unit; `form` says how it is written.
+fn quantity(text: &str, dimension: Dimension, form: &str) -> Result<f64, String> {
+    let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit());
+    let unit = text[digits.len()..].trim();
+    let quantity = Unit::parse(unit).ok().and_then(|unit| unit.of(digits));
+    match quantity {
+        Some(quantity) if quantity.dimension == dimension => Ok(quantity.si),
+        Some(_) | None => Err(form.to_owned()),
+    }
+}
+
 /// A time of an hour or less, in nanoseconds.
 fn time_ns(text: &str) -> Result<u64, String> {
-    match instant_ns(text) {
-        Ok(time_ns) if time_ns <= 3_600_000_000_000 => Ok(time_ns),
-        Ok(_) => Err("a time of an hour or less is needed".to_owned()),
-        Err(form) => Err(form),
+    let time_s = quantity(text, Dimension::TIME, "a time is written as 50ms or 0.5s")?;
+    match (0.0..=3600.0).contains(&time_s) {
+        true => Ok((time_s * 1e9).round() as u64),
+        false => Err("a time from 0 s to 3600 s is needed".to_owned()),
     }
 }
 
 /// A time from 0 on, in nanoseconds.
 fn instant_ns(text: &str) -> Result<u64, String> {
-    let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit());
-    let unit = text[digits.len()..].trim();
-    let form = || "a time is written as 50ms or 0.5s".to_owned();
-    let quantity = Unit::parse(unit).ok().and_then(|unit| unit.of(digits)).ok_or_else(form)?;
-    match quantity.dimension == Dimension::TIME && quantity.si >= 0.0 {
-        true => Ok((quantity.si * 1e9).round() as u64),
-        false => Err(form()),
-    }
+    let time_s = quantity(text, Dimension::TIME, "a time is written as 50ms or 0.5s")?;
+    if time_s >= 0.0 { Ok((time_s * 1e9).round() as u64) } else { Err("a time from 0 s on is needed".to_owned()) }
 }
 
 /// A voltage above zero, in volts.
 fn voltage(text: &str) -> Result<f64, String> {
-    let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit());
-    let unit = text[digits.len()..].trim();
-    let form = || "a voltage is written as 4V or 250mV".to_owned();
-    let quantity = Unit::parse(unit).ok().and_then(|unit| unit.of(digits)).ok_or_else(form)?;
-    if quantity.dimension != Dimension::VOLTAGE {
-        return Err(form());
+    let voltage_v = quantity(text, Dimension::VOLTAGE, "a voltage is written as 4V or 250mV")?;
+    if voltage_v > 0.0 { Ok(voltage_v) } else { Err("a voltage above 0 V is needed".to_owned()) }
+}
+
+/// A length of a metre or less, in micrometres.
+fn length_um(text: &str) -> Result<f64, String> {
+    let length_m = quantity(text, Dimension::LENGTH, "a length is written as 20um or 0.1mm")?;
+    if (0.0..=1.0).contains(&length_m) {
+        Ok(length_m * 1e6)
+    } else {
+        Err("a length from 0 m to 1 m is needed".to_owned())
     }
-    if quantity.si > 0.0 { Ok(quantity.si) } else { Err("a voltage above 0 V is needed".to_owned()) }
+}
+
+/// An angle of half a turn or less, in radians.
+fn angle_rad(text: &str) -> Result<f64, String> {
+    let angle = quantity(text, Dimension::ANGLE, "an angle is written as 2deg or 0.05rad")?;
+    match (0.0..=std::f64::consts::PI).contains(&angle) {
+        true => Ok(angle),
+        false => Err("an angle from 0 deg to 180 deg is needed".to_owned()),
+    }
 }
 
 #[derive(Debug, Args)]
@@ -302,6 +341,9 @@ pub struct SimulateArguments {
     /// Let `tweeze control` bring the robots together, in another process over a socket: one for each run
     #[arg(long)]
     pub against_controller: bool,
+    /// Record the exchange with the controller in a new file; of a single trial
+    #[arg(long, value_name = "FILE.mcap", requires = "against_controller")]
+    pub record: Option<PathBuf>,
     /// Time from a measurement to its command, such as 50ms; the bed holds still meanwhile
     #[arg(long, value_name = "TIME", default_value = "0s", value_parser = time_ns)]
     pub delay: u64,

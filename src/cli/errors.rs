@@ -104,6 +104,11 @@ pub fn parts_disagree(log: &Path, what: &str) -> Diagnostic {
         .help("the log was edited after it was written: build the program again")
 }
 
+pub fn recording_differs(path: &Path) -> Diagnostic {
+    let title = format!("`{}` is not what its lines would be recorded as", path.display());
+    Diagnostic::new(Code::E0847, title).help("the recording was changed after it was written")
+}
+
 pub fn other_program(log: &Path, program: &Path) -> Diagnostic {
     let title =
         format!("`{}` was built from a program that claims something else than `{}`", log.display(), program.display());

@@ -20,7 +20,7 @@ mod waiting;
 
 use arguments::{Command, Invocation};
 use clap::{CommandFactory, Parser};
-use microrobots::{Address, run_control, run_simulate};
+use microrobots::{Address, judge_recording, run_control, run_simulate};
 use std::ffi::OsString;
 use std::process::ExitCode;
 

@@ -3,13 +3,13 @@
 use super::arguments::{ReportFormat, VerifyArguments};
 use super::disk::{self, MAX_LOG_BYTES};
 use super::library::{Disk, Embedded};
-use super::{Exit, errors, report, terminal};
+use super::{Exit, errors, judge_recording, report, terminal};
 use crate::check::Options;
 use crate::claims::Claims;
 use crate::compile::{self, CompileRequest};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::emit::{Provenance, mcap};
-use crate::log::{self, Log};
+use crate::log::{self, Log, LogError};
 use crate::schedule::{Schedule, SourceRef};
 use crate::source::Sources;
 use crate::verify::{self, Verdict, Verified};
@@ -19,11 +19,11 @@ use std::path::Path;
 pub struct Refusal {
     pub sources: Sources,
     pub sink: Sink,
-    exit: Exit,
+    pub exit: Exit,
 }
 
 impl Refusal {
-    fn one(diagnostic: Diagnostic, exit: Exit) -> Box<Refusal> {
+    pub fn one(diagnostic: Diagnostic, exit: Exit) -> Box<Refusal> {
         let mut sink = Sink::default();
         sink.push(diagnostic);
         Box::new(Refusal { sources: Sources::default(), sink, exit })
@@ -48,7 +48,10 @@ fn judge(arguments: &VerifyArguments) -> Result<String, Box<Refusal>> {
     let path = &arguments.file;
     disk::settle(path).map_err(|error| Refusal::one(*error, Exit::Files))?;
     let bytes = disk::read_bytes(path, MAX_LOG_BYTES).map_err(|error| Refusal::one(*error, Exit::Files))?;
-    let judged = judge_bytes(path, &bytes)?;
+    let judged = match log::read(&bytes) {
+        Err(LogError::Recorded) => return judge_recording(arguments, &bytes),
+        log => judge_log(path, &bytes, log)?,
+    };
     drop(bytes);
     if let Some(trusted) = &arguments.against {
         against(arguments, trusted, &judged)?;
@@ -65,18 +68,28 @@ pub struct Judged {
     version: String,
 }
 
-fn not_ours(version: &str) -> Box<Refusal> {
+pub fn not_ours(version: &str) -> Box<Refusal> {
     Refusal::one(log::other_version(Some(version), None), Exit::Files)
 }
 
 /// Judges a log on its own: it is intact, its program has the claims that it contains, its schedule keeps the claims, and its messages show
 /// the schedule. Data are dropped as soon as they are no longer needed: all together may exceed the memory.
 pub fn judge_bytes(path: &Path, bytes: &[u8]) -> Result<Judged, Box<Refusal>> {
-    let log = log::read(bytes).map_err(|error| Refusal::one(error.diagnostic(), Exit::Files))?;
+    judge_log(path, bytes, log::read(bytes))
+}
+
+/// As [`judge_bytes`], with what was read from the bytes.
+fn judge_log(path: &Path, bytes: &[u8], log: Result<Log, LogError>) -> Result<Judged, Box<Refusal>> {
+    let log = log.map_err(|error| Refusal::one(error.diagnostic(), Exit::Files))?;
     let version = log.version.clone();
     // Another version may derive something else from the same program: that is no sign of an edit.
     let of_its_version = |refusal| if version == env!("CARGO_PKG_VERSION") { refusal } else { not_ours(&version) };
-    let own = own_claims(path, &log).map_err(of_its_version)?;
+    let recorded =
+        Embedding { name: &log.schedule.name, claims: &log.claims, files: &log.files, settings: &log.settings };
+    let own = own_claims(path, &recorded).map_err(of_its_version)?;
+    if log.schedule.source != SourceRef::of(&log.files[0].0, &log.files[0].1) {
+        return Err(of_its_version(Refusal::one(errors::parts_disagree(path, "the fingerprint"), Exit::Refused)));
+    }
     let Log { schedule, claims, files, settings, voltages, version: _ } = log;
     drop(claims);
     let verified = replay(schedule, own)?;
@@ -92,27 +105,34 @@ pub fn judge_bytes(path: &Path, bytes: &[u8]) -> Result<Judged, Box<Refusal>> {
 }
 
 /// The claims of a program, and its files for messages to point into.
-struct Derived {
-    claims: Claims,
-    sources: Sources,
+pub struct Derived {
+    pub claims: Claims,
+    pub sources: Sources,
+}
+
+/// The program in a file that was read.
+pub struct Embedding<'a> {
+    /// Of the task or the program.
+    pub name: &'a str,
+    pub claims: &'a [u8],
+    /// Name and text, the program's own first; at least one.
+    pub files: &'a [(String, String)],
+    pub settings: &'a [String],
 }
 
 /// The claims of the program in the log, derived again; the log's own must agree.
-fn own_claims(path: &Path, log: &Log) -> Result<Derived, Box<Refusal>> {
-    let (name, text) = &log.files[0];
-    let options = options(&log.schedule, &log.settings);
-    let own = derive(&CompileRequest { name, text, library: &Embedded(&log.files), options: &options });
+pub fn own_claims(path: &Path, within: &Embedding) -> Result<Derived, Box<Refusal>> {
+    let (name, text) = &within.files[0];
+    let options = options(within.name, within.settings);
+    let own = derive(&CompileRequest { name, text, library: &Embedded(within.files), options: &options });
     let own = own.map_err(|mut refusal| {
         refusal.sink.push(errors::program_in_log_has_errors(path));
         Box::new(Refusal { exit: Exit::Refused, ..*refusal })
     })?;
-    if log.schedule.source != SourceRef::of(name, text) {
-        return Err(Refusal::one(errors::parts_disagree(path, "the fingerprint"), Exit::Refused));
+    match written(&own.claims).as_deref() == Some(within.claims) {
+        true => Ok(own),
+        false => Err(Refusal::one(errors::parts_disagree(path, "a claim"), Exit::Refused)),
     }
-    if written(&own.claims).as_ref() != Some(&log.claims) {
-        return Err(Refusal::one(errors::parts_disagree(path, "a claim"), Exit::Refused));
-    }
-    Ok(own)
 }
 
 /// Claims in the form in which they are compared.
@@ -121,8 +141,8 @@ fn written(claims: &Claims) -> Option<Vec<u8>> {
 }
 
 /// Compiler options: the schedule of the log's name, with some settings.
-fn options(schedule: &Schedule, settings: &[String]) -> Options {
-    Options { settings: settings.to_vec(), only: Some(schedule.name.clone()) }
+fn options(name: &str, settings: &[String]) -> Options {
+    Options { settings: settings.to_vec(), only: Some(name.to_owned()) }
 }
 
 /// The claims of a program.
@@ -157,34 +177,53 @@ fn keeps_the_claims_of(schedule: &Schedule, derived: &Derived) -> Result<(), Box
     Err(Box::new(Refusal { sources: derived.sources.clone(), sink, exit: Exit::Refused }))
 }
 
-/// Checks the log against a program that the user trusts. Nothing of the log reaches that program: its settings are those of the
-/// command line, and if the log has others, that is reported before any consequence of it.
+/// Checks the log against a program that the user trusts.
 fn against(arguments: &VerifyArguments, trusted: &Path, judged: &Judged) -> Result<(), Box<Refusal>> {
-    let text = disk::read_program(trusted).map_err(|error| Refusal::one(*error, Exit::Files))?;
-    let disk = Disk::round(trusted);
-    let name = disk.program_name();
     let schedule = judged.verified.schedule();
     let own = written(judged.verified.claims());
-    let options = options(schedule, &arguments.set);
-    let unlike = errors::other_settings(&arguments.file, trusted, &judged.provenance.settings, &arguments.set);
-    let derived =
-        match (derive(&CompileRequest { name: &name, text: &text, library: &disk, options: &options }), unlike) {
-            (Ok(derived), None) => derived,
-            (Ok(derived), Some(unlike)) => match written(&derived.claims) == own {
-                // Settings equal to the program's own values.
-                true => derived,
-                false => return Err(Refusal::one(unlike, Exit::Refused)),
-            },
-            (Err(mut refusal), unlike) => {
-                unlike.into_iter().for_each(|unlike| refusal.sink.push(unlike));
-                return Err(refusal);
-            }
-        };
+    let derived = trusted_claims(arguments, trusted, (&schedule.name, &judged.provenance.settings), own.as_deref())?;
     keeps_the_claims_of(schedule, &derived)?;
-    if written(&derived.claims) != own {
-        return Err(Refusal::one(errors::other_program(&arguments.file, trusted), Exit::Refused));
+    claims_the_same(arguments, trusted, &derived, own.as_deref())
+}
+
+/// The claims of a program that the user trusts, for a log of this name with these settings and claims. Nothing of the log reaches that
+/// program: its settings are those of the command line, and if the log has others, that is reported before any consequence of it.
+pub fn trusted_claims(
+    arguments: &VerifyArguments,
+    trusted: &Path,
+    (name, settings): (&str, &[String]),
+    own: Option<&[u8]>,
+) -> Result<Derived, Box<Refusal>> {
+    let text = disk::read_program(trusted).map_err(|error| Refusal::one(*error, Exit::Files))?;
+    let disk = Disk::round(trusted);
+    let file = disk.program_name();
+    let options = options(name, &arguments.set);
+    let unlike = errors::other_settings(&arguments.file, trusted, settings, &arguments.set);
+    match (derive(&CompileRequest { name: &file, text: &text, library: &disk, options: &options }), unlike) {
+        (Ok(derived), None) => Ok(derived),
+        (Ok(derived), Some(unlike)) => match written(&derived.claims).as_deref() == own {
+            // Settings equal to the program's own values.
+            true => Ok(derived),
+            false => Err(Refusal::one(unlike, Exit::Refused)),
+        },
+        (Err(mut refusal), unlike) => {
+            unlike.into_iter().for_each(|unlike| refusal.sink.push(unlike));
+            Err(refusal)
+        }
     }
-    Ok(())
+}
+
+/// Refuses a log whose own program claims something else than the trusted one.
+pub fn claims_the_same(
+    arguments: &VerifyArguments,
+    trusted: &Path,
+    derived: &Derived,
+    own: Option<&[u8]>,
+) -> Result<(), Box<Refusal>> {
+    match written(&derived.claims).as_deref() == own {
+        true => Ok(()),
+        false => Err(Refusal::one(errors::other_program(&arguments.file, trusted), Exit::Refused)),
+    }
 }
 
 fn report(arguments: &VerifyArguments, judged: &Judged) -> String {

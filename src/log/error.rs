@@ -16,6 +16,8 @@ pub enum LogError {
     TooLarge { offset: u64, what: String, bytes: u64, limit: u64 },
     /// A part that every log of Tweeze has is not there.
     Missing { what: String },
+    /// It is no log of a plan but the recording of a controlled run.
+    Recorded,
     /// The log is of another schema, written by the version of Tweeze that is named.
     OtherSchema { schema: String, version: Option<String> },
     /// A part is intact but does not have the required content.
@@ -50,7 +52,11 @@ impl LogError {
             )
             .help("no log of Tweeze is as large; build the program again"),
             LogError::Missing { what } => Diagnostic::new(Code::E0844, format!("the log has no {what}"))
-                .help("`tweeze verify` reads the `.mcap` file that `tweeze build` writes, no recording of `tweeze control` and no log of another program"),
+                .help("`tweeze verify` reads the `.mcap` file that `tweeze build` or `tweeze control --record` writes"),
+            LogError::Recorded => {
+                Diagnostic::new(Code::E0844, "the file is the recording of a controlled run, not the log of a plan")
+                    .help("`tweeze verify` judges recordings; build the program to see its plan")
+            }
             LogError::OtherSchema { schema, version } => other_version(version.as_deref(), Some(schema)),
             LogError::Content { place, what } => {
                 Diagnostic::new(Code::E0845, format!("{place} of the log cannot be read: {what}")).help(AGAIN)

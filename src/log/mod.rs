@@ -10,10 +10,12 @@
 //! record, in which an edited log could hide something from the reader.
 
 mod error;
+mod recording;
 mod records;
 mod series;
 
 pub use error::{LogError, other_version};
+pub use recording::{RecordedMessage, Recording, read_recording};
 pub use series::{Bound, Samples, Series, SeriesColumn, VoltageFault, fault as voltage_fault};
 
 use crate::claims::Claims;
@@ -128,15 +130,18 @@ pub fn read(bytes: &[u8]) -> Result<Log, LogError> {
 /// See [`LogError`]; messages before the fault were visited.
 pub fn read_with<'v>(bytes: &[u8], visit: &'v mut (dyn FnMut(&str, u64, &[u8]) + 'v)) -> Result<Log, LogError> {
     let contents = records::read(bytes, visit)?;
-    of_this_schema(&contents)?;
+    if contents.metadata.contains_key(RECORDING) {
+        return Err(LogError::Recorded);
+    }
+    of_this_schema(&contents, METADATA)?;
     let schedule = attached(&contents, SCHEDULE, MAX_SCHEDULE_BYTES)?;
     let schedule = json::read(schedule).map_err(|error| LogError::content(SCHEDULE, error.to_string()))?;
     let claims = attached(&contents, CLAIMS, MAX_CLAIMS_BYTES)?;
     check_form(claims).map_err(|what| LogError::content(CLAIMS, what))?;
-    let version = provenance(&contents, "version")?.to_owned();
-    let settings = serde_json::from_str(provenance(&contents, "settings")?)
+    let version = provenance(&contents, METADATA, "version")?.to_owned();
+    let settings = serde_json::from_str(provenance(&contents, METADATA, "settings")?)
         .map_err(|error| LogError::content(format!("metadata `{METADATA}`, entry `settings`"), error.to_string()))?;
-    let program = provenance(&contents, "program")?;
+    let program = provenance(&contents, METADATA, "program")?;
     if program != schedule.name {
         let what = format!("is of `{}`, the metadata say `{program}`", schedule.name);
         return Err(LogError::content(SCHEDULE, what));
@@ -146,8 +151,8 @@ pub fn read_with<'v>(bytes: &[u8], visit: &'v mut (dyn FnMut(&str, u64, &[u8]) +
 }
 
 /// Refuses a log of another schema, before any of its content is misread.
-fn of_this_schema(contents: &Contents) -> Result<(), LogError> {
-    let Some(metadata) = &contents.metadata else { return Ok(()) };
+fn of_this_schema(contents: &Contents, record: &str) -> Result<(), LogError> {
+    let Some(metadata) = contents.metadata.get(record) else { return Ok(()) };
     let entry = |key: &str| metadata.get(key).cloned();
     let schema = entry("schema").unwrap_or_else(|| "1".to_owned());
     match schema == SCHEMA.to_string() {
@@ -204,9 +209,10 @@ fn within<'a>(attachment: &Attachment<'a>, limit: u64) -> Result<&'a [u8], LogEr
     Ok(attachment.data)
 }
 
-fn provenance<'a>(contents: &'a Contents, key: &str) -> Result<&'a str, LogError> {
-    let missing = || LogError::Missing { what: format!("entry `{key}` of the metadata record `{METADATA}`") };
-    let metadata = contents.metadata.as_ref().ok_or_else(missing)?;
+/// An entry of a metadata record.
+fn provenance<'a>(contents: &'a Contents, record: &str, key: &str) -> Result<&'a str, LogError> {
+    let missing = || LogError::Missing { what: format!("entry `{key}` of the metadata record `{record}`") };
+    let metadata = contents.metadata.get(record).ok_or_else(missing)?;
     metadata.get(key).map(String::as_str).ok_or_else(missing)
 }
 

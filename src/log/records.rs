@@ -4,6 +4,7 @@ use super::error::LogError;
 use super::series::{self, Decoder, Samples, Series};
 use super::{
     MAX_DATA_BYTES, MAX_DEFINITION_BYTES, MAX_DEVICES, MAX_MAP_BYTES, MAX_MESSAGE_BYTES, MAX_MESSAGES, METADATA,
+    RECORDING,
 };
 use mcap::records::op;
 use std::borrow::Cow;
@@ -19,8 +20,8 @@ const MAX_CHUNK_BYTES: u64 = MAX_MESSAGE_BYTES + MAX_MESSAGE_BYTES / 4;
 #[derive(Default)]
 pub struct Contents<'a> {
     pub attachments: Vec<Attachment<'a>>,
-    /// The metadata record of Tweeze.
-    pub metadata: Option<BTreeMap<String, String>>,
+    /// The metadata records of Tweeze, by their names.
+    pub metadata: BTreeMap<&'static str, BTreeMap<String, String>>,
     pub voltages: Vec<Series>,
 }
 
@@ -138,11 +139,10 @@ fn take<'a>(record: &LogRecord<'a>, contents: &mut Contents<'a>, state: &mut Rec
         }
         op::METADATA => {
             let mut fields = RecordFields::of(record);
-            if fields.text()? != METADATA {
-                return Ok(());
-            }
-            match contents.metadata.replace(fields.map()?) {
-                Some(_) => Err(LogError::damaged(record.offset(), format!("a second metadata record `{METADATA}`"))),
+            let name = fields.text()?;
+            let Some(name) = [METADATA, RECORDING].into_iter().find(|own| *own == name) else { return Ok(()) };
+            match contents.metadata.insert(name, fields.map()?) {
+                Some(_) => Err(LogError::damaged(record.offset(), format!("a second metadata record `{name}`"))),
                 None => Ok(()),
             }
         }

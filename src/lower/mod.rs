@@ -7,7 +7,7 @@ pub mod clock;
 mod dimibot;
 pub(crate) mod electrode_array;
 pub(crate) mod fingers;
-pub(crate) mod microrobots;
+pub mod microrobots;
 
 pub use clock::lower;
 

@@ -12,6 +12,7 @@ pub mod json;
 pub mod microrobots;
 pub mod reached;
 
+pub use microrobots::control;
 pub use reached::Reached;
 
 use crate::device::each_kind;

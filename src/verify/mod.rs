@@ -19,7 +19,7 @@ mod electrode_array;
 pub mod fingers;
 mod form;
 mod geometry;
-mod microrobots;
+pub mod microrobots;
 mod premise;
 mod record;
 mod rule;

@@ -122,6 +122,12 @@ pub enum Rule {
     SourceMap,
     /// No tip of a hand moves faster than the device allows there.
     Speed,
+    /// A recording is an exchange of measurements and commands, of the task's steps.
+    Exchange,
+    /// A robot is measured where the recorded commands bring it.
+    Path,
+    /// A controlled task was brought to its end.
+    GivenUp,
 }
 
 impl Rule {
@@ -186,6 +192,9 @@ impl Rule {
             Rule::Encounter => Code::E0770,
             Rule::SourceMap => Code::E0771,
             Rule::Speed => Code::E0762,
+            Rule::Exchange => Code::E0763,
+            Rule::Path => Code::E0764,
+            Rule::GivenUp => Code::E0765,
         }
     }
 }

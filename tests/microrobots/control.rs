@@ -119,6 +119,41 @@ fn a_recording_depends_on_the_measurements_alone() {
     assert!(one.starts_with(b"\x89MCAP0\r\n") && one == two);
 }
 
+/// A trial is recorded, judged alone and against its program, and nothing can be changed in the file.
+#[test]
+fn a_recording_is_verified() {
+    const VERIFICATION: i32 = 3;
+    let folder = folder();
+    let path = four(&folder);
+    let record = folder.path().join("run.mcap");
+    let (path, run) = (path.to_string_lossy(), record.to_string_lossy());
+    let simulated = ["simulate", &*path, "--against-controller", "--seed", "5", "--record", &*run, "--trials"];
+    tweeze(&[&simulated[..], &["2"]].concat()).assert().code(USAGE);
+    tweeze(&[&simulated[..], &["1"]].concat()).assert().code(DONE);
+    let verified = |more: &[&str], code: i32| {
+        let run = tweeze(&[&["verify", &*run], more].concat()).assert().code(code);
+        format!("{}{}", text(&run.get_output().stdout), text(&run.get_output().stderr))
+    };
+    let report = verified(&["--against", &path], DONE);
+    for line in ["Read  run.mcap", "0 violations", "Followed", "Docked  D4", "Matches"] {
+        assert!(report.contains(line), "{line}: {report}");
+    }
+    let report: Value = serde_json::from_str(&verified(&["--format", "json"], DONE)).expect("a report");
+    assert_eq!(report["recording"]["goals"].as_array().map(Vec::len), Some(4), "{report}");
+    let other = folder.path().join("other.twz");
+    let program = std::fs::read_to_string(&*path).expect("the program");
+    std::fs::write(&other, program.replace("margin: 2 V", "margin: 1 V")).expect("another program");
+    assert!(verified(&["--against", &other.to_string_lossy()], VERIFICATION).contains("E0742"));
+    assert!(verified(&["--path-tolerance", "20"], USAGE).contains("a length is written as 20um"));
+    let view = tweeze(&["view", &run, "--no-open"]).assert().code(FILES);
+    assert!(text(&view.get_output().stderr).contains("recording of a controlled run"));
+    let mut bytes = std::fs::read(&record).expect("a recording");
+    let at = bytes.len() / 2;
+    bytes[at] ^= 1;
+    std::fs::write(&record, bytes).expect("an edited recording");
+    verified(&[], FILES);
+}
+
 #[test]
 fn only_this_machine_is_listened_at_and_one_task_controlled() {
     let folder = folder();

@@ -8,6 +8,7 @@ mod control;
 mod found;
 #[path = "../support/random.rs"]
 mod random;
+mod recorded;
 #[path = "../support/mod.rs"]
 mod support;
 

@@ -27,7 +27,7 @@ pub struct Built {
 }
 
 /// The files in a folder of the project.
-struct Folder<'a>(&'a Path);
+pub struct Folder<'a>(pub &'a Path);
 
 impl Library for Folder<'_> {
     fn read(&self, _: &str, path: &str) -> Result<(String, String), String> {

@@ -1,8 +1,10 @@
-//! Commands that only beds of microrobots have: `tweeze simulate` and `tweeze control`.
+//! Commands that only beds of microrobots have: `tweeze simulate`, `tweeze control`, and `tweeze verify` of a recording.
 
 mod control;
+mod recorded;
 mod remote;
 mod simulate;
 
 pub use control::{Address, run as run_control};
+pub use recorded::judge as judge_recording;
 pub use simulate::run as run_simulate;

@@ -3,12 +3,13 @@
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
 use crate::plan::microrobots::control::{Command, ControlPhase, Pilot, Segment, Stop, StopReason};
-use serde::Deserialize;
-use serde_json::{Map, Value, json};
+use crate::schedule::control::{CommandLine, CommandWord, ControlLine, MeasuredLine, MeasuredPose, SegmentLine};
+use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Write};
-use std::net::TcpStream;
+use std::net::{Shutdown, TcpStream};
 use std::path::Path;
 use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
 
 /// What standard error says before the address.
 const LISTENING: &str = "listening at ";
@@ -18,6 +19,8 @@ pub struct RemoteTask<'a> {
     pub file: &'a Path,
     pub task: &'a str,
     pub settings: &'a [String],
+    /// Where it records the exchange.
+    pub record: Option<&'a Path>,
 }
 
 /// A running `tweeze control` with its connection.
@@ -28,28 +31,6 @@ pub struct RemotePilot<'a> {
     segments: Vec<Segment>,
     step: usize,
     phase: ControlPhase,
-}
-
-/// The parts of a command line that the bed needs.
-#[derive(Deserialize)]
-struct CommandAnswer {
-    command: String,
-    #[serde(default)]
-    until_ns: u64,
-    #[serde(default)]
-    segments: Vec<SegmentAnswer>,
-    reason: Option<StopReason>,
-    step: usize,
-    phase: ControlPhase,
-    #[serde(default)]
-    driven: Vec<String>,
-}
-
-#[derive(Deserialize)]
-struct SegmentAnswer {
-    state: String,
-    levels_v: Vec<f64>,
-    strokes: u64,
 }
 
 impl<'a> RemotePilot<'a> {
@@ -65,6 +46,7 @@ impl<'a> RemotePilot<'a> {
             .arg(task.file)
             .args(["--task", task.task, "--listen", "127.0.0.1:0"])
             .args(settings)
+            .args(task.record.iter().flat_map(|path| [OsStr::new("--record"), path.as_os_str()]))
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
@@ -85,16 +67,19 @@ impl<'a> RemotePilot<'a> {
     /// The line of a measurement.
     fn line(&self, measured: &[Option<Pose>], now_ns: u64) -> String {
         let pose = |(robot, pose): (usize, &Option<Pose>)| {
-            let pose = pose.map(
-                |pose| json!({ "x_um": pose.x_um, "y_um": pose.y_um, "heading_deg": pose.heading_rad.to_degrees() }),
-            );
-            (self.order.robot(robot).name.clone(), pose.unwrap_or(Value::Null))
+            let measured = |Pose { x_um, y_um, heading_rad }: Pose| {
+                let heading_deg = heading_rad.to_degrees();
+                MeasuredPose { x_um, y_um, heading_deg }
+            };
+            (self.order.robot(robot).name.clone(), pose.map(measured))
         };
-        let robots: Map<String, Value> = measured.iter().enumerate().map(pose).collect();
-        format!("{}\n", json!({ "t_ns": now_ns, "robots": robots }))
+        let robots = measured.iter().enumerate().map(pose).collect();
+        let line = ControlLine::Measured(MeasuredLine { t_ns: now_ns, robots });
+        // Keys are strings and numbers finite, so that writing cannot fail.
+        format!("{}\n", line.written().unwrap_or_default())
     }
 
-    fn asked(&mut self, line: &str) -> Option<CommandAnswer> {
+    fn asked(&mut self, line: &str) -> Option<CommandLine> {
         let mut answer = String::new();
         self.answers.get_mut().write_all(line.as_bytes()).ok()?;
         self.answers.read_line(&mut answer).ok().filter(|read| *read > 0)?;
@@ -102,9 +87,9 @@ impl<'a> RemotePilot<'a> {
     }
 
     /// The segments of an answer; `None` if it names a state that the device does not have.
-    fn take_segments(&mut self, segments: &[SegmentAnswer]) -> Option<()> {
+    fn take_segments(&mut self, segments: &[SegmentLine]) -> Option<()> {
         self.segments.clear();
-        for SegmentAnswer { state, levels_v, strokes } in segments {
+        for SegmentLine { state, levels_v, strokes } in segments {
             let known = self.order.states.iter().position(|known| known.digits() == *state)?;
             self.segments.push(Segment { state: known, strokes: *strokes, sets_arms: !levels_v.is_empty() });
         }
@@ -119,15 +104,15 @@ impl Pilot for RemotePilot<'_> {
         let stopped = |step, phase, reason, robot| Command::Stop(Stop { reason, robot, step, phase });
         let Some(answer) = answer else { return stopped(self.step, self.phase, StopReason::Silence, None) };
         (self.step, self.phase) = (answer.step, answer.phase);
-        let until_ns = answer.until_ns;
-        match answer.command.as_str() {
-            "drive" if self.take_segments(&answer.segments).is_some() => {
+        let until_ns = answer.until_ns.unwrap_or(0);
+        match answer.command {
+            CommandWord::Drive if self.take_segments(answer.segments.as_deref().unwrap_or_default()).is_some() => {
                 Command::Drive { segments: &self.segments, until_ns }
             }
-            "rest" => Command::Rest { until_ns },
-            "continue" => Command::Continue { until_ns },
-            "finished" => Command::Finished,
-            _ => {
+            CommandWord::Rest => Command::Rest { until_ns },
+            CommandWord::Continue => Command::Continue { until_ns },
+            CommandWord::Finished => Command::Finished,
+            CommandWord::Drive | CommandWord::Stop => {
                 let is_driven = |robot: &usize| answer.driven.contains(&self.order.robot(*robot).name);
                 let robot = (0..self.order.robots.len()).find(is_driven);
                 stopped(self.step, self.phase, answer.reason.unwrap_or(StopReason::Garbled), robot)
@@ -146,9 +131,18 @@ impl Pilot for RemotePilot<'_> {
 
 impl Drop for RemotePilot<'_> {
     fn drop(&mut self) {
+        // Without its connection it ends by itself, and its recording is whole.
+        let _ = self.answers.get_ref().shutdown(Shutdown::Both);
+        let begun = Instant::now();
+        while matches!(self.child.try_wait(), Ok(None)) && begun.elapsed() < ENDING {
+            std::thread::sleep(Duration::from_millis(2));
+        }
         end(&mut self.child);
     }
 }
+
+/// So long a controller may take to end its recording once nobody measures any more.
+const ENDING: Duration = Duration::from_secs(5);
 
 /// Ends a controller that has not ended by itself.
 fn end(child: &mut Child) {

@@ -20,6 +20,10 @@ use serde_json::{Value, json};
 
 /// Runs the assemblies of a program against robots and measurements with errors.
 pub fn run(arguments: &SimulateArguments) -> Exit {
+    if arguments.record.is_some() && arguments.trials != 1 {
+        terminal::to_stderr("tweeze: `--record` is of a single trial: add `--trials 1`\n");
+        return Exit::Usage;
+    }
     let options = Options { settings: arguments.settings.set.clone(), only: arguments.task.clone() };
     let loaded = match Loaded::read(&arguments.file, options, &arguments.report) {
         Ok(loaded) => loaded,
@@ -102,7 +106,12 @@ fn against(
         return None;
     };
     let bed = SimulatedBed::new(order, &planned.motion, arguments.disturbances())?;
-    let task = RemoteTask { file: &arguments.file, task: name, settings: &arguments.settings.set };
+    let task = RemoteTask {
+        file: &arguments.file,
+        task: name,
+        settings: &arguments.settings.set,
+        record: arguments.record.as_deref(),
+    };
     let trial = |index: u64| {
         let mut pilot = RemotePilot::start(order, &task)?;
         Ok(bed.trial(arguments.seed, index, &mut pilot))

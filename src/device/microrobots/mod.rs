@@ -11,6 +11,7 @@ use crate::real::Real;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
+pub mod control;
 mod words;
 
 pub use words::{MicrorobotsObjective, MicrorobotsOutcome, MicrorobotsPlanner, VOCABULARY};

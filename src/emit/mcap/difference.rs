@@ -11,10 +11,10 @@ use std::io::{self, Write};
 /// Names the first message that differs, is missing or is superfluous, by topic and time; or else the part that differs. The
 /// log may be anything: unreadable parts count as different.
 pub fn difference(log_bytes: &[u8], verified: &Verified, provenance: &Provenance) -> Option<String> {
-    let mut comparison = Comparison { rest: log_bytes, differs: false };
+    let mut comparison = Comparison::with(log_bytes);
     let written = super::write_to(&mut comparison, verified, provenance);
     match written {
-        Ok(()) if comparison.rest.is_empty() => None,
+        Ok(()) if comparison.is_whole() => None,
         Err(error) if !comparison.differs => Some(error.diagnostic().title),
         Ok(()) | Err(_) => {
             let mut search = MessageComparison::new(super::topics(verified, &Signals::new(verified.schedule())));
@@ -28,10 +28,21 @@ pub fn difference(log_bytes: &[u8], verified: &Verified, provenance: &Provenance
 }
 
 /// Receives the bytes written and compares them with the log, so that no second log is held in memory.
-struct Comparison<'a> {
+pub(super) struct Comparison<'a> {
     /// The part of the log not yet compared.
     rest: &'a [u8],
     differs: bool,
+}
+
+impl<'a> Comparison<'a> {
+    pub fn with(bytes: &'a [u8]) -> Self {
+        Comparison { rest: bytes, differs: false }
+    }
+
+    /// Whether all bytes were written, and no others.
+    pub fn is_whole(&self) -> bool {
+        self.rest.is_empty() && !self.differs
+    }
 }
 
 impl Write for Comparison<'_> {

@@ -4,9 +4,11 @@
 //! attached as in the log of a plan, and the metadata record `tweeze-recording` names the version, the program and its settings. Nothing is
 //! in it that depends on a clock, so that the same measurements give the same bytes.
 
+use super::difference::Comparison;
 use super::{CLAIMS, EmitError, Format, LIBRARY, Provenance, SOURCE_PREFIX, attach, options};
 use crate::claims::Claims;
-use crate::log;
+use crate::log::{self, RecordedMessage};
+use crate::schedule::control::ControlLine;
 use crate::source::MAX_FILE_BYTES;
 use ::mcap::write::NoSeek;
 use ::mcap::{McapError, Writer, records};
@@ -83,6 +85,32 @@ impl<W: Write> Recorder<W> {
     pub fn finish(mut self) -> Result<(), EmitError> {
         self.writer.finish().map(drop).map_err(failed)
     }
+}
+
+/// Whether a file is, byte for byte, the recording of some lines: so nothing else is in it, and viewers show each line at its time.
+pub fn is_as_recorded(bytes: &[u8], claims: &Claims, provenance: &Provenance, lines: &[RecordedMessage]) -> bool {
+    let mut comparison = Comparison::with(bytes);
+    again(&mut comparison, claims, provenance, lines).is_ok() && comparison.is_whole()
+}
+
+/// Records lines that were recorded before.
+fn again(
+    to: &mut impl Write,
+    claims: &Claims,
+    provenance: &Provenance,
+    lines: &[RecordedMessage],
+) -> Result<(), EmitError> {
+    let mut recorder = Recorder::begin(to, claims, provenance)?;
+    let mut last_ns = 0;
+    for RecordedMessage { text, line } in lines {
+        let (kind, t_ns) = match line {
+            ControlLine::Measured(line) => (RecordedLine::Measured, line.t_ns.max(last_ns)),
+            ControlLine::Command(line) => (RecordedLine::Command, line.t_ns),
+        };
+        last_ns = t_ns;
+        recorder.add(kind, t_ns, text)?;
+    }
+    recorder.finish()
 }
 
 fn failed(error: McapError) -> EmitError {

@@ -3,6 +3,8 @@
 //! Each leg is the control cycle of its state, level after level, and then one actuation that swings between the flex and the relax
 //! level, stroke after stroke, however long it is. At 0 V all arms go up, so nothing is left out between the levels.
 
+pub mod command;
+
 use super::Lowered;
 use super::clock::{LoweredRun, RunActuation};
 use crate::claims::microrobots::MicrorobotsOrder;

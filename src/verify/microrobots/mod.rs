@@ -10,6 +10,7 @@ mod bodies;
 mod claims;
 mod clearance;
 mod motion;
+pub mod recorded;
 mod relay;
 mod sweep;
 mod voltage;

@@ -14,13 +14,13 @@ use crate::compile::{self, CompileOutcome};
 use crate::diagnostic::Sink;
 use crate::emit::Provenance;
 use crate::emit::mcap::recording::{RecordedLine, Recorder};
+use crate::lower::microrobots::command::{command_line, stopped};
 use crate::plan::Motion;
 use crate::plan::microrobots::MicrorobotsMotion;
 use crate::plan::microrobots::control::{Command, Controller, StopReason};
 use crate::source::Sources;
 pub use link::Address;
 use link::Incoming;
-use protocol::{Decision, StepLines};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -65,7 +65,7 @@ pub fn run(arguments: &ControlArguments) -> Exit {
     let Some(Motion::Microrobots(planned)) = plans.first().map(|plan| &plan.motion) else {
         return no_bed(&claims.name);
     };
-    let lines = StepLines(order.steps.iter().map(|step| sources.position(step.span).line).collect());
+    let lines = order.steps.iter().map(|step| sources.position(step.span).line).collect();
     let provenance = build::provenance(&sources, &loaded.options);
     serve(arguments, (claims, &provenance), (order, &planned.motion), lines)
 }
@@ -99,7 +99,7 @@ fn serve(
     arguments: &ControlArguments,
     (claims, provenance): (&Claims, &Provenance),
     (order, motion): (&MicrorobotsOrder, &MicrorobotsMotion),
-    lines: StepLines,
+    lines: Vec<u32>,
 ) -> Exit {
     let Some(controller) = Controller::new(order, motion) else { return no_bed(&claims.name) };
     let recorder = match arguments.record.as_deref().map(|path| recorder(path, claims, provenance)).transpose() {
@@ -148,7 +148,7 @@ fn recorder(
 struct Session<'a> {
     order: &'a MicrorobotsOrder,
     controller: Controller<'a>,
-    lines: StepLines,
+    lines: Vec<u32>,
     recorder: Option<Recorder<BufWriter<File>>>,
     answers: Box<dyn Write>,
     /// Time of the last measurement.
@@ -206,11 +206,7 @@ impl Session<'_> {
             Command::Stop(_) => Some(Exit::Stopped),
         };
         self.t_ns = self.t_ns.max(measured.t_ns);
-        // The borrow of the command ends with the line that it becomes.
-        let decision = Decision::of(&self.controller, self.order);
-        let command = self.controller.last();
-        let text = protocol::command(self.order, &self.lines, &decision, self.t_ns, command);
-        self.command(&text)?;
+        self.command()?;
         Ok(over)
     }
 
@@ -223,26 +219,27 @@ impl Session<'_> {
 
     fn stop(&mut self, reason: StopReason) -> Result<Option<Exit>, Exit> {
         self.controller.stop(reason, None);
-        let decision = Decision::of(&self.controller, self.order);
-        let text = protocol::command(self.order, &self.lines, &decision, self.t_ns, self.controller.last());
         // Whoever measures may have gone; the recording has the command all the same.
-        let sent = self.command(&text);
+        let sent = self.command();
         terminal::to_stderr(&format!("tweeze: stopped: {}\n", self.why()));
         sent.map(|()| Some(Exit::Stopped)).or(Ok(Some(Exit::Stopped)))
     }
 
     fn why(&self) -> String {
         match self.controller.last() {
-            Command::Stop(stop) => protocol::stopped(self.order, stop),
+            Command::Stop(stop) => stopped(self.order, stop),
             Command::Drive { .. } | Command::Rest { .. } | Command::Continue { .. } | Command::Finished => {
                 String::new()
             }
         }
     }
 
-    fn command(&mut self, text: &str) -> Result<(), Exit> {
+    /// Answers with the controller's last command.
+    fn command(&mut self) -> Result<(), Exit> {
+        let line = command_line(self.order, &self.lines, &self.controller, self.t_ns);
+        let text = protocol::written(&line);
         self.record(RecordedLine::Command, self.t_ns, text.trim_end())?;
-        self.answer(text)
+        self.answer(&text)
     }
 
     fn answer(&mut self, text: &str) -> Result<(), Exit> {

@@ -13,7 +13,7 @@
 mod belief;
 mod stages;
 
-pub use stages::{ControlPhase, StopReason};
+pub use crate::device::microrobots::control::{ControlPhase, StopReason};
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;

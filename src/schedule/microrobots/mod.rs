@@ -1,5 +1,7 @@
 //! States of a bed of microrobots, and the poses that its steps reach.
 
+pub mod control;
+
 use super::cost::{Costed, count, figure_of, proof, rounded};
 use super::reached::{Reached, Reaching};
 use super::{KindState, PlanRecord, State};

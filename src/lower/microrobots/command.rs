@@ -1,0 +1,60 @@
+//! The commands of a controller as lines of the exchange.
+
+use crate::claims::microrobots::MicrorobotsOrder;
+use crate::device::microrobots::control::StopReason;
+use crate::plan::microrobots::control::{Command, Controller, Segment, Stop};
+use crate::quantity::digits;
+use crate::schedule::control::{CommandLine, CommandWord, SegmentLine};
+
+/// The last command of a controller as the answer to a measurement of some time; `text_lines` has the line of each step of the order in
+/// the program's text.
+pub fn command_line(order: &MicrorobotsOrder, text_lines: &[u32], controller: &Controller, t_ns: u64) -> CommandLine {
+    let name = |robot: usize| order.robot(robot).name.clone();
+    let (command, until_ns, segments, stop) = match controller.last() {
+        Command::Drive { segments, until_ns } => (CommandWord::Drive, Some(until_ns), Some(segments), None),
+        Command::Rest { until_ns } => (CommandWord::Rest, Some(until_ns), None, None),
+        Command::Continue { until_ns } => (CommandWord::Continue, Some(until_ns), None, None),
+        Command::Finished => (CommandWord::Finished, None, None, None),
+        Command::Stop(stop) => (CommandWord::Stop, None, None, Some(stop)),
+    };
+    let segment = |segment: &Segment| {
+        let state = &order.states[segment.state];
+        let levels_v = if segment.sets_arms { state.levels_v.clone() } else { Vec::new() };
+        SegmentLine { state: state.digits(), levels_v, strokes: segment.strokes }
+    };
+    let step = controller.step();
+    let docked = (0..order.robots.len()).filter(|robot| controller.is_docked(*robot));
+    CommandLine {
+        t_ns,
+        command,
+        until_ns,
+        segments: segments.map(|segments| segments.iter().map(segment).collect()),
+        reason: stop.map(|stop| stop.reason),
+        message: stop.map(|stop| stopped(order, stop)),
+        step,
+        line: text_lines.get(step).copied(),
+        phase: controller.phase(),
+        driven: controller.driven().into_iter().flatten().map(name).collect(),
+        docked: docked.map(name).collect(),
+    }
+}
+
+/// Why a task was given up, for people.
+pub fn stopped(order: &MicrorobotsOrder, stop: Stop) -> String {
+    let robot = stop.robot.map_or("a robot", |robot| order.robot(robot).name.as_str());
+    match stop.reason {
+        StopReason::LeftCylinder => format!("`{robot}` did not get to where its motion should end, in all its rounds"),
+        StopReason::MissedCone => format!("the goal of `{robot}` is not within reach of the fine motion"),
+        StopReason::Misplaced => format!("`{robot}` is measured at its structure, but too far from its place"),
+        StopReason::TimeLimit => format!("`{robot}` took too long"),
+        StopReason::Unseen => format!("`{robot}` was not seen in too many measurements in a row"),
+        StopReason::Doubtful => format!("`{robot}` was measured too often where it cannot be"),
+        StopReason::Silence => {
+            let watchdog_s = order.facts.watchdog_ns() as f64 / 1e9;
+            format!("no measurement came for {} s after the end of the last command", digits(watchdog_s))
+        }
+        StopReason::Closed => "the measurements ended before the task was done".to_owned(),
+        StopReason::Clock => "the time of a measurement lies before that of the last one".to_owned(),
+        StopReason::Garbled => "too many lines in a row are no measurements".to_owned(),
+    }
+}

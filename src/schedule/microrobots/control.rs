@@ -1,0 +1,104 @@
+//! The lines of a controlled run: measured poses in, commands out, each one JSON object.
+//!
+//! Described for people in `docs/control.md`, for programs in `schema/control.schema.json`. `tweeze control` exchanges them, a recording
+//! holds them, and the verifier judges them. Times are integer nanoseconds of the measurements' own clock.
+
+use crate::device::microrobots::control::{ControlPhase, StopReason};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A line of measured poses.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeasuredLine {
+    pub t_ns: u64,
+    /// By the names of the scene; `None`, like a missing one, was not seen.
+    pub robots: BTreeMap<String, Option<MeasuredPose>>,
+}
+
+/// A measured pose, in the coordinates of the scene.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeasuredPose {
+    pub x_um: f64,
+    pub y_um: f64,
+    /// From +x, counter-clockwise.
+    pub heading_deg: f64,
+}
+
+/// A command with what belongs to every one of them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CommandLine {
+    /// Time of the measurement that it answers.
+    pub t_ns: u64,
+    pub command: CommandWord,
+    /// When the next measurement is due; `None` if nothing follows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub until_ns: Option<u64>,
+    /// Of `drive` only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub segments: Option<Vec<SegmentLine>>,
+    /// Of `stop` only, like the message.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<StopReason>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub message: Option<String>,
+    /// Index of the task's steps.
+    pub step: usize,
+    /// Of the step, in the program's text.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub line: Option<u32>,
+    pub phase: ControlPhase,
+    /// Names of the robots that are driven on purpose.
+    pub driven: Vec<String>,
+    /// Names of the robots that are held for docked.
+    pub docked: Vec<String>,
+}
+
+/// What a command wants.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CommandWord {
+    /// The segments one after the other, then the relax level.
+    Drive,
+    /// 0 V until an instant.
+    Rest,
+    /// The last command is not over yet.
+    Continue,
+    /// 0 V: the task is done.
+    Finished,
+    /// 0 V: the task was given up.
+    Stop,
+}
+
+/// Strokes in a control state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SegmentLine {
+    /// One digit for each robot of the table, 1 for an arm that is down.
+    pub state: String,
+    /// Levels of the control cycle that comes first; empty where the arms are in that state already.
+    pub levels_v: Vec<f64>,
+    pub strokes: u64,
+}
+
+/// A line of an exchange.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ControlLine {
+    Measured(MeasuredLine),
+    Command(CommandLine),
+}
+
+impl ControlLine {
+    /// The line as it stands in a recording, without its end.
+    ///
+    /// # Errors
+    /// That of the serializer, which lines give no cause for: their keys are strings.
+    pub fn written(&self) -> Result<String, serde_json::Error> {
+        match self {
+            ControlLine::Measured(line) => serde_json::to_string(line),
+            ControlLine::Command(line) => serde_json::to_string(line),
+        }
+    }
+}
