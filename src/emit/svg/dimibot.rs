@@ -351,6 +351,8 @@ fn draw_moment(robot: &LatticeRobot, t_ns: u64, view: &PaperView, to: &mut Drawi
     key.add(KeyForm::Disc, Ink::filled(robot.color).edged(color::INK, THIN_PT), format!("tip{}", robot.of()));
     key.add(KeyForm::Line, Ink::line(robot.color, WAY_PT), format!("where it was{}", behind.remark));
     key.add(KeyForm::Line, Ink::line(color::AHEAD, THIN_PT).dashed("2 2"), format!("where it will be{}", ahead.remark));
+    key.add(KeyForm::Box, Ink::filled(robot.color).edged(color::SOFT, HAIR_PT), format!("module at 1{}", robot.of()));
+    key.add(KeyForm::Box, Ink::filled(color::LIT).edged(color::SOFT, HAIR_PT), "module that is being switched");
 }
 
 /// The modules as squares, the top one first: full at 1; at an instant those that are being switched are lit.

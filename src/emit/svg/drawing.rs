@@ -71,6 +71,11 @@ impl PaperBox {
         self.left <= other.left && other.right <= self.right && self.top <= other.top && other.bottom <= self.bottom
     }
 
+    /// Whether a point lies in it.
+    pub fn surrounds(&self, at: [f64; 2]) -> bool {
+        self.holds(&PaperBox::about(at, 0.0))
+    }
+
     pub fn middle(&self) -> [f64; 2] {
         [(self.left + self.right) / 2.0, (self.top + self.bottom) / 2.0]
     }

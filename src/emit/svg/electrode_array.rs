@@ -314,13 +314,13 @@ fn draw_moment(panel: &BoardPanel, t_ns: u64, view: &PaperView, to: &mut Drawing
     for (index, part) in panel.parts.iter().enumerate() {
         let Some(here) = panel.place(part, t_ns) else { continue };
         let place = StrobedPlace { place: here, strobes: vec![(1, t_ns)] };
-        let ink = Ink::filled(color::in_turn(index)).edged(color::INK, HAIR_PT);
+        let ink = Ink::filled(color::in_turn(index)).edged(color::INK, HAIR_PT).veiled(0.75);
         panel.shape(here, view, ink, &panel.facts_of(part, &place), to);
         panel.name((*part).to_owned(), view.at(here), to, view);
     }
     draw_goals(panel, view, to, key);
     let grey = color::AHEAD;
-    key.add(KeyForm::Box, Ink::filled(grey).edged(color::INK, HAIR_PT), "part");
+    key.add(KeyForm::Box, Ink::filled(grey).edged(color::INK, HAIR_PT).veiled(0.75), "part");
     if corners <= MAX_ROUTE_CORNERS {
         key.add(KeyForm::Line, Ink::line(grey, WAY_PT), "its route so far");
         key.add(KeyForm::Line, Ink::line(grey, THIN_PT).dashed("2 2"), "its route ahead");

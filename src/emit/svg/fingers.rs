@@ -67,7 +67,7 @@ impl Pictured for FingersOrder {
         let strobes = strobes(&course, subject);
         let picture = Rc::new(HandPicture { subject, course, reach_um });
         let panel = |number: Option<usize>, t_ns: u64| {
-            let note = strobes.note.clone();
+            let note = strobes.note.clone().filter(|_| number.is_some());
             Box::new(GraspPanel { picture: Rc::clone(&picture), number, t_ns, note }) as Box<dyn Panel + 'a>
         };
         match subject.moment_ns {
@@ -275,9 +275,7 @@ fn draw_tips(
         to.disc(at, radius_pt, ink, &facts);
         let letters = Letters::SMALL.bold();
         let text = format!("f{}", finger + 1);
-        let is_seen = PaperBox::about(at, 0.0);
-        let room = view.room;
-        if (room.left..room.right).contains(&is_seen.left) && (room.top..room.bottom).contains(&is_seen.top) {
+        if view.room.surrounds(at) {
             let may_cover = 2.0 * radius_pt > letters.width_pt(&text);
             to.label(PlacedLabel { text, letters, at, radius_pt, may_cover });
         }

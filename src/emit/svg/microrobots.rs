@@ -293,6 +293,10 @@ fn label_robots(panel: &BedPanel, instants: &[u64], view: &PaperView, to: &mut D
         let name = |at, text| PlacedLabel { text, letters: Letters::SMALL.bold(), at, radius_pt, may_cover: false };
         if let (BedPart::Dock, Some(last)) = (panel.part, places.last()) {
             let at = view.at(last.place);
+            // Who is elsewhere is named in the panel of the whole bed.
+            if !view.room.surrounds(at) {
+                continue;
+            }
             to.mark(PaperBox::about(at, radius_pt));
             to.label(PlacedLabel { may_cover: true, ..name(at, facts.name.clone()) });
             continue;
