@@ -2,9 +2,7 @@
 //!
 //! The first axis of a panel is where the part's first axis was when its turn began, so that a part is seen as far round as it has turned.
 
-use super::drawing::{
-    Drawing, HAIR_PT, Ink, Letters, PaperBox, PaperView, PlacedLabel, THIN_PT, WAY_PT, color, decimal,
-};
+use super::drawing::{Drawing, HAIR_PT, Ink, Letters, PaperView, PlacedLabel, THIN_PT, WAY_PT, color, decimal};
 use super::legend::{KeyForm, PanelKey};
 use super::scenery;
 use super::strobe::{Strobes, time};

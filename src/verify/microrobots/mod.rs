@@ -1,6 +1,6 @@
 //! Replays the run of microrobots from the voltage of the bed alone: levels into arms, strokes into paths, paths into swept areas.
 //!
-//! Input: a [`Run`] whose steps and channels are sound, and the places of the robots. Output: their states and the outcomes. `voltage`
+//! Input: a run whose steps and channels are sound, and the places of the robots. Output: their states and the outcomes. `voltage`
 //! turns the actuations into legs, this file follows them and checks stops and dockings against the steps, and `clearance` checks the
 //! distances of bodies and orbits. Promise: the record is read only to be compared; the first leg whose arms or poses are not certain ends
 //! the replay of its device. Cost: for each leg the levels times the table's rows, the pairs of robots, and the obstacles near
