@@ -30,6 +30,9 @@ pub fn report(sink: &Sink, sources: &Sources, format: ReportFormat) {
     if sink.dropped() > 0 && matches!(format, ReportFormat::Human | ReportFormat::Short) {
         text.push_str(&format!("and {} more\n", sink.dropped()));
     }
+    if let Some(counted) = render::counted(sink).filter(|_| format == ReportFormat::Human) {
+        text.push_str(&format!("{counted}\n"));
+    }
     to_stderr(&text);
 }
 

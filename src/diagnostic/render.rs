@@ -2,8 +2,9 @@
 
 use super::excerpt::{CONTEXT_LINES, Excerpt};
 use super::plain::{plain, plain_lines};
-use super::{Diagnostic, Label, Severity};
+use super::{Diagnostic, Label, Severity, Sink};
 use crate::source::{FileId, Sources};
+use console::Style;
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, ThemeCharacters, ThemeStyles};
 use std::fmt;
 
@@ -33,14 +34,41 @@ pub enum Characters {
 /// The columns that a report has at least, however narrow the terminal.
 pub const MIN_WIDTH: usize = 40;
 
-/// One diagnostic for a person: code, title, the source with every place labelled, help.
+/// One diagnostic for a person: severity, code and title on one line, the source with every place labelled, help.
 pub fn human(diagnostic: &Diagnostic, sources: &Sources, look: Look) -> String {
-    let mut text = String::new();
-    let report = report(diagnostic, sources);
-    if handler(look).render_report(&mut text, &report).is_err() {
-        text = format!("{} {}\n", diagnostic.code, plain(&diagnostic.title));
+    let mut text = title(diagnostic, look.colour);
+    let handler = handler(look);
+    for part in parts(diagnostic, sources) {
+        let mut drawn = String::new();
+        if handler.render_report(&mut drawn, &part).is_ok() {
+            // Its first line is that of the title, which is empty.
+            text.push_str(drawn.split_once('\n').map_or("", |(_, body)| body));
+        }
     }
     text
+}
+
+/// The title with its code, on one line however long: the terminal wraps it.
+fn title(diagnostic: &Diagnostic, colour: Colour) -> String {
+    let bold = Style::new().bold().force_styling(colour == Colour::Ansi);
+    let (word, style) = match diagnostic.code.severity() {
+        Severity::Error => ("error", bold.clone().red()),
+        Severity::Warning => ("warning", bold.clone().yellow()),
+    };
+    let head = style.apply_to(format!("{word}[{}]", diagnostic.code.name()));
+    format!("{head}{}\n", bold.apply_to(format!(": {}", plain(&diagnostic.title))))
+}
+
+/// What a sink holds, counted: `2 errors, 1 warning`; nothing of an empty one.
+pub fn counted(sink: &Sink) -> Option<String> {
+    let warnings = sink.sorted().iter().filter(|diagnostic| !diagnostic.is_error()).count();
+    let count = |count: usize, word: &str| {
+        let plural = if count == 1 { "" } else { "s" };
+        (count > 0).then(|| format!("{count} {word}{plural}"))
+    };
+    let counts: Vec<String> =
+        [count(sink.errors(), "error"), count(warnings, "warning")].into_iter().flatten().collect();
+    (!counts.is_empty()).then(|| counts.join(", "))
 }
 
 fn handler(look: Look) -> GraphicalReportHandler {
@@ -58,70 +86,58 @@ fn handler(look: Look) -> GraphicalReportHandler {
         .with_context_lines(CONTEXT_LINES)
 }
 
-/// A diagnostic as miette sees it: the labels of one file, further files as related reports.
+/// A part of a diagnostic as miette sees it: the labels of one file, or the help alone.
 struct MietteReport {
-    head: Option<(String, Severity)>,
-    title: String,
+    severity: Severity,
     help: Option<String>,
     source: Option<Excerpt>,
     labels: Vec<LabeledSpan>,
-    related: Vec<MietteReport>,
 }
 
-fn report(diagnostic: &Diagnostic, sources: &Sources) -> MietteReport {
+/// One part for each file that is labelled; the help is in the last one.
+fn parts(diagnostic: &Diagnostic, sources: &Sources) -> Vec<MietteReport> {
+    let severity = diagnostic.code.severity();
     let mut files: Vec<FileId> = Vec::new();
     for label in &diagnostic.labels {
         if !files.contains(&label.span.file) {
             files.push(label.span.file);
         }
     }
-    let mut parts = files.into_iter().map(|file| {
+    let part = |file: FileId| {
         let labels: Vec<&Label> = diagnostic.labels.iter().filter(|label| label.span.file == file).collect();
-        Excerpt::of(sources.file(file), &labels)
-    });
-    let (source, labels) = parts.next().unzip();
-    let related = parts.map(|(source, labels)| MietteReport {
-        head: None,
-        title: format!("see also {}", source.name()),
-        help: None,
-        source: Some(source),
-        labels,
-        related: Vec::new(),
-    });
-    MietteReport {
-        head: Some((diagnostic.code.name().to_owned(), diagnostic.code.severity())),
-        title: plain(&diagnostic.title).into_owned(),
-        help: diagnostic.help.as_deref().map(plain_lines),
-        related: related.collect(),
-        source,
-        labels: labels.unwrap_or_default(),
+        let (source, labels) = Excerpt::of(sources.file(file), &labels);
+        MietteReport { severity, help: None, source: Some(source), labels }
+    };
+    let mut parts: Vec<MietteReport> = files.into_iter().map(part).collect();
+    if let Some(help) = diagnostic.help.as_deref().map(plain_lines) {
+        if parts.is_empty() {
+            parts.push(MietteReport { severity, help: None, source: None, labels: Vec::new() });
+        }
+        parts.last_mut().into_iter().for_each(|last| last.help = Some(help.clone()));
     }
+    parts
 }
 
 impl fmt::Display for MietteReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.title)
+        // The title stands above all parts.
+        f.write_str("")
     }
 }
 
 impl fmt::Debug for MietteReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.title)
+        fmt::Display::fmt(self, f)
     }
 }
 
 impl std::error::Error for MietteReport {}
 
 impl miette::Diagnostic for MietteReport {
-    fn code<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.head.as_ref().map(|(code, _)| Box::new(code) as Box<dyn fmt::Display>)
-    }
-
     fn severity(&self) -> Option<miette::Severity> {
-        Some(match self.head {
-            Some((_, Severity::Error)) => miette::Severity::Error,
-            Some((_, Severity::Warning)) => miette::Severity::Warning,
-            None => miette::Severity::Advice,
+        Some(match self.severity {
+            Severity::Error => miette::Severity::Error,
+            Severity::Warning => miette::Severity::Warning,
         })
     }
 
@@ -136,12 +152,5 @@ impl miette::Diagnostic for MietteReport {
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         (!self.labels.is_empty())
             .then(|| Box::new(self.labels.iter().cloned()) as Box<dyn Iterator<Item = LabeledSpan>>)
-    }
-
-    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn miette::Diagnostic> + 'a>> {
-        if self.related.is_empty() {
-            return None;
-        }
-        Some(Box::new(self.related.iter().map(|report| report as &dyn miette::Diagnostic)))
     }
 }

@@ -122,9 +122,21 @@ fn an_outline_thinner_than_can_be_followed_is_refused_at_the_door() {
 /// Each was once planned and then refused by the verifier.
 #[test]
 fn what_was_refused_by_the_verifier_is_built() {
-    for name in ["fingers-wait-before-grasp", "fingers-balanced-while-carried", "fingers-orient-then-grasp"] {
+    for name in [
+        "fingers-wait-before-grasp",
+        "fingers-balanced-while-carried",
+        "fingers-orient-then-grasp",
+        "fingers-carried-between-planes",
+    ] {
         assert_eq!(cost(&found(name)), [0.0; 2], "{name}");
     }
+}
+
+/// A part that is only carried does not roll: the replay stays in the plane of the last turn, as the plan does.
+#[test]
+fn a_part_is_carried_between_turns_about_two_axes() {
+    let built = build(&found("fingers-carried-between-planes"));
+    assert_eq!((built.codes, built.schedules.len()), (Vec::<&str>::new(), 1));
 }
 
 /// Outlines that are nearly too rough take longest to refuse; there is an end to them.

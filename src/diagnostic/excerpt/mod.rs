@@ -89,11 +89,6 @@ impl Excerpt {
         (excerpt, spans)
     }
 
-    /// The name of its file.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
     /// Adds a line, or the part of it that is kept, and moves its marks accordingly.
     fn push(
         &mut self,

@@ -63,7 +63,15 @@ impl JudgedHand<'_, '_> {
     }
 
     /// The plane in which tips roll: any in which they touch, if it fits their motion better than the one in which they did.
+    ///
+    /// Tips that all go the same way carry the part without rolling, in whatever plane they hold it: it stays the one they rolled in.
     fn rolling_plane(&self, nth: usize, stretch: &Stretch) -> Plane {
+        let way = |finger: usize| stretch.to_um[finger] - stretch.from_um[finger];
+        let mut ways = self.grip.holds.iter().map(|hold| way(hold.finger));
+        let first = ways.next();
+        if first.is_none_or(|first| ways.all(|way| (way - first).norm() <= SAME_MISFIT_UM)) {
+            return self.grip.plane;
+        }
         let wanted = match &self.order.steps[nth].action {
             FingersAction::Rotate { plane, .. } => Some(*plane),
             FingersAction::Grasp(_)
