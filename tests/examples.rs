@@ -43,7 +43,7 @@ fn every_example_builds_without_a_word_and_is_written_in_every_format() {
         // G-code is of stages only.
         let are_stages =
             |schedule: &Schedule| schedule.channels.iter().all(|channel| channel.unit == ChannelUnit::Micrometre);
-        let due = built.schedules.iter().map(|verified| 9 + usize::from(are_stages(verified.schedule())));
+        let due = built.schedules.iter().map(|verified| 10 + usize::from(are_stages(verified.schedule())));
         assert_eq!(files.len(), due.sum::<usize>(), "{name}");
         assert!(files.iter().all(|file| !file.bytes.is_empty()), "{name}");
         let plans = built.schedules.iter().flat_map(|verified| &verified.schedule().plans);
