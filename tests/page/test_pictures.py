@@ -4,11 +4,9 @@
 """
 
 import os
-import shutil
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import sync_playwright
 
 PICTURES = sorted(Path(os.environ.get("TWEEZE_PICTURES", "out/pictures")).glob("**/*.svg"))
 
@@ -17,16 +15,6 @@ TEXTS = """() => [...document.querySelectorAll("text")].map((text) => {
   const { x, y, width, height } = text.getBBox();
   return [text.textContent, x, y, x + width, y + height];
 })"""
-
-
-@pytest.fixture(scope="module")
-def browser():
-    path = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("google-chrome")
-    assert path, "a Chromium is needed: name it by CHROMIUM"
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        yield browser
-        browser.close()
 
 
 def test_there_are_pictures():
