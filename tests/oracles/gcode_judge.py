@@ -72,7 +72,8 @@ def rounding(text, log, device):
     with open(log, "rb") as file:
         claims = next(json.loads(a.data) for a in make_reader(file).iter_attachments() if a.name == "claims.json")
     own = [job["order"]["fingers"]["facts"]["tolerance_um"] for job in claims["jobs"] if job["device"] == device]
-    demand(abs(float(found[0]) * 1e3 - min(own) / 2) < 1e-3, f"corners are rounded by {found[0]} mm, half the tolerance is {min(own) / 2} um")
+    spare_um = min(own) / 2 - float(found[0]) * 1e3
+    demand(-1e-9 <= spare_um < 1e-3, f"corners are rounded by {found[0]} mm, half the tolerance is {min(own) / 2} um")
 
 
 def tell(times, places, t_ns, at):

@@ -3,11 +3,13 @@
 import re
 
 from vcd_judge import by_pyvcd
-from verdict import demand
+from verdict import Skipped, demand
 
 
 def judge(path, schedule):
     vcd = path.with_suffix(".vcd")
+    if not vcd.exists():
+        raise Skipped(f"{vcd.name} is not there")
     text = path.read_text("ascii")
     demand(f'[dumpfile] "{vcd.name}"\n' in text and f'[savefile] "{path.name}"\n' in text, "it is for another file")
     _, types, _ = by_pyvcd(vcd)

@@ -118,7 +118,7 @@ TRAIN_FAULTS = [
     (".csv", ".csv", b"2000000,130,115,50000,2000000\n", b""),
     (".csv", ".csv", b"m.bed.first [V]", b"m.bed.second [V]"),
     (".vcd", ".vcd", b"\n1a\n", b"\n"),
-    (".vcd", ".vcd", b"\n#32\n", b"\n#33\n"),
+    (".vcd", ".vcd", b"\n#320\n", b"\n#330\n"),
     (".vcd", ".vcd", b"r50000 d\n", b"r50002 d\n"),
     (".vcd", ".vcd", b"r130 b\nr115 c\n", b"r115 b\nr130 c\n"),
     ("sigrok", ".vcd", b"\n1a\n", b"\n"),

@@ -208,8 +208,9 @@ fn vcd_finds_channels_under_their_names_and_their_wires() {
         text.contains("$timescale 100 us $end\n$scope module bot $end\n$var wire 1 a bot_bl0_set $end\n"),
         "{text}"
     );
-    let wire = text.lines().find(|line| line.ends_with(" Dev1/port0/line0 $end")).expect("the wire has a variable");
-    let code = wire.strip_prefix("$var wire 1 ").and_then(|rest| rest.split(' ').next()).expect("a code");
+    let codes =
+        text.lines().filter_map(|line| line.strip_prefix("$var wire 1 ")?.strip_suffix(" Dev1/port0/line0 $end"));
+    let code = codes.last().expect("the wire has a variable");
     assert!(text.contains(&format!("#0\n$dumpvars\n1a\n1{code}\n0b\n")), "{text}");
     assert!(text.ends_with("\n#1125\n"));
 }
@@ -240,10 +241,10 @@ fn vcd_has_a_bit_for_a_voltage_of_two_levels_only() {
 #[test]
 fn vcd_of_a_train_changes_only_at_its_ends() {
     let text = text(Format::Vcd, &fixture::bed());
-    let declared = "$timescale 1 ms $end\n$scope module m $end\n$var wire 1 a m_bed_train $end\n$var real 64 b m_bed_first $end\n\
+    let declared = "$timescale 100 us $end\n$scope module m $end\n$var wire 1 a m_bed_train $end\n$var real 64 b m_bed_first $end\n\
                     $var real 64 c m_bed_second $end\n$var real 64 d m_bed_period_ns $end\n$upscope $end\n";
     assert!(text.contains(declared), "{text}");
-    assert!(text.contains("\n#2\n1a\nr130 b\nr115 c\nr50000 d\n#32\n"), "{text}");
+    assert!(text.contains("\n#20\n1a\n1e\nr130 b\nr115 c\nr50000 d\n#320\n"), "{text}");
     let files = emit(Format::Vcd, &fixture::bed().0, &Provenance::default()).unwrap();
     assert_eq!(files[1].name, "bed.gtkw");
     let view = String::from_utf8(files[1].bytes.clone()).unwrap();
@@ -373,7 +374,9 @@ fn an_hour_of_strokes_is_a_small_file_in_every_format() {
     let rows = one(Format::Csv, &(hour.clone(), Provenance::default()));
     let rows = String::from_utf8(rows).unwrap();
     assert!(
-        rows.starts_with("time [ns],m.bed.first [V],m.bed.second [V],m.bed.period [ns],m.bed.start [ns]\n"),
+        rows.starts_with(
+            "time [ns],m.bed.first [V] @ Dev2/ao0,m.bed.second [V] @ Dev2/ao0,m.bed.period [ns],m.bed.start [ns]\n"
+        ),
         "{rows}"
     );
     assert!(rows.ends_with("\n2000000,130,115,50000,2000000\n3600002000000,0,0,0,0\n"), "{rows}");
