@@ -14,7 +14,6 @@ use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::{Format, Signals};
 use crate::claims::Claims;
-use crate::claims::fingers::FingersOrder;
 use crate::schedule::{Channel, ChannelUnit};
 use std::fmt::Write as _;
 
@@ -75,7 +74,7 @@ fn refuse_what_is_no_stage(signals: &Signals) -> Result<(), EmitError> {
 /// How far the controller may leave a way of a device, in nanometres: half of the least tolerance of its jobs.
 pub(super) fn rounding_nm(claims: &Claims, device: &str) -> u64 {
     let own = claims.jobs.iter().filter(|job| job.device == device);
-    let tolerances_um = own.filter_map(|job| FingersOrder::of(&job.order)).map(|order| order.facts.tolerance_um);
+    let tolerances_um = own.filter_map(|job| job.order.asked().tolerance_um());
     (tolerances_um.reduce(f64::min).unwrap_or(0.0) / 2.0 * 1000.0).floor() as u64
 }
 

@@ -208,9 +208,9 @@ fn vcd_finds_channels_under_their_names_and_their_wires() {
         text.contains("$timescale 100 us $end\n$scope module bot $end\n$var wire 1 a bot_bl0_set $end\n"),
         "{text}"
     );
-    let codes =
+    let mut codes =
         text.lines().filter_map(|line| line.strip_prefix("$var wire 1 ")?.strip_suffix(" Dev1/port0/line0 $end"));
-    let code = codes.last().expect("the wire has a variable");
+    let code = codes.next_back().expect("the wire has a variable");
     assert!(text.contains(&format!("#0\n$dumpvars\n1a\n1{code}\n0b\n")), "{text}");
     assert!(text.ends_with("\n#1125\n"));
 }

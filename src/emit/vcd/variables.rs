@@ -117,11 +117,13 @@ pub fn all(signals: &Signals, forms: &[Form]) -> Vec<Variable> {
     let mut distinct = distinct.into_iter();
     let wires = wires.iter().map(|wire| wire.as_ref().and_then(|_| distinct.next()));
     let count = parts.len();
-    let variable = |(index, (((channel, part), name), wire)): (usize, (((usize, Part), String), Option<String>))| {
-        let wire_code = if part.is_bit() { code(count + index) } else { code(index) };
-        Variable { channel, part, name, wire, code: code(index), wire_code }
-    };
-    parts.into_iter().zip(names).zip(wires).enumerate().map(variable).collect()
+    let named = parts.into_iter().zip(names).zip(wires).enumerate();
+    named
+        .map(|(index, (((channel, part), name), wire))| {
+            let wire_code = if part.is_bit() { code(count + index) } else { code(index) };
+            Variable { channel, part, name, wire, code: code(index), wire_code }
+        })
+        .collect()
 }
 
 impl Variable {
