@@ -53,8 +53,9 @@ fn build(example: &Path, formats: &str, folder: &Path) -> Result<(), String> {
 fn schedules(folder: &Path) -> BTreeSet<PathBuf> {
     let paths = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let is_schedule = |path: &PathBuf| {
-        let is_own = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
-        !is_own && path.extension().is_some_and(|ending| ending == "json")
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let is_other = name.starts_with('.') || name.ends_with(".lichtblick.json");
+        !is_other && path.extension().is_some_and(|ending| ending == "json")
     };
     paths.filter(is_schedule).collect()
 }

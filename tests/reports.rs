@@ -78,7 +78,10 @@ fn reports_of_success_are_json_too() {
     let built = parsed(&out(&run(&bench, &["build", "sound.twz", "--emit", "mcap,csv", "--format", "json"]).code(0)));
     assert_eq!([&built["built"], &built["declared"]], [&json!("sound.twz"), &declared]);
     let schedule = &built["schedules"][0];
-    assert_eq!([&schedule["name"], &schedule["files"]], [&json!("go"), &json!(["go.mcap", "go.csv"])]);
+    assert_eq!(
+        [&schedule["name"], &schedule["files"]],
+        [&json!("go"), &json!(["go.mcap", "go.lichtblick.json", "go.csv"])]
+    );
     assert_eq!(schedule["plans"][0]["optimal"], true);
     assert_eq!(schedule["plans"][0]["cost"], schedule["plans"][0]["bound"]);
     let verified = run(&bench, &["verify", "go.mcap", "--against", "sound.twz", "--format", "json"]).code(0);

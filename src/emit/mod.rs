@@ -109,7 +109,10 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
     let file = |ending: &str, bytes| OutputFile { name: format!("{}.{ending}", schedule.name), bytes };
     let signals = Signals::new(schedule);
     match format {
-        Format::Mcap => Ok(vec![file("mcap", mcap::write(verified, provenance)?)]),
+        Format::Mcap => {
+            let log = mcap::write(verified, provenance)?;
+            Ok(vec![file("mcap", log), file("lichtblick.json", mcap::layout::write(verified))])
+        }
         Format::Json => Ok(vec![file("json", json::write(schedule))]),
         Format::Csv => Ok(vec![file("csv", csv::write(&signals)?)]),
         Format::Vcd => {

@@ -2,7 +2,7 @@
 
 import re
 
-from vcd_judge import by_pyvcd
+from vcd_judge import UNIT_NS, by_pyvcd
 from verdict import Skipped, demand
 
 
@@ -20,6 +20,11 @@ def judge(path, schedule):
     groups = re.findall(r"^@(800200|1000200)\n-(\S+)$", text, re.MULTILINE)
     devices = list(dict.fromkeys(channel["device"] for channel in schedule.document["channels"]))
     demand(groups == [(flag, device) for device in devices for flag in ("800200", "1000200")], "the groups are others")
+    # At zoom 0 a window shows 4 units or more; GTKWave counts 10 us and 100 us in us.
+    unit = re.search(r"^\$timescale \d+ (\w+) \$end$", vcd.read_text("ascii"), re.MULTILINE)[1]
+    zoom = int(re.search(r"^\*-(\d+)\.", text, re.MULTILINE)[1])
+    wanted = schedule.duration_ns / UNIT_NS[unit] / 4
+    demand(2**zoom >= wanted and (2 ** (zoom - 1) < wanted or not zoom), f"zoom {zoom} does not fit {4 * wanted} {unit}")
     inner = [name for name in shown if name.count(".") != 1]
     demand(not inner, f"GTKWave would not find {inner[:3]}")
     return f"{len(shown)} rows in {len(devices)} groups are the variables of {vcd.name}"

@@ -13,6 +13,9 @@ from schedule import held
 from verdict import demand
 
 
+# Level of a beat in the log.
+DEBUG = 1
+
 # What the topics of channels end with, by the unit.
 TOPICS = {"V": "voltages", "um": "positions"}
 
@@ -87,9 +90,14 @@ def csv_columns(header, name, bound):
 
 
 def log_lines(messages, schedule):
-    """Each step with its words, and what it reaches in numbers of at most six digits."""
+    """Each step with its place and words, and what it reaches in numbers of at most six digits; and beats of steps of boards."""
     key = lambda line: line[:2] + line[3:]
-    found = sorted(((t, m.name, m.message, m.file, m.line) for t, m in messages), key=key)
+    for t, m in messages:
+        demand(m.message.startswith(f"{m.file}:{m.line} "), f"/log does not say where `{m.message}` stands")
+    beats = [(t, m) for t, m in messages if m.level == DEBUG]
+    found = [(t, m.name, m.message.removeprefix(f"{m.file}:{m.line} "), m.file, m.line) for t, m in messages if m.level != DEBUG]
+    found = sorted(found, key=key)
+    beats_of_boards(beats, schedule)
     steps = schedule.document["steps"]
     wanted = sorted(((s["start_ns"], s["task"], s, s["file"], s["line"]) for s in steps), key=key)
     demand([key(line) for line in found] == [key(line) for line in wanted], "/log is not the steps")
@@ -102,6 +110,30 @@ def log_lines(messages, schedule):
             shown = [float(number) for number in re.findall(r"-?\d+\.?\d*(?:e-?\d+)?", line.removeprefix(entry.get("robot", "")))]
             near = all(abs(a - b) <= max(1e-4, 1e-5 * abs(b)) for a, b in zip(shown, numbers(entry)))
             demand(len(shown) == len(numbers(entry)) and near, f"/log says `{line}`, the schedule {entry}")
+
+
+def beats_of_boards(beats, schedule):
+    """Of each step of a board in which parts move several times, one entry for each: when, and to which electrodes."""
+    wanted = []
+    for plan_index, plan in enumerate(schedule.document["plans"]):
+        if plan["kind"] != "electrode_array":
+            continue
+        changes = [(a, b) for a, b in zip(plan["states"], plan["states"][1:]) if a["parts"] != b["parts"]]
+        for step in schedule.document["steps"]:
+            end = step["start_ns"] + step["duration_ns"]
+            own = [(a, b) for a, b in changes if step["plan"] == plan_index and step["start_ns"] < b["t_ns"] <= end]
+            for number, (a, b) in enumerate(own, 1) if len(own) > 1 else ():
+                cells = sorted(tuple(cell) for name, cell in b["parts"].items() if a["parts"].get(name) != cell)
+                wanted.append((step["file"], step["line"], f"beat {number} of {len(own)}", b["t_ns"], cells))
+    demand(len(beats) == len(wanted), f"/log has {len(beats)} beats, the schedule {len(wanted)}")
+    found = {}
+    for t, m in beats:
+        found.setdefault((m.file, m.line, m.message.split(" ", 1)[1].split(":")[0]), []).append((t, m.message))
+    for file, line, beat, arrived, cells in wanted:
+        # A line in a loop has several.
+        t, message = max((entry for entry in found.get((file, line, beat), []) if entry[0] < arrived), default=(arrived, "nothing"))
+        named = sorted(tuple(map(int, cell)) for cell in re.findall(r" to \((\d+), (\d+)\)", message))
+        demand(t < arrived and (named == cells or "more" in message), f"/log has `{message}` at {t} ns, not {cells}")
 
 
 def numbers(reached):
@@ -144,12 +176,21 @@ def robot(topics, plan, _):
 def board(topics, plan, _):
     """Parts where the states say; for each of them a frame and a body."""
     device, states = plan["device"], plan["states"]
-    poses = dict((t, [(p.position.x, p.position.y) for p in m.poses]) for t, m in topics[f"/{device}/poses"][1])
-    for state in states:
-        # Where nothing has moved since, nothing is said again.
-        said = max((t for t in poses if t <= state["t_ns"]), default=None)
-        wanted = [(column - 1, row - 1) for _, (column, row) in sorted(state["parts"].items())]
-        demand(said is not None and poses[said] == wanted, f"/{device}/poses is elsewhere at {state['t_ns']} ns")
+    cells = topics[f"/{device}/cells"][1]
+    pitches = set()
+    for name in states[0]["parts"]:
+        poses = dict((t, (m.pose.position.x, m.pose.position.y)) for t, m in topics[f"/{device}/pose/{name}"][1])
+        field = re.sub(r"\W", "_", name)
+        for state in states:
+            if name not in state["parts"]:
+                continue
+            column, row = state["parts"][name]
+            # Where nothing has moved since, nothing is said again.
+            x, y = poses[max(t for t in poses if t <= state["t_ns"])]
+            pitches |= {round(x / (column - 1), 6) for _ in "x" if column > 1} | {round(y / (row - 1), 6) for _ in "y" if row > 1}
+            at = [m for t, m in cells if t <= state["t_ns"]][-1]
+            demand([getattr(at, f"{field}_column"), getattr(at, f"{field}_row")] == [column, row], f"/{device}/cells has {name} elsewhere at {state['t_ns']} ns")
+    demand(len(pitches) == 1, f"/{device}/pose has pitches of {sorted(pitches)[:4]} um")
     entities = {entity.id: entity for _, m in topics[f"/{device}/scene"][1] for entity in m.entities}
     frames = {f.child_frame_id for _, m in topics["/tf"][1] for f in m.transforms}
     for name in states[0]["parts"]:

@@ -20,6 +20,7 @@ JUDGES = {
     ".json": "schedule",
     ".csv": "csv_judge",
     ".mcap": "mcap_judge",
+    ".lichtblick.json": "layout_judge",
     ".vcd": "vcd_judge",
     ".gtkw": "gtkw_judge",
     ".cir": "spice_judge",
@@ -29,7 +30,7 @@ JUDGES = {
 }
 
 # Second judges of some files.
-SECOND = {".vcd": "sigrok_judge"}
+SECOND = {".vcd": "sigrok_judge", ".mcap": "plot_judge"}
 
 
 def judge(path, module, schedule):
@@ -53,8 +54,9 @@ def judge_folder(folder):
     from schedule import Schedule
 
     verdicts = []
-    # A folder for each program; what begins with a dot is the tool's own.
-    paths = (path for path in Path(folder).rglob("*.json") if not path.name.startswith("."))
+    # A folder for each program; what begins with a dot is the tool's own, and a layout of a log is no schedule.
+    paths = Path(folder).rglob("*.json")
+    paths = [path for path in paths if not path.name.startswith(".") and not path.name.endswith(".lichtblick.json")]
     for path in sorted(paths):
         try:
             schedule = Schedule(path)

@@ -43,7 +43,7 @@ fn leftovers_of_builds_that_were_killed_are_cleared() {
     let bench = Bench::new();
     bench.write("one.twz", ONE).write(".tweeze-new-0", "half").write(".tweeze-draft", "half");
     bench.run(&["build", "one.twz"]).code(DONE);
-    assert_eq!(bench.names(), [".tweeze.json", "go.mcap", "one.twz"]);
+    assert_eq!(bench.names(), [".tweeze.json", "go.lichtblick.json", "go.mcap", "one.twz"]);
 }
 
 /// A journal that came with a folder from elsewhere is not obeyed: neither by a build nor by `verify`, which reads logs of strangers.
@@ -66,7 +66,7 @@ fn a_journal_from_elsewhere_changes_nothing() {
     fs::remove_file(bench.path(".tweeze-journal")).expect("removed");
     bench.run(&["verify", "go.mcap"]).code(DONE);
     bench.run(&["build", "one.twz"]).code(DONE);
-    assert_eq!(bench.names(), [".tweeze.json", "a.csv", "go.mcap", "one.twz"]);
+    assert_eq!(bench.names(), [".tweeze.json", "a.csv", "go.lichtblick.json", "go.mcap", "one.twz"]);
 }
 
 /// Builds at once wait for one another: each set is of one of them.
@@ -90,5 +90,5 @@ fn builds_at_once_leave_whole_sets() {
         let now = read();
         assert!(now == one || now == other);
     }
-    assert_eq!(bench.names().len(), 8, "{:?}", bench.names());
+    assert_eq!(bench.names().len(), 9, "{:?}", bench.names());
 }

@@ -53,7 +53,7 @@ impl Scene {
         let calls = fs::read_to_string(&count).expect("the calls were counted");
         scene.calls = calls.parse().expect("a number");
         scene.new = scene.set();
-        assert!(scene.calls > 40 && scene.new != scene.old && scene.new.len() == 6, "{} calls", scene.calls);
+        assert!(scene.calls > 40 && scene.new != scene.old && scene.new.len() == 7, "{} calls", scene.calls);
         scene
     }
 

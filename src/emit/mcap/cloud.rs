@@ -29,6 +29,14 @@ pub struct SpaceStroke {
     pub color: Color,
 }
 
+impl From<&Stroke> for SpaceStroke {
+    /// In the plane z = 0.
+    fn from(stroke: &Stroke) -> SpaceStroke {
+        let corners = stroke.corners.iter().map(|corner| Point3::new(corner.x, corner.y, 0.0)).collect();
+        SpaceStroke { corners, color: stroke.color }
+    }
+}
+
 pub fn rectangle([x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> Vec<Point2<f64>> {
     ring([[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(Point2::from).to_vec())
 }
@@ -67,11 +75,7 @@ pub fn cloud(strokes: &[Stroke], device: &str, t_ns: u64) -> PointCloud {
 
 /// A cloud with this spacing of neighbouring points, or a wider one if there would be too many.
 pub fn spaced_cloud(strokes: &[Stroke], device: &str, t_ns: u64, least_step_um: f64) -> PointCloud {
-    let flat = |stroke: &Stroke| SpaceStroke {
-        corners: stroke.corners.iter().map(|corner| Point3::new(corner.x, corner.y, 0.0)).collect(),
-        color: stroke.color,
-    };
-    space_cloud(&strokes.iter().map(flat).collect::<Vec<_>>(), device, t_ns, least_step_um)
+    space_cloud(&strokes.iter().map(SpaceStroke::from).collect::<Vec<_>>(), device, t_ns, least_step_um)
 }
 
 /// As [`spaced_cloud`], in space and in a frame of any name.

@@ -2,9 +2,10 @@
 //!
 //! Devices that a scene places have their frame there; pictures put the others side by side along x.
 
+use super::cloud::{SpaceStroke, space_cloud};
 use super::{LogTopic, WORLD, foxglove};
 use crate::real::Real;
-use foxglove::{FrameTransform, FrameTransforms, Pose, Quaternion, Vector3};
+use foxglove::{FrameTransform, FrameTransforms, PointCloud, Pose, Quaternion, Vector3};
 use std::collections::BTreeMap;
 
 /// Where something stands, and how it is turned.
@@ -62,6 +63,32 @@ pub struct Mover {
     pub device: String,
     /// Its places from each instant on, in order of time; `None` where it is no longer there.
     pub places: Vec<(u64, FramePlace)>,
+    /// Its outline in its own frame; empty where another topic shows it.
+    pub outline: Vec<SpaceStroke>,
+}
+
+/// Points along an outline, approximately.
+const OUTLINE_POINTS: f64 = 300.0;
+
+impl Mover {
+    /// `/<frame>/points`: the outline as points that go with the frame, for viewers that show no scenes; no points while it is gone.
+    pub fn points(&self) -> Option<LogTopic> {
+        if self.outline.is_empty() {
+            return None;
+        }
+        let pairs = self.outline.iter().flat_map(|stroke| stroke.corners.windows(2));
+        let length = pairs.map(|pair| nalgebra::distance(&pair[0], &pair[1])).sum::<f64>();
+        let mut was_there = None;
+        let mut messages = Vec::new();
+        for (t_ns, place) in &self.places {
+            if was_there.replace(place.is_some()) != Some(place.is_some()) {
+                let strokes = if place.is_some() { &self.outline[..] } else { &[] };
+                let cloud = space_cloud(strokes, &self.frame, *t_ns, length / OUTLINE_POINTS);
+                messages.push((*t_ns, foxglove::encode(&cloud)));
+            }
+        }
+        Some(LogTopic::new::<PointCloud>(format!("/{}/points", self.frame), messages))
+    }
 }
 
 /// `/tf`: all frames whenever one of them moves, since a viewer that jumps in time reads the last message only. `stands` are the frames of

@@ -1,13 +1,15 @@
 //! MCAP: a log that viewers play without set-up, and that `tweeze verify` judges without any other file.
 //!
 //! All messages are protobuf. For each device: `/<device>/voltages` (V) or `/<device>/positions` (um); `/<device>/pose` (of the
-//! end-effector or the held part) and `/<device>/path` (the whole path of an end-effector), or the `poses` of all parts or robots;
-//! `/<device>/scene` and `/<device>/plan` (scenery, paths and stops, in three dimensions), and both as `…/points` for
-//! viewers that show no scenes. For all: `/tf` and `/log` (each step at its start, with its source line). Attachments:
+//! end-effector or the held part) and `/<device>/path` (the whole path of an end-effector), `/<device>/pose/<part>` for each part of a
+//! board, or the `poses` of all robots; `/<device>/scene` and `/<device>/plan` (scenery, paths and stops, in three dimensions). Viewers
+//! that show no scenes find points instead: `…/points` of both, and of what moves, in its own frame (`/bot/tip/points`).
+//! For all: `/tf` and `/log` (each step at its start, with file and line in its text, and each beat of a step that has many). Attachments:
 //! `schedule.json`, `claims.json`, every source file as `source/<name>`. The metadata record `tweeze` names the version that wrote the
 //! log, its schema, and its sources. The clock begins at 0.
 //!
-//! A micrometre would be a dot in a viewer whose unit is the metre, so pictures are enlarged: one unit is one micrometre.
+//! A micrometre would be a dot in a viewer whose unit is the metre, so pictures are enlarged: one unit is one micrometre, for every
+//! device.
 
 mod bench;
 mod cloud;
@@ -18,6 +20,8 @@ mod electrode_array;
 mod fingers;
 mod foxglove;
 mod frames;
+pub mod layout;
+mod lines;
 mod microrobots;
 pub mod recording;
 #[cfg(test)]
@@ -31,7 +35,7 @@ use crate::claims::Order;
 use crate::device::each_kind;
 use crate::geometry::Pose;
 use crate::log::{self, CLAIMS, METADATA, SCHEDULE, SOURCE_PREFIX};
-use crate::schedule::{Reached, json};
+use crate::schedule::json;
 use crate::source::MAX_FILE_BYTES;
 use crate::verify::Verified;
 use ::mcap::write::NoSeek;
@@ -59,6 +63,9 @@ const MESSAGE_HEAD_BYTES: u64 = 31;
 /// Estimated size of the name and the metadata of a topic, which its chunks repeat.
 const DEFINITION_BYTES: u64 = 64 * 1024;
 
+/// Greatest number of moving things with a topic for their outline.
+const MAX_OUTLINES: usize = 500;
+
 /// The frame that all devices stand in.
 const WORLD: &str = "world";
 
@@ -85,6 +92,16 @@ trait Pictures {
 
     /// From where to where the picture of the device reaches along x, in its own frame.
     fn reach(&self) -> [f64; 2];
+
+    /// Each beat of a step in which many things move: its start, and what moves.
+    fn beats(&self, _verified: &Verified, _device: &str) -> Vec<(u64, String)> {
+        Vec::new()
+    }
+
+    /// Tilt of a camera that shows the device, in degrees; 0 from above.
+    fn tilt_deg(&self) -> f64 {
+        0.0
+    }
 
     /// How far right the picture reaches in the scene where a frame stands; `None` for a kind whose devices have none.
     fn right_in_scene(&self, _frame: &Pose) -> Option<f64> {
@@ -160,6 +177,10 @@ fn attach<W: Write + Seek>(
 }
 
 fn topics(verified: &Verified, signals: &Signals) -> Vec<LogTopic> {
+    topics_and_movers(verified, signals).0
+}
+
+fn topics_and_movers(verified: &Verified, signals: &Signals) -> (Vec<LogTopic>, Vec<Mover>) {
     let mut topics = Vec::new();
     for (device, unit, channels) in signals.devices() {
         topics.push(voltages::topic(signals, device, unit, &channels));
@@ -171,30 +192,10 @@ fn topics(verified: &Verified, signals: &Signals) -> Vec<LogTopic> {
         topics.extend(own);
         movers.extend(moving);
     }
+    topics.extend(movers.iter().filter(|mover| !mover.outline.is_empty()).take(MAX_OUTLINES).filter_map(Mover::points));
     topics.push(bench::frames(&benches, &movers));
-    topics.push(lines(verified));
-    topics
-}
-
-/// `/log`: the source line of every step, with the reached value where that differs from the goal.
-fn lines(verified: &Verified) -> LogTopic {
-    let messages = verified.schedule().steps.iter().map(|step| {
-        let line = foxglove::Log {
-            timestamp: foxglove::timestamp(step.start_ns),
-            level: foxglove::log::Level::Info as i32,
-            message: std::iter::once(step.text.clone())
-                .chain(step.reached.iter().map(Reached::to_string))
-                .collect::<Vec<_>>()
-                .join("; "),
-            name: step.task.clone(),
-            file: step.file.clone(),
-            line: step.line,
-        };
-        (step.start_ns, foxglove::encode(&line))
-    });
-    let mut messages: Vec<_> = messages.collect();
-    messages.sort_by_key(|(t_ns, _)| *t_ns);
-    LogTopic::new::<foxglove::Log>("/log", messages)
+    topics.push(lines::topic(verified));
+    (topics, movers)
 }
 
 fn metadata(verified: &Verified, provenance: &Provenance) -> records::Metadata {

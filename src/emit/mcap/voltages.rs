@@ -5,7 +5,8 @@
 //! A message type is made for each device. Up to [`MAX_FIELDS`] channels each is a field, so that a plot is selected as
 //! `/bot/voltages.bl4_set`; beyond that they are one list, `/plate/voltages.volts[7]`. The topic's metadata map each field to its
 //! channel and wire. Every message contains all channels, since a missing field reads as 0 V. Just before a
-//! jump, 1 ns earlier, the old values are repeated, so that lines between messages are the signal itself.
+//! jump, 1 ns earlier, the old values are repeated, so that lines between messages are the signal itself. All values are repeated at
+//! [`BEATS`] besides: viewers draw a few points for each pixel only, and would join the levels of a signal that is told rarely by slopes.
 //!
 //! A channel with drive trains would need a message for every edge, so it has two fields, `/bed/voltages.bed_low` and `…bed_high`:
 //! the lower and the higher level of the current train, the same value twice outside of trains. The topic's metadata name
@@ -25,6 +26,24 @@ pub const MAX_FIELDS: usize = 300;
 
 /// Greatest number of bytes of field names: readers limit the size of a message type.
 const MAX_NAME_BYTES: usize = 16 * 1024;
+
+/// Parts of the schedule, at whose ends all values are repeated: about one for each pixel of a plot.
+pub const BEATS: u64 = 1000;
+
+/// The instants at which values are repeated.
+pub fn beats(duration_ns: u64) -> impl Iterator<Item = u64> {
+    (0..=BEATS).map(move |beat| (u128::from(duration_ns) * u128::from(beat) / u128::from(BEATS)) as u64)
+}
+
+/// Adds the beats to values that hold until the next ones.
+pub fn repeat_held(told: &mut BTreeMap<u64, Vec<f64>>, duration_ns: u64) {
+    for t_ns in beats(duration_ns) {
+        if let Some((_, values)) = told.range(..=t_ns).next_back() {
+            let values = values.clone();
+            told.entry(t_ns).or_insert(values);
+        }
+    }
+}
 
 /// The name of the field that lists many channels.
 fn list(unit: ChannelUnit) -> &'static str {
@@ -55,8 +74,8 @@ fn columns(signals: &Signals, channels: &[usize]) -> Vec<MessageColumn> {
 /// Estimated bytes of all messages.
 pub fn estimated_bytes(signals: &Signals) -> u64 {
     let of_device = |channels: &[usize]| {
-        let messages = 2 * signals.breaks(channels.iter().copied()).len() + 2;
-        messages as u64 * (columns(signals, channels).len() as u64 * 10 + 31)
+        let messages = 2 * signals.breaks(channels.iter().copied()).len() as u64 + BEATS + 2;
+        messages * (columns(signals, channels).len() as u64 * 10 + 31)
     };
     signals.devices().iter().map(|(.., channels)| of_device(channels)).sum()
 }
@@ -154,8 +173,8 @@ fn messages(
 ) -> Vec<(u64, Vec<u8>)> {
     let breaks = signals.breaks(channels.iter().copied());
     let before = breaks.iter().filter_map(|t_ns| t_ns.checked_sub(1));
-    let ends = [0, signals.schedule.duration_ns];
-    let times: BTreeSet<u64> = breaks.iter().copied().chain(before).chain(ends).collect();
+    let beats = beats(signals.schedule.duration_ns);
+    let times: BTreeSet<u64> = breaks.iter().copied().chain(before).chain(beats).collect();
     let at = |t_ns| {
         let value = |column: &MessageColumn| match column.bound {
             Bound::Exact => signals.value(column.channel, t_ns),

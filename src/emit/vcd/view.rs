@@ -13,13 +13,17 @@ const ROOM: &str = "@20000\n-\n-";
 const GROUP: &str = "@800200";
 const GROUP_END: &str = "@1000200";
 
+/// The units in which GTKWave counts time, in nanoseconds: a timescale of 10 us or 100 us is counted in microseconds.
+const SCALES_NS: [u64; 4] = [1_000_000_000, 1_000_000, 1000, 1];
+
 /// Units of time that a window shows at zoom 0.
 const UNITS_IN_WINDOW: u64 = 4;
 
 /// The save file. Channels that stay at 0 V throughout come last in their device.
 pub fn write(signals: &Signals, forms: &[Form], variables: &[Variable], unit_ns: u64) -> String {
     let name = &signals.schedule.name;
-    let units = signals.schedule.duration_ns / unit_ns;
+    let scale_ns = SCALES_NS.into_iter().find(|scale_ns| *scale_ns <= unit_ns).unwrap_or(1);
+    let units = signals.schedule.duration_ns / scale_ns;
     let zoom = units.div_ceil(UNITS_IN_WINDOW).next_power_of_two().trailing_zeros();
     let mut text = format!("[dumpfile] \"{name}.vcd\"\n[savefile] \"{name}.gtkw\"\n[timestart] 0\n[size] 1400 800\n");
     let _ = writeln!(text, "*-{zoom}.000000 0\n[sst_width] 200\n[signals_width] 260");

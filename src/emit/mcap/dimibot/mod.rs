@@ -4,6 +4,7 @@ pub mod motion;
 mod points;
 pub mod scene;
 
+use super::cloud::SpaceStroke;
 use super::frames::{Mover, StandingPose};
 use super::{LogTopic, Pictures, Signals};
 use crate::claims::dimibot::{DimibotOrder, in_scene_um};
@@ -18,7 +19,8 @@ impl Pictures for DimibotOrder {
         topics.extend(points::topics(verified, device));
         topics.extend(scene::topics(verified, device));
         let places = poses.into_iter().map(|(t_ns, place)| (t_ns, Some(StandingPose::at(place)))).collect();
-        (topics, vec![Mover { frame: motion::tip_frame(device), device: device.to_owned(), places }])
+        let outline = vec![SpaceStroke::from(&points::tip(&self.facts))];
+        (topics, vec![Mover { frame: motion::tip_frame(device), device: device.to_owned(), places, outline }])
     }
 
     fn reach(&self) -> [f64; 2] {

@@ -2,6 +2,7 @@
 
 use super::scene;
 use crate::claims::dimibot::{DimibotObstacleBody, DimibotOrder};
+use crate::device::dimibot::DimibotFacts;
 use crate::emit::course::dimibot;
 use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, cloud, outlines, rectangle};
@@ -28,6 +29,12 @@ pub fn topics(verified: &Verified, device: &str) -> [LogTopic; 2] {
         LogTopic::new::<PointCloud>(format!("/{device}/scene/points"), scenes),
         LogTopic::new::<PointCloud>(format!("/{device}/plan/points"), plans),
     ]
+}
+
+/// The tip in its own frame, or a mark where it is narrower.
+pub fn tip(facts: &DimibotFacts) -> Stroke {
+    let radius_um = facts.tip_radius_um.max(scene::TIP_MARK_UM / 2.0);
+    Stroke { corners: circle(Point2::origin(), radius_um, CIRCLE_CORNERS), color: color::TIP }
 }
 
 fn plan_strokes(order: &DimibotOrder, plan: &PlanRecord) -> Vec<Stroke> {

@@ -30,6 +30,9 @@ const LABEL_GAP_UM: f64 = 0.3;
 /// Diameter of the mark of a stop.
 pub const STOP_UM: f64 = 0.12;
 
+/// Diameter of the mark of the tip, which may be narrower.
+pub const TIP_MARK_UM: f64 = 0.3;
+
 /// Greatest number of stops and obstacles with labels.
 const MAX_LABELS: usize = 200;
 
@@ -132,7 +135,7 @@ fn tip(device: &str, t_ns: u64, facts: &DimibotFacts) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/tip"), &motion::tip_frame(device), t_ns);
     let slab = Slab { bottom_um: 0.0, height_um: OBSTACLE_HEIGHT_UM, color: color::TIP };
     drawing::disc(&mut entity, nalgebra::Point2::origin(), facts.tip_radius_um, slab);
-    drawing::sphere(&mut entity, [0.0, 0.0, OBSTACLE_HEIGHT_UM], 0.1, color::TIP);
+    drawing::sphere(&mut entity, [0.0, 0.0, OBSTACLE_HEIGHT_UM], TIP_MARK_UM, color::TIP);
     entity
 }
 

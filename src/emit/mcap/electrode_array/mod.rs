@@ -1,33 +1,59 @@
 //! Content of a log for an electrode array: the board with its obstacles, the moving parts, the electrodes that are on, and
 //! the path of each part.
 //!
-//! One unit of its pictures is one pitch of the board, so that a board of any size fills a viewer as a chess board does; the
-//! topics' metadata give the length of a pitch. Electrode (1, 1) is the origin.
+//! One unit of its pictures is one micrometre, as for every device. Electrode (1, 1) is the origin; `/<device>/cells` has the electrodes
+//! of the parts as the language counts them.
 
 mod scene;
 
-use super::foxglove::{self, PosesInFrame};
+use super::cloud::SpaceStroke;
+use super::foxglove::{self, PoseInFrame};
 use super::frames::{FramePlace, Mover, StandingPose};
+use super::voltages::{MAX_FIELDS, MessageShape, encode_fields, repeat_held, schema};
 use super::{LogTopic, Pictures, Signals};
 use crate::claims::electrode_array::ElectrodeArrayOrder;
-use crate::device::electrode_array::ElectrodeCell;
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::emit::course::electrode_array::{PartsMoment, moments, place};
-use crate::quantity::{Dimension, Quantity};
+use crate::emit::identifier;
 use crate::verify::Verified;
+use std::collections::BTreeMap;
 
 impl Pictures for ElectrodeArrayOrder {
     fn topics(&self, verified: &Verified, _signals: &Signals, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
         let moments = moments(verified, device);
-        let mut topics = vec![poses(device, &moments)];
+        let movers = movers(self, device, &moments);
+        let mut topics: Vec<LogTopic> = movers.iter().map(|mover| pose(device, mover)).collect();
+        topics.extend(cells(device, &moments, verified.schedule().duration_ns));
         topics.extend(scene::topics(verified, device));
-        let pitch = Quantity::new(self.facts.pitch_um() / 1e6, Dimension::LENGTH);
-        let pitch = format!("1 unit is a pitch of {pitch}");
-        topics.iter_mut().for_each(|topic| drop(topic.metadata.insert("scale".to_owned(), pitch.clone())));
-        (topics, movers(device, &moments))
+        (topics, movers)
+    }
+
+    fn beats(&self, verified: &Verified, device: &str) -> Vec<(u64, String)> {
+        let moments = moments(verified, device);
+        let pairs = moments.windows(2).filter(|pair| pair[0].parts != pair[1].parts);
+        pairs.map(|pair| (pair[0].t_ns, moves(&pair[0], &pair[1]))).collect()
     }
 
     fn reach(&self) -> [f64; 2] {
-        [0.0, f64::from(self.facts.columns)]
+        [0.0, f64::from(self.facts.columns) * self.facts.pitch_um()]
+    }
+}
+
+/// Greatest number of parts that the entry of a beat names.
+const MAX_NAMED: usize = 12;
+
+/// Which parts move to which electrode, as the language counts electrodes.
+fn moves(before: &PartsMoment, after: &PartsMoment) -> String {
+    let moved = before.parts.iter().filter(|(name, cell)| after.parts.get(*name) != Some(cell));
+    let words: Vec<String> = moved
+        .map(|(name, _)| match after.parts.get(name) {
+            Some(cell) => format!("{name} to {cell}"),
+            None => format!("{name} merges"),
+        })
+        .collect();
+    match words.len() {
+        0..=MAX_NAMED => words.join(", "),
+        count => format!("{} and {} more", words[..MAX_NAMED].join(", "), count - MAX_NAMED),
     }
 }
 
@@ -36,26 +62,57 @@ fn frame(device: &str, part: &str) -> String {
     format!("{device}/{part}")
 }
 
-/// `/<device>/poses`: all parts that are there, in the order of their names, which the metadata list.
-fn poses(device: &str, moments: &[PartsMoment]) -> LogTopic {
-    let message = |moment: &PartsMoment| {
-        let places = moment.parts.values().map(|cell| place(*cell));
-        let message = PosesInFrame {
-            timestamp: foxglove::timestamp(moment.t_ns),
-            frame_id: device.to_owned(),
-            poses: places.filter_map(|[x, y]| foxglove::pose_at([x, y, 0.0])).collect(),
-        };
-        (moment.t_ns, foxglove::encode(&message))
+/// The middle of an electrode in a picture.
+fn place_um(facts: &ElectrodeArrayFacts, cell: ElectrodeCell) -> [f64; 2] {
+    place(cell).map(|pitches| pitches * facts.pitch_um())
+}
+
+/// `/<device>/pose/<part>`: where a part is, while it is there.
+fn pose(device: &str, mover: &Mover) -> LogTopic {
+    let message = |(t_ns, place): &(u64, FramePlace)| {
+        let (timestamp, frame_id) = (foxglove::timestamp(*t_ns), device.to_owned());
+        let pose = (*place)?.pose();
+        Some((*t_ns, foxglove::encode(&PoseInFrame { timestamp, frame_id, pose })))
     };
-    let mut topic = LogTopic::new::<PosesInFrame>(format!("/{device}/poses"), moments.iter().map(message).collect());
-    let names: Vec<&str> =
-        moments.first().map_or_else(Vec::new, |moment| moment.parts.keys().map(String::as_str).collect());
-    topic.metadata.insert("parts".to_owned(), names.join(" "));
-    topic
+    let part = mover.frame.strip_prefix(device).unwrap_or_default();
+    LogTopic::new::<PoseInFrame>(format!("/{device}/pose{part}"), mover.places.iter().filter_map(message).collect())
+}
+
+/// `/<device>/cells`: the column and the row of every part as numbers, counted from 1; no number while a part is not there.
+/// Not for more parts than a message type has fields for.
+fn cells(device: &str, moments: &[PartsMoment], duration_ns: u64) -> Option<LogTopic> {
+    let names: Vec<&String> = moments.first()?.parts.keys().collect();
+    if names.is_empty() || 2 * names.len() > MAX_FIELDS {
+        return None;
+    }
+    let words: Vec<String> = names.iter().flat_map(|name| [format!("{name}_column"), format!("{name}_row")]).collect();
+    let fields = identifier::distinct(words.iter().map(String::as_str));
+    let numbers = |moment: &PartsMoment| {
+        let cell = |name: &&String| moment.parts.get(*name).map(|cell| [cell.column, cell.row].map(f64::from));
+        names.iter().flat_map(|name| cell(name).unwrap_or([f64::NAN; 2])).collect::<Vec<f64>>()
+    };
+    let mut told: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
+    for moment in moments {
+        // Just before a part arrives it is still where it was.
+        let before = told.values().next_back().cloned();
+        if let (Some(before_ns), Some(values)) = (moment.t_ns.checked_sub(1), before) {
+            told.entry(before_ns).or_insert(values);
+        }
+        told.insert(moment.t_ns, numbers(moment));
+    }
+    repeat_held(&mut told, duration_ns);
+    let package = format!("tweeze.{}", identifier::distinct([device])[0]);
+    let whole = names.iter().flat_map(|name| [format!("column of {name}, from 1"), format!("row of {name}, from 1")]);
+    Some(LogTopic {
+        name: format!("/{device}/cells"),
+        schema: schema(&package, "Cells", MessageShape::Fields(&fields)),
+        metadata: fields.iter().cloned().zip(whole).collect(),
+        messages: told.into_iter().map(|(t_ns, values)| (t_ns, encode_fields(&values))).collect(),
+    })
 }
 
 /// The frame of each part, written when it moves or is gone.
-fn movers(device: &str, moments: &[PartsMoment]) -> Vec<Mover> {
+fn movers(order: &ElectrodeArrayOrder, device: &str, moments: &[PartsMoment]) -> Vec<Mover> {
     let Some(first) = moments.first() else { return Vec::new() };
     let of_part = |name: &String| {
         let mut places: Vec<(u64, FramePlace)> = Vec::new();
@@ -64,12 +121,14 @@ fn movers(device: &str, moments: &[PartsMoment]) -> Vec<Mover> {
             let cell = moment.parts.get(name).copied();
             let moves_next = moments.get(index + 1).is_some_and(|next| next.parts.get(name).copied() != cell);
             if index == 0 || cell != last || moves_next {
-                let here = cell.map(place).map(|[x, y]| StandingPose::at([x, y, 0.0]));
+                let here = cell.map(|cell| place_um(&order.facts, cell)).map(|[x, y]| StandingPose::at([x, y, 0.0]));
                 places.push((moment.t_ns, here));
             }
             last = cell;
         }
-        Mover { frame: frame(device, name), device: device.to_owned(), places }
+        let index = order.parts.iter().position(|part| part.name == *name).unwrap_or_default();
+        let outline = vec![SpaceStroke::from(&scene::part_outline(&order.facts, index))];
+        Mover { frame: frame(device, name), device: device.to_owned(), places, outline }
     };
     first.parts.keys().map(of_part).collect()
 }

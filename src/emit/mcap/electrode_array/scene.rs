@@ -3,13 +3,13 @@
 //! Three topics, since a viewer that jumps in time reads the last message of each only: the scenery (`scene`), the
 //! plan (`plan`), and the electrodes that are on (`active`). The first two are repeated as points for viewers that show no scenes.
 
-use super::frame;
+use super::{frame, place_um};
 use crate::claims::electrode_array::ElectrodeArrayOrder;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes};
 use crate::emit::course;
-use crate::emit::course::electrode_array::{asked, body, outline, place};
+use crate::emit::course::electrode_array::{asked, body, outline};
 use crate::emit::mcap::LogTopic;
-use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, cloud, rectangle};
+use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, rectangle, spaced_cloud};
 use crate::emit::mcap::drawing::{self, Slab, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, line_primitive};
 use crate::quantity::{Dimension, Quantity};
@@ -29,6 +29,9 @@ const LABEL_HEIGHT: f64 = 1.0;
 
 /// Diameter of the mark of a stop.
 const STOP: f64 = 0.6;
+
+/// Distance of neighbouring points of the clouds, in pitches.
+const POINTS: f64 = 0.05;
 
 /// Greatest number of electrodes drawn one by one; of a larger board only the outline is.
 const MAX_ELECTRODES: usize = 10_000;
@@ -56,22 +59,28 @@ pub fn topics(verified: &Verified, device: &str) -> Vec<LogTopic> {
             let ids: BTreeSet<String> = entities.iter().map(|entity| entity.id.clone()).collect();
             let deletions = shown.difference(&ids).map(|id| drawing::deletion(id, t_ns)).collect();
             scenes.push((t_ns, foxglove::encode(&SceneUpdate { deletions, entities })));
-            scene_points.push((t_ns, foxglove::encode(&cloud(&scene_strokes(order), device, t_ns))));
+            scene_points.push((t_ns, foxglove::encode(&points(order, &scene_strokes(order), device, t_ns))));
             shown = ids;
         }
         let t_ns = plan.start_ns;
         let ways = ways(order, plan);
-        let entities = vec![way_lines(&ways, device, t_ns), stops(order, device, t_ns)];
+        let entities = vec![way_lines(order, &ways, device, t_ns), stops(order, device, t_ns)];
         plans.push((t_ns, foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities })));
-        plan_points.push((t_ns, foxglove::encode(&cloud(&way_strokes(order, &ways), device, t_ns))));
+        plan_points.push((t_ns, foxglove::encode(&points(order, &way_strokes(order, &ways), device, t_ns))));
     }
+    let active = active(verified, device, jobs.first().map(|(order, _)| &order.facts));
     vec![
         LogTopic::new::<SceneUpdate>(format!("/{device}/scene"), scenes),
         LogTopic::new::<SceneUpdate>(format!("/{device}/plan"), plans),
-        active(verified, device, jobs.first().map(|(order, _)| &order.facts)),
+        active.scenes,
+        active.points,
         LogTopic::new::<PointCloud>(format!("/{device}/scene/points"), scene_points),
         LogTopic::new::<PointCloud>(format!("/{device}/plan/points"), plan_points),
     ]
+}
+
+fn points(order: &ElectrodeArrayOrder, strokes: &[Stroke], device: &str, t_ns: u64) -> PointCloud {
+    spaced_cloud(strokes, device, t_ns, POINTS * order.facts.pitch_um())
 }
 
 fn color_of(part: usize) -> Color {
@@ -83,48 +92,66 @@ fn scenery(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> Vec<SceneEnt
     let mut entities = vec![board(facts, device, t_ns), obstacles(order, device, t_ns)];
     for (index, part) in order.parts.iter().enumerate() {
         let mut entity = drawing::entity(format!("{device}/part/{}", part.name), &frame(device, &part.name), t_ns);
-        let half = facts.layout.half_width_pitches;
-        let slab = Slab { bottom_um: ELECTRODE_HEIGHT, height_um: PART_HEIGHT, color: color_of(index) };
+        let (half, pitch_um) = (facts.layout.half_width_pitches * facts.pitch_um(), facts.pitch_um());
+        let (bottom_um, height_um) = (ELECTRODE_HEIGHT * pitch_um, PART_HEIGHT * pitch_um);
+        let slab = Slab { bottom_um, height_um, color: color_of(index) };
         match facts.layout.electrodes {
             Electrodes::Quad => drawing::cuboid(&mut entity, [-half, -half], [half, half], slab),
             Electrodes::Single => drawing::disc(&mut entity, Point2::origin(), half, slab),
         }
         if index < MAX_LABELS {
-            drawing::text(&mut entity, [0.0, 0.0, LABEL_HEIGHT], part.name.clone(), color_of(index));
+            drawing::text(&mut entity, [0.0, 0.0, LABEL_HEIGHT * pitch_um], part.name.clone(), color_of(index));
         }
         entities.push(entity);
     }
     entities
 }
 
+/// A part in its own frame.
+pub fn part_outline(facts: &ElectrodeArrayFacts, index: usize) -> Stroke {
+    let half_um = facts.layout.half_width_pitches * facts.pitch_um();
+    let corners = match facts.layout.electrodes {
+        Electrodes::Quad => rectangle([-half_um; 2], [half_um; 2]),
+        Electrodes::Single => circle(Point2::origin(), half_um, CIRCLE_CORNERS),
+    };
+    Stroke { corners, color: color_of(index) }
+}
+
+/// Corners that are given in pitches, in micrometres.
+fn scaled(facts: &ElectrodeArrayFacts, corners: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    corners.map(|corner| corner.map(|pitches| pitches * facts.pitch_um()))
+}
+
 fn board(facts: &ElectrodeArrayFacts, device: &str, t_ns: u64) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/board"), device, t_ns);
-    let [[x0, y0], [x1, y1]] = outline(facts);
+    let [[x0, y0], [x1, y1]] = scaled(facts, outline(facts));
     let corners = [[x0, y0, 0.0], [x1, y0, 0.0], [x1, y1, 0.0], [x0, y1, 0.0]];
     drawing::line(&mut entity, corners, line_primitive::Type::LineLoop, color::LATTICE);
     if facts.columns as usize * facts.rows as usize <= MAX_ELECTRODES {
-        let radius = facts.radius_um / facts.pitch_um();
-        let slab = Slab { bottom_um: 0.0, height_um: ELECTRODE_HEIGHT, color: color::LATTICE };
+        let height_um = ELECTRODE_HEIGHT * facts.pitch_um();
+        let slab = Slab { bottom_um: 0.0, height_um, color: color::LATTICE };
         for row in 1..=facts.rows {
             for column in 1..=facts.columns {
-                drawing::disc(&mut entity, Point2::from(place(ElectrodeCell::new(column, row))), radius, slab);
+                let place = Point2::from(place_um(facts, ElectrodeCell::new(column, row)));
+                drawing::disc(&mut entity, place, facts.radius_um, slab);
             }
         }
     }
     let pitch = Quantity::new(facts.pitch_um() / 1e6, Dimension::LENGTH);
     let title = format!("{device}: {} x {} electrodes, {pitch} apart", facts.columns, facts.rows);
-    drawing::text(&mut entity, [(x0 + x1) / 2.0, y1 + 1.0, 0.0], title, color::LATTICE);
+    drawing::text(&mut entity, [(x0 + x1) / 2.0, y1 + facts.pitch_um(), 0.0], title, color::LATTICE);
     entity
 }
 
 fn obstacles(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/obstacles"), device, t_ns);
-    let slab = Slab { bottom_um: 0.0, height_um: OBSTACLE_HEIGHT, color: color::OBSTACLE };
+    let pitch_um = order.facts.pitch_um();
+    let slab = Slab { bottom_um: 0.0, height_um: OBSTACLE_HEIGHT * pitch_um, color: color::OBSTACLE };
     for (index, obstacle) in order.obstacles.iter().enumerate() {
-        let [low, high] = body(&order.facts, obstacle);
+        let [low, high] = scaled(&order.facts, body(&order.facts, obstacle));
         drawing::cuboid(&mut entity, low, high, slab);
         if index < MAX_LABELS {
-            let middle = [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0, LABEL_HEIGHT];
+            let middle = [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0, LABEL_HEIGHT * pitch_um];
             drawing::text(&mut entity, middle, obstacle.name.clone(), color::OBSTACLE);
         }
     }
@@ -149,12 +176,17 @@ fn ways(order: &ElectrodeArrayOrder, plan: &PlanRecord) -> Vec<(usize, Vec<Elect
     moved.filter(|(_, way)| way.len() > 1).collect()
 }
 
-fn way_lines(ways: &[(usize, Vec<ElectrodeCell>)], device: &str, t_ns: u64) -> SceneEntity {
+fn way_lines(
+    order: &ElectrodeArrayOrder,
+    ways: &[(usize, Vec<ElectrodeCell>)],
+    device: &str,
+    t_ns: u64,
+) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/ways"), device, t_ns);
     for (part, way) in ways {
         let places = way.iter().map(|cell| {
-            let [x, y] = place(*cell);
-            [x, y, PLAN_HEIGHT]
+            let [x, y] = place_um(&order.facts, *cell);
+            [x, y, PLAN_HEIGHT * order.facts.pitch_um()]
         });
         drawing::line(&mut entity, places, line_primitive::Type::LineStrip, color_of(*part));
     }
@@ -163,22 +195,23 @@ fn way_lines(ways: &[(usize, Vec<ElectrodeCell>)], device: &str, t_ns: u64) -> S
 
 fn stops(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/stops"), device, t_ns);
+    let [stop_um, height_um] = [STOP, PLAN_HEIGHT].map(|pitches| pitches * order.facts.pitch_um());
     for (index, (part, cell)) in asked(order).enumerate() {
-        let [x, y] = place(cell);
-        drawing::sphere(&mut entity, [x, y, PLAN_HEIGHT], STOP, color_of(part));
+        let [x, y] = place_um(&order.facts, cell);
+        drawing::sphere(&mut entity, [x, y, height_um], stop_um, color_of(part));
         if index < MAX_LABELS {
             let text = format!("{} {cell}", order.parts.get(part).map_or("", |part| &part.name));
-            drawing::text(&mut entity, [x, y + STOP, PLAN_HEIGHT], text, color_of(part));
+            drawing::text(&mut entity, [x, y + stop_um, height_um], text, color_of(part));
         }
     }
     entity
 }
 
 fn scene_strokes(order: &ElectrodeArrayOrder) -> Vec<Stroke> {
-    let [low, high] = outline(&order.facts);
+    let [low, high] = scaled(&order.facts, outline(&order.facts));
     let board = Stroke { corners: rectangle(low, high), color: color::LATTICE };
     let obstacles = order.obstacles.iter().map(|obstacle| {
-        let [low, high] = body(&order.facts, obstacle);
+        let [low, high] = scaled(&order.facts, body(&order.facts, obstacle));
         Stroke { corners: rectangle(low, high), color: color::OBSTACLE }
     });
     std::iter::once(board).chain(obstacles).collect()
@@ -186,22 +219,61 @@ fn scene_strokes(order: &ElectrodeArrayOrder) -> Vec<Stroke> {
 
 fn way_strokes(order: &ElectrodeArrayOrder, ways: &[(usize, Vec<ElectrodeCell>)]) -> Vec<Stroke> {
     let ways = ways.iter().map(|(part, way)| Stroke {
-        corners: way.iter().map(|cell| Point2::from(place(*cell))).collect(),
+        corners: way.iter().map(|cell| Point2::from(place_um(&order.facts, *cell))).collect(),
         color: color_of(*part),
     });
     let stops = asked(order).map(|(part, cell)| Stroke {
-        corners: circle(Point2::from(place(cell)), STOP / 2.0, CIRCLE_CORNERS),
+        corners: circle(
+            Point2::from(place_um(&order.facts, cell)),
+            STOP / 2.0 * order.facts.pitch_um(),
+            CIRCLE_CORNERS,
+        ),
         color: color_of(part),
     });
     ways.chain(stops).collect()
 }
 
-/// `/<device>/active`: the electrodes that are on, whenever one is switched.
-fn active(verified: &Verified, device: &str, facts: Option<&ElectrodeArrayFacts>) -> LogTopic {
+/// The electrodes that are on.
+struct ActiveTopics {
+    scenes: LogTopic,
+    points: LogTopic,
+}
+
+/// `/<device>/active`, the electrodes that are on, whenever one is switched, and `/<device>/active/points`.
+fn active(verified: &Verified, device: &str, facts: Option<&ElectrodeArrayFacts>) -> ActiveTopics {
+    let on = facts.map_or_else(Vec::new, |facts| switched_on(verified, device, facts));
+    let scene = |(t_ns, cells, facts): &(u64, BTreeSet<ElectrodeCell>, &ElectrodeArrayFacts)| {
+        let mut entity = drawing::entity(format!("{device}/on"), device, *t_ns);
+        let slab = Slab { bottom_um: 0.0, height_um: ACTIVE_HEIGHT * facts.pitch_um(), color: ACTIVE };
+        for cell in cells {
+            drawing::disc(&mut entity, Point2::from(place_um(facts, *cell)), facts.radius_um, slab);
+        }
+        (*t_ns, foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities: vec![entity] }))
+    };
+    let points = |(t_ns, cells, facts): &(u64, BTreeSet<ElectrodeCell>, &ElectrodeArrayFacts)| {
+        let rings = cells.iter().map(|cell| Stroke {
+            corners: circle(Point2::from(place_um(facts, *cell)), facts.radius_um, CIRCLE_CORNERS),
+            color: ACTIVE,
+        });
+        let step_um = POINTS * facts.pitch_um();
+        (*t_ns, foxglove::encode(&spaced_cloud(&rings.collect::<Vec<_>>(), device, *t_ns, step_um)))
+    };
+    ActiveTopics {
+        scenes: LogTopic::new::<SceneUpdate>(format!("/{device}/active"), on.iter().map(scene).collect()),
+        points: LogTopic::new::<PointCloud>(format!("/{device}/active/points"), on.iter().map(points).collect()),
+    }
+}
+
+/// The electrodes that are on, from each instant on at which one is switched.
+fn switched_on<'a>(
+    verified: &Verified,
+    device: &str,
+    facts: &'a ElectrodeArrayFacts,
+) -> Vec<(u64, BTreeSet<ElectrodeCell>, &'a ElectrodeArrayFacts)> {
     let schedule = verified.schedule();
     let cell = |channel: u32| {
         let channel = schedule.channels.get(channel as usize).filter(|channel| channel.device == device)?;
-        facts?.electrode(channel.name.strip_prefix(device)?.strip_prefix('.')?)
+        facts.electrode(channel.name.strip_prefix(device)?.strip_prefix('.')?)
     };
     // For each instant the electrodes that are switched there, and whether on or off.
     let mut switched: BTreeMap<u64, Vec<(ElectrodeCell, Switched)>> = BTreeMap::from([(0, Vec::new())]);
@@ -211,7 +283,7 @@ fn active(verified: &Verified, device: &str, facts: Option<&ElectrodeArrayFacts>
         switched.entry(actuation.end_ns()).or_default().push((cell, Switched::Off));
     }
     let mut on: BTreeSet<ElectrodeCell> = BTreeSet::new();
-    let messages = switched.into_iter().map(|(t_ns, mut changes)| {
+    let from = |(t_ns, mut changes): (u64, Vec<(ElectrodeCell, Switched)>)| {
         changes.sort_by_key(|(_, switched)| *switched);
         for (cell, switched) in changes {
             match switched {
@@ -219,15 +291,9 @@ fn active(verified: &Verified, device: &str, facts: Option<&ElectrodeArrayFacts>
                 Switched::On => on.insert(cell),
             };
         }
-        let mut entity = drawing::entity(format!("{device}/on"), device, t_ns);
-        let radius = facts.map_or(0.4, |facts| facts.radius_um / facts.pitch_um());
-        let slab = Slab { bottom_um: 0.0, height_um: ACTIVE_HEIGHT, color: ACTIVE };
-        for cell in &on {
-            drawing::disc(&mut entity, Point2::from(place(*cell)), radius, slab);
-        }
-        (t_ns, foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities: vec![entity] }))
-    });
-    LogTopic::new::<SceneUpdate>(format!("/{device}/active"), messages.collect())
+        (t_ns, on.clone(), facts)
+    };
+    switched.into_iter().map(from).collect()
 }
 
 /// An event of an electrode; ends at an instant are ordered before beginnings.

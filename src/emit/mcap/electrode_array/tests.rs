@@ -21,19 +21,21 @@ fn topic<'a>(topics: &'a [LogTopic], name: &str) -> &'a LogTopic {
 #[test]
 fn a_part_rests_where_it_is_until_its_step_begins() {
     let (topics, _) = device_topics(&two(), "plate");
-    let poses = topic(&topics, "/plate/poses");
-    let said: Vec<(u64, Vec<f64>)> = poses
-        .messages
-        .iter()
-        .map(|(t_ns, data)| {
-            let message = PosesInFrame::decode(data.as_slice()).unwrap();
-            (*t_ns, message.poses.iter().map(|pose| pose.position.unwrap().y).collect())
-        })
-        .collect();
-    let expected = [(0, [4.0, 4.0]), (5_000_000, [4.0, 4.0]), (6_000_000, [4.0, 4.0]), (11_000_000, [4.0, 5.0])];
-    assert_eq!(said, expected.map(|(t_ns, rows)| (t_ns, rows.to_vec())));
-    assert_eq!(poses.metadata["parts"], "a b");
-    assert_eq!(poses.metadata["scale"], "1 unit is a pitch of 94.5 um");
+    let rows = |part: &str| {
+        let pose = |(t_ns, data): &(u64, Vec<u8>)| {
+            let pose = PoseInFrame::decode(data.as_slice()).unwrap().pose.unwrap();
+            (*t_ns, pose.position.unwrap().y / 94.5)
+        };
+        topic(&topics, &format!("/plate/pose/{part}")).messages.iter().map(pose).collect::<Vec<_>>()
+    };
+    assert_eq!(rows("b"), [(0, 4.0), (6_000_000, 4.0), (11_000_000, 5.0)]);
+    assert_eq!(rows("a").iter().map(|(t_ns, _)| *t_ns).collect::<Vec<_>>(), [0, 5_000_000]);
+    let cells = topic(&topics, "/plate/cells");
+    assert_eq!(cells.metadata["b_row"], "row of b, from 1");
+    let row = |data: &[u8]| f64::from_le_bytes(data[28..36].try_into().unwrap());
+    let told: Vec<(u64, f64)> = cells.messages.iter().map(|(t_ns, data)| (*t_ns, row(data))).collect();
+    assert!(told.contains(&(0, 5.0)) && told.contains(&(10_999_999, 5.0)) && told.contains(&(11_000_000, 6.0)));
+    assert!(told.len() > 1000, "told again at each beat");
 }
 
 #[test]
@@ -59,7 +61,10 @@ fn each_part_has_a_frame_a_body_and_a_way() {
     for name in ["a", "b"] {
         let body = scene.entities.iter().find(|entity| entity.id == format!("plate/part/{name}")).unwrap();
         assert_eq!(body.frame_id, format!("plate/{name}"));
-        assert_eq!(body.cubes[0].size.unwrap().x, 3.0);
+        assert_eq!(body.cubes[0].size.unwrap().x, 3.0 * 94.5);
+        let outline =
+            movers.iter().find(|mover| mover.frame == format!("plate/{name}")).and_then(Mover::points).unwrap();
+        assert_eq!((outline.name, outline.messages.len()), (format!("/plate/{name}/points"), 1));
     }
     let plan = SceneUpdate::decode(topic(&topics, "/plate/plan").messages[0].1.as_slice()).unwrap();
     assert_eq!(plan.entities[0].lines.len(), 2);

@@ -39,6 +39,11 @@ impl Pictures for FingersOrder {
         (topics, movers(&course, device))
     }
 
+    /// It works in three dimensions.
+    fn tilt_deg(&self) -> f64 {
+        60.0
+    }
+
     fn reach(&self) -> [f64; 2] {
         let sections = [Some(&self.part.xy), self.part.xz.as_ref()].into_iter().flatten();
         let reaches = sections.filter_map(|section| Some(Curve::of(&section.outline).ok()?.reach_um()));
@@ -74,11 +79,14 @@ fn movers(course: &HandCourse, device: &str) -> Vec<Mover> {
         frame: tip_frame(device, finger),
         device: device.to_owned(),
         places: told(course, |moment| StandingPose::at(moment.tips_um[finger].map(drawing::snapped))),
+        outline: course.plans.first().map_or_else(Vec::new, |plan| scene::tip_outline(plan.order, finger)),
     });
     let part = course.part().map(|part| Mover {
         frame: part_frame(device, part),
         device: device.to_owned(),
         places: told(course, |moment| stand(&moment.part)),
+        // In the points of the scene.
+        outline: Vec::new(),
     });
     part.into_iter().chain(tips).collect()
 }

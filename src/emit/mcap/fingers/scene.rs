@@ -8,13 +8,13 @@ use super::{part_frame, stand, tip_frame};
 use crate::claims::fingers::{FingersOrder, HandPart};
 use crate::device::fingers::Plane;
 use crate::emit::course::fingers::{HandCourse, HandPlanCourse, RecordedGrasp};
-use crate::emit::mcap::cloud::{SpaceStroke, space_cloud};
+use crate::emit::mcap::cloud::{CIRCLE_CORNERS, SpaceStroke, circle, space_cloud};
 use crate::emit::mcap::drawing::{self, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, Vector3, line_primitive};
 use crate::emit::mcap::{LogTopic, Pictures};
 use crate::geometry::outline::Curve;
 use crate::verify::fingers;
-use nalgebra::{Point3, Quaternion, UnitQuaternion};
+use nalgebra::{Point2, Point3, Quaternion, UnitQuaternion};
 
 /// Opacity of a tip.
 const TIP_ALPHA: f64 = 0.5;
@@ -186,6 +186,20 @@ fn words(grasp: &RecordedGrasp, place: [f64; 3], device: &str) -> SceneEntity {
     let text = format!("grasp ({}) in {} at angle {}", contacts.join(", "), grasp.plane.name(), grasp.angle_index);
     drawing::text(&mut entity, place, text, color::TIP);
     entity
+}
+
+/// A tip in its own frame: its circles in the three planes.
+pub fn tip_outline(order: &FingersOrder, finger: usize) -> Vec<SpaceStroke> {
+    let flat = circle(Point2::origin(), order.facts.tip_radius_um, CIRCLE_CORNERS);
+    let turn = |axes: [usize; 2]| {
+        let corner = |place: &Point2<f64>| {
+            let mut corner = Point3::origin();
+            (corner[axes[0]], corner[axes[1]]) = (place.x, place.y);
+            corner
+        };
+        SpaceStroke { corners: flat.iter().map(corner).collect(), color: color_of(finger) }
+    };
+    [[0, 1], [0, 2], [1, 2]].map(turn).into()
 }
 
 fn part_strokes(part: &HandPart) -> Vec<SpaceStroke> {

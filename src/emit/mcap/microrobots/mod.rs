@@ -5,7 +5,7 @@ mod scene;
 
 use super::foxglove::{self, PosesInFrame};
 use super::frames::{Mover, StandingPose};
-use super::voltages::{MessageShape, encode_fields, schema};
+use super::voltages::{MessageShape, encode_fields, repeat_held, schema};
 use super::{LogTopic, Pictures, Signals, drawing};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::emit::course::microrobots::{BedCourse, BedMoment, goals};
@@ -39,7 +39,7 @@ impl Pictures for MicrorobotsOrder {
         let course = BedCourse::new(verified, device);
         let mut topics = vec![poses(&course, device)];
         topics.extend((0..course.robots.len()).map(|robot| path(&course, device, robot)));
-        topics.extend(arms(&course, device));
+        topics.extend(arms(&course, device, verified.schedule().duration_ns));
         topics.extend(scene::topics(&course, device));
         (topics, movers(&course, device))
     }
@@ -78,8 +78,8 @@ fn path(course: &BedCourse, device: &str, robot: usize) -> LogTopic {
 }
 
 /// `/<device>/arms`: the control state and every arm, 1 for down, as numbers; the old ones once more before each change, so that
-/// a plot does not show a slope.
-fn arms(course: &BedCourse, device: &str) -> Option<LogTopic> {
+/// a plot does not show a slope, and all at the beats of voltages.
+fn arms(course: &BedCourse, device: &str, duration_ns: u64) -> Option<LogTopic> {
     let facts = &course.plans.first()?.order.facts;
     let rows = facts.robots.iter().map(|robot| robot.name.as_str());
     let names = identifier::distinct(std::iter::once(CONTROL).chain(rows.clone()));
@@ -93,6 +93,7 @@ fn arms(course: &BedCourse, device: &str) -> Option<LogTopic> {
         let arms = leg.arms.iter().map(|arm| f64::from(*arm));
         said.insert(leg.start_ns, std::iter::once(leg.control as f64).chain(arms).collect());
     }
+    repeat_held(&mut said, duration_ns);
     let package = format!("tweeze.{}", identifier::distinct([device])[0]);
     let metadata = names.iter().cloned().zip(
         std::iter::once("index of the control state".to_owned())
@@ -114,7 +115,9 @@ fn movers(course: &BedCourse, device: &str) -> Vec<Mover> {
         let told = |at: &usize| *at == 0 || moved(at - 1, *at) || (at + 1 < moments.len() && moved(*at, at + 1));
         let places = (0..moments.len()).filter(told);
         let places = places.map(|at| (moments[at].t_ns, Some(stand(&moments[at].poses[robot])))).collect();
-        Mover { frame: frame(device, name), device: device.to_owned(), places }
+        let facts = course.plans.first().map(|plan| plan.order.robot(robot));
+        let outline = facts.map_or_else(Vec::new, |facts| scene::outline(facts, robot));
+        Mover { frame: frame(device, name), device: device.to_owned(), places, outline }
     };
     course.robots.iter().enumerate().map(of_robot).collect()
 }

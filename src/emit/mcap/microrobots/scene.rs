@@ -8,7 +8,7 @@ use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Robot};
 use crate::emit::course::microrobots::{BedCourse, BedPlanCourse, ControlLeg, SweptDisc, goals, nose_corners};
 use crate::emit::mcap::LogTopic;
-use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, outlines, spaced_cloud};
+use crate::emit::mcap::cloud::{CIRCLE_CORNERS, SpaceStroke, Stroke, circle, outlines, spaced_cloud};
 use crate::emit::mcap::drawing::{self, Slab, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, line_primitive};
 use crate::geometry::{Pose, Shape};
@@ -139,6 +139,12 @@ fn silhouette(robot: &Robot, pose: &Pose) -> Vec<Vec<Point2<f64>>> {
     ];
     let bodies = shapes.iter().filter_map(|shape| shape.grown(pose, 0.0).ok());
     bodies.flat_map(|body| outlines(&drawing::on_grid(body), CIRCLE_CORNERS)).collect()
+}
+
+/// A robot's outline and nose in its own frame.
+pub fn outline(robot: &Robot, index: usize) -> Vec<SpaceStroke> {
+    let lines = silhouette(robot, &Pose { x_um: 0.0, y_um: 0.0, heading_rad: 0.0 }).into_iter();
+    lines.map(|corners| SpaceStroke::from(&Stroke { corners, color: color_of(index) })).collect()
 }
 
 fn goal_marks(plan: &BedPlanCourse, device: &str) -> SceneEntity {

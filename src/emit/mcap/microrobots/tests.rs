@@ -52,6 +52,9 @@ fn arms_are_numbers_that_jump() {
     let arms = topic(&topics, "/m/arms");
     let values = |data: &[u8]| data.chunks(9).map(|chunk| f64::from_le_bytes(chunk[1..].try_into().unwrap())).collect();
     let said: Vec<(u64, Vec<f64>)> = arms.messages.iter().map(|(t_ns, data)| (*t_ns, values(data))).collect();
+    assert!(said.len() > 1000, "told again at each beat");
+    let mut said = said;
+    said.dedup_by(|next, last| next.1 == last.1 && next.0 != 31_999_999 && next.0 != bed.schedule().duration_ns);
     assert_eq!(said[0], (0, vec![2.0, 1.0, 1.0, 0.0]));
     assert_eq!(said[1], (31_999_999, vec![2.0, 1.0, 1.0, 0.0]));
     assert_eq!(said[2], (32_000_000, vec![0.0; 4]));
