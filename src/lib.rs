@@ -59,6 +59,7 @@ pub mod diagnostic;
 pub mod emit;
 pub mod format;
 pub mod geometry;
+pub mod instrument;
 pub mod log;
 pub mod lower;
 pub mod plan;

@@ -4,6 +4,7 @@ const FILES: &[(&str, &str)] = &[
     ("dimibot", include_str!("../stdlib/dimibot.twz")),
     ("electrode_array", include_str!("../stdlib/electrode_array.twz")),
     ("fingers", include_str!("../stdlib/fingers.twz")),
+    ("instruments", include_str!("../stdlib/instruments.twz")),
     ("microrobots", include_str!("../stdlib/microrobots.twz")),
 ];
 

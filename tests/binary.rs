@@ -15,10 +15,22 @@ const FILES: i32 = 4;
 
 const SMALL: &str = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n";
 
-const ALL_FORMATS: &str = "mcap,json,csv,vcd,pwl,scpi,html,svg";
+const ALL_FORMATS: &str = "mcap,json,csv,vcd,pwl,nidaqmx,html,svg";
 
-const ENDINGS: [&str; 12] =
-    ["mcap", "lichtblick.json", "json", "csv", "vcd", "gtkw", "pwl.inc", "cir", "scpi", "scpi.txt", "html", "svg"];
+const ENDINGS: [&str; 12] = [
+    "mcap",
+    "lichtblick.json",
+    "json",
+    "csv",
+    "vcd",
+    "gtkw",
+    "pwl.inc",
+    "cir",
+    "card.daq",
+    "nidaqmx.py",
+    "html",
+    "svg",
+];
 
 fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name)
@@ -154,11 +166,11 @@ fn a_build_tells_what_it_did_and_writes_every_format() {
     let arguments = ["build", &fetch.to_string_lossy(), "--emit", ALL_FORMATS, "-o", "deep/er"];
     let built = bench.run(&arguments).code(DONE);
     let report = "  \
-  Checked  dimibot_fetch.twz       1 device, 1 scene, 1 task
-  Planned  fetch                   30.74 um (72 r) in 11 switches, optimal (bound 30.74 um)
-  Nearest                          (3.2 um, 5.9 um) is cell (7, 14), 225.1 nm off
- Verified  fetch                   11 actuations replayed, 0 violations
-    Wrote  deep/er/fetch.mcap      20 channels, 11 actuations, 165 ms, 330 mJ
+  Checked  dimibot_fetch.twz         1 device, 1 scene, 1 task
+  Planned  fetch                     30.74 um (72 r) in 11 switches, optimal (bound 30.74 um)
+  Nearest                            (3.2 um, 5.9 um) is cell (7, 14), 225.1 nm off
+ Verified  fetch                     11 actuations replayed, 0 violations
+    Wrote  deep/er/fetch.mcap        20 channels, 11 actuations, 165 ms, 330 mJ
 ";
     assert!(out(&built).starts_with(report), "{}", out(&built));
     assert_eq!(err(&built), "");
@@ -278,12 +290,12 @@ fn used_files_lie_beside_the_program() {
 fn all_files_are_written_or_none() {
     let bench = Bench::with(SMALL);
     // A folder in the way of the last file that is written.
-    fs::create_dir_all(bench.path("out/go.scpi.txt")).expect("a folder");
+    fs::create_dir_all(bench.path("out/go.svg")).expect("a folder");
     fs::write(bench.path("out/go.json"), "as it was").expect("written");
-    let failed = bench.run(&["build", "a.twz", "-o", "out", "--emit", ALL_FORMATS]).code(FILES);
-    says(&err(&failed), &["E0804", "go.scpi.txt", "nothing was written"]);
+    let failed = bench.run(&["build", "a.twz", "-o", "out", "--emit", "mcap,json,csv,vcd,pwl,html,svg"]).code(FILES);
+    says(&err(&failed), &["E0804", "go.svg", "nothing was written"]);
     assert_eq!(out(&failed), "");
-    assert_eq!(bench.names("out"), ["go.json", "go.scpi.txt"]);
+    assert_eq!(bench.names("out"), ["go.json", "go.svg"]);
     assert_eq!(fs::read_to_string(bench.path("out/go.json")).expect("there"), "as it was");
 
     for folder in ["a.twz", "a.twz/in"] {

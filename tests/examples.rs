@@ -4,6 +4,7 @@ mod support;
 
 use std::path::{Path, PathBuf};
 use support::{build, build_in};
+use tweeze::instrument::Family;
 use tweeze::schedule::microrobots::MicrorobotsState;
 use tweeze::schedule::{ChannelUnit, Schedule, State};
 
@@ -40,10 +41,19 @@ fn every_example_builds_without_a_word_and_is_written_in_every_format() {
         let built = build_in(&folder(), &text);
         assert!(built.codes.is_empty() && !built.schedules.is_empty(), "{name}: {:?}", built.codes);
         let files = built.files();
-        // G-code is of stages only.
+        // G-code is of stages only; a generator has a script and its description, a card its samples, each format a sender.
         let are_stages =
             |schedule: &Schedule| schedule.channels.iter().all(|channel| channel.unit == ChannelUnit::Micrometre);
-        let due = built.schedules.iter().map(|verified| 10 + usize::from(are_stages(verified.schedule())));
+        let of_instruments = |schedule: &Schedule| -> usize {
+            let families = schedule.bench.instruments.values().map(|instrument| instrument.facts.family());
+            let files = families.map(|family| match family {
+                Family::WaveformGenerator => 3,
+                Family::DataAcquisition => 2,
+            });
+            files.sum()
+        };
+        let schedules = built.schedules.iter().map(|verified| verified.schedule());
+        let due = schedules.map(|schedule| 8 + usize::from(are_stages(schedule)) + of_instruments(schedule));
         assert_eq!(files.len(), due.sum::<usize>(), "{name}");
         assert!(files.iter().all(|file| !file.bytes.is_empty()), "{name}");
         let plans = built.schedules.iter().flat_map(|verified| &verified.schedule().plans);

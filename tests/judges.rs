@@ -17,8 +17,13 @@ fn main() -> ExitCode {
     for example in examples(root) {
         // Programs of different examples may have one name.
         let folder = folder.path().join(example.file_stem().unwrap_or_default());
-        let mut built = build(&example, "mcap,json,csv,vcd,pwl,scpi,svg", &folder);
+        let mut built = build(&example, "mcap,json,csv,vcd,pwl,svg", &folder);
         let written: Vec<Value> = schedules(&folder).iter().map(|path| document(path)).collect();
+        for (family, format) in [("waveform_generator", "scpi"), ("data_acquisition", "nidaqmx")] {
+            if !written.is_empty() && written.iter().all(|schedule| has_instrument(schedule, family)) {
+                built = built.and_then(|()| build(&example, format, &folder));
+            }
+        }
         if !written.is_empty() && written.iter().all(is_of_stages) {
             built = built.and_then(|()| build(&example, "gcode", &folder));
         }
@@ -67,6 +72,12 @@ fn document(path: &Path) -> Value {
 /// Whether all channels of a schedule are positions, so that it can be written as G-code.
 fn is_of_stages(schedule: &Value) -> bool {
     schedule["channels"].as_array().is_some_and(|channels| channels.iter().all(|channel| channel["unit"] == "um"))
+}
+
+/// Whether channels of a schedule are wired to an instrument of a family.
+fn has_instrument(schedule: &Value, family: &str) -> bool {
+    let instruments = schedule["bench"]["instruments"].as_object();
+    instruments.is_some_and(|instruments| instruments.values().any(|one| one["facts"].get(family).is_some()))
 }
 
 fn fail(why: &str) -> ExitCode {

@@ -11,7 +11,7 @@ use std::process::Command;
 const MAX_FILE_LINES: usize = 600;
 
 /// The base: seen by everybody, sees nothing but itself.
-const BASE: [&str; 7] = ["source", "real", "random", "quantity", "geometry", "diagnostic", "device"];
+const BASE: [&str; 8] = ["source", "real", "random", "quantity", "geometry", "diagnostic", "device", "instrument"];
 
 /// What each other room may see besides the base. `plan` is never in reach of `verify`, and nobody sees `cli`.
 const SIGHT: &[(&str, &[&str])] = &[

@@ -1,4 +1,4 @@
-//! Devices: bases, fields, and the facts that the kind derives from them.
+//! Devices and instruments: bases, fields, and the facts that a device's kind derives from them.
 
 use super::fields::{Given, Owner};
 use super::lineage::Base;
@@ -6,16 +6,18 @@ use super::scope::{DeclarationPlace, DeclarationSort, in_a_used_file, nearest, p
 use super::value::Accepted;
 use super::{Checker, KindFacts, checks, errors};
 use crate::claims::ValueOrigin;
-use crate::device::Kind;
+use crate::device::{Kind, VocabularyField};
+use crate::instrument::Family;
 use crate::source::Span;
 use crate::syntax::tree::{self, Item};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-/// A device with its own fields and those of its bases.
+/// A declaration with its own fields and those of its bases.
 #[derive(Debug, Clone)]
-pub struct CheckedDevice {
-    pub kind: Kind,
+pub(crate) struct CheckedDeclaration<R> {
+    /// Where its line of bases ends.
+    pub root: R,
     pub name: String,
     /// Its name where it is declared.
     pub span: Span,
@@ -24,18 +26,118 @@ pub struct CheckedDevice {
     pub origins: FieldOrigins,
 }
 
+/// A device and its kind.
+pub(crate) type CheckedDevice = CheckedDeclaration<Kind>;
+
+/// An instrument and its family.
+pub(crate) type CheckedInstrument = CheckedDeclaration<Family>;
+
 /// Where values were given, by the names of their fields.
 pub type FieldOrigins = BTreeMap<&'static str, ValueOrigin>;
 
-impl CheckedDevice {
-    fn owner(&self) -> Owner {
-        owner(self.kind, &self.name, self.span)
+/// Declarations that were checked; `None` after an error.
+pub(crate) type CheckedDeclarations<R> = BTreeMap<DeclarationPlace, Option<Rc<CheckedDeclaration<R>>>>;
+
+/// What a line of bases ends in: a device kind or a family of instruments.
+pub(crate) trait RootBase: Copy + 'static {
+    const SORT: DeclarationSort;
+    /// "a device of the kind".
+    const OF: &'static str;
+    const ALL: &'static [Self];
+    fn name(self) -> &'static str;
+    fn fields(self) -> &'static [VocabularyField];
+    /// Declares something published to start from: the file, and its name there.
+    fn library(self) -> (&'static str, &'static str);
+    fn checked<'c>(checker: &'c Checker<'_>) -> &'c CheckedDeclarations<Self>;
+    fn checked_mut<'c>(checker: &'c mut Checker<'_>) -> &'c mut CheckedDeclarations<Self>;
+}
+
+impl RootBase for Kind {
+    const SORT: DeclarationSort = DeclarationSort::Device;
+    const OF: &'static str = "a device of the kind";
+    const ALL: &'static [Kind] = Kind::ALL;
+
+    fn name(self) -> &'static str {
+        Kind::name(self)
+    }
+
+    fn fields(self) -> &'static [VocabularyField] {
+        self.vocabulary().fields
+    }
+
+    fn library(self) -> (&'static str, &'static str) {
+        self.vocabulary().library
+    }
+
+    fn checked<'c>(checker: &'c Checker<'_>) -> &'c CheckedDeclarations<Kind> {
+        &checker.devices
+    }
+
+    fn checked_mut<'c>(checker: &'c mut Checker<'_>) -> &'c mut CheckedDeclarations<Kind> {
+        &mut checker.devices
     }
 }
 
-fn owner(kind: Kind, name: &str, span: Span) -> Owner {
-    let declared = Some((span, format!("a device of the kind {}", kind.name())));
-    Owner { name: format!("device `{name}`"), declared }
+impl RootBase for Family {
+    const SORT: DeclarationSort = DeclarationSort::Instrument;
+    const OF: &'static str = "an instrument of the family";
+    const ALL: &'static [Family] = Family::ALL;
+
+    fn name(self) -> &'static str {
+        Family::name(self)
+    }
+
+    fn fields(self) -> &'static [VocabularyField] {
+        Family::fields(self)
+    }
+
+    fn library(self) -> (&'static str, &'static str) {
+        Family::library(self)
+    }
+
+    fn checked<'c>(checker: &'c Checker<'_>) -> &'c CheckedDeclarations<Family> {
+        &checker.instruments
+    }
+
+    fn checked_mut<'c>(checker: &'c mut Checker<'_>) -> &'c mut CheckedDeclarations<Family> {
+        &mut checker.instruments
+    }
+}
+
+impl<R: RootBase> CheckedDeclaration<R> {
+    fn owner(&self) -> Owner {
+        owner(self.root, &self.name, self.span)
+    }
+
+    /// Whether it has all that its kind requires and no unknown value; what is missing is reported.
+    pub fn is_complete(&self, checker: &mut Checker) -> bool {
+        let missing = Checker::missing(&self.fields, self.root.fields());
+        if !missing.is_empty() {
+            let (name, library) = (self.owner().name, self.root.library());
+            checker.sink.push(errors::missing_fields(self.span, &name, &missing, Some(library)));
+            return false;
+        }
+        !self.fields.values().any(|field| field.value.is_unknown())
+    }
+}
+
+fn owner<R: RootBase>(root: R, name: &str, span: Span) -> Owner {
+    let declared = Some((span, format!("{} {}", R::OF, root.name())));
+    Owner { name: format!("{} `{name}`", R::SORT.name()), declared }
+}
+
+/// The declaration of a device or an instrument.
+fn with_base(item: &Item) -> Option<&tree::Device> {
+    match item {
+        Item::Device(item) | Item::Instrument(item) => Some(item),
+        Item::Use(_)
+        | Item::Let(_)
+        | Item::Scene(_)
+        | Item::Task(_)
+        | Item::Program(_)
+        | Item::Wiring(_)
+        | Item::Error(_) => None,
+    }
 }
 
 impl Checker<'_> {
@@ -44,10 +146,10 @@ impl Checker<'_> {
         let own = self.own_places(DeclarationSort::Device);
         let mut bases: BTreeSet<DeclarationPlace> = BTreeSet::new();
         for (place, _) in &own {
-            let Item::Device(item) = self.item(*place) else { continue };
+            let Some(item) = with_base(self.item(*place)) else { continue };
             let base = self.find(&item.base, &self.top(*place)).map(|(base, _)| base);
             bases.extend(base);
-            self.device(*place);
+            self.inherited::<Kind>(*place);
         }
         for (place, _) in own {
             if !bases.contains(&place) {
@@ -63,72 +165,76 @@ impl Checker<'_> {
         own.filter_map(|(place, _)| known(place)).collect()
     }
 
-    /// A device with all that it inherits; `None` after an error.
-    pub fn device(&mut self, place: DeclarationPlace) -> Option<Rc<CheckedDevice>> {
-        let chain = self.lineage(place, &|checker, at| checker.devices.contains_key(&at), &Checker::base);
+    /// A device or an instrument with all that it inherits; `None` after an error.
+    pub fn inherited<R: RootBase>(&mut self, place: DeclarationPlace) -> Option<Rc<CheckedDeclaration<R>>> {
+        if let Some(known) = R::checked(self).get(&place) {
+            return known.clone();
+        }
+        let chain = self.lineage(place, &|checker, at| R::checked(checker).contains_key(&at), &Checker::base::<R>);
         for (at, base) in chain.into_iter().rev() {
             let inherited = match base {
-                Base::Root(kind) => Some((kind, Accepted::new(), FieldOrigins::new())),
+                Base::Root(root) => Some((root, Accepted::new(), FieldOrigins::new())),
                 Base::Of(base) => {
-                    let known = self.devices.get(&base).and_then(Option::as_ref);
-                    known.map(|device| (device.kind, device.fields.clone(), device.origins.clone()))
+                    let known = R::checked(self).get(&base).and_then(Option::as_ref);
+                    known.map(|known| (known.root, known.fields.clone(), known.origins.clone()))
                 }
                 Base::Broken => None,
             };
-            let device = self.inherit(at, inherited).map(Rc::new);
-            self.devices.insert(at, device);
+            let declaration = self.inherit(at, inherited).map(Rc::new);
+            R::checked_mut(self).insert(at, declaration);
         }
-        self.devices.get(&place).cloned().flatten()
+        R::checked(self).get(&place).cloned().flatten()
     }
 
-    fn inherit(
+    fn inherit<R: RootBase>(
         &mut self,
         place: DeclarationPlace,
-        inherited: Option<(Kind, Accepted, FieldOrigins)>,
-    ) -> Option<CheckedDevice> {
-        let Item::Device(item) = self.item(place) else { return None };
+        inherited: Option<(R, Accepted, FieldOrigins)>,
+    ) -> Option<CheckedDeclaration<R>> {
+        let item = with_base(self.item(place))?;
         let scope = self.top(place);
-        let Some((kind, mut fields, mut origins)) = inherited else {
+        let Some((root, mut fields, mut origins)) = inherited else {
             self.read_for_errors(&item.fields, &scope);
             return None;
         };
-        let owner = owner(kind, &item.name.text, item.name.span);
+        let owner = owner(root, &item.name.text, item.name.span);
         let given: Vec<Given> = item.fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
-        let own = self.read_fields(&owner, &given, kind.vocabulary().fields);
+        let own = self.read_fields(&owner, &given, root.fields());
         origins.retain(|name, _| !own.contains_key(name));
         for field in &item.fields {
             let name = own.keys().find(|name| **name == field.name.text);
             origins.extend(name.copied().zip(self.origin(&field.value, &scope)));
         }
         fields.extend(own);
-        Some(CheckedDevice { kind, name: item.name.text.clone(), span: item.name.span, fields, origins })
+        Some(CheckedDeclaration { root, name: item.name.text.clone(), span: item.name.span, fields, origins })
     }
 
-    fn base(&mut self, place: DeclarationPlace) -> Base<Kind> {
-        let Item::Device(item) = self.item(place) else { return Base::Broken };
+    fn base<R: RootBase>(&mut self, place: DeclarationPlace) -> Base<R> {
+        let Some(item) = with_base(self.item(place)) else { return Base::Broken };
         let is_plain_name = item.base.segments.len() == 1;
-        if let Some(kind) = Kind::find(&path_text(&item.base)).filter(|_| is_plain_name) {
-            return Base::Root(kind);
+        let text = path_text(&item.base);
+        if let Some(root) = R::ALL.iter().find(|root| root.name() == text).filter(|_| is_plain_name) {
+            return Base::Root(*root);
         }
         let scope = self.top(place);
         if is_plain_name && self.find(&item.base, &scope).is_none() {
-            self.report_unknown_base(item, place);
+            self.report_unknown_base::<R>(item, place);
             return Base::Broken;
         }
-        self.resolve(&item.base, &scope, DeclarationSort::Device).map_or(Base::Broken, Base::Of)
+        self.resolve(&item.base, &scope, R::SORT).map_or(Base::Broken, Base::Of)
     }
 
-    fn report_unknown_base(&mut self, item: &tree::Device, place: DeclarationPlace) {
+    fn report_unknown_base<R: RootBase>(&mut self, item: &tree::Device, place: DeclarationPlace) {
         let text = path_text(&item.base);
         if self.modules[place.module].is_broken(&text) {
             return;
         }
-        let kinds: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
-        let mut known = self.names_in_reach(&self.top(place), DeclarationSort::Device);
+        let roots: Vec<&str> = R::ALL.iter().map(|root| root.name()).collect();
+        let mut known = self.names_in_reach(&self.top(place), R::SORT);
         known.retain(|name| *name != item.name.text);
         let near = in_a_used_file(&text, &known);
-        let near = near.or_else(|| nearest(&text, known.iter().map(String::as_str).chain(kinds.iter().copied())));
-        self.sink.push(errors::unknown_kind(item.base.span, &text, near, &kinds));
+        let near = near.or_else(|| nearest(&text, known.iter().map(String::as_str).chain(roots.iter().copied())));
+        self.sink.push(errors::unknown_base(item.base.span, &text, R::SORT, near, &roots));
     }
 
     /// The facts of a complete device; `None` after an error.
@@ -136,21 +242,12 @@ impl Checker<'_> {
         if let Some(known) = self.facts.get(&place) {
             return known.clone();
         }
-        let facts = self.device(place).and_then(|device| self.facts_of(&device));
+        let facts = self.inherited::<Kind>(place).and_then(|device| self.facts_of(&device));
         self.facts.insert(place, facts.clone());
         facts
     }
 
     fn facts_of(&mut self, device: &CheckedDevice) -> Option<KindFacts> {
-        let missing = Self::missing(&device.fields, device.kind.vocabulary().fields);
-        if !missing.is_empty() {
-            let library = device.kind.vocabulary().library;
-            self.sink.push(errors::missing_fields(device.span, &device.owner().name, &missing, Some(library)));
-            return None;
-        }
-        if device.fields.values().any(|field| field.value.is_unknown()) {
-            return None;
-        }
-        checks(device.kind).facts(device, self.sink)
+        if device.is_complete(self) { checks(device.root).facts(device, self.sink) } else { None }
     }
 }

@@ -9,7 +9,7 @@ use super::shapes::{MAX_HEADING_RAD, pose_of};
 use super::value::{ListValue, Value};
 use super::{Checker, errors};
 use crate::device::shape::ShapeForm;
-use crate::device::{Frames, MAX_REACH_UM};
+use crate::device::{Frames, Kind, MAX_REACH_UM};
 use crate::geometry::shape::Pose;
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{self, Ident, IndexedName, Path};
@@ -35,7 +35,7 @@ impl Checker<'_> {
         let segment = IndexedName { name: Ident { text, span: name.span }, indices: Vec::new(), span: name.span };
         let path = Path { segments: vec![segment], span: name.span };
         let device = self.resolve(&path, scope, DeclarationSort::Device)?;
-        let kind = self.device(device)?.kind;
+        let kind = self.inherited::<Kind>(device)?.root;
         if kind.vocabulary().frames == Frames::No {
             self.sink.push(errors::frame_of_other_kind(name.span, self.named(device).0, kind.name()));
             return None;

@@ -17,7 +17,13 @@ pub fn named(tree: &tree::Tree) -> Vec<&Text> {
         match item {
             Item::Let(item) => in_expr(&item.value, &mut found),
             Item::Scene(item) => in_scene(&item.entries, &mut found),
-            Item::Use(_) | Item::Device(_) | Item::Task(_) | Item::Program(_) | Item::Wiring(_) | Item::Error(_) => {}
+            Item::Use(_)
+            | Item::Device(_)
+            | Item::Instrument(_)
+            | Item::Task(_)
+            | Item::Program(_)
+            | Item::Wiring(_)
+            | Item::Error(_) => {}
         }
     }
     found

@@ -18,6 +18,7 @@ mod fingers;
 mod frames;
 mod functions;
 pub mod imports;
+mod instruments;
 mod labels;
 pub mod lets;
 mod lineage;
@@ -41,6 +42,7 @@ mod wiring;
 use crate::claims::{Claims, Job, Order};
 use crate::device::{self, Kind, each_kind, for_each_kind};
 use crate::diagnostic::Sink;
+use crate::instrument::{Family, Instrument};
 use crate::quantity::{Dimension, Quantity};
 use crate::source::{Sources, Span, Spanned};
 use crate::syntax::tree::{Expr, For, Item, Path};
@@ -91,9 +93,10 @@ pub fn check(sources: &mut Sources, modules: &[Module], options: &Options, sink:
     checker.apply_settings(overrides);
     checker.check_values();
     checker.check_devices();
+    checker.check_instruments();
     checker.check_scenes();
-    let wires = checker.wires();
-    let claims = checker.schedules(options.only.as_deref(), &wires);
+    let wiring = checker.wiring();
+    let claims = checker.schedules(options.only.as_deref(), &wiring);
     let devices = checker.known_devices();
     checker.check_unrun();
     checker.warn_of_unused();
@@ -132,6 +135,11 @@ pub enum KindFacts {
 trait CheckedFacts {
     /// The names of its channels, for a message: of very many only the first and the last.
     fn channel_examples(&self) -> Vec<String>;
+
+    /// Whether its channels are the positions of stages, and not voltages.
+    fn moves_stages(&self) -> bool {
+        false
+    }
 
     /// Whether the device has a channel of a name.
     fn has_channel(&self, name: &str) -> bool {
@@ -176,8 +184,10 @@ pub(crate) struct Checker<'a> {
     modules: &'a [Module],
     sink: &'a mut Sink,
     lets: BTreeMap<DeclarationPlace, LetState>,
-    devices: BTreeMap<DeclarationPlace, Option<Rc<devices::CheckedDevice>>>,
+    devices: devices::CheckedDeclarations<Kind>,
+    instruments: devices::CheckedDeclarations<Family>,
     facts: BTreeMap<DeclarationPlace, Option<KindFacts>>,
+    instrument_facts: BTreeMap<DeclarationPlace, Option<Instrument>>,
     scenes: BTreeMap<DeclarationPlace, Option<Rc<scenes::CheckedScene>>>,
     used: BTreeSet<DeclarationPlace>,
     used_imports: BTreeSet<(usize, String)>,
@@ -201,7 +211,9 @@ impl<'a> Checker<'a> {
             sink,
             lets: BTreeMap::new(),
             devices: BTreeMap::new(),
+            instruments: BTreeMap::new(),
             facts: BTreeMap::new(),
+            instrument_facts: BTreeMap::new(),
             scenes: BTreeMap::new(),
             used: BTreeSet::new(),
             used_imports: BTreeSet::new(),

@@ -6,6 +6,7 @@ use super::neighbours::{Neighbours, RunSite};
 use super::scope::{Declaration, DeclarationPlace, DeclarationSort, Scope, nearest};
 use super::tasks::TaskRun;
 use super::value::Value;
+use super::wiring::Wiring;
 use super::{Checker, checks};
 use crate::claims::{Claims, Job, MAX_TIMELINE_DEPTH, Timeline};
 use crate::device::Kind;
@@ -22,9 +23,6 @@ pub const MAX_STEPS: usize = 1_000_000;
 
 /// Greatest nesting of programs.
 pub const MAX_PROGRAM_DEPTH: usize = 64;
-
-/// The wires of each device, by channel.
-pub type Wires = BTreeMap<DeclarationPlace, BTreeMap<String, String>>;
 
 /// A schedule in the making.
 #[derive(Default)]
@@ -61,14 +59,14 @@ impl Draft {
 
 impl<'a> Checker<'a> {
     /// The claims of every schedule to be built. All that a build without `--task` would make is checked in any case.
-    pub fn schedules(&mut self, only: Option<&str>, wires: &Wires) -> Vec<Claims> {
+    pub fn schedules(&mut self, only: Option<&str>, wiring: &Wiring) -> Vec<Claims> {
         let chosen = only.map(|name| self.root_named(name));
         let mut roots = self.roots();
         let extra = chosen.flatten().filter(|place| !roots.contains(place));
         roots.extend(extra);
         let mut schedules = Vec::with_capacity(roots.len());
         for root in roots {
-            let claims = self.schedule(root, wires);
+            let claims = self.schedule(root, wiring);
             schedules.extend(claims.filter(|_| chosen.is_none_or(|chosen| chosen == Some(root))));
         }
         schedules
@@ -149,11 +147,17 @@ impl<'a> Checker<'a> {
         match self.item(place) {
             Item::Task(item) => &item.parameters,
             Item::Program(item) => &item.parameters,
-            Item::Use(_) | Item::Let(_) | Item::Device(_) | Item::Scene(_) | Item::Wiring(_) | Item::Error(_) => &[],
+            Item::Use(_)
+            | Item::Let(_)
+            | Item::Device(_)
+            | Item::Instrument(_)
+            | Item::Scene(_)
+            | Item::Wiring(_)
+            | Item::Error(_) => &[],
         }
     }
 
-    fn schedule(&mut self, root: DeclarationPlace, wires: &Wires) -> Option<Claims> {
+    fn schedule(&mut self, root: DeclarationPlace, wiring: &Wiring) -> Option<Claims> {
         let declaration = self.declaration(root);
         let (name, _) = self.named(root);
         let mut draft = Draft::default();
@@ -177,10 +181,13 @@ impl<'a> Checker<'a> {
         if self.sink.errors() > errors {
             return None;
         }
-        let used = draft.runs.iter().filter_map(|run| wires.get(&run.device)).flatten();
-        let wires = used.map(|(channel, output)| (channel.clone(), output.clone())).collect();
+        let (wires, bench) = wiring.of(draft.runs.iter().map(|run| run.device));
+        if let Some(finding) = self.starts_apart(&bench, declaration.span) {
+            self.sink.push(finding);
+            return None;
+        }
         let (name, jobs) = (name.to_owned(), draft.jobs);
-        Some(Claims { name, timeline, jobs, wires, shared, not_held, span: declaration.span })
+        Some(Claims { name, timeline, jobs, wires, bench, shared, not_held, span: declaration.span })
     }
 
     /// Runs a task or a program with its arguments; `span` is where it is run.
@@ -195,9 +202,13 @@ impl<'a> Checker<'a> {
         match self.item(place) {
             Item::Task(item) => self.run_task(TaskRun { task: place, arguments, span }, item, draft),
             Item::Program(item) => self.run_program(place, item, &arguments, span, draft),
-            Item::Use(_) | Item::Let(_) | Item::Device(_) | Item::Scene(_) | Item::Wiring(_) | Item::Error(_) => {
-                Timeline::Sequence(Vec::new())
-            }
+            Item::Use(_)
+            | Item::Let(_)
+            | Item::Device(_)
+            | Item::Instrument(_)
+            | Item::Scene(_)
+            | Item::Wiring(_)
+            | Item::Error(_) => Timeline::Sequence(Vec::new()),
         }
     }
 

@@ -55,6 +55,7 @@ pub struct Declaration {
 pub enum DeclarationSort {
     Let,
     Device,
+    Instrument,
     Scene,
     Task,
     Program,
@@ -66,6 +67,7 @@ impl DeclarationSort {
         match self {
             DeclarationSort::Let => "value",
             DeclarationSort::Device => "device",
+            DeclarationSort::Instrument => "instrument",
             DeclarationSort::Scene => "scene",
             DeclarationSort::Task => "task",
             DeclarationSort::Program => "program",
@@ -77,6 +79,7 @@ impl DeclarationSort {
         match self {
             DeclarationSort::Let => "a value",
             DeclarationSort::Device => "a device",
+            DeclarationSort::Instrument => "an instrument",
             DeclarationSort::Scene => "a scene",
             DeclarationSort::Task => "a task",
             DeclarationSort::Program => "a program",
@@ -149,6 +152,7 @@ pub fn declared(item: &Item) -> Option<(&Ident, DeclarationSort)> {
     match item {
         Item::Let(item) => Some((&item.name, DeclarationSort::Let)),
         Item::Device(item) => Some((&item.name, DeclarationSort::Device)),
+        Item::Instrument(item) => Some((&item.name, DeclarationSort::Instrument)),
         Item::Scene(item) => Some((&item.name, DeclarationSort::Scene)),
         Item::Task(item) => Some((&item.name, DeclarationSort::Task)),
         Item::Program(item) => Some((&item.name, DeclarationSort::Program)),

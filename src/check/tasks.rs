@@ -10,7 +10,7 @@ use super::scope::{DeclarationPlace, DeclarationSort, Scope, nearest, path_text}
 use super::value::{Accepted, Value, whole};
 use super::verbs::Call;
 use crate::claims::{Job, Relation, Requirement};
-use crate::device::{self, Together, Vocabulary};
+use crate::device::{self, Kind, Together, Vocabulary};
 use crate::quantity::Dimension;
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{self, Entry, Expr, ExprKind, Item, Operator};
@@ -113,10 +113,10 @@ impl<'a> Checker<'a> {
         let place = self.resolve(&item.device, &top, DeclarationSort::Device);
         let scene = item.scene.as_ref().map(|path| self.resolve(path, &top, DeclarationSort::Scene));
         let place = place?;
-        let device = self.device(place)?;
+        let device = self.inherited::<Kind>(place)?;
         scope.view = self.view_of(scene);
         // The words are checked even if the device's own figures are unknown.
-        let mut parts = self.parts(item, device.kind.vocabulary(), scope);
+        let mut parts = self.parts(item, device.root.vocabulary(), scope);
         let is_whole = parts.is_whole;
         let requirements = std::mem::take(&mut parts.requirements);
         let scene = match scene {

@@ -16,7 +16,10 @@ impl Checker<'_> {
         }
         for (name, declaration) in &module.names {
             match declaration.sort {
-                DeclarationSort::Let | DeclarationSort::Device | DeclarationSort::Scene => {}
+                DeclarationSort::Let
+                | DeclarationSort::Device
+                | DeclarationSort::Instrument
+                | DeclarationSort::Scene => {}
                 DeclarationSort::Task | DeclarationSort::Program => continue,
             }
             if !self.used.contains(&DeclarationPlace { module: 0, item: declaration.item }) {

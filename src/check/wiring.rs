@@ -1,13 +1,59 @@
-//! Wirings: which physical output drives which channel.
+//! Wirings: which physical output drives which channel, and what stands between them.
 
 use super::Checker;
 use super::KindFacts;
 use super::errors;
-use super::programs::Wires;
+use super::fields::{Given, Owner};
+use super::figures::Figures;
 use super::scope::{DeclarationPlace, DeclarationSort, Scope};
+use super::value::Accepted;
+use crate::diagnostic::Diagnostic;
+use crate::instrument::{ANY_WIRE, Bench, Drive, Instrument, Link, LinkSort, Start};
 use crate::source::Span;
-use crate::syntax::tree::{self, Item, WiringEntry};
+use crate::syntax::tree::{self, Field, Item, WireOutput, WiringEntry};
 use std::collections::BTreeMap;
+
+/// The wires of the user's files.
+#[derive(Default)]
+pub struct Wiring {
+    wires: BTreeMap<DeclarationPlace, BTreeMap<String, Wired>>,
+    instruments: BTreeMap<String, Instrument>,
+}
+
+/// A wired channel.
+struct Wired {
+    /// The physical output as it is shown.
+    output: String,
+    /// `None` where no instrument is declared for it.
+    drive: Option<Drive>,
+    span: Span,
+}
+
+impl Wiring {
+    /// The physical outputs of some devices, by the full names of their channels, and the instruments that these belong to.
+    pub fn of(&self, devices: impl Iterator<Item = DeclarationPlace>) -> (BTreeMap<String, String>, Bench) {
+        let mut outputs = BTreeMap::new();
+        let mut bench = Bench::default();
+        for (channel, wired) in devices.filter_map(|device| self.wires.get(&device)).flatten() {
+            outputs.insert(channel.clone(), wired.output.clone());
+            if let Some(drive) = &wired.drive {
+                bench.drives.insert(channel.clone(), drive.clone());
+                let instrument = self.instruments.get(&drive.instrument).cloned();
+                bench.instruments.extend(instrument.map(|instrument| (drive.instrument.clone(), instrument)));
+            }
+        }
+        (outputs, bench)
+    }
+}
+
+/// What the wires of all devices share while they are being read.
+#[derive(Default)]
+struct Outputs {
+    /// Where each output is used.
+    used: BTreeMap<String, Span>,
+    /// The instruments by their names, where each is declared.
+    instruments: BTreeMap<String, (DeclarationPlace, Instrument)>,
+}
 
 /// The wires of one device while they are being read, with their places.
 struct Panel {
@@ -15,16 +61,25 @@ struct Panel {
     name: String,
     /// `None` if its figures are unknown.
     facts: Option<KindFacts>,
-    wired: BTreeMap<String, (String, Span)>,
+    /// Fields of all wires that do not give them themselves.
+    defaults: Accepted,
+    wired: BTreeMap<String, Wired>,
+}
+
+/// The output of an instrument, as a wire names it.
+struct NamedOutput {
+    instrument: String,
+    output: String,
+    link: LinkSort,
 }
 
 impl<'a> Checker<'a> {
     /// Checks every wiring of the user's files.
-    pub fn wires(&mut self) -> Wires {
+    pub fn wiring(&mut self) -> Wiring {
         let modules = self.modules;
-        let mut wires = Wires::new();
+        let mut wiring = Wiring::default();
         let mut wirings: BTreeMap<DeclarationPlace, Span> = BTreeMap::new();
-        let mut outputs: BTreeMap<String, Span> = BTreeMap::new();
+        let mut outputs = Outputs::default();
         for (module, file) in modules.iter().enumerate().filter(|(_, file)| !file.is_library()) {
             for item in &file.tree.items {
                 let Item::Wiring(item) = item else { continue };
@@ -35,27 +90,40 @@ impl<'a> Checker<'a> {
                 }
                 self.wiring_entries(&item.entries, &mut scope, &mut panel, &mut outputs);
                 let named =
-                    panel.wired.into_iter().map(|(channel, (output, _))| (format!("{}.{channel}", panel.name), output));
-                wires.entry(panel.device).or_default().extend(named);
+                    panel.wired.into_iter().map(|(channel, wired)| (format!("{}.{channel}", panel.name), wired));
+                wiring.wires.entry(panel.device).or_default().extend(named);
             }
         }
-        wires
+        let instruments = outputs.instruments.into_iter();
+        wiring.instruments = instruments.map(|(name, (_, instrument))| (name, instrument)).collect();
+        wiring
     }
 
     fn panel(&mut self, item: &tree::Wiring, scope: &Scope) -> Option<Panel> {
         let device = self.resolve(&item.device, scope, DeclarationSort::Device)?;
         let Item::Device(declared) = self.item(device) else { return None };
+        let name = declared.name.text.clone();
         let facts = self.facts(device);
-        Some(Panel { device, name: declared.name.text.clone(), facts, wired: BTreeMap::new() })
+        let own = item.entries.iter().filter_map(|entry| match entry {
+            WiringEntry::Field(field) => Some(Given { field, scope: scope.clone() }),
+            WiringEntry::Wire(_) | WiringEntry::For(_) | WiringEntry::Error(_) => None,
+        });
+        let mut given: Vec<Given> = own.collect();
+        if let Some(facts) = &facts {
+            given.retain(|given| match facts.asked().has_channel(&given.field.name.text) {
+                true => {
+                    self.sink.push(errors::colon_in_wire(&given.field.name));
+                    false
+                }
+                false => true,
+            });
+        }
+        let owner = Owner { name: format!("the wires of `{name}`"), declared: None };
+        let defaults = self.read_fields(&owner, &given, ANY_WIRE);
+        Some(Panel { device, name, facts, defaults, wired: BTreeMap::new() })
     }
 
-    fn wiring_entries(
-        &mut self,
-        entries: &[WiringEntry],
-        scope: &mut Scope,
-        panel: &mut Panel,
-        outputs: &mut BTreeMap<String, Span>,
-    ) {
+    fn wiring_entries(&mut self, entries: &[WiringEntry], scope: &mut Scope, panel: &mut Panel, outputs: &mut Outputs) {
         for entry in entries {
             match entry {
                 WiringEntry::Wire(wire) => {
@@ -64,20 +132,32 @@ impl<'a> Checker<'a> {
                 WiringEntry::For(each) => self.repeat(each, scope, &mut |checker, scope| {
                     checker.wiring_entries(&each.entries, scope, panel, outputs);
                 }),
-                WiringEntry::Error(_) => {}
+                WiringEntry::Field(field) if !scope.is_top() => {
+                    self.sink.push(errors::wire_field_in_loop(&field.name));
+                }
+                WiringEntry::Field(_) | WiringEntry::Error(_) => {}
             }
         }
     }
 
-    fn wire(
-        &mut self,
-        wire: &tree::Wire,
-        scope: &Scope,
-        panel: &mut Panel,
-        outputs: &mut BTreeMap<String, Span>,
-    ) -> Option<()> {
-        let channel = self.channel_name(&wire.channel, scope);
-        let output = self.text(&wire.output, wire.output.span, scope)?;
+    fn wire(&mut self, wire: &tree::Wire, scope: &Scope, panel: &mut Panel, outputs: &mut Outputs) -> Option<()> {
+        let channel = self.channel_name(&wire.channel.segments, scope);
+        let is_stage = panel.facts.as_ref().is_some_and(|facts| facts.asked().moves_stages());
+        let (span, output, drive) = match &wire.output {
+            WireOutput::Named(text) => {
+                if let Some(field) = wire.fields.first() {
+                    self.sink.push(errors::wire_without_instrument(&field.name, text.span));
+                }
+                (text.span, self.text(text, text.span, scope)?, None)
+            }
+            WireOutput::Instrument(path) => {
+                let named = self.output_of_instrument(path, scope, is_stage, outputs)?;
+                let name = format!("{}.{}", named.instrument, named.output);
+                let link = self.link(&name, &wire.fields, scope, (named.link, wire.span), &panel.defaults)?;
+                let NamedOutput { instrument, output, .. } = named;
+                (path.span, name, Some(Drive { instrument, output, link, span: wire.span }))
+            }
+        };
         let channel = channel?;
         let facts = panel.facts.as_ref()?;
         if !facts.asked().has_channel(&channel) {
@@ -85,20 +165,108 @@ impl<'a> Checker<'a> {
             self.sink.push(errors::unknown_channel(wire.channel.span, &panel.name, &channel, &known));
             return None;
         }
-        if let Some((_, earlier)) = panel.wired.get(&channel) {
-            self.sink.push(errors::channel_wired_twice(&channel, wire.channel.span, *earlier));
+        if let Some(earlier) = panel.wired.get(&channel) {
+            self.sink.push(errors::channel_wired_twice(&channel, wire.channel.span, earlier.span));
         }
-        if let Some(earlier) = outputs.insert(output.clone(), wire.output.span) {
-            self.sink.push(errors::output_used_twice(&output, wire.output.span, earlier));
+        if let Some(earlier) = outputs.used.insert(output.clone(), span) {
+            self.sink.push(errors::output_used_twice(&output, span, earlier));
         }
-        panel.wired.insert(channel, (output, wire.channel.span));
+        panel.wired.insert(channel, Wired { output, drive, span: wire.channel.span });
         Some(())
     }
 
+    /// The instrument that the first words of a path name, and the output that the others do.
+    fn output_of_instrument(
+        &mut self,
+        path: &tree::Path,
+        scope: &Scope,
+        is_stage: bool,
+        outputs: &mut Outputs,
+    ) -> Option<NamedOutput> {
+        let words = match self.find(path, scope) {
+            Some((_, last)) => last + 1,
+            None => (path.segments.len() - 1).clamp(1, 2),
+        };
+        let segments = path.segments[..words].to_vec();
+        let end = segments.last().map_or(path.span, |segment| segment.span);
+        let own = tree::Path { segments, span: path.span.to(end) };
+        let place = self.resolve(&own, scope, DeclarationSort::Instrument)?;
+        let instrument = self.instrument(place)?;
+        let (name, declared) = self.named(place);
+        let output = self.channel_name(&path.segments[words..], scope)?;
+        let Some(sort) = instrument.facts.output(&output) else {
+            let known = instrument.facts.outputs();
+            self.sink.push(errors::unknown_output(path.span, (name, declared), &output, &known));
+            return None;
+        };
+        let Some(link) = sort.link(is_stage) else {
+            self.sink.push(errors::line_for_a_stage(path.span));
+            return None;
+        };
+        match outputs.instruments.get(name) {
+            Some((other, _)) if *other != place => {
+                let earlier = self.named(*other).1;
+                self.sink.push(errors::instruments_of_one_name(name, declared, earlier));
+                return None;
+            }
+            Some(_) => {}
+            None => {
+                outputs.instruments.insert(name.to_owned(), (place, instrument));
+            }
+        }
+        Some(NamedOutput { instrument: name.to_owned(), output, link })
+    }
+
+    /// The finding for a bench of several instruments that the sender would start one after the other.
+    pub fn starts_apart(&self, bench: &Bench, program: Span) -> Option<Diagnostic> {
+        let sent = bench.instruments.iter().filter(|(_, instrument)| instrument.facts.start() == Start::Sender);
+        let mut names = sent.map(|(name, _)| name.as_str());
+        let (first, second) = (names.next()?, names.next()?);
+        let wire = |name: &str| bench.drives.values().find(|drive| drive.instrument == name).map(|drive| drive.span);
+        let place = wire(second).unwrap_or(program);
+        Some(errors::starts_apart((first, wire(first).unwrap_or(program)), (second, place)))
+    }
+
+    /// What stands between a channel and its output: the wire's own fields, then those of the wiring.
+    fn link(
+        &mut self,
+        output: &str,
+        fields: &[Field],
+        scope: &Scope,
+        (sort, span): (LinkSort, Span),
+        defaults: &Accepted,
+    ) -> Option<Link> {
+        let owner = Owner { name: format!("the wire to `{output}`"), declared: None };
+        let given: Vec<Given> = fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
+        let mut accepted = self.read_fields(&owner, &given, sort.fields());
+        for field in sort.fields() {
+            if let Some(value) = defaults.get(field.name) {
+                accepted.entry(field.name).or_insert_with(|| value.clone());
+            }
+        }
+        let missing = Checker::missing(&accepted, sort.fields());
+        if !missing.is_empty() {
+            self.sink.push(errors::missing_fields(span, &owner.name, &missing, None));
+            return None;
+        }
+        Some(match sort {
+            LinkSort::Amplifier => Link::Amplifier {
+                gain: accepted.si("gain").unwrap_or(1.0),
+                limit_v: accepted.si("limit"),
+                slew_v_per_s: accepted.si("slew"),
+            },
+            LinkSort::StageDriver => Link::StageDriver {
+                zero_v: accepted.si("zero").unwrap_or(0.0),
+                scale_v_per_um: accepted.quantity("scale")?.in_unit("V/um"),
+            },
+            LinkSort::Switch => Link::Switch { on_v: accepted.si("switches")? },
+        })
+    }
+
     /// `bl[i].set` with i = 3 is `bl3.set`.
-    fn channel_name(&mut self, path: &tree::Path, scope: &Scope) -> Option<String> {
-        let mut words = Vec::with_capacity(path.segments.len());
-        for segment in &path.segments {
+    fn channel_name(&mut self, segments: &[tree::IndexedName], scope: &Scope) -> Option<String> {
+        let mut words = Vec::with_capacity(segments.len());
+        for segment in segments {
             words.push(self.joined(&segment.name.text, &segment.indices, scope)?);
         }
         Some(words.join("."))

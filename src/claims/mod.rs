@@ -10,6 +10,7 @@ pub mod microrobots;
 
 use crate::device::{Kind, each_kind};
 use crate::geometry::shape::Pose;
+use crate::instrument::Bench;
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -33,6 +34,9 @@ pub struct Claims {
     pub jobs: Vec<Job>,
     /// The physical output of each wired channel, by the channel's full name (`bot.bl0.set`).
     pub wires: BTreeMap<String, String>,
+    /// The instruments behind them, where the program declares any.
+    #[serde(default, skip_serializing_if = "Bench::is_empty")]
+    pub bench: Bench,
     /// The scenes in which two or more of the program's robots have a place: these never touch one another.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub shared: Vec<SharedScene>,

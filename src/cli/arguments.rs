@@ -65,9 +65,11 @@ pub enum Command {
                       The protocol is described in docs/control.md and schema/control.schema.json. Exit status: 0 the \
                       task is done; 6 it was given up, for the reason in the last line.")]
     Control(ControlArguments),
-    /// List the device kinds, the vocabulary of one of them, or the devices of a program with all derived figures
-    #[command(after_help = "Examples:\n  tweeze devices dimibot\n  tweeze devices assemble.twz\n  \
-                      tweeze devices --suggest microrobots --robots 6 --margin 4V --max 200V")]
+    /// List the device kinds and the families of instruments, the vocabulary of one of them, or the devices of a program with all derived figures
+    #[command(
+        after_help = "Examples:\n  tweeze devices dimibot\n  tweeze devices waveform_generator\n  tweeze devices assemble.twz\n  \
+                      tweeze devices --suggest microrobots --robots 6 --margin 4V --max 200V"
+    )]
     Devices(DevicesArguments),
     /// Write a completion script for a shell
     #[command(after_help = "Example: tweeze completions bash > ~/.local/share/bash-completion/completions/tweeze")]

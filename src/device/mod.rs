@@ -32,7 +32,7 @@ pub mod electrode_array;
 pub mod fingers;
 pub mod microrobots;
 pub mod shape;
-mod words;
+pub(crate) mod words;
 
 use crate::quantity::Dimension;
 use serde::{Deserialize, Serialize};
@@ -177,7 +177,7 @@ pub struct VocabularyField {
 }
 
 /// A quantity above zero.
-const fn positive(dimension: Dimension) -> Sort {
+pub const fn positive(dimension: Dimension) -> Sort {
     Sort::Quantity { dimension, range: Range::Positive }
 }
 
@@ -192,12 +192,12 @@ const fn not_negative(dimension: Dimension) -> Sort {
 }
 
 /// A field that may not be left out.
-const fn required(name: &'static str, sort: Sort, doc: &'static str) -> VocabularyField {
+pub const fn required(name: &'static str, sort: Sort, doc: &'static str) -> VocabularyField {
     VocabularyField { name, sort, need: Need::Required, doc }
 }
 
 /// A field that may be left out; `without` describes the default.
-const fn optional(name: &'static str, sort: Sort, without: &'static str, doc: &'static str) -> VocabularyField {
+pub const fn optional(name: &'static str, sort: Sort, without: &'static str, doc: &'static str) -> VocabularyField {
     VocabularyField { name, sort, need: Need::Optional(without), doc }
 }
 
@@ -290,6 +290,8 @@ pub enum Range {
     NotNegative,
     /// Of either sign.
     Any,
+    /// Of either sign, but not zero.
+    NotZero,
 }
 
 impl Range {
@@ -299,6 +301,7 @@ impl Range {
             Range::Positive => value > 0.0,
             Range::NotNegative => value >= 0.0,
             Range::Any => true,
+            Range::NotZero => value != 0.0,
         }
     }
 
@@ -308,6 +311,7 @@ impl Range {
             Range::Positive => "above 0",
             Range::NotNegative => "0 or above",
             Range::Any => "of either sign",
+            Range::NotZero => "other than 0",
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{Format, Signals};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::instrument::Family;
 use crate::quantity::{Dimension, Quantity};
 
 /// The largest text file that is written, in bytes: it is made in memory, and its readers load it whole.
@@ -18,9 +19,18 @@ pub enum EmitError {
     TooLarge { format: Format, bytes: u64, limit: u64 },
     /// The instrument's memory is too small for the schedule at its sample period. Where it plays a sequence, which repeats
     /// some points, the limit is that memory or the greatest number of steps in a sequence.
-    TooManyPoints { points: u64, limit: u64, period_ns: u64, duration_ns: u64, most_steps: Option<u64> },
-    /// The instrument has fewer outputs than the schedule has channels.
-    TooManyOutputs { channels: usize, limit: usize },
+    TooManyPoints {
+        instrument: String,
+        points: u64,
+        limit: u64,
+        period_ns: u64,
+        duration_ns: u64,
+        most_steps: Option<u64>,
+    },
+    /// Digital lines of a card that has no sample clock for them.
+    NoSampleClock { instrument: String },
+    /// No channel is wired to an instrument that plays the format.
+    NotWired { format: Format, name: String, family: Family },
     /// A position jumps, and the format only has straight lines between positions.
     Leap { format: Format, channel: String, t_ns: u64, from: f64, to: f64 },
     /// The format only represents positions of stages: the first channel that is none, if there is a channel.
@@ -68,29 +78,36 @@ impl EmitError {
                 format!("the {} file would take about {} MiB; the limit is {} MiB", format.name(), bytes >> 20, limit >> 20),
             )
             .help("write `--emit json`, which grows with the number of changes only, or build the tasks one at a time with `--task`"),
-            EmitError::TooManyPoints { points, limit, period_ns, duration_ns, most_steps: None } => Diagnostic::new(
+            EmitError::TooManyPoints { instrument, points, limit, period_ns, duration_ns, most_steps: None } => Diagnostic::new(
                 Code::E0823,
-                format!("the schedule of {duration_ns} ns needs {points} points of {period_ns} ns, but the instrument takes {limit}"),
+                format!("the schedule of {duration_ns} ns needs {points} points of {period_ns} ns, but `{instrument}` takes {limit}"),
             )
             .help(format!(
                 "choose pulse duration, rest and waits as multiples of a longer time: {} ns or more would fit",
                 duration_ns.div_ceil(limit.saturating_sub(2).max(1))
             )),
-            EmitError::TooManyPoints { points, limit, period_ns, duration_ns, most_steps: Some(steps) } => Diagnostic::new(
+            EmitError::TooManyPoints { instrument, points, limit, period_ns, duration_ns, most_steps: Some(steps) } => Diagnostic::new(
                 Code::E0823,
                 format!(
-                    "{points} points of {period_ns} ns make up the {duration_ns} ns of the schedule, the instrument repeats {limit} \
+                    "{points} points of {period_ns} ns make up the {duration_ns} ns of the schedule, `{instrument}` repeats {limit} \
                      in at most {steps} steps"
                 ),
             )
             .help(
                 "build the tasks one by one with `--task`, or choose the times of the device and the waits as multiples of a longer time",
             ),
-            EmitError::TooManyOutputs { channels, limit } => Diagnostic::new(
-                Code::E0824,
-                format!("the schedule has {channels} channels, but the instrument has {limit} outputs"),
-            )
-            .help("build the tasks of each device on their own with `--task`"),
+            EmitError::NoSampleClock { instrument } => {
+                Diagnostic::new(Code::E0829, format!("the lines of `{instrument}` have no sample clock, so that nothing holds their times"))
+                    .help("wire to the lines of a clocked port; if these are, give the instrument its `digital_rate`")
+            }
+            EmitError::NotWired { format, name, family } => {
+                let (family, (file, instrument)) = (family.name(), family.library());
+                let title = format!("`{}` is played by a {family}, and no channel of `{name}` is wired to one", format.name());
+                Diagnostic::new(Code::E0824, title).help(format!(
+                    "declare the instrument, `use {file}` and `instrument NAME : {instrument}`, and wire channels to it, \
+                     `wiring DEVICE {{ … }}`; `tweeze devices {family}` shows outputs and wires"
+                ))
+            }
             EmitError::Leap { format, channel, t_ns, from, to } => Diagnostic::new(
                 Code::E0826,
                 format!("`{channel}` leaps from {from} um to {to} um at {t_ns} ns, but `{}` only has straight lines", format.name()),

@@ -14,14 +14,13 @@ use crate::geometry::outline::Outline;
 use crate::geometry::shape::{Pose, Shape};
 use crate::schedule::{
     Actuation, Channel, ChannelUnit, PlanRecord, Schedule, ScheduledStep, SourceRef, State, Swing, TimedState,
+    dimibot::DimibotState, fingers::FingersState,
 };
-use crate::schedule::{dimibot::DimibotState, fingers::FingersState};
 use crate::source::Span;
 use crate::verify::Verified;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
 
 /// A robot of 5 + 5 modules that goes through every sort of obstacle: nine pulses of 15 ms without rests.
 pub fn fetch() -> (Verified, Provenance) {
@@ -70,6 +69,7 @@ fn build(name: &str, runs: &[(Robot, Vec<LatticeCell>, u64)]) -> (Verified, Prov
     let text = format!("// {name} µ\ntask {name} on bot {{ }}\n");
     let sha256 = Sha256::digest(&text).iter().map(|byte| format!("{byte:02x}")).collect();
     let mut schedule = Schedule {
+        bench: Default::default(),
         name: name.to_owned(),
         source: SourceRef { file: format!("{name}.twz"), sha256 },
         duration_ns: 0,
@@ -83,6 +83,7 @@ fn build(name: &str, runs: &[(Robot, Vec<LatticeCell>, u64)]) -> (Verified, Prov
         timeline: Timeline::Together((0..runs.len()).map(Timeline::Run).collect()),
         jobs: Vec::new(),
         wires: BTreeMap::new(),
+        bench: Default::default(),
         shared: Vec::new(),
         not_held: Vec::new(),
         span: Span::default(),
@@ -108,8 +109,7 @@ fn add_channels(schedule: &mut Schedule, claims: &mut Claims, robot: &Robot) {
                 if let Some(wire) = &wire {
                     claims.wires.insert(name.clone(), wire.clone());
                 }
-                let device = robot.device.to_owned();
-                schedule.channels.push(Channel { name, device, unit: ChannelUnit::Volt, wire });
+                schedule.channels.push(Channel { name, device: robot.device.into(), unit: ChannelUnit::Volt, wire });
             }
         }
     }
@@ -449,8 +449,8 @@ fn hand_order(facts: Hand) -> FingersOrder {
     ];
     let steps = actions.into_iter().map(|action| fingers::FingersStep { action, span: Span::default() }).collect();
     FingersOrder {
-        facts: Arc::new(facts),
-        part: Arc::new(part),
+        facts: std::sync::Arc::new(facts),
+        part: std::sync::Arc::new(part),
         precision_rad: 0.01,
         load_un: [0.0; 3],
         planner: fingers::FingersPlanner::JointAstar,

@@ -12,11 +12,14 @@ pub mod gcode;
 mod html;
 mod identifier;
 pub mod mcap;
+mod nidaqmx;
 pub mod pwl;
-pub mod scpi;
+mod sampling;
+mod scpi;
 mod signal;
 mod svg;
 pub mod vcd;
+mod wired;
 
 pub use error::EmitError;
 
@@ -39,6 +42,8 @@ pub enum Format {
     Pwl,
     /// Upload script for arbitrary-waveform generators.
     Scpi,
+    /// Digital lines and analog outputs for cards of National Instruments.
+    Nidaqmx,
     /// Moves of translation stages, for LinuxCNC.
     Gcode,
     /// A page that plays the schedule in any browser.
@@ -56,6 +61,7 @@ impl Format {
         Format::Vcd,
         Format::Pwl,
         Format::Scpi,
+        Format::Nidaqmx,
         Format::Gcode,
         Format::Html,
         Format::Svg,
@@ -70,6 +76,7 @@ impl Format {
             Format::Vcd => "vcd",
             Format::Pwl => "pwl",
             Format::Scpi => "scpi",
+            Format::Nidaqmx => "nidaqmx",
             Format::Gcode => "gcode",
             Format::Html => "html",
             Format::Svg => "svg",
@@ -123,10 +130,10 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
             let [sources, deck] = pwl::write(&signals)?;
             Ok(vec![file("pwl.inc", sources), file("cir", deck)])
         }
-        Format::Scpi => {
-            let [script, description] = scpi::write(&signals, &scpi::GENERIC)?;
-            Ok(vec![file("scpi", script), file("scpi.txt", description)])
+        Format::Nidaqmx => {
+            Ok(nidaqmx::write(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
         }
+        Format::Scpi => Ok(scpi::write(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect()),
         Format::Gcode => {
             let programs = gcode::write(&signals, verified.claims())?;
             Ok(programs.into_iter().map(|(of, program)| file(&format!("{of}.ngc"), program)).collect())
@@ -165,4 +172,4 @@ fn check_finite(schedule: &Schedule) -> Result<(), EmitError> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

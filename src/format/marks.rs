@@ -2,7 +2,7 @@
 
 use crate::syntax::tree::{
     Entry, Expr, ExprKind, Field, For, IndexedName, Item, Path, SceneEntry, Step, Table, Text, TextPart, Tree, UsePath,
-    WiringEntry,
+    WireOutput, WiringEntry,
 };
 
 /// Places in the text, in order.
@@ -43,7 +43,7 @@ impl Marks {
                 UsePath::File(text) => self.text(text),
             },
             Item::Let(item) => self.expr(&item.value),
-            Item::Device(device) => {
+            Item::Device(device) | Item::Instrument(device) => {
                 self.path(&device.base);
                 self.fields(&device.fields);
             }
@@ -117,8 +117,13 @@ impl Marks {
             match entry {
                 WiringEntry::Wire(wire) => {
                     self.path(&wire.channel);
-                    self.text(&wire.output);
+                    match &wire.output {
+                        WireOutput::Named(text) => self.text(text),
+                        WireOutput::Instrument(path) => self.path(path),
+                    }
+                    self.fields(&wire.fields);
                 }
+                WiringEntry::Field(field) => self.expr(&field.value),
                 WiringEntry::For(each) => self.each(each, Self::wires),
                 WiringEntry::Error(_) => self.is_broken = true,
             }

@@ -1,6 +1,6 @@
 //! Puts the plans of a program on one clock.
 
-use super::lowered;
+use super::{bench, lowered};
 use crate::claims::{Claims, Job, Timeline};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::plan::{Motion, Optimality, Plan};
@@ -46,7 +46,8 @@ pub fn lower(claims: &Claims, plans: &[Plan<Motion>], sources: &Sources, sink: &
     for (job, (run, start_ns)) in runs.into_iter().zip(starts).enumerate() {
         builder.add(job, &plans[job], run, start_ns);
     }
-    Some(builder.finish(duration_ns))
+    let schedule = builder.finish(duration_ns);
+    bench::holds(&schedule, claims, sink).then_some(schedule)
 }
 
 fn too_long(claims: &Claims, sink: &mut Sink) -> Option<Schedule> {
@@ -202,6 +203,7 @@ impl<'a> ScheduleBuilder<'a> {
             actuations: self.actuations,
             steps: self.steps,
             plans: self.plans,
+            bench: self.claims.bench.clone(),
         }
     }
 }

@@ -3,6 +3,7 @@
 //! Input: the claims and a [`Plan`](crate::plan::Plan) for each job. Output: a schedule. Each kind turns a plan into a [`clock::LoweredRun`]
 //! of its own, from its own instant 0; [`clock`] puts the runs where the timeline wants them.
 
+mod bench;
 pub mod clock;
 mod dimibot;
 pub(crate) mod electrode_array;

@@ -47,6 +47,10 @@ impl Dimension {
     pub const PIXELS: Dimension = Dimension([0, 0, 0, 0, 0, 0, 1]);
     /// Length over pixels.
     pub const SCALE: Dimension = Dimension([1, 0, 0, 0, 0, 0, -1]);
+    /// Voltage over time.
+    pub const SLEW_RATE: Dimension = dimension(2, 1, -4, -1, 0, 0);
+    /// Voltage over length.
+    pub const SENSITIVITY: Dimension = dimension(1, 1, -3, -1, 0, 0);
     /// Force over speed.
     pub const DAMPING: Dimension = dimension(0, 1, -1, 0, 0, 0);
 
@@ -162,6 +166,8 @@ const NAMED: &[Named] = &[
     named(Dimension::TURNING, "a turning rate", "deg/mm", "deg/mm"),
     named(Dimension::PIXELS, "a number of pixels", "px", "px"),
     named(Dimension::SCALE, "a scale", "um/px", "um/px"),
+    named(Dimension::SLEW_RATE, "a slew rate", "V/s", "V/us"),
+    named(Dimension::SENSITIVITY, "a sensitivity", "V/m", "V/um"),
     named(Dimension::DAMPING, "a damping", "N*s/m", "uN*s/m"),
 ];
 

@@ -17,6 +17,7 @@ pub use reached::Reached;
 
 use crate::device::each_kind;
 use crate::diagnostic::Remark;
+use crate::instrument::Bench;
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -34,6 +35,9 @@ pub struct Schedule {
     pub steps: Vec<ScheduledStep>,
     /// One for each job of the claims, in their order.
     pub plans: Vec<PlanRecord>,
+    /// The instruments that play the channels, where the program declares any.
+    #[serde(default, skip_serializing_if = "Bench::is_empty")]
+    pub bench: Bench,
 }
 
 /// The program's own file.

@@ -5,7 +5,7 @@ use super::grammar::{Node, Rule};
 use super::reader::Reader;
 use super::slips;
 use super::tree::{
-    Doc, Entry, Expr, ExprKind, Field, For, Object, Phrase, SceneEntry, Step, TextPart, Wire, WiringEntry,
+    Doc, Entry, Expr, ExprKind, Field, For, Object, Phrase, SceneEntry, Step, TextPart, Wire, WireOutput, WiringEntry,
 };
 
 impl Reader<'_> {
@@ -76,11 +76,12 @@ impl Reader<'_> {
 
     /// Entries of a wiring.
     pub fn wires(&mut self, node: Node) -> Vec<WiringEntry> {
-        self.block(node, |reader, child, _| {
+        self.block(node, |reader, child, doc| {
             let span = reader.span(&child);
             Some(match child.as_rule() {
                 Rule::wire => reader.wire(child).map_or(WiringEntry::Error(span), WiringEntry::Wire),
                 Rule::wire_loop => WiringEntry::For(reader.each(child, Self::wires)),
+                Rule::field => WiringEntry::Field(reader.field(child, doc)),
                 _ => {
                     reader.bad_entry(&child, errors::ListPlace::Wires);
                     WiringEntry::Error(span)
@@ -162,17 +163,20 @@ impl Reader<'_> {
         let mut parts = self.children(node).into_iter();
         let channel = parts.next().map(|path| self.path(path))?;
         let output = parts.next()?;
-        match output.as_rule() {
+        let output = match output.as_rule() {
             Rule::text => {
-                let output = self.text(output);
+                let text = self.text(output);
                 let broken = |part: &TextPart| matches!(part, TextPart::Hole(Expr { kind: ExprKind::Error, .. }));
-                (!output.parts.iter().any(broken)).then_some(Wire { channel, output, span })
+                (!text.parts.iter().any(broken)).then_some(WireOutput::Named(text))
             }
+            Rule::path => Some(WireOutput::Instrument(self.path(output))),
             Rule::missing => {
                 self.missing(&output);
                 None
             }
             _ => None,
-        }
+        };
+        let fields = parts.next().map(|fields| self.fields(fields)).unwrap_or_default();
+        Some(Wire { channel, output: output?, fields, span })
     }
 }

@@ -286,6 +286,7 @@ fn visible(span: Span, text: &str) -> Span {
 pub(super) fn bad_head(rest: Span, rule: Rule, item: Span, text: &str) -> Diagnostic {
     let form = match rule {
         Rule::device_rest => "device NAME : KIND { … }",
+        Rule::instrument_rest => "instrument NAME : FAMILY { … }",
         Rule::scene_rest => "scene NAME { … }` or `scene NAME : SCENE { … }",
         Rule::task_rest => "task NAME on DEVICE in SCENE { … }",
         Rule::program_rest => "program NAME { … }",
@@ -556,7 +557,7 @@ pub(super) fn misspelt_item(span: Span, text: &str, right: &str) -> Diagnostic {
         .help(format!("write `{right}{}`", quote(&line[word.len()..])))
 }
 
-const ITEM_WORDS: &str = "`use`, `let`, `device`, `scene`, `task`, `program` or `wiring`";
+const ITEM_WORDS: &str = "`use`, `let`, `device`, `instrument`, `scene`, `task`, `program` or `wiring`";
 
 pub(super) fn unknown_item(span: Span, text: &str) -> Diagnostic {
     let word = token_at(text, 0);

@@ -46,6 +46,7 @@ impl Reader<'_> {
             Rule::use_item
             | Rule::let_item
             | Rule::device
+            | Rule::instrument
             | Rule::scene
             | Rule::task
             | Rule::program
@@ -73,6 +74,7 @@ impl Reader<'_> {
         let head = self.head(rest, span);
         match rule {
             Rule::device_rest => self.device(head, doc, span).map(Item::Device),
+            Rule::instrument_rest => self.device(head, doc, span).map(Item::Instrument),
             Rule::scene_rest => self.scene(head, doc, span).map(Item::Scene),
             Rule::task_rest => self.task(head, doc, span).map(Item::Task),
             Rule::program_rest => self.program(head, doc, span).map(Item::Program),

@@ -13,10 +13,11 @@ use pest::Parser;
 use pest::error::{ErrorVariant, InputLocation};
 
 /// The words that begin a declaration, and the rule for what follows each.
-const ITEMS: [(&str, Rule); 7] = [
+const ITEMS: [(&str, Rule); 8] = [
     ("use", Rule::use_rest),
     ("let", Rule::let_rest),
     ("device", Rule::device_rest),
+    ("instrument", Rule::instrument_rest),
     ("scene", Rule::scene_rest),
     ("task", Rule::task_rest),
     ("program", Rule::program_rest),

@@ -33,6 +33,7 @@ pub enum Item {
     Use(Use),
     Let(Let),
     Device(Device),
+    Instrument(Device),
     Scene(Scene),
     Task(Task),
     Program(Program),
@@ -46,7 +47,7 @@ impl Item {
         match self {
             Item::Use(item) => item.span,
             Item::Let(item) => item.span,
-            Item::Device(item) => item.span,
+            Item::Device(item) | Item::Instrument(item) => item.span,
             Item::Scene(item) => item.span,
             Item::Task(item) => item.span,
             Item::Program(item) => item.span,
@@ -82,7 +83,7 @@ pub struct Let {
     pub span: Span,
 }
 
-/// `device bot : dimibot.femto_st { left: 5 }`.
+/// `device bot : dimibot.femto_st { left: 5 }`, and `instrument awg : waveform_generator { outputs: 2 }`, which has the same form.
 #[derive(Debug, Clone)]
 pub struct Device {
     pub doc: Doc,
@@ -227,16 +228,28 @@ pub struct Wiring {
 #[derive(Debug, Clone)]
 pub enum WiringEntry {
     Wire(Wire),
+    /// A field of all wires of the wiring that do not give it themselves.
+    Field(Field),
     For(For<WiringEntry>),
     Error(Span),
 }
 
-/// `bl0.set -> "Dev1/port0/line0"`.
+/// `bl0.set -> "Dev1/port0/line0"`, or `bed -> awg.ch1 { gain: 50 }`.
 #[derive(Debug, Clone)]
 pub struct Wire {
     pub channel: Path,
-    pub output: Text,
+    pub output: WireOutput,
+    pub fields: Vec<Field>,
     pub span: Span,
+}
+
+/// Where a wire leads.
+#[derive(Debug, Clone)]
+pub enum WireOutput {
+    /// A name that Tweeze takes as it is.
+    Named(Text),
+    /// An instrument, and its output.
+    Instrument(Path),
 }
 
 /// Names with dots and indices: `dimibot.femto_st`, `bl[i].set`, `spots[0]`.

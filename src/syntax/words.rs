@@ -1,9 +1,29 @@
 //! Words: which characters make a name, which names the language reserves, and which words begin a declaration.
 
 /// The words that cannot be names.
-pub const RESERVED: [&str; 21] = [
-    "use", "as", "let", "device", "scene", "task", "program", "wiring", "table", "true", "false", "to", "from", "by",
-    "about", "for", "at", "via", "with", "in", "on",
+pub const RESERVED: [&str; 22] = [
+    "use",
+    "as",
+    "let",
+    "device",
+    "instrument",
+    "scene",
+    "task",
+    "program",
+    "wiring",
+    "table",
+    "true",
+    "false",
+    "to",
+    "from",
+    "by",
+    "about",
+    "for",
+    "at",
+    "via",
+    "with",
+    "in",
+    "on",
 ];
 
 /// Whether a character may stand in a name.
@@ -18,7 +38,7 @@ pub(super) fn end_of_word(text: &str, at: usize) -> usize {
 
 /// Whether a line begins a declaration: a reserved word and something of its own behind it, but no field's colon.
 pub(super) fn starts_item(line: &str) -> bool {
-    let words = ["use", "let", "device", "scene", "task", "program", "wiring"];
+    let words = ["use", "let", "device", "instrument", "scene", "task", "program", "wiring"];
     words.iter().any(|word| {
         line.strip_prefix(word).is_some_and(|rest| {
             let name = rest.trim_start_matches([' ', '\t']);

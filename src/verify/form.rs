@@ -6,8 +6,12 @@
 use super::judge_of;
 use super::rule::{Findings, Rule, Violation, ms};
 use crate::claims::{Claims, Order};
+use crate::instrument::Link;
 use crate::schedule::{Actuation, ChannelUnit, Reached, Schedule, Swing};
 use std::collections::{BTreeMap, BTreeSet};
+
+/// Room for the rounding of a product of two figures of the program.
+const BENCH_ROUNDING: f64 = 1.0 + 1e-12;
 
 pub(super) fn check(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     references(schedule, findings);
@@ -16,6 +20,7 @@ pub(super) fn check(schedule: &Schedule, claims: &Claims, findings: &mut Finding
     figures(schedule, findings);
     channels(schedule, claims, findings);
     wires(schedule, claims, findings);
+    bench(schedule, claims, findings);
     if findings.is_empty() {
         order(schedule, findings);
         overlaps(schedule, findings);
@@ -134,6 +139,40 @@ fn wires(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
                 shown(claimed)
             );
             findings.push(Violation::new(Rule::Wire, 0, title));
+        }
+    }
+}
+
+/// The instruments as the program has them, and nothing asked of them that they cannot do.
+fn bench(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
+    if !schedule.bench.is_same(&claims.bench) {
+        let title = "the instruments and their wires are not those of the program".to_owned();
+        findings.push(Violation::new(Rule::Wire, 0, title));
+        return;
+    }
+    for actuation in &schedule.actuations {
+        let Some(channel) = schedule.channels.get(actuation.channel as usize) else { continue };
+        let Some((drive, instrument)) = claims.bench.drive(&channel.name) else { continue };
+        let levels = actuation.swing.map_or([actuation.from, actuation.to], |swing| swing.levels);
+        let peak_v = instrument.facts.voltage().map_or(0.0, |output| output.peak_v);
+        let is_played = |value: f64| match drive.link {
+            Link::Amplifier { gain, limit_v, .. } => {
+                value.abs() <= peak_v * gain.abs() * BENCH_ROUNDING
+                    && limit_v.is_none_or(|limit_v| value.abs() <= limit_v)
+            }
+            Link::StageDriver { zero_v, scale_v_per_um } => {
+                (zero_v + scale_v_per_um * value).abs() <= peak_v * BENCH_ROUNDING
+            }
+            Link::Switch { on_v } => value == 0.0 || value == on_v,
+        };
+        if let Some(value) = levels.into_iter().find(|value| !is_played(*value)) {
+            let (name, unit, output) = (&channel.name, channel.unit.symbol(), &drive.output);
+            let title = format!(
+                "`{name}` is to be at {value} {unit}, which output `{output}` of `{}` cannot give",
+                drive.instrument
+            );
+            findings.push(Violation::new(Rule::Wire, actuation.start_ns, title));
+            return;
         }
     }
 }

@@ -58,8 +58,8 @@ fn code_end(line: &str) -> usize {
 /// Whether a comma may follow the code of a line: at the end of an entry.
 fn takes_comma(code: &str, open: &[char]) -> bool {
     let code = code.trim_end();
-    // A device without a block ends with its line.
-    if code.starts_with("device ") && !code.contains('{') {
+    // A device or an instrument without a block ends with its line.
+    if (code.starts_with("device ") || code.starts_with("instrument ")) && !code.contains('{') {
         return false;
     }
     let in_block = matches!(open.last(), None | Some('{'));

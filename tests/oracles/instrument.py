@@ -18,7 +18,6 @@ def properties():
         "rate": (":SOUR{ch_id}:FUNC:ARB:SRAT", "40000", {"min": 1e-6, "max": 1e9, "type": "float"}),
         "filter": (":SOUR{ch_id}:FUNC:ARB:FILT", "NORM", {"valid": ["NORM", "STEP", "OFF"], "type": "str"}),
         "sequence": (":SOUR{ch_id}:DATA:SEQ", "none", None),
-        "period": (":SOUR{ch_id}:FUNC:ARB:PER", "1.0", {"min": 1e-9, "max": 1e6, "type": "float"}),
         "load": (":OUTP{ch_id}:LOAD", "50", {"valid": ["INF", "50"], "type": "str"}),
         "span": (":SOUR{ch_id}:VOLT", "0.1", NUMBER),
         "offset": (":SOUR{ch_id}:VOLT:OFFS", "0", {"min": -1000, "max": 1000, "type": "float"}),
@@ -58,7 +57,7 @@ def write(path, outputs):
 
 def device(outputs):
     """One instrument with these outputs."""
-    silent = ["*RST", "*CLS", ":FORM:BORD NORM", "*TRG"]
+    silent = ["*RST", "*CLS", ":FORM:BORD NORM", ":OUTP:TRIG:SLOP POS", ":OUTP:TRIG ON", "*TRG"]
     return {
         "eom": {"TCPIP INSTR": {"q": "\n", "r": "\n"}},
         "error": {

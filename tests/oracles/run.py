@@ -1,10 +1,10 @@
-"""Judges a folder of files that `tweeze build --emit mcap,json,csv,vcd,pwl,scpi,gcode,svg` wrote, by programs that are not Tweeze's.
+"""Judges a folder of files that `tweeze build --emit mcap,json,csv,vcd,pwl,scpi,nidaqmx,gcode,svg` wrote, by programs that are not Tweeze's.
 
     python tests/oracles/run.py DIR
 
 Every `*.json` schedule in the folder is the measure for the files beside it. Exit status 0: all that was judged is right; 1:
 something is wrong. A judge that is not installed is said aloud; with TWEEZE_REQUIRE_ORACLES=1 it counts as wrong, and so does a
-format that is not there. G-code is asked for where all channels are stages.
+format that is not there. G-code is asked for where all channels are stages, and the files of instruments where channels are wired to them.
 """
 
 import importlib
@@ -25,9 +25,13 @@ JUDGES = {
     ".gtkw": "gtkw_judge",
     ".cir": "spice_judge",
     ".scpi": "scpi_judge",
+    ".daq": "daq_judge",
     ".ngc": "gcode_judge",
     ".svg": "svg_judge",
 }
+
+# Formats of instruments, with the family that a channel must be wired to.
+PLAYED_BY = {".scpi": "waveform_generator", ".daq": "data_acquisition"}
 
 # Second judges of some files.
 SECOND = {".vcd": "sigrok_judge", ".mcap": "plot_judge"}
@@ -65,6 +69,8 @@ def judge_folder(folder):
             continue
         for ending, module in (*JUDGES.items(), *SECOND.items()):
             if ending == ".ngc" and not all(map(schedule.is_stage, schedule.channels)):
+                continue
+            if ending in PLAYED_BY and not schedule.instruments(PLAYED_BY[ending]):
                 continue
             file = path.with_suffix(ending)
             verdicts.append((file.name, *judge(file, module, schedule)))

@@ -54,6 +54,26 @@ class Schedule:
             return 0.0
         return pulses[index][3] if index >= 0 else pulses[0][2]
 
+    def instruments(self, family):
+        """The facts of the program's instruments of a family, by their names."""
+        known = self.document.get("bench", {}).get("instruments", {})
+        return {name: one["facts"][family] for name, one in known.items() if family in one["facts"]}
+
+    def drives(self, instrument):
+        """The channels that an instrument plays, each with its output and what stands behind that."""
+        known = self.document.get("bench", {}).get("drives", {})
+        return {name: (drive["output"], drive["link"]) for name, drive in known.items() if drive["instrument"] == instrument}
+
+    def output_v(self, link, value):
+        """The voltage of an output, or the level of a line, at a value of its channel."""
+        ((sort, facts),) = link.items()
+        if sort == "amplifier":
+            return value / facts["gain"]
+        if sort == "stage_driver":
+            return facts["zero_v"] + facts["scale_v_per_um"] * value
+        demand(sort == "switch" and value in (0, facts["on_v"]), f"{value} V behind {link}")
+        return float(value != 0)
+
     def is_stage(self, channel):
         """Whether its numbers are positions."""
         return self.units[channel] == "um"

@@ -15,12 +15,10 @@ from verdict import demand
 
 NO_ERROR = '0,"No error"'
 FULL_SCALE = 32767
-# Of a sequence in the 33500 series.
-MOST_STEPS = 512
+# Most repetitions of a step in the 33500 series.
 MOST_REPEATS = 1_000_000
 # The most that a stage moves between two samples, unless there are as many as the memory takes.
 SAMPLE_UM = 0.05
-FEW_POINTS = 500_000
 
 
 def messages(data):
@@ -51,18 +49,30 @@ def as_text(message):
 
 
 def judge(path, schedule):
+    """Every script of a schedule, as its instrument would play it."""
+    verdicts = []
+    for name, facts in schedule.instruments("waveform_generator").items():
+        verdicts.append(f"{name}: " + judge_one(path.with_suffix(f".{name}.scpi"), name, facts, schedule))
+    demand(path.with_suffix(".scpi.py").exists(), "there is no sender")
+    return "; ".join(verdicts)
+
+
+def judge_one(path, name, facts, schedule):
     sent = messages(path.read_bytes())
+    drives = schedule.drives(name)
+    demand(0 < len(drives) <= facts["outputs"], f"{len(drives)} channels on {facts['outputs']} outputs")
+    numbers = [int(output.removeprefix("ch")) for output, _ in drives.values()]
     with tempfile.TemporaryDirectory() as folder:
-        rack = Rack(Path(folder) / "rack.yaml", max(len(schedule.channels), 1))
+        rack = Rack(Path(folder) / "rack.yaml", max(numbers))
         try:
             for message in sent:
                 rack.send(as_text(message))
-            points = [compare(rack, output, channel, schedule) for output, channel in enumerate(schedule.channels, 1)]
+            points = [compare(rack, facts, channel, *drive, schedule) for channel, drive in drives.items()]
         finally:
             rack.close()
     asked = sent.count(b":SYST:ERR?")
-    demand(asked == len(schedule.channels) + 1, f"errors are asked for {asked} times")
-    demand(sent[-1] == b"*TRG", "it does not end with the trigger")
+    demand(asked == len(drives) + 1, f"errors are asked for {asked} times")
+    demand((sent[-1] == b"*TRG") == (facts["start"] == "sender"), "it does not end with the trigger, or does")
     return f"{len(sent)} messages taken without error, {sum(points)} samples of {len(points)} outputs are the schedule"
 
 
@@ -112,47 +122,67 @@ def send(awg, text):
     demand(error == NO_ERROR, f"{error} after {text[:80]}")
 
 
-def compare(rack, output, channel, schedule):
-    """What an output would play: samples times scale, at their times."""
-    ask = lambda header: rack.query(header.replace("{}", str(output)) + "?")
-    wanted = {":OUTP{}": "ON", ":SOUR{}:FUNC": "ARB", ":TRIG{}:SOUR": "BUS", ":OUTP{}:LOAD": "INF"}
-    for header, value in wanted.items():
-        demand(ask(header) == value, f"output {output}: {header} is {ask(header)}")
-    segments = rack.segments[f":SOUR{output}:DATA:ARB:DAC"]
+def compare(rack, facts, channel, output, link, schedule):
+    """What an output would play, before the amplifier or the driver behind it: samples times scale, at their times."""
+    number = output.removeprefix("ch")
+    ask = lambda header: rack.query(header.replace("{}", number) + "?")
+    demand(ask(":OUTP{}") == "ON" and ask(":OUTP{}:LOAD") == "INF", f"{output} is not on, or not into an open circuit")
+    low, high = (float(ask(":SOUR{}:VOLT:OFFS")) + side * float(ask(":SOUR{}:VOLT")) / 2 for side in (-1, 1))
+    wanted = lambda t_ns: schedule.output_v(link, schedule.value(channel, min(t_ns, schedule.duration_ns)))
+    if ask(":SOUR{}:FUNC") == "DC":
+        steady = float(ask(":SOUR{}:VOLT:OFFS"))
+        levels = {wanted(t_ns) for edge in schedule.edges(channel) for t_ns in (edge, max(edge - 1, 0))} | {wanted(0)}
+        demand(all(abs(level - steady) < 1e-9 for level in levels), f"{channel} is not {steady} V all the time")
+        return 0
+    peak_v = facts["voltage"]["peak_v"]
+    demand(-peak_v - 1e-9 <= low < high <= peak_v + 1e-9, f"{output} gives {low} V to {high} V, its instrument {peak_v} V to either side")
+    demand(ask(":SOUR{}:FUNC") == "ARB", f"{output} does not play a waveform")
+    demand(ask(":SOUR{}:FUNC:ARB:FILT") == "OFF", f"the filter of {output} rounds its edges")
+    demand(ask(":TRIG{}:SOUR") == {"sender": "BUS", "trigger": "EXT"}[facts["start"]], f"{output} has another trigger")
+    segments = rack.segments[f":SOUR{number}:DATA:ARB:DAC"]
+    demand(sum(map(len, segments.values())) <= facts["most_points"], f"the memory of {output} is too small")
+    demand(all(len(segment) >= facts["least_points"] for segment in segments.values()), f"{output} has too short a segment")
+    codes = [code for segment in segments.values() for code in segment]
+    # The manual allows the whole amplitude to waveforms that use the whole range of the converter only.
+    demand((min(codes), max(codes)) == (-FULL_SCALE, FULL_SCALE), f"{output} uses codes {min(codes)} to {max(codes)} only")
     steps = ask(":SOUR{}:DATA:SEQ")
-    played = waveform if steps == "none" else sequence
-    waits, codes, period_ns = played(ask, segments, steps)
-    demand(abs(period_ns - round(period_ns)) < 1e-6 * period_ns, f"a sample lasts {period_ns} ns")
-    period_ns = round(period_ns)
-    scale = float(ask(":SOUR{}:VOLT")) / 2 / FULL_SCALE
+    waits, codes = waveform(ask, segments) if steps == "none" else sequence(ask, facts, segments, steps)
+    rate_hz = float(ask(":SOUR{}:FUNC:ARB:SRAT"))
+    demand(rate_hz <= facts["voltage"]["rate_hz"], f"{output} plays {rate_hz} samples in a second")
+    period_ns = round(1e9 / rate_hz)
+    demand(abs(1e9 / rate_hz - period_ns) < 1e-6 * period_ns, f"a sample lasts {1e9 / rate_hz} ns")
+    lsb = (high - low) / 2 / FULL_SCALE
+    volts = lambda code: (low + high) / 2 + code * lsb
+    near = lambda code, level: abs(volts(code) - level) <= lsb / 2 + 1e-9
     if schedule.is_stage(channel):
         step_um = schedule.fastest(channel) * period_ns
-        demand(step_um <= SAMPLE_UM + 1e-9 or len(codes) >= FEW_POINTS, f"{channel} moves {step_um} um from sample to sample")
+        few = len(codes) < facts["most_points"] / 2
+        demand(step_um <= SAMPLE_UM + 1e-9 or not few, f"{channel} moves {step_um} um from sample to sample")
     else:
         for edge in schedule.edges(channel):
             demand(edge % period_ns == 0, f"{channel} has an edge at {edge} ns, between samples")
-    demand(len(codes) * period_ns >= schedule.duration_ns, f"output {output} ends too early")
-    at = lambda t_ns: schedule.value(channel, min(t_ns, schedule.duration_ns))
-    waits_at = [at(0), at(schedule.duration_ns)] if schedule.is_stage(channel) else [0, 0]
-    for code, expected in zip(waits, waits_at, strict=True):
-        demand(abs(code * scale - expected) <= scale / 2 + 1e-12, f"{channel} waits or rests at {code * scale} V, not {expected} V")
+    demand(len(codes) * period_ns >= schedule.duration_ns, f"{output} ends too early")
+    off = schedule.output_v(link, 0)
+    waits_at = [wanted(0), wanted(schedule.duration_ns)] if schedule.is_stage(channel) else [off, off]
+    for code, level in zip(waits, waits_at, strict=True):
+        demand(near(code, level), f"{channel} waits or rests at {volts(code)} V, not {level} V")
     for index, code in enumerate(codes):
-        found, expected = code * scale, at(index * period_ns)
-        demand(abs(found - expected) <= scale / 2 + 1e-12, f"{channel} is {found} V at {index * period_ns} ns, not {expected} V")
+        level = wanted(index * period_ns)
+        demand(near(code, level), f"{output} gives {volts(code)} V at {index * period_ns} ns, not {level} V")
     return len(codes)
 
 
-def waveform(ask, segments, _):
-    """What one segment in a burst waits at and rests at, its samples from the trigger on, and how long each lasts."""
+def waveform(ask, segments):
+    """What one segment in a burst waits at and rests at, and its samples from the second on, at which the schedule begins."""
     demand(ask(":SOUR{}:BURS:STAT") == "ON" and ask(":SOUR{}:BURS:NCYC") == "1", "the waveform is not played once")
     name = ask(":SOUR{}:FUNC:ARB")
     demand(name in segments, f"{name} is no segment")
     codes = segments[name]
-    return [codes[0], codes[-1]], codes[1:], float(ask(":SOUR{}:FUNC:ARB:PER")) * 1e9 / len(codes)
+    return [codes[0], codes[-1]], codes[1:]
 
 
-def sequence(ask, segments, block):
-    """What a sequence waits at and rests at, its samples from the trigger on, and how long each lasts.
+def sequence(ask, facts, segments, block):
+    """What a sequence waits at and rests at, and its samples from the trigger on.
 
     As the 33500 series plays it: a name, then for each step a segment, how many times, how it goes on, and a marker."""
     offset, length = util.parse_ieee_block_header(block.encode("ascii"))
@@ -160,13 +190,12 @@ def sequence(ask, segments, block):
     name, *rest = block[offset:].split(",")
     demand(name.strip('"') == ask(":SOUR{}:FUNC:ARB"), "another sequence is chosen")
     demand(ask(":SOUR{}:BURS:STAT") == "OFF", "a sequence is no burst")
-    demand(ask(":SOUR{}:FUNC:ARB:FILT") == "STEP", "the filter rings at edges")
     steps = [rest[at : at + 5] for at in range(0, len(rest), 5)]
-    demand(all(len(step) == 5 for step in steps) and len(steps) <= MOST_STEPS, "a step has too little, or too many are there")
+    demand(all(len(step) == 5 for step in steps) and len(steps) <= facts["most_steps"], "a step has too little, or too many are there")
     codes, waits = [], []
     for number, (quoted, times, control, marker, point) in enumerate(steps):
         segment = segments.get(quoted.strip('"'))
-        demand(segment is not None and 8 <= len(segment), f"{quoted} is no segment")
+        demand(segment is not None, f"{quoted} is no segment")
         demand(marker == "lowAtStart" and 4 <= int(point) <= len(segment) - 3, f"the marker of step {number} is off")
         demand(1 <= int(times) <= MOST_REPEATS, f"step {number} repeats {times} times")
         if control in ("onceWaitTrig", "repeatInf"):
@@ -177,4 +206,4 @@ def sequence(ask, segments, block):
             codes += segment * int(times)
     ends = [step[2] for step in (steps[0], steps[-1])]
     demand(ends == ["onceWaitTrig", "repeatInf"], f"it waits and rests by {ends}")
-    return waits, codes, 1e9 / float(ask(":SOUR{}:FUNC:ARB:SRAT"))
+    return waits, codes

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+import daq_judge
 import run
 import scpi_judge
 from schedule import Schedule
@@ -50,7 +51,8 @@ def test_a_good_file_is_right(folder, stem, ending):
 def test_slopes_are_right():
     outcomes = {name: outcome for name, outcome, _ in run.judge_folder(FIXTURES / "slopes")}
     expected = {"crowd.json": "right", "crowd.mcap": "right", "crowd.cir": "right", "crowd.svg": "right"}
-    expected |= {"crowd.csv": "MISSING", "crowd.vcd": "MISSING", "crowd.gtkw": "MISSING", "crowd.scpi": "MISSING"}
+    expected |= {"crowd.lichtblick.json": "right"}
+    expected |= {"crowd.csv": "MISSING", "crowd.vcd": "MISSING", "crowd.gtkw": "MISSING"}
     assert outcomes == expected
 
 
@@ -58,7 +60,7 @@ def test_a_train_that_is_longer_than_its_deck_is_right():
     outcomes = {name: outcome for name, outcome, _ in run.judge_folder(FIXTURES / "trains")}
     expected = {f"long{ending}": "right" for ending in (".json", ".csv", ".vcd", ".gtkw", ".scpi", ".svg")}
     assert outcomes.pop("long.cir") in ("right", "SKIPPED")
-    assert outcomes == expected | {"long.mcap": "MISSING"}
+    assert outcomes == expected | {"long.mcap": "MISSING", "long.lichtblick.json": "MISSING"}
 
 
 FAULTS = [
@@ -82,12 +84,19 @@ FAULTS = [
     (".cir", ".pwl.inc", b"+ 0.015 20\n", b"+ 0.015 20.00000001\n"),
     (".cir", ".pwl.inc", b"Vbot_bl0_set bot_bl0_set 0", b"Vbot_bl0_set bot_bl0_set 1"),
     (".cir", ".cir", b"0.1125\n", b"0.1\n"),
-    (".scpi", ".scpi", b":FUNC:ARB:PER 0.1175", b":FUNC:ARB:PER 0.1180"),
-    (".scpi", ".scpi", b":SOUR1:VOLT 40", b":SOUR1:VOLT 41"),
-    (".scpi", ".scpi", b":SOUR1:VOLT 40", b":SOUR1:VLT 40"),
-    (".scpi", ".scpi", b":OUTP1:LOAD INF\n", b""),
-    (".scpi", ".scpi", b",#294\x00\x00\x7f\xff", b",#294\x7f\xff\x7f\xff"),
-    (".scpi", ".scpi", b"\x7f\xff\x00\x00", b"\x00\x00\x00\x00"),
+    (".scpi", ".awg.scpi", b":FUNC:ARB:SRAT 400\n", b":FUNC:ARB:SRAT 401\n"),
+    (".scpi", ".awg.scpi", b":SOUR1:VOLT 0.4\n", b":SOUR1:VOLT 0.41\n"),
+    (".scpi", ".awg.scpi", b":SOUR1:VOLT 0.4\n", b":SOUR1:VLT 0.4\n"),
+    (".scpi", ".awg.scpi", b":SOUR1:VOLT:OFFS 0.2\n", b":SOUR1:VOLT:OFFS 0.21\n"),
+    (".scpi", ".awg.scpi", b":OUTP1:LOAD INF\n", b""),
+    (".scpi", ".awg.scpi", b":SOUR1:FUNC:ARB:FILT OFF\n", b":SOUR1:FUNC:ARB:FILT STEP\n"),
+    (".scpi", ".awg.scpi", b",#294\x80\x01\x7f\xff", b",#294\x7f\xff\x7f\xff"),
+    (".scpi", ".awg.scpi", b"\x7f\xff\x80\x01", b"\x80\x01\x80\x01"),
+    (".scpi", ".json", b'"most_points": 1000000', b'"most_points": 40'),
+    (".scpi", ".json", b'"least_points": 8', b'"least_points": 48'),
+    (".scpi", ".json", b'"rate_hz": 62500000.0', b'"rate_hz": 300.0'),
+    (".scpi", ".json", b'"peak_v": 10.0', b'"peak_v": 0.3'),
+    (".scpi", ".json", b'"gain": 50.0', b'"gain": 49.0'),
     (".mcap", ".csv", b",20,", b",19.5,"),
     (".svg", ".svg", b"</svg>", b""),
     (".svg", ".svg", b"<title>", b"<script/><title>"),
@@ -123,11 +132,11 @@ TRAIN_FAULTS = [
     (".vcd", ".vcd", b"r130 b\nr115 c\n", b"r115 b\nr130 c\n"),
     ("sigrok", ".vcd", b"\n1a\n", b"\n"),
     (".cir", ".cir", b"quit 0\n", b""),
-    (".scpi", ".scpi", b",150,repeat,", b",149,repeat,"),
-    (".scpi", ".scpi", b",150,repeat,", b",150,repeatInf,"),
-    (".scpi", ".scpi", b",1,onceWaitTrig,", b",1,once,"),
-    (".scpi", ".scpi", b":FUNC:ARB:SRAT 40000", b":FUNC:ARB:SRAT 40001"),
-    (".scpi", ".scpi", b"lowAtStart,4,", b"lowAtStart,6,"),
+    (".scpi", ".awg.scpi", b",150,repeat,", b",149,repeat,"),
+    (".scpi", ".awg.scpi", b",150,repeat,", b",150,repeatInf,"),
+    (".scpi", ".awg.scpi", b",1,onceWaitTrig,", b",1,once,"),
+    (".scpi", ".awg.scpi", b":FUNC:ARB:SRAT 40000", b":FUNC:ARB:SRAT 40001"),
+    (".scpi", ".awg.scpi", b"lowAtStart,4,", b"lowAtStart,6,"),
     (".cir", ".pwl.inc", b" 0.00005 600)", b" 0.00005 599)"),
     (".cir", ".pwl.inc", b"PULSE(0 15 ", b"PULSE(0 15.0001 "),
     (".cir", ".pwl.inc", b" 0.000024999 ", b" 0.000024 "),
@@ -156,7 +165,7 @@ POSITION_FAULTS = [
     (".cir", ".pwl.inc", b"+ 0.107 18.5\n", b"+ 0.107 18.500001\n"),
     (".cir", ".pwl.inc", b"+ 0.107 18.5\n", b""),
     (".cir", ".pwl.inc", b", 1 V stands for 1 um", b""),
-    (".scpi", ".scpi", b":SOUR3:VOLT 10", b":SOUR3:VOLT 11"),
+    (".scpi", ".awg.scpi", b":SOUR3:VOLT 0.5\n", b":SOUR3:VOLT 0.6\n"),
     (".ngc", ".hand.ngc", b"G1 X0.018500 F600\n", b"G1 X0.018503 F600\n"),
     (".ngc", ".hand.ngc", b"G1 X0.018500 F600\n", b"G1 X0.018500 F601\n"),
     (".ngc", ".hand.ngc", b"; X is hand.f1.x", b"; X is hand.f1.y"),
@@ -297,3 +306,51 @@ def test_an_empty_folder_is_no_success(tmp_path):
 def test_blocks_may_hold_line_feeds():
     assert scpi_judge.messages(b"*CLS\nA B,#14\n\n\n\n\n*TRG\n") == [b"*CLS", b"A B,#14\n\n\n\n", b"*TRG"]
     assert scpi_judge.as_text(b"A B,#14\x00\x0a\xff\xff") == "A B,10 -1"
+
+
+# Of lines and outputs of cards.
+CARD_FAULTS = [
+    ("fetch", ".card.daq", b"\n1\t0x00000001", b"\n2\t0x00000001"),
+    ("fetch", ".card.daq", b"0x00000001", b"0x00000002"),
+    ("fetch", ".nidaqmx.py", b'"rate_hz": 66.', b'"rate_hz": 67.'),
+    ("fetch", ".nidaqmx.py", b'"port0/line0"', b'"port0/line1"'),
+    ("fetch", ".json", b'"digital_rate_hz": 1000000.0', b'"digital_rate_hz": 10.0'),
+    ("fetch", ".json", b'"on_v": 20.0', b'"on_v": 24.0'),
+    ("turn", ".card.daq", b"\t2.85", b"\t2.86"),
+    ("turn", ".json", b'"scale_v_per_um": 0.1', b'"scale_v_per_um": 0.2'),
+]
+
+
+@pytest.mark.parametrize("stem", ["fetch", "turn"])
+def test_a_card_plays_the_schedule(stem):
+    outcome, reason = verdict(FIXTURES / "cards", ".daq", stem)
+    assert outcome == "right", reason
+
+
+@pytest.mark.parametrize("stem,broken,old,new", CARD_FAULTS)
+def test_a_fault_of_a_card_is_found(tmp_path, stem, broken, old, new):
+    for file in (FIXTURES / "cards").glob(f"{stem}.*"):
+        shutil.copy(file, tmp_path)
+    replace(tmp_path / f"{stem}{broken}", old, new)
+    outcome, reason = verdict(tmp_path, ".daq", stem)
+    assert outcome == "WRONG", reason
+
+
+@pytest.mark.parametrize("environment,status", [({"STANDIN_FAULT": "start"}, 1), ({"STANDIN_FAULT": "wait_until_done"}, 1), ({"STANDIN_INTERRUPT": "wait_until_done"}, 130)])
+def test_lines_are_off_after_an_error_and_after_ctrl_c(monkeypatch, environment, status):
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    ended, words, calls = daq_judge.played(FIXTURES / "cards" / "fetch.nidaqmx.py")
+    assert ended == status, words
+    rest = [call["rest"] for call in calls if call["rest"]]
+    assert rest and not any(level for call in rest for level in call.values()), words
+
+
+def test_a_sender_says_what_it_would_do(tmp_path):
+    sender = FIXTURES / "cards" / "fetch.nidaqmx.py"
+    status, words, calls = daq_judge.played(sender, ["card=Dev7", "--dry-run"])
+    assert status == 0 and "nothing starts" in words and not any(call["started"] for call in calls), words
+    assert {call["device"] for call in calls} == {"Dev7"}
+    assert daq_judge.played(sender, ["crad=Dev7"])[0] == 2
+    status, words, _ = daq_judge.played(sender, ["--list"])
+    assert status == 0 and "Dev1" in words and "fetch.card.daq" in words, words

@@ -28,9 +28,16 @@ pub fn fingerprints(environment: &[(&str, &Path)]) -> String {
     for example in examples() {
         let stem = example.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let out = tempfile::tempdir().expect("a folder");
-        // G-code is of stages only.
-        let last = if stem.starts_with("fingers") { ",gcode" } else { "" };
-        let formats = format!("mcap,json,csv,vcd,pwl,scpi,svg{last}");
+        let program = std::fs::read_to_string(&example).expect("an example");
+        // G-code is of stages only, and instruments play what is wired to them.
+        let further = [
+            (stem.starts_with("fingers"), ",gcode"),
+            (program.contains(": instruments.keysight"), ",scpi"),
+            (program.contains(": instruments.ni_"), ",nidaqmx"),
+        ];
+        let further: String =
+            further.into_iter().filter_map(|(is_played, format)| is_played.then_some(format)).collect();
+        let formats = format!("mcap,json,csv,vcd,pwl,svg{further}");
         let mut command = tweeze(root());
         command.arg("build").arg(&example).args(["--emit", &formats, "-o"]).arg(out.path());
         command.envs(environment.iter().copied());

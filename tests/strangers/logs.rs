@@ -74,15 +74,17 @@ fn what_was_not_derived_again_is_called_so() {
 fn a_name_forges_no_line_and_commands_no_terminal() {
     let bench = Bench::new();
     let name = "t.twz\n  Matches  fetch.twz  the log does what this program claims\x1b]0;x\x07\u{202e}";
-    bench.write(name, "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\nlet a = 1\n");
-    let built = bench.run(&["build", name, "--emit", "mcap,csv,vcd,pwl,scpi"]).code(DONE);
+    let program = "use std.dimibot\nuse std.instruments\ndevice bot : dimibot.femto_st\ninstrument card : instruments.ni_usb_6343\n\
+                   task go on bot { move to (1, 1) }\nwiring bot { bl0.set -> card.port0.line0 { switches: 20 V } }\nlet a = 1\n";
+    bench.write(name, program);
+    let built = bench.run(&["build", name, "--emit", "mcap,csv,vcd,pwl,nidaqmx"]).code(DONE);
     let verified = bench.run(&["verify", "go.mcap"]).code(DONE);
     let no_task = bench.run(&["build", name, "--task", "x\n\x1b[2J"]).code(1);
     for text in [built.out, built.err, verified.out, no_task.err] {
         assert!(!text.lines().any(|line| line.trim_start().starts_with("Matches")), "{text}");
         assert!(!text.contains(['\x1b', '\x07', '\u{202e}']), "{text:?}");
     }
-    for file in ["go.csv", "go.vcd", "go.pwl.inc", "go.cir", "go.scpi", "go.scpi.txt"] {
+    for file in ["go.csv", "go.vcd", "go.pwl.inc", "go.cir", "go.card.daq", "go.nidaqmx.py"] {
         let bytes = std::fs::read(bench.path(file)).expect("it was written");
         let text = String::from_utf8_lossy(&bytes);
         assert!(!text.contains(['\x1b', '\x07', '\u{202e}']), "{file}: {text:?}");

@@ -8,6 +8,7 @@ use tweeze::check::imports::Library;
 use tweeze::compile::{self, CompileOutcome, CompileRequest};
 use tweeze::diagnostic::Sink;
 use tweeze::emit::{self, Format, OutputFile, Provenance};
+use tweeze::instrument::Family;
 use tweeze::schedule::ChannelUnit;
 use tweeze::source::{Origin, Sources};
 use tweeze::verify::Verified;
@@ -60,12 +61,22 @@ pub fn build(text: &str) -> Built {
 }
 
 impl Built {
-    /// Every file of every format that can hold it: G-code is of stages only.
+    /// Every file of every format that can hold it: G-code is of stages only, and instruments play what is wired to them.
     pub fn files(&self) -> Vec<OutputFile> {
         let mut files = Vec::new();
         for verified in &self.schedules {
             let are_stages = verified.schedule().channels.iter().all(|channel| channel.unit == ChannelUnit::Micrometre);
-            for format in Format::ALL.iter().filter(|format| are_stages || **format != Format::Gcode) {
+            let instruments = verified.schedule().bench.instruments.values();
+            let families: Vec<Family> = instruments.map(|instrument| instrument.facts.family()).collect();
+            let is_played = |format: &&Format| match format {
+                Format::Gcode => are_stages,
+                Format::Scpi => families.contains(&Family::WaveformGenerator),
+                Format::Nidaqmx => families.contains(&Family::DataAcquisition),
+                Format::Mcap | Format::Json | Format::Csv | Format::Vcd | Format::Pwl | Format::Html | Format::Svg => {
+                    true
+                }
+            };
+            for format in Format::ALL.iter().filter(is_played) {
                 let set = emit::emit(*format, verified, &self.provenance);
                 files.extend(set.unwrap_or_else(|error| panic!("{}: {error:?}", format.name())));
             }

@@ -82,3 +82,67 @@ pub fn wired_twice(device: &str, span: Span, earlier: Span) -> Diagnostic {
         .label(earlier, "first wired here")
         .help("put all wires of a device into one `wiring`")
 }
+
+/// The instrument with its declaration; `known` lists its outputs.
+pub fn unknown_output(span: Span, (name, declared): (&str, Span), output: &str, known: &str) -> Diagnostic {
+    let title = match output {
+        "" => format!("a wire to instrument `{name}` without an output"),
+        _ => format!("instrument `{name}` has no output `{output}`"),
+    };
+    Diagnostic::new(Code::E0426, title)
+        .label(span, "no such output")
+        .label_elsewhere(declared, span, "declared here")
+        .help(format!("its outputs are {known}: write `{name}.` and one of them"))
+}
+
+/// A digital line on a channel of positions.
+pub fn line_for_a_stage(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0427, "a digital line cannot place a stage")
+        .label(span, "this output is on or off")
+        .help("wire positions to outputs of voltage, with `scale` for what the stage's driver takes")
+}
+
+/// A field of a wire to an output of which nothing is known.
+pub fn wire_without_instrument(field: &Ident, output: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0427, format!("`{}` of a wire without an instrument", field.text))
+        .label(field.span, "belongs to the output of an instrument")
+        .label(output, "only a name")
+        .help("declare the instrument, `instrument awg : instruments.keysight_33500b`, and wire to `awg.ch1`; `tweeze devices` lists the families")
+}
+
+/// A field of all wires inside of a loop.
+pub fn wire_field_in_loop(field: &Ident) -> Diagnostic {
+    Diagnostic::new(Code::E0427, format!("`{}` of all wires inside of a loop", field.text))
+        .label(field.span, "a field of the whole wiring")
+        .help("move it out of the loop, or into the braces of a wire: `a -> awg.ch1 { gain: 50 }`")
+}
+
+/// `bed: …` for `bed -> …`.
+pub fn colon_in_wire(channel: &Ident) -> Diagnostic {
+    Diagnostic::new(Code::E0119, "`:` where `->` belongs")
+        .label(channel.span, "between a channel and its output stands `->`")
+        .help(format!("write `{} -> …`", channel.text))
+}
+
+pub fn instruments_of_one_name(name: &str, declared: Span, earlier: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0427, format!("two instruments named `{name}` in one program"))
+        .label(declared, "the one")
+        .label_elsewhere(earlier, declared, "the other")
+        .help("rename one of them: files and logs name instruments without their program file")
+}
+
+pub fn no_number_of_points(least: Span, most: Span, least_points: u32, most_points: u32) -> Diagnostic {
+    Diagnostic::new(Code::E0403, format!("`least_points` of {least_points} above `most_points` of {most_points}"))
+        .label(least, "no waveform has so many points")
+        .label(most, "the memory ends here")
+}
+
+/// Two instruments of a program, each with a wire that leads to it, that begin when the sender says so.
+pub fn starts_apart((first, first_wire): (&str, Span), (second, second_wire): (&str, Span)) -> Diagnostic {
+    Diagnostic::new(Code::E0428, format!("`{first}` and `{second}` are started by the sender, one after the other"))
+        .label(second_wire, format!("played by `{second}`"))
+        .label_elsewhere(first_wire, second_wire, format!("played by `{first}`"))
+        .help(format!(
+            "lead the trigger output of `{first}` to the trigger input of `{second}`, and give it `start: trigger`"
+        ))
+}

@@ -21,6 +21,9 @@ pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<
             DeclarationSort::Device => {
                 Some(format!("declare it: `device {name} : KIND {{ … }}`; `tweeze devices` lists the kinds"))
             }
+            DeclarationSort::Instrument => {
+                Some(format!("declare it: `instrument {name} : FAMILY {{ … }}`; `tweeze devices` lists the families"))
+            }
             DeclarationSort::Scene => Some(format!("declare it: `scene {name} {{ … }}`")),
             DeclarationSort::Task => Some(format!("declare it: `task {name} on DEVICE {{ … }}`")),
             DeclarationSort::Program => Some(format!("declare it: `program {name} {{ … }}`")),
@@ -65,11 +68,20 @@ pub fn file_for_value(span: Span, name: &str, used: Span, sort: DeclarationSort)
         .help(format!("name one of that file, as `{name}.…`"))
 }
 
-pub fn unknown_kind(span: Span, name: &str, near: Option<&str>, kinds: &[&str]) -> Diagnostic {
-    let known = format!("the kinds are {}; `tweeze devices` lists what they offer", listed(kinds.iter().copied()));
-    Diagnostic::new(Code::E0201, format!("no device or device kind is named `{name}`"))
-        .label(span, "not declared in this file")
-        .help(meant(near).unwrap_or(known))
+/// A base that is neither a declaration of the sort nor one of its kinds or families.
+pub fn unknown_base(span: Span, name: &str, sort: DeclarationSort, near: Option<&str>, roots: &[&str]) -> Diagnostic {
+    let (kinds, title) = match sort {
+        DeclarationSort::Instrument => {
+            ("families", format!("no instrument or family of instruments is named `{name}`"))
+        }
+        DeclarationSort::Let
+        | DeclarationSort::Device
+        | DeclarationSort::Scene
+        | DeclarationSort::Task
+        | DeclarationSort::Program => ("kinds", format!("no device or device kind is named `{name}`")),
+    };
+    let known = format!("the {kinds} are {}; `tweeze devices` lists what they offer", listed(roots.iter().copied()));
+    Diagnostic::new(Code::E0201, title).label(span, "not declared in this file").help(meant(near).unwrap_or(known))
 }
 
 /// A used file under the name that it would have without its `as`.

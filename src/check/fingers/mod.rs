@@ -22,6 +22,10 @@ impl CheckedFacts for Arc<FingersFacts> {
         self.channels()
     }
 
+    fn moves_stages(&self) -> bool {
+        true
+    }
+
     fn order(&self, checker: &mut Checker, site: &TaskSite, parts: Parts) -> Option<Order> {
         checker.fingers_order(site, self, parts).map(Order::Fingers)
     }

@@ -7,6 +7,7 @@ use super::arguments::DevicesArguments;
 use super::{Exit, report, terminal};
 use crate::check::scope::nearest;
 use crate::device::Kind;
+use crate::instrument::Family;
 use std::path::Path;
 
 /// Lists the kinds, all that one offers, or the devices of a program; or finds a table.
@@ -18,12 +19,16 @@ pub fn run(arguments: &DevicesArguments) -> Exit {
     if let Some(kind) = Kind::find(subject) {
         return terminal::answer(&vocabulary::page(kind.vocabulary()));
     }
+    if let Some(family) = Family::find(subject) {
+        return terminal::answer(&vocabulary::family_page(family));
+    }
     if is_file(subject) {
         return program::run(Path::new(subject), arguments);
     }
-    let near = nearest(subject, Kind::ALL.iter().map(|kind| kind.name()));
+    let kinds = Kind::ALL.iter().map(|kind| kind.name());
+    let near = nearest(subject, kinds.chain(Family::ALL.iter().map(|family| family.name())));
     let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-    eprintln!("no device kind is named `{subject}`{near}\n`tweeze devices` lists them all");
+    eprintln!("no device kind or family of instruments is named `{subject}`{near}\n`tweeze devices` lists them all");
     Exit::Usage
 }
 

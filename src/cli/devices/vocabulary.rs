@@ -1,6 +1,7 @@
 //! The tables that the checker reads, for people.
 
 use crate::device::{Count, Kind, Need, Sort, Together, Vocabulary, VocabularyField, WordChoice, shape::ShapeForm};
+use crate::instrument::Family;
 use crate::quantity::Dimension;
 use std::fmt::Write;
 
@@ -17,7 +18,20 @@ pub fn kinds() -> String {
             vocabulary.name, vocabulary.summary, ""
         );
     }
-    text.push_str("\n`tweeze devices KIND` lists fields, verbs, shapes and planners.\n");
+    text.push_str("\nInstruments that channels are wired to:\n\n");
+    for family in Family::ALL {
+        let (file, instrument) = family.library();
+        let _ = writeln!(
+            text,
+            "{:<18} {}\n{:<18} use {file}, then `instrument NAME : {instrument}`",
+            family.name(),
+            wrapped(family.choice().doc, PAGE_WIDTH - 19).join(&format!("\n{:<18} ", "")),
+            ""
+        );
+    }
+    text.push_str(
+        "\n`tweeze devices KIND` lists fields, verbs, shapes and planners; `tweeze devices FAMILY` fields, outputs and wires.\n",
+    );
     text
 }
 
@@ -55,6 +69,21 @@ pub fn page(vocabulary: &'static Vocabulary) -> String {
     for line in wrapped(vocabulary.channels, PAGE_WIDTH - 2) {
         page.text(&format!("  {line}"));
     }
+    page.text
+}
+
+/// All that a family of instruments offers.
+pub fn family_page(family: Family) -> String {
+    let mut page = Page::default();
+    page.text(&format!("{}: {}", family.name(), family.choice().doc));
+    page.section("Fields of an instrument", family.fields().iter().map(field));
+    page.text(&format!("\nOutputs\n  {}", family.outputs()));
+    for (sort, to) in family.links() {
+        page.section(&format!("Fields of a wire, or of all wires of a wiring: {to}"), sort.fields().iter().map(field));
+    }
+    let (file, instrument) = family.library();
+    page.text(&format!("\nTo begin with: use {file}, then `instrument NAME : {instrument}`"));
+    page.text(&format!("Played by: `tweeze build FILE.twz --emit {}`", family.format()));
     page.text
 }
 

@@ -1,189 +1,347 @@
-//! SCPI: a script that uploads each channel to an arbitrary-waveform generator and plays all of them on one trigger.
+//! SCPI: for each waveform generator of the program a script that uploads what its outputs play, and a program that sends them.
 //!
-//! `<name>.scpi` has the messages to send, each ended by a line feed; samples are IEEE 488.2 definite-length
-//! blocks, so the file is no text. SCPI has no comments, so `<name>.scpi.txt` describes which output plays which channel.
-//! The differences between instruments are the data of a [`Profile`].
+//! `<name>.<instrument>.scpi` has the messages to send, each ended by a line feed; samples are IEEE 488.2 definite-length
+//! blocks, so the file is no text. `<name>.<instrument>.scpi.txt` describes what it plays, since SCPI has no comments.
+//! `<name>.scpi.py` sends all of them with PyVISA, reads the error queue after each message, starts them, and switches the outputs off
+//! at the end, on an error and on Ctrl-C. The commands are those of the Keysight 33500 and 33600 series.
+//!
+//! What an output gives is the channel's value before the amplifier or the stage's driver of its wire. Its codes span the
+//! range that it uses, since the instrument allows its full amplitude to waveforms of the full range only; an output with one
+//! value all the time is a DC source. The filter is off: it would ring at edges and eat drive trains.
 //!
 //! The sample period is the greatest common divisor of all times, so that every edge falls on a sample. One sample of 0 V
 //! comes before the schedule and one after it: a generator waits at its first sample and rests at its last, and an actuator
-//! left under voltage burns.
+//! left under voltage burns. A channel of positions waits at its first one and rests at its last one. Straight lines are sampled:
+//! between two samples no stage moves by more than `SAMPLE_UM`, unless the instrument's memory is too small for that; the
+//! description gives the distance.
 //!
-//! Where a channel has drive trains, all outputs play sequences instead, in the dialect of the 33500 series: a train is one
-//! segment and the number of its repetitions. A sequence waits for its trigger at 0 V and rests at 0 V.
-//!
-//! A channel of positions is the voltage at the analogue input of a stage's driver, 1 V per um, to be scaled to the driver's
-//! sensitivity. A generator has no straight lines, so they are sampled: each sample is the position of the stage, and
-//! between two samples no stage moves by more than `sampling::SAMPLE_UM` unless the instrument's memory is too small for that; the
-//! description gives the distance. It waits at the first position and rests at the last one.
+//! Where a channel has drive trains, or several instruments play together, all outputs of the instrument play sequences instead: a train is one segment and the number of its
+//! repetitions.
 
-mod sampling;
+mod description;
 mod sequence;
 
-use super::csv::one_line;
 use super::error::EmitError;
+use super::sampling::Sampling;
+use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
-use crate::schedule::ChannelUnit;
-use sampling::Sampling;
-pub use sequence::Sequencer;
+use crate::instrument::{Family, InstrumentFacts, Link, Start, WaveformGeneratorFacts, number_after};
+use crate::schedule::{ChannelUnit, Schedule};
 use sequence::{Sequence, sequence};
 use std::fmt::Write as _;
 
-/// Limits and commands of an instrument.
-///
-/// In the commands `{output}` is the number of the output, `{segment}` for the name of its waveform, `{block}` for the
-/// samples, `{span}` for the voltage between the lowest and the highest code, `{seconds}` for the length of the waveform.
-#[derive(Debug, Clone)]
-pub struct Profile {
-    pub name: &'static str,
-    /// Outputs that play at the same time.
-    pub outputs: usize,
-    /// Fewest points of a waveform; shorter ones are filled up with 0 V.
-    pub least_points: u64,
-    /// Most points of a waveform, or of all segments of a sequence.
-    pub most_points: u64,
-    /// The code of full scale; its negative is that of negative full scale. At most 32767: codes travel as 16 bits, signed,
-    /// most significant byte first.
-    pub full_scale: i16,
-    /// Sent once at the beginning.
-    pub prepare: &'static [&'static str],
-    /// Sent for each output; the block command among them.
-    pub upload: &'static [&'static str],
-    /// For schedules with drive trains, instead of `upload`.
-    pub sequencer: Sequencer,
-    /// Asked after each upload: answers `0,"No error"`.
-    pub ask_error: &'static str,
-    /// Sent for each output, when all uploads are done.
-    pub arm: &'static [&'static str],
-    /// Sent once at the end, to begin.
-    pub start: &'static [&'static str],
-}
+/// The code of the highest voltage of an output; its negative is that of the lowest. Codes travel as 16 bits, signed, most
+/// significant byte first.
+const FULL_SCALE: i16 = i16::MAX;
 
-/// A plain instrument of the 16-bit sort. Its commands are the widespread ones; a lab compares them with its manual.
-pub const GENERIC: Profile = Profile {
-    name: "generic 16 bit",
-    outputs: 4096,
-    least_points: 8,
-    most_points: 1_000_000,
-    full_scale: i16::MAX,
-    prepare: &["*RST", "*CLS", ":FORM:BORD NORM"],
-    upload: &[
-        ":SOUR{output}:DATA:VOL:CLE",
-        ":SOUR{output}:DATA:ARB:DAC {segment},{block}",
-        ":SOUR{output}:FUNC:ARB {segment}",
-        ":SOUR{output}:FUNC:ARB:PER {seconds}",
-        ":OUTP{output}:LOAD INF",
-        ":SOUR{output}:VOLT {span}",
-        ":SOUR{output}:VOLT:OFFS 0",
-        ":SOUR{output}:FUNC ARB",
-        ":SOUR{output}:BURS:MODE TRIG",
-        ":SOUR{output}:BURS:NCYC 1",
-        ":TRIG{output}:SOUR BUS",
-        ":SOUR{output}:BURS:STAT ON",
-    ],
-    sequencer: Sequencer {
-        most_steps: 512,
-        most_repeats: 1_000_000,
-        upload: &[
-            ":SOUR{output}:DATA:VOL:CLE",
-            ":SOUR{output}:DATA:ARB:DAC {segment},{block}",
-            ":SOUR{output}:DATA:SEQ {steps}",
-            ":SOUR{output}:FUNC:ARB {segment}",
-            ":SOUR{output}:FUNC:ARB:SRAT {rate}",
-            ":SOUR{output}:FUNC:ARB:FILT STEP",
-            ":OUTP{output}:LOAD INF",
-            ":SOUR{output}:VOLT {span}",
-            ":SOUR{output}:VOLT:OFFS 0",
-            ":SOUR{output}:FUNC ARB",
-            ":TRIG{output}:SOUR BUS",
-        ],
-    },
-    ask_error: ":SYST:ERR?",
-    arm: &[":OUTP{output} ON"],
-    start: &["*TRG"],
-};
+/// Most times that one step repeats its segment.
+const MOST_REPEATS: u64 = 1_000_000;
 
 /// Where in a segment the marker rises: the first sample that the 33500 series takes.
 const MARKER_POINT: u64 = 4;
 
-impl Profile {
-    /// The code of a voltage, where full scale is `volts`.
-    fn code(&self, value: f64, volts: f64) -> i16 {
-        (value / volts * f64::from(self.full_scale)).round() as i16
-    }
-}
+/// Sent once at the beginning.
+const PREPARE: [&str; 3] = ["*RST", "*CLS", ":FORM:BORD NORM"];
 
-/// The waveforms of the outputs, one entry for each channel where they play sequences.
-enum Playing {
-    Waveforms,
-    Sequences(Vec<Sequence>),
-}
+/// Sent for each output that plays a waveform. `{output}` is its number, `{segment}` the name of its waveform, `{block}` the samples,
+/// `{rate}` how many of them it plays in a second, `{span}` the voltage between the lowest and the highest code, `{middle}` that of
+/// code 0.
+const UPLOAD_WAVEFORM: [&str; 13] = [
+    ":SOUR{output}:DATA:VOL:CLE",
+    ":SOUR{output}:DATA:ARB:DAC {segment},{block}",
+    ":SOUR{output}:FUNC:ARB {segment}",
+    ":SOUR{output}:FUNC:ARB:FILT OFF",
+    ":SOUR{output}:FUNC:ARB:SRAT {rate}",
+    ":OUTP{output}:LOAD INF",
+    ":SOUR{output}:VOLT {span}",
+    ":SOUR{output}:VOLT:OFFS {middle}",
+    ":SOUR{output}:FUNC ARB",
+    ":SOUR{output}:BURS:MODE TRIG",
+    ":SOUR{output}:BURS:NCYC 1",
+    ":TRIG{output}:SOUR {source}",
+    ":SOUR{output}:BURS:STAT ON",
+];
 
-/// Values of the placeholders of a command.
-struct Filling<'a> {
-    channel: usize,
-    segment: &'a str,
-    volts: f64,
-    sampling: &'a Sampling,
-}
+/// Sent for each output that plays a sequence: the command with `{block}` for each segment, `{segment}` being its name; in the others
+/// that is the name of the sequence. `{steps}` stands for the sequence.
+const UPLOAD_SEQUENCE: [&str; 11] = [
+    ":SOUR{output}:DATA:VOL:CLE",
+    ":SOUR{output}:DATA:ARB:DAC {segment},{block}",
+    ":SOUR{output}:DATA:SEQ {steps}",
+    ":SOUR{output}:FUNC:ARB {segment}",
+    ":SOUR{output}:FUNC:ARB:FILT OFF",
+    ":SOUR{output}:FUNC:ARB:SRAT {rate}",
+    ":OUTP{output}:LOAD INF",
+    ":SOUR{output}:VOLT {span}",
+    ":SOUR{output}:VOLT:OFFS {middle}",
+    ":SOUR{output}:FUNC ARB",
+    ":TRIG{output}:SOUR {source}",
+];
 
-/// The script and its description.
+/// Sent for each output with one value all the time.
+const UPLOAD_CONSTANT: [&str; 3] =
+    [":OUTP{output}:LOAD INF", ":SOUR{output}:FUNC DC", ":SOUR{output}:VOLT:OFFS {middle}"];
+
+/// Asked after each output: answers `0,"No error"`.
+const ASK_ERROR: &str = ":SYST:ERR?";
+
+/// Sent where other instruments begin with this one: its trigger output rises when the outputs begin.
+const LEAD: [&str; 2] = [":OUTP:TRIG:SLOP POS", ":OUTP:TRIG ON"];
+
+/// Sent for each output, when all uploads are done.
+const SWITCH_ON: &str = ":OUTP{output} ON";
+
+/// Sent for each output at the end and on an error.
+const SWITCH_OFF: &str = ":OUTP{output} OFF";
+
+/// Begins, where the sender starts the instrument.
+const BEGIN: &str = "*TRG";
+
+/// The sender, with an empty list of schedules where the marker is.
+const SENDER: &str = include_str!("send.py");
+
+/// The line of the sender that says what it sends.
+const MARKER: &str = "PLAYS = {}";
+
+/// The files, each with its ending.
 ///
 /// # Errors
-/// [`EmitError::Ramp`], [`EmitError::TooManyPoints`], [`EmitError::TooManyOutputs`].
-pub(super) fn write(signals: &Signals, profile: &Profile) -> Result<[Vec<u8>; 2], EmitError> {
-    EmitError::refuse_ramps(Format::Scpi, signals)?;
-    let channels = signals.schedule.channels.len();
-    if channels > profile.outputs {
-        return Err(EmitError::TooManyOutputs { channels, limit: profile.outputs });
+/// [`EmitError::NotWired`], [`EmitError::Ramp`], [`EmitError::TooManyPoints`].
+pub(super) fn write(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
+    let mut files = Vec::new();
+    let mut plays = Vec::new();
+    for wired in wired(Format::Scpi, schedule, Family::WaveformGenerator)? {
+        let InstrumentFacts::WaveformGenerator(facts) = &wired.instrument.facts else { continue };
+        let generator = Generator::new(&wired, facts)?;
+        files.push((format!("{}.scpi", wired.name), generator.script()));
+        files.push((format!("{}.scpi.txt", wired.name), generator.description().into_bytes()));
+        plays.push(generator.listing());
     }
-    let sampling = Sampling::new(signals, profile);
-    let playing = playing(signals, profile, &sampling)?;
-    let description = description(signals, profile, &sampling, &playing);
-    Ok([script(signals, profile, &sampling, &playing), description.into_bytes()])
+    files.push(("scpi.py".to_owned(), sender(schedule, &plays).into_bytes()));
+    Ok(files)
 }
 
-fn playing(signals: &Signals, profile: &Profile, sampling: &Sampling) -> Result<Playing, EmitError> {
-    let swings = signals.schedule.actuations.iter().any(|actuation| actuation.swing.is_some());
-    let refused = |most_steps| EmitError::TooManyPoints {
-        points: sampling.points,
-        limit: profile.most_points,
-        period_ns: sampling.period_ns,
-        duration_ns: signals.schedule.duration_ns,
-        most_steps,
-    };
-    if !swings {
-        return if sampling.points > profile.most_points { Err(refused(None)) } else { Ok(Playing::Waveforms) };
-    }
-    let of_channel = |channel| sequence(signals, channel, full_scale_volts(signals, channel), profile, sampling);
-    let sequences: Option<Vec<Sequence>> = (0..signals.schedule.channels.len()).map(of_channel).collect();
-    sequences.map(Playing::Sequences).ok_or_else(|| refused(Some(profile.sequencer.most_steps as u64)))
+/// The program that sends the scripts: those that wait for a trigger first.
+fn sender(schedule: &Schedule, plays: &[serde_json::Value]) -> String {
+    let listing = serde_json::json!({
+        "name": schedule.name,
+        "duration_s": schedule.duration_ns as f64 / 1e9,
+        "instruments": plays,
+    });
+    SENDER.replacen(MARKER, &format!("PLAYS = json.loads(r'''{listing:#}''')"), 1)
 }
 
-fn script(signals: &Signals, profile: &Profile, sampling: &Sampling, playing: &Playing) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let channels = signals.schedule.channels.len();
-    profile.prepare.iter().for_each(|command| send(&mut bytes, command.as_bytes()));
-    for channel in 0..channels {
-        let volts = full_scale_volts(signals, channel);
-        let filling = Filling { channel, segment: &segment(channel), volts, sampling };
-        match playing {
-            Playing::Waveforms => {
-                let block = block(&codes(signals, channel, volts, profile, sampling));
-                profile.upload.iter().for_each(|command| filling.send(&mut bytes, command, &block));
+/// A waveform generator with what its outputs play.
+struct Generator<'a> {
+    wired: &'a WiredInstrument<'a>,
+    facts: &'a WaveformGeneratorFacts,
+    signals: Signals<'a>,
+    sampling: Sampling,
+    /// One for each channel.
+    outputs: Vec<GeneratorOutput>,
+}
+
+/// An output with the range of voltages that it gives.
+struct GeneratorOutput {
+    number: u32,
+    link: Link,
+    low_v: f64,
+    high_v: f64,
+    playing: Playing,
+}
+
+/// What an output plays.
+enum Playing {
+    /// The same voltage all the time.
+    Constant,
+    Waveform(Vec<i16>),
+    Sequence(Sequence),
+}
+
+impl GeneratorOutput {
+    /// The output of a channel, with nothing to play yet.
+    fn new(signals: &Signals, channel: usize, number: u32, link: Link) -> GeneratorOutput {
+        let actuations = signals.of(channel).iter();
+        let levels = actuations.flat_map(|actuation| {
+            let levels = actuation.swing.map_or([actuation.from, actuation.to], |swing| swing.levels);
+            levels.into_iter()
+        });
+        // Where it is at rest counts too.
+        let ends = [0, signals.schedule.duration_ns].map(|t_ns| signals.value(channel, t_ns));
+        let rest = match signals.unit(channel) {
+            ChannelUnit::Volt => Some(0.0),
+            ChannelUnit::Micrometre => None,
+        };
+        let (mut low_v, mut high_v) = (f64::INFINITY, f64::NEG_INFINITY);
+        for value in levels.chain(ends).chain(rest) {
+            let output_v = link.output_v(value);
+            (low_v, high_v) = (low_v.min(output_v), high_v.max(output_v));
+        }
+        GeneratorOutput { number, link, low_v, high_v, playing: Playing::Constant }
+    }
+
+    /// The voltage between the lowest and the highest code.
+    fn span_v(&self) -> f64 {
+        self.high_v - self.low_v
+    }
+
+    /// The voltage of code 0.
+    fn middle_v(&self) -> f64 {
+        (self.low_v + self.high_v) / 2.0
+    }
+
+    /// The code of a value of the channel.
+    fn code(&self, value: f64) -> i16 {
+        let share = (self.link.output_v(value) - self.middle_v()) / (self.span_v() / 2.0);
+        (share * f64::from(FULL_SCALE)).round() as i16
+    }
+}
+
+impl<'a> Generator<'a> {
+    fn new(wired: &'a WiredInstrument<'a>, facts: &'a WaveformGeneratorFacts) -> Result<Generator<'a>, EmitError> {
+        let signals = Signals::new(&wired.schedule);
+        EmitError::refuse_ramps(Format::Scpi, &signals)?;
+        let sampling =
+            Sampling::new(&signals, [facts.least_points, facts.most_points].map(u64::from), facts.voltage.rate_hz);
+        let channels = wired.drives.iter().enumerate();
+        let outputs = channels.filter_map(|(channel, drive)| {
+            let number = number_after("ch", &drive.output)?;
+            Some(GeneratorOutput::new(&signals, channel, number, drive.link))
+        });
+        let outputs = outputs.collect();
+        let mut generator = Generator { wired, facts, signals, sampling, outputs };
+        for channel in 0..generator.outputs.len() {
+            generator.outputs[channel].playing = generator.playing(channel)?;
+        }
+        Ok(generator)
+    }
+
+    fn playing(&self, channel: usize) -> Result<Playing, EmitError> {
+        let output = &self.outputs[channel];
+        // A waveform begins with a sample of its own; a sequence begins with its trigger, as other instruments do.
+        let sequenced =
+            !self.wired.is_alone || self.signals.schedule.actuations.iter().any(|actuation| actuation.swing.is_some());
+        if output.span_v() <= 0.0 {
+            return Ok(Playing::Constant);
+        }
+        if sequenced {
+            let sequence = sequence(&self.signals, channel, output, self.facts, &self.sampling);
+            return sequence
+                .map(Playing::Sequence)
+                .ok_or_else(|| self.too_long(Some(u64::from(self.facts.most_steps))));
+        }
+        match self.sampling.points <= u64::from(self.facts.most_points) {
+            true => Ok(Playing::Waveform(self.codes(channel))),
+            false => Err(self.too_long(None)),
+        }
+    }
+
+    fn too_long(&self, most_steps: Option<u64>) -> EmitError {
+        EmitError::TooManyPoints {
+            instrument: self.wired.name.to_owned(),
+            points: self.sampling.points,
+            limit: u64::from(self.facts.most_points),
+            period_ns: self.sampling.period_ns,
+            duration_ns: self.signals.schedule.duration_ns,
+            most_steps,
+        }
+    }
+
+    fn codes(&self, channel: usize) -> Vec<i16> {
+        let output = &self.outputs[channel];
+        match self.signals.unit(channel) {
+            ChannelUnit::Volt => {
+                let mut codes = vec![output.code(0.0); self.sampling.points as usize];
+                for actuation in self.signals.of(channel) {
+                    let sample = |t_ns: u64| (1 + t_ns / self.sampling.period_ns) as usize;
+                    codes[sample(actuation.start_ns)..sample(actuation.end_ns())].fill(output.code(actuation.from));
+                }
+                codes
             }
-            Playing::Sequences(sequences) => upload(&mut bytes, &sequences[channel], profile, &filling),
-        }
-        send(&mut bytes, profile.ask_error.as_bytes());
-    }
-    for command in profile.arm {
-        for channel in 0..channels {
-            let filling = Filling { channel, segment: &segment(channel), volts: 0.0, sampling };
-            filling.send(&mut bytes, command, &[]);
+            ChannelUnit::Micrometre => {
+                let positions = self.sampling.positions(&self.signals, channel);
+                positions.map(|position_um| output.code(position_um)).collect()
+            }
         }
     }
-    send(&mut bytes, profile.ask_error.as_bytes());
-    profile.start.iter().for_each(|command| send(&mut bytes, command.as_bytes()));
-    bytes
+
+    fn script(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        PREPARE.iter().for_each(|command| send(&mut bytes, command.as_bytes()));
+        for output in &self.outputs {
+            self.upload(&mut bytes, output);
+            send(&mut bytes, ASK_ERROR.as_bytes());
+        }
+        if self.wired.leads {
+            LEAD.iter().for_each(|command| send(&mut bytes, command.as_bytes()));
+        }
+        for output in &self.outputs {
+            send(&mut bytes, numbered(SWITCH_ON, output.number).as_bytes());
+        }
+        send(&mut bytes, ASK_ERROR.as_bytes());
+        if self.facts.start == Start::Sender {
+            send(&mut bytes, BEGIN.as_bytes());
+        }
+        bytes
+    }
+
+    fn upload(&self, bytes: &mut Vec<u8>, output: &GeneratorOutput) {
+        let name = waveform_name(output.number);
+        match &output.playing {
+            Playing::Constant => {
+                UPLOAD_CONSTANT.iter().for_each(|command| self.send(bytes, command, output, &name, &[]));
+            }
+            Playing::Waveform(codes) => {
+                let block = block(codes);
+                UPLOAD_WAVEFORM.iter().for_each(|command| self.send(bytes, command, output, &name, &block));
+            }
+            Playing::Sequence(sequence) => {
+                for command in UPLOAD_SEQUENCE {
+                    if !command.contains("{block}") {
+                        let command = command.replace("{steps}", &steps(sequence, output.number));
+                        self.send(bytes, &command, output, &name, &[]);
+                        continue;
+                    }
+                    for (index, samples) in sequence.segments.iter().enumerate() {
+                        self.send(bytes, command, output, &segment_name(output.number, index), &block(samples));
+                    }
+                }
+            }
+        }
+    }
+
+    fn send(&self, bytes: &mut Vec<u8>, command: &str, output: &GeneratorOutput, name: &str, block: &[u8]) {
+        let source = match self.facts.start {
+            Start::Sender => "BUS",
+            Start::Trigger => "EXT",
+        };
+        let command = numbered(command, output.number)
+            .replace("{segment}", name)
+            .replace("{span}", &output.span_v().to_string())
+            .replace("{middle}", &output.middle_v().to_string())
+            .replace("{source}", source)
+            .replace("{rate}", &(1e9 / self.sampling.period_ns as f64).to_string());
+        match command.split_once("{block}") {
+            Some((head, tail)) => send(bytes, &[head.as_bytes(), block, tail.as_bytes()].concat()),
+            None => send(bytes, command.as_bytes()),
+        }
+    }
+
+    /// What the sender must know.
+    fn listing(&self) -> serde_json::Value {
+        let numbers: Vec<u32> = self.outputs.iter().map(|output| output.number).collect();
+        serde_json::json!({
+            "name": self.wired.name,
+            "model": self.wired.instrument.model,
+            "file": format!("{}.{}.scpi", self.signals.schedule.name, self.wired.name),
+            "outputs": numbers,
+            "starts": self.facts.start == Start::Sender,
+        })
+    }
+}
+
+fn numbered(command: &str, output: u32) -> String {
+    command.replace("{output}", &output.to_string())
 }
 
 fn send(bytes: &mut Vec<u8>, message: &[u8]) {
@@ -191,90 +349,25 @@ fn send(bytes: &mut Vec<u8>, message: &[u8]) {
     bytes.push(b'\n');
 }
 
-fn upload(bytes: &mut Vec<u8>, sequence: &Sequence, profile: &Profile, filling: &Filling) {
-    for command in profile.sequencer.upload {
-        if command.contains("{block}") {
-            for (index, samples) in sequence.segments.iter().enumerate() {
-                let segment = &part(filling.channel, index);
-                Filling { segment, ..*filling }.send(bytes, command, &block(samples));
-            }
-        } else {
-            filling.send(bytes, &command.replace("{steps}", &steps(sequence, filling.channel)), &[]);
-        }
-    }
-}
-
 /// The sequence as a definite-length block of text: its name, then name, repetitions, advance mode and marker of each step.
-fn steps(sequence: &Sequence, channel: usize) -> String {
-    let mut text = format!("\"{}\"", segment(channel));
+fn steps(sequence: &Sequence, output: u32) -> String {
+    let mut text = format!("\"{}\"", waveform_name(output));
     for step in &sequence.steps {
-        let (part, way_on) = (part(channel, step.segment), step.control.word());
-        let _ = write!(text, ",\"{part}\",{},{way_on},lowAtStart,{MARKER_POINT}", step.repeats);
+        let (segment, way_on) = (segment_name(output, step.segment), step.control.word());
+        let _ = write!(text, ",\"{segment}\",{},{way_on},lowAtStart,{MARKER_POINT}", step.repeats);
     }
     let length = text.len().to_string();
     format!("#{}{length}{text}", length.len())
 }
 
-impl Filling<'_> {
-    fn send(&self, bytes: &mut Vec<u8>, command: &str, block: &[u8]) {
-        let command = command
-            .replace("{output}", &(self.channel + 1).to_string())
-            .replace("{segment}", self.segment)
-            .replace("{span}", &(2.0 * self.volts).to_string())
-            .replace("{seconds}", &seconds(self.sampling.points * self.sampling.period_ns))
-            .replace("{rate}", &(1e9 / self.sampling.period_ns as f64).to_string());
-        match command.split_once("{block}") {
-            Some((head, tail)) => send(bytes, &[head.as_bytes(), block, tail.as_bytes()].concat()),
-            None => send(bytes, command.as_bytes()),
-        }
-    }
-}
-
-/// The waveform's name: short, as instruments ask for it.
-fn segment(channel: usize) -> String {
-    format!("CH{}", channel + 1)
+/// The name of an output's waveform or sequence: short, as instruments ask for it.
+fn waveform_name(output: u32) -> String {
+    format!("CH{output}")
 }
 
 /// The name of a segment of a sequence.
-fn part(channel: usize, index: usize) -> String {
-    format!("{}_{}", segment(channel), index + 1)
-}
-
-fn seconds(t_ns: u64) -> String {
-    format!("{}.{:09}", t_ns / 1_000_000_000, t_ns % 1_000_000_000)
-}
-
-/// The largest voltage or position of a channel in either direction, or 1 V where it is never driven.
-fn full_scale_volts(signals: &Signals, channel: usize) -> f64 {
-    let levels = signals.of(channel).iter().flat_map(|actuation| [actuation.from, actuation.to]);
-    let largest = levels.map(f64::abs).fold(0.0, f64::max);
-    if largest > 0.0 { largest } else { 1.0 }
-}
-
-fn codes(signals: &Signals, channel: usize, volts: f64, profile: &Profile, sampling: &Sampling) -> Vec<i16> {
-    match signals.unit(channel) {
-        ChannelUnit::Volt => codes_of_voltages(signals, channel, volts, profile, sampling),
-        ChannelUnit::Micrometre => {
-            let positions = sampling.positions(signals, channel);
-            positions.map(|position_um| profile.code(position_um, volts)).collect()
-        }
-    }
-}
-
-fn codes_of_voltages(
-    signals: &Signals,
-    channel: usize,
-    volts: f64,
-    profile: &Profile,
-    sampling: &Sampling,
-) -> Vec<i16> {
-    let mut codes = vec![0; sampling.points as usize];
-    for actuation in signals.of(channel) {
-        let [first, end] =
-            [actuation.start_ns, actuation.end_ns()].map(|t_ns| (1 + t_ns / sampling.period_ns) as usize);
-        codes[first..end].fill(profile.code(actuation.from, volts));
-    }
-    codes
+fn segment_name(output: u32, index: usize) -> String {
+    format!("{}_{}", waveform_name(output), index + 1)
 }
 
 /// IEEE 488.2 clause 7.7.6: `#`, the number of digits, the number of bytes, the bytes.
@@ -285,81 +378,5 @@ fn block(codes: &[i16]) -> Vec<u8> {
     head.into_bytes().into_iter().chain(samples).collect()
 }
 
-fn description(signals: &Signals, profile: &Profile, sampling: &Sampling, playing: &Playing) -> String {
-    let schedule = signals.schedule;
-    let name = &schedule.name;
-    let mut text = format!(
-        "{name}.scpi holds what to send to an arbitrary-waveform generator ({}), message by message, each\n\
-         ended by a line feed. Samples are IEEE 488.2 definite-length blocks: 16 bit, signed, most significant byte first.\n\
-         Read the answer to every {} before sending on; anything but 0 means that the instrument refused a message.\n\
-         Compare the commands with your instrument's manual, connect the actuators last, and try at a low voltage first.\n\
-         Voltages are those of an output without load. Where an amplifier stands between output and actuator, divide each\n\
-         VOLT by its gain; generators rarely give the current that an actuator draws.\n{}\n\
-         {} All outputs begin on {}.\n\
-         Several instruments: send each its own messages, then trigger them from one line (EXT) instead of BUS.\n\n\
-         output\tsegment\tfull scale [V]\tchannel\twire\n",
-        profile.name,
-        profile.ask_error,
-        stages(signals, sampling),
-        playback(signals, sampling, playing),
-        profile.start.join(" "),
-    );
-    for (index, channel) in schedule.channels.iter().enumerate() {
-        let wire = channel.wire.as_deref().map_or_else(|| "-".to_owned(), one_line);
-        let volts = full_scale_volts(signals, index);
-        let mark = match channel.unit {
-            ChannelUnit::Volt => "",
-            ChannelUnit::Micrometre => " [um]",
-        };
-        let _ = writeln!(text, "{}\t{}\t{volts}\t{}{mark}\t{wire}", index + 1, segment(index), channel.name);
-    }
-    if let Playing::Sequences(sequences) = playing {
-        text.push_str("\noutput\tstep\tsegment\tpoints\ttimes\tgoes on\tfirst sample\n");
-        sequences.iter().enumerate().for_each(|(channel, sequence)| list(&mut text, channel, sequence));
-    }
-    text
-}
-
-/// How to read the outputs of positions.
-fn stages(signals: &Signals, sampling: &Sampling) -> String {
-    let Some(step_um) = sampling.step_um(signals) else { return String::new() };
-    format!(
-        "\nOutputs of positions, whose channels are marked um in the table, give 1 V for each micrometre: multiply their VOLT by the volts\n\
-         that the stage's driver takes for a micrometre, and set VOLT:OFFS where its zero lies elsewhere. They wait at the first position\n\
-         and rest at the last one. Straight lines are sampled: a stage moves by {step_um} um at the most from one sample to the next.\n"
-    )
-}
-
-/// Duration of the playback, and how the outputs wait and rest.
-fn playback(signals: &Signals, sampling: &Sampling, playing: &Playing) -> String {
-    let Sampling { period_ns, points } = sampling;
-    match playing {
-        Playing::Waveforms => format!(
-            "Sample period {period_ns} ns, {points} points, {} s in all. The schedule begins at the second sample: the first and the last\n\
-             are 0 V, or where a stage is, because an output waits at its first sample and rests at its last.",
-            seconds(points * period_ns),
-        ),
-        Playing::Sequences(_) => format!(
-            "Each output plays a sequence: segments one after the other, each so many times, as the table at the end lists them.\n\
-             Sample period {period_ns} ns; the schedule lasts {} s and begins when the trigger comes, at the second step: the first and\n\
-             the last segment are 0 V, or where a stage is; there an output waits for its trigger and rests when all is played.",
-            seconds(signals.schedule.duration_ns),
-        ),
-    }
-}
-
-/// The steps of a sequence; samples count from the trigger.
-fn list(text: &mut String, channel: usize, sequence: &Sequence) {
-    let mut sample = 0;
-    for (number, step) in (1..).zip(&sequence.steps) {
-        let (name, points) = (part(channel, step.segment), sequence.segments[step.segment].len() as u64);
-        let _ = write!(text, "{}\t{number}\t{name}\t{points}\t{}\t", channel + 1, step.repeats);
-        let _ = writeln!(
-            text,
-            "{}\t{}",
-            step.control.word(),
-            if number == 1 { "-".to_owned() } else { sample.to_string() }
-        );
-        sample += if number == 1 { 0 } else { points * step.repeats };
-    }
-}
+#[cfg(test)]
+mod tests;

@@ -3,6 +3,7 @@ use crate::diagnostic::Code;
 use crate::schedule::{Actuation, ChannelUnit, json};
 use crate::verify::Verified;
 
+pub(super) mod bench;
 mod positions;
 
 fn one(format: Format, (verified, provenance): &(Verified, Provenance)) -> Vec<u8> {
@@ -19,10 +20,16 @@ fn code(format: Format, verified: &Verified) -> Code {
     error.diagnostic().code
 }
 
-/// The formats that a fixture can be written in: G-code is of stages only.
+/// The formats that a fixture can be written in: G-code is of stages only, and instruments play what is wired to them.
 fn formats(verified: &Verified) -> impl Iterator<Item = Format> {
     let all_stages = verified.schedule().channels.iter().all(|channel| channel.unit == ChannelUnit::Micrometre);
-    Format::ALL.iter().copied().filter(move |format| all_stages || *format != Format::Gcode)
+    let is_wired = !verified.schedule().bench.is_empty();
+    Format::ALL.iter().copied().filter(move |format| match format {
+        Format::Gcode => all_stages,
+        Format::Scpi => is_wired,
+        Format::Nidaqmx => false,
+        Format::Mcap | Format::Json | Format::Csv | Format::Vcd | Format::Pwl | Format::Html | Format::Svg => true,
+    })
 }
 
 #[test]
@@ -81,7 +88,7 @@ fn csv_has_a_row_for_each_change_and_units_and_wires_in_the_header() {
 fn a_ramp_is_refused_where_voltages_are_held() {
     let (flat, _) = fixture::fetch();
     let ramp = fixture::changed(&flat, |schedule| schedule.actuations[3].to = 10.0);
-    for format in [Format::Csv, Format::Vcd, Format::Scpi] {
+    for format in [Format::Csv, Format::Vcd] {
         assert_eq!(code(format, &ramp), Code::E0821);
         assert!(emit(format, &flat, &Provenance::default()).is_ok());
     }
@@ -126,12 +133,20 @@ fn write_fixtures() {
         fixture::hand,
         fixture::mixed,
     ] {
+        let make = || bench::on_generators(make());
         formats(&make().0).for_each(|format| write(&folder, format, make()));
     }
     for format in [Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi, Format::Svg] {
         // Longer than the run of the deck.
         let long = fixture::changed(&fixture::train(12_000), |schedule| schedule.name = "long".to_owned());
-        write(&trains, format, (long, Provenance::default()));
+        write(&trains, format, bench::on_generators((long, Provenance::default())));
+    }
+    let cards = folder.join("cards");
+    std::fs::create_dir_all(&cards).unwrap();
+    for make in [fixture::fetch, fixture::hand] {
+        for format in [Format::Json, Format::Nidaqmx] {
+            write(&cards, format, super::nidaqmx::tests::on_card(make(), 1e6));
+        }
     }
     for format in [Format::Mcap, Format::Json, Format::Pwl, Format::Svg] {
         write(&slopes, format, fixture::crowd());
@@ -271,40 +286,6 @@ fn pwl_steps_rise_in_a_nanosecond_and_slopes_are_exact() {
 }
 
 #[test]
-fn scpi_begins_and_ends_at_zero_and_puts_every_edge_on_a_sample() {
-    let script = one(Format::Scpi, &fixture::fetch());
-    let head = b":SOUR1:DATA:ARB:DAC CH1,#224";
-    let at = script.windows(head.len()).position(|window| window == head).unwrap() + head.len();
-    let codes: Vec<i16> = script[at..at + 24].chunks(2).map(|pair| i16::from_be_bytes([pair[0], pair[1]])).collect();
-    assert_eq!(codes, [0, i16::MAX, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
-    let text = String::from_utf8_lossy(&script).into_owned();
-    assert!(text.contains("\n:SOUR1:FUNC:ARB:PER 0.180000000\n"));
-    assert!(text.contains("\n:OUTP1:LOAD INF\n:SOUR1:VOLT 40\n"));
-    assert!(text.starts_with("*RST\n*CLS\n") && text.ends_with(":OUTP20 ON\n:SYST:ERR?\n*TRG\n"));
-    let notes = emit(Format::Scpi, &fixture::fetch().0, &Provenance::default()).unwrap().remove(1);
-    assert_eq!(notes.name, "fetch.scpi.txt");
-    assert!(String::from_utf8(notes.bytes).unwrap().contains("1\tCH1\t20\tbot.bl0.set\tDev1/port0/line0\n"));
-}
-
-#[test]
-fn scpi_is_refused_past_the_memory_and_the_outputs_of_the_instrument() {
-    let (fetch, _) = fixture::fetch();
-    let signals = super::Signals::new(fetch.schedule());
-    let profile = |most_points, outputs| super::scpi::Profile { most_points, outputs, ..super::scpi::GENERIC };
-    assert!(super::scpi::write(&signals, &profile(12, 20)).is_ok());
-    let Err(error) = super::scpi::write(&signals, &profile(11, 20)) else { panic!("12 points are too many") };
-    assert_eq!(error.diagnostic().code, Code::E0823);
-    assert_eq!(
-        error.diagnostic().title,
-        "the schedule of 150000000 ns needs 12 points of 15000000 ns, but the instrument takes 11"
-    );
-    let Err(error) = super::scpi::write(&signals, &profile(12, 19)) else { panic!("20 channels are too many") };
-    assert_eq!(error.diagnostic().code, Code::E0824);
-    let one_ns = fixture::changed(&fetch, |schedule| schedule.duration_ns += 1);
-    assert_eq!(code(Format::Scpi, &one_ns), Code::E0823);
-}
-
-#[test]
 fn text_that_its_readers_could_not_hold_is_refused() {
     let limit = super::error::MAX_TEXT_BYTES;
     assert_eq!(EmitError::refuse_size(Format::Csv, limit, limit), Ok(()));
@@ -380,7 +361,7 @@ fn an_hour_of_strokes_is_a_small_file_in_every_format() {
         "{rows}"
     );
     assert!(rows.ends_with("\n2000000,130,115,50000,2000000\n3600002000000,0,0,0,0\n"), "{rows}");
-    let formats = [Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi].map(|format| (format, 10_000));
+    let formats = [Format::Json, Format::Csv, Format::Vcd, Format::Pwl].map(|format| (format, 10_000));
     for (format, most_bytes) in formats.into_iter().chain([(Format::Mcap, 20 << 20)]) {
         let files = emit(format, &hour, &Provenance::default()).unwrap();
         let bytes: usize = files.iter().map(|file| file.bytes.len()).sum();
@@ -411,27 +392,6 @@ fn pwl_puts_a_pulse_source_in_series_for_each_train() {
     assert!(deck(1_200_000).contains(whole), "{}", deck(1_200_000));
     assert!(deck(1_200_000).contains("*   .options interp\n*   .tran 0.0000125 60.002\n"), "{}", deck(1_200_000));
     assert!(deck(9_990).ends_with("\nquit 0\n.endc\n.end\n") && !deck(9_990).contains("interp"));
-}
-
-#[test]
-fn scpi_repeats_a_train_as_a_step_of_a_sequence() {
-    let files = emit(Format::Scpi, &fixture::train(1_200_000), &Provenance::default()).unwrap();
-    let script = String::from_utf8_lossy(&files[0].bytes).into_owned();
-    let steps = "\"CH1\",\"CH1_1\",1,onceWaitTrig,lowAtStart,4,\"CH1_1\",5,repeat,lowAtStart,4,\"CH1_2\",5,repeat,lowAtStart,4,\
-                 \"CH1_3\",300000,repeat,lowAtStart,4,\"CH1_1\",1,repeatInf,lowAtStart,4";
-    assert!(script.contains(&format!("\n:SOUR1:DATA:SEQ #3{}{steps}\n", steps.len())), "{script}");
-    assert!(script.contains("\n:SOUR1:FUNC:ARB CH1\n:SOUR1:FUNC:ARB:SRAT 40000\n"));
-    let notes = String::from_utf8(files[1].bytes.clone()).unwrap();
-    assert!(notes.contains("\n1\t4\tCH1_3\t8\t300000\trepeat\t80\n"), "{notes}");
-    let (bed, _) = fixture::bed();
-    let signals = super::Signals::new(bed.schedule());
-    let sequencer = super::scpi::Sequencer { most_steps: 3, ..super::scpi::GENERIC.sequencer.clone() };
-    let profile =
-        |most_points| super::scpi::Profile { most_points, sequencer: sequencer.clone(), ..super::scpi::GENERIC };
-    assert!(super::scpi::write(&signals, &profile(10_000)).is_ok(), "all of it written out");
-    let Err(error) = super::scpi::write(&signals, &profile(1_000)) else { panic!("too long to be written out") };
-    assert_eq!(error.diagnostic().code, Code::E0823);
-    assert!(error.diagnostic().title.contains("in at most 3 steps"));
 }
 
 #[test]

@@ -3,8 +3,7 @@
 use super::{Edit, code, judged_of, text};
 use crate::diagnostic::Code;
 use crate::emit::{Format, Provenance, Signals, emit, fixture};
-use crate::schedule::{Actuation, Channel, ChannelUnit};
-use crate::verify::Verified;
+use crate::schedule::Channel;
 use serde_json::json;
 
 #[test]
@@ -43,7 +42,7 @@ fn a_position_that_leaps_is_refused_where_lines_run_between_positions() {
     for format in [Format::Csv, Format::Gcode] {
         assert_eq!(code(format, &leap), Code::E0826);
     }
-    for format in [Format::Mcap, Format::Json, Format::Vcd, Format::Pwl, Format::Scpi] {
+    for format in [Format::Mcap, Format::Json, Format::Vcd, Format::Pwl] {
         assert!(emit(format, &leap, &Provenance::default()).is_ok());
     }
 }
@@ -81,46 +80,6 @@ fn pwl_bends_without_a_rise_and_says_its_scale() {
     let text = String::from_utf8(files[0].bytes.clone()).unwrap();
     let head = "* hand.f1.x [um], 1 V stands for 1 um, wire stage1/x\nVhand_f1_x hand_f1_x 0 PWL(\n";
     assert!(text.contains(&format!("{head}+ 0 28.5\n+ 0.007 28.5\n+ 0.107 18.5\n+ 0.287 18.5\n")), "{text}");
-}
-
-#[test]
-fn scpi_waits_and_rests_where_the_stages_do() {
-    let files = emit(Format::Scpi, &fixture::hand().0, &Provenance::default()).unwrap();
-    let script = &files[0].bytes;
-    let notes = String::from_utf8(files[1].bytes.clone()).unwrap();
-    // At most 28.5 um in 20 ms: 0.05 um take 35 us, rounded down to 20 us.
-    assert!(notes.contains("a stage moves by 0.0"), "{notes}");
-    assert!(notes.contains("3\tCH3\t5\thand.f1.z [um]\t-\n"), "{notes}");
-    let head = b":SOUR3:DATA:ARB:DAC CH3,#";
-    let at = script.windows(head.len()).position(|window| window == head).unwrap() + head.len();
-    let digits = usize::from(script[at] - b'0');
-    let length: usize = std::str::from_utf8(&script[at + 1..at + 1 + digits]).unwrap().parse().unwrap();
-    let block = &script[at + 1 + digits..][..length];
-    let codes: Vec<i16> = block.chunks(2).map(|pair| i16::from_be_bytes([pair[0], pair[1]])).collect();
-    assert_eq!((codes[0], codes.last()), (0, Some(&i16::MAX)), "z ends at 5 um, its full scale");
-    assert!(codes.windows(2).all(|pair| pair[0] <= pair[1]), "z only rises");
-}
-
-#[test]
-fn scpi_samples_stages_within_the_period_of_voltages() {
-    let (hand, _) = fixture::hand();
-    let both = |period_ns: u64| {
-        fixture::changed(&hand, |schedule| {
-            let name = "plate.e1_1".to_owned();
-            schedule.channels.push(Channel { name, device: "plate".into(), unit: ChannelUnit::Volt, wire: None });
-            let pulse = Actuation { channel: 9, from: 50.0, to: 50.0, ..schedule.actuations[0] };
-            schedule.actuations.push(Actuation { start_ns: period_ns, duration_ns: 3 * period_ns, ..pulse });
-        })
-    };
-    let period = |verified: &Verified| {
-        let notes = emit(Format::Scpi, verified, &Provenance::default()).unwrap().remove(1);
-        let notes = String::from_utf8(notes.bytes).unwrap();
-        notes.split("Sample period ").nth(1).unwrap().split(' ').next().unwrap().parse::<u64>().unwrap()
-    };
-    let alone_ns = period(&hand);
-    assert_eq!(period(&both(3_000_000)), 3_000_000 / 3_000_000u64.div_ceil(alone_ns));
-    assert_eq!(code(Format::Scpi, &both(7)), Code::E0823);
-    assert_eq!(code(Format::Gcode, &both(7)), Code::E0827);
 }
 
 #[test]

@@ -87,6 +87,7 @@ pub(crate) fn carried(facts: &ElectrodeArrayFacts, steps: &[Vec<Vec<(u32, u32)>>
         timeline: Timeline::Run(0),
         jobs: vec![job],
         wires: Default::default(),
+        bench: Default::default(),
         shared: Vec::new(),
         not_held: Vec::new(),
         span: Span::default(),

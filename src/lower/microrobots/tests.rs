@@ -106,6 +106,7 @@ pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
         timeline: Timeline::Run(0),
         jobs: vec![job],
         wires: [("m.bed".to_owned(), "Dev2/ao0".to_owned())].into(),
+        bench: Default::default(),
         shared: Vec::new(),
         not_held: Vec::new(),
         span: Span::default(),

@@ -182,7 +182,7 @@ const FILES: &[(&str, &str, &str)] = &[
     ("scene s { obstacle a : disc { radius: 1 um }\n  at (1, 2) }\n", "E0107", "at"),
     ("scene s {\n  obstacle a at (1, 2)\n  if x { obstacle b at (1, 2) }\n}\n", "E0122", "if"),
     ("wiring b { bl0.set -> }\n", "E0102", "->"),
-    ("wiring b { bl0.set -> a }\n", "E0101", "a"),
+    ("wiring b { bl0.set -> a/b }\n", "E0101", "a/b"),
     ("wiring b { bl0.set \"a\" }\n", "E0101", "\"a\""),
     ("wiring b { bl0.set -> \"a }\nlet a = 1\n", "E0115", "\"a"),
 ];

@@ -46,7 +46,7 @@ impl Walk<'_> {
                 within(span, item.name.span, self.0);
                 self.expr(span, &item.value);
             }
-            Item::Device(item) => {
+            Item::Device(item) | Item::Instrument(item) => {
                 let span = within(whole, item.span, self.0);
                 within(span, item.name.span, self.0);
                 self.path(span, &item.base);
@@ -135,8 +135,13 @@ impl Walk<'_> {
             WiringEntry::Wire(wire) => {
                 let span = within(parent, wire.span, self.0);
                 self.path(span, &wire.channel);
-                self.text(span, &wire.output);
+                match &wire.output {
+                    WireOutput::Named(text) => self.text(span, text),
+                    WireOutput::Instrument(path) => self.path(span, path),
+                }
+                wire.fields.iter().for_each(|field| self.field(span, field));
             }
+            WiringEntry::Field(field) => self.field(parent, field),
             WiringEntry::For(each) => self.each(parent, each, |span, entry| self.wiring_entry(span, entry)),
             WiringEntry::Error(span) => self.place(parent, *span),
         }
@@ -235,12 +240,99 @@ fn holds(text: &str) {
 }
 
 const TOKENS: &[&str] = &[
-    "use", "as", "let", "device", "scene", "task", "program", "wiring", "table", "true", "for", "in", "on", "at", "to",
-    "via", "a", "b1", "move", "run", "together", "if", "else", "std.x", "0", "35", "1e-3", ".5", "5.", "0b101", "0b2",
-    "um", "um/s", "%", "(", ")", "[", "]", "{", "}", "{", "}", ",", ",", ":", ":", "=", ":=", "==", "<=", "<", "+",
-    "-", "*", "/", "^", "..", "->", "|", ";", "\n", "\n", "\n", " ", " ", " ", "\"", "\"a{b}\"", "\"{", "“", "”", "'",
-    "// c\n", "/// d\n", "//! e\n", "/*", "*/", "#", "µm", "°", "≤", "→", "\u{a0}", "\u{1}", "\u{2}", "\u{feff}",
-    "\r\n", "\t", "@", "…", "é", "🤖",
+    "use",
+    "as",
+    "let",
+    "device",
+    "instrument",
+    "scene",
+    "task",
+    "program",
+    "wiring",
+    "table",
+    "true",
+    "for",
+    "in",
+    "on",
+    "at",
+    "to",
+    "via",
+    "a",
+    "b1",
+    "move",
+    "run",
+    "together",
+    "if",
+    "else",
+    "std.x",
+    "0",
+    "35",
+    "1e-3",
+    ".5",
+    "5.",
+    "0b101",
+    "0b2",
+    "um",
+    "um/s",
+    "%",
+    "(",
+    ")",
+    "[",
+    "]",
+    "{",
+    "}",
+    "{",
+    "}",
+    ",",
+    ",",
+    ":",
+    ":",
+    "=",
+    ":=",
+    "==",
+    "<=",
+    "<",
+    "+",
+    "-",
+    "*",
+    "/",
+    "^",
+    "..",
+    "->",
+    "|",
+    ";",
+    "\n",
+    "\n",
+    "\n",
+    " ",
+    " ",
+    " ",
+    "\"",
+    "\"a{b}\"",
+    "\"{",
+    "“",
+    "”",
+    "'",
+    "// c\n",
+    "/// d\n",
+    "//! e\n",
+    "/*",
+    "*/",
+    "#",
+    "µm",
+    "°",
+    "≤",
+    "→",
+    "\u{a0}",
+    "\u{1}",
+    "\u{2}",
+    "\u{feff}",
+    "\r\n",
+    "\t",
+    "@",
+    "…",
+    "é",
+    "🤖",
 ];
 
 fn soup() -> impl Strategy<Value = String> {

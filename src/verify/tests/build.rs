@@ -72,6 +72,7 @@ pub fn claims(jobs: Vec<Job>, timeline: Timeline) -> Claims {
         timeline,
         jobs,
         wires: BTreeMap::new(),
+        bench: Default::default(),
         shared: Vec::new(),
         not_held: Vec::new(),
         span: Span::default(),
@@ -112,6 +113,7 @@ pub type Pulses<'a> = &'a [&'a [&'a [&'a str]]];
 /// The tight schedule of these pulses, with true records.
 pub fn schedule(claims: &Claims, pulses: Pulses) -> Schedule {
     let mut schedule = Schedule {
+        bench: Default::default(),
         channels: channels(claims),
         plans: claims.jobs.iter().map(empty_plan).collect(),
         ..super::bare(claims)

@@ -64,6 +64,7 @@ fn passes(schedule: &Schedule, claims: &Claims) {
 /// A schedule of some claims in which nothing happens.
 fn bare(claims: &Claims) -> Schedule {
     Schedule {
+        bench: Default::default(),
         name: claims.name.clone(),
         source: SourceRef { file: "day.twz".into(), sha256: "00".into() },
         duration_ns: 0,

@@ -4,23 +4,12 @@
 //! stretches of 0 V, or of its first and its last position: the instrument waits for the trigger in the first one and rests in
 //! the last one. Pieces with fewer samples than the minimum of a segment are merged with their neighbours.
 
-use super::{Profile, Sampling};
+use super::{GeneratorOutput, MOST_REPEATS, Sampling};
 use crate::emit::Signals;
 use crate::emit::signal::half_ns;
+use crate::instrument::WaveformGeneratorFacts;
 use crate::schedule::ChannelUnit;
 use std::collections::BTreeMap;
-
-/// Limits of an instrument's sequences.
-#[derive(Debug, Clone)]
-pub struct Sequencer {
-    /// Most steps of a sequence.
-    pub most_steps: usize,
-    /// Most times that one step repeats its segment.
-    pub most_repeats: u64,
-    /// Sent for each output. The command with `{block}` is sent for each segment, with the segment's name as `{segment}`; in the
-    /// others that is the name of the sequence. `{steps}` stands for the sequence, `{rate}` for samples in a second.
-    pub upload: &'static [&'static str],
-}
 
 /// How a step goes over to the next one; the words are those of the instruments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,6 +49,21 @@ pub struct Sequence {
     pub steps: Vec<SequenceEntry>,
 }
 
+/// Limits of an instrument's memory.
+#[derive(Debug, Clone, Copy)]
+struct Limits {
+    least_points: u64,
+    most_points: u64,
+    most_repeats: u64,
+}
+
+impl Limits {
+    fn of(facts: &WaveformGeneratorFacts) -> Limits {
+        let [least_points, most_points] = [facts.least_points, facts.most_points].map(u64::from);
+        Limits { least_points, most_points, most_repeats: MOST_REPEATS }
+    }
+}
+
 /// Some samples, with a number of repetitions.
 struct SamplePiece {
     samples: Vec<i16>,
@@ -82,19 +86,22 @@ const WRITTEN_OUT: u64 = 16;
 pub fn sequence(
     signals: &Signals,
     channel: usize,
-    volts: f64,
-    profile: &Profile,
+    output: &GeneratorOutput,
+    facts: &WaveformGeneratorFacts,
     sampling: &Sampling,
 ) -> Option<Sequence> {
+    let limits = Limits::of(facts);
     let score = match signals.unit(channel) {
-        ChannelUnit::Volt => Score { ends: [0; 2], pieces: pieces(signals, channel, volts, profile, sampling)? },
-        ChannelUnit::Micrometre => positions(signals, channel, volts, profile, sampling)?,
+        ChannelUnit::Volt => {
+            Score { ends: [output.code(0.0); 2], pieces: pieces(signals, channel, output, limits, sampling)? }
+        }
+        ChannelUnit::Micrometre => positions(signals, channel, output, limits, sampling)?,
     };
     let mut written_out = WRITTEN_OUT;
-    while written_out < profile.most_points {
+    while written_out < limits.most_points {
         // More samples written out fill the memory, so there is no use in going on once it is full.
-        let sequence = SequenceBuilder::compose(&score, profile, written_out)?;
-        if sequence.steps.len() <= profile.sequencer.most_steps {
+        let sequence = SequenceBuilder::compose(&score, limits, written_out)?;
+        if sequence.steps.len() as u64 <= u64::from(facts.most_steps) {
             return Some(sequence);
         }
         written_out *= 4;
@@ -105,15 +112,15 @@ pub fn sequence(
 fn pieces(
     signals: &Signals,
     channel: usize,
-    volts: f64,
-    profile: &Profile,
+    output: &GeneratorOutput,
+    limits: Limits,
     sampling: &Sampling,
 ) -> Option<Vec<SamplePiece>> {
     let period_ns = sampling.period_ns;
-    let code = |value: f64| profile.code(value, volts);
+    let code = |value: f64| output.code(value);
     let mut pieces = Vec::new();
     let rest = |from_ns: u64, to_ns: u64, pieces: &mut Vec<SamplePiece>| {
-        pieces.push(SamplePiece { samples: vec![0], count: to_ns.saturating_sub(from_ns) / period_ns });
+        pieces.push(SamplePiece { samples: vec![code(0.0)], count: to_ns.saturating_sub(from_ns) / period_ns });
     };
     let mut at_ns = 0;
     for actuation in signals.of(channel) {
@@ -122,7 +129,7 @@ fn pieces(
             None => SamplePiece { samples: vec![code(actuation.from)], count: actuation.duration_ns / period_ns },
             Some(swing) => {
                 let half = half_ns(swing) / period_ns;
-                if 2 * half > profile.most_points {
+                if 2 * half > limits.most_points {
                     return None;
                 }
                 let [first, second] = swing.levels.map(|level| vec![code(level); half as usize]);
@@ -136,11 +143,17 @@ fn pieces(
 }
 
 /// Where a stage is: a piece for each stretch of equal samples.
-fn positions(signals: &Signals, channel: usize, volts: f64, profile: &Profile, sampling: &Sampling) -> Option<Score> {
-    if sampling.points > MAX_PACKED * profile.most_points {
+fn positions(
+    signals: &Signals,
+    channel: usize,
+    output: &GeneratorOutput,
+    limits: Limits,
+    sampling: &Sampling,
+) -> Option<Score> {
+    if sampling.points > MAX_PACKED * limits.most_points {
         return None;
     }
-    let codes = sampling.positions(signals, channel).map(|position_um| profile.code(position_um, volts));
+    let codes = sampling.positions(signals, channel).map(|position_um| output.code(position_um));
     let codes: Vec<i16> = codes.collect();
     let piece = |run: &[i16]| SamplePiece { samples: vec![run[0]], count: run.len() as u64 };
     // The first sample is the one before the trigger.
@@ -149,8 +162,8 @@ fn positions(signals: &Signals, channel: usize, volts: f64, profile: &Profile, s
 }
 
 /// Merges pieces.
-struct SequenceBuilder<'a> {
-    profile: &'a Profile,
+struct SequenceBuilder {
+    limits: Limits,
     sequence: Sequence,
     index: BTreeMap<Vec<i16>, usize>,
     /// Samples of all segments.
@@ -159,12 +172,12 @@ struct SequenceBuilder<'a> {
     pending: Vec<i16>,
 }
 
-impl<'a> SequenceBuilder<'a> {
+impl SequenceBuilder {
     /// `None` if the segments are too large for the instrument's memory.
-    fn compose(score: &Score, profile: &'a Profile, written_out: u64) -> Option<Sequence> {
+    fn compose(score: &Score, limits: Limits, written_out: u64) -> Option<Sequence> {
         let (sequence, index) = (Sequence::default(), BTreeMap::new());
-        let mut builder = SequenceBuilder { profile, sequence, index, points: 0, pending: Vec::new() };
-        let [wait, rest] = score.ends.map(|code| vec![code; profile.least_points as usize]);
+        let mut builder = SequenceBuilder { limits, sequence, index, points: 0, pending: Vec::new() };
+        let [wait, rest] = score.ends.map(|code| vec![code; limits.least_points as usize]);
         builder.step(wait, 1, Control::OnceWaitTrigger)?;
         for piece in &score.pieces {
             builder.add(piece, written_out)?;
@@ -180,7 +193,7 @@ impl<'a> SequenceBuilder<'a> {
 
     fn add(&mut self, piece: &SamplePiece, written_out: u64) -> Option<()> {
         let (samples, mut count) = (&piece.samples, piece.count);
-        let (least, length) = (self.profile.least_points, samples.len() as u64);
+        let (least, length) = (self.limits.least_points, samples.len() as u64);
         if length.saturating_mul(count) <= written_out {
             return self.write_out(samples, count);
         }
@@ -192,8 +205,8 @@ impl<'a> SequenceBuilder<'a> {
             return Some(());
         }
         self.flush()?;
-        let of_segment = least.div_ceil(length).max(count.div_ceil(self.profile.sequencer.most_repeats));
-        if of_segment.saturating_mul(length) > self.profile.most_points {
+        let of_segment = least.div_ceil(length).max(count.div_ceil(self.limits.most_repeats));
+        if of_segment.saturating_mul(length) > self.limits.most_points {
             return None;
         }
         match count / of_segment {
@@ -206,7 +219,7 @@ impl<'a> SequenceBuilder<'a> {
 
     fn write_out(&mut self, samples: &[i16], count: u64) -> Option<()> {
         let length = self.pending.len() as u64 + samples.len() as u64 * count;
-        if self.points + length > self.profile.most_points {
+        if self.points + length > self.limits.most_points {
             return None;
         }
         (0..count).for_each(|_| self.pending.extend(samples));
@@ -231,7 +244,7 @@ impl<'a> SequenceBuilder<'a> {
             }
         };
         self.sequence.steps.push(SequenceEntry { segment, repeats, control });
-        (self.points <= self.profile.most_points).then_some(())
+        (self.points <= self.limits.most_points).then_some(())
     }
 }
 

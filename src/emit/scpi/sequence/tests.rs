@@ -1,17 +1,15 @@
-use super::super::GENERIC;
 use super::*;
 use proptest::prelude::*;
 
 /// An instrument with little of everything.
-fn small(most_points: u64, most_repeats: u64) -> Profile {
-    let sequencer = Sequencer { most_steps: 6, most_repeats, ..GENERIC.sequencer.clone() };
-    Profile { most_points, sequencer, ..GENERIC }
+fn small(most_points: u64, most_repeats: u64) -> Limits {
+    Limits { least_points: 8, most_points, most_repeats }
 }
 
-fn composed(pieces: &[(Vec<i16>, u64)], profile: &Profile, written_out: u64) -> Option<Sequence> {
+fn composed(pieces: &[(Vec<i16>, u64)], limits: Limits, written_out: u64) -> Option<Sequence> {
     let pieces: Vec<SamplePiece> =
         pieces.iter().map(|(samples, count)| SamplePiece { samples: samples.clone(), count: *count }).collect();
-    SequenceBuilder::compose(&Score { ends: [0; 2], pieces }, profile, written_out)
+    SequenceBuilder::compose(&Score { ends: [0; 2], pieces }, limits, written_out)
 }
 
 /// The samples between the wait and the rest.
@@ -23,7 +21,7 @@ fn played(sequence: &Sequence) -> Vec<i16> {
 #[test]
 fn a_train_of_an_hour_is_a_few_samples() {
     let hour = [(vec![7], 40), (vec![5, -5], 72_000_000), (vec![0], 3)];
-    let sequence = composed(&hour, &GENERIC, WRITTEN_OUT).unwrap();
+    let sequence = composed(&hour, small(1_000_000, MOST_REPEATS), WRITTEN_OUT).unwrap();
     let words: Vec<(usize, u64, &str)> = sequence
         .steps
         .iter()
@@ -37,11 +35,11 @@ fn a_train_of_an_hour_is_a_few_samples() {
 #[test]
 fn what_does_not_fit_is_said() {
     let long = [(vec![1; 40], 3)];
-    assert!(composed(&long, &small(48, 10), 0).is_some());
-    assert!(composed(&long, &small(47, 10), 0).is_none());
+    assert!(composed(&long, small(48, 10), 0).is_some());
+    assert!(composed(&long, small(47, 10), 0).is_none());
     let many = [(vec![1], 1000)];
-    assert!(composed(&many, &small(108, 10), 0).is_some());
-    assert!(composed(&many, &small(107, 10), 0).is_none());
+    assert!(composed(&many, small(108, 10), 0).is_some());
+    assert!(composed(&many, small(107, 10), 0).is_none());
 }
 
 proptest! {
@@ -50,8 +48,7 @@ proptest! {
         pieces in prop::collection::vec((prop::collection::vec(-3i16..3, 1..12), 0u64..40), 0..12),
         written_out in 0u64..60,
     ) {
-        let profile = small(1_000_000, 7);
-        let sequence = composed(&pieces, &profile, written_out).unwrap();
+        let sequence = composed(&pieces, small(1_000_000, 7), written_out).unwrap();
         let asked: Vec<i16> = pieces.iter().flat_map(|(samples, count)| samples.repeat(*count as usize)).collect();
         let mut found = played(&sequence);
         prop_assert!(found.len() >= asked.len() && found.len() < asked.len() + 8);

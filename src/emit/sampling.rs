@@ -2,9 +2,8 @@
 //!
 //! Voltages have their edges on samples, so that they are exact. Positions are sampled often enough for their speed.
 
-use super::Profile;
-use crate::emit::Signals;
-use crate::emit::signal::half_ns;
+use super::Signals;
+use super::signal::half_ns;
 use crate::schedule::{Actuation, ChannelUnit};
 
 /// Greatest move of a stage from one sample to the next, in micrometres, unless the instrument's memory is too small.
@@ -21,21 +20,23 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// The sampling of a schedule.
-    pub fn new(signals: &Signals, profile: &Profile) -> Sampling {
+    /// The sampling of what an instrument plays that has at least and at most so many points, and at most so many in a second.
+    pub fn new(signals: &Signals, [least_points, most_points]: [u64; 2], rate_hz: f64) -> Sampling {
         let duration_ns = signals.schedule.duration_ns;
         let common_ns = common_ns(signals);
         let period_ns = match steady_ns(signals) {
             None => gcd(duration_ns, common_ns).max(1),
             Some(wanted_ns) => {
-                let least_ns = duration_ns.div_ceil(profile.most_points.saturating_sub(2).max(1)).max(1);
+                let by_memory_ns = duration_ns.div_ceil(most_points.saturating_sub(2).max(1));
+                let by_rate_ns = (1e9 / rate_hz).ceil() as u64;
+                let least_ns = by_memory_ns.max(by_rate_ns).max(1);
                 match common_ns {
                     0 => wanted_ns.clamp(1, duration_ns.max(1)).max(least_ns),
                     common_ns => part(common_ns, wanted_ns, least_ns),
                 }
             }
         };
-        Sampling { period_ns, points: (duration_ns.div_ceil(period_ns) + 2).max(profile.least_points) }
+        Sampling { period_ns, points: (duration_ns.div_ceil(period_ns) + 2).max(least_points) }
     }
 
     /// Where a stage is at each sample, in micrometres: at the first one where it is at the beginning, as at the second.

@@ -1,0 +1,91 @@
+//! Instruments: the facts that their families derive from their fields.
+
+use super::devices::CheckedInstrument;
+use super::figures::Figures;
+use super::scope::{DeclarationPlace, DeclarationSort, path_text};
+use super::{Checker, errors};
+use crate::instrument::{
+    DataAcquisitionFacts, Family, Instrument, InstrumentFacts, Start, VoltageOutput, WaveformGeneratorFacts,
+};
+use crate::syntax::tree::Item;
+use std::collections::BTreeSet;
+
+impl Checker<'_> {
+    /// Checks every instrument of the user's files; one that only serves as a base may lack fields.
+    pub fn check_instruments(&mut self) {
+        let own = self.own_places(DeclarationSort::Instrument);
+        let mut bases: BTreeSet<DeclarationPlace> = BTreeSet::new();
+        for (place, _) in &own {
+            let Item::Instrument(item) = self.item(*place) else { continue };
+            bases.extend(self.find(&item.base, &self.top(*place)).map(|(base, _)| base));
+            self.inherited::<Family>(*place);
+        }
+        for (place, _) in own {
+            if !bases.contains(&place) {
+                self.instrument(place);
+            }
+        }
+    }
+
+    /// A complete instrument; `None` after an error.
+    pub fn instrument(&mut self, place: DeclarationPlace) -> Option<Instrument> {
+        if let Some(known) = self.instrument_facts.get(&place) {
+            return known.clone();
+        }
+        let declared = self.inherited::<Family>(place);
+        let instrument = declared.and_then(|declared| {
+            let Item::Instrument(item) = self.item(place) else { return None };
+            let facts = if declared.is_complete(self) { self.facts_of_instrument(&declared) } else { None };
+            Some(Instrument { model: path_text(&item.base), facts: facts? })
+        });
+        self.instrument_facts.insert(place, instrument.clone());
+        instrument
+    }
+
+    fn facts_of_instrument(&mut self, declared: &CheckedInstrument) -> Option<InstrumentFacts> {
+        let fields = &declared.fields;
+        let voltage = || {
+            Some(VoltageOutput { peak_v: fields.si("peak")?, bits: fields.count("bits")?, rate_hz: fields.si("rate")? })
+        };
+        let start = fields.word("start").and_then(Start::find).unwrap_or_default();
+        match declared.root {
+            Family::WaveformGenerator => {
+                let facts = WaveformGeneratorFacts {
+                    outputs: fields.count("outputs")?,
+                    voltage: voltage()?,
+                    least_points: fields.count("least_points")?,
+                    most_points: fields.count("most_points")?,
+                    most_steps: fields.count("most_steps")?,
+                    start,
+                };
+                if facts.least_points > facts.most_points {
+                    let [least, most] =
+                        ["least_points", "most_points"].map(|name| fields.get(name).map(|field| field.span));
+                    self.sink.push(errors::no_number_of_points(least?, most?, facts.least_points, facts.most_points));
+                    return None;
+                }
+                Some(InstrumentFacts::WaveformGenerator(facts))
+            }
+            Family::DataAcquisition => {
+                let facts = DataAcquisitionFacts {
+                    ports: fields.count("ports")?,
+                    lines: fields.count("lines")?,
+                    digital_rate_hz: fields.si("digital_rate").unwrap_or(0.0),
+                    analog_outputs: fields.count("analog_outputs").unwrap_or(0),
+                    voltage: voltage(),
+                    start,
+                };
+                if facts.analog_outputs > 0 && facts.voltage.is_none() {
+                    let analog = ["peak", "bits", "rate"].into_iter().filter(|name| !fields.contains_key(name));
+                    let missing: Vec<_> = analog
+                        .filter_map(|name| declared.root.fields().iter().find(|field| field.name == name))
+                        .collect();
+                    let owner = format!("instrument `{}`", declared.name);
+                    self.sink.push(errors::missing_fields(declared.span, &owner, &missing, None));
+                    return None;
+                }
+                Some(InstrumentFacts::DataAcquisition(facts))
+            }
+        }
+    }
+}

@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+"""Plays the files beside this one on cards of National Instruments, each on its own sample clock, all from one start.
+
+    python NAME.nidaqmx.py --list                 what is to be played, and the devices that the driver finds
+    python NAME.nidaqmx.py card=Dev1              the device of each card of the program
+    python NAME.nidaqmx.py card=Dev1 --dry-run    everything but the start
+
+Needs the NI-DAQmx driver and its package (`pip install nidaqmx`). Before the start, at the end, on an error and on Ctrl-C lines are
+off and outputs at rest. Exit status: 0 played, 1 the driver refused something, 2 wrong usage, 130 Ctrl-C.
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+PLAYS = {}
+
+# Beyond the schedule's own duration, before a card that does not end counts as lost, in seconds.
+MARGIN_S = 5.0
+
+
+def read(path):
+    """Titles, and the stretches: how many samples, words of ports, volts."""
+    rows = [line.rstrip("\n").split("\t") for line in open(path, encoding="utf-8") if not line.startswith("#")]
+    titles = [title.split(" ")[0] for title in rows[0]]
+    number = lambda title, cell: float(cell) if title.startswith("ao") else int(cell, 0)
+    return titles, [[number(title, cell) for title, cell in zip(titles, row, strict=True)] for row in rows[1:]]
+
+
+def samples(card, folder):
+    """The level of every line and the volts of every output, a list of samples for each."""
+    titles, stretches = read(folder / card["file"])
+    column = {title: index for index, title in enumerate(titles)}
+    lines, analog = [], []
+    for line in card["lines"]:
+        port, number = line.split("/line")
+        place, bit = column[port], 1 << int(number)
+        lines.append([bool(row[place] & bit) for row in stretches for _ in range(row[0])])
+    for output in card["analog"]:
+        place = column[output]
+        analog.append([float(row[place]) for row in stretches for _ in range(row[0])])
+    return lines, analog
+
+
+class Player:
+    """The tasks of a card: analog outputs lead the sample clock where there are some, lines follow it."""
+
+    def __init__(self, ni, card, device, folder, terminals):
+        self.ni, self.card, self.device = ni, card, device
+        self.lines, self.analog = samples(card, folder)
+        self.tasks = []
+        start, lead = terminals
+        clock = None
+        for levels, add in ((self.analog, self.add_analog), (self.lines, self.add_lines)):
+            if not levels:
+                continue
+            task = ni.Task()
+            self.tasks.append(task)
+            add(task)
+            timing = {"sample_mode": ni.constants.AcquisitionType.FINITE, "samps_per_chan": card["samples"]}
+            if clock:
+                timing["source"] = clock
+            task.timing.cfg_samp_clk_timing(card["rate_hz"], **timing)
+            if not clock:
+                if card["waits_for_trigger"]:
+                    task.triggers.start_trigger.cfg_dig_edge_start_trig(f"/{device}/{start}")
+                if card["leads"]:
+                    task.export_signals.export_signal(ni.constants.Signal.START_TRIGGER, f"/{device}/{lead}")
+                clock = f"/{device}/ao/SampleClock"
+            task.write(levels if len(levels) > 1 else levels[0], auto_start=False)
+
+    def add_lines(self, task):
+        for line in self.card["lines"]:
+            task.do_channels.add_do_chan(f"{self.device}/{line}", line_grouping=self.ni.constants.LineGrouping.CHAN_PER_LINE)
+
+    def add_analog(self, task):
+        peak = self.card["peak_v"]
+        for output in self.card["analog"]:
+            task.ao_channels.add_ao_voltage_chan(f"{self.device}/{output}", min_val=-peak, max_val=peak)
+
+    def start(self):
+        """The task that has the clock starts last, so that the others wait for it."""
+        for task in reversed(self.tasks):
+            task.start()
+
+    def wait(self):
+        for task in self.tasks:
+            task.wait_until_done(timeout=PLAYS["duration_s"] + MARGIN_S)
+
+    def close(self):
+        for task in self.tasks:
+            try:
+                task.stop()
+            finally:
+                task.close()
+        self.tasks = []
+
+    def rest(self):
+        """Lines off, outputs at rest."""
+        for levels, add in ((self.analog, self.add_analog), (self.lines, self.add_lines)):
+            if levels:
+                with self.ni.Task() as task:
+                    add(task)
+                    last = [level[-1] for level in levels]
+                    task.write(last if len(last) > 1 else last[0], auto_start=True)
+
+
+def play(ni, devices, arguments):
+    """Loads all cards, starts those that wait for a trigger, then the one that leads, and waits."""
+    folder = Path(__file__).resolve().parent
+    players = []
+    try:
+        for card in sorted(PLAYS["cards"], key=lambda card: not card["waits_for_trigger"]):
+            player = Player(ni, card, devices[card["name"]], folder, (arguments.start_terminal, arguments.lead_terminal))
+            players.append(player)
+            print(f"{card['name']}: {card['samples']} samples at {card['rate_hz']} Hz on {player.device}", flush=True)
+        if arguments.dry_run:
+            print("dry run: all is loaded, nothing starts")
+            return
+        for player in players:
+            player.start()
+        print("started", flush=True)
+        for player in players:
+            player.wait()
+        print(f"{PLAYS['name']}: played, {PLAYS['duration_s']} s")
+    finally:
+        lost = []
+        for player in players:
+            try:
+                player.close()
+                player.rest()
+            except Exception as error:  # every other card is still to be put to rest
+                lost.append(f"{player.card['name']} may still be on ({error})")
+        print("lines off, outputs at rest" if not lost else "; ".join(lost), flush=True)
+
+
+def main(given):
+    names = [card["name"] for card in PLAYS.get("cards", [])]
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("devices", nargs="*", metavar="NAME=DEVICE", help=f"for each of: {', '.join(names)}; else the name itself")
+    parser.add_argument("--list", action="store_true", help="show what is to be played and the devices that the driver finds")
+    parser.add_argument("--dry-run", action="store_true", help="load and check, but start nothing")
+    parser.add_argument("--start-terminal", default="PFI0", help="where the trigger comes in (PFI0)")
+    parser.add_argument("--lead-terminal", default="PFI1", help="where the start goes out to other instruments (PFI1)")
+    arguments = parser.parse_args(given)
+    unknown = [pair for pair in arguments.devices if "=" not in pair or pair.split("=", 1)[0] not in names]
+    if unknown:
+        parser.error(f"not a card of the program: {', '.join(unknown)}")
+    devices = {name: name for name in names} | dict(pair.split("=", 1) for pair in arguments.devices)
+    try:
+        import nidaqmx as ni
+        import nidaqmx.constants
+        import nidaqmx.system
+    except ImportError:
+        print("the package is not installed: pip install nidaqmx", file=sys.stderr)
+        return 1
+    try:
+        if arguments.list:
+            for card in PLAYS["cards"]:
+                print(f"{card['name']}: {card['file']}, {card['model']}, {', '.join(card['lines'] + card['analog'])}")
+            found = [device.name for device in ni.system.System.local().devices]
+            print("devices:", ", ".join(found) or "none")
+            return 0
+        play(ni, devices, arguments)
+        return 0
+    except KeyboardInterrupt:
+        print("stopped", file=sys.stderr)
+        return 130
+    except Exception as error:  # whatever the driver raises
+        print(f"{type(error).__name__}: {error}", file=sys.stderr)
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,46 @@
+//! Fixtures with instruments behind their channels.
+
+use crate::emit::{Provenance, fixture};
+use crate::instrument::{
+    Bench, Drive, Instrument, InstrumentFacts, Link, Start, VoltageOutput, WaveformGeneratorFacts,
+};
+use crate::schedule::ChannelUnit;
+use crate::source::Span;
+use crate::verify::Verified;
+
+/// A generator as most labs have one, but with an output for every channel.
+pub fn generator() -> WaveformGeneratorFacts {
+    WaveformGeneratorFacts {
+        outputs: 4096,
+        voltage: VoltageOutput { peak_v: 10.0, bits: 16, rate_hz: 62.5e6 },
+        least_points: 8,
+        most_points: 1_000_000,
+        most_steps: 512,
+        start: Start::Sender,
+    }
+}
+
+/// All channels on one generator `awg`, voltages behind an amplifier x 50, positions behind drivers of 0.1 V/um from -1 V on.
+pub fn on_generators(fixture: (Verified, Provenance)) -> (Verified, Provenance) {
+    on(fixture, generator())
+}
+
+/// All channels on a generator of these facts.
+pub fn on((verified, provenance): (Verified, Provenance), facts: WaveformGeneratorFacts) -> (Verified, Provenance) {
+    let wired = fixture::changed(&verified, |schedule| {
+        let facts = InstrumentFacts::WaveformGenerator(facts);
+        let mut bench = Bench::default();
+        bench.instruments.insert("awg".to_owned(), Instrument { model: "a.rack".to_owned(), facts });
+        for (index, channel) in schedule.channels.iter().enumerate() {
+            let link = match channel.unit {
+                ChannelUnit::Volt => Link::Amplifier { gain: 50.0, limit_v: None, slew_v_per_s: None },
+                ChannelUnit::Micrometre => Link::StageDriver { zero_v: -1.0, scale_v_per_um: 0.1 },
+            };
+            let output = format!("ch{}", index + 1);
+            let drive = Drive { instrument: "awg".to_owned(), output, link, span: Span::default() };
+            bench.drives.insert(channel.name.clone(), drive);
+        }
+        schedule.bench = bench;
+    });
+    (wired, provenance)
+}

@@ -1,0 +1,361 @@
+//! Instruments: what stands behind a channel, from the computer to the actuator.
+//!
+//! A program declares the instruments of its bench, each of one of the families here, and wires channels to their outputs. As with
+//! device kinds, the words are tables: the checker reads them and `tweeze devices` prints them. Facts only; `check` reads
+//! them from a program, `lower` holds a schedule against them, `emit` writes the files that they play.
+
+mod words;
+
+pub use words::ANY_WIRE;
+
+use crate::device::{VocabularyField, WordChoice, words::words};
+use crate::source::Span;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Most outputs of one instrument.
+pub const MAX_OUTPUTS: u32 = 4096;
+
+/// The families of instruments.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Family {
+    WaveformGenerator,
+    DataAcquisition,
+}
+
+impl Family {
+    /// Every family, in the order of the handbook.
+    pub const ALL: &'static [Family] = &[Family::WaveformGenerator, Family::DataAcquisition];
+
+    /// The family's word in the language with its meaning.
+    pub fn choice(self) -> WordChoice {
+        let (name, doc) = match self {
+            Family::WaveformGenerator => (
+                "waveform_generator",
+                "an arbitrary-waveform generator of the Keysight 33500 and 33600 series, or one that takes their commands",
+            ),
+            Family::DataAcquisition => (
+                "data_acquisition",
+                "a card with digital lines and analog outputs on a sample clock, played by NI-DAQmx",
+            ),
+        };
+        WordChoice { name, doc }
+    }
+
+    /// The family's word in the language.
+    pub fn name(self) -> &'static str {
+        self.choice().name
+    }
+
+    /// The family of a word.
+    pub fn find(name: &str) -> Option<Family> {
+        Family::ALL.iter().copied().find(|family| family.name() == name)
+    }
+
+    /// A published instrument to start from: the file, and its name there.
+    pub fn library(self) -> (&'static str, &'static str) {
+        let name = match self {
+            Family::WaveformGenerator => "instruments.keysight_33500b",
+            Family::DataAcquisition => "instruments.ni_usb_6343",
+        };
+        ("std.instruments", name)
+    }
+
+    /// The fields of an instrument.
+    pub fn fields(self) -> &'static [VocabularyField] {
+        match self {
+            Family::WaveformGenerator => words::WAVEFORM_GENERATOR,
+            Family::DataAcquisition => words::DATA_ACQUISITION,
+        }
+    }
+
+    /// The names of its outputs, and what they carry.
+    pub fn outputs(self) -> &'static str {
+        match self {
+            Family::WaveformGenerator => "`ch1`, `ch2`, …: a voltage each",
+            Family::DataAcquisition => "`port0.line0`, …: a digital line each; `ao0`, …: a voltage each",
+        }
+    }
+
+    /// What its outputs may drive, with the fields of such a wire.
+    pub fn links(self) -> &'static [(LinkSort, &'static str)] {
+        match self {
+            Family::WaveformGenerator => &[AMPLIFIED, PLACED],
+            Family::DataAcquisition => &[SWITCHED, AMPLIFIED, PLACED],
+        }
+    }
+
+    /// The format that plays it.
+    pub fn format(self) -> &'static str {
+        match self {
+            Family::WaveformGenerator => "scpi",
+            Family::DataAcquisition => "nidaqmx",
+        }
+    }
+}
+
+/// A declared instrument.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Instrument {
+    /// Its base as the program writes it: `instruments.keysight_33500b`.
+    pub model: String,
+    pub facts: InstrumentFacts,
+}
+
+/// The facts of an instrument in its family's own type.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum InstrumentFacts {
+    WaveformGenerator(WaveformGeneratorFacts),
+    DataAcquisition(DataAcquisitionFacts),
+}
+
+words! {
+    /// What starts an instrument.
+    pub enum Start {
+        Sender = "sender": "the program that sends its file",
+        Trigger = "trigger": "a pulse at its trigger input, from the instrument that the sender starts, or from your own source",
+    }
+}
+
+/// An arbitrary-waveform generator.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WaveformGeneratorFacts {
+    /// At most [`MAX_OUTPUTS`].
+    pub outputs: u32,
+    pub voltage: VoltageOutput,
+    /// Points of a waveform: no fewer, and of all waveforms of an output no more.
+    pub least_points: u32,
+    pub most_points: u32,
+    /// Most steps of a sequence.
+    pub most_steps: u32,
+    pub start: Start,
+}
+
+/// A card with digital lines and analog outputs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DataAcquisitionFacts {
+    /// Digital ports, and the lines of each: at most 32, a word of a port.
+    pub ports: u32,
+    pub lines: u32,
+    /// Greatest number of samples in a second of its digital lines, in hertz; 0 without a sample clock.
+    pub digital_rate_hz: f64,
+    pub analog_outputs: u32,
+    /// `None` without analog outputs.
+    pub voltage: Option<VoltageOutput>,
+    pub start: Start,
+}
+
+/// What the voltage outputs of an instrument can do.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct VoltageOutput {
+    /// Greatest voltage to either side of zero, into an open circuit.
+    pub peak_v: f64,
+    /// Bits of a sample, from the negative peak to the positive one.
+    pub bits: u32,
+    /// Greatest number of samples in a second, in hertz, unfiltered.
+    pub rate_hz: f64,
+}
+
+/// Sort of an output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OutputSort {
+    Voltage,
+    Digital,
+}
+
+impl OutputSort {
+    /// What stands behind an output that drives a channel of voltages or, with `is_stage`, a stage; `None` where it cannot.
+    pub fn link(self, is_stage: bool) -> Option<LinkSort> {
+        match (self, is_stage) {
+            (OutputSort::Voltage, false) => Some(LinkSort::Amplifier),
+            (OutputSort::Voltage, true) => Some(LinkSort::StageDriver),
+            (OutputSort::Digital, false) => Some(LinkSort::Switch),
+            (OutputSort::Digital, true) => None,
+        }
+    }
+}
+
+/// Sorts of links, as help describes them.
+const AMPLIFIED: (LinkSort, &str) = (LinkSort::Amplifier, "a channel of voltages, behind an amplifier");
+const PLACED: (LinkSort, &str) = (LinkSort::StageDriver, "the position of a stage, behind its driver");
+const SWITCHED: (LinkSort, &str) = (LinkSort::Switch, "a digital line, which closes a switch");
+
+/// Sort of a [`Link`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LinkSort {
+    Amplifier,
+    StageDriver,
+    Switch,
+}
+
+impl LinkSort {
+    /// The fields of such a wire.
+    pub fn fields(self) -> &'static [VocabularyField] {
+        match self {
+            LinkSort::Amplifier => words::AMPLIFIER,
+            LinkSort::StageDriver => words::STAGE_DRIVER,
+            LinkSort::Switch => words::SWITCH,
+        }
+    }
+}
+
+impl DataAcquisitionFacts {
+    /// The port and the line that a name as `port0.line3` stands for, or no port and the number of an analog output.
+    pub fn place(name: &str) -> Option<(Option<u32>, u32)> {
+        match name.split_once('.') {
+            Some((port, line)) => Some((Some(number_after("port", port)?), number_after("line", line)?)),
+            None => Some((None, number_after("ao", name)?)),
+        }
+    }
+}
+
+impl InstrumentFacts {
+    /// The family that it is of.
+    pub fn family(&self) -> Family {
+        match self {
+            InstrumentFacts::WaveformGenerator(_) => Family::WaveformGenerator,
+            InstrumentFacts::DataAcquisition(_) => Family::DataAcquisition,
+        }
+    }
+
+    /// The sort of an output by its name, as `ch1` or `port0.line3`; `None` if there is no such output.
+    pub fn output(&self, name: &str) -> Option<OutputSort> {
+        match self {
+            InstrumentFacts::WaveformGenerator(facts) => {
+                let number = number_after("ch", name)?;
+                (1..=facts.outputs).contains(&number).then_some(OutputSort::Voltage)
+            }
+            InstrumentFacts::DataAcquisition(facts) => match DataAcquisitionFacts::place(name)? {
+                (Some(port), line) => (port < facts.ports && line < facts.lines).then_some(OutputSort::Digital),
+                (None, output) => (output < facts.analog_outputs).then_some(OutputSort::Voltage),
+            },
+        }
+    }
+
+    /// The names of its outputs, for a message.
+    pub fn outputs(&self) -> String {
+        let range = |first: String, last: String| {
+            if first == last { format!("`{first}`") } else { format!("`{first}` to `{last}`") }
+        };
+        match self {
+            InstrumentFacts::WaveformGenerator(facts) => range("ch1".to_owned(), format!("ch{}", facts.outputs)),
+            InstrumentFacts::DataAcquisition(facts) => {
+                let last = |count: u32| count.saturating_sub(1);
+                let lines =
+                    range("port0.line0".to_owned(), format!("port{}.line{}", last(facts.ports), last(facts.lines)));
+                let analog = range("ao0".to_owned(), format!("ao{}", last(facts.analog_outputs)));
+                let named = [(facts.ports * facts.lines, lines), (facts.analog_outputs, analog)];
+                let named: Vec<String> =
+                    named.into_iter().filter_map(|(count, names)| (count > 0).then_some(names)).collect();
+                named.join(" and ")
+            }
+        }
+    }
+
+    /// What starts it.
+    pub fn start(&self) -> Start {
+        match self {
+            InstrumentFacts::WaveformGenerator(facts) => facts.start,
+            InstrumentFacts::DataAcquisition(facts) => facts.start,
+        }
+    }
+
+    /// What its voltage outputs can do, if it has any.
+    pub fn voltage(&self) -> Option<VoltageOutput> {
+        match self {
+            InstrumentFacts::WaveformGenerator(facts) => Some(facts.voltage),
+            InstrumentFacts::DataAcquisition(facts) => facts.voltage,
+        }
+    }
+}
+
+/// The number behind a word, written without leading zeros: 3 of `line3`.
+pub fn number_after(word: &str, name: &str) -> Option<u32> {
+    let digits = name.strip_prefix(word)?;
+    let is_plain = digits.bytes().all(|byte| byte.is_ascii_digit()) && (digits == "0" || !digits.starts_with('0'));
+    digits.parse().ok().filter(|_| is_plain)
+}
+
+/// The instruments of a program, and what they drive.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Bench {
+    /// By their names in the program.
+    pub instruments: BTreeMap<String, Instrument>,
+    /// By the full names of the channels that are wired to them.
+    pub drives: BTreeMap<String, Drive>,
+}
+
+impl Bench {
+    /// Whether it has no instrument.
+    pub fn is_empty(&self) -> bool {
+        self.instruments.is_empty() && self.drives.is_empty()
+    }
+
+    /// The instrument that drives a channel, and how.
+    pub fn drive(&self, channel: &str) -> Option<(&Drive, &Instrument)> {
+        let drive = self.drives.get(channel)?;
+        Some((drive, self.instruments.get(&drive.instrument)?))
+    }
+
+    /// Whether another bench has the same instruments and drives, wherever they are written.
+    pub fn is_same(&self, other: &Bench) -> bool {
+        let parts = |drive: &Drive| (drive.instrument.clone(), drive.output.clone(), drive.link);
+        let drives = |bench: &Bench| bench.drives.iter().map(|(name, drive)| (name.clone(), parts(drive))).collect();
+        let [own, others]: [Vec<_>; 2] = [drives(self), drives(other)];
+        self.instruments == other.instruments && own == others
+    }
+}
+
+/// What stands between a channel and the output of an instrument.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Drive {
+    /// The instrument's name in the program.
+    pub instrument: String,
+    /// The output's name on the instrument.
+    pub output: String,
+    pub link: Link,
+    /// The wire in the program.
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// How the value of a channel becomes that of an output.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Link {
+    /// A voltage behind an amplifier: the channel's volts are those of the output, times the gain.
+    Amplifier {
+        /// Not 0; below 0 it inverts.
+        gain: f64,
+        /// Greatest voltage to either side that the amplifier gives.
+        limit_v: Option<f64>,
+        /// Fastest change of its voltage, in volts per second.
+        slew_v_per_s: Option<f64>,
+    },
+    /// The driver of a stage: the output gives `zero_v`, and `scale_v_per_um` more for each micrometre.
+    StageDriver { zero_v: f64, scale_v_per_um: f64 },
+    /// A switch that a digital line closes: on, the channel has this voltage.
+    Switch { on_v: f64 },
+}
+
+impl Link {
+    /// Voltage of the instrument's output at a value of the channel, in volts or micrometres; for a switch the level of
+    /// its line, 0 or 1.
+    pub fn output_v(self, value: f64) -> f64 {
+        match self {
+            Link::Amplifier { gain, .. } => value / gain,
+            Link::StageDriver { zero_v, scale_v_per_um } => zero_v + value * scale_v_per_um,
+            Link::Switch { .. } => f64::from(u8::from(value != 0.0)),
+        }
+    }
+
+    /// Value of the channel at a voltage of the instrument's output.
+    pub fn value(self, output_v: f64) -> f64 {
+        match self {
+            Link::Amplifier { gain, .. } => output_v * gain,
+            Link::StageDriver { zero_v, scale_v_per_um } => (output_v - zero_v) / scale_v_per_um,
+            Link::Switch { on_v } => output_v * on_v,
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! The vocabulary of instruments and of the wires that lead to them.
+
+use super::{MAX_OUTPUTS, Start};
+use crate::device::{Need, Range, Sort, VocabularyField, optional, positive, required};
+use crate::quantity::Dimension;
+
+/// Most points of a generator's memory.
+const MAX_POINTS: u32 = 1 << 30;
+
+/// Most bits of a sample: codes travel as 16 bits.
+const MAX_BITS: u32 = 16;
+
+/// Most lines of a port: a port is played as words of 32 bits.
+const MAX_LINES: u32 = 32;
+
+const PEAK: VocabularyField = required(
+    "peak",
+    positive(Dimension::VOLTAGE),
+    "greatest voltage of an output to either side of zero, into an open circuit",
+);
+
+const START: VocabularyField = optional(
+    "start",
+    Sort::Word(Start::CHOICES),
+    "sender",
+    "what starts it; of several instruments the sender starts one",
+);
+
+const fn count(name: &'static str, least: u32, most: u32, doc: &'static str) -> VocabularyField {
+    VocabularyField { name, sort: Sort::Count { least, most }, need: Need::Required, doc }
+}
+
+pub const WAVEFORM_GENERATOR: &[VocabularyField] = &[
+    count("outputs", 1, MAX_OUTPUTS, "outputs that play at the same time, `ch1`, `ch2`, …"),
+    PEAK,
+    count("bits", 2, MAX_BITS, "bits of a sample"),
+    required("rate", positive(Dimension::FREQUENCY), "most samples in a second without a filter"),
+    count("least_points", 1, MAX_POINTS, "fewest points of a waveform"),
+    count("most_points", 1, MAX_POINTS, "most points in the memory of an output"),
+    count("most_steps", 3, MAX_POINTS, "most steps of a sequence"),
+    START,
+];
+
+pub const DATA_ACQUISITION: &[VocabularyField] = &[
+    count("ports", 0, MAX_OUTPUTS, "digital ports, `port0`, `port1`, …"),
+    count("lines", 0, MAX_LINES, "lines of each port, `port0.line0`, …"),
+    optional(
+        "digital_rate",
+        positive(Dimension::FREQUENCY),
+        "without a sample clock",
+        "most samples in a second of the digital lines",
+    ),
+    VocabularyField {
+        name: "analog_outputs",
+        sort: Sort::Count { least: 0, most: MAX_OUTPUTS },
+        need: Need::Optional("0"),
+        doc: "voltage outputs, `ao0`, `ao1`, …",
+    },
+    optional("peak", positive(Dimension::VOLTAGE), "needed with analog outputs", PEAK.doc),
+    VocabularyField {
+        name: "bits",
+        sort: Sort::Count { least: 2, most: MAX_BITS },
+        need: Need::Optional("needed with analog outputs"),
+        doc: "bits of an analog sample",
+    },
+    optional(
+        "rate",
+        positive(Dimension::FREQUENCY),
+        "needed with analog outputs",
+        "most samples in a second of the analog outputs",
+    ),
+    START,
+];
+
+const GAIN: VocabularyField = optional(
+    "gain",
+    Sort::Quantity { dimension: Dimension::NUMBER, range: Range::NotZero },
+    "1",
+    "gain of the amplifier: voltage of the channel over that of the output",
+);
+const LIMIT: VocabularyField = optional(
+    "limit",
+    positive(Dimension::VOLTAGE),
+    "not held",
+    "greatest voltage that the amplifier gives, to either side",
+);
+const SLEW: VocabularyField =
+    optional("slew", positive(Dimension::SLEW_RATE), "not held", "fastest change of the amplifier's voltage");
+const SCALE: VocabularyField = required(
+    "scale",
+    Sort::Quantity { dimension: Dimension::SENSITIVITY, range: Range::NotZero },
+    "voltage that the stage's driver takes for a length",
+);
+const ZERO: VocabularyField = optional(
+    "zero",
+    Sort::Quantity { dimension: Dimension::VOLTAGE, range: Range::Any },
+    "0 V",
+    "voltage that the stage's driver takes for position 0",
+);
+const SWITCHES: VocabularyField = required(
+    "switches",
+    Sort::Quantity { dimension: Dimension::VOLTAGE, range: Range::NotZero },
+    "voltage that the driver behind the line switches to the channel",
+);
+
+pub const AMPLIFIER: &[VocabularyField] = &[GAIN, LIMIT, SLEW];
+pub const STAGE_DRIVER: &[VocabularyField] = &[SCALE, ZERO];
+pub const SWITCH: &[VocabularyField] = &[SWITCHES];
+
+/// The fields of all wires, each once.
+pub const ANY_WIRE: &[VocabularyField] = &[GAIN, LIMIT, SLEW, SCALE, ZERO, SWITCHES];

@@ -1,0 +1,229 @@
+//! Holds a schedule against the instruments that its channels are wired to.
+//!
+//! Input: a schedule and the claims with the program's bench. Promise: of a schedule that passes, every level lies within the
+//! range of the output that plays it and of the amplifier behind it, a switched channel has no level but the two of its switch,
+//! no amplifier needs longer for a change than the new level lasts, and every edge falls on a sample of its
+//! instrument's clock. What is wrong is pointed out at the wire, with the step that asks for it.
+
+use crate::claims::Claims;
+use crate::diagnostic::{Code, Diagnostic, Sink};
+use crate::instrument::{Drive, Instrument, InstrumentFacts, Link, OutputSort};
+use crate::quantity::{Dimension, Quantity};
+use crate::schedule::{Actuation, Channel, ChannelUnit, Schedule};
+use std::collections::BTreeMap;
+
+/// Room for the rounding of a quotient of two figures of the program.
+const ROUNDING: f64 = 1.0 + 1e-12;
+
+/// Whether all instruments can play the schedule; otherwise there are errors.
+pub fn holds(schedule: &Schedule, claims: &Claims, sink: &mut Sink) -> bool {
+    let before = sink.errors();
+    for (index, channel) in schedule.channels.iter().enumerate() {
+        let Some((drive, instrument)) = claims.bench.drive(&channel.name) else { continue };
+        let mut actuations: Vec<&Actuation> =
+            schedule.actuations.iter().filter(|actuation| actuation.channel as usize == index).collect();
+        actuations.sort_by_key(|actuation| actuation.start_ns);
+        let wired = WiredChannel { schedule, channel, drive, instrument, actuations };
+        let finding = wired.beyond_range().or_else(|| wired.unswitched()).or_else(|| wired.too_fast());
+        finding.into_iter().for_each(|finding| sink.push(finding));
+    }
+    finer_than_a_sample(schedule, claims).into_iter().for_each(|finding| sink.push(finding));
+    sink.errors() == before
+}
+
+/// A channel with what plays it.
+struct WiredChannel<'a> {
+    schedule: &'a Schedule,
+    channel: &'a Channel,
+    drive: &'a Drive,
+    instrument: &'a Instrument,
+    /// In order of time.
+    actuations: Vec<&'a Actuation>,
+}
+
+fn volts(value: f64) -> Quantity {
+    Quantity::new(value, Dimension::VOLTAGE)
+}
+
+fn seconds(ns: f64) -> Quantity {
+    Quantity::new(ns / 1e9, Dimension::TIME)
+}
+
+/// The values at the ends of an actuation, or the levels of its swing.
+fn levels(actuation: &Actuation) -> [f64; 2] {
+    actuation.swing.map_or([actuation.from, actuation.to], |swing| swing.levels)
+}
+
+impl WiredChannel<'_> {
+    /// A value of the channel with its unit.
+    fn shown(&self, value: f64) -> String {
+        match self.channel.unit {
+            ChannelUnit::Volt => volts(value).to_string(),
+            ChannelUnit::Micrometre => Quantity::new(value / 1e6, Dimension::LENGTH).to_string(),
+        }
+    }
+
+    fn finding(&self, code: Code, title: String, at_wire: String, actuation: &Actuation) -> Diagnostic {
+        let step = &self.schedule.steps[actuation.step as usize];
+        let begin = seconds(step.start_ns as f64);
+        Diagnostic::new(code, title).label(self.drive.span, at_wire).label_elsewhere(
+            step.span,
+            self.drive.span,
+            format!("asked for by this step, from {begin} on"),
+        )
+    }
+
+    /// The level that lies furthest beyond what the output or the amplifier gives.
+    fn beyond_range(&self) -> Option<Diagnostic> {
+        let Link::Amplifier { gain, limit_v, .. } = self.drive.link else { return self.beyond_stage_driver() };
+        let largest = self.largest(|value| value.abs())?;
+        let (value, actuation) = largest;
+        let (name, output) = (&self.channel.name, format!("{}.{}", self.drive.instrument, self.drive.output));
+        if let Some(limit_v) = limit_v.filter(|limit_v| value.abs() > *limit_v) {
+            let title = format!("`{name}` needs {}, its amplifier gives {}", volts(value), volts(limit_v));
+            let finding = self.finding(Code::E0620, title, format!("`limit` of {}", volts(limit_v)), actuation);
+            return Some(finding.help("choose an amplifier of a higher voltage, or lower voltages of the device"));
+        }
+        let peak_v = self.instrument.facts.voltage()?.peak_v;
+        let needed_v = (value / gain).abs();
+        (needed_v > peak_v * ROUNDING).then(|| {
+            let title = format!(
+                "`{name}` needs {}, which is {} at output `{output}`; it gives {}",
+                volts(value),
+                volts(needed_v),
+                volts(peak_v)
+            );
+            let least = 10_f64.max((value.abs() / peak_v).ceil());
+            let at_wire = if gain == 1.0 { "no amplifier here".to_owned() } else { format!("gain of {gain}") };
+            let help = format!("put an amplifier behind the output and say so: `-> {output} {{ gain: {least} }}`");
+            self.finding(Code::E0620, title, at_wire, actuation).help(help)
+        })
+    }
+
+    /// The position that lies furthest beyond the voltages of the output.
+    fn beyond_stage_driver(&self) -> Option<Diagnostic> {
+        let Link::StageDriver { zero_v, scale_v_per_um } = self.drive.link else { return None };
+        let (value, actuation) = self.largest(|value| self.drive.link.output_v(value).abs())?;
+        let peak_v = self.instrument.facts.voltage()?.peak_v;
+        let needed_v = self.drive.link.output_v(value);
+        (needed_v.abs() > peak_v * ROUNDING).then(|| {
+            let (name, position) = (&self.channel.name, self.shown(value));
+            let title = format!("`{name}` at {position} needs {}, the output gives {}", volts(needed_v), volts(peak_v));
+            let at_wire = format!("{zero_v} V at 0 um, {scale_v_per_um} V/um");
+            let reach = |v: f64| self.shown(self.drive.link.value(v));
+            let help =
+                format!("this output reaches from {} to {}: check `scale` and `zero`", reach(-peak_v), reach(peak_v));
+            self.finding(Code::E0620, title, at_wire, actuation).help(help)
+        })
+    }
+
+    /// The value with the greatest size, and its actuation.
+    fn largest(&self, size: impl Fn(f64) -> f64) -> Option<(f64, &Actuation)> {
+        let all = self.actuations.iter().flat_map(|actuation| levels(actuation).map(|value| (value, *actuation)));
+        all.reduce(|best, next| if size(next.0) > size(best.0) { next } else { best })
+    }
+
+    /// A level that is not one of the two of a switch.
+    fn unswitched(&self) -> Option<Diagnostic> {
+        let Link::Switch { on_v } = self.drive.link else { return None };
+        let other = |value: &f64| *value != 0.0 && *value != on_v;
+        let found =
+            self.actuations.iter().find_map(|actuation| Some((levels(actuation).into_iter().find(other)?, *actuation)));
+        let (value, actuation) = found?;
+        let name = &self.channel.name;
+        let title = format!("`{name}` needs {}, its switch gives {}", self.shown(value), volts(on_v));
+        let finding = self.finding(Code::E0621, title, format!("`switches` {}", volts(on_v)), actuation);
+        Some(finding.help(
+            "feed the switch with the voltage of the device, or set the device's to that of the switch; channels of several levels belong to outputs of voltage",
+        ))
+    }
+
+    /// A change that takes an amplifier longer than its new level lasts.
+    fn too_fast(&self) -> Option<Diagnostic> {
+        let Link::Amplifier { slew_v_per_s: Some(slew), .. } = self.drive.link else { return None };
+        let mut last = (0, 0.0);
+        let mut slowest: Option<(f64, f64, &Actuation)> = None;
+        let mut change = |step_v: f64, lasts_ns: u64, actuation| {
+            let share = step_v.abs() / slew * 1e9 / lasts_ns as f64;
+            if slowest.is_none_or(|(worst, ..)| share > worst) {
+                slowest = Some((share, step_v, actuation));
+            }
+        };
+        for actuation in &self.actuations {
+            let from_v = if last.0 == actuation.start_ns { last.1 } else { 0.0 };
+            match actuation.swing {
+                None => change(actuation.from - from_v, actuation.duration_ns, *actuation),
+                Some(swing) => {
+                    change(swing.levels[0] - from_v, swing.period_ns / 2, *actuation);
+                    change(swing.levels[1] - swing.levels[0], swing.period_ns / 2, *actuation);
+                }
+            }
+            last = (actuation.start_ns + actuation.duration_ns, actuation.to);
+        }
+        let (share, step_v, actuation) = slowest.filter(|(share, ..)| *share > 1.0)?;
+        let takes = seconds(step_v.abs() / slew * 1e9);
+        let lasts = seconds(step_v.abs() / slew * 1e9 / share);
+        let slew = Quantity::new(slew, Dimension::SLEW_RATE);
+        let title = format!(
+            "`{}` changes by {} and stays for {lasts}, its amplifier takes {takes}",
+            self.channel.name,
+            volts(step_v.abs())
+        );
+        let finding = self.finding(Code::E0622, title, format!("`slew` of {slew}"), actuation);
+        Some(finding.help("choose a faster amplifier, or longer times of the device"))
+    }
+}
+
+/// For each instrument the greatest sample period that every edge of its voltages falls on, against its clock.
+fn finer_than_a_sample(schedule: &Schedule, claims: &Claims) -> Vec<Diagnostic> {
+    let mut common: BTreeMap<(&str, bool), (u64, &Drive, &Actuation, f64)> = BTreeMap::new();
+    for actuation in &schedule.actuations {
+        let channel = &schedule.channels[actuation.channel as usize];
+        let Some((drive, instrument)) = claims.bench.drive(&channel.name) else { continue };
+        let Some(rate_hz) = rate_hz(drive, instrument).filter(|_| channel.unit == ChannelUnit::Volt) else { continue };
+        let half_ns = actuation.swing.map_or(0, |swing| swing.period_ns / 2);
+        let times = [actuation.start_ns, actuation.duration_ns, half_ns];
+        let is_digital = matches!(drive.link, Link::Switch { .. });
+        let entry = common.entry((&drive.instrument, is_digital)).or_insert((0, drive, actuation, rate_hz));
+        let period_ns = times.into_iter().fold(entry.0, gcd);
+        if period_ns != entry.0 {
+            *entry = (period_ns, drive, actuation, rate_hz);
+        }
+    }
+    let too_fine =
+        common.into_values().filter(|(period_ns, _, _, rate_hz)| *period_ns as f64 * rate_hz < 1e9 / ROUNDING);
+    too_fine.map(|found| finer(schedule, found)).collect()
+}
+
+fn finer(schedule: &Schedule, (period_ns, drive, actuation, rate_hz): (u64, &Drive, &Actuation, f64)) -> Diagnostic {
+    let step = &schedule.steps[actuation.step as usize];
+    let least = seconds(1e9 / rate_hz);
+    let rate = Quantity::new(rate_hz, Dimension::FREQUENCY);
+    let title = format!(
+        "edges on multiples of {}, but `{}` samples every {least}",
+        seconds(period_ns as f64),
+        drive.instrument
+    );
+    Diagnostic::new(Code::E0623, title)
+        .label(drive.span, format!("at most {rate}"))
+        .label_elsewhere(step.span, drive.span, "the times of this step make it so fine")
+        .help(format!("choose pulse durations, rests and waits as multiples of {least} or of a longer time"))
+}
+
+/// The greatest sample rate of an output, in hertz; `None` where it has no clock.
+fn rate_hz(drive: &Drive, instrument: &Instrument) -> Option<f64> {
+    let sort = instrument.facts.output(&drive.output)?;
+    match (&instrument.facts, sort) {
+        (InstrumentFacts::DataAcquisition(facts), OutputSort::Digital) => {
+            Some(facts.digital_rate_hz).filter(|rate_hz| *rate_hz > 0.0)
+        }
+        (facts, _) => Some(facts.voltage()?.rate_hz),
+    }
+}
+
+fn gcd(mut a: u64, mut b: u64) -> u64 {
+    while b > 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}

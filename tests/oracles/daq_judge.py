@@ -1,0 +1,68 @@
+"""What the sender makes NI-DAQmx cards play, against the schedule.
+
+The sender itself runs, on a stand-in for the package of the cards' maker that keeps to its documented calls; what its tasks were
+given is then compared with the schedule, sample by sample.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from verdict import demand
+
+STAND_IN = Path(__file__).resolve().parent / "standins"
+
+
+def played(program, arguments=()):
+    """Runs a sender on the stand-in; its exit status, its words, and the log of all calls."""
+    with tempfile.TemporaryDirectory() as folder:
+        log = Path(folder) / "calls.json"
+        environment = os.environ | {"PYTHONPATH": str(STAND_IN), "STANDIN_LOG": str(log)}
+        run = subprocess.run(
+            [sys.executable, str(program), *arguments], env=environment, capture_output=True, text=True, timeout=300
+        )
+        calls = [json.loads(line) for line in log.read_text().splitlines()] if log.exists() else []
+    return run.returncode, run.stdout + run.stderr, calls
+
+
+def judge(path, schedule):
+    program = path.with_suffix(".nidaqmx.py")
+    status, words, calls = played(program)
+    demand(status == 0, f"the sender ends with {status}: {words[-300:]}")
+    counts = []
+    for name, facts in schedule.instruments("data_acquisition").items():
+        tasks = [call for call in calls if call["device"] == name and call["clock"]]
+        demand(tasks and all(task["started"] and task["waited"] and task["closed"] for task in tasks), f"{name} was not played")
+        first = min(tasks, key=lambda task: task["order"])
+        demand(("start" in first) == (facts["start"] == "trigger"), f"{name} waits for another start")
+        given = {}
+        for task in tasks:
+            rate_hz, samples = task["clock"]["rate"], task["clock"]["samps_per_chan"]
+            limit = facts["digital_rate_hz"] if task["kind"] == "do" else facts["voltage"]["rate_hz"]
+            demand(rate_hz <= limit, f"{name} plays {rate_hz} samples in a second")
+            for output, levels in zip(task["channels"], task["levels"], strict=True):
+                demand(len(levels) == samples, f"{output} has {len(levels)} samples, not {samples}")
+                given[output.removeprefix(f"{name}/").replace("/", ".")] = (1e9 / rate_hz, levels)
+        counts.append(sum(compare(schedule, channel, link, *given[output]) for channel, (output, link) in schedule.drives(name).items()))
+        demand(len(given) == len(schedule.drives(name)), f"{name} drives more than is wired")
+        rest = {output: level for call in calls if call["device"] == name and not call["clock"] for output, level in call["rest"].items()}
+        for channel, (output, link) in schedule.drives(name).items():
+            level = schedule.output_v(link, schedule.value(channel, schedule.duration_ns) if schedule.is_stage(channel) else 0)
+            demand(abs(rest[f"{name}/{output.replace('.', '/')}"] - level) < 1e-9, f"{output} rests at another level")
+    return f"{sum(counts)} samples are the schedule, as the sender gave them to the driver"
+
+
+def compare(schedule, channel, link, period, levels):
+    period_ns = round(period)
+    demand(abs(period - period_ns) < 1e-6 * period_ns, f"a sample lasts {period} ns")
+    if not schedule.is_stage(channel):
+        demand(all(edge % period_ns == 0 for edge in schedule.edges(channel)), f"{channel} has an edge between samples")
+    demand(len(levels) * period_ns >= schedule.duration_ns, f"{channel} ends too early")
+    for index, level in enumerate(levels):
+        value = schedule.value(channel, min(index * period_ns, schedule.duration_ns))
+        expected = schedule.output_v(link, value)
+        demand(abs(level - expected) < 1e-9, f"{channel} is at {level} at {index * period_ns} ns, not {expected}")
+    return len(levels)

@@ -1,0 +1,9 @@
+"""The devices that the driver finds."""
+
+from types import SimpleNamespace
+
+
+class System:
+    @staticmethod
+    def local():
+        return SimpleNamespace(devices=[SimpleNamespace(name="Dev1"), SimpleNamespace(name="card")])
