@@ -17,7 +17,8 @@ const SMALL: &str = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on 
 
 const ALL_FORMATS: &str = "mcap,json,csv,vcd,pwl,nidaqmx,html,svg";
 
-const ENDINGS: [&str; 10] = ["mcap", "json", "csv", "vcd", "pwl.inc", "cir", "card.daq", "nidaqmx.py", "html", "svg"];
+const ENDINGS: [&str; 11] =
+    ["mcap", "json", "csv", "vcd", "gtkw", "pwl.inc", "cir", "card.daq", "nidaqmx.py", "html", "svg"];
 
 fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name)

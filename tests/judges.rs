@@ -8,9 +8,6 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-/// Of a schedule with more edges than this, the files that have a line for each are not written: `run.py` says so.
-const MANY_EDGES: u64 = 200_000;
-
 fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folder = match tempfile::tempdir() {
@@ -20,11 +17,8 @@ fn main() -> ExitCode {
     for example in examples(root) {
         // Programs of different examples may have one name.
         let folder = folder.path().join(example.file_stem().unwrap_or_default());
-        let mut built = build(&example, "mcap,json,pwl,svg", &folder);
+        let mut built = build(&example, "mcap,json,csv,vcd,pwl,svg", &folder);
         let written: Vec<Value> = schedules(&folder).iter().map(|path| document(path)).collect();
-        if written.iter().all(|schedule| edges(schedule) <= MANY_EDGES) {
-            built = built.and_then(|()| build(&example, "csv,vcd", &folder));
-        }
         for (family, format) in [("waveform_generator", "scpi"), ("data_acquisition", "nidaqmx")] {
             if !written.is_empty() && written.iter().all(|schedule| has_instrument(schedule, family)) {
                 built = built.and_then(|()| build(&example, format, &folder));
@@ -83,16 +77,6 @@ fn is_of_stages(schedule: &Value) -> bool {
 fn has_instrument(schedule: &Value, family: &str) -> bool {
     let instruments = schedule["bench"]["instruments"].as_object();
     instruments.is_some_and(|instruments| instruments.values().any(|one| one["facts"].get(family).is_some()))
-}
-
-/// The edges of a schedule's drive trains.
-fn edges(schedule: &Value) -> u64 {
-    let actuations = schedule["actuations"].as_array().map_or(&[][..], Vec::as_slice);
-    let of = |actuation: &Value| {
-        let period_ns = actuation["swing"]["period_ns"].as_u64()?;
-        Some(2 * actuation["duration_ns"].as_u64()? / period_ns.max(1))
-    };
-    actuations.iter().filter_map(of).sum()
 }
 
 fn fail(why: &str) -> ExitCode {

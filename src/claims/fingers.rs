@@ -33,6 +33,10 @@ impl KindOrder for FingersOrder {
     fn kind(&self) -> Kind {
         Kind::Fingers
     }
+
+    fn tolerance_um(&self) -> Option<f64> {
+        Some(self.facts.tolerance_um)
+    }
 }
 
 impl FingersOrder {

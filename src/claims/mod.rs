@@ -191,6 +191,11 @@ pub trait KindOrder {
     fn frame(&self) -> Option<Pose> {
         None
     }
+
+    /// How far the device may be off the ways of its job, in micrometres, if its kind has such a figure. Planned ways use half of it.
+    fn tolerance_um(&self) -> Option<f64> {
+        None
+    }
 }
 
 impl Order {

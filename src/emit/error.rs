@@ -77,7 +77,7 @@ impl EmitError {
                 Code::E0822,
                 format!("the {} file would take about {} MiB; the limit is {} MiB", format.name(), bytes >> 20, limit >> 20),
             )
-            .help("write `--emit json`, which stores a drive train as one entry, or build the tasks one at a time with `--task`"),
+            .help("write `--emit json`, which grows with the number of changes only, or build the tasks one at a time with `--task`"),
             EmitError::TooManyPoints { instrument, points, limit, period_ns, duration_ns, most_steps: None } => Diagnostic::new(
                 Code::E0823,
                 format!("the schedule of {duration_ns} ns needs {points} points of {period_ns} ns, but `{instrument}` takes {limit}"),

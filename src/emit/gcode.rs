@@ -4,14 +4,16 @@
 //! of them linear and in millimetres. A hand with more fingers has a file for every three, `<name>.<device>.f1-f3.ngc` and so on,
 //! which must be started together. After a rapid move to the start of the schedule, the program pauses (M0); resuming is the
 //! schedule's instant 0. Each line then gives the positions of the moving axes at the next common instant. In G93 the feed is one over
-//! the minutes that a line takes, so that all axes arrive together and in time; G4 waits while nothing moves. G61 keeps the
-//! controller from rounding corners.
+//! the minutes that a line takes, so that all axes arrive together and in time; G4 waits while nothing moves.
 //!
-//! Numbers are whole nanometres. The machine's accelerations are not considered, and add to the time of its moves.
+//! `G64 P` lets the controller round corners by at most half of the hand's `tolerance`: planned ways use the other half. Under G61,
+//! exact path, it would stop at every corner, and the program would take longer than its schedule. Numbers are whole nanometres.
+//! The machine's accelerations are not considered, and may add to the time of its moves.
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::{Format, Signals};
+use crate::claims::Claims;
 use crate::schedule::{Channel, ChannelUnit};
 use std::fmt::Write as _;
 
@@ -35,11 +37,12 @@ const NS_PER_MINUTE: f64 = 60e9;
 /// # Errors
 /// [`EmitError::NotPositions`] where some channel is no stage's, or there is none; [`EmitError::Leap`] for a position that jumps;
 /// [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
-pub(super) fn write(signals: &Signals) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
+pub(super) fn write(signals: &Signals, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     refuse_what_is_no_stage(signals)?;
     EmitError::refuse_leaps(Format::Gcode, signals)?;
     let mut files = Vec::new();
     for (device, _, channels) in signals.devices() {
+        let rounding_nm = rounding_nm(claims, device);
         let groups: Vec<&[usize]> = channels.chunks(LETTERS.len()).collect();
         for (index, group) in groups.iter().enumerate() {
             let lines = signals.breaks(group.iter().copied()).len() as u64;
@@ -49,7 +52,7 @@ pub(super) fn write(signals: &Signals) -> Result<Vec<(String, Vec<u8>)>, EmitErr
                 1 => device.to_owned(),
                 _ => format!("{device}.f{}-f{}", index * FINGERS + 1, index * FINGERS + group.len().div_ceil(AXES)),
             };
-            files.push((name, program(signals, device, group).into_bytes()));
+            files.push((name, program(signals, device, group, rounding_nm).into_bytes()));
         }
     }
     Ok(files)
@@ -68,9 +71,16 @@ fn refuse_what_is_no_stage(signals: &Signals) -> Result<(), EmitError> {
     }
 }
 
+/// How far the controller may leave a way of a device, in nanometres: half of the least tolerance of its jobs.
+pub(super) fn rounding_nm(claims: &Claims, device: &str) -> u64 {
+    let own = claims.jobs.iter().filter(|job| job.device == device);
+    let tolerances_um = own.filter_map(|job| job.order.asked().tolerance_um());
+    (tolerances_um.reduce(f64::min).unwrap_or(0.0) / 2.0 * 1000.0).floor() as u64
+}
+
 /// The program that moves some channels of a device, at most one for each axis letter.
-fn program(signals: &Signals, device: &str, channels: &[usize]) -> String {
-    let mut text = header(signals, device, channels);
+fn program(signals: &Signals, device: &str, channels: &[usize], rounding_nm: u64) -> String {
+    let mut text = header(signals, device, channels, rounding_nm);
     let mut at_nm = places_nm(signals, channels, 0);
     let _ = writeln!(text, "G0{}\nM0 ; going on is the instant 0 of the schedule", words(&at_nm, |_| true));
     let duration_ns = signals.schedule.duration_ns;
@@ -95,7 +105,7 @@ fn program(signals: &Signals, device: &str, channels: &[usize]) -> String {
 }
 
 /// Instructions for the operator; comments extend from `;` to the end of their line.
-fn header(signals: &Signals, device: &str, channels: &[usize]) -> String {
+fn header(signals: &Signals, device: &str, channels: &[usize], rounding_nm: u64) -> String {
     let schedule = signals.schedule;
     let mut text = String::new();
     let mut say = |line: String| {
@@ -111,11 +121,17 @@ fn header(signals: &Signals, device: &str, channels: &[usize]) -> String {
     for line in [
         "all axes are linear and in millimetres, A, B and C too; set the machine up so",
         "G93: F is one over the minutes that a line takes, so all axes arrive at the same instant; G4 waits P seconds",
+        "the controller needs a command for every axis at least every millisecond, a resolution of a nanometre, and accelerations that",
+        "reach each speed within a small part of its line: what it takes longer is late from there on, so watch its lag",
         "the first line is a rapid move to where the schedule begins: see that the way is free",
     ] {
         say(line.to_owned());
     }
-    text.push_str("G21\nG90\nG61\nG93\n");
+    let corners = match rounding_nm {
+        0 => "G61 ; exact path: the tolerance of the hand leaves no nanometre for rounding corners".to_owned(),
+        _ => format!("G64 P{} ; corners may be rounded by half of the tolerance of the hand", millimetres(rounding_nm)),
+    };
+    let _ = writeln!(text, "G21\nG90\n{corners}\nG93");
     text
 }
 
@@ -136,10 +152,14 @@ fn words(places_nm: &[i64], is_said: impl Fn(usize) -> bool) -> String {
     for (axis, letter) in LETTERS.into_iter().enumerate().take(places_nm.len()).filter(|(axis, _)| is_said(*axis)) {
         let place_nm = places_nm[axis];
         let sign = if place_nm < 0 { "-" } else { "" };
-        let size = place_nm.unsigned_abs();
-        let _ = write!(text, " {letter}{sign}{}.{:06}", size / 1_000_000, size % 1_000_000);
+        let _ = write!(text, " {letter}{sign}{}", millimetres(place_nm.unsigned_abs()));
     }
     text
+}
+
+/// Whole nanometres as decimal millimetres.
+fn millimetres(length_nm: u64) -> String {
+    format!("{}.{:06}", length_nm / 1_000_000, length_nm % 1_000_000)
 }
 
 /// The text as a comment that every controller takes.

@@ -5,6 +5,11 @@ use std::collections::BTreeSet;
 /// The words as identifiers of ASCII letters, digits and `_` that do not begin with a digit; no two are the same, nor the same
 /// but for upper and lower case.
 pub fn distinct<'a>(words: impl IntoIterator<Item = &'a str>) -> Vec<String> {
+    distinct_by(words, plain)
+}
+
+/// As [`distinct`], in a wider grammar: `plain` gives each word in it.
+pub fn distinct_by<'a>(words: impl IntoIterator<Item = &'a str>, plain: impl Fn(&str) -> String) -> Vec<String> {
     let mut taken = BTreeSet::new();
     let mut names = Vec::new();
     for word in words {

@@ -119,7 +119,10 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
         Format::Mcap => Ok(vec![file("mcap", mcap::write(verified, provenance)?)]),
         Format::Json => Ok(vec![file("json", json::write(schedule))]),
         Format::Csv => Ok(vec![file("csv", csv::write(&signals)?)]),
-        Format::Vcd => Ok(vec![file("vcd", vcd::write(&signals)?)]),
+        Format::Vcd => {
+            let [waveforms, view] = vcd::write(&signals)?;
+            Ok(vec![file("vcd", waveforms), file("gtkw", view)])
+        }
         Format::Pwl => {
             let [sources, deck] = pwl::write(&signals)?;
             Ok(vec![file("pwl.inc", sources), file("cir", deck)])
@@ -129,7 +132,7 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
         }
         Format::Scpi => Ok(scpi::write(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect()),
         Format::Gcode => {
-            let programs = gcode::write(&signals)?;
+            let programs = gcode::write(&signals, verified.claims())?;
             Ok(programs.into_iter().map(|(of, program)| file(&format!("{of}.ngc"), program)).collect())
         }
         Format::Html => Ok(vec![file("html", html::write(verified, provenance)?)]),

@@ -10,7 +10,8 @@
 //!
 //! A drive train remains one line however long it is: the PWL source of its channel has the second level of the swing, and a PULSE
 //! source in series adds the difference to the first one for half of each period; its eighth number is the number of
-//! periods. The node carries the sum, the voltage of the channel.
+//! periods. The node carries the sum, the voltage of the channel. The sources have every train to its end; since ngspice takes some
+//! thirty points for each edge, the deck stops after 20,000 of them, and says how to run all.
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
@@ -197,12 +198,7 @@ fn deck(signals: &Signals, nodes: &[String]) -> String {
          * replace the loads by the actuators' own models\n.include {name}.pwl.inc\n"
     );
     if stop_ns < schedule.duration_ns {
-        let end = seconds(schedule.duration_ns);
-        let _ = writeln!(
-            text,
-            "* stops after {} edges; to run all, make {end} the second number of .tran",
-            most_edges(signals)
-        );
+        let _ = writeln!(text, "{}", whole_run(signals));
     }
     for node in nodes {
         let _ = writeln!(text, "R{node} {node} 0 {LOAD_OHM}");
@@ -211,8 +207,24 @@ fn deck(signals: &Signals, nodes: &[String]) -> String {
     text.push_str(".control\nset wr_singlescale\nset wr_vecnames\noption numdgt=12\nrun\n");
     let vectors: Vec<String> = nodes.iter().map(|node| format!("v({node})")).collect();
     let _ = writeln!(text, "wrdata {name}.ngspice.txt {}", vectors.join(" "));
-    text.push_str(".endc\n.end\n");
+    // Without it, ngspice ends a batch run with status 1, because the run was not started by the batch mode itself.
+    text.push_str("quit 0\n.endc\n.end\n");
     text
+}
+
+/// How to run a deck to the end that stops before it: with points of output instead of all that ngspice takes, which fill the memory.
+fn whole_run(signals: &Signals) -> String {
+    let channels = 0..signals.schedule.channels.len();
+    let halves_ns = channels.clone().flat_map(|channel| signals.swings(channel)).map(|(_, swing)| half_ns(swing));
+    let point_ns = halves_ns.min().unwrap_or(STEPS).div_ceil(2);
+    let (edges, end) = (signals.count_edges(channels), seconds(signals.schedule.duration_ns));
+    format!(
+        "* the sources run to the end of the schedule, but this deck stops after {} of {edges} edges, of which ngspice takes\n\
+         * about 2000 in a second; to run all, put these two lines in place of the one with .tran:\n\
+         *   .options interp\n*   .tran {} {end}",
+        most_edges(signals),
+        seconds(point_ns)
+    )
 }
 
 /// Where the deck stops: at the end of the schedule, or where there are trains after [`most_edges`].

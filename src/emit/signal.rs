@@ -11,6 +11,17 @@ use std::collections::BTreeSet;
 /// Greatest rounding difference of two equal positions.
 pub const LEAP_UM: f64 = 1e-9;
 
+/// What a channel does about an instant: a drive train, or a single value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drive {
+    /// Of a train, in the order in which they come; otherwise twice the value.
+    pub levels: [f64; 2],
+    /// 0 without a train.
+    pub period_ns: u64,
+    /// The start of the train; 0 without one.
+    pub start_ns: u64,
+}
+
 /// The actuations of every channel, for looking up values.
 pub struct Signals<'a> {
     pub schedule: &'a Schedule,
@@ -93,6 +104,21 @@ impl<'a> Signals<'a> {
         match self.during(channel, t_ns) {
             Some(Actuation { swing: Some(Swing { levels: [a, b], .. }), .. }) => [a.min(*b), a.max(*b)],
             Some(_) | None => [self.value(channel, t_ns); 2],
+        }
+    }
+
+    /// Whether a channel has drive trains.
+    pub fn has_trains(&self, channel: usize) -> bool {
+        self.swings(channel).next().is_some()
+    }
+
+    /// A channel about an instant, for formats with a notation for trains.
+    pub fn drive(&self, channel: usize, t_ns: u64) -> Drive {
+        match self.during(channel, t_ns) {
+            Some(Actuation { swing: Some(Swing { period_ns, levels }), start_ns, .. }) => {
+                Drive { levels: *levels, period_ns: *period_ns, start_ns: *start_ns }
+            }
+            Some(_) | None => Drive { levels: [self.value(channel, t_ns); 2], period_ns: 0, start_ns: 0 },
         }
     }
 

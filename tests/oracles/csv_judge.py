@@ -5,12 +5,12 @@ import re
 
 import numpy
 
-from schedule import held
+from schedule import held, swung
 from verdict import demand
 
 
 def read(path):
-    """Names of the channels, instants, and a row of values for each."""
+    """The columns' headers, instants, and a row of values for each."""
     with open(path, newline="", encoding="utf-8") as file:
         header = next(csv.reader(file))
     table = numpy.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)
@@ -19,24 +19,49 @@ def read(path):
     return header[1:], [int(t) for t in table[:, 0]], table[:, 1:]
 
 
+def columns(schedule):
+    """The headers that a schedule must have: the channel of each, and which of its columns."""
+    for channel in schedule.channels:
+        wire = f" @ {schedule.wires[channel]}" if schedule.wires[channel] else ""
+        if schedule.periods(channel):
+            yield f"{channel}.first [V]{wire}", channel, "first"
+            yield f"{channel}.second [V]{wire}", channel, "second"
+            yield f"{channel}.period [ns]", channel, "period"
+            yield f"{channel}.start [ns]", channel, "start"
+        else:
+            yield f"{channel} [{schedule.units[channel]}]{wire}", channel, "value"
+
+
 def judge(path, schedule):
     header, times, values = read(path)
-    parts = [re.fullmatch(r"(\S+) \[(V|um)\](?: @ (.*))?", column) for column in header]
-    demand(all(parts), "a column has no unit")
-    demand([part[1] for part in parts] == schedule.channels, "the channels are others")
-    demand([part[2] for part in parts] == list(schedule.units.values()), "the units are others")
-    demand([part[3] for part in parts] == list(schedule.wires.values()), "the wires are others")
+    expected = list(columns(schedule))
+    demand(header == [column for column, _, _ in expected], "the columns are others")
     demand(times == sorted(set(times)), "times do not rise")
     demand(times[0] == 0 and times[-1] == schedule.duration_ns, "it does not span the schedule")
-    for column, channel in enumerate(schedule.channels):
-        own = values[:, column]
+    own = {(channel, part): values[:, index] for index, (_, channel, part) in enumerate(expected)}
+    for channel in schedule.channels:
         if schedule.is_stage(channel):
-            positions(times, own, channel, schedule)
-            continue
-        for t_ns in schedule.instants():
-            found, expected = held(times, own, t_ns), schedule.value(channel, t_ns)
-            demand(found == expected, f"{channel} is {found} V at {t_ns} ns, not {expected} V")
-    return f"{len(times)} rows of {len(header)} channels are the schedule"
+            positions(times, own[channel, "value"], channel, schedule)
+        elif schedule.periods(channel):
+            train(times, *(own[channel, part] for part in ("first", "second", "period", "start")), channel, schedule)
+        else:
+            for t_ns in schedule.instants():
+                found, wanted = held(times, own[channel, "value"], t_ns), schedule.value(channel, t_ns)
+                demand(found == wanted, f"{channel} is {found} V at {t_ns} ns, not {wanted} V")
+    return f"{len(times)} rows of {len(header)} columns are the schedule"
+
+
+def train(times, first, second, period, start, channel, schedule):
+    """The voltage that a row says, at the ends and at edges of every train; and each row against the train itself."""
+    for t_ns in schedule.instants():
+        row = [int(held(times, column, t_ns)) for column in (period, start)]
+        found = swung(t_ns, held(times, first, t_ns), held(times, second, t_ns), *row)
+        wanted = schedule.value(channel, t_ns)
+        demand(found == wanted, f"{channel} is {found} V at {t_ns} ns, not {wanted} V")
+    for index, t_ns in enumerate(times):
+        found = (first[index], second[index], int(period[index]), int(start[index]))
+        wanted = schedule.drive(channel, t_ns)
+        demand(found == wanted, f"{channel} is {found} at {t_ns} ns, not {wanted}")
 
 
 def positions(times, own, channel, schedule):

@@ -1,9 +1,11 @@
 """G-code of a hand, read by two readers: gcodeparser, whose lines are run here on a clock, and pygcode's machine."""
 
+import json
 import re
 
 import numpy
 from gcodeparser import parse_gcode_lines
+from mcap.reader import make_reader
 from pygcode import Line, Machine
 
 from verdict import demand
@@ -25,6 +27,7 @@ def judge(path, schedule):
         for letter, channel in axes.items():
             compare(times, 1000 * places[letter], channel, schedule)
         moves += len(times)
+        rounding(text, path.with_suffix(".mcap"), next(iter(axes.values())).split(".")[0])
     demand(sorted(letters) == sorted(schedule.channels), "some axis is in no file, or in two")
     return f"{len(files)} files, {moves} places of {len(letters)} axes are the schedule for gcodeparser and pygcode"
 
@@ -40,7 +43,7 @@ def played(text, axes, end_ns):
             at = {letter: line.params[letter] for letter in axes}
         if line.command == ("M", 0):
             break
-    demand({("G", 21), ("G", 90), ("G", 93), ("G", 61), ("G", 0)} <= set(head), f"it begins by {head}")
+    demand({("G", 21), ("G", 90), ("G", 93), ("G", 64), ("G", 0)} <= set(head), f"it begins by {head}")
     for line in lines:
         tell(times, places, t_ns, at)
         match line.command:
@@ -58,6 +61,19 @@ def played(text, axes, end_ns):
             case other:
                 demand(False, f"line {line.line_index + 1} is {other}")
     demand(False, "it has no end")
+
+
+def rounding(text, log, device):
+    """Corners are rounded by at most half of the hand's tolerance, which the claims in the log beside tell."""
+    found = re.findall(r"^G64 P(\S+)", text, re.MULTILINE)
+    demand(len(found) == 1 and float(found[0]) > 0, f"it says G64 with {found}")
+    if not log.exists():
+        return
+    with open(log, "rb") as file:
+        claims = next(json.loads(a.data) for a in make_reader(file).iter_attachments() if a.name == "claims.json")
+    own = [job["order"]["fingers"]["facts"]["tolerance_um"] for job in claims["jobs"] if job["device"] == device]
+    spare_um = min(own) / 2 - float(found[0]) * 1e3
+    demand(-1e-9 <= spare_um < 1e-3, f"corners are rounded by {found[0]} mm, half the tolerance is {min(own) / 2} um")
 
 
 def tell(times, places, t_ns, at):
@@ -81,7 +97,7 @@ def by_pygcode(text, axes, places):
             for letter in axes:
                 found[letter].append(machine.pos.values[letter])
     mode = str(machine.mode).split()
-    demand({"G21", "G90", "G93", "G61"} <= set(mode), f"pygcode ends in {mode}")
+    demand({"G21", "G90", "G93", "G64"} <= set(mode), f"pygcode ends in {mode}")
     for letter in axes:
         demand(numpy.array_equal(found[letter], places[letter]), f"pygcode has {letter} elsewhere")
 

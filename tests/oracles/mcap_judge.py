@@ -49,8 +49,8 @@ def channels(channel, messages, device, unit, schedule, table):
         for path, (name, bound) in fields.items():
             found, wanted = field(proto, path), schedule.envelope(name, t_ns)[bound or 0]
             demand(abs(found - wanted) <= 1e-12 * max(abs(wanted), abs(wanted) if unit == "V" else 1.0), f"{name} as {path} is {found} {unit} at {t_ns} ns, not {wanted} {unit}")
-            if table and bound is None and unit == "V":
-                in_csv = held(table[1], table[2][:, table[0].index(header(table[0], name))], t_ns)
+            if table and unit == "V":
+                in_csv = sorted(held(table[1], table[2][:, index], t_ns) for index in csv_columns(table[0], name, bound))[bound or 0]
                 demand(found == in_csv, f"{name} is {found} V at {t_ns} ns, and {in_csv} V in the CSV file")
     times = {t_ns for t_ns, _ in messages}
     own = {t for name, _ in fields.values() for edge in schedule.ends(name) for t in (edge, edge - 1) if t >= 0}
@@ -80,8 +80,10 @@ def field(proto, path):
     return value[int(index.rstrip("]"))] if index else value
 
 
-def header(columns, name):
-    return next(column for column in columns if column.startswith(f"{name} ["))
+def csv_columns(header, name, bound):
+    """Which columns of the CSV file have the voltage of a channel, or the two levels of its drive trains."""
+    starts = (f"{name} [",) if bound is None else (f"{name}.first [", f"{name}.second [")
+    return [next(index for index, column in enumerate(header) if column.startswith(start)) for start in starts]
 
 
 def log_lines(messages, schedule):

@@ -3,8 +3,8 @@
     python tests/oracles/run.py DIR
 
 Every `*.json` schedule in the folder is the measure for the files beside it. Exit status 0: all that was judged is right; 1:
-something is wrong. A file of very many lines may be left out, which is said too. A judge that is not installed is said aloud; with TWEEZE_REQUIRE_ORACLES=1 it counts as wrong, and so does
-a format that is not there. G-code is asked for where all channels are stages,
+something is wrong. A judge that is not installed is said aloud; with TWEEZE_REQUIRE_ORACLES=1 it counts as wrong, and so does a
+format that is not there. G-code is asked for where all channels are stages,
 and the files of instruments where channels are wired to them.
 """
 
@@ -22,6 +22,7 @@ JUDGES = {
     ".csv": "csv_judge",
     ".mcap": "mcap_judge",
     ".vcd": "vcd_judge",
+    ".gtkw": "gtkw_judge",
     ".cir": "spice_judge",
     ".scpi": "scpi_judge",
     ".daq": "daq_judge",
@@ -32,15 +33,12 @@ JUDGES = {
 # Formats of instruments, with the family that a channel must be wired to.
 PLAYED_BY = {".scpi": "waveform_generator", ".daq": "data_acquisition"}
 
-# Of schedules with more edges than this, files with a line for each edge may be left out.
-MANY_EDGES = 200_000
-LINE_FOR_EDGE = (".csv", ".vcd")
+# Second judges of some files.
+SECOND = {".vcd": "sigrok_judge"}
 
 
 def judge(path, module, schedule):
     """What is said of one file: a word for the outcome, and the reason."""
-    if not path.exists() and path.suffix in LINE_FOR_EDGE and schedule.count_edges() > MANY_EDGES:
-        return "LONG", f"is left out, {schedule.count_edges()} edges"
     if not path.exists() and not any(path.parent.glob(f"{path.stem}.*{path.suffix}")):
         return "MISSING", "was not written"
     try:
@@ -68,7 +66,7 @@ def judge_folder(folder):
         except Exception as error:
             verdicts.append((path.name, "WRONG", f"{type(error).__name__}: {error}"))
             continue
-        for ending, module in JUDGES.items():
+        for ending, module in (*JUDGES.items(), *SECOND.items()):
             if ending == ".ngc" and not all(map(schedule.is_stage, schedule.channels)):
                 continue
             if ending in PLAYED_BY and not schedule.instruments(PLAYED_BY[ending]):
@@ -87,7 +85,7 @@ def main(arguments):
     for name, outcome, reason in verdicts:
         print(f"{outcome:>7}  {name}: {reason}")
     outcomes = [outcome for _, outcome, _ in verdicts]
-    counts = ", ".join(f"{outcomes.count(word)} {word.lower()}" for word in ("right", "WRONG", "SKIPPED", "MISSING", "LONG"))
+    counts = ", ".join(f"{outcomes.count(word)} {word.lower()}" for word in ("right", "WRONG", "SKIPPED", "MISSING"))
     print(f"{len(outcomes)} files: {counts}")
     if "right" not in outcomes:
         print("nothing was judged", file=sys.stderr)

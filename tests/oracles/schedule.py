@@ -9,6 +9,9 @@ from pathlib import Path
 
 from verdict import demand
 
+# Edges of each drive train at which a channel is looked at.
+STROKES = 200
+
 SCHEMA = Path(__file__).resolve().parents[2] / "schema" / "schedule.schema.json"
 
 
@@ -87,6 +90,15 @@ class Schedule:
             return tuple(sorted(pulses[index][2:4]))
         return (self.value(channel, t_ns),) * 2
 
+    def drive(self, channel, t_ns):
+        """First and second level, period and start of the drive train at an instant; else the value twice, 0 and 0."""
+        pulses = self.pulses[channel]
+        index = bisect.bisect_right(pulses, t_ns, key=lambda pulse: pulse[0]) - 1
+        if index >= 0 and t_ns < pulses[index][1] and pulses[index][4]:
+            start, _, first, second, half = pulses[index]
+            return first, second, 2 * half, start
+        return self.value(channel, t_ns), self.value(channel, t_ns), 0, 0
+
     def periods(self, channel):
         """The periods of its drive trains."""
         return sorted({2 * half for *_, half in self.pulses[channel] if half})
@@ -100,21 +112,28 @@ class Schedule:
         inner = (range(start, end, half) for start, end, _, _, half in self.pulses[channel] if half)
         return sorted({t for edges in inner for t in edges} | set(self.ends(channel)))
 
-    def count_edges(self):
-        """About how many edges all channels have."""
-        pulses = [pulse for pulses in self.pulses.values() for pulse in pulses]
-        return sum((end - start) // half if half else 2 for start, end, _, _, half in pulses)
-
     def instants(self):
-        """Both sides of every edge of any channel, and the ends."""
-        edges = {t for channel in self.channels for t in self.edges(channel)} | {0, self.duration_ns}
+        """Both sides of every edge of any channel, and the ends; of a drive train only some edges, from its start to its end."""
+        edges = {t for channel in self.channels for t in (*self.ends(channel), *self.strokes(channel))} | {0, self.duration_ns}
         return sorted(t for t in edges | {t - 1 for t in edges} if t >= 0)
+
+    def strokes(self, channel):
+        """Edges within its drive trains: the first ones, the last ones, and STROKES spread between."""
+        for start, end, _, _, half in self.pulses[channel]:
+            if half:
+                edges = range(start, end, half)
+                yield from (*edges[:8], *edges[-8:], *edges[:: len(edges) // STROKES + 1])
 
 
 def held(times, values, t_ns):
     """The value of a step function that is given by its changes."""
     index = bisect.bisect_right(times, t_ns) - 1
     return values[index] if index >= 0 else None
+
+
+def swung(t_ns, first, second, period_ns, start_ns):
+    """The value in a drive train that began at `start_ns`; without one the period is 0."""
+    return (first, second)[(t_ns - start_ns) // (period_ns // 2) % 2] if period_ns else first
 
 
 def judge(path, schedule):

@@ -27,9 +27,9 @@ def judge(path, schedule):
     with tempfile.TemporaryDirectory() as folder:
         for file in (path, sources):
             shutil.copy(file, folder)
-        # The exit code of a batch run says little, so the data decide.
         run = subprocess.run([ngspice, "-b", path.name], cwd=folder, capture_output=True, text=True, timeout=600)
         output = Path(folder) / f"{path.stem}.ngspice.txt"
+        demand(run.returncode == 0, f"ngspice ends with status {run.returncode}: {run.stderr[-500:]}")
         demand(output.exists(), f"ngspice wrote no data: {run.stderr[-500:]}")
         with open(output, encoding="ascii") as file:
             header = file.readline().lower().split()

@@ -1,36 +1,84 @@
-"""VCD, read by two readers: vcdvcd and pyvcd."""
+"""VCD, read by two readers: vcdvcd and pyvcd. The voltages of a channel are put together again from its variables."""
+
+import re
 
 from vcd.reader import TokenKind, tokenize
 from vcdvcd import VCDVCD
 
-from schedule import held
+from schedule import held, swung
 from verdict import demand
 
 # What a count of a position stands for.
 COUNT_UM = 0.01
+UNIT_NS = {"ns": 1, "us": 10**3, "ms": 10**6, "s": 10**9}
+COMMENT = re.compile(r"^\$comment (\S+) is (\S+) \[(V|um)\](.*), wire: (.*) \$end$", re.MULTILINE)
 
 
 def judge(path, schedule):
-    wires = {f"wires.{wire}": name for name, wire in schedule.wires.items() if wire}
+    said = {name: (variable, unit, form, wire) for variable, name, unit, form, wire in COMMENT.findall(path.read_text("ascii"))}
+    demand(list(said) == schedule.channels, "the comments are of other channels")
+    wires = 0
     for reader in (by_vcdvcd, by_pyvcd):
-        changes = reader(path)
-        for channel in schedule.channels:
-            compare(changes, channel, channel, schedule)
-        for wire, channel in wires.items():
-            compare(changes, wire, channel, schedule)
-    return f"{len(schedule.channels)} channels and {len(wires)} wires are the schedule for vcdvcd and pyvcd"
+        unit_ns, types, changes = reader(path)
+        one_scale(unit_ns, schedule)
+        for entry in schedule.document["channels"]:
+            variable, unit, form, wire = said[entry["name"]]
+            demand((unit, wire) == (entry["unit"], entry["wire"] or "none"), f"the comment of {variable} is another")
+            names = [f"{entry['device']}.{variable}"]
+            if entry["wire"]:
+                names.append("wires." + re.sub(r"[.\[\]{}]", "_", entry["wire"]))
+                wires += 1
+            for name in names:
+                compare(types, changes, unit_ns, name, form, entry["name"], schedule)
+    return f"{len(schedule.channels)} channels and {wires // 2} wires are the schedule for vcdvcd and pyvcd"
 
 
-def compare(changes, name, channel, schedule):
-    demand(name in changes, f"{name} is not there")
-    times = [t for t, _ in changes[name]]
-    values = [v for _, v in changes[name]]
+def one_scale(unit_ns, schedule):
+    """Every instant is a whole number of units, and none of ten units unless a unit is a second or a stage moves."""
+    instants = {t for channel in schedule.channels for t in schedule.ends(channel)} | {schedule.duration_ns}
+    demand(all(t % unit_ns == 0 for t in instants), f"a unit of {unit_ns} ns does not divide all instants")
+    is_longest = unit_ns == 10**9 or any(map(schedule.is_stage, schedule.channels)) or any(t % (10 * unit_ns) for t in instants)
+    demand(is_longest or not schedule.duration_ns, f"a unit of {10 * unit_ns} ns would do")
+
+
+def compare(types, changes, unit_ns, name, form, channel, schedule):
+    """A channel under one of its names."""
+
+    def of(suffix, kind):
+        demand(name + suffix in changes, f"{name}{suffix} is not there")
+        demand(types[name + suffix] in (None, kind), f"{name}{suffix} is {types[name + suffix]}, not {kind}")
+        own = changes[name + suffix]
+        return [t * unit_ns for t, _ in own], [v for _, v in own]
+
     if schedule.is_stage(channel):
-        counts(times, values, name, channel, schedule)
+        demand("nearest multiple of 0.01 um" in form, f"the comment of {name} says{form}")
+        counts(*of("", "real"), name, channel, schedule)
         return
+    if schedule.periods(channel):
+        value = train([of("_train", "wire"), *(of(suffix, "real") for suffix in ("_first", "_second", "_period_ns"))])
+    else:
+        levels = {last for _, _, _, last, _ in schedule.pulses[channel]} - {0.0}
+        volts = re.fullmatch(", 1 stands for (.*) V", form)
+        demand(len(levels) == 1 if volts else not levels or form == "", f"the comment of {name} says{form}")
+        demand(len(levels) < 2 or form == "", f"the comment of {name} says{form}")
+        one = float(volts[1]) if volts else 1.0
+        times, values = of("", "wire" if len(levels) < 2 else "real")
+        value = lambda t_ns: one * held(times, values, t_ns)  # noqa: E731
     for t_ns in schedule.instants():
-        found, expected = held(times, values, t_ns), schedule.value(channel, t_ns)
+        found, expected = value(t_ns), schedule.value(channel, t_ns)
         demand(found == expected, f"{name} is {found} at {t_ns} ns, not {expected}")
+
+
+def train(series):
+    """The voltage as a function, of a train's bit, its two levels and its period: a period begins where one of them changes."""
+    starts = sorted({t for times, values in series for (t, v), last in zip(zip(times, values), [None, *values]) if v != last})
+
+    def value(t_ns):
+        runs, first, second, period_ns = (held(times, values, t_ns) for times, values in series)
+        demand(bool(runs) == bool(period_ns) and (runs or first == second), f"a train has a period of {period_ns} ns at {t_ns} ns")
+        return swung(t_ns, first, second, int(period_ns), held(starts, starts, t_ns))
+
+    return value
 
 
 def counts(times, values, name, channel, schedule):
@@ -44,31 +92,34 @@ def counts(times, values, name, channel, schedule):
 
 def by_vcdvcd(path):
     file = VCDVCD(str(path))
-    demand(file.timescale["timescale"] * 10**9 == 1, f"the timescale is {file.timescale}")
     demand(file.endtime is not None, "there is no end")
-    return {name: [(t, float(v)) for t, v in file[name].tv] for name in file.signals}
+    unit_ns = round(file.timescale["timescale"] * 10**9)
+    kinds = {name: file[name].var_type for name in file.signals}
+    return unit_ns, kinds, {name: [(t, float(v)) for t, v in file[name].tv] for name in file.signals}
 
 
 def by_pyvcd(path):
-    scopes, names, changes, now = [], {}, {}, 0
+    scopes, names, types, changes, now, unit_ns = [], {}, {}, {}, 0, None
     with open(path, "rb") as file:
         for token in tokenize(file):
             match token.kind:
                 case TokenKind.TIMESCALE:
-                    demand(str(token.timescale) == "1 ns", f"the timescale is {token.timescale}")
+                    unit_ns = token.timescale.magnitude * UNIT_NS[token.timescale.unit.value]
                 case TokenKind.SCOPE:
                     scopes.append(token.scope.ident)
                 case TokenKind.UPSCOPE:
                     scopes.pop()
                 case TokenKind.VAR:
-                    demand(token.var.type_.value == "real", "a variable is not real")
+                    kind = token.var.type_.value
+                    demand((kind, token.var.size) in (("real", 64), ("wire", 1)), f"a variable is {kind} of {token.var.size} bits")
                     name = ".".join([*scopes, token.var.reference])
                     names.setdefault(token.var.id_code, []).append(name)
-                    changes[name] = []
+                    changes[name], types[name] = [], kind
                 case TokenKind.CHANGE_TIME:
                     demand(token.time_change >= now, "time goes back")
                     now = token.time_change
-                case TokenKind.CHANGE_REAL:
-                    for name in names[token.real_change.id_code]:
-                        changes[name].append((now, token.real_change.value))
-    return changes
+                case TokenKind.CHANGE_REAL | TokenKind.CHANGE_SCALAR:
+                    change = token.data
+                    for name in names[change.id_code]:
+                        changes[name].append((now, float(change.value)))
+    return unit_ns, types, changes

@@ -35,7 +35,7 @@ fn a_program_gives_the_same_bytes_wherever_it_lies() {
         let out = one.path().join(format!("out{at}"));
         done(tweeze(folder).args(["build", path, "--emit", FORMATS, "-o"]).arg(&out));
         let built = files(&out);
-        assert_eq!(built.len(), 6);
+        assert_eq!(built.len(), 7);
         for (name, bytes) in &built {
             let text = String::from_utf8_lossy(bytes);
             let places = [one.path(), other.path()].map(|place| place.to_string_lossy().into_owned());

@@ -90,5 +90,5 @@ fn builds_at_once_leave_whole_sets() {
         let now = read();
         assert!(now == one || now == other);
     }
-    assert_eq!(bench.names().len(), 7, "{:?}", bench.names());
+    assert_eq!(bench.names().len(), 8, "{:?}", bench.names());
 }

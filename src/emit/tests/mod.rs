@@ -1,6 +1,6 @@
 use super::{EmitError, Format, Provenance, emit, fixture};
 use crate::diagnostic::Code;
-use crate::schedule::{ChannelUnit, json};
+use crate::schedule::{Actuation, ChannelUnit, json};
 use crate::verify::Verified;
 
 pub(super) mod bench;
@@ -218,13 +218,52 @@ fn json_with_indices_out_of_range_is_refused() {
 #[test]
 fn vcd_finds_channels_under_their_names_and_their_wires() {
     let text = text(Format::Vcd, &fixture::pair());
-    assert!(text.contains("$comment bot.bl0.set [V] wire: Dev1/port0/line0 $end\n"));
+    assert!(text.contains("$comment bot_bl0_set is bot.bl0.set [V], 1 stands for 20 V, wire: Dev1/port0/line0 $end\n"));
     assert!(
-        text.contains("$scope module bl0 $end\n$var real 64 a set $end\n$var real 64 b reset $end\n$upscope $end\n")
+        text.contains("$timescale 100 us $end\n$scope module bot $end\n$var wire 1 a bot_bl0_set $end\n"),
+        "{text}"
     );
-    assert!(text.contains("$scope module wires $end\n$var real 64 a Dev1/port0/line0 $end\n"));
-    assert!(text.contains("#0\n$dumpvars\nr20 a\nr0 b\n"));
-    assert!(text.ends_with("\n#112500000\n"));
+    let mut codes =
+        text.lines().filter_map(|line| line.strip_prefix("$var wire 1 ")?.strip_suffix(" Dev1/port0/line0 $end"));
+    let code = codes.next_back().expect("the wire has a variable");
+    assert!(text.contains(&format!("#0\n$dumpvars\n1a\n1{code}\n0b\n")), "{text}");
+    assert!(text.ends_with("\n#1125\n"));
+}
+
+#[test]
+fn vcd_has_a_bit_for_a_voltage_of_two_levels_only() {
+    let (fetch, _) = fixture::fetch();
+    let lines = |verified: &Verified| {
+        let text = text(Format::Vcd, &(verified.clone(), Provenance::default()));
+        let own = text.lines().filter(|line| line.contains("bot_bl0_set")).map(str::to_owned).collect::<Vec<_>>();
+        assert_eq!(own.len(), 2, "a comment and a variable");
+        own.join("\n")
+    };
+    assert!(lines(&fetch).contains("1 stands for 20 V") && lines(&fetch).contains("$var wire 1 a "));
+    let other = |volts: f64| {
+        fixture::changed(&fetch, |schedule| {
+            let last = Actuation { start_ns: schedule.duration_ns, from: volts, to: volts, ..schedule.actuations[0] };
+            schedule.duration_ns = last.end_ns();
+            schedule.actuations.push(last);
+        })
+    };
+    assert!(lines(&other(0.0)).contains("$var wire 1 a "), "0 V is no third level");
+    assert!(lines(&other(19.0)).contains("[V], wire: ") && lines(&other(19.0)).contains("$var real 64 a "));
+    let never = fixture::changed(&fetch, |schedule| schedule.actuations.retain(|actuation| actuation.channel != 0));
+    assert!(lines(&never).contains("0 V throughout") && lines(&never).contains("$var wire 1 a "));
+}
+
+#[test]
+fn vcd_of_a_train_changes_only_at_its_ends() {
+    let text = text(Format::Vcd, &fixture::bed());
+    let declared = "$timescale 100 us $end\n$scope module m $end\n$var wire 1 a m_bed_train $end\n$var real 64 b m_bed_first $end\n\
+                    $var real 64 c m_bed_second $end\n$var real 64 d m_bed_period_ns $end\n$upscope $end\n";
+    assert!(text.contains(declared), "{text}");
+    assert!(text.contains("\n#20\n1a\n1e\nr130 b\nr115 c\nr50000 d\n#320\n"), "{text}");
+    let files = emit(Format::Vcd, &fixture::bed().0, &Provenance::default()).unwrap();
+    assert_eq!(files[1].name, "bed.gtkw");
+    let view = String::from_utf8(files[1].bytes.clone()).unwrap();
+    assert!(view.contains("@800200\n-m\n@28\nm.m_bed_train\n@8420\nm.m_bed_first\n"), "{view}");
 }
 
 #[test]
@@ -311,20 +350,19 @@ fn signals_tell_every_edge_of_swings_once() {
 }
 
 #[test]
-fn a_minute_of_strokes_is_written_and_an_hour_is_refused_where_it_is_too_long() {
-    let minute = fixture::train(1_200_000);
-    let rows = one(Format::Csv, &(minute.clone(), Provenance::default()));
-    assert_eq!(rows.iter().filter(|byte| **byte == b'\n').count(), 1 + 2 + 2 * 1_200_000 + 1);
-    assert!(rows.ends_with(b"\n60001950000,130\n60001975000,115\n60002000000,0\n"));
-    let changes = one(Format::Vcd, &(minute.clone(), Provenance::default()));
-    assert!(changes.ends_with(b"\n#60001975000\nr115 a\n#60002000000\nr0 a\n"));
+fn an_hour_of_strokes_is_a_small_file_in_every_format() {
     let hour = fixture::train(72_000_000);
-    for format in [Format::Csv, Format::Vcd] {
-        let error = emit(format, &hour, &Provenance::default()).expect_err("two gigabytes").diagnostic();
-        assert_eq!(error.code, Code::E0822);
-        assert!(error.help.iter().any(|help| help.contains("`--emit json`")));
-    }
-    for (format, most_bytes) in [(Format::Json, 10_000), (Format::Mcap, 20 << 20), (Format::Pwl, 10_000)] {
+    let rows = one(Format::Csv, &(hour.clone(), Provenance::default()));
+    let rows = String::from_utf8(rows).unwrap();
+    assert!(
+        rows.starts_with(
+            "time [ns],m.bed.first [V] @ Dev2/ao0,m.bed.second [V] @ Dev2/ao0,m.bed.period [ns],m.bed.start [ns]\n"
+        ),
+        "{rows}"
+    );
+    assert!(rows.ends_with("\n2000000,130,115,50000,2000000\n3600002000000,0,0,0,0\n"), "{rows}");
+    let formats = [Format::Json, Format::Csv, Format::Vcd, Format::Pwl].map(|format| (format, 10_000));
+    for (format, most_bytes) in formats.into_iter().chain([(Format::Mcap, 20 << 20)]) {
         let files = emit(format, &hour, &Provenance::default()).unwrap();
         let bytes: usize = files.iter().map(|file| file.bytes.len()).sum();
         assert!(bytes < most_bytes, "{format:?} takes {bytes} bytes");
@@ -350,9 +388,10 @@ fn pwl_puts_a_pulse_source_in_series_for_each_train() {
     };
     assert!(deck(9_990).contains("\n.tran 0.0005015 0.5015\n"));
     assert!(deck(1_200_000).contains("\n.tran 0.00050195 0.50195\n"));
-    assert!(
-        deck(1_200_000).contains("* stops after 20000 edges; to run all, make 60.002 the second number of .tran\n")
-    );
+    let whole = "this deck stops after 20000 of 2400006 edges, of which ngspice takes\n";
+    assert!(deck(1_200_000).contains(whole), "{}", deck(1_200_000));
+    assert!(deck(1_200_000).contains("*   .options interp\n*   .tran 0.0000125 60.002\n"), "{}", deck(1_200_000));
+    assert!(deck(9_990).ends_with("\nquit 0\n.endc\n.end\n") && !deck(9_990).contains("interp"));
 }
 
 #[test]

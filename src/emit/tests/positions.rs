@@ -51,7 +51,9 @@ fn a_position_that_leaps_is_refused_where_lines_run_between_positions() {
 fn vcd_counts_positions_to_the_nearest_hundredth_of_a_micrometre() {
     let (hand, provenance) = fixture::hand();
     let text = text(Format::Vcd, &(hand.clone(), provenance));
-    assert!(text.contains("$comment hand.f1.x [um] as the nearest multiple of 0.01 um wire: stage1/x $end\n"));
+    assert!(
+        text.contains("$comment hand_f1_x is hand.f1.x [um], the nearest multiple of 0.01 um, wire: stage1/x $end\n")
+    );
     let signals = Signals::new(hand.schedule());
     let (mut t_ns, mut count, mut changes, mut last_ns) = (0u64, 28.5, 0, 0);
     let held = |count: f64, t_ns: u64| {
@@ -88,7 +90,15 @@ fn gcode_says_where_all_axes_are_at_their_common_instants() {
     let text = String::from_utf8(files[0].bytes.clone()).unwrap();
     assert!(text.contains("; X is hand.f1.x, wire stage1/x\n") && text.contains("; C is hand.f3.z\n"), "{text}");
     let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with(';')).collect();
-    assert_eq!(lines[..4], ["G21", "G90", "G61", "G93"]);
+    assert_eq!(lines[..2], ["G21", "G90"]);
+    assert!(
+        lines[2].starts_with("G64 P0.000025 ; ") && lines[3] == "G93",
+        "half of the tolerance of 50 nm: {}",
+        lines[2]
+    );
+    let finest =
+        crate::emit::gcode::rounding_nm(&crate::claims::Claims { jobs: Vec::new(), ..hand.claims().clone() }, "hand");
+    assert_eq!(finest, 0);
     assert!(lines[4].starts_with("G0 X0.028500 Y0.000000 Z0.000000 U-0.014250 V0.024682 "), "{}", lines[4]);
     assert_eq!(lines[6..8], ["G4 P0.007000000", "G1 X0.018500 F600"]);
     assert_eq!(lines[lines.len() - 3..], ["G1 Z0.005000 W0.005000 C0.005000 F1200", "G4 P0.053000000", "M2"]);

@@ -1,22 +1,35 @@
-//! VCD (IEEE 1364-2005, clause 18): step functions for GTKWave and similar viewers.
+//! VCD (IEEE 1364-2005, clause 18): waveforms for GTKWave, sigrok and PulseView, and similar viewers; and a GTKWave save file.
 //!
-//! Each channel is a `real` variable in volts, found under its own name: the scopes are the name's parts, `bot` / `bl4`, and the
-//! variable is `set`. A wired channel is found a second time in the scope `wires`, under the wire's name. The timescale is 1 ns.
+//! A device is a scope. A variable in it has the channel's whole name with `_` for dots, `bot_bl0_set`, because GTKWave and sigrok
+//! show only the last part of a name. A wired channel is found a second time in the scope `wires`, under the wire's name. A comment
+//! for each channel says what its variable means:
 //!
-//! A position changes continuously, and VCD has steps only. So it is written as the counts of an encoder of 10 nm: at every nanosecond
-//! the nearest multiple of [`COUNT_UM`], as a comment states for the channel.
+//! - A voltage that is either 0 V or one other voltage is a 1-bit `wire`, which logic analysers take; the comment has the voltage.
+//! - Other voltages are `real`, in volts. sigrok up to 0.5.2 leaves these out.
+//! - A channel with drive trains is a `wire` that is 1 while a train runs, `fleet_bed_train`, and three `real`s that change only
+//!   where a train begins or ends: `fleet_bed_first` and `fleet_bed_second` in volts, `fleet_bed_period_ns`. Half of each period is
+//!   at the first level, then half at the second, counted from the last change of one of the four. Without a train, both levels are
+//!   the voltage and the period is 0.
+//! - A position changes continuously, and VCD has steps only. So it is written as the counts of an encoder of 10 nm: at every
+//!   nanosecond the nearest multiple of [`COUNT_UM`].
+//!
+//! The timescale is the longest of 1 ns, 10 ns, ... 1 s in which every instant is a whole number, since sigrok makes a sample of
+//! each unit.
 
 mod counts;
+mod variables;
+mod view;
 
 use super::csv::{digits, one_line};
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::{Format, Signals};
-use crate::schedule::{Channel, ChannelUnit};
+use crate::schedule::ChannelUnit;
 pub use counts::COUNT_UM;
 use counts::Counts;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::fmt::Write as _;
+use variables::{Form, Variable};
 
 /// Estimated bytes of a change without the digits of its instant.
 const CHANGE_BYTES: u64 = 10;
@@ -24,144 +37,128 @@ const CHANGE_BYTES: u64 = 10;
 /// The scope of the physical outputs.
 const WIRES: &str = "wires";
 
-/// The text of the file.
+/// The units of time, each ten times the one before, from a nanosecond on.
+const TIMESCALES: [&str; 10] = ["1 ns", "10 ns", "100 ns", "1 us", "10 us", "100 us", "1 ms", "10 ms", "100 ms", "1 s"];
+
+/// The waveforms, and the save file with which GTKWave shows them.
 ///
 /// # Errors
 /// [`EmitError::Ramp`] for a voltage that is not constant, [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
-pub(super) fn write(signals: &Signals) -> Result<Vec<u8>, EmitError> {
+pub(super) fn write(signals: &Signals) -> Result<[Vec<u8>; 2], EmitError> {
     EmitError::refuse_ramps(Format::Vcd, signals)?;
     let schedule = signals.schedule;
     let change_bytes = digits(schedule.duration_ns) + CHANGE_BYTES;
-    let lines = signals.count_edges(0..schedule.channels.len()).saturating_add(counts::number(signals));
-    let bytes = lines.saturating_mul(change_bytes);
-    EmitError::refuse_size(Format::Vcd, bytes, MAX_TEXT_BYTES)?;
+    let voltages = 8 * schedule.actuations.len() as u64;
+    let lines = voltages.saturating_add(counts::number(signals));
+    EmitError::refuse_size(Format::Vcd, lines.saturating_mul(change_bytes), MAX_TEXT_BYTES)?;
+    let forms: Vec<Form> = (0..schedule.channels.len()).map(|channel| Form::new(signals, channel)).collect();
+    let variables = variables::all(signals, &forms);
+    let (unit_ns, timescale) = timescale(signals);
+
     let mut text = String::new();
     let _ = writeln!(text, "$version tweeze {} $end", env!("CARGO_PKG_VERSION"));
     let _ = writeln!(text, "$comment {} of {} $end", word(&schedule.name), word(&schedule.source.file));
-    for channel in &schedule.channels {
-        let wire = channel.wire.as_deref().unwrap_or("none");
+    for (channel, form) in schedule.channels.iter().zip(&forms) {
+        let wire = one_line(channel.wire.as_deref().unwrap_or("none")).replace('$', "_");
         let (name, unit) = (word(&channel.name), channel.unit.symbol());
-        let form = match channel.unit {
-            ChannelUnit::Volt => String::new(),
-            ChannelUnit::Micrometre => format!(" as the nearest multiple of {COUNT_UM} {unit}"),
-        };
-        let _ = writeln!(text, "$comment {name} [{unit}]{form} wire: {} $end", one_line(wire).replace('$', "_"));
+        let _ =
+            writeln!(text, "$comment {} is {name} [{unit}]{}, wire: {wire} $end", plain(&channel.name), form.says());
     }
-    text.push_str("$timescale 1 ns $end\n");
-    declare(&mut text, &schedule.channels);
+    let _ = writeln!(text, "$timescale {timescale} $end");
+    declare(&mut text, signals, &variables);
     text.push_str("$enddefinitions $end\n");
-    changes(&mut text, signals);
-    Ok(text.into_bytes())
+    changes(&mut text, signals, &variables, unit_ns);
+    let view = view::write(signals, &forms, &variables, unit_ns);
+    Ok([text.into_bytes(), view.into_bytes()])
 }
 
-/// The scopes and variables. Channels that share a scope stand together, as one scope may be opened only once for some readers.
-fn declare(text: &mut String, channels: &[Channel]) {
-    let mut root = NameScope::default();
-    for (index, channel) in channels.iter().enumerate() {
-        let mut parts: Vec<&str> = channel.name.split('.').collect();
-        let name = parts.pop().unwrap_or_default();
-        let scope = parts.into_iter().fold(&mut root, |scope, part| scope.inner.entry(word(part)).or_default());
-        scope.variables.push((word(name), index));
+/// The longest unit of time of which every instant is a multiple: in nanoseconds, and by its name.
+fn timescale(signals: &Signals) -> (u64, &'static str) {
+    let duration_ns = signals.schedule.duration_ns;
+    let instants = signals.breaks(0..signals.schedule.channels.len());
+    let has_counts = signals.in_unit(ChannelUnit::Micrometre).next().is_some();
+    let fits =
+        |unit_ns: u64| duration_ns.is_multiple_of(unit_ns) && instants.iter().all(|t_ns| t_ns.is_multiple_of(unit_ns));
+    let longest = match has_counts || duration_ns == 0 {
+        true => 0,
+        false => (1..TIMESCALES.len()).take_while(|power| fits(10u64.pow(*power as u32))).last().unwrap_or(0),
+    };
+    (10u64.pow(longest as u32), TIMESCALES[longest])
+}
+
+/// The scopes and variables: a scope for each device, and one for the wires.
+fn declare(text: &mut String, signals: &Signals, variables: &[Variable]) {
+    let channels = &signals.schedule.channels;
+    let mut devices: indexmap::IndexMap<String, Vec<String>> = indexmap::IndexMap::new();
+    for variable in variables {
+        devices.entry(plain(&channels[variable.channel].device)).or_default().push(variable.declaration());
     }
-    for (index, channel) in channels.iter().enumerate() {
-        if let Some(wire) = &channel.wire {
-            root.inner.entry(WIRES.to_owned()).or_default().variables.push((word(wire), index));
-        }
-    }
-    root.print(text);
-}
-
-/// The parts of names, as a tree.
-#[derive(Default)]
-struct NameScope {
-    variables: Vec<(String, usize)>,
-    inner: indexmap::IndexMap<String, NameScope>,
-}
-
-impl NameScope {
-    /// Recursion depth is the number of dots in a channel's name, which the language limits to a few.
-    fn print(&self, text: &mut String) {
-        for (name, index) in &self.variables {
-            let _ = writeln!(text, "$var real 64 {} {name} $end", code(*index));
-        }
-        for (name, scope) in &self.inner {
-            let _ = writeln!(text, "$scope module {name} $end");
-            scope.print(text);
-            text.push_str("$upscope $end\n");
-        }
+    let wires: Vec<String> = variables.iter().filter_map(Variable::wire_declaration).collect();
+    let scopes = devices.into_iter().chain(Some((WIRES.to_owned(), wires)).filter(|(_, wires)| !wires.is_empty()));
+    for (name, lines) in scopes {
+        let _ = writeln!(text, "$scope module {name} $end");
+        lines.into_iter().for_each(|line| text.push_str(&line));
+        text.push_str("$upscope $end\n");
     }
 }
 
-fn changes(text: &mut String, signals: &Signals) {
-    let mut said: Vec<f64> = Vec::new();
+fn changes(text: &mut String, signals: &Signals, variables: &[Variable], unit_ns: u64) {
+    let mut stated: Vec<f64> = Vec::with_capacity(variables.len());
     text.push_str("#0\n$dumpvars\n");
-    for channel in 0..signals.schedule.channels.len() {
-        let value = first(signals, channel);
-        let _ = writeln!(text, "r{value} {}", code(channel));
-        said.push(value);
+    for variable in variables {
+        let value = variable.value(signals, 0);
+        variable.write(text, value);
+        stated.push(value);
     }
     text.push_str("$end\n");
     let mut last_ns = 0;
-    for (t_ns, channel, value) in values(signals).filter(|(t_ns, ..)| *t_ns > 0) {
-        if said[channel] == value {
+    for (t_ns, index, value) in values(signals, variables).filter(|(t_ns, ..)| *t_ns > 0) {
+        if stated[index] == value {
             continue;
         }
         if t_ns != last_ns {
-            let _ = writeln!(text, "#{t_ns}");
+            let _ = writeln!(text, "#{}", t_ns / unit_ns);
             last_ns = t_ns;
         }
-        let _ = writeln!(text, "r{value} {}", code(channel));
-        said[channel] = value;
+        variables[index].write(text, value);
+        stated[index] = value;
     }
     if signals.schedule.duration_ns != last_ns {
-        let _ = writeln!(text, "#{}", signals.schedule.duration_ns);
+        let _ = writeln!(text, "#{}", signals.schedule.duration_ns / unit_ns);
     }
 }
 
-fn first(signals: &Signals, channel: usize) -> f64 {
-    match signals.unit(channel) {
-        ChannelUnit::Volt => signals.value(channel, 0),
-        ChannelUnit::Micrometre => counts::counted(signals.value(channel, 0)),
-    }
-}
-
-/// Values of channels, in order of time, then of channel; some are no changes.
-fn values<'a>(signals: &'a Signals) -> impl Iterator<Item = (u64, usize, f64)> + 'a {
-    let of_channel = |channel: usize| -> Box<dyn Iterator<Item = (u64, f64)> + 'a> {
-        match signals.unit(channel) {
+/// Values of variables, in order of time, then of variable; some are no changes.
+fn values<'a>(signals: &'a Signals, variables: &'a [Variable]) -> impl Iterator<Item = (u64, usize, f64)> + 'a {
+    let of_variable = |variable: &'a Variable| -> Box<dyn Iterator<Item = (u64, f64)> + 'a> {
+        match signals.unit(variable.channel) {
             ChannelUnit::Volt => {
-                Box::new(signals.edges([channel]).map(move |t_ns| (t_ns, signals.value(channel, t_ns))))
+                let breaks = signals.breaks([variable.channel]).into_iter();
+                Box::new(breaks.map(move |t_ns| (t_ns, variable.value(signals, t_ns))))
             }
-            ChannelUnit::Micrometre => Box::new(Counts::new(signals, channel)),
+            ChannelUnit::Micrometre => Box::new(Counts::new(signals, variable.channel)),
         }
     };
-    let mut of_channel: Vec<_> = (0..signals.schedule.channels.len()).map(of_channel).collect();
-    let mut heads: Vec<Option<(u64, f64)>> = of_channel.iter_mut().map(Iterator::next).collect();
+    let mut of_variable: Vec<_> = variables.iter().map(of_variable).collect();
+    let mut heads: Vec<Option<(u64, f64)>> = of_variable.iter_mut().map(Iterator::next).collect();
     let firsts = heads.iter().enumerate();
-    let mut due: BinaryHeap<_> = firsts.filter_map(|(channel, head)| Some(Reverse(((*head)?.0, channel)))).collect();
+    let mut due: BinaryHeap<_> = firsts.filter_map(|(index, head)| Some(Reverse(((*head)?.0, index)))).collect();
     std::iter::from_fn(move || {
-        let Reverse((t_ns, channel)) = due.pop()?;
-        let (_, value) = heads[channel]?;
-        heads[channel] = of_channel[channel].next();
-        due.extend(heads[channel].map(|(next_ns, _)| Reverse((next_ns, channel))));
-        Some((t_ns, channel, value))
+        let Reverse((t_ns, index)) = due.pop()?;
+        let (_, value) = heads[index]?;
+        heads[index] = of_variable[index].next();
+        due.extend(heads[index].map(|(next_ns, _)| Reverse((next_ns, index))));
+        Some((t_ns, index, value))
     })
 }
 
-/// The short code of a variable: printable characters, here letters only, which every reader takes.
-fn code(mut index: usize) -> String {
-    let mut code = String::new();
-    loop {
-        code.push(char::from(b'a' + (index % 26) as u8));
-        index /= 26;
-        if index == 0 {
-            return code;
-        }
-    }
-}
-
-/// A text as one word: a reader ends names at blanks, and GTKWave splits them at dots.
+/// A text as one word: a reader ends names at blanks.
 fn word(text: &str) -> String {
     let plain = |c: char| if c.is_ascii_graphic() && c != '$' { c } else { '_' };
     text.chars().map(plain).collect()
+}
+
+/// A text as the name of a variable or scope: GTKWave splits names at dots, and reads brackets as an index.
+fn plain(text: &str) -> String {
+    word(text).replace(['.', '[', ']', '{', '}'], "_")
 }

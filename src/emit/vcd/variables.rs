@@ -1,0 +1,183 @@
+//! What the variables of a VCD file hold of their channels.
+
+use super::counts::{self, COUNT_UM};
+use super::plain;
+use crate::emit::identifier;
+use crate::emit::signal::{Drive, Signals};
+use crate::schedule::ChannelUnit;
+use std::fmt::Write as _;
+
+/// How a channel is written.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Form {
+    /// A voltage that is either 0 V or this one; nothing where it is 0 V throughout.
+    Switch(Option<f64>),
+    Volts,
+    /// With drive trains; the name that its four variables begin with.
+    Train(String),
+    Counts,
+}
+
+impl Form {
+    /// The narrowest form of a channel.
+    pub fn new(signals: &Signals, channel: usize) -> Form {
+        match signals.unit(channel) {
+            ChannelUnit::Micrometre => Form::Counts,
+            ChannelUnit::Volt if signals.has_trains(channel) => {
+                Form::Train(plain(&signals.schedule.channels[channel].name))
+            }
+            ChannelUnit::Volt => {
+                let mut levels = signals.of(channel).iter().map(|actuation| actuation.to).filter(|volts| *volts != 0.0);
+                let first = levels.next();
+                if levels.all(|volts| Some(volts) == first) { Form::Switch(first) } else { Form::Volts }
+            }
+        }
+    }
+
+    /// What the comment of the channel says of it.
+    pub fn says(&self) -> String {
+        match self {
+            Form::Switch(Some(volts)) => format!(", 1 stands for {volts} V"),
+            Form::Switch(None) => ", 0 V throughout".to_owned(),
+            Form::Volts => String::new(),
+            Form::Train(name) => format!(
+                ", a drive train while {name}_train is 1: half of each {name}_period_ns at {name}_first, then half at {name}_second, \
+                 counted from the last change of the four; while it is 0, both levels are the voltage"
+            ),
+            Form::Counts => format!(", the nearest multiple of {COUNT_UM} um"),
+        }
+    }
+
+    fn parts(&self) -> &'static [Part] {
+        match self {
+            Form::Switch(_) => &[Part::Switch],
+            Form::Volts => &[Part::Volts],
+            Form::Train(_) => &[Part::Train, Part::First, Part::Second, Part::Period],
+            Form::Counts => &[Part::Counts],
+        }
+    }
+}
+
+/// What one variable holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    Switch,
+    Volts,
+    Counts,
+    Train,
+    First,
+    Second,
+    Period,
+}
+
+impl Part {
+    /// Whether it is 0 or 1.
+    pub fn is_bit(self) -> bool {
+        match self {
+            Part::Switch | Part::Train => true,
+            Part::Volts | Part::Counts | Part::First | Part::Second | Part::Period => false,
+        }
+    }
+
+    fn suffix(self) -> &'static str {
+        match self {
+            Part::Switch | Part::Volts | Part::Counts => "",
+            Part::Train => "_train",
+            Part::First => "_first",
+            Part::Second => "_second",
+            Part::Period => "_period_ns",
+        }
+    }
+}
+
+/// A variable, with its second name in the scope of wires.
+#[derive(Debug)]
+pub struct Variable {
+    pub channel: usize,
+    pub part: Part,
+    pub name: String,
+    wire: Option<String>,
+    code: String,
+    /// As `code` for numbers. Bits have one of their own, because sigrok up to 0.5.2 changes only the first variable of a code.
+    wire_code: String,
+}
+
+/// The variables of all channels, in the order of the channels.
+pub fn all(signals: &Signals, forms: &[Form]) -> Vec<Variable> {
+    let channels = &signals.schedule.channels;
+    let parts =
+        forms.iter().enumerate().flat_map(|(channel, form)| form.parts().iter().map(move |part| (channel, *part)));
+    let parts: Vec<(usize, Part)> = parts.collect();
+    let named = |name: &str, part: Part| format!("{}{}", plain(name), part.suffix());
+    let names: Vec<String> = parts.iter().map(|(channel, part)| named(&channels[*channel].name, *part)).collect();
+    let wired = |(channel, part): &(usize, Part)| Some(named(channels[*channel].wire.as_deref()?, *part));
+    let wires: Vec<Option<String>> = parts.iter().map(wired).collect();
+    let names = identifier::distinct_by(names.iter().map(String::as_str), str::to_owned);
+    let distinct = identifier::distinct_by(wires.iter().flatten().map(String::as_str), str::to_owned);
+    let mut distinct = distinct.into_iter();
+    let wires = wires.iter().map(|wire| wire.as_ref().and_then(|_| distinct.next()));
+    let count = parts.len();
+    let named = parts.into_iter().zip(names).zip(wires).enumerate();
+    named
+        .map(|(index, (((channel, part), name), wire))| {
+            let wire_code = if part.is_bit() { code(count + index) } else { code(index) };
+            Variable { channel, part, name, wire, code: code(index), wire_code }
+        })
+        .collect()
+}
+
+impl Variable {
+    /// The line that declares it.
+    pub fn declaration(&self) -> String {
+        self.declared(&self.name, &self.code)
+    }
+
+    /// The line that declares it in the scope of wires, if its channel is wired.
+    pub fn wire_declaration(&self) -> Option<String> {
+        self.wire.as_ref().map(|wire| self.declared(wire, &self.wire_code))
+    }
+
+    fn declared(&self, name: &str, code: &str) -> String {
+        let kind = if self.part.is_bit() { "wire 1" } else { "real 64" };
+        format!("$var {kind} {code} {name} $end\n")
+    }
+
+    /// Its value at an instant; where it jumps, the new one.
+    pub fn value(&self, signals: &Signals, t_ns: u64) -> f64 {
+        let is_one = |one: bool| if one { 1.0 } else { 0.0 };
+        let Drive { levels: [first, second], period_ns, .. } = signals.drive(self.channel, t_ns);
+        match self.part {
+            Part::Switch => is_one(first != 0.0),
+            Part::Volts | Part::First => first,
+            Part::Second => second,
+            Part::Train => is_one(period_ns > 0),
+            Part::Period => period_ns as f64,
+            Part::Counts => counts::counted(first),
+        }
+    }
+
+    /// Adds the lines of a change.
+    pub fn write(&self, text: &mut String, value: f64) {
+        let Variable { code, wire_code, .. } = self;
+        if !self.part.is_bit() {
+            let _ = writeln!(text, "r{value} {code}");
+            return;
+        }
+        let _ = writeln!(text, "{value}{code}");
+        if self.wire.is_some() {
+            let _ = writeln!(text, "{value}{wire_code}");
+        }
+    }
+}
+
+/// The short code of a variable: printable characters, here letters only, which every reader takes.
+fn code(mut index: usize) -> String {
+    let mut code = String::new();
+    loop {
+        code.push(char::from(b'a' + (index % 26) as u8));
+        index /= 26;
+        if index == 0 {
+            return code;
+        }
+    }
+}

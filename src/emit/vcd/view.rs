@@ -1,0 +1,42 @@
+//! A save file of GTKWave beside a VCD file: its variables as rows, grouped by device, the whole schedule in view.
+//!
+//! Flags of rows are those of GTKWave's own save files: hexadecimal sums of 0x8 binary, 0x20 aligned to the right, 0x400 signed,
+//! 0x8000 drawn as steps, 0x20000 room for the row above, 0x800200 and 0x1000200 the begin and the end of a group.
+
+use super::variables::{Form, Variable};
+use super::{Signals, plain};
+use std::fmt::Write as _;
+
+const BIT: &str = "@28";
+const STEPS: &str = "@8420";
+const ROOM: &str = "@20000\n-\n-";
+const GROUP: &str = "@800200";
+const GROUP_END: &str = "@1000200";
+
+/// Units of time that a window shows at zoom 0.
+const UNITS_IN_WINDOW: u64 = 4;
+
+/// The save file. Channels that stay at 0 V throughout come last in their device.
+pub fn write(signals: &Signals, forms: &[Form], variables: &[Variable], unit_ns: u64) -> String {
+    let name = &signals.schedule.name;
+    let units = signals.schedule.duration_ns / unit_ns;
+    let zoom = units.div_ceil(UNITS_IN_WINDOW).next_power_of_two().trailing_zeros();
+    let mut text = format!("[dumpfile] \"{name}.vcd\"\n[savefile] \"{name}.gtkw\"\n[timestart] 0\n[size] 1400 800\n");
+    let _ = writeln!(text, "*-{zoom}.000000 0\n[sst_width] 200\n[signals_width] 260");
+    for (device, _, channels) in signals.devices() {
+        let scope = plain(device);
+        let _ = writeln!(text, "{GROUP}\n-{scope}");
+        let (still, busy): (Vec<usize>, Vec<usize>) =
+            channels.into_iter().partition(|channel| forms[*channel] == Form::Switch(None));
+        for channel in busy.into_iter().chain(still) {
+            for variable in variables.iter().filter(|variable| variable.channel == channel) {
+                let _ = match variable.part.is_bit() {
+                    true => writeln!(text, "{BIT}\n{scope}.{}", variable.name),
+                    false => writeln!(text, "{STEPS}\n{scope}.{}\n{ROOM}", variable.name),
+                };
+            }
+        }
+        let _ = writeln!(text, "{GROUP_END}\n-{scope}");
+    }
+    text
+}
