@@ -166,11 +166,11 @@ fn a_build_tells_what_it_did_and_writes_every_format() {
     let arguments = ["build", &fetch.to_string_lossy(), "--emit", ALL_FORMATS, "-o", "deep/er"];
     let built = bench.run(&arguments).code(DONE);
     let report = "  \
-  Checked  dimibot_fetch.twz         1 device, 1 scene, 1 task
-  Planned  fetch                     30.74 um (72 r) in 11 switches, optimal (bound 30.74 um)
-  Nearest                            (3.2 um, 5.9 um) is cell (7, 14), 225.1 nm off
- Verified  fetch                     11 actuations replayed, 0 violations
-    Wrote  deep/er/fetch.mcap        20 channels, 11 actuations, 165 ms, 330 mJ
+  Checked  dimibot_fetch.twz              1 device, 1 scene, 1 task
+  Planned  fetch                          30.74 um (72 r) in 11 switches, optimal (bound 30.74 um)
+  Nearest                                 (3.2 um, 5.9 um) is cell (7, 14), 225.1 nm off
+ Verified  fetch                          11 actuations replayed, 0 violations
+    Wrote  deep/er/fetch.mcap             20 channels, 11 actuations, 165 ms, 330 mJ
 ";
     assert!(out(&built).starts_with(report), "{}", out(&built));
     assert_eq!(err(&built), "");

@@ -24,7 +24,9 @@ fn files_of_another_program_are_not_replaced_in_silence() {
     says(&bench.run(&["build", "one.twz"]).code(FILES).err, &["`other.twz`"]);
     bench.run(&["build", "one.twz", "-o", "elsewhere"]).code(DONE);
     // What is gone belongs to nobody.
-    fs::remove_file(bench.path("go.mcap")).expect("removed");
+    for file in ["go.mcap", "go.lichtblick.json"] {
+        fs::remove_file(bench.path(file)).expect("removed");
+    }
     bench.run(&["build", "one.twz"]).code(DONE);
 }
 
