@@ -53,7 +53,7 @@ fn every_example_builds_without_a_word_and_is_written_in_every_format() {
             files.sum()
         };
         let schedules = built.schedules.iter().map(|verified| verified.schedule());
-        let due = schedules.map(|schedule| 8 + usize::from(are_stages(schedule)) + of_instruments(schedule));
+        let due = schedules.map(|schedule| 10 + usize::from(are_stages(schedule)) + of_instruments(schedule));
         assert_eq!(files.len(), due.sum::<usize>(), "{name}");
         assert!(files.iter().all(|file| !file.bytes.is_empty()), "{name}");
         let plans = built.schedules.iter().flat_map(|verified| &verified.schedule().plans);

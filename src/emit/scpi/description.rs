@@ -97,7 +97,7 @@ impl Generator<'_> {
 /// What stands between an output and its channel.
 fn behind(link: Link) -> String {
     match link {
-        Link::Amplifier { gain, .. } if gain == 1.0 => "nothing".to_owned(),
+        Link::Amplifier { gain: 1.0, .. } => "nothing".to_owned(),
         Link::Amplifier { gain, .. } => format!("amplifier x {gain}"),
         Link::StageDriver { zero_v, scale_v_per_um } => {
             format!("stage driver, {scale_v_per_um} V/um from {zero_v} V on")
