@@ -92,7 +92,7 @@ fn every_line_has_an_answer_and_nonsense_stops_it() {
     let run = tweeze(&["control", &path]).write_stdin(input).assert().code(STOPPED);
     let answers = answers(&run.get_output().stdout);
     assert_eq!(answers[0]["control"], "quartet");
-    assert_eq!((&answers[1]["command"], &answers[1]["line"]), (&json!("drive"), &json!(26)));
+    assert_eq!((&answers[1]["command"], &answers[1]["line"]), (&json!("drive"), &json!(27)));
     assert!(!answers[1]["segments"][0]["levels_v"].as_array().is_none_or(Vec::is_empty), "{}", answers[1]);
     assert!(answers[2..8].iter().all(|answer| answer["error"].is_string()), "{answers:?}");
     assert!(answers[4]["error"].as_str().is_some_and(|why| why.contains("`D9` is no robot of the scene")));

@@ -50,8 +50,11 @@ def judge(path, schedule):
         demand(len(given) == len(schedule.drives(name)), f"{name} drives more than is wired")
         rest = {output: level for call in calls if call["device"] == name and not call["clock"] for output, level in call["rest"].items()}
         for channel, (output, link) in schedule.drives(name).items():
-            level = schedule.output_v(link, schedule.value(channel, schedule.duration_ns) if schedule.is_stage(channel) else 0)
-            demand(abs(rest[f"{name}/{output.replace('.', '/')}"] - level) < 1e-9, f"{output} rests at another level")
+            level = rest.get(f"{name}/{output.replace('.', '/')}")
+            if schedule.is_stage(channel):
+                demand(level is None, f"{output} is set to {level} V at once, and its stage with it")
+            else:
+                demand(level is not None and abs(level - schedule.output_v(link, 0)) < 1e-9, f"{output} rests at {level}")
     return f"{sum(counts)} samples are the schedule, as the sender gave them to the driver"
 
 

@@ -5,8 +5,8 @@
     python NAME.nidaqmx.py card=Dev1              the device of each card of the program
     python NAME.nidaqmx.py card=Dev1 --dry-run    everything but the start
 
-Needs the NI-DAQmx driver and its package (`pip install nidaqmx`). Before the start, at the end, on an error and on Ctrl-C lines are
-off and outputs at rest. Exit status: 0 played, 1 the driver refused something, 2 wrong usage, 130 Ctrl-C.
+Needs the NI-DAQmx driver and its package (`pip install nidaqmx`). Before the start, at the end, on an error and on Ctrl-C lines are off
+and voltages at rest; an output that places a stage keeps its voltage, and goes to the first position at the start. Exit status: 0 played, 1 the driver refused something, 2 wrong usage, 130 Ctrl-C.
 """
 
 import argparse
@@ -38,7 +38,7 @@ def samples(card, folder):
         place, bit = column[port], 1 << int(number)
         lines.append([bool(row[place] & bit) for row in stretches for _ in range(row[0])])
     for output in card["analog"]:
-        place = column[output]
+        place = column[output["output"]]
         analog.append([float(row[place]) for row in stretches for _ in range(row[0])])
     return lines, analog
 
@@ -52,12 +52,16 @@ class Player:
         self.tasks = []
         start, lead = terminals
         clock = None
-        for levels, add in ((self.analog, self.add_analog), (self.lines, self.add_lines)):
+        self.rest()
+        for levels, add, outputs in (
+            (self.analog, self.add_analog, card["analog"]),
+            (self.lines, self.add_lines, card["lines"]),
+        ):
             if not levels:
                 continue
             task = ni.Task()
             self.tasks.append(task)
-            add(task)
+            add(task, outputs)
             timing = {"sample_mode": ni.constants.AcquisitionType.FINITE, "samps_per_chan": card["samples"]}
             if clock:
                 timing["source"] = clock
@@ -70,14 +74,14 @@ class Player:
                 clock = f"/{device}/ao/SampleClock"
             task.write(levels if len(levels) > 1 else levels[0], auto_start=False)
 
-    def add_lines(self, task):
-        for line in self.card["lines"]:
+    def add_lines(self, task, lines):
+        for line in lines:
             task.do_channels.add_do_chan(f"{self.device}/{line}", line_grouping=self.ni.constants.LineGrouping.CHAN_PER_LINE)
 
-    def add_analog(self, task):
+    def add_analog(self, task, outputs):
         peak = self.card["peak_v"]
-        for output in self.card["analog"]:
-            task.ao_channels.add_ao_voltage_chan(f"{self.device}/{output}", min_val=-peak, max_val=peak)
+        for output in outputs:
+            task.ao_channels.add_ao_voltage_chan(f"{self.device}/{output['output']}", min_val=-peak, max_val=peak)
 
     def start(self):
         """The task that has the clock starts last, so that the others wait for it."""
@@ -97,13 +101,16 @@ class Player:
         self.tasks = []
 
     def rest(self):
-        """Lines off, outputs at rest."""
-        for levels, add in ((self.analog, self.add_analog), (self.lines, self.add_lines)):
+        """Lines off, voltages at rest; stages stay where they are."""
+        volts = [output for output in self.card["analog"] if output["rest_v"] is not None]
+        for levels, add, outputs in (
+            ([output["rest_v"] for output in volts], self.add_analog, volts),
+            ([False for _ in self.lines], self.add_lines, self.card["lines"]),
+        ):
             if levels:
                 with self.ni.Task() as task:
-                    add(task)
-                    last = [level[-1] for level in levels]
-                    task.write(last if len(last) > 1 else last[0], auto_start=True)
+                    add(task, outputs)
+                    task.write(levels if len(levels) > 1 else levels[0], auto_start=True)
 
 
 def play(ni, devices, arguments):
@@ -132,7 +139,7 @@ def play(ni, devices, arguments):
                 player.rest()
             except Exception as error:  # every other card is still to be put to rest
                 lost.append(f"{player.card['name']} may still be on ({error})")
-        print("lines off, outputs at rest" if not lost else "; ".join(lost), flush=True)
+        print("lines off, voltages at rest" if not lost else "; ".join(lost), flush=True)
 
 
 def main(given):
@@ -158,7 +165,7 @@ def main(given):
     try:
         if arguments.list:
             for card in PLAYS["cards"]:
-                print(f"{card['name']}: {card['file']}, {card['model']}, {', '.join(card['lines'] + card['analog'])}")
+                print(f"{card['name']}: {card['file']}, {card['model']}, {', '.join(card['lines'] + [output['output'] for output in card['analog']])}")
             found = [device.name for device in ni.system.System.local().devices]
             print("devices:", ", ".join(found) or "none")
             return 0

@@ -21,12 +21,11 @@ impl Generator<'_> {
         let mut text = format!(
             "{name}.{instrument}.scpi holds what to send to `{instrument}` ({model}), message by message, each ended by a line feed.\n\
              {name}.scpi.py does so. By hand: read the answer to every {ASK_ERROR}, where anything but 0 means that a message was\n\
-             refused, and send {off} when all is played. {start}{leads}\n\
+             refused, and {at_end} when all is played. {start}{leads}\n\
              Compare the commands with the manual of your instrument, connect the actuators last, and try at a low voltage first.\n\n\
              Voltages are those of an output without load, filters are off. {playback}\n{stages}\n\
              output\tlow [V]\thigh [V]\tchannel\tbehind the output\tleast step of the channel\twire\n",
-            off =
-                self.outputs.iter().map(|output| numbered(SWITCH_OFF, output.number)).collect::<Vec<_>>().join(" and "),
+            at_end = self.at_end(),
             model = one_line(&self.wired.instrument.model),
             playback = self.playback(),
             stages = self.stages(),
@@ -54,6 +53,16 @@ impl Generator<'_> {
             }
         }
         text
+    }
+
+    /// What to do by hand at the end; without the voltage of its output a stage would run to its zero.
+    fn at_end(&self) -> String {
+        let off = self.outputs.iter().filter(|output| !matches!(output.link, Link::StageDriver { .. }));
+        let off: Vec<String> = off.map(|output| numbered(SWITCH_OFF, output.number)).collect();
+        match off.is_empty() {
+            true => "leave the outputs on, which hold the stages,".to_owned(),
+            false => format!("send {}", off.join(" and ")),
+        }
     }
 
     /// Between two neighbouring codes of the instrument's own bits, in the channel's unit.

@@ -3,7 +3,7 @@
 //! `<name>.<instrument>.scpi` has the messages to send, each ended by a line feed; samples are IEEE 488.2 definite-length
 //! blocks, so the file is no text. `<name>.<instrument>.scpi.txt` describes what it plays, since SCPI has no comments.
 //! `<name>.scpi.py` sends all of them with PyVISA, reads the error queue after each message, starts them, and switches the outputs off
-//! at the end, on an error and on Ctrl-C. The commands are those of the Keysight 33500 and 33600 series.
+//! at the end, on an error and on Ctrl-C, but for those of stages, which keep their voltage. The commands are those of the Keysight 33500 and 33600 series.
 //!
 //! What an output gives is the channel's value before the amplifier or the stage's driver of its wire. Its codes span the
 //! range that it uses, since the instrument allows its full amplitude to waveforms of the full range only; an output with one
@@ -330,11 +330,15 @@ impl<'a> Generator<'a> {
     /// What the sender must know.
     fn listing(&self) -> serde_json::Value {
         let numbers: Vec<u32> = self.outputs.iter().map(|output| output.number).collect();
+        // A stage stays where it is: without the voltage of its output it would run to its zero.
+        let stays = |output: &&GeneratorOutput| matches!(output.link, Link::StageDriver { .. });
+        let stay_on: Vec<u32> = self.outputs.iter().filter(stays).map(|output| output.number).collect();
         serde_json::json!({
             "name": self.wired.name,
             "model": self.wired.instrument.model,
             "file": format!("{}.{}.scpi", self.signals.schedule.name, self.wired.name),
             "outputs": numbers,
+            "stay_on": stay_on,
             "starts": self.facts.start == Start::Sender,
         })
     }

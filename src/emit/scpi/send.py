@@ -6,7 +6,7 @@
     python NAME.scpi.py awg=... --dry-run                   everything but the last message: nothing starts
 
 Needs PyVISA and a VISA library (`pip install pyvisa pyvisa-py`). After each message the error queue is read; on an error, on Ctrl-C
-and at the end all outputs are switched off. Exit status: 0 played, 1 an instrument refused something or was lost, 2 wrong usage, 130 Ctrl-C.
+and at the end all outputs are switched off, but for those of stages, which keep their voltage. Exit status: 0 played, 1 an instrument refused something or was lost, 2 wrong usage, 130 Ctrl-C.
 """
 
 import argparse
@@ -71,15 +71,15 @@ def send(device, name, script, says):
 
 
 def switch_off(open_ones, says):
-    """Switches every output off, whatever happens on the way."""
+    """Switches every output off but those of stages, whatever happens on the way."""
     lost = []
     for one, device in open_ones:
-        for output in one["outputs"]:
+        for output in (output for output in one["outputs"] if output not in one["stay_on"]):
             try:
                 device.write(f":OUTP{output} OFF")
             except Exception as error:  # every other output is still to be switched off
                 lost.append(f"{one['name']}: output {output} may still be on ({error})")
-        says(f"{one['name']}: outputs off")
+        says(f"{one['name']}: outputs off" + (f", {one['stay_on']} stay on for their stages" if one["stay_on"] else ""))
     if lost:
         raise Refused("; ".join(lost))
 
