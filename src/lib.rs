@@ -12,9 +12,9 @@
 //! | [`syntax`] | text | a [tree](syntax::tree::Tree) per file; it cannot fail, broken parts are error nodes |
 //! | [`check`] | trees | [`Claims`](claims::Claims): every name, dimension and value resolved; devices, scenes and goals judged |
 //! | [`plan`] | claims | a [`Plan`](plan::Plan) for each job, or a proof that there is none, or the budget that ran out |
-//! | [`lower`] | plans | one [`Schedule`](schedule::Schedule): channels and actuations in integer nanoseconds |
+//! | [`lower`] | plans | one [`Schedule`](schedule::Schedule): channels and actuations in integer nanoseconds, within what the program's instruments can play |
 //! | [`verify`] | a schedule and the claims | a [`Verified`](verify::Verified) schedule, replayed by geometry of its own |
-//! | [`emit`] | a verified schedule | MCAP, JSON, CSV, VCD, SPICE, SCPI and G-code files, a page (`assets/page`) that plays it, and a picture |
+//! | [`emit`] | a verified schedule | MCAP, JSON, CSV, VCD, SPICE and G-code files, scripts and samples for the instruments of the program, a page (`assets/page`) that plays it, and a picture |
 //!
 //! [`claims`] and [`schedule`] are the contract: data that the stages hand to one another. `check`, `plan`, `verify` and [`log`], which
 //! reads MCAP logs back, stand side by side on it, and none of them sees another.
@@ -24,8 +24,8 @@
 //!
 //! They stand on a base that knows nothing of them: [`source`] (files and spans), [`real`] (elementary functions that are the same on
 //! every platform), [`random`] (numbers that a seed determines), [`quantity`] (units and dimensions),
-//! [`geometry`], [`diagnostic`] (what is said to people), [`device`] (the vocabulary and facts of each kind) and [`stdlib`] (published
-//! devices, in the language itself). [`compile`] calls the stages in their order; [`cli`] is the only place that touches files, clock and
+//! [`geometry`], [`diagnostic`] (what is said to people), [`device`] (the vocabulary and facts of each kind), [`instrument`] (those of
+//! what stands behind the channels) and [`stdlib`] (published devices and instruments, in the language itself). [`compile`] calls the stages in their order; [`cli`] is the only place that touches files, clock and
 //! terminal.
 //!
 //! # What holds it together
