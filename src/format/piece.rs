@@ -274,6 +274,13 @@ pub(super) fn without_idle_commas(pieces: Vec<TextPiece>) -> Vec<TextPiece> {
             }
             _ => {}
         }
+        // Around a comma that stood alone on its line.
+        if piece.kind.is_break() && kept.last().is_some_and(|last| last.kind.is_break()) {
+            kept.pop_if(|last| last.kind == PieceKind::Break);
+            if kept.last().is_some_and(|last| last.kind == PieceKind::Gap) {
+                continue;
+            }
+        }
         kept.push(piece);
     }
     drop_last_comma(&mut kept, false);

@@ -14,6 +14,7 @@ fn blanks_and_commas() {
         "use std.dimibot\ndevice  bot:dimibot.femto_st{left:5,right : 5,}\ntask go(  ) on bot{wait(5ms),move to(1,2 , )}",
         "use std.dimibot\ndevice bot : dimibot.femto_st { left: 5, right: 5 }\ntask go() on bot { wait (5 ms), move to (1, 2) }\n",
     );
+    becomes("task go on b {\n  move to (1, 1)\n\n\n,\n\n\n}\n", "task go on b {\n  move to (1, 1)\n}\n");
     becomes("device right:left{\n\n}\n", "device right : left { }\n");
     becomes("let a=-  1 um--2um\nlet b=[ ]\n", "let a = -1 um - -2 um\nlet b = []\n");
     becomes("let a = x^-2*(2 um)^2+3 um ^2\n", "let a = x^-2 * (2 um)^2 + 3 um ^ 2\n");
