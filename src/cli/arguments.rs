@@ -1,10 +1,10 @@
 //! Command-line arguments.
 
 use super::Address;
-use crate::emit::Format;
+use super::formats::{self, EmitChoice};
 use crate::quantity::{Dimension, Unit};
 use crate::simulate::Disturbances;
-use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser, builder::TypedValueParser};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 /// Compiles micro-manipulation programs: reports what cannot work before the hardware moves, finds the best plan,
@@ -14,6 +14,17 @@ use std::path::PathBuf;
 pub struct Invocation {
     #[command(subcommand)]
     pub command: Command,
+    /// Colours of reports and diagnostics; `auto` is for terminals without `NO_COLOR`
+    #[arg(long, global = true, value_enum, value_name = "WHEN", default_value = "auto", hide_possible_values = true)]
+    pub color: ColourChoice,
+}
+
+/// When to use colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ColourChoice {
+    Auto,
+    Always,
+    Never,
 }
 
 const EXIT_STATUS: &str = "\
@@ -29,9 +40,10 @@ pub enum Command {
                             tweeze check *.twz --format sarif > tweeze.sarif")]
     Check(CheckArguments),
     /// Check, plan, verify and write a program
-    #[command(
-        after_help = "Examples:\n  tweeze build fetch.twz\n  tweeze build fetch.twz --emit mcap,csv,scpi -o out --task fetch"
-    )]
+    #[command(after_help = "Examples:\n  tweeze build fetch.twz\n  \
+                      tweeze build fetch.twz --emit mcap,csv,scpi -o out --task fetch\n  \
+                      tweeze build *.twz --emit all -o out --quiet\n\n\
+                      With several programs each is built by itself; the exit status is the gravest one.")]
     Build(BuildArguments),
     /// Replay a written log against the device models, independently of the planner; or judge the recording of a controlled run
     #[command(after_help = "Examples:\n  tweeze verify fetch.mcap\n  tweeze verify fetch.mcap --against fetch.twz\n  \
@@ -119,11 +131,13 @@ impl CheckFormat {
 
 #[derive(Debug, Args)]
 pub struct CheckArguments {
-    /// Programs to check
+    /// Programs to check; - for standard input
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub settings: Settings,
+    #[command(flatten)]
+    pub quiet: QuietArgument,
     /// Format of diagnostics on standard error, of SARIF on standard output; with `json`, the line of success is JSON too
     #[arg(long, value_enum, default_value = "human")]
     pub format: CheckFormat,
@@ -131,14 +145,15 @@ pub struct CheckArguments {
 
 #[derive(Debug, Args)]
 pub struct BuildArguments {
-    /// The program to build
-    pub file: PathBuf,
+    /// Programs to build; - for standard input
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
     /// Build this task or program alone
     #[arg(long, value_name = "NAME")]
     pub task: Option<String>,
-    /// Formats to write, separated by commas
-    #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "mcap", value_parser = formats())]
-    pub emit: Vec<Format>,
+    /// Formats to write, separated by commas; `all` for each that the schedule has a form in
+    #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "mcap", value_parser = formats::parser())]
+    pub emit: Vec<EmitChoice>,
     /// With `--emit svg`: draw this one instant, such as 120ms, instead of numbered positions
     #[arg(long, value_name = "TIME", value_parser = instant_ns)]
     pub at: Option<u64>,
@@ -151,12 +166,9 @@ pub struct BuildArguments {
     #[command(flatten)]
     pub settings: Settings,
     #[command(flatten)]
+    pub quiet: QuietArgument,
+    #[command(flatten)]
     pub report: ReportArguments,
-}
-
-fn formats() -> impl TypedValueParser<Value = Format> {
-    let names = PossibleValuesParser::new(Format::ALL.iter().map(|format| format.name()));
-    names.try_map(|name| Format::find(&name).ok_or("no such format"))
 }
 
 #[derive(Debug, Args)]
@@ -172,6 +184,8 @@ pub struct VerifyArguments {
     pub set: Vec<String>,
     #[command(flatten)]
     pub tolerances: ToleranceArguments,
+    #[command(flatten)]
+    pub quiet: QuietArgument,
     #[command(flatten)]
     pub report: ReportArguments,
 }
@@ -407,6 +421,13 @@ pub struct Settings {
     /// Replace a top-level `let`, such as pitch=80um, or lab.pitch=80um in a used file
     #[arg(long = "set", value_name = "NAME=VALUE")]
     pub set: Vec<String>,
+}
+
+#[derive(Debug, Clone, Copy, Args)]
+pub struct QuietArgument {
+    /// Report errors and warnings alone
+    #[arg(short = 'q', long = "quiet")]
+    pub is_quiet: bool,
 }
 
 #[derive(Debug, Clone, Args)]

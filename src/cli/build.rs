@@ -2,7 +2,9 @@
 
 use super::arguments::{BuildArguments, Invocation, ReportFormat};
 use super::disk::{self, Destination};
+use super::formats::ChosenFormats;
 use super::loaded::Loaded;
+use super::report::WrittenSchedule;
 use super::waiting::ProgressLine;
 use super::{Exit, errors, report, signals, terminal, verify};
 use crate::check::Options;
@@ -13,26 +15,37 @@ use crate::source::{Origin, Sources};
 use crate::verify::Verified;
 use clap::CommandFactory;
 use clap::error::ErrorKind;
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Builds a program and writes the whole set of its files, or nothing.
+/// Builds each program and writes the whole set of its files, or nothing; the exit status is the gravest one.
 pub fn run(arguments: &BuildArguments) -> Exit {
-    built(arguments).map_or_else(|exit| exit, |(report, _)| terminal::answer(&report))
+    if arguments.files.iter().filter(|file| disk::is_standard_input(file)).count() > 1 {
+        return misused("standard input holds one program: `-` can be given once");
+    }
+    let one = |file: &PathBuf| match built(file, arguments) {
+        Ok((report, _)) => terminal::success(&report, arguments.quiet),
+        Err(exit) => exit,
+    };
+    arguments.files.iter().map(one).fold(Exit::Done, Exit::max)
 }
 
 /// Builds a program and writes its files; the report, and where the files stand.
 ///
 /// # Errors
 /// The exit status, once the diagnostics were reported.
-pub fn built(arguments: &BuildArguments) -> Result<(String, Vec<PathBuf>), Exit> {
+pub fn built(file: &Path, arguments: &BuildArguments) -> Result<(String, Vec<PathBuf>), Exit> {
     signals::catch();
     let format = arguments.report.format;
-    if arguments.at.is_some() && !arguments.emit.contains(&Format::Svg) {
+    let chosen = ChosenFormats::of(&arguments.emit);
+    if arguments.at.is_some() && !chosen.formats.contains(&Format::Svg) {
         return Err(misused("--at draws one instant of a picture: it needs --emit svg"));
     }
+    disk::try_folder(&arguments.output).map_err(|diagnostic| {
+        terminal::report_one(*diagnostic, format);
+        Exit::Files
+    })?;
     let options = Options { settings: arguments.settings.set.clone(), only: arguments.task.clone() };
-    let loaded = Loaded::read(&arguments.file, options, &arguments.report)?;
+    let loaded = Loaded::read(file, options, &arguments.report)?;
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let waiting = ProgressLine::begin();
     let outcome =
@@ -44,7 +57,9 @@ pub fn built(arguments: &BuildArguments) -> Result<(String, Vec<PathBuf>), Exit>
     match outcome {
         CompileOutcome::Errors => Err(Exit::Errors),
         CompileOutcome::Refused => Err(Exit::Refused),
-        CompileOutcome::Compiled(compiled) => write(arguments, compiled, &provenance(&sources, &loaded.options)),
+        CompileOutcome::Compiled(compiled) => {
+            write((loaded.path(), arguments), &chosen, compiled, &provenance(&sources, &loaded.options))
+        }
     }
 }
 
@@ -65,52 +80,55 @@ pub fn provenance(sources: &Sources, options: &Options) -> Provenance {
 }
 
 fn write(
-    arguments: &BuildArguments,
+    (program, arguments): (&Path, &BuildArguments),
+    chosen: &ChosenFormats,
     compiled: Compiled,
     provenance: &Provenance,
 ) -> Result<(String, Vec<PathBuf>), Exit> {
-    let formats: BTreeSet<Format> = arguments.emit.iter().copied().collect();
+    let report_format = arguments.report.format;
     let mut files: Vec<OutputFile> = Vec::new();
-    let mut written: Vec<Vec<PathBuf>> = Vec::new();
+    let mut written: Vec<WrittenSchedule> = Vec::new();
     let mut schedules = Vec::with_capacity(compiled.schedules.len());
     for verified in compiled.schedules {
         let mut own: Vec<OutputFile> = Vec::new();
-        for format in &formats {
+        let mut left_out: Vec<(Format, String)> = Vec::new();
+        for format in &chosen.formats {
             let set = match (format, arguments.at) {
                 (Format::Svg, Some(t_ns)) => emit::picture_at(&verified, t_ns),
                 (_, _) => emit::emit(*format, &verified, provenance),
             };
             match set {
                 Ok(set) => own.extend(set),
+                Err(error) if !chosen.is_named(*format) && error.is_of_the_format() => {
+                    left_out.push((*format, error.diagnostic().title));
+                }
                 Err(error) => {
-                    terminal::report_one(error.diagnostic(), arguments.report.format);
+                    terminal::report_one(error.diagnostic(), report_format);
                     return Err(Exit::Errors);
                 }
             }
         }
-        schedules.push(read_back(verified, &own, arguments.report.format)?);
-        written.push(own.iter().map(|file| shown(&arguments.output, &file.name)).collect());
+        schedules.push(read_back(verified, &own, report_format)?);
+        let paths = own.iter().map(|file| shown(&arguments.output, &file.name)).collect();
+        written.push(WrittenSchedule { paths, left_out });
         files.extend(own);
     }
     let compiled = Compiled { tally: compiled.tally, schedules };
-    let to = Destination { folder: &arguments.output, program: &arguments.file, force: arguments.force };
+    let to = Destination { folder: &arguments.output, program, force: arguments.force };
     if let Err(diagnostic) = disk::write_all(&to, &files) {
-        terminal::report_one(*diagnostic, arguments.report.format);
+        terminal::report_one(*diagnostic, report_format);
         return Err(Exit::Files);
     }
     let settings = &arguments.settings.set;
-    let names = |paths: &Vec<PathBuf>| paths.iter().map(|path| path.to_string_lossy().into_owned()).collect();
-    let names: Vec<Vec<String>> = written.iter().map(names).collect();
-    let report = match arguments.report.format {
+    let report = match report_format {
         ReportFormat::Json => {
-            let file = arguments.file.to_string_lossy();
-            format!("{}\n", report::json::built(&file, &compiled, settings, &names))
+            format!("{}\n", report::json::built(&program.to_string_lossy(), &compiled, settings, &written))
         }
         ReportFormat::Human | ReportFormat::Short | ReportFormat::Github => {
-            report::build(&arguments.file, &compiled, settings, &names)
+            report::build(program, &compiled, settings, &written)
         }
     };
-    Ok((report, written.concat()))
+    Ok((report, written.into_iter().flat_map(|written| written.paths).collect()))
 }
 
 /// Verifies the log of a schedule from its bytes, as `tweeze verify` would: whatever is written can be read. The schedule read back replaces

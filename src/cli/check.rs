@@ -21,7 +21,8 @@ pub fn run(arguments: &CheckArguments) -> Exit {
             None => reports.push((sources, sink)),
         }
         exit = exit.max(match checked {
-            Ok(tally) => success(file, tally, arguments.format),
+            Ok(_) if arguments.quiet.is_quiet => Exit::Done,
+            Ok((shown, tally)) => success(&shown, tally, arguments.format),
             Err(exit) => exit,
         });
     }
@@ -31,28 +32,27 @@ pub fn run(arguments: &CheckArguments) -> Exit {
     exit
 }
 
-/// What a program declares, or the exit status after an error.
+/// The name of a program and what it declares, or the exit status after an error.
 fn one(
     file: &Path,
     arguments: &CheckArguments,
     sources: &mut Sources,
     sink: &mut Sink,
-) -> Result<DeclarationTally, Exit> {
+) -> Result<(String, DeclarationTally), Exit> {
     let options = Options { settings: arguments.settings.set.clone(), only: None };
     let loaded = Loaded::open(file, options).map_err(|diagnostic| {
         sink.push(*diagnostic);
         Exit::Files
     })?;
     let checked = compile::check(&loaded.program(&loaded.disk()), sources, sink);
-    checked.map(|checked| checked.tally).ok_or(Exit::Errors)
+    checked.map(|checked| (loaded.shown(), checked.tally)).ok_or(Exit::Errors)
 }
 
-fn success(file: &Path, tally: DeclarationTally, format: CheckFormat) -> Exit {
-    let shown = file.to_string_lossy();
+fn success(shown: &str, tally: DeclarationTally, format: CheckFormat) -> Exit {
     match format.one_by_one() {
-        Some(ReportFormat::Json) => terminal::answer(&format!("{}\n", report::json::checked(&shown, tally))),
+        Some(ReportFormat::Json) => terminal::answer(&format!("{}\n", report::json::checked(shown, tally))),
         Some(ReportFormat::Human | ReportFormat::Short | ReportFormat::Github) => {
-            terminal::answer(&terminal::line("Checked", &shown, 0, &report::tally(tally)))
+            terminal::answer(&terminal::line("Checked", shown, 0, &report::tally(tally)))
         }
         None => Exit::Done,
     }

@@ -9,12 +9,6 @@ use serde_json::json;
 use similar::TextDiff;
 use std::path::{Path, PathBuf};
 
-/// The argument that stands for standard input.
-const STANDARD_INPUT: &str = "-";
-
-/// The name of standard input in messages.
-const STANDARD_INPUT_NAME: &str = "<stdin>";
-
 /// Formats each program; the exit status is the gravest one.
 pub fn run(arguments: &FmtArguments) -> Exit {
     let mut exit = Exit::Done;
@@ -42,13 +36,12 @@ fn programs(argument: &Path) -> Result<Vec<PathBuf>, Box<Diagnostic>> {
 }
 
 fn one(file: &Path, arguments: &FmtArguments) -> Exit {
-    let is_input = file.as_os_str() == STANDARD_INPUT;
-    let name = if is_input { Path::new(STANDARD_INPUT_NAME) } else { file };
-    let text = match if is_input { disk::read_standard_input(name) } else { disk::read_program(file) } {
-        Ok(text) => text,
+    let is_input = disk::is_standard_input(file);
+    let (path, text) = match disk::read_argument(file) {
+        Ok(read) => read,
         Err(diagnostic) => return unreadable(*diagnostic, arguments),
     };
-    let name = name.to_string_lossy();
+    let name = path.to_string_lossy();
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let id = sources.add(&*name, text.as_str());
     let formatted = format::format(id, &text, &mut sink);

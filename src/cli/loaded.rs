@@ -35,8 +35,13 @@ impl Loaded {
     /// # Errors
     /// A diagnostic: it cannot be read.
     pub fn open(file: &Path, options: Options) -> Result<Loaded, Box<Diagnostic>> {
-        let text = disk::read_program(file)?;
-        Ok(Loaded { path: file.to_owned(), name: Disk::round(file).program_name(), text, options })
+        let (path, text) = disk::read_argument(file)?;
+        Ok(Loaded { name: Disk::round(&path).program_name(), path, text, options })
+    }
+
+    /// Its path, or the name of standard input.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// The name that messages show: the path as it was typed.

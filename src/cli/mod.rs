@@ -8,6 +8,7 @@ mod disk;
 mod errors;
 mod explain;
 mod fmt;
+mod formats;
 mod library;
 mod loaded;
 mod microrobots;
@@ -55,6 +56,7 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
             return ExitCode::from(if error.use_stderr() { Exit::Usage as u8 } else { Exit::Done as u8 });
         }
     };
+    terminal::choose_colour(invocation.color);
     let worker = std::thread::Builder::new().stack_size(STACK_BYTES).spawn(move || dispatch(invocation.command));
     let exit = match worker.map(std::thread::JoinHandle::join) {
         Ok(Ok(exit)) => exit,

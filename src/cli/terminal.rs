@@ -1,18 +1,38 @@
 //! Output to the terminal: diagnostics, report lines, results.
 
 use super::Exit;
-use super::arguments::ReportFormat;
+use super::arguments::{ColourChoice, QuietArgument, ReportFormat};
 use crate::diagnostic::plain::{plain, shortened};
 use crate::diagnostic::render::{self, Characters, Colour, Look};
 use crate::diagnostic::{Diagnostic, Sink, machine};
 use crate::source::Sources;
 use std::io::{self, IsTerminal, Write};
+use std::sync::OnceLock;
 
 /// The columns of a report that goes to no terminal.
 const PIPE_WIDTH: usize = 100;
 
 /// A report is not squeezed into fewer columns than these.
 const LEAST_WIDTH: usize = 40;
+
+/// The choice of the command line, once it is read.
+static COLOUR: OnceLock<ColourChoice> = OnceLock::new();
+
+/// Sets when colours are used; before, they are by the terminal.
+pub fn choose_colour(choice: ColourChoice) {
+    // The command line is read once.
+    let _ = COLOUR.set(choice);
+}
+
+/// Whether a stream is shown with colours.
+fn is_coloured(stream: &impl IsTerminal) -> bool {
+    let is_wanted = || std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) && !is_dumb();
+    match COLOUR.get().copied().unwrap_or(ColourChoice::Auto) {
+        ColourChoice::Auto => stream.is_terminal() && is_wanted(),
+        ColourChoice::Always => true,
+        ColourChoice::Never => false,
+    }
+}
 
 /// Writes every diagnostic of a sink to standard error.
 pub fn report(sink: &Sink, sources: &Sources, format: ReportFormat) {
@@ -44,11 +64,9 @@ pub fn report_one(diagnostic: Diagnostic, format: ReportFormat) {
 }
 
 fn look() -> Look {
-    let to_terminal = io::stderr().is_terminal();
-    let plain = !to_terminal || std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty()) || is_dumb();
     let width = columns().unwrap_or(PIPE_WIDTH).max(LEAST_WIDTH);
     Look {
-        colour: if plain { Colour::Plain } else { Colour::Ansi },
+        colour: if is_coloured(&io::stderr()) { Colour::Ansi } else { Colour::Plain },
         characters: if is_dumb() { Characters::Ascii } else { Characters::Unicode },
         width,
     }
@@ -85,6 +103,11 @@ pub fn answer(text: &str) -> Exit {
     }
 }
 
+/// Writes a report of success to standard output, unless errors and warnings alone are wanted.
+pub fn success(text: &str, quiet: QuietArgument) -> Exit {
+    if quiet.is_quiet { Exit::Done } else { answer(text) }
+}
+
 /// Greatest number of characters of a name in a report.
 const MAX_NAME_CHARACTERS: usize = 200;
 
@@ -95,9 +118,8 @@ pub fn name(text: &str) -> String {
 
 /// A line of the report of a build: action, object and result.
 pub fn line(verb: &str, subject: &str, subject_width: usize, text: &str) -> String {
-    let colour = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let verb = format!("{verb:>9}");
-    let verb = if colour && !is_dumb() { format!("\x1b[1;32m{verb}\x1b[0m") } else { verb };
+    let verb = if is_coloured(&io::stdout()) { format!("\x1b[1;32m{verb}\x1b[0m") } else { verb };
     let (subject, text) = (name(subject), plain(text));
     let line = format!("{verb}  {subject:<subject_width$}  {text}");
     format!("{}\n", line.trim_end())

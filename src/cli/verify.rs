@@ -39,7 +39,7 @@ impl Refusal {
 /// Replays a log; every refusing step states why.
 pub fn run(arguments: &VerifyArguments) -> Exit {
     match judge(arguments) {
-        Ok(text) => terminal::answer(&text),
+        Ok(text) => terminal::success(&text, arguments.quiet),
         Err(refusal) => refusal.report(arguments.report.format),
     }
 }

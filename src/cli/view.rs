@@ -1,7 +1,8 @@
 //! `tweeze view`: the page of a program or a log, in the browser.
 
-use super::arguments::{BuildArguments, ReportFormat, ViewArguments};
+use super::arguments::{BuildArguments, QuietArgument, ReportFormat, ViewArguments};
 use super::disk::{self, Destination, MAX_LOG_BYTES};
+use super::formats::EmitChoice;
 use super::{Exit, build, errors, report, terminal, verify};
 use crate::emit::{self, Format};
 use std::path::{Path, PathBuf};
@@ -29,16 +30,18 @@ pub fn run(arguments: &ViewArguments) -> Exit {
 type WrittenPages = (String, Vec<PathBuf>);
 
 fn of_program(arguments: &ViewArguments) -> Result<WrittenPages, Exit> {
-    build::built(&BuildArguments {
-        file: arguments.file.clone(),
+    let build = BuildArguments {
+        files: Vec::new(),
         task: arguments.task.clone(),
-        emit: vec![Format::Html],
+        emit: vec![EmitChoice::One(Format::Html)],
         at: None,
         output: arguments.output.clone(),
         force: arguments.force,
         settings: arguments.settings.clone(),
+        quiet: QuietArgument { is_quiet: false },
         report: arguments.report.clone(),
-    })
+    };
+    build::built(&arguments.file, &build)
 }
 
 fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, Exit> {

@@ -63,6 +63,20 @@ impl EmitError {
         if bytes > limit { Err(EmitError::TooLarge { format, bytes, limit }) } else { Ok(()) }
     }
 
+    /// Whether the format has no form for the schedule, while others have.
+    pub fn is_of_the_format(&self) -> bool {
+        match self {
+            EmitError::Ramp { .. }
+            | EmitError::TooLarge { .. }
+            | EmitError::TooManyPoints { .. }
+            | EmitError::NoSampleClock { .. }
+            | EmitError::NotWired { .. }
+            | EmitError::Leap { .. }
+            | EmitError::NotPositions { .. } => true,
+            EmitError::NotFinite | EmitError::OutsideSchedule { .. } | EmitError::Failed { .. } => false,
+        }
+    }
+
     /// For the person at the terminal.
     pub fn diagnostic(&self) -> Diagnostic {
         match self {

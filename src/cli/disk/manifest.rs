@@ -73,9 +73,12 @@ impl Manifest {
 impl ProgramId {
     fn of(folder: &Path, program: &Path) -> ProgramId {
         let name = program.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        // Both exist by now; where the system cannot resolve their places, the paths as typed are used.
-        let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
-        let way = way_to(&whole(folder), &whole(program));
+        // Standard input has no place, and some systems cannot resolve places: then the paths as typed are used.
+        let way = match (folder.canonicalize(), program.canonicalize()) {
+            (Ok(folder), Ok(program)) => way_to(&folder, &program),
+            (_, Err(_)) => program.to_owned(),
+            (Err(_), Ok(program)) => way_to(folder, &program),
+        };
         let digest = Sha256::digest(way.to_string_lossy().replace('\\', "/").as_bytes());
         ProgramId { program: name, place: digest.iter().map(|byte| format!("{byte:02x}")).collect() }
     }

@@ -46,11 +46,28 @@ pub fn read_bytes(path: &Path, limit: usize) -> Result<Vec<u8>, Box<Diagnostic>>
     Ok(bytes)
 }
 
-/// Reads a program's text from standard input.
+/// The argument that stands for standard input, and its name in messages and outputs.
+const STANDARD_INPUT: &str = "-";
+const STANDARD_INPUT_NAME: &str = "<stdin>";
+
+/// Whether an argument stands for standard input.
+pub fn is_standard_input(argument: &Path) -> bool {
+    argument.as_os_str() == STANDARD_INPUT
+}
+
+/// Reads the program that an argument stands for, with its path, or the name of standard input.
 ///
 /// # Errors
 /// A diagnostic: it cannot be read, is too large, or is not UTF-8.
-pub fn read_standard_input(name: &Path) -> Result<String, Box<Diagnostic>> {
+pub fn read_argument(argument: &Path) -> Result<(PathBuf, String), Box<Diagnostic>> {
+    match is_standard_input(argument) {
+        true => read_standard_input().map(|text| (PathBuf::from(STANDARD_INPUT_NAME), text)),
+        false => read_program(argument).map(|text| (argument.to_owned(), text)),
+    }
+}
+
+fn read_standard_input() -> Result<String, Box<Diagnostic>> {
+    let name = Path::new(STANDARD_INPUT_NAME);
     let mut bytes = Vec::new();
     let read = io::stdin().lock().take(MAX_FILE_BYTES as u64 + 1).read_to_end(&mut bytes);
     read.map_err(|error| Box::new(errors::unreadable(name, &error)))?;
@@ -135,8 +152,7 @@ pub fn write_all(to: &Destination, files: &[OutputFile]) -> Result<(), Box<Diagn
     let mut in_place = signals::changing_files();
     let made = !folder.exists();
     if folder.is_file() {
-        let in_the_way = io::Error::new(io::ErrorKind::NotADirectory, "it is a file, and no folder");
-        return Err(fail(folder)(in_the_way));
+        return Err(fail(folder)(no_folder()));
     }
     fs::create_dir_all(folder).map_err(fail(folder))?;
     let written = write_set(to, files);
@@ -150,6 +166,21 @@ pub fn write_all(to: &Destination, files: &[OutputFile]) -> Result<(), Box<Diagn
         signals::wait_for_end();
     }
     written
+}
+
+/// Whether files can be written into a folder, or into the nearest one above it that exists: asked before a long search for a plan.
+///
+/// # Errors
+/// A diagnostic that names the folder and why.
+pub fn try_folder(folder: &Path) -> Result<(), Box<Diagnostic>> {
+    let is_there = |folder: &&Path| !folder.as_os_str().is_empty() && folder.symlink_metadata().is_ok();
+    let existing = folder.ancestors().find(is_there).unwrap_or(Path::new("."));
+    let tried = if existing.is_file() { Err(no_folder()) } else { tempfile::tempfile_in(existing).map(drop) };
+    tried.map_err(|error| Box::new(errors::unwritable(existing, &error)))
+}
+
+fn no_folder() -> io::Error {
+    io::Error::new(io::ErrorKind::NotADirectory, "it is a file, and no folder")
 }
 
 /// Finishes an interrupted build into the folder of a file, so that all files read there are of one build.

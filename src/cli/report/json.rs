@@ -1,7 +1,9 @@
 //! Reports of success as JSON, one object in a line.
 
+use super::WrittenSchedule;
 use crate::check::DeclarationTally;
 use crate::compile::Compiled;
+use crate::emit::Format;
 use crate::schedule::{PlanRecord, Schedule};
 use crate::verify::Verified;
 use serde_json::{Value, json};
@@ -16,19 +18,21 @@ fn declared(tally: DeclarationTally) -> Value {
     json!({ "devices": devices, "scenes": scenes, "tasks": tasks, "programs": programs })
 }
 
-/// The report of `build`: each schedule with its plans and the files written.
-pub fn built(file: &str, compiled: &Compiled, settings: &[String], written: &[Vec<String>]) -> Value {
+/// The report of `build`: each schedule with its plans, the files written, and the formats that have no form for it.
+pub fn built(file: &str, compiled: &Compiled, settings: &[String], written: &[WrittenSchedule]) -> Value {
     let schedules = compiled.schedules.iter().zip(written);
-    let schedules: Vec<Value> = schedules.map(|(verified, files)| schedule(verified, files)).collect();
+    let schedules: Vec<Value> = schedules.map(|(verified, written)| schedule(verified, written)).collect();
     json!({ "built": file, "declared": declared(compiled.tally), "settings": settings, "schedules": schedules })
 }
 
-fn schedule(verified: &Verified, files: &[String]) -> Value {
+fn schedule(verified: &Verified, written: &WrittenSchedule) -> Value {
     let schedule = verified.schedule();
     let plans: Vec<Value> = schedule.plans.iter().map(plan).collect();
     let mut report = verified_schedule(schedule);
     report["plans"] = plans.into();
-    report["files"] = files.into();
+    report["files"] = written.names().collect();
+    let left_out = |(format, why): &(Format, String)| json!({ "format": format.name(), "why": why });
+    report["left_out"] = written.left_out.iter().map(left_out).collect();
     report
 }
 

@@ -15,12 +15,13 @@ use crate::check::{DeclarationTally, KindFacts};
 use crate::claims::{Claims, Job, Order};
 use crate::compile::Compiled;
 use crate::device::each_kind;
+use crate::emit::Format;
 use crate::quantity::{Dimension, Quantity};
 use crate::schedule::cost::{cost, count};
 use crate::schedule::{PlanRecord, Schedule, ScheduledStep};
 use crate::verify::Verified;
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Runs of one schedule that the report shows; the rest is counted. Of each sort of note it shows as many.
 const MAX_PLAN_LINES: usize = 20;
@@ -101,10 +102,24 @@ pub fn device(name: &str, facts: &KindFacts, claims: &[Claims]) -> String {
     each_kind!(KindFacts, facts, facts => facts.told(name, claims))
 }
 
-/// The report of a whole build, each of its schedules written to some paths.
-pub fn build(file: &Path, compiled: &Compiled, settings_in_force: &[String], written: &[Vec<String>]) -> String {
+/// What became of a schedule on the disk.
+pub struct WrittenSchedule {
+    /// Where its files stand.
+    pub paths: Vec<PathBuf>,
+    /// The formats that have no form for it, and why.
+    pub left_out: Vec<(Format, String)>,
+}
+
+impl WrittenSchedule {
+    fn names(&self) -> impl Iterator<Item = String> + '_ {
+        self.paths.iter().map(|path| path.to_string_lossy().into_owned())
+    }
+}
+
+/// The report of a whole build.
+pub fn build(file: &Path, compiled: &Compiled, settings_in_force: &[String], written: &[WrittenSchedule]) -> String {
     let file = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let paths = written.iter().flatten().cloned();
+    let paths = written.iter().flat_map(WrittenSchedule::names);
     let subjects = compiled.schedules.iter().flat_map(subjects).chain(paths).chain([file.clone()]);
     let width = width(subjects.chain(settings_in_force.iter().map(|setting| format!("--set {setting}"))));
     let mut text = terminal::line("Checked", &file, width, &tally(compiled.tally));
@@ -117,11 +132,14 @@ pub fn build(file: &Path, compiled: &Compiled, settings_in_force: &[String], wri
         let replayed = format!("{} replayed, 0 violations", count(schedule.actuations.len(), "actuation"));
         text.push_str(&terminal::line("Verified", &schedule.name, width, &replayed));
     }
-    for (verified, paths) in compiled.schedules.iter().zip(written) {
+    for (verified, written) in compiled.schedules.iter().zip(written) {
         let mut figures = figures(verified.schedule());
-        for path in paths {
-            text.push_str(&terminal::line("Wrote", path, width, &figures));
+        for path in written.names() {
+            text.push_str(&terminal::line("Wrote", &path, width, &figures));
             figures.clear();
+        }
+        for (format, why) in &written.left_out {
+            text.push_str(&terminal::line("Left out", format.name(), width, why));
         }
     }
     text

@@ -1,5 +1,7 @@
 //! The built program as users see it: commands, exit statuses, files, streams.
 
+mod usage;
+
 use assert_cmd::Command;
 use assert_cmd::assert::Assert;
 use std::fs;
@@ -117,7 +119,8 @@ fn wrong_usage_is_told_apart() {
         &["check"],
         &["verify"],
         &["fmt"],
-        &["build", "a.twz", "b.twz"],
+        &["build", "-", "-"],
+        &["build", "a.twz", "--color", "red"],
         &["build", "a.twz", "--emit", "mp3"],
         &["build", "a.twz", "--emit", ""],
         &["check", "a.twz", "--format", "xml"],
@@ -131,6 +134,7 @@ fn wrong_usage_is_told_apart() {
     }
     says(&err(&bench.run(&["bild"])), &["build"]);
     says(&err(&bench.run(&["devices", "dimibott"])), &["did you mean `dimibot`?"]);
+    says(&err(&bench.run(&["build", "a.twz", "--emit", "mcap,cvs"])), &["'cvs'", "similar", "'csv'"]);
     assert_eq!(bench.names("."), ["a.twz"]);
 }
 

@@ -1,0 +1,64 @@
+//! What `build`, `check` and `verify` share of the command line: several programs, standard input, all formats, how much is said.
+
+use super::*;
+
+#[test]
+fn several_programs_are_built_each_by_itself() {
+    let bench = Bench::with(SMALL);
+    fs::write(bench.path("b.twz"), SMALL.replace("task go", "task go_too").replace("(1, 1)", "(999, 1)"))
+        .expect("written");
+    fs::write(bench.path("c.twz"), SMALL.replace("task go", "task gone")).expect("written");
+    let built = bench.run(&["build", "a.twz", "b.twz", "c.twz", "--emit", "json", "-o", "out"]).code(ERRORS);
+    says(&out(&built), &["Wrote  out/go.json", "Wrote  out/gone.json"]);
+    says(&err(&built), &["b.twz:3:", "error"]);
+    assert_eq!(bench.names("out"), ["go.json", "gone.json"]);
+}
+
+#[test]
+fn a_program_may_come_from_standard_input() {
+    let bench = Bench::with(SMALL);
+    let built = bench.command(&["build", "-", "-o", "out"]).write_stdin(SMALL).assert().code(DONE);
+    says(&out(&built), &["Checked  <stdin>", "out/go.mcap"]);
+    let log = bench.path("out/go.mcap").to_string_lossy().into_owned();
+    bench.run(&["verify", &log]).code(DONE);
+    bench.run(&["verify", &log, "--against", "a.twz"]).code(DONE);
+    // The same again replaces its own files; another program does not.
+    bench.command(&["build", "-", "-o", "out"]).write_stdin(SMALL).assert().code(DONE);
+    says(&err(&bench.run(&["build", "a.twz", "-o", "out"]).code(FILES)), &["<stdin>"]);
+    let wrong = bench.command(&["check", "-"]).write_stdin(SMALL.replace("move", "mvoe")).assert().code(ERRORS);
+    says(&err(&wrong), &["<stdin>:3:"]);
+}
+
+#[test]
+fn all_formats_are_those_that_have_a_form() {
+    let bench = Bench::with(SMALL);
+    let built = bench.run(&["build", "a.twz", "--emit", "all", "-o", "out"]).code(DONE);
+    says(&out(&built), &["out/go.mcap", "out/go.svg", "Left out  scpi", "Left out  nidaqmx", "Left out  gcode"]);
+    let json = bench.run(&["build", "a.twz", "--emit", "all", "-o", "out", "--format", "json"]).code(DONE);
+    says(&out(&json), &["\"left_out\":[{\"format\":\"scpi\""]);
+    // What is named must be written.
+    says(&err(&bench.run(&["build", "a.twz", "--emit", "all,scpi", "-o", "out"]).code(ERRORS)), &["E0824"]);
+}
+
+#[test]
+fn reports_are_as_loud_and_colourful_as_asked() {
+    let bench = Bench::with(SMALL);
+    for arguments in [&["build", "a.twz", "-q"][..], &["check", "--quiet", "a.twz"], &["verify", "go.mcap", "-q"]] {
+        let quiet = bench.run(arguments).code(DONE);
+        assert_eq!((out(&quiet), err(&quiet)), (String::new(), String::new()), "{arguments:?}");
+    }
+    let plain = out(&bench.run(&["build", "a.twz"]).code(DONE));
+    let coloured = out(&bench.run(&["--color", "always", "build", "a.twz"]).code(DONE));
+    assert!(!plain.contains('\x1b') && coloured.contains("\x1b[1;32m"));
+    let wrong = bench.run(&["check", "none.twz", "--color=always"]).code(FILES);
+    assert!(err(&wrong).contains('\x1b'), "{}", err(&wrong));
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_found_before_the_search_for_a_plan() {
+    // Planning this one would end in E0601.
+    let walled = SMALL.replace("on bot", "on bot in s").replace("task", "scene s { obstacle wall at (1, 1) }\ntask");
+    let bench = Bench::with(walled);
+    let failed = bench.run(&["build", "a.twz", "-o", "a.twz/out"]).code(FILES);
+    says(&err(&failed), &["it is a file, and no folder"]);
+}
