@@ -42,6 +42,9 @@ impl Bench {
     }
 
     fn work(&mut self, block: &Block) {
+        if let Some(file) = block.value("file").filter(|file| block.before != format!("**`{file}`**")) {
+            self.wrong.push(format!("{}: the line before the block is not **`{file}`**", block.line));
+        }
         match (block.language.as_str(), block.value("file"), block.value("of")) {
             (_, _, Some(path)) => self.look_up(block, path),
             ("twz", file, _) => self.compile(block, file),

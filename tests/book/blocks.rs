@@ -9,6 +9,8 @@ pub struct Block {
     pub language: String,
     /// The words behind it.
     words: Vec<String>,
+    /// The line before its fence.
+    pub before: String,
     /// Its lines.
     pub lines: Vec<String>,
     /// The rest of a program, from the comment before it.
@@ -54,6 +56,7 @@ const HIDDEN: &str = "<!-- twz";
 pub fn blocks(text: &str) -> Vec<Block> {
     let mut blocks = Vec::new();
     let mut hidden: Vec<String> = Vec::new();
+    let mut before = "";
     let mut lines = (1..).zip(text.lines());
     while let Some((line, content)) = lines.next() {
         if content == HIDDEN {
@@ -65,10 +68,12 @@ pub fn blocks(text: &str) -> Vec<Block> {
             let body = lines.by_ref().map(|(_, content)| content).take_while(|content| *content != FENCE);
             let body = body.map(str::to_owned).collect();
             let hidden = std::mem::take(&mut hidden);
-            blocks.push(Block { line, language, words: words.collect(), lines: body, hidden });
+            let before = before.to_owned();
+            blocks.push(Block { line, language, words: words.collect(), before, lines: body, hidden });
         } else if !content.is_empty() {
             hidden.clear();
         }
+        before = content;
     }
     blocks
 }
