@@ -8,6 +8,9 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
+use tweeze::diagnostic::Sink;
+use tweeze::format::format;
+use tweeze::source::Sources;
 
 /// Pages of programs that other tests compile: `tests/examples.rs`, the published devices of every program, and the rest of this file.
 const WITHOUT_BLOCKS: [&str; 3] = ["docs/examples.md", "docs/library.md", "docs/diagnostics.md"];
@@ -15,8 +18,6 @@ const WITHOUT_BLOCKS: [&str; 3] = ["docs/examples.md", "docs/library.md", "docs/
 /// A page at work.
 struct Bench {
     folder: TempDir,
-    /// The programs that the page has written, by name.
-    programs: BTreeMap<String, String>,
     wrong: Vec<String>,
     rewritten: Vec<(Block, Vec<String>)>,
 }
@@ -38,7 +39,7 @@ impl Bench {
         for entry in fs::read_dir(root().join("examples")).expect("the examples").flatten() {
             fs::copy(entry.path(), examples.join(entry.file_name())).expect("an example is copied");
         }
-        Bench { folder, programs: BTreeMap::new(), wrong: Vec::new(), rewritten: Vec::new() }
+        Bench { folder, wrong: Vec::new(), rewritten: Vec::new() }
     }
 
     fn work(&mut self, block: &Block) {
@@ -62,8 +63,13 @@ impl Bench {
     }
 
     fn compile(&mut self, block: &Block, file: Option<&str>) {
+        let mut sources = Sources::default();
+        let id = sources.add("page", block.shown());
+        if format(id, &block.shown(), &mut Sink::default()) != block.shown() {
+            self.wrong.push(format!("{}: `tweeze fmt` writes this program in another form", block.line));
+        }
         let name = file.unwrap_or("main.twz").to_owned();
-        let files = self.programs.clone();
+        let files = self.texts();
         let (_, sink) = Case { name, text: block.text(), files, ..Case::default() }.compile();
         let mut codes: Vec<&str> = sink.sorted().iter().map(|diagnostic| diagnostic.code.name()).collect();
         codes.sort_unstable();
@@ -75,8 +81,16 @@ impl Bench {
         }
         if let Some(file) = file {
             self.write(file, &block.text());
-            self.programs.insert(file.to_owned(), block.text());
         }
+    }
+
+    /// The files of the page that are texts, by name.
+    fn texts(&self) -> BTreeMap<String, String> {
+        let entries = fs::read_dir(self.folder.path()).expect("the folder of the page").flatten();
+        let text = |path: &Path| fs::read_to_string(path).ok();
+        entries
+            .filter_map(|entry| Some((entry.file_name().to_string_lossy().into_owned(), text(&entry.path())?)))
+            .collect()
     }
 
     /// The status of a command, and the lines that it prints on either output.

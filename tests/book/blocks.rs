@@ -27,6 +27,11 @@ impl Block {
         self.words.iter().any(|other| other == word)
     }
 
+    /// Its lines as one text.
+    pub fn shown(&self) -> String {
+        self.lines.join("\n") + "\n"
+    }
+
     /// The whole text: its lines, within the hidden ones.
     pub fn text(&self) -> String {
         let mut lines: Vec<&str> = Vec::new();

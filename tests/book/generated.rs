@@ -1,6 +1,8 @@
 //! Pages made of what the program prints: the vocabulary and the diagnostics; and those that include whole files.
 
-use super::{read, root, updates};
+use super::blocks::blocks;
+use super::{assert_nothing, read, root, updates};
+use std::collections::BTreeSet;
 use std::fs;
 use std::process::Command;
 use tweeze::device::Kind;
@@ -24,6 +26,12 @@ fn assert_generated(page: &str, text: &str) {
 const TERM: usize = 2;
 const MEANING: usize = 34;
 
+/// Whether a line has a meaning in its column; a long term has a line of its own.
+fn has_meaning(line: &str) -> bool {
+    let near: Vec<char> = line.chars().skip(MEANING - 2).take(3).collect();
+    matches!(near.as_slice(), [' ', ' ', first] if *first != ' ')
+}
+
 /// A section of `tweeze devices KIND` as Markdown: a table of terms and meanings, or a paragraph.
 fn section(title: &str, lines: &[&str]) -> String {
     let mut entries: Vec<(String, String)> = Vec::new();
@@ -31,7 +39,7 @@ fn section(title: &str, lines: &[&str]) -> String {
         let chars: Vec<char> = line.chars().collect();
         let is_blank = |from: usize, to: usize| chars[from..to].iter().all(|c| *c == ' ');
         let text = |from: usize, to: usize| chars[from..to].iter().collect::<String>().trim().to_owned();
-        let has_meaning = chars.len() > MEANING && is_blank(MEANING - 2, MEANING) && chars[MEANING] != ' ';
+        let has_meaning = has_meaning(line);
         match entries.last_mut() {
             Some((_, meaning)) if has_meaning && is_blank(0, MEANING) => {
                 let rest = text(MEANING, chars.len());
@@ -139,6 +147,55 @@ fn assert_included(page: &str, folder: &str) {
 fn examples_and_library_are_whole() {
     assert_included("docs/examples.md", "examples");
     assert_included("docs/library.md", "stdlib");
+}
+
+/// Prepositions of steps.
+const PREPOSITIONS: [&str; 7] = ["about", "at", "by", "for", "to", "via", "with"];
+
+/// Sections of `tweeze devices` that name no word of a program.
+const WITHOUT_WORDS: [&str; 4] = ["Channels", "Outputs", "To begin with", "Played by"];
+
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|word| !word.is_empty())
+}
+
+/// The words that a kind or a family brings: of each term the first one, the fields in its braces, and the prepositions.
+fn vocabulary(printed: &str) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    let mut has_words = true;
+    for line in printed.lines().skip(1).filter(|line| !line.is_empty()) {
+        if !line.starts_with(' ') {
+            has_words = !WITHOUT_WORDS.iter().any(|section| line.starts_with(section));
+        }
+        let is_term = line.starts_with("  ") && line.chars().nth(TERM).is_some_and(|c| c != ' ');
+        if has_words && is_term {
+            let term: String = line.chars().take(if has_meaning(line) { MEANING } else { usize::MAX }).collect();
+            found.extend(words(&term).take(1).map(str::to_owned));
+            found.extend(words(&term).filter(|word| PREPOSITIONS.contains(word)).map(str::to_owned));
+            let fields = term.split_once('{').map_or("", |(_, fields)| fields);
+            let names = fields.split(',').filter_map(|field| field.split_once(':')).map(|(name, _)| name.trim());
+            found.extend(names.filter(|name| words(name).count() == 1).map(str::to_owned));
+        }
+    }
+    found
+}
+
+#[test]
+fn every_form_is_on_its_page() {
+    let page = read("docs/forms.md");
+    let mut missing = Vec::new();
+    for name in Kind::ALL.iter().map(|kind| kind.name()).chain(Family::ALL.iter().map(|family| family.name())) {
+        let (_, rest) = page.split_once(&format!("\n## {name}\n")).unwrap_or_else(|| panic!("no section {name}"));
+        let section = rest.split("\n## ").next().unwrap_or_default();
+        // A card is in the section of a generator, too.
+        let text = if Kind::find(name).is_some() { section } else { page.as_str() };
+        let shown: Vec<String> = blocks(text).into_iter().filter(|b| b.language == "twz").map(|b| b.text()).collect();
+        let shown: BTreeSet<&str> = shown.iter().flat_map(|text| words(text)).collect();
+        let due = vocabulary(&printed(&["devices", name]));
+        assert!(due.len() > 10, "{name}: {due:?}");
+        missing.extend(due.into_iter().filter(|w| !shown.contains(w.as_str())).map(|word| format!("{name}: `{word}`")));
+    }
+    assert_nothing(&missing);
 }
 
 #[test]

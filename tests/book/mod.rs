@@ -2,7 +2,7 @@
 //!
 //! The first word after a fence says what a block is, the words behind it what must hold:
 //!
-//! - `twz`: a whole program, compiled without an error or a warning. `reports=E0503,W0511`: with these codes and no others.
+//! - `twz`: a whole program, in its canonical form, compiled without an error or a warning. `reports=E0503,W0511`: with these codes and no others.
 //!   `file=fetch.twz`: the program is a file for the blocks behind it, and the line
 //!   before the fence is its name, **`fetch.twz`**. A comment `<!-- twz … -->` before the block has the rest of a
 //!   program of which the page shows a part; a line `…` in it stands for that part, which otherwise comes last.
