@@ -197,6 +197,29 @@ fn commands(block: &Block) -> Vec<Shown> {
     commands
 }
 
+/// Where commands of a page write what the page shows as pictures, and where these stand in the book.
+const PICTURES: [&str; 2] = ["pictures", "docs/pictures/tutorials"];
+
+impl Bench {
+    /// Compares the pictures that the page has written with those of the book.
+    fn compare_pictures(&mut self) {
+        let [written, shown] = [self.folder.path().join(PICTURES[0]), root().join(PICTURES[1])];
+        for entry in fs::read_dir(written).into_iter().flatten().flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if !name.ends_with(".svg") {
+                continue;
+            }
+            let picture = fs::read_to_string(entry.path()).expect("a picture is text");
+            if updates() {
+                fs::write(shown.join(&name), &picture).expect("a picture is written");
+            }
+            if fs::read_to_string(shown.join(&name)).ok().as_ref() != Some(&picture) {
+                self.wrong.push(format!("0: {}/{name} is not what the page's commands write", PICTURES[1]));
+            }
+        }
+    }
+}
+
 /// Works through one page; what is wrong on it.
 fn work_through(page: &str) -> Vec<String> {
     let text = read(page);
@@ -204,6 +227,7 @@ fn work_through(page: &str) -> Vec<String> {
     for block in blocks(&text) {
         bench.work(&block);
     }
+    bench.compare_pictures();
     if !bench.rewritten.is_empty() {
         fs::write(root().join(page), rewritten(&text, &bench.rewritten)).expect("the page is rewritten");
     }

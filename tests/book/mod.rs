@@ -15,6 +15,7 @@
 //! - `text`: nothing to be run.
 //!
 //! Each page has a folder of its own with a copy of `examples`, in which its blocks work one after the other.
+//! What they write as `pictures/NAME.svg` is the picture `docs/pictures/tutorials/NAME.svg`.
 //! `TWEEZE_UPDATE=1 cargo test --test explain book` rewrites what commands print, and the generated pages: read the changes before
 //! committing them.
 
