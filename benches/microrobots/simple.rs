@@ -7,7 +7,7 @@ use tweeze::plan::microrobots::assembly::{self, MAX_PLANS};
 use tweeze::plan::microrobots::drive::{self, Drive};
 use tweeze::plan::microrobots::world::{BedPoses, World};
 use tweeze::plan::microrobots::{Leg, legs_ns};
-use tweeze::plan::search::SearchBudget;
+use tweeze::plan::search::{Meter, SearchBudget};
 use tweeze::random::SplitMix64;
 
 /// First legs that are drawn before the search gives up.
@@ -27,7 +27,9 @@ pub fn direct(order: &MicrorobotsOrder, start: &[Pose], steps: u64) -> Option<Ve
     let (budget, docked) = (SearchBudget::of(steps), vec![false; start.len()]);
     match &order.steps.first()?.action {
         MicrorobotsAction::Assemble(docks) => {
-            assembly::assemble(order, (start, &docked), docks, budget, MAX_PLANS).ok().map(|found| found.legs)
+            assembly::assemble(order, (start, &docked, None), docks, &mut Meter::new(budget), MAX_PLANS)
+                .ok()
+                .map(|found| found.legs)
         }
         MicrorobotsAction::Drive { robot, stops } => {
             let stops: Vec<Pose> = stops.iter().map(|stop| stop.pose).collect();

@@ -119,6 +119,11 @@ fn an_outline_thinner_than_can_be_followed_is_refused_at_the_door() {
     assert_eq!(build(&found("fingers-thin-outline")).codes, ["E0514"]);
 }
 
+#[test]
+fn an_outline_through_its_origin_is_refused_at_the_door() {
+    assert_eq!(build(&found("fingers-outline-through-origin")).codes, ["E0514"]);
+}
+
 /// Each was once planned and then refused by the verifier.
 #[test]
 fn what_was_refused_by_the_verifier_is_built() {
@@ -130,8 +135,10 @@ fn what_was_refused_by_the_verifier_is_built() {
 /// A part that is only carried does not roll: the replay stays in the plane of the last turn, as the plan does.
 #[test]
 fn a_part_is_carried_between_turns_about_two_axes() {
-    let built = build(&found("fingers-carried-between-planes"));
-    assert_eq!((built.codes, built.schedules.len()), (Vec::<&str>::new(), 1));
+    for name in ["fingers-carried-between-planes", "fingers-carried-on-axis"] {
+        let built = build(&found(name));
+        assert_eq!((built.codes, built.schedules.len()), (Vec::<&str>::new(), 1), "{name}");
+    }
 }
 
 /// Outlines that are nearly too rough take longest to refuse; there is an end to them.

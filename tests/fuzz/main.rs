@@ -25,6 +25,8 @@ use std::process::ExitCode;
 #[derive(Debug, Clone)]
 pub struct Run {
     pub seed: u64,
+    /// The first case: a long run can go on where another was stopped.
+    pub from: u64,
     /// The number of cases, unless the time ends it before.
     pub cases: u64,
     /// After so long no new case is begun.
@@ -77,6 +79,7 @@ fn main() -> ExitCode {
     let number = |name: &str| value(name).and_then(|value| value.parse::<u64>().ok());
     let run = Run {
         seed: number("--seed").unwrap_or(1),
+        from: number("--from").unwrap_or(0),
         cases: number("--cases").unwrap_or(if value("--seconds").is_some() { u64::MAX } else { 100 }),
         seconds: number("--seconds"),
         jobs: number("--jobs").unwrap_or(1).max(1),

@@ -141,8 +141,8 @@ fn without_numbers(fault: &str) -> String {
 /// One job: every so manieth case, until the cases or the time are over.
 fn job(run: &Run, first: u64, is_over: &AtomicBool, found: &Mutex<Found>) {
     let mut worker = Worker::start(run);
-    let mut case = first;
-    while case < run.cases && !is_over.load(Ordering::Relaxed) {
+    let (mut case, end) = (run.from.saturating_add(first), run.from.saturating_add(run.cases));
+    while case < end && !is_over.load(Ordering::Relaxed) {
         let answer = worker.ask(case);
         let fault = match &answer {
             Ok(line) => line.strip_prefix("fault ").map(str::to_owned),
@@ -165,7 +165,7 @@ fn job(run: &Run, first: u64, is_over: &AtomicBool, found: &Mutex<Found>) {
                 row.0 += 1;
             }
         }
-        case += run.jobs;
+        case = case.saturating_add(run.jobs);
     }
     worker.stop();
 }

@@ -41,6 +41,13 @@ fn extreme_programs_build_or_are_refused_at_the_door() {
     assert!(tight == NONE || tight == ["E0602"], "{tight:?}");
 }
 
+/// The robots of both were once planned for seconds, since looking at paths was no part of the budget.
+#[test]
+fn all_work_is_part_of_the_budget() {
+    assert_eq!(codes("microrobots-heading-too-fine"), ["E0602"]);
+    assert_eq!(codes("microrobots-obstacle-before-goal"), ["E0602"]);
+}
+
 #[test]
 fn extreme_figures_of_a_device_end_in_an_answer() {
     let with = |field: &str| {

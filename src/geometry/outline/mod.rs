@@ -36,6 +36,9 @@ pub const MAX_UM: f64 = 1e6;
 /// Least mean thickness of an outline, in micrometres: twice its area over its perimeter.
 pub const MIN_THICKNESS_UM: f64 = 0.001;
 
+/// How far inside of an outline the origin lies at least, in micrometres: far above what two geometries differ by.
+pub const MIN_INSIDE_UM: f64 = 1e-6;
+
 /// Least semi-axis, half width or radius of a corner.
 pub const MIN_UM: f64 = 1e-3;
 
@@ -153,7 +156,7 @@ impl Curve {
             width_um,
             least_curvature_per_um,
         };
-        if curve.nearest([0.0, 0.0]).distance_um >= 0.0 {
+        if curve.nearest([0.0, 0.0]).distance_um > -MIN_INSIDE_UM {
             return Err(OutlineError::OffOrigin);
         }
         if 2.0 * curve.area_um2 < MIN_THICKNESS_UM * curve.perimeter_um {

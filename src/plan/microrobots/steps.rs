@@ -16,7 +16,7 @@ use crate::claims::microrobots::{Dock, MicrorobotsAction, MicrorobotsOrder, Micr
 use crate::device::microrobots::{Arm, MicrorobotsObjective};
 use crate::diagnostic::Sink;
 use crate::geometry::Pose;
-use crate::plan::search::SearchBudget;
+use crate::plan::search::{Meter, SearchBudget};
 use crate::random::SplitMix64;
 
 /// The motion of a whole job, and the state of the robots after it.
@@ -212,16 +212,17 @@ impl<'a> BedStepPlanner<'a> {
     fn assembled(&self, docks: &[Dock], sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
         let gathering = Gathering::new((self.order, self.roomy), (self.world, self.bed), docks);
         if let FirstLegs::Drawn(seed) = self.first_legs {
-            return gathering.and_then(|gathering| self.after(gathering.descend(seed)?, docks));
+            let mut meter = Meter::new(self.share(DEPARTURE_SHARE));
+            return gathering.and_then(|gathering| self.after(gathering.descend(seed)?, docks, &mut meter));
         }
         let budget = SearchBudget::of(self.order.expansions);
-        let direct = self.assembly((self.bed, None), docks, (budget, assembly::MAX_PLANS));
+        let direct = self.assembly((self.bed, None), docks, (&mut Meter::new(budget), assembly::MAX_PLANS));
         // Neither arms nor goals change with the robots' places.
         let is_in_vain =
             matches!(direct, Err(NoAssembly::Stuck(StuckAssembly::Unsteerable { .. } | StuckAssembly::Apart { .. })));
         let mut best = direct.as_ref().ok().cloned();
         if !is_in_vain && self.first_legs != FirstLegs::None {
-            best = self.gathered(gathering.as_ref(), docks, best);
+            best = self.gathered((gathering.as_ref(), &mut Meter::new(budget)), docks, best);
         }
         if let (None, Err(none)) = (&best, &direct) {
             let goal = |robot: usize| docks.iter().find(|dock| dock.robot == robot).map(|dock| dock.goal.span);
@@ -237,19 +238,20 @@ impl<'a> BedStepPlanner<'a> {
     /// The best of assemblies after first legs, and of the given one.
     fn gathered(
         &self,
-        gathering: Option<&Gathering>,
+        (gathering, meter): (Option<&Gathering>, &mut Meter),
         docks: &[Dock],
         direct: Option<MicrorobotsStepMotion>,
     ) -> Option<MicrorobotsStepMotion> {
         let (mut best, mut best_legs) = (direct, None);
-        let improve =
-            |departure: Departure, best: &mut Option<MicrorobotsStepMotion>, best_legs: &mut Option<Departure>| {
-                let is_late = best.as_ref().is_some_and(|best| self.cost(best.legs()) <= self.cost(&departure.legs));
-                let Some(found) = (!is_late).then(|| self.after(departure.clone(), docks)).flatten() else { return };
-                if best.as_ref().is_none_or(|best| self.cost(found.legs()) < self.cost(best.legs())) {
-                    (*best, *best_legs) = (Some(found), Some(departure));
-                }
-            };
+        let mut improve = |departure: Departure,
+                           best: &mut Option<MicrorobotsStepMotion>,
+                           best_legs: &mut Option<Departure>| {
+            let is_late = best.as_ref().is_some_and(|best| self.cost(best.legs()) <= self.cost(&departure.legs));
+            let Some(found) = (!is_late).then(|| self.after(departure.clone(), docks, meter)).flatten() else { return };
+            if best.as_ref().is_none_or(|best| self.cost(found.legs()) < self.cost(best.legs())) {
+                (*best, *best_legs) = (Some(found), Some(departure));
+            }
+        };
         for seed in 1..=DESCENTS {
             if let Some(departure) = gathering.and_then(|gathering| gathering.descend(seed)) {
                 improve(departure, &mut best, &mut best_legs);
@@ -265,17 +267,24 @@ impl<'a> BedStepPlanner<'a> {
         }
         if best.is_none() {
             let goals = docks.iter().map(|dock| dock.goal.pose);
-            best = self.departures(goals, BEST_SEED).take(MAX_DEPARTURES).find_map(|legs| self.after(legs, docks));
+            let mut departures = self.departures(goals, BEST_SEED).take(MAX_DEPARTURES);
+            best = departures.find_map(|legs| self.after(legs, docks, meter));
         }
         best
     }
 
-    /// The assembly after first legs.
-    fn after(&self, Departure { mut legs, bed }: Departure, docks: &[Dock]) -> Option<MicrorobotsStepMotion> {
-        let effort = (self.share(DEPARTURE_SHARE), assembly::MAX_MORE_PLANS);
-        let MicrorobotsStepMotion::Legs { legs: later, docks: mut docking, mut stages } =
-            self.assembly((&bed, legs.last().map(|leg| leg.state)), docks, effort).ok()?
-        else {
+    /// The assembly after first legs, on a share of the step's expansions.
+    fn after(
+        &self,
+        Departure { mut legs, bed }: Departure,
+        docks: &[Dock],
+        meter: &mut Meter,
+    ) -> Option<MicrorobotsStepMotion> {
+        let from = (&bed, legs.last().map(|leg| leg.state));
+        let assembly = meter.share(self.share(DEPARTURE_SHARE).steps, |meter| {
+            self.assembly(from, docks, (meter, assembly::MAX_MORE_PLANS))
+        });
+        let MicrorobotsStepMotion::Legs { legs: later, docks: mut docking, mut stages } = assembly.ok()? else {
             return None;
         };
         if legs.last().map(|leg| leg.state) == later.first().map(|leg| leg.state) {
@@ -293,10 +302,9 @@ impl<'a> BedStepPlanner<'a> {
         &self,
         (bed, state): (&BedPoses, Option<usize>),
         docks: &[Dock],
-        (budget, most_stages): (SearchBudget, usize),
+        (meter, most_stages): (&mut Meter, usize),
     ) -> Result<MicrorobotsStepMotion, NoAssembly> {
-        let assembled =
-            assembly::assemble_after(self.roomy, (&bed.poses, &bed.docked, state), docks, budget, most_stages);
+        let assembled = assembly::assemble(self.roomy, (&bed.poses, &bed.docked, state), docks, meter, most_stages);
         let Assembled { legs, docks, stages, .. } = assembled.map_err(NoAssembly::Stuck)?;
         // The assembly was planned from rest, but a robot may have been turning since the previous step.
         match bed.first_hit(self.world, &legs, &docks) {

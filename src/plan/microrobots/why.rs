@@ -177,9 +177,14 @@ impl BedReasons<'_> {
             StuckAssembly::Coarse { robot } => {
                 let title =
                     format!("whole strokes do not bring {} to its goal within the precision", self.name(*robot));
-                Diagnostic::new(code, title)
-                    .label(span(*robot), "this goal")
-                    .help("ask for less `precision`, or give the bed a smaller `step_size`")
+                let facts = self.order.robot(*robot);
+                let (step_um, turn_deg) = (facts.step_um, (facts.step_um / facts.turning_radius_um).to_degrees());
+                let step = Quantity::new(step_um / 1e6, Dimension::LENGTH);
+                Diagnostic::new(code, title).label(span(*robot), "this goal").help(format!(
+                    "a stroke moves it by {step} or turns it by {} deg: give the task a larger `precision` and `heading_precision`, or \
+                     the bed a smaller `step_size`",
+                    digits(turn_deg)
+                ))
             }
             StuckAssembly::Loose { robot, gap_um } => self.loose(code, *robot, *gap_um, span(*robot)),
             StuckAssembly::GaveUp => self.gave_up(),

@@ -18,8 +18,8 @@ const FIRST_STRETCHES: usize = 24;
 /// Increment of the straight segments of detours, as a share of the turning radius.
 const STRETCH_SHARE: f64 = 0.25;
 
-/// Full circles beyond those that the headings require.
-const MAX_CIRCLES: usize = 3;
+/// Full circles beyond those that the headings require, with none.
+pub const CIRCLES: usize = 4;
 
 /// Rounding tolerance of a segment of length 0, in micrometres.
 const ROUNDING_UM: f64 = 1e-6;
@@ -31,6 +31,8 @@ pub struct ClosingRequest {
     pub to: Pose,
     pub length_um: f64,
     pub least_last_um: f64,
+    /// By number of full circles, whether paths with them are wanted.
+    pub circles: [bool; CIRCLES],
 }
 
 /// Turn, straight, turn: the path between two poses that always exists; none of its arcs is a full circle.
@@ -70,23 +72,29 @@ pub fn stretches(robot: &Robot, count: usize) -> Vec<f64> {
     (0..count).map(|index| index as f64 * STRETCH_SHARE * robot.turning_radius_um).collect()
 }
 
+/// The sum of all turns of a path between two poses, with so many full circles beyond those that the headings require.
+pub fn turned_rad(robot: &Robot, [from, to]: [Pose; 2], circles: usize) -> f64 {
+    turn_rad(robot, from.heading_rad, to.heading_rad) + TAU * circles as f64
+}
+
 /// Paths of the required length: those without a first segment first, then those with few full circles.
 pub fn closings(robot: &Robot, asked: &ClosingRequest) -> Vec<Vec<ArmSegment>> {
     let most_um = asked.length_um - asked.least_last_um;
     let first_um = |index: usize| most_um * index as f64 / FIRST_STRETCHES as f64;
-    let circles = |index: usize| (0..=MAX_CIRCLES).map(move |circles| (first_um(index), circles));
+    let wanted = || (0..CIRCLES).filter(|circles| asked.circles[*circles]);
+    let circles = |index: usize| wanted().map(move |circles| (first_um(index), circles));
     let tried = (0..FIRST_STRETCHES).flat_map(circles).filter(|tried| tried.0 >= 0.0);
     tried.flat_map(|(first_um, circles)| closing(robot, asked, first_um, circles)).collect()
 }
 
 /// The paths with this first segment and number of full circles: none, one, or two that differ in the place of the circles.
 fn closing(robot: &Robot, asked: &ClosingRequest, first_um: f64, circles: usize) -> Vec<Vec<ArmSegment>> {
-    let ClosingRequest { from, to, length_um, least_last_um } = *asked;
+    let ClosingRequest { from, to, length_um, least_last_um, .. } = *asked;
     let [from_centre, to_centre] = [from, to].map(|pose| robot.orbit_centre_um(pose));
     let [(from_sin, from_cos), (sin, cos)] = [from, to].map(|pose| pose.heading_rad.sine_cosine());
     let dx_um = to_centre[0] - from_centre[0] - first_um * from_cos;
     let dy_um = to_centre[1] - from_centre[1] - first_um * from_sin;
-    let turned_rad = turn_rad(robot, from.heading_rad, to.heading_rad) + TAU * circles as f64;
+    let turned_rad = turned_rad(robot, [from, to], circles);
     let radius_um = robot.turning_radius_um;
     let left_um = length_um - first_um - radius_um * turned_rad;
     let slack_um = 2.0 * (left_um - dx_um * cos - dy_um * sin);

@@ -23,7 +23,7 @@ use super::world::FirstMeeting;
 use super::{AssemblyStage, Leg, RobotDocking, bound};
 use crate::claims::microrobots::{Dock, MicrorobotsOrder, Precision};
 use crate::geometry::Pose;
-use crate::plan::search::{Meter, SearchBudget};
+use crate::plan::search::Meter;
 use bed::{AssemblyState, StageAddition};
 use ground::AssemblyGround;
 use orders::{AssemblyMove, Orders};
@@ -83,25 +83,14 @@ pub enum RobotBlocker {
     Docked(usize),
 }
 
-/// Plans an assembly. `poses` and `docked` describe its start, one entry per robot of the order; `docks` are robots that are not
-/// docked. A step of the budget is a candidate checked against the collision rules, or a path search; at most `most_stages` stages are
-/// planned, over all orders.
+/// Plans an assembly. `poses` and `docked` describe its start, one entry per robot of the order, after a leg in control state `state`, if
+/// any: the first leg is in another one. `docks` are robots that are not docked. A step of the meter is a candidate checked against the
+/// collision rules, or a path search; at most `most_stages` stages are planned, over all orders.
 pub fn assemble(
-    order: &MicrorobotsOrder,
-    (poses, docked): (&[Pose], &[bool]),
-    docks: &[Dock],
-    budget: SearchBudget,
-    most_stages: usize,
-) -> Result<Assembled, StuckAssembly> {
-    assemble_after(order, (poses, docked, None), docks, budget, most_stages)
-}
-
-/// The same after a leg in this control state, if any: the assembly's first leg is in another one.
-pub fn assemble_after(
     order: &MicrorobotsOrder,
     (poses, docked, state): (&[Pose], &[bool], Option<usize>),
     docks: &[Dock],
-    budget: SearchBudget,
+    meter: &mut Meter,
     most_stages: usize,
 ) -> Result<Assembled, StuckAssembly> {
     let bed = AssemblyState::new(order, poses, docked, state);
@@ -112,7 +101,7 @@ pub fn assemble_after(
     let mut search = AssemblySearch {
         orders,
         ground: AssemblyGround::new(&bed, docks),
-        meter: Meter::new(budget),
+        meter,
         best: None,
         stuck: None,
         plans: most_stages,
@@ -140,10 +129,10 @@ fn least_ns(bed: &AssemblyState, docks: &[Dock]) -> u64 {
 }
 
 /// Search over docking orders.
-struct AssemblySearch<'a> {
+struct AssemblySearch<'a, 'm> {
     orders: Orders<'a>,
     ground: AssemblyGround<'a>,
-    meter: Meter,
+    meter: &'m mut Meter,
     /// The fastest assembly so far, and its duration.
     best: Option<(u64, AssemblyState<'a>)>,
     /// Among the failures, the first one with the most robots docked.
@@ -152,7 +141,7 @@ struct AssemblySearch<'a> {
     plans: usize,
 }
 
-impl<'a> AssemblySearch<'a> {
+impl<'a> AssemblySearch<'a, '_> {
     /// Tries all orders from here on. The depth is the number of robots to dock.
     fn descend(&mut self, bed: &AssemblyState<'a>) {
         let duration_ns = bed.duration_ns(&bed.legs);
@@ -185,10 +174,10 @@ impl<'a> AssemblySearch<'a> {
         match step {
             AssemblyMove::Pair(roles) => {
                 let docks = [self.orders.dock(roles.first), self.orders.dock(roles.second)];
-                pair::plan(bed, *roles, docks, &self.ground, &mut self.meter)
+                pair::plan(bed, *roles, docks, &self.ground, self.meter)
             }
             AssemblyMove::Single { robot, states } => {
-                single::plan(bed, (self.orders.dock(*robot), *states), &self.ground, &mut self.meter)
+                single::plan(bed, (self.orders.dock(*robot), *states), &self.ground, self.meter)
             }
         }
     }

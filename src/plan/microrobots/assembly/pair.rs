@@ -13,9 +13,9 @@
 
 use super::StuckAssembly;
 use super::bed::{AssemblyState, StageAddition, joined, legs_of_two};
-use super::closing::{ClosingRequest, closings, detours, stretches};
+use super::closing::{CIRCLES, ClosingRequest, closings, detours, stretches, turned_rad};
 use super::ground::AssemblyGround;
-use super::track::{ArmTrack, TrackAim, whole};
+use super::track::{ArmTrack, TrackAim, turn_um, whole};
 use crate::claims::microrobots::Dock;
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
@@ -88,21 +88,29 @@ fn brought_together(
     meter: &mut Meter,
 ) -> Result<StageAddition, StuckAssembly> {
     let (ground, roles) = (site.0, pairing.roles);
-    let mut stuck = StuckAssembly::Untimely { first: roles.first, second: roles.second };
+    let mut stuck = match pairing.circles.contains(&true) {
+        true => StuckAssembly::Untimely { first: roles.first, second: roles.second },
+        false => StuckAssembly::Coarse { robot: roles.first },
+    };
     let ways = pairing.ways_of_second(site, meter)?;
-    let mut departures: Vec<Departure> = ways.iter().flat_map(|way| pairing.with_circles(way)).collect();
+    let arrives = |departure: &Departure| pairing.aims[1].allows_turn(pairing.facts[1], turn_um(&departure.way));
+    let mut departures: Vec<Departure> =
+        ways.iter().flat_map(|way| pairing.with_circles(way)).filter(arrives).collect();
+    if departures.is_empty() {
+        stuck = StuckAssembly::Coarse { robot: roles.second };
+    }
     departures.sort_by(|a, b| a.total_um.total_cmp(&b.total_um));
     for stages in pairing.stages() {
         let kept = |departure: &&Departure| *stages == PairStages::Mingled || departure.halt.is_none();
         for departure in departures.iter().filter(kept) {
-            let legs = pairing.timed(departure, *stages, site);
+            let legs = pairing.timed(departure, *stages, site, meter)?;
             if let Some(stretch) = pairing.first_free(departure, legs, (ground, meter), &mut stuck)? {
                 return Ok(stretch);
             }
         }
     }
     for (departure, way) in pairing.roundabout(&ways, site, meter)? {
-        let legs = pairing.legs(&departure, vec![way], site);
+        let legs = pairing.legs(&departure, vec![way], site, meter)?;
         if let Some(stretch) = pairing.first_free(&departure, legs, (ground, meter), &mut stuck)? {
             return Ok(stretch);
         }
@@ -131,6 +139,8 @@ pub(super) struct PairingContext<'a> {
     cycles: Cycles<3>,
     /// Position of the first robot's arm in its first stroke, if prescribed because consecutive legs must differ in their states.
     forced: Option<Arm>,
+    /// By number of full circles of the first robot, whether it can then end with the heading of its goal.
+    circles: [bool; CIRCLES],
 }
 
 /// The collision rules, and the bodies at rest while the two are steered.
@@ -158,7 +168,12 @@ impl<'a> PairingContext<'a> {
         let [both, one, _] = roles.states.map(|state| bed.last_state() == Some(state));
         let forced = if both { Some(Arm::Up) } else { one.then_some(Arm::Down) };
         let from = robots.map(|robot| bed.poses[robot]);
-        PairingContext { bed, roles, facts, from, goals, approach, aims, cycles, forced }
+        let mut pairing =
+            PairingContext { bed, roles, facts, from, goals, approach, aims, cycles, forced, circles: [true; CIRCLES] };
+        let ends = [pairing.first_from(), approach[0]];
+        let turn_um = |circles| turned_rad(facts[0], ends, circles) * facts[0].turning_radius_um;
+        pairing.circles = std::array::from_fn(|circles| aims[0].allows_turn(facts[0], turn_um(circles)));
+        pairing
     }
 
     /// Allowed overlaps, preferred first: closed-loop execution, used where the device states its errors, keeps the stages apart as
@@ -235,7 +250,13 @@ impl<'a> PairingContext<'a> {
     }
 
     /// Legs that bring both robots to their approaches at the same time, the second by this path.
-    fn timed(&self, departure: &Departure, stages: PairStages, site: PairSite) -> Vec<Vec<Leg>> {
+    fn timed(
+        &self,
+        departure: &Departure,
+        stages: PairStages,
+        site: PairSite,
+        meter: &mut Meter,
+    ) -> Result<Vec<Vec<Leg>>, StuckAssembly> {
         let first = self.facts[0];
         let later_um = match stages {
             PairStages::Apart => departure.way.iter().skip(1).map(|segment| segment.way_um).sum(),
@@ -249,8 +270,9 @@ impl<'a> PairingContext<'a> {
             to: self.approach[0],
             length_um: (self.total(departure) - self.forced_strokes()) as f64 * first.step_um,
             least_last_um: later_um / self.facts[1].step_um * first.step_um,
+            circles: self.circles,
         };
-        self.legs(departure, closings(first, &asked), site)
+        self.legs(departure, closings(first, &asked), site, meter)
     }
 
     /// Strokes of the second robot's path, and so of the first one's: at least one more than the forced ones.
@@ -269,7 +291,13 @@ impl<'a> PairingContext<'a> {
     }
 
     /// Legs for the paths of the first robot that fit the second's and avoid the bodies at rest.
-    fn legs(&self, departure: &Departure, ways: Vec<Vec<ArmSegment>>, (ground, fixtures): PairSite) -> Vec<Vec<Leg>> {
+    fn legs(
+        &self,
+        departure: &Departure,
+        ways: Vec<Vec<ArmSegment>>,
+        (ground, fixtures): PairSite,
+        meter: &mut Meter,
+    ) -> Result<Vec<Vec<Leg>>, StuckAssembly> {
         let ([first, second], index, start) = (self.facts, self.roles.first, self.first_from());
         let forced = self.forced_strokes();
         let theirs = StrokedPath { segments: &departure.way, before: 0.0, step_um: second.step_um };
@@ -277,17 +305,26 @@ impl<'a> PairingContext<'a> {
             turns_within(&StrokedPath { segments: way, before: forced as f64, step_um: first.step_um }, &theirs)
         };
         let clear = |way: &Vec<ArmSegment>| ground.world.obstruction_on(index, start, way, fixtures).is_none();
-        let ways: Vec<Vec<ArmSegment>> = ways.into_iter().filter(fits).filter(clear).take(MAX_WAYS).collect();
+        let mut kept: Vec<Vec<ArmSegment>> = Vec::new();
+        for way in ways.into_iter().filter(fits) {
+            if kept.len() == MAX_WAYS {
+                break;
+            }
+            meter.step().ok_or(StuckAssembly::GaveUp)?;
+            if clear(&way) {
+                kept.push(way);
+            }
+        }
         let total = self.total(departure);
         let whole_second = || whole(second, self.from[1], &departure.way, &self.aims[1], total);
-        let Some(seconds) = (!ways.is_empty()).then(whole_second).flatten() else { return Vec::new() };
+        let Some(seconds) = (!kept.is_empty()).then(whole_second).flatten() else { return Ok(Vec::new()) };
         let legs = |way: &Vec<ArmSegment>| {
             let mut track = ArmTrack::default();
             self.forced.into_iter().for_each(|arm| track.push(arm, 1));
             track.extend(&whole(first, start, way, &self.aims[0], total - forced)?);
             legs_of_two(&track, &seconds, self.roles.states)
         };
-        ways.iter().filter_map(legs).collect()
+        Ok(kept.iter().filter_map(legs).collect())
     }
 
     /// The whole stage, after legs that bring both to their approaches.

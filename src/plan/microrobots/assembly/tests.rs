@@ -1,5 +1,6 @@
 //! Assemblies on synthetic beds, with a direct simulation as their oracle.
 
+use super::track::TrackAim;
 use super::*;
 use crate::claims::microrobots::{Assurance, MicrorobotsObstacle, MicrorobotsStop, Placed, Precision};
 use crate::device::microrobots::{
@@ -7,7 +8,8 @@ use crate::device::microrobots::{
 };
 use crate::geometry::Shape;
 use crate::plan::microrobots::world::World;
-use std::f64::consts::{FRAC_PI_2, PI};
+use crate::plan::search::SearchBudget;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
 const UP: Arm = Arm::Up;
@@ -43,6 +45,16 @@ fn facts(count: usize) -> MicrorobotsFacts {
         errors: None,
         watchdog_ns: None,
     }
+}
+
+/// An assembly from rest.
+fn assembled_from(
+    order: &MicrorobotsOrder,
+    (poses, docked): (&[Pose], &[bool]),
+    docks: &[Dock],
+    steps: u64,
+) -> Result<Assembled, StuckAssembly> {
+    assemble(order, (poses, docked, None), docks, &mut Meter::new(SearchBudget::of(steps)), MAX_PLANS)
 }
 
 fn state(arms: Vec<Arm>) -> ControlState {
@@ -147,7 +159,7 @@ fn bodies_gap_um(world: &World, one: (usize, Pose), other: (usize, Pose)) -> f64
 fn assembled(order: &MicrorobotsOrder, docks: &[Dock]) -> Result<Assembled, StuckAssembly> {
     let starts: Vec<Pose> = order.robots.iter().map(|placed| placed.pose).collect();
     let docked = vec![false; starts.len()];
-    let found = assemble(order, (&starts, &docked), docks, SearchBudget::of(order.expansions), MAX_PLANS)?;
+    let found = assembled_from(order, (&starts, &docked), docks, order.expansions)?;
     check(order, &starts, &docked, docks, &found);
     Ok(found)
 }
@@ -276,7 +288,7 @@ fn a_structure_grows() {
     built.iter().for_each(|dock| starts[dock.robot] = dock.goal.pose);
     let order = order(&starts, string_states(4), Vec::new());
     let docked = [false, false, true, true];
-    let found = assemble(&order, (&starts, &docked), new, SearchBudget::of(100_000), MAX_PLANS).unwrap();
+    let found = assembled_from(&order, (&starts, &docked), new, 100_000).unwrap();
     check(&order, &starts, &docked, new, &found);
     let robots: Vec<usize> = found.docks.iter().map(|dock| dock.robot).collect();
     assert_eq!(robots, [1, 0]);
@@ -291,7 +303,7 @@ fn what_has_docked_keeps_its_arm_up() {
     let docked = [true, false, true];
     let alone = |states: Vec<ControlState>| {
         let order = order(&starts, states, Vec::new());
-        let found = assemble(&order, (&starts, &docked), &docks[1..2], SearchBudget::of(100_000), MAX_PLANS)?;
+        let found = assembled_from(&order, (&starts, &docked), &docks[1..2], 100_000)?;
         check(&order, &starts, &docked, &docks[1..2], &found);
         Ok(found)
     };
@@ -306,7 +318,7 @@ fn a_string_table_leaves_one_order() {
     // Robot 0 in the first pair: robot 1 would need to orbit while robots 0 and 2 are steered.
     let swapped = [dock(2, seats[0].goal.pose), dock(0, seats[1].goal.pose), dock(1, seats[2].goal.pose)];
     let starts = in_a_row(3);
-    let found = assemble(&order, (&starts, &[false; 3]), &swapped[..2], SearchBudget::of(100_000), MAX_PLANS);
+    let found = assembled_from(&order, (&starts, &[false; 3]), &swapped[..2], 100_000);
     assert_eq!(found, Err(StuckAssembly::Unsteerable { robots: vec![2, 0], orbiting: Some(1) }));
 }
 
@@ -397,6 +409,7 @@ fn closings_close() {
             to,
             length_um: 9000.0 * dice.roll(),
             least_last_um: 800.0 * dice.roll(),
+            circles: [true; super::closing::CIRCLES],
         };
         for way in super::closing::closings(&robot, &asked) {
             let end = way.iter().fold(from, |pose, piece| robot.moved(pose, piece.arm, piece.way_um));
@@ -409,4 +422,23 @@ fn closings_close() {
         }
     }
     assert!(found > 1000, "only {found} ways");
+}
+
+/// A turn that whole strokes cannot make within the precision of the heading is one that no number of strokes makes, and the other way
+/// round: all numbers of strokes up to a full turn more are tried.
+#[test]
+fn turns_are_those_that_whole_strokes_make() {
+    let (robot, mut dice) = (row(1), Dice(7));
+    let stroke_rad = robot.step_um / robot.turning_radius_um;
+    let mut counted = [0; 2];
+    for _ in 0..60 {
+        let turn_rad = 6.0 * (dice.roll() + 1.0);
+        let precision = Precision { place_um: 1.0, heading_rad: stroke_rad * (0.05 + 0.4 * dice.roll().abs()) };
+        let aim = TrackAim { goal: Pose::at(0.0, 0.0), precision, motion: Pose::at(0.0, 0.0) };
+        let most = ((turn_rad + TAU / 8.0) / stroke_rad) as u64;
+        let is_made = (0..most).any(|strokes| (strokes as f64 * stroke_rad - turn_rad).abs() <= precision.heading_rad);
+        assert_eq!(aim.allows_turn(&robot, turn_rad * robot.turning_radius_um), is_made, "{turn_rad} rad");
+        counted[usize::from(is_made)] += 1;
+    }
+    assert!(counted.iter().all(|count| *count > 5), "{counted:?}");
 }

@@ -19,6 +19,9 @@ const GOOD_SHARE: f64 = 0.02;
 /// Rounds of corrections.
 const MAX_ROUNDS: usize = 40;
 
+/// Rounding tolerance of a heading, in radians.
+const ROUNDING_RAD: f64 = 1e-9;
+
 /// Arm positions of one robot over time.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ArmTrack {
@@ -70,6 +73,25 @@ impl TrackAim {
     pub fn miss(&self, pose: Pose) -> f64 {
         miss(self.precision, composed(pose, self.motion), self.goal)
     }
+
+    /// Whether a robot that is this far from the goal's heading comes within precision of it by more or fewer strokes with its arm down:
+    /// each turns it by the same angle.
+    fn can_face(&self, robot: &Robot, off_rad: f64) -> bool {
+        let stroke_rad = robot.step_um / robot.turning_radius_um;
+        let left_rad = off_rad - stroke_rad * (off_rad / stroke_rad).round();
+        left_rad.abs() <= self.precision.heading_rad + ROUNDING_RAD
+    }
+
+    /// Whether a path to the goal with so much of it in turns has a like in whole strokes that ends with the goal's heading, within
+    /// precision. Where it has none, no path has that turns by the same angle.
+    pub fn allows_turn(&self, robot: &Robot, turn_um: f64) -> bool {
+        self.can_face(robot, turn_um / robot.turning_radius_um)
+    }
+}
+
+/// How much of a path is in turns.
+pub fn turn_um(way: &[ArmSegment]) -> f64 {
+    way.iter().filter(|segment| segment.arm == Arm::Down).map(|segment| segment.way_um).sum()
 }
 
 /// The second pose in the frame of the first.
@@ -91,6 +113,10 @@ pub fn whole(robot: &Robot, from: Pose, way: &[ArmSegment], aim: &TrackAim, tota
     let excess = pieces.iter().map(|piece| piece.1).sum::<u64>() as i64 - total as i64;
     let longest = (0..pieces.len()).filter(|&at| pieces[at].0 == Arm::Up).max_by_key(|&at| pieces[at].1)?;
     pieces[longest].1 = pieces[longest].1.checked_add_signed(-excess)?;
+    let heading_rad = composed(end(robot, from, &pieces), aim.motion).heading_rad;
+    if !aim.can_face(robot, wrapped_rad(heading_rad - aim.goal.heading_rad)) {
+        return None;
+    }
     let best = descend(robot, from, &mut pieces, aim);
     let track = pieces.into_iter().fold(ArmTrack::default(), |mut track, (arm, strokes)| {
         track.push(arm, strokes);

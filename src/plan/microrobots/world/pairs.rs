@@ -1,5 +1,6 @@
 //! Collision rules for one leg of the whole bed.
 
+use super::statics::Nearness;
 use super::tracks::{MotionKind, RobotTrack, far_apart, first_near, first_near_convex};
 use super::{FirstMeeting, ForbiddenMeeting, LegCursor, MARGIN_UM, OrbitDisc, WorldObstacle, statics};
 
@@ -32,10 +33,8 @@ impl LegCursor<'_> {
     fn obstacles_of(&self, robot: usize, told: &mut impl FnMut(Option<f64>, ForbiddenMeeting)) {
         let track = &self.tracks[robot];
         for (obstacle, body) in self.world.obstacles.iter().enumerate() {
-            told(
-                statics::meets_obstacle(track, body, self.world.keep_um),
-                ForbiddenMeeting::Obstacle { robot, obstacle },
-            );
+            let asked = Nearness::first(self.world.keep_um);
+            told(statics::meets_obstacle(track, body, asked), ForbiddenMeeting::Obstacle { robot, obstacle });
         }
     }
 
@@ -49,7 +48,8 @@ impl LegCursor<'_> {
             told(near.then_some(0.0), ForbiddenMeeting::OrbitObstacle { robot, obstacle });
         }
         for (other, track) in self.tracks.iter().enumerate().filter(|(other, _)| *other != robot) {
-            told(statics::meets_disc(track, &disc, keep_um), ForbiddenMeeting::OrbitRobot { robot, other });
+            let met = statics::meets_disc(track, &disc, Nearness::first(keep_um));
+            told(met, ForbiddenMeeting::OrbitRobot { robot, other });
             if other > robot && self.orbits[leg * self.tracks.len() + other] {
                 let theirs = OrbitDisc { centre_um: track.centre_um, radius_um: track.reach_um };
                 let near = disc.to_disc_um(&theirs) < keep_um + MARGIN_UM;

@@ -10,6 +10,35 @@ use crate::real::Real;
 use nalgebra::Point2;
 use std::f64::consts::TAU;
 
+/// Which instant of a meeting is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum MeetingInstant {
+    /// That from which the bodies are too near.
+    First,
+    /// Any from then on: enough to know whether they meet at all, and much cheaper.
+    Any,
+}
+
+/// How near is too near, and what is asked of it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Nearness {
+    /// Required clearance, in micrometres.
+    keep_um: f64,
+    instant: MeetingInstant,
+}
+
+impl Nearness {
+    /// Nearer than `keep_um`, and when first.
+    pub fn first(keep_um: f64) -> Nearness {
+        Nearness { keep_um, instant: MeetingInstant::First }
+    }
+
+    /// Nearer than `keep_um` at any instant.
+    fn any(keep_um: f64) -> Nearness {
+        Nearness { keep_um, instant: MeetingInstant::Any }
+    }
+}
+
 /// A disc, as swept by an orbiting robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OrbitDisc {
@@ -60,12 +89,13 @@ impl World {
         stretch: ArmSegment,
         fixtures: &Fixtures,
     ) -> Option<Obstruction> {
-        let body = &self.bodies[robot];
-        let strokes = stretch.way_um / body.robot.step_um;
-        let track = RobotTrack::new(body, pose, Some(stretch.arm), strokes);
-        let obstacle = self.obstacles.iter().position(|other| meets_obstacle(&track, other, self.keep_um).is_some());
-        let disc = || fixtures.discs.iter().position(|disc| meets_disc(&track, disc, self.orbit_keep_um).is_some());
-        let rests = || fixtures.bodies.iter().position(|other| meets_rectangle(&track, other, self.keep_um).is_some());
+        let driven = &self.bodies[robot];
+        let strokes = stretch.way_um / driven.robot.step_um;
+        let track = RobotTrack::new(driven, pose, Some(stretch.arm), strokes);
+        let [body, orbit] = [self.keep_um, self.orbit_keep_um].map(Nearness::any);
+        let obstacle = self.obstacles.iter().position(|other| meets_obstacle(&track, other, body).is_some());
+        let disc = || fixtures.discs.iter().position(|disc| meets_disc(&track, disc, orbit).is_some());
+        let rests = || fixtures.bodies.iter().position(|other| meets_rectangle(&track, other, body).is_some());
         obstacle
             .map(Obstruction::Obstacle)
             .or_else(|| disc().map(Obstruction::Disc))
@@ -117,42 +147,48 @@ impl World {
     }
 }
 
-/// The first instant at which a robot is too near to an obstacle.
-pub(super) fn meets_obstacle(track: &RobotTrack, obstacle: &WorldObstacle, keep_um: f64) -> Option<f64> {
+/// The instant at which a robot is too near to an obstacle.
+pub(super) fn meets_obstacle(track: &RobotTrack, obstacle: &WorldObstacle, asked: Nearness) -> Option<f64> {
     let (segment, radius_um) = track.bound();
     let WorldObstacle { body, bound: OrbitDisc { centre_um: [x, y], radius_um: bound_um } } = obstacle;
-    let near_um = keep_um + MARGIN_UM + radius_um;
+    let near_um = asked.keep_um + MARGIN_UM + radius_um;
     if point_segment(Point2::new(*x, *y), segment) - bound_um >= near_um {
         return None;
     }
-    if segment_core(segment, &body.core) - body.radius_um >= near_um {
+    let apart_um = segment_core(segment, &body.core) - body.radius_um;
+    if apart_um >= near_um {
         return None;
     }
-    meets(track, keep_um, |rectangle| rectangle.to_rounded_um(body))
+    let is_straight = track.kind != MotionKind::Turns;
+    if is_straight && asked.instant == MeetingInstant::Any && apart_um < asked.keep_um + track.inner_um() {
+        return Some(track.strokes);
+    }
+    meets(track, asked, |rectangle| rectangle.to_rounded_um(body))
 }
 
-/// The first instant at which a robot is too near to a disc.
-pub(super) fn meets_disc(track: &RobotTrack, disc: &OrbitDisc, keep_um: f64) -> Option<f64> {
-    let ([x, y], keep_um) = (disc.centre_um, keep_um + disc.radius_um);
+/// The instant at which a robot is too near to a disc.
+pub(super) fn meets_disc(track: &RobotTrack, disc: &OrbitDisc, asked: Nearness) -> Option<f64> {
+    let ([x, y], keep_um) = (disc.centre_um, asked.keep_um + disc.radius_um);
     let (segment, radius_um) = track.bound();
     if point_segment(Point2::new(x, y), segment) - radius_um >= keep_um + MARGIN_UM {
         return None;
     }
-    meets(track, keep_um, |rectangle| rectangle.to_point_um(disc.centre_um))
+    meets(track, Nearness { keep_um, ..asked }, |rectangle| rectangle.to_point_um(disc.centre_um))
 }
 
-fn meets_rectangle(track: &RobotTrack, body: &OrientedRectangle, keep_um: f64) -> Option<f64> {
+fn meets_rectangle(track: &RobotTrack, body: &OrientedRectangle, asked: Nearness) -> Option<f64> {
     let (segment, radius_um) = track.bound();
     let [x, y] = body.centre_um;
     let corner_um = body.half_um[0].hypotenuse(body.half_um[1]);
-    if point_segment(Point2::new(x, y), segment) - radius_um - corner_um >= keep_um + MARGIN_UM {
+    if point_segment(Point2::new(x, y), segment) - radius_um - corner_um >= asked.keep_um + MARGIN_UM {
         return None;
     }
-    meets(track, keep_um, |rectangle| rectangle.to_rectangle_um(body))
+    meets(track, asked, |rectangle| rectangle.to_rectangle_um(body))
 }
 
-/// The first instant at which a body comes nearer than `keep_um` to something at rest.
-fn meets(track: &RobotTrack, keep_um: f64, distance_um: impl Fn(&OrientedRectangle) -> f64) -> Option<f64> {
+/// The instant at which a body comes too near to something at rest.
+fn meets(track: &RobotTrack, asked: Nearness, distance_um: impl Fn(&OrientedRectangle) -> f64) -> Option<f64> {
+    let Nearness { keep_um, instant } = asked;
     if track.kind == MotionKind::Turns {
         // After a full turn everything repeats.
         let strokes = track.strokes.min(TAU * track.speed_um.recip() * track.reach_um);
@@ -161,6 +197,9 @@ fn meets(track: &RobotTrack, keep_um: f64, distance_um: impl Fn(&OrientedRectang
     let is_near = |strokes: f64| distance_um(&track.at(0.0).swept(track.step_um * strokes)) - keep_um < MARGIN_UM / 2.0;
     if !is_near(track.strokes) {
         return None;
+    }
+    if instant == MeetingInstant::Any {
+        return Some(track.strokes);
     }
     let (mut clear, mut near) = (0.0, if is_near(0.0) { 0.0 } else { track.strokes });
     while near - clear > 1.0 {

@@ -114,9 +114,11 @@ fn diagonal(n: f64) -> f64 {
     0.5f64.power(1.0 / n)
 }
 
-/// The place on the axis over which an octant is a graph; in every second one it runs backwards.
+/// The place on the axis over which an octant is a graph; in every second one it runs backwards. Never below 0, where a root on the axis
+/// may lie by rounding, and the power would be no number.
 fn graphed(n: f64, number: u8, t: f64) -> f64 {
-    if number.is_multiple_of(2) { t } else { (diagonal(n) - t).max(0.0) }
+    let place = if number.is_multiple_of(2) { t } else { diagonal(n) - t };
+    place.max(0.0)
 }
 
 fn octant(semi_um: [f64; 2], n: f64, number: u8, t: f64) -> ContourJet {
