@@ -5,6 +5,8 @@
 //! options of `build`. ```` ```twz file=lab.twz ```` is a file beside the program of the block before it, which is itself called
 //! `main.twz`.
 
+#[path = "book/mod.rs"]
+mod book;
 #[path = "support/case.rs"]
 mod case;
 

@@ -235,6 +235,9 @@ pub struct ViewArguments {
 pub struct ExplainArguments {
     /// A code such as E0503; all codes are listed if omitted
     pub code: Option<String>,
+    /// Print the pages of all codes as one Markdown text
+    #[arg(long, conflicts_with = "code")]
+    pub all: bool,
 }
 
 #[derive(Debug, Args)]

@@ -5,8 +5,11 @@ use super::{Exit, terminal};
 use crate::check::scope::nearest;
 use crate::diagnostic::Code;
 
-/// Shows the page of a code, or the list of all.
+/// Shows the page of a code, the pages of all, or the list of all.
 pub fn run(arguments: &ExplainArguments) -> Exit {
+    if arguments.all {
+        return terminal::answer(&pages());
+    }
     let Some(name) = &arguments.code else { return terminal::answer(&list()) };
     match Code::find(name) {
         Some(code) => terminal::answer(code.page()),
@@ -21,4 +24,10 @@ pub fn run(arguments: &ExplainArguments) -> Exit {
 
 fn list() -> String {
     Code::ALL.iter().map(|code| format!("{}  {}\n", code.name(), code.summary())).collect()
+}
+
+/// All pages as one Markdown text, in the order of their codes.
+fn pages() -> String {
+    let pages: Vec<&str> = Code::ALL.iter().map(|code| code.page().trim_end()).collect();
+    pages.join("\n\n") + "\n"
 }
