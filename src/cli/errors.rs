@@ -1,6 +1,6 @@
 //! Diagnostics of files: E080x.
 
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, Sink};
 use std::io;
 use std::path::Path;
 
@@ -113,6 +113,23 @@ pub fn other_program(log: &Path, program: &Path) -> Diagnostic {
     let title =
         format!("`{}` was built from a program that claims something else than `{}`", log.display(), program.display());
     Diagnostic::new(Code::E0742, title).help("build the trusted program again and use that log")
+}
+
+/// The first finding of each rule that the schedule of one program breaks under another one, with the number of the others.
+pub fn first_of_each_rule(broken: &Sink) -> Vec<Diagnostic> {
+    let mut firsts: Vec<(Diagnostic, usize)> = Vec::new();
+    for diagnostic in broken.sorted() {
+        match firsts.iter_mut().find(|(first, _)| first.code == diagnostic.code) {
+            Some((_, count)) => *count += 1,
+            None => firsts.push((diagnostic.clone(), 1)),
+        }
+    }
+    let counted = |(first, count): (Diagnostic, usize)| {
+        let more = if count > 1 { format!("{} more of this rule; ", count - 1) } else { String::new() };
+        let help = format!("{more}the schedule keeps the program that it was built from, and not this one");
+        Diagnostic { help: Some(help), ..first }
+    };
+    firsts.into_iter().map(counted).collect()
 }
 
 /// Note that a log was built with other settings than the trusted program; `None` if they are the same.

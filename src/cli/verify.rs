@@ -182,8 +182,16 @@ fn against(arguments: &VerifyArguments, trusted: &Path, judged: &Judged) -> Resu
     let schedule = judged.verified.schedule();
     let own = written(judged.verified.claims());
     let derived = trusted_claims(arguments, trusted, (&schedule.name, &judged.provenance.settings), own.as_deref())?;
-    keeps_the_claims_of(schedule, &derived)?;
-    claims_the_same(arguments, trusted, &derived, own.as_deref())
+    let same = claims_the_same(arguments, trusted, &derived, own.as_deref());
+    match (keeps_the_claims_of(schedule, &derived), same) {
+        (Err(broken), Err(mut other)) => {
+            other.sources = broken.sources;
+            errors::first_of_each_rule(&broken.sink).into_iter().for_each(|broken| other.sink.push(broken));
+            Err(other)
+        }
+        (Err(refusal), Ok(())) | (Ok(()), Err(refusal)) => Err(refusal),
+        (Ok(()), Ok(())) => Ok(()),
+    }
 }
 
 /// The claims of a program that the user trusts, for a log of this name with these settings and claims. Nothing of the log reaches that

@@ -151,6 +151,13 @@ impl Sink {
         other.diagnostics.into_iter().for_each(|diagnostic| self.push(diagnostic));
     }
 
+    /// The findings but for those of a code, which is a warning: where what it warns of is not asked for.
+    #[must_use]
+    pub fn without(mut self, warning: Code) -> Sink {
+        self.diagnostics.retain(|diagnostic| diagnostic.code != warning || diagnostic.is_error());
+        self
+    }
+
     /// How many errors were pushed so far: a stage compares before and after to know whether it failed.
     pub fn errors(&self) -> usize {
         self.errors

@@ -84,11 +84,19 @@ pub(super) fn rest_of_place(span: Span, source: &str) -> Option<Diagnostic> {
     let end = line.find(['}', '{']).unwrap_or(line.len());
     let written = line[..end].split("//").next().unwrap_or_default().trim_end();
     let place = part(span, start, start + written.len());
+    let is_via = before[..start].trim_end().ends_with(" via");
     let (title, mend) = match written.starts_with('(') {
+        true if is_via => ("places without a word between them", repeated_via(written)),
         true => ("places without brackets around them", format!("write a list: `[{}]`", quote(written))),
         false => ("coordinates without brackets around them", format!("write `({})`", quote(written))),
     };
     Some(Diagnostic::new(Code::E0127, title).label(place, "a comma ends an entry here").help(mend))
+}
+
+/// `via (3, 9), (8, 3)` with the word before each place.
+fn repeated_via(places: &str) -> String {
+    let each = places.replace("),", ") via ").replace("  ", " ");
+    format!("write `via` before each of them: `via {}`", quote(&each))
 }
 
 /// `let k: cell = …`.

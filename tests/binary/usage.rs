@@ -62,3 +62,37 @@ fn a_folder_that_cannot_be_written_is_found_before_the_search_for_a_plan() {
     let failed = bench.run(&["build", "a.twz", "-o", "a.twz/out"]).code(FILES);
     says(&err(&failed), &["it is a file, and no folder"]);
 }
+
+/// A log that keeps its own program and not another one is no bug of Tweeze: it says whose it is, and each broken rule once.
+#[test]
+fn a_log_of_another_program_is_told_so() {
+    let bench = Bench::new();
+    let wired = fs::read_to_string(example("dimibot_fetch.twz")).expect("the example is there");
+    let [before, wiring] = wired.split_once("\nwiring ").map(<[&str; 2]>::from).expect("it is wired");
+    let after = wiring.split_once("\n}\n").expect("the wiring ends").1;
+    let plain: String =
+        before.lines().filter(|line| !line.contains("instrument")).map(|line| format!("{line}\n")).collect();
+    fs::write(bench.path("a.twz"), &wired).expect("written");
+    fs::write(bench.path("b.twz"), format!("{plain}{after}")).expect("written");
+    bench.run(&["build", "a.twz"]).code(DONE);
+    let refused = err(&bench.run(&["verify", "fetch.mcap", "--against", "b.twz"]).code(REFUSED));
+    says(
+        &refused,
+        &[
+            "E0742",
+            "`fetch.mcap` was built from a program that claims something else than `b.twz`",
+            "E0706",
+            "20 more of this rule",
+        ],
+    );
+    assert_eq!(refused.matches("E0706").count(), 1, "{refused}");
+    assert!(!refused.contains("report it as a bug"), "{refused}");
+}
+
+#[test]
+fn a_file_of_devices_alone_is_no_reason_to_warn_of_its_devices() {
+    let bench = Bench::with("use std.dimibot\ndevice bot : dimibot.femto_st\n");
+    says(&err(&bench.run(&["check", "a.twz"]).code(DONE)), &["W0503"]);
+    let listed = bench.run(&["devices", "a.twz"]).code(DONE);
+    assert!(err(&listed).is_empty() && out(&listed).contains("bot: dimibot"), "{}", err(&listed));
+}

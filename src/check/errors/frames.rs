@@ -85,7 +85,7 @@ pub fn not_held([one, other]: [&str; 2], [first, second]: [Span; 2]) -> Diagnost
         .label(second, "runs at the same time")
         .label_elsewhere(first, second, "as this one")
         .help(format!(
-            "nobody knows where they are to each other: place both in their scene, `frame {one} at pose(…)` and `frame {other} at pose(…)`"
+            "the program does not say where they stand relative to each other: place both in their scene, `frame {one} at pose(…)` and `frame {other} at pose(…)`"
         ))
 }
 

@@ -274,7 +274,7 @@ pub fn unused(span: Span, sort: DeclarationSort, name: &str) -> Diagnostic {
 
 pub fn unused_file(span: Span, name: &str) -> Diagnostic {
     Diagnostic::new(Code::W0202, format!("nothing of file `{name}` is used"))
-        .label(span, "used here")
+        .label(span, "brought in here")
         .help("take the `use` out")
 }
 

@@ -5,7 +5,7 @@ use crate::cli::arguments::DevicesArguments;
 use crate::cli::loaded::Loaded;
 use crate::cli::{Exit, report, terminal};
 use crate::compile;
-use crate::diagnostic::Sink;
+use crate::diagnostic::{Code, Sink};
 use crate::source::Sources;
 use std::path::Path;
 
@@ -18,7 +18,8 @@ pub fn run(file: &Path, arguments: &DevicesArguments) -> Exit {
     };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let checked = compile::check(&loaded.program(&loaded.disk()), &mut sources, &mut sink);
-    terminal::report(&sink, &sources, arguments.report.format);
+    // A file of devices alone has nothing to build, and here nothing is to be built.
+    terminal::report(&sink.without(Code::W0503), &sources, arguments.report.format);
     let Some(checked) = checked else { return Exit::Errors };
     let devices: Vec<String> =
         checked.devices.iter().map(|(name, facts)| report::device(name, facts, &checked.claims)).collect();

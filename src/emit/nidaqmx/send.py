@@ -113,6 +113,17 @@ class Player:
                     task.write(levels if len(levels) > 1 else levels[0], auto_start=True)
 
 
+def at_rest():
+    """What the outputs do once all is over."""
+    analog = [output for card in PLAYS["cards"] for output in card["analog"]]
+    ends = [
+        ("lines off", any(card["lines"] for card in PLAYS["cards"])),
+        ("voltages at rest", any(output["rest_v"] is not None for output in analog)),
+        ("stages keep their last voltage", any(output["rest_v"] is None for output in analog)),
+    ]
+    return ", ".join(words for words, are_there in ends if are_there)
+
+
 def play(ni, devices, arguments):
     """Loads all cards, starts those that wait for a trigger, then the one that leads, and waits."""
     folder = Path(__file__).resolve().parent
@@ -139,7 +150,7 @@ def play(ni, devices, arguments):
                 player.rest()
             except Exception as error:  # every other card is still to be put to rest
                 lost.append(f"{player.card['name']} may still be on ({error})")
-        print("lines off, voltages at rest" if not lost else "; ".join(lost), flush=True)
+        print("; ".join(lost) or at_rest(), flush=True)
 
 
 def main(given):

@@ -68,6 +68,7 @@ const ENTRIES: &[(&str, &str, &str)] = &[
     ("name: \"{1 2}\"", "E0126", "{1 2}"),
     ("name: \"{ a\"", "E0126", "{"),
     ("move to (1, 2, 3, 4)", "E0127", "(1, 2, 3, 4)"),
+    ("move to (1, 2) via (3, 4), (5, 6)", "E0127", "(3, 4), (5, 6)"),
     ("precision:", "E0102", "precision:"),
     ("precision:\n  left: 5", "E0102", "precision:"),
     ("precision:\n  move to (1, 2)", "E0102", "precision:"),
