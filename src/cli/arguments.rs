@@ -2,9 +2,11 @@
 
 use super::Address;
 use super::formats::{self, EmitChoice};
+use crate::device::Kind;
 use crate::quantity::{Dimension, Unit};
 use crate::simulate::Disturbances;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser, builder::TypedValueParser};
+
 use std::path::PathBuf;
 
 /// Compiles micro-manipulation programs: reports what cannot work before the hardware moves, finds the best plan,
@@ -54,6 +56,10 @@ pub enum Command {
     #[command(after_help = "Examples:\n  tweeze view fetch.twz\n  tweeze view out/fetch.mcap -o out --no-open\n\n\
                             A log is verified first. The page is one file: it needs no network and can be passed on.")]
     View(ViewArguments),
+    /// Make a folder with a small program that builds at once
+    #[command(after_help = "Examples:\n  tweeze new fetch\n  tweeze new quartet --kind microrobots\n  \
+                      tweeze new dilution --template assay")]
+    New(NewArguments),
     /// Explain a diagnostic, with an example and its fix
     #[command(after_help = "Example: tweeze explain E0503")]
     Explain(ExplainArguments),
@@ -229,6 +235,43 @@ pub struct ViewArguments {
     pub settings: Settings,
     #[command(flatten)]
     pub report: ReportArguments,
+}
+
+#[derive(Debug, Args)]
+pub struct NewArguments {
+    /// Folder to make; the program in it has the same name
+    #[arg(value_name = "NAME")]
+    pub path: PathBuf,
+    /// What the program does
+    #[arg(long, value_enum)]
+    pub template: Option<Template>,
+    /// The first template of this kind of device
+    #[arg(long, value_name = "KIND", conflicts_with = "template", value_parser = kinds())]
+    pub kind: Option<Kind>,
+    #[command(flatten)]
+    pub report: ReportArguments,
+}
+
+fn kinds() -> impl TypedValueParser<Value = Kind> {
+    let names = PossibleValuesParser::new(Kind::ALL.iter().map(|kind| kind.name()));
+    names.try_map(|name| Kind::find(&name).ok_or("no such kind"))
+}
+
+/// What the program of a new project does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Template {
+    /// A DiMiBot carries its tip past obstacles to two places
+    PickAndPlace,
+    /// A DiMiBot probes a grid of pads in the best order
+    Scan,
+    /// Microparts change places on an electrode array
+    Sort,
+    /// A droplet chip dilutes a sample and carries it to a detector
+    Assay,
+    /// STRING microrobots come together
+    Assemble,
+    /// A hand turns a bead between its fingertips
+    Turn,
 }
 
 #[derive(Debug, Args)]

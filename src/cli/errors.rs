@@ -44,6 +44,18 @@ pub fn unwritable(path: &Path, error: &io::Error) -> Diagnostic {
         .help("nothing was written; choose another folder with `-o DIR`")
 }
 
+pub fn not_made(folder: &Path, error: &io::Error) -> Diagnostic {
+    let exists = error.kind() == io::ErrorKind::AlreadyExists;
+    let help =
+        if exists { "nothing was changed; choose another name" } else { "choose a folder that can be written to" };
+    Diagnostic::new(Code::E0804, format!("cannot make `{}`: {}", folder.display(), reason(error))).help(help)
+}
+
+pub fn no_name_for_a_project(folder: &Path) -> Diagnostic {
+    Diagnostic::new(Code::E0804, format!("`{}` is no name for a folder", folder.display()))
+        .help("write the name of a new one, such as `tweeze new fetch`")
+}
+
 pub fn not_recorded(path: &Path, error: &io::Error) -> Diagnostic {
     let exists = error.kind() == io::ErrorKind::AlreadyExists;
     let help = if exists { "recordings are never overwritten: choose another name" } else { "choose another folder" };

@@ -12,6 +12,7 @@ mod formats;
 mod library;
 mod loaded;
 mod microrobots;
+mod new;
 mod report;
 mod signals;
 mod terminal;
@@ -75,6 +76,7 @@ fn dispatch(command: Command) -> Exit {
         Command::Build(arguments) => build::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::View(arguments) => view::run(&arguments),
+        Command::New(arguments) => new::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
         Command::Fmt(arguments) => fmt::run(&arguments),
         Command::Simulate(arguments) => run_simulate(&arguments),

@@ -96,7 +96,8 @@ fn says(text: &str, parts: &[&str]) {
 #[test]
 fn help_teaches() {
     let bench = Bench::new();
-    let commands = ["check", "build", "verify", "explain", "fmt", "simulate", "control", "devices", "completions"];
+    let commands =
+        ["check", "build", "verify", "new", "explain", "fmt", "simulate", "control", "devices", "completions"];
     let top = out(&bench.run(&["--help"]).code(DONE));
     says(&top, &commands);
     says(&top, &["Exit status: 0 done; 1 the program has errors; 2 wrong usage; 3", "tweeze build FILE.twz"]);

@@ -96,3 +96,35 @@ fn a_file_of_devices_alone_is_no_reason_to_warn_of_its_devices() {
     let listed = bench.run(&["devices", "a.twz"]).code(DONE);
     assert!(err(&listed).is_empty() && out(&listed).contains("bot: dimibot"), "{}", err(&listed));
 }
+
+/// A project of each template builds at once and without a word, and is in canonical form; nothing is written over.
+#[test]
+fn a_new_project_builds_at_once() {
+    let bench = Bench::new();
+    for template in ["pick-and-place", "scan", "sort", "assay", "assemble", "turn"] {
+        let folder = format!("deep/{template}");
+        let made = out(&bench.run(&["new", &folder, "--template", template]).code(DONE));
+        let program = format!("{folder}/{template}.twz");
+        says(&made, &["Created", &program, "tweeze build", "tweeze view"]);
+        let text = fs::read_to_string(bench.path(&program)).expect("it is there");
+        assert!(text.starts_with(&format!("//! {template}: ")), "{text}");
+        let built = bench.run(&["build", &program, "-o", &format!("{folder}/out")]).code(DONE);
+        assert!(err(&built).is_empty() && out(&built).contains("0 violations"), "{}", err(&built));
+        bench.run(&["fmt", "--check", &program]).code(DONE);
+        let again = bench.run(&["new", &folder, "--template", template]).code(FILES);
+        says(&err(&again), &["E0804", "it exists already"]);
+        assert_eq!(fs::read_to_string(bench.path(&program)).expect("it is there"), text);
+    }
+    for (kind, word) in [
+        ("dimibot", "femto_st"),
+        ("electrode_array", "smart_platform"),
+        ("microrobots", "bed"),
+        ("fingers", "three_fingers"),
+    ] {
+        bench.run(&["new", kind, "--kind", kind]).code(DONE);
+        let text = fs::read_to_string(bench.path(&format!("{kind}/{kind}.twz"))).expect("it is there");
+        assert!(text.contains(word), "{text}");
+    }
+    says(&err(&bench.run(&["new", "x", "--template", "sacn"]).code(USAGE)), &["'sacn'", "scan"]);
+    says(&err(&bench.run(&["new", ".."]).code(FILES)), &["is no name"]);
+}

@@ -183,6 +183,28 @@ fn no_folder() -> io::Error {
     io::Error::new(io::ErrorKind::NotADirectory, "it is a file, and no folder")
 }
 
+/// Makes a folder with files in it, by their names: whole, or not at all. Folders above it are made too.
+///
+/// # Errors
+/// A diagnostic: something of that name exists, or it cannot be written.
+pub fn make_folder(folder: &Path, files: &[(&str, String)]) -> Result<(), Box<Diagnostic>> {
+    made(folder, files).map_err(|error| Box::new(errors::not_made(folder, &error)))
+}
+
+fn made(folder: &Path, files: &[(&str, String)]) -> io::Result<()> {
+    if folder.symlink_metadata().is_ok() {
+        return Err(io::Error::new(io::ErrorKind::AlreadyExists, "it exists already"));
+    }
+    let above = folder.parent().filter(|above| *above != Path::new("")).unwrap_or(Path::new("."));
+    fs::create_dir_all(above)?;
+    let draft = tempfile::Builder::new().prefix(".tweeze-new-").tempdir_in(above)?;
+    // A temporary folder is for its owner alone; a project is not.
+    let whole = draft.path().join("whole");
+    fs::create_dir(&whole)?;
+    files.iter().try_for_each(|(name, text)| fs::write(whole.join(name), text))?;
+    fs::rename(&whole, folder)
+}
+
 /// Finishes an interrupted build into the folder of a file, so that all files read there are of one build.
 ///
 /// # Errors

@@ -53,6 +53,9 @@ const EXPECTED_SEED: u64 = 1;
 /// [`STRETCH_UM`] of all robots that a plan has, times the trials. Enough for all trials of ten robots that drive for some minutes.
 const MAX_WORK: u64 = 16_000_000;
 
+/// Work of an interval, in which the controller measures and decides, against that of a stretch.
+const INTERVAL_WORK: u64 = 2;
+
 /// Path between two looks at what a simulated robot meets, in micrometres.
 const STRETCH_UM: f64 = 10.0;
 
@@ -171,8 +174,12 @@ fn simulated(
 ) -> Option<SimulationReport> {
     let errors = order.facts.errors?;
     let stroke_um: f64 = (0..order.robots.len()).map(|robot| order.robot(robot).step_um).sum();
-    let intervals = motion.duration_ns(order) / errors.replan_ns.max(1);
-    let work = intervals.saturating_add((motion.strokes() as f64 * stroke_um / STRETCH_UM) as u64).saturating_add(1);
+    let (duration_ns, replan_ns) = (motion.duration_ns(order).max(1), errors.replan_ns.max(1));
+    let intervals = duration_ns / replan_ns;
+    // A robot that is off its way may drive for the whole of an interval, however short the plan is.
+    let strokes = motion.strokes() as f64 * (duration_ns.max(replan_ns) as f64 / duration_ns as f64);
+    let work = intervals.saturating_mul(INTERVAL_WORK).saturating_add((strokes * stroke_um / STRETCH_UM) as u64);
+    let work = work.saturating_add(1);
     let trials = trials.min(most_work / work);
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     (trials >= LEAST_TRIALS).then(|| simulation::simulate(order, motion, trials, seed, threads)).flatten()

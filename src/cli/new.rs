@@ -1,0 +1,57 @@
+//! `tweeze new`: a small program that builds at once, from a template.
+
+use super::arguments::{NewArguments, Template};
+use super::{Exit, disk, errors, terminal};
+use crate::device::Kind;
+use clap::ValueEnum;
+use std::path::Path;
+
+/// Where the name of the project stands in a template.
+const PROJECT: &str = "PROJECT";
+
+/// What a version-control system is to leave alone: the folder that the first build writes to.
+const IGNORED: &str = "out/\n";
+
+impl Template {
+    fn text(self) -> &'static str {
+        match self {
+            Template::PickAndPlace => include_str!("../../assets/templates/pick-and-place.twz"),
+            Template::Scan => include_str!("../../assets/templates/scan.twz"),
+            Template::Sort => include_str!("../../assets/templates/sort.twz"),
+            Template::Assay => include_str!("../../assets/templates/assay.twz"),
+            Template::Assemble => include_str!("../../assets/templates/assemble.twz"),
+            Template::Turn => include_str!("../../assets/templates/turn.twz"),
+        }
+    }
+
+    /// The first template that uses the published devices of a kind.
+    fn of(kind: Kind) -> Option<Template> {
+        let library = format!("use std.{}", kind.name());
+        Template::value_variants().iter().copied().find(|template| template.text().contains(&library))
+    }
+}
+
+/// Makes a folder with a program in it.
+pub fn run(arguments: &NewArguments) -> Exit {
+    let template = arguments.template.or(arguments.kind.and_then(Template::of)).unwrap_or(Template::PickAndPlace);
+    let folder = &arguments.path;
+    let Some(name) = folder.file_name().map(|name| name.to_string_lossy().into_owned()) else {
+        terminal::report_one(errors::no_name_for_a_project(folder), arguments.report.format);
+        return Exit::Files;
+    };
+    let program = format!("{name}.twz");
+    let files = [(program.as_str(), template.text().replace(PROJECT, &name)), (".gitignore", IGNORED.to_owned())];
+    if let Err(diagnostic) = disk::make_folder(folder, &files) {
+        terminal::report_one(*diagnostic, arguments.report.format);
+        return Exit::Files;
+    }
+    let path = folder.join(&program);
+    terminal::answer(&report(&path, folder))
+}
+
+/// What was made, and what to do with it.
+fn report(program: &Path, folder: &Path) -> String {
+    let [program, out] = [program, &folder.join("out")].map(|path| terminal::name(&path.to_string_lossy()));
+    let made = terminal::line("Created", &program, 0, "");
+    format!("{made}\nNext:\n  tweeze build {program} --emit mcap,html,svg -o {out}\n  tweeze view {program} -o {out}\n")
+}
