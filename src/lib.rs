@@ -22,6 +22,8 @@
 //! Beside them [`simulate`] carries plans out with imperfect devices, where a kind says its errors, and [`mod@format`] turns the text of
 //! a program into its canonical form.
 //!
+//! [`lsp`] answers what an editor asks while a program is written, from the checker and the vocabulary.
+//!
 //! They stand on a base that knows nothing of them: [`source`] (files and spans), [`real`] (elementary functions that are the same on
 //! every platform), [`random`] (numbers that a seed determines), [`quantity`] (units and dimensions),
 //! [`geometry`], [`diagnostic`] (what is said to people), [`device`] (the vocabulary and facts of each kind), [`instrument`] (those of
@@ -62,6 +64,7 @@ pub mod geometry;
 pub mod instrument;
 pub mod log;
 pub mod lower;
+pub mod lsp;
 pub mod plan;
 pub mod quantity;
 pub mod random;

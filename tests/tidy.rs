@@ -31,11 +31,12 @@ const SIGHT: &[(&str, &[&str])] = &[
     ("lower", &["claims", "plan", "schedule"]),
     ("emit", &["claims", "schedule", "verify", "log"]),
     ("compile", &["syntax", "claims", "check", "plan", "lower", "verify"]),
+    ("lsp", &["syntax", "format", "check", "compile"]),
     (
         "cli",
         &[
             "syntax", "format", "stdlib", "claims", "schedule", "check", "plan", "verify", "log", "simulate", "lower",
-            "emit", "compile",
+            "emit", "compile", "lsp",
         ],
     ),
 ];

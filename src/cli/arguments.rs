@@ -70,6 +70,12 @@ pub enum Command {
                       reported. Exit status: 0 done; 1 a program has syntax errors or, with --check, would change."
     )]
     Fmt(FmtArguments),
+    /// Serve an editor on standard input and output, by the Language Server Protocol
+    #[command(after_help = "Editors start it themselves, as `tweeze lsp`. Example for Helix, in languages.toml:\n  \
+                      [language-server.tweeze]\n  command = \"tweeze\"\n  args = [\"lsp\"]\n\n\
+                      Settings for Neovim and Helix are in docs/editor.md. It gives diagnostics while you type, the meaning of \
+                      words, completion, declarations, and the canonical form. Exit status: 0 ended as agreed; 1 not.")]
+    Lsp,
     /// Simulate the assemblies of a program with imperfect robots and measurements, and count the outcomes
     #[command(after_help = "Examples:\n  tweeze simulate assemble.twz --trials 1000 --seed 7\n  \
                       tweeze simulate assemble.twz --trials 5 --against-controller --delay 50ms --lost 0.02 --wrong 0.01")]

@@ -11,6 +11,7 @@ mod fmt;
 mod formats;
 mod library;
 mod loaded;
+mod lsp;
 mod microrobots;
 mod new;
 mod report;
@@ -79,6 +80,7 @@ fn dispatch(command: Command) -> Exit {
         Command::New(arguments) => new::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
         Command::Fmt(arguments) => fmt::run(&arguments),
+        Command::Lsp => lsp::run(),
         Command::Simulate(arguments) => run_simulate(&arguments),
         Command::Control(arguments) => run_control(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),

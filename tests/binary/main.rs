@@ -1,5 +1,6 @@
 //! The built program as users see it: commands, exit statuses, files, streams.
 
+mod editor;
 mod usage;
 
 use assert_cmd::Command;
@@ -97,7 +98,7 @@ fn says(text: &str, parts: &[&str]) {
 fn help_teaches() {
     let bench = Bench::new();
     let commands =
-        ["check", "build", "verify", "new", "explain", "fmt", "simulate", "control", "devices", "completions"];
+        ["check", "build", "verify", "new", "explain", "fmt", "lsp", "simulate", "control", "devices", "completions"];
     let top = out(&bench.run(&["--help"]).code(DONE));
     says(&top, &commands);
     says(&top, &["Exit status: 0 done; 1 the program has errors; 2 wrong usage; 3", "tweeze build FILE.twz"]);

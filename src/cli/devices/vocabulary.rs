@@ -1,6 +1,6 @@
 //! The tables that the checker reads, for people.
 
-use crate::device::{Count, Kind, Need, Sort, Together, Vocabulary, VocabularyField, WordChoice, shape::ShapeForm};
+use crate::device::{Kind, Together, Vocabulary, VocabularyField, WordChoice, shape::ShapeForm};
 use crate::instrument::Family;
 use crate::quantity::Dimension;
 use std::fmt::Write;
@@ -49,7 +49,7 @@ pub fn page(vocabulary: &'static Vocabulary) -> String {
         vocabulary
             .verbs
             .iter()
-            .map(|verb| (verb.example.to_owned(), verb_doc(verb)))
+            .map(|verb| (verb.example.to_owned(), verb.meaning()))
             .chain(together(vocabulary))
             .chain([wait()]),
     );
@@ -135,70 +135,11 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
 }
 
 fn field(field: &VocabularyField) -> (String, String) {
-    let need = match field.need {
-        Need::Required => String::new(),
-        Need::Optional(otherwise) => format!(" (else {otherwise})"),
-    };
-    (format!("{}: {}", field.name, sort(field.sort)), format!("{}{need}", field.doc))
+    (field.term(), field.meaning())
 }
 
 fn choice(choice: &WordChoice) -> (String, String) {
     (choice.name.to_owned(), choice.doc.to_owned())
-}
-
-fn sort(sort: Sort) -> String {
-    match sort {
-        Sort::Count { least, most } => format!("{least} to {most}"),
-        Sort::Quantity { dimension, range } if dimension == Dimension::NUMBER => {
-            format!("a number {}", range.text())
-        }
-        Sort::Quantity { dimension, range } => {
-            format!("{} [{}], {}", dimension.name(), dimension.example_unit(), range.text())
-        }
-        Sort::Word(choices) => choices.iter().map(|choice| choice.name).collect::<Vec<_>>().join(" | "),
-        Sort::State => "word, cell or place".to_owned(),
-        Sort::Target => "cell, place or word".to_owned(),
-        Sort::Targets => "list of cells and places".to_owned(),
-        Sort::Cell => "cell".to_owned(),
-        Sort::Size => "(length, length)".to_owned(),
-        Sort::Pixel => "(x, y) [px]".to_owned(),
-        Sort::Places => "list of places".to_owned(),
-        Sort::CountOrWord { least, most, words } => {
-            let words: Vec<&str> = words.iter().map(|choice| choice.name).collect();
-            format!("{least} to {most} | {}", words.join(" | "))
-        }
-        Sort::Flag => "true | false".to_owned(),
-        Sort::Shape(form) => form.name().to_owned(),
-        Sort::Table(columns) => {
-            let columns: Vec<String> = columns.iter().map(|column| column.name.to_owned()).collect();
-            format!("table of {}", columns.join(" | "))
-        }
-        Sort::Object(noun) => noun.to_owned(),
-        Sort::Name => "name".to_owned(),
-        Sort::Pose => "pose".to_owned(),
-        Sort::Control => "number, or word of arms".to_owned(),
-        Sort::Vector { dimension, .. } => {
-            let unit = dimension.example_unit();
-            format!("(x, y, z) [{unit}]")
-        }
-        Sort::Contacts => "(contact, contact, …)".to_owned(),
-        Sort::Orientation => "euler(…) or quaternion(…)".to_owned(),
-        Sort::Curve => "length, of the angle t".to_owned(),
-        Sort::Text => "string".to_owned(),
-    }
-}
-
-fn verb_doc(verb: &crate::device::Verb) -> String {
-    let phrases = verb.phrases.iter().map(|phrase| {
-        let often = match phrase.count {
-            Count::Once => "once",
-            Count::AtMostOnce => "at most once",
-            Count::AnyNumber => "any number of times",
-        };
-        format!("`{}` {} {often}", phrase.preposition, sort(phrase.sort))
-    });
-    let phrases: Vec<String> = phrases.collect();
-    if phrases.is_empty() { verb.doc.to_owned() } else { format!("{} ({})", verb.doc, phrases.join(", ")) }
 }
 
 fn together(vocabulary: &Vocabulary) -> Option<(String, String)> {
@@ -240,6 +181,6 @@ fn common_settings(vocabulary: &Vocabulary) -> Vec<(String, String)> {
 
 fn shape(form: ShapeForm) -> String {
     let fields: Vec<String> =
-        form.fields().iter().map(|field| format!("{}: {}", field.name, sort(field.sort))).collect();
+        form.fields().iter().map(|field| format!("{}: {}", field.name, field.sort.text())).collect();
     format!("{} {{ {} }}", form.name(), fields.join(", "))
 }

@@ -1,0 +1,80 @@
+//! The vocabulary in words: for `tweeze devices`, and for editors.
+
+use super::{Count, Need, Sort, Verb, VocabularyField};
+use crate::quantity::Dimension;
+
+impl Sort {
+    /// The values of the sort, in words.
+    pub fn text(self) -> String {
+        match self {
+            Sort::Count { least, most } => format!("{least} to {most}"),
+            Sort::Quantity { dimension, range } if dimension == Dimension::NUMBER => {
+                format!("a number {}", range.text())
+            }
+            Sort::Quantity { dimension, range } => {
+                format!("{} [{}], {}", dimension.name(), dimension.example_unit(), range.text())
+            }
+            Sort::Word(choices) => choices.iter().map(|choice| choice.name).collect::<Vec<_>>().join(" | "),
+            Sort::State => "word, cell or place".to_owned(),
+            Sort::Target => "cell, place or word".to_owned(),
+            Sort::Targets => "list of cells and places".to_owned(),
+            Sort::Cell => "cell".to_owned(),
+            Sort::Size => "(length, length)".to_owned(),
+            Sort::Pixel => "(x, y) [px]".to_owned(),
+            Sort::Places => "list of places".to_owned(),
+            Sort::CountOrWord { least, most, words } => {
+                let words: Vec<&str> = words.iter().map(|choice| choice.name).collect();
+                format!("{least} to {most} | {}", words.join(" | "))
+            }
+            Sort::Flag => "true | false".to_owned(),
+            Sort::Shape(form) => form.name().to_owned(),
+            Sort::Table(columns) => {
+                let columns: Vec<String> = columns.iter().map(|column| column.name.to_owned()).collect();
+                format!("table of {}", columns.join(" | "))
+            }
+            Sort::Object(noun) => noun.to_owned(),
+            Sort::Name => "name".to_owned(),
+            Sort::Pose => "pose".to_owned(),
+            Sort::Control => "number, or word of arms".to_owned(),
+            Sort::Vector { dimension, .. } => {
+                let unit = dimension.example_unit();
+                format!("(x, y, z) [{unit}]")
+            }
+            Sort::Contacts => "(contact, contact, …)".to_owned(),
+            Sort::Orientation => "euler(…) or quaternion(…)".to_owned(),
+            Sort::Curve => "length, of the angle t".to_owned(),
+            Sort::Text => "string".to_owned(),
+        }
+    }
+}
+
+impl VocabularyField {
+    /// The field with its values.
+    pub fn term(&self) -> String {
+        format!("{}: {}", self.name, self.sort.text())
+    }
+
+    /// What it is for, and what applies without it.
+    pub fn meaning(&self) -> String {
+        match self.need {
+            Need::Required => self.doc.to_owned(),
+            Need::Optional(otherwise) => format!("{} (else {otherwise})", self.doc),
+        }
+    }
+}
+
+impl Verb {
+    /// What it does, and the prepositions that it takes.
+    pub fn meaning(&self) -> String {
+        let phrases = self.phrases.iter().map(|phrase| {
+            let often = match phrase.count {
+                Count::Once => "once",
+                Count::AtMostOnce => "at most once",
+                Count::AnyNumber => "any number of times",
+            };
+            format!("`{}` {} {often}", phrase.preposition, phrase.sort.text())
+        });
+        let phrases: Vec<String> = phrases.collect();
+        if phrases.is_empty() { self.doc.to_owned() } else { format!("{} ({})", self.doc, phrases.join(", ")) }
+    }
+}

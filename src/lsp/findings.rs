@@ -1,0 +1,106 @@
+//! The checker's findings of an open program, as editors show them.
+
+use super::text::{ColumnUnit, EditedText};
+use crate::check::Options;
+use crate::check::imports::Library;
+use crate::compile::{self, CompileRequest};
+use crate::diagnostic::{Diagnostic, Label, Severity, Sink};
+use crate::source::{Origin, Sources, beside};
+use lsp_types::{DiagnosticRelatedInformation, DiagnosticSeverity, Location, NumberOrString, Uri};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Open texts in place of files.
+struct Overlay<'a> {
+    folder: &'a Path,
+    texts: &'a BTreeMap<PathBuf, &'a str>,
+    disk: &'a dyn Library,
+}
+
+impl Library for Overlay<'_> {
+    fn read(&self, from: &str, path: &str) -> Result<(String, String), String> {
+        let name = beside(from, path);
+        match self.texts.get(&PathBuf::from(beside(&format!("{}/", self.folder.display()), &name))) {
+            Some(text) => Ok((name, (*text).to_owned())),
+            None => self.disk.read(from, path),
+        }
+    }
+
+    fn read_mesh(&self, from: &str, path: &str) -> Result<(String, String), String> {
+        self.disk.read_mesh(from, path)
+    }
+
+    fn shown(&self, name: &str) -> String {
+        name.to_owned()
+    }
+}
+
+/// The findings of the program of a path, which is one of the open texts.
+pub fn of(
+    path: &Path,
+    uri: &Uri,
+    (texts, disk): (&BTreeMap<PathBuf, &str>, &dyn Library),
+    unit: ColumnUnit,
+) -> Vec<lsp_types::Diagnostic> {
+    let Some(text) = texts.get(path) else { return Vec::new() };
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let library = Overlay { folder: path.parent().unwrap_or(Path::new("")), texts, disk };
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let request = CompileRequest { name: &name, text, library: &library, options: &Options::default() };
+    // What the program means is not asked here.
+    let _ = compile::check(&request, &mut sources, &mut sink);
+    let own = EditedText::new((*text).to_owned());
+    let shown = ShownProgram { uri, own: &own, sources: &sources, unit };
+    sink.sorted().into_iter().map(|diagnostic| shown.diagnostic(diagnostic)).collect()
+}
+
+/// A program with its own text in the editor.
+struct ShownProgram<'a> {
+    uri: &'a Uri,
+    own: &'a EditedText,
+    sources: &'a Sources,
+    unit: ColumnUnit,
+}
+
+impl ShownProgram<'_> {
+    fn diagnostic(&self, diagnostic: &Diagnostic) -> lsp_types::Diagnostic {
+        let first = diagnostic.labels.first();
+        let own_range = first.and_then(|label| self.range(label));
+        let mut message = diagnostic.title.clone();
+        if own_range.is_none()
+            && let Some(label) = first
+        {
+            let (file, place) = (self.sources.file(label.span.file), self.sources.position(label.span));
+            message = format!("{}:{}: {message}", file.shown, place.line);
+        }
+        let mut add = |text: &str, before: &str| {
+            if !text.is_empty() {
+                message.push_str(&format!("\n{before}{text}"));
+            }
+        };
+        add(first.map_or("", |label| &label.text), "");
+        add(diagnostic.help.as_deref().unwrap_or(""), "help: ");
+        let related = diagnostic.labels.iter().skip(1).filter_map(|label| {
+            let location = Location { uri: self.uri.clone(), range: self.range(label)? };
+            Some(DiagnosticRelatedInformation { location, message: label.text.clone() })
+        });
+        lsp_types::Diagnostic {
+            range: own_range.unwrap_or_default(),
+            severity: Some(match diagnostic.code.severity() {
+                Severity::Error => DiagnosticSeverity::ERROR,
+                Severity::Warning => DiagnosticSeverity::WARNING,
+            }),
+            code: Some(NumberOrString::String(diagnostic.code.name().to_owned())),
+            source: Some("tweeze".to_owned()),
+            message,
+            related_information: Some(related.collect()),
+            ..lsp_types::Diagnostic::default()
+        }
+    }
+
+    /// The place of a label in the program's own text; `None` in another file.
+    fn range(&self, label: &Label) -> Option<lsp_types::Range> {
+        let own = self.sources.files().find(|(_, file)| file.origin == Origin::User)?.0;
+        (label.span.file == own).then(|| self.own.range(label.span.range(), self.unit))
+    }
+}

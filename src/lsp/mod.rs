@@ -1,0 +1,242 @@
+//! A language server on standard input and output: what editors ask while a program is written.
+//!
+//! Input: messages of the Language Server Protocol 3.17. Output: the checker's findings after each change, the canonical form, the
+//! declarations of a file, the words that may stand at a place and what they mean. Method: each open text is kept as it is in the editor
+//! (`text`); after all messages at hand are read, every open program is checked as a whole, with open texts in place of the files
+//! on the disk. Promise: no message ends the server but `exit`; an unknown document, a place outside of a text or a request that it does
+//! not know gets an empty answer or an error. Nothing is planned here.
+
+mod findings;
+mod outline;
+mod text;
+mod words;
+
+use crate::check::imports::Library;
+use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response};
+use lsp_types::notification::{
+    DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, Exit, Notification as Notice, PublishDiagnostics,
+};
+use lsp_types::request::{Completion, DocumentSymbolRequest, Formatting, HoverRequest, Request as Asked};
+use lsp_types::{
+    CompletionOptions, DocumentSymbolResponse, HoverProviderCapability, InitializeParams, OneOf, PositionEncodingKind,
+    PublishDiagnosticsParams, ServerCapabilities, TextDocumentSyncCapability, TextDocumentSyncKind, TextEdit, Uri,
+};
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use text::{ColumnUnit, EditedText};
+
+/// Files on the disk round a program; a caller that reads files gives them.
+pub type FilesRound<'a> = &'a dyn Fn(&Path, &mut dyn FnMut(&dyn Library));
+
+/// How a session ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SessionEnd {
+    /// The client asked for the end, and then ended it.
+    Agreed,
+    /// The client ended it without asking, or was gone.
+    Abrupt,
+}
+
+/// Serves one client until it ends.
+///
+/// # Errors
+/// The first messages are not those of the protocol.
+pub fn serve(connection: &Connection, round: FilesRound) -> Result<SessionEnd, String> {
+    let (id, asked) = connection.initialize_start().map_err(|error| error.to_string())?;
+    let asked: InitializeParams = serde_json::from_value(asked).map_err(|error| error.to_string())?;
+    let unit = column_unit(&asked);
+    let answer = json!({
+        "capabilities": capabilities(unit),
+        "serverInfo": { "name": "tweeze", "version": env!("CARGO_PKG_VERSION") },
+    });
+    connection.initialize_finish(id, answer).map_err(|error| error.to_string())?;
+    let mut session = Session { connection, round, unit, open: BTreeMap::new(), is_changed: false };
+    Ok(session.run())
+}
+
+/// Bytes where the client can count them, which is cheapest; else UTF-16 code units, as the protocol wants it.
+fn column_unit(asked: &InitializeParams) -> ColumnUnit {
+    let general = asked.capabilities.general.as_ref();
+    let known = general.and_then(|general| general.position_encodings.as_ref());
+    match known.is_some_and(|known| known.contains(&PositionEncodingKind::UTF8)) {
+        true => ColumnUnit::Byte,
+        false => ColumnUnit::Utf16,
+    }
+}
+
+fn capabilities(unit: ColumnUnit) -> ServerCapabilities {
+    ServerCapabilities {
+        position_encoding: Some(match unit {
+            ColumnUnit::Byte => PositionEncodingKind::UTF8,
+            ColumnUnit::Utf16 => PositionEncodingKind::UTF16,
+        }),
+        text_document_sync: Some(TextDocumentSyncCapability::Kind(TextDocumentSyncKind::INCREMENTAL)),
+        document_formatting_provider: Some(OneOf::Left(true)),
+        document_symbol_provider: Some(OneOf::Left(true)),
+        hover_provider: Some(HoverProviderCapability::Simple(true)),
+        completion_provider: Some(CompletionOptions::default()),
+        ..ServerCapabilities::default()
+    }
+}
+
+/// An open document.
+struct OpenDocument {
+    uri: Uri,
+    text: EditedText,
+    version: i32,
+}
+
+struct Session<'a> {
+    connection: &'a Connection,
+    round: FilesRound<'a>,
+    unit: ColumnUnit,
+    /// By path.
+    open: BTreeMap<PathBuf, OpenDocument>,
+    /// Whether a text has changed since the findings were sent.
+    is_changed: bool,
+}
+
+impl Session<'_> {
+    fn run(&mut self) -> SessionEnd {
+        loop {
+            let Ok(message) = self.connection.receiver.recv() else { return SessionEnd::Abrupt };
+            if let Some(end) = self.take(message) {
+                return end;
+            }
+            // Whoever types fast is answered for the last text alone.
+            while let Ok(message) = self.connection.receiver.try_recv() {
+                if let Some(end) = self.take(message) {
+                    return end;
+                }
+            }
+            if std::mem::take(&mut self.is_changed) {
+                self.publish_all();
+            }
+        }
+    }
+
+    fn take(&mut self, message: Message) -> Option<SessionEnd> {
+        match message {
+            Message::Request(request) => match self.connection.handle_shutdown(&request) {
+                Ok(true) => return Some(SessionEnd::Agreed),
+                Ok(false) => self.answer(request),
+                Err(_) => return Some(SessionEnd::Abrupt),
+            },
+            Message::Notification(notice) if notice.method == Exit::METHOD => return Some(SessionEnd::Abrupt),
+            Message::Notification(notice) => self.note(notice),
+            Message::Response(_) => {}
+        }
+        None
+    }
+
+    fn answer(&self, request: Request) {
+        let Request { id, method, params } = request;
+        let answer = match method.as_str() {
+            Formatting::METHOD => read(params).map(|asked| json!(self.formatted::<Formatting>(&asked))),
+            DocumentSymbolRequest::METHOD => read(params).map(|asked| json!(self.symbols(&asked))),
+            HoverRequest::METHOD => read(params).map(|asked| json!(self.hover(&asked))),
+            Completion::METHOD => read(params).map(|asked| json!(self.completions(&asked))),
+            _ => None,
+        };
+        let response = match answer {
+            Some(answer) => Response::new_ok(id, answer),
+            None => Response::new_err(
+                id,
+                ErrorCode::MethodNotFound as i32,
+                format!("`{method}` is not answered, or not with these parameters"),
+            ),
+        };
+        self.send(Message::Response(response));
+    }
+
+    fn note(&mut self, notice: Notification) {
+        match notice.method.as_str() {
+            DidOpenTextDocument::METHOD => {
+                let Some(opened) = read::<lsp_types::DidOpenTextDocumentParams>(notice.params) else { return };
+                let document = opened.text_document;
+                let Some(path) = text::path(&document.uri) else { return };
+                let text = EditedText::new(document.text);
+                self.open.insert(path, OpenDocument { uri: document.uri, text, version: document.version });
+                self.is_changed = true;
+            }
+            DidChangeTextDocument::METHOD => {
+                let Some(changed) = read::<lsp_types::DidChangeTextDocumentParams>(notice.params) else { return };
+                let path = text::path(&changed.text_document.uri);
+                let Some(document) = path.and_then(|path| self.open.get_mut(&path)) else { return };
+                for change in changed.content_changes {
+                    document.text.change(change.range, &change.text, self.unit);
+                }
+                document.version = changed.text_document.version;
+                self.is_changed = true;
+            }
+            DidCloseTextDocument::METHOD => {
+                let Some(closed) = read::<lsp_types::DidCloseTextDocumentParams>(notice.params) else { return };
+                let uri = closed.text_document.uri;
+                if text::path(&uri).and_then(|path| self.open.remove(&path)).is_some() {
+                    self.publish(uri, Vec::new(), None);
+                    self.is_changed = true;
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Checks every open program: a change of one may concern those that use it.
+    fn publish_all(&self) {
+        let texts: BTreeMap<PathBuf, &str> =
+            self.open.iter().map(|(path, document)| (path.clone(), document.text.as_str())).collect();
+        for (path, document) in &self.open {
+            let mut found = Vec::new();
+            (self.round)(path, &mut |disk| found = findings::of(path, &document.uri, (&texts, disk), self.unit));
+            self.publish(document.uri.clone(), found, Some(document.version));
+        }
+    }
+
+    fn publish(&self, uri: Uri, diagnostics: Vec<lsp_types::Diagnostic>, version: Option<i32>) {
+        let params = PublishDiagnosticsParams { uri, diagnostics, version };
+        self.send(Message::Notification(Notification::new(PublishDiagnostics::METHOD.to_owned(), params)));
+    }
+
+    fn send(&self, message: Message) {
+        // A client that is gone is noticed by the next message that does not come.
+        let _ = self.connection.sender.send(message);
+    }
+
+    fn document(&self, uri: &Uri) -> Option<&OpenDocument> {
+        self.open.get(&text::path(uri)?)
+    }
+
+    /// The canonical form, as one edit of the whole; none where the text has it already.
+    fn formatted<R>(&self, asked: &R::Params) -> Option<Vec<TextEdit>>
+    where
+        R: Asked<Params = lsp_types::DocumentFormattingParams>,
+    {
+        let text = &self.document(&asked.text_document.uri)?.text;
+        let canonical = outline::canonical(text.as_str());
+        let edit = || TextEdit { range: text.range(0..text.as_str().len(), self.unit), new_text: canonical.clone() };
+        Some(if canonical == text.as_str() { Vec::new() } else { vec![edit()] })
+    }
+
+    fn symbols(&self, asked: &lsp_types::DocumentSymbolParams) -> Option<DocumentSymbolResponse> {
+        let text = &self.document(&asked.text_document.uri)?.text;
+        Some(DocumentSymbolResponse::Nested(outline::symbols(text, self.unit)))
+    }
+
+    fn hover(&self, asked: &lsp_types::HoverParams) -> Option<lsp_types::Hover> {
+        let place = &asked.text_document_position_params;
+        let text = &self.document(&place.text_document.uri)?.text;
+        words::hover(text, text.offset(place.position, self.unit), self.unit)
+    }
+
+    fn completions(&self, asked: &lsp_types::CompletionParams) -> Option<Vec<lsp_types::CompletionItem>> {
+        let place = &asked.text_document_position;
+        let text = &self.document(&place.text_document.uri)?.text;
+        Some(words::completions(text.as_str(), text.offset(place.position, self.unit)))
+    }
+}
+
+fn read<T: DeserializeOwned>(params: Value) -> Option<T> {
+    serde_json::from_value(params).ok()
+}

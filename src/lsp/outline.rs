@@ -1,0 +1,58 @@
+//! The declarations of a text, and its canonical form.
+
+use super::text::{ColumnUnit, EditedText};
+use crate::diagnostic::Sink;
+use crate::source::{Sources, Span};
+use crate::syntax::tree::{Item, Tree};
+use crate::{format, syntax};
+use lsp_types::{DocumentSymbol, SymbolKind};
+
+/// The tree of a text by itself.
+pub fn tree(text: &str) -> Tree {
+    let file = Sources::default().add("", text);
+    syntax::parse(file, text, &mut Sink::default())
+}
+
+/// The canonical form; parts with syntax errors stay as they are.
+pub fn canonical(text: &str) -> String {
+    let file = Sources::default().add("", text);
+    format::format(file, text, &mut Sink::default())
+}
+
+/// The declarations in their order.
+pub fn symbols(text: &EditedText, unit: ColumnUnit) -> Vec<DocumentSymbol> {
+    let symbol = |name: &str, detail: &str, kind: SymbolKind, [whole, word]: [Span; 2]| {
+        let [range, selection_range] = [whole, word].map(|span| text.range(span.range(), unit));
+        // The field for outdated symbols is outdated itself, and has to be given.
+        #[allow(deprecated)]
+        DocumentSymbol {
+            name: name.to_owned(),
+            detail: Some(detail.to_owned()),
+            kind,
+            tags: None,
+            deprecated: None,
+            range,
+            selection_range,
+            children: None,
+        }
+    };
+    let of = |item: &Item| match item {
+        Item::Let(item) => Some(symbol(&item.name.text, "let", SymbolKind::CONSTANT, [item.span, item.name.span])),
+        Item::Device(item) => Some(symbol(&item.name.text, "device", SymbolKind::CLASS, [item.span, item.name.span])),
+        Item::Instrument(item) => {
+            Some(symbol(&item.name.text, "instrument", SymbolKind::INTERFACE, [item.span, item.name.span]))
+        }
+        Item::Scene(item) => Some(symbol(&item.name.text, "scene", SymbolKind::NAMESPACE, [item.span, item.name.span])),
+        Item::Task(item) => Some(symbol(&item.name.text, "task", SymbolKind::FUNCTION, [item.span, item.name.span])),
+        Item::Program(item) => {
+            Some(symbol(&item.name.text, "program", SymbolKind::MODULE, [item.span, item.name.span]))
+        }
+        Item::Wiring(item) => {
+            let words: Vec<&str> = item.device.segments.iter().map(|segment| segment.name.text.as_str()).collect();
+            Some(symbol(&words.join("."), "wiring", SymbolKind::OBJECT, [item.span, item.device.span]))
+        }
+        Item::Use(_) | Item::Error(_) => None,
+    };
+    // A name is not empty in the protocol; that of a declaration with an error may be.
+    tree(text.as_str()).items.iter().filter_map(of).filter(|symbol| !symbol.name.is_empty()).collect()
+}
