@@ -51,7 +51,7 @@ impl Bench {
             ("twz", file, _) => self.compile(block, file),
             (_, Some(file), _) => self.write(file, &block.text()),
             ("console", ..) => self.show(block),
-            ("sh", ..) if block.has("bench") => {}
+            ("sh" | "toml" | "lua", ..) if block.has("bench") => {}
             ("sh", ..) => self.run_all(block),
             ("text", ..) => {}
             (other, ..) => self.wrong.push(format!("{}: nothing holds a block `{other}`", block.line)),

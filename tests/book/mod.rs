@@ -12,6 +12,7 @@
 //! - `sh`: commands that are run, one a line, whatever they print. With the word `bench` they need an instrument, or the source of
 //!   Tweeze itself, and are not run.
 //! - any word with `of=PATH`: lines of that file, as it is or as the blocks before it have written it; `…` as above.
+//! - `toml` and `lua` with `bench`: settings of editors, which are not run.
 //! - `text`: nothing to be run.
 //!
 //! Each page has a folder of its own with a copy of `examples`, in which its blocks work one after the other.

@@ -24,7 +24,7 @@ pub(super) struct PairsInstant<'a> {
 }
 
 /// Looks per grasp of three with out-of-plane forces.
-const LOOKS_IN_SPACE: u64 = 32;
+const LOOKS_IN_SPACE: u64 = 64;
 
 /// The same for two.
 const PAIR_LOOKS_IN_SPACE: u64 = 4;

@@ -12,8 +12,9 @@ use rustc_hash::FxHashMap;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// Looks per equilibrium.
+/// Looks per equilibrium, and per that of three contacts with out-of-plane forces.
 const LOOKS: u64 = 30;
+const LOOKS_IN_SPACE: u64 = 80;
 
 /// Bits of a contact in a key.
 const DIGIT: u32 = 10;
@@ -97,7 +98,8 @@ impl Lazy {
     }
 
     fn balances(&self, angle: i32, part: usize, held: &[usize]) -> bool {
-        self.looks.take(LOOKS);
+        let in_space = held.len() > 2 && !self.load.is_in_plane();
+        self.looks.take(if in_space { LOOKS_IN_SPACE } else { LOOKS });
         let grip = if part == 0 { &self.grip } else { &self.firm };
         let touched: Vec<Contact> = held.iter().map(|contact| self.contacts[part][*contact]).collect();
         grip.holds_under(&touched, &self.at(angle, part))
