@@ -56,6 +56,11 @@ pub fn no_name_for_a_project(folder: &Path) -> Diagnostic {
         .help("write the name of a new one, such as `tweeze new fetch`")
 }
 
+pub fn program_for_a_folder(name: &str, stem: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0804, format!("`{name}` would be a folder, and is the name of a program"))
+        .help(format!("`tweeze new {stem}` makes the folder `{stem}` with `{name}` in it"))
+}
+
 pub fn not_recorded(path: &Path, error: &io::Error) -> Diagnostic {
     let exists = error.kind() == io::ErrorKind::AlreadyExists;
     let help = if exists { "recordings are never overwritten: choose another name" } else { "choose another folder" };

@@ -39,6 +39,10 @@ pub fn run(arguments: &NewArguments) -> Exit {
         terminal::report_one(errors::no_name_for_a_project(folder), arguments.report.format);
         return Exit::Files;
     };
+    if let Some(stem) = name.strip_suffix(".twz") {
+        terminal::report_one(errors::program_for_a_folder(&name, stem), arguments.report.format);
+        return Exit::Files;
+    }
     let program = format!("{name}.twz");
     let files = [(program.as_str(), template.text().replace(PROJECT, &name)), (".gitignore", IGNORED.to_owned())];
     if let Err(diagnostic) = disk::make_folder(folder, &files) {

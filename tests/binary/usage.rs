@@ -127,4 +127,5 @@ fn a_new_project_builds_at_once() {
     }
     says(&err(&bench.run(&["new", "x", "--template", "sacn"]).code(USAGE)), &["'sacn'", "scan"]);
     says(&err(&bench.run(&["new", ".."]).code(FILES)), &["is no name"]);
+    says(&err(&bench.run(&["new", "fetch.twz"]).code(FILES)), &["tweeze new fetch`"]);
 }
