@@ -56,6 +56,9 @@ const MAX_WORK: u64 = 16_000_000;
 /// Work of an interval, in which the controller measures and decides, against that of a stretch.
 const INTERVAL_WORK: u64 = 2;
 
+/// Intervals that a trial may last longer than its plan: about as often a pair that misses tries again.
+const MORE_INTERVALS: u64 = 20;
+
 /// Path between two looks at what a simulated robot meets, in micrometres.
 const STRETCH_UM: f64 = 10.0;
 
@@ -176,8 +179,9 @@ fn simulated(
     let stroke_um: f64 = (0..order.robots.len()).map(|robot| order.robot(robot).step_um).sum();
     let (duration_ns, replan_ns) = (motion.duration_ns(order).max(1), errors.replan_ns.max(1));
     let intervals = duration_ns / replan_ns;
-    // A robot that is off its way may drive for the whole of an interval, however short the plan is.
-    let strokes = motion.strokes() as f64 * (duration_ns.max(replan_ns) as f64 / duration_ns as f64);
+    // A robot that is off its way drives on for whole intervals, however short the plan is.
+    let longest_ns = duration_ns.saturating_add(replan_ns.saturating_mul(MORE_INTERVALS));
+    let strokes = motion.strokes() as f64 * (longest_ns as f64 / duration_ns as f64);
     let work = intervals.saturating_mul(INTERVAL_WORK).saturating_add((strokes * stroke_um / STRETCH_UM) as u64);
     let work = work.saturating_add(1);
     let trials = trials.min(most_work / work);
