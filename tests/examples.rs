@@ -4,7 +4,7 @@ mod support;
 
 use std::path::{Path, PathBuf};
 use support::{build, build_in};
-use tweeze::instrument::Family;
+use tweeze::instrument::{InstrumentFacts, Protocol};
 use tweeze::schedule::microrobots::MicrorobotsState;
 use tweeze::schedule::{ChannelUnit, Schedule, State};
 
@@ -41,14 +41,15 @@ fn every_example_builds_without_a_word_and_is_written_in_every_format() {
         let built = build_in(&folder(), &text);
         assert!(built.codes.is_empty() && !built.schedules.is_empty(), "{name}: {:?}", built.codes);
         let files = built.files();
-        // G-code is of stages only; a generator has a script and its description, a card its samples, each format a sender.
+        // G-code is of stages only; a generator has a script and its description, a card its samples, a driver of electrodes its frames, each format a sender.
         let are_stages =
             |schedule: &Schedule| schedule.channels.iter().all(|channel| channel.unit == ChannelUnit::Micrometre);
         let of_instruments = |schedule: &Schedule| -> usize {
-            let families = schedule.bench.instruments.values().map(|instrument| instrument.facts.family());
-            let files = families.map(|family| match family {
-                Family::WaveformGenerator => 3,
-                Family::DataAcquisition => 2,
+            let facts = schedule.bench.instruments.values().map(|instrument| &instrument.facts);
+            let files = facts.map(|facts| match facts {
+                InstrumentFacts::WaveformGenerator(_) => 3,
+                InstrumentFacts::DataAcquisition(_) => 2,
+                InstrumentFacts::ElectrodeDriver(facts) => 2 + usize::from(facts.protocol == Protocol::Opendrop),
             });
             files.sum()
         };

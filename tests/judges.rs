@@ -19,7 +19,9 @@ fn main() -> ExitCode {
         let folder = folder.path().join(example.file_stem().unwrap_or_default());
         let mut built = build(&example, "mcap,json,csv,vcd,pwl,svg", &folder);
         let written: Vec<Value> = schedules(&folder).iter().map(|path| document(path)).collect();
-        for (family, format) in [("waveform_generator", "scpi"), ("data_acquisition", "nidaqmx")] {
+        for (family, format) in
+            [("waveform_generator", "scpi"), ("data_acquisition", "nidaqmx"), ("electrode_driver", "frames")]
+        {
             if !written.is_empty() && written.iter().all(|schedule| has_instrument(schedule, family)) {
                 built = built.and_then(|()| build(&example, format, &folder));
             }

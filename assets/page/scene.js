@@ -309,11 +309,21 @@ function drawBoard(pen, device, t_ns) {
   g.fillRect(x0, y0, facts.columns * pen.scale, facts.rows * pen.scale);
   const radius = 0.5 / (1 + facts.pitch_ratio);
   const isCoarse = pen.scale < 5;
+  const channels = facts.map?.channels ?? [];
+  const isGap = (column, row) => channels.length > 0 && channels[(row - 1) * facts.columns + column - 1] === null;
+  const isDisabled = (column, row) => (facts.map?.disabled ?? []).some((cell) => cell.column === column && cell.row === row);
+  g.fillStyle = theme.paper;
+  for (let column = 1; column <= facts.columns; column += 1) {
+    for (let row = 1; row <= facts.rows; row += 1) {
+      if (isGap(column, row)) g.fillRect(...pen.at([column - 0.5, row + 0.5]), pen.scale, pen.scale);
+    }
+  }
   g.fillStyle = theme.electrode;
   if (!isCoarse) {
     g.beginPath();
     for (let column = 1; column <= facts.columns; column += 1) {
       for (let row = 1; row <= facts.rows; row += 1) {
+        if (isGap(column, row) || isDisabled(column, row)) continue;
         const [x, y] = pen.at([column, row]);
         g.moveTo(x + radius * pen.scale, y);
         g.arc(x, y, radius * pen.scale, 0, 2 * Math.PI);
@@ -321,6 +331,7 @@ function drawBoard(pen, device, t_ns) {
     }
     g.fill();
   }
+  for (const { column, row } of facts.map?.disabled ?? []) pen.disc([column, row], radius, { stroke: theme.faint, least: 1.5 });
   for (const channel of device.channels) {
     const actuation = actuationAt(channel, t_ns);
     if (!actuation || actuation.from === 0) continue;

@@ -103,6 +103,9 @@ impl Checker<'_> {
             self.sink.push(wrong);
             return None;
         }
+        if let Sort::CountRows { most } = sort {
+            return self.accept_rows(most, expr, scope, wanted);
+        }
         if let Sort::Curve = sort {
             return self.accept_curve(expr, scope, wanted);
         }
@@ -178,6 +181,8 @@ impl Checker<'_> {
             | Sort::Target
             | Sort::Targets
             | Sort::Cell
+            | Sort::Cells
+            | Sort::CountRows { .. }
             | Sort::Size
             | Sort::Pixel
             | Sort::Places
@@ -323,14 +328,16 @@ pub fn judge(
         Sort::Target => wrong("a cell or a place", "(19, 28)"),
         Sort::Targets => match value {
             Value::List(list) if list.is_empty() => wrong("at least one place", "[(3, 9), (12, 4)]"),
-            Value::List(list) => list.iter().try_for_each(|element| match &element.value {
-                Value::Unknown => Ok(()),
-                element_value => judge(Sort::Target, element_value, element.span, wanted),
-            }),
+            Value::List(list) => judge_each(Sort::Target, list, wanted),
             _ => wrong("a list of cells and places", "[(3, 9), (12, 4)]"),
         },
         Sort::Cell if is_point(value, Dimension::NUMBER) => Ok(()),
         Sort::Cell => wrong("a cell", "(20, 23)"),
+        Sort::Cells => match value {
+            Value::List(list) => judge_each(Sort::Cell, list, wanted),
+            _ => wrong("a list of cells", "[(3, 9), (12, 4)]"),
+        },
+        Sort::CountRows { .. } => wrong("a list for each row", "[[4, 5, none], [1, 2, 3]]"),
         Sort::Size if is_point(value, Dimension::LENGTH) => Ok(()),
         Sort::Size => wrong("a width and a height", "(4 um, 0.5 um)"),
         Sort::Pixel if is_point(value, Dimension::PIXELS) => Ok(()),
@@ -351,6 +358,16 @@ pub fn judge(
         Sort::Curve => wrong("a curve", "16 um * cos(t)"),
         Sort::Text => wrong("the name of a file", "\"bead.stl\""),
     }
+}
+
+/// Whether all elements of a list are of a sort.
+fn judge_each(
+    sort: Sort,
+    list: &[Spanned<Value>],
+    wanted: &WantedName,
+) -> Result<(), Box<crate::diagnostic::Diagnostic>> {
+    let known = list.iter().filter(|element| !element.value.is_unknown());
+    known.into_iter().try_for_each(|element| judge(sort, &element.value, element.span, wanted))
 }
 
 /// Whether a table has the required columns, at least one row, and in each cell a value of its column's sort.
@@ -391,6 +408,8 @@ fn is_of_scene(sort: Sort) -> bool {
         | Sort::Quantity { .. }
         | Sort::Word(_)
         | Sort::Cell
+        | Sort::Cells
+        | Sort::CountRows { .. }
         | Sort::Size
         | Sort::Pixel
         | Sort::CountOrWord { .. }

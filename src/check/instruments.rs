@@ -5,7 +5,8 @@ use super::figures::Figures;
 use super::scope::{DeclarationPlace, DeclarationSort, path_text};
 use super::{Checker, errors};
 use crate::instrument::{
-    DataAcquisitionFacts, Family, Instrument, InstrumentFacts, Start, VoltageOutput, WaveformGeneratorFacts,
+    DataAcquisitionFacts, ElectrodeDriverFacts, Family, Instrument, InstrumentFacts, Protocol, Start, VoltageOutput,
+    WaveformGeneratorFacts,
 };
 use crate::syntax::tree::Item;
 use std::collections::BTreeSet;
@@ -65,6 +66,31 @@ impl Checker<'_> {
                     return None;
                 }
                 Some(InstrumentFacts::WaveformGenerator(facts))
+            }
+            Family::ElectrodeDriver => {
+                let facts = ElectrodeDriverFacts {
+                    protocol: Protocol::find(fields.word("protocol")?)?,
+                    channels: fields.count("channels")?,
+                    least_v: fields.si("least_potential").unwrap_or(0.0),
+                    most_v: fields.si("most_potential")?,
+                    least_frame_ns: fields.clock_ns("least_frame", self.sink)?,
+                    start,
+                };
+                let most = facts.protocol.channels();
+                let wrong = if facts.channels > most {
+                    Some(("channels", errors::too_many_driver_channels(facts.protocol.name(), facts.channels, most)))
+                } else if facts.least_v > facts.most_v {
+                    let text = |name: &str| fields.text(name);
+                    let finding = errors::no_driver_voltage(&text("least_potential"), &text("most_potential"));
+                    Some(("least_potential", finding))
+                } else {
+                    None
+                };
+                if let Some((field, finding)) = wrong {
+                    self.sink.push(finding.label(fields.get(field)?.span, "here"));
+                    return None;
+                }
+                Some(InstrumentFacts::ElectrodeDriver(facts))
             }
             Family::DataAcquisition => {
                 let facts = DataAcquisitionFacts {

@@ -28,6 +28,7 @@ mod neighbours;
 mod objects;
 mod orientation;
 mod programs;
+mod rows;
 mod scenes;
 pub mod scope;
 mod settings;
@@ -144,6 +145,11 @@ trait CheckedFacts {
     /// Whether the device has a channel of a name.
     fn has_channel(&self, name: &str) -> bool {
         self.channel_examples().iter().any(|channel| channel == name)
+    }
+
+    /// The channels that an electrode driver has by their numbers; `None` for a kind without electrodes.
+    fn numbered_channels(&self) -> Option<wiring::NumberedChannels> {
+        None
     }
 
     /// The order of a task on the device; `None` after an error.

@@ -8,10 +8,21 @@ use super::figures::Figures;
 use super::scope::{DeclarationPlace, DeclarationSort, Scope};
 use super::value::Accepted;
 use crate::diagnostic::Diagnostic;
-use crate::instrument::{ANY_WIRE, Bench, Drive, Instrument, Link, LinkSort, Start};
+use crate::instrument::{ANY_WIRE, Bench, Drive, Family, Instrument, Link, LinkSort, Start};
 use crate::source::Span;
 use crate::syntax::tree::{self, Field, Item, WireOutput, WiringEntry};
 use std::collections::BTreeMap;
+
+/// The word that stands for all numbered channels of a board at the left of a wire.
+const ALL_ELECTRODES: &str = "electrodes";
+
+/// The channels of a board as its driver numbers them.
+pub struct NumberedChannels {
+    /// The voltage of an electrode that is on.
+    pub on_v: f64,
+    /// Names of channels, without the device's, each with its number. Empty where the board has no numbers.
+    pub channels: Vec<(String, u32)>,
+}
 
 /// The wires of the user's files.
 #[derive(Default)]
@@ -142,6 +153,12 @@ impl<'a> Checker<'a> {
 
     fn wire(&mut self, wire: &tree::Wire, scope: &Scope, panel: &mut Panel, outputs: &mut Outputs) -> Option<()> {
         let channel = self.channel_name(&wire.channel.segments, scope);
+        if channel.as_deref() == Some(ALL_ELECTRODES)
+            && let WireOutput::Instrument(path) = &wire.output
+            && let Some(board) = panel.facts.as_ref().and_then(|facts| facts.asked().numbered_channels())
+        {
+            return self.board_wire(wire, (path, scope), &board, panel, outputs);
+        }
         let is_stage = panel.facts.as_ref().is_some_and(|facts| facts.asked().moves_stages());
         let (span, output, drive) = match &wire.output {
             WireOutput::Named(text) => {
@@ -183,14 +200,7 @@ impl<'a> Checker<'a> {
         is_stage: bool,
         outputs: &mut Outputs,
     ) -> Option<NamedOutput> {
-        let words = match self.find(path, scope) {
-            Some((_, last)) => last + 1,
-            None => (path.segments.len() - 1).clamp(1, 2),
-        };
-        let segments = path.segments[..words].to_vec();
-        let end = segments.last().map_or(path.span, |segment| segment.span);
-        let own = tree::Path { segments, span: path.span.to(end) };
-        let place = self.resolve(&own, scope, DeclarationSort::Instrument)?;
+        let (place, words) = self.instrument_of(path, scope)?;
         let instrument = self.instrument(place)?;
         let (name, declared) = self.named(place);
         let output = self.channel_name(&path.segments[words..], scope)?;
@@ -203,18 +213,88 @@ impl<'a> Checker<'a> {
             self.sink.push(errors::line_for_a_stage(path.span));
             return None;
         };
+        let name = name.to_owned();
+        self.enlist(place, instrument, outputs)?;
+        Some(NamedOutput { instrument: name, output, link })
+    }
+
+    /// The instrument that the first words of a path name, and how many words these are.
+    fn instrument_of(&mut self, path: &tree::Path, scope: &Scope) -> Option<(DeclarationPlace, usize)> {
+        let words = match self.find(path, scope) {
+            Some((_, last)) => last + 1,
+            None => (path.segments.len() - 1).clamp(1, 2),
+        };
+        let segments = path.segments[..words].to_vec();
+        let end = segments.last().map_or(path.span, |segment| segment.span);
+        let own = tree::Path { segments, span: path.span.to(end) };
+        Some((self.resolve(&own, scope, DeclarationSort::Instrument)?, words))
+    }
+
+    /// Notes that an instrument is wired; `None` after an error, if another one has its name.
+    fn enlist(&mut self, place: DeclarationPlace, instrument: Instrument, outputs: &mut Outputs) -> Option<()> {
+        let (name, declared) = self.named(place);
         match outputs.instruments.get(name) {
             Some((other, _)) if *other != place => {
                 let earlier = self.named(*other).1;
                 self.sink.push(errors::instruments_of_one_name(name, declared, earlier));
-                return None;
+                None
             }
-            Some(_) => {}
+            Some(_) => Some(()),
             None => {
                 outputs.instruments.insert(name.to_owned(), (place, instrument));
+                Some(())
             }
         }
-        Some(NamedOutput { instrument: name.to_owned(), output, link })
+    }
+
+    /// Every numbered electrode of a board to the channel of its number.
+    fn board_wire(
+        &mut self,
+        wire: &tree::Wire,
+        (path, scope): (&tree::Path, &Scope),
+        board: &NumberedChannels,
+        panel: &mut Panel,
+        outputs: &mut Outputs,
+    ) -> Option<()> {
+        let (place, words) = self.instrument_of(path, scope)?;
+        let instrument = self.instrument(place)?;
+        let (name, declared) = self.named(place);
+        let facts = &instrument.facts;
+        let known = facts.outputs();
+        let lacks = board.channels.iter().find(|(_, number)| facts.output(&format!("c{number}")).is_none());
+        let wrong = if facts.family() != Family::ElectrodeDriver {
+            Some(errors::electrodes_to_other_instrument(path.span, (name, declared)))
+        } else if words < path.segments.len() {
+            Some(errors::electrodes_to_one_output(path.span, name))
+        } else if let Some((channel, number)) = lacks {
+            Some(errors::channel_beyond_driver(path.span, (name, declared), (channel, *number), &known))
+        } else if board.channels.is_empty() {
+            Some(errors::electrodes_without_numbers(wire.channel.span, &panel.name))
+        } else {
+            None
+        };
+        let name = name.to_owned();
+        self.sink.unless(wrong)?;
+        let owner = Owner { name: format!("the wire to `{name}`"), declared: None };
+        let given: Vec<Given> = wire.fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
+        self.read_fields(&owner, &given, &[]);
+        self.enlist(place, instrument, outputs)?;
+        for (channel, number) in &board.channels {
+            let output = format!("c{number}");
+            let link = Link::Switch { on_v: board.on_v };
+            let drive = Drive { instrument: name.clone(), output: output.clone(), link, span: wire.span };
+            let output = format!("{name}.{output}");
+            if let Some(earlier) = panel.wired.get(channel) {
+                self.sink.push(errors::channel_wired_twice(channel, wire.channel.span, earlier.span));
+                return None;
+            }
+            if let Some(earlier) = outputs.used.insert(output.clone(), path.span) {
+                self.sink.push(errors::output_used_twice(&output, path.span, earlier));
+                return None;
+            }
+            panel.wired.insert(channel.clone(), Wired { output, drive: Some(drive), span: wire.channel.span });
+        }
+        Some(())
     }
 
     /// The finding for a bench of several instruments that the sender would start one after the other.

@@ -1,6 +1,6 @@
 //! The vocabulary in words: for `tweeze devices`, and for editors.
 
-use super::{Count, Need, Sort, Verb, VocabularyField};
+use super::{Count, NONE, Need, Sort, Verb, VocabularyField};
 use crate::quantity::Dimension;
 
 impl Sort {
@@ -19,6 +19,8 @@ impl Sort {
             Sort::Target => "cell, place or word".to_owned(),
             Sort::Targets => "list of cells and places".to_owned(),
             Sort::Cell => "cell".to_owned(),
+            Sort::Cells => "list of cells".to_owned(),
+            Sort::CountRows { most } => format!("list of rows, each a list of 0 to {most} | {NONE}"),
             Sort::Size => "(length, length)".to_owned(),
             Sort::Pixel => "(x, y) [px]".to_owned(),
             Sort::Places => "list of places".to_owned(),

@@ -248,6 +248,10 @@ pub enum Sort {
     Targets,
     /// A corner of a block of cells.
     Cell,
+    /// A list of cells.
+    Cells,
+    /// Lists of whole numbers from 0, one for each row of a board, the top row first, with the word `none` where nothing is.
+    CountRows { most: u32 },
     /// A width and a height.
     Size,
     /// A place in an image.
@@ -281,6 +285,9 @@ pub enum Sort {
     /// A string, as the name of a file.
     Text,
 }
+
+/// The word for a place of a board where nothing is.
+pub const NONE: &str = "none";
 
 /// The values that a quantity may take, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]

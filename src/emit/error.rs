@@ -27,6 +27,10 @@ pub enum EmitError {
         duration_ns: u64,
         most_steps: Option<u64>,
     },
+    /// More frames than the program that comes with the driver loads.
+    TooManyFrames { instrument: String, frames: u64, limit: u64, period_ns: u64 },
+    /// Electrodes are wired to a driver, but to none that the format is for.
+    OtherProtocol { format: Format, name: String },
     /// Digital lines of a card that has no sample clock for them.
     NoSampleClock { instrument: String },
     /// No channel is wired to an instrument that plays the format.
@@ -69,6 +73,8 @@ impl EmitError {
             EmitError::Ramp { .. }
             | EmitError::TooLarge { .. }
             | EmitError::TooManyPoints { .. }
+            | EmitError::TooManyFrames { .. }
+            | EmitError::OtherProtocol { .. }
             | EmitError::NoSampleClock { .. }
             | EmitError::NotWired { .. }
             | EmitError::Leap { .. }
@@ -110,18 +116,18 @@ impl EmitError {
             .help(
                 "build the tasks one by one with `--task`, or choose the times of the device and the waits as multiples of a longer time",
             ),
+            EmitError::TooManyFrames { instrument, frames, limit, period_ns } => {
+                too_many_frames(instrument, [*frames, *limit], *period_ns)
+            }
+            EmitError::OtherProtocol { format, name } => {
+                let title = format!("no electrode of `{name}` is wired to a driver of the protocol `{}`", format.name());
+                Diagnostic::new(Code::E0824, title).help("write `--emit frames`, which every electrode driver has")
+            }
             EmitError::NoSampleClock { instrument } => {
                 Diagnostic::new(Code::E0829, format!("the lines of `{instrument}` have no sample clock, so that nothing holds their times"))
                     .help("wire to the lines of a clocked port; if these are, give the instrument its `digital_rate`")
             }
-            EmitError::NotWired { format, name, family } => {
-                let (family, (file, instrument)) = (family.name(), family.library());
-                let title = format!("`{}` is played by a {family}, and no channel of `{name}` is wired to one", format.name());
-                Diagnostic::new(Code::E0824, title).help(format!(
-                    "declare the instrument, `use {file}` and `instrument NAME : {instrument}`, and wire channels to it, \
-                     `wiring DEVICE {{ … }}`; `tweeze devices {family}` shows outputs and wires"
-                ))
-            }
+            EmitError::NotWired { format, name, family } => not_wired(*format, name, *family),
             EmitError::Leap { format, channel, t_ns, from, to } => Diagnostic::new(
                 Code::E0826,
                 format!("`{channel}` leaps from {from} um to {to} um at {t_ns} ns, but `{}` only has straight lines", format.name()),
@@ -147,4 +153,20 @@ impl EmitError {
             }
         }
     }
+}
+
+fn too_many_frames(instrument: &str, [frames, limit]: [u64; 2], period_ns: u64) -> Diagnostic {
+    let period = Quantity::new(period_ns as f64 / 1e9, Dimension::TIME);
+    let title = format!("{frames} frames of {period} for `{instrument}`, its own program loads {limit}");
+    Diagnostic::new(Code::E0823, title)
+        .help("write `--emit frames`, whose sender has no limit, or build the tasks one at a time with `--task`")
+}
+
+fn not_wired(format: Format, name: &str, family: Family) -> Diagnostic {
+    let (family, (file, instrument)) = (family.name(), family.library());
+    let title = format!("`{}` is played by a {family}, and no channel of `{name}` is wired to one", format.name());
+    Diagnostic::new(Code::E0824, title).help(format!(
+        "declare the instrument, `use {file}` and `instrument NAME : {instrument}`, and wire channels to it, \
+         `wiring DEVICE {{ … }}`; `tweeze devices {family}` shows outputs and wires"
+    ))
 }

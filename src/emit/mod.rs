@@ -8,6 +8,7 @@ pub mod csv;
 mod error;
 #[cfg(test)]
 pub(crate) mod fixture;
+mod frames;
 pub mod gcode;
 mod html;
 mod identifier;
@@ -44,6 +45,10 @@ pub enum Format {
     Scpi,
     /// Digital lines and analog outputs for cards of National Instruments.
     Nidaqmx,
+    /// Frames of electrodes that are on, for OpenDrop and PurpleDrop.
+    Frames,
+    /// Frames for the program that comes with an OpenDrop.
+    Opendrop,
     /// Moves of translation stages, for LinuxCNC.
     Gcode,
     /// A page that plays the schedule in any browser.
@@ -62,6 +67,8 @@ impl Format {
         Format::Pwl,
         Format::Scpi,
         Format::Nidaqmx,
+        Format::Frames,
+        Format::Opendrop,
         Format::Gcode,
         Format::Html,
         Format::Svg,
@@ -77,6 +84,8 @@ impl Format {
             Format::Pwl => "pwl",
             Format::Scpi => "scpi",
             Format::Nidaqmx => "nidaqmx",
+            Format::Frames => "frames",
+            Format::Opendrop => "opendrop",
             Format::Gcode => "gcode",
             Format::Html => "html",
             Format::Svg => "svg",
@@ -132,6 +141,12 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
         }
         Format::Nidaqmx => {
             Ok(nidaqmx::write(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
+        }
+        Format::Frames => {
+            Ok(frames::write(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
+        }
+        Format::Opendrop => {
+            Ok(frames::write_opendrop(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
         }
         Format::Scpi => Ok(scpi::write(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect()),
         Format::Gcode => {

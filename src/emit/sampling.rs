@@ -61,7 +61,8 @@ fn common_ns(signals: &Signals) -> u64 {
     times.chain(halves).fold(0, gcd)
 }
 
-fn gcd(mut a: u64, mut b: u64) -> u64 {
+/// The greatest common divisor; that of 0 and a number is the number.
+pub fn gcd(mut a: u64, mut b: u64) -> u64 {
     while b > 0 {
         (a, b) = (b, a % b);
     }

@@ -21,11 +21,12 @@ pub const MAX_OUTPUTS: u32 = 4096;
 pub enum Family {
     WaveformGenerator,
     DataAcquisition,
+    ElectrodeDriver,
 }
 
 impl Family {
     /// Every family, in the order of the handbook.
-    pub const ALL: &'static [Family] = &[Family::WaveformGenerator, Family::DataAcquisition];
+    pub const ALL: &'static [Family] = &[Family::WaveformGenerator, Family::DataAcquisition, Family::ElectrodeDriver];
 
     /// The family's word in the language with its meaning.
     pub fn choice(self) -> WordChoice {
@@ -37,6 +38,10 @@ impl Family {
             Family::DataAcquisition => (
                 "data_acquisition",
                 "a card with digital lines and analog outputs on a sample clock, played by NI-DAQmx",
+            ),
+            Family::ElectrodeDriver => (
+                "electrode_driver",
+                "the driver of a board of electrodes, which takes frame after frame of those that are on: OpenDrop, PurpleDrop",
             ),
         };
         WordChoice { name, doc }
@@ -57,6 +62,7 @@ impl Family {
         let name = match self {
             Family::WaveformGenerator => "instruments.keysight_33500b",
             Family::DataAcquisition => "instruments.ni_usb_6343",
+            Family::ElectrodeDriver => "instruments.opendrop_v4",
         };
         ("std.instruments", name)
     }
@@ -66,6 +72,7 @@ impl Family {
         match self {
             Family::WaveformGenerator => words::WAVEFORM_GENERATOR,
             Family::DataAcquisition => words::DATA_ACQUISITION,
+            Family::ElectrodeDriver => words::ELECTRODE_DRIVER,
         }
     }
 
@@ -74,6 +81,9 @@ impl Family {
         match self {
             Family::WaveformGenerator => "`ch1`, `ch2`, …: a voltage each",
             Family::DataAcquisition => "`port0.line0`, …: a digital line each; `ao0`, …: a voltage each",
+            Family::ElectrodeDriver => {
+                "`c0`, `c1`, …: an electrode each; `electrodes -> NAME` wires all that the `channels` of a board number"
+            }
         }
     }
 
@@ -82,6 +92,7 @@ impl Family {
         match self {
             Family::WaveformGenerator => &[AMPLIFIED, PLACED],
             Family::DataAcquisition => &[SWITCHED, AMPLIFIED, PLACED],
+            Family::ElectrodeDriver => &[SWITCHED],
         }
     }
 
@@ -90,6 +101,7 @@ impl Family {
         match self {
             Family::WaveformGenerator => "scpi",
             Family::DataAcquisition => "nidaqmx",
+            Family::ElectrodeDriver => "frames",
         }
     }
 }
@@ -108,6 +120,7 @@ pub struct Instrument {
 pub enum InstrumentFacts {
     WaveformGenerator(WaveformGeneratorFacts),
     DataAcquisition(DataAcquisitionFacts),
+    ElectrodeDriver(ElectrodeDriverFacts),
 }
 
 words! {
@@ -115,6 +128,14 @@ words! {
     pub enum Start {
         Sender = "sender": "the program that sends its file",
         Trigger = "trigger": "a pulse at its trigger input, from the instrument that the sender starts, or from your own source",
+    }
+}
+
+words! {
+    /// How an electrode driver is spoken to.
+    pub enum Protocol {
+        Opendrop = "opendrop": "OpenDrop 4: a frame of 32 bytes over USB, a bit for each of 128 channels",
+        Purpledrop = "purpledrop": "PurpleDrop: JSON-RPC calls to its server, with the pins that are on",
     }
 }
 
@@ -144,6 +165,29 @@ pub struct DataAcquisitionFacts {
     /// `None` without analog outputs.
     pub voltage: Option<VoltageOutput>,
     pub start: Start,
+}
+
+/// The driver of a board of electrodes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ElectrodeDriverFacts {
+    pub protocol: Protocol,
+    /// Channels, numbered from 0: at most [`Protocol::channels`].
+    pub channels: u32,
+    /// The voltages that it can be set to.
+    pub least_v: f64,
+    pub most_v: f64,
+    /// Shortest time from one frame to the next, in nanoseconds.
+    pub least_frame_ns: u64,
+    pub start: Start,
+}
+
+impl Protocol {
+    /// Most channels that its frames have room for.
+    pub fn channels(self) -> u32 {
+        match self {
+            Protocol::Opendrop | Protocol::Purpledrop => 128,
+        }
+    }
 }
 
 /// What the voltage outputs of an instrument can do.
@@ -216,6 +260,7 @@ impl InstrumentFacts {
         match self {
             InstrumentFacts::WaveformGenerator(_) => Family::WaveformGenerator,
             InstrumentFacts::DataAcquisition(_) => Family::DataAcquisition,
+            InstrumentFacts::ElectrodeDriver(_) => Family::ElectrodeDriver,
         }
     }
 
@@ -230,6 +275,9 @@ impl InstrumentFacts {
                 (Some(port), line) => (port < facts.ports && line < facts.lines).then_some(OutputSort::Digital),
                 (None, output) => (output < facts.analog_outputs).then_some(OutputSort::Voltage),
             },
+            InstrumentFacts::ElectrodeDriver(facts) => {
+                number_after("c", name).filter(|number| *number < facts.channels).map(|_| OutputSort::Digital)
+            }
         }
     }
 
@@ -240,6 +288,9 @@ impl InstrumentFacts {
         };
         match self {
             InstrumentFacts::WaveformGenerator(facts) => range("ch1".to_owned(), format!("ch{}", facts.outputs)),
+            InstrumentFacts::ElectrodeDriver(facts) => {
+                range("c0".to_owned(), format!("c{}", facts.channels.saturating_sub(1)))
+            }
             InstrumentFacts::DataAcquisition(facts) => {
                 let last = |count: u32| count.saturating_sub(1);
                 let lines =
@@ -258,6 +309,7 @@ impl InstrumentFacts {
         match self {
             InstrumentFacts::WaveformGenerator(facts) => facts.start,
             InstrumentFacts::DataAcquisition(facts) => facts.start,
+            InstrumentFacts::ElectrodeDriver(facts) => facts.start,
         }
     }
 
@@ -266,6 +318,7 @@ impl InstrumentFacts {
         match self {
             InstrumentFacts::WaveformGenerator(facts) => Some(facts.voltage),
             InstrumentFacts::DataAcquisition(facts) => facts.voltage,
+            InstrumentFacts::ElectrodeDriver(_) => None,
         }
     }
 }

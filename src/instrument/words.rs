@@ -1,6 +1,6 @@
 //! The vocabulary of instruments and of the wires that lead to them.
 
-use super::{MAX_OUTPUTS, Start};
+use super::{MAX_OUTPUTS, Protocol, Start};
 use crate::device::{Need, Range, Sort, VocabularyField, optional, positive, required};
 use crate::quantity::Dimension;
 
@@ -69,6 +69,15 @@ pub const DATA_ACQUISITION: &[VocabularyField] = &[
         "needed with analog outputs",
         "most samples in a second of the analog outputs",
     ),
+    START,
+];
+
+pub const ELECTRODE_DRIVER: &[VocabularyField] = &[
+    required("protocol", Sort::Word(Protocol::CHOICES), "how it is spoken to"),
+    count("channels", 1, MAX_OUTPUTS, "channels, `c0`, `c1`, …: each drives an electrode"),
+    optional("least_potential", positive(Dimension::VOLTAGE), "0 V", "the least voltage that it can be set to"),
+    required("most_potential", positive(Dimension::VOLTAGE), "the greatest voltage that it can be set to"),
+    required("least_frame", positive(Dimension::TIME), "shortest time from one frame to the next"),
     START,
 ];
 

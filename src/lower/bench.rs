@@ -24,10 +24,12 @@ pub fn holds(schedule: &Schedule, claims: &Claims, sink: &mut Sink) -> bool {
             schedule.actuations.iter().filter(|actuation| actuation.channel as usize == index).collect();
         actuations.sort_by_key(|actuation| actuation.start_ns);
         let wired = WiredChannel { schedule, channel, drive, instrument, actuations };
-        let finding = wired.beyond_range().or_else(|| wired.unswitched()).or_else(|| wired.too_fast());
+        let finding = wired.beyond_range().or_else(|| wired.unswitched()).or_else(|| wired.beyond_driver());
+        let finding = finding.or_else(|| wired.too_fast());
         finding.into_iter().for_each(|finding| sink.push(finding));
     }
     finer_than_a_sample(schedule, claims).into_iter().for_each(|finding| sink.push(finding));
+    shorter_than_a_frame(schedule, claims).into_iter().for_each(|finding| sink.push(finding));
     sink.errors() == before
 }
 
@@ -138,6 +140,22 @@ impl WiredChannel<'_> {
         ))
     }
 
+    /// A level that an electrode driver cannot be set to.
+    fn beyond_driver(&self) -> Option<Diagnostic> {
+        let InstrumentFacts::ElectrodeDriver(facts) = &self.instrument.facts else { return None };
+        let (value, actuation) = self.largest(|value| value.abs())?;
+        let range = facts.least_v / ROUNDING..=facts.most_v * ROUNDING;
+        (!range.contains(&value.abs())).then(|| {
+            let [least, most] = [facts.least_v, facts.most_v].map(volts);
+            let range = if facts.least_v > 0.0 { format!("{least} to {most}") } else { format!("up to {most}") };
+            let (name, driver) = (&self.channel.name, &self.drive.instrument);
+            let title = format!("`{name}` needs {}, `{driver}` gives {range}", self.shown(value));
+            let help =
+                "give the device a `potential` in this range that its droplets move at, or choose another driver";
+            self.finding(Code::E0620, title, range, actuation).help(help)
+        })
+    }
+
     /// A change that takes an amplifier longer than its new level lasts.
     fn too_fast(&self) -> Option<Diagnostic> {
         let Link::Amplifier { slew_v_per_s: Some(slew), .. } = self.drive.link else { return None };
@@ -193,6 +211,33 @@ fn finer_than_a_sample(schedule: &Schedule, claims: &Claims) -> Vec<Diagnostic> 
     let too_fine =
         common.into_values().filter(|(period_ns, _, _, rate_hz)| *period_ns as f64 * rate_hz < 1e9 / ROUNDING);
     too_fine.map(|found| finer(schedule, found)).collect()
+}
+
+/// For each electrode driver the shortest time between two changes of its electrodes, against that of its frames.
+fn shorter_than_a_frame(schedule: &Schedule, claims: &Claims) -> Vec<Diagnostic> {
+    let mut changes: BTreeMap<&str, (&Drive, u64, BTreeMap<u64, &Actuation>)> = BTreeMap::new();
+    for actuation in &schedule.actuations {
+        let channel = &schedule.channels[actuation.channel as usize];
+        let Some((drive, instrument)) = claims.bench.drive(&channel.name) else { continue };
+        let InstrumentFacts::ElectrodeDriver(facts) = &instrument.facts else { continue };
+        let (_, _, at) = changes.entry(&drive.instrument).or_insert((drive, facts.least_frame_ns, BTreeMap::new()));
+        at.extend([(actuation.start_ns, actuation), (actuation.start_ns + actuation.duration_ns, actuation)]);
+    }
+    let too_short = changes.into_values().filter_map(|(drive, least_ns, at)| {
+        let instants = at.keys().zip(at.iter().skip(1));
+        let (lasts_ns, actuation) =
+            instants.map(|(from, (to, actuation))| (to - from, actuation)).min_by_key(|(ns, _)| *ns)?;
+        (lasts_ns < least_ns).then(|| {
+            let [lasts, least] = [lasts_ns, least_ns].map(|ns| seconds(ns as f64));
+            let step = &schedule.steps[actuation.step as usize];
+            let title = format!("a frame of {lasts}, but `{}` takes one in {least} or more", drive.instrument);
+            Diagnostic::new(Code::E0623, title)
+                .label(drive.span, format!("`least_frame` of {least}"))
+                .label_elsewhere(step.span, drive.span, "in this step")
+                .help(format!("give the device a `step_duration` of {least} or more, and make waits as long"))
+        })
+    });
+    too_short.collect()
 }
 
 fn finer(schedule: &Schedule, (period_ns, drive, actuation, rate_hz): (u64, &Drive, &Actuation, f64)) -> Diagnostic {

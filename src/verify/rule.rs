@@ -60,6 +60,8 @@ pub enum Rule {
     Mixture,
     /// An electrode is on at the potential of the device.
     Potential,
+    /// An electrode that does not work stays off.
+    Disabled,
     /// Electrodes are switched only between the steps of the board.
     Beat,
     /// An electrode pulls no part but the one that it moves.
@@ -161,6 +163,7 @@ impl Rule {
             Rule::Sweep => Code::E0727,
             Rule::Mixture => Code::E0728,
             Rule::Potential => Code::E0729,
+            Rule::Disabled => Code::E0773,
             Rule::Beat => Code::E0730,
             Rule::Pull => Code::E0731,
             Rule::Unused => Code::E0732,

@@ -58,6 +58,10 @@ enum Obstacle {
     Block((i32, i32), (i32, i32)),
     /// A part that is stuck.
     Stuck((i32, i32)),
+    /// A place of a board of droplets that has no electrode.
+    Gap((i32, i32)),
+    /// One whose electrode does not work.
+    Disabled((i32, i32)),
 }
 
 impl Obstacle {
@@ -68,14 +72,17 @@ impl Obstacle {
                 beyond(cell.0, low.0, high.0).max(beyond(cell.1, low.1, high.1)) >= kind.clearance
             }
             Obstacle::Stuck(at) => apart(cell, at) >= kind.separation,
+            Obstacle::Gap(at) | Obstacle::Disabled(at) => cell != at,
         }
     }
 
-    fn text(self, kind: Kind) -> String {
+    /// What the scene says of it; nothing of what the device says.
+    fn text(self, kind: Kind) -> Option<String> {
         match self {
-            Obstacle::Block(low, high) if low == high => format!("at {low:?}"),
-            Obstacle::Block(low, high) => format!(": cells {{ from: {low:?}, to: {high:?} }}"),
-            Obstacle::Stuck(at) => format!(": ea.{} at {at:?}", kind.part),
+            Obstacle::Block(low, high) if low == high => Some(format!("at {low:?}")),
+            Obstacle::Block(low, high) => Some(format!(": cells {{ from: {low:?}, to: {high:?} }}")),
+            Obstacle::Stuck(at) => Some(format!(": ea.{} at {at:?}", kind.part)),
+            Obstacle::Gap(_) | Obstacle::Disabled(_) => None,
         }
     }
 }
@@ -140,8 +147,12 @@ impl Task {
 
     fn obstacle(&self, chance: &mut Random) -> Obstacle {
         let (one, other) = (self.cell(chance), self.cell(chance));
-        match chance.below(6) {
+        match chance.below(if self.kind.can_merge { 8 } else { 6 }) {
             0 => Obstacle::Stuck(one),
+            6 => Obstacle::Gap(one),
+            7 if !self.obstacles.iter().any(|other| matches!(other, Obstacle::Gap(at) if *at == one)) => {
+                Obstacle::Disabled(one)
+            }
             1 if apart(one, other) <= 1 => {
                 Obstacle::Block((one.0.min(other.0), one.1.min(other.1)), (one.0.max(other.0), one.1.max(other.1)))
             }
@@ -186,18 +197,46 @@ impl Task {
         (!step.moves.is_empty()).then_some(step)
     }
 
+    /// The fields of the device that say where no electrode is, and where one does not work.
+    fn map(&self) -> String {
+        let (columns, rows) = self.size;
+        let gap =
+            |cell: (i32, i32)| self.obstacles.iter().any(|other| matches!(other, Obstacle::Gap(at) if *at == cell));
+        let number = |column: i32, row: i32| match gap((column, row)) {
+            true => "none".to_owned(),
+            false => (columns * row + column).to_string(),
+        };
+        let row = |row: i32| (1..=columns).map(|column| number(column, row)).collect::<Vec<_>>().join(", ");
+        let channels: Vec<String> = (1..=rows).rev().map(|at| format!("[{}]", row(at))).collect();
+        let dead = self.obstacles.iter().filter_map(|obstacle| match obstacle {
+            Obstacle::Disabled(at) if !gap(*at) => Some(format!("{at:?}")),
+            _ => None,
+        });
+        let dead: Vec<String> = dead.collect();
+        match self.obstacles.iter().any(|obstacle| matches!(obstacle, Obstacle::Gap(_))) {
+            true => format!(", channels: [{}], disabled: [{}]", channels.join(", "), dead.join(", ")),
+            false if dead.is_empty() => String::new(),
+            false => format!(", disabled: [{}]", dead.join(", ")),
+        }
+    }
+
     fn text(&self) -> String {
         let (columns, rows) = self.size;
         let mut lines = vec![
             "use std.electrode_array as ea".to_owned(),
             format!(
-                "device chip : ea.{} {{ columns: {columns}, rows: {rows}, separation: {}, clearance: {} }}",
-                self.kind.device, self.kind.separation, self.kind.clearance
+                "device chip : ea.{} {{ columns: {columns}, rows: {rows}, separation: {}, clearance: {}{} }}",
+                self.kind.device,
+                self.kind.separation,
+                self.kind.clearance,
+                self.map()
             ),
             "scene tray {".to_owned(),
         ];
         let obstacles = self.obstacles.iter().enumerate();
-        lines.extend(obstacles.map(|(index, obstacle)| format!("obstacle o{index} {}", obstacle.text(self.kind))));
+        lines.extend(
+            obstacles.filter_map(|(index, obstacle)| Some(format!("obstacle o{index} {}", obstacle.text(self.kind)?))),
+        );
         let parts = self.parts.iter().enumerate();
         lines.extend(parts.map(|(index, at)| format!("part d{index} : ea.{} at {at:?}", self.kind.part)));
         let objective = if self.by_sum { "sum_of_costs" } else { "makespan" };

@@ -83,6 +83,8 @@ fn value(field: &VocabularyField, random: &mut Random) -> String {
         | Sort::Target
         | Sort::Targets
         | Sort::Cell
+        | Sort::Cells
+        | Sort::CountRows { .. }
         | Sort::Size
         | Sort::Places
         | Sort::Shape(_)
@@ -160,7 +162,8 @@ fn electrode_array(random: &mut Random) -> String {
     let (columns, rows) = (whole(random, 5, 16), whole(random, 5, 16));
     let (device, part) = [("droplet_chip", "droplet"), ("smart_platform", "micropart")][random.below(2) as usize];
     let cell = |random: &mut Random| format!("({}, {})", whole(random, 1, columns), whole(random, 1, rows));
-    let mut text = format!("device board : {device} {{ columns: {columns}, rows: {rows} }}\nscene s {{\n");
+    let map = if random.below(3) == 0 { electrode_map(columns, rows, random) } else { String::new() };
+    let mut text = format!("device board : {device} {{ columns: {columns}, rows: {rows}{map} }}\nscene s {{\n");
     let parts = whole(random, 1, 4);
     for at in 0..parts {
         let _ = writeln!(text, "  part p{at} : {part} at {}", cell(random));
@@ -185,6 +188,27 @@ fn electrode_array(random: &mut Random) -> String {
     }
     text.push_str("}\n");
     text
+}
+
+/// Channels with gaps, and electrodes that do not work: of boards of droplets, mostly.
+fn electrode_map(columns: u32, rows: u32, random: &mut Random) -> String {
+    let mut number = 0;
+    let mut cell = |random: &mut Random| match random.below(12) {
+        0 => "none".to_owned(),
+        _ => {
+            number += 1;
+            number.to_string()
+        }
+    };
+    let mut row = |random: &mut Random| (0..columns).map(|_| cell(random)).collect::<Vec<_>>().join(", ");
+    let channels: Vec<String> = (0..rows).map(|_| format!("[{}]", row(random))).collect();
+    let dead: Vec<String> =
+        (0..random.below(3)).map(|_| format!("({}, {})", whole(random, 1, columns), whole(random, 1, rows))).collect();
+    match random.below(3) {
+        0 => format!(", disabled: [{}]", dead.join(", ")),
+        1 => format!(", channels: [{}]", channels.join(", ")),
+        _ => format!(", channels: [{}], disabled: [{}]", channels.join(", "), dead.join(", ")),
+    }
 }
 
 fn microrobots(random: &mut Random) -> String {

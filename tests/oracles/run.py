@@ -1,4 +1,4 @@
-"""Judges a folder of files that `tweeze build --emit mcap,json,csv,vcd,pwl,scpi,nidaqmx,gcode,svg` wrote, by programs that are not Tweeze's.
+"""Judges a folder of files that `tweeze build --emit mcap,json,csv,vcd,pwl,scpi,nidaqmx,frames,gcode,svg` wrote, by programs that are not Tweeze's.
 
     python tests/oracles/run.py DIR
 
@@ -26,12 +26,13 @@ JUDGES = {
     ".cir": "spice_judge",
     ".scpi": "scpi_judge",
     ".daq": "daq_judge",
+    ".frames.py": "frames_judge",
     ".ngc": "gcode_judge",
     ".svg": "svg_judge",
 }
 
 # Formats of instruments, with the family that a channel must be wired to.
-PLAYED_BY = {".scpi": "waveform_generator", ".daq": "data_acquisition"}
+PLAYED_BY = {".scpi": "waveform_generator", ".daq": "data_acquisition", ".frames.py": "electrode_driver"}
 
 # Second judges of some files.
 SECOND = {".vcd": "sigrok_judge", ".mcap": "plot_judge"}
@@ -60,7 +61,7 @@ def judge_folder(folder):
     verdicts = []
     # A folder for each program; what begins with a dot is the tool's own, and a layout of a log is no schedule.
     paths = Path(folder).rglob("*.json")
-    paths = [path for path in paths if not path.name.startswith(".") and not path.name.endswith(".lichtblick.json")]
+    paths = [path for path in paths if not path.name.startswith(".") and not path.name.endswith((".lichtblick.json", ".opendrop.json"))]
     for path in sorted(paths):
         try:
             schedule = Schedule(path)

@@ -42,7 +42,7 @@ def replace(path, old, new):
     path.write_bytes(data.replace(old, new, 1))
 
 
-@pytest.mark.parametrize("stem,ending", [*(("Pair", ending) for ending in run.JUDGES if ending not in (".ngc", ".daq")), *(("turn", ending) for ending in run.JUDGES if ending != ".daq"), *(("mixed", ending) for ending in run.JUDGES if ending not in (".ngc", ".daq"))])
+@pytest.mark.parametrize("stem,ending", [*(("Pair", ending) for ending in run.JUDGES if ending not in (".ngc", ".daq", ".frames.py")), *(("turn", ending) for ending in run.JUDGES if ending not in (".daq", ".frames.py")), *(("mixed", ending) for ending in run.JUDGES if ending not in (".ngc", ".daq", ".frames.py"))])
 def test_a_good_file_is_right(folder, stem, ending):
     outcome, reason = verdict(folder, ending, stem)
     assert outcome in ("right", "SKIPPED"), reason
@@ -354,3 +354,30 @@ def test_a_sender_says_what_it_would_do(tmp_path):
     assert daq_judge.played(sender, ["crad=Dev7"])[0] == 2
     status, words, _ = daq_judge.played(sender, ["--list"])
     assert status == 0 and "Dev1" in words and "fetch.card.daq" in words, words
+
+# Of frames of electrode drivers.
+FRAME_FAULTS = [
+    ("od", ".driver.frames.csv", b",8\n", b",9\n"),
+    ("od", ".driver.frames.csv", b"\n2,15,", b"\n2,16,"),
+    ("pd", ".driver.frames.csv", b",8\n", b",8 11\n"),
+    ("pd", ".driver.frames.csv", b"\n1,0,15,8\n", b"\n1,0,15,\n"),
+    ("od", ".frames.py", b"1 << number % 8", b"128 >> number % 8"),
+    ("od", ".frames.py", b"data[COLUMNS + place] = ROOM_DEGREES", b"data[COLUMNS + place] = 90"),
+    ("od", ".json", b'"output": "c8"', b'"output": "c80"'),
+    ("pd", ".json", b'"least_frame_ns": 1', b'"least_frame_ns": 50000000'),
+]
+
+
+@pytest.mark.parametrize("stem", ["od", "pd"])
+def test_a_driver_switches_what_the_schedule_says(stem):
+    outcome, reason = verdict(FIXTURES / "drivers", ".frames.py", stem)
+    assert outcome == "right", reason
+
+
+@pytest.mark.parametrize("stem,broken,old,new", FRAME_FAULTS)
+def test_a_fault_of_frames_is_found(tmp_path, stem, broken, old, new):
+    for file in (FIXTURES / "drivers").glob(f"{stem}.*"):
+        shutil.copy(file, tmp_path)
+    replace(tmp_path / f"{stem}{broken}", old, new)
+    outcome, reason = verdict(tmp_path, ".frames.py", stem)
+    assert outcome == "WRONG", reason

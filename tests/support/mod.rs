@@ -8,7 +8,7 @@ use tweeze::check::imports::Library;
 use tweeze::compile::{self, CompileOutcome, CompileRequest};
 use tweeze::diagnostic::Sink;
 use tweeze::emit::{self, Format, OutputFile, Provenance};
-use tweeze::instrument::Family;
+use tweeze::instrument::{Family, InstrumentFacts, Protocol};
 use tweeze::schedule::ChannelUnit;
 use tweeze::source::{Origin, Sources};
 use tweeze::verify::Verified;
@@ -68,10 +68,17 @@ impl Built {
             let are_stages = verified.schedule().channels.iter().all(|channel| channel.unit == ChannelUnit::Micrometre);
             let instruments = verified.schedule().bench.instruments.values();
             let families: Vec<Family> = instruments.map(|instrument| instrument.facts.family()).collect();
+            let drivers = verified.schedule().bench.instruments.values().filter_map(|driver| match &driver.facts {
+                InstrumentFacts::ElectrodeDriver(facts) => Some(facts.protocol),
+                InstrumentFacts::WaveformGenerator(_) | InstrumentFacts::DataAcquisition(_) => None,
+            });
+            let protocols: Vec<Protocol> = drivers.collect();
             let is_played = |format: &&Format| match format {
                 Format::Gcode => are_stages,
                 Format::Scpi => families.contains(&Family::WaveformGenerator),
                 Format::Nidaqmx => families.contains(&Family::DataAcquisition),
+                Format::Frames => families.contains(&Family::ElectrodeDriver),
+                Format::Opendrop => protocols.contains(&Protocol::Opendrop),
                 Format::Mcap | Format::Json | Format::Csv | Format::Vcd | Format::Pwl | Format::Html | Format::Svg => {
                     true
                 }

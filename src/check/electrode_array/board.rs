@@ -1,7 +1,7 @@
 //! The facts of a board: geometry first, then the limits from forces.
 
-use super::errors;
 use super::physics::{self, rounded_up};
+use super::{errors, map};
 use crate::check::devices::CheckedDevice;
 use crate::check::figures::Figures;
 use crate::check::labels::DeviceLabel;
@@ -13,7 +13,7 @@ use crate::diagnostic::Sink;
 /// The facts of a complete device; `None` where parts cannot even be placed.
 pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFacts> {
     let fields = &device.fields;
-    let facts = ElectrodeArrayFacts {
+    let mut facts = ElectrodeArrayFacts {
         columns: fields.count("columns")?,
         rows: fields.count("rows")?,
         radius_um: fields.length_um("radius")?,
@@ -24,7 +24,9 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFa
         hold: if fields.is_set("hold") { Hold::On } else { Hold::Off },
         separation: separation(fields)?,
         clearance: fields.count("clearance")?,
+        map: None,
     };
+    facts.map = map::of(&facts, device, sink)?;
     let errors = sink.errors();
     covers_electrodes(&facts, device, sink);
     keeps_apart(&facts, device, sink);

@@ -105,6 +105,52 @@ pub fn never_settles(drag: &str) -> Diagnostic {
     ))
 }
 
+pub fn rows_of_map(found: usize, rows: u32) -> Diagnostic {
+    Diagnostic::new(
+        Code::E0429,
+        format!("`channels` has {found} rows, the board has {rows}").replace(" 1 rows", " 1 row"),
+    )
+    .help("write a list for each row, the top row first, with `none` where the board has no electrode")
+}
+
+pub fn row_of_map(row: u32, found: usize, columns: u32) -> Diagnostic {
+    let title = format!("row {row} of `channels` has {found} places, the board has {columns} columns");
+    Diagnostic::new(Code::E0429, title.replace(" 1 places", " 1 place").replace(" 1 columns", " 1 column"))
+        .help("write a number or `none` for each column, from the left")
+}
+
+pub fn channel_shared(channel: u32) -> Diagnostic {
+    Diagnostic::new(Code::E0429, format!("channel {channel} is under two electrodes"))
+        .help("a droplet at either would be pulled by both: write `none` at both places, no droplet is sent there then")
+}
+
+pub fn no_electrode() -> Diagnostic {
+    Diagnostic::new(Code::E0429, "a board without an electrode")
+        .help("write the number of the driver's channel at each place that has an electrode")
+}
+
+pub fn microparts_need_all() -> Diagnostic {
+    Diagnostic::new(Code::E0429, "a board that carries microparts has an electrode that works at every place")
+        .help("for electrodes that do not work put an `obstacle` on their cells; gaps are for boards of droplets")
+}
+
+pub fn nothing_to_disable(facts: &ElectrodeArrayFacts, value: &Value) -> Diagnostic {
+    let ElectrodeArrayFacts { columns, rows, .. } = facts;
+    let title = format!("{} is no electrode of the board", written(value));
+    Diagnostic::new(Code::E0429, title).help(format!(
+        "cells go from (1, 1), at the lower left, to ({columns}, {rows}); leave those out that `channels` has as `none`"
+    ))
+}
+
+/// A place of a board at which no centre can be.
+fn no_place(facts: &ElectrodeArrayFacts, cell: ElectrodeCell) -> Option<String> {
+    let map = facts.map.as_ref().filter(|map| facts.holds(cell) && !map.works(cell))?;
+    Some(match map.has_electrode(cell) {
+        true => format!("the electrode at {cell} is disabled"),
+        false => format!("the board has no electrode at {cell}"),
+    })
+}
+
 pub fn unknown_layout(found: &str) -> Diagnostic {
     Diagnostic::new(Code::E0413, format!("a part with {found} electrodes, boards carry (1, 1) and (2, 2)"))
         .help("write `layout { electrodes: (2, 2), half_width: 1.5 }` for a micropart, `(1, 1)` for a droplet")
@@ -233,15 +279,17 @@ pub fn part_out_of_reach(
     span: Span,
     name: &str,
     cell: ElectrodeCell,
-    reach: Option<[ElectrodeCell; 2]>,
+    facts: &ElectrodeArrayFacts,
     near: Option<ElectrodeCell>,
 ) -> Diagnostic {
-    Diagnostic::new(
-        Code::E0515,
-        format!("part `{name}` at {cell} stands over the rim, parts stand at {}", extent(reach)),
-    )
-    .label(span, "its electrodes do not fit on the board here")
-    .help_if(nearest(near, "that it can take"))
+    let (title, label) = match no_place(facts, cell) {
+        Some(why) => (format!("part `{name}` cannot stand at {cell}: {why}"), "nothing holds it here"),
+        None => (
+            format!("part `{name}` at {cell} stands over the rim, parts stand at {}", extent(facts.reach())),
+            "its electrodes do not fit on the board here",
+        ),
+    };
+    Diagnostic::new(Code::E0515, title).label(span, label).help_if(nearest(near, "that it can take"))
 }
 
 pub fn goal_out_of_reach(
@@ -250,8 +298,11 @@ pub fn goal_out_of_reach(
     facts: &ElectrodeArrayFacts,
     free: Option<ElectrodeCell>,
 ) -> Diagnostic {
-    let title =
-        format!("cell ({column}, {row}) lies outside the cells that a part can take, {}", extent(facts.reach()));
+    let cell =
+        u32::try_from(column).ok().zip(u32::try_from(row).ok()).map(|(column, row)| ElectrodeCell::new(column, row));
+    let title = cell.and_then(|cell| no_place(facts, cell)).unwrap_or_else(|| {
+        format!("cell ({column}, {row}) lies outside the cells that a part can take, {}", extent(facts.reach()))
+    });
     Diagnostic::new(Code::E0501, title).label(span, "cannot be reached").help_if(nearest(free, "that is free"))
 }
 

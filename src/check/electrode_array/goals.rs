@@ -1,9 +1,10 @@
 //! The steps of a task: which parts go where, as far as that can be judged without knowing where the parts stand by then.
 
+use super::cells::{on_board, whole_cell};
 use super::cover::{SpacedPlaces, nearest_cell};
 use super::default_expansions;
 use super::errors;
-use super::tray::{BlockedCell, BoardScene, on_board, on_obstacle, whole_cell};
+use super::tray::{BlockedCell, BoardScene, on_obstacle};
 use crate::check::Checker;
 use crate::check::figures::Figures;
 use crate::check::lets::Argument;

@@ -1,10 +1,12 @@
 //! Is this electrode array possible, is this scene possible for it, are these goals?
 
 mod board;
+mod cells;
 mod cover;
 mod errors;
 mod forces;
 mod goals;
+mod map;
 mod motion;
 mod physics;
 mod places;
@@ -12,6 +14,7 @@ mod tray;
 
 use super::devices::CheckedDevice;
 use super::tasks::{Parts, TaskSite};
+use super::wiring::NumberedChannels;
 use super::{CheckedFacts, Checker, KindChecks, KindFacts};
 use crate::claims::{Job, Order};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
@@ -37,6 +40,12 @@ impl CheckedFacts for Rc<ElectrodeArrayFacts> {
 
     fn has_channel(&self, name: &str) -> bool {
         self.electrode(name).is_some()
+    }
+
+    fn numbered_channels(&self) -> Option<NumberedChannels> {
+        let numbered = self.map.iter().flat_map(|map| map.numbered());
+        let named = numbered.map(|(cell, number)| (ElectrodeArrayFacts::channel(cell), number));
+        Some(NumberedChannels { on_v: self.potential_v, channels: named.collect() })
     }
 
     fn order(&self, checker: &mut Checker, site: &TaskSite, parts: Parts) -> Option<Order> {

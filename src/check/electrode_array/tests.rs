@@ -96,6 +96,7 @@ fn the_example_of_the_language_becomes_an_order() {
         hold: Hold::Off,
         separation: Separation::Apart(4),
         clearance: 3,
+        map: None,
     };
     assert_eq!(order.facts, facts);
     assert_eq!(
@@ -462,6 +463,7 @@ fn board(columns: u32, rows: u32) -> ElectrodeArrayFacts {
         hold: Hold::Off,
         separation: Separation::Apart(4),
         clearance: 3,
+        map: None,
     }
 }
 

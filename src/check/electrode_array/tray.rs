@@ -1,6 +1,7 @@
 //! A scene as one board meets it: obstacles and parts.
 
 use super::board;
+use super::cells::{on_board, whole_cell};
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
 use super::errors;
 use crate::check::Checker;
@@ -11,7 +12,7 @@ use crate::check::objects::{ObjectNames, of_other_kind};
 use crate::check::scenes::{CheckedScene, SceneObject};
 use crate::check::tasks::TaskSite;
 use crate::check::value::Accepted;
-use crate::check::value::{ShapeValue, Value, whole};
+use crate::check::value::{ShapeValue, Value};
 use crate::claims::electrode_array::{BoardPart, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, MAX_OBSTACLES, MAX_PARTS, VOCABULARY};
 use crate::device::shape::ShapeForm;
@@ -111,7 +112,7 @@ impl TrayReader<'_> {
         let cell = self.cell(&at)?;
         if !self.facts.reaches(cell) {
             let nearest = nearest_cell(cell, self.facts, |_| true);
-            let wrong = errors::part_out_of_reach(at.span, &self.object.name, cell, self.facts.reach(), nearest);
+            let wrong = errors::part_out_of_reach(at.span, &self.object.name, cell, self.facts, nearest);
             self.sink.push(errors::given_at(wrong, &at));
             return None;
         }
@@ -228,20 +229,6 @@ impl TrayReader<'_> {
         let clip = |at: [i64; 2]| ElectrodeCell::new(at[0].clamp(1, last[0]) as u32, at[1].clamp(1, last[1]) as u32);
         Some(ElectrodeArrayObstacleBody::Electrodes { from: clip(low), to: clip(high) })
     }
-}
-
-/// The whole numbers of a cell, which may lie off the board.
-pub fn whole_cell(value: &Value) -> Option<[i64; 2]> {
-    match value {
-        Value::Point(point) if point.len() == 2 => Some([whole(point[0])?, whole(point[1])?]),
-        _ => None,
-    }
-}
-
-/// The cell of two numbers, if the board has it.
-pub fn on_board([column, row]: [i64; 2], facts: &ElectrodeArrayFacts) -> Option<ElectrodeCell> {
-    let cell = ElectrodeCell::new(u32::try_from(column).ok()?, u32::try_from(row).ok()?);
-    facts.holds(cell).then_some(cell)
 }
 
 /// Parts start clear of obstacles and of each other.

@@ -137,6 +137,52 @@ pub fn no_number_of_points(least: Span, most: Span, least_points: u32, most_poin
         .label(most, "the memory ends here")
 }
 
+/// More channels than the frames of a driver have room for.
+pub fn too_many_driver_channels(protocol: &str, channels: u32, most: u32) -> Diagnostic {
+    Diagnostic::new(Code::E0403, format!("{channels} channels, a frame of `{protocol}` has room for {most}"))
+        .help(format!("give the driver at most {most} channels"))
+}
+
+pub fn no_driver_voltage(least: &str, most: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0403, format!("`least_potential` of {least} above `most_potential` of {most}"))
+        .help("exchange the two")
+}
+
+/// All electrodes of a board wired to an instrument that has no channel for each.
+pub fn electrodes_to_other_instrument(span: Span, (name, declared): (&str, Span)) -> Diagnostic {
+    Diagnostic::new(Code::E0427, format!("`electrodes` to `{name}`, which drives no board of electrodes"))
+        .label(span, "not an `electrode_driver`")
+        .label_elsewhere(declared, span, "declared here")
+        .help("wire them to an electrode driver, or one by one: `e1_1 -> daq.port0.line0 { switches: 60 V }`")
+}
+
+/// All electrodes of a board wired to one output.
+pub fn electrodes_to_one_output(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0427, "`electrodes` to one output")
+        .label(span, "drives one electrode")
+        .help(format!("write `electrodes -> {name}`: each electrode goes to the channel of its number"))
+}
+
+/// All electrodes of a board that has no numbers for them.
+pub fn electrodes_without_numbers(span: Span, device: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0427, format!("the electrodes of `{device}` have no numbers"))
+        .label(span, "which channel drives which electrode?")
+        .help("give the device its `channels`, a list for each row, or wire electrodes one by one: `e1_1 -> driver.c8 { switches: 60 V }`")
+}
+
+/// An electrode whose number the driver does not have.
+pub fn channel_beyond_driver(
+    span: Span,
+    (name, declared): (&str, Span),
+    (channel, number): (&str, u32),
+    known: &str,
+) -> Diagnostic {
+    Diagnostic::new(Code::E0426, format!("electrode `{channel}` is on channel {number}, `{name}` has {known}"))
+        .label(span, "wires every numbered electrode")
+        .label_elsewhere(declared, span, "declared here")
+        .help("compare `channels` of the device with the driver that the board is for")
+}
+
 /// Two instruments of a program, each with a wire that leads to it, that begin when the sender says so.
 pub fn starts_apart((first, first_wire): (&str, Span), (second, second_wire): (&str, Span)) -> Diagnostic {
     Diagnostic::new(Code::E0428, format!("`{first}` and `{second}` are started by the sender, one after the other"))

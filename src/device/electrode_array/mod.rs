@@ -6,9 +6,12 @@
 //! library's file).
 
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
+mod map;
 mod words;
 
+pub use map::{ElectrodeMap, MAX_CHANNEL};
 pub use words::{ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayOutcome, VOCABULARY};
 
 /// Greatest number of columns, and of rows, of a board.
@@ -153,6 +156,9 @@ pub struct ElectrodeArrayFacts {
     pub separation: Separation,
     /// The least Chebyshev distance from a part's centre to an electrode that an obstacle covers, in electrodes; at least 1.
     pub clearance: u32,
+    /// `None` where every place has an electrode that works and needs no number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub map: Option<Arc<ElectrodeMap>>,
 }
 
 impl ElectrodeArrayFacts {
@@ -161,15 +167,27 @@ impl ElectrodeArrayFacts {
         (2.0 + self.pitch_ratio) * self.radius_um
     }
 
-    /// Whether there is such an electrode.
+    /// Whether the board has such a place; it may be one without an electrode.
     pub fn holds(&self, cell: ElectrodeCell) -> bool {
         (1..=self.columns).contains(&cell.column) && (1..=self.rows).contains(&cell.row)
     }
 
-    /// Whether a part's centre can be there: inside the rim that its electrodes need.
+    /// Whether there is an electrode at a place of the board.
+    pub fn has_electrode(&self, cell: ElectrodeCell) -> bool {
+        self.holds(cell) && self.map.as_ref().is_none_or(|map| map.has_electrode(cell))
+    }
+
+    /// Whether an electrode does not work.
+    pub fn is_disabled(&self, cell: ElectrodeCell) -> bool {
+        self.map.as_ref().is_some_and(|map| map.has_electrode(cell) && !map.works(cell))
+    }
+
+    /// Whether a part's centre can be there: inside the rim that its electrodes need and, for a droplet, over an electrode that works.
+    /// Boards of microparts have all their electrodes.
     pub fn reaches(&self, cell: ElectrodeCell) -> bool {
         let rim = self.layout.electrodes.rim();
         self.holds(cell)
+            && self.map.as_ref().is_none_or(|map| map.works(cell))
             && (1 + rim..=self.columns.saturating_sub(rim)).contains(&cell.column)
             && (1 + rim..=self.rows.saturating_sub(rim)).contains(&cell.row)
     }
@@ -196,6 +214,6 @@ impl ElectrodeArrayFacts {
     pub fn electrode(&self, channel: &str) -> Option<ElectrodeCell> {
         let (column, row) = channel.strip_prefix('e')?.split_once('_')?;
         let cell = ElectrodeCell::new(column.parse().ok()?, row.parse().ok()?);
-        (self.holds(cell) && ElectrodeArrayFacts::channel(cell) == channel).then_some(cell)
+        (self.has_electrode(cell) && ElectrodeArrayFacts::channel(cell) == channel).then_some(cell)
     }
 }

@@ -1,6 +1,6 @@
 //! The vocabulary of the electrode array.
 
-use super::{MAX_APART, MAX_SIDE};
+use super::{MAX_APART, MAX_CHANNEL, MAX_SIDE};
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
@@ -74,6 +74,13 @@ const FORCES: [VocabularyField; 7] = [
 const FIELDS: &[VocabularyField] = &[
     required("columns", Sort::Count { least: 1, most: MAX_SIDE }, "electrodes along a row"),
     required("rows", Sort::Count { least: 1, most: MAX_SIDE }, "electrodes along a column"),
+    optional(
+        "channels",
+        Sort::CountRows { most: MAX_CHANNEL },
+        "every place has an electrode, without a number",
+        "number of each electrode's channel on the driver, a list for each row, the top row first; `none` where the board has no electrode",
+    ),
+    optional("disabled", Sort::Cells, "all electrodes work", "electrodes that do not work"),
     required("radius", positive(Dimension::LENGTH), "radius of an electrode"),
     required(
         "pitch_ratio",

@@ -153,11 +153,23 @@ fn draw_board(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut 
     let room = PaperBox { left: low[0], top: high[1], right: high[0], bottom: low[1] };
     to.rect(room, Ink::filled(color::BOARD).edged(color::FAINT, HAIR_PT), &[]);
     let diameter_pt = 2.0 * facts.radius_um / facts.pitch_um() * view.scale;
+    let cells =
+        || (1..=facts.columns).flat_map(|column| (1..=facts.rows).map(move |row| ElectrodeCell { column, row }));
+    for gap in cells().filter(|cell| !facts.has_electrode(*cell)) {
+        let [x, y] = place(gap);
+        let [low, high] = [view.at([x - 0.5, y - 0.5]), view.at([x + 0.5, y + 0.5])];
+        let room = PaperBox { left: low[0], top: high[1], right: high[0], bottom: low[1] };
+        to.rect(room, Ink::filled(color::PAPER), &[]);
+    }
     if view.scale >= ELECTRODE_PT {
-        let cells =
-            (1..=facts.columns).flat_map(|column| (1..=facts.rows).map(move |row| ElectrodeCell { column, row }));
-        to.dots(cells.map(|cell| view.at(place(cell))), diameter_pt, color::ELECTRODE);
+        let works = cells().filter(|cell| facts.has_electrode(*cell) && !facts.is_disabled(*cell));
+        to.dots(works.map(|cell| view.at(place(cell))), diameter_pt, color::ELECTRODE);
         key.add(KeyForm::Disc, Ink::filled(color::ELECTRODE), "electrode");
+        let ink = Ink::filled(color::PAPER).edged(color::FAINT, THIN_PT);
+        for cell in cells().filter(|cell| facts.is_disabled(*cell)) {
+            to.disc(view.at(place(cell)), diameter_pt / 2.0, ink, &[]);
+            key.add(KeyForm::Disc, ink, "disabled");
+        }
     } else {
         key.notes.push(format!(
             "the {} × {} electrodes of {} are not drawn",

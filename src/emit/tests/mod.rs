@@ -1,5 +1,6 @@
 use super::{EmitError, Format, Provenance, emit, fixture};
 use crate::diagnostic::Code;
+use crate::instrument::Protocol;
 use crate::schedule::{Actuation, ChannelUnit, json};
 use crate::verify::Verified;
 
@@ -27,7 +28,7 @@ fn formats(verified: &Verified) -> impl Iterator<Item = Format> {
     Format::ALL.iter().copied().filter(move |format| match format {
         Format::Gcode => all_stages,
         Format::Scpi => is_wired,
-        Format::Nidaqmx => false,
+        Format::Nidaqmx | Format::Frames | Format::Opendrop => false,
         Format::Mcap | Format::Json | Format::Csv | Format::Vcd | Format::Pwl | Format::Html | Format::Svg => true,
     })
 }
@@ -146,6 +147,15 @@ fn write_fixtures() {
     for make in [fixture::fetch, fixture::hand] {
         for format in [Format::Json, Format::Nidaqmx] {
             write(&cards, format, super::nidaqmx::tests::on_card(make(), 1e6));
+        }
+    }
+    let drivers = folder.join("drivers");
+    std::fs::create_dir_all(&drivers).unwrap();
+    for (name, protocol) in [("od", Protocol::Opendrop), ("pd", Protocol::Purpledrop)] {
+        let fixture = super::frames::tests::on_driver(fixture::fetch(), protocol);
+        let named = fixture::changed(&fixture.0, |schedule| schedule.name = name.to_owned());
+        for format in [Format::Json, Format::Frames] {
+            write(&drivers, format, (named.clone(), fixture.1.clone()));
         }
     }
     for format in [Format::Mcap, Format::Json, Format::Pwl, Format::Svg] {

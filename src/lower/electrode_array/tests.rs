@@ -32,6 +32,7 @@ pub(crate) fn facts(electrodes: Electrodes) -> ElectrodeArrayFacts {
         hold,
         separation: Separation::Apart(separation),
         clearance: 1,
+        map: None,
     }
 }
 

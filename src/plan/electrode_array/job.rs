@@ -379,8 +379,12 @@ impl Tasks<'_> {
         let blamed: Vec<(&str, Span)> = blamed.iter().map(|(name, span)| (name.as_str(), *span)).collect();
         let span = actor.asked.map_or(part.span, |action| action.span);
         let text = |cell| stage::cell(self.order, cell).to_string();
-        let proof = format!("no cell that `{}` can come to lies beside {}", part.name, text(to));
-        let proof = if blamed.is_empty() { proof } else { format!("`{}` is shut off from {}", part.name, text(to)) };
+        let name = &part.name;
+        let proof = match (blamed.is_empty(), &self.order.facts.map) {
+            (false, _) => format!("`{name}` is shut off from {}", text(to)),
+            (true, Some(_)) => format!("electrodes that work do not lead `{name}` from {} to {}", text(from), text(to)),
+            (true, None) => format!("no cell that `{name}` can come to lies beside {}", text(to)),
+        };
         let told = errors::impossible(
             errors::StepEnds { step: span, from: &text(from), to: &text(to) },
             &proof,

@@ -31,6 +31,7 @@ fn facts(columns: u32, rows: u32, electrodes: Electrodes, separation: u32, clear
         hold: if electrodes == Electrodes::Quad { Hold::Off } else { Hold::On },
         separation: Separation::Apart(separation),
         clearance,
+        map: None,
     }
 }
 

@@ -43,6 +43,11 @@ fn facts(facts: &ElectrodeArrayFacts) -> Result<(), Unfit> {
     demand(facts.step_ns > 0, "hold a step without length")?;
     demand((0.0..=f64::from(MAX_SIDE)).contains(&facts.layout.half_width_pitches), "hold a body out of its range")?;
     demand(facts.clearance >= 1, "hold no clearance")?;
+    if let Some(map) = &facts.map {
+        let places = facts.columns as usize * facts.rows as usize;
+        let fits = map.columns == facts.columns && [0, places].contains(&map.channels.len());
+        demand(fits, "hold a map of another board")?;
+    }
     match facts.separation {
         Separation::Apart(cells) => demand((1..=MAX_SEPARATION).contains(&cells), "hold a separation out of its range"),
         Separation::AsPublished => Ok(()),
@@ -64,7 +69,12 @@ fn parts(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
 
 /// Whether there is an electrode at a column and a row.
 fn is_on_board(facts: &ElectrodeArrayFacts, [column, row]: [i64; 2]) -> bool {
-    (1..=i64::from(facts.columns)).contains(&column) && (1..=i64::from(facts.rows)).contains(&row)
+    let is_place = (1..=i64::from(facts.columns)).contains(&column) && (1..=i64::from(facts.rows)).contains(&row);
+    let is_gap = |channels: &[Option<u32>]| {
+        let place = (row - 1) * i64::from(facts.columns) + column - 1;
+        channels.get(place as usize).is_some_and(Option::is_none)
+    };
+    is_place && !facts.map.as_ref().is_some_and(|map| is_gap(&map.channels))
 }
 
 fn obstacles(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {

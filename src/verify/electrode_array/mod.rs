@@ -76,6 +76,7 @@ impl Judge for ElectrodeArrayOrder {
     ) -> Result<Replay<'a>, Halt> {
         let mut board = JudgedBoard::new(run, self, standing)?;
         board.potentials(findings);
+        board.disabled(findings);
         board.record(run.plan.start_ns)?;
         board.stands_clear()?;
         for (nth, step) in self.steps.iter().enumerate() {
@@ -151,6 +152,18 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 let (from, to, at) = (part.from, part.to, ms(part.start_ns));
                 let title = format!("electrode {cell} goes from {from} V to {to} V at {at}, {volts} V is needed");
                 findings.push(self.within(Rule::Potential, nth, part.start_ns, title));
+            }
+        }
+    }
+
+    /// No electrode is on that does not work: it would pull nothing.
+    fn disabled(&self, findings: &mut Findings) {
+        let Some(map) = &self.order.facts.map else { return };
+        for (nth, pulses) in self.pulses.iter().enumerate() {
+            for (cell, part) in pulses.iter().filter(|(cell, _)| map.disabled.contains(cell)) {
+                let at = ms(part.start_ns);
+                let title = format!("electrode {cell} is on at {at}, but does not work");
+                findings.push(self.within(Rule::Disabled, nth, part.start_ns, title));
             }
         }
     }

@@ -132,8 +132,10 @@ fn board(facts: &ElectrodeArrayFacts, device: &str, t_ns: u64) -> SceneEntity {
         let slab = Slab { bottom_um: 0.0, height_um, color: color::LATTICE };
         for row in 1..=facts.rows {
             for column in 1..=facts.columns {
-                let place = Point2::from(place_um(facts, ElectrodeCell::new(column, row)));
-                drawing::disc(&mut entity, place, facts.radius_um, slab);
+                let cell = ElectrodeCell::new(column, row);
+                if facts.has_electrode(cell) && !facts.is_disabled(cell) {
+                    drawing::disc(&mut entity, Point2::from(place_um(facts, cell)), facts.radius_um, slab);
+                }
             }
         }
     }

@@ -34,6 +34,7 @@ pub fn platform(columns: u32, rows: u32) -> ElectrodeArrayFacts {
         hold: Hold::Off,
         separation: Separation::Apart(4),
         clearance: 3,
+        map: None,
     }
 }
 

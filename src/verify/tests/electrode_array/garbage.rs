@@ -1,7 +1,7 @@
 //! Nothing that can be read makes the verifier panic, and no claim takes it long.
 
 use super::*;
-use crate::device::electrode_array::{Electrodes, MAX_PARTS};
+use crate::device::electrode_array::{ElectrodeMap, Electrodes, MAX_PARTS};
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use proptest::prelude::*;
 
@@ -143,6 +143,10 @@ fn claims_that_no_program_has_are_inconclusive() {
         ("pulls nothing", |order| order.facts.potential_v = 0.0),
         ("without length", |order| order.facts.step_ns = 0),
         ("body out of its range", |order| order.facts.layout.half_width_pitches = -0.1),
+        ("map of another board", |order| {
+            let map = ElectrodeMap { columns: 5, channels: vec![Some(1); 7], disabled: Vec::new() };
+            order.facts.map = Some(Arc::new(map));
+        }),
         ("no clearance", |order| order.facts.clearance = 0),
         ("separation out of its range", |order| order.facts.separation = Separation::Apart(0)),
         ("separation out of its range", |order| order.facts.separation = Separation::Apart(1_001)),

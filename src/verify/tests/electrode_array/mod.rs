@@ -4,7 +4,7 @@ use crate::claims::electrode_array::{
     Bystanders, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObjective, ElectrodeArrayObstacleBody,
     ElectrodeArrayOrder,
 };
-use crate::device::electrode_array::{Hold, Separation};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, ElectrodeMap, Hold, Separation};
 use crate::schedule::dimibot::DimibotState;
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{Schedule, State, Swing};
@@ -302,6 +302,26 @@ fn a_wait_lasts_as_claimed() {
     only(Rule::Wait, &schedule(&claims(5), &[&[&[]]]), &claims(6));
     passes(&schedule(&claims(0), &[&[&[]]]), &claims(0));
     passes(&schedule(&claims(u64::MAX), &[&[&[]]]), &claims(u64::MAX));
+}
+
+/// The droplet's way is the same on all three boards; what lies on it differs.
+#[test]
+fn no_electrode_is_on_that_does_not_work_or_is_not_there() {
+    let claims = |gaps: &[ElectrodeCell], disabled: &[ElectrodeCell]| {
+        let board = chip(12, 12);
+        let place = |index: u32| cell(index % 12 + 1, index / 12 + 1);
+        let channels = (0..144).map(|index| (!gaps.contains(&place(index))).then_some(index)).collect();
+        let map = ElectrodeMap { columns: 12, channels, disabled: disabled.to_vec() };
+        let facts = ElectrodeArrayFacts { map: Some(Arc::new(map)), ..board };
+        alone(order(facts, &[("a", 4, 4)], vec![ElectrodeArrayAction::Move(vec![go(0, &[(6, 4)])])]))
+    };
+    let whole = claims(&[], &[]);
+    let schedule = schedule(&whole, &[&[&["RR"]]]);
+    passes(&schedule, &whole);
+    passes(&schedule, &claims(&[cell(5, 5)], &[cell(4, 3), cell(6, 5)]));
+    only(Rule::Disabled, &schedule, &claims(&[], &[cell(5, 4)]));
+    only(Rule::Disabled, &schedule, &claims(&[], &[cell(6, 4)]));
+    only(Rule::Channel, &schedule, &claims(&[cell(5, 4)], &[]));
 }
 
 #[test]

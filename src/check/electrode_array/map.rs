@@ -1,0 +1,112 @@
+//! The map of a board: its channels and what does not work, from the fields of the device.
+
+use super::cells::{on_board, whole_cell};
+use super::errors;
+use crate::check::devices::CheckedDevice;
+use crate::check::labels::DeviceLabel;
+use crate::check::value::{ListValue, Value, whole};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, ElectrodeMap, Electrodes};
+use crate::diagnostic::Sink;
+use crate::source::Span;
+use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// The map of a device with fields for one; `facts` are its facts without it. `None` after an error.
+pub fn of(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) -> Option<Option<Arc<ElectrodeMap>>> {
+    let list = |name: &str| match device.fields.get(name).map(|field| &field.value) {
+        Some(Value::List(list)) => Some(Rc::clone(list)),
+        _ => None,
+    };
+    if ["channels", "disabled"].iter().any(|name| device.fields.get(*name).is_some_and(|f| f.value.is_unknown())) {
+        return None;
+    }
+    let mut map = ElectrodeMap { columns: facts.columns, ..ElectrodeMap::default() };
+    let (rows, disabled) = (list("channels"), list("disabled"));
+    if let Some(rows) = &rows {
+        map.channels = channels(facts, rows, device, sink)?;
+    }
+    if let Some(disabled) = &disabled {
+        map.disabled = dead(facts, &map, disabled, device, sink)?;
+    }
+    let has_gaps = map.channels.iter().any(Option::is_none) || !map.disabled.is_empty();
+    if facts.layout.electrodes == Electrodes::Quad && has_gaps {
+        let field = if map.disabled.is_empty() { "channels" } else { "disabled" };
+        let label = DeviceLabel::field(field, "leaves electrodes out");
+        sink.push(device.labelled(errors::microparts_need_all(), [label]));
+        return None;
+    }
+    Some((rows.is_some() || !map.disabled.is_empty()).then(|| Arc::new(map)))
+}
+
+/// The number at each place, from row 1.
+fn channels(
+    facts: &ElectrodeArrayFacts,
+    rows: &ListValue,
+    device: &CheckedDevice,
+    sink: &mut Sink,
+) -> Option<Vec<Option<u32>>> {
+    let mut refuse = |finding, label| {
+        sink.push(device.labelled(finding, [label]));
+        None
+    };
+    if rows.len() != facts.rows as usize {
+        let label = DeviceLabel::field("channels", rows_text(rows.len()));
+        return refuse(errors::rows_of_map(rows.len(), facts.rows), label);
+    }
+    let mut numbers = Vec::with_capacity(facts.columns as usize * facts.rows as usize);
+    let mut used: BTreeMap<u32, Span> = BTreeMap::new();
+    // The top row is written first.
+    for (row, number) in rows.iter().rev().zip(1..) {
+        let Value::List(cells) = &row.value else { return None };
+        if cells.len() != facts.columns as usize {
+            let label = DeviceLabel::cell(row.span, format!("row {number}"));
+            return refuse(errors::row_of_map(number, cells.len(), facts.columns), label);
+        }
+        for cell in cells.iter() {
+            let channel = match &cell.value {
+                Value::Quantity(count) => Some(u32::try_from(whole(*count)?).ok()?),
+                _ => None,
+            };
+            if let Some(channel) = channel
+                && let Some(earlier) = used.insert(channel, cell.span)
+            {
+                let finding = errors::channel_shared(channel);
+                let labels = [DeviceLabel::cell(cell.span, "here"), DeviceLabel::cell(earlier, "and here")];
+                sink.push(device.labelled(finding, labels));
+                return None;
+            }
+            numbers.push(channel);
+        }
+    }
+    if numbers.iter().all(Option::is_none) {
+        return refuse(errors::no_electrode(), DeviceLabel::field("channels", "`none` at every place"));
+    }
+    Some(numbers)
+}
+
+fn rows_text(rows: usize) -> String {
+    if rows == 1 { "1 row".to_owned() } else { format!("{rows} rows") }
+}
+
+/// The electrodes that do not work, in order.
+fn dead(
+    facts: &ElectrodeArrayFacts,
+    map: &ElectrodeMap,
+    disabled: &ListValue,
+    device: &CheckedDevice,
+    sink: &mut Sink,
+) -> Option<Vec<ElectrodeCell>> {
+    let mut cells = BTreeSet::new();
+    for element in disabled.iter() {
+        let pair = whole_cell(&element.value);
+        let cell = pair.and_then(|pair| on_board(pair, facts)).filter(|cell| map.has_electrode(*cell));
+        let Some(cell) = cell else {
+            let finding = errors::nothing_to_disable(facts, &element.value);
+            sink.push(device.labelled(finding, [DeviceLabel::cell(element.span, "no electrode here")]));
+            return None;
+        };
+        cells.insert(cell);
+    }
+    Some(cells.into_iter().collect())
+}

@@ -1,0 +1,196 @@
+//! Frames for the drivers of electrode boards: for each driver of the program the electrodes that are on, frame by frame, and a
+//! program that plays them.
+//!
+//! `<name>.<driver>.frames.csv` has a row for each frame: its number from 1, when it begins and how long it lasts in milliseconds, and
+//! the numbers of the channels that are on, with blanks between them. Frames follow each other without a gap from 0 to the end of the
+//! schedule; two neighbours differ. `<name>.frames.py` plays them on an OpenDrop (frames of 32 bytes over USB serial) or a PurpleDrop
+//! (JSON-RPC calls), and switches all electrodes off at the end, on an error and on Ctrl-C.
+//!
+//! `<name>.<driver>.opendrop.json`, a format of its own, is for the program that comes with an OpenDrop. It has no times, so that each
+//! frame stands in it as often as the common period of all durations fits into its own.
+
+use super::error::{EmitError, MAX_TEXT_BYTES};
+use super::sampling::gcd;
+use super::wired::{WiredInstrument, wired};
+use super::{Format, Signals};
+use crate::instrument::{ElectrodeDriverFacts, Family, InstrumentFacts, Protocol, number_after};
+use crate::schedule::Schedule;
+use serde_json::json;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+
+/// The sender, with an empty list of drivers where the marker is.
+const SENDER: &str = include_str!("send.py");
+
+/// The line of the sender that says what it plays.
+const MARKER: &str = "PLAYS = {}";
+
+/// Estimated bytes of a row without its channels, and of a channel.
+const ROW_BYTES: u64 = 32;
+const CHANNEL_BYTES: u64 = 4;
+
+/// Electrodes in a column of an OpenDrop: the bits of a byte.
+const OPENDROP_ROWS: u32 = 8;
+
+/// Most frames that the program loads.
+const OPENDROP_FRAMES: u64 = 200;
+
+/// Characters of a row in the file of OpenDrop's program, one for each column: 16 of electrodes, 2 that it never sets.
+const OPENDROP_CHARACTERS: u32 = 18;
+
+/// The files, each with its ending.
+///
+/// # Errors
+/// [`EmitError::NotWired`], [`EmitError::Ramp`], [`EmitError::TooLarge`].
+pub(super) fn write(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
+    let mut files = Vec::new();
+    let mut plays = Vec::new();
+    for wired in wired(Format::Frames, schedule, Family::ElectrodeDriver)? {
+        let InstrumentFacts::ElectrodeDriver(facts) = &wired.instrument.facts else { continue };
+        let board = FramedBoard::new(&wired, facts)?;
+        files.push((format!("{}.frames.csv", wired.name), board.text()?.into_bytes()));
+        plays.push(board.listing());
+    }
+    let listing = json!({
+        "name": schedule.name,
+        "duration_s": schedule.duration_ns as f64 / 1e9,
+        "drivers": plays,
+    });
+    let sender = SENDER.replacen(MARKER, &format!("PLAYS = json.loads(r'''{listing:#}''')"), 1);
+    files.push(("frames.py".to_owned(), sender.into_bytes()));
+    Ok(files)
+}
+
+/// The files for the program that comes with an OpenDrop, each with its ending.
+///
+/// # Errors
+/// [`EmitError::NotWired`], [`EmitError::Ramp`], [`EmitError::TooManyFrames`].
+pub(super) fn write_opendrop(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
+    let mut files = Vec::new();
+    for wired in wired(Format::Opendrop, schedule, Family::ElectrodeDriver)? {
+        let InstrumentFacts::ElectrodeDriver(facts) = &wired.instrument.facts else { continue };
+        match facts.protocol {
+            Protocol::Opendrop => {
+                let text = FramedBoard::new(&wired, facts)?.controller_file()?;
+                files.push((format!("{}.opendrop.json", wired.name), text.into_bytes()));
+            }
+            Protocol::Purpledrop => {}
+        }
+    }
+    let none = || EmitError::OtherProtocol { format: Format::Opendrop, name: schedule.name.clone() };
+    if files.is_empty() { Err(none()) } else { Ok(files) }
+}
+
+/// The electrodes of a driver that are on for some time.
+struct Frame {
+    start_ns: u64,
+    end_ns: u64,
+    /// Numbers of channels, in order.
+    on: BTreeSet<u32>,
+}
+
+/// A driver with what it plays.
+struct FramedBoard<'a> {
+    wired: &'a WiredInstrument<'a>,
+    facts: &'a ElectrodeDriverFacts,
+    frames: Vec<Frame>,
+}
+
+impl<'a> FramedBoard<'a> {
+    fn new(wired: &'a WiredInstrument<'a>, facts: &'a ElectrodeDriverFacts) -> Result<FramedBoard<'a>, EmitError> {
+        EmitError::refuse_ramps(Format::Frames, &Signals::new(&wired.schedule))?;
+        let numbers: Vec<Option<u32>> = wired.drives.iter().map(|drive| number_after("c", &drive.output)).collect();
+        // What is switched off and on at an instant, by channel.
+        let mut changes: BTreeMap<u64, [Vec<u32>; 2]> = BTreeMap::new();
+        for actuation in &wired.schedule.actuations {
+            let Some(number) = numbers.get(actuation.channel as usize).copied().flatten() else { continue };
+            changes.entry(actuation.start_ns).or_default()[1].push(number);
+            changes.entry(actuation.end_ns()).or_default()[0].push(number);
+        }
+        let duration_ns = wired.schedule.duration_ns;
+        changes.entry(duration_ns).or_default();
+        let mut frames: Vec<Frame> = Vec::new();
+        let mut on = BTreeSet::new();
+        let mut start_ns = 0;
+        for (at_ns, [ended, begun]) in changes {
+            if at_ns > start_ns {
+                match frames.last_mut().filter(|last| last.on == on) {
+                    Some(last) => last.end_ns = at_ns,
+                    None => frames.push(Frame { start_ns, end_ns: at_ns, on: on.clone() }),
+                }
+                start_ns = at_ns;
+            }
+            for number in ended {
+                on.remove(&number);
+            }
+            on.extend(begun);
+        }
+        Ok(FramedBoard { wired, facts, frames })
+    }
+
+    /// The table of frames.
+    fn text(&self) -> Result<String, EmitError> {
+        let channels: usize = self.frames.iter().map(|frame| frame.on.len()).sum();
+        let bytes = self.frames.len() as u64 * ROW_BYTES + channels as u64 * CHANNEL_BYTES;
+        EmitError::refuse_size(Format::Frames, bytes, MAX_TEXT_BYTES)?;
+        let mut text = "frame,start [ms],duration [ms],on\n".to_owned();
+        for (frame, number) in self.frames.iter().zip(1..) {
+            let on: Vec<String> = frame.on.iter().map(u32::to_string).collect();
+            let (start, lasts) = (ms(frame.start_ns), ms(frame.end_ns - frame.start_ns));
+            let _ = writeln!(text, "{number},{start},{lasts},{}", on.join(" "));
+        }
+        Ok(text)
+    }
+
+    /// The time that each frame of OpenDrop's file stands for, in nanoseconds.
+    fn period_ns(&self) -> u64 {
+        self.frames.iter().fold(0, |period_ns, frame| gcd(period_ns, frame.end_ns - frame.start_ns)).max(1)
+    }
+
+    /// The file that OpenDrop's program loads: a string of columns for each of the 8 rows from the top.
+    fn controller_file(&self) -> Result<String, EmitError> {
+        let period_ns = self.period_ns();
+        let count: u64 = self.frames.iter().map(|frame| (frame.end_ns - frame.start_ns) / period_ns).sum();
+        if count > OPENDROP_FRAMES {
+            let instrument = self.wired.name.to_owned();
+            return Err(EmitError::TooManyFrames { instrument, frames: count, limit: OPENDROP_FRAMES, period_ns });
+        }
+        let mut frames = Vec::new();
+        for frame in &self.frames {
+            for _ in 0..(frame.end_ns - frame.start_ns) / period_ns {
+                let bit = |x: u32, y: u32| if frame.on.contains(&(OPENDROP_ROWS * x + y)) { '1' } else { '0' };
+                let row = |y: u32| (0..OPENDROP_CHARACTERS).map(|x| bit(x, y)).collect::<String>();
+                let rows = (0..OPENDROP_ROWS).map(|y| (format!("y{y}"), json!(row(y))));
+                let mut object: serde_json::Map<String, serde_json::Value> = rows.collect();
+                object.insert("frame".to_owned(), json!(frames.len() + 1));
+                frames.push(serde_json::Value::Object(object));
+            }
+        }
+        Ok(format!("{:#}\n", serde_json::Value::Array(frames)))
+    }
+
+    /// What the sender must know.
+    fn listing(&self) -> serde_json::Value {
+        let electrodes: BTreeMap<u32, &str> = (self.wired.drives.iter().zip(&self.wired.schedule.channels))
+            .filter_map(|(drive, channel)| Some((number_after("c", &drive.output)?, channel.name.as_str())))
+            .collect();
+        let name = &self.wired.schedule.name;
+        json!({
+            "name": self.wired.name,
+            "model": self.wired.instrument.model,
+            "protocol": self.facts.protocol.name(),
+            "file": format!("{name}.{}.frames.csv", self.wired.name),
+            "frames": self.frames.len(),
+            "electrodes": electrodes.iter().map(|(number, name)| format!("c{number} {name}")).collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// Nanoseconds as milliseconds, exactly.
+fn ms(ns: u64) -> String {
+    let (whole, part) = (ns / 1_000_000, ns % 1_000_000);
+    if part == 0 { whole.to_string() } else { format!("{whole}.{part:06}").trim_end_matches('0').to_owned() }
+}
+
+#[cfg(test)]
+pub(super) mod tests;

@@ -1,0 +1,175 @@
+#!/usr/bin/env python3
+"""Plays the frames beside this file on drivers of electrode boards, all from one clock.
+
+    python NAME.frames.py --list                 what is to be played
+    python NAME.frames.py --dry-run              read and check the frames, send nothing
+    python NAME.frames.py od=/dev/ttyACM0        the serial port of an OpenDrop; without it the one that is found on USB
+    python NAME.frames.py pd=192.168.7.2:7000    the server of a PurpleDrop; without it 127.0.0.1:7000
+
+An OpenDrop needs the package pyserial (`pip install pyserial`); a PurpleDrop needs its server `pdserver` only. Voltage and frequency
+are set on the device. All electrodes are switched off at the end, on an error and on Ctrl-C. A frame that cannot be sent within its own
+time is an error. Exit status: 0 played, 1 a driver refused or was late, 2 wrong usage, 130 Ctrl-C.
+"""
+
+import argparse
+import csv
+import json
+import sys
+import time
+import urllib.request
+from pathlib import Path
+
+PLAYS = {}
+
+# OpenDrop: columns of 8 electrodes, then control bytes, of which three are temperatures in degrees; 25 is what its own program sends.
+COLUMNS, CONTROLS, TEMPERATURES, ROOM_DEGREES = 16, 16, (10, 11, 12), 25
+REPLY_BYTES, REPLY_S = 24, 0.5
+USB_ID = (0x239A, 0x800B)
+# PurpleDrop: how long a call may take, in seconds.
+CALL_S = 5.0
+
+
+class Opendrop:
+    """Frames of 32 bytes; each is answered by 24."""
+
+    def __init__(self, address):
+        import serial
+        import serial.tools.list_ports
+
+        if not address:
+            found = [port.device for port in serial.tools.list_ports.comports() if (port.vid, port.pid) == USB_ID]
+            if len(found) != 1:
+                raise RuntimeError(f"{len(found)} OpenDrops on USB: name the port, as `od=/dev/ttyACM0`")
+            address = found[0]
+        self.port = serial.Serial(address, 115200, timeout=REPLY_S, write_timeout=REPLY_S)
+        self.address = address
+
+    @staticmethod
+    def frame(on):
+        data = bytearray(COLUMNS + CONTROLS)
+        for number in on:
+            data[number // 8] |= 1 << number % 8
+        for place in TEMPERATURES:
+            data[COLUMNS + place] = ROOM_DEGREES
+        return bytes(data)
+
+    def send(self, on):
+        self.port.reset_input_buffer()
+        self.port.write(self.frame(on))
+        reply = self.port.read(REPLY_BYTES)
+        if len(reply) < REPLY_BYTES:
+            raise RuntimeError(f"{self.address}: answered {len(reply)} of {REPLY_BYTES} bytes")
+
+    def close(self):
+        self.port.close()
+
+
+class Purpledrop:
+    """A call of `set_electrode_pins` with the pins that are on; all others are switched off by it."""
+
+    def __init__(self, address):
+        address = address or "127.0.0.1:7000"
+        self.address = address if "://" in address else f"http://{address}"
+        self.calls = 0
+
+    def send(self, on):
+        self.calls += 1
+        call = {"jsonrpc": "2.0", "method": "set_electrode_pins", "params": [sorted(on)], "id": self.calls}
+        request = urllib.request.Request(
+            f"{self.address}/rpc", json.dumps(call).encode(), {"Content-Type": "application/json"}
+        )
+        with urllib.request.urlopen(request, timeout=CALL_S) as reply:
+            answer = json.load(reply)
+        if "result" not in answer:
+            raise RuntimeError(f"{self.address}: {answer.get('error', answer)}")
+
+    def close(self):
+        pass
+
+
+PROTOCOLS = {"opendrop": Opendrop, "purpledrop": Purpledrop}
+
+
+def read(driver, folder):
+    """The frames: when each begins and ends, in seconds, and the channels that are on."""
+    frames, end = [], 0.0
+    with open(folder / driver["file"], encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            start, lasts = (float(row[title]) / 1e3 for title in ("start [ms]", "duration [ms]"))
+            if abs(start - end) > 1e-6:
+                raise RuntimeError(f"{driver['file']}: frame {row['frame']} begins at {start} s, the one before ends at {end} s")
+            end = start + lasts
+            frames.append((start, end, [int(number) for number in row["on"].split()]))
+    if len(frames) != driver["frames"]:
+        raise RuntimeError(f"{driver['file']}: {len(frames)} frames instead of {driver['frames']}")
+    return frames
+
+
+def play(addresses, folder):
+    """All frames of all drivers, each when it is due."""
+    frames = [(frame, index) for index, driver in enumerate(PLAYS["drivers"]) for frame in read(driver, folder)]
+    frames.sort(key=lambda due: (due[0][0], due[1]))
+    boards, latest = [], 0.0
+    try:
+        for driver in PLAYS["drivers"]:
+            board = PROTOCOLS[driver["protocol"]](addresses.get(driver["name"]))
+            boards.append(board)
+            board.send([])
+        begin = time.monotonic()
+        print("started", flush=True)
+        for (start, end, on), index in frames:
+            time.sleep(max(0.0, begin + start - time.monotonic()))
+            boards[index].send(on)
+            now = time.monotonic() - begin
+            latest = max(latest, now - start)
+            if now >= end:
+                raise RuntimeError(f"a frame of {end - start:g} s was sent {now - start:.3f} s after it was due")
+        time.sleep(max(0.0, begin + PLAYS["duration_s"] - time.monotonic()))
+        print(f"{PLAYS['name']}: played {len(frames)} frames in {PLAYS['duration_s']:g} s, at most {latest * 1e3:.1f} ms late")
+    finally:
+        lost = []
+        for board in boards:
+            try:
+                board.send([])
+            except Exception as error:  # every other board is still to be switched off
+                lost.append(f"{board.address} may still be on ({error})")
+            board.close()
+        print("; ".join(lost) or "all electrodes are off", flush=True)
+
+
+def show(folder):
+    for driver in PLAYS["drivers"]:
+        frames = read(driver, folder)
+        print(f"{driver['name']}: {driver['file']}, {driver['model']}, {len(frames)} frames, {len(driver['electrodes'])} electrodes")
+
+
+def main(given):
+    names = [driver["name"] for driver in PLAYS.get("drivers", [])]
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("addresses", nargs="*", metavar="NAME=ADDRESS", help=f"port or server of: {', '.join(names)}")
+    parser.add_argument("--list", action="store_true", help="show what is to be played")
+    parser.add_argument("--dry-run", action="store_true", help="read and check the frames, send nothing")
+    arguments = parser.parse_args(given)
+    unknown = [pair for pair in arguments.addresses if "=" not in pair or pair.split("=", 1)[0] not in names]
+    if unknown:
+        parser.error(f"not a driver of the program: {', '.join(unknown)}")
+    folder = Path(__file__).resolve().parent
+    try:
+        if arguments.list or arguments.dry_run:
+            show(folder)
+        else:
+            play(dict(pair.split("=", 1) for pair in arguments.addresses), folder)
+        return 0
+    except KeyboardInterrupt:
+        print("stopped", file=sys.stderr)
+        return 130
+    except ImportError:
+        print("the package is not installed: pip install pyserial", file=sys.stderr)
+        return 1
+    except Exception as error:  # whatever a driver or its connection raises
+        print(f"{type(error).__name__}: {error}", file=sys.stderr)
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
