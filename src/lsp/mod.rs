@@ -16,7 +16,7 @@ use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response
 use lsp_types::notification::{
     DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, Exit, Notification as Notice, PublishDiagnostics,
 };
-use lsp_types::request::{Completion, DocumentSymbolRequest, Formatting, HoverRequest, Request as Asked};
+use lsp_types::request::{Completion, DocumentSymbolRequest, Formatting, HoverRequest, Request as Asked, Shutdown};
 use lsp_types::{
     CompletionOptions, DocumentSymbolResponse, HoverProviderCapability, InitializeParams, OneOf, PositionEncodingKind,
     PublishDiagnosticsParams, ServerCapabilities, TextDocumentSyncCapability, TextDocumentSyncKind, TextEdit, Uri,
@@ -52,7 +52,7 @@ pub fn serve(connection: &Connection, round: FilesRound) -> Result<SessionEnd, S
         "serverInfo": { "name": "tweeze", "version": env!("CARGO_PKG_VERSION") },
     });
     connection.initialize_finish(id, answer).map_err(|error| error.to_string())?;
-    let mut session = Session { connection, round, unit, open: BTreeMap::new(), is_changed: false };
+    let mut session = Session { connection, round, unit, open: BTreeMap::new(), is_changed: false, is_shut: false };
     Ok(session.run())
 }
 
@@ -96,6 +96,8 @@ struct Session<'a> {
     open: BTreeMap<PathBuf, OpenDocument>,
     /// Whether a text has changed since the findings were sent.
     is_changed: bool,
+    /// Whether the client has asked for the end, and is to say `exit` next.
+    is_shut: bool,
 }
 
 impl Session<'_> {
@@ -119,12 +121,20 @@ impl Session<'_> {
 
     fn take(&mut self, message: Message) -> Option<SessionEnd> {
         match message {
-            Message::Request(request) => match self.connection.handle_shutdown(&request) {
-                Ok(true) => return Some(SessionEnd::Agreed),
-                Ok(false) => self.answer(request),
-                Err(_) => return Some(SessionEnd::Abrupt),
-            },
-            Message::Notification(notice) if notice.method == Exit::METHOD => return Some(SessionEnd::Abrupt),
+            Message::Request(Request { id, .. }) if self.is_shut => {
+                let why = "the server was shut down, and waits for `exit`".to_owned();
+                self.send(Message::Response(Response::new_err(id, ErrorCode::InvalidRequest as i32, why)));
+            }
+            Message::Request(request) if request.method == Shutdown::METHOD => {
+                self.is_shut = true;
+                self.is_changed = false;
+                self.send(Message::Response(Response::new_ok(request.id, ())));
+            }
+            Message::Request(request) => self.answer(request),
+            Message::Notification(notice) if notice.method == Exit::METHOD => {
+                return Some(if self.is_shut { SessionEnd::Agreed } else { SessionEnd::Abrupt });
+            }
+            Message::Notification(_) if self.is_shut => {}
             Message::Notification(notice) => self.note(notice),
             Message::Response(_) => {}
         }

@@ -4,7 +4,7 @@ use super::*;
 use lsp_server::{Message, Notification, Request, RequestId, ResponseError};
 use lsp_types::Position;
 use serde_json::{Value, json};
-use std::io::BufReader;
+use std::io::{BufReader, Write as _};
 use std::process::{Child, ChildStdin, ChildStdout};
 
 /// An editor with one open folder.
@@ -189,4 +189,50 @@ fn nothing_strange_ends_the_server() {
 fn a_client_that_goes_away_ends_the_server() {
     let (editor, _) = Editor::new(json!({}));
     assert_eq!(editor.status(), Some(ERRORS));
+}
+
+#[test]
+fn after_shutdown_only_the_exit_is_taken() {
+    let (mut editor, _) = Editor::new(json!({}));
+    editor.ask("shutdown", Value::Null).expect("it answers");
+    let refused = editor.ask("textDocument/formatting", json!({})).expect_err("it is shut down");
+    assert_eq!(refused.code, -32600, "{refused:?}");
+    editor.open("untitled:a", "task");
+    assert!(editor.ask("shutdown", Value::Null).is_err());
+    editor.note("exit", Value::Null);
+    assert_eq!(editor.status(), Some(DONE));
+}
+
+#[test]
+fn what_is_no_message_ends_the_server_with_a_sentence() {
+    let says_of = |bytes: &[u8]| {
+        let mut server = Plain::new(env!("CARGO_BIN_EXE_tweeze"))
+            .arg("lsp")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the server starts");
+        // It may end before all of it is written.
+        let _ = server.stdin.take().expect("it is open").write_all(bytes);
+        let ended = server.wait_with_output().expect("it ends");
+        assert_eq!(ended.status.code(), Some(ERRORS), "{:?}", String::from_utf8_lossy(bytes));
+        String::from_utf8_lossy(&ended.stderr).into_owned()
+    };
+    for length in ["99999999999999", "18446744073709551615", "99999999999999999999999", "-1", "268435457"] {
+        let told = says_of(format!("Content-Length: {length}\r\n\r\n{{}}").as_bytes());
+        assert!(told.starts_with("tweeze lsp: a message of ") && told.lines().count() == 1, "{told}");
+    }
+    let endless = [b'a'; 10_000];
+    for bytes in [
+        &b"Content-Length: 7\r\n\r\n{}"[..],
+        b"hello\r\n",
+        b"\r\n\r\n",
+        b"\xff\xfe",
+        &endless,
+        b"Content-Length: 2\r\n\r\n7}",
+    ] {
+        let told = says_of(bytes);
+        assert!(told.starts_with("tweeze lsp: ") && told.lines().count() == 1, "{told}");
+    }
 }
