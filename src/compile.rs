@@ -1,6 +1,7 @@
 //! From a program's text to verified schedules: the stages in their order.
 
 use crate::check::imports::{self, Library};
+use crate::check::links::NameLink;
 use crate::check::{self, Checked, DeclarationTally, Options};
 use crate::claims::Claims;
 use crate::diagnostic::Sink;
@@ -38,6 +39,12 @@ pub enum CompileOutcome {
 pub fn check(program: &CompileRequest, sources: &mut Sources, sink: &mut Sink) -> Option<Checked> {
     let modules = imports::load(sources, program.name, program.text, program.library, sink);
     check::check(sources, &modules, program.options, sink)
+}
+
+/// Reads a program; what each of its names stands for, as far as that is known.
+pub fn links(program: &CompileRequest, sources: &mut Sources) -> Vec<NameLink> {
+    let modules = imports::load(sources, program.name, program.text, program.library, &mut Sink::default());
+    check::links::links(sources, &modules)
 }
 
 /// Plans of a schedule's jobs, with the schedule that the verifier accepted.

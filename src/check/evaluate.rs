@@ -117,6 +117,7 @@ impl Checker<'_> {
         let first = &path.segments[0];
         if let Some(local) = scope.local(&first.name.text) {
             let value = self.handed_on(&local.value, path.span);
+            self.note_use(first.name.span, local.span);
             return self.element_of(value, path, 0, scope);
         }
         self.use_import(path, scope);
@@ -125,6 +126,7 @@ impl Checker<'_> {
         };
         self.use_place(place);
         let declaration = self.declaration(place);
+        self.note_use(path.segments[segment].name.span, declaration.span);
         if declaration.sort != DeclarationSort::Let {
             return self.unknown(errors::wrong_sort(path, declaration, "a value"));
         }

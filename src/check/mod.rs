@@ -22,6 +22,7 @@ mod instruments;
 mod labels;
 pub mod lets;
 mod lineage;
+pub mod links;
 mod meshes;
 pub mod microrobots;
 mod neighbours;
@@ -48,6 +49,7 @@ use crate::quantity::{Dimension, Quantity};
 use crate::source::{Sources, Span, Spanned};
 use crate::syntax::tree::{Expr, For, Item, Path};
 use lets::LetState;
+use rustc_hash::FxHashSet;
 use scope::{Declaration, DeclarationPlace, DeclarationSort, Import, Module, Scope};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
@@ -89,20 +91,8 @@ pub struct DeclarationTally {
 ///
 /// Returns a checked program exactly if neither this stage nor an earlier one pushed an error.
 pub fn check(sources: &mut Sources, modules: &[Module], options: &Options, sink: &mut Sink) -> Option<Checked> {
-    let overrides = settings::parse(sources, &options.settings, sink);
-    let mut checker = Checker::new(modules, sink);
-    checker.apply_settings(overrides);
-    checker.check_values();
-    checker.check_devices();
-    checker.check_instruments();
-    checker.check_scenes();
-    let wiring = checker.wiring();
-    let claims = checker.schedules(options.only.as_deref(), &wiring);
-    let devices = checker.known_devices();
-    checker.check_unrun();
-    checker.warn_of_unused();
-    let tally = checker.tally();
-    (sink.errors() == 0).then_some(Checked { claims, devices, tally })
+    let checked = Checker::new(modules, sink).check_all(sources, options);
+    (sink.errors() == 0).then_some(checked)
 }
 
 /// The longest time that one field or step may take, in nanoseconds: a little over a day.
@@ -207,10 +197,28 @@ pub(crate) struct Checker<'a> {
     /// Files of triangles that were read, by the module and the name written there; `None` after an error.
     meshes: BTreeMap<(usize, String), Option<Rc<value::MeshFile>>>,
     repetitions: usize,
+    /// What each name stands for, where an editor asks.
+    links: Option<FxHashSet<links::NameLink>>,
     budget: budget::CheckBudget,
 }
 
 impl<'a> Checker<'a> {
+    /// Everything, whatever errors there are.
+    fn check_all(&mut self, sources: &mut Sources, options: &Options) -> Checked {
+        let overrides = settings::parse(sources, &options.settings, self.sink);
+        self.apply_settings(overrides);
+        self.check_values();
+        self.check_devices();
+        self.check_instruments();
+        self.check_scenes();
+        let wiring = self.wiring();
+        let claims = self.schedules(options.only.as_deref(), &wiring);
+        let devices = self.known_devices();
+        self.check_unrun();
+        self.warn_of_unused();
+        Checked { claims, devices, tally: self.tally() }
+    }
+
     fn new(modules: &'a [Module], sink: &'a mut Sink) -> Self {
         Checker {
             modules,
@@ -229,6 +237,7 @@ impl<'a> Checker<'a> {
             judged: objects::JudgedScenes::new(),
             meshes: BTreeMap::new(),
             repetitions: 0,
+            links: None,
             budget: budget::CheckBudget::default(),
         }
     }
@@ -306,6 +315,7 @@ impl<'a> Checker<'a> {
         };
         self.use_place(place);
         let declaration = self.declaration(place);
+        self.note_use(path.segments[segment].name.span, declaration.span);
         if declaration.sort != sort {
             self.sink.push(errors::wrong_sort(path, declaration, sort.describe()));
             return None;

@@ -123,6 +123,7 @@ impl<'a> Checker<'a> {
             None => None,
             Some(place) => Some(place.and_then(|place| Some((place, self.scene(place)?)))?),
         };
+        self.link_objects(&parts.steps, scene.as_ref().map(|(_, scene)| scene.as_ref()));
         let site = TaskSite { place, device: Rc::clone(&device), scene };
         let order = self.facts(place)?.asked().order(self, &site, parts);
         Some(Job {

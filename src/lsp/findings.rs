@@ -1,6 +1,6 @@
 //! The checker's findings of an open program, as editors show them.
 
-use super::text::{ColumnUnit, EditedText};
+use super::text::{self, ColumnUnit, EditedText};
 use crate::check::Options;
 use crate::check::imports::Library;
 use crate::compile::{self, CompileRequest};
@@ -11,16 +11,28 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Open texts in place of files.
-struct Overlay<'a> {
-    folder: &'a Path,
-    texts: &'a BTreeMap<PathBuf, &'a str>,
-    disk: &'a dyn Library,
+pub struct Overlay<'a> {
+    /// That of the program.
+    pub folder: &'a Path,
+    pub texts: &'a BTreeMap<PathBuf, &'a str>,
+    pub disk: &'a dyn Library,
+}
+
+impl Overlay<'_> {
+    /// The path of a file by its name beside the program.
+    pub fn path(&self, name: &str) -> PathBuf {
+        match self.folder.as_os_str().is_empty() {
+            // A text that was never saved.
+            true => PathBuf::from(name),
+            false => PathBuf::from(beside(&format!("{}/", self.folder.display()), name)),
+        }
+    }
 }
 
 impl Library for Overlay<'_> {
     fn read(&self, from: &str, path: &str) -> Result<(String, String), String> {
         let name = beside(from, path);
-        match self.texts.get(&PathBuf::from(beside(&format!("{}/", self.folder.display()), &name))) {
+        match self.texts.get(&self.path(&name)) {
             Some(text) => Ok((name, (*text).to_owned())),
             None => self.disk.read(from, path),
         }
@@ -50,7 +62,7 @@ pub fn of(
     // What the program means is not asked here.
     let _ = compile::check(&request, &mut sources, &mut sink);
     let own = EditedText::new((*text).to_owned());
-    let shown = ShownProgram { uri, own: &own, sources: &sources, unit };
+    let shown = ShownProgram { uri, own: &own, library: &library, sources: &sources, unit };
     sink.sorted().into_iter().map(|diagnostic| shown.diagnostic(diagnostic)).collect()
 }
 
@@ -58,6 +70,7 @@ pub fn of(
 struct ShownProgram<'a> {
     uri: &'a Uri,
     own: &'a EditedText,
+    library: &'a Overlay<'a>,
     sources: &'a Sources,
     unit: ColumnUnit,
 }
@@ -81,8 +94,7 @@ impl ShownProgram<'_> {
         add(first.map_or("", |label| &label.text), "");
         add(diagnostic.help.as_deref().unwrap_or(""), "help: ");
         let related = diagnostic.labels.iter().skip(1).filter_map(|label| {
-            let location = Location { uri: self.uri.clone(), range: self.range(label)? };
-            Some(DiagnosticRelatedInformation { location, message: label.text.clone() })
+            Some(DiagnosticRelatedInformation { location: self.location(label)?, message: label.text.clone() })
         });
         lsp_types::Diagnostic {
             range: own_range.unwrap_or_default(),
@@ -96,6 +108,17 @@ impl ShownProgram<'_> {
             related_information: Some(related.collect()),
             ..lsp_types::Diagnostic::default()
         }
+    }
+
+    /// The place of a label in the program or a file that it uses; `None` in the standard library.
+    fn location(&self, label: &Label) -> Option<Location> {
+        if let Some(range) = self.range(label) {
+            return Some(Location { uri: self.uri.clone(), range });
+        }
+        let file = self.sources.file(label.span.file);
+        let text = EditedText::new(file.text.to_string());
+        let range = text.range(label.span.range(), self.unit);
+        (file.origin == Origin::User).then_some(Location { uri: text::uri(&self.library.path(&file.name))?, range })
     }
 
     /// The place of a label in the program's own text; `None` in another file.

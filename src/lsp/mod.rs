@@ -7,6 +7,7 @@
 //! not know gets an empty answer or an error. Nothing is planned here.
 
 mod findings;
+mod names;
 mod outline;
 mod text;
 mod words;
@@ -16,11 +17,16 @@ use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response
 use lsp_types::notification::{
     DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, Exit, Notification as Notice, PublishDiagnostics,
 };
-use lsp_types::request::{Completion, DocumentSymbolRequest, Formatting, HoverRequest, Request as Asked, Shutdown};
-use lsp_types::{
-    CompletionOptions, DocumentSymbolResponse, HoverProviderCapability, InitializeParams, OneOf, PositionEncodingKind,
-    PublishDiagnosticsParams, ServerCapabilities, TextDocumentSyncCapability, TextDocumentSyncKind, TextEdit, Uri,
+use lsp_types::request::{
+    Completion, DocumentHighlightRequest, DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest, References,
+    Rename, Request as Asked, Shutdown,
 };
+use lsp_types::{
+    CompletionOptions, DocumentHighlight, DocumentSymbolResponse, HoverProviderCapability, InitializeParams, Location,
+    OneOf, PositionEncodingKind, PublishDiagnosticsParams, ServerCapabilities, TextDocumentSyncCapability,
+    TextDocumentSyncKind, TextEdit, Uri, WorkspaceEdit,
+};
+use names::ProgramNames;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -77,6 +83,10 @@ fn capabilities(unit: ColumnUnit) -> ServerCapabilities {
         document_symbol_provider: Some(OneOf::Left(true)),
         hover_provider: Some(HoverProviderCapability::Simple(true)),
         completion_provider: Some(CompletionOptions::default()),
+        definition_provider: Some(OneOf::Left(true)),
+        references_provider: Some(OneOf::Left(true)),
+        document_highlight_provider: Some(OneOf::Left(true)),
+        rename_provider: Some(OneOf::Left(true)),
         ..ServerCapabilities::default()
     }
 }
@@ -148,6 +158,16 @@ impl Session<'_> {
             DocumentSymbolRequest::METHOD => read(params).map(|asked| json!(self.symbols(&asked))),
             HoverRequest::METHOD => read(params).map(|asked| json!(self.hover(&asked))),
             Completion::METHOD => read(params).map(|asked| json!(self.completions(&asked))),
+            GotoDefinition::METHOD => read(params).map(|asked| json!(self.definition(&asked))),
+            References::METHOD => read(params).map(|asked| json!(self.references(&asked))),
+            DocumentHighlightRequest::METHOD => read(params).map(|asked| json!(self.highlights(&asked))),
+            Rename::METHOD => match read(params).map(|asked| self.renamed(&asked)) {
+                Some(Ok(edits)) => Some(json!(edits)),
+                Some(Err(why)) => {
+                    return self.send(Message::Response(Response::new_err(id, ErrorCode::RequestFailed as i32, why)));
+                }
+                None => None,
+            },
             _ => None,
         };
         let response = match answer {
@@ -195,13 +215,17 @@ impl Session<'_> {
 
     /// Checks every open program: a change of one may concern those that use it.
     fn publish_all(&self) {
-        let texts: BTreeMap<PathBuf, &str> =
-            self.open.iter().map(|(path, document)| (path.clone(), document.text.as_str())).collect();
+        let texts = self.texts();
         for (path, document) in &self.open {
             let mut found = Vec::new();
             (self.round)(path, &mut |disk| found = findings::of(path, &document.uri, (&texts, disk), self.unit));
             self.publish(document.uri.clone(), found, Some(document.version));
         }
+    }
+
+    /// The open texts by path.
+    fn texts(&self) -> BTreeMap<PathBuf, &str> {
+        self.open.iter().map(|(path, document)| (path.clone(), document.text.as_str())).collect()
     }
 
     fn publish(&self, uri: Uri, diagnostics: Vec<lsp_types::Diagnostic>, version: Option<i32>) {
@@ -244,6 +268,51 @@ impl Session<'_> {
         let place = &asked.text_document_position;
         let text = &self.document(&place.text_document.uri)?.text;
         Some(words::completions(text.as_str(), text.offset(place.position, self.unit)))
+    }
+}
+
+/// Questions about names.
+impl Session<'_> {
+    /// The names of all open programs.
+    fn names(&self) -> ProgramNames {
+        let uris = self.open.iter().map(|(path, document)| (path.clone(), document.uri.clone()));
+        let mut names = ProgramNames::new(uris.collect());
+        let texts = self.texts();
+        for path in self.open.keys() {
+            (self.round)(path, &mut |disk| names.add(path, &texts, disk));
+        }
+        names
+    }
+
+    /// The path and the byte of a place in an open document.
+    fn place(&self, place: &lsp_types::TextDocumentPositionParams) -> Option<(PathBuf, usize)> {
+        let path = text::path(&place.text_document.uri)?;
+        let offset = self.open.get(&path)?.text.offset(place.position, self.unit);
+        Some((path, offset))
+    }
+
+    fn definition(&self, asked: &lsp_types::GotoDefinitionParams) -> Option<Location> {
+        let (path, offset) = self.place(&asked.text_document_position_params)?;
+        self.names().definition(&path, offset, self.unit)
+    }
+
+    fn references(&self, asked: &lsp_types::ReferenceParams) -> Option<Vec<Location>> {
+        let (path, offset) = self.place(&asked.text_document_position)?;
+        Some(self.names().references(&path, offset, self.unit, asked.context.include_declaration))
+    }
+
+    /// The places of a name in its own file.
+    fn highlights(&self, asked: &lsp_types::DocumentHighlightParams) -> Option<Vec<DocumentHighlight>> {
+        let place = &asked.text_document_position_params;
+        let (path, offset) = self.place(place)?;
+        let all = self.names().references(&path, offset, self.unit, true).into_iter();
+        let own = all.filter(|location| location.uri == place.text_document.uri);
+        Some(own.map(|location| DocumentHighlight { range: location.range, kind: None }).collect())
+    }
+
+    fn renamed(&self, asked: &lsp_types::RenameParams) -> Result<WorkspaceEdit, String> {
+        let (path, offset) = self.place(&asked.text_document_position).ok_or("the document is not open")?;
+        self.names().renamed(&path, offset, self.unit, &asked.new_name)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Texts as they are in the editor, and places in them: lines from 0, columns in the unit that the client counts.
 
 use lsp_types::{Position, Range, Uri};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What columns count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,6 +83,17 @@ pub fn path(uri: &Uri) -> Option<PathBuf> {
     Some(PathBuf::from(if is_drive { &path[1..] } else { path.as_str() }))
 }
 
+/// What an editor calls a file on the disk by its whole path.
+pub fn uri(path: &Path) -> Option<Uri> {
+    let path = path.to_str()?.replace('\\', "/");
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~/:".contains(&byte);
+    let mut text = if path.starts_with('/') { "file://".to_owned() } else { "file:///".to_owned() };
+    for byte in path.bytes() {
+        if plain(byte) { text.push(byte as char) } else { text.push_str(&format!("%{byte:02X}")) }
+    }
+    text.parse().ok()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -125,5 +136,8 @@ mod tests {
         assert_eq!(of("file:///data/%C2%B5%20bench.twz"), PathBuf::from("/data/µ bench.twz"));
         assert_eq!(of("file:///C:/a.twz"), PathBuf::from("C:/a.twz"));
         assert_eq!(of("untitled:Untitled-1"), PathBuf::from("Untitled-1"));
+        for path_text in ["/data/µ bench.twz", "C:/a.twz", "/50 %/a#b?.twz"] {
+            assert_eq!(path(&uri(Path::new(path_text)).expect("it is a URI")), Some(PathBuf::from(path_text)));
+        }
     }
 }

@@ -154,7 +154,14 @@ fn open_texts_stand_for_files() {
     says(found[0]["message"].as_str().expect("text"), &["goal"]);
     editor.note("textDocument/didClose", json!({ "textDocument": { "uri": &lab } }));
     let after: Vec<(String, Vec<Value>)> = (0..3).map(|_| editor.findings()).collect();
-    assert_eq!(after.last(), Some(&(program, vec![])), "{after:?}");
+    assert_eq!(after.last(), Some(&(program.clone(), vec![])), "{after:?}");
+    // What is wrong in the program may have its reason in the other file.
+    editor.open(&lab, "let goal = (9999, 1)\n");
+    let (of, found) = editor.findings();
+    assert_eq!((of, found.len()), (program, 1), "{found:?}");
+    let related = &found[0]["relatedInformation"][0];
+    assert_eq!(related["location"]["uri"].as_str(), Some(lab.as_str()), "{found:?}");
+    assert_eq!(related["location"]["range"]["start"], place(0, 11), "{found:?}");
     editor.note("exit", Value::Null);
     assert_eq!(editor.status(), Some(ERRORS));
 }
@@ -235,4 +242,116 @@ fn what_is_no_message_ends_the_server_with_a_sentence() {
         let told = says_of(bytes);
         assert!(told.starts_with("tweeze lsp: ") && told.lines().count() == 1, "{told}");
     }
+}
+
+/// The words of a program under test, by the place of the first letter of each, as `line:column`.
+fn words_at(locations: &Value) -> Vec<String> {
+    let list = locations.as_array().expect("a list").iter();
+    list.map(|location| {
+        let (start, uri) = (&location["range"]["start"], location["uri"].as_str().unwrap_or("here"));
+        format!("{} {}:{}", uri.rsplit('/').next().expect("a name"), start["line"], start["character"])
+    })
+    .collect()
+}
+
+/// The place in a text of words of it, in which a bar stands for the caret.
+fn caret(text: &str, words: &str) -> Value {
+    let (before, after) = words.split_once('|').expect("a caret");
+    let at = text.find(&format!("{before}{after}")).unwrap_or_else(|| panic!("{words}")) + before.len();
+    let line = text[..at].matches('\n').count();
+    let start = text[..at].rfind('\n').map_or(0, |end| end + 1);
+    place(line as u32, text[start..at].encode_utf16().count() as u32)
+}
+
+#[test]
+fn names_lead_to_their_declarations_and_back() {
+    let bench = Bench::new();
+    let lab = "use std.dimibot\ndevice picker : dimibot.femto_st { left: 3 }\nlet goal = (3, 4)\n";
+    fs::write(bench.path("µ lab.twz"), lab).expect("it is written");
+    let text = "use \"µ lab.twz\" as lab\ndevice bot : lab.picker { right: 3 }\n\
+                scene s { obstacle dust : cells { from: (7, 7), to: (7, 7) } }\n\
+                task go(n: number) on bot in s { for i in 0..n { move to (i, 1) }, move to lab.goal }\n\
+                program day { run go(2), run go(3) }\n";
+    let [main, used] = ["main.twz", "µ lab.twz"].map(|name| format!("file://{}", bench.path(name).display()));
+    let used = used.replace('µ', "%C2%B5").replace(' ', "%20");
+    let (mut editor, _) = Editor::new(json!({}));
+    editor.open(&main, text);
+    assert_eq!(editor.findings().1, Vec::<Value>::new());
+    let at =
+        |uri: &str, text: &str, words: &str| json!({ "textDocument": { "uri": uri }, "position": caret(text, words) });
+
+    // A device of another file, from the middle of its name; a task; a parameter; the name of a loop; a scene.
+    let found = editor.ask("textDocument/definition", at(&main, text, "lab.pic|ker")).expect("it answers");
+    assert_eq!((found["uri"].as_str(), &found["range"]["start"]), (Some(used.as_str()), &caret(lab, "device |picker")));
+    for (from, to) in [
+        ("run g|o(3", "task |go("),
+        ("0..|n", "go(|n"),
+        ("(|i, 1)", "for |i"),
+        ("in |s {", "scene |s"),
+        ("on bo|t", "|bot :"),
+    ] {
+        let found = editor.ask("textDocument/definition", at(&main, text, from)).expect("it answers");
+        assert_eq!(
+            (found["uri"].as_str(), &found["range"]["start"]),
+            (Some(main.as_str()), &caret(text, to)),
+            "{from}"
+        );
+    }
+    // A word of the language is no name, and the library is in no file.
+    for (uri, text, words) in [(&main, text, "|use"), (&main, text, "mo|ve"), (&used, lab, "femto|_st")] {
+        assert_eq!(editor.ask("textDocument/definition", at(uri, text, words)).expect("it answers"), Value::Null);
+    }
+
+    let with = |uri: &str, text: &str, words: &str, declared: bool| {
+        let mut asked = at(uri, text, words);
+        asked["context"] = json!({ "includeDeclaration": declared });
+        asked
+    };
+    let uses = editor.ask("textDocument/references", with(&main, text, "task g|o", false)).expect("it answers");
+    assert_eq!(words_at(&uses), ["main.twz 4:18", "main.twz 4:29"]);
+    // From the used file too, once it is open: it knows who uses it.
+    editor.open(&used, lab);
+    editor.findings();
+    let uses = editor.ask("textDocument/references", with(&used, lab, "let go|al", true)).expect("it answers");
+    assert_eq!(words_at(&uses), ["main.twz 3:79", "%C2%B5%20lab.twz 2:4"]);
+    let lit = editor.ask("textDocument/documentHighlight", at(&main, text, "device |bot")).expect("it answers");
+    assert_eq!(words_at(&lit), ["here 1:7", "here 3:22"]);
+
+    let rename = |editor: &mut Editor, (uri, text): (&str, &str), words: &str, name: &str| {
+        let mut asked = at(uri, text, words);
+        asked["newName"] = json!(name);
+        editor.ask("textDocument/rename", asked)
+    };
+    let edits = rename(&mut editor, (&used, lab), "let go|al", "target").expect("it answers");
+    let changes = edits["changes"].as_object().expect("by document");
+    assert_eq!(changes.len(), 2, "{changes:?}");
+    let range = json!({ "start": caret(text, "lab.|goal"), "end": caret(text, "lab.goal|") });
+    assert_eq!(changes[&main], json!([{ "range": range, "newText": "target" }]));
+    for (name, why) in
+        [("go", "something else"), ("task", "no name"), ("a b", "no name"), ("1", "no name"), ("", "no name")]
+    {
+        let refused = rename(&mut editor, (&main, text), "device b|ot", name).expect_err("it is refused");
+        says(&refused.message, &[why]);
+    }
+    let refused = rename(&mut editor, (&main, text), "|use", "x").expect_err("it is refused");
+    says(&refused.message, &["no name that is declared"]);
+}
+
+#[test]
+fn parts_of_a_scene_are_names_too() {
+    let text = "use std.electrode_array as ea\ndevice chip : ea.droplet_chip { columns: 9, rows: 9 }\n\
+                scene s { part a : ea.droplet at (1, 1), for i in 0..2 { part b[i] : ea.droplet at (1 + 4 * i, 9) } }\n\
+                task go on chip in s { together { merge a with b0 at (3, 3), move b[1] to (9, 9) } }\n";
+    let (mut editor, _) = Editor::new(json!({}));
+    editor.open("untitled:one", text);
+    assert_eq!(editor.findings().1, Vec::<Value>::new());
+    let at = |words: &str| json!({ "textDocument": { "uri": "untitled:one" }, "position": caret(text, words) });
+    for (from, to) in [("merge |a", "part |a"), ("with b|0", "part |b[i]"), ("move |b[1]", "part |b[i]")] {
+        let found = editor.ask("textDocument/definition", at(from)).expect("it answers");
+        assert_eq!((&found["uri"], &found["range"]["start"]), (&json!("untitled:one"), &caret(text, to)), "{from}");
+    }
+    let mut asked = at("with b|0");
+    asked["newName"] = json!("c");
+    let refused = editor.ask("textDocument/rename", asked).expect_err("its name is made by an index");
+    says(&refused.message, &["index"]);
 }

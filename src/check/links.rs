@@ -1,0 +1,65 @@
+//! Which declaration each name stands for, for editors.
+//!
+//! A check that keeps them notes every name as it is resolved: declarations of this file and of used ones, parameters and names of loops,
+//! objects of a task's scene. What an error keeps from being checked has no link.
+
+use super::scenes::CheckedScene;
+use super::scope::Module;
+use super::tasks::{VocabularyAction, VocabularyStep};
+use super::value::Value;
+use super::{Checker, Options};
+use crate::check::lets::Argument;
+use crate::diagnostic::Sink;
+use crate::source::{Sources, Span};
+use rustc_hash::FxHashSet;
+
+/// A name in use, and its declaration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct NameLink {
+    pub used: Span,
+    /// The name in its declaration.
+    pub declared: Span,
+}
+
+/// The links of a program, in order, each once. Nothing is reported.
+pub fn links(sources: &mut Sources, modules: &[Module]) -> Vec<NameLink> {
+    let mut sink = Sink::default();
+    let mut checker = Checker::new(modules, &mut sink);
+    checker.links = Some(FxHashSet::default());
+    checker.check_all(sources, &Options::default());
+    let mut links: Vec<NameLink> = checker.links.into_iter().flatten().collect();
+    links.sort_unstable();
+    links
+}
+
+impl Checker<'_> {
+    /// Notes what a name stands for, if names are kept.
+    pub fn note_use(&mut self, used: Span, declared: Span) {
+        if let Some(links) = &mut self.links {
+            links.insert(NameLink { used, declared });
+        }
+    }
+
+    /// Notes the objects of a scene that the steps of a task name.
+    pub fn link_objects(&mut self, steps: &[VocabularyStep], scene: Option<&CheckedScene>) {
+        let (Some(_), Some(scene)) = (&self.links, scene) else { return };
+        let calls = steps.iter().flat_map(|step| match &step.action {
+            VocabularyAction::Verb(call) => std::slice::from_ref(call),
+            VocabularyAction::Together(calls) => calls,
+            VocabularyAction::Wait(_) => &[],
+        });
+        let arguments = calls.flat_map(|call| {
+            let entered = call.entries.iter().flat_map(|entry| {
+                std::iter::once(&entry.object).chain(entry.phrases.iter().map(|(_, argument)| argument))
+            });
+            call.object.iter().chain(call.phrases.iter().map(|(_, argument)| argument)).chain(entered)
+        });
+        let declared = |argument: &Argument| {
+            let Value::Object(named) = &argument.value else { return None };
+            let object = scene.objects.iter().find(|object| object.name == named.name)?;
+            Some((argument.span, object.span))
+        };
+        let found: Vec<(Span, Span)> = arguments.filter_map(declared).collect();
+        found.into_iter().for_each(|(used, declared)| self.note_use(used, declared));
+    }
+}
