@@ -206,7 +206,8 @@ impl<'a> Checker<'a> {
         let output = self.channel_name(&path.segments[words..], scope)?;
         let Some(sort) = instrument.facts.output(&output) else {
             let known = instrument.facts.outputs();
-            self.sink.push(errors::unknown_output(path.span, (name, declared), &output, &known));
+            let takes_boards = instrument.facts.family() == Family::ElectrodeDriver;
+            self.sink.push(errors::unknown_output(path.span, (name, declared), &output, &known, takes_boards));
             return None;
         };
         let Some(link) = sort.link(is_stage) else {

@@ -163,10 +163,15 @@ fn too_many_frames(instrument: &str, [frames, limit]: [u64; 2], period_ns: u64) 
 }
 
 fn not_wired(format: Format, name: &str, family: Family) -> Diagnostic {
+    let wires = match family {
+        Family::ElectrodeDriver => "electrodes -> NAME",
+        Family::WaveformGenerator | Family::DataAcquisition => "…",
+    };
     let (family, (file, instrument)) = (family.name(), family.library());
-    let title = format!("`{}` is played by a {family}, and no channel of `{name}` is wired to one", format.name());
+    let title =
+        format!("`{}` is for instruments `{family}`, and no channel of `{name}` is wired to one", format.name());
     Diagnostic::new(Code::E0824, title).help(format!(
         "declare the instrument, `use {file}` and `instrument NAME : {instrument}`, and wire channels to it, \
-         `wiring DEVICE {{ … }}`; `tweeze devices {family}` shows outputs and wires"
+         `wiring DEVICE {{ {wires} }}`; `tweeze devices {family}` shows outputs and wires"
     ))
 }

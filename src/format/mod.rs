@@ -13,6 +13,7 @@
 //! whole file if there is an error outside of its declarations.
 
 mod columns;
+mod grid;
 mod layout;
 mod marks;
 mod piece;
@@ -41,7 +42,9 @@ pub fn format(file: FileId, text: &str, sink: &mut Sink) -> String {
 /// error can cause.
 fn formatted(text: &str, marks: &Marks, kept: &[Range<usize>]) -> Option<String> {
     let pieces = piece::without_idle_commas(piece::pieces(text, marks, kept)?);
-    Some(columns::print(&layout::lines(&pieces)))
+    let mut lines = layout::lines(&pieces);
+    grid::align(&mut lines);
+    Some(columns::print(&lines))
 }
 
 /// The canonical text of the declarations without errors between those with errors, if that changes nothing of what is reported.

@@ -80,6 +80,19 @@ fn columns() {
 }
 
 #[test]
+fn rows_of_a_list_end_in_the_same_columns() {
+    becomes(
+        "let a = [\n[none,3,4], // top\n[10,  -1, n+1]]\n",
+        "let a = [\n  [none,  3,     4],                  // top\n  [  10, -1, n + 1]\n]\n",
+    );
+    becomes("let a = [\n[1,22],\n\n[333,4],\n[5,6]\n]\n", "let a = [\n  [1, 22],\n\n  [333, 4],\n  [  5, 6]\n]\n");
+    // Rows of other lengths, on one line, and of what is no plain value.
+    becomes("let a = [\n[1,2,3],\n[10,20]\n]\n", "let a = [\n  [1, 2, 3],\n  [10, 20]\n]\n");
+    becomes("let a = [[1,2],[10,20]]\n", "let a = [[1, 2], [10, 20]]\n");
+    becomes("let a = [\n[(1,2),3],\n[(10,20),30]\n]\n", "let a = [\n  [(1, 2), 3],\n  [(10, 20), 30]\n]\n");
+}
+
+#[test]
 fn what_is_broken_stays_as_it_is() {
     let broken = "device  b : : x {\n left :5 }  // ?";
     let (text, errors) = canonical(&format!("let  a=1 um\n{broken}\n\n\nlet  c = 2um\n"));

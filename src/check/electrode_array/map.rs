@@ -46,13 +46,11 @@ fn channels(
     device: &CheckedDevice,
     sink: &mut Sink,
 ) -> Option<Vec<Option<u32>>> {
-    let mut refuse = |finding, label| {
-        sink.push(device.labelled(finding, [label]));
-        None
-    };
     if rows.len() != facts.rows as usize {
-        let label = DeviceLabel::field("channels", rows_text(rows.len()));
-        return refuse(errors::rows_of_map(rows.len(), facts.rows), label);
+        let labels =
+            [DeviceLabel::field("channels", rows_text(rows.len())), DeviceLabel::field("rows", "as many as here")];
+        sink.push(device.labelled(errors::rows_of_map(rows.len(), facts.rows), labels));
+        return None;
     }
     let mut numbers = Vec::with_capacity(facts.columns as usize * facts.rows as usize);
     let mut used: BTreeMap<u32, Span> = BTreeMap::new();
@@ -60,8 +58,12 @@ fn channels(
     for (row, number) in rows.iter().rev().zip(1..) {
         let Value::List(cells) = &row.value else { return None };
         if cells.len() != facts.columns as usize {
-            let label = DeviceLabel::cell(row.span, format!("row {number}"));
-            return refuse(errors::row_of_map(number, cells.len(), facts.columns), label);
+            let labels = [
+                DeviceLabel::cell(row.span, format!("row {number}")),
+                DeviceLabel::field("columns", "as many as here"),
+            ];
+            sink.push(device.labelled(errors::row_of_map(number, cells.len(), facts.columns), labels));
+            return None;
         }
         for cell in cells.iter() {
             let channel = match &cell.value {
@@ -80,7 +82,8 @@ fn channels(
         }
     }
     if numbers.iter().all(Option::is_none) {
-        return refuse(errors::no_electrode(), DeviceLabel::field("channels", "`none` at every place"));
+        sink.push(device.labelled(errors::no_electrode(), [DeviceLabel::field("channels", "`none` at every place")]));
+        return None;
     }
     Some(numbers)
 }

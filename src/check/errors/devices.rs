@@ -84,7 +84,15 @@ pub fn wired_twice(device: &str, span: Span, earlier: Span) -> Diagnostic {
 }
 
 /// The instrument with its declaration; `known` lists its outputs.
-pub fn unknown_output(span: Span, (name, declared): (&str, Span), output: &str, known: &str) -> Diagnostic {
+pub fn unknown_output(
+    span: Span,
+    (name, declared): (&str, Span),
+    output: &str,
+    known: &str,
+    takes_boards: bool,
+) -> Diagnostic {
+    let all =
+        if takes_boards { format!("; `electrodes -> {name}` wires all electrodes of a board") } else { String::new() };
     let title = match output {
         "" => format!("a wire to instrument `{name}` without an output"),
         _ => format!("instrument `{name}` has no output `{output}`"),
@@ -92,7 +100,7 @@ pub fn unknown_output(span: Span, (name, declared): (&str, Span), output: &str, 
     Diagnostic::new(Code::E0426, title)
         .label(span, "no such output")
         .label_elsewhere(declared, span, "declared here")
-        .help(format!("its outputs are {known}: write `{name}.` and one of them"))
+        .help(format!("its outputs are {known}: write `{name}.` and one of them{all}"))
 }
 
 /// A digital line on a channel of positions.
