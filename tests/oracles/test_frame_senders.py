@@ -137,7 +137,14 @@ def test_a_board_that_does_not_answer_ends_it(tmp_path, which, fault):
 def test_ctrl_c_switches_off(tmp_path):
     board = PurpledropServer()
     program, due = stretched(tmp_path, "pd")
-    process = subprocess.Popen([sys.executable, str(program), f"driver={board.address}"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    process = subprocess.Popen(
+        [sys.executable, str(program), f"driver={board.address}"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        # Where these tests run in the background of a script, the signal is ignored, and that is inherited.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
     while len(board.frames) < 3:
         time.sleep(0.01)
     process.send_signal(signal.SIGINT)
