@@ -12,6 +12,7 @@ mod case;
 use case::Case;
 use std::fs;
 use std::path::{Path, PathBuf};
+use tweeze::diagnostic::Diagnostic;
 use tweeze::diagnostic::render::{Characters, Colour, Look, human};
 
 const LOOK: Look = Look { colour: Colour::Plain, characters: Characters::Unicode, width: 100 };
@@ -69,4 +70,28 @@ fn what_the_checker_says() {
 #[test]
 fn what_the_planner_says() {
     hold("plan", 8);
+}
+
+/// Each word that a help asks for is put where the diagnostic points: the diagnostic is gone then.
+#[test]
+fn near_words_mend_what_they_are_near() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus/check");
+    let paths = fs::read_dir(folder).expect("the corpus is there").map(|entry| entry.expect("it can be listed").path());
+    let mut mended = 0;
+    for path in paths.filter(|path| path.extension().is_some_and(|extension| extension == "twz")) {
+        let broken = case(&path);
+        let (_, sink) = broken.compile();
+        let found = sink.sorted();
+        let count = |all: &[&Diagnostic], one: &Diagnostic| all.iter().filter(|other| other.title == one.title).count();
+        for diagnostic in &found {
+            let Some(mend) = diagnostic.mend.as_ref().filter(|mend| mend.span.file.0 == 0) else { continue };
+            let mut text = broken.text.clone();
+            text.replace_range(mend.span.range(), &mend.word);
+            let (_, again) = Case { text: text.clone(), ..broken.clone() }.compile();
+            let left = count(&again.sorted(), diagnostic);
+            assert!(left < count(&found, diagnostic), "{}: {}\n{text}", path.display(), diagnostic.title);
+            mended += 1;
+        }
+    }
+    assert!(mended >= 25, "{mended} words");
 }

@@ -31,12 +31,22 @@ pub struct Diagnostic {
     pub title: String,
     pub labels: Vec<Label>,
     pub help: Option<String>,
+    /// What would mend it, where the help says one word to write instead of another.
+    #[serde(skip)]
+    pub mend: Option<WordMend>,
+}
+
+/// A word for what stands at a place.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WordMend {
+    pub span: Span,
+    pub word: String,
 }
 
 impl Diagnostic {
     /// A diagnostic without a place yet.
     pub fn new(code: Code, title: impl Into<String>) -> Self {
-        Diagnostic { code, title: title.into(), labels: Vec::new(), help: None }
+        Diagnostic { code, title: title.into(), labels: Vec::new(), help: None, mend: None }
     }
 
     /// Adds a place; the first one added is where the diagnostic points.
@@ -57,6 +67,22 @@ impl Diagnostic {
     pub fn help(mut self, text: impl Into<String>) -> Self {
         self.help = Some(text.into());
         self
+    }
+
+    /// Asks whether a near word was meant, which then stands for what the diagnostic points to.
+    #[must_use]
+    pub fn near(self, near: &str) -> Self {
+        let mend = self.span().map(|span| WordMend { span, word: near.to_owned() });
+        Diagnostic { mend, ..self.help(format!("did you mean `{near}`?")) }
+    }
+
+    /// As [`Self::near`] where there is a near word; else another help.
+    #[must_use]
+    pub fn near_or(self, near: Option<&str>, otherwise: impl Into<String>) -> Self {
+        match near {
+            Some(near) => self.near(near),
+            None => self.help(otherwise),
+        }
     }
 
     /// Sets the help if there is one.

@@ -6,7 +6,10 @@ use crate::check::imports::Library;
 use crate::compile::{self, CompileRequest};
 use crate::diagnostic::{Diagnostic, Label, Severity, Sink};
 use crate::source::{Origin, Sources, beside};
-use lsp_types::{DiagnosticRelatedInformation, DiagnosticSeverity, Location, NumberOrString, Uri};
+use lsp_types::{
+    CodeAction, CodeActionKind, DiagnosticRelatedInformation, DiagnosticSeverity, Location, NumberOrString, TextEdit,
+    Uri, WorkspaceEdit,
+};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -66,6 +69,26 @@ pub fn of(
     sink.sorted().into_iter().map(|diagnostic| shown.diagnostic(diagnostic)).collect()
 }
 
+/// What the editor may do about findings, which it gives back as they were sent.
+// The library's own type of the edits hashes addresses of documents by their text alone.
+#[allow(clippy::mutable_key_type)]
+pub fn quick_fixes(uri: &Uri, found: Vec<lsp_types::Diagnostic>) -> Vec<CodeAction> {
+    let fix = |diagnostic: lsp_types::Diagnostic| {
+        let edit: TextEdit = serde_json::from_value(diagnostic.data.clone()?).ok()?;
+        let title = format!("Write `{}`", edit.new_text);
+        let edit = WorkspaceEdit { changes: Some([(uri.clone(), vec![edit])].into()), ..WorkspaceEdit::default() };
+        Some(CodeAction {
+            title,
+            kind: Some(CodeActionKind::QUICKFIX),
+            diagnostics: Some(vec![diagnostic]),
+            edit: Some(edit),
+            is_preferred: Some(true),
+            ..CodeAction::default()
+        })
+    };
+    found.into_iter().filter_map(fix).collect()
+}
+
 /// A program with its own text in the editor.
 struct ShownProgram<'a> {
     uri: &'a Uri,
@@ -106,8 +129,17 @@ impl ShownProgram<'_> {
             source: Some("tweeze".to_owned()),
             message,
             related_information: Some(related.collect()),
+            data: self.mend(diagnostic),
             ..lsp_types::Diagnostic::default()
         }
+    }
+
+    /// The edit that mends a finding, if that is known, as it comes back with a request for actions.
+    fn mend(&self, diagnostic: &Diagnostic) -> Option<serde_json::Value> {
+        let mend = diagnostic.mend.as_ref()?;
+        let own = self.sources.files().find(|(_, file)| file.origin == Origin::User)?.0;
+        let range = self.own.range(mend.span.range(), self.unit);
+        (mend.span.file == own).then(|| serde_json::json!(TextEdit { range, new_text: mend.word.clone() }))
     }
 
     /// The place of a label in the program or a file that it uses; `None` in the standard library.

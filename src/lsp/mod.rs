@@ -18,13 +18,13 @@ use lsp_types::notification::{
     DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, Exit, Notification as Notice, PublishDiagnostics,
 };
 use lsp_types::request::{
-    Completion, DocumentHighlightRequest, DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest, References,
-    Rename, Request as Asked, Shutdown,
+    CodeActionRequest, Completion, DocumentHighlightRequest, DocumentSymbolRequest, Formatting, GotoDefinition,
+    HoverRequest, References, Rename, Request as Asked, Shutdown,
 };
 use lsp_types::{
-    CompletionOptions, DocumentHighlight, DocumentSymbolResponse, HoverProviderCapability, InitializeParams, Location,
-    OneOf, PositionEncodingKind, PublishDiagnosticsParams, ServerCapabilities, TextDocumentSyncCapability,
-    TextDocumentSyncKind, TextEdit, Uri, WorkspaceEdit,
+    CodeActionProviderCapability, CompletionOptions, DocumentHighlight, DocumentSymbolResponse,
+    HoverProviderCapability, InitializeParams, Location, OneOf, PositionEncodingKind, PublishDiagnosticsParams,
+    ServerCapabilities, TextDocumentSyncCapability, TextDocumentSyncKind, TextEdit, Uri, WorkspaceEdit,
 };
 use names::ProgramNames;
 use serde::de::DeserializeOwned;
@@ -83,6 +83,7 @@ fn capabilities(unit: ColumnUnit) -> ServerCapabilities {
         document_symbol_provider: Some(OneOf::Left(true)),
         hover_provider: Some(HoverProviderCapability::Simple(true)),
         completion_provider: Some(CompletionOptions::default()),
+        code_action_provider: Some(CodeActionProviderCapability::Simple(true)),
         definition_provider: Some(OneOf::Left(true)),
         references_provider: Some(OneOf::Left(true)),
         document_highlight_provider: Some(OneOf::Left(true)),
@@ -158,6 +159,8 @@ impl Session<'_> {
             DocumentSymbolRequest::METHOD => read(params).map(|asked| json!(self.symbols(&asked))),
             HoverRequest::METHOD => read(params).map(|asked| json!(self.hover(&asked))),
             Completion::METHOD => read(params).map(|asked| json!(self.completions(&asked))),
+            CodeActionRequest::METHOD => read::<lsp_types::CodeActionParams>(params)
+                .map(|asked| json!(findings::quick_fixes(&asked.text_document.uri, asked.context.diagnostics))),
             GotoDefinition::METHOD => read(params).map(|asked| json!(self.definition(&asked))),
             References::METHOD => read(params).map(|asked| json!(self.references(&asked))),
             DocumentHighlightRequest::METHOD => read(params).map(|asked| json!(self.highlights(&asked))),

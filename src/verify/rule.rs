@@ -255,6 +255,7 @@ impl From<Violation> for Diagnostic {
             title: violation.title,
             labels: violation.labels,
             help: violation.help.or_else(|| Some(NOT_THE_PROGRAM.to_owned())),
+            mend: None,
         }
     }
 }

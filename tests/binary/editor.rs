@@ -138,6 +138,31 @@ fn an_editor_opens_mends_and_formats_a_program() {
 }
 
 /// A change of a used file in the editor, which the disk has not seen, concerns the program that uses it.
+/// Open, see the squiggle, apply the fix: the program is as it should be.
+#[test]
+fn a_quick_fix_writes_the_word_that_is_near() {
+    let bench = Bench::new();
+    let uri = format!("file://{}", bench.path("a.twz").display());
+    let (mut editor, hello) = Editor::new(json!({}));
+    assert_eq!(hello["capabilities"]["codeActionProvider"], true);
+    editor.open(&uri, &SMALL.replace("move", "mvoe"));
+    let (_, found) = editor.findings();
+    let asked =
+        json!({ "textDocument": { "uri": &uri }, "range": found[0]["range"], "context": { "diagnostics": found } });
+    let fixes = editor.ask("textDocument/codeAction", asked).expect("it answers");
+    assert_eq!((fixes.as_array().map(Vec::len), &fixes[0]["title"]), (Some(1), &json!("Write `move`")), "{fixes}");
+    let edit = &fixes[0]["edit"]["changes"][&uri][0];
+    editor.change(&uri, json!({ "range": edit["range"], "text": edit["newText"] }));
+    assert_eq!(editor.findings().1, Vec::<Value>::new());
+    // What has no mend, or was never sent by this server, has no fix.
+    for data in [Value::Null, json!(7), json!({ "range": 7 })] {
+        let odd = json!({ "range": edit["range"], "message": "?", "data": data });
+        let asked =
+            json!({ "textDocument": { "uri": &uri }, "range": edit["range"], "context": { "diagnostics": [odd] } });
+        assert_eq!(editor.ask("textDocument/codeAction", asked).expect("it answers"), json!([]));
+    }
+}
+
 #[test]
 fn open_texts_stand_for_files() {
     let bench = Bench::new();

@@ -10,7 +10,7 @@ use tweeze::diagnostic::Sink;
 use tweeze::source::Sources;
 
 /// A program with the files beside it.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Case {
     pub name: String,
     pub text: String,

@@ -1,6 +1,6 @@
 //! Names: E02xx.
 
-use super::{either, listed, meant, with_article};
+use super::{either, listed, with_article};
 use crate::check::scope::{Declaration, DeclarationSort, FUNCTIONS, path_text};
 use crate::device::shape::ShapeForm;
 use crate::device::{Together, Vocabulary};
@@ -11,9 +11,11 @@ use crate::syntax::tree::{Ident, Path};
 use std::collections::BTreeSet;
 
 pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<&str>) -> Diagnostic {
-    Diagnostic::new(Code::E0201, format!("no {} is named `{name}`", sort.name()))
-        .label(span, if name.contains('.') { "not declared in that file" } else { "not declared in this file" })
-        .help_if(meant(near).or_else(|| match sort {
+    let diagnostic = Diagnostic::new(Code::E0201, format!("no {} is named `{name}`", sort.name()))
+        .label(span, if name.contains('.') { "not declared in that file" } else { "not declared in this file" });
+    match near {
+        Some(near) => diagnostic.near(near),
+        None => diagnostic.help_if(match sort {
             _ if name.contains('.') => None,
             DeclarationSort::Let => {
                 Some(format!("values are named at the top of a file, `let {name} = …`, or as parameters of a task"))
@@ -27,7 +29,8 @@ pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<
             DeclarationSort::Scene => Some(format!("declare it: `scene {name} {{ … }}`")),
             DeclarationSort::Task => Some(format!("declare it: `task {name} on DEVICE {{ … }}`")),
             DeclarationSort::Program => Some(format!("declare it: `program {name} {{ … }}`")),
-        }))
+        }),
+    }
 }
 
 pub fn unknown_function(span: Span, name: &str, near: Option<&str>) -> Diagnostic {
@@ -37,14 +40,14 @@ pub fn unknown_function(span: Span, name: &str, near: Option<&str>) -> Diagnosti
     };
     Diagnostic::new(Code::E0201, format!("no function is named `{name}`"))
         .label(span, "not a function")
-        .help(meant(near).unwrap_or(known))
+        .near_or(near, known)
 }
 
 pub fn unknown_shape(span: Span, name: &str, near: Option<&str>) -> Diagnostic {
     let known = format!("the shapes are {}", listed(ShapeForm::ALL.iter().map(|form| form.name())));
     Diagnostic::new(Code::E0201, format!("no shape is named `{name}`"))
         .label(span, "neither a shape nor a value of this file")
-        .help(meant(shape_synonym(name).or(near)).unwrap_or(known))
+        .near_or(shape_synonym(name).or(near), known)
 }
 
 /// The shape that another word means elsewhere.
@@ -81,7 +84,7 @@ pub fn unknown_base(span: Span, name: &str, sort: DeclarationSort, near: Option<
         | DeclarationSort::Program => ("kinds", format!("no device or device kind is named `{name}`")),
     };
     let known = format!("the {kinds} are {}; `tweeze devices` lists what they offer", listed(roots.iter().copied()));
-    Diagnostic::new(Code::E0201, title).label(span, "not declared in this file").help(meant(near).unwrap_or(known))
+    Diagnostic::new(Code::E0201, title).label(span, "not declared in this file").near_or(near, known)
 }
 
 /// A used file under the name that it would have without its `as`.
@@ -102,7 +105,7 @@ pub fn unknown_file(span: Span, alias: &str, near: Option<&str>) -> Diagnostic {
     let mend = format!("a name before a dot is a used file: write `{file}` at the top");
     Diagnostic::new(Code::E0201, format!("no file is used here as `{alias}`"))
         .label(span, "not the name of a `use`")
-        .help(meant(near).unwrap_or(mend))
+        .near_or(near, mend)
 }
 
 pub fn shape_without_fields(span: Span, form: ShapeForm) -> Diagnostic {
@@ -137,7 +140,7 @@ pub fn unknown_library(span: Span, name: &str, near: Option<&str>, known: &[&str
     let list = format!("the standard library has {}", listed(known.iter().copied()));
     Diagnostic::new(Code::E0204, format!("the standard library has no `{name}`"))
         .label(span, "used here")
-        .help(meant(near).unwrap_or(list))
+        .near_or(near, list)
 }
 
 pub fn braces_in_use(span: Span) -> Diagnostic {
@@ -215,9 +218,7 @@ pub fn unknown_verb(
     let kind = with_article(kind);
     let besides = besides.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");
     let list = format!("{kind} can {}; besides there are {besides} and the settings", listed(known.iter().copied()));
-    Diagnostic::new(Code::E0208, format!("{kind} cannot `{verb}`"))
-        .label(span, "not a step")
-        .help(meant(near).unwrap_or(list))
+    Diagnostic::new(Code::E0208, format!("{kind} cannot `{verb}`")).label(span, "not a step").near_or(near, list)
 }
 
 /// A setting of a task that was written as a field.
@@ -255,7 +256,7 @@ pub fn unknown_field(name: &Ident, owner: &str, near: Option<&str>, known: &[&st
     };
     Diagnostic::new(Code::E0209, format!("{owner} has no field `{}`", name.text))
         .label(name.span, "unknown field")
-        .help(meant(near).unwrap_or(list))
+        .near_or(near, list)
 }
 
 pub fn unknown_noun(span: Span, noun: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {
@@ -263,7 +264,7 @@ pub fn unknown_noun(span: Span, noun: &str, near: Option<&str>, known: &[&str]) 
     let list = format!("a scene may hold {}", listed(known));
     Diagnostic::new(Code::E0210, format!("no object of a scene is called `{noun}`"))
         .label(span, "not a noun of this device")
-        .help(meant(near).unwrap_or(list))
+        .near_or(near, list)
 }
 
 pub fn unused(span: Span, sort: DeclarationSort, name: &str) -> Diagnostic {
@@ -306,7 +307,7 @@ pub fn unknown_object(span: Span, name: &str, noun: &str, near: Option<&str>, sc
     };
     let diagnostic = Diagnostic::new(Code::E0211, title).label(span, "no such object");
     match (near, scene) {
-        (Some(_), _) => diagnostic.help_if(meant(near)),
+        (Some(near), _) => diagnostic.near(near),
         (None, Some(_)) => {
             let at = if noun == "robot" { "pose(0 um, 0 um, 90 deg)" } else { "(5, 3)" };
             diagnostic.help(format!("declare it in the scene: `{noun} {name} at {at}`"))

@@ -1,6 +1,6 @@
 //! Scenes, tasks and programs: E05xx.
 
-use super::{listed, meant, with_article};
+use super::{listed, with_article};
 use crate::check::lets::Argument;
 use crate::check::value::Value;
 use crate::claims::ValueOrigin;
@@ -102,13 +102,9 @@ pub fn unexpected_part(span: Span, verb: &Verb, part: &str) -> Diagnostic {
 
 /// A word before the object that is not the verb's.
 pub fn wrong_noun(noun: &Ident, verb: &Verb, own: &str, near: Option<&str>) -> Diagnostic {
-    let help = match near {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => format!("write `{}`", verb.example),
-    };
     Diagnostic::new(Code::E0509, format!("`{}` takes a `{own}`, not a `{}`", verb.name, noun.text))
         .label(noun.span, format!("`{own}` belongs here"))
-        .help(help)
+        .near_or(near, format!("write `{}`", verb.example))
 }
 
 /// Something in a verb's braces that is no entry.
@@ -184,7 +180,7 @@ pub fn wrong_argument_count(span: Span, form: &str, (wanted, found): (usize, usi
 pub fn unknown_parameter_sort(sort: &Ident, near: Option<&str>, known: &[&str]) -> Diagnostic {
     Diagnostic::new(Code::E0511, format!("no parameter can be a `{}`", sort.text))
         .label(sort.span, "unknown sort")
-        .help(meant(near).unwrap_or_else(|| format!("a parameter is one of {}", listed(known.iter().copied()))))
+        .near_or(near, format!("a parameter is one of {}", listed(known.iter().copied())))
 }
 
 pub fn too_many_runs(span: Span, limit: usize) -> Diagnostic {
@@ -210,7 +206,7 @@ pub fn no_such_task(name: &str, near: Option<&str>, known: &[&str]) -> Diagnosti
         [] => "the file declares none".to_owned(),
         known => format!("the file declares {}", listed(known.iter().copied())),
     };
-    Diagnostic::new(Code::E0513, format!("no task or program is named `{name}`")).help(meant(near).unwrap_or(list))
+    Diagnostic::new(Code::E0513, format!("no task or program is named `{name}`")).near_or(near, list)
 }
 
 pub fn task_needs_arguments(span: Span, name: &str) -> Diagnostic {
@@ -285,16 +281,14 @@ pub fn unknown_outcome(span: Span, name: &str, near: Option<&str>, vocabulary: &
     let known = listed(vocabulary.outcomes.iter().map(|outcome| outcome.name));
     Diagnostic::new(Code::E0516, format!("a plan of {} has no `{name}`", with_article(vocabulary.name)))
         .label(span, "unknown outcome")
-        .help(meant(near).unwrap_or_else(|| format!("it has {known}")))
+        .near_or(near, format!("it has {known}"))
 }
 
 pub fn unknown_planner(span: Span, name: &str, near: Option<&str>, vocabulary: &Vocabulary) -> Diagnostic {
     let known = listed(vocabulary.planners.iter().map(|planner| planner.name));
     Diagnostic::new(Code::E0517, format!("{} has no planner `{name}`", with_article(vocabulary.name)))
         .label(span, "unknown planner")
-        .help(
-            meant(near).unwrap_or_else(|| format!("write one of {known}, as `using {}`", vocabulary.planners[0].name)),
-        )
+        .near_or(near, format!("write one of {known}, as `using {}`", vocabulary.planners[0].name))
 }
 
 pub fn planner_cannot(span: Span, name: &str, what: &str, asked: Span) -> Diagnostic {
@@ -352,7 +346,7 @@ pub fn unknown_program_step(head: &Ident, near: Option<&str>) -> Diagnostic {
     let list = "a program has `run TASK`, `wait 5 ms` and `together { … }`".to_owned();
     Diagnostic::new(Code::E0518, format!("a program cannot `{}`", head.text))
         .label(head.span, "not a step of a program")
-        .help(meant(near).unwrap_or(list))
+        .near_or(near, list)
 }
 
 pub fn bad_together(span: Span) -> Diagnostic {

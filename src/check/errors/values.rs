@@ -1,6 +1,6 @@
 //! Units and values: E03xx.
 
-use super::{either, meant};
+use super::either;
 use crate::check::value::Value;
 use crate::device;
 use crate::diagnostic::{Code, Diagnostic};
@@ -80,7 +80,7 @@ pub fn wrong_word(
     let title = format!("{} must be {}, but this is {found}", wanted.name, either(&words));
     let list = choices.iter().map(|choice| format!("`{}` is {}", choice.name, choice.doc)).collect::<Vec<_>>();
     let diagnostic = Diagnostic::new(Code::E0311, title);
-    wanted.declared_on(diagnostic.label(span, "not one of these words")).help(meant(near).unwrap_or(list.join("; ")))
+    wanted.declared_on(diagnostic.label(span, "not one of these words")).near_or(near, list.join("; "))
 }
 
 /// A bare name where a whole number or one of some words belongs.
@@ -93,7 +93,7 @@ pub fn neither_count_nor_word(
     let words = either(words);
     let title = format!("{} must be a whole number or {words}, but this is `{found}`", wanted.name);
     let diagnostic = Diagnostic::new(Code::E0311, title).label(span, "no such word, and no value of this name");
-    wanted.declared_on(diagnostic).help(meant(near).unwrap_or_else(|| format!("write a whole number, or {words}")))
+    wanted.declared_on(diagnostic).near_or(near, format!("write a whole number, or {words}"))
 }
 
 /// A bare name where true or false belongs.
@@ -173,7 +173,7 @@ pub fn unknown_unit(span: Span, part: &str, near: Option<&str>) -> Diagnostic {
     let spelt_out = SPELT_OUT.iter().find(|(word, _)| *word == part.to_lowercase()).map(|(_, unit)| *unit);
     Diagnostic::new(Code::E0303, format!("no unit is called `{part}`"))
         .label(span, "unknown unit")
-        .help(meant(spelt_out.or(near)).unwrap_or_else(|| list.to_owned()))
+        .near_or(spelt_out.or(near), list.to_owned())
 }
 
 pub fn exponent_too_large(span: Span) -> Diagnostic {
@@ -346,10 +346,9 @@ pub fn bad_setting(span: Option<Span>, name: &str, why: &str, help: &str) -> Dia
 
 pub fn unknown_column(span: Span, name: &str, wanted: &WantedName, near: Option<&str>, known: &[&str]) -> Diagnostic {
     let columns = super::listed(known.iter().copied());
-    let help = meant(near).unwrap_or_else(|| format!("its columns are {columns}"));
     Diagnostic::new(Code::E0312, format!("the table of {} has no column `{name}`", wanted.name))
         .label(span, "no such column")
-        .help(help)
+        .near_or(near, format!("its columns are {columns}"))
 }
 
 pub fn incomplete_table(span: Span, wanted: &WantedName, missing: &[&device::VocabularyField]) -> Diagnostic {

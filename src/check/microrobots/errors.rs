@@ -289,10 +289,10 @@ pub fn robot_without_row(
     };
     let few = &known[..known.len().min(12)];
     let list = format!("its robots are {}{}", listed(few.iter().copied()), rest(known.len(), 12));
-    diagnostic.help(match meant(near) {
-        Some(meant) => format!("{meant} {list}"),
-        None => list,
-    })
+    match near {
+        Some(near) => diagnostic.near(near).help(format!("did you mean `{near}`? {list}")),
+        None => diagnostic.help(list),
+    }
 }
 
 /// The rest of a shortened list.
