@@ -45,7 +45,7 @@ impl Checker<'_> {
         let (Some(_), Some(scene)) = (&self.links, scene) else { return };
         let calls = steps.iter().flat_map(|step| match &step.action {
             VocabularyAction::Verb(call) => std::slice::from_ref(call),
-            VocabularyAction::Together(calls) => calls,
+            VocabularyAction::Together(calls) | VocabularyAction::Assay(calls) => calls,
             VocabularyAction::Wait(_) => &[],
         });
         let arguments = calls.flat_map(|call| {

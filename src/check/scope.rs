@@ -15,7 +15,7 @@ pub const FUNCTIONS: &[&str] =
     &["abs", "min", "max", "round", "floor", "sqrt", "sin", "cos", "atan2", "count", "pose", "euler", "quaternion"];
 
 /// The words that stand where a verb may, whatever the kind.
-pub const STEP_WORDS: [&str; 6] = ["wait", "together", "minimize", "using", "require", "start"];
+pub const STEP_WORDS: [&str; 7] = ["wait", "together", "assay", "minimize", "using", "require", "start"];
 
 /// The name of the angle in the expression of a curve.
 pub const ANGLE_NAME: &str = "t";

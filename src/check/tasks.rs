@@ -10,10 +10,10 @@ use super::scope::{DeclarationPlace, DeclarationSort, Scope, nearest, path_text}
 use super::value::{Accepted, Value, whole};
 use super::verbs::Call;
 use crate::claims::{Job, Relation, Requirement};
-use crate::device::{self, Kind, Together, Vocabulary};
+use crate::device::{self, Assay, Kind, Together, Vocabulary};
 use crate::quantity::Dimension;
 use crate::source::{Span, Spanned};
-use crate::syntax::tree::{self, Entry, Expr, ExprKind, Item, Operator};
+use crate::syntax::tree::{self, Entry, Expr, ExprKind, Ident, Item, Operator};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -64,6 +64,8 @@ pub enum VocabularyAction {
     Verb(Call),
     /// Goals that are reached at the same time, in the order of writing.
     Together(Vec<Call>),
+    /// Operations that depend on each other only by their objects, in the order of writing.
+    Assay(Vec<Call>),
     /// In nanoseconds.
     Wait(u64),
 }
@@ -340,6 +342,7 @@ impl<'a> Checker<'a> {
         match step.head.text.as_str() {
             "wait" => self.wait(step, scope).map(VocabularyAction::Wait),
             "together" => self.goals_together(step, scope, reading).map(VocabularyAction::Together),
+            "assay" => self.operations(step, scope, reading).map(VocabularyAction::Assay),
             "run" => {
                 self.sink.push(errors::run_in_task(step.head.span, &reading.task.name.text));
                 None
@@ -353,15 +356,33 @@ impl<'a> Checker<'a> {
             self.sink.push(errors::together_in_task(step.head.span, why));
             return None;
         }
+        self.block_of_verbs(step, scope, reading.vocabulary)
+    }
+
+    fn operations(&mut self, step: &tree::Step, scope: &Scope, reading: &TaskReading) -> Option<Vec<Call>> {
+        match reading.vocabulary.assay {
+            Assay::Yes => self.block_of_verbs(step, scope, reading.vocabulary),
+            Assay::No => {
+                self.sink.push(errors::assay_of_other_kind(step.head.span, reading.vocabulary.name));
+                None
+            }
+        }
+    }
+
+    /// The verbs in the braces of a `together` or an `assay`; `None` after an error.
+    fn block_of_verbs(
+        &mut self,
+        step: &tree::Step,
+        scope: &Scope,
+        vocabulary: &'static Vocabulary,
+    ) -> Option<Vec<Call>> {
         let alone = step.phrases.is_empty() && step.object.is_none() && step.noun.is_none();
-        let Some(block) = step.block.as_ref().filter(|_| alone) else {
-            self.sink.push(errors::bad_together_in_task(step.span));
-            return None;
-        };
         let mut calls = Vec::new();
-        let is_whole = self.calls(block, &mut scope.clone(), reading.vocabulary, &mut calls);
+        let block = step.block.as_ref().filter(|_| alone);
+        let is_whole =
+            block.is_none_or(|block| self.calls(block, &mut scope.clone(), (&step.head, vocabulary), &mut calls));
         if is_whole && calls.is_empty() {
-            self.sink.push(errors::bad_together_in_task(step.span));
+            self.sink.push(errors::bad_block_in_task(step));
             return None;
         }
         is_whole.then_some(calls)
@@ -372,14 +393,14 @@ impl<'a> Checker<'a> {
         &mut self,
         entries: &[Entry],
         scope: &mut Scope,
-        vocabulary: &'static Vocabulary,
+        (head, vocabulary): (&Ident, &'static Vocabulary),
         calls: &mut Vec<Call>,
     ) -> bool {
         let mut is_whole = true;
         for entry in entries {
             is_whole &= match entry {
                 Entry::Step(step) if NO_GOALS.contains(&step.head.text.as_str()) => {
-                    self.sink.push(errors::not_together(&step.head));
+                    self.sink.push(errors::not_in_block(&step.head, head));
                     false
                 }
                 Entry::Step(step) => match self.verb(step, scope, vocabulary) {
@@ -392,12 +413,12 @@ impl<'a> Checker<'a> {
                 Entry::For(each) => {
                     let mut all = true;
                     self.repeat(each, scope, &mut |checker, scope| {
-                        all &= checker.calls(&each.entries, scope, vocabulary, calls);
+                        all &= checker.calls(&each.entries, scope, (head, vocabulary), calls);
                     });
                     all
                 }
                 Entry::Field(field) => {
-                    self.sink.push(errors::not_together(&field.name));
+                    self.sink.push(errors::not_in_block(&field.name, head));
                     false
                 }
                 Entry::Error(_) => false,
@@ -417,7 +438,7 @@ impl<'a> Checker<'a> {
 }
 
 /// The words that begin a step and are no goals.
-const NO_GOALS: [&str; 7] = ["wait", "together", "run", "minimize", "using", "require", "start"];
+const NO_GOALS: [&str; 8] = ["wait", "together", "assay", "run", "minimize", "using", "require", "start"];
 
 fn relation(operator: Operator) -> Option<Relation> {
     match operator {

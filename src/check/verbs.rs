@@ -30,13 +30,13 @@ impl Checker<'_> {
     /// A step that is a verb with its object and its prepositions; `None` after an error.
     pub fn verb(&mut self, step: &tree::Step, scope: &Scope, vocabulary: &'static Vocabulary) -> Option<Call> {
         let Some(verb) = vocabulary.verb(&step.head.text) else {
-            let verbs: Vec<&str> = vocabulary.verbs.iter().map(|verb| verb.name).collect();
-            let near = nearest(&step.head.text, verbs.iter().copied().chain(STEP_WORDS));
+            let verbs = vocabulary.verbs.iter().map(|verb| verb.name);
+            let near = nearest(&step.head.text, verbs.chain(STEP_WORDS));
             let written = (step.head.span, step.head.text.as_str());
             self.sink.push(match step.head.text.as_str() {
                 "maximize" | "maximise" => errors::maximized(step.head.span, vocabulary),
                 "then" => errors::second_objective(step.head.span),
-                _ => errors::unknown_verb(written, vocabulary.name, near, &verbs, vocabulary.together),
+                _ => errors::unknown_verb(written, vocabulary, near),
             });
             return None;
         };

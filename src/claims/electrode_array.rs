@@ -99,6 +99,9 @@ pub struct ElectrodeArrayStep {
 pub enum ElectrodeArrayAction {
     /// Parts to their goals at the same time; the step ends when the last one has arrived.
     Move(Vec<ElectrodeArrayMove>),
+    /// Operations of which those of one part follow each other in this order; what different parts do depends on nothing but where they
+    /// merge. The step ends when all are done.
+    Assay(Vec<AssayOperation>),
     /// Nothing moves for this time, in nanoseconds.
     Wait(u64),
 }
@@ -132,4 +135,26 @@ pub struct ElectrodeArrayStop {
     /// Where it was given, if a name stands in the step.
     #[serde(skip)]
     pub origin: Option<ValueOrigin>,
+}
+
+/// What one part of an assay does, or two that become one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AssayOperation {
+    /// Index of the order's parts.
+    pub part: usize,
+    /// The part that it merges with at its stop: from then on that one is gone, and this one is both.
+    pub with: Option<usize>,
+    /// Its stops, in order; one where parts merge. None: it stays where its last operation left it.
+    pub stops: Vec<ElectrodeArrayStop>,
+    /// The least time for which it stays at the last stop, in nanoseconds.
+    pub stay_ns: u64,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+impl AssayOperation {
+    /// The parts that take part in it.
+    pub fn parts(&self) -> impl Iterator<Item = usize> + use<> {
+        [Some(self.part), self.with].into_iter().flatten()
+    }
 }

@@ -120,6 +120,8 @@ pub struct Vocabulary {
     pub state: Option<Sort>,
     /// Whether `together { … }` gives simultaneous goals.
     pub together: Together,
+    /// Whether `assay { … }` gives operations that depend on each other only by their parts.
+    pub assay: Assay,
     /// Whether a program may say where a device stands in a scene.
     pub frames: Frames,
     /// Steps of a task.
@@ -152,6 +154,13 @@ pub enum Together {
     Yes,
     /// With the reason, as a message says it.
     No(&'static str),
+}
+
+/// Whether a device carries many parts of which each does its operations in its own time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Assay {
+    Yes,
+    No,
 }
 
 /// Whether a device can have a frame in a scene, beside others.

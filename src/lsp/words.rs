@@ -24,12 +24,13 @@ const DECLARATIONS: [(&str, &str); 8] = [
 ];
 
 /// Settings and steps that tasks of all kinds have.
-const COMMON_STEPS: [(&str, &str); 6] = [
+const COMMON_STEPS: [(&str, &str); 7] = [
     ("minimize", "minimize WHAT: the figure that the plan minimises"),
     ("require", "require FIGURE <= LIMIT: a limit that the plan must keep"),
     ("using", "using PLANNER { expansions: 5000000 }: how the plan is searched"),
     ("wait", "wait 10 ms: nothing is switched for so long"),
     ("together", "together { GOALS }: at the same time, where the kind can"),
+    ("assay", "assay { OPERATIONS }: each part in its own time, where the kind can"),
     ("for", "for i in 0..5 { … }: once for each"),
 ];
 

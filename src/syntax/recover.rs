@@ -27,7 +27,7 @@ const ITEMS: [(&str, Rule); 8] = [
 const PREPOSITIONS: [&str; 10] = ["to", "from", "by", "about", "for", "at", "via", "with", "in", "on"];
 
 /// Steps that every kind of device knows: a second one of them on a line is a second step.
-const COMMON_HEADS: [&str; 7] = ["run", "wait", "together", "minimize", "require", "using", "start"];
+const COMMON_HEADS: [&str; 8] = ["run", "wait", "together", "assay", "minimize", "require", "using", "start"];
 
 /// Greatest number of wrong letters in a misspelt word.
 const MISSPELT: usize = 2;

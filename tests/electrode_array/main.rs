@@ -1,5 +1,6 @@
 //! The planner of many parts on one board, from outside: every plan checked step by step, proofs compared with brute force on tiny boards.
 
+mod assay;
 mod brute;
 mod check;
 mod found;

@@ -48,7 +48,7 @@ impl<'a> StopJudge<'a> {
             }
             tasks::VocabularyAction::Verb(call) => DimibotAction::Move(self.moves(call.phrases)?),
             // The vocabulary has no goals at the same time.
-            tasks::VocabularyAction::Together(_) => return None,
+            tasks::VocabularyAction::Together(_) | tasks::VocabularyAction::Assay(_) => return None,
         };
         Some(DimibotStep { action, span: step.span })
     }

@@ -5,9 +5,9 @@
 pub use crate::check::errors::*;
 
 use crate::check::value::Value;
-use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, MAX_STAY_STEPS};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::{Dimension, digits};
+use crate::quantity::{Dimension, Quantity, digits};
 use crate::source::Span;
 
 /// A part with a cell and where that stands in the source.
@@ -394,6 +394,17 @@ pub fn two_goals(name: &str, span: Span, earlier: Span) -> Diagnostic {
         .label(span, "again here")
         .label_elsewhere(earlier, span, "first here")
         .help("write two steps, one below the other, or one `move` with `via`")
+}
+
+/// The operations of an assay stay for more steps than a plan may have.
+pub fn stays_too_long(span: Span, steps: u64, step_ns: u64) -> Diagnostic {
+    let most = Quantity::new(MAX_STAY_STEPS as f64 * step_ns as f64 / 1e9, Dimension::TIME);
+    let one = Quantity::new(step_ns as f64 / 1e9, Dimension::TIME);
+    let title =
+        format!("the operations up to here stay for {steps} steps of the board; at most {MAX_STAY_STEPS} are planned");
+    Diagnostic::new(Code::E0554, title)
+        .label(span, format!("steps of {one}"))
+        .help(format!("stays of one `assay` may take {most} together: split it, with `wait` where all droplets rest"))
 }
 
 pub fn merged_away(span: Span, name: &str, merged: Span) -> Diagnostic {

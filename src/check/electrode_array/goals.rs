@@ -5,16 +5,20 @@ use super::cover::{SpacedPlaces, nearest_cell};
 use super::default_expansions;
 use super::errors;
 use super::tray::{BlockedCell, BoardScene, on_obstacle};
-use crate::check::Checker;
 use crate::check::figures::Figures;
 use crate::check::lets::Argument;
 use crate::check::tasks::{self, Parts, TaskSite};
+use crate::check::value::Value;
 use crate::check::verbs::Call;
+use crate::check::{Checker, clock_ns};
+
 use crate::claims::electrode_array::{
-    Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective,
-    ElectrodeArrayOrder, ElectrodeArrayPlanner, ElectrodeArrayStep, ElectrodeArrayStop,
+    AssayOperation, Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove,
+    ElectrodeArrayObjective, ElectrodeArrayOrder, ElectrodeArrayPlanner, ElectrodeArrayStep, ElectrodeArrayStop,
 };
-use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Separation};
+use crate::device::electrode_array::{
+    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_STAY_STEPS, Separation,
+};
 use crate::diagnostic::{Code, Sink};
 use crate::source::Span;
 use std::collections::BTreeMap;
@@ -101,21 +105,30 @@ fn beyond_published(
         let span = parts.settings.get("may_yield").map_or(chosen, |setting| setting.span);
         return Some(("let parts step aside", span));
     }
-    parts.steps.iter().flat_map(|step| calls(&step.action)).find_map(|call| {
-        if call.verb.name == "merge" {
-            return Some(("merge", call.span));
-        }
-        let via = call.phrases.iter().find(|(preposition, _)| *preposition == "via");
-        via.map(|(_, via)| ("plan by way of a cell", via.span))
-    })
+    let assay = parts.steps.iter().find(|step| is_assay(&step.action)).map(|step| ("plan operations", step.span));
+    assay.or_else(|| parts.steps.iter().flat_map(|step| calls(&step.action)).find_map(beyond_greed))
+}
+
+/// What a goal asks that a published method lacks, and where.
+fn beyond_greed(call: &Call) -> Option<(&'static str, Span)> {
+    if call.verb.name == "merge" {
+        return Some(("merge", call.span));
+    }
+    let via = call.phrases.iter().find(|(preposition, _)| *preposition == "via");
+    via.map(|(_, via)| ("plan by way of a cell", via.span))
 }
 
 fn calls(action: &tasks::VocabularyAction) -> &[Call] {
     match action {
         tasks::VocabularyAction::Verb(call) => std::slice::from_ref(call),
-        tasks::VocabularyAction::Together(calls) => calls,
+        tasks::VocabularyAction::Together(calls) | tasks::VocabularyAction::Assay(calls) => calls,
         tasks::VocabularyAction::Wait(_) => &[],
     }
+}
+
+/// Whether a step is made of operations and not of goals: those of an `assay`, or one that takes its time.
+fn is_assay(action: &tasks::VocabularyAction) -> bool {
+    matches!(action, tasks::VocabularyAction::Assay(_)) || calls(action).iter().any(|call| call.verb.name == "incubate")
 }
 
 /// Judges the steps of one task.
@@ -133,9 +146,8 @@ impl BoardStepJudge<'_> {
     fn step(&mut self, step: &tasks::VocabularyStep) -> Option<ElectrodeArrayStep> {
         let action = match &step.action {
             tasks::VocabularyAction::Wait(duration_ns) => ElectrodeArrayAction::Wait(*duration_ns),
-            tasks::VocabularyAction::Verb(_) | tasks::VocabularyAction::Together(_) => {
-                ElectrodeArrayAction::Move(self.moves(calls(&step.action))?)
-            }
+            action if is_assay(action) => ElectrodeArrayAction::Assay(self.operations(action)?),
+            action => ElectrodeArrayAction::Move(self.moves(calls(action))?),
         };
         Some(ElectrodeArrayStep { action, span: step.span })
     }
@@ -150,6 +162,86 @@ impl BoardStepJudge<'_> {
         self.goals_apart(&found);
         (self.sink.errors() == before).then_some(())?;
         moves.into_iter().collect()
+    }
+
+    /// Operations: those of one part follow each other, and none needs a part that has merged before.
+    fn operations(&mut self, action: &tasks::VocabularyAction) -> Option<Vec<AssayOperation>> {
+        let calls = calls(action);
+        let operations: Vec<Option<AssayOperation>> = calls.iter().map(|call| self.operation(call)).collect();
+        let operations = operations.into_iter().collect::<Option<Vec<AssayOperation>>>()?;
+        let before = self.sink.errors();
+        let mut merged: BTreeMap<usize, Span> = BTreeMap::new();
+        let mut stays = 0;
+        for (operation, call) in operations.iter().zip(calls) {
+            stays += operation.stay_ns.div_ceil(self.facts.step_ns);
+            if let Some(time) = phrases(call, "for").next().filter(|_| stays > MAX_STAY_STEPS) {
+                let wrong = errors::stays_too_long(time.span, stays, self.facts.step_ns);
+                self.sink.push(errors::given_at(wrong, time));
+                return None;
+            }
+            for part in operation.parts() {
+                let wrong = merged.get(&part).map(|at| errors::merged_away(operation.span, self.name(part), *at));
+                self.sink.unless(wrong);
+            }
+            merged.extend(operation.with.map(|with| (with, operation.span)));
+        }
+        if let tasks::VocabularyAction::Together(_) = action {
+            self.one_operation_each(&operations);
+        }
+        self.ends_apart(&operations, &merged);
+        (self.sink.errors() == before).then_some(operations)
+    }
+
+    fn operation(&mut self, call: &Call) -> Option<AssayOperation> {
+        if call.verb.name != "incubate" {
+            let ElectrodeArrayMove { part, with, stops, span } = self.one_move(call)?;
+            return Some(AssayOperation { part, with, stops, stay_ns: 0, span });
+        }
+        let part = self.part(call.object.as_ref()?);
+        let stops: Vec<Option<ElectrodeArrayStop>> = phrases(call, "at").map(|target| self.stop(target)).collect();
+        let time = phrases(call, "for").next()?;
+        let Value::Quantity(quantity) = time.value else { return None };
+        let stay_ns = clock_ns(quantity, time.span, "`incubate`", self.sink);
+        let stops = stops.into_iter().collect::<Option<Vec<ElectrodeArrayStop>>>()?;
+        Some(AssayOperation { part: part?, with: None, stops, stay_ns: stay_ns?, span: call.span })
+    }
+
+    /// What happens at the same time is one thing for each part.
+    fn one_operation_each(&mut self, operations: &[AssayOperation]) {
+        let mut busy: BTreeMap<usize, Span> = BTreeMap::new();
+        for operation in operations {
+            for part in operation.parts() {
+                let earlier = busy.insert(part, operation.span);
+                let wrong = earlier.map(|earlier| errors::two_goals(self.name(part), operation.span, earlier));
+                self.sink.unless(wrong);
+            }
+        }
+    }
+
+    /// The last stops of the parts that are left keep the separation.
+    fn ends_apart(&mut self, operations: &[AssayOperation], merged: &BTreeMap<usize, Span>) {
+        let apart = self.facts.separation.apart();
+        let mut ends: BTreeMap<usize, &ElectrodeArrayStop> = BTreeMap::new();
+        for operation in operations {
+            ends.extend(operation.stops.last().map(|stop| (operation.part, stop)));
+        }
+        let mut spread: SpacedPlaces<usize> = SpacedPlaces::new(apart);
+        for (part, stop) in ends.iter().filter(|(part, _)| !merged.contains_key(*part)) {
+            let Some((cell, other)) = spread.near(stop.cell) else {
+                spread.put(stop.cell, *part);
+                continue;
+            };
+            let cover = &self.tray.cover;
+            let free = nearest_cell(stop.cell, self.facts, |cell| {
+                cover.covering(cell).is_none() && spread.near(cell).is_none()
+            });
+            let places = [
+                errors::PartPlace { name: self.name(*part), cell: stop.cell, span: stop.span },
+                errors::PartPlace { name: self.name(other), cell, span: ends[&other].span },
+            ];
+            let wrong = errors::goals_too_near(places, apart, free);
+            self.sink.push(errors::given_from(wrong, stop.span, stop.origin.as_ref()));
+        }
     }
 
     fn one_move(&mut self, call: &Call) -> Option<ElectrodeArrayMove> {

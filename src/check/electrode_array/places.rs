@@ -8,8 +8,8 @@ use super::errors;
 use super::tray::distance_to;
 use crate::claims::Job;
 use crate::claims::electrode_array::{
-    BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle, ElectrodeArrayOrder,
-    ElectrodeArrayStop,
+    AssayOperation, BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle,
+    ElectrodeArrayOrder, ElectrodeArrayStop,
 };
 use crate::device::electrode_array::ElectrodeCell;
 use crate::diagnostic::{Diagnostic, Sink};
@@ -37,15 +37,13 @@ pub fn places_agree(jobs: &[Job], sink: &mut Sink) {
             board.stands_clear(job, order, &mut walk).into_iter().for_each(|wrong| sink.push(wrong));
         }
         for step in &order.steps {
-            match &step.action {
-                ElectrodeArrayAction::Wait(_) => {}
-                ElectrodeArrayAction::Move(moves) => {
-                    let run = if job.run_span == job.span { step.span } else { job.run_span };
-                    for diagnostic in board.advance(moves, order, &mut walk) {
-                        sink.push(diagnostic.label_elsewhere(run, step.span, "run here"));
-                    }
-                }
-            }
+            let found = match &step.action {
+                ElectrodeArrayAction::Wait(_) => continue,
+                ElectrodeArrayAction::Move(moves) => board.advance(moves, order, &mut walk),
+                ElectrodeArrayAction::Assay(operations) => board.operate(operations, order, &mut walk),
+            };
+            let run = if job.run_span == job.span { step.span } else { job.run_span };
+            found.into_iter().for_each(|wrong| sink.push(wrong.label_elsewhere(run, step.span, "run here")));
         }
     }
 }
@@ -181,6 +179,66 @@ impl BoardWalk {
         }
         moves.iter().for_each(|step| self.enter(step.part));
         found
+    }
+
+    /// Checks an assay as the moves of its parts to all their stops, and moves them to the last ones.
+    fn operate(
+        &mut self,
+        operations: &[AssayOperation],
+        order: &ElectrodeArrayOrder,
+        walk: &mut PartsWalk,
+    ) -> Vec<Diagnostic> {
+        let mut moves: BTreeMap<usize, ElectrodeArrayMove> = BTreeMap::new();
+        for operation in operations {
+            for part in operation.parts() {
+                let fresh = || ElectrodeArrayMove { part, with: None, stops: Vec::new(), span: operation.span };
+                moves.entry(part).or_insert_with(fresh).stops.extend(operation.stops.iter().cloned());
+            }
+        }
+        let rests: Vec<usize> = moves.values().filter(|one| one.stops.is_empty()).map(|one| one.part).collect();
+        let mut moves: Vec<ElectrodeArrayMove> = moves.into_values().collect();
+        let mut found = self.merged_before(&moves, &mut walk.told);
+        if !found.is_empty() {
+            return found;
+        }
+        for one in &mut moves {
+            if let PartStand::At(cell, span) = self.stands[one.part]
+                && one.stops.is_empty()
+            {
+                one.stops.push(ElectrodeArrayStop { cell, span, origin: None });
+            }
+        }
+        found.extend(self.advance(&moves, order, walk));
+        for operation in operations {
+            if let Some(with) = operation.with {
+                self.leave(with);
+                self.stands[with] = PartStand::Merged(operation.span);
+            }
+        }
+        for part in rests {
+            found.extend(self.rests_apart(part, order, walk));
+        }
+        found
+    }
+
+    /// A part that stays where it is has no other near it at the end.
+    fn rests_apart(&mut self, part: usize, order: &ElectrodeArrayOrder, walk: &mut PartsWalk) -> Option<Diagnostic> {
+        let PartStand::At(cell, since) = self.stands[part] else { return None };
+        self.leave(part);
+        let near = self.spread.near(cell);
+        self.enter(part);
+        let (at, other) = near?;
+        let PartStand::At(_, span) = self.stands[other] else { return None };
+        if !walk.told.insert((span, Some(at))) {
+            return None;
+        }
+        let cover = walk.cover(order);
+        let free = nearest_cell(at, &order.facts, |place| {
+            cover.covering(place).is_none() && self.spread.near(place).is_none()
+        });
+        let moved = errors::PartPlace { name: &self.parts[other].name, cell: at, span };
+        let stays = errors::PartPlace { name: &self.parts[part].name, cell, span: since };
+        Some(errors::near_standing_part(moved, stays, order.facts.separation.apart(), free))
     }
 
     fn merged_before(&self, moves: &[ElectrodeArrayMove], told: &mut BTreeSet<Finding>) -> Vec<Diagnostic> {

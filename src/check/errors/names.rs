@@ -3,7 +3,7 @@
 use super::{either, listed, with_article};
 use crate::check::scope::{Declaration, DeclarationSort, FUNCTIONS, path_text};
 use crate::device::shape::ShapeForm;
-use crate::device::{Together, Vocabulary};
+use crate::device::{Assay, Together, Vocabulary};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use crate::stdlib;
@@ -204,20 +204,16 @@ pub fn too_deep(span: Span, what: &str, limit: usize) -> Diagnostic {
         .help("let some of them start from one further up")
 }
 
-pub fn unknown_verb(
-    (span, verb): (Span, &str),
-    kind: &str,
-    near: Option<&str>,
-    known: &[&str],
-    together: Together,
-) -> Diagnostic {
-    let besides = match together {
-        Together::Yes => ["wait", "together"].as_slice(),
-        Together::No(_) => ["wait"].as_slice(),
+pub fn unknown_verb((span, verb): (Span, &str), vocabulary: &Vocabulary, near: Option<&str>) -> Diagnostic {
+    let besides = match (vocabulary.together, vocabulary.assay) {
+        (Together::Yes, Assay::Yes) => ["wait", "together", "assay"].as_slice(),
+        (Together::Yes, Assay::No) => ["wait", "together"].as_slice(),
+        (Together::No(_), _) => ["wait"].as_slice(),
     };
-    let kind = with_article(kind);
+    let kind = with_article(vocabulary.name);
+    let known = vocabulary.verbs.iter().map(|verb| verb.name);
     let besides = besides.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");
-    let list = format!("{kind} can {}; besides there are {besides} and the settings", listed(known.iter().copied()));
+    let list = format!("{kind} can {}; besides there are {besides} and the settings", listed(known));
     Diagnostic::new(Code::E0208, format!("{kind} cannot `{verb}`")).label(span, "not a step").near_or(near, list)
 }
 

@@ -8,7 +8,7 @@ use crate::device::{Verb, Vocabulary, VocabularyPhrase};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, digits};
 use crate::source::Span;
-use crate::syntax::tree::Ident;
+use crate::syntax::tree::{Ident, Step};
 
 pub fn outside_workspace(span: Span, what: &str, extent: &str, help: String) -> Diagnostic {
     Diagnostic::new(Code::E0501, format!("{what} is outside the workspace, {extent}"))
@@ -304,16 +304,34 @@ pub fn together_in_task(span: Span, why: &str) -> Diagnostic {
         .help("write the steps one below the other; several devices run together in a `program`")
 }
 
-pub fn bad_together_in_task(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0518, "`together` wants a block of goals")
-        .label(span, "no goals")
-        .help("write `together { move m1 to (26, 31), move m2 to (5, 3) }`")
+/// A `together` or an `assay` without a block, or with an empty one.
+pub fn bad_block_in_task(step: &Step) -> Diagnostic {
+    let (what, example) = match step.head.text.as_str() {
+        "assay" => ("operations", "assay { move a to (6, 3), incubate a for 30 s, move b to (2, 3) }"),
+        _ => ("goals", "together { move m1 to (26, 31), move m2 to (5, 3) }"),
+    };
+    Diagnostic::new(Code::E0518, format!("`{}` wants a block of {what}", step.head.text))
+        .label(step.span, format!("no {what}"))
+        .help(format!("write `{example}`"))
 }
 
-pub fn not_together(word: &Ident) -> Diagnostic {
-    Diagnostic::new(Code::E0518, format!("`{}` is not a goal; `together` takes only goals", word.text))
-        .label(word.span, "not in this block")
-        .help("write it before or after the `together`")
+/// A word in the block of a `together` or an `assay` that does not belong there.
+pub fn not_in_block(word: &Ident, head: &Ident) -> Diagnostic {
+    let (one, all) = match head.text.as_str() {
+        "assay" => ("an operation of a part", "operations"),
+        _ => ("a goal", "goals"),
+    };
+    let title = format!("`{}` is not {one}; `{}` takes only {all}", word.text, head.text);
+    let wait = (head.text == "assay" && word.text == "wait")
+        .then(|| "write `incubate NAME for 10 s`, with the part that waits".to_owned());
+    let elsewhere = format!("write it before or after the `{}`", head.text);
+    Diagnostic::new(Code::E0518, title).label(word.span, "not in this block").help(wait.unwrap_or(elsewhere))
+}
+
+pub fn assay_of_other_kind(span: Span, kind: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0518, format!("{} has no `assay`", with_article(kind)))
+        .label(span, "not in this task")
+        .help("write its steps one after the other")
 }
 
 pub fn no_start(span: Span, vocabulary: &Vocabulary) -> Diagnostic {

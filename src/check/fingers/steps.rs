@@ -135,7 +135,9 @@ fn the_part(bench: &HandScene, parts: &Parts, scene: Option<Span>, site: &TaskSi
 fn calls(parts: &Parts) -> impl Iterator<Item = &Call> {
     parts.steps.iter().filter_map(|step| match &step.action {
         tasks::VocabularyAction::Verb(call) => Some(call),
-        tasks::VocabularyAction::Together(_) | tasks::VocabularyAction::Wait(_) => None,
+        tasks::VocabularyAction::Together(_) | tasks::VocabularyAction::Assay(_) | tasks::VocabularyAction::Wait(_) => {
+            None
+        }
     })
 }
 
@@ -199,7 +201,7 @@ impl HandStepJudge<'_> {
             tasks::VocabularyAction::Wait(duration_ns) => FingersAction::Wait(*duration_ns),
             tasks::VocabularyAction::Verb(call) => self.call(call, planes)?,
             // The kind has no simultaneous goals, already reported.
-            tasks::VocabularyAction::Together(_) => return None,
+            tasks::VocabularyAction::Together(_) | tasks::VocabularyAction::Assay(_) => return None,
         };
         Some(FingersStep { action, span: step.span })
     }

@@ -121,7 +121,7 @@ impl BedStepJudge<'_> {
             tasks::VocabularyAction::Wait(duration_ns) => MicrorobotsAction::Wait(*duration_ns),
             tasks::VocabularyAction::Verb(call) => self.call(call)?,
             // The kind has no simultaneous goals, already reported.
-            tasks::VocabularyAction::Together(_) => return None,
+            tasks::VocabularyAction::Together(_) | tasks::VocabularyAction::Assay(_) => return None,
         };
         Some(MicrorobotsStep { action, span: step.span })
     }

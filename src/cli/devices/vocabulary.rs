@@ -1,6 +1,6 @@
 //! The tables that the checker reads, for people.
 
-use crate::device::{Kind, Together, Vocabulary, VocabularyField, WordChoice, shape::ShapeForm};
+use crate::device::{Assay, Kind, Together, Vocabulary, VocabularyField, WordChoice, shape::ShapeForm};
 use crate::instrument::Family;
 use crate::quantity::Dimension;
 use std::fmt::Write;
@@ -51,6 +51,7 @@ pub fn page(vocabulary: &'static Vocabulary) -> String {
             .iter()
             .map(|verb| (verb.example.to_owned(), verb.meaning()))
             .chain(together(vocabulary))
+            .chain(assay(vocabulary))
             .chain([wait()]),
     );
     page.section("minimize", vocabulary.objectives.iter().map(choice));
@@ -147,6 +148,15 @@ fn together(vocabulary: &Vocabulary) -> Option<(String, String)> {
     match vocabulary.together {
         Together::Yes => Some(entry()),
         Together::No(_) => None,
+    }
+}
+
+fn assay(vocabulary: &Vocabulary) -> Option<(String, String)> {
+    let meaning =
+        "the operations in the braces: those of one part follow each other, parts do not wait for one another";
+    match vocabulary.assay {
+        Assay::Yes => Some(("assay { … }".to_owned(), meaning.to_owned())),
+        Assay::No => None,
     }
 }
 

@@ -4,8 +4,8 @@ use super::MAX_MODULES;
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
-    Count, Frames, Need, Noun, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
-    expansions, outcome, planner,
+    Assay, Count, Frames, Need, Noun, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField,
+    VocabularyPhrase, expansions, outcome, planner,
 };
 use crate::quantity::Dimension;
 
@@ -204,6 +204,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     settings: SETTINGS,
     state: Some(Sort::State),
     together: Together::No("a dimibot has one end-effector and nothing to move together"),
+    assay: Assay::No,
     frames: Frames::Yes,
     verbs: VERBS,
     objectives: DimibotObjective::CHOICES,

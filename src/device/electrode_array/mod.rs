@@ -26,6 +26,9 @@ pub const MAX_OBSTACLES: usize = 100_000;
 /// Greatest configurable distance of parts from each other or from obstacles, in electrodes.
 pub const MAX_APART: u32 = 100;
 
+/// Most steps of the board for which the operations of one assay stay, all together.
+pub const MAX_STAY_STEPS: u64 = 100_000;
+
 /// An electrode, and so a place for the centre of a part: column and row, both from 1, rows upward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct ElectrodeCell {

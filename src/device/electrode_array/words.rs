@@ -4,8 +4,8 @@ use super::{MAX_APART, MAX_CHANNEL, MAX_SIDE};
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
-    Count, Frames, Need, Noun, Outcome, Planner, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
-    WordChoice, expansions, not_negative, optional, outcome, planner, positive, required,
+    Assay, Count, Frames, Need, Noun, Outcome, Planner, Sort, Together, Verb, Vocabulary, VocabularyField,
+    VocabularyPhrase, WordChoice, expansions, not_negative, optional, outcome, planner, positive, required,
 };
 use crate::quantity::Dimension;
 
@@ -178,6 +178,18 @@ const VERBS: &[Verb] = &[
         doc: "brings two droplets together at a cell; the first name is that of both from then on",
         example: "merge sample with reagent at (7, 4)",
     },
+    Verb {
+        name: "incubate",
+        noun: None,
+        object: Some(Sort::Object("part")),
+        phrases: &[
+            VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::AtMostOnce },
+            VocabularyPhrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once },
+        ],
+        block: None,
+        doc: "leaves a part where it is, or at a cell, for at least so long: to react, to be heated, to be read",
+        example: "incubate sample at (8, 5) for 30 s",
+    },
 ];
 
 const BUDGET: [VocabularyField; 1] = [expansions(
@@ -215,6 +227,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     settings: SETTINGS,
     state: None,
     together: Together::Yes,
+    assay: Assay::Yes,
     frames: Frames::No,
     verbs: VERBS,
     objectives: ElectrodeArrayObjective::CHOICES,

@@ -4,8 +4,9 @@ use super::{MAX_FINGERS, MAX_LOOKS, MIN_FINGERS};
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
-    Count, Frames, Noun, Outcome, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
-    WordChoice, any, budget, expansions, not_negative, optional, outcome, planner, positive, required,
+    Assay, Count, Frames, Noun, Outcome, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField,
+    VocabularyPhrase, WordChoice, any, budget, expansions, not_negative, optional, outcome, planner, positive,
+    required,
 };
 use crate::quantity::Dimension;
 
@@ -214,6 +215,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     settings: SETTINGS,
     state: None,
     together: Together::No("a hand turns one part, and no two at the same time"),
+    assay: Assay::No,
     frames: Frames::No,
     verbs: VERBS,
     objectives: FingersObjective::CHOICES,

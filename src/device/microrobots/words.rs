@@ -4,8 +4,8 @@ use super::MAX_LEVELS;
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
-    Block, Count, Frames, Noun, Outcome, Planner, Sort, Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase,
-    WordChoice, expansions, not_negative, optional, outcome, planner, positive, required,
+    Assay, Block, Count, Frames, Noun, Outcome, Planner, Sort, Together, Verb, Vocabulary, VocabularyField,
+    VocabularyPhrase, WordChoice, expansions, not_negative, optional, outcome, planner, positive, required,
 };
 use crate::quantity::Dimension;
 
@@ -209,6 +209,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     settings: SETTINGS,
     state: None,
     together: Together::No("one voltage drives all robots: goals at the same time are an assembly"),
+    assay: Assay::No,
     frames: Frames::No,
     verbs: VERBS,
     objectives: MicrorobotsObjective::CHOICES,

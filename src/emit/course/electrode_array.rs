@@ -3,7 +3,7 @@
 //! One unit is one pitch of the board; electrode (1, 1) is the origin.
 
 use crate::claims::electrode_array::{
-    ElectrodeArrayAction, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
+    ElectrodeArrayAction, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder, ElectrodeArrayStop,
 };
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::emit::course;
@@ -72,9 +72,12 @@ pub fn body(facts: &ElectrodeArrayFacts, obstacle: &ElectrodeArrayObstacle) -> [
 
 /// The goals of every step of a task: the part's index and the cell.
 pub fn asked(order: &ElectrodeArrayOrder) -> impl Iterator<Item = (usize, ElectrodeCell)> + '_ {
-    let moves = order.steps.iter().flat_map(|step| match &step.action {
-        ElectrodeArrayAction::Move(moves) => moves.as_slice(),
-        ElectrodeArrayAction::Wait(_) => &[],
-    });
-    moves.flat_map(|action| action.stops.iter().map(|stop| (action.part, stop.cell)))
+    let stops = |part: usize, stops: &[ElectrodeArrayStop]| -> Vec<(usize, ElectrodeCell)> {
+        stops.iter().map(|stop| (part, stop.cell)).collect()
+    };
+    order.steps.iter().flat_map(move |step| match &step.action {
+        ElectrodeArrayAction::Move(moves) => moves.iter().flat_map(|one| stops(one.part, &one.stops)).collect(),
+        ElectrodeArrayAction::Assay(all) => all.iter().flat_map(|one| stops(one.part, &one.stops)).collect(),
+        ElectrodeArrayAction::Wait(_) => Vec::new(),
+    })
 }

@@ -28,8 +28,14 @@ impl Lowered for Planned<'_, ElectrodeArrayOrder, ElectrodeArrayMotion> {
             let start_ns = board.run.duration_ns;
             match motion {
                 ElectrodeArrayStepMotion::Wait(duration_ns) => board.wait(*duration_ns, index)?,
+                ElectrodeArrayStepMotion::Courses(courses) => {
+                    let paths: Vec<&[ElectrodeCell]> = courses.iter().map(|course| course.cells.as_slice()).collect();
+                    let is_gone: Vec<bool> = courses.iter().map(|course| course.is_gone).collect();
+                    board.follow(&paths, &is_gone, index)?;
+                }
                 ElectrodeArrayStepMotion::Paths(paths) => {
-                    board.follow(paths, index)?;
+                    let paths: Vec<&[ElectrodeCell]> = paths.iter().map(Vec::as_slice).collect();
+                    board.follow(&paths, &[], index)?;
                     if let ElectrodeArrayAction::Move(moves) = &step.action {
                         board.merge(moves.iter().filter_map(|action| action.with));
                     }
@@ -58,8 +64,9 @@ struct LoweringBoard<'a> {
 }
 
 impl LoweringBoard<'_> {
-    /// All parts through their cells, one step of the board after the other.
-    fn follow(&mut self, paths: &[Vec<ElectrodeCell>], step: usize) -> Option<()> {
+    /// All parts through their cells, one step of the board after the other. Those that `is_gone` tells are gone after the last of
+    /// theirs.
+    fn follow(&mut self, paths: &[&[ElectrodeCell]], is_gone: &[bool], step: usize) -> Option<()> {
         let facts = &self.order.facts;
         let instants = paths.iter().map(|path| path.len().saturating_sub(1)).max().unwrap_or(0);
         // Electrodes that are on, with the instant since when.
@@ -68,10 +75,17 @@ impl LoweringBoard<'_> {
             let start_ns = self.run.duration_ns;
             let next: Vec<Option<ElectrodeCell>> =
                 paths.iter().map(|path| path.get(instant + 1).or(path.last()).copied()).collect();
+            let next: Vec<Option<ElectrodeCell>> =
+                next.into_iter().zip(&self.cells).map(|(next, here)| here.and(next)).collect();
             let wanted = self.wanted(&next);
             self.switch(&mut on, &wanted, start_ns, step);
             self.run.duration_ns = start_ns.checked_add(facts.step_ns)?;
             self.cells = next;
+            for (part, _) in is_gone.iter().enumerate().filter(|(_, is_gone)| **is_gone) {
+                if paths[part].len() <= instant + 2 {
+                    self.cells[part] = None;
+                }
+            }
             self.record(self.run.duration_ns);
         }
         self.switch(&mut on, &BTreeSet::new(), self.run.duration_ns, step);

@@ -4,7 +4,9 @@
 //! form the optimal plan of the job, and its bounds are the sums of theirs. Only limits couple the steps; where the best plan
 //! breaks one, [`limited`] chooses among the plans of each step.
 
+use super::assay;
 use super::board::{self, BoardAnswer, BoardCosts, BoardPlan, NoBoardPlan, Paths};
+use super::errands::{self, PartCourse, PartErrands};
 use super::labels::{BoardFigures, PlanLimits};
 use super::limited::{self, AskedStep, PlanFront, UNLIMITED};
 use super::limits;
@@ -12,17 +14,17 @@ use super::published::{self, Heuristic, PairCheck, PaperReading, PublishedOutcom
 use super::remedy::{Shut, Tried};
 use super::stage::{self, BoardGround, BoardStage, CellBlocker};
 use super::{portfolio, why};
-use crate::claims::Job;
 use crate::claims::electrode_array::{
-    ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective, ElectrodeArrayOrder,
-    ElectrodeArrayStep,
+    AssayOperation, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective,
+    ElectrodeArrayOrder, ElectrodeArrayStep,
 };
+use crate::claims::{Job, Requirement};
 use crate::device::MAX_EXPANSIONS;
 use crate::device::electrode_array::{ElectrodeArrayOutcome, ElectrodeCell, Separation};
 use crate::diagnostic::{Code, Sink};
 use crate::plan::errors::{self, Removal};
 use crate::plan::requirements::{Kept, KnownLimit, require};
-use crate::plan::search::SearchBudget;
+use crate::plan::search::{SearchAnswer, SearchBudget};
 use crate::plan::{KindPlanner, Optimality, Plan};
 use crate::source::Span;
 use std::collections::BTreeMap;
@@ -48,16 +50,28 @@ pub struct ElectrodeArrayMotion {
 pub enum ElectrodeArrayStepMotion {
     /// For each part its cells at the instants 0, 1, … of the step, until it stays; empty for a part that has already merged.
     Paths(Vec<Vec<ElectrodeCell>>),
+    /// One for each part.
+    Courses(Vec<PartCourse>),
     /// In nanoseconds.
     Wait(u64),
 }
 
 impl ElectrodeArrayStepMotion {
-    /// The cells of each part; `None` for a wait.
-    fn paths(&self) -> Option<&Vec<Vec<ElectrodeCell>>> {
+    /// Steps, sum of costs and moves.
+    fn figures(&self) -> [usize; 3] {
+        let moves = |cells: &[ElectrodeCell]| cells.windows(2).filter(|pair| pair[0] != pair[1]).count();
         match self {
-            ElectrodeArrayStepMotion::Paths(paths) => Some(paths),
-            ElectrodeArrayStepMotion::Wait(_) => None,
+            ElectrodeArrayStepMotion::Paths(paths) => {
+                let arrivals = paths.iter().map(|path| path.len().saturating_sub(1));
+                let moves = paths.iter().map(|path| moves(path)).sum();
+                [arrivals.clone().max().unwrap_or(0), arrivals.sum(), moves]
+            }
+            ElectrodeArrayStepMotion::Courses(courses) => {
+                let ends = courses.iter().map(|course| course.cells.len().saturating_sub(1));
+                let moves = courses.iter().map(|course| moves(&course.cells)).sum();
+                [ends.max().unwrap_or(0), courses.iter().map(PartCourse::last_arrival).sum(), moves]
+            }
+            ElectrodeArrayStepMotion::Wait(_) => [0; 3],
         }
     }
 }
@@ -103,16 +117,23 @@ fn planned(
 ) -> (Option<Plan<ElectrodeArrayMotion>>, Vec<Option<ElectrodeCell>>) {
     let ground = BoardGround::new(order);
     let cells = start.clone();
-    let mut tasks = Tasks { job, order, ground: &ground, start: &start, cells, known: vec![], may_remedy, sink };
+    let (known, assays) = (Vec::new(), Vec::new());
+    let mut tasks = Tasks { job, order, ground: &ground, start: &start, cells, known, assays, may_remedy, sink };
     let steps: Vec<Option<ElectrodeArrayStepMotion>> = order.steps.iter().map(|step| tasks.step(step)).collect();
-    let (known, end) = (tasks.known, tasks.cells);
+    let (known, assays, end) = (tasks.known, tasks.assays, tasks.cells);
     let Some(steps) = steps.into_iter().collect::<Option<Vec<ElectrodeArrayStepMotion>>>() else { return (None, end) };
     let motion = ElectrodeArrayMotion { start, steps };
-    if order.planner.method == ElectrodeArrayMethod::Portfolio {
+    if order.planner.method == ElectrodeArrayMethod::Portfolio && assays.is_empty() {
         return (within_limits(job, order, &ground, (motion, known), sink), end);
     }
-    let plan = finished(order, motion, total(known.iter().map(|(_, bounds)| *bounds)), None);
-    let kept = require(job, &plan, &mut |_| KnownLimit::default(), sink);
+    let bounds = total(known.iter().map(|(_, bounds)| *bounds).chain(assays.iter().copied()));
+    let plan = finished(order, motion, bounds, None);
+    // The bounds of an assay hold whatever the limits are; those of a published plan are not asked for.
+    let least = |requirement: &Requirement| match assays.is_empty() {
+        true => KnownLimit::default(),
+        false => KnownLimit { least: limits::least(order, &requirement.outcome, bounds), ..KnownLimit::default() },
+    };
+    let kept = require(job, &plan, &mut |requirement| least(requirement), sink);
     (Some(plan).filter(|_| kept == Kept::Yes), end)
 }
 
@@ -244,6 +265,8 @@ struct Tasks<'a> {
     cells: Vec<Option<ElectrodeCell>>,
     /// The plans of the steps with moves, and their bounds.
     known: Vec<(Paths, BoardCosts)>,
+    /// The bounds of the assays.
+    assays: Vec<BoardCosts>,
     /// Whether a remedy may still be tried, once per job, since each try costs as much as planning.
     may_remedy: bool,
     sink: &'a mut Sink,
@@ -261,7 +284,38 @@ impl Tasks<'_> {
                 arrive(&mut self.cells, moves);
                 motion.map(ElectrodeArrayStepMotion::Paths)
             }
+            ElectrodeArrayAction::Assay(operations) => {
+                let courses = self.courses(step, operations);
+                errands::depart(&mut self.cells, operations);
+                courses.map(ElectrodeArrayStepMotion::Courses)
+            }
         }
+    }
+
+    /// The courses of all parts in an assay.
+    fn courses(&mut self, step: &ElectrodeArrayStep, operations: &[AssayOperation]) -> Option<Vec<PartCourse>> {
+        let asked = PartErrands::new(self.order, &self.cells, operations);
+        let stage = BoardStage::new(self.order, self.ground, &self.cells, &asked.moves);
+        let problem = asked.problem(&stage.instance);
+        let (objective, budget) = (objective(self.order.objective), SearchBudget::of(self.order.planner.expansions));
+        let plan = match assay::solve(&problem, objective, budget) {
+            SearchAnswer::Found(plan) => plan,
+            SearchAnswer::Impossible(why) => {
+                self.impossible(step.span, &stage, &why);
+                return None;
+            }
+            SearchAnswer::GaveUp(bounds) => {
+                let in_turn = (operations, &problem, &stage);
+                let found = errands::one_by_one((self.order, self.ground), &self.cells, in_turn, (objective, bounds));
+                let Some(plan) = found else {
+                    self.gave_up(step.span, &goals(&stage), bounds, budget);
+                    return None;
+                };
+                plan
+            }
+        };
+        self.assays.push(plan.bounds);
+        Some(errands::courses_of(self.order, &stage, &self.cells, (&problem, &plan.courses)))
     }
 
     fn paths(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage) -> Option<Paths> {
@@ -284,14 +338,16 @@ impl Tasks<'_> {
                 None
             }
             BoardAnswer::GaveUp(bounds) => {
-                let steps = format!("{} steps", bounds.makespan);
-                let (what, to) = ("the search for a plan", goals(stage));
-                let told =
-                    errors::gave_up(step.span, &to, what, budget.steps, &steps, ElectrodeArrayMethod::Portfolio.name());
-                self.sink.push(told.help(more_may_do(budget.steps)));
+                self.gave_up(step.span, &goals(stage), bounds, budget);
                 None
             }
         }
+    }
+
+    fn gave_up(&mut self, step: Span, to: &str, bounds: BoardCosts, budget: SearchBudget) {
+        let (what, steps) = ("the search for a plan", format!("{} steps", bounds.makespan));
+        let told = errors::gave_up(step, to, what, budget.steps, &steps, ElectrodeArrayMethod::Portfolio.name());
+        self.sink.push(told.help(more_may_do(budget.steps)));
     }
 
     /// The paper's algorithm; it is greedy, so its failure proves nothing.
@@ -472,14 +528,11 @@ fn finished(
 }
 
 fn outcomes(order: &ElectrodeArrayOrder, motion: &ElectrodeArrayMotion) -> BTreeMap<String, f64> {
-    let (mut steps, mut sum_of_costs, mut moves) = (0, 0, 0);
-    for paths in motion.steps.iter().filter_map(ElectrodeArrayStepMotion::paths) {
-        let arrivals = paths.iter().map(|path| path.len().saturating_sub(1));
-        steps += arrivals.clone().max().unwrap_or(0);
-        sum_of_costs += arrivals.sum::<usize>();
-        let moved = |path: &Vec<ElectrodeCell>| path.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        moves += paths.iter().map(moved).sum::<usize>();
-    }
+    let sum = |sum: [usize; 3], step: &ElectrodeArrayStepMotion| {
+        let own = step.figures();
+        [0, 1, 2].map(|figure: usize| sum[figure] + own[figure])
+    };
+    let [steps, sum_of_costs, moves] = motion.steps.iter().fold([0; 3], sum);
     let figures = [
         (ElectrodeArrayOutcome::Steps, steps as f64),
         (ElectrodeArrayOutcome::SumOfCosts, sum_of_costs as f64),

@@ -1,6 +1,6 @@
 //! The limits of a task as numbers of steps, costs and moves, and the report where no plan is known to keep them.
 
-use super::board::Paths;
+use super::board::{BoardCosts, Paths};
 use super::labels::{BoardFigures, PlanLimits};
 use super::limited::{self, PlanFront, UNLIMITED, exceeds};
 use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayOrder};
@@ -27,9 +27,15 @@ fn figure(outcome: &str) -> Option<usize> {
 pub fn seconds(order: &ElectrodeArrayOrder, steps: u64) -> f64 {
     let waits_ns = order.steps.iter().map(|step| match step.action {
         ElectrodeArrayAction::Wait(duration_ns) => u128::from(duration_ns),
-        ElectrodeArrayAction::Move(_) => 0,
+        ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Assay(_) => 0,
     });
     (u128::from(steps) * u128::from(order.facts.step_ns) + waits_ns.sum::<u128>()) as f64 / 1e9
+}
+
+/// The least value of an outcome, from lower bounds of the steps and the sum of costs; `None` if they say nothing of it.
+pub fn least(order: &ElectrodeArrayOrder, outcome: &str, bounds: BoardCosts) -> Option<f64> {
+    let figure = [Some(bounds.makespan), Some(bounds.sum_of_costs), None][figure(outcome)?]?;
+    Some(value(order, outcome, figure))
 }
 
 /// The value of an outcome for a figure.

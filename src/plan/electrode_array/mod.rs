@@ -3,10 +3,12 @@
 //! Input: a job, and the cells of the parts. Output: a plan, or an error that explains why there is none. Reading order: `job` (a
 //! task, step by step), `stage` (one step on flat cell indices, [`board`]), `portfolio` (the default planner: [`fast`] finds plans,
 //! [`exact`] and [`joint`] prove them optimal or impossible), `limited` (plans of all steps within limits), [`published`] (the
-//! paper's own), `why` (blocking obstacles), `remedy` (changes that would help).
+//! paper's own), [`assay`] and `errands` (operations that depend on each other only by their parts), `why` (blocking obstacles), `remedy` (changes that would help).
 
 mod alone;
+pub mod assay;
 pub mod board;
+mod errands;
 pub mod exact;
 pub mod fast;
 mod job;
@@ -22,6 +24,7 @@ mod stage;
 mod timing;
 mod why;
 
+pub use errands::PartCourse;
 pub use job::{BoardStandings as Standings, ElectrodeArrayMotion, ElectrodeArrayStepMotion, plan};
 pub use portfolio::solve;
 

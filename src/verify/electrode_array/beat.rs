@@ -5,7 +5,7 @@
 use super::JudgedBoard;
 use super::bodies::{SweptCells, first_touch, needed};
 use super::pull::{PartPull, acting, explained, merging, range};
-use super::stage::JudgedStage;
+use super::stage::Meetings;
 use crate::claims::electrode_array::Bystanders;
 use crate::device::electrode_array::{ElectrodeCell, Electrodes, Hold};
 use crate::verify::Violation;
@@ -20,12 +20,12 @@ pub(super) struct StepBeat<'m> {
     /// Place of the step in the run.
     pub nth: usize,
     pub at_ns: u64,
-    pub stage: &'m JudgedStage<'m>,
+    pub stage: &'m Meetings,
     pub on: &'m FxHashSet<ElectrodeCell>,
 }
 
 /// Motion of each part on the board, by the index of the part.
-type Pulls = Vec<(usize, PartPull)>;
+pub(super) type Pulls = Vec<(usize, PartPull)>;
 
 impl JudgedBoard<'_, '_> {
     fn broken(&self, rule: Rule, moment: &StepBeat, title: String, parts: &[usize]) -> Violation {
@@ -189,7 +189,7 @@ impl JudgedBoard<'_, '_> {
             Some((part, PartPull { from: at, to: at, by: Vec::new() }))
         };
         let pulls: Pulls = self.cells.iter().enumerate().filter_map(rests).collect();
-        let broken = self.touches(&JudgedStage::default(), at_ns, &pulls).or_else(|| self.clearances(at_ns, &pulls));
+        let broken = self.touches(&Meetings::default(), at_ns, &pulls).or_else(|| self.clearances(at_ns, &pulls));
         match broken {
             None => Ok(()),
             Some((rule, title, _)) => {
@@ -199,7 +199,7 @@ impl JudgedBoard<'_, '_> {
     }
 
     /// Two parts keep the separation; between two that merge, moves on their common goal are exempt.
-    fn touches(&self, stage: &JudgedStage, at_ns: u64, pulls: &Pulls) -> Option<Broken> {
+    fn touches(&self, stage: &Meetings, at_ns: u64, pulls: &Pulls) -> Option<Broken> {
         let needed = needed(&self.order.facts);
         let ways: Vec<SweptCells> = pulls.iter().map(|(_, pull)| SweptCells::new(pull.from, pull.to)).collect();
         let apart = |one: usize, other: usize| {

@@ -4,9 +4,12 @@
 
 use super::super::Unfit;
 use crate::claims::electrode_array::{
-    ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
+    AssayOperation, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
+    ElectrodeArrayStop,
 };
-use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, MAX_PARTS, MAX_SIDE, Separation};
+use crate::device::electrode_array::{
+    ElectrodeArrayFacts, ElectrodeCell, Electrodes, MAX_PARTS, MAX_SIDE, MAX_STAY_STEPS, Separation,
+};
 use std::collections::BTreeSet;
 
 /// The largest separation, in electrodes.
@@ -22,6 +25,7 @@ pub(super) fn check_claims(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
     obstacles(order)?;
     order.steps.iter().try_for_each(|step| match &step.action {
         ElectrodeArrayAction::Move(moves) => goals(order, moves),
+        ElectrodeArrayAction::Assay(operations) => self::operations(order, operations),
         ElectrodeArrayAction::Wait(_) => Ok(()),
     })
 }
@@ -85,6 +89,31 @@ fn obstacles(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
     demand(order.obstacles.iter().all(|obstacle| is_block(&obstacle.body)), "hold an obstacle of no electrodes")
 }
 
+fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Result<(), Unfit> {
+    let mut merged = BTreeSet::new();
+    let mut stays: u64 = 0;
+    for operation in operations {
+        for part in operation.parts() {
+            demand(part < order.parts.len(), "move a part that they do not have")?;
+            demand(!merged.contains(&part), "move a part that has merged before")?;
+        }
+        stops(order, &operation.stops)?;
+        stays = stays.saturating_add(operation.stay_ns.div_ceil(order.facts.step_ns));
+        if let Some(with) = operation.with {
+            demand(with != operation.part, "merge a part with itself")?;
+            demand(operation.stops.len() == 1 && operation.stay_ns == 0, "merge parts that have stops on their way")?;
+            demand(order.facts.layout.electrodes == Electrodes::Single, "merge parts that are no droplets")?;
+            merged.insert(with);
+        }
+    }
+    demand(stays <= MAX_STAY_STEPS, "stay for too many steps")
+}
+
+fn stops(order: &ElectrodeArrayOrder, stops: &[ElectrodeArrayStop]) -> Result<(), Unfit> {
+    let known = stops.iter().all(|stop| is_on_board(&order.facts, stop.cell.pair().map(i64::from)));
+    demand(known, "name a cell that it does not have")
+}
+
 fn goals(order: &ElectrodeArrayOrder, moves: &[ElectrodeArrayMove]) -> Result<(), Unfit> {
     let mut met = BTreeSet::new();
     for action in moves {
@@ -94,10 +123,7 @@ fn goals(order: &ElectrodeArrayOrder, moves: &[ElectrodeArrayMove]) -> Result<()
             demand(met.insert(part), "move a part twice in one step")?;
         }
         demand(!action.stops.is_empty(), "move a part to no goal")?;
-        demand(
-            action.stops.iter().all(|stop| is_on_board(&order.facts, stop.cell.pair().map(i64::from))),
-            "name a cell that it does not have",
-        )?;
+        stops(order, &action.stops)?;
         if action.with.is_some() {
             demand(action.stops.len() == 1, "merge parts that have stops on their way")?;
             demand(order.facts.layout.electrodes == Electrodes::Single, "merge parts that are no droplets")?;

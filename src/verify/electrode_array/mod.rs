@@ -6,6 +6,7 @@
 //! parts are unknown after it. Cost: for each beat the parts and the electrodes that are on, but no more beats than the
 //! record has states.
 
+mod assay;
 mod beat;
 mod bodies;
 mod claims;
@@ -17,15 +18,16 @@ use super::clock::JudgedRun;
 use super::record;
 use super::rule::{Findings, Rule, Violation, ms};
 use super::{Halt, Judge, JudgedState, RecordTerms, Replay, Standing, Unfit};
-use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayOrder};
+use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayOrder};
 use crate::claims::{Claims, Order};
 use crate::device::electrode_array::{ElectrodeArrayOutcome, ElectrodeCell};
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{Actuation, ChannelUnit, State, TimedState};
-use beat::StepBeat;
+use assay::{JudgedAssay, MissedOperation};
+use beat::{Pulls, StepBeat};
 use bodies::BoardObstacles;
 use rustc_hash::FxHashMap;
-use stage::JudgedStage;
+use stage::{JudgedStage, Meetings};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use switching::{ElectrodePulse, Switching};
@@ -83,6 +85,7 @@ impl Judge for ElectrodeArrayOrder {
             match &step.action {
                 ElectrodeArrayAction::Wait(duration_ns) => board.wait(nth, *duration_ns, findings)?,
                 ElectrodeArrayAction::Move(moves) => board.follow(nth, moves, findings)?,
+                ElectrodeArrayAction::Assay(operations) => board.operate(nth, operations, findings)?,
             }
         }
         standing.insert(&run.job.device, board.state());
@@ -180,7 +183,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         }
         let mut switching = self.switching(nth, step.duration_ns)?;
         switching.advance(0);
-        let moment = StepBeat { nth, at_ns: step.start_ns, stage: &JudgedStage::default(), on: &switching.on };
+        let moment = StepBeat { nth, at_ns: step.start_ns, stage: &Meetings::default(), on: &switching.on };
         let pulls = self.pulled(&moment)?;
         if let Some((part, pull)) = pulls.iter().find(|(_, pull)| pull.moves()) {
             let (name, at) = (&self.order.parts[*part].name, ms(step.start_ns));
@@ -204,10 +207,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 self.record(at_ns)?;
             }
             switching.advance(beat);
-            let moment = StepBeat { nth, at_ns, stage: &stage, on: &switching.on };
-            let pulls = self.pulled(&moment)?;
-            self.bystanders(&moment, &pulls)?;
-            self.sweeps(&moment, &pulls)?;
+            let pulls = self.beat(&StepBeat { nth, at_ns, stage: &stage.meetings, on: &switching.on })?;
             moved = 0;
             for (part, pull) in pulls.iter().filter(|(_, pull)| pull.moves()) {
                 self.cells[*part] = Some(pull.to);
@@ -219,13 +219,91 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         self.beats = self.beats.saturating_add(beats);
         self.sum_of_costs = self.sum_of_costs.saturating_add(stage.cost());
         self.goals(nth, &stage, findings);
-        self.returns(nth, &stage, findings);
+        let homes = stage.homes.iter().map(|(part, home)| (*part, *home));
+        self.returns(nth, homes, findings);
         stage.gone().for_each(|part| self.cells[part] = None);
         if beats > 0 {
             self.idle(nth, moved, findings);
             self.record(step.start_ns + step.duration_ns)?;
         }
         Ok(())
+    }
+
+    /// Motion of each part in a beat, with all rules kept that hold at every instant.
+    fn beat(&self, moment: &StepBeat) -> Result<Pulls, Violation> {
+        let pulls = self.pulled(moment)?;
+        self.bystanders(moment, &pulls)?;
+        self.sweeps(moment, &pulls)?;
+        Ok(pulls)
+    }
+
+    /// Parts do their operations, beat by beat.
+    fn operate(&mut self, nth: usize, operations: &[AssayOperation], findings: &mut Findings) -> Result<(), Halt> {
+        let step = self.run.step(nth);
+        let step_ns = self.order.facts.step_ns;
+        let beats = self.whole_beats(nth)?;
+        let mut switching = self.switching(nth, step_ns)?;
+        let mut assay = JudgedAssay::new(operations, step_ns, &self.cells);
+        assay.settle(0, &mut self.cells);
+        for beat in 0..beats {
+            let at_ns = step.start_ns + beat * step_ns;
+            if beat > 0 {
+                self.record(at_ns)?;
+            }
+            switching.advance(beat);
+            let pulls = self.beat(&StepBeat { nth, at_ns, stage: &assay.meetings, on: &switching.on })?;
+            for (part, pull) in pulls.iter().filter(|(_, pull)| pull.moves()) {
+                self.cells[*part] = Some(pull.to);
+                assay.arrive(*part, pull.from, beat + 1);
+                self.moves += 1;
+            }
+            assay.settle(beat + 1, &mut self.cells);
+        }
+        self.beats = self.beats.saturating_add(beats);
+        self.sum_of_costs = self.sum_of_costs.saturating_add(assay.cost());
+        let missed = assay.missed(&self.cells);
+        missed.iter().for_each(|missed| findings.push(self.not_done(nth, missed)));
+        let homes = assay.homes.iter().map(|(part, (home, _))| (*part, *home));
+        self.returns(nth, homes, findings);
+        if beats > 0 {
+            if missed.is_empty() && assay.end() < beats {
+                findings.push(self.idle_assay(nth, assay.end()));
+            }
+            self.record(step.start_ns + step.duration_ns)?;
+        }
+        Ok(())
+    }
+
+    /// An operation that was not done, or a part that does not end where it should.
+    fn not_done(&self, nth: usize, missed: &MissedOperation) -> Violation {
+        let step = self.run.step(nth);
+        let MissedOperation { part, cell, beats, with, .. } = *missed;
+        let (name, end_ns) = (&self.order.parts[part].name, step.start_ns + step.duration_ns);
+        let ends = match self.cells[part] {
+            Some(end) => format!("it ends at {end}"),
+            None => "it has merged with another part before".to_owned(),
+        };
+        let title = match with {
+            Some(other) => {
+                let other = &self.order.parts[other].name;
+                format!("`{name}` and `{other}` are to merge at {cell}, but do not")
+            }
+            None if beats > 0 => {
+                let due = ms(beats.saturating_mul(self.order.facts.step_ns));
+                format!("`{name}` is to stay at {cell} for {due}, but does not in its turn; {ends}")
+            }
+            None => format!("`{name}` is to come to {cell}, but does not in its turn; {ends}"),
+        };
+        let span = missed.stop.map_or(missed.operation.span, |stop| stop.span);
+        self.within(Rule::Goal, nth, end_ns, title).label(span, "this operation")
+    }
+
+    /// An assay ends with its last operation.
+    fn idle_assay(&self, nth: usize, beats: u64) -> Violation {
+        let step = self.run.step(nth);
+        let (done_ns, end_ns) = (step.start_ns + beats * self.order.facts.step_ns, step.start_ns + step.duration_ns);
+        let title = format!("all operations are done at {}, but the step ends at {}", ms(done_ns), ms(end_ns));
+        self.within(Rule::Idle, nth, done_ns, title)
     }
 
     /// A step of parts lasts for a whole number of beats.
@@ -287,12 +365,12 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     }
 
     /// Parts that yielded are back where they were.
-    fn returns(&self, nth: usize, stage: &JudgedStage, findings: &mut Findings) {
+    fn returns(&self, nth: usize, homes: impl Iterator<Item = (usize, ElectrodeCell)>, findings: &mut Findings) {
         let step = self.run.step(nth);
         let end_ns = step.start_ns + step.duration_ns;
-        for (part, home) in &stage.homes {
-            let Some(end) = self.cells[*part].filter(|cell| cell != home) else { continue };
-            let part = &self.order.parts[*part];
+        for (part, home) in homes {
+            let Some(end) = self.cells[part].filter(|cell| *cell != home) else { continue };
+            let part = &self.order.parts[part];
             let title = format!("`{}` steps aside from {home} and ends at {end}, but must return", part.name);
             findings.push(self.within(Rule::Bystander, nth, end_ns, title).label(part.span, "this part"));
         }
@@ -334,7 +412,9 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     fn due_states(&self) -> u64 {
         let beats = self.order.steps.iter().enumerate().map(|(nth, step)| match step.action {
             ElectrodeArrayAction::Wait(_) => 0,
-            ElectrodeArrayAction::Move(_) => self.run.step(nth).duration_ns / self.order.facts.step_ns,
+            ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Assay(_) => {
+                self.run.step(nth).duration_ns / self.order.facts.step_ns
+            }
         });
         beats.fold(1, u64::saturating_add)
     }

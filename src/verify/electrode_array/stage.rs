@@ -3,7 +3,32 @@
 use super::pull::PartPull;
 use crate::claims::electrode_array::{ElectrodeArrayMove, ElectrodeArrayStop};
 use crate::device::electrode_array::ElectrodeCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Who is asked to move, and who merges with whom at present.
+#[derive(Debug, Default)]
+pub(super) struct Meetings {
+    asked: BTreeSet<usize>,
+    /// For both parts that merge the other one and the goal; none where one of them is gone already.
+    pub pairs: BTreeMap<usize, (usize, ElectrodeCell)>,
+}
+
+impl Meetings {
+    /// Parts that are asked to move, and no pairs.
+    pub fn new(asked: impl Iterator<Item = usize>) -> Meetings {
+        Meetings { asked: asked.collect(), pairs: BTreeMap::new() }
+    }
+
+    /// Whether a part has a goal in this step.
+    pub fn is_asked(&self, part: usize) -> bool {
+        self.asked.contains(&part)
+    }
+
+    /// The part that another merges with, and where.
+    pub fn partner(&self, part: usize) -> Option<(usize, ElectrodeCell)> {
+        self.pairs.get(&part).copied()
+    }
+}
 
 /// A step of parts in progress; by default one without goals.
 #[derive(Debug, Default)]
@@ -11,8 +36,7 @@ pub(super) struct JudgedStage<'o> {
     moves: &'o [ElectrodeArrayMove],
     /// The move of each part that has a goal.
     of: BTreeMap<usize, usize>,
-    /// For both parts that merge the other one and the goal; none where one of them is gone already.
-    pairs: BTreeMap<usize, (usize, ElectrodeCell)>,
+    pub meetings: Meetings,
     /// For each move the number of stops reached.
     turns: Vec<usize>,
     /// Where the parts without a goal stood that have moved.
@@ -27,26 +51,17 @@ impl<'o> JudgedStage<'o> {
         let mut stage = JudgedStage { moves, turns: vec![0; moves.len()], ..JudgedStage::default() };
         for (index, action) in moves.iter().enumerate() {
             let both = std::iter::once(action.part).chain(action.with);
-            stage.of.extend(both.map(|part| (part, index)));
+            stage.of.extend(both.clone().map(|part| (part, index)));
+            stage.meetings.asked.extend(both);
             if let Some(with) = action.with.filter(|with| cells[*with].is_some() && cells[action.part].is_some()) {
                 let goal = action.goal().cell;
-                stage.pairs.extend([(action.part, (with, goal)), (with, (action.part, goal))]);
+                stage.meetings.pairs.extend([(action.part, (with, goal)), (with, (action.part, goal))]);
             }
             if let Some(cell) = cells[action.part] {
                 stage.pass(index, cell);
             }
         }
         stage
-    }
-
-    /// Whether a part has a goal in this step.
-    pub fn is_asked(&self, part: usize) -> bool {
-        self.of.contains_key(&part)
-    }
-
-    /// The part that another merges with, and where.
-    pub fn partner(&self, part: usize) -> Option<(usize, ElectrodeCell)> {
-        self.pairs.get(&part).copied()
     }
 
     /// Notes that a part has moved.

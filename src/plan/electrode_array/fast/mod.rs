@@ -24,6 +24,7 @@ mod sipp;
 use super::board::{BoardCosts, BoardObjective, Instance, NoBoardPlan, Paths};
 use crate::plan::search::{Meter, SearchBudget};
 use crew::PlannedInstance;
+pub(super) use distances::{DistanceField, Distances, UNREACHABLE};
 use prioritise::PrioritisedOutcome;
 
 /// Boards with more cells are not planned.

@@ -1,9 +1,9 @@
 //! Makes claims on a board, and schedules from the words that its parts follow, with a lowering and records of its own.
 
 use crate::claims::electrode_array::{
-    BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective,
-    ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder, ElectrodeArrayPlanner, ElectrodeArrayStep,
-    ElectrodeArrayStop,
+    AssayOperation, BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove,
+    ElectrodeArrayObjective, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
+    ElectrodeArrayPlanner, ElectrodeArrayStep, ElectrodeArrayStop,
 };
 use crate::claims::{Claims, Job, Order};
 use crate::device::Kind;
@@ -79,6 +79,16 @@ pub fn go(part: usize, stops: &[(u32, u32)]) -> ElectrodeArrayMove {
     ElectrodeArrayMove { part, with: None, stops: stops.iter().map(stop).collect(), span: Span::default() }
 }
 
+/// A part stays where it is, or at its stop, for some beats.
+pub fn incubate(part: usize, stops: &[(u32, u32)], beats: u64) -> AssayOperation {
+    AssayOperation { stay_ns: beats * BEAT, ..operation(go(part, stops)) }
+}
+
+/// A move or a merge in an assay.
+pub fn operation(ElectrodeArrayMove { part, with, stops, span }: ElectrodeArrayMove) -> AssayOperation {
+    AssayOperation { part, with, stops, stay_ns: 0, span }
+}
+
 pub fn merge(part: usize, with: usize, goal: (u32, u32)) -> ElectrodeArrayMove {
     ElectrodeArrayMove { with: Some(with), ..go(part, &[goal]) }
 }
@@ -103,7 +113,7 @@ pub fn order_of(claims: &mut Claims, job: usize) -> &mut ElectrodeArrayOrder {
 }
 
 /// For each job, step and part the word that the part follows, a letter for each beat: `R`, `L`, `U`, `D`, or `.` to
-/// rest. Past its end a part rests.
+/// rest; from an `x` on it is gone. Past its end a part rests.
 pub type Words<'a> = &'a [&'a [&'a [&'a str]]];
 
 fn shift(letter: char) -> [i64; 2] {
@@ -166,9 +176,10 @@ impl Writer {
         let (mut steps, mut costs, mut moves) = (0, 0, 0);
         for (nth, step) in order.steps.iter().enumerate() {
             let (step_ns, words) = (self.at_ns, words[nth]);
-            let beats = words.iter().map(|word| word.len()).max().unwrap_or(0);
+            let beats = words.iter().map(|word| word.trim_end_matches('x').len()).max().unwrap_or(0);
             match &step.action {
                 ElectrodeArrayAction::Wait(duration_ns) => self.rest(order, *duration_ns),
+                ElectrodeArrayAction::Assay(_) => self.follow(order, words, beats, &mut states),
                 ElectrodeArrayAction::Move(goals) => {
                     self.follow(order, words, beats, &mut states);
                     let gone: Vec<usize> = goals.iter().filter_map(|goal| goal.with).collect();
@@ -179,8 +190,8 @@ impl Writer {
                 }
             }
             steps += beats;
-            costs += words.iter().map(|word| word.trim_end_matches('.').len()).sum::<usize>();
-            moves += words.iter().map(|word| word.replace('.', "").len()).sum::<usize>();
+            costs += words.iter().map(|word| word.trim_end_matches(['.', 'x']).len()).sum::<usize>();
+            moves += words.iter().map(|word| word.replace(['.', 'x'], "").len()).sum::<usize>();
             self.schedule.steps.push(step_of(job, index, [step_ns, self.at_ns]));
         }
         let plan = self.plan(job, order, start_ns, states, [steps, costs, moves]);
@@ -242,9 +253,10 @@ impl Writer {
             let mut wanted = BTreeSet::new();
             for (part, at) in self.cells.iter_mut().enumerate() {
                 let letter = words.get(part).and_then(|word| word.chars().nth(beat)).unwrap_or('.');
-                let Some(at) = at else { continue };
-                wanted.extend(electrodes(&order.facts, *at, letter));
-                *at = moved(*at, letter);
+                let Some(from) = *at else { continue };
+                wanted.extend(electrodes(&order.facts, from, letter));
+                let is_gone = words.get(part).and_then(|word| word.chars().nth(beat + 1)) == Some('x');
+                *at = Some(moved(from, letter)).filter(|_| !is_gone);
             }
             self.switch(order, &mut since, &wanted);
             self.at_ns += order.facts.step_ns;

@@ -12,6 +12,7 @@ use crate::verify::{Rule, Verdict, verify};
 use build::*;
 use std::sync::Arc;
 
+mod assay;
 mod build;
 mod garbage;
 mod merging;

@@ -18,14 +18,14 @@ const TABLES_BYTES: usize = 400 * 400 * 400 * 2;
 const CELLS_PER_STEP: u64 = 32;
 
 /// Distance of a cell from which the stop is unreachable.
-pub(super) const UNREACHABLE: u32 = u32::MAX;
+pub(in crate::plan::electrode_array) const UNREACHABLE: u32 = u32::MAX;
 
 /// Table entry of such a cell.
 const NO_WAY: u16 = u16::MAX;
 
 /// The distances to one cell.
 #[derive(Debug, Clone)]
-pub(super) enum DistanceField {
+pub(in crate::plan::electrode_array) enum DistanceField {
     Manhattan {
         column: u32,
         row: u32,
@@ -38,7 +38,7 @@ pub(super) enum DistanceField {
 impl DistanceField {
     /// Steps from a free cell, or [`UNREACHABLE`].
     #[inline]
-    pub(super) fn from(&self, cell: CellIndex) -> u32 {
+    pub(in crate::plan::electrode_array) fn from(&self, cell: CellIndex) -> u32 {
         match self {
             DistanceField::Manhattan { column, row, width } => {
                 (cell % width).abs_diff(*column) + (cell / width).abs_diff(*row)
@@ -53,19 +53,24 @@ impl DistanceField {
 
 /// Distance fields of one board.
 #[derive(Debug)]
-pub(super) struct Distances {
+pub(in crate::plan::electrode_array) struct Distances {
     open: bool,
     tables: FxHashMap<CellIndex, Rc<[u16]>>,
     oldest: VecDeque<CellIndex>,
 }
 
 impl Distances {
-    pub(super) fn of(board: &BoardGrid) -> Distances {
+    pub(in crate::plan::electrode_array) fn of(board: &BoardGrid) -> Distances {
         Distances { open: is_rectangle(board), tables: FxHashMap::default(), oldest: VecDeque::new() }
     }
 
     /// The distances to a free cell.
-    pub(super) fn to(&mut self, board: &BoardGrid, stop: CellIndex, meter: &mut Meter) -> DistanceField {
+    pub(in crate::plan::electrode_array) fn to(
+        &mut self,
+        board: &BoardGrid,
+        stop: CellIndex,
+        meter: &mut Meter,
+    ) -> DistanceField {
         if self.open {
             let (column, row) = board.place(stop);
             return DistanceField::Manhattan { column, row, width: board.width() };

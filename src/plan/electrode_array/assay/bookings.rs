@@ -1,0 +1,144 @@
+//! Instants at which the courses of agents forbid the cells around them.
+//!
+//! A position at instant `t` forbids the cells nearer than the separation at `t - 1`, `t` and `t + 1` ([`super::super::board`]).
+
+use super::super::board::{BoardGrid, CellIndex};
+
+/// The instant after all others.
+pub(super) const NEVER: u32 = u32::MAX;
+
+/// What an agent is doing while it forbids a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Doing {
+    /// Errands.
+    Busy,
+    /// It is on its way to the agent that it meets next.
+    Approaching,
+    /// It has come to where they meet.
+    Waiting,
+}
+
+/// Instants `from..to` in which an agent forbids a cell.
+#[derive(Debug, Clone, Copy)]
+struct Booking {
+    from: u32,
+    to: u32,
+    agent: u32,
+    doing: Doing,
+}
+
+/// Instants `from..to` in which a cell is free.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct FreeSpan {
+    pub from: u32,
+    pub to: u32,
+}
+
+/// The course of an agent.
+#[derive(Debug, Clone, Default)]
+pub(super) struct BookedCourse {
+    pub cells: Vec<CellIndex>,
+    /// The instant from which on it only goes to the agent that it meets next.
+    pub ready: Option<u32>,
+    /// Whether it is gone after the last cell.
+    pub is_gone: bool,
+}
+
+/// The bookings of all courses on a board.
+#[derive(Debug)]
+pub(super) struct Bookings<'a> {
+    board: &'a BoardGrid,
+    separation: u32,
+    /// By cell, in order of `from`.
+    bookings: Vec<Vec<Booking>>,
+    /// By agent: the cells with a booking of it.
+    touched: Vec<Vec<CellIndex>>,
+}
+
+impl Bookings<'_> {
+    pub(super) fn new(board: &BoardGrid, separation: u32, agents: usize) -> Bookings<'_> {
+        Bookings { board, separation, bookings: vec![Vec::new(); board.cells()], touched: vec![Vec::new(); agents] }
+    }
+
+    /// Removes all bookings of an agent.
+    pub(super) fn clear(&mut self, agent: usize) {
+        for cell in std::mem::take(&mut self.touched[agent]) {
+            self.bookings[cell as usize].retain(|booking| booking.agent as usize != agent);
+        }
+    }
+
+    /// Keeps a cell for an agent without a course before instant `to`.
+    pub(super) fn keep(&mut self, agent: usize, cell: CellIndex, to: u32) {
+        self.clear(agent);
+        self.book(agent, cell, (0, to), Doing::Busy);
+    }
+
+    /// Replaces the bookings of an agent by those of a course.
+    pub(super) fn enter(&mut self, agent: usize, course: &BookedCourse) {
+        self.clear(agent);
+        let cells = &course.cells;
+        let ready = course.ready.map_or(usize::MAX, |ready| ready as usize);
+        let mut from = 0;
+        for next in 1..=cells.len() {
+            let (is_last, gets_ready) = (next == cells.len(), next - 1 == ready);
+            // Positions on one cell are one booking, except where what the agent does changes.
+            if !is_last && cells[next] == cells[from] && !gets_ready {
+                continue;
+            }
+            let (cell, since, until) = (cells[from], (from as u32).saturating_sub(1), next as u32 + 1);
+            let to = if is_last && !course.is_gone { NEVER } else { until };
+            match (from > ready, gets_ready) {
+                (true, _) if is_last => self.book(agent, cell, (since, to), Doing::Waiting),
+                (true, _) => self.book(agent, cell, (since, to), Doing::Approaching),
+                // Where it is when it gets ready counts for the next step as a part of its way.
+                (false, true) => {
+                    let doing = if is_last { Doing::Waiting } else { Doing::Approaching };
+                    self.book(agent, cell, (since, until - 1), Doing::Busy);
+                    self.book(agent, cell, (until - 1, to), doing);
+                }
+                (false, false) => self.book(agent, cell, (since, to), Doing::Busy),
+            }
+            from = next;
+        }
+    }
+
+    fn book(&mut self, agent: usize, cell: CellIndex, (from, to): (u32, u32), doing: Doing) {
+        for near in self.board.around(cell, self.separation) {
+            let here = &mut self.bookings[near as usize];
+            let place = here.partition_point(|booking| booking.from <= from);
+            here.insert(place, Booking { from, to, agent: agent as u32, doing });
+            self.touched[agent].push(near);
+        }
+    }
+
+    /// Appends the free spans of a cell, in order. The asking agent has merged with those of `past`; `met` are those that it meets,
+    /// each with where.
+    pub(super) fn free(
+        &self,
+        cell: CellIndex,
+        (past, met): (&[usize], &[(usize, CellIndex)]),
+        out: &mut Vec<FreeSpan>,
+    ) {
+        let is_met = |booking: &Booking| {
+            past.contains(&(booking.agent as usize))
+                || met.iter().any(|(agent, at)| {
+                    *agent == booking.agent as usize
+                        && match booking.doing {
+                            Doing::Busy => false,
+                            Doing::Approaching => cell == *at,
+                            Doing::Waiting => true,
+                        }
+                })
+        };
+        let mut from = 0;
+        for booking in self.bookings[cell as usize].iter().filter(|booking| !is_met(booking)) {
+            if booking.from > from {
+                out.push(FreeSpan { from, to: booking.from });
+            }
+            from = from.max(booking.to);
+        }
+        if from != NEVER {
+            out.push(FreeSpan { from, to: NEVER });
+        }
+    }
+}

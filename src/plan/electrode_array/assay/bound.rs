@@ -1,0 +1,147 @@
+//! Lower bounds on every plan of an assay.
+//!
+//! Two of them. Each errand ends no earlier than its agent alone could have done it, and those that meet wait for one another (the
+//! critical path). And agents that stay at one stop, or so near to each other that both cannot be there, take turns: between two of
+//! them lie the steps in which the first moves out of the way.
+
+use super::super::board::{BoardCosts, CellIndex};
+use super::route::Ahead;
+use super::{AssayProblem, Errand};
+use std::collections::BTreeMap;
+
+/// An errand with its earliest start and end, and the least time from its end to the end of the assay.
+#[derive(Debug, Clone, Copy)]
+struct TimedErrand {
+    errand: Errand,
+    /// Its agent's first instant at the stop, if nothing stands in the way,
+    arrival: u64,
+    /// and the first at which the one that it meets there can be there too.
+    head: u64,
+    tail: u64,
+}
+
+/// Lower bounds of the steps and of the sum of costs.
+pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> BoardCosts {
+    let timed = timed(problem, ahead);
+    let alone = timed.iter().flatten().map(|one| one.head + u64::from(one.errand.stay)).max().unwrap_or(0);
+    let mut stays: BTreeMap<CellIndex, Vec<(usize, TimedErrand)>> = BTreeMap::new();
+    for (agent, errands) in timed.iter().enumerate() {
+        for one in errands.iter().filter(|one| one.errand.stay > 0) {
+            stays.entry(one.errand.stop).or_default().push((agent, *one));
+        }
+    }
+    let turns = stays.values().map(|stays| in_turns(problem, stays)).max().unwrap_or(0);
+    let arrivals = timed.iter().enumerate().map(|(agent, errands)| last_arrival(problem, agent, errands));
+    BoardCosts { makespan: alone.max(turns), sum_of_costs: arrivals.sum() }
+}
+
+/// The earliest start of each errand, with those that meet at the same instant.
+fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
+    let agents = &problem.instance.agents;
+    let mut arrivals: Vec<Vec<u64>> = vec![Vec::new(); agents.len()];
+    let mut heads = arrivals.clone();
+    let mut tails: Vec<Vec<u64>> = problem.errands.iter().map(|errands| vec![0; errands.len()]).collect();
+    let way = |agent: usize, index: usize| {
+        let from = if index == 0 { agents[agent].start } else { problem.errands[agent][index - 1].stop };
+        u64::from(ahead.steps(agent, index, from))
+    };
+    // An agent waits for the other where they meet; every round completes at least one errand.
+    let mut order: Vec<(usize, usize)> = Vec::new();
+    loop {
+        let before = order.len();
+        for agent in 0..agents.len() {
+            while heads[agent].len() < problem.errands[agent].len() {
+                let index = heads[agent].len();
+                let since = index
+                    .checked_sub(1)
+                    .map_or(0, |last| heads[agent][last] + u64::from(problem.errands[agent][last].stay));
+                let arrival = since + way(agent, index);
+                let mut head = arrival;
+                if let Some(other) = problem.errands[agent][index].meets {
+                    let theirs = meeting(problem, other, (agent, index), |errands| heads[errands].len());
+                    let Some(theirs) = theirs else { break };
+                    let since = theirs
+                        .checked_sub(1)
+                        .map_or(0, |last| heads[other][last] + u64::from(problem.errands[other][last].stay));
+                    head = head.max(since + way(other, theirs));
+                }
+                arrivals[agent].push(arrival);
+                heads[agent].push(head);
+                order.push((agent, index));
+            }
+        }
+        if order.len() == before {
+            break;
+        }
+    }
+    for (agent, index) in order.iter().rev().copied() {
+        let errands = &problem.errands[agent];
+        let own = if index + 1 < errands.len() {
+            way(agent, index + 1) + u64::from(errands[index + 1].stay) + tails[agent][index + 1]
+        } else {
+            0
+        };
+        // What is gone lives on in the other, whose errands come later in the order.
+        let others = errands[index].meets.filter(|_| problem.is_gone[agent] && index + 1 == errands.len());
+        let lives_on = others.and_then(|other| {
+            let place = problem.errands[other].iter().position(|errand| errand.meets == Some(agent))?;
+            let next = problem.errands[other].get(place + 1)?;
+            Some(way(other, place + 1) + u64::from(next.stay) + tails[other][place + 1])
+        });
+        tails[agent][index] = own.max(lives_on.unwrap_or(0));
+    }
+    let of = |agent: usize| {
+        let timed = |(index, errand): (usize, &Errand)| TimedErrand {
+            errand: *errand,
+            arrival: arrivals[agent][index],
+            head: heads[agent][index],
+            tail: tails[agent][index],
+        };
+        problem.errands[agent].iter().enumerate().map(timed).collect()
+    };
+    (0..agents.len()).map(of).collect()
+}
+
+/// The errand of another agent in which it meets this one, if all before it are timed.
+fn meeting(
+    problem: &AssayProblem,
+    other: usize,
+    (agent, index): (usize, usize),
+    timed: impl Fn(usize) -> usize,
+) -> Option<usize> {
+    let nth = problem.errands[agent][..index].iter().filter(|errand| errand.meets == Some(other)).count();
+    let meets = |(place, errand): (usize, &Errand)| (errand.meets == Some(agent)).then_some(place);
+    let place = problem.errands[other].iter().enumerate().filter_map(meets).nth(nth)?;
+    (timed(other) >= place).then_some(place)
+}
+
+/// Agents that stay at one stop take turns: for each set of those that can begin no earlier than one of them, the earliest start, all
+/// stays with the changes between them, and the shortest way to the end.
+fn in_turns(problem: &AssayProblem, stays: &[(usize, TimedErrand)]) -> u64 {
+    let set_from = |least: u64| {
+        let of: Vec<&(usize, TimedErrand)> = stays.iter().filter(|(_, one)| one.head >= least).collect();
+        let mut agents: Vec<usize> = of.iter().map(|(agent, _)| *agent).collect();
+        agents.sort_unstable();
+        agents.dedup();
+        // Agents that meet may follow each other at the stop as one.
+        let is_apart = agents.len() == of.len()
+            && !agents.iter().any(|agent| problem.errands[*agent].iter().any(|errand| errand.meets.is_some()));
+        let change = if is_apart { u64::from(problem.instance.separation) + 1 } else { 0 };
+        let all: u64 = of.iter().map(|(_, one)| u64::from(one.errand.stay)).sum();
+        let tail = of.iter().map(|(_, one)| one.tail).min().unwrap_or(0);
+        least + all + change * (of.len() as u64).saturating_sub(1) + tail
+    };
+    stays.iter().map(|(_, one)| set_from(one.head)).max().unwrap_or(0)
+}
+
+/// The earliest instant of an agent's last arrival: stays at the end count no more.
+fn last_arrival(problem: &AssayProblem, agent: usize, errands: &[TimedErrand]) -> u64 {
+    let start = problem.instance.agents[agent].start;
+    let Some(last) = errands.last() else { return 0 };
+    let goal = last.errand.stop;
+    let Some(other) = errands.iter().rposition(|one| one.errand.stop != goal) else {
+        return if start == goal { 0 } else { errands.first().map_or(0, |one| one.arrival) };
+    };
+    // It comes from another stop.
+    errands[other + 1].arrival
+}

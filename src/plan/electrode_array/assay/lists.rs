@@ -1,0 +1,227 @@
+//! Lists of agents in the order in which their courses are planned.
+//!
+//! Method: an agent's course goes on until its last errand, or until it waits for an agent that comes later in the list. The first
+//! list begins with the agent whose errands take longest. Where an agent finds no course, it and those that meet on the way to it
+//! come first in the next list. Once there is a plan, two agents of its list change places; the new list is kept if it is no worse.
+
+use super::super::board::{BoardCosts, BoardObjective, CellIndex};
+use super::bookings::{BookedCourse, Bookings, NEVER};
+use super::route::{Ahead, RouteQuery, Router};
+use super::{AssayPlan, AssayProblem};
+use crate::plan::search::Meter;
+use crate::random::SplitMix64;
+
+/// Lists that are tried until there is a plan, and then without a better one.
+const LISTS: usize = 200;
+
+/// Seed of the exchanges.
+const SEED: u64 = 1;
+
+/// For how many instants, in separations, the start of an agent without a course is kept for it: the lists take turns with them.
+const KEPT_SEPARATIONS: [u32; 3] = [6, 1, NEVER];
+
+/// Steps of the search of one course,
+const COURSE_STEPS: u64 = 20_000;
+
+/// plus this many for each cell of the board and errand of the agent.
+const STEPS_PER_CELL: u64 = 4;
+
+/// The best courses found.
+pub(super) fn best(
+    problem: &AssayProblem,
+    ahead: &Ahead,
+    (objective, bounds): (BoardObjective, BoardCosts),
+    meter: &mut Meter,
+) -> Option<Vec<Vec<CellIndex>>> {
+    let mut planner = ListPlanner { problem, router: Router::new(problem, ahead), limit: NEVER, meter };
+    let mut list: Vec<usize> = (0..problem.errands.len()).collect();
+    list.sort_by_key(|agent| std::cmp::Reverse(length(problem, ahead, *agent)));
+    let mut random = SplitMix64::new(SEED);
+    let (mut best, mut worst_list) = (None, 0);
+    while best.is_none() && worst_list < LISTS && planner.meter.left().steps > 0 {
+        match planner.courses(&list, KEPT_SEPARATIONS[worst_list % KEPT_SEPARATIONS.len()]) {
+            Ok(courses) => best = Some((courses, KEPT_SEPARATIONS[worst_list % KEPT_SEPARATIONS.len()])),
+            Err(failed) => {
+                let mut first = vec![failed];
+                first.extend(problem.errands[failed].iter().filter_map(|errand| errand.meets));
+                first.dedup();
+                // The same order again and again would fail again.
+                if worst_list % 2 == 1 {
+                    exchange(&mut list, &mut random);
+                }
+                list.retain(|agent| !first.contains(agent));
+                list.splice(0..0, first);
+            }
+        }
+        worst_list += 1;
+    }
+    let (mut courses, kept) = best?;
+    let key = |courses: &[Vec<CellIndex>]| AssayPlan::costs(courses).key(objective);
+    let least = bounds.key(objective).0;
+    let mut idle = 0;
+    while key(&courses).0 > least && idle < LISTS && list.len() > 1 && planner.meter.left().steps > 0 {
+        idle += 1;
+        planner.limit = match objective {
+            BoardObjective::Makespan => u32::try_from(AssayPlan::costs(&courses).makespan).unwrap_or(NEVER),
+            BoardObjective::SumOfCosts => NEVER,
+        };
+        let mut other = list.clone();
+        exchange(&mut other, &mut random);
+        let Ok(found) = planner.courses(&other, kept) else { continue };
+        if key(&found) < key(&courses) {
+            idle = 0;
+        }
+        if key(&found) <= key(&courses) {
+            (courses, list) = (found, other);
+        }
+    }
+    Some(courses)
+}
+
+/// Least steps of an agent alone.
+fn length(problem: &AssayProblem, ahead: &Ahead, agent: usize) -> u64 {
+    let mut from = problem.instance.agents[agent].start;
+    let mut steps = 0;
+    for (index, errand) in problem.errands[agent].iter().enumerate() {
+        steps += u64::from(ahead.steps(agent, index, from)) + u64::from(errand.stay);
+        from = errand.stop;
+    }
+    steps
+}
+
+/// Moves one agent of a list to another place.
+fn exchange(list: &mut Vec<usize>, random: &mut SplitMix64) {
+    let mut place = || (random.next_u64() % list.len().max(1) as u64) as usize;
+    let (from, to) = (place(), place());
+    if from < list.len() {
+        let agent = list.remove(from);
+        list.insert(to, agent);
+    }
+}
+
+struct ListPlanner<'a, 'm> {
+    problem: &'a AssayProblem<'a>,
+    router: Router<'a>,
+    /// Latest end of a course.
+    limit: u32,
+    meter: &'m mut Meter,
+}
+
+/// The courses while they are planned.
+struct Progress<'a> {
+    bookings: Bookings<'a>,
+    courses: Vec<BookedCourse>,
+    /// By agent: errands done.
+    done: Vec<usize>,
+    /// By agent: those that it has merged with.
+    past: Vec<Vec<usize>>,
+}
+
+impl Progress<'_> {
+    /// The instant since which an agent waits for another one at the end of its course.
+    fn waits(&self, problem: &AssayProblem, other: usize, agent: usize) -> Option<u32> {
+        let waiting = self.done[other].checked_sub(1).map(|last| problem.errands[other][last]);
+        let course = &self.courses[other];
+        let is_there = waiting.is_some_and(|errand| errand.meets == Some(agent)) && course.ready.is_some();
+        is_there.then(|| course.cells.len() as u32 - 1)
+    }
+}
+
+impl ListPlanner<'_, '_> {
+    /// The courses of all agents; an error is an agent that found none.
+    fn courses(&mut self, list: &[usize], kept_separations: u32) -> Result<Vec<Vec<CellIndex>>, usize> {
+        let (problem, separation) = (self.problem, self.problem.instance.separation);
+        let count = problem.errands.len();
+        let mut progress = Progress {
+            bookings: Bookings::new(&problem.instance.board, separation, count),
+            courses: vec![BookedCourse::default(); count],
+            done: vec![0; count],
+            past: vec![Vec::new(); count],
+        };
+        let until = separation.saturating_mul(kept_separations);
+        for (agent, asked) in problem.instance.agents.iter().enumerate() {
+            progress.bookings.keep(agent, asked.start, until);
+        }
+        loop {
+            // The first of the list that can go on.
+            let next = list.iter().copied().find(|agent| self.can_go_on(&progress, *agent));
+            let Some(agent) = next else { break };
+            self.go_on(&mut progress, agent)?;
+        }
+        let left = (0..count).find(|agent| progress.done[*agent] < problem.errands[*agent].len());
+        match left {
+            Some(agent) => Err(agent),
+            None => Ok(progress.courses.into_iter().map(|course| course.cells).collect()),
+        }
+    }
+
+    /// Whether an agent has errands left and waits for none.
+    fn can_go_on(&self, progress: &Progress, agent: usize) -> bool {
+        progress.done[agent] < self.problem.errands[agent].len() && progress.courses[agent].ready.is_none()
+    }
+
+    /// Plans the course of an agent to its end, or to where it waits for another one.
+    fn go_on(&mut self, progress: &mut Progress, agent: usize) -> Result<(), usize> {
+        let problem = self.problem;
+        let first = progress.done[agent];
+        let errands = &problem.errands[agent][first..];
+        let mut waits: Vec<Option<u32>> = Vec::new();
+        for errand in errands {
+            let since = errand.meets.and_then(|other| progress.waits(problem, other, agent));
+            waits.push(since);
+            if errand.meets.is_some() && since.is_none() {
+                break;
+            }
+        }
+        let last = errands[waits.len() - 1];
+        let is_last = first + waits.len() == problem.errands[agent].len();
+        let must_wait = last.meets.is_some() && waits.last().is_some_and(Option::is_none);
+        let is_gone = is_last && problem.is_gone[agent] && !must_wait;
+        let start = problem.instance.agents[agent].start;
+        let (start, since) = match progress.courses[agent].cells.as_slice() {
+            [] => (start, 0),
+            cells => (cells[cells.len() - 1], cells.len() as u32 - 1),
+        };
+        let query = RouteQuery {
+            agent,
+            start,
+            since,
+            first,
+            waits: &waits,
+            past: &progress.past[agent],
+            is_gone,
+            limit: self.limit,
+        };
+        let cells = problem.instance.board.cells() as u64;
+        let allowed = COURSE_STEPS + STEPS_PER_CELL * cells * waits.len() as u64;
+        progress.bookings.clear(agent);
+        let (router, bookings) = (&mut self.router, &progress.bookings);
+        let course = self.meter.share(allowed, |meter| router.course(&query, bookings, meter)).ok_or(agent)?;
+        let own = &mut progress.courses[agent];
+        own.cells.truncate(since as usize);
+        own.cells.extend(course.cells);
+        own.ready = must_wait.then_some(course.ready);
+        own.is_gone = is_gone;
+        progress.done[agent] = first + waits.len();
+        progress.bookings.enter(agent, &progress.courses[agent]);
+        for (errand, waited) in errands.iter().zip(&waits) {
+            if let (Some(other), Some(_)) = (errand.meets, waited) {
+                self.met(progress, other, (agent, errand.stop));
+            }
+        }
+        Ok(())
+    }
+
+    /// An agent that waited has been met: it is gone, or can go on from that instant.
+    fn met(&self, progress: &mut Progress, other: usize, (agent, stop): (usize, CellIndex)) {
+        let since = progress.courses[other].cells.len() - 1;
+        let came = progress.courses[agent].cells.iter().skip(since).position(|cell| *cell == stop).unwrap_or(0);
+        let course = &mut progress.courses[other];
+        course.cells.resize(since + came + 1, stop);
+        course.ready = None;
+        course.is_gone = self.problem.is_gone[other] && progress.done[other] == self.problem.errands[other].len();
+        progress.bookings.enter(other, &progress.courses[other]);
+        progress.past[agent].push(other);
+        progress.past[other].push(agent);
+    }
+}

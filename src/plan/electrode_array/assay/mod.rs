@@ -1,0 +1,85 @@
+//! Plans of assays: every part does its errands one after the other, and none waits for a part that it does not meet.
+//!
+//! Problem: agents on a grid with separation kept ([`super::board`]); each visits its stops in order, stays at some of them, and
+//! meets others, with which it merges: one of the two is gone from then on. Method: list scheduling. The course of one agent after the
+//! other, up to the next agent that it meets and that has no course yet ([`route`]), is planned around the courses of the others
+//! ([`bookings`]); an agent that finds none comes earlier in the next list. Then lists with two agents exchanged, as long as they
+//! are no worse ([`lists`]).
+//!
+//! Guaranteed: a plan is legal; [`bound`] holds for every plan; the same input and budget give the same plan. Not guaranteed: that a
+//! plan is found where there is one, or the best. Cost: one step of the budget is one expanded node of the search of one course.
+
+mod bookings;
+mod bound;
+mod lists;
+mod route;
+
+use super::board::{BoardCosts, BoardObjective, CellIndex, Instance, NoBoardPlan};
+use super::fast;
+use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
+
+/// One thing that an agent does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Errand {
+    /// Where.
+    pub stop: CellIndex,
+    /// Steps for which it stays there.
+    pub stay: u32,
+    /// The agent with which it merges there; both stay for no step.
+    pub meets: Option<usize>,
+}
+
+/// The errands of all agents.
+#[derive(Debug, Clone)]
+pub struct AssayProblem<'a> {
+    /// The agents with the stops of their errands, and no merges.
+    pub instance: &'a Instance,
+    /// For each agent, at least one. Where two meet, the one with further errands, else the one of the smaller index, remains.
+    pub errands: Vec<Vec<Errand>>,
+    /// For each agent, whether it is gone after its last errand: the other one of those that meet there remains.
+    pub is_gone: Vec<bool>,
+}
+
+/// The courses of all agents.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AssayPlan {
+    /// For each agent its cell at each instant until its last errand is done; afterwards it stays there, or is gone.
+    pub courses: Vec<Vec<CellIndex>>,
+    /// Lower bounds on every plan.
+    pub bounds: BoardCosts,
+}
+
+impl AssayPlan {
+    /// The instant at which the last errand is done, and the sum of the instants of the last arrivals.
+    pub fn costs(courses: &[Vec<CellIndex>]) -> BoardCosts {
+        BoardCosts {
+            makespan: courses.iter().map(|course| course.len() as u64 - 1).max().unwrap_or(0),
+            sum_of_costs: courses.iter().map(|course| last_arrival(course)).sum(),
+        }
+    }
+}
+
+/// The instant at which an agent comes to its last cell.
+pub fn last_arrival(course: &[CellIndex]) -> u64 {
+    let last = course.last();
+    course.iter().rposition(|cell| Some(cell) != last).map_or(0, |before| before as u64 + 1)
+}
+
+/// A plan of an assay; where the search gave up, lower bounds on every plan.
+pub fn solve(
+    problem: &AssayProblem,
+    objective: BoardObjective,
+    budget: SearchBudget,
+) -> SearchAnswer<AssayPlan, NoBoardPlan, BoardCosts> {
+    if let Err(why) = fast::bounds(problem.instance) {
+        return SearchAnswer::Impossible(why);
+    }
+    let mut meter = Meter::new(budget);
+    let mut distances = fast::Distances::of(&problem.instance.board);
+    let ahead = route::Ahead::new(problem, &mut distances, &mut meter);
+    let bounds = bound::least(problem, &ahead);
+    match lists::best(problem, &ahead, (objective, bounds), &mut meter) {
+        Some(courses) => SearchAnswer::Found(AssayPlan { courses, bounds }),
+        None => SearchAnswer::GaveUp(bounds),
+    }
+}

@@ -1,0 +1,298 @@
+//! The course of one agent through some of its errands, around the courses of the others.
+//!
+//! Method: safe-interval path planning (Phillips and Likhachev, ICRA 2011) over free spans and the number of errands that are done.
+//! The earliest arrival in a span with the same errands done dominates all later ones. An errand is done as soon as its time has
+//! passed at its stop, which is what whoever replays the course sees too. Guaranteed: the course is legal. Not guaranteed: that one is
+//! found where only one exists that leaves a stop early and does the errand later. Cost: one step for each expanded node.
+
+use super::super::board::CellIndex;
+use super::super::fast::{DistanceField, Distances, UNREACHABLE};
+use super::bookings::{Bookings, FreeSpan, NEVER};
+use super::{AssayProblem, Errand};
+use crate::plan::search::Meter;
+use rustc_hash::FxHashMap;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// No node.
+const NONE: u32 = u32::MAX;
+
+/// The distances to the stops of all agents.
+pub(super) struct Ahead {
+    /// By agent and errand.
+    fields: Vec<Vec<DistanceField>>,
+}
+
+impl Ahead {
+    pub(super) fn new(problem: &AssayProblem, distances: &mut Distances, meter: &mut Meter) -> Ahead {
+        let board = &problem.instance.board;
+        let mut field = |errand: &Errand| distances.to(board, errand.stop, meter);
+        Ahead { fields: problem.errands.iter().map(|errands| errands.iter().map(&mut field).collect()).collect() }
+    }
+
+    /// Least steps from a cell to the stop of an errand.
+    pub(super) fn steps(&self, agent: usize, errand: usize, from: CellIndex) -> u32 {
+        self.fields[agent][errand].from(from)
+    }
+}
+
+/// What is asked.
+pub(super) struct RouteQuery<'q> {
+    pub agent: usize,
+    pub start: CellIndex,
+    /// The instant at which it is there.
+    pub since: u32,
+    /// The first errand that is not done.
+    pub first: usize,
+    /// One for each errand to do from the first on: the instant since which the agent waits that it meets there. Only the last one
+    /// may meet an agent that does not wait yet.
+    pub waits: &'q [Option<u32>],
+    /// The agents with which it has merged before.
+    pub past: &'q [usize],
+    /// Whether the agent is gone where the course ends.
+    pub is_gone: bool,
+    /// Latest end.
+    pub limit: u32,
+}
+
+/// A course, and the instant at which the errand before the last one was done.
+pub(super) struct Course {
+    /// From the instant `since` on.
+    pub cells: Vec<CellIndex>,
+    pub ready: u32,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct RouteNode {
+    cell: CellIndex,
+    span: u32,
+    /// Number of errands done.
+    done: u32,
+    /// The instant at which it comes to the cell, and the later one at which it has done there what it can.
+    entered: u32,
+    at: u32,
+    /// The instant at which the last errand but one was done.
+    ready: u32,
+    parent: u32,
+}
+
+/// The search, with buffers that consecutive searches reuse.
+pub(super) struct Router<'a> {
+    problem: &'a AssayProblem<'a>,
+    ahead: &'a Ahead,
+    spans: Vec<FreeSpan>,
+    /// By cell and number of agents met: their range in `spans`.
+    listed: FxHashMap<(CellIndex, u32), (u32, u32)>,
+    /// The earliest instant by span and errands done.
+    earliest: FxHashMap<(u32, u32), u32>,
+    nodes: Vec<RouteNode>,
+    open: BinaryHeap<Reverse<(u32, u32, Reverse<u32>)>>,
+}
+
+impl<'a> Router<'a> {
+    pub(super) fn new(problem: &'a AssayProblem<'a>, ahead: &'a Ahead) -> Router<'a> {
+        Router {
+            problem,
+            ahead,
+            spans: Vec::new(),
+            listed: FxHashMap::default(),
+            earliest: FxHashMap::default(),
+            nodes: Vec::new(),
+            open: BinaryHeap::new(),
+        }
+    }
+
+    /// A course that ends as early as possible, unless none is found within the limit or the meter runs out.
+    pub(super) fn course(&mut self, query: &RouteQuery, bookings: &Bookings, meter: &mut Meter) -> Option<Course> {
+        self.spans.clear();
+        self.listed.clear();
+        self.earliest.clear();
+        self.nodes.clear();
+        self.open.clear();
+        let search = RouteSearch::new(self.problem, self.ahead, query);
+        let span = self.span_at(&search, bookings, (query.start, 0), query.since)?;
+        let start = RouteNode {
+            cell: query.start,
+            span,
+            done: 0,
+            entered: query.since,
+            at: query.since,
+            ready: query.since,
+            parent: NONE,
+        };
+        self.enter(&search, bookings, start);
+        while let Some(Reverse((_, _, Reverse(index)))) = self.open.pop() {
+            let node = self.nodes[index as usize];
+            if self.earliest.get(&(node.span, node.done)).is_some_and(|known| *known < node.at) {
+                continue;
+            }
+            meter.step()?;
+            if self.is_end(&search, &node) {
+                return Some(self.found(index, query.since));
+            }
+            self.expand(&search, bookings, index);
+        }
+        None
+    }
+
+    fn is_end(&self, search: &RouteSearch, node: &RouteNode) -> bool {
+        node.done == search.last()
+            && node.cell == search.goal()
+            && (search.query.is_gone || self.spans[node.span as usize].to == NEVER)
+    }
+
+    /// The free spans of a cell for an agent that has met the first so many.
+    fn list(&mut self, search: &RouteSearch, bookings: &Bookings, (cell, done): (CellIndex, u32)) -> (u32, u32) {
+        let met = search.met(done);
+        if let Some(known) = self.listed.get(&(cell, met.len() as u32)) {
+            return *known;
+        }
+        let first = self.spans.len() as u32;
+        bookings.free(cell, (search.query.past, met), &mut self.spans);
+        let range = (first, self.spans.len() as u32);
+        self.listed.insert((cell, met.len() as u32), range);
+        range
+    }
+
+    /// The span of a cell that contains an instant.
+    fn span_at(
+        &mut self,
+        search: &RouteSearch,
+        bookings: &Bookings,
+        place: (CellIndex, u32),
+        instant: u32,
+    ) -> Option<u32> {
+        let (first, end) = self.list(search, bookings, place);
+        (first..end).find(|span| {
+            let FreeSpan { from, to } = self.spans[*span as usize];
+            (from..to).contains(&instant)
+        })
+    }
+
+    fn expand(&mut self, search: &RouteSearch, bookings: &Bookings, index: u32) {
+        let node = self.nodes[index as usize];
+        let leave = self.spans[node.span as usize].to;
+        for cell in self.problem.instance.board.neighbours(node.cell) {
+            let (first, end) = self.list(search, bookings, (cell, node.done));
+            let past = self.spans[first as usize..end as usize].partition_point(|span| span.to <= node.at + 1);
+            for span in first + past as u32..end {
+                let at = self.spans[span as usize].from.max(node.at + 1);
+                if at > leave {
+                    break;
+                }
+                let next = RouteNode { cell, span, entered: at, at, parent: index, ..node };
+                self.enter(search, bookings, next);
+            }
+        }
+    }
+
+    /// Adds a node with all errands done that can be done at once, unless a known one is no later.
+    fn enter(&mut self, search: &RouteSearch, bookings: &Bookings, mut node: RouteNode) {
+        while node.done < search.last() && node.cell == search.errand(node.done).stop {
+            let errand = search.errand(node.done);
+            let to = self.spans[node.span as usize].to;
+            let at = match (errand.meets, search.query.waits[node.done as usize]) {
+                // Where it meets an agent it comes once, and stays until the other is there.
+                (Some(_), Some(since)) if node.at.max(since) < to => node.at.max(since),
+                (Some(_), None) if to == NEVER => node.at,
+                (Some(_), Some(_) | None) => return,
+                (None, _) if node.at.saturating_add(errand.stay) < to => node.at + errand.stay,
+                (None, _) => break,
+            };
+            let Some(span) = self.span_at(search, bookings, (node.cell, node.done + 1), at) else { return };
+            if node.done + 1 < search.last() {
+                node.ready = at;
+            }
+            (node.span, node.done, node.at) = (span, node.done + 1, at);
+        }
+        let ahead = search.ahead(node.cell, node.done);
+        let total = node.at.saturating_add(ahead);
+        if total > search.query.limit {
+            return;
+        }
+        let earliest = self.earliest.entry((node.span, node.done)).or_insert(NEVER);
+        if *earliest <= node.at {
+            return;
+        }
+        *earliest = node.at;
+        let index = self.nodes.len() as u32;
+        self.nodes.push(node);
+        self.open.push(Reverse((total, ahead, Reverse(index))));
+    }
+
+    fn found(&self, end: u32, since: u32) -> Course {
+        let mut chain = vec![self.nodes[end as usize]];
+        while let Some(node) = chain.last().filter(|node| node.parent != NONE) {
+            chain.push(self.nodes[node.parent as usize]);
+        }
+        let mut cells: Vec<CellIndex> = Vec::new();
+        for node in chain.iter().rev() {
+            let before = cells.last().copied().unwrap_or(node.cell);
+            cells.resize((node.entered - since) as usize, before);
+            cells.resize((node.at - since) as usize + 1, node.cell);
+        }
+        Course { cells, ready: chain[0].ready }
+    }
+}
+
+/// A query with what it asks of each node.
+struct RouteSearch<'q> {
+    query: &'q RouteQuery<'q>,
+    ahead: &'q Ahead,
+    errands: &'q [Errand],
+    /// Steps from the end of each errand to the end of all.
+    rest: Vec<u32>,
+    /// The agents that wait where it meets them, in order, each with where.
+    meetings: Vec<(usize, CellIndex)>,
+    /// By errands done: number of the meetings for which it is under way or over.
+    met: Vec<usize>,
+}
+
+impl<'q> RouteSearch<'q> {
+    fn new(problem: &'q AssayProblem, ahead: &'q Ahead, query: &'q RouteQuery<'q>) -> RouteSearch<'q> {
+        let errands = &problem.errands[query.agent][query.first..query.first + query.waits.len()];
+        let mut rest = vec![0u32; errands.len()];
+        for index in (1..errands.len()).rev() {
+            let way = ahead.steps(query.agent, query.first + index, errands[index - 1].stop);
+            rest[index - 1] = rest[index].saturating_add(way).saturating_add(errands[index].stay);
+        }
+        let (mut meetings, mut met) = (Vec::new(), Vec::with_capacity(errands.len() + 1));
+        for (errand, since) in errands.iter().zip(query.waits) {
+            if let (Some(other), Some(_)) = (errand.meets, since) {
+                meetings.push((other, errand.stop));
+            }
+            met.push(meetings.len());
+        }
+        met.push(meetings.len());
+        RouteSearch { query, ahead, errands, rest, meetings, met }
+    }
+
+    fn last(&self) -> u32 {
+        self.errands.len() as u32
+    }
+
+    fn errand(&self, index: u32) -> Errand {
+        self.errands[index as usize]
+    }
+
+    /// Where the course ends.
+    fn goal(&self) -> CellIndex {
+        self.errands.last().map_or(self.query.start, |errand| errand.stop)
+    }
+
+    fn met(&self, done: u32) -> &[(usize, CellIndex)] {
+        &self.meetings[..self.met[done as usize]]
+    }
+
+    /// Least steps from a cell to the end.
+    fn ahead(&self, cell: CellIndex, done: u32) -> u32 {
+        let index = done as usize;
+        match self.errands.get(index) {
+            Some(errand) => match self.ahead.steps(self.query.agent, self.query.first + index, cell) {
+                UNREACHABLE => UNREACHABLE,
+                steps => steps.saturating_add(errand.stay).saturating_add(self.rest[index]),
+            },
+            None => self.ahead.steps(self.query.agent, self.query.first + index - 1, cell),
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! Operations of the parts in one assay, and their progress.
+//!
+//! A part does its operations in their order, each as soon as it can: it has come by a stop by being there, has stayed where it has been
+//! for all beats in question, and has merged with another once both are there and have done all that comes before.
+
+use super::stage::Meetings;
+use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayStop};
+use crate::device::electrode_array::ElectrodeCell;
+use std::collections::BTreeMap;
+
+/// What a part is to do next.
+#[derive(Debug)]
+struct DueStop<'o> {
+    cell: ElectrodeCell,
+    /// Where the program names it.
+    stop: Option<&'o ElectrodeArrayStop>,
+    beats: u64,
+    with: Option<usize>,
+    operation: &'o AssayOperation,
+}
+
+/// The course of one part.
+#[derive(Debug)]
+struct PartTurn<'o> {
+    due: Vec<DueStop<'o>>,
+    done: usize,
+    /// The beat from which on it has been at its next stop.
+    since: Option<u64>,
+    /// The beats, from 1, after which it last moved and last did something.
+    moved: u64,
+    acted: u64,
+}
+
+impl<'o> PartTurn<'o> {
+    fn next(&self) -> Option<&DueStop<'o>> {
+        self.due.get(self.done)
+    }
+}
+
+/// An operation that was not done, or a part that does not end where it should.
+pub(super) struct MissedOperation<'o> {
+    pub part: usize,
+    pub operation: &'o AssayOperation,
+    pub stop: Option<&'o ElectrodeArrayStop>,
+    pub cell: ElectrodeCell,
+    /// The beats for which it stays there.
+    pub beats: u64,
+    pub with: Option<usize>,
+}
+
+/// An assay in progress.
+#[derive(Debug)]
+pub(super) struct JudgedAssay<'o> {
+    pub meetings: Meetings,
+    turns: BTreeMap<usize, PartTurn<'o>>,
+    /// Where the parts without an operation stood that have moved, and when they did so last.
+    pub homes: BTreeMap<usize, (ElectrodeCell, u64)>,
+}
+
+impl<'o> JudgedAssay<'o> {
+    /// Before the first beat.
+    pub fn new(operations: &'o [AssayOperation], step_ns: u64, cells: &[Option<ElectrodeCell>]) -> JudgedAssay<'o> {
+        let mut turns: BTreeMap<usize, PartTurn> = BTreeMap::new();
+        for operation in operations {
+            for part in operation.parts() {
+                let Some(start) = cells[part] else { continue };
+                let turn = turns.entry(part).or_insert_with(|| PartTurn {
+                    due: Vec::new(),
+                    done: 0,
+                    since: None,
+                    moved: 0,
+                    acted: 0,
+                });
+                let last = operation.stops.len().saturating_sub(1);
+                let beats = operation.stay_ns.div_ceil(step_ns);
+                let with = operation.parts().find(|other| *other != part);
+                for (nth, stop) in operation.stops.iter().enumerate() {
+                    let (beats, with) = if nth == last { (beats, with) } else { (0, None) };
+                    turn.due.push(DueStop { cell: stop.cell, stop: Some(stop), beats, with, operation });
+                }
+                if operation.stops.is_empty() {
+                    let cell = turn.due.last().map_or(start, |due| due.cell);
+                    turn.due.push(DueStop { cell, stop: None, beats, with, operation });
+                }
+            }
+        }
+        let meetings = Meetings::new(operations.iter().flat_map(AssayOperation::parts));
+        JudgedAssay { meetings, turns, homes: BTreeMap::new() }
+    }
+
+    /// Notes that a part has moved in the beat before this one.
+    pub fn arrive(&mut self, part: usize, from: ElectrodeCell, beat: u64) {
+        match self.turns.get_mut(&part) {
+            Some(turn) => turn.moved = beat,
+            None => self.homes.entry(part).or_insert((from, beat)).1 = beat,
+        }
+    }
+
+    /// What is done after some beats, with the parts at these cells; those that have merged are taken from them.
+    pub fn settle(&mut self, beat: u64, cells: &mut [Option<ElectrodeCell>]) {
+        let parts: Vec<usize> = self.turns.keys().copied().collect();
+        loop {
+            let before: usize = self.turns.values().map(|turn| turn.done).sum();
+            for part in &parts {
+                self.settle_one(*part, beat, cells);
+            }
+            if self.turns.values().map(|turn| turn.done).sum::<usize>() == before {
+                break;
+            }
+        }
+        let pairs = self.turns.iter().filter_map(|(part, turn)| {
+            let due = turn.next()?;
+            self.is_next(due.with?, due).then_some((*part, (due.with?, due.cell)))
+        });
+        self.meetings.pairs = pairs.collect();
+    }
+
+    /// Whether the next thing that a part does is this same merge.
+    fn is_next(&self, part: usize, due: &DueStop) -> bool {
+        let next = self.turns.get(&part).and_then(PartTurn::next);
+        next.is_some_and(|next| std::ptr::eq(next.operation, due.operation) && next.with.is_some())
+    }
+
+    fn settle_one(&mut self, part: usize, beat: u64, cells: &mut [Option<ElectrodeCell>]) {
+        let Some(turn) = self.turns.get(&part) else { return };
+        let Some(due) = turn.next() else { return };
+        if cells[part] != Some(due.cell) {
+            self.turns.entry(part).and_modify(|turn| turn.since = None);
+            return;
+        }
+        let since = turn.since.unwrap_or(beat);
+        let (beats, with, gone) = (due.beats, due.with, due.operation.with);
+        let is_together = with.is_none_or(|other| cells[other] == Some(due.cell) && self.is_next(other, due));
+        let is_done = beat - since >= beats && is_together;
+        for own in std::iter::once(part).chain(with.filter(|_| is_done)) {
+            self.turns.entry(own).and_modify(|turn| {
+                turn.since = Some(since).filter(|_| !is_done);
+                if is_done {
+                    (turn.done, turn.acted) = (turn.done + 1, beat);
+                }
+            });
+        }
+        if let Some(gone) = gone.filter(|_| is_done && with.is_some()) {
+            cells[gone] = None;
+        }
+    }
+
+    /// The beats until each part's last arrival, added up.
+    pub fn cost(&self) -> u64 {
+        let moved = self.turns.values().map(|turn| turn.moved).chain(self.homes.values().map(|(_, beat)| *beat));
+        moved.fold(0, u64::saturating_add)
+    }
+
+    /// The beats until the last operation was done, and the last part had come home.
+    pub fn end(&self) -> u64 {
+        let turns = self.turns.values().map(|turn| turn.acted.max(turn.moved));
+        turns.chain(self.homes.values().map(|(_, beat)| *beat)).max().unwrap_or(0)
+    }
+
+    /// For each part the first operation that was not done, or its last stop where it is somewhere else.
+    pub fn missed(&self, cells: &[Option<ElectrodeCell>]) -> Vec<MissedOperation<'o>> {
+        let missed = |(part, turn): (&usize, &PartTurn<'o>)| {
+            let strays = || turn.due.last().filter(|last| cells[*part].is_some_and(|cell| cell != last.cell));
+            let due = turn.next().or_else(strays)?;
+            let DueStop { cell, stop, beats, with, operation } = *due;
+            Some(MissedOperation { part: *part, operation, stop, cell, beats, with })
+        };
+        self.turns.iter().filter_map(missed).collect()
+    }
+}

@@ -1,0 +1,141 @@
+use super::*;
+use crate::claims::electrode_array::AssayOperation;
+
+fn assay(parts: &[(&str, u32, u32)], operations: Vec<AssayOperation>) -> ElectrodeArrayOrder {
+    order(chip(14, 14), parts, vec![ElectrodeArrayAction::Assay(operations)])
+}
+
+#[test]
+fn a_part_does_its_operations_in_their_order() {
+    let tour = |operations| assay(&[("a", 4, 4)], operations);
+    let to = |stop: (u32, u32)| operation(go(0, &[stop]));
+    judged(tour(vec![to((5, 4)), to((5, 5))]), &["RU"], &[]);
+    judged(tour(vec![to((5, 5)), to((5, 4)), to((5, 5))]), &["RU"], &[Rule::Goal]);
+    judged(tour(vec![to((5, 5)), to((5, 4)), to((5, 5))]), &["RUDU"], &[]);
+    judged(tour(vec![to((5, 5)), to((5, 4))]), &["RUD"], &[]);
+    judged(tour(vec![to((5, 5))]), &["R"], &[Rule::Goal]);
+    judged(tour(vec![to((5, 4))]), &["RU"], &[Rule::Goal]);
+    judged(tour(vec![operation(go(0, &[(5, 4), (4, 4)]))]), &["RL"], &[]);
+    judged(tour(vec![to((4, 4))]), &[""], &[]);
+}
+
+#[test]
+fn a_part_stays_for_the_whole_of_its_time() {
+    let stay = |stops: &[(u32, u32)], beats| assay(&[("a", 4, 4)], vec![incubate(0, stops, beats)]);
+    judged(stay(&[], 3), &["..."], &[]);
+    judged(stay(&[], 3), &[".."], &[Rule::Goal]);
+    judged(stay(&[], 3), &["...."], &[Rule::Idle]);
+    judged(stay(&[], 3), &[".RL..."], &[]);
+    judged(stay(&[], 3), &[".RL.."], &[Rule::Goal]);
+    judged(stay(&[(5, 4)], 2), &["R.."], &[]);
+    judged(stay(&[(5, 4)], 2), &["R."], &[Rule::Goal]);
+    judged(stay(&[(5, 4)], 2), &["R.LR."], &[Rule::Goal]);
+    judged(stay(&[(5, 4)], 2), &["R...LR"], &[]);
+    judged(stay(&[(5, 4)], 2), &["R..."], &[Rule::Idle]);
+    // Rest before its turn does not count, and each stay has its own.
+    let twice = |first| assay(&[("a", 4, 4)], vec![incubate(0, &[], first), incubate(0, &[], 2)]);
+    judged(twice(0), &[".."], &[]);
+    judged(twice(1), &["..."], &[]);
+    judged(twice(1), &[".."], &[Rule::Goal]);
+}
+
+#[test]
+fn stays_are_whole_beats() {
+    let part = AssayOperation { stay_ns: BEAT + 1, ..incubate(0, &[], 0) };
+    let order = || assay(&[("a", 4, 4)], vec![part.clone()]);
+    judged(order(), &[".."], &[]);
+    judged(order(), &["."], &[Rule::Goal]);
+}
+
+#[test]
+fn parts_that_share_no_operation_do_not_wait_for_each_other() {
+    let two = || assay(&[("a", 4, 4), ("b", 10, 4)], vec![incubate(0, &[], 3), operation(go(1, &[(11, 5)]))]);
+    judged(two(), &["...", "RU"], &[]);
+    judged(two(), &["...", ".RU"], &[]);
+    judged(two(), &["...", "..RU"], &[]);
+    judged(two(), &["....", "RU"], &[Rule::Idle]);
+}
+
+#[test]
+fn parts_merge_when_both_are_there_and_ready() {
+    let meet = |first: Vec<AssayOperation>| {
+        let merge = operation(merge(0, 1, (5, 5)));
+        assay(&[("a", 3, 5), ("b", 7, 5)], first.into_iter().chain([merge]).collect())
+    };
+    judged(meet(vec![]), &["RR", "LLx"], &[]);
+    judged(meet(vec![]), &["RR", "..LLx"], &[]);
+    judged(meet(vec![]), &["RR", "LL"], &[Rule::State]);
+    judged(meet(vec![]), &["RR", "L"], &[Rule::Goal]);
+    // `b` is not ready: the two keep apart, until it has stayed.
+    judged(meet(vec![incubate(1, &[], 2)]), &["..RR", "..LLx"], &[]);
+    judged(meet(vec![incubate(1, &[], 2)]), &["RR", "..LLx"], &[]);
+    judged(meet(vec![incubate(1, &[(7, 6)], 0)]), &["RR", "ULLDx"], &[]);
+    judged(meet(vec![incubate(1, &[(7, 6)], 0)]), &["RR", "LRULLD"], &[Rule::Pull]);
+}
+
+#[test]
+fn what_has_merged_goes_on_as_one() {
+    let on = |last: Vec<AssayOperation>| {
+        let first = [operation(merge(0, 1, (5, 5)))];
+        assay(&[("a", 3, 5), ("b", 7, 5)], first.into_iter().chain(last).collect())
+    };
+    judged(on(vec![operation(go(0, &[(5, 6)]))]), &["RRU", "LLx"], &[]);
+    judged(on(vec![incubate(0, &[], 2)]), &["RR..", "LLx"], &[]);
+    judged(on(vec![incubate(0, &[], 2)]), &["RR.", "LLx"], &[Rule::Goal]);
+    judged(on(vec![incubate(0, &[(4, 5)], 1)]), &["RRL.", "LLx"], &[]);
+    // The one that came first waits for the other, and that is no stay.
+    judged(on(vec![incubate(0, &[], 2)]), &["RR...", ".LLx"], &[]);
+    judged(on(vec![incubate(0, &[], 2)]), &["RR..", ".LLx"], &[Rule::Goal]);
+}
+
+#[test]
+fn what_has_merged_leaves_its_place_at_once() {
+    let order = |end| {
+        let operations = vec![operation(merge(0, 1, (5, 5))), operation(go(0, &[(5, 9)])), operation(go(2, &[end]))];
+        assay(&[("a", 3, 5), ("b", 7, 5), ("c", 9, 5)], operations)
+    };
+    judged(order((5, 5)), &["RRUUUU", "LLx", ".LLLL"], &[Rule::Pull]);
+    judged(order((5, 5)), &["RRUUUU", "LLx", "..LLLL"], &[]);
+}
+
+#[test]
+fn parts_without_an_operation_come_back_before_the_end() {
+    let order = |bystanders| ElectrodeArrayOrder {
+        bystanders,
+        ..assay(&[("a", 4, 4), ("b", 10, 4)], vec![incubate(0, &[], 3)])
+    };
+    judged(order(Bystanders::Yield), &["...", "UD"], &[]);
+    judged(order(Bystanders::Yield), &["...", ".UD"], &[]);
+    judged(order(Bystanders::Yield), &["...", "..U"], &[Rule::Bystander]);
+    judged(order(Bystanders::Yield), &["....", "..UD"], &[]);
+    judged(order(Bystanders::Stay), &["...", "UD"], &[Rule::Bystander]);
+}
+
+#[test]
+fn the_sum_of_costs_ends_with_the_last_arrivals() {
+    let operations = vec![incubate(0, &[(5, 4)], 5), operation(go(1, &[(11, 5)]))];
+    let mut order = assay(&[("a", 4, 4), ("b", 10, 4)], operations);
+    order.objective = ElectrodeArrayObjective::SumOfCosts;
+    let (sound, claims) = one_step(order, &["R.....", ".RU"]);
+    assert_eq!(sound.plans[0].cost, 4.0);
+    passes(&sound, &claims);
+}
+
+#[test]
+fn claims_that_no_checker_makes_are_refused() {
+    let is_judged = |operations: Vec<AssayOperation>| {
+        let claims = alone(assay(&[("a", 4, 4), ("b", 10, 4)], operations));
+        !matches!(verify(schedule(&claims, &[&[&[""]]]), &claims), Verdict::Inconclusive { .. })
+    };
+    let both = || operation(merge(0, 1, (5, 5)));
+    assert!(is_judged(vec![operation(go(0, &[(4, 4)]))]));
+    let refused = [
+        vec![operation(go(2, &[(4, 4)]))],
+        vec![operation(go(0, &[(40, 4)]))],
+        vec![both(), operation(go(1, &[(4, 4)]))],
+        vec![operation(merge(0, 0, (5, 5)))],
+        vec![AssayOperation { stay_ns: 1, ..both() }],
+        vec![incubate(0, &[], 60_000), incubate(1, &[], 60_000)],
+    ];
+    refused.into_iter().for_each(|operations| assert!(!is_judged(operations.clone()), "{operations:?}"));
+}
