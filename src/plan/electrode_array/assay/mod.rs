@@ -2,11 +2,11 @@
 //!
 //! Problem: agents on a grid with separation kept ([`super::board`]); each visits its stops in order, stays at some of them, and
 //! meets others, with which it merges: one of the two is gone from then on. Method: list scheduling. The course of one agent after the
-//! other, up to the next agent that it meets and that has no course yet ([`route`]), is planned around the courses of the others
-//! ([`bookings`]); an agent that finds none comes earlier in the next list. Then lists with two agents exchanged, as long as they
-//! are no worse ([`lists`]).
+//! other, up to the next agent that it meets and that has no course yet (`route`), is planned around the courses of the others
+//! (`bookings`); an agent that finds none comes earlier in the next list. Then lists with two agents exchanged, as long as they
+//! are no worse (`lists`).
 //!
-//! Guaranteed: a plan is legal; [`bound`] holds for every plan; the same input and budget give the same plan. Not guaranteed: that a
+//! Guaranteed: a plan is legal; `bound` holds for every plan; the same input and budget give the same plan. Not guaranteed: that a
 //! plan is found where there is one, or the best. Cost: one step of the budget is one expanded node of the search of one course.
 
 mod bookings;
