@@ -21,15 +21,22 @@ function buildModel(page) {
   });
   for (const device of devices) device.runs.sort((a, b) => a.plan.start_ns - b.plan.start_ns);
   const model = { page, schedule, claims, channels, devices, steps: schedule.steps, duration_ns: schedule.duration_ns };
+  model.works = worksOf(model);
   model.events = eventsOf(model);
   for (const device of devices) if (device.kind === "fingers") prepareHand(device);
   return model;
 }
 
+/** What takes place when: every step or, where its operations overlap, each of them. */
+function worksOf(model) {
+  const works = model.steps.flatMap((step) => (step.operations ? step.operations.map((own) => ({ ...step, ...own })) : [step]));
+  return works.map((work, index) => ({ ...work, index }));
+}
+
 /** Instants at which something begins or ends, for stepping through. */
 function eventsOf(model) {
   const instants = new Set([0, model.duration_ns]);
-  for (const step of model.steps) instants.add(step.start_ns).add(step.start_ns + step.duration_ns);
+  for (const work of [...model.steps, ...model.works]) instants.add(work.start_ns).add(work.start_ns + work.duration_ns);
   for (const plan of model.schedule.plans) for (const state of plan.states) instants.add(state.t_ns);
   return [...instants].sort((a, b) => a - b);
 }
@@ -85,12 +92,12 @@ function valueAt(channel, t_ns) {
   return before ? before.to : channel.actuations.length ? channel.actuations[0].from : 0;
 }
 
-/** The steps at work at an instant, by index; at the very end the last ones stay at work. */
-function stepsAt(model, t_ns) {
+/** The works that take place at an instant, by index; at the very end the last ones still do. */
+function worksAt(model, t_ns) {
   const found = [];
-  model.steps.forEach((step, index) => {
-    const end_ns = step.start_ns + step.duration_ns;
-    if (step.start_ns <= t_ns && (t_ns < end_ns || (end_ns === model.duration_ns && t_ns >= end_ns))) found.push(index);
+  model.works.forEach((work, index) => {
+    const end_ns = work.start_ns + work.duration_ns;
+    if (work.start_ns <= t_ns && (t_ns < end_ns || (end_ns === model.duration_ns && t_ns >= end_ns))) found.push(index);
   });
   return found;
 }

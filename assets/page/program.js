@@ -1,8 +1,8 @@
-// The program's text: highlighted, with the step at work lit.
+// The program's text: highlighted, with the lines at work lit.
 "use strict";
 
 const WORDS = new Set(("use using device task program scene obstacle part droplet robot let for in if else and or not minimize require start at move to visit " +
-  "merge with together wait release grasp rotate orient translate by about apply assemble drive simultaneous run wiring instrument on frame state states table through " +
+  "merge with together assay incubate wait release grasp rotate orient translate by about apply assemble drive simultaneous run wiring instrument on frame state states table through " +
   "precision true false").split(" "));
 
 /** Pieces of a line: [class, text] each; names of the scene get their own class. */
@@ -53,7 +53,7 @@ class Program {
     const code = document.createElement("ol");
     code.className = "code";
     const lines = text.replace(/\n$/, "").split(/\r\n|\r|\n/);
-    const steps = this.model.steps.map((step, index) => ({ ...step, index })).filter((step) => step.file === name);
+    const works = this.model.works.filter((work) => work.file === name);
     const rows = lines.map((line) => {
       const row = document.createElement("li");
       for (const [kind, part] of piecesOf(line, names)) {
@@ -71,18 +71,19 @@ class Program {
       return row;
     });
     const blocks = [];
-    for (const step of steps) {
-      const [from, to] = linesOfStep(lines, step);
-      blocks.push({ step, from, to });
+    for (const work of works) {
+      const [from, to] = linesOfStep(lines, work);
+      blocks.push({ work, from, to });
       for (let line = from; line <= to; line += 1) {
         const row = rows[line - 1];
         row.classList.add("step");
         row.tabIndex = line === from ? 0 : -1;
-        row.title = `jump to ${timeText(step.start_ns)}`;
+        row.title = `jump to ${timeText(work.start_ns)}`;
         const jump = () => {
           // A line that runs several times: from one run to the next.
-          const all = blocks.filter((block) => line >= block.from && line <= block.to).map((block) => block.step.start_ns);
-          this.seek(all.find((start_ns) => start_ns > this.t_ns) ?? Math.min(...all));
+          const all = blocks.filter((block) => line >= block.from && line <= block.to).map((block) => block.work.start_ns);
+          const later = all.filter((start_ns) => start_ns > this.t_ns);
+          this.seek(Math.min(...(later.length ? later : all)));
         };
         row.onclick = jump;
         row.onkeydown = (event) => { if (event.key === "Enter") jump(); };
@@ -99,25 +100,26 @@ class Program {
     this.shown = file;
   }
 
-  /** Lights the steps at work, and ticks those that are over. */
+  /** Lights the lines at work, and ticks those that are over. */
   draw(t_ns) {
     this.t_ns = t_ns;
-    const atWork = new Set(stepsAt(this.model, t_ns));
-    const key = [...atWork].join();
+    const atWork = new Set(worksAt(this.model, t_ns));
+    const over = this.model.works.filter((work) => work.start_ns + work.duration_ns <= t_ns);
+    const key = [...atWork, "over", over.length].join();
     if (key === this.key) return;
     this.key = key;
     for (const file of this.files) {
-      file.rows.forEach((row) => row.classList.remove("now", "done"));
-      for (const { step, from, to } of file.blocks) {
-        const kind = atWork.has(step.index) ? "now" : step.start_ns + step.duration_ns <= t_ns ? "done" : null;
-        if (!kind) continue;
-        for (let line = from; line <= to; line += 1) {
-          const { classList } = file.rows[line - 1];
-          classList.add(kind);
-          if (kind === "now") classList.remove("done");
-          if (kind === "now" && file === this.shown && line === from) file.rows[line - 1].scrollIntoView({ block: "nearest" });
-        }
+      const kinds = file.rows.map(() => new Set());
+      for (const { work, from, to } of file.blocks) {
+        const kind = atWork.has(work.index) ? "now" : work.start_ns + work.duration_ns <= t_ns ? "done" : "due";
+        for (let line = from; line <= to; line += 1) kinds[line - 1].add(kind);
       }
+      file.rows.forEach((row, at) => {
+        row.classList.toggle("now", kinds[at].has("now"));
+        row.classList.toggle("done", kinds[at].has("done") && kinds[at].size === 1);
+      });
+      const first = kinds.findIndex((kind) => kind.has("now"));
+      if (first >= 0 && file === this.shown) file.rows[first].scrollIntoView({ block: "nearest" });
     }
   }
 

@@ -1,4 +1,4 @@
-// The strip under the scene: steps as blocks, then the channels of each device, all on one clock.
+// The strip under the scene: steps as blocks, operations by parts where they overlap, then the channels of each device, all on one clock.
 "use strict";
 
 const RULER = 20;
@@ -16,6 +16,7 @@ function rowsOf(model) {
     }
     lanes.get(device).steps.push({ ...step, index });
   });
+  for (const device of model.devices) rows.push(...operationRows(model, device));
   for (const device of model.devices) {
     if (device.kind === "microrobots") {
       rows.push({ kind: "ladder", label: `${device.name} (V)`, device, height: 120, gap: 8 });
@@ -37,6 +38,17 @@ function rowsOf(model) {
     y += row.height;
   }
   return { rows, height: y + 4 };
+}
+
+/** A row for each part that does something of its own, in the order of the scene. */
+function operationRows(model, device) {
+  const steps = model.steps.filter((step) => step.operations && model.schedule.plans[step.plan].device === device.name);
+  const works = steps.flatMap((step) => step.operations.map((own) => ({ ...step, ...own })));
+  const names = works.length ? device.runs[0].order.parts.map((part) => part.name) : [];
+  const rowOf = (name, number) => ({
+    kind: "operations", label: name, color: colorOf(number), steps: works.filter((work) => work.parts.includes(name)), height: 15, gap: 1,
+  });
+  return names.map(rowOf).filter((row) => row.steps.length);
 }
 
 /** A step between ticks that people count in, for about `count` ticks. */
@@ -114,7 +126,7 @@ class Timeline {
     const row = this.rowAt(y);
     const t_ns = this.timeAt(x);
     if (!row || x < LABELS) return row && row.channel ? row.channel.name + (row.channel.wire ? ` → ${row.channel.wire}` : "") : "";
-    if (row.kind === "steps") {
+    if (row.kind === "steps" || row.kind === "operations") {
       const step = row.steps.find(({ start_ns, duration_ns }) => t_ns >= start_ns && t_ns < start_ns + duration_ns);
       return step ? `${step.file}:${step.line} ${step.text}\n${timeText(step.start_ns)} to ${timeText(step.start_ns + step.duration_ns)}` : "";
     }
@@ -201,6 +213,7 @@ class Timeline {
     g.rect(LABELS, row.y - 1, width - LABELS, row.height + 2);
     g.clip();
     if (row.kind === "steps") this.drawSteps(g, row, () => true, theme.block);
+    if (row.kind === "operations") this.drawOperations(g, row);
     if (row.kind === "channel") this.drawChannel(g, row);
     if (row.kind === "ladder") this.drawLadder(g, row);
     g.restore();
@@ -221,6 +234,31 @@ class Timeline {
       g.clip();
       Object.assign(g, { fillStyle: theme.ink, textAlign: "left", textBaseline: "middle", font: "11px ui-monospace, monospace" });
       g.fillText(step.text, x0 + 6, row.y + row.height / 2 + 0.5);
+      g.restore();
+    }
+  }
+
+  /** The operations of a part: a line while it is on its way, a block while it stays. */
+  drawOperations(g, row) {
+    const { theme } = this;
+    for (const { start_ns, arrival_ns, duration_ns, text } of row.steps) {
+      const [x0, x1, x2] = [start_ns, arrival_ns, start_ns + duration_ns].map((t_ns) => this.xOf(t_ns));
+      if (x2 < LABELS || x0 > LABELS + this.width()) continue;
+      g.fillStyle = row.color;
+      g.fillRect(x0, row.y + row.height / 2 - 1, Math.max(1, x1 - x0), 2);
+      g.globalAlpha = 0.35;
+      g.fillRect(x1 + 0.5, row.y, Math.max(0, x2 - x1 - 1), row.height);
+      g.globalAlpha = 1;
+      // Where it arrives: so two stays without a way between them are told apart.
+      g.fillRect(x1 - 1, row.y + 1, 2, row.height - 2);
+      const left = Math.max(LABELS, x1);
+      if (x2 - left < 24) continue;
+      g.save();
+      g.beginPath();
+      g.rect(left, row.y, x2 - left - 4, row.height);
+      g.clip();
+      Object.assign(g, { fillStyle: theme.ink, textAlign: "left", textBaseline: "middle", font: "10px ui-monospace, monospace" });
+      g.fillText(text, left + 6, row.y + row.height / 2 + 0.5);
       g.restore();
     }
   }

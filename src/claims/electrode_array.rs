@@ -27,6 +27,15 @@ impl KindOrder for ElectrodeArrayOrder {
     fn kind(&self) -> Kind {
         Kind::ElectrodeArray
     }
+
+    fn operation_spans(&self, nth: usize) -> Vec<Span> {
+        match self.steps.get(nth).map(|step| &step.action) {
+            Some(ElectrodeArrayAction::Assay(operations)) => {
+                operations.iter().map(|operation| operation.span).collect()
+            }
+            Some(ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_)) | None => Vec::new(),
+        }
+    }
 }
 
 impl ElectrodeArrayOrder {

@@ -166,6 +166,11 @@ impl Job {
         each_kind!(Order, &self.order, order => order.steps.iter().map(|step| step.span).collect())
     }
 
+    /// Where the operations of a step are written of which several take place at the same time.
+    pub fn operation_spans(&self, nth: usize) -> Vec<Span> {
+        self.order.asked().operation_spans(nth)
+    }
+
     /// The kind of the job's device.
     pub fn kind(&self) -> Kind {
         self.order.asked().kind()
@@ -186,6 +191,11 @@ pub enum Order {
 pub trait KindOrder {
     /// The kind of its device.
     fn kind(&self) -> Kind;
+
+    /// Where the operations of a step are written of which several take place at the same time, in the order of the program.
+    fn operation_spans(&self, _nth: usize) -> Vec<Span> {
+        Vec::new()
+    }
 
     /// Where the device stands in the scene, if the program says so.
     fn frame(&self) -> Option<Pose> {

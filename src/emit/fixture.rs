@@ -197,6 +197,7 @@ fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[LatticeCell], start_n
             start_ns: begin_ns,
             duration_ns: t_ns - begin_ns,
             reached: Vec::new(),
+            operations: Vec::new(),
             span: Span::default(),
         });
     }
@@ -244,6 +245,7 @@ pub fn crowd() -> (Verified, Provenance) {
             start_ns: 0,
             duration_ns: 1000,
             reached: Vec::new(),
+            operations: Vec::new(),
             span: Span::default(),
         }];
         let pulse = |channel, start_ns, from, to| Actuation {
@@ -574,6 +576,7 @@ impl Gesture {
             start_ns: self.t_ns,
             duration_ns: 0,
             reached: Vec::new(),
+            operations: Vec::new(),
             span: Span::default(),
         });
     }

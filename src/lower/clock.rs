@@ -6,7 +6,8 @@ use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::plan::{Motion, Optimality, Plan};
 use crate::schedule::reached::{Reached, reached};
 use crate::schedule::{
-    Actuation, Channel, ChannelUnit, PlanRecord, Schedule, ScheduledStep, SourceRef, Swing, TimedState,
+    Actuation, Channel, ChannelUnit, PlanRecord, Schedule, ScheduledOperation, ScheduledStep, SourceRef, Swing,
+    TimedState,
 };
 use crate::source::{FileId, Sources, Span};
 use std::collections::BTreeMap;
@@ -15,12 +16,15 @@ use std::collections::BTreeMap;
 pub const MAX_DURATION_NS: u64 = 1_000_000_000_000_000;
 
 /// A job alone, from its own instant 0.
+#[derive(Default)]
 pub struct LoweredRun {
     pub duration_ns: u64,
     /// Channels are named without the device.
     pub actuations: Vec<(String, RunActuation)>,
     /// Start and duration of each step of the order, in order, with the step's place.
     pub steps: Vec<(Span, u64, u64)>,
+    /// Those of steps in which they overlap.
+    pub operations: Vec<LoweredOperation>,
     pub states: Vec<TimedState>,
 }
 
@@ -32,6 +36,16 @@ pub struct RunActuation {
     pub to: f64,
     pub swing: Option<Swing>,
     pub step: usize,
+}
+
+/// An operation within a run; `step` is an index of the run's steps, other terms are those of [`ScheduledOperation`].
+pub struct LoweredOperation {
+    pub step: usize,
+    pub span: Span,
+    pub parts: Vec<String>,
+    pub start_ns: u64,
+    pub arrival_ns: u64,
+    pub end_ns: u64,
 }
 
 /// The schedule of a program, from a plan for each of its jobs.
@@ -143,8 +157,10 @@ impl<'a> ScheduleBuilder<'a> {
             let over = run.states.partition_point(|state| state.t_ns <= at_ns + duration_ns);
             let end = over.checked_sub(1).map(|last| &run.states[last]);
             let reached = end.map_or_else(Vec::new, |end| reached(&task.order, nth, &end.state));
+            let own = run.operations.iter().filter(|operation| operation.step == nth);
+            let operations = own.map(|operation| self.operation(operation, start_ns)).collect();
             let step = self.step(job, (*span, start_ns + at_ns, *duration_ns), reached);
-            self.steps.push(step);
+            self.steps.push(ScheduledStep { operations, ..step });
         }
         self.plans.push(self.record(job, plan, run, start_ns));
     }
@@ -159,15 +175,36 @@ impl<'a> ScheduleBuilder<'a> {
         ScheduledStep {
             task: self.claims.jobs[job].task.clone(),
             plan: job as u32,
-            text: self.sources.text(span).split_whitespace().collect::<Vec<_>>().join(" "),
+            text: self.text(span),
             file: self.sources.file(span.file).name.clone(),
             line: position.line,
             column: position.column,
             start_ns,
             duration_ns,
             reached,
+            operations: Vec::new(),
             span,
         }
+    }
+
+    fn operation(&self, operation: &LoweredOperation, run_ns: u64) -> ScheduledOperation {
+        let LoweredOperation { span, ref parts, start_ns, arrival_ns, end_ns, .. } = *operation;
+        let position = self.sources.position(span);
+        ScheduledOperation {
+            parts: parts.clone(),
+            text: self.text(span),
+            line: position.line,
+            column: position.column,
+            start_ns: run_ns + start_ns,
+            arrival_ns: run_ns + arrival_ns,
+            duration_ns: end_ns - start_ns,
+            span,
+        }
+    }
+
+    /// Words of the program, on one line.
+    fn text(&self, span: Span) -> String {
+        self.sources.text(span).split_whitespace().collect::<Vec<_>>().join(" ")
     }
 
     fn record(&self, job: usize, plan: &Plan<Motion>, run: LoweredRun, start_ns: u64) -> PlanRecord {

@@ -16,7 +16,7 @@ impl Lowered for Planned<'_, DimibotOrder, DimibotMotion> {
     fn run(&self) -> Option<LoweredRun> {
         let Planned { order, motion } = self;
         let facts = &order.facts;
-        let mut run = LoweredRun { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() };
+        let mut run = LoweredRun::default();
         let mut cell = motion.start;
         let mut delays = motion.delays.iter();
         run.states.push(TimedState { t_ns: 0, state: state(facts, cell) });

@@ -113,6 +113,11 @@ fn check(schedule: &Schedule) -> Result<(), ReadError> {
         if too_late(step.start_ns, step.duration_ns) {
             return wrong(format!("steps[{index}].start_ns"), "is beyond every clock");
         }
+        for (nth, operation) in step.operations.iter().enumerate() {
+            if too_late(operation.start_ns.max(operation.arrival_ns), operation.duration_ns) {
+                return wrong(format!("steps[{index}].operations[{nth}]"), "is beyond every clock");
+            }
+        }
     }
     for (index, plan) in schedule.plans.iter().enumerate() {
         let last_ns = plan.states.iter().map(|state| state.t_ns).max().unwrap_or(0);

@@ -139,8 +139,38 @@ pub struct ScheduledStep {
     /// Values that it reaches, where goals are by nature not met exactly.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reached: Vec<Reached>,
+    /// Where its operations overlap, each of them, in the order of the program.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub operations: Vec<ScheduledOperation>,
     #[serde(skip)]
     pub span: Span,
+}
+
+/// One operation of a step in which several take place at the same time, on the clock. Those of one part follow each other without a
+/// gap.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ScheduledOperation {
+    /// The parts that take part in it; of two that merge, the one that remains is the first.
+    pub parts: Vec<String>,
+    /// As written by the user, on one line; in the file of the step.
+    pub text: String,
+    pub line: u32,
+    pub column: u32,
+    /// When the first of its parts is free for it.
+    pub start_ns: u64,
+    /// When the last of its parts has come to where it takes place; the rest of it is a stay.
+    pub arrival_ns: u64,
+    /// From the start on.
+    pub duration_ns: u64,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+impl ScheduledOperation {
+    /// The instant at which it is done.
+    pub fn end_ns(&self) -> u64 {
+        self.start_ns + self.duration_ns
+    }
 }
 
 /// A planner's record of one job, with the states of its plan.

@@ -73,6 +73,12 @@ fn clock_numbers(schedule: &Schedule, findings: &mut Findings) {
             findings.push(Violation::new(Rule::Number, start_ns, title));
         }
     }
+    for (index, operation) in schedule.steps.iter().flat_map(|step| &step.operations).enumerate() {
+        if operation.start_ns.checked_add(operation.duration_ns).is_none() {
+            let title = format!("operation {index} {}", past_the_clock(operation.start_ns, operation.duration_ns));
+            findings.push(Violation::new(Rule::Number, operation.start_ns, title));
+        }
+    }
 }
 
 fn figures(schedule: &Schedule, findings: &mut Findings) {

@@ -31,7 +31,7 @@ use crate::claims::{Claims, Order};
 use crate::device::each_kind;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::schedule::{ChannelUnit, Schedule, State, TimedState};
-use crate::source::Sources;
+use crate::source::{Sources, Span};
 use clock::JudgedRun;
 use rule::Findings;
 use std::borrow::Cow;
@@ -152,6 +152,17 @@ struct Replay<'a> {
     states: Vec<Cow<'a, TimedState>>,
     /// Every outcome that the kind knows, in SI units.
     outcomes: BTreeMap<&'static str, f64>,
+    /// Of each step in which several take place at the same time, in the order of the program.
+    operations: BTreeMap<usize, Vec<JudgedOperation>>,
+}
+
+/// An operation as it was replayed.
+#[derive(Debug)]
+struct JudgedOperation {
+    parts: Vec<String>,
+    /// When the first of its parts is free for it, when all are where it takes place, and when it is done.
+    times_ns: [u64; 3],
+    span: Span,
 }
 
 /// Terms of a plan's record, from the claims.

@@ -5,12 +5,12 @@
 
 use super::clock::JudgedRun;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{RecordTerms, Replay, judge_of, judged_state};
+use super::{JudgedOperation, RecordTerms, Replay, judge_of, judged_state};
 use crate::claims::{Relation, Requirement};
 use crate::device::Outcome;
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::schedule::reached::reached;
-use crate::schedule::{Reached, TimedState};
+use crate::schedule::{Reached, ScheduledOperation, TimedState};
 use std::borrow::Cow;
 
 /// Share of the larger one by which two figures may differ.
@@ -23,6 +23,7 @@ pub(super) fn check(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     other_bounds(run, findings);
     outcomes(run, replay, findings);
     nearness(run, replay, findings);
+    operations(run, replay, findings);
     if let Some(violation) = difference(run, &replay.states) {
         findings.push(violation);
     }
@@ -151,6 +152,33 @@ fn nearness(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
             step.reached
         );
         findings.push(figure(run, title).step(run.steps[nth]));
+    }
+}
+
+/// The recorded operations of a step, if there are any, are those of the replay.
+fn operations(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
+    for nth in 0..run.steps.len() {
+        let step = run.step(nth);
+        let due = replay.operations.get(&nth).map_or(&[][..], Vec::as_slice);
+        if !step.operations.is_empty() && step.operations.len() != due.len() {
+            let (recorded, replayed) = (step.operations.len(), due.len());
+            let place = format!("step {} of `{}`", nth + 1, run.job.task);
+            let title = format!("{place} is recorded with {recorded} operations, but the replay gives {replayed}");
+            findings.push(figure(run, title).step(run.steps[nth]));
+            continue;
+        }
+        let differs = |(recorded, due): &(&ScheduledOperation, &JudgedOperation)| {
+            [recorded.start_ns, recorded.arrival_ns, recorded.end_ns()] != due.times_ns || recorded.parts != due.parts
+        };
+        for (recorded, due) in step.operations.iter().zip(due).filter(differs) {
+            let told = |parts: &[String], [start, arrival, end]: [u64; 3]| {
+                format!("{} from {} to {}, there at {}", parts.join(" with "), ms(start), ms(end), ms(arrival))
+            };
+            let times_ns = [recorded.start_ns, recorded.arrival_ns, recorded.end_ns()];
+            let (recorded, replayed) = (told(&recorded.parts, times_ns), told(&due.parts, due.times_ns));
+            let title = format!("an operation is recorded as {recorded}, but the replay gives {replayed}");
+            findings.push(figure(run, title).step(run.steps[nth]).label(due.span, "this operation"));
+        }
     }
 }
 

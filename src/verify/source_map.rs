@@ -5,35 +5,61 @@
 
 use super::rule::{Findings, Rule, Violation};
 use crate::claims::{Claims, Job};
-use crate::schedule::{Schedule, ScheduledStep};
+use crate::schedule::Schedule;
 use crate::source::{FileId, SourceFile, Sources, Span};
 
-/// Compares the words and the place of every step with the file.
+/// A text of the program as a schedule has it.
+struct RecordedText<'s> {
+    step: usize,
+    /// `step 2`, or `operation 3 of step 2`.
+    what: String,
+    start_ns: u64,
+    text: &'s str,
+    file: &'s str,
+    line: u32,
+    column: u32,
+}
+
+/// Compares the words and the place of every step, and of every operation in it, with the file.
 pub(super) fn check(schedule: &Schedule, claims: &Claims, sources: &Sources, findings: &mut Findings) {
-    let mut nth = vec![0; claims.jobs.len()];
-    let spans: Vec<Vec<Span>> = claims.jobs.iter().map(Job::step_spans).collect();
-    let mut written: Vec<(Span, usize)> = Vec::with_capacity(schedule.steps.len());
-    for (index, step) in schedule.steps.iter().enumerate() {
-        let plan = step.plan as usize;
-        written.push((spans[plan][nth[plan]], index));
-        nth[plan] += 1;
-    }
-    written.sort_unstable_by_key(|(span, index)| (*span, *index));
+    let mut written = texts(schedule, claims);
+    written.sort_by_key(|(span, _)| *span);
     let mut walk = LineCounter::default();
-    for (span, index) in written {
-        let step = &schedule.steps[index];
+    for (span, recorded) in written {
+        let RecordedText { step, ref what, start_ns, .. } = recorded;
         let Some((_, file)) = sources.files().find(|(id, _)| *id == span.file) else {
-            let title = format!("step {index} is not of a file of the program");
-            findings.push(Violation::new(Rule::SourceMap, step.start_ns, title).step(index));
+            let title = format!("{what} is not of a file of the program");
+            findings.push(Violation::new(Rule::SourceMap, start_ns, title).step(step));
             continue;
         };
         let (line, column) = walk.position(file, span);
-        for (what, recorded, written) in differences(step, file, span, (line, column)) {
-            let title = format!("step {index} has the {what} `{recorded}`, but the program has `{written}`");
-            let violation = Violation::new(Rule::SourceMap, step.start_ns, title);
-            findings.push(violation.step(index).label(span, "this step"));
+        for (which, recorded, written) in differences(&recorded, file, span, (line, column)) {
+            let title = format!("{what} has the {which} `{recorded}`, but the program has `{written}`");
+            findings.push(Violation::new(Rule::SourceMap, start_ns, title).step(step).label(span, "the program's own"));
         }
     }
+}
+
+/// All texts of a schedule, with where the program has them.
+fn texts<'s>(schedule: &'s Schedule, claims: &Claims) -> Vec<(Span, RecordedText<'s>)> {
+    let mut nth = vec![0; claims.jobs.len()];
+    let spans: Vec<Vec<Span>> = claims.jobs.iter().map(Job::step_spans).collect();
+    let mut written = Vec::with_capacity(schedule.steps.len());
+    for (index, step) in schedule.steps.iter().enumerate() {
+        let (plan, file) = (step.plan as usize, step.file.as_str());
+        let operations = claims.jobs[plan].operation_spans(nth[plan]);
+        let own = spans[plan][nth[plan]];
+        nth[plan] += 1;
+        let (text, what) = (step.text.as_str(), format!("step {index}"));
+        let (start_ns, line, column) = (step.start_ns, step.line, step.column);
+        written.push((own, RecordedText { step: index, what, start_ns, text, file, line, column }));
+        for (place, (span, operation)) in operations.into_iter().zip(&step.operations).enumerate() {
+            let (text, what) = (operation.text.as_str(), format!("operation {place} of step {index}"));
+            let (start_ns, line, column) = (operation.start_ns, operation.line, operation.column);
+            written.push((span, RecordedText { step: index, what, start_ns, text, file, line, column }));
+        }
+    }
+    written
 }
 
 /// Counts lines and columns of spans in their order, each character of a file once: a line may be as long as the file.
@@ -63,17 +89,17 @@ impl LineCounter {
 
 /// The recorded and the actual value, where they differ.
 fn differences(
-    step: &ScheduledStep,
+    recorded: &RecordedText,
     file: &SourceFile,
     span: Span,
     (line, column): (usize, usize),
 ) -> Vec<(&'static str, String, String)> {
     let text: Vec<&str> = file.text[span.range()].split_whitespace().collect();
     let pairs = [
-        ("text", step.text.clone(), text.join(" ")),
-        ("file", step.file.clone(), file.name.clone()),
-        ("line", step.line.to_string(), line.to_string()),
-        ("column", step.column.to_string(), column.to_string()),
+        ("text", recorded.text.to_owned(), text.join(" ")),
+        ("file", recorded.file.to_owned(), file.name.clone()),
+        ("line", recorded.line.to_string(), line.to_string()),
+        ("column", recorded.column.to_string(), column.to_string()),
     ];
     pairs.into_iter().filter(|(_, recorded, written)| recorded != written).collect()
 }
@@ -86,6 +112,7 @@ mod tests {
     use crate::check::imports::Library;
     use crate::compile::{CompileOutcome, CompileRequest, compile};
     use crate::diagnostic::Sink;
+    use crate::schedule::ScheduledStep;
 
     struct Nothing;
 

@@ -5,6 +5,8 @@
 //! that brought one to its cell stay on while it rests. An electrode that is on in one step and in the next is not switched
 //! between them.
 
+mod operations;
+
 use super::Lowered;
 use super::clock::{LoweredRun, RunActuation};
 use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayOrder};
@@ -18,11 +20,7 @@ use std::collections::{BTreeMap, BTreeSet};
 impl Lowered for Planned<'_, ElectrodeArrayOrder, ElectrodeArrayMotion> {
     fn run(&self) -> Option<LoweredRun> {
         let Planned { order, motion } = self;
-        let mut board = LoweringBoard {
-            order,
-            run: LoweredRun { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
-            cells: motion.start.clone(),
-        };
+        let mut board = LoweringBoard { order, run: LoweredRun::default(), cells: motion.start.clone() };
         board.record(0);
         for (index, (step, motion)) in order.steps.iter().zip(&motion.steps).enumerate() {
             let start_ns = board.run.duration_ns;
@@ -32,6 +30,9 @@ impl Lowered for Planned<'_, ElectrodeArrayOrder, ElectrodeArrayMotion> {
                     let paths: Vec<&[ElectrodeCell]> = courses.iter().map(|course| course.cells.as_slice()).collect();
                     let is_gone: Vec<bool> = courses.iter().map(|course| course.is_gone).collect();
                     board.follow(&paths, &is_gone, index)?;
+                    if let ElectrodeArrayAction::Assay(all) = &step.action {
+                        board.run.operations.extend(operations::timed(order, (index, start_ns), all, &paths));
+                    }
                 }
                 ElectrodeArrayStepMotion::Paths(paths) => {
                     let paths: Vec<&[ElectrodeCell]> = paths.iter().map(Vec::as_slice).collect();

@@ -16,10 +16,7 @@ impl Lowered for Planned<'_, FingersOrder, FingersMotion> {
     fn run(&self) -> Option<LoweredRun> {
         let Planned { order, motion } = self;
         let start = &motion.start;
-        let mut hand = Lowering {
-            run: LoweredRun { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
-            tips_um: start.tips_um.clone(),
-        };
+        let mut hand = Lowering { run: LoweredRun::default(), tips_um: start.tips_um.clone() };
         hand.record(&start.hold);
         for (index, (step, moves)) in order.steps.iter().zip(&motion.steps).enumerate() {
             let start_ns = hand.run.duration_ns;

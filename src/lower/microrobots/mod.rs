@@ -18,11 +18,7 @@ use crate::schedule::{ChannelUnit, State, Swing, TimedState};
 impl Lowered for Planned<'_, MicrorobotsOrder, MicrorobotsMotion> {
     fn run(&self) -> Option<LoweredRun> {
         let Planned { order, motion } = self;
-        let mut bed = LoweringBed {
-            order,
-            run: LoweredRun { duration_ns: 0, actuations: Vec::new(), steps: Vec::new(), states: Vec::new() },
-            crew: motion.start.clone(),
-        };
+        let mut bed = LoweringBed { order, run: LoweredRun::default(), crew: motion.start.clone() };
         for (index, (step, motion)) in order.steps.iter().zip(&motion.steps).enumerate() {
             let start_ns = bed.run.duration_ns;
             match motion {

@@ -129,7 +129,11 @@ impl Judge for DimibotOrder {
         goals(&task, findings);
         places(&task, findings);
         standing.insert(&run.job.device, state(&self.facts, task.end()));
-        Ok(Replay { states: task.states().into_iter().map(Cow::Owned).collect(), outcomes: task.outcomes() })
+        Ok(Replay {
+            states: task.states().into_iter().map(Cow::Owned).collect(),
+            outcomes: task.outcomes(),
+            operations: BTreeMap::new(),
+        })
     }
 
     fn beside(&self, runs: &[JudgedRun], order: &[usize], claims: &Claims, findings: &mut Findings) {

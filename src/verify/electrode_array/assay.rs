@@ -17,6 +17,17 @@ struct DueStop<'o> {
     beats: u64,
     with: Option<usize>,
     operation: &'o AssayOperation,
+    /// The place of the operation in the assay, where this is its last stop.
+    ends: Option<usize>,
+}
+
+/// When an operation took place: the beats after which the first of its parts was free for it, all were where it takes place, and it
+/// was done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct OperationBeats {
+    pub free: u64,
+    pub arrival: u64,
+    pub done: u64,
 }
 
 /// The course of one part.
@@ -26,9 +37,10 @@ struct PartTurn<'o> {
     done: usize,
     /// The beat from which on it has been at its next stop.
     since: Option<u64>,
-    /// The beats, from 1, after which it last moved and last did something.
+    /// The beats, from 1, after which it last moved, last did something, and had done its last operation.
     moved: u64,
     acted: u64,
+    free: u64,
 }
 
 impl<'o> PartTurn<'o> {
@@ -53,6 +65,8 @@ pub(super) struct MissedOperation<'o> {
 pub(super) struct JudgedAssay<'o> {
     pub meetings: Meetings,
     turns: BTreeMap<usize, PartTurn<'o>>,
+    /// For each operation, once it is done.
+    pub beats: Vec<Option<OperationBeats>>,
     /// Where the parts without an operation stood that have moved, and when they did so last.
     pub homes: BTreeMap<usize, (ElectrodeCell, u64)>,
 }
@@ -61,7 +75,7 @@ impl<'o> JudgedAssay<'o> {
     /// Before the first beat.
     pub fn new(operations: &'o [AssayOperation], step_ns: u64, cells: &[Option<ElectrodeCell>]) -> JudgedAssay<'o> {
         let mut turns: BTreeMap<usize, PartTurn> = BTreeMap::new();
-        for operation in operations {
+        for (place, operation) in operations.iter().enumerate() {
             for part in operation.parts() {
                 let Some(start) = cells[part] else { continue };
                 let turn = turns.entry(part).or_insert_with(|| PartTurn {
@@ -70,22 +84,23 @@ impl<'o> JudgedAssay<'o> {
                     since: None,
                     moved: 0,
                     acted: 0,
+                    free: 0,
                 });
                 let last = operation.stops.len().saturating_sub(1);
                 let beats = operation.stay_ns.div_ceil(step_ns);
                 let with = operation.parts().find(|other| *other != part);
                 for (nth, stop) in operation.stops.iter().enumerate() {
-                    let (beats, with) = if nth == last { (beats, with) } else { (0, None) };
-                    turn.due.push(DueStop { cell: stop.cell, stop: Some(stop), beats, with, operation });
+                    let (beats, with, ends) = if nth == last { (beats, with, Some(place)) } else { (0, None, None) };
+                    turn.due.push(DueStop { cell: stop.cell, stop: Some(stop), beats, with, operation, ends });
                 }
                 if operation.stops.is_empty() {
                     let cell = turn.due.last().map_or(start, |due| due.cell);
-                    turn.due.push(DueStop { cell, stop: None, beats, with, operation });
+                    turn.due.push(DueStop { cell, stop: None, beats, with, operation, ends: Some(place) });
                 }
             }
         }
         let meetings = Meetings::new(operations.iter().flat_map(AssayOperation::parts));
-        JudgedAssay { meetings, turns, homes: BTreeMap::new() }
+        JudgedAssay { meetings, turns, beats: vec![None; operations.len()], homes: BTreeMap::new() }
     }
 
     /// Notes that a part has moved in the beat before this one.
@@ -129,14 +144,20 @@ impl<'o> JudgedAssay<'o> {
             return;
         }
         let since = turn.since.unwrap_or(beat);
-        let (beats, with, gone) = (due.beats, due.with, due.operation.with);
+        let (beats, with, gone, ends) = (due.beats, due.with, due.operation.with, due.ends);
         let is_together = with.is_none_or(|other| cells[other] == Some(due.cell) && self.is_next(other, due));
         let is_done = beat - since >= beats && is_together;
+        if let Some(place) = ends.filter(|_| is_done) {
+            let free = std::iter::once(part).chain(with).filter_map(|own| self.turns.get(&own)).map(|turn| turn.free);
+            let arrival = if with.is_some() { beat } else { since };
+            self.beats[place] = Some(OperationBeats { free: free.min().unwrap_or(beat), arrival, done: beat });
+        }
         for own in std::iter::once(part).chain(with.filter(|_| is_done)) {
             self.turns.entry(own).and_modify(|turn| {
                 turn.since = Some(since).filter(|_| !is_done);
                 if is_done {
                     (turn.done, turn.acted) = (turn.done + 1, beat);
+                    turn.free = if ends.is_some() { beat } else { turn.free };
                 }
             });
         }
@@ -162,7 +183,7 @@ impl<'o> JudgedAssay<'o> {
         let missed = |(part, turn): (&usize, &PartTurn<'o>)| {
             let strays = || turn.due.last().filter(|last| cells[*part].is_some_and(|cell| cell != last.cell));
             let due = turn.next().or_else(strays)?;
-            let DueStop { cell, stop, beats, with, operation } = *due;
+            let DueStop { cell, stop, beats, with, operation, .. } = *due;
             Some(MissedOperation { part: *part, operation, stop, cell, beats, with })
         };
         self.turns.iter().filter_map(missed).collect()

@@ -17,13 +17,13 @@ mod switching;
 use super::clock::JudgedRun;
 use super::record;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{Halt, Judge, JudgedState, RecordTerms, Replay, Standing, Unfit};
+use super::{Halt, Judge, JudgedOperation, JudgedState, RecordTerms, Replay, Standing, Unfit};
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayOrder};
 use crate::claims::{Claims, Order};
 use crate::device::electrode_array::{ElectrodeArrayOutcome, ElectrodeCell};
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{Actuation, ChannelUnit, State, TimedState};
-use assay::{JudgedAssay, MissedOperation};
+use assay::{JudgedAssay, MissedOperation, OperationBeats};
 use beat::{Pulls, StepBeat};
 use bodies::BoardObstacles;
 use rustc_hash::FxHashMap;
@@ -90,7 +90,7 @@ impl Judge for ElectrodeArrayOrder {
         }
         standing.insert(&run.job.device, board.state());
         let outcomes = board.outcomes();
-        Ok(Replay { states: board.states, outcomes })
+        Ok(Replay { states: board.states, outcomes, operations: board.operations })
     }
 }
 
@@ -118,6 +118,8 @@ struct JudgedBoard<'r, 'a> {
     /// Where each part is; `None` for one that has merged with another.
     cells: Vec<Option<ElectrodeCell>>,
     states: Vec<Cow<'a, TimedState>>,
+    /// Of each step in which several take place at the same time.
+    operations: BTreeMap<usize, Vec<JudgedOperation>>,
     beats: u64,
     sum_of_costs: u64,
     moves: u64,
@@ -135,6 +137,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             by_name,
             cells: start(run, order, standing),
             states: Vec::new(),
+            operations: BTreeMap::new(),
             beats: 0,
             sum_of_costs: 0,
             moves: 0,
@@ -263,6 +266,8 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         self.sum_of_costs = self.sum_of_costs.saturating_add(assay.cost());
         let missed = assay.missed(&self.cells);
         missed.iter().for_each(|missed| findings.push(self.not_done(nth, missed)));
+        let on_clock = self.on_clock(nth, operations, &assay.beats);
+        self.operations.insert(nth, on_clock);
         let homes = assay.homes.iter().map(|(part, (home, _))| (*part, *home));
         self.returns(nth, homes, findings);
         if beats > 0 {
@@ -272,6 +277,24 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             self.record(step.start_ns + step.duration_ns)?;
         }
         Ok(())
+    }
+
+    /// The operations of a step on the clock.
+    fn on_clock(
+        &self,
+        nth: usize,
+        operations: &[AssayOperation],
+        beats: &[Option<OperationBeats>],
+    ) -> Vec<JudgedOperation> {
+        let at_ns = |beats: u64| self.run.step(nth).start_ns + beats * self.order.facts.step_ns;
+        let timed = operations.iter().zip(beats).filter_map(|(operation, beats)| Some((operation, (*beats)?)));
+        timed
+            .map(|(operation, beats)| JudgedOperation {
+                parts: operation.parts().map(|part| self.order.parts[part].name.clone()).collect(),
+                times_ns: [beats.free, beats.arrival, beats.done].map(at_ns),
+                span: operation.span,
+            })
+            .collect()
     }
 
     /// An operation that was not done, or a part that does not end where it should.

@@ -105,7 +105,7 @@ impl Judge for FingersOrder {
         hand.finish(findings);
         standing.insert(&run.job.device, hand.left());
         let outcomes = hand.outcomes();
-        Ok(Replay { states: hand.into_states(), outcomes })
+        Ok(Replay { states: hand.into_states(), outcomes, operations: std::collections::BTreeMap::new() })
     }
 }
 

@@ -121,7 +121,7 @@ impl Judge for MicrorobotsOrder {
         clearance::check(&bed, findings)?;
         standing.insert(&run.job.device, bed.state(bed.rest));
         let outcomes = bed.outcomes();
-        Ok(Replay { states: bed.states, outcomes })
+        Ok(Replay { states: bed.states, outcomes, operations: BTreeMap::new() })
     }
 }
 

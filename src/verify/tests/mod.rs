@@ -87,6 +87,7 @@ fn step_of(job: &Job, plan: usize, [start_ns, end_ns]: [u64; 2]) -> ScheduledSte
         start_ns,
         duration_ns: end_ns - start_ns,
         reached: Vec::new(),
+        operations: Vec::new(),
         span: Span::default(),
     }
 }

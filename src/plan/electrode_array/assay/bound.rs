@@ -7,7 +7,7 @@
 use super::super::board::{BoardCosts, CellIndex};
 use super::route::Ahead;
 use super::{AssayProblem, Errand};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// An errand with its earliest start and end, and the least time from its end to the end of the assay.
 #[derive(Debug, Clone, Copy)]
@@ -30,7 +30,8 @@ pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> BoardCosts {
             stays.entry(one.errand.stop).or_default().push((agent, *one));
         }
     }
-    let turns = stays.values().map(|stays| in_turns(problem, stays)).max().unwrap_or(0);
+    let drops = drops(problem);
+    let turns = stays.values().map(|stays| in_turns(problem, stays, &drops)).max().unwrap_or(0);
     let arrivals = timed.iter().enumerate().map(|(agent, errands)| last_arrival(problem, agent, errands));
     BoardCosts { makespan: alone.max(turns), sum_of_costs: arrivals.sum() }
 }
@@ -116,22 +117,30 @@ fn meeting(
 }
 
 /// Agents that stay at one stop take turns: for each set of those that can begin no earlier than one of them, the earliest start, all
-/// stays with the changes between them, and the shortest way to the end.
-fn in_turns(problem: &AssayProblem, stays: &[(usize, TimedErrand)]) -> u64 {
+/// stays with the changes between them, and the shortest way to the end. Agents that merge, with each other or with a third, may follow
+/// each other as one and without a change; `drops` has one number for all of them.
+fn in_turns(problem: &AssayProblem, stays: &[(usize, TimedErrand)], drops: &[usize]) -> u64 {
+    let change = u64::from(problem.instance.separation) + 1;
     let set_from = |least: u64| {
-        let of: Vec<&(usize, TimedErrand)> = stays.iter().filter(|(_, one)| one.head >= least).collect();
-        let mut agents: Vec<usize> = of.iter().map(|(agent, _)| *agent).collect();
-        agents.sort_unstable();
-        agents.dedup();
-        // Agents that meet may follow each other at the stop as one.
-        let is_apart = agents.len() == of.len()
-            && !agents.iter().any(|agent| problem.errands[*agent].iter().any(|errand| errand.meets.is_some()));
-        let change = if is_apart { u64::from(problem.instance.separation) + 1 } else { 0 };
-        let all: u64 = of.iter().map(|(_, one)| u64::from(one.errand.stay)).sum();
-        let tail = of.iter().map(|(_, one)| one.tail).min().unwrap_or(0);
-        least + all + change * (of.len() as u64).saturating_sub(1) + tail
+        let of = || stays.iter().filter(|(_, one)| one.head >= least);
+        let all: u64 = of().map(|(_, one)| u64::from(one.errand.stay)).sum();
+        let tail = of().map(|(_, one)| one.tail).min().unwrap_or(0);
+        let apart: BTreeSet<usize> = of().map(|(agent, _)| drops[*agent]).collect();
+        least + all + change * (apart.len() as u64).saturating_sub(1) + tail
     };
     stays.iter().map(|(_, one)| set_from(one.head)).max().unwrap_or(0)
+}
+
+/// For each agent a number that it has in common with those with which it ever merges, directly or by others.
+fn drops(problem: &AssayProblem) -> Vec<usize> {
+    let mut drops: Vec<usize> = (0..problem.errands.len()).collect();
+    for (agent, errands) in problem.errands.iter().enumerate() {
+        for other in errands.iter().filter_map(|errand| errand.meets) {
+            let (one, both) = (drops[agent], drops[other]);
+            drops.iter_mut().filter(|drop| **drop == one).for_each(|drop| *drop = both);
+        }
+    }
+    drops
 }
 
 /// The earliest instant of an agent's last arrival: stays at the end count no more.
