@@ -112,7 +112,7 @@ mod tests {
     use crate::check::imports::Library;
     use crate::compile::{CompileOutcome, CompileRequest, compile};
     use crate::diagnostic::Sink;
-    use crate::schedule::ScheduledStep;
+    use crate::schedule::{ScheduledOperation, ScheduledStep};
 
     struct Nothing;
 
@@ -142,6 +142,29 @@ mod tests {
             Verdict::Accepted(_) => Vec::new(),
             Verdict::Rejected(violations) => violations.into_iter().map(|violation| violation.rule).collect(),
             Verdict::Inconclusive { why } => panic!("{why}"),
+        }
+    }
+
+    #[test]
+    fn each_word_of_an_operation_is_read_again_in_the_program() {
+        let (sound, claims, sources) = built(
+            "use std.electrode_array as ea\ndevice chip : ea.droplet_chip\nscene s {\n  part a : ea.droplet at (3, 3)\n}\n\
+             task go on chip in s {\n  assay {\n    for i in 0..2 { move a to (4 + i, 3) }\n    incubate a at (5,\n      3) for 1 s\n  }\n}\n",
+        );
+        let given = (&claims, &sources);
+        assert_eq!(rules(&sound, given), []);
+        let places = sound.steps[0].operations.iter().map(|own| (own.text.as_str(), own.line, own.column));
+        let expected =
+            [("move a to (4 + i, 3)", 8, 21), ("move a to (4 + i, 3)", 8, 21), ("incubate a at (5, 3) for 1 s", 9, 5)];
+        assert_eq!(places.collect::<Vec<_>>(), expected);
+        let edits: [fn(&mut ScheduledOperation); 4] =
+            [|own| own.text = "wash".to_owned(), |own| own.text.push(' '), |own| own.line += 1, |own| own.column -= 1];
+        for (nth, edit) in edits.iter().enumerate() {
+            for index in 0..3 {
+                let mut forged = sound.clone();
+                edit(&mut forged.steps[0].operations[index]);
+                assert_eq!(rules(&forged, given), [Rule::SourceMap], "edit {nth} of operation {index}");
+            }
         }
     }
 

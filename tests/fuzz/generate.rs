@@ -174,7 +174,8 @@ fn electrode_array(random: &mut Random) -> String {
     text.push_str("}\ntask go on board in s {\n");
     text.push_str(&head(Kind::ElectrodeArray.vocabulary(), 5_000, random));
     for _ in 0..whole(random, 1, 3) {
-        match random.below(5) {
+        match random.below(6) {
+            3 => drop(writeln!(text, "  assay {{ {} }}", operations(parts, &cell, random).join(", "))),
             0 if parts > 1 => drop(writeln!(text, "  merge p0 with p1 at {}", cell(random))),
             1 => {
                 let moves: Vec<String> = (0..parts).map(|part| format!("move p{part} to {}", cell(random))).collect();
@@ -188,6 +189,22 @@ fn electrode_array(random: &mut Random) -> String {
     }
     text.push_str("}\n");
     text
+}
+
+/// Operations of an assay: of parts that are mostly there, and cells that are mostly apart.
+fn operations(parts: u32, cell: &impl Fn(&mut Random) -> String, random: &mut Random) -> Vec<String> {
+    let count = whole(random, 1, 6);
+    let operation = |_| {
+        let part = format!("p{}", random.below(parts));
+        match random.below(7) {
+            0 => format!("merge {part} with p{} at {}", random.below(parts), cell(random)),
+            1 => format!("incubate {part} for {} ms", random.below(700)),
+            2 => format!("incubate {part} at {} for {} ms", cell(random), random.below(700)),
+            3 => format!("move {part} to {} via {}", cell(random), cell(random)),
+            _ => format!("move {part} to {}", cell(random)),
+        }
+    };
+    (0..count).map(operation).collect()
 }
 
 /// Channels with gaps, and electrodes that do not work: of boards of droplets, mostly.

@@ -1,4 +1,5 @@
-//! `/log`: the program as it is played, one line of text for each step, and one for each beat of a step in which many parts move.
+//! `/log`: the program as it is played, one line of text for each step, one for each operation of an assay, and one for each beat of a
+//! step in which many parts move.
 //!
 //! Viewers show the text of an entry, but not its fields for file and line, so the text begins with both: `fetch.twz:20 move to (19, 28)`.
 
@@ -12,10 +13,11 @@ use std::collections::BTreeMap;
 pub fn topic(verified: &Verified) -> LogTopic {
     let schedule = verified.schedule();
     let step_words = |step: &ScheduledStep| {
-        let words = std::iter::once(step.text.clone()).chain(step.reached.iter().map(Reached::to_string));
-        entry(step, step.start_ns, foxglove::log::Level::Info, &words.collect::<Vec<_>>().join("; "))
+        let words = std::iter::once(headline(step)).chain(step.reached.iter().map(Reached::to_string));
+        entry(step, (step.line, step.start_ns), foxglove::log::Level::Info, &words.collect::<Vec<_>>().join("; "))
     };
     let mut messages: Vec<(u64, Vec<u8>)> = schedule.steps.iter().map(step_words).collect();
+    messages.extend(schedule.steps.iter().flat_map(of_operations));
     let devices: BTreeMap<&str, &Job> = verified.claims().jobs.iter().map(|job| (job.device.as_str(), job)).collect();
     let beats = devices.into_iter().map(|(device, job)| (device, pictures(&job.order).beats(verified, device)));
     let beats: BTreeMap<&str, Vec<(u64, String)>> = beats.collect();
@@ -28,16 +30,37 @@ pub fn topic(verified: &Verified) -> LogTopic {
     LogTopic::new::<foxglove::Log>("/log", messages)
 }
 
-fn entry(step: &ScheduledStep, t_ns: u64, level: foxglove::log::Level, words: &str) -> (u64, Vec<u8>) {
+fn entry(
+    step: &ScheduledStep,
+    (line, t_ns): (u32, u64),
+    level: foxglove::log::Level,
+    words: &str,
+) -> (u64, Vec<u8>) {
     let line = foxglove::Log {
         timestamp: foxglove::timestamp(t_ns),
         level: level as i32,
-        message: format!("{}:{} {words}", step.file, step.line),
+        message: format!("{}:{line} {words}", step.file),
         name: step.task.clone(),
         file: step.file.clone(),
-        line: step.line,
+        line,
     };
     (t_ns, foxglove::encode(&line))
+}
+
+/// A step in its own words; where its operations have lines of their own, its first word and their number.
+fn headline(step: &ScheduledStep) -> String {
+    match (step.operations.len(), step.text.split_once(" {")) {
+        (0, _) | (_, None) => step.text.clone(),
+        (count, Some((head, _))) => format!("{head}, {count} operations"),
+    }
+}
+
+/// The operations of a step in which they overlap, at their starts.
+fn of_operations(step: &ScheduledStep) -> impl Iterator<Item = (u64, Vec<u8>)> + '_ {
+    step.operations.iter().map(move |operation| {
+        let words = format!("{}: {}", operation.parts.join(", "), operation.text);
+        entry(step, (operation.line, operation.start_ns), foxglove::log::Level::Info, &words)
+    })
 }
 
 /// The beats of a step, if it has several.
@@ -47,7 +70,7 @@ fn of_step(beats: &[(u64, String)], step: &ScheduledStep) -> Vec<(u64, Vec<u8>)>
     let own = &beats[first..after];
     let line = |(index, (t_ns, moves)): (usize, &(u64, String))| {
         let words = format!("beat {} of {}: {moves}", index + 1, own.len());
-        entry(step, *t_ns, foxglove::log::Level::Debug, &words)
+        entry(step, (step.line, *t_ns), foxglove::log::Level::Debug, &words)
     };
     if own.len() > 1 { own.iter().enumerate().map(line).collect() } else { Vec::new() }
 }

@@ -116,23 +116,28 @@ fn meeting(
     (timed(other) >= place).then_some(place)
 }
 
-/// Agents that stay at one stop take turns: for each set of those that can begin no earlier than one of them, the earliest start, all
-/// stays with the changes between them, and the shortest way to the end. Agents that merge, with each other or with a third, may follow
-/// each other as one and without a change; `drops` has one number for all of them.
+/// Agents that stay at one stop take turns: for each set of those that can begin no earlier than one of them, the earliest start of the
+/// first, all stays with the changes between them, and the shortest way of the last to the end; first and last are two, where there are
+/// two. Agents that merge, with each other or with a third, may follow each other as one and without a change; `drops` has one number
+/// for all of them.
 fn in_turns(problem: &AssayProblem, stays: &[(usize, TimedErrand)], drops: &[usize]) -> u64 {
     let change = u64::from(problem.instance.separation) + 1;
     let set_from = |least: u64| {
-        let of = || stays.iter().filter(|(_, one)| one.head >= least);
-        let all: u64 = of().map(|(_, one)| u64::from(one.errand.stay)).sum();
-        let tail = of().map(|(_, one)| one.tail).min().unwrap_or(0);
-        let apart: BTreeSet<usize> = of().map(|(agent, _)| drops[*agent]).collect();
-        least + all + change * (apart.len() as u64).saturating_sub(1) + tail
+        let of: Vec<&(usize, TimedErrand)> = stays.iter().filter(|(_, one)| one.head >= least).collect();
+        let all: u64 = of.iter().map(|(_, one)| u64::from(one.errand.stay)).sum();
+        let apart: BTreeSet<usize> = of.iter().map(|(agent, _)| drops[*agent]).collect();
+        let with_last = |first: usize| {
+            let others = of.iter().enumerate().filter(|(nth, _)| *nth != first || of.len() == 1);
+            of[first].1.head + others.map(|(_, (_, one))| one.tail).min().unwrap_or(0)
+        };
+        let around = (0..of.len()).map(with_last).min().unwrap_or(0);
+        around + all + change * (apart.len() as u64).saturating_sub(1)
     };
     stays.iter().map(|(_, one)| set_from(one.head)).max().unwrap_or(0)
 }
 
-/// For each agent a number that it has in common with those with which it ever merges, directly or by others.
-fn drops(problem: &AssayProblem) -> Vec<usize> {
+/// For each agent a number that it has in common with those with which it ever merges, directly or by others: they end as one droplet.
+pub(super) fn drops(problem: &AssayProblem) -> Vec<usize> {
     let mut drops: Vec<usize> = (0..problem.errands.len()).collect();
     for (agent, errands) in problem.errands.iter().enumerate() {
         for other in errands.iter().filter_map(|errand| errand.meets) {

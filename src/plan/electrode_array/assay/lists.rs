@@ -2,19 +2,23 @@
 //!
 //! Method: an agent's course goes on until its last errand, or until it waits for an agent that comes later in the list. The first
 //! list begins with the agent whose errands take longest. Where an agent finds no course, it and those that meet on the way to it
-//! come first in the next list. Once there is a plan, two agents of its list change places; the new list is kept if it is no worse.
+//! come first in the next list. Once there is a plan, its list is changed: one agent goes to another place, or all agents of one
+//! droplet, every other time of one that is done last, go further to the front. The new list is kept if it is no worse.
 
 use super::super::board::{BoardCosts, BoardObjective, CellIndex};
 use super::bookings::{BookedCourse, Bookings, NEVER};
 use super::route::{Ahead, RouteQuery, Router};
-use super::{AssayPlan, AssayProblem};
+use super::{AssayPlan, AssayProblem, bound};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 
 /// Lists that are tried until there is a plan, and then without a better one.
 const LISTS: usize = 200;
 
-/// Seed of the exchanges.
+/// Searches for better lists, of which the best one counts.
+const ROUNDS: usize = 4;
+
+/// Seed of the changes.
 const SEED: u64 = 1;
 
 /// For how many instants, in separations, the start of an agent without a course is kept for it: the lists take turns with them.
@@ -47,7 +51,7 @@ pub(super) fn best(
                 first.dedup();
                 // The same order again and again would fail again.
                 if worst_list % 2 == 1 {
-                    exchange(&mut list, &mut random);
+                    list = moved(&list, &mut random);
                 }
                 list.retain(|agent| !first.contains(agent));
                 list.splice(0..0, first);
@@ -55,27 +59,66 @@ pub(super) fn best(
         }
         worst_list += 1;
     }
-    let (mut courses, kept) = best?;
-    let key = |courses: &[Vec<CellIndex>]| AssayPlan::costs(courses).key(objective);
-    let least = bounds.key(objective).0;
-    let mut idle = 0;
-    while key(&courses).0 > least && idle < LISTS && list.len() > 1 && planner.meter.left().steps > 0 {
-        idle += 1;
-        planner.limit = match objective {
-            BoardObjective::Makespan => u32::try_from(AssayPlan::costs(&courses).makespan).unwrap_or(NEVER),
-            BoardObjective::SumOfCosts => NEVER,
-        };
-        let mut other = list.clone();
-        exchange(&mut other, &mut random);
-        let Ok(found) = planner.courses(&other, kept) else { continue };
-        if key(&found) < key(&courses) {
-            idle = 0;
+    let (first, kept) = best?;
+    let improvement = Improvement { first: (first, list), kept, objective, least: bounds.key(objective).0 };
+    Some(improvement.best(&mut planner, &mut random))
+}
+
+/// Better lists than a first one.
+struct Improvement {
+    first: (Vec<Vec<CellIndex>>, Vec<usize>),
+    kept: u32,
+    objective: BoardObjective,
+    /// No plan is below it.
+    least: u64,
+}
+
+impl Improvement {
+    /// The best courses of several rounds, each from the first list on.
+    fn best(self, planner: &mut ListPlanner, random: &mut SplitMix64) -> Vec<Vec<CellIndex>> {
+        let mut best = self.first.0.clone();
+        for _ in 0..ROUNDS {
+            if self.key(&best).0 <= self.least {
+                break;
+            }
+            let found = self.round(planner, random);
+            if self.key(&found) < self.key(&best) {
+                best = found;
+            }
         }
-        if key(&found) <= key(&courses) {
-            (courses, list) = (found, other);
-        }
+        best
     }
-    Some(courses)
+
+    fn key(&self, courses: &[Vec<CellIndex>]) -> (u64, u64) {
+        AssayPlan::costs(courses).key(self.objective)
+    }
+
+    /// The courses of the last list of which no change is better.
+    fn round(&self, planner: &mut ListPlanner, random: &mut SplitMix64) -> Vec<Vec<CellIndex>> {
+        let (mut courses, mut list) = self.first.clone();
+        let drops = bound::drops(planner.problem);
+        let mut idle = 0;
+        while self.key(&courses).0 > self.least && idle < LISTS && list.len() > 1 && planner.meter.left().steps > 0 {
+            planner.limit = match self.objective {
+                BoardObjective::Makespan => u32::try_from(AssayPlan::costs(&courses).makespan).unwrap_or(NEVER),
+                BoardObjective::SumOfCosts => NEVER,
+            };
+            let other = match idle % 3 {
+                0 => moved(&list, random),
+                1 => advanced(&list, &drops, &[below(random, drops.len())], random),
+                _ => advanced(&list, &drops, &last_done(&courses), random),
+            };
+            idle += 1;
+            let Ok(found) = planner.courses(&other, self.kept) else { continue };
+            if self.key(&found) < self.key(&courses) {
+                idle = 0;
+            }
+            if self.key(&found) <= self.key(&courses) {
+                (courses, list) = (found, other);
+            }
+        }
+        courses
+    }
 }
 
 /// Least steps of an agent alone.
@@ -89,14 +132,36 @@ fn length(problem: &AssayProblem, ahead: &Ahead, agent: usize) -> u64 {
     steps
 }
 
-/// Moves one agent of a list to another place.
-fn exchange(list: &mut Vec<usize>, random: &mut SplitMix64) {
-    let mut place = || (random.next_u64() % list.len().max(1) as u64) as usize;
-    let (from, to) = (place(), place());
+/// A list with one agent at another place.
+fn moved(list: &[usize], random: &mut SplitMix64) -> Vec<usize> {
+    let mut list = list.to_vec();
+    let (from, to) = (below(random, list.len()), below(random, list.len()));
     if from < list.len() {
         let agent = list.remove(from);
         list.insert(to, agent);
     }
+    list
+}
+
+/// A list in which all agents of one droplet, that of one of some agents, come no later than the first of them did.
+fn advanced(list: &[usize], drops: &[usize], some: &[usize], random: &mut SplitMix64) -> Vec<usize> {
+    let Some(drop) = some.get(below(random, some.len())).map(|agent| drops[*agent]) else { return list.to_vec() };
+    let (own, mut others): (Vec<usize>, Vec<usize>) = list.iter().partition(|agent| drops[**agent] == drop);
+    let first = list.iter().position(|agent| drops[*agent] == drop).unwrap_or(0);
+    let to = below(random, first + 1);
+    others.splice(to..to, own);
+    others
+}
+
+/// The agents whose courses are the longest.
+fn last_done(courses: &[Vec<CellIndex>]) -> Vec<usize> {
+    let longest = courses.iter().map(Vec::len).max();
+    (0..courses.len()).filter(|agent| Some(courses[*agent].len()) == longest).collect()
+}
+
+/// A number below another; 0 where there is none.
+fn below(random: &mut SplitMix64, count: usize) -> usize {
+    (random.next_u64() % count.max(1) as u64) as usize
 }
 
 struct ListPlanner<'a, 'm> {

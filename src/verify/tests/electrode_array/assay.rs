@@ -1,5 +1,7 @@
 use super::*;
 use crate::claims::electrode_array::AssayOperation;
+use crate::schedule::ScheduledOperation;
+use crate::source::Span;
 
 fn assay(parts: &[(&str, u32, u32)], operations: Vec<AssayOperation>) -> ElectrodeArrayOrder {
     order(chip(14, 14), parts, vec![ElectrodeArrayAction::Assay(operations)])
@@ -119,6 +121,64 @@ fn the_sum_of_costs_ends_with_the_last_arrivals() {
     let (sound, claims) = one_step(order, &["R.....", ".RU"]);
     assert_eq!(sound.plans[0].cost, 4.0);
     passes(&sound, &claims);
+}
+
+/// An operation on the record: its parts, and start, arrival and end in beats.
+pub(super) fn recorded(parts: &[&str], [start, arrival, end]: [u64; 3]) -> ScheduledOperation {
+    ScheduledOperation {
+        parts: parts.iter().map(|part| (*part).to_owned()).collect(),
+        text: "operation".into(),
+        line: 1,
+        column: 1,
+        start_ns: start * BEAT,
+        arrival_ns: arrival * BEAT,
+        duration_ns: (end - start) * BEAT,
+        span: Span::default(),
+    }
+}
+
+#[test]
+fn operations_on_the_record_are_those_of_the_replay() {
+    let operations = vec![
+        incubate(1, &[], 1),
+        operation(merge(0, 1, (5, 5))),
+        incubate(0, &[], 2),
+        operation(go(0, &[(5, 6), (6, 6)])),
+        incubate(2, &[(9, 10)], 4),
+    ];
+    let order = assay(&[("a", 3, 5), ("b", 7, 5), ("c", 9, 9)], operations);
+    // `a` waits where they meet, rests there once they are one, is held up on its way, and `c` comes back to its stay.
+    let (mut sound, claims) = one_step(order, &["RR....U.R", "..LLx", ".UDU...."]);
+    sound.steps[0].operations = vec![
+        recorded(&["b"], [0, 0, 1]),
+        recorded(&["a", "b"], [0, 4, 4]),
+        recorded(&["a"], [4, 4, 6]),
+        recorded(&["a"], [6, 9, 9]),
+        recorded(&["c"], [0, 4, 8]),
+    ];
+    passes(&sound, &claims);
+    let forged = |edit: &dyn Fn(&mut Vec<ScheduledOperation>)| {
+        let mut schedule = sound.clone();
+        edit(&mut schedule.steps[0].operations);
+        only(Rule::Figure, &schedule, &claims);
+    };
+    for nth in 0..5 {
+        forged(&|all| all[nth].start_ns += 1);
+        forged(&|all| all[nth].arrival_ns += BEAT);
+        forged(&|all| all[nth].duration_ns -= 1);
+        forged(&|all| all[nth].parts = vec!["d".into(), "a".into()]);
+        forged(&|all| drop(all.remove(nth)));
+    }
+    forged(&|all| all.push(recorded(&["c"], [8, 9, 9])));
+    forged(&|all| all.swap(0, 4));
+}
+
+#[test]
+fn steps_without_an_assay_record_no_operations() {
+    let (mut schedule, claims) = one_step(moving(chip(14, 14), &[("a", 4, 4)], vec![go(0, &[(5, 4)])]), &["R"]);
+    passes(&schedule, &claims);
+    schedule.steps[0].operations = vec![recorded(&["a"], [0, 1, 1])];
+    only(Rule::Figure, &schedule, &claims);
 }
 
 #[test]

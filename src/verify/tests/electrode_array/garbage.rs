@@ -10,6 +10,11 @@ fn sound() -> (Claims, Schedule) {
         ElectrodeArrayAction::Move(vec![merge(0, 1, (5, 5)), go(2, &[(9, 8), (9, 9)])]),
         ElectrodeArrayAction::Wait(BEAT),
         ElectrodeArrayAction::Move(vec![go(0, &[(6, 5)])]),
+        ElectrodeArrayAction::Assay(vec![
+            incubate(0, &[(6, 6)], 2),
+            operation(merge(0, 2, (8, 8))),
+            incubate(0, &[], 1),
+        ]),
     ];
     let mut order = order(chip(14, 14), &[("a", 3, 5), ("b", 7, 5), ("c", 9, 7)], steps);
     let bodies = [
@@ -18,7 +23,14 @@ fn sound() -> (Claims, Schedule) {
     ];
     order.obstacles = Arc::new(bodies.into_iter().map(|body| obstacle("dust", body)).collect());
     let claims = alone(order);
-    let schedule = schedule(&claims, &[&[&["RR", "LL", "UU"], &[], &["R"]]]);
+    let mut schedule = schedule(&claims, &[&[&["RR", "LL", "UU"], &[], &["R"], &["U..RRUU.", "", "....LD.x"]]]);
+    let recorded: [(&[&str], [u64; 3]); 3] = [(&["a"], [0, 1, 3]), (&["a", "c"], [0, 7, 7]), (&["a"], [7, 7, 8])];
+    schedule.steps[3].operations = recorded.map(|(parts, beats)| assay::recorded(parts, beats)).to_vec();
+    let begins_ns = schedule.steps[3].start_ns;
+    for operation in &mut schedule.steps[3].operations {
+        operation.start_ns += begins_ns;
+        operation.arrival_ns += begins_ns;
+    }
     (claims, schedule)
 }
 
@@ -61,7 +73,9 @@ fn spoiled(schedule: &mut Schedule, (what, at): (u8, usize), value: u64, small: 
         7 => drop(pick(actuations, at).map(|actuation| actuation.step = small)),
         8 => drop(pick(channels, at).map(|channel| channel.name = format!("board.e{small}_{}", at + 1))),
         9 => plans.iter_mut().for_each(|plan| plan.states.truncate(at)),
-        10 => drop((at < actuations.len()).then(|| actuations.remove(at))),
+        10 => drop(pick(steps, 3).and_then(|step| pick(&mut step.operations, at)).map(|own| own.start_ns = value)),
+        11 => drop(pick(steps, 3).and_then(|step| pick(&mut step.operations, at)).map(|own| own.duration_ns = value)),
+        12 => drop((at < actuations.len()).then(|| actuations.remove(at))),
         _ => drop(pick(plans, 0).and_then(|plan| pick(&mut plan.states, at)).map(|state| {
             let State::ElectrodeArray(ElectrodeArrayState { parts }) = &mut state.state else { return };
             parts.insert("a".into(), [small, at as u32]);
@@ -74,7 +88,7 @@ proptest! {
 
     #[test]
     fn spoiled_schedules_are_judged(
-        spoils in prop::collection::vec(((0..12u8, 0..12usize), instant(), index()), 1..6),
+        spoils in prop::collection::vec(((0..14u8, 0..12usize), instant(), index()), 1..6),
         sorts: bool,
     ) {
         let (claims, mut schedule) = sound();
