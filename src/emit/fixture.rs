@@ -28,6 +28,23 @@ pub fn fetch() -> (Verified, Provenance) {
     build("fetch", &[(bot, vec![LatticeCell { x: 19, y: 28 }, LatticeCell { x: 7, y: 14 }], 0)])
 }
 
+/// A step of the first plan, at its beginning.
+fn named_step(task: &str, text: &str, file: &str) -> ScheduledStep {
+    ScheduledStep {
+        task: task.to_owned(),
+        plan: 0,
+        text: text.to_owned(),
+        file: file.to_owned(),
+        line: 1,
+        column: 1,
+        start_ns: 0,
+        duration_ns: 0,
+        reached: Vec::new(),
+        operations: Vec::new(),
+        span: Span::default(),
+    }
+}
+
 /// Two robots of different sizes at the same time; the second one rests 2.5 ms after each pulse and starts later.
 pub fn pair() -> (Verified, Provenance) {
     let bot = Robot { device: "bot", facts: facts(5, 5, 0), wired: true };
@@ -187,19 +204,9 @@ fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[LatticeCell], start_n
             states.push(timed(facts, cell, t_ns + duration_ns));
             t_ns += duration_ns + facts.rest_ns;
         }
-        schedule.steps.push(ScheduledStep {
-            task: format!("go_{}", robot.device),
-            plan,
-            text: format!("move to {goal}"),
-            file: schedule.source.file.clone(),
-            line,
-            column: 3,
-            start_ns: begin_ns,
-            duration_ns: t_ns - begin_ns,
-            reached: Vec::new(),
-            operations: Vec::new(),
-            span: Span::default(),
-        });
+        let named = named_step(&format!("go_{}", robot.device), &format!("move to {goal}"), &schedule.source.file);
+        let (start_ns, duration_ns) = (begin_ns, t_ns - begin_ns);
+        schedule.steps.push(ScheduledStep { plan, line, column: 3, start_ns, duration_ns, ..named });
     }
     schedule.duration_ns = schedule.duration_ns.max(t_ns);
     schedule.plans.push(PlanRecord {
@@ -235,19 +242,7 @@ pub fn crowd() -> (Verified, Provenance) {
         let channel =
             |i| Channel { name: format!("bot.e{i}"), device: "bot".into(), unit: ChannelUnit::Volt, wire: None };
         schedule.channels = (0..301).map(channel).collect();
-        schedule.steps = vec![ScheduledStep {
-            task: "go_bot".to_owned(),
-            plan: 0,
-            text: "wait 1 us".to_owned(),
-            file: "crowd.twz".to_owned(),
-            line: 1,
-            column: 1,
-            start_ns: 0,
-            duration_ns: 1000,
-            reached: Vec::new(),
-            operations: Vec::new(),
-            span: Span::default(),
-        }];
+        schedule.steps = vec![ScheduledStep { duration_ns: 1000, ..named_step("go_bot", "wait 1 us", "crowd.twz") }];
         let pulse = |channel, start_ns, from, to| Actuation {
             channel,
             start_ns,
@@ -566,19 +561,7 @@ impl Gesture {
 
     fn step(&mut self, text: &str) {
         self.end_step();
-        self.steps.push(ScheduledStep {
-            task: "turn".to_owned(),
-            plan: 0,
-            text: text.to_owned(),
-            file: "turn.twz".to_owned(),
-            line: 1,
-            column: 1,
-            start_ns: self.t_ns,
-            duration_ns: 0,
-            reached: Vec::new(),
-            operations: Vec::new(),
-            span: Span::default(),
-        });
+        self.steps.push(ScheduledStep { start_ns: self.t_ns, ..named_step("turn", text, "turn.twz") });
     }
 
     fn end_step(&mut self) {

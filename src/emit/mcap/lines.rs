@@ -30,12 +30,7 @@ pub fn topic(verified: &Verified) -> LogTopic {
     LogTopic::new::<foxglove::Log>("/log", messages)
 }
 
-fn entry(
-    step: &ScheduledStep,
-    (line, t_ns): (u32, u64),
-    level: foxglove::log::Level,
-    words: &str,
-) -> (u64, Vec<u8>) {
+fn entry(step: &ScheduledStep, (line, t_ns): (u32, u64), level: foxglove::log::Level, words: &str) -> (u64, Vec<u8>) {
     let line = foxglove::Log {
         timestamp: foxglove::timestamp(t_ns),
         level: level as i32,
