@@ -2,7 +2,7 @@
 "use strict";
 
 const WORDS = new Set(("use using device task program scene obstacle part droplet robot let for in if else and or not minimize require start at move to visit " +
-  "merge with together assay incubate wait release grasp rotate orient translate by about apply assemble drive simultaneous run wiring instrument on frame state states table through " +
+  "merge with together assay incubate discard wait release grasp rotate orient translate by about apply assemble drive simultaneous run wiring instrument on frame state states table through " +
   "precision true false").split(" "));
 
 /** Pieces of a line: [class, text] each; names of the scene get their own class. */

@@ -157,6 +157,9 @@ pub struct AssayOperation {
     pub stops: Vec<ElectrodeArrayStop>,
     /// The least time for which it stays at the last stop, in nanoseconds.
     pub stay_ns: u64,
+    /// Whether it leaves the board at the last stop and is gone from then on.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub leaves: bool,
     #[serde(skip)]
     pub span: Span,
 }
@@ -165,5 +168,10 @@ impl AssayOperation {
     /// The parts that take part in it.
     pub fn parts(&self) -> impl Iterator<Item = usize> + use<> {
         [Some(self.part), self.with].into_iter().flatten()
+    }
+
+    /// The part that is gone when it is done.
+    pub fn gone(&self) -> Option<usize> {
+        self.with.or(self.leaves.then_some(self.part))
     }
 }

@@ -156,7 +156,7 @@ ledger! {
     E0523 "parts that start too near to each other"
     E0524 "goals too near to each other, or to a part that stays"
     E0525 "a part with two goals at the same time"
-    E0526 "a part that has merged with another"
+    E0526 "a part that is gone"
     E0527 "parts that cannot merge"
     E0528 "scenes with unlike parts or robots in one schedule"
     E0529 "a merge on a device that does not hold"

@@ -28,6 +28,7 @@ enum Operation {
     Merge(usize, usize, Cell),
     /// A part, where if not where it is, and for how many steps.
     Incubate(usize, Option<Cell>, u64),
+    Discard(usize, Cell),
 }
 
 #[derive(Clone, Debug)]
@@ -82,12 +83,23 @@ impl Assay {
         let mut left: Vec<usize> = (0..assay.parts.len()).collect();
         let mut ends = assay.parts.clone();
         for _ in 0..1 + chance.below(5) {
-            let part = left[chance.below(left.len() as u32) as usize];
-            let operation = match chance.below(8) {
+            let Some(part) = left.get(chance.below(left.len().max(1) as u32) as usize).copied() else { break };
+            let operation = match chance.below(10) {
                 0..=2 => Operation::Move(part, vec![assay.far(chance, &[])?]),
                 3 => Operation::Move(part, vec![assay.far(chance, &[])?, assay.far(chance, &[])?]),
                 4 => Operation::Incubate(part, None, u64::from(chance.below(5))),
                 5 => Operation::Incubate(part, Some(assay.far(chance, &[])?), u64::from(chance.below(5))),
+                6..=7 => {
+                    // Often where it is, or where another has been.
+                    let known: Vec<Cell> = ends.iter().copied().filter(|cell| assay.is_free(*cell)).collect();
+                    let at = if chance.below(2) == 0 {
+                        Some(known[chance.below(known.len() as u32) as usize])
+                    } else {
+                        assay.far(chance, &[])
+                    };
+                    left.retain(|left| *left != part);
+                    Operation::Discard(part, at?)
+                }
                 _ => {
                     let other = left[chance.below(left.len() as u32) as usize];
                     (other != part).then_some(())?;
@@ -97,7 +109,7 @@ impl Assay {
             };
             ends[part] = match &operation {
                 Operation::Move(_, stops) => stops[stops.len() - 1],
-                Operation::Merge(_, _, at) => *at,
+                Operation::Merge(_, _, at) | Operation::Discard(_, at) => *at,
                 Operation::Incubate(part, at, _) => at.unwrap_or(ends[*part]),
             };
             assay.operations.push(operation);
@@ -143,6 +155,7 @@ impl Assay {
                     format!("move d{part} to {:?}{vias}", stops[stops.len() - 1])
                 }
                 Operation::Merge(part, with, at) => format!("merge d{part} with d{with} at {at:?}"),
+                Operation::Discard(part, at) => format!("discard d{part} at {at:?}"),
                 Operation::Incubate(part, at, stay) => {
                     let place = at.map(|at| format!(" at {at:?}")).unwrap_or_default();
                     format!("incubate d{part}{place} for {} ms", stay * STEP_MS)
@@ -165,6 +178,9 @@ impl Assay {
                     let here = dues[*part].last().map_or(self.parts[*part], |due| due.at);
                     let due = Due { at: at.unwrap_or(here), stay: *stay, merge: None, is_gone: false };
                     dues[*part].push(due);
+                }
+                Operation::Discard(part, at) => {
+                    dues[*part].push(Due { at: *at, stay: 0, merge: None, is_gone: true });
                 }
                 Operation::Merge(part, with, at) => {
                     let due = |other, is_gone| Due { at: *at, stay: 0, merge: Some((number, other)), is_gone };
@@ -340,8 +356,9 @@ fn no_plan_of_an_assay_beats_its_bound() {
                 let reached = plan.outcomes["steps"] as u64;
                 assert!(reached >= steps, "{reached} steps, the fewest are {steps}: {text}");
                 let (least, truth) = if assay.by_sum { (plan.bound, sum) } else { (plan.bound, steps) };
-                // The sums of the oracle leave out parts that have merged away.
-                let has_sum = assay.by_sum && assay.dues().iter().flatten().all(|due| due.merge.is_none());
+                // The sums of the oracle leave out parts that are gone.
+                let stays = |due: &Due| due.merge.is_none() && !due.is_gone;
+                let has_sum = assay.by_sum && assay.dues().iter().flatten().all(stays);
                 if !assay.by_sum || has_sum {
                     assert!(least <= truth as f64, "bound {least}, but there is a plan of {truth}: {text}");
                 }

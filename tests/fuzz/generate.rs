@@ -201,6 +201,7 @@ fn operations(parts: u32, cell: &impl Fn(&mut Random) -> String, random: &mut Ra
             1 => format!("incubate {part} for {} ms", random.below(700)),
             2 => format!("incubate {part} at {} for {} ms", cell(random), random.below(700)),
             3 => format!("move {part} to {} via {}", cell(random), cell(random)),
+            4 if random.below(2) == 0 => format!("discard {part} at {}", cell(random)),
             _ => format!("move {part} to {}", cell(random)),
         }
     };

@@ -5,6 +5,7 @@
 pub use crate::check::errors::*;
 
 use crate::check::value::Value;
+use crate::claims::electrode_array::AssayOperation;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, MAX_STAY_STEPS};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity, digits};
@@ -407,11 +408,36 @@ pub fn stays_too_long(span: Span, steps: u64, step_ns: u64) -> Diagnostic {
         .help(format!("stays of one `assay` may take {most} together: split it, with `wait` where all droplets rest"))
 }
 
-pub fn merged_away(span: Span, name: &str, merged: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0526, format!("`{name}` has merged with another part by then"))
-        .label(span, "is no part of its own any more")
-        .label_elsewhere(merged, span, "merged here")
-        .help("what has merged goes by the name before `with` from then on")
+/// Why a part is gone, and where the program says so.
+#[derive(Debug, Clone, Copy)]
+pub enum Departure {
+    /// It has merged with another.
+    Merged(Span),
+    /// It has left the board.
+    Left(Span),
+}
+
+impl Departure {
+    /// The part that an operation takes away.
+    pub fn of(operation: &AssayOperation) -> Option<(usize, Departure)> {
+        let departure = if operation.leaves { Departure::Left } else { Departure::Merged };
+        operation.gone().map(|part| (part, departure(operation.span)))
+    }
+}
+
+pub fn gone_before(span: Span, name: &str, departure: Departure) -> Diagnostic {
+    match departure {
+        Departure::Merged(merged) => {
+            Diagnostic::new(Code::E0526, format!("`{name}` has merged with another part by then"))
+                .label(span, "is no part of its own any more")
+                .label_elsewhere(merged, span, "merged here")
+                .help("what has merged goes by the name before `with` from then on")
+        }
+        Departure::Left(left) => Diagnostic::new(Code::E0526, format!("`{name}` has left the board by then"))
+            .label(span, "is not there any more")
+            .label_elsewhere(left, span, "leaves here")
+            .help("`discard` takes a part away for the rest of the schedule: discard it later, or name another part"),
+    }
 }
 
 pub fn parts_do_not_merge(span: Span) -> Diagnostic {

@@ -4,6 +4,7 @@ use super::cells::{on_board, whole_cell};
 use super::cover::{SpacedPlaces, nearest_cell};
 use super::default_expansions;
 use super::errors;
+use super::errors::Departure;
 use super::tray::{BlockedCell, BoardScene, on_obstacle};
 use crate::check::figures::Figures;
 use crate::check::lets::Argument;
@@ -126,9 +127,13 @@ fn calls(action: &tasks::VocabularyAction) -> &[Call] {
     }
 }
 
-/// Whether a step is made of operations and not of goals: those of an `assay`, or one that takes its time.
+/// Verbs that name no place where a part is at the end of its step.
+const OPERATIONS: [&str; 2] = ["incubate", "discard"];
+
+/// Whether a step is made of operations and not of goals.
 fn is_assay(action: &tasks::VocabularyAction) -> bool {
-    matches!(action, tasks::VocabularyAction::Assay(_)) || calls(action).iter().any(|call| call.verb.name == "incubate")
+    let is_operation = |call: &Call| OPERATIONS.contains(&call.verb.name);
+    matches!(action, tasks::VocabularyAction::Assay(_)) || calls(action).iter().any(is_operation)
 }
 
 /// Judges the steps of one task.
@@ -164,13 +169,13 @@ impl BoardStepJudge<'_> {
         moves.into_iter().collect()
     }
 
-    /// Operations: those of one part follow each other, and none needs a part that has merged before.
+    /// Operations: those of one part follow each other, and none needs a part that is gone before.
     fn operations(&mut self, action: &tasks::VocabularyAction) -> Option<Vec<AssayOperation>> {
         let calls = calls(action);
         let operations: Vec<Option<AssayOperation>> = calls.iter().map(|call| self.operation(call)).collect();
         let operations = operations.into_iter().collect::<Option<Vec<AssayOperation>>>()?;
         let before = self.sink.errors();
-        let mut merged: BTreeMap<usize, Span> = BTreeMap::new();
+        let mut gone: BTreeMap<usize, Departure> = BTreeMap::new();
         let mut stays = 0;
         for (operation, call) in operations.iter().zip(calls) {
             stays += operation.stay_ns.div_ceil(self.facts.step_ns);
@@ -180,30 +185,34 @@ impl BoardStepJudge<'_> {
                 return None;
             }
             for part in operation.parts() {
-                let wrong = merged.get(&part).map(|at| errors::merged_away(operation.span, self.name(part), *at));
+                let wrong = gone.get(&part).map(|gone| errors::gone_before(operation.span, self.name(part), *gone));
                 self.sink.unless(wrong);
             }
-            merged.extend(operation.with.map(|with| (with, operation.span)));
+            gone.extend(Departure::of(operation));
         }
         if let tasks::VocabularyAction::Together(_) = action {
             self.one_operation_each(&operations);
         }
-        self.ends_apart(&operations, &merged);
+        self.ends_apart(&operations, &gone);
         (self.sink.errors() == before).then_some(operations)
     }
 
     fn operation(&mut self, call: &Call) -> Option<AssayOperation> {
-        if call.verb.name != "incubate" {
+        if !OPERATIONS.contains(&call.verb.name) {
             let ElectrodeArrayMove { part, with, stops, span } = self.one_move(call)?;
-            return Some(AssayOperation { part, with, stops, stay_ns: 0, span });
+            return Some(AssayOperation { part, with, stops, stay_ns: 0, leaves: false, span });
         }
         let part = self.part(call.object.as_ref()?);
         let stops: Vec<Option<ElectrodeArrayStop>> = phrases(call, "at").map(|target| self.stop(target)).collect();
-        let time = phrases(call, "for").next()?;
-        let Value::Quantity(quantity) = time.value else { return None };
-        let stay_ns = clock_ns(quantity, time.span, "`incubate`", self.sink);
+        let leaves = call.verb.name == "discard";
+        let stay_ns = if leaves { Some(0) } else { self.stay_ns(phrases(call, "for").next()?) };
         let stops = stops.into_iter().collect::<Option<Vec<ElectrodeArrayStop>>>()?;
-        Some(AssayOperation { part: part?, with: None, stops, stay_ns: stay_ns?, span: call.span })
+        Some(AssayOperation { part: part?, with: None, stops, stay_ns: stay_ns?, leaves, span: call.span })
+    }
+
+    fn stay_ns(&mut self, time: &Argument) -> Option<u64> {
+        let Value::Quantity(quantity) = time.value else { return None };
+        clock_ns(quantity, time.span, "`incubate`", self.sink)
     }
 
     /// What happens at the same time is one thing for each part.
@@ -219,14 +228,14 @@ impl BoardStepJudge<'_> {
     }
 
     /// The last stops of the parts that are left keep the separation.
-    fn ends_apart(&mut self, operations: &[AssayOperation], merged: &BTreeMap<usize, Span>) {
+    fn ends_apart(&mut self, operations: &[AssayOperation], gone: &BTreeMap<usize, Departure>) {
         let apart = self.facts.separation.apart();
         let mut ends: BTreeMap<usize, &ElectrodeArrayStop> = BTreeMap::new();
         for operation in operations {
             ends.extend(operation.stops.last().map(|stop| (operation.part, stop)));
         }
         let mut spread: SpacedPlaces<usize> = SpacedPlaces::new(apart);
-        for (part, stop) in ends.iter().filter(|(part, _)| !merged.contains_key(*part)) {
+        for (part, stop) in ends.iter().filter(|(part, _)| !gone.contains_key(*part)) {
             let Some((cell, other)) = spread.near(stop.cell) else {
                 spread.put(stop.cell, *part);
                 continue;

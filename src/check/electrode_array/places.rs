@@ -5,6 +5,7 @@
 
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
 use super::errors;
+use super::errors::Departure;
 use super::tray::distance_to;
 use crate::claims::Job;
 use crate::claims::electrode_array::{
@@ -77,8 +78,8 @@ fn odd_part<'p>(before: &'p [BoardPart], now: &'p [BoardPart]) -> Option<&'p str
 enum PartStand {
     /// There, since it was put or sent there.
     At(ElectrodeCell, Span),
-    /// It has merged with another.
-    Merged(Span),
+    /// It has merged with another, or left the board.
+    Gone(Departure),
 }
 
 /// A board between two steps.
@@ -154,7 +155,7 @@ impl BoardWalk {
         order: &ElectrodeArrayOrder,
         walk: &mut PartsWalk,
     ) -> Vec<Diagnostic> {
-        let mut found = self.merged_before(moves, &mut walk.told);
+        let mut found = self.gone_before(moves, &mut walk.told);
         moves.iter().flat_map(of_move).for_each(|part| self.leave(part));
         for step in moves {
             let stops = match order.bystanders {
@@ -174,7 +175,7 @@ impl BoardWalk {
             let goal = step.goal();
             self.stands[step.part] = PartStand::At(goal.cell, goal.span);
             if let Some(with) = step.with {
-                self.stands[with] = PartStand::Merged(step.span);
+                self.stands[with] = PartStand::Gone(Departure::Merged(step.span));
             }
         }
         moves.iter().for_each(|step| self.enter(step.part));
@@ -197,7 +198,7 @@ impl BoardWalk {
         }
         let rests: Vec<usize> = moves.values().filter(|one| one.stops.is_empty()).map(|one| one.part).collect();
         let mut moves: Vec<ElectrodeArrayMove> = moves.into_values().collect();
-        let mut found = self.merged_before(&moves, &mut walk.told);
+        let mut found = self.gone_before(&moves, &mut walk.told);
         if !found.is_empty() {
             return found;
         }
@@ -210,9 +211,9 @@ impl BoardWalk {
         }
         found.extend(self.advance(&moves, order, walk));
         for operation in operations {
-            if let Some(with) = operation.with {
-                self.leave(with);
-                self.stands[with] = PartStand::Merged(operation.span);
+            if let Some((part, departure)) = Departure::of(operation) {
+                self.leave(part);
+                self.stands[part] = PartStand::Gone(departure);
             }
         }
         for part in rests {
@@ -241,14 +242,14 @@ impl BoardWalk {
         Some(errors::near_standing_part(moved, stays, order.facts.separation.apart(), free))
     }
 
-    fn merged_before(&self, moves: &[ElectrodeArrayMove], told: &mut BTreeSet<Finding>) -> Vec<Diagnostic> {
+    fn gone_before(&self, moves: &[ElectrodeArrayMove], told: &mut BTreeSet<Finding>) -> Vec<Diagnostic> {
         let mut found = Vec::new();
         for step in moves {
             for part in of_move(step) {
-                if let PartStand::Merged(merged) = self.stands[part]
+                if let PartStand::Gone(departure) = self.stands[part]
                     && told.insert((step.span, None))
                 {
-                    found.push(errors::merged_away(step.span, &self.parts[part].name, merged));
+                    found.push(errors::gone_before(step.span, &self.parts[part].name, departure));
                 }
             }
         }
@@ -264,7 +265,7 @@ impl BoardWalk {
         cover: &ObstacleCells,
     ) -> Diagnostic {
         let PartStand::At(cell, since) = self.stands[other] else {
-            return errors::merged_away(step.span, &self.parts[other].name, step.span);
+            return errors::gone_before(step.span, &self.parts[other].name, Departure::Merged(step.span));
         };
         let apart = order.facts.separation.apart();
         let goals = moves.iter().filter(|one| one.part != step.part).map(|one| one.goal().cell);

@@ -190,6 +190,15 @@ const VERBS: &[Verb] = &[
         doc: "leaves a part where it is, or at a cell, for at least so long: to react, to be heated, to be read",
         example: "incubate sample at (8, 5) for 30 s",
     },
+    Verb {
+        name: "discard",
+        noun: None,
+        object: Some(Sort::Object("part")),
+        phrases: &[VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::Once }],
+        block: None,
+        doc: "takes a part off the board at a cell, as a port or an open rim; its name means nothing from then on",
+        example: "discard sample at (16, 1)",
+    },
 ];
 
 const BUDGET: [VocabularyField; 1] = [expansions(

@@ -72,6 +72,12 @@ impl LoweringBoard<'_> {
         let instants = paths.iter().map(|path| path.len().saturating_sub(1)).max().unwrap_or(0);
         // Electrodes that are on, with the instant since when.
         let mut on: BTreeMap<ElectrodeCell, u64> = BTreeMap::new();
+        let gone_after = |cells: &mut [Option<ElectrodeCell>], instant: usize| {
+            let done =
+                is_gone.iter().enumerate().filter(|(part, is_gone)| **is_gone && paths[*part].len() <= instant + 1);
+            done.for_each(|(part, _)| cells[part] = None);
+        };
+        gone_after(&mut self.cells, 0);
         for instant in 0..instants {
             let start_ns = self.run.duration_ns;
             let next: Vec<Option<ElectrodeCell>> =
@@ -82,11 +88,7 @@ impl LoweringBoard<'_> {
             self.switch(&mut on, &wanted, start_ns, step);
             self.run.duration_ns = start_ns.checked_add(facts.step_ns)?;
             self.cells = next;
-            for (part, _) in is_gone.iter().enumerate().filter(|(_, is_gone)| **is_gone) {
-                if paths[part].len() <= instant + 2 {
-                    self.cells[part] = None;
-                }
-            }
+            gone_after(&mut self.cells, instant + 1);
             self.record(self.run.duration_ns);
         }
         self.switch(&mut on, &BTreeSet::new(), self.run.duration_ns, step);

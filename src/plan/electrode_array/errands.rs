@@ -17,7 +17,7 @@ use crate::plan::search::SearchBudget;
 pub struct PartCourse {
     /// At the instants 0, 1, … of the step until its last operation is done; afterwards it stays. Empty if it was gone before.
     pub cells: Vec<ElectrodeCell>,
-    /// Whether it merges with another part and is gone after the last cell.
+    /// Whether it merges with another part or leaves the board, and is gone after the last cell.
     pub is_gone: bool,
 }
 
@@ -62,7 +62,7 @@ impl PartErrands {
                 let other = operation.parts().find(|other| *other != part);
                 errands.stays[index].resize(own.len() - 1, (0, None));
                 errands.stays[index].push((u32::try_from(steps).unwrap_or(u32::MAX), other));
-                errands.is_gone[index] |= operation.with == Some(part);
+                errands.is_gone[index] |= operation.gone() == Some(part);
             }
         }
         errands
@@ -113,7 +113,7 @@ pub fn depart(cells: &mut [Option<ElectrodeCell>], operations: &[AssayOperation]
         if let Some(stop) = operation.stops.last() {
             cells[operation.part] = Some(stop.cell);
         }
-        if let Some(gone) = operation.with {
+        if let Some(gone) = operation.gone() {
             cells[gone] = None;
         }
     }

@@ -1,7 +1,8 @@
 //! Operations of the parts in one assay, and their progress.
 //!
 //! A part does its operations in their order, each as soon as it can: it has come by a stop by being there, has stayed where it has been
-//! for all beats in question, and has merged with another once both are there and have done all that comes before.
+//! for all beats in question, and has merged with another once both are there and have done all that comes before. What leaves the
+//! board is gone as soon as it is there.
 
 use super::stage::Meetings;
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayStop};
@@ -144,7 +145,9 @@ impl<'o> JudgedAssay<'o> {
             return;
         }
         let since = turn.since.unwrap_or(beat);
-        let (beats, with, gone, ends) = (due.beats, due.with, due.operation.with, due.ends);
+        let (beats, with, ends) = (due.beats, due.with, due.ends);
+        let leaves = due.operation.leaves && ends.is_some();
+        let gone = due.operation.with.filter(|_| with.is_some()).or(leaves.then_some(part));
         let is_together = with.is_none_or(|other| cells[other] == Some(due.cell) && self.is_next(other, due));
         let is_done = beat - since >= beats && is_together;
         if let Some(place) = ends.filter(|_| is_done) {
@@ -161,7 +164,7 @@ impl<'o> JudgedAssay<'o> {
                 }
             });
         }
-        if let Some(gone) = gone.filter(|_| is_done && with.is_some()) {
+        if let Some(gone) = gone.filter(|_| is_done) {
             cells[gone] = None;
         }
     }

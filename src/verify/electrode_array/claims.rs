@@ -90,12 +90,12 @@ fn obstacles(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
 }
 
 fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Result<(), Unfit> {
-    let mut merged = BTreeSet::new();
+    let mut gone = BTreeSet::new();
     let mut stays: u64 = 0;
     for operation in operations {
         for part in operation.parts() {
             demand(part < order.parts.len(), "move a part that they do not have")?;
-            demand(!merged.contains(&part), "move a part that has merged before")?;
+            demand(!gone.contains(&part), "move a part that is gone before")?;
         }
         stops(order, &operation.stops)?;
         stays = stays.saturating_add(operation.stay_ns.div_ceil(order.facts.step_ns));
@@ -103,7 +103,12 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
             demand(with != operation.part, "merge a part with itself")?;
             demand(operation.stops.len() == 1 && operation.stay_ns == 0, "merge parts that have stops on their way")?;
             demand(order.facts.layout.electrodes == Electrodes::Single, "merge parts that are no droplets")?;
-            merged.insert(with);
+            gone.insert(with);
+        }
+        if operation.leaves {
+            let is_plain = operation.with.is_none() && operation.stops.len() == 1 && operation.stay_ns == 0;
+            demand(is_plain, "let a part leave that has more to do")?;
+            gone.insert(operation.part);
         }
     }
     demand(stays <= MAX_STAY_STEPS, "stay for too many steps")

@@ -304,7 +304,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let (name, end_ns) = (&self.order.parts[part].name, step.start_ns + step.duration_ns);
         let ends = match self.cells[part] {
             Some(end) => format!("it ends at {end}"),
-            None => "it has merged with another part before".to_owned(),
+            None => "it is gone before".to_owned(),
         };
         let title = match with {
             Some(other) => {

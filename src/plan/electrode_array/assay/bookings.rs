@@ -86,7 +86,12 @@ impl Bookings<'_> {
                 continue;
             }
             let (cell, since, until) = (cells[from], (from as u32).saturating_sub(1), next as u32 + 1);
-            let to = if is_last && !course.is_gone { NEVER } else { until };
+            // What is gone is nowhere in the step after its last instant.
+            let to = match (is_last, course.is_gone) {
+                (true, true) => until - 1,
+                (true, false) => NEVER,
+                (false, _) => until,
+            };
             match (from > ready, gets_ready) {
                 (true, _) if is_last => self.book(agent, cell, (since, to), Doing::Waiting),
                 (true, _) => self.book(agent, cell, (since, to), Doing::Approaching),

@@ -119,9 +119,14 @@ fn meeting(
 /// Agents that stay at one stop take turns: for each set of those that can begin no earlier than one of them, the earliest start of the
 /// first, all stays with the changes between them, and the shortest way of the last to the end; first and last are two, where there are
 /// two. Agents that merge, with each other or with a third, may follow each other as one and without a change; `drops` has one number
-/// for all of them.
+/// for all of them. What leaves the board at the stop need not move out of the way.
 fn in_turns(problem: &AssayProblem, stays: &[(usize, TimedErrand)], drops: &[usize]) -> u64 {
-    let change = u64::from(problem.instance.separation) + 1;
+    let stop = stays.first().map(|(_, one)| one.errand.stop);
+    let leaves_here = |errands: &[Errand], is_gone: bool| {
+        errands.last().is_some_and(|last| is_gone && last.meets.is_none() && Some(last.stop) == stop)
+    };
+    let leaves = problem.errands.iter().zip(&problem.is_gone).any(|(errands, gone)| leaves_here(errands, *gone));
+    let change = u64::from(problem.instance.separation) + u64::from(!leaves);
     let set_from = |least: u64| {
         let of: Vec<&(usize, TimedErrand)> = stays.iter().filter(|(_, one)| one.head >= least).collect();
         let all: u64 = of.iter().map(|(_, one)| u64::from(one.errand.stay)).sum();

@@ -36,7 +36,7 @@ pub struct AssayProblem<'a> {
     pub instance: &'a Instance,
     /// For each agent, at least one. Where two meet, the one with further errands, else the one of the smaller index, remains.
     pub errands: Vec<Vec<Errand>>,
-    /// For each agent, whether it is gone after its last errand: the other one of those that meet there remains.
+    /// For each agent, whether it is gone after its last errand: the other one of those that meet there remains, or it leaves the board.
     pub is_gone: Vec<bool>,
 }
 

@@ -101,6 +101,24 @@ fn what_has_merged_leaves_its_place_at_once() {
 }
 
 #[test]
+fn what_leaves_the_board_is_gone_at_once() {
+    let out = |stop| assay(&[("a", 4, 4), ("b", 10, 4)], vec![discard(0, stop), incubate(1, &[], 3)]);
+    judged(out((5, 4)), &["Rx", "..."], &[]);
+    judged(out((5, 4)), &[".Rx", "..."], &[]);
+    judged(out((5, 4)), &["R..", "..."], &[Rule::State]);
+    judged(out((5, 4)), &["..R", "..."], &[Rule::State]);
+    judged(out((5, 4)), &["...", "..."], &[Rule::Goal]);
+    // Another may come to where it was; a step earlier it would have been too near.
+    let follow = |last| {
+        let operations = vec![discard(0, (5, 4)), operation(go(1, &[last]))];
+        assay(&[("a", 4, 4), ("b", 7, 4)], operations)
+    };
+    judged(follow((5, 4)), &["Rx", ".LL"], &[]);
+    judged(follow((5, 4)), &["Rx", "LL"], &[Rule::Pull]);
+    judged(follow((5, 4)), &["..Rx", "...LL"], &[]);
+}
+
+#[test]
 fn parts_without_an_operation_come_back_before_the_end() {
     let order = |bystanders| ElectrodeArrayOrder {
         bystanders,
@@ -195,6 +213,10 @@ fn claims_that_no_checker_makes_are_refused() {
         vec![both(), operation(go(1, &[(4, 4)]))],
         vec![operation(merge(0, 0, (5, 5)))],
         vec![AssayOperation { stay_ns: 1, ..both() }],
+        vec![AssayOperation { leaves: true, ..both() }],
+        vec![AssayOperation { stay_ns: 1, ..discard(0, (5, 5)) }],
+        vec![discard(0, (5, 5)), operation(go(0, &[(4, 4)]))],
+        vec![AssayOperation { leaves: true, ..incubate(0, &[], 0) }],
         vec![incubate(0, &[], 60_000), incubate(1, &[], 60_000)],
     ];
     refused.into_iter().for_each(|operations| assert!(!is_judged(operations.clone()), "{operations:?}"));

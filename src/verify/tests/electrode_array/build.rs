@@ -84,9 +84,14 @@ pub fn incubate(part: usize, stops: &[(u32, u32)], beats: u64) -> AssayOperation
     AssayOperation { stay_ns: beats * BEAT, ..operation(go(part, stops)) }
 }
 
+/// A part leaves the board.
+pub fn discard(part: usize, stop: (u32, u32)) -> AssayOperation {
+    AssayOperation { leaves: true, ..operation(go(part, &[stop])) }
+}
+
 /// A move or a merge in an assay.
 pub fn operation(ElectrodeArrayMove { part, with, stops, span }: ElectrodeArrayMove) -> AssayOperation {
-    AssayOperation { part, with, stops, stay_ns: 0, span }
+    AssayOperation { part, with, stops, stay_ns: 0, leaves: false, span }
 }
 
 pub fn merge(part: usize, with: usize, goal: (u32, u32)) -> ElectrodeArrayMove {
