@@ -1,12 +1,13 @@
 //! A language server on standard input and output: what editors ask while a program is written.
 //!
 //! Input: messages of the Language Server Protocol 3.17. Output: the checker's findings after each change, the canonical form, the
-//! declarations of a file, the words that may stand at a place and what they mean. Method: each open text is kept as it is in the editor
+//! declarations of a file, its colours and folds, the words that may stand at a place and what they mean. Method: each open text is kept as it is in the editor
 //! (`text`); after all messages at hand are read, every open program is checked as a whole, with open texts in place of the files
 //! on the disk. Promise: no message ends the server but `exit`; an unknown document, a place outside of a text or a request that it does
 //! not know gets an empty answer or an error. Nothing is planned here.
 
 mod findings;
+mod highlight;
 mod names;
 mod outline;
 mod text;
@@ -18,13 +19,15 @@ use lsp_types::notification::{
     DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, Exit, Notification as Notice, PublishDiagnostics,
 };
 use lsp_types::request::{
-    CodeActionRequest, Completion, DocumentHighlightRequest, DocumentSymbolRequest, Formatting, GotoDefinition,
-    HoverRequest, References, Rename, Request as Asked, Shutdown,
+    CodeActionRequest, Completion, DocumentHighlightRequest, DocumentSymbolRequest, FoldingRangeRequest, Formatting,
+    GotoDefinition, HoverRequest, References, Rename, Request as Asked, SemanticTokensFullRequest, Shutdown,
 };
 use lsp_types::{
     CodeActionProviderCapability, CompletionOptions, DocumentHighlight, DocumentSymbolResponse,
-    HoverProviderCapability, InitializeParams, Location, OneOf, PositionEncodingKind, PublishDiagnosticsParams,
-    ServerCapabilities, TextDocumentSyncCapability, TextDocumentSyncKind, TextEdit, Uri, WorkspaceEdit,
+    FoldingRangeProviderCapability, HoverProviderCapability, InitializeParams, Location, OneOf, PositionEncodingKind,
+    PublishDiagnosticsParams, SemanticTokens, SemanticTokensFullOptions, SemanticTokensLegend, SemanticTokensOptions,
+    SemanticTokensServerCapabilities, ServerCapabilities, TextDocumentSyncCapability, TextDocumentSyncKind, TextEdit,
+    Uri, WorkspaceEdit,
 };
 use names::ProgramNames;
 use serde::de::DeserializeOwned;
@@ -88,6 +91,14 @@ fn capabilities(unit: ColumnUnit) -> ServerCapabilities {
         references_provider: Some(OneOf::Left(true)),
         document_highlight_provider: Some(OneOf::Left(true)),
         rename_provider: Some(OneOf::Left(true)),
+        folding_range_provider: Some(FoldingRangeProviderCapability::Simple(true)),
+        semantic_tokens_provider: Some(SemanticTokensServerCapabilities::SemanticTokensOptions(
+            SemanticTokensOptions {
+                legend: SemanticTokensLegend { token_types: highlight::LEGEND.to_vec(), token_modifiers: Vec::new() },
+                full: Some(SemanticTokensFullOptions::Bool(true)),
+                ..SemanticTokensOptions::default()
+            },
+        )),
         ..ServerCapabilities::default()
     }
 }
@@ -164,6 +175,8 @@ impl Session<'_> {
             GotoDefinition::METHOD => read(params).map(|asked| json!(self.definition(&asked))),
             References::METHOD => read(params).map(|asked| json!(self.references(&asked))),
             DocumentHighlightRequest::METHOD => read(params).map(|asked| json!(self.highlights(&asked))),
+            FoldingRangeRequest::METHOD => read(params).map(|asked| json!(self.folds(&asked))),
+            SemanticTokensFullRequest::METHOD => read(params).map(|asked| json!(self.tokens(&asked))),
             Rename::METHOD => match read(params).map(|asked| self.renamed(&asked)) {
                 Some(Ok(edits)) => Some(json!(edits)),
                 Some(Err(why)) => {
@@ -259,6 +272,15 @@ impl Session<'_> {
     fn symbols(&self, asked: &lsp_types::DocumentSymbolParams) -> Option<DocumentSymbolResponse> {
         let text = &self.document(&asked.text_document.uri)?.text;
         Some(DocumentSymbolResponse::Nested(outline::symbols(text, self.unit)))
+    }
+
+    fn folds(&self, asked: &lsp_types::FoldingRangeParams) -> Option<Vec<lsp_types::FoldingRange>> {
+        Some(highlight::folds(&self.document(&asked.text_document.uri)?.text))
+    }
+
+    fn tokens(&self, asked: &lsp_types::SemanticTokensParams) -> Option<SemanticTokens> {
+        let text = &self.document(&asked.text_document.uri)?.text;
+        Some(SemanticTokens { result_id: None, data: highlight::tokens(text, self.unit) })
     }
 
     fn hover(&self, asked: &lsp_types::HoverParams) -> Option<lsp_types::Hover> {

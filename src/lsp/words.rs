@@ -24,7 +24,7 @@ const DECLARATIONS: [(&str, &str); 8] = [
 ];
 
 /// Settings and steps that tasks of all kinds have.
-const COMMON_STEPS: [(&str, &str); 7] = [
+pub(super) const COMMON_STEPS: [(&str, &str); 7] = [
     ("minimize", "minimize WHAT: the figure that the plan minimises"),
     ("require", "require FIGURE <= LIMIT: a limit that the plan must keep"),
     ("using", "using PLANNER { expansions: 5000000 }: how the plan is searched"),

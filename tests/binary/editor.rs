@@ -137,6 +137,40 @@ fn an_editor_opens_mends_and_formats_a_program() {
     assert_eq!(editor.status(), Some(DONE));
 }
 
+/// Colours and folds of a text with a block, a comment of two lines and characters of two units.
+#[test]
+fn a_text_has_colours_and_folds() {
+    let bench = Bench::new();
+    let uri = format!("file://{}", bench.path("a.twz").display());
+    let (mut editor, hello) = Editor::new(json!({}));
+    let tokens = &hello["capabilities"]["semanticTokensProvider"];
+    assert_eq!((&tokens["full"], &tokens["legend"]["tokenTypes"][3]), (&json!(true), &json!("keyword")));
+    let text = "// 😀 one\n// two\nuse std.dimibot\ntask go on bot {\n  for i in 0..3 {\n    move to (i, 3)\n  }\n}\n";
+    editor.open(&uri, text);
+    let whole = json!({ "textDocument": { "uri": &uri } });
+    let data = editor.ask("textDocument/semanticTokens/full", whole.clone()).expect("it answers");
+    let numbers: Vec<usize> = serde_json::from_value(data["data"].clone()).expect("a list of numbers");
+    let (mut line, mut column) = (0, 0);
+    let mut words = Vec::new();
+    for token in numbers.chunks(5) {
+        column = if token[0] == 0 { column + token[1] } else { token[1] };
+        line += token[0];
+        let units: Vec<u16> = text.lines().nth(line).expect("it is there").encode_utf16().collect();
+        let word = String::from_utf16(&units[column..column + token[2]]).expect("whole characters");
+        words.push(format!("{word}={}", tokens["legend"]["tokenTypes"][token[3]].as_str().expect("a word")));
+    }
+    let expected = "// 😀 one=comment, // two=comment, use=keyword, std=namespace, dimibot=namespace, task=keyword, go=function, \
+                    on=keyword, bot=variable, for=keyword, i=variable, in=keyword, 0=number, 3=number, move=keyword, \
+                    to=keyword, i=variable, 3=number";
+    assert_eq!(words.join(", "), expected);
+    let folds = editor.ask("textDocument/foldingRange", whole).expect("it answers");
+    let lines = |fold: &Value| (fold["startLine"].as_u64(), fold["endLine"].as_u64());
+    let found: Vec<_> = folds.as_array().expect("a list").iter().map(lines).collect();
+    assert_eq!(found, [(Some(0), Some(1)), (Some(3), Some(6)), (Some(4), Some(5))]);
+    let other = json!({ "textDocument": { "uri": "file:///nowhere.twz" } });
+    assert_eq!(editor.ask("textDocument/semanticTokens/full", other).expect("it answers"), Value::Null);
+}
+
 /// A change of a used file in the editor, which the disk has not seen, concerns the program that uses it.
 /// Open, see the squiggle, apply the fix: the program is as it should be.
 #[test]
