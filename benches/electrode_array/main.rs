@@ -3,11 +3,14 @@
 //! `cargo bench --bench electrode_array` prints all tables, `-- droplets` one of them. Instances come from fixed seeds. Our planner
 //! gets a budget of steps, so its plans are the same on every machine; the baseline and the rival get a time.
 
+mod assays;
 mod baseline;
 #[path = "../../tests/electrode_array/check.rs"]
 mod check;
 mod clock;
 mod large;
+#[path = "../../tests/electrode_array/programs.rs"]
+mod programs;
 mod rival;
 mod sample;
 #[path = "../../tests/electrode_array/scenes.rs"]
@@ -35,12 +38,13 @@ fn main() {
         return large::measure(seed.parse().expect("a seed"));
     }
     let filter = arguments.first().map_or("", String::as_str);
-    let tables: [(&str, fn()); 5] = [
+    let tables: [(&str, fn()); 6] = [
         ("microparts", microparts),
         ("crowd", crowd),
         ("large", large::table),
         ("droplets", droplets),
         ("points", points),
+        ("assays", assays::table),
     ];
     for (_, table) in tables.iter().filter(|(name, _)| name.contains(filter)) {
         table();
