@@ -133,6 +133,19 @@ function tipAt(device, t_ns) {
 
 // Electrode array
 
+/** What the parts are to do in a task, one after the other. */
+function movesOf(order) {
+  return order.steps.flatMap(({ action }) => action.move || action.assay || []);
+}
+
+/** Where a part merges with another, or leaves the board, after which it is gone. */
+function departureOf(order, name) {
+  const part = order.parts.findIndex((known) => known.name === name);
+  const last = movesOf(order).find((one) => one.with === part || (one.leaves && one.part === part));
+  const stop = last && last.stops[last.stops.length - 1];
+  return stop && [stop.cell.column, stop.cell.row];
+}
+
 /** Where every part is, in columns and rows; between two electrodes while it moves. */
 function partsAt(device, t_ns) {
   const { plan, order } = runAt(device, t_ns);
@@ -142,8 +155,8 @@ function partsAt(device, t_ns) {
   const share = next && t_ns > begins_ns ? (t_ns - begins_ns) / (next.t_ns - begins_ns) : 0;
   const places = {};
   for (const [name, cell] of Object.entries(here.parts)) {
-    // A part that is gone in the next state has merged; it stays where it was until then.
-    const to = (next && next.parts[name]) || cell;
+    // A part that is gone in the next state comes to where it merges or leaves.
+    const to = next ? next.parts[name] || departureOf(order, name) || cell : cell;
     places[name] = [mix(cell[0], to[0], share), mix(cell[1], to[1], share)];
   }
   return places;

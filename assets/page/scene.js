@@ -356,7 +356,7 @@ function drawParts(pen, device, t_ns, lit) {
   const [behind, ahead] = around(plan.states, stateIndexAt(plan, t_ns));
   const places = partsAt(device, t_ns);
   const stops = new Map();
-  for (const step of order.steps) for (const move of step.action.move || []) stops.set(move.part, [...(stops.get(move.part) || []), ...move.stops]);
+  for (const move of movesOf(order)) stops.set(move.part, [...(stops.get(move.part) || []), ...move.stops]);
   order.parts.forEach(({ name }, number) => {
     const color = colorOf(number);
     const route = (states) => states.map((state) => state.parts[name]).filter(Boolean);

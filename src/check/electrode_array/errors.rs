@@ -373,6 +373,14 @@ pub fn goals_too_near(goals: [PartPlace; 2], apart: u32, free: Option<ElectrodeC
         .help_if(nearest(free, &format!("that is free for `{name}`")))
 }
 
+/// As [`goals_too_near`], of parts that do several things and may go on from there.
+pub fn ends_too_near(ends: [PartPlace; 2], apart: u32, free: Option<ElectrodeCell>) -> Diagnostic {
+    let on = format!("let `{}` or `{}` go on from there, with `move` or `discard`", ends[1].name, ends[0].name);
+    let nearest = nearest(free, &format!("that is free for `{}`", ends[0].name));
+    let help = nearest.map_or_else(|| on.clone(), |nearest| format!("{on}; {nearest}"));
+    goals_too_near(ends, apart, free).help(help)
+}
+
 pub fn near_standing_part(moved: PartPlace, stays: PartPlace, apart: u32, free: Option<ElectrodeCell>) -> Diagnostic {
     let PartPlace { name, cell, span } = moved;
     let PartPlace { name: other, cell: at, span: since } = stays;

@@ -248,7 +248,7 @@ impl BoardStepJudge<'_> {
                 errors::PartPlace { name: self.name(*part), cell: stop.cell, span: stop.span },
                 errors::PartPlace { name: self.name(other), cell, span: ends[&other].span },
             ];
-            let wrong = errors::goals_too_near(places, apart, free);
+            let wrong = errors::ends_too_near(places, apart, free);
             self.sink.push(errors::given_from(wrong, stop.span, stop.origin.as_ref()));
         }
     }

@@ -214,7 +214,29 @@ pub fn unknown_verb((span, verb): (Span, &str), vocabulary: &Vocabulary, near: O
     let known = vocabulary.verbs.iter().map(|verb| verb.name);
     let besides = besides.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");
     let list = format!("{kind} can {}; besides there are {besides} and the settings", listed(known));
+    let near = verb_synonym(verb, vocabulary).or(near);
     Diagnostic::new(Code::E0208, format!("{kind} cannot `{verb}`")).label(span, "not a step").near_or(near, list)
+}
+
+/// The verb of the kind that another word means elsewhere.
+fn verb_synonym(name: &str, vocabulary: &Vocabulary) -> Option<&'static str> {
+    let ours: &[&'static str] = match name.to_lowercase().as_str() {
+        "go" | "goto" | "mv" | "travel" | "carry" | "bring" | "send" | "transport" => &["move", "drive", "translate"],
+        "shift" | "lift" => &["translate", "move"],
+        "turn" | "spin" => &["rotate"],
+        "align" | "tilt" => &["orient"],
+        "grab" | "grip" | "pick" | "take" | "clamp" | "pinch" => &["grasp"],
+        "drop" | "ungrasp" | "put" => &["release"],
+        "dispose" | "remove" | "trash" | "dump" | "eject" => &["discard"],
+        "combine" | "join" | "fuse" => &["merge"],
+        "detect" | "read" | "measure" | "heat" | "store" | "stay" | "rest" | "keep" | "react" => &["incubate"],
+        "hold" => &["incubate", "grasp"],
+        "sleep" | "pause" | "delay" => &["wait"],
+        "tour" | "scan" | "traverse" => &["visit"],
+        "dock" => &["assemble"],
+        _ => return None,
+    };
+    ours.iter().copied().find(|ours| *ours == "wait" || vocabulary.verb(ours).is_some())
 }
 
 /// A setting of a task that was written as a field.

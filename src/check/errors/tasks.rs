@@ -324,7 +324,11 @@ pub fn not_in_block(word: &Ident, head: &Ident) -> Diagnostic {
     let title = format!("`{}` is not {one}; `{}` takes only {all}", word.text, head.text);
     let wait = (head.text == "assay" && word.text == "wait")
         .then(|| "write `incubate NAME for 10 s`, with the part that waits".to_owned());
-    let elsewhere = format!("write it before or after the `{}`", head.text);
+    let place = match word.text.as_str() {
+        "minimize" | "require" | "using" | "start" => "before all steps".to_owned(),
+        _ => format!("before or after the `{}`", head.text),
+    };
+    let elsewhere = format!("write it {place}");
     Diagnostic::new(Code::E0518, title).label(word.span, "not in this block").help(wait.unwrap_or(elsewhere))
 }
 

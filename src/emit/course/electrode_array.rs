@@ -3,7 +3,8 @@
 //! One unit is one pitch of the board; electrode (1, 1) is the origin.
 
 use crate::claims::electrode_array::{
-    ElectrodeArrayAction, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder, ElectrodeArrayStop,
+    ElectrodeArrayAction, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder, ElectrodeArrayStep,
+    ElectrodeArrayStop,
 };
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::emit::course;
@@ -24,6 +25,33 @@ pub fn place(cell: ElectrodeCell) -> [f64; 2] {
 pub struct PartsMoment {
     pub t_ns: u64,
     pub parts: BTreeMap<String, ElectrodeCell>,
+    /// Where those have come to that are gone from that instant on.
+    pub gone: BTreeMap<String, ElectrodeCell>,
+}
+
+impl PartsMoment {
+    /// Where a part is, or has come to.
+    pub fn cell(&self, part: &str) -> Option<ElectrodeCell> {
+        self.parts.get(part).or(self.gone.get(part)).copied()
+    }
+}
+
+/// Where parts merge with others, or leave the board, after which they are gone.
+fn departures(order: &ElectrodeArrayOrder) -> BTreeMap<&str, ElectrodeCell> {
+    let of_step = |step: &ElectrodeArrayStep| -> Vec<(usize, Option<ElectrodeCell>)> {
+        let last = |stops: &[ElectrodeArrayStop]| stops.last().map(|stop| stop.cell);
+        match &step.action {
+            ElectrodeArrayAction::Move(moves) => {
+                moves.iter().filter_map(|one| Some((one.with?, last(&one.stops)))).collect()
+            }
+            ElectrodeArrayAction::Assay(all) => {
+                all.iter().filter_map(|one| Some((one.gone()?, last(&one.stops)))).collect()
+            }
+            ElectrodeArrayAction::Wait(_) => Vec::new(),
+        }
+    };
+    let named = |(part, cell): (usize, Option<ElectrodeCell>)| Some((order.parts.get(part)?.name.as_str(), cell?));
+    order.steps.iter().flat_map(of_step).filter_map(named).collect()
 }
 
 /// Every place of every part: the states of all plans, and before each step of the board the old places once more, so that a
@@ -32,23 +60,26 @@ pub fn moments(verified: &Verified, device: &str) -> Vec<PartsMoment> {
     let mut moments: Vec<PartsMoment> = Vec::new();
     for (job, plan) in course::jobs(verified, device) {
         let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
+        let departures = departures(order);
         for timed in &plan.states {
             let State::ElectrodeArray(ElectrodeArrayState { parts }) = &timed.state else { continue };
             let parts: BTreeMap<String, ElectrodeCell> =
                 parts.iter().map(|(name, [column, row])| (name.clone(), ElectrodeCell::new(*column, *row))).collect();
             let begins_ns = timed.t_ns.saturating_sub(order.facts.step_ns);
             let Some(last) = moments.last() else {
-                moments.push(PartsMoment { t_ns: 0, parts });
+                moments.push(PartsMoment { t_ns: 0, parts, gone: BTreeMap::new() });
                 continue;
             };
             if last.parts == parts {
                 continue;
             }
+            let left = last.parts.keys().filter(|part| !parts.contains_key(*part));
+            let gone = left.filter_map(|part| Some((part.clone(), *departures.get(part.as_str())?))).collect();
             if last.t_ns < begins_ns {
                 let parts = last.parts.clone();
-                moments.push(PartsMoment { t_ns: begins_ns, parts });
+                moments.push(PartsMoment { t_ns: begins_ns, parts, gone: BTreeMap::new() });
             }
-            moments.push(PartsMoment { t_ns: timed.t_ns, parts });
+            moments.push(PartsMoment { t_ns: timed.t_ns, parts, gone });
         }
     }
     moments

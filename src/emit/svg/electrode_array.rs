@@ -46,7 +46,7 @@ impl Pictured for ElectrodeArrayOrder {
 
 /// The places of a part, one after the other.
 fn way(moments: &[PartsMoment], part: &str) -> Vec<[f64; 2]> {
-    simplified(moments.iter().filter_map(|moment| moment.parts.get(part)).map(|cell| place(*cell)))
+    simplified(moments.iter().filter_map(|moment| moment.cell(part)).map(place))
 }
 
 /// The instants at which a part has come to another cell, with those at which one comes to a stop.
@@ -77,8 +77,8 @@ impl BoardPanel<'_> {
         let here = self.moments.get(after.saturating_sub(1))?;
         let cell = *here.parts.get(part)?;
         let next = self.moments.get(after).filter(|_| after > 0);
-        // A part that is gone in the next state has merged; it stays where it was until then.
-        let to = next.and_then(|next| next.parts.get(part)).copied().unwrap_or(cell);
+        // A part that is gone in the next state comes to where it merges or leaves.
+        let to = next.and_then(|next| next.cell(part)).unwrap_or(cell);
         let places = [(here.t_ns, place(cell)), (next.map_or(u64::MAX, |next| next.t_ns), place(to))];
         scenery::between(&places, t_ns, |place| *place)
     }
@@ -307,8 +307,7 @@ fn draw_moment(panel: &BoardPanel, t_ns: u64, view: &PaperView, to: &mut Drawing
     let until = |is_behind: bool| {
         let is_meant = move |moment: &&PartsMoment| (moment.t_ns <= t_ns) == is_behind;
         move |part: &str| -> Vec<[f64; 2]> {
-            let cells = panel.moments.iter().filter(is_meant).filter_map(|moment| moment.parts.get(part));
-            cells.map(|cell| place(*cell)).collect()
+            panel.moments.iter().filter(is_meant).filter_map(|moment| moment.cell(part)).map(place).collect()
         }
     };
     let (behind, ahead) = (until(true), until(false));
