@@ -90,7 +90,7 @@ def csv_columns(header, name, bound):
 
 
 def log_lines(messages, schedule):
-    """Each step with its place and words, and what it reaches in numbers of at most six digits; and beats of steps of boards."""
+    """Each step with its place and words, and what it reaches in numbers of at most six digits; operations of an assay; and beats of steps of boards."""
     key = lambda line: line[:2] + line[3:]
     for t, m in messages:
         demand(m.message.startswith(f"{m.file}:{m.line} "), f"/log does not say where `{m.message}` stands")
@@ -99,17 +99,27 @@ def log_lines(messages, schedule):
     found = sorted(found, key=key)
     beats_of_boards(beats, schedule)
     steps = schedule.document["steps"]
-    wanted = sorted(((s["start_ns"], s["task"], s, s["file"], s["line"]) for s in steps), key=key)
+    entries = [(s["start_ns"], s["task"], (headline(s), s.get("reached", [])), s["file"], s["line"]) for s in steps]
+    for step in steps:
+        for own in step.get("operations", []):
+            words = f"{', '.join(own['parts'])}: {own['text']}"
+            entries.append((own["start_ns"], step["task"], (words, []), step["file"], own["line"]))
+    wanted = sorted(entries, key=key)
     demand([key(line) for line in found] == [key(line) for line in wanted], "/log is not the steps")
-    for (_, _, message, _, _), (_, _, step, _, _) in zip(found, wanted):
-        demand(message.startswith(step["text"]), "/log is not the steps")
-        lines = message[len(step["text"]):].split("; ")[1:]
-        reached = step.get("reached", [])
+    for (_, _, message, _, _), (_, _, (text, reached), _, _) in zip(found, wanted):
+        demand(message.startswith(text), f"/log says `{message}`, not `{text}`")
+        lines = message[len(text):].split("; ")[1:]
         demand(len(lines) == len(reached), f"/log says {len(lines)} times what is reached, the schedule {len(reached)} times")
         for line, entry in zip(lines, reached):
             shown = [float(number) for number in re.findall(r"-?\d+\.?\d*(?:e-?\d+)?", line.removeprefix(entry.get("robot", "")))]
             near = all(abs(a - b) <= max(1e-4, 1e-5 * abs(b)) for a, b in zip(shown, numbers(entry)))
             demand(len(shown) == len(numbers(entry)) and near, f"/log says `{line}`, the schedule {entry}")
+
+
+def headline(step):
+    """The words of a step; where its operations have lines of their own, the first word and their number."""
+    operations = step.get("operations", [])
+    return f"{step['text'].split(' {')[0]}, {len(operations)} operations" if operations else step["text"]
 
 
 def beats_of_boards(beats, schedule):

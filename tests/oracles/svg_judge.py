@@ -156,6 +156,9 @@ def ends(plans, drawn_ns):
     """The first and the last state are drawn, by an instant at which things are as in it."""
     for t_ns in (plans[0]["states"][0]["t_ns"], plans[-1]["states"][-1]["t_ns"]):
         without_time = {key: value for key, value in state_at(plans, t_ns).items() if key in KEPT}
+        if without_time.get("parts") == {}:
+            # All have left the board.
+            continue
         seen = any({key: value for key, value in state_at(plans, other).items() if key in KEPT} == without_time for other in drawn_ns)
         demand(seen, f"the state at {t_ns} ns is not drawn")
 
