@@ -102,14 +102,30 @@ pub fn greedy_gave_up(asked: Span, part: &str, at: &str, steps: usize, how: &str
         .help("leave `using` out: Tweeze's own planner searches all plans as far as its budget goes")
 }
 
+fn all_of(names: &[&str]) -> String {
+    match names {
+        [one, other] => format!("`{one}` and `{other}`"),
+        _ => listed(names.iter().map(|name| format!("`{name}`")), MAX_LABELS),
+    }
+}
+
+/// Parts that keep one another from their operations, whatever the order.
+pub fn operations_exclude_one_another(step: Span, parts: &[&str]) -> Diagnostic {
+    let title = match parts {
+        [one] => format!("no plan: `{one}` cannot do these operations, in whatever order"),
+        _ => format!("no plan: {} keep one another from these operations, in every order", all_of(parts)),
+    };
+    Diagnostic::new(Code::E0601, title).label(step, "all positions of all parts together were searched").help(
+        "`discard` a part that is done, let one wait for another by an assay or a `move` of its own before this one, \
+             or give goals more room",
+    )
+}
+
 /// Parts that block one another on the way to their goals.
 pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)]) -> Diagnostic {
     let others = if parts.len() == 2 { "the other" } else { "the others" };
-    let names = match parts {
-        [(one, _), (other, _)] => format!("`{one}` and `{other}`"),
-        _ => listed(parts.iter().map(|(name, _)| format!("`{name}`")), MAX_LABELS),
-    };
-    let title = format!("no plan: {names} cannot pass one another");
+    let names: Vec<&str> = parts.iter().map(|(name, _)| *name).collect();
+    let title = format!("no plan: {} cannot pass one another", all_of(&names));
     let mut diagnostic = Diagnostic::new(Code::E0601, title);
     let mut said: Vec<Span> = Vec::new();
     for (name, span) in parts.iter().take(MAX_LABELS) {

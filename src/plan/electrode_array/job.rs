@@ -300,6 +300,11 @@ impl Tasks<'_> {
         let (objective, budget) = (objective(self.order.objective), SearchBudget::of(self.order.planner.expansions));
         let plan = match assay::solve(&problem, objective, budget) {
             SearchAnswer::Found(plan) => plan,
+            SearchAnswer::Impossible(NoBoardPlan::Blocked { agents }) => {
+                let parts = agents.iter().map(|agent| self.order.parts[stage.agents[*agent].part].name.as_str());
+                self.sink.push(errors::operations_exclude_one_another(step.span, &parts.collect::<Vec<_>>()));
+                return None;
+            }
             SearchAnswer::Impossible(why) => {
                 self.impossible(step.span, &stage, &why);
                 return None;

@@ -4,13 +4,16 @@
 //! meets others, with which it merges: one of the two is gone from then on. Method: list scheduling. The course of one agent after the
 //! other, up to the next agent that it meets and that has no course yet (`route`), is planned around the courses of the others
 //! (`bookings`); an agent that finds none comes earlier in the next list. Then lists with two agents exchanged, as long as they
-//! are no worse (`lists`).
+//! are no worse (`lists`). Where no list leads to a plan, or to one that may have too many steps, a few agents are planned all at once
+//! (`joint`).
 //!
-//! Guaranteed: a plan is legal; `bound` holds for every plan; the same input and budget give the same plan. Not guaranteed: that a
-//! plan is found where there is one, or the best. Cost: one step of the budget is one expanded node of the search of one course.
+//! Guaranteed: a plan is legal; `bound` holds for every plan; the same input and budget give the same plan. For few agents, while the
+//! budget lasts, a plan is found where there is one, with the fewest steps where these are minimized. Else neither is guaranteed.
+//! Cost: one step of the budget is one expanded node of the search of one course, or one joint position of several agents.
 
 mod bookings;
 mod bound;
+mod joint;
 mod lists;
 mod route;
 
@@ -78,7 +81,28 @@ pub fn solve(
     let mut distances = fast::Distances::of(&problem.instance.board);
     let ahead = route::Ahead::new(problem, &mut distances, &mut meter);
     let bounds = bound::least(problem, &ahead);
-    match lists::best(problem, &ahead, (objective, bounds), &mut meter) {
+    let by_lists = lists::best(problem, &ahead, (objective, bounds), &mut meter);
+    let steps = by_lists.as_ref().map(|courses| AssayPlan::costs(courses).makespan);
+    if steps.is_some_and(|steps| steps == bounds.makespan || objective != BoardObjective::Makespan) {
+        return found(by_lists, bounds);
+    }
+    // Only fewer steps than those of the lists are of use.
+    let limit = steps.and_then(|steps| u32::try_from(steps - 1).ok()).unwrap_or(u32::MAX);
+    match joint::fewest_steps(problem, &ahead, limit, &mut meter) {
+        SearchAnswer::Found(courses) => {
+            let makespan = AssayPlan::costs(&courses).makespan;
+            found(Some(courses), BoardCosts { makespan, ..bounds })
+        }
+        SearchAnswer::Impossible(()) if by_lists.is_none() => {
+            SearchAnswer::Impossible(NoBoardPlan::Blocked { agents: (0..problem.errands.len()).collect() })
+        }
+        SearchAnswer::Impossible(()) => found(by_lists, BoardCosts { makespan: u64::from(limit) + 1, ..bounds }),
+        SearchAnswer::GaveUp(()) => found(by_lists, bounds),
+    }
+}
+
+fn found(courses: Option<Vec<Vec<CellIndex>>>, bounds: BoardCosts) -> SearchAnswer<AssayPlan, NoBoardPlan, BoardCosts> {
+    match courses {
         Some(courses) => SearchAnswer::Found(AssayPlan { courses, bounds }),
         None => SearchAnswer::GaveUp(bounds),
     }
