@@ -46,8 +46,13 @@ function operationRows(model, device) {
   const works = steps.flatMap((step) => step.operations.map((own) => ({ ...step, ...own })));
   const names = works.length ? device.runs[0].order.parts.map((part) => part.name) : [];
   const rowOf = (name, number) => ({
-    kind: "operations", label: name, color: colorOf(number), steps: works.filter((work) => work.parts.includes(name)), height: 15, gap: 1,
+    kind: "operations", label: name, color: colorOf(number), steps: works.filter((work) => work.parts.includes(name)).map(onItsWay), height: 15, gap: 1,
   });
+  // An operation of two begins when the first of them is free; each is on its way only when it is free itself.
+  const onItsWay = (work, index, own) => {
+    const before = own[index - 1];
+    return { ...work, way_ns: before ? Math.max(work.start_ns, before.start_ns + before.duration_ns) : work.start_ns };
+  };
   return names.map(rowOf).filter((row) => row.steps.length);
 }
 
@@ -241,8 +246,8 @@ class Timeline {
   /** The operations of a part: a line while it is on its way, a block while it stays. */
   drawOperations(g, row) {
     const { theme } = this;
-    for (const { start_ns, arrival_ns, duration_ns, text } of row.steps) {
-      const [x0, x1, x2] = [start_ns, arrival_ns, start_ns + duration_ns].map((t_ns) => this.xOf(t_ns));
+    for (const { start_ns, way_ns, arrival_ns, duration_ns, text } of row.steps) {
+      const [x0, x1, x2] = [way_ns, arrival_ns, start_ns + duration_ns].map((t_ns) => this.xOf(t_ns));
       if (x2 < LABELS || x0 > LABELS + this.width()) continue;
       g.fillStyle = row.color;
       g.fillRect(x0, row.y + row.height / 2 - 1, Math.max(1, x1 - x0), 2);

@@ -46,7 +46,8 @@ pub fn of_other_kind(object: &SceneObject, vocabulary: &Vocabulary) -> Diagnosti
 pub struct ObjectNames {
     /// Each with its index if nothing is wrong with it.
     indices: BTreeMap<String, Option<usize>>,
-    obstacles: BTreeMap<String, Span>,
+    /// Objects that no step can name in their place, each with its noun.
+    others: BTreeMap<String, (&'static str, Span)>,
 }
 
 impl ObjectNames {
@@ -55,9 +56,9 @@ impl ObjectNames {
         self.indices.insert(name.to_owned(), index);
     }
 
-    /// Enters an obstacle, which no step can name as a part.
-    pub fn insert_obstacle(&mut self, name: &str, span: Span) {
-        self.obstacles.insert(name.to_owned(), span);
+    /// Enters an object of another noun, which no step can name in their place.
+    pub fn insert_other(&mut self, name: &str, noun: &'static str, span: Span) {
+        self.others.insert(name.to_owned(), (noun, span));
     }
 
     /// The index of the object that an argument names; `None` after an error, be it one of the argument or of the object.
@@ -69,11 +70,8 @@ impl ObjectNames {
             return *known;
         }
         let is_cut = scene.is_some() && !is_whole && self.indices.is_empty();
-        let wrong = match self.obstacles.get(&object.name) {
-            Some(span) => {
-                let found = ("obstacle", *span);
-                Some(errors::object_of_other_noun(argument.span, &object.name, object.noun, found))
-            }
+        let wrong = match self.others.get(&object.name) {
+            Some(found) => Some(errors::object_of_other_noun(argument.span, &object.name, object.noun, *found)),
             None if is_cut => None,
             None => {
                 let near = nearest(&object.name, self.indices.keys().map(String::as_str));

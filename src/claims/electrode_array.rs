@@ -88,8 +88,9 @@ pub enum ElectrodeArrayObstacleBody {
 pub struct BoardPart {
     /// The name in the scene.
     pub name: String,
-    /// Where it stands before the device's first task.
-    pub cell: ElectrodeCell,
+    /// Where it stands before the device's first task; `None` for a droplet that a reservoir dispenses.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell: Option<ElectrodeCell>,
     #[serde(skip)]
     pub span: Span,
 }
@@ -157,6 +158,9 @@ pub struct AssayOperation {
     pub stops: Vec<ElectrodeArrayStop>,
     /// The least time for which it stays at the last stop, in nanoseconds.
     pub stay_ns: u64,
+    /// Whether it comes onto the board at its one stop, the outlet of a reservoir, which dispenses it while it stays.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub comes: bool,
     /// Whether it leaves the board at the last stop and is gone from then on.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub leaves: bool,

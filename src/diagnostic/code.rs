@@ -184,6 +184,7 @@ ledger! {
     E0552 "a solid that tips run into"
     E0553 "a file of triangles that cannot be used"
     E0554 "an assay of too many steps"
+    E0555 "a droplet that is not dispensed"
     E0560 "a frame that cannot be"
     E0561 "a frame of a device that has none"
     E0562 "an obstacle on cells in a scene that places a robot"

@@ -20,6 +20,10 @@ impl KindState for ElectrodeArrayState {
     fn floats(&self) -> Vec<f64> {
         Vec::new()
     }
+
+    fn cells(&self) -> Option<&BTreeMap<String, [u32; 2]>> {
+        Some(&self.parts)
+    }
 }
 
 impl Reaching for ElectrodeArrayOrder {

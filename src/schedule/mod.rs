@@ -214,12 +214,22 @@ pub struct TimedState {
 trait KindState {
     /// The numbers in it that are not whole.
     fn floats(&self) -> Vec<f64>;
+
+    /// The column and row of each part by its name, where parts stand on cells.
+    fn cells(&self) -> Option<&std::collections::BTreeMap<String, [u32; 2]>> {
+        None
+    }
 }
 
 impl State {
     /// The numbers in it that are not whole.
     pub fn floats(&self) -> Vec<f64> {
         each_kind!(State, self, state => state.floats())
+    }
+
+    /// The column and row of each part by its name, where parts stand on cells.
+    pub fn cells(&self) -> Option<&std::collections::BTreeMap<String, [u32; 2]>> {
+        each_kind!(State, self, state => state.cells())
     }
 }
 

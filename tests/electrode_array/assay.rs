@@ -19,6 +19,9 @@ const MOST_STEPS: u64 = 40;
 /// Steps after the shortest plan in which plans of a smaller sum of costs are looked for.
 const LATER_STEPS: u64 = 2;
 
+/// Where a part is that no reservoir has dispensed yet: off the board, whose cells count from 1.
+const NOWHERE: Cell = (0, 0);
+
 /// A step of the board of `droplet_chip`.
 const STEP_MS: u64 = 60;
 
@@ -29,6 +32,8 @@ enum Operation {
     /// A part, where if not where it is, and for how many steps.
     Incubate(usize, Option<Cell>, u64),
     Discard(usize, Cell),
+    /// A part, and the number of the reservoir.
+    Dispense(usize, usize),
 }
 
 #[derive(Clone, Debug)]
@@ -37,6 +42,10 @@ struct Assay {
     separation: i32,
     blocks: Vec<Cell>,
     parts: Vec<Cell>,
+    /// Their outlets.
+    reservoirs: Vec<Cell>,
+    /// Steps in which a droplet is dispensed.
+    dispensing: u64,
     may_yield: bool,
     by_sum: bool,
     operations: Vec<Operation>,
@@ -49,6 +58,13 @@ struct Due {
     stay: u64,
     merge: Option<(usize, usize)>,
     is_gone: bool,
+    is_dispensed: bool,
+}
+
+impl Due {
+    fn at(at: Cell) -> Due {
+        Due { at, stay: 0, merge: None, is_gone: false, is_dispensed: false }
+    }
 }
 
 /// A part at an instant: its cell, the number of things done, the steps for which it has been where the next one is, and the instant at
@@ -68,22 +84,25 @@ impl Assay {
         };
         let size = sizes[chance.below(5) as usize];
         let by_sum = chance.below(3) == 0;
-        let mut assay =
-            Assay { size, separation, blocks: vec![], parts: vec![], may_yield: false, by_sum, operations: vec![] };
-        for _ in 0..chance.below(3) {
-            let block = assay.cell(chance);
-            assay.blocks.push(block);
-        }
-        for _ in 0..2 + chance.below(2) {
-            let cell = assay.far(chance, &assay.parts);
-            assay.parts.extend(cell);
-        }
+        let mut assay = Assay {
+            size,
+            separation,
+            blocks: vec![],
+            parts: vec![],
+            reservoirs: vec![],
+            dispensing: u64::from(1 + chance.below(3)),
+            may_yield: false,
+            by_sum,
+            operations: vec![],
+        };
+        assay.furnish(chance)?;
         (assay.parts.len() >= 2).then_some(())?;
         assay.may_yield = chance.below(2) == 0;
         let mut left: Vec<usize> = (0..assay.parts.len()).collect();
         let mut ends = assay.parts.clone();
         for _ in 0..1 + chance.below(5) {
             let Some(part) = left.get(chance.below(left.len().max(1) as u32) as usize).copied() else { break };
+            assay.dispense(chance, &mut ends, part);
             let operation = match chance.below(10) {
                 0..=2 => Operation::Move(part, vec![assay.far(chance, &[])?]),
                 3 => Operation::Move(part, vec![assay.far(chance, &[])?, assay.far(chance, &[])?]),
@@ -103,6 +122,7 @@ impl Assay {
                 _ => {
                     let other = left[chance.below(left.len() as u32) as usize];
                     (other != part).then_some(())?;
+                    assay.dispense(chance, &mut ends, other);
                     left.retain(|left| *left != other);
                     Operation::Merge(part, other, assay.far(chance, &[])?)
                 }
@@ -111,11 +131,41 @@ impl Assay {
                 Operation::Move(_, stops) => stops[stops.len() - 1],
                 Operation::Merge(_, _, at) | Operation::Discard(_, at) => *at,
                 Operation::Incubate(part, at, _) => at.unwrap_or(ends[*part]),
+                Operation::Dispense(_, reservoir) => assay.reservoirs[*reservoir],
             };
             assay.operations.push(operation);
         }
         let keep = |one: &usize, other: &usize| one == other || apart(ends[*one], ends[*other]) >= separation;
         left.iter().all(|one| left.iter().all(|other| keep(one, other))).then_some(assay)
+    }
+
+    /// Adds obstacles, reservoirs and parts.
+    fn furnish(&mut self, chance: &mut Random) -> Option<()> {
+        for _ in 0..chance.below(3) {
+            let block = self.cell(chance);
+            self.blocks.push(block);
+        }
+        for _ in 0..chance.below(3) {
+            let outlet = self.far(chance, &[])?;
+            if !self.reservoirs.contains(&outlet) {
+                self.reservoirs.push(outlet);
+            }
+        }
+        for _ in 0..2 + chance.below(2) {
+            let is_dispensed = !self.reservoirs.is_empty() && chance.below(2) == 0;
+            let cell = if is_dispensed { Some(NOWHERE) } else { self.far(chance, &self.parts) };
+            self.parts.extend(cell);
+        }
+        Some(())
+    }
+
+    /// Has a part dispensed that is nowhere yet.
+    fn dispense(&mut self, chance: &mut Random, ends: &mut [Cell], part: usize) {
+        if ends[part] == NOWHERE {
+            let reservoir = chance.below(self.reservoirs.len() as u32) as usize;
+            ends[part] = self.reservoirs[reservoir];
+            self.operations.push(Operation::Dispense(part, reservoir));
+        }
     }
 
     fn cell(&self, chance: &mut Random) -> Cell {
@@ -136,12 +186,17 @@ impl Assay {
         let mut lines = vec![
             "use std.electrode_array as ea".to_owned(),
             format!(
-                "device chip : ea.droplet_chip {{ columns: {columns}, rows: {rows}, separation: {separation}, clearance: 1 }}"
+                "device chip : ea.droplet_chip {{ columns: {columns}, rows: {rows}, separation: {separation}, clearance: 1, dispense_duration: {} ms }}",
+                self.dispensing * STEP_MS
             ),
             "scene tray {".to_owned(),
         ];
         lines.extend(self.blocks.iter().enumerate().map(|(index, at)| format!("obstacle o{index} at {at:?}")));
-        lines.extend(self.parts.iter().enumerate().map(|(index, at)| format!("part d{index} : ea.droplet at {at:?}")));
+        lines.extend(self.reservoirs.iter().enumerate().map(|(index, at)| format!("reservoir r{index} at {at:?}")));
+        lines.extend(self.parts.iter().enumerate().map(|(index, at)| match *at {
+            NOWHERE => format!("part d{index} : ea.droplet"),
+            at => format!("part d{index} : ea.droplet at {at:?}"),
+        }));
         lines.push("}\ntask go on chip in tray {".to_owned());
         lines.push(format!("minimize {}", if self.by_sum { "sum_of_costs" } else { "makespan" }));
         if self.may_yield {
@@ -156,6 +211,7 @@ impl Assay {
                 }
                 Operation::Merge(part, with, at) => format!("merge d{part} with d{with} at {at:?}"),
                 Operation::Discard(part, at) => format!("discard d{part} at {at:?}"),
+                Operation::Dispense(part, reservoir) => format!("dispense d{part} from r{reservoir}"),
                 Operation::Incubate(part, at, stay) => {
                     let place = at.map(|at| format!(" at {at:?}")).unwrap_or_default();
                     format!("incubate d{part}{place} for {} ms", stay * STEP_MS)
@@ -172,18 +228,21 @@ impl Assay {
         for (number, operation) in self.operations.iter().enumerate() {
             match operation {
                 Operation::Move(part, stops) => {
-                    dues[*part].extend(stops.iter().map(|at| Due { at: *at, stay: 0, merge: None, is_gone: false }))
+                    dues[*part].extend(stops.iter().map(|at| Due::at(*at)));
                 }
                 Operation::Incubate(part, at, stay) => {
                     let here = dues[*part].last().map_or(self.parts[*part], |due| due.at);
-                    let due = Due { at: at.unwrap_or(here), stay: *stay, merge: None, is_gone: false };
-                    dues[*part].push(due);
+                    dues[*part].push(Due { stay: *stay, ..Due::at(at.unwrap_or(here)) });
                 }
                 Operation::Discard(part, at) => {
-                    dues[*part].push(Due { at: *at, stay: 0, merge: None, is_gone: true });
+                    dues[*part].push(Due { is_gone: true, ..Due::at(*at) });
+                }
+                Operation::Dispense(part, reservoir) => {
+                    let due = Due { stay: self.dispensing, is_dispensed: true, ..Due::at(self.reservoirs[*reservoir]) };
+                    dues[*part].push(due);
                 }
                 Operation::Merge(part, with, at) => {
-                    let due = |other, is_gone| Due { at: *at, stay: 0, merge: Some((number, other)), is_gone };
+                    let due = |other, is_gone| Due { merge: Some((number, other)), is_gone, ..Due::at(*at) };
                     dues[*part].push(due(*with, false));
                     dues[*with].push(due(*part, true));
                 }
@@ -196,9 +255,8 @@ impl Assay {
     /// there are too many states.
     fn least(&self) -> Option<Result<(u64, u64), ()>> {
         let dues = self.dues();
-        let mut start: Vec<Stand> = self.parts.iter().map(|cell| Some((*cell, 0, 0, 0))).collect();
-        settle(&dues, &mut start);
-        let (mut now, mut met) = (HashSet::from([start]), HashSet::new());
+        let start: Vec<Stand> = self.parts.iter().map(|cell| Some((*cell, 0, 0, 0))).collect();
+        let (mut now, mut met) = (HashSet::from_iter(self.settled(&dues, start)), HashSet::new());
         let (mut fewest, mut sum) = (None, u64::MAX);
         for step in 0..=MOST_STEPS {
             let ended = now.iter().filter(|stands| self.is_end(&dues, stands));
@@ -266,15 +324,34 @@ impl Assay {
             }
             all = grown;
         }
-        for after in &mut all {
-            settle(dues, after);
+        all.into_iter().flat_map(|after| self.settled(dues, after)).collect()
+    }
+
+    /// What is done by now, in all ways in which reservoirs then begin to dispense, where nothing is near their outlets.
+    fn settled(&self, dues: &[Vec<Due>], mut stands: Vec<Stand>) -> Vec<Vec<Stand>> {
+        settle(dues, &mut stands);
+        let mut all = vec![stands];
+        for (part, dues) in dues.iter().enumerate() {
+            let Some(outlet) = dues.first().filter(|due| due.is_dispensed).map(|due| due.at) else { continue };
+            for before in all.clone() {
+                let is_due = before[part].is_some_and(|(cell, ..)| cell == NOWHERE);
+                let mut there = before.iter().flatten().filter(|(cell, ..)| *cell != NOWHERE);
+                if is_due && there.all(|(cell, ..)| apart(*cell, outlet) >= self.separation) {
+                    let mut after = before;
+                    after[part] = Some((outlet, 0, 0, 0));
+                    all.push(after);
+                }
+            }
         }
         all
     }
 
     fn targets(&self, dues: &[Vec<Due>], part: usize, stand: Stand) -> Vec<Option<Cell>> {
         let Some((cell, ..)) = stand else { return vec![None] };
-        if dues[part].is_empty() && !self.may_yield {
+        let next = dues[part].get(stand.map_or(0, |(_, done, ..)| done));
+        // A droplet comes out of its reservoir first, and stays where it is to merge.
+        let stays = next.is_some_and(|due| due.is_dispensed || (due.merge.is_some() && due.at == cell));
+        if cell == NOWHERE || stays || (dues[part].is_empty() && !self.may_yield) {
             return vec![Some(cell)];
         }
         let beside = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)].map(|(c, r)| (cell.0 + c, cell.1 + r));
@@ -293,6 +370,9 @@ impl Assay {
             return true;
         };
         let (Some(to), Some((other_to, ..))) = (to, other_to) else { return true };
+        if from == NOWHERE || other_from == NOWHERE {
+            return true;
+        }
         let due = |part: usize, done: usize| dues[part].get(done).and_then(|due| Some((due.at, due.merge?.0)));
         let meet = due(part, done).filter(|own| due(other, other_done) == Some(*own));
         let ways = |from: Cell, to: Cell| match meet {

@@ -166,7 +166,12 @@ fn electrode_array(random: &mut Random) -> String {
     let mut text = format!("device board : {device} {{ columns: {columns}, rows: {rows}{map} }}\nscene s {{\n");
     let parts = whole(random, 1, 4);
     for at in 0..parts {
-        let _ = writeln!(text, "  part p{at} : {part} at {}", cell(random));
+        let is_dispensed = random.below(6) == 0;
+        let place = if is_dispensed { String::new() } else { format!(" at {}", cell(random)) };
+        let _ = writeln!(text, "  part p{at} : {part}{place}");
+    }
+    for at in 0..random.below(3) {
+        let _ = writeln!(text, "  reservoir r{at} at {}", cell(random));
     }
     if random.below(3) == 0 {
         let _ = writeln!(text, "  obstacle o : cells {{ from: {}, to: {} }}", cell(random), cell(random));
@@ -196,7 +201,8 @@ fn operations(parts: u32, cell: &impl Fn(&mut Random) -> String, random: &mut Ra
     let count = whole(random, 1, 6);
     let operation = |_| {
         let part = format!("p{}", random.below(parts));
-        match random.below(7) {
+        match random.below(8) {
+            7 => format!("dispense {part} from r{}", random.below(2)),
             0 => format!("merge {part} with p{} at {}", random.below(parts), cell(random)),
             1 => format!("incubate {part} for {} ms", random.below(700)),
             2 => format!("incubate {part} at {} for {} ms", cell(random), random.below(700)),

@@ -22,6 +22,10 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFa
         step_ns: fields.clock_ns("step_duration", sink)?,
         layout: layout(device, sink)?,
         hold: if fields.is_set("hold") { Hold::On } else { Hold::Off },
+        dispense_ns: match fields.get("dispense_duration") {
+            Some(_) => Some(fields.clock_ns("dispense_duration", sink)?),
+            None => None,
+        },
         separation: separation(fields)?,
         clearance: fields.count("clearance")?,
         map: None,

@@ -215,9 +215,10 @@ pub fn published_needs_published(chosen: Option<Span>) -> Diagnostic {
 }
 
 pub fn stands_nowhere(span: Span, noun: &str, name: &str) -> Diagnostic {
+    let dispensed = if noun == "part" { "; a droplet that is dispensed needs a `reservoir` in the scene" } else { "" };
     Diagnostic::new(Code::E0515, format!("{noun} `{name}` stands nowhere"))
         .label(span, "where?")
-        .help(format!("write `{noun} {name} at (5, 3)`, column and row from 1"))
+        .help(format!("write `{noun} {name} at (5, 3)`, column and row from 1{dispensed}"))
 }
 
 pub fn no_cell(span: Span, found: &Value) -> Diagnostic {
@@ -446,6 +447,53 @@ pub fn gone_before(span: Span, name: &str, departure: Departure) -> Diagnostic {
             .label_elsewhere(left, span, "leaves here")
             .help("`discard` takes a part away for the rest of the schedule: discard it later, or name another part"),
     }
+}
+
+/// A part without a place before its `dispense`.
+pub fn not_there_yet(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0555, format!("`{name}` is not on the board by then"))
+        .label(span, "no reservoir has dispensed it")
+        .help(format!("write `dispense {name} from RESERVOIR` before, or give `{name}` a place in the scene with `at`"))
+}
+
+/// A part that stands on the board since a place in the source, and is to be dispensed.
+pub fn there_already(span: Span, name: &str, since: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0555, format!("`{name}` is on the board already"))
+        .label(span, "cannot be dispensed again")
+        .label_elsewhere(since, span, format!("`{name}` comes from here"))
+        .help("each droplet has a name of its own: declare another `part` without `at`, or a list of them with `for`")
+}
+
+pub fn parts_are_not_dispensed(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0555, "no reservoir dispenses parts with (2, 2) electrodes, but droplets with (1, 1)")
+        .label(span, "not on this device")
+        .help("give the part a place in the scene, as `part NAME at (5, 3)`")
+}
+
+/// `hold` is the field with which the device turns holding off.
+pub fn dispenses_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
+    let title = "droplets are dispensed only on a device that holds them, but this one has `hold: false`";
+    let diagnostic =
+        Diagnostic::new(Code::E0555, title).label(span, "the electrode at the outlet pulls the droplet out");
+    let diagnostic = match hold {
+        Some(hold) => diagnostic.label(hold, "electrodes are on only to move a droplet"),
+        None => diagnostic,
+    };
+    diagnostic.help("give the device `hold: true`")
+}
+
+pub fn dispenses_in_no_time(span: Span, device: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0555, format!("the device `{device}` has no `dispense_duration`"))
+        .label(span, "how long does this take?")
+        .help("give the device the time that its reservoirs need for one droplet, as `dispense_duration: 2 s`")
+}
+
+/// A reservoir with the outlet of another one.
+pub fn outlets_on_one_cell(name: &str, cell: ElectrodeCell, span: Span, other: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0555, format!("reservoir `{name}` has its outlet at {cell}, where another has its own"))
+        .label(span, "one electrode, two reservoirs")
+        .label_elsewhere(other, span, "the other one")
+        .help("`at` gives the electrode onto which a reservoir dispenses: each has its own")
 }
 
 pub fn parts_do_not_merge(span: Span) -> Diagnostic {

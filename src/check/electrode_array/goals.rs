@@ -5,7 +5,7 @@ use super::cover::{SpacedPlaces, nearest_cell};
 use super::default_expansions;
 use super::errors;
 use super::errors::Departure;
-use super::tray::{BlockedCell, BoardScene, on_obstacle};
+use super::tray::{BlockedCell, BoardScene, Outlet, on_obstacle};
 use crate::check::figures::Figures;
 use crate::check::lets::Argument;
 use crate::check::tasks::{self, Parts, TaskSite};
@@ -39,7 +39,7 @@ impl Checker<'_> {
         let planner = planner(&parts, (objective, bystanders), (facts, tray.parts.len()), self.sink);
         let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
         let hold = site.device.fields.get("hold").map(|field| field.span);
-        let mut judge = BoardStepJudge { facts, tray: &tray, scene, hold, sink: self.sink };
+        let mut judge = BoardStepJudge { facts, tray: &tray, scene, device: &site.device.name, hold, sink: self.sink };
         let steps: Vec<Option<ElectrodeArrayStep>> = parts.steps.iter().map(|step| judge.step(step)).collect();
         let steps: Option<Vec<ElectrodeArrayStep>> = steps.into_iter().collect();
         let order = ElectrodeArrayOrder {
@@ -128,7 +128,7 @@ fn calls(action: &tasks::VocabularyAction) -> &[Call] {
 }
 
 /// Verbs that name no place where a part is at the end of its step.
-const OPERATIONS: [&str; 2] = ["incubate", "discard"];
+const OPERATIONS: [&str; 3] = ["dispense", "incubate", "discard"];
 
 /// Whether a step is made of operations and not of goals.
 fn is_assay(action: &tasks::VocabularyAction) -> bool {
@@ -142,6 +142,8 @@ struct BoardStepJudge<'a> {
     tray: &'a BoardScene,
     /// Where the task's scene is declared.
     scene: Option<Span>,
+    /// The name of the device.
+    device: &'a str,
     /// The field that sets whether the device holds its parts, if there is one.
     hold: Option<Span>,
     sink: &'a mut Sink,
@@ -179,9 +181,14 @@ impl BoardStepJudge<'_> {
         let mut stays = 0;
         for (operation, call) in operations.iter().zip(calls) {
             stays += operation.stay_ns.div_ceil(self.facts.step_ns);
-            if let Some(time) = phrases(call, "for").next().filter(|_| stays > MAX_STAY_STEPS) {
-                let wrong = errors::stays_too_long(time.span, stays, self.facts.step_ns);
-                self.sink.push(errors::given_at(wrong, time));
+            if stays > MAX_STAY_STEPS {
+                let time = phrases(call, "for").next();
+                let span = time.map_or(call.span, |time| time.span);
+                let wrong = errors::stays_too_long(span, stays, self.facts.step_ns);
+                self.sink.push(match time {
+                    Some(time) => errors::given_at(wrong, time),
+                    None => wrong,
+                });
                 return None;
             }
             for part in operation.parts() {
@@ -200,14 +207,45 @@ impl BoardStepJudge<'_> {
     fn operation(&mut self, call: &Call) -> Option<AssayOperation> {
         if !OPERATIONS.contains(&call.verb.name) {
             let ElectrodeArrayMove { part, with, stops, span } = self.one_move(call)?;
-            return Some(AssayOperation { part, with, stops, stay_ns: 0, leaves: false, span });
+            return Some(AssayOperation { part, with, stops, stay_ns: 0, comes: false, leaves: false, span });
         }
         let part = self.part(call.object.as_ref()?);
+        if call.verb.name == "dispense" {
+            return self.dispensed(call, part);
+        }
         let stops: Vec<Option<ElectrodeArrayStop>> = phrases(call, "at").map(|target| self.stop(target)).collect();
         let leaves = call.verb.name == "discard";
         let stay_ns = if leaves { Some(0) } else { self.stay_ns(phrases(call, "for").next()?) };
         let stops = stops.into_iter().collect::<Option<Vec<ElectrodeArrayStop>>>()?;
-        Some(AssayOperation { part: part?, with: None, stops, stay_ns: stay_ns?, leaves, span: call.span })
+        Some(AssayOperation {
+            part: part?,
+            with: None,
+            stops,
+            stay_ns: stay_ns?,
+            comes: false,
+            leaves,
+            span: call.span,
+        })
+    }
+
+    /// A droplet that a reservoir makes at its outlet, where the electrode holds it.
+    fn dispensed(&mut self, call: &Call, part: Option<usize>) -> Option<AssayOperation> {
+        let from = phrases(call, "from").next()?;
+        let outlet = self.tray.reservoirs.index(from, self.scene, self.tray.is_whole, self.sink);
+        let wrong = if self.facts.layout.electrodes != Electrodes::Single {
+            Some(errors::parts_are_not_dispensed(call.span))
+        } else if self.facts.hold == Hold::Off {
+            Some(errors::dispenses_without_hold(call.span, self.hold))
+        } else if self.facts.dispense_ns.is_none() {
+            Some(errors::dispenses_in_no_time(call.span, self.device))
+        } else {
+            None
+        };
+        self.sink.unless(wrong)?;
+        let Outlet { cell, .. } = *self.tray.outlets.get(outlet?)?;
+        let stop = ElectrodeArrayStop { cell, span: from.span, origin: from.origin.clone() };
+        let (stops, stay_ns) = (vec![stop], self.facts.dispense_ns?);
+        Some(AssayOperation { part: part?, with: None, stops, stay_ns, comes: true, leaves: false, span: call.span })
     }
 
     fn stay_ns(&mut self, time: &Argument) -> Option<u64> {

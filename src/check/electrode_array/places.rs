@@ -78,8 +78,16 @@ fn odd_part<'p>(before: &'p [BoardPart], now: &'p [BoardPart]) -> Option<&'p str
 enum PartStand {
     /// There, since it was put or sent there.
     At(ElectrodeCell, Span),
+    /// No reservoir has dispensed it yet.
+    Due,
     /// It has merged with another, or left the board.
     Gone(Departure),
+}
+
+impl PartStand {
+    fn at_first(part: &BoardPart) -> PartStand {
+        part.cell.map_or(PartStand::Due, |cell| PartStand::At(cell, part.span))
+    }
 }
 
 /// A board between two steps.
@@ -95,7 +103,7 @@ struct BoardWalk {
 
 impl BoardWalk {
     fn of(order: &ElectrodeArrayOrder) -> BoardWalk {
-        let stands = order.parts.iter().map(|part| PartStand::At(part.cell, part.span)).collect();
+        let stands = order.parts.iter().map(PartStand::at_first).collect();
         let spread = SpacedPlaces::new(order.facts.separation.apart());
         let (parts, obstacles) = (Arc::clone(&order.parts), Arc::clone(&order.obstacles));
         let mut board = BoardWalk { parts, obstacles, stands, spread };
@@ -121,9 +129,7 @@ impl BoardWalk {
             self.parts.iter().enumerate().map(|(index, part)| (part.name.as_str(), index)).collect();
         let before: Vec<PartStand> = parts
             .iter()
-            .map(|part| {
-                index.get(part.name.as_str()).map_or(PartStand::At(part.cell, part.span), |at| self.stands[*at])
-            })
+            .map(|part| index.get(part.name.as_str()).map_or(PartStand::at_first(part), |at| self.stands[*at]))
             .collect();
         (0..self.stands.len()).for_each(|part| self.leave(part));
         self.stands = before;
@@ -155,7 +161,7 @@ impl BoardWalk {
         order: &ElectrodeArrayOrder,
         walk: &mut PartsWalk,
     ) -> Vec<Diagnostic> {
-        let mut found = self.gone_before(moves, &mut walk.told);
+        let mut found = self.not_there(moves, &mut walk.told);
         moves.iter().flat_map(of_move).for_each(|part| self.leave(part));
         for step in moves {
             let stops = match order.bystanders {
@@ -189,16 +195,25 @@ impl BoardWalk {
         order: &ElectrodeArrayOrder,
         walk: &mut PartsWalk,
     ) -> Vec<Diagnostic> {
+        let mut found = Vec::new();
         let mut moves: BTreeMap<usize, ElectrodeArrayMove> = BTreeMap::new();
         for operation in operations {
+            if let Some(stop) = operation.stops.first().filter(|_| operation.comes) {
+                found.extend(self.comes(operation, stop, &mut walk.told));
+            }
             for part in operation.parts() {
+                if let PartStand::Due = self.stands[part]
+                    && walk.told.insert((operation.span, None))
+                {
+                    found.push(errors::not_there_yet(operation.span, &self.parts[part].name));
+                }
                 let fresh = || ElectrodeArrayMove { part, with: None, stops: Vec::new(), span: operation.span };
                 moves.entry(part).or_insert_with(fresh).stops.extend(operation.stops.iter().cloned());
             }
         }
         let rests: Vec<usize> = moves.values().filter(|one| one.stops.is_empty()).map(|one| one.part).collect();
         let mut moves: Vec<ElectrodeArrayMove> = moves.into_values().collect();
-        let mut found = self.gone_before(&moves, &mut walk.told);
+        found.extend(self.not_there(&moves, &mut walk.told));
         if !found.is_empty() {
             return found;
         }
@@ -242,14 +257,39 @@ impl BoardWalk {
         Some(errors::near_standing_part(moved, stays, order.facts.separation.apart(), free))
     }
 
-    fn gone_before(&self, moves: &[ElectrodeArrayMove], told: &mut BTreeSet<Finding>) -> Vec<Diagnostic> {
+    /// A droplet is dispensed once.
+    fn comes(
+        &mut self,
+        operation: &AssayOperation,
+        stop: &ElectrodeArrayStop,
+        told: &mut BTreeSet<Finding>,
+    ) -> Option<Diagnostic> {
+        let wrong = match self.stands[operation.part] {
+            PartStand::Due => {
+                self.stands[operation.part] = PartStand::At(stop.cell, operation.span);
+                return None;
+            }
+            PartStand::At(_, since) => errors::there_already(operation.span, &self.parts[operation.part].name, since),
+            PartStand::Gone(departure) => {
+                errors::gone_before(operation.span, &self.parts[operation.part].name, departure)
+            }
+        };
+        told.insert((operation.span, None)).then_some(wrong)
+    }
+
+    /// Parts that are gone, or that are not there yet.
+    fn not_there(&self, moves: &[ElectrodeArrayMove], told: &mut BTreeSet<Finding>) -> Vec<Diagnostic> {
         let mut found = Vec::new();
         for step in moves {
             for part in of_move(step) {
-                if let PartStand::Gone(departure) = self.stands[part]
-                    && told.insert((step.span, None))
-                {
-                    found.push(errors::gone_before(step.span, &self.parts[part].name, departure));
+                let name = &self.parts[part].name;
+                let wrong = match self.stands[part] {
+                    PartStand::At(..) => continue,
+                    PartStand::Due => errors::not_there_yet(step.span, name),
+                    PartStand::Gone(departure) => errors::gone_before(step.span, name, departure),
+                };
+                if told.insert((step.span, None)) {
+                    found.push(wrong);
                 }
             }
         }

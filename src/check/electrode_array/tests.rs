@@ -94,6 +94,7 @@ fn the_example_of_the_language_becomes_an_order() {
         step_ns: 3_000_000,
         layout: Layout { electrodes: Electrodes::Quad, half_width_pitches: 1.5 },
         hold: Hold::Off,
+        dispense_ns: None,
         separation: Separation::Apart(4),
         clearance: 3,
         map: None,
@@ -103,7 +104,8 @@ fn the_example_of_the_language_becomes_an_order() {
         order.obstacles[0].body,
         ElectrodeArrayObstacleBody::Electrodes { from: ElectrodeCell::new(20, 20), to: ElectrodeCell::new(23, 23) }
     );
-    let parts: Vec<(&str, ElectrodeCell)> = order.parts.iter().map(|part| (part.name.as_str(), part.cell)).collect();
+    let parts: Vec<(&str, ElectrodeCell)> =
+        order.parts.iter().filter_map(|part| Some((part.name.as_str(), part.cell?))).collect();
     assert_eq!(parts, [("m1", ElectrodeCell::new(5, 3)), ("m2", ElectrodeCell::new(26, 31))]);
     let ElectrodeArrayAction::Move(moves) = &order.steps[0].action else { panic!("a step of moves") };
     let goals: Vec<(usize, ElectrodeCell)> = moves.iter().map(|step| (step.part, step.goal().cell)).collect();
@@ -461,6 +463,7 @@ fn board(columns: u32, rows: u32) -> ElectrodeArrayFacts {
         step_ns: 3_000_000,
         layout: Layout { electrodes: Electrodes::Quad, half_width_pitches: 1.5 },
         hold: Hold::Off,
+        dispense_ns: None,
         separation: Separation::Apart(4),
         clearance: 3,
         map: None,

@@ -26,6 +26,10 @@ pub struct BoardScene {
     pub obstacles: Arc<Vec<ElectrodeArrayObstacle>>,
     pub parts: Arc<Vec<BoardPart>>,
     pub names: ObjectNames,
+    /// The outlets of its reservoirs.
+    pub outlets: Vec<Outlet>,
+    /// The reservoirs by name, as indices of `outlets`.
+    pub reservoirs: ObjectNames,
     pub cover: ObstacleCells,
     /// Whether none of its objects is impossible.
     pub is_whole: bool,
@@ -54,10 +58,16 @@ fn judged_scene(
     judged(&scene.objects, device, facts, sink)
 }
 
-/// A part that was read: its cell, and where that was given.
+/// Where a reservoir dispenses.
+pub struct Outlet {
+    pub cell: ElectrodeCell,
+    pub span: Span,
+}
+
+/// A part that was read, and where its cell was given, if it has one.
 struct StandingPart {
     part: BoardPart,
-    at: Argument,
+    at: Option<Argument>,
 }
 
 fn judged(
@@ -67,19 +77,28 @@ fn judged(
     sink: &mut Sink,
 ) -> BoardScene {
     let before = sink.errors();
-    let (mut obstacles, mut standing) = (Vec::new(), Vec::new());
-    let mut names = ObjectNames::default();
+    let (mut obstacles, mut standing, mut outlets) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut names, mut reservoirs) = (ObjectNames::default(), ObjectNames::default());
+    let dispenses = objects.iter().any(|object| object.noun == "reservoir");
     for object in objects {
         let mut reader = TrayReader { object, device, facts, sink };
         match object.noun.as_str() {
             "part" => {
-                let part = reader.part();
+                let part = reader.part(dispenses);
                 names.insert(&object.name, part.as_ref().map(|_| standing.len()));
+                reservoirs.insert_other(&object.name, "part", object.span);
                 standing.extend(part);
+            }
+            "reservoir" => {
+                let outlet = reader.outlet(&outlets);
+                reservoirs.insert(&object.name, outlet.as_ref().map(|_| outlets.len()));
+                names.insert_other(&object.name, "reservoir", object.span);
+                outlets.extend(outlet);
             }
             "obstacle" => {
                 let obstacle = reader.obstacle();
-                names.insert_obstacle(&object.name, object.span);
+                names.insert_other(&object.name, "obstacle", object.span);
+                reservoirs.insert_other(&object.name, "obstacle", object.span);
                 obstacles.extend(obstacle);
             }
             _ => sink.push(of_other_kind(object, &VOCABULARY)),
@@ -87,10 +106,19 @@ fn judged(
     }
     let cover = ObstacleCells::of(&obstacles, facts);
     starts(&standing, &obstacles, &cover, facts, sink);
+    for outlet in &outlets {
+        if let Some(obstacle) = cover.covering(outlet.cell) {
+            let free = nearest_cell(outlet.cell, facts, |cell| cover.covering(cell).is_none());
+            let place = BlockedCell { code: Code::E0505, cell: outlet.cell, span: outlet.span };
+            sink.push(on_obstacle(&place, &obstacles[obstacle], facts, free));
+        }
+    }
     BoardScene {
         obstacles: Arc::new(obstacles),
         parts: Arc::new(standing.into_iter().map(|standing| standing.part).collect()),
         names,
+        outlets,
+        reservoirs,
         cover,
         is_whole: sink.errors() == before,
     }
@@ -105,19 +133,44 @@ struct TrayReader<'a> {
 }
 
 impl TrayReader<'_> {
-    fn part(&mut self) -> Option<StandingPart> {
+    /// A part; without a place it is a droplet of a reservoir, if the scene has any.
+    fn part(&mut self, dispenses: bool) -> Option<StandingPart> {
         let shape = self.object.shape.as_ref();
         let is_carried = shape.is_none_or(|shape| self.is_carried(shape));
+        let (name, span) = (self.object.name.clone(), self.object.span);
+        if dispenses && self.object.at.is_none() {
+            let part = BoardPart { name, cell: None, span };
+            return is_carried.then_some(StandingPart { part, at: None });
+        }
         let at = self.place()?;
-        let cell = self.cell(&at)?;
-        if !self.facts.reaches(cell) {
-            let nearest = nearest_cell(cell, self.facts, |_| true);
-            let wrong = errors::part_out_of_reach(at.span, &self.object.name, cell, self.facts, nearest);
+        let cell = self.reached(&at)?;
+        let part = BoardPart { name, cell: Some(cell), span };
+        is_carried.then_some(StandingPart { part, at: Some(at) })
+    }
+
+    /// The outlet of a reservoir, on an electrode of its own.
+    fn outlet(&mut self, others: &[Outlet]) -> Option<Outlet> {
+        let at = self.place()?;
+        let cell = self.reached(&at)?;
+        let span = at.span;
+        if let Some(other) = others.iter().find(|other| other.cell == cell) {
+            let wrong = errors::outlets_on_one_cell(&self.object.name, cell, span, other.span);
             self.sink.push(errors::given_at(wrong, &at));
             return None;
         }
-        let part = BoardPart { name: self.object.name.clone(), cell, span: self.object.span };
-        is_carried.then_some(StandingPart { part, at })
+        Some(Outlet { cell, span })
+    }
+
+    /// The cell at a place that the centre of a part can take.
+    fn reached(&mut self, at: &Argument) -> Option<ElectrodeCell> {
+        let cell = self.cell(at)?;
+        if self.facts.reaches(cell) {
+            return Some(cell);
+        }
+        let nearest = nearest_cell(cell, self.facts, |_| true);
+        let wrong = errors::part_out_of_reach(at.span, &self.object.name, cell, self.facts, nearest);
+        self.sink.push(errors::given_at(wrong, at));
+        None
     }
 
     /// Whether a part is of the layout that the device carries.
@@ -240,26 +293,27 @@ fn starts(
     sink: &mut Sink,
 ) {
     let apart = facts.separation.apart();
-    let mut spread: SpacedPlaces<usize> = SpacedPlaces::new(apart);
-    for (index, StandingPart { part, at }) in standing.iter().enumerate() {
-        if let Some(obstacle) = cover.covering(part.cell) {
-            let free = nearest_cell(part.cell, facts, |cell| cover.covering(cell).is_none());
-            let place = BlockedCell { code: Code::E0505, cell: part.cell, span: at.span };
+    let mut spread: SpacedPlaces<(&StandingPart, Span)> = SpacedPlaces::new(apart);
+    for one in standing {
+        let StandingPart { part, at: Some(at) } = one else { continue };
+        let Some(own) = part.cell else { continue };
+        if let Some(obstacle) = cover.covering(own) {
+            let free = nearest_cell(own, facts, |cell| cover.covering(cell).is_none());
+            let place = BlockedCell { code: Code::E0505, cell: own, span: at.span };
             sink.push(errors::given_at(on_obstacle(&place, &obstacles[obstacle], facts, free), at));
             continue;
         }
-        if let Some((cell, other)) = spread.near(part.cell) {
+        if let Some((cell, (other, other_span))) = spread.near(own) {
             let is_free = |cell| cover.covering(cell).is_none() && spread.near(cell).is_none();
-            let free = nearest_cell(part.cell, facts, is_free);
-            let other = &standing[other];
+            let free = nearest_cell(own, facts, is_free);
             let places = [
-                errors::PartPlace { name: &part.name, cell: part.cell, span: at.span },
-                errors::PartPlace { name: &other.part.name, cell, span: other.at.span },
+                errors::PartPlace { name: &part.name, cell: own, span: at.span },
+                errors::PartPlace { name: &other.part.name, cell, span: other_span },
             ];
             sink.push(errors::given_at(errors::starts_too_near(places, apart, free), at));
             continue;
         }
-        spread.put(part.cell, index);
+        spread.put(own, (one, at.span));
     }
 }
 

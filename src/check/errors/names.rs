@@ -315,7 +315,10 @@ pub fn object_of_other_noun(span: Span, name: &str, noun: &str, found: (&str, Sp
     Diagnostic::new(Code::E0211, title)
         .label(span, format!("not {}", with_article(noun)))
         .label(found.1, format!("{} by this", with_article(found.0)))
-        .help(format!("if it can be moved, declare it as `{noun} {name} at …`"))
+        .help(match (found.0, noun) {
+            ("obstacle", "part" | "robot") => format!("if it can be moved, declare it as `{noun} {name} at …`"),
+            _ => format!("name {}, as `{noun} NAME at …` declares it in the scene", with_article(noun)),
+        })
 }
 
 pub fn unknown_object(span: Span, name: &str, noun: &str, near: Option<&str>, scene: Option<Span>) -> Diagnostic {

@@ -70,7 +70,7 @@ fn judged(objects: &[Rc<SceneObject>], device: &CheckedDevice, facts: &Microrobo
             }
             "obstacle" => {
                 let obstacle = reader.obstacle();
-                names.insert_obstacle(&object.name, object.span);
+                names.insert_other(&object.name, "obstacle", object.span);
                 obstacles.extend(obstacle);
             }
             _ => sink.push(of_other_kind(object, &VOCABULARY)),

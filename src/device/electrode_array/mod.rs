@@ -156,6 +156,9 @@ pub struct ElectrodeArrayFacts {
     pub step_ns: u64,
     pub layout: Layout,
     pub hold: Hold,
+    /// Time in which a reservoir dispenses one droplet; `None` where no reservoirs are known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dispense_ns: Option<u64>,
     pub separation: Separation,
     /// The least Chebyshev distance from a part's centre to an electrode that an obstacle covers, in electrodes; at least 1.
     pub clearance: u32,

@@ -110,6 +110,12 @@ const FIELDS: &[VocabularyField] = &[
         "false",
         "whether the electrodes that brought a part to its cell stay on while it rests",
     ),
+    optional(
+        "dispense_duration",
+        positive(Dimension::TIME),
+        "it has no reservoirs",
+        "time in which a reservoir makes one droplet on the electrode at its outlet, which is on meanwhile",
+    ),
     required(
         "separation",
         Sort::CountOrWord { least: 1, most: MAX_APART, words: &SEPARATION },
@@ -165,6 +171,15 @@ const VERBS: &[Verb] = &[
         block: None,
         doc: "carries a part to a cell, by way of others in the order of writing",
         example: "move m1 to (26, 31) via (5, 20)",
+    },
+    Verb {
+        name: "dispense",
+        noun: None,
+        object: Some(Sort::Object("part")),
+        phrases: &[VocabularyPhrase { preposition: "from", sort: Sort::Object("reservoir"), count: Count::Once }],
+        block: None,
+        doc: "makes a droplet on the electrode at a reservoir's outlet; it takes the device's `dispense_duration`",
+        example: "dispense sample from serum",
     },
     Verb {
         name: "merge",
@@ -231,7 +246,12 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
             doc: "electrodes that no part may come near: a block, one cell, or a part that is stuck",
             shapes: &[ShapeForm::Cells, ShapeForm::Layout],
         },
-        Noun { name: "part", doc: "a part that the electrodes carry", shapes: &[ShapeForm::Layout] },
+        Noun {
+            name: "part",
+            doc: "a part that the electrodes carry; without `at` a droplet that a reservoir dispenses",
+            shapes: &[ShapeForm::Layout],
+        },
+        Noun { name: "reservoir", doc: "a store of liquid; `at` gives the electrode at its outlet", shapes: &[] },
     ],
     settings: SETTINGS,
     state: None,

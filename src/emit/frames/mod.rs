@@ -4,7 +4,8 @@
 //! `<name>.<driver>.frames.csv` has a row for each frame: its number from 1, when it begins and how long it lasts in milliseconds, and
 //! the numbers of the channels that are on, with blanks between them. Frames follow each other without a gap from 0 to the end of the
 //! schedule; two neighbours differ. `<name>.frames.py` plays them on an OpenDrop (frames of 32 bytes over USB serial) or a PurpleDrop
-//! (JSON-RPC calls), and switches all electrodes off at the end, on an error and on Ctrl-C.
+//! (JSON-RPC calls), and switches all electrodes off at the end, on an error and on Ctrl-C. The electrodes of reservoirs are not among
+//! those of a board: it says when a droplet is due at which outlet.
 //!
 //! `<name>.<driver>.opendrop.json`, a format of its own, is for the program that comes with an OpenDrop. It has no times, so that each
 //! frame stands in it as often as the common period of all durations fits into its own.
@@ -55,6 +56,7 @@ pub(super) fn write(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitE
         "name": schedule.name,
         "duration_s": schedule.duration_ns as f64 / 1e9,
         "drivers": plays,
+        "dispensed": dispensed(schedule),
     });
     let sender = SENDER.replacen(MARKER, &format!("PLAYS = json.loads(r'''{listing:#}''')"), 1);
     files.push(("frames.py".to_owned(), sender.into_bytes()));
@@ -79,6 +81,21 @@ pub(super) fn write_opendrop(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>
     }
     let none = || EmitError::OtherProtocol { format: Format::Opendrop, name: schedule.name.clone() };
     if files.is_empty() { Err(none()) } else { Ok(files) }
+}
+
+/// The droplets that come onto a board, each with the instant from which on the electrode at its outlet is on.
+fn dispensed(schedule: &Schedule) -> Vec<serde_json::Value> {
+    let mut found: Vec<(u64, &str, [u32; 2])> = Vec::new();
+    for pair in schedule.plans.iter().flat_map(|plan| plan.states.windows(2)) {
+        let (Some(before), Some(after)) = (pair[0].state.cells(), pair[1].state.cells()) else { continue };
+        let come = after.iter().filter(|(name, _)| !before.contains_key(*name));
+        found.extend(come.map(|(name, cell)| (pair[0].t_ns, name.as_str(), *cell)));
+    }
+    found.sort();
+    found
+        .into_iter()
+        .map(|(at_ns, name, cell)| json!({ "at_s": at_ns as f64 / 1e9, "droplet": name, "outlet": cell }))
+        .collect()
 }
 
 /// The electrodes of a driver that are on for some time.

@@ -8,7 +8,8 @@
 
 An OpenDrop needs the package pyserial (`pip install pyserial`); a PurpleDrop needs its server `pdserver` only. Voltage and frequency
 are set on the device. All electrodes are switched off at the end, on an error and on Ctrl-C. A frame that cannot be sent within its own
-time is an error. Exit status: 0 played, 1 a driver refused or was late, 2 wrong usage, 130 Ctrl-C.
+time is an error. The electrodes of reservoirs are not played: droplets that are dispensed are named when they are due, each at the
+electrode of its outlet, which is on by then. Exit status: 0 played, 1 a driver refused or was late, 2 wrong usage, 130 Ctrl-C.
 """
 
 import argparse
@@ -105,8 +106,16 @@ def read(driver, folder):
     return frames
 
 
+def dues():
+    """Droplets that a reservoir dispenses, in the order in which they are due."""
+    for one in PLAYS.get("dispensed", []):
+        column, row = one["outlet"]
+        yield one["at_s"], f"{one['at_s']:g} s: droplet {one['droplet']} is due at ({column}, {row})"
+
+
 def play(addresses, folder):
     """All frames of all drivers, each when it is due."""
+    due = list(dues())
     frames = [(frame, index) for index, driver in enumerate(PLAYS["drivers"]) for frame in read(driver, folder)]
     frames.sort(key=lambda due: (due[0][0], due[1]))
     boards, latest = [], 0.0
@@ -120,6 +129,8 @@ def play(addresses, folder):
         for (start, end, on), index in frames:
             time.sleep(max(0.0, begin + start - time.monotonic()))
             boards[index].send(on)
+            while due and due[0][0] <= start:
+                print(due.pop(0)[1], flush=True)
             now = time.monotonic() - begin
             latest = max(latest, now - start)
             if now >= end:
@@ -141,6 +152,8 @@ def show(folder):
     for driver in PLAYS["drivers"]:
         frames = read(driver, folder)
         print(f"{driver['name']}: {driver['file']}, {driver['model']}, {len(frames)} frames, {len(driver['electrodes'])} electrodes")
+    for _, text in dues():
+        print(text)
 
 
 def main(given):

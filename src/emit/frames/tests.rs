@@ -1,8 +1,10 @@
 use super::*;
+use crate::device::electrode_array::Electrodes;
 use crate::diagnostic::Code;
 use crate::emit::{Provenance, emit, fixture};
 use crate::instrument::{Bench, Drive, Instrument, Link, Start};
-use crate::schedule::{Channel, ChannelUnit};
+use crate::lower::electrode_array::tests::{carried, facts};
+use crate::schedule::{Channel, ChannelUnit, State};
 use crate::source::Span;
 use crate::verify::Verified;
 
@@ -93,6 +95,22 @@ fn the_file_of_the_opendrop_says_the_same() {
         frames.iter().map(|frame| frame["frame"].clone()).collect::<Vec<_>>(),
         (1..=frames.len()).collect::<Vec<_>>()
     );
+}
+
+/// The part is not in the first state, and so comes in the step that begins there.
+#[test]
+fn droplets_that_come_are_named_when_they_are_due() {
+    let (_, mut schedule) = carried(&facts(Electrodes::Single), &[vec![vec![(5, 5), (6, 5), (7, 5)], vec![(12, 5)]]]);
+    assert_eq!(dispensed(&schedule), Vec::<serde_json::Value>::new());
+    let states = &mut schedule.plans[0].states;
+    let name = states[2].state.cells().and_then(|parts| parts.keys().nth(1)).expect("a second part").clone();
+    let at_s = states[1].t_ns as f64 / 1e9;
+    for state in &mut states[..2] {
+        let State::ElectrodeArray(board) = &mut state.state else { panic!("a board") };
+        board.parts.remove(&name);
+    }
+    assert!(at_s > 0.0);
+    assert_eq!(dispensed(&schedule), [json!({ "at_s": at_s, "droplet": name, "outlet": [12, 5] })]);
 }
 
 #[test]

@@ -28,15 +28,17 @@ impl Lowered for Planned<'_, ElectrodeArrayOrder, ElectrodeArrayMotion> {
                 ElectrodeArrayStepMotion::Wait(duration_ns) => board.wait(*duration_ns, index)?,
                 ElectrodeArrayStepMotion::Courses(courses) => {
                     let paths: Vec<&[ElectrodeCell]> = courses.iter().map(|course| course.cells.as_slice()).collect();
+                    let since: Vec<usize> = courses.iter().map(|course| course.since).collect();
                     let is_gone: Vec<bool> = courses.iter().map(|course| course.is_gone).collect();
-                    board.follow(&paths, &is_gone, index)?;
+                    board.follow(&paths, (&since, &is_gone), index)?;
                     if let ElectrodeArrayAction::Assay(all) = &step.action {
-                        board.run.operations.extend(operations::timed(order, (index, start_ns), all, &paths));
+                        let timed = operations::timed(order, (index, start_ns), all, (&paths, &since));
+                        board.run.operations.extend(timed);
                     }
                 }
                 ElectrodeArrayStepMotion::Paths(paths) => {
                     let paths: Vec<&[ElectrodeCell]> = paths.iter().map(Vec::as_slice).collect();
-                    board.follow(&paths, &[], index)?;
+                    board.follow(&paths, (&[], &[]), index)?;
                     if let ElectrodeArrayAction::Move(moves) = &step.action {
                         board.merge(moves.iter().filter_map(|action| action.with));
                     }
@@ -60,14 +62,14 @@ impl Lowered for Planned<'_, ElectrodeArrayOrder, ElectrodeArrayMotion> {
 struct LoweringBoard<'a> {
     order: &'a ElectrodeArrayOrder,
     run: LoweredRun,
-    /// Where each part stands; `None` for one that has merged.
+    /// Where each part stands; `None` for one that has merged, left, or not come yet.
     cells: Vec<Option<ElectrodeCell>>,
 }
 
 impl LoweringBoard<'_> {
-    /// All parts through their cells, one step of the board after the other. Those that `is_gone` tells are gone after the last of
-    /// theirs.
-    fn follow(&mut self, paths: &[&[ElectrodeCell]], is_gone: &[bool], step: usize) -> Option<()> {
+    /// All parts through their cells, one step of the board after the other. Those that are not there come at the instants `since`, and
+    /// those that `is_gone` tells are gone after the last of theirs.
+    fn follow(&mut self, paths: &[&[ElectrodeCell]], (since, is_gone): (&[usize], &[bool]), step: usize) -> Option<()> {
         let facts = &self.order.facts;
         let instants = paths.iter().map(|path| path.len().saturating_sub(1)).max().unwrap_or(0);
         // Electrodes that are on, with the instant since when.
@@ -80,6 +82,11 @@ impl LoweringBoard<'_> {
         gone_after(&mut self.cells, 0);
         for instant in 0..instants {
             let start_ns = self.run.duration_ns;
+            for (part, cell) in self.cells.iter_mut().enumerate().filter(|(_, cell)| cell.is_none()) {
+                if since.get(part) == Some(&instant) && paths[part].len() > instant + 1 {
+                    *cell = paths[part].get(instant).copied();
+                }
+            }
             let next: Vec<Option<ElectrodeCell>> =
                 paths.iter().map(|path| path.get(instant + 1).or(path.last()).copied()).collect();
             let next: Vec<Option<ElectrodeCell>> =

@@ -9,10 +9,10 @@ pub fn timed(
     order: &ElectrodeArrayOrder,
     (step, step_start_ns): (usize, u64),
     operations: &[AssayOperation],
-    courses: &[&[ElectrodeCell]],
+    (courses, since): (&[&[ElectrodeCell]], &[usize]),
 ) -> Vec<LoweredOperation> {
-    // The instant at which each part is free for its next operation.
-    let mut free = vec![0; courses.len()];
+    // The instant at which each part is free for its next operation, at first that at which it is there.
+    let mut free = since.to_vec();
     let mut lowered = Vec::new();
     for operation in operations {
         let parts: Vec<usize> = operation.parts().filter(|part| !courses[*part].is_empty()).collect();

@@ -30,6 +30,7 @@ pub(crate) fn facts(electrodes: Electrodes) -> ElectrodeArrayFacts {
         step_ns: 5_000_000,
         layout: Layout { electrodes, half_width_pitches },
         hold,
+        dispense_ns: None,
         separation: Separation::Apart(separation),
         clearance: 1,
         map: None,
@@ -47,7 +48,7 @@ pub(crate) fn carried(facts: &ElectrodeArrayFacts, steps: &[Vec<Vec<(u32, u32)>>
     let name = |index: usize| char::from(b'a' + index as u8).to_string();
     let part = |(index, cell): (usize, &Option<ElectrodeCell>)| BoardPart {
         name: name(index),
-        cell: cell.expect("all parts are there at first"),
+        cell: *cell,
         span: Span::default(),
     };
     let order = ElectrodeArrayOrder {

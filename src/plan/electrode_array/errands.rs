@@ -4,7 +4,7 @@
 //! agents those of the parts. Where [`super::assay`] finds no plan, the operations are planned one after the other, which is what
 //! they would be as steps of their own.
 
-use super::assay::{AssayPlan, AssayProblem, Errand};
+use super::assay::{AgentCourse, AssayPlan, AssayProblem, Errand};
 use super::board::{BoardAnswer, BoardCosts, BoardObjective, CellIndex, Instance};
 use super::portfolio;
 use super::stage::{self, BoardGround, BoardStage};
@@ -15,7 +15,10 @@ use crate::plan::search::SearchBudget;
 /// The cells of a part in an assay.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PartCourse {
-    /// At the instants 0, 1, … of the step until its last operation is done; afterwards it stays. Empty if it was gone before.
+    /// The instant from which on it is on the board.
+    pub since: usize,
+    /// At the instants 0, 1, … of the step until its last operation is done; afterwards it stays. Before `since` its outlet. Empty if it
+    /// was gone before, or has not come yet.
     pub cells: Vec<ElectrodeCell>,
     /// Whether it merges with another part or leaves the board, and is gone after the last cell.
     pub is_gone: bool,
@@ -35,17 +38,18 @@ pub struct PartErrands {
     pub moves: Vec<ElectrodeArrayMove>,
     /// For each stop the steps of the board for which the part stays, and the part that it merges with.
     stays: Vec<Vec<(u32, Option<usize>)>>,
+    comes: Vec<bool>,
     is_gone: Vec<bool>,
 }
 
 impl PartErrands {
-    /// The operations by parts, from their current cells.
+    /// The operations by parts, from their current cells; for those that come, the outlet.
     pub fn new(
         order: &ElectrodeArrayOrder,
         cells: &[Option<ElectrodeCell>],
         operations: &[AssayOperation],
     ) -> PartErrands {
-        let mut errands = PartErrands { moves: Vec::new(), stays: Vec::new(), is_gone: Vec::new() };
+        let mut errands = PartErrands { moves: Vec::new(), stays: Vec::new(), comes: Vec::new(), is_gone: Vec::new() };
         for operation in operations {
             for part in operation.parts() {
                 let Some(start) = cells[part] else { continue };
@@ -62,6 +66,7 @@ impl PartErrands {
                 let other = operation.parts().find(|other| *other != part);
                 errands.stays[index].resize(own.len() - 1, (0, None));
                 errands.stays[index].push((u32::try_from(steps).unwrap_or(u32::MAX), other));
+                errands.comes[index] |= operation.comes;
                 errands.is_gone[index] |= operation.gone() == Some(part);
             }
         }
@@ -72,6 +77,7 @@ impl PartErrands {
         self.moves.iter().position(|one| one.part == part).unwrap_or_else(|| {
             self.moves.push(ElectrodeArrayMove { part, with: None, stops: Vec::new(), span: operation.span });
             self.stays.push(Vec::new());
+            self.comes.push(false);
             self.is_gone.push(false);
             self.moves.len() - 1
         })
@@ -86,8 +92,12 @@ impl PartErrands {
             both.map(|(stop, (stay, with))| Errand { stop: *stop, stay: *stay, meets: with.and_then(of_part) })
                 .collect()
         });
-        let is_gone = (0..instance.agents.len()).map(|agent| self.is_gone.get(agent).copied().unwrap_or(false));
-        AssayProblem { instance, errands: errands.collect(), is_gone: is_gone.collect() }
+        // Agents without an operation only step aside.
+        let of_agents = |flags: &[bool]| -> Vec<bool> {
+            (0..instance.agents.len()).map(|agent| flags.get(agent).copied().unwrap_or(false)).collect()
+        };
+        let (comes, is_gone) = (of_agents(&self.comes), of_agents(&self.is_gone));
+        AssayProblem { instance, comes, errands: errands.collect(), is_gone }
     }
 }
 
@@ -96,15 +106,25 @@ pub fn courses_of(
     order: &ElectrodeArrayOrder,
     stage: &BoardStage,
     cells: &[Option<ElectrodeCell>],
-    (problem, courses): (&AssayProblem, &[Vec<CellIndex>]),
+    (problem, courses): (&AssayProblem, &[AgentCourse]),
 ) -> Vec<PartCourse> {
-    let stays = |cell: &Option<ElectrodeCell>| PartCourse { cells: cell.iter().copied().collect(), is_gone: false };
+    let stays =
+        |cell: &Option<ElectrodeCell>| PartCourse { since: 0, cells: cell.iter().copied().collect(), is_gone: false };
     let mut motion: Vec<PartCourse> = cells.iter().map(stays).collect();
     for ((actor, course), is_gone) in stage.agents.iter().zip(courses).zip(&problem.is_gone) {
-        let cells = course.iter().map(|cell| stage::cell(order, *cell)).collect();
-        motion[actor.part] = PartCourse { cells, is_gone: *is_gone };
+        let cells = course.cells.iter().map(|cell| stage::cell(order, *cell)).collect();
+        motion[actor.part] = PartCourse { since: course.since as usize, cells, is_gone: *is_gone };
     }
     motion
+}
+
+/// The cells of the parts, with those of the outlets for parts that come in an assay.
+pub fn with_outlets(cells: &[Option<ElectrodeCell>], operations: &[AssayOperation]) -> Vec<Option<ElectrodeCell>> {
+    let mut cells = cells.to_vec();
+    for operation in operations.iter().filter(|operation| operation.comes) {
+        cells[operation.part] = operation.stops.first().map(|outlet| outlet.cell);
+    }
+    cells
 }
 
 /// Updates the cells of the parts after an assay.
@@ -128,9 +148,20 @@ pub fn one_by_one(
 ) -> Option<AssayPlan> {
     let agent_of = |part: usize| stage.agents.iter().position(|actor| actor.part == part);
     let mut now = cells.to_vec();
+    let mut since = vec![0; problem.instance.agents.len()];
     let mut courses: Vec<Vec<CellIndex>> = problem.instance.agents.iter().map(|agent| vec![agent.start]).collect();
     for operation in operations {
-        if !operation.stops.is_empty() {
+        if let Some(outlet) = operation.stops.first().filter(|_| operation.comes) {
+            let apart = order.facts.separation.apart();
+            if now.iter().flatten().any(|cell| cell.apart(outlet.cell) < apart) {
+                return None;
+            }
+            let instants = courses.iter().map(Vec::len).max().unwrap_or(1);
+            if let Some(agent) = agent_of(operation.part) {
+                since[agent] = instants as u32 - 1;
+                courses[agent].resize(instants, problem.instance.agents[agent].start);
+            }
+        } else if !operation.stops.is_empty() {
             let (part, with) = (operation.part, operation.with);
             let moves = [ElectrodeArrayMove { part, with, stops: operation.stops.clone(), span: operation.span }];
             let step = BoardStage::new(order, ground, &now, &moves);
@@ -152,30 +183,31 @@ pub fn one_by_one(
         let left = courses.iter_mut().zip(&stage.agents).filter(|(_, actor)| now[actor.part].is_some());
         left.for_each(|(course, _)| course.resize(lasts, course[course.len() - 1]));
     }
-    trim(problem, &mut courses);
+    trim(problem, &since, &mut courses);
+    let courses = since.into_iter().zip(courses).map(|(since, cells)| AgentCourse { since, cells }).collect();
     Some(AssayPlan { courses, bounds })
 }
 
 /// Cuts courses after the instant at which all errands are done and nothing moves any more: while others were at work, a part may
 /// have done an operation that comes later.
-fn trim(problem: &AssayProblem, courses: &mut [Vec<CellIndex>]) {
+fn trim(problem: &AssayProblem, since: &[u32], courses: &mut [Vec<CellIndex>]) {
     let mut ends: Vec<usize> = vec![0; courses.len()];
     for (agent, course) in courses.iter().enumerate() {
-        let (mut done, mut since) = (0, None);
-        for (instant, cell) in course.iter().enumerate() {
+        let (mut done, mut stays_since) = (0, None);
+        for (instant, cell) in course.iter().enumerate().skip(since[agent] as usize) {
             while let Some(errand) = problem.errands[agent].get(done) {
                 if *cell != errand.stop {
-                    since = None;
+                    stays_since = None;
                     break;
                 }
-                let there = *since.get_or_insert(instant);
+                let there = *stays_since.get_or_insert(instant);
                 let together = errand
                     .meets
                     .is_none_or(|other| courses[other].get(instant).or(courses[other].last()) == Some(cell));
                 if instant - there < errand.stay as usize || !together {
                     break;
                 }
-                (done, since, ends[agent]) = (done + 1, None, instant);
+                (done, stays_since, ends[agent]) = (done + 1, None, instant);
             }
             if instant > 0 && course[instant - 1] != *cell {
                 ends[agent] = ends[agent].max(instant);

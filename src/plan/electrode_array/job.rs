@@ -39,7 +39,7 @@ const LOOKS_PER_EXPANSION: u64 = 20;
 /// Motion of the parts of a board.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ElectrodeArrayMotion {
-    /// Start cell of each part of the order; `None` for one that has already merged with another.
+    /// Start cell of each part of the order; `None` for one that has already merged with another, or has not come yet.
     pub start: Vec<Option<ElectrodeCell>>,
     /// One for each step of the order.
     pub steps: Vec<ElectrodeArrayStepMotion>,
@@ -87,7 +87,7 @@ impl BoardStandings {
     fn of(&self, job: &Job, order: &ElectrodeArrayOrder) -> Vec<Option<ElectrodeCell>> {
         let known = self.cells.get(&job.device);
         let stands = |name: &String| known.and_then(|cells| cells.get(name)).copied();
-        order.parts.iter().map(|part| stands(&part.name).unwrap_or(Some(part.cell))).collect()
+        order.parts.iter().map(|part| stands(&part.name).unwrap_or(part.cell)).collect()
     }
 }
 
@@ -294,8 +294,9 @@ impl Tasks<'_> {
 
     /// The courses of all parts in an assay.
     fn courses(&mut self, step: &ElectrodeArrayStep, operations: &[AssayOperation]) -> Option<Vec<PartCourse>> {
-        let asked = PartErrands::new(self.order, &self.cells, operations);
-        let stage = BoardStage::new(self.order, self.ground, &self.cells, &asked.moves);
+        let cells = errands::with_outlets(&self.cells, operations);
+        let asked = PartErrands::new(self.order, &cells, operations);
+        let stage = BoardStage::new(self.order, self.ground, &cells, &asked.moves);
         let problem = asked.problem(&stage.instance);
         let (objective, budget) = (objective(self.order.objective), SearchBudget::of(self.order.planner.expansions));
         let plan = match assay::solve(&problem, objective, budget) {

@@ -29,6 +29,7 @@ fn facts(columns: u32, rows: u32, electrodes: Electrodes, separation: u32, clear
         step_ns: 5_000_000,
         layout: Layout { electrodes, half_width_pitches: if electrodes == Electrodes::Quad { 1.5 } else { 0.5 } },
         hold: if electrodes == Electrodes::Quad { Hold::Off } else { Hold::On },
+        dispense_ns: None,
         separation: Separation::Apart(separation),
         clearance,
         map: None,
@@ -47,7 +48,7 @@ fn droplets(columns: u32, rows: u32) -> ElectrodeArrayFacts {
 fn order(facts: ElectrodeArrayFacts, cells: &[(u32, u32)]) -> ElectrodeArrayOrder {
     let part = |(index, (column, row)): (usize, &(u32, u32))| BoardPart {
         name: format!("m{}", index + 1),
-        cell: ElectrodeCell::new(*column, *row),
+        cell: Some(ElectrodeCell::new(*column, *row)),
         span: span(100 + index),
     };
     ElectrodeArrayOrder {

@@ -2,7 +2,7 @@
 //!
 //! A part does its operations in their order, each as soon as it can: it has come by a stop by being there, has stayed where it has been
 //! for all beats in question, and has merged with another once both are there and have done all that comes before. What leaves the
-//! board is gone as soon as it is there.
+//! board is gone as soon as it is there; what is dispensed stays at the outlet from the beat on in which it comes.
 
 use super::stage::Meetings;
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayStop};
@@ -42,6 +42,8 @@ struct PartTurn<'o> {
     moved: u64,
     acted: u64,
     free: u64,
+    /// Whether it has left an outlet before it was dispensed, or was on the board before that.
+    is_spoilt: bool,
 }
 
 impl<'o> PartTurn<'o> {
@@ -78,7 +80,11 @@ impl<'o> JudgedAssay<'o> {
         let mut turns: BTreeMap<usize, PartTurn> = BTreeMap::new();
         for (place, operation) in operations.iter().enumerate() {
             for part in operation.parts() {
-                let Some(start) = cells[part] else { continue };
+                let outlet = operation.stops.first().filter(|_| operation.comes).map(|stop| stop.cell);
+                let start = cells[part].or(outlet);
+                if start.is_none() && !turns.contains_key(&part) {
+                    continue;
+                }
                 let turn = turns.entry(part).or_insert_with(|| PartTurn {
                     due: Vec::new(),
                     done: 0,
@@ -86,6 +92,7 @@ impl<'o> JudgedAssay<'o> {
                     moved: 0,
                     acted: 0,
                     free: 0,
+                    is_spoilt: operation.comes && cells[part].is_some(),
                 });
                 let last = operation.stops.len().saturating_sub(1);
                 let beats = operation.stay_ns.div_ceil(step_ns);
@@ -94,14 +101,31 @@ impl<'o> JudgedAssay<'o> {
                     let (beats, with, ends) = if nth == last { (beats, with, Some(place)) } else { (0, None, None) };
                     turn.due.push(DueStop { cell: stop.cell, stop: Some(stop), beats, with, operation, ends });
                 }
-                if operation.stops.is_empty() {
-                    let cell = turn.due.last().map_or(start, |due| due.cell);
+                let here = turn.due.last().map(|due| due.cell).or(start);
+                if let Some(cell) = here.filter(|_| operation.stops.is_empty()) {
                     turn.due.push(DueStop { cell, stop: None, beats, with, operation, ends: Some(place) });
                 }
             }
         }
         let meetings = Meetings::new(operations.iter().flat_map(AssayOperation::parts));
         JudgedAssay { meetings, turns, beats: vec![None; operations.len()], homes: BTreeMap::new() }
+    }
+
+    /// The parts that are next to be dispensed, by the cell of the outlet.
+    pub fn due_from_outlets(&self, cells: &[Option<ElectrodeCell>]) -> BTreeMap<ElectrodeCell, Vec<usize>> {
+        let mut due: BTreeMap<ElectrodeCell, Vec<usize>> = BTreeMap::new();
+        for (part, turn) in &self.turns {
+            let next = turn.next().filter(|next| next.operation.comes && cells[*part].is_none());
+            if let Some(next) = next {
+                due.entry(next.cell).or_default().push(*part);
+            }
+        }
+        due
+    }
+
+    /// Notes that a part comes in the beat after some.
+    pub fn come(&mut self, part: usize, beats: u64) {
+        self.turns.entry(part).and_modify(|turn| (turn.since, turn.free) = (Some(beats), beats));
     }
 
     /// Notes that a part has moved in the beat before this one.
@@ -140,8 +164,9 @@ impl<'o> JudgedAssay<'o> {
     fn settle_one(&mut self, part: usize, beat: u64, cells: &mut [Option<ElectrodeCell>]) {
         let Some(turn) = self.turns.get(&part) else { return };
         let Some(due) = turn.next() else { return };
-        if cells[part] != Some(due.cell) {
-            self.turns.entry(part).and_modify(|turn| turn.since = None);
+        if cells[part] != Some(due.cell) || turn.is_spoilt {
+            let is_spoilt = turn.is_spoilt || (due.operation.comes && cells[part].is_some());
+            self.turns.entry(part).and_modify(|turn| (turn.since, turn.is_spoilt) = (None, is_spoilt));
             return;
         }
         let since = turn.since.unwrap_or(beat);

@@ -8,7 +8,7 @@ use crate::claims::electrode_array::{
     ElectrodeArrayStop,
 };
 use crate::device::electrode_array::{
-    ElectrodeArrayFacts, ElectrodeCell, Electrodes, MAX_PARTS, MAX_SIDE, MAX_STAY_STEPS, Separation,
+    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_PARTS, MAX_SIDE, MAX_STAY_STEPS, Separation,
 };
 use std::collections::BTreeSet;
 
@@ -66,8 +66,8 @@ fn parts(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
         let offsets = order.facts.layout.electrodes.offsets().iter();
         offsets.map(move |[columns, rows]| [i64::from(cell.column) + columns, i64::from(cell.row) + rows])
     };
-    let is_over_board =
-        order.parts.iter().all(|part| electrodes(part.cell).all(|place| is_on_board(&order.facts, place)));
+    let is_over = |cell: ElectrodeCell| electrodes(cell).all(|place| is_on_board(&order.facts, place));
+    let is_over_board = order.parts.iter().filter_map(|part| part.cell).all(is_over);
     demand(is_over_board, "hold a part where its electrodes are not on the board")
 }
 
@@ -104,6 +104,12 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
             demand(operation.stops.len() == 1 && operation.stay_ns == 0, "merge parts that have stops on their way")?;
             demand(order.facts.layout.electrodes == Electrodes::Single, "merge parts that are no droplets")?;
             gone.insert(with);
+        }
+        if operation.comes {
+            let is_plain = operation.with.is_none() && operation.stops.len() == 1 && !operation.leaves;
+            demand(is_plain && operation.stay_ns > 0, "dispense a part that has more to do, or in no time")?;
+            let is_held = order.facts.hold == Hold::On && order.facts.layout.electrodes == Electrodes::Single;
+            demand(is_held, "dispense parts that are no droplets, or not held")?;
         }
         if operation.leaves {
             let is_plain = operation.with.is_none() && operation.stops.len() == 1 && operation.stay_ns == 0;

@@ -26,7 +26,7 @@ use crate::schedule::{Actuation, ChannelUnit, State, TimedState};
 use assay::{JudgedAssay, MissedOperation, OperationBeats};
 use beat::{Pulls, StepBeat};
 use bodies::BoardObstacles;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use stage::{JudgedStage, Meetings};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -254,6 +254,10 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 self.record(at_ns)?;
             }
             switching.advance(beat);
+            for (part, outlet) in self.dispensed((nth, at_ns), &assay.due_from_outlets(&self.cells), &switching.on) {
+                self.cells[part] = Some(outlet);
+                assay.come(part, beat);
+            }
             let pulls = self.beat(&StepBeat { nth, at_ns, stage: &assay.meetings, on: &switching.on })?;
             for (part, pull) in pulls.iter().filter(|(_, pull)| pull.moves()) {
                 self.cells[*part] = Some(pull.to);
@@ -277,6 +281,33 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             self.record(step.start_ns + step.duration_ns)?;
         }
         Ok(())
+    }
+
+    /// The droplets that reservoirs begin to dispense in a beat: an outlet's electrode that is on and acts on no droplet brings one out.
+    /// Which of those that are due it is has no effect on the board; the record names it, by its next state or, where it is gone by then,
+    /// by its operation.
+    fn dispensed(
+        &self,
+        (nth, at_ns): (usize, u64),
+        due: &BTreeMap<ElectrodeCell, Vec<usize>>,
+        on: &FxHashSet<ElectrodeCell>,
+    ) -> Vec<(usize, ElectrodeCell)> {
+        let range = pull::range(self.order.facts.layout.electrodes) as u32;
+        let acts = |outlet: ElectrodeCell| self.cells.iter().flatten().any(|cell| cell.apart(outlet) <= range);
+        let next = self.run.plan.states.get(self.states.len()).map(|next| &next.state);
+        let is_in_state = |name: &str| matches!(next, Some(State::ElectrodeArray(ElectrodeArrayState { parts })) if parts.contains_key(name));
+        let is_recorded = |name: &str| {
+            let operations = &self.run.step(nth).operations;
+            operations.iter().any(|own| own.start_ns == at_ns && own.parts == [name] && own.end_ns() > at_ns)
+        };
+        let named = |parts: &[usize]| {
+            let find = |is_named: &dyn Fn(&str) -> bool| {
+                parts.iter().find(|part| is_named(&self.order.parts[**part].name)).copied()
+            };
+            find(&is_in_state).or_else(|| find(&is_recorded)).or(parts.first().copied())
+        };
+        let begun = due.iter().filter(|(outlet, _)| on.contains(outlet) && !acts(**outlet));
+        begun.filter_map(|(outlet, parts)| Some((named(parts)?, *outlet))).collect()
     }
 
     /// The operations of a step on the clock.
@@ -304,9 +335,14 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let (name, end_ns) = (&self.order.parts[part].name, step.start_ns + step.duration_ns);
         let ends = match self.cells[part] {
             Some(end) => format!("it ends at {end}"),
+            None if missed.operation.comes => "it never comes".to_owned(),
             None => "it is gone before".to_owned(),
         };
         let title = match with {
+            None if missed.operation.comes => {
+                let due = ms(beats.saturating_mul(self.order.facts.step_ns));
+                format!("`{name}` is to be dispensed at {cell} in {due} without a pause, but is not; {ends}")
+            }
             Some(other) => {
                 let other = &self.order.parts[other].name;
                 format!("`{name}` and `{other}` are to merge at {cell}, but do not")
@@ -460,7 +496,7 @@ fn start(run: &JudgedRun, order: &ElectrodeArrayOrder, standing: &Standing) -> V
     };
     let cell = |[column, row]: [u32; 2]| ElectrodeCell::new(column, row);
     let place = |parts: &BTreeMap<String, [u32; 2]>, name: &String| parts.get(name).copied().map(cell);
-    order.parts.iter().map(|part| stands.map_or(Some(part.cell), |stands| place(stands, &part.name))).collect()
+    order.parts.iter().map(|part| stands.map_or(part.cell, |stands| place(stands, &part.name))).collect()
 }
 
 /// The actuations of each step of a run, with their electrodes.

@@ -37,6 +37,8 @@ pub(super) struct FreeSpan {
 /// The course of an agent.
 #[derive(Debug, Clone, Default)]
 pub(super) struct BookedCourse {
+    /// The instant from which on it is there; before, the cells mean nothing.
+    pub since: u32,
     pub cells: Vec<CellIndex>,
     /// The instant from which on it only goes to the agent that it meets next.
     pub ready: Option<u32>,
@@ -78,14 +80,17 @@ impl Bookings<'_> {
         self.clear(agent);
         let cells = &course.cells;
         let ready = course.ready.map_or(usize::MAX, |ready| ready as usize);
-        let mut from = 0;
-        for next in 1..=cells.len() {
+        let first = course.since as usize;
+        let mut from = first;
+        for next in first + 1..=cells.len() {
             let (is_last, gets_ready) = (next == cells.len(), next - 1 == ready);
             // Positions on one cell are one booking, except where what the agent does changes.
             if !is_last && cells[next] == cells[from] && !gets_ready {
                 continue;
             }
-            let (cell, since, until) = (cells[from], (from as u32).saturating_sub(1), next as u32 + 1);
+            // What has just come was nowhere in the step before.
+            let since = if from == first { from } else { from - 1 } as u32;
+            let (cell, until) = (cells[from], next as u32 + 1);
             // What is gone is nowhere in the step after its last instant.
             let to = match (is_last, course.is_gone) {
                 (true, true) => until - 1,

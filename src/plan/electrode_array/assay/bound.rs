@@ -32,6 +32,7 @@ pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> BoardCosts {
     }
     let drops = drops(problem);
     let turns = stays.values().map(|stays| in_turns(problem, stays, &drops)).max().unwrap_or(0);
+    let turns = turns.max(stays.values().map(|stays| comings(problem, stays)).max().unwrap_or(0));
     let arrivals = timed.iter().enumerate().map(|(agent, errands)| last_arrival(problem, agent, errands));
     BoardCosts { makespan: alone.max(turns), sum_of_costs: arrivals.sum() }
 }
@@ -126,7 +127,14 @@ fn in_turns(problem: &AssayProblem, stays: &[(usize, TimedErrand)], drops: &[usi
         errands.last().is_some_and(|last| is_gone && last.meets.is_none() && Some(last.stop) == stop)
     };
     let leaves = problem.errands.iter().zip(&problem.is_gone).any(|(errands, gone)| leaves_here(errands, *gone));
-    let change = u64::from(problem.instance.separation) + u64::from(!leaves);
+    let comes =
+        stays.iter().any(|(agent, _)| problem.comes[*agent] && Some(problem.instance.agents[*agent].start) == stop);
+    let change = match (leaves, comes) {
+        // One is gone at the instant at which the other comes.
+        (true, true) => 0,
+        (true, false) | (false, true) => u64::from(problem.instance.separation),
+        (false, false) => u64::from(problem.instance.separation) + 1,
+    };
     let set_from = |least: u64| {
         let of: Vec<&(usize, TimedErrand)> = stays.iter().filter(|(_, one)| one.head >= least).collect();
         let all: u64 = of.iter().map(|(_, one)| u64::from(one.errand.stay)).sum();
@@ -139,6 +147,19 @@ fn in_turns(problem: &AssayProblem, stays: &[(usize, TimedErrand)], drops: &[usi
         around + all + change * (apart.len() as u64).saturating_sub(1)
     };
     stays.iter().map(|(_, one)| set_from(one.head)).max().unwrap_or(0)
+}
+
+/// As [`in_turns`], for the agents that come at a stop: each needs it for itself, whatever it merges with later.
+fn comings(problem: &AssayProblem, stays: &[(usize, TimedErrand)]) -> u64 {
+    let mut own: Vec<(usize, TimedErrand)> = Vec::new();
+    for (agent, one) in stays {
+        let is_first = problem.comes[*agent] && problem.instance.agents[*agent].start == one.errand.stop;
+        if is_first && own.last().is_none_or(|(last, _)| last != agent) {
+            own.push((*agent, *one));
+        }
+    }
+    let apart: Vec<usize> = (0..problem.errands.len()).collect();
+    in_turns(problem, &own, &apart)
 }
 
 /// For each agent a number that it has in common with those with which it ever merges, directly or by others: they end as one droplet.

@@ -7,7 +7,7 @@
 use super::super::board::CellIndex;
 use super::super::fast::UNREACHABLE;
 use super::route::Ahead;
-use super::{AssayProblem, Errand};
+use super::{AgentCourse, AssayProblem, Errand};
 use crate::plan::search::{Meter, SearchAnswer};
 use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
@@ -19,8 +19,20 @@ const MAX_AGENTS: usize = 5;
 /// Greatest number of joint positions that are kept.
 const MAX_POSITIONS: usize = 400_000;
 
-/// Where an agent is, and what it has done; `None` once it is gone.
-type JointStand = Option<AgentStand>;
+/// Where an agent is, and what it has done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum JointStand {
+    /// It has not come yet.
+    Due,
+    There(AgentStand),
+    Gone,
+}
+
+impl JointStand {
+    fn there(self) -> Option<AgentStand> {
+        if let JointStand::There(stand) = self { Some(stand) } else { None }
+    }
+}
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 struct AgentStand {
@@ -44,16 +56,18 @@ pub(super) fn fewest_steps(
     ahead: &Ahead,
     limit: u32,
     meter: &mut Meter,
-) -> SearchAnswer<Vec<Vec<CellIndex>>, (), ()> {
+) -> SearchAnswer<Vec<AgentCourse>, (), ()> {
     if problem.errands.len() > MAX_AGENTS {
         return SearchAnswer::GaveUp(());
     }
-    let stand = |start: CellIndex| Some(AgentStand { cell: start, done: 0, rested: 0 });
-    let mut start: Box<[JointStand]> = problem.instance.agents.iter().map(|agent| stand(agent.start)).collect();
-    settle(problem, &mut start);
+    let stand = |agent: usize| if problem.comes[agent] { JointStand::Due } else { start(problem, agent) };
+    let mut before: Vec<JointStand> = (0..problem.errands.len()).map(stand).collect();
+    settle(problem, &mut before);
     let mut search =
         JointSearch { problem, ahead, limit, nodes: Vec::new(), known: FxHashMap::default(), open: BinaryHeap::new() };
-    search.enter(start, 0, None);
+    let mut starts = Vec::new();
+    search.come(&before, 0, &mut starts);
+    starts.into_iter().for_each(|start| search.enter(start, 0, None));
     while let Some(Reverse((_, _, index))) = search.open.pop() {
         if search.is_end(index) {
             return SearchAnswer::Found(search.courses(index));
@@ -79,11 +93,15 @@ struct JointSearch<'a> {
 
 impl JointSearch<'_> {
     fn is_end(&self, index: u32) -> bool {
-        let stands = self.nodes[index as usize].stands.iter().enumerate();
-        stands.filter_map(|(agent, stand)| Some((agent, (*stand)?))).all(|(agent, stand)| {
-            let errands = &self.problem.errands[agent];
-            stand.done as usize == errands.len() && errands.last().is_none_or(|last| last.stop == stand.cell)
-        })
+        let has_done = |(agent, stand): (usize, &JointStand)| match stand {
+            JointStand::Due => false,
+            JointStand::Gone => true,
+            JointStand::There(stand) => {
+                let errands = &self.problem.errands[agent];
+                stand.done as usize == errands.len() && errands.last().is_none_or(|last| last.stop == stand.cell)
+            }
+        };
+        self.nodes[index as usize].stands.iter().enumerate().all(has_done)
     }
 
     fn enter(&mut self, stands: Box<[JointStand]>, instant: u32, parent: Option<u32>) {
@@ -102,7 +120,11 @@ impl JointSearch<'_> {
     fn left(&self, stands: &[JointStand]) -> Option<u32> {
         let mut most = 0;
         for (agent, stand) in stands.iter().enumerate() {
-            let Some(AgentStand { cell, done, rested }) = *stand else { continue };
+            let AgentStand { cell, done, rested } = match stand {
+                JointStand::Due => at_start(self.problem, agent),
+                JointStand::There(stand) => *stand,
+                JointStand::Gone => continue,
+            };
             let errands = &self.problem.errands[agent];
             let (mut from, mut left) = (cell, 0u32);
             for (index, errand) in errands.iter().enumerate().skip((done as usize).min(errands.len() - 1)) {
@@ -123,11 +145,15 @@ impl JointSearch<'_> {
     /// Adds all joint positions one step later; `None` when the meter or the room runs out.
     fn expand(&mut self, index: u32, meter: &mut Meter) -> Option<()> {
         let (stands, instant) = (self.nodes[index as usize].stands.clone(), self.nodes[index as usize].instant);
+        let mut moved = Vec::new();
+        self.extend(&stands, &mut Vec::with_capacity(stands.len()), &mut moved);
         let mut found = Vec::new();
-        self.extend(&stands, &mut Vec::with_capacity(stands.len()), &mut found);
-        for mut next in found {
-            meter.step()?;
+        for mut next in moved {
             settle(self.problem, &mut next);
+            self.come(&next, 0, &mut found);
+        }
+        for next in found {
+            meter.step()?;
             self.enter(next, instant + 1, Some(index));
         }
         (self.nodes.len() <= MAX_POSITIONS).then_some(())
@@ -140,21 +166,42 @@ impl JointSearch<'_> {
             found.push(next.as_slice().into());
             return;
         };
-        let Some(own) = stand else {
-            next.push(None);
+        let JointStand::There(own) = stand else {
+            next.push(*stand);
             self.extend(from, next, found);
             next.pop();
             return;
         };
-        let beside = self.problem.instance.board.neighbours(own.cell);
+        // What has just come is dispensed first, and what has come to where it merges stays there.
+        let is_dispensed = self.problem.comes[agent] && own.done == 0;
+        let waits = due(self.problem, from, agent).is_some_and(|due| due.meets.is_some() && due.stop == own.cell);
+        let may_leave = !is_dispensed && !waits;
+        let beside = self.problem.instance.board.neighbours(own.cell).filter(|_| may_leave);
         for cell in std::iter::once(own.cell).chain(beside) {
             if !(0..agent).all(|other| self.keeps_apart(from, (agent, cell), (other, next[other]))) {
                 continue;
             }
             let rested = if cell == own.cell { own.rested + 1 } else { 0 };
-            next.push(Some(AgentStand { cell, rested, ..*own }));
+            next.push(JointStand::There(AgentStand { cell, rested, ..*own }));
             self.extend(from, next, found);
             next.pop();
+        }
+    }
+
+    /// All ways in which agents from one on can come at this instant, that of none among them. What comes has nothing done yet.
+    fn come(&self, stands: &[JointStand], from: usize, found: &mut Vec<Box<[JointStand]>>) {
+        let Some(agent) = (from..stands.len()).find(|agent| stands[*agent] == JointStand::Due) else {
+            found.push(stands.into());
+            return;
+        };
+        self.come(stands, agent + 1, found);
+        let instance = self.problem.instance;
+        let own = instance.agents[agent].start;
+        let mut there = stands.iter().filter_map(|stand| stand.there());
+        if there.all(|other| instance.board.apart(own, other.cell) >= instance.separation) {
+            let mut stands = stands.to_vec();
+            stands[agent] = start(self.problem, agent);
+            self.come(&stands, agent + 1, found);
         }
     }
 
@@ -165,7 +212,8 @@ impl JointSearch<'_> {
         (agent, to): (usize, CellIndex),
         (other, other_next): (usize, JointStand),
     ) -> bool {
-        let (Some(own), Some(theirs), Some(next)) = (from[agent], from[other], other_next) else { return true };
+        let both = (from[agent].there(), from[other].there(), other_next.there());
+        let (Some(own), Some(theirs), Some(next)) = both else { return true };
         let stop = meeting(self.problem, from, agent).filter(|(with, _)| *with == other).map(|(_, stop)| stop);
         let counts = |cell: &&CellIndex| Some(**cell) != stop;
         let (ours, others) = ([own.cell, to], [theirs.cell, next.cell]);
@@ -176,7 +224,7 @@ impl JointSearch<'_> {
     }
 
     /// The courses that lead to a node; those of agents that are gone end where they were last.
-    fn courses(&self, end: u32) -> Vec<Vec<CellIndex>> {
+    fn courses(&self, end: u32) -> Vec<AgentCourse> {
         let mut chain = Vec::new();
         let mut at = Some(end);
         while let Some(index) = at {
@@ -189,27 +237,39 @@ impl JointSearch<'_> {
         agents.map(|agent| self.course(&chain, agent)).collect()
     }
 
-    fn course(&self, chain: &[&JointNode], agent: usize) -> Vec<CellIndex> {
-        let mut cells: Vec<CellIndex> =
-            chain.iter().map_while(|node| node.stands[agent]).map(|stand| stand.cell).collect();
+    fn course(&self, chain: &[&JointNode], agent: usize) -> AgentCourse {
+        let since = chain.iter().take_while(|node| node.stands[agent] == JointStand::Due).count();
+        let mut cells = vec![self.problem.instance.agents[agent].start; since];
+        let there = chain[since..].iter().map_while(|node| node.stands[agent].there());
+        cells.extend(there.map(|stand| stand.cell));
+        let since = since as u32;
         if cells.len() < chain.len() {
             // It is gone as soon as it comes to its last stop.
             cells.extend(self.problem.errands[agent].last().map(|last| last.stop));
-            return cells;
+            return AgentCourse { since, cells };
         }
         // After its last errand it rests where it came to last.
         let due = self.problem.errands[agent].len() as u32;
-        let is_done = |node: &&JointNode| node.stands[agent].is_some_and(|stand| stand.done == due);
+        let is_done = |node: &&JointNode| node.stands[agent].there().is_some_and(|stand| stand.done == due);
         let done = chain.iter().position(is_done).unwrap_or(0);
         let moved = cells.windows(2).rposition(|pair| pair[0] != pair[1]).map_or(0, |before| before + 1);
         cells.truncate(done.max(moved) + 1);
-        cells
+        AgentCourse { since, cells }
     }
+}
+
+/// An agent at its start.
+fn at_start(problem: &AssayProblem, agent: usize) -> AgentStand {
+    AgentStand { cell: problem.instance.agents[agent].start, done: 0, rested: 0 }
+}
+
+fn start(problem: &AssayProblem, agent: usize) -> JointStand {
+    JointStand::There(at_start(problem, agent))
 }
 
 /// The errand that an agent is to do next.
 fn due(problem: &AssayProblem, stands: &[JointStand], agent: usize) -> Option<Errand> {
-    problem.errands[agent].get(stands[agent]?.done as usize).copied()
+    problem.errands[agent].get(stands[agent].there()?.done as usize).copied()
 }
 
 /// The agent with which another is to merge next, if that one is to merge with it next too, and where.
@@ -224,7 +284,7 @@ fn meeting(problem: &AssayProblem, stands: &[JointStand], agent: usize) -> Optio
 fn settle(problem: &AssayProblem, stands: &mut [JointStand]) {
     let ready = |stands: &[JointStand], agent: usize| {
         let own = due(problem, stands, agent)?;
-        let stand = stands[agent]?;
+        let stand = stands[agent].there()?;
         if stand.cell != own.stop || stand.rested < own.stay {
             return None;
         }
@@ -232,22 +292,24 @@ fn settle(problem: &AssayProblem, stands: &mut [JointStand]) {
             None => Some((agent, None)),
             Some(_) => {
                 let (other, stop) = meeting(problem, stands, agent)?;
-                stands[other].is_some_and(|theirs| theirs.cell == stop).then_some((agent, Some(other)))
+                stands[other].there().is_some_and(|theirs| theirs.cell == stop).then_some((agent, Some(other)))
             }
         }
     };
     while let Some((agent, other)) = (0..stands.len()).find_map(|agent| ready(stands, agent)) {
         for one in std::iter::once(agent).chain(other) {
-            stands[one] = stands[one]
-                .map(|stand| AgentStand { done: stand.done + 1, rested: 0, ..stand })
-                .filter(|stand| !(problem.is_gone[one] && stand.done as usize == problem.errands[one].len()));
+            let JointStand::There(stand) = &mut stands[one] else { continue };
+            (stand.done, stand.rested) = (stand.done + 1, 0);
+            if problem.is_gone[one] && stand.done as usize == problem.errands[one].len() {
+                stands[one] = JointStand::Gone;
+            }
         }
     }
     for agent in 0..stands.len() {
         let stay = due(problem, stands, agent)
-            .filter(|own| stands[agent].is_some_and(|stand| stand.cell == own.stop))
+            .filter(|own| stands[agent].there().is_some_and(|stand| stand.cell == own.stop))
             .map_or(0, |own| own.stay);
-        if let Some(stand) = &mut stands[agent] {
+        if let JointStand::There(stand) = &mut stands[agent] {
             stand.rested = stand.rested.min(stay);
         }
     }

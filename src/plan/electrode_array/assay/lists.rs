@@ -8,7 +8,7 @@
 use super::super::board::{BoardCosts, BoardObjective, CellIndex};
 use super::bookings::{BookedCourse, Bookings, NEVER};
 use super::route::{Ahead, RouteQuery, Router};
-use super::{AssayPlan, AssayProblem, bound};
+use super::{AgentCourse, AssayPlan, AssayProblem, bound};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 
@@ -36,7 +36,7 @@ pub(super) fn best(
     ahead: &Ahead,
     (objective, bounds): (BoardObjective, BoardCosts),
     meter: &mut Meter,
-) -> Option<Vec<Vec<CellIndex>>> {
+) -> Option<Vec<AgentCourse>> {
     let mut planner = ListPlanner { problem, router: Router::new(problem, ahead), limit: NEVER, meter };
     let mut list: Vec<usize> = (0..problem.errands.len()).collect();
     list.sort_by_key(|agent| std::cmp::Reverse(length(problem, ahead, *agent)));
@@ -66,7 +66,7 @@ pub(super) fn best(
 
 /// Better lists than a first one.
 struct Improvement {
-    first: (Vec<Vec<CellIndex>>, Vec<usize>),
+    first: (Vec<AgentCourse>, Vec<usize>),
     kept: u32,
     objective: BoardObjective,
     /// No plan is below it.
@@ -75,7 +75,7 @@ struct Improvement {
 
 impl Improvement {
     /// The best courses of several rounds, each from the first list on.
-    fn best(self, planner: &mut ListPlanner, random: &mut SplitMix64) -> Vec<Vec<CellIndex>> {
+    fn best(self, planner: &mut ListPlanner, random: &mut SplitMix64) -> Vec<AgentCourse> {
         let mut best = self.first.0.clone();
         for _ in 0..ROUNDS {
             if self.key(&best).0 <= self.least {
@@ -89,12 +89,12 @@ impl Improvement {
         best
     }
 
-    fn key(&self, courses: &[Vec<CellIndex>]) -> (u64, u64) {
+    fn key(&self, courses: &[AgentCourse]) -> (u64, u64) {
         AssayPlan::costs(courses).key(self.objective)
     }
 
     /// The courses of the last list of which no change is better.
-    fn round(&self, planner: &mut ListPlanner, random: &mut SplitMix64) -> Vec<Vec<CellIndex>> {
+    fn round(&self, planner: &mut ListPlanner, random: &mut SplitMix64) -> Vec<AgentCourse> {
         let (mut courses, mut list) = self.first.clone();
         let drops = bound::drops(planner.problem);
         let mut idle = 0;
@@ -154,9 +154,10 @@ fn advanced(list: &[usize], drops: &[usize], some: &[usize], random: &mut SplitM
 }
 
 /// The agents whose courses are the longest.
-fn last_done(courses: &[Vec<CellIndex>]) -> Vec<usize> {
-    let longest = courses.iter().map(Vec::len).max();
-    (0..courses.len()).filter(|agent| Some(courses[*agent].len()) == longest).collect()
+fn last_done(courses: &[AgentCourse]) -> Vec<usize> {
+    let length = |agent: &usize| courses[*agent].cells.len();
+    let longest = (0..courses.len()).map(|agent| length(&agent)).max();
+    (0..courses.len()).filter(|agent| Some(length(agent)) == longest).collect()
 }
 
 /// A number below another; 0 where there is none.
@@ -194,7 +195,7 @@ impl Progress<'_> {
 
 impl ListPlanner<'_, '_> {
     /// The courses of all agents; an error is an agent that found none.
-    fn courses(&mut self, list: &[usize], kept_separations: u32) -> Result<Vec<Vec<CellIndex>>, usize> {
+    fn courses(&mut self, list: &[usize], kept_separations: u32) -> Result<Vec<AgentCourse>, usize> {
         let (problem, separation) = (self.problem, self.problem.instance.separation);
         let count = problem.errands.len();
         let mut progress = Progress {
@@ -205,7 +206,9 @@ impl ListPlanner<'_, '_> {
         };
         let until = separation.saturating_mul(kept_separations);
         for (agent, asked) in problem.instance.agents.iter().enumerate() {
-            progress.bookings.keep(agent, asked.start, until);
+            if !problem.comes[agent] {
+                progress.bookings.keep(agent, asked.start, until);
+            }
         }
         loop {
             // The first of the list that can go on.
@@ -216,7 +219,10 @@ impl ListPlanner<'_, '_> {
         let left = (0..count).find(|agent| progress.done[*agent] < problem.errands[*agent].len());
         match left {
             Some(agent) => Err(agent),
-            None => Ok(progress.courses.into_iter().map(|course| course.cells).collect()),
+            None => {
+                let found = |BookedCourse { since, cells, .. }: BookedCourse| AgentCourse { since, cells };
+                Ok(progress.courses.into_iter().map(found).collect())
+            }
         }
     }
 
@@ -255,6 +261,7 @@ impl ListPlanner<'_, '_> {
             waits: &waits,
             past: &progress.past[agent],
             is_gone,
+            comes: problem.comes[agent] && progress.courses[agent].cells.is_empty(),
             limit: self.limit,
         };
         let cells = problem.instance.board.cells() as u64;
@@ -263,6 +270,7 @@ impl ListPlanner<'_, '_> {
         let (router, bookings) = (&mut self.router, &progress.bookings);
         let course = self.meter.share(allowed, |meter| router.course(&query, bookings, meter)).ok_or(agent)?;
         let own = &mut progress.courses[agent];
+        own.since = if query.comes { course.since } else { own.since };
         own.cells.truncate(since as usize);
         own.cells.extend(course.cells);
         own.ready = must_wait.then_some(course.ready);

@@ -35,29 +35,40 @@ pub struct Errand {
 /// The errands of all agents.
 #[derive(Debug, Clone)]
 pub struct AssayProblem<'a> {
-    /// The agents with the stops of their errands, and no merges.
+    /// The agents with the stops of their errands, and no merges. Agents that come may have one start.
     pub instance: &'a Instance,
+    /// For each agent, whether it is nowhere until an instant that the plan chooses. Then it is at its start, where its first errand is a
+    /// stay.
+    pub comes: Vec<bool>,
     /// For each agent, at least one. Where two meet, the one with further errands, else the one of the smaller index, remains.
     pub errands: Vec<Vec<Errand>>,
     /// For each agent, whether it is gone after its last errand: the other one of those that meet there remains, or it leaves the board.
     pub is_gone: Vec<bool>,
 }
 
+/// Where an agent is.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct AgentCourse {
+    /// The instant from which on it is there.
+    pub since: u32,
+    /// Its cell at each instant from 0 until its last errand is done; afterwards it stays there, or is gone. Before `since` its start.
+    pub cells: Vec<CellIndex>,
+}
+
 /// The courses of all agents.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AssayPlan {
-    /// For each agent its cell at each instant until its last errand is done; afterwards it stays there, or is gone.
-    pub courses: Vec<Vec<CellIndex>>,
+    pub courses: Vec<AgentCourse>,
     /// Lower bounds on every plan.
     pub bounds: BoardCosts,
 }
 
 impl AssayPlan {
     /// The instant at which the last errand is done, and the sum of the instants of the last arrivals.
-    pub fn costs(courses: &[Vec<CellIndex>]) -> BoardCosts {
+    pub fn costs(courses: &[AgentCourse]) -> BoardCosts {
         BoardCosts {
-            makespan: courses.iter().map(|course| course.len() as u64 - 1).max().unwrap_or(0),
-            sum_of_costs: courses.iter().map(|course| last_arrival(course)).sum(),
+            makespan: courses.iter().map(|course| course.cells.len() as u64 - 1).max().unwrap_or(0),
+            sum_of_costs: courses.iter().map(|course| last_arrival(&course.cells)).sum(),
         }
     }
 }
@@ -101,7 +112,7 @@ pub fn solve(
     }
 }
 
-fn found(courses: Option<Vec<Vec<CellIndex>>>, bounds: BoardCosts) -> SearchAnswer<AssayPlan, NoBoardPlan, BoardCosts> {
+fn found(courses: Option<Vec<AgentCourse>>, bounds: BoardCosts) -> SearchAnswer<AssayPlan, NoBoardPlan, BoardCosts> {
     match courses {
         Some(courses) => SearchAnswer::Found(AssayPlan { courses, bounds }),
         None => SearchAnswer::GaveUp(bounds),

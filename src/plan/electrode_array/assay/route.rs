@@ -2,7 +2,8 @@
 //!
 //! Method: safe-interval path planning (Phillips and Likhachev, ICRA 2011) over free spans and the number of errands that are done.
 //! The earliest arrival in a span with the same errands done dominates all later ones. An errand is done as soon as its time has
-//! passed at its stop, which is what whoever replays the course sees too. Guaranteed: the course is legal. Not guaranteed: that one is
+//! passed at its stop, which is what whoever replays the course sees too. Of courses that end at the same instant it prefers those that are
+//! not long where agents come. Guaranteed: the course is legal. Not guaranteed: that one is
 //! found where only one exists that leaves a stop early and does the errand later. Cost: one step for each expanded node.
 
 use super::super::board::CellIndex;
@@ -51,16 +52,23 @@ pub(super) struct RouteQuery<'q> {
     pub past: &'q [usize],
     /// Whether the agent is gone where the course ends.
     pub is_gone: bool,
+    /// Whether it is nowhere until an instant, not before `since`, that the search chooses.
+    pub comes: bool,
     /// Latest end.
     pub limit: u32,
 }
 
 /// A course, and the instant at which the errand before the last one was done.
 pub(super) struct Course {
-    /// From the instant `since` on.
+    /// The instant from which on it is there.
+    pub since: u32,
+    /// From the instant of the query on.
     pub cells: Vec<CellIndex>,
     pub ready: u32,
 }
+
+/// Estimated end, time in the way and steps ahead of a node, and its index.
+type OpenNode = (u32, u32, u32, Reverse<u32>);
 
 #[derive(Debug, Clone, Copy)]
 struct RouteNode {
@@ -73,6 +81,8 @@ struct RouteNode {
     at: u32,
     /// The instant at which the last errand but one was done.
     ready: u32,
+    /// For how long it has been where another agent may come.
+    in_the_way: u32,
     parent: u32,
 }
 
@@ -85,15 +95,25 @@ pub(super) struct Router<'a> {
     listed: FxHashMap<(CellIndex, u32), (u32, u32)>,
     /// The earliest instant by span and errands done.
     earliest: FxHashMap<(u32, u32), u32>,
+    /// By cell: whether it is too near to where some agent comes.
+    is_outlet: Vec<bool>,
     nodes: Vec<RouteNode>,
-    open: BinaryHeap<Reverse<(u32, u32, Reverse<u32>)>>,
+    open: BinaryHeap<Reverse<OpenNode>>,
 }
 
 impl<'a> Router<'a> {
     pub(super) fn new(problem: &'a AssayProblem<'a>, ahead: &'a Ahead) -> Router<'a> {
+        let instance = problem.instance;
+        let mut is_outlet = vec![false; instance.board.cells()];
+        for (agent, _) in instance.agents.iter().zip(&problem.comes).filter(|(_, comes)| **comes) {
+            for near in instance.board.around(agent.start, instance.separation) {
+                is_outlet[near as usize] = true;
+            }
+        }
         Router {
             problem,
             ahead,
+            is_outlet,
             spans: Vec::new(),
             listed: FxHashMap::default(),
             earliest: FxHashMap::default(),
@@ -110,29 +130,35 @@ impl<'a> Router<'a> {
         self.nodes.clear();
         self.open.clear();
         let search = RouteSearch::new(self.problem, self.ahead, query);
-        let span = self.span_at(&search, bookings, (query.start, 0), query.since)?;
-        let start = RouteNode {
-            cell: query.start,
-            span,
-            done: 0,
-            entered: query.since,
-            at: query.since,
-            ready: query.since,
-            parent: NONE,
-        };
-        self.enter(&search, bookings, start);
-        while let Some(Reverse((_, _, Reverse(index)))) = self.open.pop() {
+        for (span, at) in self.starts(&search, bookings) {
+            let start =
+                RouteNode { cell: query.start, span, done: 0, entered: at, at, ready: at, in_the_way: 0, parent: NONE };
+            self.enter(&search, bookings, start);
+        }
+        while let Some(Reverse((.., Reverse(index)))) = self.open.pop() {
             let node = self.nodes[index as usize];
             if self.earliest.get(&(node.span, node.done)).is_some_and(|known| *known < node.at) {
                 continue;
             }
             meter.step()?;
             if self.is_end(&search, &node) {
-                return Some(self.found(index, query.since));
+                return Some(self.found(index, query));
             }
             self.expand(&search, bookings, index);
         }
         None
+    }
+
+    /// The free spans in which a course may begin, each with the first instant.
+    fn starts(&mut self, search: &RouteSearch, bookings: &Bookings) -> Vec<(u32, u32)> {
+        let RouteQuery { start, since, comes, .. } = *search.query;
+        if !comes {
+            return self.span_at(search, bookings, (start, 0), since).map(|span| (span, since)).into_iter().collect();
+        }
+        let (first, end) = self.list(search, bookings, (start, 0));
+        // Where others have just been it may come at once: it was nowhere in the step in which they went.
+        let earliest = |span: u32| self.spans[span as usize].from.saturating_sub(1).max(since);
+        (first..end).map(|span| (span, earliest(span))).collect()
     }
 
     fn is_end(&self, search: &RouteSearch, node: &RouteNode) -> bool {
@@ -180,7 +206,9 @@ impl<'a> Router<'a> {
                 if at > leave {
                     break;
                 }
-                let next = RouteNode { cell, span, entered: at, at, parent: index, ..node };
+                let was_there = if self.is_outlet[node.cell as usize] { at - node.at } else { 0 };
+                let in_the_way = node.in_the_way + was_there;
+                let next = RouteNode { cell, span, entered: at, at, in_the_way, parent: index, ..node };
                 self.enter(search, bookings, next);
             }
         }
@@ -197,6 +225,8 @@ impl<'a> Router<'a> {
                 (Some(_), None) if to == NEVER => node.at,
                 (Some(_), Some(_) | None) => return,
                 (None, _) if node.at.saturating_add(errand.stay) < to => node.at + errand.stay,
+                // What has just come is dispensed first.
+                (None, _) if search.query.comes && node.done == 0 => return,
                 (None, _) => break,
             };
             let Some(span) = self.span_at(search, bookings, (node.cell, node.done + 1), at) else { return };
@@ -217,13 +247,23 @@ impl<'a> Router<'a> {
         *earliest = node.at;
         let index = self.nodes.len() as u32;
         self.nodes.push(node);
-        self.open.push(Reverse((total, ahead, Reverse(index))));
+        self.open.push(Reverse((total, node.in_the_way, ahead, Reverse(index))));
     }
 
-    fn found(&self, end: u32, since: u32) -> Course {
+    fn found(&self, end: u32, query: &RouteQuery) -> Course {
+        let RouteQuery { since, comes, .. } = *query;
         let mut chain = vec![self.nodes[end as usize]];
         while let Some(node) = chain.last().filter(|node| node.parent != NONE) {
             chain.push(self.nodes[node.parent as usize]);
+        }
+        // What comes does so no earlier than it must to leave when it does.
+        let (mut came, mut ready) = (since, chain[0].ready);
+        if let ([.., next, first], true) = (chain.as_slice(), comes) {
+            let idle = next.entered - 1 - first.at;
+            ready += if ready <= first.at { idle } else { 0 };
+            came = first.entered + idle;
+        } else if comes {
+            came = chain[0].entered;
         }
         let mut cells: Vec<CellIndex> = Vec::new();
         for node in chain.iter().rev() {
@@ -231,7 +271,7 @@ impl<'a> Router<'a> {
             cells.resize((node.entered - since) as usize, before);
             cells.resize((node.at - since) as usize + 1, node.cell);
         }
-        Course { cells, ready: chain[0].ready }
+        Course { since: came, cells, ready }
     }
 }
 

@@ -1,6 +1,6 @@
 use super::*;
 use crate::claims::electrode_array::AssayOperation;
-use crate::schedule::ScheduledOperation;
+use crate::schedule::{Actuation, ScheduledOperation};
 use crate::source::Span;
 
 fn assay(parts: &[(&str, u32, u32)], operations: Vec<AssayOperation>) -> ElectrodeArrayOrder {
@@ -118,6 +118,80 @@ fn what_leaves_the_board_is_gone_at_once() {
     judged(follow((5, 4)), &["..Rx", "...LL"], &[]);
 }
 
+/// `a` comes out of a reservoir at (4, 4) in three beats; what it does then, and the other parts with what they do.
+fn out_of_a_reservoir(others: &[(&str, u32, u32)], then: Vec<AssayOperation>) -> ElectrodeArrayOrder {
+    let parts: Vec<(&str, u32, u32)> = std::iter::once(("a", 1, 1)).chain(others.iter().copied()).collect();
+    let operations = std::iter::once(dispense(0, (4, 4), 3)).chain(then).collect();
+    without_places(assay(&parts, operations), &[0])
+}
+
+#[test]
+fn a_droplet_stays_at_the_outlet_until_it_is_dispensed() {
+    let one = |then| out_of_a_reservoir(&[], then);
+    judged(one(vec![]), &["o.."], &[]);
+    judged(one(vec![]), &["_o.."], &[]);
+    judged(one(vec![]), &["o."], &[Rule::Goal]);
+    judged(one(vec![]), &["___"], &[Rule::Goal]);
+    judged(one(vec![]), &["o..."], &[Rule::Idle]);
+    let on = || one(vec![operation(go(0, &[(5, 4)]))]);
+    judged(on(), &["o..R"], &[]);
+    judged(on(), &["__o...R"], &[]);
+    judged(on(), &["o.R"], &[Rule::Goal]);
+    judged(on(), &["o.RL...R"], &[Rule::Goal]);
+    judged(one(vec![discard(0, (4, 4))]), &["o..x"], &[]);
+    judged(one(vec![incubate(0, &[], 2)]), &["o...."], &[]);
+    judged(one(vec![incubate(0, &[], 2)]), &["o..."], &[Rule::Goal]);
+    // What is on the board is not dispensed, wherever it stands.
+    let stands =
+        |at| order(chip(14, 14), &[("a", at, 4)], vec![ElectrodeArrayAction::Assay(vec![dispense(0, (4, 4), 3)])]);
+    judged(stands(4), &["..."], &[Rule::Goal]);
+    judged(stands(3), &["R..."], &[Rule::Goal]);
+}
+
+#[test]
+fn nothing_is_near_an_outlet_that_dispenses() {
+    let beside = |at, then| out_of_a_reservoir(&[("b", at, 4)], then);
+    judged(beside(6, vec![]), &["o..", "..."], &[]);
+    judged(beside(5, vec![]), &["o..", "..."], &[Rule::Pull]);
+    judged(beside(4, vec![]), &["o..", "..."], &[Rule::State]);
+    let away = || beside(5, vec![operation(go(1, &[(7, 4)]))]);
+    judged(away(), &["_o..", "RR"], &[]);
+    judged(away(), &["o..", "RR"], &[Rule::Pull]);
+    // It is there from its first beat on.
+    let past = || beside(6, vec![operation(go(1, &[(5, 6)]))]);
+    judged(past(), &["o..", "UUL"], &[]);
+    judged(past(), &["o..", "LUU"], &[Rule::Pull]);
+}
+
+#[test]
+fn one_outlet_dispenses_one_droplet_after_the_other() {
+    let operations = vec![dispense(0, (4, 4), 3), operation(go(0, &[(6, 4)])), dispense(1, (4, 4), 3)];
+    let order = || without_places(assay(&[("a", 1, 1), ("b", 1, 1)], operations.clone()), &[0, 1]);
+    judged(order(), &["o..RR", "_____o.."], &[]);
+    judged(order(), &["o..RR", "____o.."], &[Rule::Pull]);
+    judged(order(), &["_____o..RR", "o.."], &[Rule::State]);
+    let (mut schedule, claims) = one_step(order(), &["o..RR...", "_____o.."]);
+    // Two droplets of one reservoir are alike: the record says which is which, but not that one is another.
+    schedule.plans[0].states.iter_mut().for_each(|state| {
+        let State::ElectrodeArray(board) = &mut state.state else { panic!("a board") };
+        let cells = ["a", "b"].map(|name| board.parts.remove(name));
+        let names = ["b", "a"].into_iter().zip(cells).filter_map(|(name, cell)| Some((name.to_owned(), cell?)));
+        board.parts.extend(names.collect::<Vec<_>>());
+    });
+    only(Rule::Goal, &schedule, &claims);
+}
+
+#[test]
+fn an_outlet_dispenses_what_is_asked_and_no_more() {
+    let (mut schedule, claims) = one_step(out_of_a_reservoir(&[], vec![operation(go(0, &[(9, 4)]))]), &["o..RRRRR"]);
+    passes(&schedule, &claims);
+    let outlet = schedule.actuations.iter().find(|actuation| actuation.start_ns == 0).cloned().expect("the outlet");
+    let last_ns = schedule.duration_ns - BEAT;
+    schedule.actuations.push(Actuation { start_ns: last_ns, duration_ns: BEAT, ..outlet });
+    schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
+    only(Rule::Unused, &schedule, &claims);
+}
+
 #[test]
 fn parts_without_an_operation_come_back_before_the_end() {
     let order = |bystanders| ElectrodeArrayOrder {
@@ -216,6 +290,11 @@ fn claims_that_no_checker_makes_are_refused() {
         vec![AssayOperation { leaves: true, ..both() }],
         vec![AssayOperation { stay_ns: 1, ..discard(0, (5, 5)) }],
         vec![discard(0, (5, 5)), operation(go(0, &[(4, 4)]))],
+        vec![dispense(0, (5, 5), 0)],
+        vec![AssayOperation { leaves: true, ..dispense(0, (5, 5), 2) }],
+        vec![AssayOperation { with: Some(1), ..dispense(0, (5, 5), 2) }],
+        vec![AssayOperation { comes: true, ..incubate(0, &[], 2) }],
+        vec![AssayOperation { comes: true, ..incubate(0, &[(5, 4), (5, 5)], 2) }],
         vec![AssayOperation { leaves: true, ..incubate(0, &[], 0) }],
         vec![incubate(0, &[], 60_000), incubate(1, &[], 60_000)],
     ];

@@ -32,6 +32,7 @@ pub fn platform(columns: u32, rows: u32) -> ElectrodeArrayFacts {
         step_ns: BEAT,
         layout: Layout { electrodes: Electrodes::Quad, half_width_pitches: 1.5 },
         hold: Hold::Off,
+        dispense_ns: None,
         separation: Separation::Apart(4),
         clearance: 3,
         map: None,
@@ -43,10 +44,18 @@ pub fn chip(columns: u32, rows: u32) -> ElectrodeArrayFacts {
     ElectrodeArrayFacts {
         layout: Layout { electrodes: Electrodes::Single, half_width_pitches: 0.55 },
         hold: Hold::On,
+        dispense_ns: None,
         separation: Separation::Apart(2),
         clearance: 2,
         ..platform(columns, rows)
     }
+}
+
+/// The order without the places of some parts, which come out of reservoirs.
+pub fn without_places(mut order: ElectrodeArrayOrder, parts: &[usize]) -> ElectrodeArrayOrder {
+    let all = std::sync::Arc::make_mut(&mut order.parts);
+    parts.iter().for_each(|part| all[*part].cell = None);
+    order
 }
 
 pub fn order(
@@ -56,7 +65,7 @@ pub fn order(
 ) -> ElectrodeArrayOrder {
     let part = |(name, column, row): &(&str, u32, u32)| BoardPart {
         name: (*name).into(),
-        cell: cell(*column, *row),
+        cell: Some(cell(*column, *row)),
         span: Span::default(),
     };
     ElectrodeArrayOrder {
@@ -84,6 +93,11 @@ pub fn incubate(part: usize, stops: &[(u32, u32)], beats: u64) -> AssayOperation
     AssayOperation { stay_ns: beats * BEAT, ..operation(go(part, stops)) }
 }
 
+/// A part comes out of a reservoir in some beats.
+pub fn dispense(part: usize, outlet: (u32, u32), beats: u64) -> AssayOperation {
+    AssayOperation { comes: true, ..incubate(part, &[outlet], beats) }
+}
+
 /// A part leaves the board.
 pub fn discard(part: usize, stop: (u32, u32)) -> AssayOperation {
     AssayOperation { leaves: true, ..operation(go(part, &[stop])) }
@@ -91,7 +105,7 @@ pub fn discard(part: usize, stop: (u32, u32)) -> AssayOperation {
 
 /// A move or a merge in an assay.
 pub fn operation(ElectrodeArrayMove { part, with, stops, span }: ElectrodeArrayMove) -> AssayOperation {
-    AssayOperation { part, with, stops, stay_ns: 0, leaves: false, span }
+    AssayOperation { part, with, stops, stay_ns: 0, comes: false, leaves: false, span }
 }
 
 pub fn merge(part: usize, with: usize, goal: (u32, u32)) -> ElectrodeArrayMove {
@@ -118,7 +132,7 @@ pub fn order_of(claims: &mut Claims, job: usize) -> &mut ElectrodeArrayOrder {
 }
 
 /// For each job, step and part the word that the part follows, a letter for each beat: `R`, `L`, `U`, `D`, or `.` to
-/// rest; from an `x` on it is gone. Past its end a part rests.
+/// rest; before an `o` it has not come yet, each beat a `_`; from an `x` on it is gone. Past its end a part rests.
 pub type Words<'a> = &'a [&'a [&'a [&'a str]]];
 
 fn shift(letter: char) -> [i64; 2] {
@@ -146,7 +160,7 @@ pub fn electrodes(facts: &ElectrodeArrayFacts, at: ElectrodeCell, letter: char) 
         (Electrodes::Quad, _) => {
             vec![far(2 * columns + rows, 2 * rows + columns), far(2 * columns - rows, 2 * rows - columns)]
         }
-        (Electrodes::Single, '.') if facts.hold == Hold::Off => Vec::new(),
+        (Electrodes::Single, '.' | 'o') if facts.hold == Hold::Off => Vec::new(),
         (Electrodes::Single, _) => vec![moved(at, letter)],
     }
 }
@@ -156,16 +170,24 @@ struct Writer {
     schedule: Schedule,
     at_ns: u64,
     cells: Vec<Option<ElectrodeCell>>,
+    /// Where the parts of the step come.
+    outlets: BTreeMap<usize, ElectrodeCell>,
     channels: BTreeMap<ElectrodeCell, u32>,
 }
 
 /// The schedule of these words, with true records.
 pub fn schedule(claims: &Claims, words: Words) -> Schedule {
-    let mut writer = Writer { schedule: bare(claims), at_ns: 0, cells: Vec::new(), channels: BTreeMap::new() };
+    let mut writer = Writer {
+        schedule: bare(claims),
+        at_ns: 0,
+        cells: Vec::new(),
+        outlets: BTreeMap::new(),
+        channels: BTreeMap::new(),
+    };
     for (index, job) in claims.jobs.iter().enumerate() {
         let Order::ElectrodeArray(order) = &job.order else { panic!("an order of a board") };
         if index == 0 {
-            writer.cells = order.parts.iter().map(|part| Some(part.cell)).collect();
+            writer.cells = order.parts.iter().map(|part| part.cell).collect();
         }
         writer.run(index, job, order, words[index]);
     }
@@ -184,7 +206,12 @@ impl Writer {
             let beats = words.iter().map(|word| word.trim_end_matches('x').len()).max().unwrap_or(0);
             match &step.action {
                 ElectrodeArrayAction::Wait(duration_ns) => self.rest(order, *duration_ns),
-                ElectrodeArrayAction::Assay(_) => self.follow(order, words, beats, &mut states),
+                ElectrodeArrayAction::Assay(operations) => {
+                    let comes = operations.iter().filter(|operation| operation.comes);
+                    let outlet = |operation: &AssayOperation| Some((operation.part, operation.stops.first()?.cell));
+                    self.outlets = comes.filter_map(outlet).collect();
+                    self.follow(order, words, beats, &mut states);
+                }
                 ElectrodeArrayAction::Move(goals) => {
                     self.follow(order, words, beats, &mut states);
                     let gone: Vec<usize> = goals.iter().filter_map(|goal| goal.with).collect();
@@ -195,8 +222,8 @@ impl Writer {
                 }
             }
             steps += beats;
-            costs += words.iter().map(|word| word.trim_end_matches(['.', 'x']).len()).sum::<usize>();
-            moves += words.iter().map(|word| word.replace(['.', 'x'], "").len()).sum::<usize>();
+            costs += words.iter().map(|word| word.trim_end_matches(['.', 'x', 'o', '_']).len()).sum::<usize>();
+            moves += words.iter().map(|word| word.replace(['.', 'x', 'o', '_'], "").len()).sum::<usize>();
             self.schedule.steps.push(step_of(job, index, [step_ns, self.at_ns]));
         }
         let plan = self.plan(job, order, start_ns, states, [steps, costs, moves]);
@@ -258,7 +285,8 @@ impl Writer {
             let mut wanted = BTreeSet::new();
             for (part, at) in self.cells.iter_mut().enumerate() {
                 let letter = words.get(part).and_then(|word| word.chars().nth(beat)).unwrap_or('.');
-                let Some(from) = *at else { continue };
+                let comes = self.outlets.get(&part).copied().filter(|_| letter == 'o');
+                let Some(from) = at.or(comes) else { continue };
                 wanted.extend(electrodes(&order.facts, from, letter));
                 let is_gone = words.get(part).and_then(|word| word.chars().nth(beat + 1)) == Some('x');
                 *at = Some(moved(from, letter)).filter(|_| !is_gone);

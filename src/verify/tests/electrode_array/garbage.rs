@@ -132,7 +132,7 @@ proptest! {
         order.facts.hold = if is_held { Hold::On } else { Hold::Off };
         order.bystanders = if yields { Bystanders::Yield } else { Bystanders::Stay };
         let parts = Arc::make_mut(&mut order.parts);
-        parts.iter_mut().zip(&cells).for_each(|(part, cell)| part.cell = *cell);
+        parts.iter_mut().zip(&cells).for_each(|(part, cell)| part.cell = Some(*cell));
         let bodies = [ElectrodeArrayObstacleBody::Electrodes { from: cells[3], to: cells[4] }, ElectrodeArrayObstacleBody::Fixed(cells[5])];
         order.obstacles = Arc::new(bodies.into_iter().map(|body| obstacle("dust", body)).collect());
         let ElectrodeArrayAction::Move(moves) = &mut order.steps[0].action else { panic!("a step of moves") };
@@ -165,8 +165,8 @@ fn claims_that_no_program_has_are_inconclusive() {
         ("separation out of its range", |order| order.facts.separation = Separation::Apart(0)),
         ("separation out of its range", |order| order.facts.separation = Separation::Apart(1_001)),
         ("two parts of one name", |order| Arc::make_mut(&mut order.parts)[1].name = "a".into()),
-        ("not on the board", |order| Arc::make_mut(&mut order.parts)[1].cell = cell(15, 5)),
-        ("not on the board", |order| Arc::make_mut(&mut order.parts)[1].cell = cell(0, 5)),
+        ("not on the board", |order| Arc::make_mut(&mut order.parts)[1].cell = Some(cell(15, 5))),
+        ("not on the board", |order| Arc::make_mut(&mut order.parts)[1].cell = Some(cell(0, 5))),
         ("too many parts", |order| {
             let part = order.parts[0].clone();
             let many = (0..=MAX_PARTS)
