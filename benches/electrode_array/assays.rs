@@ -1,6 +1,8 @@
 //! In-vitro panels: every sample with every reagent. Each mixture rests where it meets, queues for the detector of its reagent and leaves.
-//!
 //! The same operations as steps one after the other are what a board does without assays.
+//!
+//! And two families of published assays (PCR mixing tree, in-vitro diagnostics 1 to 5; MFSim's B1 and B2) on 15 x 19 electrodes at 100 Hz:
+//! each fluid out of a port of its own in 2 s, eight places. A mixture rests for the published time of its mixing; it is not moved about.
 
 use super::clock;
 use super::programs::{Answered, answered};
@@ -29,6 +31,104 @@ pub fn table() {
             serial.cost
         );
     }
+}
+
+/// Samples and reagents of the published in-vitro assays, and for how long the mixtures of each sample mix and are read, in seconds.
+const IN_VITRO: [(u32, u32); 5] = [(2, 2), (2, 3), (3, 3), (3, 4), (4, 4)];
+const SAMPLE_S: [u32; 4] = [5, 3, 4, 6];
+
+const FIELD_BOARD: &str = "use std.electrode_array as ea\n\
+    device chip : ea.droplet_chip {\n\
+    columns: 15, rows: 19, step_duration: 10 ms, settling: 8 ms, dispense_duration: 2 s\n}\n";
+
+pub fn field_table() {
+    println!("\npublished assays on 15 x 19 electrodes at 100 Hz; planned, lowered and verified");
+    println!("assay       droplets  operations     ms   steps  bound  ratio | one after the other");
+    let in_vitro = IN_VITRO.iter().zip(1..).map(|(size, number)| (format!("in-vitro {number}"), in_vitro(*size)));
+    for (name, program) in std::iter::once(("PCR".to_owned(), pcr())).chain(in_vitro) {
+        let (time, plan) = clock::timed(|| planned(&program.text("assay {\n", "}\n")));
+        let serial = planned(&program.text("", ""));
+        println!(
+            "{name:10}  {:8}  {:10}  {:5.0}  {:6}  {:5}  {:5.3} | {}",
+            program.droplets,
+            program.operations.len(),
+            1e3 * time.as_secs_f64(),
+            plan.cost,
+            plan.bound,
+            plan.cost / plan.bound,
+            serial.cost
+        );
+    }
+}
+
+/// A published assay.
+#[derive(Default)]
+struct FieldAssay {
+    droplets: u32,
+    /// Reservoirs and parts.
+    scene: Vec<String>,
+    operations: Vec<String>,
+}
+
+impl FieldAssay {
+    fn reservoir(&mut self, name: &str, at: (u32, u32)) {
+        self.scene.push(format!("reservoir {name} at {at:?}"));
+    }
+
+    fn dispense(&mut self, droplet: &str, from: &str) {
+        self.droplets += 1;
+        self.scene.push(format!("part {droplet} : ea.droplet"));
+        self.operations.push(format!("dispense {droplet} from {from}"));
+    }
+
+    fn mix(&mut self, one: &str, other: &str, at: (u32, u32), time_s: u32) {
+        self.operations.push(format!("merge {one} with {other} at {at:?}"));
+        self.operations.push(format!("incubate {one} for {time_s} s"));
+    }
+
+    /// The program, with these words round its operations.
+    fn text(&self, before: &str, after: &str) -> String {
+        let (scene, operations) = (self.scene.join("\n"), self.operations.join("\n"));
+        format!(
+            "{FIELD_BOARD}scene board {{\n{scene}\n}}\ntask run on chip in board {{\n{before}{operations}\n{after}}}\n"
+        )
+    }
+}
+
+/// Eight fluids, mixed in pairs for 3 s, and again, and again.
+fn pcr() -> FieldAssay {
+    let mut assay = FieldAssay::default();
+    for fluid in 0..8 {
+        assay.reservoir(&format!("f{fluid}"), (1 + 14 * (fluid / 4), 3 + 4 * (fluid % 4)));
+        assay.dispense(&format!("d{fluid}"), &format!("f{fluid}"));
+    }
+    let tree = [(0, 1, (3, 5)), (2, 3, (3, 13)), (4, 5, (13, 5)), (6, 7, (13, 13))];
+    let roots = [(0, 2, (3, 9)), (4, 6, (13, 9)), (0, 4, (8, 9))];
+    for (one, other, at) in tree.into_iter().chain(roots) {
+        assay.mix(&format!("d{one}"), &format!("d{other}"), at, 3);
+    }
+    assay.operations.push("discard d0 at (8, 1)".to_owned());
+    assay
+}
+
+/// Every sample with every reagent, at eight places in turn.
+fn in_vitro((samples, reagents): (u32, u32)) -> FieldAssay {
+    let mut assay = FieldAssay::default();
+    (0..samples).for_each(|sample| assay.reservoir(&format!("s{sample}"), (1, 3 + 4 * sample)));
+    (0..reagents).for_each(|reagent| assay.reservoir(&format!("r{reagent}"), (15, 3 + 4 * reagent)));
+    for sample in 0..samples {
+        for reagent in 0..reagents {
+            let place = (sample * reagents + reagent) % 8;
+            let (own, other) = (format!("d{sample}_{reagent}"), format!("e{sample}_{reagent}"));
+            assay.dispense(&own, &format!("s{sample}"));
+            assay.dispense(&other, &format!("r{reagent}"));
+            let time_s = SAMPLE_S[sample as usize];
+            assay.mix(&own, &other, (4 + 7 * (place % 2), 3 + 4 * (place / 2)), time_s);
+            assay.operations.push(format!("incubate {own} for {time_s} s"));
+            assay.operations.push(format!("discard {own} at (8, 19)"));
+        }
+    }
+    assay
 }
 
 fn planned(text: &str) -> Plan<()> {

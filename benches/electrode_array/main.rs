@@ -38,13 +38,14 @@ fn main() {
         return large::measure(seed.parse().expect("a seed"));
     }
     let filter = arguments.first().map_or("", String::as_str);
-    let tables: [(&str, fn()); 6] = [
+    let tables: [(&str, fn()); 7] = [
         ("microparts", microparts),
         ("crowd", crowd),
         ("large", large::table),
         ("droplets", droplets),
         ("points", points),
         ("assays", assays::table),
+        ("field-assays", assays::field_table),
     ];
     for (_, table) in tables.iter().filter(|(name, _)| name.contains(filter)) {
         table();

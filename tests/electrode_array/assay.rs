@@ -98,6 +98,9 @@ impl Assay {
         assay.furnish(chance)?;
         (assay.parts.len() >= 2).then_some(())?;
         assay.may_yield = chance.below(2) == 0;
+        if !assay.reservoirs.is_empty() && chance.below(3) == 0 {
+            return assay.served(chance);
+        }
         let mut left: Vec<usize> = (0..assay.parts.len()).collect();
         let mut ends = assay.parts.clone();
         for _ in 0..1 + chance.below(5) {
@@ -137,6 +140,22 @@ impl Assay {
         }
         let keep = |one: &usize, other: &usize| one == other || apart(ends[*one], ends[*other]) >= separation;
         left.iter().all(|one| left.iter().all(|other| keep(one, other))).then_some(assay)
+    }
+
+    /// All parts out of reservoirs, each to stay at one of two places and to leave: places wait for reservoirs, and parts for places.
+    fn served(mut self, chance: &mut Random) -> Option<Assay> {
+        let first = self.far(chance, &self.reservoirs)?;
+        let second = self.far(chance, &[self.reservoirs.as_slice(), &[first]].concat())?;
+        for part in 0..self.parts.len() {
+            self.parts[part] = NOWHERE;
+            let reservoir = chance.below(self.reservoirs.len() as u32) as usize;
+            let place = if part < 2 { [first, second][part] } else { [first, second][chance.below(2) as usize] };
+            let out = self.far(chance, &[])?;
+            self.operations.push(Operation::Dispense(part, reservoir));
+            self.operations.push(Operation::Incubate(part, Some(place), u64::from(1 + chance.below(7))));
+            self.operations.push(Operation::Discard(part, if chance.below(2) == 0 { place } else { out }));
+        }
+        Some(self)
     }
 
     /// Adds obstacles, reservoirs and parts.
@@ -252,7 +271,7 @@ impl Assay {
     }
 
     /// The fewest steps of any plan, and the smallest sum of costs of those that take few more. An error if there is none, and none if
-    /// there are too many states.
+    /// there are too many states or steps.
     fn least(&self) -> Option<Result<(u64, u64), ()>> {
         let dues = self.dues();
         let start: Vec<Stand> = self.parts.iter().map(|cell| Some((*cell, 0, 0, 0))).collect();
@@ -283,11 +302,16 @@ impl Assay {
                 }
             }
             if next.is_empty() {
-                break;
+                return Some(fewest.map(|fewest| (fewest, sum)).ok_or(()));
             }
             now = next;
         }
-        Some(fewest.map(|fewest| (fewest, sum)).ok_or(()))
+        if fewest.is_none() && self.by_sum {
+            // The instants of moves make every state a new one; without them it is known whether there is any plan.
+            let by_steps = Assay { by_sum: false, ..self.clone() };
+            return by_steps.least().filter(Result::is_err);
+        }
+        fewest.map(|fewest| Ok((fewest, sum)))
     }
 
     fn is_end(&self, dues: &[Vec<Due>], stands: &[Stand]) -> bool {

@@ -1,8 +1,8 @@
 //! Lower bounds on every plan of an assay.
 //!
-//! Two of them. Each errand ends no earlier than its agent alone could have done it, and those that meet wait for one another (the
-//! critical path). And agents that stay at one stop, or so near to each other that both cannot be there, take turns: between two of
-//! them lie the steps in which the first moves out of the way.
+//! Three of them. Each errand ends no earlier than its agent alone could have done it, and those that meet wait for one another (the
+//! critical path). Agents that stay at one stop take turns: between two of them lie the steps in which the first moves out of the way.
+//! And of several stops whose agents come at few places, one has to wait for its first.
 
 use super::super::board::{BoardCosts, CellIndex};
 use super::route::Ahead;
@@ -33,6 +33,7 @@ pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> BoardCosts {
     let drops = drops(problem);
     let turns = stays.values().map(|stays| in_turns(problem, stays, &drops)).max().unwrap_or(0);
     let turns = turns.max(stays.values().map(|stays| comings(problem, stays)).max().unwrap_or(0));
+    let turns = turns.max(firsts(problem, ahead, &stays, &drops));
     let arrivals = timed.iter().enumerate().map(|(agent, errands)| last_arrival(problem, agent, errands));
     BoardCosts { makespan: alone.max(turns), sum_of_costs: arrivals.sum() }
 }
@@ -122,31 +123,41 @@ fn meeting(
 /// two. Agents that merge, with each other or with a third, may follow each other as one and without a change; `drops` has one number
 /// for all of them. What leaves the board at the stop need not move out of the way.
 fn in_turns(problem: &AssayProblem, stays: &[(usize, TimedErrand)], drops: &[usize]) -> u64 {
-    let stop = stays.first().map(|(_, one)| one.errand.stop);
+    let Some(stop) = stays.first().map(|(_, one)| one.errand.stop) else { return 0 };
+    let change = change(problem, stop);
+    let set_from = |least: u64| {
+        let of: Vec<(usize, TimedErrand)> = stays.iter().filter(|(_, one)| one.head >= least).copied().collect();
+        one_after_another(&of, |nth| of[nth].1.head, drops, change)
+    };
+    stays.iter().map(|(_, one)| set_from(one.head)).max().unwrap_or(0)
+}
+
+/// Least steps until all is done, for agents that stay at one stop, each from its own head on.
+fn one_after_another(of: &[(usize, TimedErrand)], head: impl Fn(usize) -> u64, drops: &[usize], change: u64) -> u64 {
+    let all: u64 = of.iter().map(|(_, one)| u64::from(one.errand.stay)).sum();
+    let apart: BTreeSet<usize> = of.iter().map(|(agent, _)| drops[*agent]).collect();
+    let with_last = |first: usize| {
+        let others = of.iter().enumerate().filter(|(nth, _)| *nth != first || of.len() == 1);
+        head(first) + others.map(|(_, (_, one))| one.tail).min().unwrap_or(0)
+    };
+    let around = (0..of.len()).map(with_last).min().unwrap_or(0);
+    around + all + change * (apart.len() as u64).saturating_sub(1)
+}
+
+/// Steps between the stays of two agents at a stop.
+fn change(problem: &AssayProblem, stop: CellIndex) -> u64 {
     let leaves_here = |errands: &[Errand], is_gone: bool| {
-        errands.last().is_some_and(|last| is_gone && last.meets.is_none() && Some(last.stop) == stop)
+        errands.last().is_some_and(|last| is_gone && last.meets.is_none() && last.stop == stop)
     };
     let leaves = problem.errands.iter().zip(&problem.is_gone).any(|(errands, gone)| leaves_here(errands, *gone));
-    let comes =
-        stays.iter().any(|(agent, _)| problem.comes[*agent] && Some(problem.instance.agents[*agent].start) == stop);
-    let change = match (leaves, comes) {
+    let mut agents = problem.instance.agents.iter().zip(&problem.comes);
+    let comes = agents.any(|(agent, comes)| *comes && agent.start == stop);
+    match (leaves, comes) {
         // One is gone at the instant at which the other comes.
         (true, true) => 0,
         (true, false) | (false, true) => u64::from(problem.instance.separation),
         (false, false) => u64::from(problem.instance.separation) + 1,
-    };
-    let set_from = |least: u64| {
-        let of: Vec<&(usize, TimedErrand)> = stays.iter().filter(|(_, one)| one.head >= least).collect();
-        let all: u64 = of.iter().map(|(_, one)| u64::from(one.errand.stay)).sum();
-        let apart: BTreeSet<usize> = of.iter().map(|(agent, _)| drops[*agent]).collect();
-        let with_last = |first: usize| {
-            let others = of.iter().enumerate().filter(|(nth, _)| *nth != first || of.len() == 1);
-            of[first].1.head + others.map(|(_, (_, one))| one.tail).min().unwrap_or(0)
-        };
-        let around = (0..of.len()).map(with_last).min().unwrap_or(0);
-        around + all + change * (apart.len() as u64).saturating_sub(1)
-    };
-    stays.iter().map(|(_, one)| set_from(one.head)).max().unwrap_or(0)
+    }
 }
 
 /// As [`in_turns`], for the agents that come at a stop: each needs it for itself, whatever it merges with later.
@@ -160,6 +171,67 @@ fn comings(problem: &AssayProblem, stays: &[(usize, TimedErrand)]) -> u64 {
     }
     let apart: Vec<usize> = (0..problem.errands.len()).collect();
     in_turns(problem, &own, &apart)
+}
+
+/// Stops whose agents all come, at few places: the first agents of `m` stops come at `n` places, so that one of them is the `m / n`th that
+/// comes at its place, rounded up, and its stop is idle until then. Of each set of places the stops that need no others are taken, those
+/// that take longest first; no agent stays at two of them.
+fn firsts(
+    problem: &AssayProblem,
+    ahead: &Ahead,
+    stays: &BTreeMap<CellIndex, Vec<(usize, TimedErrand)>>,
+    drops: &[usize],
+) -> u64 {
+    let start = |agent: usize| problem.instance.agents[agent].start;
+    let mut stops: Vec<ServedStop> = Vec::new();
+    for (stop, stays) in stays {
+        // Coming is no stay that an agent must come for first.
+        if stays.iter().all(|(agent, _)| problem.comes[*agent] && start(*agent) != *stop) {
+            let head = |nth: usize| alone(problem, ahead, stays[nth].0, *stop);
+            let steps = one_after_another(stays, head, drops, change(problem, *stop));
+            let agents: BTreeSet<usize> = stays.iter().map(|(agent, _)| *agent).collect();
+            stops.push(ServedStop { steps, from: agents.iter().map(|agent| start(*agent)).collect(), agents });
+        }
+    }
+    stops.sort_by_key(|stop| std::cmp::Reverse(stop.steps));
+    let mut most = 0;
+    for from in stops.iter().map(|stop| &stop.from).collect::<BTreeSet<_>>() {
+        let coming = (0..problem.errands.len()).filter(|agent| problem.comes[*agent] && from.contains(&start(*agent)));
+        let takes = coming.map(|agent| problem.errands[agent].first().map_or(0, |first| first.stay)).min().unwrap_or(0);
+        let turn = u64::from(takes) + from.iter().map(|place| change(problem, *place)).min().unwrap_or(0);
+        let (mut taken, mut count) = (BTreeSet::new(), 0u64);
+        for stop in stops.iter().filter(|stop| stop.from.is_subset(from)) {
+            if stop.agents.is_disjoint(&taken) {
+                taken.extend(&stop.agents);
+                count += 1;
+                most = most.max(stop.steps + (count.div_ceil(from.len() as u64) - 1) * turn);
+            }
+        }
+    }
+    most
+}
+
+/// A stop with the agents that stay there, which all come.
+struct ServedStop {
+    /// Least steps until all is done, from the instant on at which the first of them comes.
+    steps: u64,
+    agents: BTreeSet<usize>,
+    /// Where they come.
+    from: BTreeSet<CellIndex>,
+}
+
+/// The first instant at which an agent can stay at a stop, whatever others do.
+fn alone(problem: &AssayProblem, ahead: &Ahead, agent: usize, stop: CellIndex) -> u64 {
+    let (mut from, mut steps) = (problem.instance.agents[agent].start, 0);
+    for (index, errand) in problem.errands[agent].iter().enumerate() {
+        steps += u64::from(ahead.steps(agent, index, from));
+        if errand.stop == stop && errand.stay > 0 {
+            break;
+        }
+        steps += u64::from(errand.stay);
+        from = errand.stop;
+    }
+    steps
 }
 
 /// For each agent a number that it has in common with those with which it ever merges, directly or by others: they end as one droplet.
