@@ -58,8 +58,9 @@ impl Checker<'_> {
             }
             // `rotate bead 80 deg`: the word is the object, and the preposition of what follows is missing.
             (Some(_), None) if step.object.is_some() && !verb.phrases.is_empty() => {
-                let value = step.object.as_ref().map_or(step.span, |value| value.span);
-                self.sink.push(errors::missing_preposition(value, verb, verb.phrases[0].preposition));
+                let (amount, value) = step.object.as_ref().map_or((false, step.span), |it| (is_amount(it), it.span));
+                let lacking = preposition_before(amount, verb).unwrap_or_default();
+                self.sink.push(errors::missing_preposition(value, verb, lacking));
             }
             (Some(noun), None) => self.sink.push(errors::unexpected_part(noun.span, verb, "a noun")),
             (None, Some(own)) => self.sink.push(errors::missing_part(step.span, verb, &format!("`{own}`"))),
@@ -187,9 +188,9 @@ impl Checker<'_> {
         let ExprKind::Call { function, .. } = &expr.kind else { return None };
         let names_object = matches!(verb.object, Some(device::Sort::Object(_)));
         let is_function = super::scope::keeper(&path_text(function)).is_some() || self.names_value(function, scope);
-        let first = verb.phrases.iter().find(|phrase| phrase.count == Count::Once);
         let place = Span { start: function.span.end, ..expr.span };
-        first.filter(|_| names_object && !is_function).map(|phrase| (phrase.preposition, place))
+        let lacking = preposition_before(false, verb).filter(|_| names_object && !is_function);
+        lacking.map(|preposition| (preposition, place))
     }
 
     fn phrases(
@@ -233,6 +234,26 @@ impl Checker<'_> {
         }
         is_whole.then_some(accepted)
     }
+}
+
+/// Whether a value is a plain number or one with a unit, as it is written.
+fn is_amount(value: &Expr) -> bool {
+    match &value.kind {
+        ExprKind::Number(_) | ExprKind::Quantity { .. } => true,
+        ExprKind::Negative(inner) => is_amount(inner),
+        _ => false,
+    }
+}
+
+/// The preposition that a value without one most likely lacks: of those that take such values the first that is needed.
+fn preposition_before(is_amount: bool, verb: &'static device::Verb) -> Option<&'static str> {
+    let fits = |phrase: &&device::VocabularyPhrase| {
+        matches!(phrase.sort, device::Sort::Quantity { .. } | device::Sort::Count { .. }) == is_amount
+    };
+    let is_needed = |phrase: &&device::VocabularyPhrase| phrase.count == Count::Once;
+    let mut fitting = verb.phrases.iter().filter(fits);
+    let found = fitting.clone().find(is_needed).or(fitting.next()).or(verb.phrases.first());
+    found.map(|phrase| phrase.preposition)
 }
 
 /// Diagnostic text for a verb without its object.
