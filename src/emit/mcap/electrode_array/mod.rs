@@ -16,7 +16,7 @@ use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::emit::course::electrode_array::{PartsMoment, moments, place};
 use crate::emit::identifier;
 use crate::verify::Verified;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 impl Pictures for ElectrodeArrayOrder {
     fn topics(&self, verified: &Verified, _signals: &Signals, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
@@ -44,9 +44,9 @@ const MAX_NAMED: usize = 12;
 
 /// Which parts move to which electrode, as the language counts electrodes.
 fn moves(before: &PartsMoment, after: &PartsMoment) -> String {
-    let moved = before.parts.iter().filter(|(name, cell)| after.parts.get(*name) != Some(cell));
+    let moved = names([before, after]).into_iter().filter(|name| after.parts.get(*name) != before.parts.get(*name));
     let words: Vec<String> = moved
-        .map(|(name, _)| match after.parts.get(name) {
+        .map(|name| match after.parts.get(name) {
             Some(cell) => format!("{name} to {cell}"),
             None => format!("{name} merges"),
         })
@@ -55,6 +55,11 @@ fn moves(before: &PartsMoment, after: &PartsMoment) -> String {
         0..=MAX_NAMED => words.join(", "),
         count => format!("{} and {} more", words[..MAX_NAMED].join(", "), count - MAX_NAMED),
     }
+}
+
+/// The parts that are there at some moment: what a reservoir dispenses comes later than others.
+fn names<'m>(moments: impl IntoIterator<Item = &'m PartsMoment>) -> BTreeSet<&'m String> {
+    moments.into_iter().flat_map(|moment| moment.parts.keys()).collect()
 }
 
 /// The frame that goes with a part.
@@ -81,7 +86,7 @@ fn pose(device: &str, mover: &Mover) -> LogTopic {
 /// `/<device>/cells`: the column and the row of every part as numbers, counted from 1; no number while a part is not there.
 /// Not for more parts than a message type has fields for.
 fn cells(device: &str, moments: &[PartsMoment], duration_ns: u64) -> Option<LogTopic> {
-    let names: Vec<&String> = moments.first()?.parts.keys().collect();
+    let names: Vec<&String> = names(moments).into_iter().collect();
     if names.is_empty() || 2 * names.len() > MAX_FIELDS {
         return None;
     }
@@ -113,7 +118,6 @@ fn cells(device: &str, moments: &[PartsMoment], duration_ns: u64) -> Option<LogT
 
 /// The frame of each part, written when it moves or is gone.
 fn movers(order: &ElectrodeArrayOrder, device: &str, moments: &[PartsMoment]) -> Vec<Mover> {
-    let Some(first) = moments.first() else { return Vec::new() };
     let of_part = |name: &String| {
         let mut places: Vec<(u64, FramePlace)> = Vec::new();
         let mut last: Option<ElectrodeCell> = None;
@@ -130,7 +134,7 @@ fn movers(order: &ElectrodeArrayOrder, device: &str, moments: &[PartsMoment]) ->
         let outline = vec![SpaceStroke::from(&scene::part_outline(&order.facts, index))];
         Mover { frame: frame(device, name), device: device.to_owned(), places, outline }
     };
-    first.parts.keys().map(of_part).collect()
+    names(moments).into_iter().map(of_part).collect()
 }
 
 #[cfg(test)]
