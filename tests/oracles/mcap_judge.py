@@ -184,11 +184,12 @@ def robot(topics, plan, _):
 
 
 def board(topics, plan, _):
-    """Parts where the states say; for each of them a frame and a body."""
+    """Parts where the states say, also those that come later; for each of them a frame and a body."""
     device, states = plan["device"], plan["states"]
     cells = topics[f"/{device}/cells"][1]
     pitches = set()
-    for name in states[0]["parts"]:
+    names = sorted({name for state in states for name in state["parts"]})
+    for name in names:
         poses = dict((t, (m.pose.position.x, m.pose.position.y)) for t, m in topics[f"/{device}/pose/{name}"][1])
         field = re.sub(r"\W", "_", name)
         for state in states:
@@ -203,7 +204,7 @@ def board(topics, plan, _):
     demand(len(pitches) == 1, f"/{device}/pose has pitches of {sorted(pitches)[:4]} um")
     entities = {entity.id: entity for _, m in topics[f"/{device}/scene"][1] for entity in m.entities}
     frames = {f.child_frame_id for _, m in topics["/tf"][1] for f in m.transforms}
-    for name in states[0]["parts"]:
+    for name in names:
         body = entities.get(f"{device}/part/{name}")
         demand(body is not None and body.frame_id == f"{device}/{name}", f"{device} draws no part {name}")
         demand(body.frame_id in frames, f"/tf lacks the part {name}")
