@@ -1,6 +1,7 @@
 //! The corpus: programs with the report that a person sees, beside each.
 //!
-//! `corpus/<stage>/*.twz` is compiled; the report, plain and 100 columns wide, must be the `.txt` of the same name.
+//! `corpus/<stage>/*.twz` is compiled; the report, plain and 100 columns wide, must be the `.txt` of the same name. Its last line says
+//! what the page of the failed build shows.
 //! `TWEEZE_UPDATE=1` rewrites the reports: read the changes before committing them.
 //!
 //! A first line `// set=name=value task=name` gives the options of `build`. A line `// file lab.twz` ends the program, and
@@ -12,8 +13,11 @@ mod case;
 use case::Case;
 use std::fs;
 use std::path::{Path, PathBuf};
-use tweeze::diagnostic::Diagnostic;
+use tweeze::compile::partial;
 use tweeze::diagnostic::render::{Characters, Colour, Look, human};
+use tweeze::diagnostic::{Diagnostic, PlaceUnit, Sink, WrittenPlace};
+use tweeze::emit::{FailedProgram, Provenance, failed_page};
+use tweeze::source::Sources;
 
 const LOOK: Look = Look { colour: Colour::Plain, characters: Characters::Unicode, width: 100 };
 
@@ -36,7 +40,32 @@ fn case(path: &Path) -> Case {
 
 fn report(case: &Case) -> String {
     let (sources, sink) = case.compile();
-    sink.sorted().into_iter().map(|diagnostic| human(diagnostic, &sources, LOOK)).collect()
+    let told: String = sink.sorted().into_iter().map(|diagnostic| human(diagnostic, &sources, LOOK)).collect();
+    told + &page(case, &sources, &sink)
+}
+
+/// What the page of a failed build shows: the steps that could be built, and the places that are marked.
+fn page(case: &Case, sources: &Sources, errors: &Sink) -> String {
+    if errors.errors() == 0 {
+        return String::new();
+    }
+    let part = case.request(|program| partial(program, errors));
+    let places = part.as_ref().map_or(&[][..], |part| &part.places);
+    let built = part.as_ref().map(|part| (&part.verified, part.whole.as_ref()));
+    let failed = FailedProgram { part: built, errors, places, sources };
+    let page = failed_page("failed", &failed, &Provenance::default()).expect("a page");
+    let html = String::from_utf8(page.bytes).expect("a page is text");
+    let first = errors.sorted().into_iter().find(|error| error.is_error()).expect("an error");
+    assert!(html.contains(first.code.name()), "{}", first.title);
+    let Some(part) = part else { return "page without a scene\n".to_owned() };
+    let schedule = part.verified.schedule();
+    let mut line = format!("page of `{}`, {} steps built", schedule.name, schedule.steps.len());
+    for WrittenPlace { device, unit, at: [x, y], .. } in &part.places {
+        let unit = if *unit == PlaceUnit::Cells { "" } else { " um" };
+        let device = device.as_ref().map_or("scene", String::as_str);
+        line.push_str(&format!(", ({x}, {y}){unit} of {device}"));
+    }
+    line + "\n"
 }
 
 fn hold(stage: &str, least: usize) {

@@ -1,6 +1,8 @@
 // What the plan claims: cost, bound and proof, limits and what was reached, and what remains to be known.
 "use strict";
 
+const RELATIONS = { at_most: "≤", at_least: "≥", less: "<", more: ">", equal: "=" };
+
 function row(label, value, kind = "") {
   const line = document.createElement("div");
   line.className = `claim ${kind}`;
@@ -22,15 +24,21 @@ function reachedText(reached) {
   return [name, `${at}, ${off}`];
 }
 
+function add(parent, tag, text, className = "") {
+  const element = document.createElement(tag);
+  element.textContent = text;
+  element.className = className;
+  parent.append(element);
+  return element;
+}
+
+/** A number of things: `1 error`, `2 errors`. */
+const counted = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;
+
 function drawClaims(root, model, seek) {
-  const add = (parent, tag, text, className = "") => {
-    const element = document.createElement(tag);
-    element.textContent = text;
-    element.className = className;
-    parent.append(element);
-    return element;
-  };
-  for (const { plan, requirements } of model.devices.flatMap((device) => device.runs).sort((a, b) => a.index - b.index)) {
+  // What could not be planned claims nothing.
+  const runs = model.devices.flatMap((device) => device.runs).filter(({ index }) => !model.failure || model.steps.some((step) => step.plan === index));
+  for (const { plan, requirements } of runs.sort((a, b) => a.index - b.index)) {
     const card = add(root, "section", "", "card");
     const title = add(card, "button", `${plan.task} on ${plan.device}`, "jump");
     title.type = "button";
@@ -44,8 +52,9 @@ function drawClaims(root, model, seek) {
     card.append(bound);
     for (const [outcome, value] of Object.entries(plan.outcomes)) {
       const limits = requirements.filter((requirement) => requirement.outcome === outcome);
-      const within = limits.map(({ relation, limit }) => ` ${{ at_most: "≤", at_least: "≥", less: "<", more: ">", equal: "=" }[relation] || relation} ${outcomeText(outcome, limit)}`);
-      card.append(row(outcome.replaceAll("_", " "), outcomeText(outcome, value) + within.join(","), limits.length ? "good" : ""));
+      const within = limits.map(({ relation, limit }) => ` ${RELATIONS[relation]} ${outcomeText(outcome, limit)}`);
+      const kind = limits.length ? (limits.every((limit) => isKept(value, limit)) ? "good" : "open") : "";
+      card.append(row(outcome.replaceAll("_", " "), outcomeText(outcome, value) + within.join(","), kind));
     }
     card.append(row("planner", plan.planner));
     for (const { subject, text } of plan.remarks || []) add(card, "p", `${subject}: ${text}`, "remark");
@@ -62,6 +71,7 @@ function drawClaims(root, model, seek) {
     }
     if (reached.length > 100) add(card, "p", `and ${reached.length - 100} more`, "remark");
   }
+  if (!model.page.schedule) return;
   const card = add(root, "section", "", "card");
   add(card, "h3", "About this schedule");
   card.append(row("channels", String(model.channels.length)), row("actuations", String(model.schedule.actuations.length)));

@@ -24,23 +24,29 @@ class Player {
     dark.addEventListener("change", () => this.retheme(dark.matches));
     this.theme = themeOf();
     this.views = viewsOf(this.model);
+    this.views.forEach((view) => placeFaults(view, this.model.failure ? this.model.failure.places : []));
     const find = (id) => document.getElementById(id);
     Object.assign(this, { play: find("play"), clock: find("clock"), slider: find("slider"), speeds: find("speed"), stage: find("stage") });
     const seek = (t_ns) => this.seek(t_ns);
     const light = (thing) => this.light(thing);
     this.program = new Program(find("program"), this.model, { seek, light });
+    if (this.model.failure) drawFailure(find("claims"), this.model, (label) => this.program.reveal(label));
     drawClaims(find("claims"), this.model, seek);
     this.timeline = new Timeline(find("timeline"), this.model, this.theme, seek);
     this.timeline.onChange = () => this.draw();
     this.addStage();
     this.addControls();
-    document.title = `${page.schedule.name} – Tweeze`;
-    find("name").textContent = page.schedule.name;
+    document.body.classList.toggle("still", Boolean(this.model.failure) && this.model.duration_ns === 0);
+    const name = page.schedule ? page.schedule.name : page.sources[0].name;
+    document.title = `${name} – Tweeze`;
+    find("name").textContent = name;
+    if (this.model.failure) showRefusal(find("verdict"), this.model);
     find("facts").textContent = this.model.devices.map((device) => `${device.name}: ${device.kind.replaceAll("_", " ")}`).join(", ");
     this.readLink();
     window.addEventListener("hashchange", () => this.readLink());
     window.addEventListener("resize", () => this.draw());
     this.draw();
+    this.program.revealFirstFault();
   }
 
   addStage() {
@@ -64,6 +70,7 @@ class Player {
       canvas.addEventListener("pointerleave", () => this.light(null));
     });
     this.stage.dataset.count = Math.min(4, this.views.length);
+    if (this.views.length === 0) add(this.stage, "p", "There is no scene to show: no part of the program could be built.", "empty");
   }
 
   addControls() {
@@ -192,7 +199,8 @@ class Player {
     g.clearRect(0, 0, width, height);
     const foot = 30 + (view.foot || 0);
     view.pen = new Pen(canvas, { x: 8, y: 26, width: width - 16, height: height - 34 - foot }, view.extent, this.theme);
-    view.draw(view.pen, t_ns, this.lit);
+    view.draw(view.pen, t_ns, { hovered: this.lit, blamed: this.model.blamed });
+    drawFaults(view.pen, view.faults);
     this.drawFrame(view, width, height);
   }
 

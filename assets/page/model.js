@@ -1,12 +1,17 @@
 // What a schedule says, as functions of time. No drawing here: everything can be tested without a browser.
 //
 // Times are nanoseconds from the start, as in the schedule; lengths are micrometres. The page holds `schedule` and `claims` in the forms
-// that `schema/` and the log describe, and `sources`, the text of each file.
+// that `schema/` and the log describe, and `sources`, the text of each file. Of a program that could not be built they hold the part that
+// could, and `failure` says why; without such a part both are null.
 "use strict";
+
+/** The schedule of a program of which nothing could be built. */
+const NOTHING = { channels: [], actuations: [], steps: [], plans: [], duration_ns: 0 };
 
 /** The schedule, its claims and its sources, indexed by device, channel and event. */
 function buildModel(page) {
-  const { schedule, claims } = page;
+  const schedule = page.schedule || NOTHING;
+  const claims = page.claims || { jobs: [] };
   const channels = schedule.channels.map((channel, index) => ({ ...channel, index, actuations: [] }));
   for (const actuation of schedule.actuations) channels[actuation.channel].actuations.push(actuation);
   const devices = [];
@@ -21,6 +26,8 @@ function buildModel(page) {
   });
   for (const device of devices) device.runs.sort((a, b) => a.plan.start_ns - b.plan.start_ns);
   const model = { page, schedule, claims, channels, devices, steps: schedule.steps, duration_ns: schedule.duration_ns };
+  model.failure = page.failure || null;
+  model.blamed = blamedNames(page);
   model.works = worksOf(model);
   model.events = eventsOf(model);
   for (const device of devices) if (device.kind === "fingers") prepareHand(device);
@@ -31,6 +38,26 @@ function buildModel(page) {
 function worksOf(model) {
   const works = model.steps.flatMap((step) => (step.operations ? step.operations.map((own) => ({ ...step, ...own })) : [step]));
   return works.map((work, index) => ({ ...work, index }));
+}
+
+/** The text of a program between two places of one line; columns count characters. */
+function excerptOf(sources, { file, line, column, end_line, end_column }) {
+  const source = sources.find(({ name }) => name === file);
+  if (!source || line !== end_line) return "";
+  return [...(source.text.split(/\r\n|\r|\n/)[line - 1] || "")].slice(column - 1, end_column - 1).join("");
+}
+
+/** The names that errors point to or put in quotes; those of things of the scene are lit there. */
+function blamedNames({ failure, sources }) {
+  const names = new Set();
+  for (const { severity, title, help, labels } of failure ? failure.findings : []) {
+    if (severity !== "error") continue;
+    const texts = [title, help || "", ...labels.map((label) => label.text)].flatMap((text) => text.match(/`[^`]+`/g) || []);
+    for (const text of [...texts, ...labels.map((label) => excerptOf(sources, label))]) {
+      for (const [name, word] of text.matchAll(/([A-Za-z_]\w*)(?:\[[^\]]*\])?/g)) names.add(name).add(word);
+    }
+  }
+  return names;
 }
 
 /** Instants at which something begins or ends, for stepping through. */
@@ -299,6 +326,11 @@ function outlinePoints(outline, count = 96) {
     });
   }
   return outline.spline.points_um;
+}
+
+/** Whether an outcome keeps a limit on it. */
+function isKept(value, { relation, limit }) {
+  return { at_most: value <= limit, at_least: value >= limit, less: value < limit, more: value > limit, equal: value === limit }[relation];
 }
 
 // Numbers as people read them

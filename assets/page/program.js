@@ -31,6 +31,25 @@ function linesOfStep(lines, { line, column }) {
   return [line, line];
 }
 
+/** Underlines the characters of a row from one column to another, counted from 0. */
+function underline(row, from, to, kind) {
+  let at = 0;
+  for (const piece of [...row.children].filter((child) => !child.classList.contains("note"))) {
+    const letters = [...piece.textContent];
+    const [start, end] = [Math.max(0, from - at), Math.min(letters.length, to - at)];
+    at += letters.length;
+    if (start >= end) continue;
+    // What is underlined already stays one piece, and is underlined whole.
+    if (start === 0 && end === letters.length || piece.children.length) {
+      piece.classList.add("fault", kind);
+      continue;
+    }
+    piece.replaceChildren(letters.slice(0, start).join(""));
+    add(piece, "span", letters.slice(start, end).join(""), `fault ${kind}`);
+    piece.append(letters.slice(end).join(""));
+  }
+}
+
 class Program {
   constructor(root, model, { seek, light }) {
     Object.assign(this, { root, model, seek, shown: null });
@@ -47,6 +66,38 @@ class Program {
     });
     tabs.hidden = this.files.length < 2;
     this.show(this.files[0]);
+    this.addFaults();
+  }
+
+  /** Marks the lines that findings point to, each with what is said there. */
+  addFaults() {
+    const findings = this.model.failure ? this.model.failure.findings : [];
+    for (const { severity, title, labels } of findings) {
+      labels.forEach((label, nth) => {
+        const file = this.files.find(({ name }) => name === label.file);
+        if (!file) return;
+        const row = file.rows[label.line - 1];
+        const kind = nth === 0 ? severity : "related";
+        row.classList.add(kind);
+        if (label.end_line === label.line) underline(row, label.column - 1, label.end_column - 1, kind);
+        const words = label.text || title;
+        if (![...row.querySelectorAll(".note")].some(({ textContent }) => textContent === words)) add(row, "span", words, `note ${kind}`);
+      });
+    }
+  }
+
+  /** Shows the first line that is at fault. */
+  revealFirstFault() {
+    const first = this.model.failure && this.model.failure.findings.flatMap(({ labels }) => labels.slice(0, 1))[0];
+    if (first) this.reveal(first);
+  }
+
+  /** Shows the line of a finding. */
+  reveal({ file: name, line }) {
+    const file = this.files.find((known) => known.name === name);
+    if (!file) return;
+    this.show(file);
+    file.rows[line - 1].scrollIntoView({ block: "center" });
   }
 
   file({ name, text }, names, light) {

@@ -1,7 +1,8 @@
 // Draws the scene of each kind of device at an instant, to scale.
 //
 // A view shows one device, or several DiMiBots that share a scene. Every view has `extent` (the corners that must be seen, in its own
-// unit), `draw(pen, t_ns)`, and `unit_um`, the length of its unit.
+// unit), `draw(pen, t_ns, lights)`, and `unit_um`, the length of its unit; a flat one also `spot(place)`, where a place of the program is in
+// it. `lights` says what is pointed at (`hovered`), and what errors are about (`blamed`).
 "use strict";
 
 /** Colours that people with any colour vision tell apart (Okabe and Ito). */
@@ -16,118 +17,26 @@ function around(list, index) {
   return [list.slice(Math.max(0, index + 1 - TRAIL), index + 1), list.slice(index, index + TRAIL)];
 }
 
-/** A canvas with a scale: y points up, lengths in the view's unit. */
-class Pen {
-  constructor(canvas, box, [[x0, y0], [x1, y1]], theme) {
-    Object.assign(this, { canvas, box, theme, g: canvas.getContext("2d") });
-    const [width, height] = [x1 - x0 || 1, y1 - y0 || 1];
-    this.scale = Math.min(box.width / width, box.height / height);
-    this.left = box.x + (box.width - width * this.scale) / 2 - x0 * this.scale;
-    this.base = box.y + (box.height + height * this.scale) / 2 + y0 * this.scale;
-  }
+/** Whether a thing is lit: it is pointed at, or an error is about it. */
+const isLit = (lights, name) => lights.hovered === name || lights.blamed.has(name);
 
-  at([x, y]) {
-    return [this.left + x * this.scale, this.base - y * this.scale];
-  }
-
-  /** The place of the scene under a point of the canvas. */
-  under([px, py]) {
-    return [(px - this.left) / this.scale, (this.base - py) / this.scale];
-  }
-
-  path(points, isClosed = false) {
-    const { g } = this;
-    g.beginPath();
-    points.forEach((point, index) => (index ? g.lineTo(...this.at(point)) : g.moveTo(...this.at(point))));
-    if (isClosed) g.closePath();
-  }
-
-  line(points, color, width = 1.5, dash = []) {
-    if (points.length < 2) return;
-    const { g } = this;
-    this.path(points);
-    Object.assign(g, { strokeStyle: color, lineWidth: width, lineJoin: "round", lineCap: "round" });
-    g.setLineDash(dash);
-    g.stroke();
-    g.setLineDash([]);
-  }
-
-  shape(points, { fill, stroke, width = 1, dash = [] }) {
-    const { g } = this;
-    this.path(points, true);
-    this.paint({ fill, stroke, width, dash });
-  }
-
-  disc(place, radius, { fill, stroke, width = 1, dash = [], least = 0 }) {
-    const { g } = this;
-    g.beginPath();
-    g.arc(...this.at(place), Math.max(least, radius * this.scale), 0, 2 * Math.PI);
-    this.paint({ fill, stroke, width, dash });
-  }
-
-  paint({ fill, stroke, width, dash }) {
-    const { g } = this;
-    if (fill) {
-      g.fillStyle = fill;
-      g.fill();
-    }
-    if (stroke) {
-      Object.assign(g, { strokeStyle: stroke, lineWidth: width });
-      g.setLineDash(dash);
-      g.stroke();
-      g.setLineDash([]);
-    }
-  }
-
-  text(place, words, color, { dx = 0, dy = 0, align = "left", size = 12, weight = "" } = {}) {
-    const { g } = this;
-    const [x, y] = this.at(place);
-    Object.assign(g, { font: `${weight} ${size}px system-ui, sans-serif`, textAlign: align, textBaseline: "middle" });
-    Object.assign(g, { lineWidth: 3, strokeStyle: this.theme.paper, lineJoin: "round" });
-    g.strokeText(words, x + dx, y + dy);
-    g.fillStyle = color;
-    g.fillText(words, x + dx, y + dy);
-  }
+/** Draws an obstacle: lit where it is pointed at, with a bright edge where an error is about it. */
+function drawObstacle(pen, { name, shape, pose }, lights) {
+  const { theme } = pen;
+  if (lights.blamed.has(name)) drawShape(pen, shapePoints(shape, pose, 4 / pen.scale), theme.alarm);
+  drawShape(pen, shapePoints(shape, pose), isLit(lights, name) ? theme.lit : theme.obstacle);
 }
 
-/** Corners of a shape at its pose, grown by a length; round parts as many short sides. */
-function shapePoints(shape, pose, growth_um = 0) {
-  const name = typeof shape === "string" ? shape : Object.keys(shape)[0];
-  const figures = shape[name] || {};
-  let [core, radius_um] = [[[0, 0]], growth_um];
-  if (name === "disc") radius_um += figures.radius_um;
-  if (name === "capsule") {
-    core = [[-figures.length_um / 2, 0], [figures.length_um / 2, 0]];
-    radius_um += figures.radius_um;
-  }
-  if (name === "box") {
-    const [a, b] = figures.size_um.map((size) => size / 2);
-    core = [[-a, -b], [a, -b], [a, b], [-a, b]];
-  }
-  if (name === "polygon") core = figures.points_um;
-  const [cos, sin] = [Math.cos(pose.heading_rad), Math.sin(pose.heading_rad)];
-  const placed = core.map(([x, y]) => [pose.x_um + x * cos - y * sin, pose.y_um + x * sin + y * cos]);
-  return { points: placed, radius_um };
+/** How corners of a thing are filled and edged. */
+function obstacleStyle(theme, name, lights) {
+  const edge = lights.blamed.has(name) ? { stroke: theme.alarm, width: 3 } : {};
+  return { fill: isLit(lights, name) ? theme.lit : theme.obstacle, ...edge };
 }
 
-/** Draws a rounded shape: its core, stroked by twice its radius. */
-function drawShape(pen, { points, radius_um }, color) {
-  const { g } = pen;
-  pen.path(points, points.length > 2);
-  Object.assign(g, { fillStyle: color, strokeStyle: color, lineJoin: "round", lineCap: "round" });
-  g.lineWidth = 2 * radius_um * pen.scale;
-  if (points.length === 1) return pen.disc(points[0], radius_um, { fill: color, least: 2 });
-  if (points.length > 2) g.fill();
-  if (radius_um > 0) g.stroke();
-  return undefined;
-}
-
-/** The smallest box about points, grown by a share of its size. */
-function boxAbout(points, share = 0.06) {
-  const low = [0, 1].map((axis) => Math.min(...points.map((point) => point[axis])));
-  const high = [0, 1].map((axis) => Math.max(...points.map((point) => point[axis])));
-  const more = share * Math.max(high[0] - low[0], high[1] - low[1], 1e-6);
-  return [low.map((value) => value - more), high.map((value) => value + more)];
+/** How a thing that moves is filled and edged. */
+function moverStyle(theme, name, color, lights) {
+  const stroke = lights.hovered === name ? theme.lit : lights.blamed.has(name) ? theme.alarm : theme.ink;
+  return { fill: color, stroke, width: isLit(lights, name) ? 3 : 1 };
 }
 
 // DiMiBot
@@ -142,7 +51,7 @@ function dimibotView(devices) {
       for (const corner of [[0, 0], [nx * dx, 0], [0, ny * dy], [nx * dx, ny * dy]]) places.push(inScene(order, corner));
     }
   }
-  const view = { title: devices.map((device) => device.name).join(" and "), unit_um: 1, extent: boxAbout(places), foot: 26 * devices.length + 8 };
+  const view = { title: devices.map((device) => device.name).join(" and "), devices, unit_um: 1, extent: boxAbout(places), foot: 26 * devices.length + 8 };
   const solids = (run) => run.order.obstacles.filter((obstacle) => obstacle.body.solid);
   view.things = () => {
     const all = devices.flatMap((device) => device.runs.flatMap((run) => run.order.obstacles));
@@ -157,7 +66,12 @@ function dimibotView(devices) {
     }
     return null;
   };
-  view.draw = (pen, t_ns, lit) => {
+  view.spot = ({ unit, at: [x, y], device }) => {
+    const { order } = (devices.find(({ name }) => name === device) || devices[0]).runs[0];
+    const [dx, dy] = pitchUm(order.facts);
+    return unit === "cells" ? inScene(order, [x * dx, y * dy]) : [x, y];
+  };
+  view.draw = (pen, t_ns, lights) => {
     const { theme } = pen;
     for (const device of devices) {
       const { order } = runAt(device, t_ns);
@@ -183,18 +97,17 @@ function dimibotView(devices) {
       for (const obstacle of run.order.obstacles) {
         if (seen.has(obstacle.name)) continue;
         seen.add(obstacle.name);
-        const isLit = lit === obstacle.name;
         if (obstacle.body.solid) {
           const { shape, pose } = obstacle.body.solid;
           drawShape(pen, shapePoints(shape, pose, facts.tip_radius_um + facts.repeatability_um), theme.grown);
-          drawShape(pen, shapePoints(shape, pose), isLit ? theme.lit : theme.obstacle);
+          drawObstacle(pen, { name: obstacle.name, shape, pose }, lights);
           pen.text([pose.x_um, pose.y_um], obstacle.name, theme.ink, { align: "center" });
         } else {
           const { from, to } = obstacle.body.cells;
           const [dx, dy] = pitchUm(facts);
           const [a, b, c, d] = [from.x - 0.4, from.y - 0.4, to.x + 0.4, to.y + 0.4];
           const corners = [[a, b], [c, b], [c, d], [a, d]].map(([x, y]) => inScene(run.order, [x * dx, y * dy]));
-          pen.shape(corners, { fill: isLit ? theme.lit : theme.obstacle });
+          pen.shape(corners, obstacleStyle(theme, obstacle.name, lights));
           const middle = inScene(run.order, [((from.x + to.x) / 2) * dx, ((from.y + to.y) / 2) * dy]);
           pen.text(middle, obstacle.name, theme.ink, { align: "center", size: 11 });
         }
@@ -278,6 +191,7 @@ function arrayView(device) {
   const { facts } = device.runs[0].order;
   const view = {
     title: device.name,
+    devices: [device],
     unit_um: 2 * facts.radius_um * (1 + facts.pitch_ratio),
     extent: [[0.3, 0.3], [facts.columns + 0.7, facts.rows + 0.7]],
   };
@@ -293,9 +207,10 @@ function arrayView(device) {
     }
     return null;
   };
-  view.draw = (pen, t_ns, lit) => {
+  view.spot = ({ unit, at }) => (unit === "cells" ? at : null);
+  view.draw = (pen, t_ns, lights) => {
     drawBoard(pen, device, t_ns);
-    drawParts(pen, device, t_ns, lit);
+    drawParts(pen, device, t_ns, lights);
   };
   return view;
 }
@@ -340,7 +255,7 @@ function drawBoard(pen, device, t_ns) {
   }
 }
 
-function drawParts(pen, device, t_ns, lit) {
+function drawParts(pen, device, t_ns, lights) {
   const { theme } = pen;
   const run = runAt(device, t_ns);
   const { order, plan } = run;
@@ -350,7 +265,7 @@ function drawParts(pen, device, t_ns, lit) {
     const [low, high] = body.electrodes
       ? [[body.electrodes.from.column - 0.45, body.electrodes.from.row - 0.45], [body.electrodes.to.column + 0.45, body.electrodes.to.row + 0.45]]
       : [[body.fixed.column - half, body.fixed.row - half], [body.fixed.column + half, body.fixed.row + half]];
-    pen.shape([low, [high[0], low[1]], high, [low[0], high[1]]], { fill: lit === name ? theme.lit : theme.obstacle });
+    pen.shape([low, [high[0], low[1]], high, [low[0], high[1]]], obstacleStyle(theme, name, lights));
     pen.text([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2], name, theme.ink, { align: "center", size: 11 });
   }
   const [behind, ahead] = around(plan.states, stateIndexAt(plan, t_ns));
@@ -370,7 +285,7 @@ function drawParts(pen, device, t_ns, lit) {
     const place = places[name];
     if (!place) return;
     const color = colorOf(number);
-    const style = { fill: color, stroke: lit === name ? theme.lit : theme.ink, width: lit === name ? 3 : 1 };
+    const style = moverStyle(theme, name, color, lights);
     if (order.facts.layout.electrodes === "quad") pen.shape(square(place, half), style);
     else pen.disc(place, half, style);
     const isWide = half * 2 * pen.scale > 7 * name.length + 4;
@@ -387,12 +302,12 @@ function bedView(device) {
   const reach = [];
   for (const { plan, order } of device.runs) {
     for (const state of plan.states) places.push(...Object.values(state.poses));
-    for (const { pose } of order.obstacles) places.push([pose.x_um, pose.y_um]);
+    for (const { pose } of [...order.obstacles, ...goalsOf(order)]) places.push([pose.x_um, pose.y_um]);
     reach.push(...order.facts.robots.map((robot) => 2 * robot.turning_radius_um + robot.length_um));
   }
   const [low, high] = boxAbout(places, 0.02);
   const more = Math.max(...reach) / 2;
-  const view = { title: device.name, unit_um: 1, extent: [low.map((v) => v - more), high.map((v) => v + more)] };
+  const view = { title: device.name, devices: [device], unit_um: 1, extent: [low.map((v) => v - more), high.map((v) => v + more)] };
   view.things = () => [...new Set(device.runs.flatMap(({ order }) => [...order.obstacles.map((o) => o.name), ...order.robots.map(({ row }) => order.facts.robots[row].name)]))];
   view.hit = ([x, y], t_ns) => {
     for (const robot of robotsAt(device, t_ns)) {
@@ -400,9 +315,10 @@ function bedView(device) {
     }
     return null;
   };
-  view.draw = (pen, t_ns, lit) => {
-    drawBed(pen, device, t_ns, lit, true);
-    drawInset(pen, device, t_ns, lit);
+  view.spot = ({ unit, at }) => (unit === "um" ? at : null);
+  view.draw = (pen, t_ns, lights) => {
+    drawBed(pen, device, t_ns, lights, true);
+    drawInset(pen, device, t_ns, lights);
   };
   return view;
 }
@@ -443,13 +359,13 @@ function trail(device, run, robot, upTo_ns) {
   return points;
 }
 
-function drawBed(pen, device, t_ns, lit, withNames) {
+function drawBed(pen, device, t_ns, lights, withNames) {
   const { theme } = pen;
   const run = runAt(device, t_ns);
   const { order } = run;
   for (const { name, shape, pose } of order.obstacles) {
     drawShape(pen, shapePoints(shape, pose, order.facts.clearance_um), theme.grown);
-    drawShape(pen, shapePoints(shape, pose), lit === name ? theme.lit : theme.obstacle);
+    drawObstacle(pen, { name, shape, pose }, lights);
     if (withNames) pen.text([pose.x_um, pose.y_um], name, theme.ink, { align: "center" });
   }
   for (const { robot, pose } of goalsOf(order)) {
@@ -464,8 +380,7 @@ function drawBed(pen, device, t_ns, lit, withNames) {
     }
   });
   robots.forEach((robot, number) => {
-    const style = { fill: colorOf(number), stroke: lit === robot.name ? theme.lit : theme.ink, width: lit === robot.name ? 3 : 1 };
-    pen.shape(bodyPoints(robot.facts, robot.pose), style);
+    pen.shape(bodyPoints(robot.facts, robot.pose), moverStyle(theme, robot.name, colorOf(number), lights));
     // The arm reaches out at the front, on the side to which the robot turns; it is filled where it touches the bed.
     const [x, y, heading_rad] = robot.pose;
     const side = robot.facts.turning === "clockwise" ? -1 : 1;
@@ -497,10 +412,11 @@ function trailOf(device, run, robot, t_ns) {
 }
 
 /** What is built, enlarged, once two robots are near their goals. */
-function drawInset(pen, device, t_ns, lit) {
-  const { order } = runAt(device, t_ns);
+function drawInset(pen, device, t_ns, lights) {
+  const { plan, order } = runAt(device, t_ns);
   const goals = goalsOf(order);
-  if (!order.steps.some((step) => step.action.assemble)) return;
+  // Without a plan nothing meets.
+  if (plan.states.length < 2 || !order.steps.some((step) => step.action.assemble)) return;
   const { box, g, theme } = pen;
   const size = Math.min(box.width, box.height) * 0.34;
   const [low, high] = boxAbout(goals.map(({ pose }) => [pose.x_um, pose.y_um]), 0.1);
@@ -513,7 +429,7 @@ function drawInset(pen, device, t_ns, lit) {
   g.fillStyle = theme.panel;
   g.fill();
   g.clip();
-  drawBed(close, device, t_ns, lit, false);
+  drawBed(close, device, t_ns, lights, false);
   g.restore();
   Object.assign(g, { strokeStyle: theme.faint, lineWidth: 1 });
   g.strokeRect(inset.x, inset.y, size, size);
@@ -531,10 +447,10 @@ function handView(device) {
     points: outlinePoints(outline).map(([u, v]) => (plane === "xy" ? [u, v, 0] : [u, 0, v])),
   }));
   const reach = Math.max(...outlines.flatMap(({ points }) => points.map((point) => Math.hypot(...point)))) + 3.2 * order.facts.tip_radius_um;
-  const view = { title: device.name, unit_um: 1, extent: [[-reach, -reach], [reach, reach]], turnable: true, yaw: -0.5, pitch: outlines.length > 1 ? 0.5 : 1.1 };
+  const view = { title: device.name, devices: [device], unit_um: 1, extent: [[-reach, -reach], [reach, reach]], turnable: true, yaw: -0.5, pitch: outlines.length > 1 ? 0.5 : 1.1 };
   view.things = () => [order.part.name];
   view.hit = ([x, y]) => (Math.hypot(x, y) < reach / 3 ? order.part.name : null);
-  view.draw = (pen, t_ns, lit) => {
+  view.draw = (pen, t_ns, lights) => {
     const { theme } = pen;
     const [cy, sy, cp, sp] = [Math.cos(view.yaw), Math.sin(view.yaw), Math.cos(view.pitch), Math.sin(view.pitch)];
     // World z is up; the viewer looks along the third of these.
@@ -550,7 +466,7 @@ function handView(device) {
       const isInUse = state.plane === plane;
       pen.shape(points.map(placed), {
         fill: isInUse ? theme.section : undefined,
-        stroke: lit === order.part.name ? theme.lit : isInUse ? theme.ink : theme.faint,
+        stroke: lights.hovered === order.part.name ? theme.lit : isInUse ? theme.ink : theme.faint,
         width: isInUse ? 2 : 1,
       });
     }

@@ -29,6 +29,7 @@ mod neighbours;
 mod objects;
 mod orientation;
 mod programs;
+pub mod reduced;
 mod rows;
 mod scenes;
 pub mod scope;

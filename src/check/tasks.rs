@@ -87,6 +87,12 @@ struct TaskReading<'a> {
     nesting: Nesting,
 }
 
+/// Whether a step of a task is a setting of it, which comes before all that is done.
+pub fn is_setting(step: &tree::Step) -> bool {
+    matches!(step.head.text.as_str(), "minimize" | "using" | "require")
+        || (step.head.text == "start" && step.object.is_none())
+}
+
 /// Whether the entries stand in the task itself or in a `for` of it.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Nesting {
@@ -181,9 +187,7 @@ impl<'a> Checker<'a> {
     }
 
     fn entry(&mut self, step: &'a tree::Step, scope: &Scope, reading: &mut TaskReading<'a>) {
-        let is_setting = matches!(step.head.text.as_str(), "minimize" | "using" | "require")
-            || (step.head.text == "start" && step.object.is_none());
-        if is_setting {
+        if is_setting(step) {
             self.settings_come_first(&step.head, reading);
             self.setting(step, scope, reading);
             return;

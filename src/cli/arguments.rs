@@ -54,7 +54,8 @@ pub enum Command {
     Verify(VerifyArguments),
     /// Write the page that plays a program or a log, and open it in the browser
     #[command(after_help = "Examples:\n  tweeze view fetch.twz\n  tweeze view out/fetch.mcap -o out --no-open\n\n\
-                            A log is verified first. The page is one file: it needs no network and can be passed on.")]
+                            A log is verified first. Of a program with errors the page, FILE.failed.html, shows these at their lines and in the scene. \
+                            The page is one file: it needs no network and can be passed on.")]
     View(ViewArguments),
     /// Make a folder with a small program that builds at once
     #[command(after_help = "Examples:\n  tweeze new fetch\n  tweeze new quartet --kind microrobots\n  \

@@ -2,6 +2,7 @@
 
 use super::arguments::{BuildArguments, Invocation, ReportFormat};
 use super::disk::{self, Destination};
+use super::failed::{self, FailedBuild};
 use super::formats::ChosenFormats;
 use super::loaded::Loaded;
 use super::report::WrittenSchedule;
@@ -24,7 +25,10 @@ pub fn run(arguments: &BuildArguments) -> Exit {
     }
     let one = |file: &PathBuf| match built(file, arguments) {
         Ok((report, _)) => terminal::success(&report, arguments.quiet),
-        Err(exit) => exit,
+        Err(FailedBuild { exit, page }) => {
+            failed::tell(file, page.as_deref(), arguments);
+            exit
+        }
     };
     arguments.files.iter().map(one).fold(Exit::Done, Exit::max)
 }
@@ -32,13 +36,13 @@ pub fn run(arguments: &BuildArguments) -> Exit {
 /// Builds a program and writes its files; the report, and where the files stand.
 ///
 /// # Errors
-/// The exit status, once the diagnostics were reported.
-pub fn built(file: &Path, arguments: &BuildArguments) -> Result<(String, Vec<PathBuf>), Exit> {
+/// The exit status, once the diagnostics were reported, with the page that shows them if pages were asked for.
+pub fn built(file: &Path, arguments: &BuildArguments) -> Result<(String, Vec<PathBuf>), FailedBuild> {
     signals::catch();
     let format = arguments.report.format;
     let chosen = ChosenFormats::of(&arguments.emit);
     if arguments.at.is_some() && !chosen.formats.contains(&Format::Svg) {
-        return Err(misused("--at draws one instant of a picture: it needs --emit svg"));
+        return Err(misused("--at draws one instant of a picture: it needs --emit svg").into());
     }
     disk::try_folder(&arguments.output).map_err(|diagnostic| {
         terminal::report_one(*diagnostic, format);
@@ -54,13 +58,19 @@ pub fn built(file: &Path, arguments: &BuildArguments) -> Result<(String, Vec<Pat
         });
     drop(waiting);
     terminal::report(&sink, &sources, format);
-    match outcome {
-        CompileOutcome::Errors => Err(Exit::Errors),
-        CompileOutcome::Refused => Err(Exit::Refused),
+    let provenance = provenance(&sources, &loaded.options);
+    let exit = match outcome {
         CompileOutcome::Compiled(compiled) => {
-            write((loaded.path(), arguments), &chosen, compiled, &provenance(&sources, &loaded.options))
+            let written = write((loaded.path(), arguments), &chosen, compiled, &provenance)?;
+            failed::forget(loaded.path(), arguments)?;
+            return Ok(written);
         }
-    }
+        CompileOutcome::Errors => Exit::Errors,
+        CompileOutcome::Refused => Exit::Refused,
+    };
+    let is_shown = chosen.formats.contains(&Format::Html);
+    let page = is_shown.then(|| failed::write(&loaded, arguments, (&sources, &sink), &provenance)).transpose()?;
+    Err(FailedBuild { exit, page })
 }
 
 /// Wrong usage that the command line's own grammar does not know.
@@ -109,7 +119,7 @@ fn write(
             }
         }
         schedules.push(read_back(verified, &own, report_format)?);
-        let paths = own.iter().map(|file| shown(&arguments.output, &file.name)).collect();
+        let paths = own.iter().map(|file| disk::shown(&arguments.output, &file.name)).collect();
         written.push(WrittenSchedule { paths, left_out });
         files.extend(own);
     }
@@ -144,9 +154,4 @@ fn read_back(verified: Verified, set: &[OutputFile], report: ReportFormat) -> Re
             Err(Exit::Fault)
         }
     }
-}
-
-/// Where a file stands, as the user would write it.
-pub fn shown(folder: &Path, name: &str) -> PathBuf {
-    if folder == Path::new(".") { PathBuf::from(name) } else { folder.join(name) }
 }

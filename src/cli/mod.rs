@@ -7,6 +7,7 @@ mod devices;
 mod disk;
 mod errors;
 mod explain;
+mod failed;
 mod fmt;
 mod formats;
 mod library;

@@ -2,6 +2,7 @@
 
 use super::arguments::{BuildArguments, QuietArgument, ReportFormat, ViewArguments};
 use super::disk::{self, Destination, MAX_LOG_BYTES};
+use super::failed::{self, FailedBuild};
 use super::formats::EmitChoice;
 use super::{Exit, build, errors, report, terminal, verify};
 use crate::emit::{self, Format};
@@ -15,11 +16,17 @@ pub fn run(arguments: &ViewArguments) -> Exit {
         return Exit::Files;
     }
     let is_log = has_ending("mcap");
-    let (report, pages) = match if is_log { of_log(arguments) } else { of_program(arguments) } {
-        Ok(written) => written,
-        Err(exit) => return exit,
+    let written = match is_log {
+        true => of_log(arguments).map_err(FailedBuild::from),
+        false => of_program(arguments),
     };
-    let exit = terminal::answer(&report);
+    let (exit, pages) = match written {
+        Ok((report, pages)) => (terminal::answer(&report), pages),
+        Err(FailedBuild { exit, page }) => {
+            failed::tell(&arguments.file, page.as_deref(), &build_arguments(arguments));
+            (exit, page.into_iter().collect())
+        }
+    };
     if !arguments.no_open {
         pages.iter().for_each(|page| open(page));
     }
@@ -29,8 +36,12 @@ pub fn run(arguments: &ViewArguments) -> Exit {
 /// The report of what was written, and the pages.
 type WrittenPages = (String, Vec<PathBuf>);
 
-fn of_program(arguments: &ViewArguments) -> Result<WrittenPages, Exit> {
-    let build = BuildArguments {
+fn of_program(arguments: &ViewArguments) -> Result<WrittenPages, FailedBuild> {
+    build::built(&arguments.file, &build_arguments(arguments))
+}
+
+fn build_arguments(arguments: &ViewArguments) -> BuildArguments {
+    BuildArguments {
         files: Vec::new(),
         task: arguments.task.clone(),
         emit: vec![EmitChoice::One(Format::Html)],
@@ -40,8 +51,7 @@ fn of_program(arguments: &ViewArguments) -> Result<WrittenPages, Exit> {
         settings: arguments.settings.clone(),
         quiet: QuietArgument { is_quiet: false },
         report: arguments.report.clone(),
-    };
-    build::built(&arguments.file, &build)
+    }
 }
 
 fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, Exit> {
@@ -59,7 +69,7 @@ fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, Exit> {
     })?;
     let to = Destination { folder: &arguments.output, program: path, force: arguments.force };
     disk::write_all(&to, &pages).map_err(files)?;
-    let pages: Vec<PathBuf> = pages.iter().map(|page| build::shown(&arguments.output, &page.name)).collect();
+    let pages: Vec<PathBuf> = pages.iter().map(|page| disk::shown(&arguments.output, &page.name)).collect();
     let schedule = judged.verified.schedule();
     let names: Vec<String> = pages.iter().map(|page| page.to_string_lossy().into_owned()).collect();
     if format == ReportFormat::Json {

@@ -12,7 +12,8 @@ use std::path::Path;
 /// The schema that SARIF documents name.
 const SARIF_SCHEMA: &str = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
 
-fn severity(code: Code) -> &'static str {
+/// `error` or `warning`.
+pub fn severity(code: Code) -> &'static str {
     match code.severity() {
         Severity::Error => "error",
         Severity::Warning => "warning",

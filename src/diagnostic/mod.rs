@@ -6,10 +6,12 @@
 pub mod code;
 mod excerpt;
 pub mod machine;
+mod place;
 pub mod plain;
 pub mod render;
 
 pub use code::{Code, Severity};
+pub use place::{PlaceUnit, WrittenPlace};
 
 use crate::source::Span;
 use serde::Serialize;

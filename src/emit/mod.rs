@@ -23,6 +23,7 @@ pub mod vcd;
 mod wired;
 
 pub use error::EmitError;
+pub use html::{FAILED_ENDING, FailedProgram};
 
 use crate::schedule::{Reached, Schedule, json};
 use crate::verify::Verified;
@@ -166,6 +167,16 @@ pub fn picture_at(verified: &Verified, t_ns: u64) -> Result<Vec<OutputFile>, Emi
     let schedule = verified.schedule();
     check_finite(schedule)?;
     Ok(vec![OutputFile { name: format!("{}.svg", schedule.name), bytes: svg::write(verified, Some(t_ns))? }])
+}
+
+/// The page of a program that could not be built: its errors, and the scene with what of it could be built. `stem` is the name of the
+/// program's file without its ending.
+///
+/// # Errors
+/// As [`emit`] for [`Format::Html`].
+pub fn failed_page(stem: &str, failed: &FailedProgram, provenance: &Provenance) -> Result<OutputFile, EmitError> {
+    failed.part.map_or(Ok(()), |(verified, _)| check_finite(verified.schedule()))?;
+    Ok(OutputFile { name: format!("{stem}.{FAILED_ENDING}"), bytes: html::write_failed(failed, provenance)? })
 }
 
 /// Formats of decimal text have no form for infinity, and neither voltages nor places have a use for it.

@@ -1,6 +1,7 @@
 //! The built program as users see it: commands, exit statuses, files, streams.
 
 mod editor;
+mod pages;
 mod usage;
 
 use assert_cmd::Command;
@@ -547,26 +548,6 @@ fn logs_that_are_damaged_or_of_another_program_are_refused() {
     says(&err(&bench.run(&["verify", "go.mcap", "--against", "b.twz"]).code(REFUSED)), &["E07"]);
     bench.run(&["verify", "go.mcap", "--against", "missing.twz"]).code(FILES);
     says(&err(&bench.run(&["verify", "a.twz"]).code(FILES)), &["E0840", "`tweeze verify` reads the `.mcap` file"]);
-}
-
-#[test]
-fn a_log_is_shown_as_its_program_is_once_it_is_verified() {
-    let bench = Bench::with(SMALL);
-    let shown = bench.run(&["view", "a.twz", "--no-open"]).code(DONE);
-    says(&out(&shown), &["Verified  go", "Wrote  go.html"]);
-    let page = fs::read(bench.path("go.html")).expect("the page is there");
-    bench.run(&["build", "a.twz", "-o", "logs"]).code(DONE);
-    let shown = bench.run(&["view", "logs/go.mcap", "-o", "pages", "--no-open"]).code(DONE);
-    says(&out(&shown), &["Verified  go", "Wrote  pages/go.html"]);
-    assert_eq!(fs::read(bench.path("pages/go.html")).expect("the page is there"), page);
-    let mut log = fs::read(bench.path("logs/go.mcap")).expect("the log is there");
-    let middle = log.len() / 2;
-    log[middle] ^= 1;
-    fs::write(bench.path("logs/go.mcap"), log).expect("the log is damaged");
-    let refused = bench.run(&["view", "logs/go.mcap", "-o", "none", "--no-open"]).get_output().status.code();
-    assert!(refused != Some(DONE) && bench.names("none").is_empty());
-    bench.run(&["view", "a.twz", "-o", "pages", "--no-open"]).code(FILES);
-    says(&err(&bench.run(&["view", "go.json", "--no-open"]).code(FILES)), &["E0801", "`FILE.mcap`"]);
 }
 
 #[test]

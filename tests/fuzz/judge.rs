@@ -4,7 +4,7 @@ use tweeze::check::Options;
 use tweeze::check::imports::Library;
 use tweeze::compile::{self, CompileOutcome, CompileRequest};
 use tweeze::diagnostic::{Sink, machine, render};
-use tweeze::emit::{self, EmitError, Format, Provenance, mcap};
+use tweeze::emit::{self, EmitError, FailedProgram, Format, Provenance, mcap};
 use tweeze::log;
 use tweeze::schedule::SourceRef;
 use tweeze::source::{FileId, Origin, Sources, beside};
@@ -95,7 +95,10 @@ pub fn build(text: &str, next: &mut dyn FnMut(u64)) -> Built {
     };
     match outcome {
         CompileOutcome::Errors => match first(&sink) {
-            Some((code, _)) if !code.starts_with("E07") => Built::Errors(code),
+            Some((code, _)) if !code.starts_with("E07") => {
+                next(tasks + 1);
+                shown(&program, &sources, &sink).map_or_else(Built::Fault, |()| Built::Errors(code))
+            }
             other => Built::Fault(format!("no error of the program stops it: {other:?}")),
         },
         CompileOutcome::Refused => {
@@ -108,6 +111,23 @@ pub fn build(text: &str, next: &mut dyn FnMut(u64)) -> Built {
                 None => Built::Verified,
             }
         }
+    }
+}
+
+/// The page of a program with errors.
+fn shown(program: &CompileRequest, sources: &Sources, errors: &Sink) -> Result<(), String> {
+    let part = compile::partial(program, errors);
+    let failed = FailedProgram {
+        part: part.as_ref().map(|part| (&part.verified, part.whole.as_ref())),
+        errors,
+        places: part.as_ref().map_or(&[], |part| &part.places),
+        sources,
+    };
+    match emit::failed_page("fuzz", &failed, &provenance(sources)) {
+        Err(EmitError::Failed { detail, .. }) => Err(format!("no page: {detail}")),
+        Err(EmitError::NotFinite) => Err("a number that is not finite in a part that was verified".to_owned()),
+        // Only what is too large has none.
+        Ok(_) | Err(_) => Ok(()),
     }
 }
 

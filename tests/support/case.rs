@@ -33,10 +33,13 @@ impl Case {
     /// Compiles the program up to the verified schedules, or as far as it goes.
     pub fn compile(&self) -> (Sources, Sink) {
         let (mut sources, mut sink) = (Sources::default(), Sink::default());
-        let program =
-            CompileRequest { name: &self.name, text: &self.text, library: &Shelf(self), options: &self.options };
-        compile(&program, &mut sources, &mut sink, &mut |_, _, _| {});
+        self.request(|program| compile(program, &mut sources, &mut sink, &mut |_, _, _| {}));
         (sources, sink)
+    }
+
+    /// What is done with it as a program.
+    pub fn request<T>(&self, act: impl FnOnce(&CompileRequest) -> T) -> T {
+        act(&CompileRequest { name: &self.name, text: &self.text, library: &Shelf(self), options: &self.options })
     }
 
     /// Takes `set=name=value` and `task=name`; anything else is given back.

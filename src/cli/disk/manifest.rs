@@ -62,6 +62,11 @@ impl Manifest {
         Ok(self.files != before)
     }
 
+    /// Whether a file was built from a program.
+    pub fn is_own(&self, to: &Destination, name: &str) -> bool {
+        self.files.get(name).is_some_and(|origin| *origin == ProgramId::of(to.folder, to.program))
+    }
+
     /// Its serialised form.
     pub fn bytes(&self) -> Vec<u8> {
         let mut bytes = serde_json::to_vec_pretty(self).expect("names are JSON");

@@ -135,6 +135,11 @@ pub struct Destination<'a> {
     pub force: bool,
 }
 
+/// Where a file of a folder stands, as the user would write it.
+pub fn shown(folder: &Path, name: &str) -> PathBuf {
+    if folder == Path::new(".") { PathBuf::from(name) } else { folder.join(name) }
+}
+
 /// Writes a set of files into a folder: all of them, or none; see [`commit`] for the effect of a kill. Files that another program was
 /// built to are replaced only if that is requested.
 ///
@@ -166,6 +171,18 @@ pub fn write_all(to: &Destination, files: &[OutputFile]) -> Result<(), Box<Diagn
         signals::wait_for_end();
     }
     written
+}
+
+/// Removes a file of a folder that was built from this program, if it is there.
+///
+/// # Errors
+/// A diagnostic that names the file or folder and why.
+pub fn remove_own(to: &Destination, name: &str) -> Result<(), Box<Diagnostic>> {
+    let path = to.folder.join(name);
+    if path.symlink_metadata().is_err() || !Manifest::read(to.folder)?.is_own(to, name) {
+        return Ok(());
+    }
+    fs::remove_file(&path).map_err(|error| Box::new(errors::unwritable(&path, &error)))
 }
 
 /// Whether files can be written into a folder, or into the nearest one above it that exists: asked before a long search for a plan.

@@ -18,6 +18,11 @@ fn declared(tally: DeclarationTally) -> Value {
     json!({ "devices": devices, "scenes": scenes, "tasks": tasks, "programs": programs })
 }
 
+/// The report of a build that failed, of which a page was written.
+pub fn failed(file: &str, page: &str) -> Value {
+    json!({ "failed": file, "files": [page] })
+}
+
 /// The report of `build`: each schedule with its plans, the files written, and the formats that have no form for it.
 pub fn built(file: &str, compiled: &Compiled, settings: &[String], written: &[WrittenSchedule]) -> Value {
     let schedules = compiled.schedules.iter().zip(written);

@@ -1,29 +1,39 @@
 //! HTML: one page that plays a schedule, without a server, a network or another file.
 //!
+//! A program that could not be built has a page too (`failed`): its errors, and the scene with what of it could be built.
+//!
 //! The page holds the program, the schedule and the claims as JSON (`schema/page.schema.json`), and draws them itself: program, scene,
 //! timeline and claims on one clock. Style and script are those of `assets/page`, put together here as they are.
 
+mod failed;
+
+pub use failed::{FAILED_ENDING, FailedProgram};
+
 use super::error::MAX_TEXT_BYTES;
 use super::{EmitError, Format, Provenance};
+use crate::claims::Claims;
 use crate::log;
 use crate::schedule::json;
 use crate::verify::Verified;
+use failed::PageFailure;
 use serde::Serialize;
 use serde_json::value::RawValue;
 
 /// The page without its style, data and script.
-const PAGE: &str = include_str!("../../assets/page/page.html");
+const PAGE: &str = include_str!("../../../assets/page/page.html");
 
-const STYLE: &str = include_str!("../../assets/page/page.css");
+const STYLE: &str = include_str!("../../../assets/page/page.css");
 
 /// The parts of the script, in the order in which they use one another.
-const SCRIPTS: [&str; 6] = [
-    include_str!("../../assets/page/model.js"),
-    include_str!("../../assets/page/scene.js"),
-    include_str!("../../assets/page/timeline.js"),
-    include_str!("../../assets/page/program.js"),
-    include_str!("../../assets/page/claims.js"),
-    include_str!("../../assets/page/main.js"),
+const SCRIPTS: [&str; 8] = [
+    include_str!("../../../assets/page/model.js"),
+    include_str!("../../../assets/page/pen.js"),
+    include_str!("../../../assets/page/scene.js"),
+    include_str!("../../../assets/page/timeline.js"),
+    include_str!("../../../assets/page/program.js"),
+    include_str!("../../../assets/page/claims.js"),
+    include_str!("../../../assets/page/failure.js"),
+    include_str!("../../../assets/page/main.js"),
 ];
 
 /// Version of the data in a page.
@@ -36,11 +46,15 @@ struct PageData<'a> {
     version: u32,
     /// The version that wrote it.
     tweeze: &'static str,
-    schedule: &'a RawValue,
-    claims: &'a RawValue,
+    /// None where nothing of a program could be built.
+    schedule: Option<&'a RawValue>,
+    claims: Option<&'a RawValue>,
     /// The program's own file first, then those that it uses.
     sources: Vec<PageSource<'a>>,
     settings: &'a [String],
+    /// Why the program could not be built.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    failure: Option<PageFailure<'a>>,
 }
 
 #[derive(Serialize)]
@@ -54,25 +68,49 @@ struct PageSource<'a> {
 /// # Errors
 /// [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`]; [`EmitError::Failed`] if the library that writes JSON fails.
 pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
-    let failed = |error: serde_json::Error| EmitError::Failed { format: Format::Html, detail: error.to_string() };
+    page(Some((verified, verified.claims())), provenance, None)
+}
+
+/// The bytes of the page of a program that could not be built.
+///
+/// # Errors
+/// As those of [`write`].
+pub(super) fn write_failed(failed: &FailedProgram, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
+    let part = failed.part.map(|(verified, whole)| (verified, whole.unwrap_or(verified.claims())));
+    page(part, provenance, Some(failed.failure()))
+}
+
+fn page(
+    built: Option<(&Verified, &Claims)>,
+    provenance: &Provenance,
+    failure: Option<PageFailure>,
+) -> Result<Vec<u8>, EmitError> {
     let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
-    let schedule = RawValue::from_string(text(json::write(verified.schedule()))).map_err(failed)?;
-    EmitError::refuse_size(Format::Html, schedule.get().len() as u64, MAX_TEXT_BYTES)?;
-    let claims = log::write_claims(verified.claims()).and_then(|claims| RawValue::from_string(text(claims)));
+    let schedule = built.map(|(verified, _)| RawValue::from_string(text(json::write(verified.schedule()))));
+    let schedule = schedule.transpose().map_err(unwritten)?;
+    let length = schedule.as_ref().map_or(0, |schedule| schedule.get().len());
+    EmitError::refuse_size(Format::Html, length as u64, MAX_TEXT_BYTES)?;
+    let claims = built.map(|(_, claims)| log::write_claims(claims).and_then(|it| RawValue::from_string(text(it))));
+    let claims = claims.transpose().map_err(unwritten)?;
     let data = PageData {
         format: "tweeze-page",
         version: VERSION,
         tweeze: env!("CARGO_PKG_VERSION"),
-        schedule: &schedule,
-        claims: &claims.map_err(failed)?,
+        schedule: schedule.as_deref(),
+        claims: claims.as_deref(),
         sources: provenance.files.iter().map(|(name, text)| PageSource { name, text }).collect(),
         settings: &provenance.settings,
+        failure,
     };
     // In JSON a `<` stands within strings only; escaped, nothing in them can end the script that carries them.
-    let data = serde_json::to_string(&data).map_err(failed)?.replace('<', "\\u003c");
+    let data = serde_json::to_string(&data).map_err(unwritten)?.replace('<', "\\u003c");
     let page = assembled(&[("/*style*/", STYLE), ("/*data*/", &data), ("/*script*/", &SCRIPTS.concat())]);
     EmitError::refuse_size(Format::Html, page.len() as u64, MAX_TEXT_BYTES)?;
     Ok(page.into_bytes())
+}
+
+fn unwritten(error: serde_json::Error) -> EmitError {
+    EmitError::Failed { format: Format::Html, detail: error.to_string() }
 }
 
 /// The page with each mark, in the order in which they stand in it, replaced by its text; marks within these texts stay.

@@ -1,5 +1,9 @@
 //! From a program's text to verified schedules: the stages in their order.
 
+mod partial;
+
+pub use partial::{PartialBuild, partial};
+
 use crate::check::imports::{self, Library};
 use crate::check::links::NameLink;
 use crate::check::{self, Checked, DeclarationTally, Options};

@@ -1,0 +1,104 @@
+// Why a program could not be built: its errors as cards, at their lines, and at their places in the scene.
+"use strict";
+
+/** Says at the top that the program was not built. */
+function showRefusal(verdict, { failure }) {
+  const errors = failure.findings.filter(({ severity }) => severity === "error").length;
+  verdict.className = "failed";
+  verdict.textContent = `✗ not built: ${counted(errors, "error")}`;
+  verdict.title = "The scene shows what of the program could be built";
+}
+
+/** What is wrong: each finding with its places, and what the scene shows instead. */
+function drawFailure(root, { failure, page, steps }, reveal) {
+  // Errors before warnings; each kind stays in the order of its places.
+  const isWarning = ({ severity }) => Number(severity === "warning");
+  for (const { code, severity, title, help, labels } of [...failure.findings].sort((a, b) => isWarning(a) - isWarning(b))) {
+    const card = add(root, "section", "", `card ${severity}`);
+    const head = add(card, "p", "", "finding");
+    add(head, "b", `${severity} ${code}`);
+    head.append(` ${title}`);
+    for (const label of labels) {
+      const place = `${label.file}:${label.line}`;
+      const jump = add(card, "button", label.text ? `${place} ${label.text}` : place, "jump");
+      jump.type = "button";
+      jump.addEventListener("click", () => reveal(label));
+    }
+    if (help) add(card, "p", `help: ${help}`, "help");
+  }
+  if (failure.more) add(root, "p", `and ${failure.more} more`, "remark");
+  if (!page.schedule) return;
+  const built = steps.length ? `${counted(steps.length, "step")}, planned and verified` : "the scene before the first step";
+  add(add(root, "section", "", "card"), "p", `Shown is what could be built: ${built}.`, "remark");
+}
+
+/** Share of a scene by which it grows to say that a place is far outside of it. */
+const GROWTH = 0.3;
+
+/** Sizes of a scene beyond which a place outside of it is too far away to be shown to scale. */
+const FAR = 1.5;
+
+/** The places of a view that errors are about, those far outside of the scene drawn in to its edge; the view grows to show them. */
+function placeFaults(view, places) {
+  const [low, high] = view.extent;
+  const isOfView = ({ device }) => device === null || view.devices.some(({ name }) => name === device);
+  const spots = view.spot ? places.filter(isOfView).map((place) => ({ place, at: view.spot(place) })).filter(({ at }) => at) : [];
+  const size = Math.max(...[0, 1].map((axis) => high[axis] - low[axis]));
+  const within = (at, more) => at.map((value, axis) => Math.min(high[axis] + more * size, Math.max(low[axis] - more * size, value)));
+  const named = spots.map(({ place, at }) => {
+    const words = `(${place.at.map((value) => short(value)).join(", ")})${place.unit === "um" ? " um" : ""}`;
+    const isFar = within(at, FAR).some((value, axis) => value !== at[axis]);
+    return isFar ? [`far off: ${words}`, within(at, GROWTH)] : [words, at];
+  });
+  view.faults = [...new Map(named)].map(([words, at]) => ({ words, at }));
+  if (view.faults.length) {
+    const [least, most] = boxAbout([...view.faults.map(({ at }) => at)], 0);
+    const more = 0.04 * size;
+    view.extent = [low.map((value, axis) => Math.min(value, least[axis] - more)), high.map((value, axis) => Math.max(value, most[axis] + more))];
+  }
+}
+
+/** The box of a text on a canvas: its corners. */
+function boxOfText(g, { words, x, y, align, size }) {
+  g.font = `600 ${size}px system-ui, sans-serif`;
+  const width = g.measureText(words).width;
+  const left = align === "right" ? x - width : align === "center" ? x - width / 2 : x;
+  return [left, y - size / 2, left + width, y + size / 2];
+}
+
+const overlap = ([a, b, c, d], [e, f, g, h]) => a < g && e < c && b < h && f < d;
+
+/** Rings the places that errors are about, and names each where there is room for it. */
+function drawFaults(pen, faults) {
+  if (faults.length === 0) return;
+  const { g, theme, box } = pen;
+  const radius = 9;
+  const taken = pen.texts.map((text) => boxOfText(g, text));
+  for (const { at } of faults) {
+    const [x, y] = pen.at(at);
+    for (const [color, width] of [[theme.paper, 6], [theme.alarm, 3]]) {
+      Object.assign(g, { strokeStyle: color, lineWidth: width, lineCap: "butt" });
+      g.beginPath();
+      g.arc(x, y, radius, 0, 2 * Math.PI);
+      for (const [dx, dy] of [[1, 1], [-1, 1], [1, -1], [-1, -1]]) {
+        g.moveTo(x + radius * Math.SQRT1_2 * dx, y + radius * Math.SQRT1_2 * dy);
+        g.lineTo(x + (radius + 4) * dx, y + (radius + 4) * dy);
+      }
+      g.stroke();
+    }
+    taken.push([x - radius, y - radius, x + radius, y + radius]);
+  }
+  for (const { at, words } of faults) {
+    const [x, y] = pen.at(at);
+    // A goal names itself.
+    if (pen.texts.some((text) => text.words === words && Math.hypot(text.x - x, text.y - y) < 60)) continue;
+    for (const [dx, dy, align] of [[14, -14, "left"], [-14, -14, "right"], [14, 14, "left"], [-14, 14, "right"], [0, -26, "center"], [0, 26, "center"]]) {
+      const corners = boxOfText(g, { words, x: x + dx, y: y + dy, align, size: 12 });
+      const isInside = corners[0] >= box.x && corners[2] <= box.x + box.width;
+      if (!isInside || taken.some((other) => overlap(corners, other))) continue;
+      pen.text(at, words, theme.alarm, { dx, dy, align, weight: "600" });
+      taken.push(corners);
+      break;
+    }
+  }
+}

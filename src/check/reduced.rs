@@ -1,0 +1,199 @@
+//! A program without what is at fault, so that the rest can be checked, planned and shown.
+//!
+//! Of a task, a setting at fault is left out alone, a step with all steps after it; of a scene, the object at fault. Settings and names
+//! stay where they are: the places of what remains are those of the whole program.
+
+use super::scope::Module;
+use super::tasks::is_setting;
+use crate::diagnostic::{PlaceUnit, WrittenPlace};
+use crate::quantity::{Dimension, Unit};
+use crate::source::Span;
+use crate::syntax::tree::{Entry, Expr, ExprKind, Item, Object, SceneEntry, Step, Task};
+
+/// Greatest number of places of one program that are marked.
+const MAX_PLACES: usize = 100;
+
+/// What was left out of a program.
+#[derive(Debug, Default)]
+pub struct LeftOut {
+    /// The names of the tasks that lack something now, where they are declared.
+    pub tasks: Vec<Span>,
+    /// The places in the scene that the parts at fault are about, as far as they are written in numbers.
+    pub places: Vec<WrittenPlace>,
+}
+
+/// Leaves out of the user's own files what `faults` point to.
+pub fn leave_out(modules: &mut [Module], faults: &[Span]) -> LeftOut {
+    let mut left_out = LeftOut::default();
+    for module in modules.iter_mut().filter(|module| !module.is_library()) {
+        for item in &mut module.tree.items {
+            match item {
+                Item::Task(task) => of_task(task, faults, &mut left_out),
+                Item::Scene(scene) => of_scene(&mut scene.entries, faults, &mut left_out),
+                Item::Use(_)
+                | Item::Let(_)
+                | Item::Device(_)
+                | Item::Instrument(_)
+                | Item::Program(_)
+                | Item::Wiring(_)
+                | Item::Error(_) => {}
+            }
+        }
+    }
+    left_out
+}
+
+/// Leaves out every step of every task of the user's own files.
+pub fn leave_out_all_steps(modules: &mut [Module]) -> LeftOut {
+    let mut left_out = LeftOut::default();
+    for module in modules.iter_mut().filter(|module| !module.is_library()) {
+        for item in &mut module.tree.items {
+            if let Item::Task(task) = item {
+                cut(task, first_step(task), &mut left_out);
+            }
+        }
+    }
+    left_out
+}
+
+fn of_task(task: &mut Task, faults: &[Span], left_out: &mut LeftOut) {
+    let own: Vec<Span> = faults.iter().copied().filter(|fault| task.span.contains(*fault)).collect();
+    let at_fault = |entries: &[Entry], fault: Span| entries.iter().position(|entry| span_of(entry).contains(fault));
+    let known = left_out.places.len();
+    for &fault in &own {
+        if let Some(at) = at_fault(&task.entries, fault) {
+            places_in(&task.entries[at], fault, &mut left_out.places);
+        }
+    }
+    let named = task.device.segments.last().filter(|segment| segment.indices.is_empty());
+    let device = named.map(|segment| segment.name.text.to_string());
+    left_out.places[known..].iter_mut().for_each(|place| place.device.clone_from(&device));
+    for fault in own {
+        let Some(at) = at_fault(&task.entries, fault) else {
+            // In its head, unless it was in an entry that is left out already.
+            if task.entries.first().is_some_and(|first| fault.end <= span_of(first).start) {
+                cut(task, first_step(task), left_out);
+            }
+            continue;
+        };
+        if is_step(&task.entries[at]) {
+            cut(task, at, left_out);
+        } else {
+            task.entries.remove(at);
+            left_out.tasks.push(task.name.span);
+        }
+    }
+}
+
+/// The index of the first entry that is no setting.
+fn first_step(task: &Task) -> usize {
+    task.entries.iter().position(is_step).unwrap_or(task.entries.len())
+}
+
+fn is_step(entry: &Entry) -> bool {
+    match entry {
+        Entry::Field(_) => false,
+        Entry::Step(step) => !is_setting(step),
+        Entry::For(_) | Entry::Error(_) => true,
+    }
+}
+
+fn cut(task: &mut Task, from: usize, left_out: &mut LeftOut) {
+    if from < task.entries.len() {
+        left_out.tasks.push(task.name.span);
+        task.entries.truncate(from);
+    }
+}
+
+fn span_of(entry: &Entry) -> Span {
+    match entry {
+        Entry::Field(field) => field.span,
+        Entry::Step(step) => step.span,
+        Entry::For(each) => each.span,
+        Entry::Error(span) => *span,
+    }
+}
+
+fn of_scene(entries: &mut Vec<SceneEntry>, faults: &[Span], left_out: &mut LeftOut) {
+    entries.retain(|entry| {
+        let span = match entry {
+            SceneEntry::Object(object) => object.span,
+            SceneEntry::For(each) => each.span,
+            SceneEntry::Error(span) => *span,
+        };
+        let Some(&fault) = faults.iter().find(|fault| span.contains(**fault)) else { return true };
+        if let SceneEntry::Object(Object { at: Some(at), .. }) = entry {
+            places_of(at, None, fault, &mut left_out.places);
+        }
+        false
+    });
+}
+
+/// The places that an entry names within a fault, or round it.
+fn places_in(entry: &Entry, fault: Span, places: &mut Vec<WrittenPlace>) {
+    match entry {
+        Entry::Step(step) => places_in_step(step, fault, places),
+        Entry::For(each) => each.entries.iter().for_each(|entry| places_in(entry, fault, places)),
+        Entry::Field(_) | Entry::Error(_) => {}
+    }
+}
+
+fn places_in_step(step: &Step, fault: Span, places: &mut Vec<WrittenPlace>) {
+    let values = step.object.iter().chain(step.phrases.iter().map(|phrase| &phrase.value));
+    values.for_each(|value| places_of(value, Some(step.span), fault, places));
+    step.block.iter().flatten().for_each(|entry| places_in(entry, fault, places));
+}
+
+/// The places within a value that lie in a fault, or in which it lies; of a whole step (or without one, an object), all.
+fn places_of(value: &Expr, step: Option<Span>, fault: Span, places: &mut Vec<WrittenPlace>) {
+    let is_about =
+        |span: Span| fault.contains(span) || span.contains(fault) || step.is_none_or(|step| fault.contains(step));
+    match &value.kind {
+        ExprKind::Tuple(parts) | ExprKind::Call { arguments: parts, .. } if is_about(value.span) => {
+            let [first, second, ..] = parts.as_slice() else { return };
+            let (Some((x, one)), Some((y, other))) = (written(first), written(second)) else { return };
+            if one == other && places.len() < MAX_PLACES {
+                places.push(WrittenPlace { span: value.span, device: None, unit: one, at: [x, y] });
+            }
+        }
+        ExprKind::List(parts) => parts.iter().for_each(|part| places_of(part, step, fault, places)),
+        ExprKind::Tuple(_)
+        | ExprKind::Call { .. }
+        | ExprKind::Number(_)
+        | ExprKind::Quantity { .. }
+        | ExprKind::Word(_)
+        | ExprKind::Text(_)
+        | ExprKind::Bool(_)
+        | ExprKind::Path(_)
+        | ExprKind::Range { .. }
+        | ExprKind::Negative(_)
+        | ExprKind::Binary { .. }
+        | ExprKind::With { .. }
+        | ExprKind::Table(_)
+        | ExprKind::Error => {}
+    }
+}
+
+/// A number without a unit, or a length in micrometres, as far as it is written and not computed.
+fn written(value: &Expr) -> Option<(f64, PlaceUnit)> {
+    match &value.kind {
+        ExprKind::Number(digits) => Some((digits.parse().ok()?, PlaceUnit::Cells)),
+        ExprKind::Quantity { number, unit } => {
+            let length = Unit::parse(&unit.text).ok()?.of(number)?;
+            (length.dimension == Dimension::LENGTH).then(|| (length.in_unit("um"), PlaceUnit::Micrometres))
+        }
+        ExprKind::Negative(inner) => written(inner).map(|(value, unit)| (-value, unit)),
+        ExprKind::Word(_)
+        | ExprKind::Text(_)
+        | ExprKind::Bool(_)
+        | ExprKind::Path(_)
+        | ExprKind::Tuple(_)
+        | ExprKind::List(_)
+        | ExprKind::Range { .. }
+        | ExprKind::Binary { .. }
+        | ExprKind::Call { .. }
+        | ExprKind::With { .. }
+        | ExprKind::Table(_)
+        | ExprKind::Error => None,
+    }
+}

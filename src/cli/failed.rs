@@ -1,0 +1,87 @@
+//! The page of a program that could not be built.
+
+use super::arguments::{BuildArguments, ReportFormat};
+use super::disk::{self, Destination};
+use super::loaded::Loaded;
+use super::{Exit, report, terminal};
+use crate::compile;
+use crate::diagnostic::Sink;
+use crate::emit::{self, FAILED_ENDING, FailedProgram, Provenance};
+use crate::source::Sources;
+use std::path::{Path, PathBuf};
+
+/// How a build failed.
+pub struct FailedBuild {
+    pub exit: Exit,
+    /// The page that shows why.
+    pub page: Option<PathBuf>,
+}
+
+impl From<Exit> for FailedBuild {
+    fn from(exit: Exit) -> FailedBuild {
+        FailedBuild { exit, page: None }
+    }
+}
+
+/// Writes the page of a program whose errors were reported; where it stands.
+pub fn write(
+    loaded: &Loaded,
+    arguments: &BuildArguments,
+    (sources, errors): (&Sources, &Sink),
+    provenance: &Provenance,
+) -> Result<PathBuf, Exit> {
+    let report_format = arguments.report.format;
+    let part = compile::partial(&loaded.program(&loaded.disk()), errors);
+    let failed = FailedProgram {
+        part: part.as_ref().map(|part| (&part.verified, part.whole.as_ref())),
+        errors,
+        places: part.as_ref().map_or(&[], |part| &part.places),
+        sources,
+    };
+    let page = emit::failed_page(&stem(loaded.path()), &failed, provenance).map_err(|error| {
+        terminal::report_one(error.diagnostic(), report_format);
+        Exit::Errors
+    })?;
+    let name = disk::shown(&arguments.output, &page.name);
+    disk::write_all(&destination(loaded.path(), arguments), &[page]).map_err(|diagnostic| {
+        terminal::report_one(*diagnostic, report_format);
+        Exit::Files
+    })?;
+    Ok(name)
+}
+
+/// Says where the page stands.
+pub fn tell(program: &Path, page: Option<&Path>, arguments: &BuildArguments) {
+    let Some(page) = page else { return };
+    let page = page.to_string_lossy();
+    let text = match arguments.report.format {
+        ReportFormat::Json => format!("{}\n", report::json::failed(&program.to_string_lossy(), &page)),
+        ReportFormat::Human | ReportFormat::Short | ReportFormat::Github => {
+            terminal::line("Wrote", &page, 0, "what went wrong, and where")
+        }
+    };
+    // The errors decide the exit status.
+    let _ = terminal::success(&text, arguments.quiet);
+}
+
+/// Removes the page of an earlier, failed build of a program, now that it is built.
+///
+/// # Errors
+/// The exit status, once it was reported that the page cannot be removed.
+pub fn forget(program: &Path, arguments: &BuildArguments) -> Result<(), Exit> {
+    let name = format!("{}.{FAILED_ENDING}", stem(program));
+    disk::remove_own(&destination(program, arguments), &name).map_err(|diagnostic| {
+        terminal::report_one(*diagnostic, arguments.report.format);
+        Exit::Files
+    })
+}
+
+fn destination<'a>(program: &'a Path, arguments: &'a BuildArguments) -> Destination<'a> {
+    Destination { folder: &arguments.output, program, force: arguments.force }
+}
+
+/// The name of a program's file without its ending; that of standard input is `stdin`.
+fn stem(program: &Path) -> String {
+    let stem = program.file_stem().unwrap_or_default().to_string_lossy();
+    stem.trim_matches(['<', '>']).to_owned()
+}

@@ -1,0 +1,119 @@
+"""Pages of programs that cannot be built, in a real browser: each error at its line, and at its place in the scene.
+
+`TWEEZE_FAILURES` names a folder of pages; `CHROMIUM` the browser, if it is not on the path.
+"""
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+PAGES = sorted(Path(os.environ.get("TWEEZE_FAILURES", "out/failures")).glob("**/*.failed.html"))
+WINDOWS = [(1280, 720), (1920, 1080), (800, 900)]
+
+
+@pytest.fixture(scope="module", params=PAGES, ids=lambda path: path.name.removesuffix(".failed.html"))
+def page(browser, request):
+    page = browser.new_page(viewport={"width": WINDOWS[0][0], "height": WINDOWS[0][1]})
+    errors = []
+    page.on("console", lambda message: errors.append(message.text) if message.type in ("error", "warning") else None)
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.on("request", lambda sent: errors.append(sent.url) if not sent.url.startswith("file:") else None)
+    page.goto(request.param.resolve().as_uri())
+    page.data = json.loads(page.locator("#data").text_content())
+    yield page
+    assert errors == []
+    page.close()
+
+
+def findings(page, severity):
+    return [finding for finding in page.data["failure"]["findings"] if finding["severity"] == severity]
+
+
+def test_there_are_enough_pages():
+    assert len(PAGES) >= 10, "TWEEZE_FAILURES names a folder of pages of failed builds"
+
+
+def test_data_has_its_schema(page):
+    import jsonschema
+
+    schema = json.loads((Path(__file__).parents[2] / "schema" / "page.schema.json").read_text())
+    jsonschema.Draft202012Validator(schema).validate(page.data)
+
+
+def test_it_says_at_once_that_nothing_was_built(page):
+    errors = len(findings(page, "error"))
+    assert errors > 0
+    assert page.locator("#verdict").text_content() == f"✗ not built: {errors} error{'' if errors == 1 else 's'}"
+    assert page.locator("#claims .card.error").count() == errors
+    first = page.locator("#claims .card").first.text_content()
+    assert findings(page, "error")[0]["code"] in first and findings(page, "error")[0]["title"] in first
+
+
+def test_each_finding_stands_at_its_line(page):
+    names = [source["name"] for source in page.data["sources"]]
+    for finding in page.data["failure"]["findings"]:
+        for nth, label in enumerate(finding["labels"]):
+            if label["file"] not in names:
+                continue
+            row = page.locator("ol.code").nth(names.index(label["file"])).locator("li").nth(label["line"] - 1)
+            assert (finding["severity"] if nth == 0 else "related") in row.get_attribute("class").split()
+            assert (label["text"] or finding["title"]) in row.locator(".note").all_text_contents()
+
+
+def test_marks_leave_the_text_of_the_program_as_it_is(page):
+    texts = page.evaluate(
+        """() => [...document.querySelectorAll("ol.code")].map((code) => [...code.children].map((row) => {
+          const bare = row.cloneNode(true);
+          bare.querySelectorAll(".note").forEach((note) => note.remove());
+          return bare.textContent;
+        }))"""
+    )
+    for text, source in zip(texts, page.data["sources"], strict=True):
+        assert text == source["text"].removesuffix("\n").replace("\r\n", "\n").split("\n")
+
+
+def test_what_is_underlined_is_what_the_error_points_to(page):
+    for finding in findings(page, "error"):
+        for label in finding["labels"][:1]:
+            source = next((one for one in page.data["sources"] if one["name"] == label["file"]), None)
+            if source is None or label["line"] != label["end_line"]:
+                continue
+            line = source["text"].split("\n")[label["line"] - 1]
+            wanted = line[label["column"] - 1 : label["end_column"] - 1].strip()
+            row = page.locator("ol.code").nth(page.data["sources"].index(source)).locator("li").nth(label["line"] - 1)
+            assert wanted in "".join(row.locator(".fault").all_text_contents()), line
+
+
+def test_places_are_marked_in_the_window(page):
+    marked = page.evaluate(
+        """() => tweeze.views.flatMap((view) => view.faults.map(({ at, words }) => {
+          const [x, y] = view.pen.at(at);
+          return { words, isInside: x > 0 && y > 0 && x < view.canvas.clientWidth && y < view.canvas.clientHeight };
+        }))"""
+    )
+    assert all(mark["isInside"] for mark in marked), marked
+    kinds = {plan["kind"] for plan in (page.data["schedule"] or {"plans": []})["plans"]}
+    if any(place["device"] is None for place in page.data["failure"]["places"]) and kinds and kinds != {"fingers"}:
+        assert marked
+
+
+def test_a_click_on_a_finding_leads_to_its_line(page):
+    for at in range(page.locator("#claims .card .jump").count()):
+        page.locator("#claims .card .jump").nth(at).click()
+    assert page.locator("ol.code:visible").count() == 1
+
+
+@pytest.mark.parametrize("size", WINDOWS, ids=lambda size: f"{size[0]}x{size[1]}")
+def test_everything_fits_the_window(page, size):
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    is_still = page.evaluate("tweeze.model.duration_ns === 0")
+    assert page.locator("#controls").is_visible() != is_still
+    page.set_viewport_size({"width": WINDOWS[0][0], "height": WINDOWS[0][1]})
+
+
+def test_a_list_of_many_findings_leaves_the_scene_its_room(page):
+    stage, head = page.locator("#stage").bounding_box(), page.locator("header").bounding_box()
+    assert stage["width"] > 500 and stage["height"] > 250 and stage["y"] >= head["height"] - 1
