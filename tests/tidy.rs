@@ -30,7 +30,7 @@ const SIGHT: &[(&str, &[&str])] = &[
     ("simulate", &["claims", "plan"]),
     ("lower", &["claims", "plan", "schedule"]),
     ("emit", &["claims", "schedule", "verify", "log"]),
-    ("compile", &["syntax", "claims", "check", "plan", "lower", "verify"]),
+    ("compile", &["syntax", "claims", "schedule", "check", "plan", "lower", "verify"]),
     ("lsp", &["syntax", "format", "check", "compile"]),
     (
         "cli",

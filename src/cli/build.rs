@@ -5,8 +5,7 @@ use super::disk::{self, Destination};
 use super::failed::{self, FailedBuild};
 use super::formats::ChosenFormats;
 use super::loaded::Loaded;
-use super::report::WrittenSchedule;
-use super::waiting::ProgressLine;
+use super::report::{LiveReport, ReportedBuild, Totals, WrittenSchedule};
 use super::{Exit, errors, report, signals, terminal, verify};
 use crate::check::Options;
 use crate::compile::{self, CompileOutcome, Compiled};
@@ -23,21 +22,40 @@ pub fn run(arguments: &BuildArguments) -> Exit {
     if arguments.files.iter().filter(|file| disk::is_standard_input(file)).count() > 1 {
         return misused("standard input holds one program: `-` can be given once");
     }
+    let mut totals = Totals::of(arguments.files.len());
     let one = |file: &PathBuf| match built(file, arguments) {
-        Ok((report, _)) => terminal::success(&report, arguments.quiet),
+        Ok(built) => {
+            totals.add(built.schedules, built.files.len());
+            built.exit
+        }
         Err(FailedBuild { exit, page }) => {
             failed::tell(file, page.as_deref(), arguments);
             exit
         }
     };
-    arguments.files.iter().map(one).fold(Exit::Done, Exit::max)
+    let exit = arguments.files.iter().map(one).fold(Exit::Done, Exit::max);
+    match arguments.report.format {
+        ReportFormat::Json => exit,
+        ReportFormat::Human | ReportFormat::Short | ReportFormat::Github => {
+            exit.max(terminal::success(&totals.line(), arguments.quiet))
+        }
+    }
 }
 
-/// Builds a program and writes its files; the report, and where the files stand.
+/// A program that was built, and its files written.
+pub struct BuiltProgram {
+    /// Whether the report could be told.
+    pub exit: Exit,
+    pub schedules: usize,
+    /// Where they stand.
+    pub files: Vec<PathBuf>,
+}
+
+/// Builds a program, writes its files, and reports both as it goes on.
 ///
 /// # Errors
 /// The exit status, once the diagnostics were reported, with the page that shows them if pages were asked for.
-pub fn built(file: &Path, arguments: &BuildArguments) -> Result<(String, Vec<PathBuf>), FailedBuild> {
+pub fn built(file: &Path, arguments: &BuildArguments) -> Result<BuiltProgram, FailedBuild> {
     signals::catch();
     let format = arguments.report.format;
     let chosen = ChosenFormats::of(&arguments.emit);
@@ -51,17 +69,20 @@ pub fn built(file: &Path, arguments: &BuildArguments) -> Result<(String, Vec<Pat
     let options = Options { settings: arguments.settings.set.clone(), only: arguments.task.clone() };
     let loaded = Loaded::read(file, options, &arguments.report)?;
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let waiting = ProgressLine::begin();
-    let outcome =
-        compile::compile(&loaded.program(&loaded.disk()), &mut sources, &mut sink, &mut |index, count, task| {
-            waiting.at(index, count, task)
-        });
-    drop(waiting);
+    let mut live = LiveReport::begin(ReportedBuild {
+        program: loaded.path(),
+        settings: &loaded.options.settings,
+        output: &arguments.output,
+        formats: &chosen.formats,
+        is_told: !arguments.quiet.is_quiet && format != ReportFormat::Json,
+    });
+    let outcome = compile::compile(&loaded.program(&loaded.disk()), &mut sources, &mut sink, &mut live);
+    live.end_planning();
     terminal::report(&sink, &sources, format);
     let provenance = provenance(&sources, &loaded.options);
     let exit = match outcome {
         CompileOutcome::Compiled(compiled) => {
-            let written = write((loaded.path(), arguments), &chosen, compiled, &provenance)?;
+            let written = write((loaded.path(), arguments), (&chosen, live), compiled, &provenance)?;
             failed::forget(loaded.path(), arguments)?;
             return Ok(written);
         }
@@ -91,10 +112,10 @@ pub fn provenance(sources: &Sources, options: &Options) -> Provenance {
 
 fn write(
     (program, arguments): (&Path, &BuildArguments),
-    chosen: &ChosenFormats,
+    (chosen, live): (&ChosenFormats, LiveReport),
     compiled: Compiled,
     provenance: &Provenance,
-) -> Result<(String, Vec<PathBuf>), Exit> {
+) -> Result<BuiltProgram, Exit> {
     let report_format = arguments.report.format;
     let mut files: Vec<OutputFile> = Vec::new();
     let mut written: Vec<WrittenSchedule> = Vec::new();
@@ -129,16 +150,14 @@ fn write(
         terminal::report_one(*diagnostic, report_format);
         return Err(Exit::Files);
     }
-    let settings = &arguments.settings.set;
-    let report = match report_format {
-        ReportFormat::Json => {
-            format!("{}\n", report::json::built(&program.to_string_lossy(), &compiled, settings, &written))
-        }
-        ReportFormat::Human | ReportFormat::Short | ReportFormat::Github => {
-            report::build(program, &compiled, settings, &written)
-        }
-    };
-    Ok((report, written.into_iter().flat_map(|written| written.paths).collect()))
+    let mut exit = live.wrote(&compiled.schedules, &written);
+    if report_format == ReportFormat::Json {
+        let settings = &arguments.settings.set;
+        let report = report::json::built(&program.to_string_lossy(), &compiled, settings, &written);
+        exit = exit.max(terminal::success(&format!("{report}\n"), arguments.quiet));
+    }
+    let files = written.into_iter().flat_map(|written| written.paths).collect();
+    Ok(BuiltProgram { exit, schedules: compiled.schedules.len(), files })
 }
 
 /// Verifies the log of a schedule from its bytes, as `tweeze verify` would: whatever is written can be read. The schedule read back replaces

@@ -21,7 +21,7 @@ pub fn run(arguments: &ViewArguments) -> Exit {
         false => of_program(arguments),
     };
     let (exit, pages) = match written {
-        Ok((report, pages)) => (terminal::answer(&report), pages),
+        Ok(written) => written,
         Err(FailedBuild { exit, page }) => {
             failed::tell(&arguments.file, page.as_deref(), &build_arguments(arguments));
             (exit, page.into_iter().collect())
@@ -33,11 +33,11 @@ pub fn run(arguments: &ViewArguments) -> Exit {
     exit
 }
 
-/// The report of what was written, and the pages.
-type WrittenPages = (String, Vec<PathBuf>);
+/// The exit status of the report, and the pages.
+type WrittenPages = (Exit, Vec<PathBuf>);
 
 fn of_program(arguments: &ViewArguments) -> Result<WrittenPages, FailedBuild> {
-    build::built(&arguments.file, &build_arguments(arguments))
+    build::built(&arguments.file, &build_arguments(arguments)).map(|built| (built.exit, built.files))
 }
 
 fn build_arguments(arguments: &ViewArguments) -> BuildArguments {
@@ -75,13 +75,13 @@ fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, Exit> {
     if format == ReportFormat::Json {
         let log = path.to_string_lossy();
         let verified = report::json::verified(&log, schedule, &judged.provenance.settings, None);
-        return Ok((format!("{verified}\n"), pages));
+        return Ok((terminal::answer(&format!("{verified}\n")), pages));
     }
     let width = report::width(names.iter().cloned().chain([schedule.name.clone()]));
     let replayed = format!("{} actuations replayed, 0 violations", schedule.actuations.len());
     let mut text = terminal::line("Verified", &schedule.name, width, &replayed);
     names.iter().for_each(|name| text.push_str(&terminal::line("Wrote", name, width, "")));
-    Ok((text, pages))
+    Ok((terminal::answer(&text), pages))
 }
 
 /// Opens a page; without a browser it can still be opened by hand.

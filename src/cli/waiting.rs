@@ -2,7 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
-use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -14,66 +14,88 @@ const TICK: Duration = Duration::from_millis(100);
 
 /// Progress line; appears after one second. Dropping it clears the line.
 pub struct ProgressLine {
-    news: Option<Sender<News>>,
+    shared: Arc<Shared>,
     watcher: Option<JoinHandle<()>>,
 }
 
+#[derive(Default)]
+struct Shared {
+    state: Mutex<State>,
+    end: Condvar,
+}
+
+#[derive(Default)]
+struct State {
+    part: Option<WorkPart>,
+    /// Once it has appeared.
+    bar: Option<ProgressBar>,
+    is_over: bool,
+}
+
 /// The current part of the work: its index, the number of parts, and its name.
-struct News {
+struct WorkPart {
     index: usize,
     count: usize,
     name: String,
 }
 
-impl ProgressLine {
-    /// Begins to wait; silent where standard error is no terminal.
-    pub fn begin() -> ProgressLine {
-        if !std::io::stderr().is_terminal() {
-            return ProgressLine { news: None, watcher: None };
-        }
-        let (news, received) = mpsc::channel::<News>();
-        let watcher = std::thread::spawn(move || {
-            let mut latest = None;
-            let patience = std::time::Instant::now() + PATIENCE;
-            loop {
-                let left = patience.saturating_duration_since(std::time::Instant::now());
-                match received.recv_timeout(left) {
-                    Ok(part) => latest = Some(part),
-                    Err(RecvTimeoutError::Disconnected) => return,
-                    Err(RecvTimeoutError::Timeout) => break,
-                }
-            }
-            let bar = bar(latest);
-            for part in received {
-                show(&bar, &part);
-            }
-            bar.finish_and_clear();
-        });
-        ProgressLine { news: Some(news), watcher: Some(watcher) }
+impl Shared {
+    fn state(&self) -> MutexGuard<'_, State> {
+        // A thread that panicked has left a bar as it was.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Tells that a part of the work has begun.
-    pub fn at(&self, index: usize, count: usize, name: &str) {
-        if let Some(news) = &self.news {
-            // The watcher ends only when this sender is dropped.
-            let _ = news.send(News { index, count, name: name.to_owned() });
+    /// Waits for the patience to end, and shows the line unless the work has ended before.
+    fn watch(&self) {
+        let waiting = self.end.wait_timeout_while(self.state(), PATIENCE, |state| !state.is_over);
+        let (mut state, _) = waiting.unwrap_or_else(PoisonError::into_inner);
+        if !state.is_over {
+            state.bar = Some(bar(state.part.as_ref()));
         }
     }
 }
 
-fn bar(latest: Option<News>) -> ProgressBar {
+impl ProgressLine {
+    /// Begins to wait; silent where standard error is no terminal.
+    pub fn begin() -> ProgressLine {
+        let shared = Arc::new(Shared::default());
+        let watched = Arc::clone(&shared);
+        let is_shown = std::io::stderr().is_terminal();
+        ProgressLine { shared, watcher: is_shown.then(|| std::thread::spawn(move || watched.watch())) }
+    }
+
+    /// Tells that a part of the work has begun.
+    pub fn at(&self, index: usize, count: usize, name: &str) {
+        let mut state = self.shared.state();
+        let part = WorkPart { index, count, name: name.to_owned() };
+        if let Some(bar) = &state.bar {
+            show(bar, &part);
+        }
+        state.part = Some(part);
+    }
+
+    /// Writes to the terminal while the line is out of the way.
+    pub fn beside<T>(&self, write: impl FnOnce() -> T) -> T {
+        match &self.shared.state().bar {
+            Some(bar) => bar.suspend(write),
+            None => write(),
+        }
+    }
+}
+
+fn bar(part: Option<&WorkPart>) -> ProgressBar {
     let bar = ProgressBar::new(0);
     if let Ok(style) = ProgressStyle::with_template("  Planning {bar:24} {pos}/{len} {msg} ({elapsed})") {
         bar.set_style(style);
     }
-    if let Some(part) = latest {
-        show(&bar, &part);
+    if let Some(part) = part {
+        show(&bar, part);
     }
     bar.enable_steady_tick(TICK);
     bar
 }
 
-fn show(bar: &ProgressBar, part: &News) {
+fn show(bar: &ProgressBar, part: &WorkPart) {
     bar.set_length(part.count as u64);
     bar.set_position(part.index as u64);
     bar.set_message(part.name.clone());
@@ -81,10 +103,14 @@ fn show(bar: &ProgressBar, part: &News) {
 
 impl Drop for ProgressLine {
     fn drop(&mut self) {
-        self.news = None;
+        self.shared.state().is_over = true;
+        self.shared.end.notify_all();
         if let Some(watcher) = self.watcher.take() {
             // A watcher that panicked has nothing to clear.
             let _ = watcher.join();
+        }
+        if let Some(bar) = self.shared.state().bar.take() {
+            bar.finish_and_clear();
         }
     }
 }

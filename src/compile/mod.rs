@@ -11,6 +11,7 @@ use crate::claims::Claims;
 use crate::diagnostic::Sink;
 use crate::lower::lower;
 use crate::plan::{self, Motion, Plan, Progress};
+use crate::schedule::Schedule;
 use crate::source::Sources;
 use crate::verify::{self, Verdict, Verified};
 
@@ -38,6 +39,24 @@ pub enum CompileOutcome {
     /// The verifier refused a schedule: the planner, and not the program, is at fault. The violations were pushed.
     Refused,
 }
+
+/// Who follows a compilation while it goes on.
+pub trait CompileObserver {
+    /// The program is free of errors.
+    fn checked(&mut self, _checked: &Checked) {}
+
+    /// A run of a schedule is about to be planned: its index, the number of runs, and its task.
+    fn planning(&mut self, _index: usize, _count: usize, _task: &str) {}
+
+    /// All runs of a schedule are planned and timed.
+    fn scheduled(&mut self, _schedule: &Schedule, _claims: &Claims) {}
+
+    /// A schedule was accepted by the verifier.
+    fn verified(&mut self, _verified: &Verified) {}
+}
+
+/// Nobody.
+impl CompileObserver for () {}
 
 /// Reads and checks a program; `None` after an error.
 pub fn check(program: &CompileRequest, sources: &mut Sources, sink: &mut Sink) -> Option<Checked> {
@@ -78,12 +97,20 @@ pub fn verified_plans<'a>(
 }
 
 /// Reads, checks, plans, schedules and verifies a program.
-pub fn compile(program: &CompileRequest, sources: &mut Sources, sink: &mut Sink, progress: Progress) -> CompileOutcome {
+pub fn compile(
+    program: &CompileRequest,
+    sources: &mut Sources,
+    sink: &mut Sink,
+    observer: &mut dyn CompileObserver,
+) -> CompileOutcome {
     let Some(checked) = check(program, sources, sink) else { return CompileOutcome::Errors };
+    observer.checked(&checked);
     let mut drafts = Vec::with_capacity(checked.claims.len());
     for claims in &checked.claims {
-        let plans = plan::plan(claims, sink, progress);
-        drafts.extend(plans.and_then(|plans| lower(claims, &plans, sources, sink)).map(|draft| (draft, claims)));
+        let plans = plan::plan(claims, sink, &mut |index, count, task| observer.planning(index, count, task));
+        let Some(draft) = plans.and_then(|plans| lower(claims, &plans, sources, sink)) else { continue };
+        observer.scheduled(&draft, claims);
+        drafts.push((draft, claims));
     }
     if drafts.len() < checked.claims.len() {
         return CompileOutcome::Errors;
@@ -91,7 +118,10 @@ pub fn compile(program: &CompileRequest, sources: &mut Sources, sink: &mut Sink,
     let mut schedules = Vec::with_capacity(drafts.len());
     for (schedule, claims) in drafts {
         match verify::verify_program(schedule, claims, sources) {
-            Verdict::Accepted(verified) => schedules.push(verified),
+            Verdict::Accepted(verified) => {
+                observer.verified(&verified);
+                schedules.push(verified);
+            }
             Verdict::Rejected(violations) => violations.into_iter().for_each(|violation| sink.push(violation.into())),
             Verdict::Inconclusive { why } => sink.push(verify::inconclusive(&why)),
         }

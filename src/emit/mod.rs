@@ -93,6 +93,23 @@ impl Format {
         }
     }
 
+    /// The endings of a schedule's files, but for those that are named after instruments or devices.
+    pub fn endings(self) -> &'static [&'static str] {
+        match self {
+            Format::Mcap => &["mcap", "lichtblick.json"],
+            Format::Json => &["json"],
+            Format::Csv => &["csv"],
+            Format::Vcd => &["vcd", "gtkw"],
+            Format::Pwl => &["pwl.inc", "cir"],
+            Format::Scpi => &["scpi.py"],
+            Format::Nidaqmx => &["nidaqmx.py"],
+            Format::Frames => &["frames.py"],
+            Format::Opendrop | Format::Gcode => &[],
+            Format::Html => &["html"],
+            Format::Svg => &["svg"],
+        }
+    }
+
     /// The format of a name.
     pub fn find(name: &str) -> Option<Format> {
         Format::ALL.iter().copied().find(|format| format.name() == name)

@@ -130,7 +130,7 @@ mod tests {
         let (mut sources, mut sink) = (Sources::default(), Sink::default());
         let options = Options::default();
         let program = CompileRequest { name: "a.twz", text, library: &Nothing, options: &options };
-        let CompileOutcome::Compiled(compiled) = compile(&program, &mut sources, &mut sink, &mut |_, _, _| {}) else {
+        let CompileOutcome::Compiled(compiled) = compile(&program, &mut sources, &mut sink, &mut ()) else {
             panic!("{:?}", sink.sorted())
         };
         let verified = &compiled.schedules[0];

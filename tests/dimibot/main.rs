@@ -37,7 +37,7 @@ fn schedules(text: &str) -> Result<Vec<Schedule>, Vec<Diagnostic>> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let library = case::Shelf(&case);
     let program = CompileRequest { name: &case.name, text: &case.text, library: &library, options: &case.options };
-    match compile(&program, &mut sources, &mut sink, &mut |_, _, _| {}) {
+    match compile(&program, &mut sources, &mut sink, &mut ()) {
         CompileOutcome::Compiled(compiled) => {
             Ok(compiled.schedules.iter().map(|verified| verified.schedule().clone()).collect())
         }

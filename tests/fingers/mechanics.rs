@@ -26,7 +26,7 @@ pub fn said(text: &str) -> Vec<String> {
     let options = Options::default();
     let program = CompileRequest { name: "test.twz", text, library: &NoFiles, options: &options };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    compile::compile(&program, &mut sources, &mut sink, &mut |_, _, _| ());
+    compile::compile(&program, &mut sources, &mut sink, &mut ());
     sink.sorted().into_iter().map(|diagnostic| format!("{diagnostic:?}")).collect()
 }
 

@@ -2,7 +2,7 @@
 
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
-use tweeze::compile::{self, CompileOutcome, CompileRequest};
+use tweeze::compile::{self, CompileObserver, CompileOutcome, CompileRequest};
 use tweeze::diagnostic::{Sink, machine, render};
 use tweeze::emit::{self, EmitError, FailedProgram, Format, Provenance, mcap};
 use tweeze::log;
@@ -78,17 +78,26 @@ pub fn check(text: &str) -> Result<bool, String> {
     }
 }
 
+/// Tells the number of each task that is begun.
+struct CountedTasks<'a> {
+    begun: u64,
+    next: &'a mut dyn FnMut(u64),
+}
+
+impl CompileObserver for CountedTasks<'_> {
+    fn planning(&mut self, _: usize, _: usize, _: &str) {
+        self.begun += 1;
+        (self.next)(self.begun);
+    }
+}
+
 /// Through everything; `next` is called before each task is planned, with its number from 1 on.
 pub fn build(text: &str, next: &mut dyn FnMut(u64)) -> Built {
-    let mut tasks = 0;
-    let mut progress = |_: usize, _: usize, _: &str| {
-        tasks += 1;
-        next(tasks);
-    };
+    let mut tasks = CountedTasks { begun: 0, next };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();
     let program = CompileRequest { name: NAME, text, library: &Carried(&[]), options: &options };
-    let outcome = compile::compile(&program, &mut sources, &mut sink, &mut progress);
+    let outcome = compile::compile(&program, &mut sources, &mut sink, &mut tasks);
     draw(&sink, &sources);
     let first = |sink: &Sink| {
         sink.sorted().into_iter().find(|diagnostic| diagnostic.is_error()).map(|d| (d.code.name(), d.title.clone()))
@@ -96,7 +105,7 @@ pub fn build(text: &str, next: &mut dyn FnMut(u64)) -> Built {
     match outcome {
         CompileOutcome::Errors => match first(&sink) {
             Some((code, _)) if !code.starts_with("E07") => {
-                next(tasks + 1);
+                tasks.planning(0, 0, "");
                 shown(&program, &sources, &sink).map_or_else(Built::Fault, |()| Built::Errors(code))
             }
             other => Built::Fault(format!("no error of the program stops it: {other:?}")),
@@ -164,7 +173,7 @@ pub fn log_of(text: &str) -> Option<Vec<u8>> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();
     let program = CompileRequest { name: NAME, text, library: &Carried(&[]), options: &options };
-    let outcome = compile::compile(&program, &mut sources, &mut sink, &mut |_, _, _| ());
+    let outcome = compile::compile(&program, &mut sources, &mut sink, &mut ());
     let CompileOutcome::Compiled(compiled) = outcome else { return None };
     let files = emit::emit(Format::Mcap, compiled.schedules.first()?, &provenance(&sources)).ok()?;
     Some(files.into_iter().next()?.bytes)

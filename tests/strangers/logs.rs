@@ -105,7 +105,7 @@ fn carrying(text: &str, settings: &[&str]) -> Vec<u8> {
     let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
     let honest = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n";
     let program = CompileRequest { name: "a.twz", text: honest, library: &NoFiles, options: &options };
-    let CompileOutcome::Compiled(compiled) = compile(&program, &mut sources, &mut sink, &mut |_, _, _| {}) else {
+    let CompileOutcome::Compiled(compiled) = compile(&program, &mut sources, &mut sink, &mut ()) else {
         panic!("{:?}", sink.sorted())
     };
     let files = vec![("a.twz".to_owned(), text.to_owned())];

@@ -33,7 +33,7 @@ impl Case {
     /// Compiles the program up to the verified schedules, or as far as it goes.
     pub fn compile(&self) -> (Sources, Sink) {
         let (mut sources, mut sink) = (Sources::default(), Sink::default());
-        self.request(|program| compile(program, &mut sources, &mut sink, &mut |_, _, _| {}));
+        self.request(|program| compile(program, &mut sources, &mut sink, &mut ()));
         (sources, sink)
     }
 

@@ -42,7 +42,7 @@ pub fn build_in(folder: &Path, text: &str) -> Built {
     let options = Options::default();
     let program = CompileRequest { name: "test.twz", text, library: &Folder(folder), options: &options };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let outcome = compile::compile(&program, &mut sources, &mut sink, &mut |_, _, _| ());
+    let outcome = compile::compile(&program, &mut sources, &mut sink, &mut ());
     let (schedules, refused) = match outcome {
         CompileOutcome::Compiled(compiled) => (compiled.schedules, false),
         CompileOutcome::Errors => (Vec::new(), false),
@@ -97,7 +97,7 @@ pub fn complaints(text: &str) -> (Vec<&'static str>, Vec<String>) {
     let options = Options::default();
     let program = CompileRequest { name: "test.twz", text, library: &Folder(Path::new(".")), options: &options };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    compile::compile(&program, &mut sources, &mut sink, &mut |_, _, _| ());
+    compile::compile(&program, &mut sources, &mut sink, &mut ());
     let sorted = sink.sorted();
     let codes = sorted.iter().map(|diagnostic| diagnostic.code.name()).collect();
     (codes, sorted.iter().filter_map(|diagnostic| diagnostic.help.clone()).collect())

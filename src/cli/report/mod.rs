@@ -1,4 +1,4 @@
-//! Report of a build: one line for each thing checked, planned, verified and written.
+//! Report of a build: one line for each thing checked, planned, verified and written. [`LiveReport`] tells them as the work goes on.
 //!
 //! The text of a plan's line depends on the kind; it is in a file of the kind's name.
 
@@ -6,22 +6,22 @@ mod dimibot;
 mod electrode_array;
 mod fingers;
 pub mod json;
+mod live;
 mod microrobots;
 
+pub use live::{LiveReport, ReportedBuild, Totals};
 pub use microrobots::suggest;
 
 use super::terminal;
 use crate::check::{DeclarationTally, KindFacts};
 use crate::claims::{Claims, Job, Order};
-use crate::compile::Compiled;
 use crate::device::each_kind;
 use crate::emit::Format;
 use crate::quantity::{Dimension, Quantity};
 use crate::schedule::cost::{cost, count};
 use crate::schedule::{PlanRecord, Schedule, ScheduledStep};
-use crate::verify::Verified;
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Runs of one schedule that the report shows; the rest is counted. Of each sort of note it shows as many.
 const MAX_PLAN_LINES: usize = 20;
@@ -116,31 +116,26 @@ impl WrittenSchedule {
     }
 }
 
-/// The report of a whole build.
-pub fn build(file: &Path, compiled: &Compiled, settings_in_force: &[String], written: &[WrittenSchedule]) -> String {
-    let file = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let paths = written.iter().flat_map(WrittenSchedule::names);
-    let subjects = compiled.schedules.iter().flat_map(subjects).chain(paths).chain([file.clone()]);
-    let width = width(subjects.chain(settings_in_force.iter().map(|setting| format!("--set {setting}"))));
-    let mut text = terminal::line("Checked", &file, width, &tally(compiled.tally));
-    text.push_str(&settings(settings_in_force, width));
-    for verified in &compiled.schedules {
-        planned(verified, width, &mut text);
+/// The program is free of errors: its lines, and those of the settings in force.
+fn checked(file: &str, declared: DeclarationTally, settings_in_force: &[String], width: usize) -> String {
+    terminal::line("Checked", file, width, &tally(declared)) + &settings(settings_in_force, width)
+}
+
+/// A schedule was accepted by the verifier.
+fn verified(schedule: &Schedule, width: usize) -> String {
+    let replayed = format!("{} replayed, 0 violations", count(schedule.actuations.len(), "actuation"));
+    terminal::line("Verified", &schedule.name, width, &replayed)
+}
+
+/// Where the files of a schedule stand, and what has none.
+fn wrote(schedule: &Schedule, written: &WrittenSchedule, width: usize) -> String {
+    let (mut text, mut figures) = (String::new(), figures(schedule));
+    for path in written.names() {
+        text.push_str(&terminal::line("Wrote", &path, width, &figures));
+        figures.clear();
     }
-    for verified in &compiled.schedules {
-        let schedule = verified.schedule();
-        let replayed = format!("{} replayed, 0 violations", count(schedule.actuations.len(), "actuation"));
-        text.push_str(&terminal::line("Verified", &schedule.name, width, &replayed));
-    }
-    for (verified, written) in compiled.schedules.iter().zip(written) {
-        let mut figures = figures(verified.schedule());
-        for path in written.names() {
-            text.push_str(&terminal::line("Wrote", &path, width, &figures));
-            figures.clear();
-        }
-        for (format, why) in &written.left_out {
-            text.push_str(&terminal::line("Left out", format.name(), width, why));
-        }
+    for (format, why) in &written.left_out {
+        text.push_str(&terminal::line("Left out", format.name(), width, why));
     }
     text
 }
@@ -158,18 +153,19 @@ pub fn settings(settings: &[String], width: usize) -> String {
 }
 
 /// The names that the lines of a schedule begin with: its runs, where they are not all of it, with its own name before.
-fn subjects(verified: &Verified) -> Vec<String> {
-    let schedule = verified.schedule();
-    let subject = |plan: &PlanRecord| match plan.task == schedule.name {
-        true => plan.task.clone(),
-        false => format!("{}: {}", schedule.name, plan.task),
+fn subjects(claims: &Claims) -> impl Iterator<Item = String> + '_ {
+    let subject = |job: &Job| match job.task == claims.name {
+        true => job.task.clone(),
+        false => format!("{}: {}", claims.name, job.task),
     };
-    schedule.plans.iter().take(MAX_PLAN_LINES).map(subject).collect()
+    claims.jobs.iter().take(MAX_PLAN_LINES).map(subject)
 }
 
-fn planned(verified: &Verified, width: usize, text: &mut String) {
-    let runs = runs(verified);
-    for (run, subject) in runs.iter().zip(subjects(verified)) {
+/// What each run of a schedule costs, and what else there is to say of it.
+fn planned(schedule: &Schedule, claims: &Claims, width: usize) -> String {
+    let mut text = String::new();
+    let runs = runs(schedule, claims);
+    for (run, subject) in runs.iter().zip(subjects(claims)) {
         text.push_str(&terminal::line("Planned", &subject, width, &cost(&run.job.order, run.plan)));
     }
     let more = runs.len().saturating_sub(MAX_PLAN_LINES);
@@ -177,7 +173,7 @@ fn planned(verified: &Verified, width: usize, text: &mut String) {
         text.push_str(&terminal::line("", "", width, &format!("and {} more", count(more, "run"))));
     }
     let notes: Vec<Note> =
-        runs.iter().flat_map(|run| reported(&run.job.order).notes(run)).chain(idle(verified)).collect();
+        runs.iter().flat_map(|run| reported(&run.job.order).notes(run)).chain(idle(schedule)).collect();
     for topic in ReportTopic::ALL {
         let mut lines: Vec<&str> = Vec::new();
         for (_, line) in notes.iter().filter(|(other, _)| *other == topic) {
@@ -198,14 +194,14 @@ fn planned(verified: &Verified, width: usize, text: &mut String) {
             ));
         }
     }
-    for [one, other] in &verified.claims().not_held {
+    for [one, other] in &claims.not_held {
         let line = format!("`{one}` and `{other}` are not: no scene places both");
         text.push_str(&terminal::line("Apart", "", width, &line));
     }
+    text
 }
 
-fn runs(verified: &Verified) -> Vec<ReportedRun<'_>> {
-    let (schedule, claims) = (verified.schedule(), verified.claims());
+fn runs<'a>(schedule: &'a Schedule, claims: &'a Claims) -> Vec<ReportedRun<'a>> {
     let told = |(plan, job)| ReportedRun { job, plan, steps: Vec::new() };
     let mut runs: Vec<ReportedRun> = schedule.plans.iter().zip(&claims.jobs).map(told).collect();
     for step in &schedule.steps {
@@ -215,8 +211,7 @@ fn runs(verified: &Verified) -> Vec<ReportedRun<'_>> {
 }
 
 /// The runs in which nothing is switched and nothing moves.
-fn idle(verified: &Verified) -> Vec<Note> {
-    let schedule = verified.schedule();
+fn idle(schedule: &Schedule) -> Vec<Note> {
     let busy: BTreeSet<u32> =
         schedule.actuations.iter().map(|actuation| schedule.steps[actuation.step as usize].plan).collect();
     let is_idle = |(index, _): &(u32, &PlanRecord)| !busy.contains(index);

@@ -1,0 +1,149 @@
+//! The report of a build, told line by line as the work goes on.
+
+use super::{WrittenSchedule, checked, planned, subjects, verified, width, wrote};
+use crate::check::Checked;
+use crate::claims::Claims;
+use crate::cli::Exit;
+use crate::cli::disk;
+use crate::cli::terminal;
+use crate::cli::waiting::ProgressLine;
+use crate::compile::CompileObserver;
+use crate::emit::Format;
+use crate::schedule::Schedule;
+use crate::schedule::cost::count;
+use crate::verify::Verified;
+use std::collections::BTreeSet;
+use std::io::IsTerminal;
+use std::path::Path;
+use std::time::Instant;
+
+/// What is being built, as far as its report needs to know.
+pub struct ReportedBuild<'a> {
+    pub program: &'a Path,
+    pub settings: &'a [String],
+    pub output: &'a Path,
+    pub formats: &'a BTreeSet<Format>,
+    /// Whether its lines are wanted at all.
+    pub is_told: bool,
+}
+
+/// The report of a build that goes on.
+pub struct LiveReport<'a> {
+    build: ReportedBuild<'a>,
+    waiting: Option<ProgressLine>,
+    /// Columns of the names.
+    width: usize,
+    exit: Exit,
+}
+
+impl<'a> LiveReport<'a> {
+    /// Waits for the first news.
+    pub fn begin(build: ReportedBuild<'a>) -> LiveReport<'a> {
+        LiveReport { build, waiting: Some(ProgressLine::begin()), width: 0, exit: Exit::Done }
+    }
+
+    /// The end of all planning: the line that shows its progress goes.
+    pub fn end_planning(&mut self) {
+        self.waiting = None;
+    }
+
+    /// Everything is written: the last lines; the exit status is that of the report itself.
+    pub fn wrote(mut self, schedules: &[Verified], written: &[WrittenSchedule]) -> Exit {
+        self.width = self.width.max(width(written.iter().flat_map(WrittenSchedule::names)));
+        for (verified, written) in schedules.iter().zip(written) {
+            self.tell(&wrote(verified.schedule(), written, self.width));
+        }
+        self.exit
+    }
+
+    fn tell(&mut self, text: &str) {
+        if !self.build.is_told {
+            return;
+        }
+        let told = || terminal::answer(text);
+        let exit = match &self.waiting {
+            Some(waiting) => waiting.beside(told),
+            None => told(),
+        };
+        self.exit = self.exit.max(exit);
+    }
+
+    fn file(&self) -> String {
+        self.build.program.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+    }
+
+    /// The columns of all names that are known before anything is planned.
+    fn known_width(&self, claims: &[Claims]) -> usize {
+        let endings = || self.build.formats.iter().flat_map(|format| format.endings());
+        let shown = |name: &str, ending: &str| disk::shown(self.build.output, &format!("{name}.{ending}"));
+        let files = claims.iter().flat_map(|claims| endings().map(|ending| shown(&claims.name, ending)));
+        let settings = self.build.settings.iter().map(|setting| format!("--set {setting}"));
+        let names = files.map(|path| path.to_string_lossy().into_owned());
+        width(claims.iter().flat_map(subjects).chain(names).chain(settings).chain([self.file()]))
+    }
+}
+
+impl CompileObserver for LiveReport<'_> {
+    fn checked(&mut self, program: &Checked) {
+        self.width = self.known_width(&program.claims);
+        let text = checked(&self.file(), program.tally, self.build.settings, self.width);
+        self.tell(&text);
+    }
+
+    fn planning(&mut self, index: usize, count: usize, task: &str) {
+        if let Some(waiting) = &self.waiting {
+            waiting.at(index, count, task);
+        }
+    }
+
+    fn scheduled(&mut self, schedule: &Schedule, claims: &Claims) {
+        let text = planned(schedule, claims, self.width);
+        self.tell(&text);
+    }
+
+    fn verified(&mut self, schedule: &Verified) {
+        let text = verified(schedule.schedule(), self.width);
+        self.tell(&text);
+    }
+}
+
+/// What came of all programs of one build.
+pub struct Totals {
+    begin: Instant,
+    asked: usize,
+    programs: usize,
+    schedules: usize,
+    files: usize,
+}
+
+impl Totals {
+    /// Of so many programs.
+    pub fn of(asked: usize) -> Totals {
+        Totals { begin: Instant::now(), asked, programs: 0, schedules: 0, files: 0 }
+    }
+
+    /// Counts a program that was built.
+    pub fn add(&mut self, schedules: usize, files: usize) {
+        self.programs += 1;
+        self.schedules += schedules;
+        self.files += files;
+    }
+
+    /// The last line of the report, with the time that it took on a terminal alone: what is kept is the same bytes the next time. Empty
+    /// where nothing was built.
+    pub fn line(&self) -> String {
+        if self.programs == 0 {
+            return String::new();
+        }
+        let programs = match (self.asked, self.programs) {
+            (1, _) => String::new(),
+            (asked, built) if asked == built => format!("{asked} programs, "),
+            (asked, built) => format!("{built} of {asked} programs, "),
+        };
+        let mut text = format!("{programs}{} in {}", count(self.schedules, "schedule"), count(self.files, "file"));
+        if std::io::stdout().is_terminal() {
+            text.push_str(&format!(", {:.2} s", self.begin.elapsed().as_secs_f64()));
+        }
+        terminal::line("Done", &text, 0, "")
+    }
+}
