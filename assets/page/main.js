@@ -227,3 +227,4 @@ class Player {
 }
 
 window.tweeze = new Player(JSON.parse(document.getElementById("data").textContent));
+follow(document.documentElement.dataset);

@@ -45,7 +45,8 @@ pub enum Command {
     #[command(after_help = "Examples:\n  tweeze build fetch.twz\n  \
                       tweeze build fetch.twz --emit mcap,csv,scpi -o out --task fetch\n  \
                       tweeze build *.twz --emit all -o out --quiet\n\n\
-                      With several programs each is built by itself; the exit status is the gravest one.")]
+                      With several programs each is built by itself; the exit status is the gravest one.\n\
+                      With --watch they are built again whenever they change.")]
     Build(BuildArguments),
     /// Replay a written log against the device models, independently of the planner; or judge the recording of a controlled run
     #[command(after_help = "Examples:\n  tweeze verify fetch.mcap\n  tweeze verify fetch.mcap --against fetch.twz\n  \
@@ -53,9 +54,11 @@ pub enum Command {
                       tweeze verify run.mcap --against assemble.twz --goal-tolerance 20um")]
     Verify(VerifyArguments),
     /// Write the page that plays a program or a log, and open it in the browser
-    #[command(after_help = "Examples:\n  tweeze view fetch.twz\n  tweeze view out/fetch.mcap -o out --no-open\n\n\
+    #[command(
+        after_help = "Examples:\n  tweeze view fetch.twz --watch\n  tweeze view out/fetch.mcap -o out --no-open\n\n\
                             A log is verified first. Of a program with errors the page, FILE.failed.html, shows these at their lines and in the scene. \
-                            The page is one file: it needs no network and can be passed on.")]
+                            The page is one file: it needs no network and can be passed on."
+    )]
     View(ViewArguments),
     /// Make a folder with a small program that builds at once
     #[command(after_help = "Examples:\n  tweeze new fetch\n  tweeze new quartet --kind microrobots\n  \
@@ -167,6 +170,9 @@ pub struct BuildArguments {
     /// Formats to write, separated by commas; `all` for each that the schedule has a form in
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "mcap", value_parser = formats::parser())]
     pub emit: Vec<EmitChoice>,
+    /// Build again whenever a file of the programs changes, until interrupted; pages of --emit html follow
+    #[arg(long)]
+    pub watch: bool,
     /// With `--emit svg`: draw this one instant, such as 120ms, instead of numbered positions
     #[arg(long, value_name = "TIME", value_parser = instant_ns)]
     pub at: Option<u64>,
@@ -235,6 +241,9 @@ pub struct ViewArguments {
     /// Write the page only
     #[arg(long)]
     pub no_open: bool,
+    /// Build again whenever a file of the program changes, until interrupted; the page that is open follows
+    #[arg(long)]
+    pub watch: bool,
     /// Replace files that were built from other programs
     #[arg(long)]
     pub force: bool,

@@ -6,7 +6,7 @@ use super::failed::{self, FailedBuild};
 use super::formats::ChosenFormats;
 use super::loaded::Loaded;
 use super::report::{LiveReport, ReportedBuild, Totals, WrittenSchedule};
-use super::{Exit, errors, report, signals, terminal, verify};
+use super::{Exit, errors, report, signals, terminal, verify, watch};
 use crate::check::Options;
 use crate::compile::{self, CompileOutcome, Compiled};
 use crate::diagnostic::Sink;
@@ -15,15 +15,27 @@ use crate::source::{Origin, Sources};
 use crate::verify::Verified;
 use clap::CommandFactory;
 use clap::error::ErrorKind;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Builds each program and writes the whole set of its files, or nothing; the exit status is the gravest one.
 pub fn run(arguments: &BuildArguments) -> Exit {
     if arguments.files.iter().filter(|file| disk::is_standard_input(file)).count() > 1 {
-        return misused("standard input holds one program: `-` can be given once");
+        return misused("build", "standard input holds one program: `-` can be given once");
     }
+    if !arguments.watch {
+        return build(arguments, &mut BTreeSet::new());
+    }
+    if arguments.files.iter().any(|file| disk::is_standard_input(file)) {
+        return misused("build", "standard input holds one program, once: --watch needs a file");
+    }
+    watch::watch(&arguments.files, arguments.quiet, |needed| build(arguments, needed))
+}
+
+/// Builds each program; the files that they need are added.
+fn build(arguments: &BuildArguments, needed: &mut BTreeSet<PathBuf>) -> Exit {
     let mut totals = Totals::of(arguments.files.len());
-    let one = |file: &PathBuf| match built(file, arguments) {
+    let one = |file: &PathBuf| match built(file, arguments, needed) {
         Ok(built) => {
             totals.add(built.schedules, built.files.len());
             built.exit
@@ -51,16 +63,20 @@ pub struct BuiltProgram {
     pub files: Vec<PathBuf>,
 }
 
-/// Builds a program, writes its files, and reports both as it goes on.
+/// Builds a program, writes its files, and reports both as it goes on; the files that it needs are added.
 ///
 /// # Errors
 /// The exit status, once the diagnostics were reported, with the page that shows them if pages were asked for.
-pub fn built(file: &Path, arguments: &BuildArguments) -> Result<BuiltProgram, FailedBuild> {
+pub fn built(
+    file: &Path,
+    arguments: &BuildArguments,
+    needed: &mut BTreeSet<PathBuf>,
+) -> Result<BuiltProgram, FailedBuild> {
     signals::catch();
     let format = arguments.report.format;
     let chosen = ChosenFormats::of(&arguments.emit);
     if arguments.at.is_some() && !chosen.formats.contains(&Format::Svg) {
-        return Err(misused("--at draws one instant of a picture: it needs --emit svg").into());
+        return Err(misused("build", "--at draws one instant of a picture: it needs --emit svg").into());
     }
     disk::try_folder(&arguments.output).map_err(|diagnostic| {
         terminal::report_one(*diagnostic, format);
@@ -76,7 +92,9 @@ pub fn built(file: &Path, arguments: &BuildArguments) -> Result<BuiltProgram, Fa
         formats: &chosen.formats,
         is_told: !arguments.quiet.is_quiet && format != ReportFormat::Json,
     });
-    let outcome = compile::compile(&loaded.program(&loaded.disk()), &mut sources, &mut sink, &mut live);
+    let disk = loaded.disk();
+    let outcome = compile::compile(&loaded.program(&disk), &mut sources, &mut sink, &mut live);
+    needed.extend(disk.needed());
     live.end_planning();
     terminal::report(&sink, &sources, format);
     let provenance = provenance(&sources, &loaded.options);
@@ -95,11 +113,11 @@ pub fn built(file: &Path, arguments: &BuildArguments) -> Result<BuiltProgram, Fa
 }
 
 /// Wrong usage that the command line's own grammar does not know.
-fn misused(what: &str) -> Exit {
+pub fn misused(name: &str, what: &str) -> Exit {
     let mut command = Invocation::command();
-    let build = command.find_subcommand_mut("build").map(std::mem::take);
+    let own = command.find_subcommand_mut(name).map(std::mem::take).unwrap_or(command);
     // A closed pipe is ignored, as with all wrong usage.
-    let _ = build.unwrap_or(command).bin_name("tweeze build").error(ErrorKind::MissingRequiredArgument, what).print();
+    let _ = own.bin_name(format!("tweeze {name}")).error(ErrorKind::MissingRequiredArgument, what).print();
     Exit::Usage
 }
 
@@ -143,6 +161,9 @@ fn write(
         let paths = own.iter().map(|file| disk::shown(&arguments.output, &file.name)).collect();
         written.push(WrittenSchedule { paths, left_out });
         files.extend(own);
+    }
+    if arguments.watch {
+        emit::follow(&mut files, &failed::follower(program), provenance);
     }
     let compiled = Compiled { tally: compiled.tally, schedules };
     let to = Destination { folder: &arguments.output, program, force: arguments.force };

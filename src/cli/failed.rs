@@ -43,7 +43,11 @@ pub fn write(
         Exit::Errors
     })?;
     let name = disk::shown(&arguments.output, &page.name);
-    disk::write_all(&destination(loaded.path(), arguments), &[page]).map_err(|diagnostic| {
+    let mut files = vec![page];
+    if arguments.watch {
+        emit::follow(&mut files, &follower(loaded.path()), provenance);
+    }
+    disk::write_all(&destination(loaded.path(), arguments), &files).map_err(|diagnostic| {
         terminal::report_one(*diagnostic, report_format);
         Exit::Files
     })?;
@@ -78,6 +82,11 @@ pub fn forget(program: &Path, arguments: &BuildArguments) -> Result<(), Exit> {
 
 fn destination<'a>(program: &'a Path, arguments: &'a BuildArguments) -> Destination<'a> {
     Destination { folder: &arguments.output, program, force: arguments.force }
+}
+
+/// The name of the script by which pages follow a program.
+pub fn follower(program: &Path) -> String {
+    format!("{}.latest.js", stem(program))
 }
 
 /// The name of a program's file without its ending; that of standard input is `stdin`.

@@ -21,6 +21,7 @@ mod terminal;
 mod verify;
 mod view;
 mod waiting;
+mod watch;
 
 use arguments::{Command, Invocation};
 use clap::{CommandFactory, Parser};

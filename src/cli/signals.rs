@@ -4,7 +4,7 @@
 use super::terminal;
 use std::io::{self, IsTerminal};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 
 /// Whether the process has been asked to end.
 static ASKED: AtomicBool = AtomicBool::new(false);
@@ -39,10 +39,15 @@ fn say_goodbye() -> MutexGuard<'static, bool> {
     in_place
 }
 
-/// From here on, signals that ask the process to end wait for [`changing_files`]. Where they cannot be caught, they end the process at
-/// once, and the next build into the folder clears up.
-#[cfg(unix)]
+/// From here on, signals that ask the process to end wait for [`changing_files`]; asked again, nothing changes.
 pub fn catch() {
+    static CAUGHT: Once = Once::new();
+    CAUGHT.call_once(install);
+}
+
+/// Where signals cannot be caught, they end the process at once, and the next build into the folder clears up.
+#[cfg(unix)]
+fn install() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     use signal_hook::{flag, iterator::Signals, low_level};
     let ignored = ignored_signals();
@@ -74,9 +79,9 @@ fn ignored_signals() -> u64 {
     mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
 }
 
-/// From here on, Ctrl-C and a closed window wait for [`changing_files`].
+/// Ctrl-C and a closed window.
 #[cfg(windows)]
-pub fn catch() {
+fn install() {
     // Where they cannot be caught, they end the process at once, and the next build into the folder clears up.
     let _ = ctrlc::set_handler(|| {
         ASKED.store(true, Ordering::SeqCst);
@@ -87,4 +92,4 @@ pub fn catch() {
 
 /// Other systems end the process at once.
 #[cfg(not(any(unix, windows)))]
-pub fn catch() {}
+fn install() {}

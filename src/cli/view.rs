@@ -4,8 +4,9 @@ use super::arguments::{BuildArguments, QuietArgument, ReportFormat, ViewArgument
 use super::disk::{self, Destination, MAX_LOG_BYTES};
 use super::failed::{self, FailedBuild};
 use super::formats::EmitChoice;
-use super::{Exit, build, errors, report, terminal, verify};
+use super::{Exit, build, errors, report, terminal, verify, watch};
 use crate::emit::{self, Format};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Writes the pages of a program, or the page of a log once it is verified, and opens them.
@@ -16,10 +17,25 @@ pub fn run(arguments: &ViewArguments) -> Exit {
         return Exit::Files;
     }
     let is_log = has_ending("mcap");
-    let written = match is_log {
-        true => of_log(arguments).map_err(FailedBuild::from),
-        false => of_program(arguments),
-    };
+    if !arguments.watch {
+        let written = match is_log {
+            true => of_log(arguments).map_err(FailedBuild::from),
+            false => of_program(arguments, &mut BTreeSet::new()),
+        };
+        return shown(arguments, !arguments.no_open, written);
+    }
+    if is_log || disk::is_standard_input(&arguments.file) {
+        return build::misused("view", "a log, or standard input, does not change: --watch needs a program");
+    }
+    let mut opens = !arguments.no_open;
+    let quiet = QuietArgument { is_quiet: false };
+    watch::watch(std::slice::from_ref(&arguments.file), quiet, |needed| {
+        shown(arguments, std::mem::take(&mut opens), of_program(arguments, needed))
+    })
+}
+
+/// Tells what was written, and opens the pages.
+fn shown(arguments: &ViewArguments, opens: bool, written: Result<WrittenPages, FailedBuild>) -> Exit {
     let (exit, pages) = match written {
         Ok(written) => written,
         Err(FailedBuild { exit, page }) => {
@@ -27,7 +43,7 @@ pub fn run(arguments: &ViewArguments) -> Exit {
             (exit, page.into_iter().collect())
         }
     };
-    if !arguments.no_open {
+    if opens {
         pages.iter().for_each(|page| open(page));
     }
     exit
@@ -36,8 +52,8 @@ pub fn run(arguments: &ViewArguments) -> Exit {
 /// The exit status of the report, and the pages.
 type WrittenPages = (Exit, Vec<PathBuf>);
 
-fn of_program(arguments: &ViewArguments) -> Result<WrittenPages, FailedBuild> {
-    build::built(&arguments.file, &build_arguments(arguments)).map(|built| (built.exit, built.files))
+fn of_program(arguments: &ViewArguments, needed: &mut BTreeSet<PathBuf>) -> Result<WrittenPages, FailedBuild> {
+    build::built(&arguments.file, &build_arguments(arguments), needed).map(|built| (built.exit, built.files))
 }
 
 fn build_arguments(arguments: &ViewArguments) -> BuildArguments {
@@ -46,6 +62,7 @@ fn build_arguments(arguments: &ViewArguments) -> BuildArguments {
         task: arguments.task.clone(),
         emit: vec![EmitChoice::One(Format::Html)],
         at: None,
+        watch: arguments.watch,
         output: arguments.output.clone(),
         force: arguments.force,
         settings: arguments.settings.clone(),

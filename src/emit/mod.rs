@@ -196,6 +196,21 @@ pub fn failed_page(stem: &str, failed: &FailedProgram, provenance: &Provenance) 
     Ok(OutputFile { name: format!("{stem}.{FAILED_ENDING}"), bytes: html::write_failed(failed, provenance)? })
 }
 
+/// Lets the pages among a build's files follow their program, and adds the script beside them, of the given name, that tells them which
+/// build is the latest. Without a page, nothing changes.
+pub fn follow(files: &mut Vec<OutputFile>, script: &str, provenance: &Provenance) {
+    let follower = html::Follower::new(script, provenance);
+    let mut pages = Vec::new();
+    for file in files.iter_mut().filter(|file| file.name.ends_with(".html")) {
+        follower.lead(&mut file.bytes);
+        pages.push(file.name.as_str());
+    }
+    if !pages.is_empty() {
+        let bytes = follower.tell(&pages);
+        files.push(OutputFile { name: script.to_owned(), bytes });
+    }
+}
+
 /// Formats of decimal text have no form for infinity, and neither voltages nor places have a use for it.
 fn check_finite(schedule: &Schedule) -> Result<(), EmitError> {
     let actuations = schedule.actuations.iter().flat_map(|actuation| {

@@ -4,6 +4,7 @@ mod editor;
 mod live;
 mod pages;
 mod usage;
+mod watch;
 
 use assert_cmd::Command;
 use assert_cmd::assert::Assert;

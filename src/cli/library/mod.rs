@@ -7,17 +7,33 @@ use super::disk;
 use crate::check::imports::Library;
 use crate::geometry::mesh::Mesh;
 use crate::source::{MAX_FILE_BYTES, beside};
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files round a program on the disk.
 pub struct Disk<'a> {
     program: &'a Path,
+    /// The files that were asked for, whether they are there or not.
+    asked: RefCell<BTreeSet<PathBuf>>,
 }
 
 impl<'a> Disk<'a> {
     /// The files round the program of a path, as it was typed.
     pub fn round(program: &'a Path) -> Self {
-        Disk { program }
+        Disk { program, asked: RefCell::default() }
+    }
+
+    /// The program and the files that it was found to need so far, whether they are there or not.
+    pub fn needed(&self) -> BTreeSet<PathBuf> {
+        self.asked.borrow().iter().cloned().chain([self.program.to_owned()]).collect()
+    }
+
+    /// The path of a file that is asked for.
+    fn ask(&self, name: &str) -> PathBuf {
+        let path = self.path(name);
+        self.asked.borrow_mut().insert(path.clone());
+        path
     }
 
     /// The name of the program itself: its file name.
@@ -36,13 +52,13 @@ impl<'a> Disk<'a> {
 impl Library for Disk<'_> {
     fn read(&self, from: &str, path: &str) -> Result<(String, String), String> {
         let name = beside(from, path);
-        let text = disk::read_program(&self.path(&name)).map_err(|diagnostic| diagnostic.title)?;
+        let text = disk::read_program(&self.ask(&name)).map_err(|diagnostic| diagnostic.title)?;
         Ok((name, text))
     }
 
     fn read_mesh(&self, from: &str, path: &str) -> Result<(String, String), String> {
         let name = beside(from, path);
-        let bytes = disk::read_bytes(&self.path(&name), MAX_FILE_BYTES).map_err(|diagnostic| diagnostic.title)?;
+        let bytes = disk::read_bytes(&self.ask(&name), MAX_FILE_BYTES).map_err(|diagnostic| diagnostic.title)?;
         let is_text = bytes.trim_ascii_start().starts_with(b"solid");
         let text = match String::from_utf8(bytes) {
             Ok(text) if is_text => text,

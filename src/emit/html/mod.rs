@@ -6,8 +6,10 @@
 //! timeline and claims on one clock. Style and script are those of `assets/page`, put together here as they are.
 
 mod failed;
+mod follow;
 
 pub use failed::{FAILED_ENDING, FailedProgram};
+pub use follow::Follower;
 
 use super::error::MAX_TEXT_BYTES;
 use super::{EmitError, Format, Provenance};
@@ -25,7 +27,7 @@ const PAGE: &str = include_str!("../../../assets/page/page.html");
 const STYLE: &str = include_str!("../../../assets/page/page.css");
 
 /// The parts of the script, in the order in which they use one another.
-const SCRIPTS: [&str; 8] = [
+const SCRIPTS: [&str; 9] = [
     include_str!("../../../assets/page/model.js"),
     include_str!("../../../assets/page/pen.js"),
     include_str!("../../../assets/page/scene.js"),
@@ -33,6 +35,7 @@ const SCRIPTS: [&str; 8] = [
     include_str!("../../../assets/page/program.js"),
     include_str!("../../../assets/page/claims.js"),
     include_str!("../../../assets/page/failure.js"),
+    include_str!("../../../assets/page/follow.js"),
     include_str!("../../../assets/page/main.js"),
 ];
 
