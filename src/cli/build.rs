@@ -4,6 +4,7 @@ use super::arguments::{BuildArguments, Invocation, ReportFormat};
 use super::disk::{self, Destination};
 use super::failed::{self, FailedBuild};
 use super::formats::ChosenFormats;
+use super::glances::Glances;
 use super::loaded::Loaded;
 use super::report::{LiveReport, ReportedBuild, Totals, WrittenSchedule};
 use super::{Exit, errors, report, signals, terminal, verify, watch};
@@ -15,7 +16,6 @@ use crate::source::{Origin, Sources};
 use crate::verify::Verified;
 use clap::CommandFactory;
 use clap::error::ErrorKind;
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Builds each program and writes the whole set of its files, or nothing; the exit status is the gravest one.
@@ -24,7 +24,7 @@ pub fn run(arguments: &BuildArguments) -> Exit {
         return misused("build", "standard input holds one program: `-` can be given once");
     }
     if !arguments.watch {
-        return build(arguments, &mut BTreeSet::new());
+        return build(arguments, &mut Glances::default());
     }
     if arguments.files.iter().any(|file| disk::is_standard_input(file)) {
         return misused("build", "standard input holds one program, once: --watch needs a file");
@@ -33,7 +33,7 @@ pub fn run(arguments: &BuildArguments) -> Exit {
 }
 
 /// Builds each program; the files that they need are added.
-fn build(arguments: &BuildArguments, needed: &mut BTreeSet<PathBuf>) -> Exit {
+fn build(arguments: &BuildArguments, needed: &mut Glances) -> Exit {
     let mut totals = Totals::of(arguments.files.len());
     let one = |file: &PathBuf| match built(file, arguments, needed) {
         Ok(built) => {
@@ -67,11 +67,7 @@ pub struct BuiltProgram {
 ///
 /// # Errors
 /// The exit status, once the diagnostics were reported, with the page that shows them if pages were asked for.
-pub fn built(
-    file: &Path,
-    arguments: &BuildArguments,
-    needed: &mut BTreeSet<PathBuf>,
-) -> Result<BuiltProgram, FailedBuild> {
+pub fn built(file: &Path, arguments: &BuildArguments, needed: &mut Glances) -> Result<BuiltProgram, FailedBuild> {
     signals::catch();
     let format = arguments.report.format;
     let chosen = ChosenFormats::of(&arguments.emit);
@@ -94,7 +90,7 @@ pub fn built(
     });
     let disk = loaded.disk();
     let outcome = compile::compile(&loaded.program(&disk), &mut sources, &mut sink, &mut live);
-    needed.extend(disk.needed());
+    needed.add(disk.asked());
     live.end_planning();
     terminal::report(&sink, &sources, format);
     let provenance = provenance(&sources, &loaded.options);

@@ -10,6 +10,7 @@ mod explain;
 mod failed;
 mod fmt;
 mod formats;
+mod glances;
 mod library;
 mod loaded;
 mod lsp;

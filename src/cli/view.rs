@@ -4,9 +4,9 @@ use super::arguments::{BuildArguments, QuietArgument, ReportFormat, ViewArgument
 use super::disk::{self, Destination, MAX_LOG_BYTES};
 use super::failed::{self, FailedBuild};
 use super::formats::EmitChoice;
+use super::glances::Glances;
 use super::{Exit, build, errors, report, terminal, verify, watch};
 use crate::emit::{self, Format};
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Writes the pages of a program, or the page of a log once it is verified, and opens them.
@@ -20,7 +20,7 @@ pub fn run(arguments: &ViewArguments) -> Exit {
     if !arguments.watch {
         let written = match is_log {
             true => of_log(arguments).map_err(FailedBuild::from),
-            false => of_program(arguments, &mut BTreeSet::new()),
+            false => of_program(arguments, &mut Glances::default()),
         };
         return shown(arguments, !arguments.no_open, written);
     }
@@ -52,7 +52,7 @@ fn shown(arguments: &ViewArguments, opens: bool, written: Result<WrittenPages, F
 /// The exit status of the report, and the pages.
 type WrittenPages = (Exit, Vec<PathBuf>);
 
-fn of_program(arguments: &ViewArguments, needed: &mut BTreeSet<PathBuf>) -> Result<WrittenPages, FailedBuild> {
+fn of_program(arguments: &ViewArguments, needed: &mut Glances) -> Result<WrittenPages, FailedBuild> {
     build::built(&arguments.file, &build_arguments(arguments), needed).map(|built| (built.exit, built.files))
 }
 

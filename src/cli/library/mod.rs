@@ -4,18 +4,18 @@
 //! path was typed; messages show that path.
 
 use super::disk;
+use super::glances::Glances;
 use crate::check::imports::Library;
 use crate::geometry::mesh::Mesh;
 use crate::source::{MAX_FILE_BYTES, beside};
 use std::cell::RefCell;
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files round a program on the disk.
 pub struct Disk<'a> {
     program: &'a Path,
-    /// The files that were asked for, whether they are there or not.
-    asked: RefCell<BTreeSet<PathBuf>>,
+    /// The files that were asked for, whether they are there or not, as they were before they were read.
+    asked: RefCell<Glances>,
 }
 
 impl<'a> Disk<'a> {
@@ -24,15 +24,15 @@ impl<'a> Disk<'a> {
         Disk { program, asked: RefCell::default() }
     }
 
-    /// The program and the files that it was found to need so far, whether they are there or not.
-    pub fn needed(&self) -> BTreeSet<PathBuf> {
-        self.asked.borrow().iter().cloned().chain([self.program.to_owned()]).collect()
+    /// The files that were asked for so far, whether they are there or not, as they were before they were read.
+    pub fn asked(&self) -> Glances {
+        self.asked.borrow().clone()
     }
 
     /// The path of a file that is asked for.
     fn ask(&self, name: &str) -> PathBuf {
         let path = self.path(name);
-        self.asked.borrow_mut().insert(path.clone());
+        self.asked.borrow_mut().look_at(&path);
         path
     }
 
