@@ -67,6 +67,56 @@ fn json_has_the_place_and_all_labels() {
     }
     assert!(first["text"].is_string() && error["title"].is_string(), "{error}");
     assert_eq!(unreadable["labels"], json!([]));
+    assert!(error["edits"].is_null() && unreadable["edits"].is_null(), "nothing is known to the letter");
+}
+
+/// Two edits that belong together: `=>` for `->` with its blanks, and brackets on both sides of a place.
+const MENDABLE: &str =
+    "use std.dimibot\ndevice bot = dimibot.femto_st { stroke: 1 µV }\ntask go on bot { move to 1, 2; }\n";
+
+#[test]
+fn edits_stand_in_json_and_sarif() {
+    let bench = bench();
+    fs::write(bench.path().join("mend.twz"), MENDABLE).expect("written");
+    let failed = run(&bench, &["check", "mend.twz", "--format", "json"]).code(1);
+    let mut text = MENDABLE.to_owned();
+    // From the last one on, so that the places of the others stay.
+    let mut edits: Vec<Value> = err(&failed)
+        .lines()
+        .map(parsed)
+        .flat_map(|line| line["edits"].as_array().cloned().unwrap_or_default())
+        .collect();
+    edits.sort_by_key(|edit| (edit["line"].as_u64(), edit["column"].as_u64()));
+    assert!(edits.len() >= 4, "{}", err(&failed));
+    for edit in edits.iter().rev() {
+        let [start, end] = [["line", "column"], ["end_line", "end_column"]].map(|keys| {
+            let [line, column] = keys.map(|key| edit[key].as_u64().expect("a number") as usize);
+            let of_line: usize = text.split_inclusive('\n').take(line - 1).map(str::len).sum();
+            of_line + text[of_line..].chars().take(column - 1).map(char::len_utf8).sum::<usize>()
+        });
+        text.replace_range(start..end, edit["replacement"].as_str().expect("a text"));
+    }
+    assert_eq!(
+        text,
+        "use std.dimibot\ndevice bot : dimibot.femto_st { stroke: 1 µV }\ntask go on bot { move to (1, 2) }\n"
+    );
+    let failed = run(&bench, &["check", "mend.twz", "--format", "sarif"]).code(1);
+    let document = parsed(&out(&failed));
+    let faults: Vec<String> = jsonschema::validator_for(&schema())
+        .expect("a schema")
+        .iter_errors(&document)
+        .map(|error| error.to_string())
+        .collect();
+    assert!(faults.is_empty(), "{faults:?}\n{document:#}");
+    let results = document["runs"][0]["results"].as_array().expect("a list");
+    let inserted: Vec<&Value> = results
+        .iter()
+        .filter_map(|result| result["fixes"].as_array())
+        .flatten()
+        .flat_map(|fix| fix["artifactChanges"][0]["replacements"].as_array().expect("a list"))
+        .map(|edit| &edit["insertedContent"]["text"])
+        .collect();
+    assert_eq!(inserted, [":", "(", ")", ""], "{document:#}");
 }
 
 #[test]
@@ -120,9 +170,16 @@ fn schema() -> Value {
     let rule = json!({ "type": "object", "required": ["id"], "additionalProperties": false, "properties": {
         "id": { "type": "string" }, "shortDescription": text, "help": text,
         "defaultConfiguration": { "type": "object", "properties": { "level": level } } } });
+    let replacement = json!({ "type": "object", "required": ["deletedRegion"], "additionalProperties": false, "properties": {
+        "deletedRegion": region, "insertedContent": { "type": "object", "required": ["text"], "properties": { "text": { "type": "string" } } } } });
+    let change = json!({ "type": "object", "required": ["artifactLocation", "replacements"], "additionalProperties": false,
+        "properties": { "artifactLocation": artifact, "replacements": { "type": "array", "minItems": 1, "items": replacement } } });
+    let fix = json!({ "type": "object", "required": ["artifactChanges"], "additionalProperties": false, "properties": {
+        "description": text, "artifactChanges": { "type": "array", "minItems": 1, "items": change } } });
     let result = json!({ "type": "object", "required": ["message"], "additionalProperties": false, "properties": {
         "ruleId": { "type": "string" }, "ruleIndex": { "type": "integer", "minimum": 0 }, "level": level,
-        "message": text, "locations": locations, "relatedLocations": locations } });
+        "message": text, "locations": locations, "relatedLocations": locations,
+        "fixes": { "type": "array", "items": fix } } });
     let driver = json!({ "type": "object", "required": ["name"], "additionalProperties": false, "properties": {
         "name": { "type": "string" }, "semanticVersion": { "type": "string" },
         "rules": { "type": "array", "uniqueItems": true, "items": rule } } });

@@ -1,9 +1,9 @@
 // The program's text: highlighted, with the lines at work lit.
 "use strict";
 
-const WORDS = new Set(("use using device task program scene obstacle part droplet robot let for in if else and or not minimize require start at move to visit " +
-  "merge with together assay incubate discard wait release grasp rotate orient translate by about apply assemble drive simultaneous run wiring instrument on frame state states table through " +
-  "precision true false").split(" "));
+const WORDS = new Set(("use let device instrument output scene task program wiring table for in on as to from by about at via with true false " +
+  "obstacle part reservoir robot frame state minimize require using start run wait pulse set together assay move visit merge discard dispense incubate " +
+  "apply assemble drive grasp orient release rotate translate simultaneous precision").split(" "));
 
 /** Pieces of a line: [class, text] each; names of the scene get their own class. */
 function piecesOf(line, names) {

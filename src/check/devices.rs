@@ -1,4 +1,4 @@
-//! Devices and instruments: bases, fields, and the facts that a device's kind derives from them.
+//! Devices, instruments and outputs: bases, fields, and the facts that a device's kind derives from them.
 
 use super::fields::{Given, Owner};
 use super::lineage::Base;
@@ -7,7 +7,7 @@ use super::value::Accepted;
 use super::{Checker, KindFacts, checks, errors};
 use crate::claims::ValueOrigin;
 use crate::device::{Kind, VocabularyField};
-use crate::instrument::Family;
+use crate::instrument::{AuxiliarySort, Family};
 use crate::source::Span;
 use crate::syntax::tree::{self, Item};
 use std::collections::{BTreeMap, BTreeSet};
@@ -38,7 +38,7 @@ pub type FieldOrigins = BTreeMap<&'static str, ValueOrigin>;
 /// Declarations that were checked; `None` after an error.
 pub(crate) type CheckedDeclarations<R> = BTreeMap<DeclarationPlace, Option<Rc<CheckedDeclaration<R>>>>;
 
-/// What a line of bases ends in: a device kind or a family of instruments.
+/// What a line of bases ends in: a device kind, a family of instruments, or a sort of outputs.
 pub(crate) trait RootBase: Copy + 'static {
     const SORT: DeclarationSort;
     /// "a device of the kind".
@@ -46,8 +46,8 @@ pub(crate) trait RootBase: Copy + 'static {
     const ALL: &'static [Self];
     fn name(self) -> &'static str;
     fn fields(self) -> &'static [VocabularyField];
-    /// Declares something published to start from: the file, and its name there.
-    fn library(self) -> (&'static str, &'static str);
+    /// Declares something published to start from, if there is such: the file, and its name there.
+    fn library(self) -> Option<(&'static str, &'static str)>;
     fn checked<'c>(checker: &'c Checker<'_>) -> &'c CheckedDeclarations<Self>;
     fn checked_mut<'c>(checker: &'c mut Checker<'_>) -> &'c mut CheckedDeclarations<Self>;
 }
@@ -65,8 +65,8 @@ impl RootBase for Kind {
         self.vocabulary().fields
     }
 
-    fn library(self) -> (&'static str, &'static str) {
-        self.vocabulary().library
+    fn library(self) -> Option<(&'static str, &'static str)> {
+        Some(self.vocabulary().library)
     }
 
     fn checked<'c>(checker: &'c Checker<'_>) -> &'c CheckedDeclarations<Kind> {
@@ -91,8 +91,8 @@ impl RootBase for Family {
         Family::fields(self)
     }
 
-    fn library(self) -> (&'static str, &'static str) {
-        Family::library(self)
+    fn library(self) -> Option<(&'static str, &'static str)> {
+        Some(Family::library(self))
     }
 
     fn checked<'c>(checker: &'c Checker<'_>) -> &'c CheckedDeclarations<Family> {
@@ -101,6 +101,32 @@ impl RootBase for Family {
 
     fn checked_mut<'c>(checker: &'c mut Checker<'_>) -> &'c mut CheckedDeclarations<Family> {
         &mut checker.instruments
+    }
+}
+
+impl RootBase for AuxiliarySort {
+    const SORT: DeclarationSort = DeclarationSort::Output;
+    const OF: &'static str = "an output of the sort";
+    const ALL: &'static [AuxiliarySort] = AuxiliarySort::ALL;
+
+    fn name(self) -> &'static str {
+        AuxiliarySort::name(self)
+    }
+
+    fn fields(self) -> &'static [VocabularyField] {
+        AuxiliarySort::fields(self)
+    }
+
+    fn library(self) -> Option<(&'static str, &'static str)> {
+        None
+    }
+
+    fn checked<'c>(checker: &'c Checker<'_>) -> &'c CheckedDeclarations<AuxiliarySort> {
+        &checker.outputs
+    }
+
+    fn checked_mut<'c>(checker: &'c mut Checker<'_>) -> &'c mut CheckedDeclarations<AuxiliarySort> {
+        &mut checker.outputs
     }
 }
 
@@ -114,7 +140,7 @@ impl<R: RootBase> CheckedDeclaration<R> {
         let missing = Checker::missing(&self.fields, self.root.fields());
         if !missing.is_empty() {
             let (name, library) = (self.owner().name, self.root.library());
-            checker.sink.push(errors::missing_fields(self.span, &name, &missing, Some(library)));
+            checker.sink.push(errors::missing_fields(self.span, &name, &missing, library));
             return false;
         }
         !self.fields.values().any(|field| field.value.is_unknown())
@@ -126,10 +152,10 @@ fn owner<R: RootBase>(root: R, name: &str, span: Span) -> Owner {
     Owner { name: format!("{} `{name}`", R::SORT.name()), declared }
 }
 
-/// The declaration of a device or an instrument.
+/// The declaration of a device, an instrument or an output.
 fn with_base(item: &Item) -> Option<&tree::Device> {
     match item {
-        Item::Device(item) | Item::Instrument(item) => Some(item),
+        Item::Device(item) | Item::Instrument(item) | Item::Output(item) => Some(item),
         Item::Use(_)
         | Item::Let(_)
         | Item::Scene(_)
@@ -165,7 +191,7 @@ impl Checker<'_> {
         own.filter_map(|(place, _)| known(place)).collect()
     }
 
-    /// A device or an instrument with all that it inherits; `None` after an error.
+    /// A device, an instrument or an output with all that it inherits; `None` after an error.
     pub fn inherited<R: RootBase>(&mut self, place: DeclarationPlace) -> Option<Rc<CheckedDeclaration<R>>> {
         if let Some(known) = R::checked(self).get(&place) {
             return known.clone();

@@ -1,7 +1,7 @@
 //! Expressions to values: every operator and function checked for the dimensions of its operands.
 
 use super::budget::MAX_LIST_DEPTH;
-use super::scope::{ANGLE_NAME, DeclarationSort, FUNCTIONS, Scope, nearest, path_text};
+use super::scope::{ANGLE_NAME, DeclarationSort, Scope, function_names, nearest, path_text};
 use super::value::{ListValue, ModuleWord, TableValue, Value, whole};
 use super::{Checker, errors, functions};
 use crate::device::MAX_WORD_DIGITS;
@@ -258,8 +258,8 @@ impl Checker<'_> {
         let name = path_text(function);
         let values: Vec<Spanned<Value>> =
             arguments.iter().map(|argument| self.evaluate_spanned(argument, scope)).collect();
-        if !FUNCTIONS.contains(&name.as_str()) {
-            let near = nearest(&name, FUNCTIONS.iter().copied());
+        if !function_names().any(|function| function == name) {
+            let near = nearest(&name, function_names());
             return self.unknown(errors::unknown_function(function.span, &name, near));
         }
         let elements: usize = values.iter().map(|value| value.value.elements()).sum();

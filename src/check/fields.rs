@@ -127,7 +127,10 @@ impl Checker<'_> {
         match judge(sort, &value, expr.span, wanted) {
             Ok(()) => Some(value),
             Err(diagnostic) => {
-                self.sink.push(*diagnostic);
+                self.sink.push(match sort {
+                    Sort::Quantity { dimension, .. } => errors::unit_mended(*diagnostic, dimension, expr, &value),
+                    _ => *diagnostic,
+                });
                 None
             }
         }
@@ -142,7 +145,7 @@ impl Checker<'_> {
         let text = match &expr.kind {
             ExprKind::Path(path) if path.segments.iter().all(|segment| segment.indices.is_empty()) => path_text(path),
             ExprKind::Error => return None,
-            _ => String::new(),
+            _ => truth_word(expr).unwrap_or_default(),
         };
         let found = choices.iter().find(|choice| choice.name == text);
         if found.is_none() {
@@ -215,11 +218,22 @@ impl Checker<'_> {
             let name = self.joined(&segment.name.text, &segment.indices, scope)?;
             return Some(Value::Object(ObjectName { noun, name }));
         }
+        if matches!(expr.kind, ExprKind::List(_)) {
+            self.sink.push(errors::several_objects(wanted, noun, expr.span));
+            return None;
+        }
         match self.evaluate(expr, scope) {
             Value::Object(object) if object.noun == noun => Some(Value::Object(object)),
             Value::Unknown => None,
             found => {
-                self.sink.push(errors::wrong_value(wanted, &format!("the name of a {noun}"), "m1", expr.span, &found));
+                let example = if noun == "robot" { "D1" } else { "m1" };
+                self.sink.push(errors::wrong_value(
+                    wanted,
+                    &format!("the name of a {noun}"),
+                    example,
+                    expr.span,
+                    &found,
+                ));
                 None
             }
         }
@@ -469,6 +483,14 @@ fn judge_vector(
 /// Whether a text may be used as a name.
 fn is_name(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
+/// `true` or `false`, if that stands there.
+fn truth_word(expr: &Expr) -> Option<String> {
+    match &expr.kind {
+        ExprKind::Bool(truth) => Some(truth.to_string()),
+        _ => None,
+    }
 }
 
 fn is_target(value: &Value) -> bool {

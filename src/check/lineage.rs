@@ -48,7 +48,7 @@ impl Checker<'_> {
         let Some((last, base)) = chain.last_mut() else { return };
         *base = Base::Broken;
         let path = match self.item(*last) {
-            Item::Device(item) | Item::Instrument(item) => Some(&item.base),
+            Item::Device(item) | Item::Instrument(item) | Item::Output(item) => Some(&item.base),
             Item::Scene(item) => item.base.as_ref(),
             Item::Use(_) | Item::Let(_) | Item::Task(_) | Item::Program(_) | Item::Wiring(_) | Item::Error(_) => None,
         };

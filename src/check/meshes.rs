@@ -20,6 +20,7 @@ pub fn named(tree: &tree::Tree) -> Vec<&Text> {
             Item::Use(_)
             | Item::Device(_)
             | Item::Instrument(_)
+            | Item::Output(_)
             | Item::Task(_)
             | Item::Program(_)
             | Item::Wiring(_)

@@ -15,7 +15,7 @@ pub mod evaluate;
 mod fields;
 mod figures;
 mod fingers;
-mod frames;
+pub(crate) mod frames;
 mod functions;
 pub mod imports;
 mod instruments;
@@ -28,6 +28,7 @@ pub mod microrobots;
 mod neighbours;
 mod objects;
 mod orientation;
+mod outputs;
 mod programs;
 pub mod reduced;
 mod rows;
@@ -45,7 +46,7 @@ mod wiring;
 use crate::claims::{Claims, Job, Order};
 use crate::device::{self, Kind, each_kind, for_each_kind};
 use crate::diagnostic::Sink;
-use crate::instrument::{Family, Instrument};
+use crate::instrument::{AuxiliaryOutput, AuxiliarySort, Family, Instrument};
 use crate::quantity::{Dimension, Quantity};
 use crate::source::{Sources, Span, Spanned};
 use crate::syntax::tree::{Expr, For, Item, Path};
@@ -183,8 +184,12 @@ pub(crate) struct Checker<'a> {
     lets: BTreeMap<DeclarationPlace, LetState>,
     devices: devices::CheckedDeclarations<Kind>,
     instruments: devices::CheckedDeclarations<Family>,
+    outputs: devices::CheckedDeclarations<AuxiliarySort>,
     facts: BTreeMap<DeclarationPlace, Option<KindFacts>>,
     instrument_facts: BTreeMap<DeclarationPlace, Option<Instrument>>,
+    output_facts: BTreeMap<DeclarationPlace, Option<AuxiliaryOutput>>,
+    /// Where each output that some task switches is declared.
+    outputs_by_name: BTreeMap<String, DeclarationPlace>,
     scenes: BTreeMap<DeclarationPlace, Option<Rc<scenes::CheckedScene>>>,
     used: BTreeSet<DeclarationPlace>,
     used_imports: BTreeSet<(usize, String)>,
@@ -211,6 +216,7 @@ impl<'a> Checker<'a> {
         self.check_values();
         self.check_devices();
         self.check_instruments();
+        self.check_outputs();
         self.check_scenes();
         let wiring = self.wiring();
         let claims = self.schedules(options.only.as_deref(), &wiring);
@@ -227,8 +233,11 @@ impl<'a> Checker<'a> {
             lets: BTreeMap::new(),
             devices: BTreeMap::new(),
             instruments: BTreeMap::new(),
+            outputs: BTreeMap::new(),
             facts: BTreeMap::new(),
             instrument_facts: BTreeMap::new(),
+            output_facts: BTreeMap::new(),
+            outputs_by_name: BTreeMap::new(),
             scenes: BTreeMap::new(),
             used: BTreeSet::new(),
             used_imports: BTreeSet::new(),
@@ -370,7 +379,11 @@ impl<'a> Checker<'a> {
                 let text = scope::path_text(path);
                 let near = scope::in_a_used_file(&text, &known);
                 let near = near.or_else(|| scope::nearest(&text, known.iter().map(String::as_str)));
-                self.sink.push(errors::unknown_name(path.span, &text, sort, near));
+                let finding = errors::unknown_name(path.span, &text, sort, near);
+                let beside = text.rfind('.').filter(|_| near.is_none()).map(|dot| &text[..=dot]);
+                let beside =
+                    beside.map(|file| known.iter().map(String::as_str).filter(move |name| name.starts_with(file)));
+                self.sink.push(finding.help_if(beside.and_then(errors::declared_there)));
                 if matches!(sort, DeclarationSort::Device | DeclarationSort::Scene) {
                     let meant = near.and_then(|near| file.names.get(near));
                     return meant.map(|meant| DeclarationPlace { module: scope.module, item: meant.item });

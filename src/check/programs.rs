@@ -144,17 +144,7 @@ impl<'a> Checker<'a> {
     }
 
     fn parameters(&self, place: DeclarationPlace) -> &'a [tree::Parameter] {
-        match self.item(place) {
-            Item::Task(item) => &item.parameters,
-            Item::Program(item) => &item.parameters,
-            Item::Use(_)
-            | Item::Let(_)
-            | Item::Device(_)
-            | Item::Instrument(_)
-            | Item::Scene(_)
-            | Item::Wiring(_)
-            | Item::Error(_) => &[],
-        }
+        self.item(place).runnable().map_or(&[], |runnable| runnable.parameters)
     }
 
     fn schedule(&mut self, root: DeclarationPlace, wiring: &Wiring) -> Option<Claims> {
@@ -181,13 +171,16 @@ impl<'a> Checker<'a> {
         if self.sink.errors() > errors {
             return None;
         }
-        let (wires, bench) = wiring.of(draft.runs.iter().map(|run| run.device));
+        let outputs = self.outputs_of(&draft.jobs);
+        let places = outputs.values().map(|(_, place)| *place);
+        let (wires, bench) = wiring.of(draft.runs.iter().map(|run| run.device).chain(places));
         if let Some(finding) = self.starts_apart(&bench, declaration.span) {
             self.sink.push(finding);
             return None;
         }
         let (name, jobs) = (name.to_owned(), draft.jobs);
-        Some(Claims { name, timeline, jobs, wires, bench, shared, not_held, span: declaration.span })
+        let outputs = outputs.into_iter().map(|(name, (facts, _))| (name, facts)).collect();
+        Some(Claims { name, timeline, jobs, wires, bench, outputs, shared, not_held, span: declaration.span })
     }
 
     /// Runs a task or a program with its arguments; `span` is where it is run.
@@ -206,6 +199,7 @@ impl<'a> Checker<'a> {
             | Item::Let(_)
             | Item::Device(_)
             | Item::Instrument(_)
+            | Item::Output(_)
             | Item::Scene(_)
             | Item::Wiring(_)
             | Item::Error(_) => Timeline::Sequence(Vec::new()),
@@ -301,7 +295,10 @@ impl<'a> Checker<'a> {
             "together" => self.together(step, scope, draft),
             other => {
                 let near = nearest(other, ["run", "wait", "together"]);
-                self.sink.push(errors::unknown_program_step(&step.head, near));
+                self.sink.push(match self.modules[scope.module].names.get(other).map(|declared| declared.sort) {
+                    Some(DeclarationSort::Task | DeclarationSort::Program) => errors::run_without_its_word(&step.head),
+                    _ => errors::unknown_program_step(&step.head, near),
+                });
                 None
             }
         };
@@ -459,6 +456,12 @@ impl<'a> Checker<'a> {
             let (first, earlier) = *seen.entry(name).or_insert((device, span));
             if first != device {
                 self.sink.push(errors::devices_of_one_name(name, earlier, span));
+            }
+        }
+        for (output, (_, place)) in self.outputs_of(&draft.jobs) {
+            if let Some((device, _)) = seen.get(output.as_str()) {
+                let [declared, other] = [place, *device].map(|place| self.named(place).1);
+                self.sink.push(errors::outputs_of_one_name(&output, declared, other));
             }
         }
     }

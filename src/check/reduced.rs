@@ -34,6 +34,7 @@ pub fn leave_out(modules: &mut [Module], faults: &[Span]) -> LeftOut {
                 | Item::Let(_)
                 | Item::Device(_)
                 | Item::Instrument(_)
+                | Item::Output(_)
                 | Item::Program(_)
                 | Item::Wiring(_)
                 | Item::Error(_) => {}

@@ -10,12 +10,54 @@ use crate::syntax::tree::{self, Ident, Item, Tree};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+/// A function of the language.
+#[derive(Debug, Clone, Copy)]
+pub struct FunctionForm {
+    pub name: &'static str,
+    /// `…` stands for more of the one before it.
+    pub parameters: &'static [&'static str],
+    pub doc: &'static str,
+}
+
+const fn function(name: &'static str, parameters: &'static [&'static str], doc: &'static str) -> FunctionForm {
+    FunctionForm { name, parameters, doc }
+}
+
 /// The functions of the language.
-pub const FUNCTIONS: &[&str] =
-    &["abs", "min", "max", "round", "floor", "sqrt", "sin", "cos", "atan2", "count", "pose", "euler", "quaternion"];
+pub const FUNCTIONS: &[FunctionForm] = &[
+    function("abs", &["value"], "the value without its sign"),
+    function("min", &["value", "…"], "the least of some values of one dimension, or of a list"),
+    function("max", &["value", "…"], "the greatest of some values of one dimension, or of a list"),
+    function("round", &["number"], "the nearest whole number; halves go away from 0"),
+    function("floor", &["number"], "the greatest whole number that is not above it"),
+    function("sqrt", &["value"], "the square root, of its dimension too: `sqrt(4 um^2)` is `2 um`"),
+    function("sin", &["angle"], "the sine of an angle, as `sin(30 deg)`"),
+    function("cos", &["angle"], "the cosine of an angle, as `cos(60 deg)`"),
+    function("atan2", &["y", "x"], "the angle of the direction (x, y), from -180 deg to 180 deg"),
+    function("count", &["list"], "the number of elements of a list or a range, or of rows of a table"),
+    function("pose", &["x", "y", "heading"], "a place with a heading from +x, counter-clockwise; 0 deg without it"),
+    function(
+        "euler",
+        &["first", "second", "third"],
+        "an orientation: turns about z, y and z, each about the part's own axis",
+    ),
+    function("quaternion", &["w", "x", "y", "z"], "an orientation as a quaternion of length 1"),
+];
+
+/// How a function is written, as `atan2(y, x)`.
+pub fn function_form(name: &str) -> Option<String> {
+    let form = FUNCTIONS.iter().find(|form| form.name == name)?;
+    Some(format!("{name}({})", form.parameters.join(", ")))
+}
+
+/// The names of the functions.
+pub fn function_names() -> impl Iterator<Item = &'static str> + Clone {
+    FUNCTIONS.iter().map(|form| form.name)
+}
 
 /// The words that stand where a verb may, whatever the kind.
-pub const STEP_WORDS: [&str; 7] = ["wait", "together", "assay", "minimize", "using", "require", "start"];
+pub const STEP_WORDS: [&str; 9] =
+    ["wait", "pulse", "set", "together", "assay", "minimize", "using", "require", "start"];
 
 /// The name of the angle in the expression of a curve.
 pub const ANGLE_NAME: &str = "t";
@@ -56,6 +98,7 @@ pub enum DeclarationSort {
     Let,
     Device,
     Instrument,
+    Output,
     Scene,
     Task,
     Program,
@@ -68,6 +111,7 @@ impl DeclarationSort {
             DeclarationSort::Let => "value",
             DeclarationSort::Device => "device",
             DeclarationSort::Instrument => "instrument",
+            DeclarationSort::Output => "output",
             DeclarationSort::Scene => "scene",
             DeclarationSort::Task => "task",
             DeclarationSort::Program => "program",
@@ -80,6 +124,7 @@ impl DeclarationSort {
             DeclarationSort::Let => "a value",
             DeclarationSort::Device => "a device",
             DeclarationSort::Instrument => "an instrument",
+            DeclarationSort::Output => "an output",
             DeclarationSort::Scene => "a scene",
             DeclarationSort::Task => "a task",
             DeclarationSort::Program => "a program",
@@ -153,6 +198,7 @@ pub fn declared(item: &Item) -> Option<(&Ident, DeclarationSort)> {
         Item::Let(item) => Some((&item.name, DeclarationSort::Let)),
         Item::Device(item) => Some((&item.name, DeclarationSort::Device)),
         Item::Instrument(item) => Some((&item.name, DeclarationSort::Instrument)),
+        Item::Output(item) => Some((&item.name, DeclarationSort::Output)),
         Item::Scene(item) => Some((&item.name, DeclarationSort::Scene)),
         Item::Task(item) => Some((&item.name, DeclarationSort::Task)),
         Item::Program(item) => Some((&item.name, DeclarationSort::Program)),
@@ -168,7 +214,7 @@ pub fn keeper(name: &str) -> Option<&'static str> {
     if ShapeForm::find(name).is_some() {
         return Some("a shape");
     }
-    if FUNCTIONS.contains(&name) {
+    if function_names().any(|function| function == name) {
         return Some("a function");
     }
     let outcome = Kind::ALL.iter().flat_map(|kind| kind.vocabulary().outcomes).any(|outcome| outcome.name == name);

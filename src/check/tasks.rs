@@ -9,6 +9,7 @@ use super::scenes::CheckedScene;
 use super::scope::{DeclarationPlace, DeclarationSort, Scope, nearest, path_text};
 use super::value::{Accepted, Value, whole};
 use super::verbs::Call;
+use crate::claims::auxiliary::{AuxiliaryAction, AuxiliaryEvent};
 use crate::claims::{Job, Relation, Requirement};
 use crate::device::{self, Assay, Kind, Together, Vocabulary};
 use crate::quantity::Dimension;
@@ -33,6 +34,8 @@ pub struct Parts {
     pub settings: Accepted,
     pub requirements: Vec<Requirement>,
     pub steps: Vec<VocabularyStep>,
+    /// What its steps do to auxiliary outputs.
+    pub events: Vec<AuxiliaryEvent>,
     /// Whether nothing was left out because of errors.
     pub is_whole: bool,
 }
@@ -87,6 +90,14 @@ struct TaskReading<'a> {
     nesting: Nesting,
 }
 
+impl TaskReading<'_> {
+    /// Notes what a step does to an output. To the device it is a wait of no duration.
+    fn switched(&mut self, (output, action): (String, AuxiliaryAction)) -> VocabularyAction {
+        self.parts.events.push(AuxiliaryEvent { step: self.parts.steps.len(), output, action });
+        VocabularyAction::Wait(0)
+    }
+}
+
 /// Whether a step of a task is a setting of it, which comes before all that is done.
 pub fn is_setting(step: &tree::Step) -> bool {
     matches!(step.head.text.as_str(), "minimize" | "using" | "require")
@@ -127,6 +138,7 @@ impl<'a> Checker<'a> {
         let mut parts = self.parts(item, device.root.vocabulary(), scope);
         let is_whole = parts.is_whole;
         let requirements = std::mem::take(&mut parts.requirements);
+        let events = std::mem::take(&mut parts.events);
         let scene = match scene {
             None => None,
             Some(place) => Some(place.and_then(|place| Some((place, self.scene(place)?)))?),
@@ -139,6 +151,7 @@ impl<'a> Checker<'a> {
             device: device.name.clone(),
             requirements,
             order: order.filter(|_| is_whole)?,
+            events,
             span: item.name.span,
             run_span: run.span,
         })
@@ -158,6 +171,7 @@ impl<'a> Checker<'a> {
             settings: Accepted::new(),
             requirements: Vec::new(),
             steps: Vec::new(),
+            events: Vec::new(),
             is_whole: true,
         };
         let mut reading =
@@ -342,9 +356,11 @@ impl<'a> Checker<'a> {
         None
     }
 
-    fn step(&mut self, step: &tree::Step, scope: &Scope, reading: &TaskReading) -> Option<VocabularyAction> {
+    fn step(&mut self, step: &tree::Step, scope: &Scope, reading: &mut TaskReading) -> Option<VocabularyAction> {
         match step.head.text.as_str() {
             "wait" => self.wait(step, scope).map(VocabularyAction::Wait),
+            "pulse" => self.pulse(step, scope).map(|event| reading.switched(event)),
+            "set" => self.level(step, scope).map(|event| reading.switched(event)),
             "together" => self.goals_together(step, scope, reading).map(VocabularyAction::Together),
             "assay" => self.operations(step, scope, reading).map(VocabularyAction::Assay),
             "run" => {
@@ -433,6 +449,12 @@ impl<'a> Checker<'a> {
 
     /// The nanoseconds of `wait 10 ms`.
     pub fn wait(&mut self, step: &tree::Step, scope: &Scope) -> Option<u64> {
+        if let ([phrase], None) = (step.phrases.as_slice(), &step.object)
+            && phrase.preposition.text == "for"
+        {
+            self.sink.push(errors::wait_for(phrase.preposition.span, phrase.value.span));
+            return None;
+        }
         let expr = self.only_object(step, "10 ms")?;
         let sort = device::Sort::Quantity { dimension: Dimension::TIME, range: device::Range::NotNegative };
         let wanted = WantedName { name: "`wait`".to_owned(), doc: String::new(), declared: None };
@@ -442,7 +464,8 @@ impl<'a> Checker<'a> {
 }
 
 /// The words that begin a step and are no goals.
-const NO_GOALS: [&str; 8] = ["wait", "together", "assay", "run", "minimize", "using", "require", "start"];
+const NO_GOALS: [&str; 10] =
+    ["wait", "pulse", "set", "together", "assay", "run", "minimize", "using", "require", "start"];
 
 fn relation(operator: Operator) -> Option<Relation> {
     match operator {

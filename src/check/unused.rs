@@ -19,6 +19,7 @@ impl Checker<'_> {
                 DeclarationSort::Let
                 | DeclarationSort::Device
                 | DeclarationSort::Instrument
+                | DeclarationSort::Output
                 | DeclarationSort::Scene => {}
                 DeclarationSort::Task | DeclarationSort::Program => continue,
             }

@@ -8,7 +8,7 @@ use super::figures::Figures;
 use super::scope::{DeclarationPlace, DeclarationSort, Scope};
 use super::value::Accepted;
 use crate::diagnostic::Diagnostic;
-use crate::instrument::{ANY_WIRE, Bench, Drive, Family, Instrument, Link, LinkSort, Start};
+use crate::instrument::{ANY_WIRE, AuxiliarySort, Bench, Drive, Family, Instrument, Link, LinkSort, Start};
 use crate::source::Span;
 use crate::syntax::tree::{self, Field, Item, WireOutput, WiringEntry};
 use std::collections::BTreeMap;
@@ -41,11 +41,11 @@ struct Wired {
 }
 
 impl Wiring {
-    /// The physical outputs of some devices, by the full names of their channels, and the instruments that these belong to.
-    pub fn of(&self, devices: impl Iterator<Item = DeclarationPlace>) -> (BTreeMap<String, String>, Bench) {
+    /// The physical outputs of some devices and auxiliary outputs, by the full names of their channels, and the instruments that these belong to.
+    pub fn of(&self, owners: impl Iterator<Item = DeclarationPlace>) -> (BTreeMap<String, String>, Bench) {
         let mut outputs = BTreeMap::new();
         let mut bench = Bench::default();
-        for (channel, wired) in devices.filter_map(|device| self.wires.get(&device)).flatten() {
+        for (channel, wired) in owners.filter_map(|owner| self.wires.get(&owner)).flatten() {
             outputs.insert(channel.clone(), wired.output.clone());
             if let Some(drive) = &wired.drive {
                 bench.drives.insert(channel.clone(), drive.clone());
@@ -66,12 +66,53 @@ struct Outputs {
     instruments: BTreeMap<String, (DeclarationPlace, Instrument)>,
 }
 
-/// The wires of one device while they are being read, with their places.
+/// What has channels to be wired.
+enum WiredOwner {
+    Device(KindFacts),
+    AuxiliaryOutput,
+}
+
+impl WiredOwner {
+    fn sort(&self) -> DeclarationSort {
+        match self {
+            WiredOwner::Device(_) => DeclarationSort::Device,
+            WiredOwner::AuxiliaryOutput => DeclarationSort::Output,
+        }
+    }
+
+    fn has_channel(&self, name: &str) -> bool {
+        match self {
+            WiredOwner::Device(facts) => facts.asked().has_channel(name),
+            WiredOwner::AuxiliaryOutput => name == AuxiliarySort::CHANNEL,
+        }
+    }
+
+    fn channel_examples(&self) -> Vec<String> {
+        match self {
+            WiredOwner::Device(facts) => facts.asked().channel_examples(),
+            WiredOwner::AuxiliaryOutput => vec![AuxiliarySort::CHANNEL.to_owned()],
+        }
+    }
+
+    fn moves_stages(&self) -> bool {
+        matches!(self, WiredOwner::Device(facts) if facts.asked().moves_stages())
+    }
+
+    fn numbered_channels(&self) -> Option<NumberedChannels> {
+        match self {
+            WiredOwner::Device(facts) => facts.asked().numbered_channels(),
+            WiredOwner::AuxiliaryOutput => None,
+        }
+    }
+}
+
+/// The wires of one device or auxiliary output while they are being read, with their places.
 struct Panel {
-    device: DeclarationPlace,
+    /// Where it is declared.
+    place: DeclarationPlace,
     name: String,
     /// `None` if its figures are unknown.
-    facts: Option<KindFacts>,
+    owner: Option<WiredOwner>,
     /// Fields of all wires that do not give them themselves.
     defaults: Accepted,
     wired: BTreeMap<String, Wired>,
@@ -96,13 +137,13 @@ impl<'a> Checker<'a> {
                 let Item::Wiring(item) = item else { continue };
                 let mut scope = Scope::top(module, file.tree.file);
                 let Some(mut panel) = self.panel(item, &scope) else { continue };
-                if let Some(earlier) = wirings.insert(panel.device, item.device.span) {
+                if let Some(earlier) = wirings.insert(panel.place, item.device.span) {
                     self.sink.push(errors::wired_twice(&panel.name, item.device.span, earlier));
                 }
                 self.wiring_entries(&item.entries, &mut scope, &mut panel, &mut outputs);
                 let named =
                     panel.wired.into_iter().map(|(channel, wired)| (format!("{}.{channel}", panel.name), wired));
-                wiring.wires.entry(panel.device).or_default().extend(named);
+                wiring.wires.entry(panel.place).or_default().extend(named);
             }
         }
         let instruments = outputs.instruments.into_iter();
@@ -111,17 +152,21 @@ impl<'a> Checker<'a> {
     }
 
     fn panel(&mut self, item: &tree::Wiring, scope: &Scope) -> Option<Panel> {
-        let device = self.resolve(&item.device, scope, DeclarationSort::Device)?;
-        let Item::Device(declared) = self.item(device) else { return None };
-        let name = declared.name.text.clone();
-        let facts = self.facts(device);
+        let named = self.find(&item.device, scope).map(|(place, _)| self.declaration(place).sort);
+        let sort = named.filter(|sort| *sort == DeclarationSort::Output).unwrap_or(DeclarationSort::Device);
+        let place = self.resolve(&item.device, scope, sort)?;
+        let name = self.named(place).0.to_owned();
+        let owner = match sort {
+            DeclarationSort::Output => Some(WiredOwner::AuxiliaryOutput),
+            _ => self.facts(place).map(WiredOwner::Device),
+        };
         let own = item.entries.iter().filter_map(|entry| match entry {
             WiringEntry::Field(field) => Some(Given { field, scope: scope.clone() }),
             WiringEntry::Wire(_) | WiringEntry::For(_) | WiringEntry::Error(_) => None,
         });
         let mut given: Vec<Given> = own.collect();
-        if let Some(facts) = &facts {
-            given.retain(|given| match facts.asked().has_channel(&given.field.name.text) {
+        if let Some(owner) = &owner {
+            given.retain(|given| match owner.has_channel(&given.field.name.text) {
                 true => {
                     self.sink.push(errors::colon_in_wire(&given.field.name));
                     false
@@ -129,9 +174,9 @@ impl<'a> Checker<'a> {
                 false => true,
             });
         }
-        let owner = Owner { name: format!("the wires of `{name}`"), declared: None };
-        let defaults = self.read_fields(&owner, &given, ANY_WIRE);
-        Some(Panel { device, name, facts, defaults, wired: BTreeMap::new() })
+        let wires = Owner { name: format!("the wires of `{name}`"), declared: None };
+        let defaults = self.read_fields(&wires, &given, ANY_WIRE);
+        Some(Panel { place, name, owner, defaults, wired: BTreeMap::new() })
     }
 
     fn wiring_entries(&mut self, entries: &[WiringEntry], scope: &mut Scope, panel: &mut Panel, outputs: &mut Outputs) {
@@ -155,11 +200,11 @@ impl<'a> Checker<'a> {
         let channel = self.channel_name(&wire.channel.segments, scope);
         if channel.as_deref() == Some(ALL_ELECTRODES)
             && let WireOutput::Instrument(path) = &wire.output
-            && let Some(board) = panel.facts.as_ref().and_then(|facts| facts.asked().numbered_channels())
+            && let Some(board) = panel.owner.as_ref().and_then(WiredOwner::numbered_channels)
         {
             return self.board_wire(wire, (path, scope), &board, panel, outputs);
         }
-        let is_stage = panel.facts.as_ref().is_some_and(|facts| facts.asked().moves_stages());
+        let is_stage = panel.owner.as_ref().is_some_and(WiredOwner::moves_stages);
         let (span, output, drive) = match &wire.output {
             WireOutput::Named(text) => {
                 if let Some(field) = wire.fields.first() {
@@ -176,10 +221,10 @@ impl<'a> Checker<'a> {
             }
         };
         let channel = channel?;
-        let facts = panel.facts.as_ref()?;
-        if !facts.asked().has_channel(&channel) {
-            let known = facts.asked().channel_examples();
-            self.sink.push(errors::unknown_channel(wire.channel.span, &panel.name, &channel, &known));
+        let owner = panel.owner.as_ref()?;
+        if !owner.has_channel(&channel) {
+            let (known, name) = (owner.channel_examples(), format!("{} `{}`", owner.sort().name(), panel.name));
+            self.sink.push(errors::unknown_channel(wire.channel.span, &name, &channel, &known));
             return None;
         }
         if let Some(earlier) = panel.wired.get(&channel) {

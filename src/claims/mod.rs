@@ -3,6 +3,7 @@
 //! Planners read it as their order, the verifier as the rules. It is written into a log as JSON and derived again from the
 //! embedded source when the log is verified; spans, which only messages need, are left out of that form.
 
+pub mod auxiliary;
 pub mod dimibot;
 pub mod electrode_array;
 pub mod fingers;
@@ -10,8 +11,9 @@ pub mod microrobots;
 
 use crate::device::{Kind, each_kind};
 use crate::geometry::shape::Pose;
-use crate::instrument::Bench;
+use crate::instrument::{AuxiliaryOutput, Bench};
 use crate::source::Span;
+use auxiliary::AuxiliaryEvent;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -37,6 +39,9 @@ pub struct Claims {
     /// The instruments behind them, where the program declares any.
     #[serde(default, skip_serializing_if = "Bench::is_empty")]
     pub bench: Bench,
+    /// The auxiliary outputs that its tasks switch, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub outputs: BTreeMap<String, AuxiliaryOutput>,
     /// The scenes in which two or more of the program's robots have a place: these never touch one another.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub shared: Vec<SharedScene>,
@@ -147,6 +152,9 @@ pub struct Job {
     /// The conditions on the outcome.
     pub requirements: Vec<Requirement>,
     pub order: Order,
+    /// What it does to auxiliary outputs, in the order of its steps; such a step is one of no duration in the order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub events: Vec<AuxiliaryEvent>,
     /// Where the task is declared.
     #[serde(skip)]
     pub span: Span,

@@ -37,8 +37,8 @@ Begin with `tweeze build FILE.twz`; `tweeze devices` lists what can be programme
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Report every error of programs, each once, without planning
-    #[command(after_help = "Examples:\n  tweeze check fetch.twz --set pitch=80um\n  \
+    /// Report every error of programs, each once; with --plan also whether each task has a plan
+    #[command(after_help = "Examples:\n  tweeze check fetch.twz --set pitch=80um\n  tweeze check fetch.twz --plan\n  \
                             tweeze check *.twz --format sarif > tweeze.sarif")]
     Check(CheckArguments),
     /// Check, plan, verify and write a program
@@ -78,8 +78,8 @@ pub enum Command {
     #[command(after_help = "Editors start it themselves, as `tweeze lsp`. Example for Helix, in languages.toml:\n  \
                       [language-server.tweeze]\n  command = \"tweeze\"\n  args = [\"lsp\"]\n\n\
                       Settings for Neovim and Helix are in docs/editor.md. It gives diagnostics while you type, the meaning of \
-                      words, completion, declarations, and the canonical form. Exit status: 0 ended as agreed; 1 not.")]
-    Lsp,
+                      words, completion, declarations, and the canonical form; saved programs are planned. Exit status: 0 ended as agreed; 1 not.")]
+    Lsp(LspArguments),
     /// Simulate the assemblies of a program with imperfect robots and measurements, and count the outcomes
     #[command(after_help = "Examples:\n  tweeze simulate assemble.twz --trials 1000 --seed 7\n  \
                       tweeze simulate assemble.twz --trials 5 --against-controller --delay 50ms --lost 0.02 --wrong 0.01")]
@@ -146,10 +146,20 @@ impl CheckFormat {
 }
 
 #[derive(Debug, Args)]
+pub struct LspArguments {
+    /// What many editors say of their own accord; there is no other way
+    #[arg(long, hide = true)]
+    pub stdio: bool,
+}
+
+#[derive(Debug, Args)]
 pub struct CheckArguments {
     /// Programs to check; - for standard input
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
+    /// Also search for a plan of each schedule and verify it, as `build` does; nothing is written
+    #[arg(long)]
+    pub plan: bool,
     #[command(flatten)]
     pub settings: Settings,
     #[command(flatten)]

@@ -2,11 +2,14 @@
 
 use super::arguments::{CheckArguments, CheckFormat, ReportFormat};
 use super::loaded::Loaded;
+use super::report::{LiveReport, ReportedBuild};
 use super::{Exit, report, terminal};
 use crate::check::{DeclarationTally, Options};
-use crate::compile;
+use crate::compile::{self, CompileOutcome, CompileRequest};
 use crate::diagnostic::{Sink, machine};
 use crate::source::Sources;
+use crate::verify::Verified;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Checks each file separately; the exit status is the gravest one.
@@ -22,7 +25,7 @@ pub fn run(arguments: &CheckArguments) -> Exit {
         }
         exit = exit.max(match checked {
             Ok(_) if arguments.quiet.is_quiet => Exit::Done,
-            Ok((shown, tally)) => success(&shown, tally, arguments.format),
+            Ok(checked) => success(&checked, arguments),
             Err(exit) => exit,
         });
     }
@@ -32,28 +35,79 @@ pub fn run(arguments: &CheckArguments) -> Exit {
     exit
 }
 
-/// The name of a program and what it declares, or the exit status after an error.
+/// A program without errors.
+struct CheckedProgram {
+    /// Its name in messages.
+    shown: String,
+    tally: DeclarationTally,
+    /// If they were asked for.
+    schedules: Option<Vec<Verified>>,
+    /// Whether the lines of its plans could be told.
+    exit: Exit,
+}
+
+/// A program without errors, or the exit status after one.
 fn one(
     file: &Path,
     arguments: &CheckArguments,
     sources: &mut Sources,
     sink: &mut Sink,
-) -> Result<(String, DeclarationTally), Exit> {
+) -> Result<CheckedProgram, Exit> {
     let options = Options { settings: arguments.settings.set.clone(), only: None };
     let loaded = Loaded::open(file, options).map_err(|diagnostic| {
         sink.push(*diagnostic);
         Exit::Files
     })?;
-    let checked = compile::check(&loaded.program(&loaded.disk()), sources, sink);
-    checked.map(|checked| (loaded.shown(), checked.tally)).ok_or(Exit::Errors)
+    let (disk, shown) = (loaded.disk(), loaded.shown());
+    let program = loaded.program(&disk);
+    if arguments.plan {
+        return planned((&loaded, &program), arguments, sources, sink);
+    }
+    let checked = compile::check(&program, sources, sink).ok_or(Exit::Errors)?;
+    Ok(CheckedProgram { shown, tally: checked.tally, schedules: None, exit: Exit::Done })
 }
 
-fn success(shown: &str, tally: DeclarationTally, format: CheckFormat) -> Exit {
-    match format.one_by_one() {
-        Some(ReportFormat::Json) => terminal::answer(&format!("{}\n", report::json::checked(shown, tally))),
-        Some(ReportFormat::Human | ReportFormat::Short | ReportFormat::Github) => {
-            terminal::answer(&terminal::line("Checked", shown, 0, &report::tally(tally)))
+/// As [`one`], with a verified plan for each of its schedules; reports on both as it goes on.
+fn planned(
+    (loaded, program): (&Loaded, &CompileRequest),
+    arguments: &CheckArguments,
+    sources: &mut Sources,
+    sink: &mut Sink,
+) -> Result<CheckedProgram, Exit> {
+    let has_lines = arguments.format.one_by_one().is_some_and(|format| format != ReportFormat::Json);
+    let formats = BTreeSet::new();
+    let mut live = LiveReport::begin(ReportedBuild {
+        program: loaded.path(),
+        settings: &loaded.options.settings,
+        output: Path::new(""),
+        formats: &formats,
+        is_told: has_lines && !arguments.quiet.is_quiet,
+    });
+    let outcome = compile::compile(program, sources, sink, &mut live);
+    let exit = live.end();
+    match outcome {
+        CompileOutcome::Compiled(compiled) => Ok(CheckedProgram {
+            shown: loaded.shown(),
+            tally: compiled.tally,
+            schedules: Some(compiled.schedules),
+            exit,
+        }),
+        CompileOutcome::Errors => Err(Exit::Errors),
+        CompileOutcome::Refused => Err(Exit::Refused),
+    }
+}
+
+fn success(checked: &CheckedProgram, arguments: &CheckArguments) -> Exit {
+    let CheckedProgram { shown, tally, schedules, exit } = checked;
+    match (arguments.format.one_by_one(), schedules) {
+        (Some(ReportFormat::Json), _) => {
+            terminal::answer(&format!("{}\n", report::json::checked(shown, *tally, schedules.as_deref())))
         }
-        None => Exit::Done,
+        // The lines have been written.
+        (Some(ReportFormat::Human | ReportFormat::Short | ReportFormat::Github), Some(_)) => *exit,
+        (Some(ReportFormat::Human | ReportFormat::Short | ReportFormat::Github), None) => {
+            terminal::answer(&terminal::line("Checked", shown, 0, &report::tally(*tally)))
+        }
+        (None, _) => Exit::Done,
     }
 }

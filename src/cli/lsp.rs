@@ -1,5 +1,6 @@
 //! `tweeze lsp`.
 
+use super::background::BackgroundPlanner;
 use super::library::Disk;
 use super::{Exit, terminal};
 use crate::lsp::{self, SessionEnd};
@@ -25,11 +26,20 @@ pub fn run() -> Exit {
     // Known before the session learns that nothing more comes.
     let unreadable = Arc::new(OnceLock::new());
     let found = Arc::clone(&unreadable);
+    // What the planner finds comes in by the same way as what the client says. It must not keep that way open once the client is gone.
+    let client = Arc::new(sender);
+    let session = Arc::downgrade(&client);
+    let mut planner = BackgroundPlanner::new(move |message| {
+        if let Some(session) = session.upgrade() {
+            // The session has ended.
+            let _ = session.send(message);
+        }
+    });
     thread::spawn(move || {
         let mut input = io::stdin().lock();
         let read = loop {
             match next(&mut input) {
-                Ok(Some(message)) => match sender.send(message) {
+                Ok(Some(message)) => match client.send(message) {
                     Ok(()) => {}
                     // The session has ended.
                     Err(_) => break Ok(()),
@@ -46,7 +56,8 @@ pub fn run() -> Exit {
         let mut output = io::stdout().lock();
         receiver.into_iter().try_for_each(|message| message.write(&mut output))
     });
-    let ended = lsp::serve(&connection, &|path, with| with(&Disk::round(path)));
+    let ended = lsp::serve(&connection, &|path, with| with(&Disk::round(path)), &mut planner);
+    drop(planner);
     // The writer ends when nobody can send any more. The reader may wait for a client that says nothing.
     drop(connection);
     let is_written = matches!(writer.join(), Ok(Ok(())));

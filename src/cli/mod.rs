@@ -1,6 +1,7 @@
 //! The command line: the only place that touches files, clock and terminal.
 
 mod arguments;
+mod background;
 mod build;
 mod check;
 mod devices;
@@ -83,7 +84,7 @@ fn dispatch(command: Command) -> Exit {
         Command::New(arguments) => new::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
         Command::Fmt(arguments) => fmt::run(&arguments),
-        Command::Lsp => lsp::run(),
+        Command::Lsp(_) => lsp::run(),
         Command::Simulate(arguments) => run_simulate(&arguments),
         Command::Control(arguments) => run_control(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),

@@ -3,8 +3,8 @@
 //! Lines count from 1, columns from 1 in characters; an end is the place after the last character.
 
 use super::plain::plain;
-use super::{Code, Diagnostic, Label, Severity, Sink};
-use crate::source::Sources;
+use super::{Code, Diagnostic, Label, Severity, Sink, SourceEdit};
+use crate::source::{Sources, Span};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -21,7 +21,7 @@ pub fn severity(code: Code) -> &'static str {
 }
 
 /// One diagnostic as a line of JSON. `file`, `line`, `column`, `end_line` and `end_column` are the place that it points to, null if there
-/// is none; `labels` lists all places, each with its text.
+/// is none; `labels` lists all places, each with its text; `edits` are what mends it, null where that is not known to the letter.
 pub fn json_line(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let labels: Vec<Value> = diagnostic.labels.iter().map(|label| json_label(label, sources)).collect();
     let mut object = json!({
@@ -34,19 +34,31 @@ pub fn json_line(diagnostic: &Diagnostic, sources: &Sources) -> String {
         object[key] = labels.first().map_or(Value::Null, |first| first[key].clone());
     }
     object["labels"] = labels.into();
+    let edits: Vec<Value> = diagnostic.mend.iter().map(|edit| json_edit(edit, sources)).collect();
+    object["edits"] = if edits.is_empty() { Value::Null } else { edits.into() };
     object.to_string()
 }
 
+/// What to write for what stands from a place up to its end.
+fn json_edit(edit: &SourceEdit, sources: &Sources) -> Value {
+    json_place(edit.span, "replacement", &edit.text, sources)
+}
+
 fn json_label(label: &Label, sources: &Sources) -> Value {
-    let file = sources.file(label.span.file);
-    let (start, end) = (file.position(label.span.start), file.position(label.span.end));
+    json_place(label.span, "text", &label.text, sources)
+}
+
+/// A place with a text of its own.
+fn json_place(span: Span, key: &str, text: &str, sources: &Sources) -> Value {
+    let file = sources.file(span.file);
+    let (start, end) = (file.position(span.start), file.position(span.end));
     json!({
         "file": file.shown,
         "line": start.line,
         "column": start.column,
         "end_line": end.line,
         "end_column": end.column,
-        "text": label.text,
+        key: text,
     })
 }
 
@@ -124,18 +136,35 @@ fn sarif_result(diagnostic: &Diagnostic, sources: &Sources, rule: Option<usize>)
     if !related.is_empty() {
         result["relatedLocations"] = related.into();
     }
+    if let Some(first) = diagnostic.mend.first() {
+        let replacements: Vec<Value> = diagnostic.mend.iter().map(|edit| sarif_replacement(edit, sources)).collect();
+        let artifact = json!({ "uri": uri(&sources.file(first.span.file).shown) });
+        result["fixes"] = json!([{
+            "description": { "text": diagnostic.help },
+            "artifactChanges": [{ "artifactLocation": artifact, "replacements": replacements }],
+        }]);
+    }
     result
 }
 
-fn sarif_location(label: &Label, sources: &Sources) -> Value {
-    let file = sources.file(label.span.file);
-    let (start, end) = (file.position(label.span.start), file.position(label.span.end));
-    let region = json!({
+fn sarif_replacement(edit: &SourceEdit, sources: &Sources) -> Value {
+    json!({ "deletedRegion": sarif_region(edit.span, sources), "insertedContent": { "text": edit.text } })
+}
+
+fn sarif_region(span: Span, sources: &Sources) -> Value {
+    let file = sources.file(span.file);
+    let (start, end) = (file.position(span.start), file.position(span.end));
+    json!({
         "startLine": start.line,
         "startColumn": start.column,
         "endLine": end.line,
         "endColumn": end.column,
-    });
+    })
+}
+
+fn sarif_location(label: &Label, sources: &Sources) -> Value {
+    let file = sources.file(label.span.file);
+    let region = sarif_region(label.span, sources);
     let mut location =
         json!({ "physicalLocation": { "artifactLocation": { "uri": uri(&file.shown) }, "region": region } });
     if !label.text.is_empty() {

@@ -33,22 +33,23 @@ pub struct Diagnostic {
     pub title: String,
     pub labels: Vec<Label>,
     pub help: Option<String>,
-    /// What would mend it, where the help says one word to write instead of another.
+    /// The edits that the help describes, all of them together, where they are known to the letter; in order, apart from each other, and
+    /// all of one file.
     #[serde(skip)]
-    pub mend: Option<WordMend>,
+    pub mend: Vec<SourceEdit>,
 }
 
-/// A word for what stands at a place.
+/// A text for what stands at a place; an empty place is one where nothing stands yet.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct WordMend {
+pub struct SourceEdit {
     pub span: Span,
-    pub word: String,
+    pub text: String,
 }
 
 impl Diagnostic {
     /// A diagnostic without a place yet.
     pub fn new(code: Code, title: impl Into<String>) -> Self {
-        Diagnostic { code, title: title.into(), labels: Vec::new(), help: None, mend: None }
+        Diagnostic { code, title: title.into(), labels: Vec::new(), help: None, mend: Vec::new() }
     }
 
     /// Adds a place; the first one added is where the diagnostic points.
@@ -74,8 +75,24 @@ impl Diagnostic {
     /// Asks whether a near word was meant, which then stands for what the diagnostic points to.
     #[must_use]
     pub fn near(self, near: &str) -> Self {
-        let mend = self.span().map(|span| WordMend { span, word: near.to_owned() });
-        Diagnostic { mend, ..self.help(format!("did you mean `{near}`?")) }
+        let mended = self.span().map(|span| SourceEdit { span, text: near.to_owned() });
+        Diagnostic { mend: mended.into_iter().collect(), ..self.help(format!("did you mean `{near}`?")) }
+    }
+
+    /// Adds an edit to those that mend it, as the help describes them.
+    #[must_use]
+    pub fn mended(mut self, span: Span, text: impl Into<String>) -> Self {
+        self.mend.push(SourceEdit { span, text: text.into() });
+        self
+    }
+
+    /// As [`Self::mended`] at the place that the diagnostic points to.
+    #[must_use]
+    pub fn mended_here(self, text: impl Into<String>) -> Self {
+        match self.span() {
+            Some(span) => self.mended(span, text),
+            None => self,
+        }
     }
 
     /// As [`Self::near`] where there is a near word; else another help.
@@ -92,6 +109,19 @@ impl Diagnostic {
     pub fn help_if(mut self, text: Option<String>) -> Self {
         self.help = text.or(self.help);
         self
+    }
+
+    /// The text of the file that it is about, mended; `None` where the edits are not known or not those of such a text.
+    pub fn mend_in(&self, text: &str) -> Option<String> {
+        let mut mended = String::new();
+        let mut at = 0;
+        for SourceEdit { span, text: new } in &self.mend {
+            mended.push_str(text.get(at..span.start as usize)?);
+            mended.push_str(new);
+            at = span.end as usize;
+        }
+        mended.push_str(text.get(at..)?);
+        (!self.mend.is_empty()).then_some(mended)
     }
 
     /// Where it points, if it points into a file at all.

@@ -362,7 +362,9 @@ impl<'p> LineBuilder<'p> {
                 return true;
             }
             Block::Scene if (is_colon || is_at) && count >= 2 && word != "for" => Alignment::Object(word),
-            Block::File if is_colon && count == 2 && matches!(word, "device" | "instrument") => Alignment::Device,
+            Block::File if is_colon && count == 2 && matches!(word, "device" | "instrument" | "output") => {
+                Alignment::Device
+            }
             Block::Wiring if piece.kind == PieceKind::Arrow => Alignment::Wire,
             Block::File | Block::Scene | Block::Wiring | Block::Table(_) | Block::Other => return false,
         };

@@ -43,7 +43,7 @@ impl Marks {
                 UsePath::File(text) => self.text(text),
             },
             Item::Let(item) => self.expr(&item.value),
-            Item::Device(device) | Item::Instrument(device) => {
+            Item::Device(device) | Item::Instrument(device) | Item::Output(device) => {
                 self.path(&device.base);
                 self.fields(&device.fields);
             }

@@ -4,8 +4,10 @@
 //! device kinds, the words are tables: the checker reads them and `tweeze devices` prints them. Facts only; `check` reads
 //! them from a program, `lower` holds a schedule against them, `emit` writes the files that they play.
 
+mod auxiliary;
 mod words;
 
+pub use auxiliary::{AuxiliaryOutput, AuxiliarySort};
 pub use words::ANY_WIRE;
 
 use crate::device::{VocabularyField, WordChoice, words::words};

@@ -81,6 +81,13 @@ pub const ELECTRODE_DRIVER: &[VocabularyField] = &[
     START,
 ];
 
+const HIGH: VocabularyField =
+    optional("voltage", positive(Dimension::VOLTAGE), "5 V", "voltage of the high level; low is 0 V");
+
+pub const TRIGGER: &[VocabularyField] =
+    &[required("duration", positive(Dimension::TIME), "length of a pulse, which begins with its step"), HIGH];
+pub const DIGITAL: &[VocabularyField] = &[HIGH];
+
 const GAIN: VocabularyField = optional(
     "gain",
     Sort::Quantity { dimension: Dimension::NUMBER, range: Range::NotZero },

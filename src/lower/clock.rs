@@ -1,6 +1,6 @@
 //! Puts the plans of a program on one clock.
 
-use super::{bench, lowered};
+use super::{bench, lowered, outputs};
 use crate::claims::{Claims, Job, Timeline};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::plan::{Motion, Optimality, Plan};
@@ -50,7 +50,7 @@ pub struct LoweredOperation {
 
 /// The schedule of a program, from a plan for each of its jobs.
 ///
-/// `None` after an error: the whole would last longer than [`MAX_DURATION_NS`].
+/// `None` after an error: the whole would last longer than [`MAX_DURATION_NS`], or its bench cannot play it.
 pub fn lower(claims: &Claims, plans: &[Plan<Motion>], sources: &Sources, sink: &mut Sink) -> Option<Schedule> {
     let runs: Option<Vec<LoweredRun>> = plans.iter().map(|plan| lowered(&plan.motion).run()).collect();
     let Some(runs) = runs else { return too_long(claims, sink) };
@@ -60,7 +60,11 @@ pub fn lower(claims: &Claims, plans: &[Plan<Motion>], sources: &Sources, sink: &
     for (job, (run, start_ns)) in runs.into_iter().zip(starts).enumerate() {
         builder.add(job, &plans[job], run, start_ns);
     }
-    let schedule = builder.finish(duration_ns);
+    let mut schedule = builder.finish(duration_ns);
+    outputs::add(&mut schedule, claims, sink)?;
+    if schedule.duration_ns > MAX_DURATION_NS {
+        return too_long(claims, sink);
+    }
     bench::holds(&schedule, claims, sink).then_some(schedule)
 }
 

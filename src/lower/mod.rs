@@ -9,6 +9,7 @@ mod dimibot;
 pub(crate) mod electrode_array;
 pub(crate) mod fingers;
 pub mod microrobots;
+mod outputs;
 
 pub use clock::lower;
 

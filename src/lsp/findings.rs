@@ -10,6 +10,7 @@ use lsp_types::{
     CodeAction, CodeActionKind, DiagnosticRelatedInformation, DiagnosticSeverity, Location, NumberOrString, TextEdit,
     Uri, WorkspaceEdit,
 };
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -74,9 +75,8 @@ pub fn of(
 #[allow(clippy::mutable_key_type)]
 pub fn quick_fixes(uri: &Uri, found: Vec<lsp_types::Diagnostic>) -> Vec<CodeAction> {
     let fix = |diagnostic: lsp_types::Diagnostic| {
-        let edit: TextEdit = serde_json::from_value(diagnostic.data.clone()?).ok()?;
-        let title = format!("Write `{}`", edit.new_text);
-        let edit = WorkspaceEdit { changes: Some([(uri.clone(), vec![edit])].into()), ..WorkspaceEdit::default() };
+        let QuickFix { title, edits } = serde_json::from_value(diagnostic.data.clone()?).ok()?;
+        let edit = WorkspaceEdit { changes: Some([(uri.clone(), edits)].into()), ..WorkspaceEdit::default() };
         Some(CodeAction {
             title,
             kind: Some(CodeActionKind::QUICKFIX),
@@ -87,6 +87,13 @@ pub fn quick_fixes(uri: &Uri, found: Vec<lsp_types::Diagnostic>) -> Vec<CodeActi
         })
     };
     found.into_iter().filter_map(fix).collect()
+}
+
+/// Edits with their name, sent along with a finding.
+#[derive(Serialize, Deserialize)]
+struct QuickFix {
+    title: String,
+    edits: Vec<TextEdit>,
 }
 
 /// A program with its own text in the editor.
@@ -134,12 +141,33 @@ impl ShownProgram<'_> {
         }
     }
 
-    /// The edit that mends a finding, if that is known, as it comes back with a request for actions.
+    /// The edits that mend a finding, if they are known, as they come back with a request for actions.
     fn mend(&self, diagnostic: &Diagnostic) -> Option<serde_json::Value> {
-        let mend = diagnostic.mend.as_ref()?;
         let own = self.sources.files().find(|(_, file)| file.origin == Origin::User)?.0;
-        let range = self.own.range(mend.span.range(), self.unit);
-        (mend.span.file == own).then(|| serde_json::json!(TextEdit { range, new_text: mend.word.clone() }))
+        if diagnostic.mend.is_empty() || diagnostic.mend.iter().any(|edit| edit.span.file != own) {
+            return None;
+        }
+        let edits = diagnostic
+            .mend
+            .iter()
+            .map(|edit| TextEdit { range: self.own.range(edit.span.range(), self.unit), new_text: edit.text.clone() });
+        Some(serde_json::json!(QuickFix { title: self.title(diagnostic), edits: edits.collect() }))
+    }
+
+    /// What an editor lists a quick fix as: what would be written, as the help says it.
+    fn title(&self, diagnostic: &Diagnostic) -> String {
+        let help = diagnostic.help.as_deref().unwrap_or_default();
+        let quoted = |start: &str| help.strip_prefix(start)?.split('`').next();
+        if let Some(written) = quoted("write `").or_else(|| quoted("did you mean `")) {
+            return format!("Write `{written}`");
+        }
+        match diagnostic.mend.as_slice() {
+            [edit] if edit.text.trim().is_empty() => {
+                format!("Remove `{}`", &self.own.as_str()[edit.span.range()])
+            }
+            [edit] => format!("Write `{}`", edit.text.trim()),
+            _ => format!("Mend it: {help}"),
+        }
     }
 
     /// The place of a label in the program or a file that it uses; `None` in the standard library.

@@ -5,6 +5,7 @@
 use super::outline;
 use super::text::{ColumnUnit, EditedText};
 use super::words::COMMON_STEPS;
+use crate::check::frames;
 use crate::device::Kind;
 use crate::syntax::tree::{Entry, Item, SceneEntry, Tree, WiringEntry};
 use crate::syntax::{RESERVED, is_word};
@@ -87,7 +88,7 @@ fn heads() -> BTreeSet<&'static str> {
         let verbs = vocabulary.verbs.iter().flat_map(|verb| std::iter::once(verb.name).chain(verb.noun));
         verbs.chain(vocabulary.nouns.iter().map(|noun| noun.name))
     });
-    COMMON_STEPS.iter().map(|(word, _)| *word).chain(["start", "run"]).chain(of_kinds).collect()
+    COMMON_STEPS.iter().map(|(word, _)| *word).chain(["start", "run", frames::NOUN]).chain(of_kinds).collect()
 }
 
 /// The pieces of a line that have a role. `depth` counts the round and square brackets that are open before it, and then after it.
@@ -139,7 +140,7 @@ fn roles(line: &str, heads: &BTreeSet<&str>, depth: &mut usize) -> Vec<(Range<us
 fn named(before: Option<&str>, after: Option<PieceForm>, heads: &BTreeSet<&str>, own: &str) -> WordRole {
     match (before, after) {
         (Some("task" | "program" | "run"), _) => WordRole::Function,
-        (Some("device" | "instrument"), _) => WordRole::Type,
+        (Some("device" | "instrument" | "output"), _) => WordRole::Type,
         (Some("minimize" | "require" | "using"), _) => WordRole::Property,
         (Some("scene" | "let" | "on" | "in" | "wiring"), _) => WordRole::Variable,
         // The noun of a verb, as in `apply state 2`.
@@ -252,7 +253,7 @@ fn blocks(tree: &Tree) -> Vec<Range<usize>> {
             Item::Task(task) => step_blocks(&task.entries, &mut found),
             Item::Program(program) => step_blocks(&program.entries, &mut found),
             Item::Wiring(wiring) => wire_blocks(&wiring.entries, &mut found),
-            Item::Use(_) | Item::Let(_) | Item::Device(_) | Item::Instrument(_) | Item::Error(_) => {}
+            Item::Use(_) | Item::Let(_) | Item::Device(_) | Item::Instrument(_) | Item::Output(_) | Item::Error(_) => {}
         }
     }
     found

@@ -10,26 +10,36 @@ mod findings;
 mod highlight;
 mod names;
 mod outline;
+mod planning;
+mod signatures;
 mod text;
 mod words;
+
+#[cfg(test)]
+mod tests;
+
+pub use planning::{PLANNED, PlanningResult, ProgramPlanner};
 
 use crate::check::imports::Library;
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response};
 use lsp_types::notification::{
-    DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, Exit, Notification as Notice, PublishDiagnostics,
+    DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, DidSaveTextDocument, Exit,
+    Notification as Notice, PublishDiagnostics,
 };
 use lsp_types::request::{
     CodeActionRequest, Completion, DocumentHighlightRequest, DocumentSymbolRequest, FoldingRangeRequest, Formatting,
-    GotoDefinition, HoverRequest, References, Rename, Request as Asked, SemanticTokensFullRequest, Shutdown,
+    GotoDefinition, HoverRequest, InlayHintRefreshRequest, InlayHintRequest, References, Rename, Request as Asked,
+    SemanticTokensFullRequest, Shutdown, SignatureHelpRequest,
 };
 use lsp_types::{
     CodeActionProviderCapability, CompletionOptions, DocumentHighlight, DocumentSymbolResponse,
     FoldingRangeProviderCapability, HoverProviderCapability, InitializeParams, Location, OneOf, PositionEncodingKind,
     PublishDiagnosticsParams, SemanticTokens, SemanticTokensFullOptions, SemanticTokensLegend, SemanticTokensOptions,
-    SemanticTokensServerCapabilities, ServerCapabilities, TextDocumentSyncCapability, TextDocumentSyncKind, TextEdit,
-    Uri, WorkspaceEdit,
+    SemanticTokensServerCapabilities, ServerCapabilities, SignatureHelpOptions, TextDocumentSyncCapability,
+    TextDocumentSyncKind, TextDocumentSyncOptions, TextDocumentSyncSaveOptions, TextEdit, Uri, WorkspaceEdit,
 };
 use names::ProgramNames;
+use planning::ProgramPlans;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -48,11 +58,15 @@ pub enum SessionEnd {
     Abrupt,
 }
 
-/// Serves one client until it ends.
+/// Serves one client until it ends. What `planner` finds comes by the connection, as what the client says does.
 ///
 /// # Errors
 /// The first messages are not those of the protocol.
-pub fn serve(connection: &Connection, round: FilesRound) -> Result<SessionEnd, String> {
+pub fn serve(
+    connection: &Connection,
+    round: FilesRound,
+    planner: &mut dyn ProgramPlanner,
+) -> Result<SessionEnd, String> {
     let (id, asked) = connection.initialize_start().map_err(|error| error.to_string())?;
     let asked: InitializeParams = serde_json::from_value(asked).map_err(|error| error.to_string())?;
     let unit = column_unit(&asked);
@@ -61,7 +75,17 @@ pub fn serve(connection: &Connection, round: FilesRound) -> Result<SessionEnd, S
         "serverInfo": { "name": "tweeze", "version": env!("CARGO_PKG_VERSION") },
     });
     connection.initialize_finish(id, answer).map_err(|error| error.to_string())?;
-    let mut session = Session { connection, round, unit, open: BTreeMap::new(), is_changed: false, is_shut: false };
+    let mut session = Session {
+        connection,
+        round,
+        planner,
+        unit,
+        refreshes_hints: refreshes_hints(&asked),
+        open: BTreeMap::new(),
+        tickets: 0,
+        is_changed: false,
+        is_shut: false,
+    };
     Ok(session.run())
 }
 
@@ -75,13 +99,24 @@ fn column_unit(asked: &InitializeParams) -> ColumnUnit {
     }
 }
 
+/// Whether the client asks for hints again if it is told to.
+fn refreshes_hints(asked: &InitializeParams) -> bool {
+    let hints = asked.capabilities.workspace.as_ref().and_then(|workspace| workspace.inlay_hint.as_ref());
+    hints.is_some_and(|hints| hints.refresh_support == Some(true))
+}
+
 fn capabilities(unit: ColumnUnit) -> ServerCapabilities {
     ServerCapabilities {
         position_encoding: Some(match unit {
             ColumnUnit::Byte => PositionEncodingKind::UTF8,
             ColumnUnit::Utf16 => PositionEncodingKind::UTF16,
         }),
-        text_document_sync: Some(TextDocumentSyncCapability::Kind(TextDocumentSyncKind::INCREMENTAL)),
+        text_document_sync: Some(TextDocumentSyncCapability::Options(TextDocumentSyncOptions {
+            open_close: Some(true),
+            change: Some(TextDocumentSyncKind::INCREMENTAL),
+            save: Some(TextDocumentSyncSaveOptions::Supported(true)),
+            ..TextDocumentSyncOptions::default()
+        })),
         document_formatting_provider: Some(OneOf::Left(true)),
         document_symbol_provider: Some(OneOf::Left(true)),
         hover_provider: Some(HoverProviderCapability::Simple(true)),
@@ -91,6 +126,11 @@ fn capabilities(unit: ColumnUnit) -> ServerCapabilities {
         references_provider: Some(OneOf::Left(true)),
         document_highlight_provider: Some(OneOf::Left(true)),
         rename_provider: Some(OneOf::Left(true)),
+        inlay_hint_provider: Some(OneOf::Left(true)),
+        signature_help_provider: Some(SignatureHelpOptions {
+            trigger_characters: Some(["(", ","].map(str::to_owned).to_vec()),
+            ..SignatureHelpOptions::default()
+        }),
         folding_range_provider: Some(FoldingRangeProviderCapability::Simple(true)),
         semantic_tokens_provider: Some(SemanticTokensServerCapabilities::SemanticTokensOptions(
             SemanticTokensOptions {
@@ -108,14 +148,25 @@ struct OpenDocument {
     uri: Uri,
     text: EditedText,
     version: i32,
+    /// Whether it is on the disk as it is here.
+    is_saved: bool,
+    /// Of the last search for plans of this text.
+    ticket: u64,
+    /// What that found, once it has ended.
+    plans: ProgramPlans,
 }
 
 struct Session<'a> {
     connection: &'a Connection,
     round: FilesRound<'a>,
+    planner: &'a mut dyn ProgramPlanner,
     unit: ColumnUnit,
+    /// Whether the client can be told that hints have changed.
+    refreshes_hints: bool,
     /// By path.
     open: BTreeMap<PathBuf, OpenDocument>,
+    /// Number of searches for plans and of messages to the client that it answers.
+    tickets: u64,
     /// Whether a text has changed since the findings were sent.
     is_changed: bool,
     /// Whether the client has asked for the end, and is to say `exit` next.
@@ -175,6 +226,8 @@ impl Session<'_> {
             GotoDefinition::METHOD => read(params).map(|asked| json!(self.definition(&asked))),
             References::METHOD => read(params).map(|asked| json!(self.references(&asked))),
             DocumentHighlightRequest::METHOD => read(params).map(|asked| json!(self.highlights(&asked))),
+            InlayHintRequest::METHOD => read(params).map(|asked| json!(self.hints(&asked))),
+            SignatureHelpRequest::METHOD => read(params).map(|asked| json!(self.signatures(&asked))),
             FoldingRangeRequest::METHOD => read(params).map(|asked| json!(self.folds(&asked))),
             SemanticTokensFullRequest::METHOD => read(params).map(|asked| json!(self.tokens(&asked))),
             Rename::METHOD => match read(params).map(|asked| self.renamed(&asked)) {
@@ -203,24 +256,49 @@ impl Session<'_> {
                 let Some(opened) = read::<lsp_types::DidOpenTextDocumentParams>(notice.params) else { return };
                 let document = opened.text_document;
                 let Some(path) = text::path(&document.uri) else { return };
-                let text = EditedText::new(document.text);
-                self.open.insert(path, OpenDocument { uri: document.uri, text, version: document.version });
+                let opened = OpenDocument {
+                    uri: document.uri,
+                    text: EditedText::new(document.text),
+                    version: document.version,
+                    is_saved: true,
+                    ticket: 0,
+                    plans: ProgramPlans::default(),
+                };
+                self.open.insert(path.clone(), opened);
                 self.is_changed = true;
+                self.plan(&path);
             }
             DidChangeTextDocument::METHOD => {
                 let Some(changed) = read::<lsp_types::DidChangeTextDocumentParams>(notice.params) else { return };
-                let path = text::path(&changed.text_document.uri);
-                let Some(document) = path.and_then(|path| self.open.get_mut(&path)) else { return };
+                let Some(path) = text::path(&changed.text_document.uri) else { return };
+                let Some(document) = self.open.get_mut(&path) else { return };
+                (document.is_saved, document.plans) = (false, ProgramPlans::default());
+                self.planner.stop(&path);
                 for change in changed.content_changes {
                     document.text.change(change.range, &change.text, self.unit);
                 }
                 document.version = changed.text_document.version;
                 self.is_changed = true;
             }
+            DidSaveTextDocument::METHOD => {
+                let Some(saved) = read::<lsp_types::DidSaveTextDocumentParams>(notice.params) else { return };
+                let path = text::path(&saved.text_document.uri);
+                let Some(document) = path.and_then(|path| self.open.get_mut(&path)) else { return };
+                document.is_saved = true;
+                // Others may use this file.
+                let open: Vec<PathBuf> = self.open.keys().cloned().collect();
+                open.iter().for_each(|path| self.plan(path));
+            }
+            PLANNED => {
+                let Some(result) = read::<PlanningResult>(notice.params) else { return };
+                self.planned(&result);
+            }
             DidCloseTextDocument::METHOD => {
                 let Some(closed) = read::<lsp_types::DidCloseTextDocumentParams>(notice.params) else { return };
                 let uri = closed.text_document.uri;
-                if text::path(&uri).and_then(|path| self.open.remove(&path)).is_some() {
+                let Some(path) = text::path(&uri) else { return };
+                self.planner.stop(&path);
+                if self.open.remove(&path).is_some() {
                     self.publish(uri, Vec::new(), None);
                     self.is_changed = true;
                 }
@@ -235,6 +313,8 @@ impl Session<'_> {
         for (path, document) in &self.open {
             let mut found = Vec::new();
             (self.round)(path, &mut |disk| found = findings::of(path, &document.uri, (&texts, disk), self.unit));
+            let place = (path.as_path(), &document.uri);
+            found.extend(document.plans.diagnostics(place, &document.text, self.unit, &found));
             self.publish(document.uri.clone(), found, Some(document.version));
         }
     }
@@ -285,14 +365,55 @@ impl Session<'_> {
 
     fn hover(&self, asked: &lsp_types::HoverParams) -> Option<lsp_types::Hover> {
         let place = &asked.text_document_position_params;
+        let document = self.document(&place.text_document.uri)?;
+        let at = document.text.offset(place.position, self.unit);
+        words::hover(&document.text, at, self.unit, &document.plans)
+    }
+
+    fn signatures(&self, asked: &lsp_types::SignatureHelpParams) -> Option<lsp_types::SignatureHelp> {
+        let place = &asked.text_document_position_params;
         let text = &self.document(&place.text_document.uri)?.text;
-        words::hover(text, text.offset(place.position, self.unit), self.unit)
+        signatures::help(text.as_str(), text.offset(place.position, self.unit))
+    }
+
+    fn hints(&self, asked: &lsp_types::InlayHintParams) -> Option<Vec<lsp_types::InlayHint>> {
+        let document = self.document(&asked.text_document.uri)?;
+        Some(document.plans.hints(&document.text, asked.range, self.unit))
     }
 
     fn completions(&self, asked: &lsp_types::CompletionParams) -> Option<Vec<lsp_types::CompletionItem>> {
         let place = &asked.text_document_position;
         let text = &self.document(&place.text_document.uri)?.text;
         Some(words::completions(text.as_str(), text.offset(place.position, self.unit)))
+    }
+}
+
+/// Plans of saved programs.
+impl Session<'_> {
+    /// Begins to plan a program, if it is on the disk as it is here.
+    fn plan(&mut self, path: &Path) {
+        let Some(document) = self.open.get_mut(path).filter(|document| document.is_saved && path.is_absolute()) else {
+            return;
+        };
+        self.tickets += 1;
+        (document.ticket, document.plans) = (self.tickets, ProgramPlans::default());
+        self.planner.start(path, self.tickets);
+    }
+
+    /// Takes what came of planning, unless the text has changed since.
+    fn planned(&mut self, result: &PlanningResult) {
+        let Some(document) = self.open.get_mut(&result.path) else { return };
+        if !document.is_saved || document.ticket != result.ticket {
+            return;
+        }
+        document.plans = ProgramPlans::of(result);
+        // With the checker's findings alone there is nothing new to show.
+        self.is_changed |= document.plans.has_findings();
+        if self.refreshes_hints {
+            self.tickets += 1;
+            let id = format!("hints {}", self.tickets).into();
+            self.send(Message::Request(Request::new(id, InlayHintRefreshRequest::METHOD.to_owned(), ())));
+        }
     }
 }
 

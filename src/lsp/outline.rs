@@ -42,6 +42,7 @@ pub fn symbols(text: &EditedText, unit: ColumnUnit) -> Vec<DocumentSymbol> {
         Item::Instrument(item) => {
             Some(symbol(&item.name.text, "instrument", SymbolKind::INTERFACE, [item.span, item.name.span]))
         }
+        Item::Output(item) => Some(symbol(&item.name.text, "output", SymbolKind::EVENT, [item.span, item.name.span])),
         Item::Scene(item) => Some(symbol(&item.name.text, "scene", SymbolKind::NAMESPACE, [item.span, item.name.span])),
         Item::Task(item) => Some(symbol(&item.name.text, "task", SymbolKind::FUNCTION, [item.span, item.name.span])),
         Item::Program(item) => {

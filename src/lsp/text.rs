@@ -59,6 +59,13 @@ impl EditedText {
         start + line.len()
     }
 
+    /// The byte of a line and a column of characters, both from 0; as [`Self::offset`] for places beyond.
+    pub fn offset_of_character(&self, line: usize, column: usize) -> usize {
+        let Some(&start) = self.lines.get(line) else { return self.text.len() };
+        let line = self.text[start..].split(['\n', '\r']).next().unwrap_or_default();
+        line.char_indices().nth(column).map_or(start + line.len(), |(at, _)| start + at)
+    }
+
     /// The place of a byte on the border of a character.
     pub fn position(&self, offset: usize, unit: ColumnUnit) -> Position {
         let line = self.lines.partition_point(|start| *start <= offset).saturating_sub(1);

@@ -4,19 +4,22 @@
 //! that the checker reads.
 
 use super::outline;
+use super::planning::ProgramPlans;
 use super::text::{ColumnUnit, EditedText};
+use crate::check::scope::{FUNCTIONS, function_form};
 use crate::device::{Kind, Vocabulary, VocabularyField};
-use crate::instrument::Family;
+use crate::instrument::{AuxiliarySort, Family};
 use crate::syntax::tree::{Item, Tree, UsePath};
 use lsp_types::{CompletionItem, CompletionItemKind, Documentation, Hover, HoverContents, MarkupContent, MarkupKind};
 use std::collections::BTreeMap;
 
 /// The words that begin a declaration, with its form.
-const DECLARATIONS: [(&str, &str); 8] = [
+const DECLARATIONS: [(&str, &str); 9] = [
     ("use", "use std.dimibot, or use \"bench.twz\" as lab"),
     ("let", "let NAME = VALUE"),
     ("device", "device NAME : KIND { FIELD: VALUE }"),
     ("instrument", "instrument NAME : FAMILY { FIELD: VALUE }"),
+    ("output", "output NAME : trigger { duration: 5 ms }, or output NAME : digital"),
     ("scene", "scene NAME { obstacle NAME : SHAPE at PLACE }"),
     ("task", "task NAME on DEVICE in SCENE { minimize WHAT, STEPS }"),
     ("program", "program NAME { run TASK, wait 10 ms }"),
@@ -24,11 +27,13 @@ const DECLARATIONS: [(&str, &str); 8] = [
 ];
 
 /// Settings and steps that tasks of all kinds have.
-pub(super) const COMMON_STEPS: [(&str, &str); 7] = [
+pub(super) const COMMON_STEPS: [(&str, &str); 9] = [
     ("minimize", "minimize WHAT: the figure that the plan minimises"),
     ("require", "require FIGURE <= LIMIT: a limit that the plan must keep"),
     ("using", "using PLANNER { expansions: 5000000 }: how the plan is searched"),
     ("wait", "wait 10 ms: nothing is switched for so long"),
+    ("pulse", "pulse OUTPUT: a pulse of an output of the sort `trigger`"),
+    ("set", "set OUTPUT to high, or to low: the level of an output of the sort `digital`"),
     ("together", "together { GOALS }: at the same time, where the kind can"),
     ("assay", "assay { OPERATIONS }: each part in its own time, where the kind can"),
     ("for", "for i in 0..5 { … }: once for each"),
@@ -43,7 +48,7 @@ struct KnownWord {
 }
 
 /// The meaning of the word at a byte of a text.
-pub fn hover(text: &EditedText, at: usize, unit: ColumnUnit) -> Option<Hover> {
+pub fn hover(text: &EditedText, at: usize, unit: ColumnUnit, plans: &ProgramPlans) -> Option<Hover> {
     let is_part = |c: char| c.is_alphanumeric() || c == '_';
     let source = text.as_str();
     let start = source[..at]
@@ -52,12 +57,14 @@ pub fn hover(text: &EditedText, at: usize, unit: ColumnUnit) -> Option<Hover> {
     let end = source[at..].find(|c| !is_part(c)).map_or(source.len(), |end| at + end);
     let word = &source[start..end];
     let tree = outline::tree(source);
-    let all = known_words(&kinds(&tree), tree.items.iter().any(|item| matches!(item, Item::Instrument(_))));
+    let all =
+        known_words(&kinds(&tree), tree.items.iter().any(|item| matches!(item, Item::Instrument(_) | Item::Output(_))));
     let of_kinds = all.into_iter().filter(|known| known.word == word);
     let common = DECLARATIONS.iter().chain(&COMMON_STEPS).filter(|known| known.0 == word);
     let mut lines: Vec<String> = of_kinds.map(|known| format!("`{}`\n\n{}", known.form, known.meaning)).collect();
     lines.extend(common.map(|known| format!("`{}`", known.1)));
     lines.dedup();
+    lines.extend(plans.summary(word).map(|summary| summary.value));
     let value = lines.join("\n\n---\n\n");
     (!value.is_empty()).then(|| Hover {
         contents: HoverContents::Markup(MarkupContent { kind: MarkupKind::Markdown, value }),
@@ -87,12 +94,12 @@ pub fn completions(text: &str, at: usize) -> Vec<CompletionItem> {
         DECLARATIONS.iter().for_each(|(word, form)| add(word, form, "", CompletionItemKind::KEYWORD));
     } else {
         let is_wanted = |kind: CompletionItemKind| match around {
-            Some(Item::Device(_) | Item::Instrument(_)) => kind == CompletionItemKind::FIELD,
+            Some(Item::Device(_) | Item::Instrument(_) | Item::Output(_)) => kind == CompletionItemKind::FIELD,
             Some(Item::Scene(_)) => kind == CompletionItemKind::CLASS,
             Some(Item::Task(_)) => kind != CompletionItemKind::FIELD && kind != CompletionItemKind::CLASS,
             _ => true,
         };
-        let of_instruments = matches!(around, Some(Item::Instrument(_) | Item::Wiring(_)));
+        let of_instruments = matches!(around, Some(Item::Instrument(_) | Item::Output(_) | Item::Wiring(_)));
         for known in known_words(&kinds, of_instruments).iter().filter(|known| is_wanted(known.kind)) {
             add(known.word, &known.form, &known.meaning, known.kind);
         }
@@ -117,6 +124,7 @@ fn kinds(tree: &Tree) -> Vec<&'static Vocabulary> {
             Item::Let(_)
             | Item::Device(_)
             | Item::Instrument(_)
+            | Item::Output(_)
             | Item::Scene(_)
             | Item::Task(_)
             | Item::Program(_)
@@ -163,6 +171,14 @@ fn known_words(kinds: &[&'static Vocabulary], with_instruments: bool) -> Vec<Kno
             push(planner.name, format!("using {}", planner.name), planner.doc, CompletionItemKind::ENUM_MEMBER);
         }
     }
+    for function in FUNCTIONS {
+        words.push(KnownWord {
+            word: function.name,
+            form: function_form(function.name).unwrap_or_default(),
+            meaning: function.doc.to_owned(),
+            kind: CompletionItemKind::FUNCTION,
+        });
+    }
     for vocabulary in kinds {
         words.extend(vocabulary.fields.iter().map(|own| field(own, CompletionItemKind::FIELD)));
         words.extend(vocabulary.settings.iter().map(|own| field(own, CompletionItemKind::PROPERTY)));
@@ -170,6 +186,9 @@ fn known_words(kinds: &[&'static Vocabulary], with_instruments: bool) -> Vec<Kno
     if with_instruments {
         for family in Family::ALL {
             words.extend(family.fields().iter().map(|own| field(own, CompletionItemKind::FIELD)));
+        }
+        for sort in AuxiliarySort::ALL {
+            words.extend(sort.fields().iter().map(|own| field(own, CompletionItemKind::FIELD)));
         }
     }
     words
@@ -181,6 +200,7 @@ fn names(tree: &Tree) -> Vec<(String, &'static str)> {
         Item::Let(item) => Some((item.name.text.clone(), "let")),
         Item::Device(item) => Some((item.name.text.clone(), "device")),
         Item::Instrument(item) => Some((item.name.text.clone(), "instrument")),
+        Item::Output(item) => Some((item.name.text.clone(), "output")),
         Item::Scene(item) => Some((item.name.text.clone(), "scene")),
         Item::Task(item) => Some((item.name.text.clone(), "task")),
         Item::Program(item) => Some((item.name.text.clone(), "program")),

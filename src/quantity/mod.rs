@@ -184,7 +184,7 @@ pub struct Unit {
 }
 
 /// The units that take the prefixes of [`PREFIXES`]: name, power of ten of the unit itself in base units, dimension.
-const PREFIXED: &[(&str, i32, Dimension)] = &[
+pub(crate) const PREFIXED: &[(&str, i32, Dimension)] = &[
     ("m", 0, Dimension::LENGTH),
     ("s", 0, Dimension::TIME),
     ("V", 0, Dimension::VOLTAGE),
@@ -200,7 +200,7 @@ const PREFIXED: &[(&str, i32, Dimension)] = &[
     ("K", 0, Dimension::TEMPERATURE),
 ];
 
-const PREFIXES: &[(&str, i32)] = &[
+pub(crate) const PREFIXES: &[(&str, i32)] = &[
     ("f", -15),
     ("p", -12),
     ("n", -9),
@@ -217,7 +217,7 @@ const PREFIXES: &[(&str, i32)] = &[
 ];
 
 /// The units without prefixes: name, power of ten, further factor, dimension.
-const PLAIN: &[(&str, i32, f64, Dimension)] = &[
+pub(crate) const PLAIN: &[(&str, i32, f64, Dimension)] = &[
     ("deg", 0, std::f64::consts::PI / 180.0, Dimension::ANGLE),
     ("rad", 0, 1.0, Dimension::ANGLE),
     ("turn", 0, std::f64::consts::TAU, Dimension::ANGLE),

@@ -1,5 +1,6 @@
 //! Matching of brackets: which are open, which were forgotten, and where a forgotten one is taken as closed.
 
+use super::around;
 use super::cursor::{Brackets, Cursor, OpenBracket};
 use super::words::takes_block;
 use super::{MAX_NESTING, errors, slips};
@@ -80,8 +81,8 @@ impl Cursor<'_> {
 
     fn stray(&mut self, at: usize) {
         if let Some(head) = self.head_end.take().filter(|_| self.text.as_bytes()[at] == b'}') {
-            let line = errors::line_before(self.text, head);
-            let last = errors::token_before_sign(&self.text[..head]).len();
+            let line = around::line_before(self.text, head);
+            let last = around::token_before_sign(&self.text[..head]).len();
             let mark = self.span(head - last, head);
             self.report(slips::missing_brace(mark, line));
             return self.replace(head, head + 1, "{");
@@ -106,7 +107,7 @@ impl Cursor<'_> {
         let holds_block = lost.iter().any(|open| open.bracket == b'{');
         let line_end = outer.line_end.filter(|_| !holds_block);
         let end = line_end.map_or(limit, |end| end.min(limit));
-        let code = errors::code_end_before(self.text, end).max(outer.at + 1);
+        let code = around::code_end_before(self.text, end).max(outer.at + 1);
         self.cover(outer.at, code);
     }
 
@@ -126,7 +127,7 @@ impl Cursor<'_> {
     /// Remembers where a block must begin.
     fn head_begins(&mut self) {
         let end = self.end_of_line();
-        let code = errors::code_end_before(self.text, end);
+        let code = around::code_end_before(self.text, end);
         self.head_end =
             Some(code).filter(|code| takes_block(self.rest()) && *code > self.at && *code < self.text.len());
     }

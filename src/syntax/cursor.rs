@@ -60,6 +60,10 @@ impl Brackets {
         self.open.last().is_some_and(|open| open.bracket == b'{' && open.at >= offset)
     }
 
+    pub fn is_empty(&self) -> bool {
+        self.open.is_empty()
+    }
+
     /// Whether no list and no place is open.
     pub fn takes_entries(&self) -> bool {
         self.open.last().is_none_or(|open| open.bracket == b'{')

@@ -136,6 +136,10 @@ impl Reader<'_> {
             self.foreign_word(head.text.len(), span);
             return None;
         }
+        if let Some(finding) = slips::level_on(span, self.source) {
+            self.report(finding);
+            return None;
+        }
         let mut step =
             Step { head, indices: Vec::new(), noun: None, object: None, phrases: Vec::new(), block: None, span };
         for part in parts {

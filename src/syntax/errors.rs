@@ -1,7 +1,12 @@
 //! Diagnostics of the parser: one function for each mistake.
 
+use super::around::{
+    after, blanks_end, code_end_before, first_word, line_after, line_before, line_part, part, quote, token_at,
+    token_before, token_before_sign, visible, with_blanks,
+};
 use super::grammar::Rule;
 use super::tree::{Column, Ident};
+use super::words::starts_item;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
@@ -26,107 +31,42 @@ impl ListPlace {
     }
 }
 
-/// The span of the bytes `start..end` of the file of `span`.
-pub(super) fn part(span: Span, start: usize, end: usize) -> Span {
-    Span::new(span.file, start, end)
-}
-
-/// The first word, number or sign at an offset; empty only at the end of the text.
-pub(super) fn token_at(text: &str, offset: usize) -> &str {
-    let rest = after(text, offset);
-    let Some(first) = rest.chars().next() else { return "" };
-    let in_word = |c: char| c.is_alphanumeric() || c == '_';
-    let in_sign = |c: char| "+-*/^<>=!.:".contains(c);
-    let length = if first == '"' {
-        rest[1..].find(['"', '\n']).map(|length| length + 2)
-    } else if in_word(first) {
-        rest.find(|c| !in_word(c))
-    } else if in_sign(first) {
-        rest.find(|c| !in_sign(c))
-    } else {
-        Some(first.len_utf8())
-    };
-    &rest[..length.unwrap_or(rest.len())]
-}
-
-/// Bytes around a mistake in which a message looks for words to repeat: a line may be a megabyte long.
-const SIGHT_BYTES: usize = 512;
-
-/// The text before an offset, as far as a message looks.
-pub(super) fn before(text: &str, offset: usize) -> &str {
-    &text[text.floor_char_boundary(offset.saturating_sub(SIGHT_BYTES))..offset]
-}
-
-/// The text from an offset on, as far as a message looks.
-pub(super) fn after(text: &str, offset: usize) -> &str {
-    &text[offset..text.ceil_char_boundary((offset + SIGHT_BYTES).min(text.len()))]
-}
-
-/// Where the last code before an offset ends: blanks, line ends and comments are passed by.
-pub(super) fn code_end_before(text: &str, offset: usize) -> usize {
-    let mut end = offset;
-    loop {
-        end = text[..end].trim_end().len();
-        let seen = before(text, end);
-        let line = seen.rfind('\n').map_or(seen, |at| &seen[at + 1..]);
-        match line.find("//") {
-            Some(at) => end -= line.len() - at,
-            None => return end,
-        }
-    }
-}
-
-/// The line of an offset up to that offset, without its indentation.
-pub(super) fn line_before(text: &str, offset: usize) -> &str {
-    let seen = before(text, offset);
-    seen.rfind('\n').map_or(seen, |at| &seen[at + 1..]).trim()
-}
-
-/// The line of an offset from that offset on, without a comment.
-fn line_after(text: &str, offset: usize) -> &str {
-    let line = after(text, offset).lines().next().unwrap_or("");
-    line.split("//").next().unwrap_or("").trim()
-}
-
-/// The longest piece of the user's text that a message repeats, in characters.
-const LONGEST_QUOTE: usize = 60;
-
-/// A piece of the user's text for a message, cut where it is long.
-pub(super) fn quote(text: &str) -> String {
-    let mut quoted: String = text.chars().take(LONGEST_QUOTE).collect();
-    if text.chars().nth(LONGEST_QUOTE).is_some() {
-        quoted.push('…');
-    }
-    quoted
-}
-
 pub(super) fn late_brace(mark: Span, text: &str) -> Diagnostic {
     let brace = mark.end as usize;
-    let line = quote(line_before(text, code_end_before(text, brace)));
+    let end = code_end_before(text, brace);
+    let line = quote(line_before(text, end));
     Diagnostic::new(Code::E0105, "`{` on a line of its own")
         .label(part(mark, brace, brace + 1), "this opens the block of the line above")
         .help(format!("write it at the end of that line: `{line} {{`"))
+        .mended(part(mark, end, end), " {")
+        .mended(line_part(mark, brace, brace + 1, text), "")
 }
 
 pub(super) fn leading_operator(mark: Span, text: &str) -> Diagnostic {
     let start = mark.end as usize;
     let operator = token_at(text, start);
-    let line = quote(line_before(text, code_end_before(text, start)));
+    let end = code_end_before(text, start);
+    let line = quote(line_before(text, end));
     Diagnostic::new(Code::E0106, format!("a line begins with `{operator}`"))
         .label(part(mark, start, start + operator.len()), "the value of the line above was complete without this")
         .help(format!(
             "a line continues after an operator, not before one: end the line above with `{line} {operator}`"
         ))
+        .mended(part(mark, end, end), format!(" {operator}"))
+        .mended(part(mark, start, blanks_end(text, start + operator.len())), "")
 }
 
 pub(super) fn leading_preposition(mark: Span, text: &str) -> Diagnostic {
     let start = mark.end as usize;
     let word = token_at(text, start);
-    let line = line_before(text, code_end_before(text, start));
+    let end = code_end_before(text, start);
+    let line = line_before(text, end);
     let joined = quote(&format!("{line} {}", line_after(text, start)));
-    Diagnostic::new(Code::E0107, format!("a line begins with `{word}`"))
+    let finding = Diagnostic::new(Code::E0107, format!("a line begins with `{word}`"))
         .label(part(mark, start, start + word.len()), "this belongs to the line above")
-        .help(format!("write the step on one line: `{joined}`"))
+        .help(format!("write the step on one line: `{joined}`"));
+    // A comment between the two would swallow the rest of the step.
+    if text[end..start].trim().is_empty() { finding.mended(part(mark, end, start), " ") } else { finding }
 }
 
 pub(super) fn blank_before_bracket(mark: Span, text: &str) -> Diagnostic {
@@ -137,6 +77,7 @@ pub(super) fn blank_before_bracket(mark: Span, text: &str) -> Diagnostic {
     Diagnostic::new(Code::E0108, format!("a blank between `{name}` and `{bracket}`"))
         .label(place, "no blank here")
         .help(format!("write `{name}{bracket}…`: an index or an argument joins its name"))
+        .mended(part(mark, start, mark.end as usize), "")
 }
 
 pub(super) fn wrong_colon(mark: Span, text: &str) -> Diagnostic {
@@ -145,6 +86,7 @@ pub(super) fn wrong_colon(mark: Span, text: &str) -> Diagnostic {
     Diagnostic::new(Code::E0119, format!("`{sign}` where `:` belongs"))
         .label(mark, "between a name and its value stands `:`")
         .help(format!("write `{name}: {}`", quote(line_after(text, mark.end as usize))))
+        .mended(with_blanks(mark, text), ": ")
 }
 
 pub(super) fn wrong_equals(mark: Span, text: &str) -> Diagnostic {
@@ -153,21 +95,18 @@ pub(super) fn wrong_equals(mark: Span, text: &str) -> Diagnostic {
     Diagnostic::new(Code::E0119, format!("`{sign}` where `=` belongs"))
         .label(mark, "`let` takes `=`")
         .help(format!("write `let {name} = {}`", quote(line_after(text, mark.end as usize))))
-}
-
-/// The word that ends before an offset.
-fn token_before(text: &str, offset: usize) -> &str {
-    let head = before(text, offset).trim_end();
-    let start = head.char_indices().rev().find(|(_, c)| !c.is_alphanumeric() && *c != '_');
-    &head[start.map_or(0, |(at, c)| at + c.len_utf8())..]
+        .mended(with_blanks(mark, text), " = ")
 }
 
 pub(super) fn joined(mark: Span, text: &str) -> Diagnostic {
     let start = mark.end as usize;
     let word = token_at(text, start);
+    let end = text[..start].trim_end_matches([' ', '\t']).len();
+    let is_item = starts_item(after(text, start));
     Diagnostic::new(Code::E0103, format!("`{word}` begins anew on the same line"))
         .label(part(mark, start, start + word.len()), "complete before this")
         .help(format!("put a comma or a line end before `{word}`"))
+        .mended(part(mark, end, start), if is_item { "\n" } else { ", " })
 }
 
 pub(super) fn reserved_name(name: &Ident) -> Diagnostic {
@@ -187,22 +126,6 @@ pub(super) fn missing_value(at: Span, text: &str) -> Diagnostic {
     Diagnostic::new(Code::E0102, format!("a value is missing after `{before}`"))
         .label(part(at, start, end), "a value belongs behind this")
         .help("write a number with its unit, such as `35 um`, a place, such as `(4 um, 2 um)`, or a name")
-}
-
-/// The last word or sign of a text.
-pub(super) fn token_before_sign(text: &str) -> &str {
-    let text = before(text, text.len());
-    let Some(last) = text.chars().next_back() else { return "" };
-    let in_word = |c: char| c.is_alphanumeric() || c == '_';
-    let in_sign = |c: char| "+-*/^<>=!.".contains(c);
-    let start = if in_word(last) {
-        text.char_indices().rev().find(|(_, c)| !in_word(*c))
-    } else if in_sign(last) {
-        text.char_indices().rev().find(|(_, c)| !in_sign(*c))
-    } else {
-        return &text[text.len() - last.len_utf8()..];
-    };
-    &text[start.map_or(0, |(at, c)| at + c.len_utf8())..]
 }
 
 pub(super) fn too_many_operators(span: Span, count: usize) -> Diagnostic {
@@ -271,22 +194,11 @@ pub(super) fn loop_at_top(span: Span) -> Diagnostic {
         .help("`for` stands inside a scene, a task, a program or a wiring")
 }
 
-/// A span without the blanks around it; the word or sign before it, if nothing else is in it.
-fn visible(span: Span, text: &str) -> Span {
-    let inside = &text[span.range()];
-    let end = span.start as usize + inside.trim_end().len();
-    let start = end - text[span.start as usize..end].trim_start().len();
-    if start < end {
-        return part(span, start, end);
-    }
-    let before = code_end_before(text, span.start as usize);
-    part(span, before - token_before_sign(&text[..before]).len(), before)
-}
-
 pub(super) fn bad_head(rest: Span, rule: Rule, item: Span, text: &str) -> Diagnostic {
     let form = match rule {
         Rule::device_rest => "device NAME : KIND { … }",
         Rule::instrument_rest => "instrument NAME : FAMILY { … }",
+        Rule::output_rest => "output NAME : trigger { … }` or `output NAME : digital { … }",
         Rule::scene_rest => "scene NAME { … }` or `scene NAME : SCENE { … }",
         Rule::task_rest => "task NAME on DEVICE in SCENE { … }",
         Rule::program_rest => "program NAME { … }",
@@ -345,6 +257,7 @@ pub(super) fn unterminated_string(span: Span, text: &str) -> Diagnostic {
     Diagnostic::new(Code::E0115, "a string does not end on its line")
         .label(span, "opened here")
         .help(format!("close it: `{written}\"`"))
+        .mended(span.after(), "\"")
 }
 
 pub(super) fn open_text_hole(span: Span) -> Diagnostic {
@@ -353,25 +266,47 @@ pub(super) fn open_text_hole(span: Span) -> Diagnostic {
         .help("write `{{` for a brace, or close the value with `}`")
 }
 
-pub(super) fn block_comment(span: Span, comment: &str) -> Diagnostic {
+/// `ends_line` is whether nothing stands behind it on its last line.
+pub(super) fn block_comment(span: Span, comment: &str, ends_line: bool) -> Diagnostic {
     let words = comment.trim_start_matches("/*").trim_end_matches("*/").trim();
     let first = words.lines().next().unwrap_or("").trim();
-    Diagnostic::new(Code::E0125, "a comment in `/* */`")
+    let finding = Diagnostic::new(Code::E0125, "a comment in `/* */`")
         .label(span, "comments begin with `//` and end with their line")
-        .help(format!("write `// {}`", quote(first)))
+        .help(format!("write `// {}`", quote(first)));
+    if !ends_line || !comment.ends_with("*/") || comment.len() < "/**/".len() {
+        return finding;
+    }
+    let at = |offset: usize| span.start as usize + offset;
+    let body = comment.len() - "*/".len();
+    let mut finding = finding.mended(part(span, at(0), at(2)), "//");
+    for (line, _) in comment[..body].match_indices('\n') {
+        let start = blanks_end(comment, line + 1);
+        // A star that begins the line is part of the frame.
+        let star = usize::from(comment[start..body].starts_with('*'));
+        let gap = if star == 0 && start < body { "// " } else { "//" };
+        finding = finding.mended(part(span, at(start), at(start + star)), gap);
+    }
+    finding.mended(part(span, at(body), at(comment.len())), "")
 }
 
 pub(super) fn foreign_comment(span: Span, comment: &str) -> Diagnostic {
     let mark = comment.chars().next().unwrap_or('#');
+    let words = comment.trim_start_matches(mark);
     Diagnostic::new(Code::E0125, format!("a comment behind `{mark}`"))
         .label(span, "comments begin with `//`")
-        .help(format!("write `// {}`", quote(comment.trim_start_matches(mark).trim())))
+        .help(format!("write `// {}`", quote(words.trim())))
+        .mended(
+            first_word(span, comment.len() - words.len()),
+            if words.starts_with([' ', '\t']) { "//" } else { "// " },
+        )
 }
 
-pub(super) fn semicolon(span: Span) -> Diagnostic {
+/// `mend` is what to write in its place.
+pub(super) fn semicolon(span: Span, mend: &str) -> Diagnostic {
     Diagnostic::new(Code::E0104, "a `;`")
         .label(span, "nothing ends with this")
         .help("remove it: a field, a step or a declaration ends at the line end or at a comma")
+        .mended_here(mend)
 }
 
 pub(super) fn foreign_sign(span: Span, theirs: char, ours: &str) -> Diagnostic {
@@ -379,13 +314,21 @@ pub(super) fn foreign_sign(span: Span, theirs: char, ours: &str) -> Diagnostic {
         " " => ("a blank that must not break".to_owned(), "write a plain blank".to_owned()),
         _ => (format!("`{theirs}` is not a sign of the language"), format!("write `{ours}`")),
     };
-    Diagnostic::new(Code::E0118, title).label(span, "this character").help(help)
+    Diagnostic::new(Code::E0118, title).label(span, "this character").help(help).mended_here(ours)
+}
+
+pub(super) fn foreign_signs(span: Span, theirs: &str, ours: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0118, format!("`{theirs}` is not a sign of the language"))
+        .label(span, "of another language")
+        .help(format!("write `{ours}`"))
+        .mended_here(ours)
 }
 
 pub(super) fn foreign_quotes(span: Span, inside: &str) -> Diagnostic {
     Diagnostic::new(Code::E0118, "quotes that are not of the language")
         .label(span, "write strings in plain double quotes")
         .help(format!("write `\"{}\"`", quote(inside)))
+        .mended_here(format!("\"{inside}\""))
 }
 
 pub(super) fn foreign_character(span: Span, text: &str) -> Diagnostic {
@@ -397,11 +340,20 @@ pub(super) fn foreign_character(span: Span, text: &str) -> Diagnostic {
         Some('\\') => "a line continues after an operator or inside brackets, without a marker",
         _ => "remove it: names are letters, digits and `_`",
     };
+    let mend = match written {
+        "°" => Some(" deg"),
+        "±" => Some(""),
+        _ => None,
+    };
     let shown: String =
         written.chars().flat_map(|c| if c.is_control() { c.escape_unicode().collect() } else { vec![c] }).collect();
-    Diagnostic::new(Code::E0118, format!("`{}` is not of the language", quote(&shown)))
+    let finding = Diagnostic::new(Code::E0118, format!("`{}` is not of the language", quote(&shown)))
         .label(span, "this character")
-        .help(help)
+        .help(help);
+    match mend {
+        Some(mend) => finding.mended_here(mend),
+        None => finding,
+    }
 }
 
 fn bad_number(span: Span, title: String, help: String) -> Diagnostic {
@@ -426,10 +378,12 @@ pub(super) fn two_points(span: Span, written: &str) -> Diagnostic {
 pub(super) fn bare_point(span: Span, written: &str) -> Diagnostic {
     let digits = quote(written.trim_end_matches('.'));
     bad_number(span, format!("`{}` ends with its point", quote(written)), format!("write `{digits}` or `{digits}.0`"))
+        .mended_here(written.trim_end_matches('.'))
 }
 
 pub(super) fn bare_fraction(span: Span, written: &str) -> Diagnostic {
     bad_number(span, format!("`{}` begins with its point", quote(written)), format!("write `0{}`", quote(written)))
+        .mended_here(format!("0{written}"))
 }
 
 pub(super) fn no_exponent(span: Span, written: &str) -> Diagnostic {
@@ -441,17 +395,20 @@ pub(super) fn no_exponent(span: Span, written: &str) -> Diagnostic {
 pub(super) fn misplaced_doc(span: Span, text: &str) -> Diagnostic {
     let comment = &text[span.range()];
     let words = comment[3..].trim();
+    let mark = first_word(span, 3);
     let before = line_before(text, span.start as usize);
     let finding = Diagnostic::new(Code::E0109, "a doc comment that documents nothing");
     if comment.starts_with("//!") {
         return finding
             .label(span, "`//!` documents the file and belongs at its top")
-            .help(format!("write `// {}`, or move it to the top of the file", quote(words)));
+            .help(format!("write `// {}`, or move it to the top of the file", quote(words)))
+            .mended(mark, "//");
     }
     if before.is_empty() {
         return finding
             .label(span, "no declaration, field or object follows")
-            .help(format!("write `// {}`", quote(words)));
+            .help(format!("write `// {}`", quote(words)))
+            .mended(mark, "//");
     }
     finding.label(span, "`///` documents the item after it, not before it").help(format!(
         "put it on a line of its own above `{}`, or write `// {}`",
@@ -465,11 +422,6 @@ pub(super) fn foreign_word(word: Span, text: &str) -> Diagnostic {
     Diagnostic::new(Code::E0122, format!("`{written}` is not a word of the language"))
         .label(word, "of another language")
         .help(super::foreign::help(written).unwrap_or_default())
-}
-
-/// The first word of a span.
-fn first_word(span: Span, length: usize) -> Span {
-    part(span, span.start as usize, span.start as usize + length)
 }
 
 pub(super) fn bad_loop(span: Span) -> Diagnostic {
@@ -508,6 +460,7 @@ pub(super) fn missing_colon(span: Span, name: &str, text: &str) -> Diagnostic {
     Diagnostic::new(Code::E0119, format!("`:` is missing after `{name}`"))
         .label(first_word(span, name.len()), "a field takes `:` before its value")
         .help(format!("write `{name}: {}`", quote(value)))
+        .mended(first_word(span, name.len()).after(), ":")
 }
 
 /// Reading stopped at `at`, inside of the bracket `open` if there is one.
@@ -555,9 +508,10 @@ pub(super) fn misspelt_item(span: Span, text: &str, right: &str) -> Diagnostic {
     Diagnostic::new(Code::E0111, format!("no declaration begins with `{word}`"))
         .label(first_word(span, word.len()), format!("did you mean `{right}`?"))
         .help(format!("write `{right}{}`", quote(&line[word.len()..])))
+        .mended_here(right)
 }
 
-const ITEM_WORDS: &str = "`use`, `let`, `device`, `instrument`, `scene`, `task`, `program` or `wiring`";
+const ITEM_WORDS: &str = "`use`, `let`, `device`, `instrument`, `output`, `scene`, `task`, `program` or `wiring`";
 
 pub(super) fn unknown_item(span: Span, text: &str) -> Diagnostic {
     let word = token_at(text, 0);
@@ -570,9 +524,12 @@ pub(super) fn value_without_let(span: Span, text: &str) -> Diagnostic {
     let line = text.lines().next().unwrap_or("").trim_end();
     let word = token_at(text, 0);
     let value = line[word.len()..].trim_start_matches([' ', '\t', ':', '=']);
+    let start = span.start as usize;
     Diagnostic::new(Code::E0111, format!("`{word}` is given a value without `let`"))
         .label(first_word(span, word.len()), "a declaration begins with its own word")
         .help(format!("write `let {word} = {}`", quote(value)))
+        .mended(part(span, start, start), "let ")
+        .mended(part(span, start + word.len(), start + (line.len() - value.len())), " = ")
 }
 
 pub(super) fn not_an_item(span: Span, text: &str) -> Diagnostic {

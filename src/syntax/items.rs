@@ -2,8 +2,8 @@
 
 use super::errors;
 use super::grammar::{Node, Rule};
+use super::heads;
 use super::reader::Reader;
-use super::slips;
 use super::tree::{Device, Doc, Ident, Item, Let, Parameter, Path, Program, Scene, Task, Use, UsePath, Wiring};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
@@ -47,6 +47,7 @@ impl Reader<'_> {
             | Rule::let_item
             | Rule::device
             | Rule::instrument
+            | Rule::output
             | Rule::scene
             | Rule::task
             | Rule::program
@@ -75,6 +76,7 @@ impl Reader<'_> {
         match rule {
             Rule::device_rest => self.device(head, doc, span).map(Item::Device),
             Rule::instrument_rest => self.device(head, doc, span).map(Item::Instrument),
+            Rule::output_rest => self.device(head, doc, span).map(Item::Output),
             Rule::scene_rest => self.scene(head, doc, span).map(Item::Scene),
             Rule::task_rest => self.task(head, doc, span).map(Item::Task),
             Rule::program_rest => self.program(head, doc, span).map(Item::Program),
@@ -107,8 +109,9 @@ impl Reader<'_> {
                         if self.is_reserved_name(rest) {
                             continue;
                         }
-                        let slip = slips::head(rest, rule, span, self.source);
+                        let slip = heads::slip(rest, rule, span, self.source);
                         let finding = slip.unwrap_or_else(|| errors::bad_head(rest, rule, span, self.source));
+                        self.keep_mended_name(&finding);
                         self.report(finding);
                     }
                 }

@@ -31,7 +31,8 @@ pub(super) fn block_comment(cursor: &mut Cursor) {
     let start = cursor.at;
     let end = cursor.rest().find("*/").map_or_else(|| cursor.end_of_line(), |length| start + length + 2);
     let span = cursor.span(start, start + 2);
-    cursor.report(errors::block_comment(span, &cursor.text[start..end]));
+    let ends_line = cursor.text[end..].lines().next().is_none_or(|rest| rest.trim().is_empty());
+    cursor.report(errors::block_comment(span, &cursor.text[start..end], ends_line));
     let mut line = start;
     while let Some(length) = cursor.text[line..end].find('\n') {
         cursor.replace(line, line + length, "");
@@ -187,7 +188,12 @@ pub(super) fn semicolon(cursor: &mut Cursor) {
     let rest = cursor.text[start + 1..cursor.end_of_line()].trim_start();
     let is_last = rest.is_empty() || rest.starts_with("//") || rest.starts_with('}');
     let span = cursor.span(start, start + 1);
-    cursor.report(errors::semicolon(span));
+    let mend = match is_last {
+        true => "",
+        false if cursor.brackets.is_empty() => "\n",
+        false => ",",
+    };
+    cursor.report(errors::semicolon(span, mend));
     cursor.replace(start, start + 1, if is_last { "" } else { "," });
     cursor.at += 1;
 }
@@ -209,11 +215,22 @@ const SPELLINGS: &[(char, &str)] = &[
     ('\u{a0}', " "),
 ];
 
+/// Signs of two characters that people write for ours, and ours.
+const SIGN_PAIRS: &[(&str, &str)] = &[("**", "^"), ("~=", "!="), ("<>", "!=")];
+
 /// A sign; one that the language does not have is replaced by Tweeze's or covered.
 pub(super) fn sign(cursor: &mut Cursor, first: char) {
     let start = cursor.at;
     let end = start + first.len_utf8();
     cursor.at = end;
+    if let Some((theirs, ours)) = SIGN_PAIRS.iter().find(|(theirs, _)| cursor.text[start..].starts_with(theirs)) {
+        let end = start + theirs.len();
+        cursor.at = end;
+        let span = cursor.span(start, end);
+        cursor.report(errors::foreign_signs(span, theirs, ours));
+        cursor.replace(start, end, ours);
+        return;
+    }
     if matches!(first, ',' | ':' | '.' | '=' | '<' | '>' | '+' | '-' | '*' | '/' | '^' | '|' | '%') {
         return;
     }

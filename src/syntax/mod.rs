@@ -7,12 +7,15 @@
 //! the rest by `grammar/*.pest`, whose lists end in rules that accept anything. The `Reader` turns pest's pairs into the
 //! tree and reports the faults of the parts that only those rules accepted.
 
+mod around;
 mod brackets;
 mod cursor;
 mod entries;
 mod errors;
 mod foreign;
 mod grammar;
+mod habits;
+mod heads;
 mod items;
 mod lexical;
 mod reader;

@@ -1,23 +1,26 @@
 //! Fragments that no rule could read: their diagnostics, and the parts that can be saved.
 
+use super::around;
 use super::errors::{self, ListPlace};
 use super::foreign;
 use super::grammar::{Grammar, Node, Rule};
+use super::habits;
 use super::reader::Reader;
 use super::slips;
 use super::tree::{Doc, Expr, Ident, Item};
 use super::words::is_word;
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, SourceEdit};
 use crate::source::Span;
 use pest::Parser;
 use pest::error::{ErrorVariant, InputLocation};
 
 /// The words that begin a declaration, and the rule for what follows each.
-const ITEMS: [(&str, Rule); 8] = [
+const ITEMS: [(&str, Rule); 9] = [
     ("use", Rule::use_rest),
     ("let", Rule::let_rest),
     ("device", Rule::device_rest),
     ("instrument", Rule::instrument_rest),
+    ("output", Rule::output_rest),
     ("scene", Rule::scene_rest),
     ("task", Rule::task_rest),
     ("program", Rule::program_rest),
@@ -27,7 +30,8 @@ const ITEMS: [(&str, Rule); 8] = [
 const PREPOSITIONS: [&str; 10] = ["to", "from", "by", "about", "for", "at", "via", "with", "in", "on"];
 
 /// Steps that every kind of device knows: a second one of them on a line is a second step.
-const COMMON_HEADS: [&str; 8] = ["run", "wait", "together", "assay", "minimize", "require", "using", "start"];
+const COMMON_HEADS: [&str; 10] =
+    ["run", "wait", "pulse", "set", "together", "assay", "minimize", "require", "using", "start"];
 
 /// Greatest number of wrong letters in a misspelt word.
 const MISSPELT: usize = 2;
@@ -46,7 +50,7 @@ impl Reader<'_> {
     pub fn bad_entry(&mut self, node: &Node, place: ListPlace) {
         let span = self.trimmed(node);
         let text = &self.source[span.range()];
-        let word = errors::token_at(text, 0);
+        let word = around::token_at(text, 0);
         if ITEMS.iter().any(|item| item.0 == word) {
             self.keep_name(span);
         }
@@ -59,7 +63,9 @@ impl Reader<'_> {
         let finding = match word {
             "for" if place != ListPlace::Fields => {
                 self.forget_within(span);
-                errors::bad_loop(span)
+                // What its body would call the counter is no further mistake.
+                self.keep_name(span);
+                habits::colon_range(span, self.source).unwrap_or_else(|| errors::bad_loop(span))
             }
             "let" => errors::let_in_block(span, text),
             _ if ITEMS.iter().any(|item| item.0 == word) => errors::item_in_block(span, word),
@@ -75,7 +81,7 @@ impl Reader<'_> {
     pub fn bad_item(&mut self, node: &Node, doc: Doc) -> Option<Item> {
         let span = self.trimmed(node);
         let text = &self.source[span.range()];
-        let word = errors::token_at(text, 0);
+        let word = around::token_at(text, 0);
         let known = ITEMS.iter().find(|item| item.0 == word);
         if known.is_some() || Self::has_hole(node) {
             self.keep_name(span);
@@ -97,18 +103,25 @@ impl Reader<'_> {
                 return None;
             }
             let place = self.stop(Rule::one_item, span).map_or(span.start as usize, |(at, _)| at);
-            let token = errors::token_at(&self.source[..span.end as usize], place);
-            let rest = errors::part(span, place, place + token.len());
+            let token = around::token_at(&self.source[..span.end as usize], place);
+            let rest = around::part(span, place, place + token.len());
             if let Some(slip) = slips::device_without_kind(span, text) {
                 self.report(slip);
                 return None;
             }
             let finding = match rule {
-                Rule::use_rest | Rule::let_rest => {
-                    slips::sort_of_let(span, text).unwrap_or_else(|| errors::bad_short_item(rest, *rule, self.source))
-                }
-                _ => errors::bad_head(rest, *rule, span, self.source),
+                Rule::use_rest | Rule::let_rest => match habits::list(span, place, self.source) {
+                    Some(habit) => {
+                        self.forget_within(span);
+                        habit
+                    }
+                    None => slips::sort_of_let(span, text)
+                        .unwrap_or_else(|| errors::bad_short_item(rest, *rule, self.source)),
+                },
+                _ => habits::name(around::part(span, place, span.end as usize), self.source)
+                    .unwrap_or_else(|| errors::bad_head(rest, *rule, span, self.source)),
             };
+            self.keep_mended_name(&finding);
             self.report(finding);
             return None;
         }
@@ -128,7 +141,8 @@ impl Reader<'_> {
     fn unknown_item(&mut self, span: Span) {
         let text = &self.source[span.range()];
         let mut words = text.split([' ', '\t']).filter(|word| !word.is_empty()).skip(1);
-        if let Some(slip) = slips::comment(span, text).or_else(|| slips::field_outside(span, text)) {
+        let slip = slips::comment(span, text).or_else(|| slips::field_outside(span, text));
+        if let Some(slip) = slip.or_else(|| habits::import(span, text)) {
             return self.report(slip);
         }
         let finding = match words.next() {
@@ -157,17 +171,24 @@ impl Reader<'_> {
         item
     }
 
+    /// Keeps the name that a declaration has once it is mended, where it cannot be a name as it is.
+    pub fn keep_mended_name(&mut self, finding: &Diagnostic) {
+        if let (Code::E0110, [SourceEdit { span, text }]) = (finding.code, finding.mend.as_slice()) {
+            self.broken_names.push(Ident { text: text.clone(), span: *span });
+        }
+    }
+
     /// Keeps the name that a broken declaration would have declared: its second word, or its first before a `=`.
     fn keep_name(&mut self, span: Span) {
         let text = &self.source[span.range()];
-        let first = errors::token_at(text, 0);
+        let first = around::token_at(text, 0);
         let second =
             first.len() + (text[first.len()..].len() - text[first.len()..].trim_start_matches([' ', '\t']).len());
-        let word = errors::token_at(text, second);
+        let word = around::token_at(text, second);
         let (at, name) = if word.starts_with(is_word) { (second, word) } else { (0, first) };
         if name.starts_with(is_word) {
             let start = span.start as usize + at;
-            let place = errors::part(span, start, start + name.len());
+            let place = around::part(span, start, start + name.len());
             self.broken_names.push(Ident { text: name.to_owned(), span: place });
         }
     }
@@ -177,11 +198,11 @@ impl Reader<'_> {
         self.forget_within(span);
         let word = &self.source[span.range()][..length];
         let follows_if = self.findings.iter().any(|finding| finding.code == Code::E0122);
-        if matches!(word, "else" | "elif" | "elseif") && follows_if {
+        if matches!(word, "else" | "elif" | "elseif" | "end" | "endfor" | "done") && follows_if {
             return;
         }
         let start = span.start as usize;
-        let word = errors::part(span, start, start + length);
+        let word = around::part(span, start, start + length);
         let finding = errors::foreign_word(word, self.source);
         self.report(finding);
     }
@@ -190,7 +211,7 @@ impl Reader<'_> {
     fn forget_within(&mut self, span: Span) {
         let rest = &self.source[span.end as usize..];
         let behind = rest.len() - rest.trim_start_matches([' ', '\t', ';']).len();
-        let span = errors::part(span, span.start as usize, span.end as usize + behind);
+        let span = around::part(span, span.start as usize, span.end as usize + behind);
         self.findings.retain(|finding| !finding.span().is_some_and(|place| span.contains(place)));
     }
 
@@ -203,7 +224,7 @@ impl Reader<'_> {
         if place == ListPlace::Steps
             && let Some(at) = second_step(text)
         {
-            let mark = errors::part(span, span.start as usize + at, span.start as usize + at);
+            let mark = around::part(span, span.start as usize + at, span.start as usize + at);
             return errors::joined(mark, self.source);
         }
         if place == ListPlace::Fields
@@ -248,8 +269,8 @@ impl Reader<'_> {
         let span = self.span(node);
         let text = &self.text[span.range()];
         let start = span.start as usize + (text.len() - text.trim_start().len());
-        let code = errors::code_end_before(self.text, span.end as usize);
-        errors::part(span, self.source.floor_char_boundary(start), self.source.ceil_char_boundary(code.max(start)))
+        let code = around::code_end_before(self.text, span.end as usize);
+        around::part(span, self.source.floor_char_boundary(start), self.source.ceil_char_boundary(code.max(start)))
     }
 
     /// For a text that pest gave up on.
@@ -278,12 +299,12 @@ fn wants_more(text: &str) -> bool {
 
 /// Where a second step begins on a line: at a word that began the first, or that begins one on every device.
 fn second_step(text: &str) -> Option<usize> {
-    let head = errors::token_at(text, 0);
+    let head = around::token_at(text, 0);
     let line = text.lines().next().unwrap_or("");
     let mut depth = 0_i32;
     let mut at = head.len();
     while at < line.len() {
-        let token = errors::token_at(line, at);
+        let token = around::token_at(line, at);
         match token {
             "(" | "[" | "{" => depth += 1,
             ")" | "]" | "}" => depth -= 1,
@@ -299,7 +320,7 @@ fn second_step(text: &str) -> Option<usize> {
 
 /// The name of a field whose colon is missing: a word, blanks, and a value.
 fn field_without_colon(text: &str) -> Option<&str> {
-    let name = errors::token_at(text, 0);
+    let name = around::token_at(text, 0);
     let rest = &text[name.len()..];
     let value = rest.trim_start_matches([' ', '\t']);
     let is_value = value.starts_with(|c: char| is_word(c) || matches!(c, '(' | '[' | '"' | '-'));

@@ -1,8 +1,9 @@
 //! Slips of the pen that are known by their shape: each gets one diagnostic with the mend, where the general ones could only name the
 //! place at which reading stopped.
 
-use super::errors::{self, ListPlace, part, quote, token_at};
-use super::grammar::Rule;
+use super::around::{self, part, quote, token_at};
+use super::errors::ListPlace;
+use super::habits;
 use super::words::{end_of_word, is_word, takes_block};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
@@ -11,26 +12,40 @@ use crate::source::Span;
 pub(super) fn entry(span: Span, place: ListPlace, source: &str) -> Option<Diagnostic> {
     let text = &source[span.range()];
     match place {
-        ListPlace::Wires => wire(span, text),
+        ListPlace::Wires => wire(span, source),
         ListPlace::Scene => object_name(span, text),
-        ListPlace::Fields | ListPlace::Steps => None,
+        ListPlace::Steps => habits::step(span, source),
+        ListPlace::Fields => None,
     }
 }
 
 /// `bl0.set: "…"`, `bl0.set = "…"`, or an output without quotes.
-fn wire(span: Span, text: &str) -> Option<Diagnostic> {
+fn wire(span: Span, source: &str) -> Option<Diagnostic> {
+    let text = &source[span.range()];
     let channel = text.len() - text.trim_start_matches(|c| is_word(c) || matches!(c, '.' | '[' | ']')).len();
     let rest = text[channel..].trim_start();
     let sign = ["->", ":=", ":", "="].into_iter().find(|sign| rest.starts_with(sign))?;
     let output = rest[sign.len()..].trim();
-    let quoted = if output.starts_with('"') { output.to_owned() } else { format!("\"{output}\"") };
+    // The letter before the quotes of other languages.
+    let bare = output.strip_prefix(['f', 'r', 'b']).filter(|bare| bare.starts_with('"')).unwrap_or(output);
+    // An output of an instrument stands as it is, `card.port0.line3 { … }`.
+    let path = output.split([' ', '\t', '{']).next().unwrap_or_default();
+    let is_path = path.contains('.') && path.chars().all(|c| is_word(c) || matches!(c, '.' | '[' | ']'));
+    let quoted = match is_path || bare.starts_with('"') {
+        true => bare.to_owned(),
+        false => format!("\"{output}\""),
+    };
     let mend = format!("write `{} -> {}`", &text[..channel], quote(&quoted));
     let start = span.start as usize + (text.len() - rest.len());
     if sign != "->" {
         return Some(
             Diagnostic::new(Code::E0119, format!("`{sign}` where `->` belongs"))
                 .label(part(span, start, start + sign.len()), "between a channel and its output stands `->`")
-                .help(mend),
+                .help(mend)
+                .mended(
+                    part(span, span.start as usize + channel, span.start as usize + text.trim_end().len()),
+                    format!(" -> {quoted}"),
+                ),
         );
     }
     let at = span.start as usize + (text.len() - rest[sign.len()..].trim_start().len());
@@ -38,6 +53,7 @@ fn wire(span: Span, text: &str) -> Option<Diagnostic> {
         Diagnostic::new(Code::E0101, "an output without quotes")
             .label(part(span, at, at + output.len()), "an output is a string")
             .help(mend)
+            .mended_here(quoted)
     })
 }
 
@@ -59,13 +75,14 @@ fn object_name(span: Span, text: &str) -> Option<Diagnostic> {
     Some(
         Diagnostic::new(Code::E0110, format!("`{}` is no name", quote(name)))
             .label(part(span, at, at + name.len()), "names are letters, digits and `_`, and begin with a letter")
-            .help(format!("write `{noun} {}`", quote(&mended))),
+            .help(format!("write `{noun} {}`", quote(&mended)))
+            .mended_here(mended),
     )
 }
 
 /// Where the value begins that ends a line, after `to`, `at`, `from`, `via` or `visit`.
 fn places_from(before: &str) -> Option<usize> {
-    let seen = before.len() - errors::before(before, before.len()).len();
+    let seen = before.len() - around::before(before, before.len()).len();
     let line = before[seen..].rfind('\n').map_or(seen, |end| seen + end + 1);
     let words = [" to ", " at ", " from ", " via ", "visit "];
     let at = words.iter().filter_map(|word| before[line..].rfind(word).map(|at| line + at + word.len())).max()?;
@@ -80,23 +97,33 @@ pub(super) fn rest_of_place(span: Span, source: &str) -> Option<Diagnostic> {
     let is_value = source[span.range()].starts_with(|c: char| c.is_ascii_digit() || c == '(');
     let before = source[..span.start as usize].trim_end_matches([' ', '\t']).strip_suffix(',').filter(|_| is_value)?;
     let start = places_from(before)?;
-    let line = errors::after(source, start).lines().next().unwrap_or_default();
+    let line = around::after(source, start).lines().next().unwrap_or_default();
     let end = line.find(['}', '{']).unwrap_or(line.len());
-    let written = line[..end].split("//").next().unwrap_or_default().trim_end();
+    let written = line[..end].split("//").next().unwrap_or_default().trim_end_matches([' ', '\t', ';']);
     let place = part(span, start, start + written.len());
     let is_via = before[..start].trim_end().ends_with(" via");
-    let (title, mend) = match written.starts_with('(') {
-        true if is_via => ("places without a word between them", repeated_via(written)),
-        true => ("places without brackets around them", format!("write a list: `[{}]`", quote(written))),
-        false => ("coordinates without brackets around them", format!("write `({})`", quote(written))),
+    let (title, mend, brackets) = match written.starts_with('(') {
+        true if is_via => ("places without a word between them", repeated_via(written), None),
+        true => ("places without brackets around them", format!("write a list: `[{}]`", quote(written)), Some("[]")),
+        false => ("coordinates without brackets around them", format!("write `({})`", quote(written)), Some("()")),
     };
-    Some(Diagnostic::new(Code::E0127, title).label(place, "a comma ends an entry here").help(mend))
+    let finding = Diagnostic::new(Code::E0127, title).label(place, "a comma ends an entry here").help(mend);
+    Some(match brackets {
+        Some(brackets) => {
+            let start = part(place, place.start as usize, place.start as usize);
+            finding.mended(start, &brackets[..1]).mended(place.after(), &brackets[1..])
+        }
+        None => finding.mended_here(places_with_via(written)),
+    })
 }
 
 /// `via (3, 9), (8, 3)` with the word before each place.
 fn repeated_via(places: &str) -> String {
-    let each = places.replace("),", ") via ").replace("  ", " ");
-    format!("write `via` before each of them: `via {}`", quote(&each))
+    format!("write `via` before each of them: `via {}`", quote(&places_with_via(places)))
+}
+
+fn places_with_via(places: &str) -> String {
+    places.replace("),", ") via ").replace("  ", " ")
 }
 
 /// `let k: cell = …`.
@@ -111,62 +138,23 @@ pub(super) fn sort_of_let(span: Span, text: &str) -> Option<Diagnostic> {
     Some(
         Diagnostic::new(Code::E0124, "`let` takes no sort")
             .label(part(span, at, end), "a value has the sort that it is written with")
-            .help(format!("write `let {name} = {}`", quote(value.lines().next().unwrap_or_default()))),
+            .help(format!("write `let {name} = {}`", quote(value.lines().next().unwrap_or_default())))
+            .mended_here(""),
     )
 }
 
-/// The slip in the head of a declaration, of which `rest` could not be read.
-pub(super) fn head(rest: Span, rule: Rule, item: Span, source: &str) -> Option<Diagnostic> {
-    let written = &source[rest.range()];
-    // Parameters are read, and what is wrong stands behind them.
-    let behind = written.trim_start().starts_with('(').then(|| written.find(')')).flatten().map_or(0, |at| at + 1);
-    let text = written[behind..].trim();
-    let start = rest.start as usize + (written.len() - written[behind..].trim_start().len());
-    let before = quote(source[item.start as usize..start].trim_end());
-    let mark = |length: usize| part(rest, start, start + length);
-    let wrong = |title: String, length: usize, note: &str, mend: String| {
-        Some(Diagnostic::new(Code::E0124, title).label(mark(length), note).help(format!("write `{mend}`")))
-    };
-    if text.starts_with('(') {
-        return wrong("`(` where `{` belongs".to_owned(), 1, "a block stands in braces", format!("{before} {{"));
-    }
-    if rule == Rule::device_rest && text.is_empty() {
-        return device_without_kind(item, &source[item.range()]);
-    }
-    let word = token_at(text, 0);
-    match rule {
-        Rule::device_rest if word == "=" => {
-            let kind = text[1..].trim();
-            let mend = format!("{before} : {}", quote(kind));
-            wrong("`=` where `:` belongs".to_owned(), 1, "between a device and its kind stands `:`", mend)
-        }
-        Rule::task_rest if word == "in" => {
-            let mend = format!("{before} on DEVICE {} {{", quote(text));
-            wrong("a task without its device".to_owned(), word.len(), "`on` and a device belong before this", mend)
-        }
-        Rule::task_rest if word.starts_with(is_word) && word != "on" => {
-            let device = text[word.len()..].trim_start();
-            let mend = format!("{before} on {} {{", quote(device));
-            wrong(format!("`{word}` where `on` belongs"), word.len(), "a task runs `on` a device", mend)
-        }
-        Rule::task_rest => {
-            let device = text.strip_prefix("on")?.trim_start();
-            let after = device.trim_start_matches(|c| is_word(c) || c == '.').trim_start();
-            let word = token_at(after, 0);
-            if !word.starts_with(is_word) || word == "in" {
-                return None;
-            }
-            let at = start + (text.len() - after.len());
-            let scene = after[word.len()..].trim_start();
-            let mend = format!("{before} {}in {} {{", &text[..text.len() - after.len()], quote(scene));
-            Some(
-                Diagnostic::new(Code::E0124, format!("`{word}` where `in` belongs"))
-                    .label(part(rest, at, at + word.len()), "a task runs `in` a scene")
-                    .help(format!("write `{mend}`")),
-            )
-        }
-        _ => None,
-    }
+/// `set light to on`, or `set light on`: `on` stands before the device of a task.
+pub(super) fn level_on(step: Span, source: &str) -> Option<Diagnostic> {
+    let text = source[step.range()].trim_end();
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let (["set", name, "to", "on"] | ["set", name, "on"]) = words[..] else { return None };
+    let end = step.start as usize + text.len();
+    Some(
+        Diagnostic::new(Code::E0122, "`on` is no level of an output")
+            .label(part(step, end - "on".len(), end), "expected `high` or `low`")
+            .help(format!("write `set {} to high`", quote(name)))
+            .mended_here(if words.len() == 4 { "high" } else { "to high" }),
+    )
 }
 
 /// `pulse voltage: 20 V`.
@@ -179,6 +167,7 @@ pub(super) fn blank_in_name(span: Span, text: &str) -> Option<Diagnostic> {
         Diagnostic::new(Code::E0119, format!("a blank in the name `{}`", quote(&words.join(" "))))
             .label(part(span, span.start as usize, span.start as usize + name.trim_end().len()), "names have no blanks")
             .help(format!("write `{}: {}`", quote(&words.join("_")), quote(value)))
+            .mended_here(words.join("_"))
     })
 }
 
@@ -186,7 +175,7 @@ pub(super) fn blank_in_name(span: Span, text: &str) -> Option<Diagnostic> {
 pub(super) fn in_value(span: Span, at: usize, open: Option<char>, source: &str) -> Option<Diagnostic> {
     let token = token_at(&source[..span.end as usize], at);
     let place = part(span, at, at + token.len());
-    if errors::line_before(source, at).ends_with('%') {
+    if around::line_before(source, at).ends_with('%') {
         let finding = Diagnostic::new(Code::E0101, "`%` is the unit per cent, not a remainder");
         return Some(
             finding
@@ -196,7 +185,8 @@ pub(super) fn in_value(span: Span, at: usize, open: Option<char>, source: &str) 
     }
     if let Some((_, right)) = [("=<", "<="), ("=>", ">=")].into_iter().find(|(wrong, _)| *wrong == token) {
         let finding = Diagnostic::new(Code::E0101, format!("`{token}` is no comparison"));
-        return Some(finding.label(place, "the sign of equality comes last").help(format!("write `{right}`")));
+        let finding = finding.label(place, "the sign of equality comes last").help(format!("write `{right}`"));
+        return Some(finding.mended_here(right));
     }
     if token == ":" && open == Some('(') {
         return Some(
@@ -207,11 +197,20 @@ pub(super) fn in_value(span: Span, at: usize, open: Option<char>, source: &str) 
                 ),
         );
     }
+    if token == "then" {
+        let finding =
+            Diagnostic::new(Code::E0101, "`then` is not of the language").label(place, "complete before this");
+        return Some(
+            finding.help("steps follow each other: write the next one behind a comma, or on a line of its own"),
+        );
+    }
     let is_value = token.starts_with(|c: char| is_word(c) || c == '(');
+    let before = around::code_end_before(source, at);
     (is_value && matches!(open, Some('(' | '['))).then(|| {
         Diagnostic::new(Code::E0101, format!("a comma is missing before `{token}`"))
             .label(place, "the value before this is complete")
             .help("separate the values in brackets with commas, as in `(4 um, 2 um)`")
+            .mended(part(span, before, before), ",")
     })
 }
 
@@ -235,7 +234,8 @@ pub(super) fn comment(span: Span, text: &str) -> Option<Diagnostic> {
     Some(
         Diagnostic::new(Code::E0125, format!("a comment behind `{mark}`"))
             .label(part(span, span.start as usize, span.start as usize + mark.len()), "comments begin with `//`")
-            .help(format!("write `// {}`", quote(words.lines().next().unwrap_or_default()))),
+            .help(format!("write `// {}`", quote(words.lines().next().unwrap_or_default())))
+            .mended_here("//"),
     )
 }
 
@@ -260,6 +260,7 @@ pub(super) fn missing_brace(mark: Span, head: &str) -> Diagnostic {
     Diagnostic::new(Code::E0124, "`{` is missing")
         .label(mark, "a block begins behind this")
         .help(format!("write `{} {{`", quote(head)))
+        .mended(mark.after(), " {")
 }
 
 /// `0,8` where a point belongs.
@@ -267,6 +268,7 @@ pub(super) fn decimal_comma(span: Span, written: &str) -> Diagnostic {
     Diagnostic::new(Code::E0116, format!("a decimal comma in `{}`", quote(written)))
         .label(span, "numbers take a point")
         .help(format!("write `{}`", quote(&written.replacen(',', ".", 1))))
+        .mended_here(written.replacen(',', ".", 1))
 }
 
 /// `1,000`, which may be a thousand or one.

@@ -34,6 +34,7 @@ pub enum Item {
     Let(Let),
     Device(Device),
     Instrument(Device),
+    Output(Device),
     Scene(Scene),
     Task(Task),
     Program(Program),
@@ -47,7 +48,7 @@ impl Item {
         match self {
             Item::Use(item) => item.span,
             Item::Let(item) => item.span,
-            Item::Device(item) | Item::Instrument(item) => item.span,
+            Item::Device(item) | Item::Instrument(item) | Item::Output(item) => item.span,
             Item::Scene(item) => item.span,
             Item::Task(item) => item.span,
             Item::Program(item) => item.span,
@@ -55,6 +56,31 @@ impl Item {
             Item::Error(span) => *span,
         }
     }
+
+    /// What `run` takes, if it is that: a task or a program.
+    pub fn runnable(&self) -> Option<Runnable<'_>> {
+        match self {
+            Item::Task(Task { name, parameters, doc, .. }) | Item::Program(Program { name, parameters, doc, .. }) => {
+                Some(Runnable { name, parameters, doc })
+            }
+            Item::Use(_)
+            | Item::Let(_)
+            | Item::Device(_)
+            | Item::Instrument(_)
+            | Item::Output(_)
+            | Item::Scene(_)
+            | Item::Wiring(_)
+            | Item::Error(_) => None,
+        }
+    }
+}
+
+/// The head of a task or a program.
+#[derive(Debug, Clone, Copy)]
+pub struct Runnable<'t> {
+    pub name: &'t Ident,
+    pub parameters: &'t [Parameter],
+    pub doc: &'t Doc,
 }
 
 /// `use std.dimibot as d` or `use "bench.twz" as lab`.

@@ -1,12 +1,13 @@
 //! Words: which characters make a name, which names the language reserves, and which words begin a declaration.
 
 /// The words that cannot be names.
-pub const RESERVED: [&str; 22] = [
+pub const RESERVED: [&str; 23] = [
     "use",
     "as",
     "let",
     "device",
     "instrument",
+    "output",
     "scene",
     "task",
     "program",
@@ -38,7 +39,7 @@ pub(super) fn end_of_word(text: &str, at: usize) -> usize {
 
 /// Whether a line begins a declaration: a reserved word and something of its own behind it, but no field's colon.
 pub(super) fn starts_item(line: &str) -> bool {
-    let words = ["use", "let", "device", "instrument", "scene", "task", "program", "wiring"];
+    let words = ["use", "let", "device", "instrument", "output", "scene", "task", "program", "wiring"];
     words.iter().any(|word| {
         line.strip_prefix(word).is_some_and(|rest| {
             let name = rest.trim_start_matches([' ', '\t']);

@@ -4,6 +4,7 @@
 //! devices meet them. Promise: if [`runs`] finds nothing, the steps of a run are those of its task, follow each other without a gap
 //! from the run's start to its end, and hold all their actuations.
 
+use super::form::is_auxiliary;
 use super::rule::{Findings, Rule, Violation, ms};
 use crate::claims::{Claims, Job, Timeline};
 use crate::schedule::{Actuation, PlanRecord, Schedule, ScheduledStep};
@@ -43,8 +44,8 @@ pub(super) fn runs<'a>(schedule: &'a Schedule, claims: &'a Claims, findings: &mu
     for run in &runs {
         steps(run, findings);
     }
-    intervals(schedule, findings);
-    devices(schedule, findings);
+    intervals(schedule, claims, findings);
+    devices(schedule, claims, findings);
     runs
 }
 
@@ -72,11 +73,17 @@ fn paired<'a>(schedule: &'a Schedule, claims: &'a Claims) -> Vec<JudgedRun<'a>> 
     for (index, step) in schedule.steps.iter().enumerate() {
         runs[step.plan as usize].steps.push(index);
     }
-    for actuation in &schedule.actuations {
+    for actuation in of_devices(schedule, claims).map(|(_, actuation)| actuation) {
         let step = &schedule.steps[actuation.step as usize];
         runs[step.plan as usize].actuations.push(actuation);
     }
     runs
+}
+
+/// The actuations on channels of devices, each with its index; auxiliary outputs have rules of their own.
+fn of_devices<'a>(schedule: &'a Schedule, claims: &Claims) -> impl Iterator<Item = (usize, &'a Actuation)> {
+    let is_device: Vec<bool> = schedule.channels.iter().map(|channel| !is_auxiliary(channel, claims)).collect();
+    schedule.actuations.iter().enumerate().filter(move |(_, actuation)| is_device[actuation.channel as usize])
 }
 
 fn steps(run: &JudgedRun, findings: &mut Findings) {
@@ -106,8 +113,8 @@ fn steps(run: &JudgedRun, findings: &mut Findings) {
     }
 }
 
-fn intervals(schedule: &Schedule, findings: &mut Findings) {
-    for (index, actuation) in schedule.actuations.iter().enumerate() {
+fn intervals(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
+    for (index, actuation) in of_devices(schedule, claims) {
         let step = &schedule.steps[actuation.step as usize];
         let end_ns = step.start_ns + step.duration_ns;
         if actuation.start_ns < step.start_ns || actuation.end_ns() > end_ns {
@@ -124,8 +131,8 @@ fn intervals(schedule: &Schedule, findings: &mut Findings) {
     }
 }
 
-fn devices(schedule: &Schedule, findings: &mut Findings) {
-    for (index, actuation) in schedule.actuations.iter().enumerate() {
+fn devices(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
+    for (index, actuation) in of_devices(schedule, claims) {
         let channel = &schedule.channels[actuation.channel as usize];
         let plan = &schedule.plans[schedule.steps[actuation.step as usize].plan as usize];
         if channel.device != plan.device {
@@ -139,12 +146,29 @@ fn devices(schedule: &Schedule, findings: &mut Findings) {
     }
 }
 
+/// The instant at which the last pulse of the program ends, 0 without any.
+fn last_pulse_ns(runs: &[JudgedRun], claims: &Claims) -> u64 {
+    let ends = runs.iter().flat_map(|run| {
+        let pulses =
+            run.job.events.iter().filter_map(|event| Some((event, claims.outputs.get(&event.output)?.pulse_ns?)));
+        pulses.map(|(event, pulse_ns)| run.step(event.step).start_ns.saturating_add(pulse_ns))
+    });
+    ends.max().unwrap_or(0)
+}
+
 /// Checks when runs begin and end. Returns all jobs, those of one device in the order in which it meets them.
-pub(super) fn timeline(schedule: &Schedule, claims: &Claims, findings: &mut Findings) -> Vec<usize> {
+pub(super) fn timeline(
+    schedule: &Schedule,
+    runs: &[JudgedRun],
+    claims: &Claims,
+    findings: &mut Findings,
+) -> Vec<usize> {
     let mut order = Vec::with_capacity(claims.jobs.len());
-    let end_ns = walk(&claims.timeline, 0, (schedule, claims), &mut order, findings);
+    let run_ns = walk(&claims.timeline, 0, (schedule, claims), &mut order, findings);
+    let end_ns = run_ns.max(last_pulse_ns(runs, claims));
     if schedule.duration_ns != end_ns {
-        let title = format!("the schedule lasts {}, but its last run ends at {}", ms(schedule.duration_ns), ms(end_ns));
+        let last = if end_ns > run_ns { "last pulse" } else { "last run" };
+        let title = format!("the schedule lasts {}, but its {last} ends at {}", ms(schedule.duration_ns), ms(end_ns));
         findings.push(Violation::new(Rule::Timeline, end_ns, title).label(claims.span, "this program"));
     }
     busy(schedule, claims, findings);

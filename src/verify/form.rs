@@ -1,13 +1,13 @@
 //! First round: is it a schedule at all, and for these devices?
 //!
 //! Input: a schedule as it was read, and the claims. Promise: if nothing is found, every index names something, no sum of a
-//! start and a duration overflows, every number is finite, and every channel is one of a claimed device.
+//! start and a duration overflows, every number is finite, and every channel is one of a claimed device or output.
 
 use super::judge_of;
 use super::rule::{Findings, Rule, Violation, ms};
 use crate::claims::{Claims, Order};
-use crate::instrument::Link;
-use crate::schedule::{Actuation, ChannelUnit, Reached, Schedule, Swing};
+use crate::instrument::{AuxiliarySort, Link};
+use crate::schedule::{Actuation, Channel, ChannelUnit, Reached, Schedule, Swing};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Room for the rounding of a product of two figures of the program.
@@ -106,11 +106,18 @@ fn figures(schedule: &Schedule, findings: &mut Findings) {
     }
 }
 
+/// Whether a channel is that of an auxiliary output of the program.
+pub(super) fn is_auxiliary(channel: &Channel, claims: &Claims) -> bool {
+    let own = channel.name.strip_prefix(channel.device.as_str()).and_then(|name| name.strip_prefix('.'));
+    claims.outputs.contains_key(&channel.device) && own == Some(AuxiliarySort::CHANNEL)
+}
+
 fn channels(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     let orders: BTreeMap<&str, &Order> = claims.jobs.iter().map(|job| (job.device.as_str(), &job.order)).collect();
     let mut met = BTreeSet::new();
     for channel in &schedule.channels {
-        let fault = match owner(&channel.name, &orders) {
+        let own = is_auxiliary(channel, claims).then_some((channel.device.as_str(), ChannelUnit::Volt));
+        let fault = match own.or_else(|| owner(&channel.name, &orders)) {
             None => format!("channel `{}` is none of the devices of this program", channel.name),
             Some((device, _)) if device != channel.device => {
                 format!("channel `{}` is of the device `{device}`, not of `{}`", channel.name, channel.device)

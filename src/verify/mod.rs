@@ -20,6 +20,7 @@ pub mod fingers;
 mod form;
 mod geometry;
 pub mod microrobots;
+mod outputs;
 mod premise;
 mod record;
 mod rule;
@@ -256,7 +257,8 @@ fn judge(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, Unfit> 
     }
     let mut standing = Standing::new();
     let mut lost = BTreeSet::new();
-    let order = clock::timeline(schedule, claims, &mut findings);
+    let order = clock::timeline(schedule, &runs, claims, &mut findings);
+    outputs::check(schedule, &runs, claims, &mut findings);
     for job in claims.first_of_kinds() {
         judge_of(&job.order).beside(&runs, &order, claims, &mut findings);
     }

@@ -4,6 +4,7 @@
 //! and the rules rely on these checks.
 
 use super::{Unfit, judge_of};
+use crate::claims::auxiliary::AuxiliaryAction;
 use crate::claims::{Claims, Job, SharedScene, Timeline};
 use crate::device::Frames;
 use crate::geometry::shape::{MAX_EXTENT_UM, Pose};
@@ -23,6 +24,7 @@ pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
     let mut devices = BTreeMap::new();
     for job in &claims.jobs {
         requirements(job)?;
+        outputs(job, claims)?;
         let judge = judge_of(&job.order);
         judge.premise()?;
         let first = devices.entry(job.device.as_str()).or_insert(job);
@@ -31,6 +33,21 @@ pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
         }
         if !judge.has_parts_of(&first.order) {
             return Err(Unfit(format!("the claims hold two sets of parts on the device `{}`", job.device)));
+        }
+    }
+    Ok(())
+}
+
+/// The steps that switch outputs are steps of the job, and each output can do what they say.
+fn outputs(job: &Job, claims: &Claims) -> Result<(), Unfit> {
+    for event in &job.events {
+        let unfit = |why: &str| Err(Unfit(format!("the claims switch the output `{}` {why}", event.output)));
+        let Some(output) = claims.outputs.get(&event.output) else { return unfit("and do not know it") };
+        if event.step >= job.steps() {
+            return unfit("at a step that there is not");
+        }
+        if !output.high_v.is_finite() || (event.action == AuxiliaryAction::Pulse) != output.pulse_ns.is_some() {
+            return unfit("in a way that it does not have");
         }
     }
     Ok(())

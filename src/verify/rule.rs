@@ -120,6 +120,8 @@ pub enum Rule {
     Apart,
     /// The tips of robots that share a scene never touch.
     Encounter,
+    /// An auxiliary output is high when the steps say so, and at no other time.
+    Output,
     /// The words and the place of a step are those of the program's file.
     SourceMap,
     /// No tip of a hand moves faster than the device allows there.
@@ -193,6 +195,7 @@ impl Rule {
             Rule::Pierce => Code::E0759,
             Rule::Apart => Code::E0760,
             Rule::Encounter => Code::E0770,
+            Rule::Output => Code::E0774,
             Rule::SourceMap => Code::E0771,
             Rule::Speed => Code::E0762,
             Rule::Exchange => Code::E0763,
@@ -255,7 +258,7 @@ impl From<Violation> for Diagnostic {
             title: violation.title,
             labels: violation.labels,
             help: violation.help.or_else(|| Some(NOT_THE_PROGRAM.to_owned())),
-            mend: None,
+            mend: Vec::new(),
         }
     }
 }

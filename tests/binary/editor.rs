@@ -114,6 +114,15 @@ fn an_editor_opens_mends_and_formats_a_program() {
 
     let hover = editor.ask("textDocument/hover", at(3, 18)).expect("it answers");
     says(hover["contents"]["value"].as_str().expect("text"), &["move to (", "`via`"]);
+    let call = "let a = max(1, ";
+    editor.change(&uri, json!({ "range": { "start": place(0, 0), "end": place(0, 0) }, "text": call }));
+    let signature = editor.ask("textDocument/signatureHelp", at(0, 15)).expect("it answers");
+    assert_eq!(
+        (&signature["signatures"][0]["label"], &signature["activeParameter"]),
+        (&json!("max(value, …)"), &json!(1))
+    );
+    assert_eq!(editor.ask("textDocument/signatureHelp", at(0, 4)).expect("it answers"), Value::Null);
+    editor.change(&uri, json!({ "range": { "start": place(0, 0), "end": place(0, 15) }, "text": "" }));
     let field = editor.ask("textDocument/completion", at(1, 5)).expect("it answers");
     assert!(field.as_array().is_some_and(|items| items.iter().any(|item| item["label"] == "device")), "{field}");
     let steps = editor.ask("textDocument/completion", at(3, 17)).expect("it answers");
@@ -171,6 +180,86 @@ fn a_text_has_colours_and_folds() {
     assert_eq!(editor.ask("textDocument/semanticTokens/full", other).expect("it answers"), Value::Null);
 }
 
+/// The next finding with a code, in whichever message it comes.
+fn finding(editor: &mut Editor, code: &str) -> Value {
+    loop {
+        let (_, found) = editor.findings();
+        if let Some(found) = found.into_iter().find(|found| found["code"] == code) {
+            return found;
+        }
+    }
+}
+
+impl Editor {
+    /// Waits until the server says that hints have changed, and answers.
+    fn refreshed(&mut self) {
+        loop {
+            if let Message::Request(request) = self.receive() {
+                assert_eq!(request.method, "workspace/inlayHint/refresh");
+                return self.send(Message::Response(lsp_server::Response::new_ok(request.id, ())));
+            }
+        }
+    }
+
+    /// The hints of a document: place and text of each.
+    fn hints(&mut self, uri: &str) -> Vec<(Value, String)> {
+        let all = json!({ "start": place(0, 0), "end": place(999, 0) });
+        let asked = json!({ "textDocument": { "uri": uri }, "range": all });
+        let hints = self.ask("textDocument/inlayHint", asked).expect("it answers");
+        let hint = |hint: &Value| (hint["position"].clone(), hint["label"].as_str().expect("a text").to_owned());
+        hints.as_array().expect("a list").iter().map(hint).collect()
+    }
+}
+
+#[test]
+fn saved_programs_are_planned() {
+    let bench = Bench::new();
+    let uri = format!("file://{}", bench.path("a.twz").display());
+    let (mut editor, hello) = Editor::new(json!({ "workspace": { "inlayHint": { "refreshSupport": true } } }));
+    assert_eq!(hello["capabilities"]["textDocumentSync"]["save"], true);
+    let text = "use std.dimibot\ndevice bot : dimibot.femto_st\n// µ\ntask go on bot { // there\n  move to (1, 1)\n}\nprogram both { run go, run go }\n";
+    let save = |editor: &mut Editor, text: &str| {
+        fs::write(bench.path("a.twz"), text).expect("written");
+        editor.change(&uri, json!({ "text": text }));
+        editor.note("textDocument/didSave", json!({ "textDocument": { "uri": &uri } }));
+    };
+    fs::write(bench.path("a.twz"), text).expect("written");
+    editor.open(&uri, text);
+    editor.refreshed();
+    let hints = editor.hints(&uri);
+    assert_eq!(hints.len(), 2, "{hints:?}");
+    assert_eq!((&hints[0].0, &hints[1].0), (&json!(place(3, 25)), &json!(place(6, 31))));
+    says(&hints[0].1, &["ms, ", " um (", "optimal (bound"]);
+    says(&hints[1].1, &["ms in 2 runs"]);
+    let on_name = json!({ "textDocument": { "uri": &uri }, "position": place(3, 6) });
+    let hover = editor.ask("textDocument/hover", on_name).expect("it answers");
+    says(hover["contents"]["value"].as_str().expect("text"), &["Planned and verified", "optimal (bound"]);
+    // A text that is not saved has no plans.
+    editor.change(&uri, json!({ "range": { "start": place(4, 12), "end": place(4, 13) }, "text": "2" }));
+    assert_eq!(editor.hints(&uri), []);
+    // What the planner finds stands at its line.
+    let walled = "use std.dimibot\ndevice bot : dimibot.femto_st\nscene s { obstacle wall : cells { from: (1, 0), to: (1, 3) } }\ntask go on bot in s { move to (3, 3) }\n";
+    save(&mut editor, walled);
+    let found = finding(&mut editor, "E0601");
+    assert_eq!(found["range"]["start"]["line"], 3, "{found}");
+    assert_eq!(found["relatedInformation"][0]["location"]["range"]["start"]["line"], 2, "{found}");
+    assert_eq!(editor.hints(&uri), []);
+    // It goes with the next edit, and an error of the checker's own is not there twice.
+    save(&mut editor, &walled.replace("(3, 3)", "(30, 3)"));
+    let found = loop {
+        let (_, found) = editor.findings();
+        if found.iter().any(|found| found["code"] == "E0501") {
+            break found;
+        }
+    };
+    assert_eq!(found.len(), 1, "{found:?}");
+    save(&mut editor, text);
+    editor.refreshed();
+    assert_eq!(editor.ask("shutdown", json!(null)).expect("it answers"), Value::Null);
+    editor.note("exit", json!(null));
+    assert_eq!(editor.status(), Some(0));
+}
+
 /// A change of a used file in the editor, which the disk has not seen, concerns the program that uses it.
 /// Open, see the squiggle, apply the fix: the program is as it should be.
 #[test]
@@ -188,6 +277,32 @@ fn a_quick_fix_writes_the_word_that_is_near() {
     let edit = &fixes[0]["edit"]["changes"][&uri][0];
     editor.change(&uri, json!({ "range": edit["range"], "text": edit["newText"] }));
     assert_eq!(editor.findings().1, Vec::<Value>::new());
+    // Several edits that belong together, behind an emoji, which is two columns wide.
+    let broken = SMALL.replace("move to (1, 1)", "move to 1, 1;").replace("{ ", "{ /* 😀 */ ");
+    editor.change(&uri, json!({ "text": broken }));
+    let (_, found) = editor.findings();
+    let fixes = editor
+        .ask(
+            "textDocument/codeAction",
+            json!({ "textDocument": { "uri": &uri }, "range": found[0]["range"], "context": { "diagnostics": found } }),
+        )
+        .expect("it answers");
+    let titles: Vec<&Value> = fixes.as_array().expect("a list").iter().map(|fix| &fix["title"]).collect();
+    assert_eq!(titles, ["Write `(1, 1)`", "Remove `;`"], "{fixes}");
+    let edits: Vec<Value> = fixes
+        .as_array()
+        .expect("a list")
+        .iter()
+        .flat_map(|fix| fix["edit"]["changes"][&uri].as_array().expect("a list"))
+        .map(|edit| json!({ "range": edit["range"], "text": edit["newText"] }))
+        .rev()
+        .collect();
+    editor.note(
+        "textDocument/didChange",
+        json!({ "textDocument": { "uri": &uri, "version": 3 }, "contentChanges": edits }),
+    );
+    let (_, left) = editor.findings();
+    assert_eq!(left.len(), 1, "the comment alone: {left:?}");
     // What has no mend, or was never sent by this server, has no fix.
     for data in [Value::Null, json!(7), json!({ "range": 7 })] {
         let odd = json!({ "range": edit["range"], "message": "?", "data": data });

@@ -2,6 +2,7 @@
 
 mod editor;
 mod live;
+mod outputs;
 mod pages;
 mod usage;
 mod watch;

@@ -30,6 +30,34 @@ fn a_program_may_come_from_standard_input() {
 }
 
 #[test]
+fn a_check_may_plan_and_writes_nothing() {
+    let bench = Bench::with(SMALL);
+    let planned = bench.run(&["check", "a.twz", "--plan"]).code(DONE);
+    says(&out(&planned), &["Checked  a.twz", "Planned  go", "optimal", "Verified  go"]);
+    let built = bench.run(&["build", "a.twz", "-o", "out", "--format", "json"]).code(DONE);
+    let json = bench.run(&["check", "a.twz", "--plan", "--format", "json"]).code(DONE);
+    let [checked, built] =
+        [&json, &built].map(|report| serde_json::from_str::<serde_json::Value>(&out(report)).expect("JSON"));
+    assert_eq!(checked["checked"], "a.twz");
+    assert_eq!(checked["schedules"][0]["plans"], built["schedules"][0]["plans"]);
+    says(checked["schedules"][0]["plans"][0]["summary"].as_str().expect("a text"), &["optimal (bound"]);
+    // Without a plan it is no check that is passed, in any format; the checker alone has nothing against it.
+    let walled = SMALL.replace(
+        "task go on bot",
+        "scene s { obstacle wall : cells { from: (1, 0), to: (1, 3) } }\ntask go on bot in s",
+    );
+    fs::write(bench.path("b.twz"), walled.replace("(1, 1)", "(3, 3)")).expect("written");
+    bench.run(&["check", "b.twz"]).code(DONE);
+    for format in ["human", "short", "json", "github"] {
+        let failed = bench.run(&["check", "b.twz", "--plan", "--format", format]).code(ERRORS);
+        says(&err(&failed), &["E0601"]);
+    }
+    says(&out(&bench.run(&["check", "b.twz", "a.twz", "--plan", "--format", "sarif"]).code(ERRORS)), &["E0601"]);
+    assert_eq!(out(&bench.run(&["check", "a.twz", "--plan", "--quiet"]).code(DONE)), "");
+    assert_eq!(bench.names("."), ["a.twz", "b.twz", "out"]);
+}
+
+#[test]
 fn all_formats_are_those_that_have_a_form() {
     let bench = Bench::with(SMALL);
     let built = bench.run(&["build", "a.twz", "--emit", "all", "-o", "out"]).code(DONE);

@@ -3,7 +3,7 @@
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
 use tweeze::compile::{self, CompileObserver, CompileOutcome, CompileRequest};
-use tweeze::diagnostic::{Sink, machine, render};
+use tweeze::diagnostic::{Sink, SourceEdit, machine, render};
 use tweeze::emit::{self, EmitError, FailedProgram, Format, Provenance, mcap};
 use tweeze::log;
 use tweeze::schedule::SourceRef;
@@ -72,6 +72,11 @@ pub fn check(text: &str) -> Result<bool, String> {
     let program = CompileRequest { name: NAME, text, library: &Carried(&[]), options: &options };
     let checked = compile::check(&program, &mut sources, &mut sink);
     draw(&sink, &sources);
+    let own = |edit: &SourceEdit| sources.file(edit.span.file).name == NAME;
+    let wrong = sink.sorted().into_iter().find(|one| one.mend.iter().any(own) && one.mend_in(text).is_none());
+    if let Some(wrong) = wrong {
+        return Err(format!("edits that cannot be made: {wrong:?}"));
+    }
     match checked.is_some() == (sink.errors() == 0) {
         true => Ok(checked.is_some()),
         false => Err(format!("{} errors, and a program {}", sink.errors(), checked.is_some())),

@@ -48,17 +48,18 @@ pub fn cells_indistinguishable(span: Span, repeatability: &str, pitch: &str) -> 
 }
 
 /// For an existing module its channels are listed by the part after the dot; for a missing module the valid range is given.
-pub fn unknown_channel(span: Span, device: &str, channel: &str, known: &[String]) -> Diagnostic {
+pub fn unknown_channel(span: Span, owner: &str, channel: &str, known: &[String]) -> Diagnostic {
     let module = |channel: &str| channel.split('.').next().unwrap_or_default().to_owned();
     let of_module = known.iter().filter(|known| module(known) == module(channel)).map(String::as_str);
     let help = match listed(of_module).as_str() {
+        "nothing" if known.len() == 1 => format!("its channel is `{}`", known[0]),
         "nothing" => {
             let [first, last] = [known.first(), known.last()].map(|known| known.map_or("", String::as_str));
             format!("its channels run from `{first}` to `{last}`; `tweeze devices` says how they are named")
         }
         list => format!("write {list}"),
     };
-    Diagnostic::new(Code::E0406, format!("device `{device}` has no channel `{channel}`"))
+    Diagnostic::new(Code::E0406, format!("{owner} has no channel `{channel}`"))
         .label(span, "no such channel")
         .help(help)
 }

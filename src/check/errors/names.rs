@@ -1,7 +1,7 @@
 //! Names: E02xx.
 
 use super::{either, listed, with_article};
-use crate::check::scope::{Declaration, DeclarationSort, FUNCTIONS, path_text};
+use crate::check::scope::{Declaration, DeclarationSort, function_names, path_text};
 use crate::device::shape::ShapeForm;
 use crate::device::{Assay, Together, Vocabulary};
 use crate::diagnostic::{Code, Diagnostic};
@@ -26,6 +26,10 @@ pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<
             DeclarationSort::Instrument => {
                 Some(format!("declare it: `instrument {name} : FAMILY {{ … }}`; `tweeze devices` lists the families"))
             }
+            DeclarationSort::Output => Some(format!("declare it: `output {name} : trigger {{ duration: 5 ms }}`")),
+            DeclarationSort::Scene if matches!(name, "None" | "none" | "null" | "nothing" | "empty") => {
+                Some(format!("leave `in {name}` out: without it there are no obstacles"))
+            }
             DeclarationSort::Scene => Some(format!("declare it: `scene {name} {{ … }}`")),
             DeclarationSort::Task => Some(format!("declare it: `task {name} on DEVICE {{ … }}`")),
             DeclarationSort::Program => Some(format!("declare it: `program {name} {{ … }}`")),
@@ -33,10 +37,27 @@ pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<
     }
 }
 
+/// What a used file declares instead of what was looked for.
+pub fn declared_there<'a>(names: impl Iterator<Item = &'a str>) -> Option<String> {
+    let names: Vec<&str> = names.take(MAX_LISTED).collect();
+    (!names.is_empty()).then(|| format!("it declares {}", listed(names.into_iter())))
+}
+
+/// Most names that a help lists.
+const MAX_LISTED: usize = 12;
+
 pub fn unknown_function(span: Span, name: &str, near: Option<&str>) -> Diagnostic {
+    let near = match name {
+        "len" | "length" | "numel" | "size" => Some("count"),
+        "fabs" => Some("abs"),
+        "sind" | "cosd" => None,
+        _ => near,
+    };
     let known = match name {
         "range" | "linspace" | "arange" => "a range is `0..4`: 0, 1, 2, 3".to_owned(),
-        _ => format!("the functions are {}", listed(FUNCTIONS.iter().copied())),
+        "sind" => "write `sin` and the unit of the angle, as in `sin(30 deg)`".to_owned(),
+        "cosd" => "write `cos` and the unit of the angle, as in `cos(60 deg)`".to_owned(),
+        _ => format!("the functions are {}", listed(function_names())),
     };
     Diagnostic::new(Code::E0201, format!("no function is named `{name}`"))
         .label(span, "not a function")
@@ -77,6 +98,7 @@ pub fn unknown_base(span: Span, name: &str, sort: DeclarationSort, near: Option<
         DeclarationSort::Instrument => {
             ("families", format!("no instrument or family of instruments is named `{name}`"))
         }
+        DeclarationSort::Output => ("sorts", format!("no output or sort of outputs is named `{name}`")),
         DeclarationSort::Let
         | DeclarationSort::Device
         | DeclarationSort::Scene
@@ -95,6 +117,7 @@ pub fn file_used_as(path: &Path, (alias, used): (&str, Span)) -> Diagnostic {
         .label(file.span, "not the name of a `use`")
         .label(used, format!("it is used as `{alias}`"))
         .help(format!("write `{alias}.{}`", words.join(".")))
+        .mended_here(alias)
 }
 
 pub fn unknown_file(span: Span, alias: &str, near: Option<&str>) -> Diagnostic {
@@ -137,10 +160,12 @@ pub fn missing_file(span: Span, what: &str, why: &str, chain: &[String]) -> Diag
 }
 
 pub fn unknown_library(span: Span, name: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {
-    let list = format!("the standard library has {}", listed(known.iter().copied()));
-    Diagnostic::new(Code::E0204, format!("the standard library has no `{name}`"))
-        .label(span, "used here")
-        .near_or(near, list)
+    let finding =
+        Diagnostic::new(Code::E0204, format!("the standard library has no `{name}`")).label(span, "used here");
+    if name.ends_with(".twz") {
+        return finding.help(format!("write `use \"{name}\"` for a file of yours")).mended_here(format!("\"{name}\""));
+    }
+    finding.near_or(near, format!("the standard library has {}", listed(known.iter().copied())))
 }
 
 pub fn braces_in_use(span: Span) -> Diagnostic {
@@ -206,14 +231,17 @@ pub fn too_deep(span: Span, what: &str, limit: usize) -> Diagnostic {
 
 pub fn unknown_verb((span, verb): (Span, &str), vocabulary: &Vocabulary, near: Option<&str>) -> Diagnostic {
     let besides = match (vocabulary.together, vocabulary.assay) {
-        (Together::Yes, Assay::Yes) => ["wait", "together", "assay"].as_slice(),
-        (Together::Yes, Assay::No) => ["wait", "together"].as_slice(),
-        (Together::No(_), _) => ["wait"].as_slice(),
+        (Together::Yes, Assay::Yes) => ["wait", "pulse", "set", "together", "assay"].as_slice(),
+        (Together::Yes, Assay::No) => ["wait", "pulse", "set", "together"].as_slice(),
+        (Together::No(_), _) => ["wait", "pulse", "set"].as_slice(),
     };
     let kind = with_article(vocabulary.name);
     let known = vocabulary.verbs.iter().map(|verb| verb.name);
     let besides = besides.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");
-    let list = format!("{kind} can {}; besides there are {besides} and the settings", listed(known));
+    let list = match vocabulary.nouns.iter().any(|noun| noun.name == verb) {
+        true => format!("objects belong in a scene, `scene bench {{ {verb} … }}`, and the task runs `in bench`"),
+        false => format!("{kind} can {}; besides there are {besides} and the settings", listed(known)),
+    };
     let near = verb_synonym(verb, vocabulary).or(near);
     Diagnostic::new(Code::E0208, format!("{kind} cannot `{verb}`")).label(span, "not a step").near_or(near, list)
 }
@@ -231,12 +259,14 @@ fn verb_synonym(name: &str, vocabulary: &Vocabulary) -> Option<&'static str> {
         "combine" | "join" | "fuse" => &["merge"],
         "detect" | "read" | "measure" | "heat" | "store" | "stay" | "rest" | "keep" | "react" => &["incubate"],
         "hold" => &["incubate", "grasp"],
-        "sleep" | "pause" | "delay" => &["wait"],
+        "sleep" | "pause" | "delay" => return Some("wait"),
+        "trigger" | "fire" | "flash" | "snap" => return Some("pulse"),
+        "optimize" | "optimise" => return Some("minimize"),
         "tour" | "scan" | "traverse" => &["visit"],
         "dock" => &["assemble"],
         _ => return None,
     };
-    ours.iter().copied().find(|ours| *ours == "wait" || vocabulary.verb(ours).is_some())
+    ours.iter().copied().find(|ours| vocabulary.verb(ours).is_some())
 }
 
 /// A setting of a task that was written as a field.

@@ -148,12 +148,48 @@ pub fn setting_twice(name: &Ident, earlier: Span) -> Diagnostic {
     Diagnostic::new(Code::E0510, format!("setting `{}` is given twice", name.text))
         .label(name.span, "given again here")
         .label(earlier, "first given here")
+        .help("leave one of the two out")
 }
 
 pub fn bad_setting_form(span: Span, head: &str, example: &str) -> Diagnostic {
     Diagnostic::new(Code::E0509, format!("`{head}` takes one thing"))
         .label(span, "incomplete, or too much")
         .help(format!("write `{head} {example}`"))
+}
+
+/// A step that switches an output, in a wrong form.
+pub fn bad_output_step(step: &Step, form: &str) -> Diagnostic {
+    let words = match step.head.text.as_str() {
+        "pulse" => "the name of an output",
+        _ => "the name of an output, `to`, and a level",
+    };
+    Diagnostic::new(Code::E0509, format!("`{}` takes {words}", step.head.text))
+        .label(step.span, "incomplete, or too much")
+        .help(format!("write `{form}`"))
+}
+
+pub fn pulse_of_level(span: Span, (name, declared): (&str, Span)) -> Diagnostic {
+    Diagnostic::new(Code::E0556, format!("`{name}` gives no pulses"))
+        .label(span, "for outputs of the sort `trigger`")
+        .label(declared, "one of the sort `digital`")
+        .help(format!(
+            "write `set {name} to high` and later `set {name} to low`, or declare it `: trigger {{ duration: 5 ms }}`"
+        ))
+}
+
+pub fn level_of_trigger(step: &Step, (name, declared): (&str, Span)) -> Diagnostic {
+    Diagnostic::new(Code::E0556, format!("`{name}` has no level to be set"))
+        .label(step.head.span, "for outputs of the sort `digital`")
+        .label(declared, "one of the sort `trigger`")
+        .help(format!("write `pulse {name}`, or declare it `: digital`"))
+        .mended(step.span, format!("pulse {name}"))
+}
+
+pub fn outputs_of_one_name(name: &str, declared: Span, earlier: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0202, format!("an output of another file is also named `{name}`"))
+        .label(declared, "one of the two")
+        .label_elsewhere(earlier, declared, "the other")
+        .help("channels are told apart by these names: give one another name")
 }
 
 pub fn bad_start(span: Span) -> Diagnostic {
@@ -364,8 +400,29 @@ pub fn field_in_program(name: &Ident) -> Diagnostic {
         .help("settings belong into the tasks that are run")
 }
 
+/// The name of a task without `run`.
+pub fn run_without_its_word(head: &Ident) -> Diagnostic {
+    let name = &head.text;
+    Diagnostic::new(Code::E0518, format!("`{name}` is not run by its name alone"))
+        .label(head.span, "a task, not a step")
+        .help(format!("write `run {name}`"))
+        .mended_here(format!("run {name}"))
+}
+
+/// `wait for 5 ms`.
+pub fn wait_for(preposition: Span, value: Span) -> Diagnostic {
+    let blank = Span { end: value.start, ..preposition };
+    Diagnostic::new(Code::E0509, "`wait` takes a time alone")
+        .label(preposition, "no `for` here")
+        .help("write the time behind `wait`, as in `wait 10 ms`")
+        .mended(blank, "")
+}
+
 pub fn unknown_program_step(head: &Ident, near: Option<&str>) -> Diagnostic {
-    let list = "a program has `run TASK`, `wait 5 ms` and `together { … }`".to_owned();
+    let list = match head.text.as_str() {
+        "pulse" | "set" => "outputs are switched by the steps of tasks: write it there".to_owned(),
+        _ => "a program has `run TASK`, `wait 5 ms` and `together { … }`".to_owned(),
+    };
     Diagnostic::new(Code::E0518, format!("a program cannot `{}`", head.text))
         .label(head.span, "not a step of a program")
         .near_or(near, list)

@@ -1,12 +1,13 @@
 //! Units and values: E03xx.
 
 use super::either;
+use crate::check::scope::function_form;
 use crate::check::value::Value;
 use crate::device;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity, Unit, digits};
 use crate::source::Span;
-use crate::syntax::tree::Ident;
+use crate::syntax::tree::{Expr, ExprKind, Ident};
 
 /// Name of a field, an argument or a parameter in messages, and where it is declared.
 #[derive(Debug, Clone)]
@@ -46,10 +47,20 @@ fn dimension_help(wanted: &WantedName, dimension: Dimension, found: &Value) -> S
     }
 }
 
+/// The unit that goes with a value where it lacks one: times below 1 are meant in seconds.
+fn likely_unit(dimension: Dimension, found: &Value) -> String {
+    let is_small =
+        |quantity: &Quantity| quantity.dimension == Dimension::NUMBER && quantity.si > 0.0 && quantity.si < 1.0;
+    match found {
+        Value::Quantity(quantity) if dimension == Dimension::TIME && is_small(quantity) => "s".to_owned(),
+        _ => dimension.example_unit(),
+    }
+}
+
 /// The digits that were written, with a unit that fits; `1` where they would make no sense there.
 fn example(dimension: Dimension, found: &Value) -> String {
     const PLAIN: std::ops::RangeInclusive<f64> = 0.001..=100_000.0;
-    let unit = dimension.example_unit();
+    let unit = likely_unit(dimension, found);
     // A length given for a length per pixel keeps its value, as `0.02 um` in `0.02 um/px`.
     let numerator = unit.split_once('/').map_or("", |(numerator, _)| numerator);
     let is_numerator = |quantity: &Quantity| Unit::parse(numerator).is_ok_and(|of| of.dimension == quantity.dimension);
@@ -62,10 +73,35 @@ fn example(dimension: Dimension, found: &Value) -> String {
     format!("{} {unit}", if is_plain { written.as_str() } else { "1" })
 }
 
+/// Adds the edit that gives a number its unit, where the help shows its own digits with that unit.
+pub fn unit_mended(finding: Diagnostic, dimension: Dimension, expr: &Expr, found: &Value) -> Diagnostic {
+    let unit = likely_unit(dimension, found);
+    let (number, place, mend) = match &expr.kind {
+        ExprKind::Number(number) => (number, expr.span.after(), format!(" {unit}")),
+        ExprKind::Quantity { number, unit: written } => (number, written.span, unit.to_owned()),
+        _ => return finding,
+    };
+    let shown = example(dimension, found);
+    let keeps_digits = shown.split(' ').next().and_then(|digits| digits.parse::<f64>().ok()) == number.parse().ok();
+    match finding.code == Code::E0301 && !unit.is_empty() && keeps_digits {
+        true => finding.mended(place, mend),
+        false => finding,
+    }
+}
+
 pub fn wrong_value(wanted: &WantedName, what: &str, example: &str, span: Span, found: &Value) -> Diagnostic {
     let title = format!("{} must be {what}, but this is {}", wanted.name, found.describe_fully());
     let diagnostic = Diagnostic::new(Code::E0304, title).label(span, found.describe());
     wanted.declared_on(diagnostic).help(format!("write {what}, as `{example}`"))
+}
+
+/// A list where one object is moved.
+pub fn several_objects(wanted: &WantedName, noun: &str, span: Span) -> Diagnostic {
+    let title = format!("{} must be the name of a {noun}, but this is a list", wanted.name);
+    let diagnostic = Diagnostic::new(Code::E0304, title).label(span, "a list");
+    wanted
+        .declared_on(diagnostic)
+        .help("write a step for each; `together { … }` does several at once, where the kind can")
 }
 
 /// `found` is the word as it was written, if it was one.
@@ -101,7 +137,7 @@ pub fn no_truth_value(wanted: &WantedName, span: Span, found: &str) -> Diagnosti
     let title = format!("{} must be true or false, but this is `{found}`", wanted.name);
     let likely = if matches!(found, "no" | "off" | "never" | "False" | "FALSE") { "false" } else { "true" };
     let diagnostic = Diagnostic::new(Code::E0311, title).label(span, "no value of this name");
-    wanted.declared_on(diagnostic).help(format!("write `{likely}`"))
+    wanted.declared_on(diagnostic).help(format!("write `{likely}`")).mended(span, likely)
 }
 
 pub fn out_of_range(wanted: &WantedName, span: Span, found: &str, limit: &str) -> Diagnostic {
@@ -227,6 +263,7 @@ pub fn bad_index(span: Span, found: &Value) -> Diagnostic {
         format!("an index must be a whole number from 0, but this is {}", found.describe_fully()),
     )
     .label(span, "not an index")
+    .help("elements count from 0; the last one is `list[count(list) - 1]`")
 }
 
 pub fn bad_range_end(span: Span, found: &Value) -> Diagnostic {
@@ -299,10 +336,9 @@ pub fn bad_pose(span: Span, found: &Value, dimension: Dimension) -> Diagnostic {
 
 pub fn wrong_arguments(span: Span, name: &str, count: usize) -> Diagnostic {
     let takes = match name {
-        "atan2" => "atan2(y, x)",
-        "pose" => "pose(x, y) or pose(x, y, heading)",
-        "min" | "max" => "one list, or one argument and more",
-        _ => "one argument",
+        "pose" => "`pose(x, y)` or `pose(x, y, heading)`".to_owned(),
+        "min" | "max" => "one list, or one argument and more".to_owned(),
+        _ => function_form(name).map_or_else(String::new, |form| format!("`{form}`")),
     };
     Diagnostic::new(Code::E0307, format!("`{name}` with {count} arguments")).label(span, format!("takes {takes}"))
 }

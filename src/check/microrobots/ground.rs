@@ -62,7 +62,7 @@ fn judged(objects: &[Rc<SceneObject>], device: &CheckedDevice, facts: &Microrobo
     let (mut obstacles, mut standing) = (Vec::new(), Vec::new());
     let mut names = ObjectNames::default();
     for object in objects {
-        let mut reader = GroundReader { object, device, facts, sink };
+        let mut reader = GroundReader { object, objects, device, facts, sink };
         match object.noun.as_str() {
             "robot" => {
                 names.insert(&object.name, None);
@@ -92,6 +92,8 @@ fn judged(objects: &[Rc<SceneObject>], device: &CheckedDevice, facts: &Microrobo
 /// Reads one object of a scene.
 struct GroundReader<'a> {
     object: &'a SceneObject,
+    /// All of the scene.
+    objects: &'a [Rc<SceneObject>],
     device: &'a CheckedDevice,
     facts: &'a MicrorobotsFacts,
     sink: &'a mut Sink,
@@ -113,7 +115,9 @@ impl GroundReader<'_> {
         if row.is_none() {
             let known: Vec<&str> = self.facts.robots.iter().map(|robot| robot.name.as_str()).collect();
             let table = self.device.fields.get("robots").map(|field| field.span);
-            let near = nearest(name, known.iter().copied());
+            // A robot that has its place already was not meant.
+            let is_placed = |robot: &&str| self.objects.iter().any(|object| object.name == **robot);
+            let near = nearest(name, known.iter().copied().filter(|robot| !is_placed(robot)));
             let wrong = errors::robot_without_row(self.object.span, name, near, &known, (&self.device.name, table));
             self.sink.push(wrong);
         }

@@ -1,7 +1,7 @@
 //! The tables that the checker reads, for people.
 
 use crate::device::{Assay, Kind, Together, Vocabulary, VocabularyField, WordChoice, shape::ShapeForm};
-use crate::instrument::Family;
+use crate::instrument::{AuxiliarySort, Family};
 use crate::quantity::Dimension;
 use std::fmt::Write;
 
@@ -27,6 +27,20 @@ pub fn kinds() -> String {
             family.name(),
             wrapped(family.choice().doc, PAGE_WIDTH - 19).join(&format!("\n{:<18} ", "")),
             ""
+        );
+    }
+    text.push_str("\nOther outputs of a bench, which steps of any task switch:\n");
+    for sort in AuxiliarySort::ALL {
+        let fields = sort.fields().iter().map(|field| format!("`{}`: {}", field.name, field.doc));
+        let meaning =
+            wrapped(&format!("{}; {}", sort.choice().doc, fields.collect::<Vec<_>>().join("; ")), PAGE_WIDTH - 19);
+        let _ = writeln!(
+            text,
+            "\n{:<18} {}\n{:<18} {}",
+            sort.name(),
+            meaning.join(&format!("\n{:<18} ", "")),
+            "",
+            sort.example()
         );
     }
     text.push_str(

@@ -2,15 +2,21 @@
 
 use super::WrittenSchedule;
 use crate::check::DeclarationTally;
+use crate::claims::Order;
 use crate::compile::Compiled;
 use crate::emit::Format;
+use crate::schedule::cost::cost;
 use crate::schedule::{PlanRecord, Schedule};
 use crate::verify::Verified;
 use serde_json::{Value, json};
 
-/// The report of `check`.
-pub fn checked(file: &str, tally: DeclarationTally) -> Value {
-    json!({ "checked": file, "declared": declared(tally) })
+/// The report of `check`, with each schedule and its plans where they were asked for.
+pub fn checked(file: &str, tally: DeclarationTally, schedules: Option<&[Verified]>) -> Value {
+    let mut report = json!({ "checked": file, "declared": declared(tally) });
+    if let Some(schedules) = schedules {
+        report["schedules"] = schedules.iter().map(planned_schedule).collect();
+    }
+    report
 }
 
 fn declared(tally: DeclarationTally) -> Value {
@@ -31,13 +37,18 @@ pub fn built(file: &str, compiled: &Compiled, settings: &[String], written: &[Wr
 }
 
 fn schedule(verified: &Verified, written: &WrittenSchedule) -> Value {
-    let schedule = verified.schedule();
-    let plans: Vec<Value> = schedule.plans.iter().map(plan).collect();
-    let mut report = verified_schedule(schedule);
-    report["plans"] = plans.into();
+    let mut report = planned_schedule(verified);
     report["files"] = written.names().collect();
     let left_out = |(format, why): &(Format, String)| json!({ "format": format.name(), "why": why });
     report["left_out"] = written.left_out.iter().map(left_out).collect();
+    report
+}
+
+fn planned_schedule(verified: &Verified) -> Value {
+    let (schedule, claims) = (verified.schedule(), verified.claims());
+    let plans = schedule.plans.iter().zip(&claims.jobs).map(|(record, job)| plan(record, &job.order));
+    let mut report = verified_schedule(schedule);
+    report["plans"] = plans.collect();
     report
 }
 
@@ -50,7 +61,7 @@ fn verified_schedule(schedule: &Schedule) -> Value {
     })
 }
 
-fn plan(plan: &PlanRecord) -> Value {
+fn plan(plan: &PlanRecord, order: &Order) -> Value {
     json!({
         "task": plan.task,
         "device": plan.device,
@@ -60,6 +71,7 @@ fn plan(plan: &PlanRecord) -> Value {
         "cost": plan.cost,
         "bound": plan.bound,
         "optimal": plan.optimal,
+        "summary": cost(order, plan),
         "outcomes": plan.outcomes,
         "start_ns": plan.start_ns,
         "duration_ns": plan.duration_ns,

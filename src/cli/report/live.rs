@@ -47,6 +47,11 @@ impl<'a> LiveReport<'a> {
         self.waiting = None;
     }
 
+    /// Nothing is written; the exit status is that of the report itself.
+    pub fn end(self) -> Exit {
+        self.exit
+    }
+
     /// Everything is written: the last lines; the exit status is that of the report itself.
     pub fn wrote(mut self, schedules: &[Verified], written: &[WrittenSchedule]) -> Exit {
         self.width = self.width.max(width(written.iter().flat_map(WrittenSchedule::names)));

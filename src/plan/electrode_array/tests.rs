@@ -89,6 +89,7 @@ fn job(order: ElectrodeArrayOrder, requirements: Vec<Requirement>) -> Job {
         task: "swap".to_owned(),
         device: "plate".to_owned(),
         requirements,
+        events: Vec::new(),
         order: Order::ElectrodeArray(order),
         span: span(1),
         run_span: span(2),

@@ -260,7 +260,9 @@ fn docs_go_to_what_follows() {
         .iter()
         .filter_map(|item| match item {
             Item::Let(item) => item.doc.clone(),
-            Item::Device(item) | Item::Instrument(item) => item.fields.iter().find_map(|field| field.doc.clone()),
+            Item::Device(item) | Item::Instrument(item) | Item::Output(item) => {
+                item.fields.iter().find_map(|field| field.doc.clone())
+            }
             Item::Scene(item) => item.entries.iter().find_map(|entry| match entry {
                 SceneEntry::Object(object) => object.doc.clone(),
                 SceneEntry::For(_) | SceneEntry::Error(_) => None,

@@ -46,7 +46,7 @@ impl Walk<'_> {
                 within(span, item.name.span, self.0);
                 self.expr(span, &item.value);
             }
-            Item::Device(item) | Item::Instrument(item) => {
+            Item::Device(item) | Item::Instrument(item) | Item::Output(item) => {
                 let span = within(whole, item.span, self.0);
                 within(span, item.name.span, self.0);
                 self.path(span, &item.base);
@@ -245,6 +245,7 @@ const TOKENS: &[&str] = &[
     "let",
     "device",
     "instrument",
+    "output",
     "scene",
     "task",
     "program",

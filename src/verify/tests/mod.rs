@@ -10,6 +10,7 @@ mod garbage;
 mod general;
 mod microrobots;
 mod mutants;
+mod outputs;
 
 use super::*;
 use crate::claims::Job;

@@ -1,0 +1,141 @@
+//! Auxiliary outputs, and the steps that switch them.
+
+use super::Checker;
+use super::devices::CheckedDeclaration;
+use super::errors::{self, WantedName};
+use super::figures::Figures;
+use super::scope::{DeclarationPlace, DeclarationSort, Scope};
+use super::value::Value;
+use crate::claims::Job;
+use crate::claims::auxiliary::AuxiliaryAction;
+use crate::device::{Sort, words::words};
+use crate::instrument::{AuxiliaryOutput, AuxiliarySort};
+use crate::syntax::tree::{ExprKind, Item, Step};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Voltage of the high level of an output that names none: that of TTL and of most digital lines.
+const HIGH_V: f64 = 5.0;
+
+words! {
+    /// Level of an output.
+    pub enum Level {
+        High = "high": "at the voltage of the output",
+        Low = "low": "at 0 V",
+    }
+}
+
+impl Checker<'_> {
+    /// Checks every output of the user's files; one that only serves as a base may lack fields.
+    pub fn check_outputs(&mut self) {
+        let own = self.own_places(DeclarationSort::Output);
+        let mut bases: BTreeSet<DeclarationPlace> = BTreeSet::new();
+        for (place, _) in &own {
+            let Item::Output(item) = self.item(*place) else { continue };
+            bases.extend(self.find(&item.base, &self.top(*place)).map(|(base, _)| base));
+            self.inherited::<AuxiliarySort>(*place);
+        }
+        for (place, _) in own {
+            if !bases.contains(&place) {
+                self.output(place);
+            }
+        }
+    }
+
+    /// A complete output; `None` after an error.
+    fn output(&mut self, place: DeclarationPlace) -> Option<AuxiliaryOutput> {
+        if let Some(known) = self.output_facts.get(&place) {
+            return *known;
+        }
+        let declared = self.inherited::<AuxiliarySort>(place);
+        let facts = declared
+            .and_then(|declared| if declared.is_complete(self) { self.facts_of_output(&declared) } else { None });
+        self.output_facts.insert(place, facts);
+        facts
+    }
+
+    fn facts_of_output(&mut self, declared: &CheckedDeclaration<AuxiliarySort>) -> Option<AuxiliaryOutput> {
+        let high_v = declared.fields.si("voltage").unwrap_or(HIGH_V);
+        let pulse_ns = match declared.root {
+            AuxiliarySort::Trigger => Some(declared.fields.clock_ns("duration", self.sink)?),
+            AuxiliarySort::Digital => None,
+        };
+        Some(AuxiliaryOutput { high_v, pulse_ns })
+    }
+
+    /// `pulse camera`: the output's name, and what happens to it.
+    pub fn pulse(&mut self, step: &Step, scope: &Scope) -> Option<(String, AuxiliaryAction)> {
+        let whole = step.noun.is_none() && step.phrases.is_empty() && step.block.is_none();
+        let Some(ExprKind::Path(path)) = step.object.as_ref().filter(|_| whole).map(|object| &object.kind) else {
+            self.sink
+                .push(errors::bad_output_step(step, &format!("pulse {}", written_output(step).unwrap_or("camera"))));
+            return None;
+        };
+        let place = self.resolve(path, scope, DeclarationSort::Output)?;
+        let facts = self.output(place)?;
+        let (name, declared) = self.named(place);
+        if facts.pulse_ns.is_none() {
+            self.sink.push(errors::pulse_of_level(step.head.span, (name, declared)));
+            return None;
+        }
+        Some((self.enlist_output(place)?, AuxiliaryAction::Pulse))
+    }
+
+    /// `set light to high`: the output's name, and what happens to it.
+    pub fn level(&mut self, step: &Step, scope: &Scope) -> Option<(String, AuxiliaryAction)> {
+        let whole = step.noun.is_none() && step.block.is_none();
+        let object = step.object.as_ref().filter(|_| whole).map(|object| &object.kind);
+        let to = step.phrases.iter().find(|phrase| step.phrases.len() == 1 && phrase.preposition.text == "to");
+        let (Some(ExprKind::Path(path)), Some(phrase)) = (object, to) else {
+            let name = written_output(step).unwrap_or("light");
+            self.sink.push(errors::bad_output_step(step, &format!("set {name} to high")));
+            return None;
+        };
+        let place = self.resolve(path, scope, DeclarationSort::Output);
+        let wanted = WantedName { name: "the level of an output".to_owned(), doc: String::new(), declared: None };
+        let level = self.accept(Sort::Word(Level::CHOICES), &phrase.value, scope, &wanted);
+        let place = place?;
+        let facts = self.output(place)?;
+        let (name, declared) = self.named(place);
+        if facts.pulse_ns.is_some() {
+            self.sink.push(errors::level_of_trigger(step, (name, declared)));
+            return None;
+        }
+        let Value::Text(word) = level? else { return None };
+        let action = match Level::find(&word)? {
+            Level::High => AuxiliaryAction::High,
+            Level::Low => AuxiliaryAction::Low,
+        };
+        Some((self.enlist_output(place)?, action))
+    }
+
+    /// Notes that an output is switched, and returns its name; `None` after an error, if another one has it.
+    fn enlist_output(&mut self, place: DeclarationPlace) -> Option<String> {
+        let (name, declared) = self.named(place);
+        let first = *self.outputs_by_name.entry(name.to_owned()).or_insert(place);
+        if first != place {
+            let earlier = self.named(first).1;
+            self.sink.push(errors::outputs_of_one_name(name, declared, earlier));
+            return None;
+        }
+        Some(name.to_owned())
+    }
+
+    /// The outputs that some jobs switch: their facts, and where each is declared.
+    pub fn outputs_of(&self, jobs: &[Job]) -> BTreeMap<String, (AuxiliaryOutput, DeclarationPlace)> {
+        let names: BTreeSet<&String> = jobs.iter().flat_map(|job| &job.events).map(|event| &event.output).collect();
+        let known = |name: &String| {
+            let place = *self.outputs_by_name.get(name)?;
+            Some((name.clone(), (self.output_facts.get(&place).copied().flatten()?, place)))
+        };
+        names.into_iter().filter_map(known).collect()
+    }
+}
+
+/// The output that a step names, as in `set light high` and `pulse camera for 5 ms`.
+fn written_output(step: &Step) -> Option<&str> {
+    let object = step.object.as_ref().and_then(|object| match &object.kind {
+        ExprKind::Path(path) => path.segments.first().map(|segment| segment.name.text.as_str()),
+        _ => None,
+    });
+    step.noun.as_ref().map(|noun| noun.text.as_str()).or(object)
+}

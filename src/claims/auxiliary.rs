@@ -1,0 +1,25 @@
+//! What tasks do to auxiliary outputs.
+
+use serde::{Deserialize, Serialize};
+
+/// A step that switches an auxiliary output, at the instant at which the step before it has ended.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AuxiliaryEvent {
+    /// Index of the job's steps.
+    pub step: usize,
+    /// The output's name.
+    pub output: String,
+    pub action: AuxiliaryAction,
+}
+
+/// What happens to an auxiliary output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AuxiliaryAction {
+    /// It is high for the length of a pulse.
+    Pulse,
+    /// It is high from here on, until it is set low or the schedule ends.
+    High,
+    /// It is low from here on.
+    Low,
+}

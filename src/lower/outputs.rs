@@ -1,0 +1,117 @@
+//! Puts what steps do to auxiliary outputs on the clock.
+
+use crate::claims::Claims;
+use crate::claims::auxiliary::AuxiliaryAction;
+use crate::diagnostic::{Code, Diagnostic, Sink};
+use crate::instrument::{AuxiliaryOutput, AuxiliarySort};
+use crate::quantity::{Dimension, Quantity};
+use crate::schedule::{Actuation, Channel, ChannelUnit, Schedule};
+
+/// A switching of an output: the step that does it, and its instant.
+#[derive(Clone, Copy)]
+struct TimedEvent {
+    t_ns: u64,
+    step: usize,
+    action: AuxiliaryAction,
+}
+
+/// Adds a channel for each auxiliary output of a program, and what its steps do to it. A pulse begins with its step; a level lasts until the
+/// next step of the output, or until the schedule ends, which it does not before the last pulse.
+///
+/// `None` after an error: an output is switched again while a pulse lasts, or twice at one instant.
+pub fn add(schedule: &mut Schedule, claims: &Claims, sink: &mut Sink) -> Option<()> {
+    let mut events: Vec<Vec<TimedEvent>> = vec![Vec::new(); claims.outputs.len()];
+    let mut first_step = 0;
+    for job in &claims.jobs {
+        for event in &job.events {
+            let step = first_step + event.step;
+            let t_ns = schedule.steps[step].start_ns;
+            let output = claims.outputs.keys().position(|name| *name == event.output);
+            events[output.expect("the checker lists every output")].push(TimedEvent {
+                t_ns,
+                step,
+                action: event.action,
+            });
+        }
+        first_step += job.steps();
+    }
+    let errors = sink.errors();
+    for ((name, output), events) in claims.outputs.iter().zip(&mut events) {
+        events.sort_by_key(|event| (event.t_ns, event.step));
+        let switched = events.windows(2).find_map(|pair| too_soon(schedule, name, output, [pair[0], pair[1]]));
+        switched.into_iter().for_each(|finding| sink.push(finding));
+        if let Some((last, pulse_ns)) = events.last().zip(output.pulse_ns) {
+            schedule.duration_ns = schedule.duration_ns.max(last.t_ns + pulse_ns);
+        }
+    }
+    for ((name, output), events) in claims.outputs.iter().zip(&events) {
+        let channel = add_channel(schedule, claims, name);
+        let ends = events.iter().skip(1).map(|next| next.t_ns).chain([schedule.duration_ns]);
+        for (event, end_ns) in events.iter().zip(ends) {
+            let duration_ns = match event.action {
+                AuxiliaryAction::Low => continue,
+                AuxiliaryAction::Pulse => output.pulse_ns.unwrap_or_default(),
+                AuxiliaryAction::High => end_ns - event.t_ns,
+            };
+            if duration_ns == 0 {
+                if end_ns == schedule.duration_ns {
+                    sink.push(high_at_the_end(schedule, name, *event));
+                }
+                continue;
+            }
+            schedule.actuations.push(Actuation {
+                channel,
+                start_ns: event.t_ns,
+                duration_ns,
+                from: output.high_v,
+                to: output.high_v,
+                swing: None,
+                step: event.step as u32,
+            });
+        }
+    }
+    schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
+    (sink.errors() == errors).then_some(())
+}
+
+fn add_channel(schedule: &mut Schedule, claims: &Claims, name: &str) -> u32 {
+    let full = format!("{name}.{}", AuxiliarySort::CHANNEL);
+    let wire = claims.wires.get(&full).cloned();
+    schedule.channels.push(Channel { name: full, device: name.to_owned(), unit: ChannelUnit::Volt, wire });
+    schedule.channels.len() as u32 - 1
+}
+
+fn time(ns: u64) -> Quantity {
+    Quantity::new(ns as f64 / 1e9, Dimension::TIME)
+}
+
+/// The diagnostic of two steps that switch an output, if the second comes too soon.
+fn too_soon(
+    schedule: &Schedule,
+    name: &str,
+    output: &AuxiliaryOutput,
+    [first, second]: [TimedEvent; 2],
+) -> Option<Diagnostic> {
+    let [earlier, later] = [first, second].map(|event| &schedule.steps[event.step]);
+    let gap_ns = second.t_ns - first.t_ns;
+    let (title, help) = match output.pulse_ns {
+        // Two pulses without a gap between them are one.
+        Some(pulse_ns) if gap_ns <= pulse_ns => (
+            format!("`{name}` is pulsed again {} after a pulse of {} began", time(gap_ns), time(pulse_ns)),
+            format!("write a `wait` of more than {} between the two, or a shorter `duration`", time(pulse_ns - gap_ns)),
+        ),
+        None if gap_ns == 0 => {
+            (format!("`{name}` is set twice at {}", time(second.t_ns)), "write a `wait` between the two".to_owned())
+        }
+        Some(_) | None => return None,
+    };
+    let diagnostic = Diagnostic::new(Code::E0607, title).label(later.span, "this one comes too soon");
+    Some(diagnostic.label_elsewhere(earlier.span, later.span, "after this one").help(help))
+}
+
+/// A level that nothing would ever show.
+fn high_at_the_end(schedule: &Schedule, name: &str, event: TimedEvent) -> Diagnostic {
+    Diagnostic::new(Code::E0607, format!("`{name}` is set high as the schedule ends, and is low again at once"))
+        .label(schedule.steps[event.step].span, "nothing comes after it")
+        .help("write it before the step that it is for, or a `wait` behind it: after a schedule all outputs are low")
+}

@@ -1,0 +1,138 @@
+//! The text round a mistake: the words, lines and blanks that messages repeat and edits replace.
+
+use crate::source::Span;
+
+/// The span of the bytes `start..end` of the file of `span`.
+pub(super) fn part(span: Span, start: usize, end: usize) -> Span {
+    Span::new(span.file, start, end)
+}
+
+/// The first word, number or sign at an offset; empty only at the end of the text.
+pub(super) fn token_at(text: &str, offset: usize) -> &str {
+    let rest = after(text, offset);
+    let Some(first) = rest.chars().next() else { return "" };
+    let in_word = |c: char| c.is_alphanumeric() || c == '_';
+    let in_sign = |c: char| "+-*/^<>=!.:".contains(c);
+    let length = if first == '"' {
+        rest[1..].find(['"', '\n']).map(|length| length + 2)
+    } else if in_word(first) {
+        rest.find(|c| !in_word(c))
+    } else if in_sign(first) {
+        rest.find(|c| !in_sign(c))
+    } else {
+        Some(first.len_utf8())
+    };
+    &rest[..length.unwrap_or(rest.len())]
+}
+
+/// Bytes around a mistake in which a message looks for words to repeat: a line may be a megabyte long.
+const SIGHT_BYTES: usize = 512;
+
+/// The text before an offset, as far as a message looks.
+pub(super) fn before(text: &str, offset: usize) -> &str {
+    &text[text.floor_char_boundary(offset.saturating_sub(SIGHT_BYTES))..offset]
+}
+
+/// The text from an offset on, as far as a message looks.
+pub(super) fn after(text: &str, offset: usize) -> &str {
+    &text[offset..text.ceil_char_boundary((offset + SIGHT_BYTES).min(text.len()))]
+}
+
+/// Where the last code before an offset ends: blanks, line ends and comments are passed by.
+pub(super) fn code_end_before(text: &str, offset: usize) -> usize {
+    let mut end = offset;
+    loop {
+        end = text[..end].trim_end().len();
+        let seen = before(text, end);
+        let line = seen.rfind('\n').map_or(seen, |at| &seen[at + 1..]);
+        match line.find("//") {
+            Some(at) => end -= line.len() - at,
+            None => return end,
+        }
+    }
+}
+
+/// The line of an offset up to that offset, without its indentation.
+pub(super) fn line_before(text: &str, offset: usize) -> &str {
+    let seen = before(text, offset);
+    seen.rfind('\n').map_or(seen, |at| &seen[at + 1..]).trim()
+}
+
+/// The line of an offset from that offset on, without a comment.
+pub(super) fn line_after(text: &str, offset: usize) -> &str {
+    let line = after(text, offset).lines().next().unwrap_or("");
+    line.split("//").next().unwrap_or("").trim()
+}
+
+/// The longest piece of the user's text that a message repeats, in characters.
+const LONGEST_QUOTE: usize = 60;
+
+/// A piece of the user's text for a message, cut where it is long.
+pub(super) fn quote(text: &str) -> String {
+    let mut quoted: String = text.chars().take(LONGEST_QUOTE).collect();
+    if text.chars().nth(LONGEST_QUOTE).is_some() {
+        quoted.push('…');
+    }
+    quoted
+}
+
+/// Where the blanks end that begin at an offset.
+pub(super) fn blanks_end(text: &str, offset: usize) -> usize {
+    text.len() - text[offset..].trim_start_matches([' ', '\t']).len()
+}
+
+/// A sign with the blanks round it.
+pub(super) fn with_blanks(sign: Span, text: &str) -> Span {
+    let start = text[..sign.start as usize].trim_end_matches([' ', '\t']).len();
+    part(sign, start, blanks_end(text, sign.end as usize))
+}
+
+/// Something with the line that it stands on, if nothing else does.
+pub(super) fn line_part(span: Span, start: usize, end: usize, text: &str) -> Span {
+    let before = text[..start].trim_end_matches([' ', '\t']);
+    let behind = blanks_end(text, end);
+    match before.ends_with('\n') && text[behind..].starts_with('\n') {
+        true => part(span, before.len() - 1, behind),
+        false => part(span, start, end),
+    }
+}
+
+/// The word that ends before an offset.
+pub(super) fn token_before(text: &str, offset: usize) -> &str {
+    let head = before(text, offset).trim_end();
+    let start = head.char_indices().rev().find(|(_, c)| !c.is_alphanumeric() && *c != '_');
+    &head[start.map_or(0, |(at, c)| at + c.len_utf8())..]
+}
+
+/// The last word or sign of a text.
+pub(super) fn token_before_sign(text: &str) -> &str {
+    let text = before(text, text.len());
+    let Some(last) = text.chars().next_back() else { return "" };
+    let in_word = |c: char| c.is_alphanumeric() || c == '_';
+    let in_sign = |c: char| "+-*/^<>=!.".contains(c);
+    let start = if in_word(last) {
+        text.char_indices().rev().find(|(_, c)| !in_word(*c))
+    } else if in_sign(last) {
+        text.char_indices().rev().find(|(_, c)| !in_sign(*c))
+    } else {
+        return &text[text.len() - last.len_utf8()..];
+    };
+    &text[start.map_or(0, |(at, c)| at + c.len_utf8())..]
+}
+
+/// A span without the blanks around it; the word or sign before it, if nothing else is in it.
+pub(super) fn visible(span: Span, text: &str) -> Span {
+    let inside = &text[span.range()];
+    let end = span.start as usize + inside.trim_end().len();
+    let start = end - text[span.start as usize..end].trim_start().len();
+    if start < end {
+        return part(span, start, end);
+    }
+    let before = code_end_before(text, span.start as usize);
+    part(span, before - token_before_sign(&text[..before]).len(), before)
+}
+
+/// The first word of a span.
+pub(super) fn first_word(span: Span, length: usize) -> Span {
+    part(span, span.start as usize, span.start as usize + length)
+}

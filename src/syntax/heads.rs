@@ -1,0 +1,174 @@
+//! Slips in the heads of declarations, between the name and the block.
+
+use super::around::{self, part, quote, token_at, token_before};
+use super::grammar::Rule;
+use super::words::{end_of_word, is_word};
+use super::{habits, slips};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::source::Span;
+
+/// The slip in the head of a declaration, of which `rest` could not be read, if it is a known one.
+pub(super) fn slip(rest: Span, rule: Rule, item: Span, source: &str) -> Option<Diagnostic> {
+    let written = &source[rest.range()];
+    // Parameters are read, and what is wrong stands behind them.
+    let behind = written.trim_start().starts_with('(').then(|| written.find(')')).flatten().map_or(0, |at| at + 1);
+    let start = rest.start as usize + (written.len() - written[behind..].trim_start().len());
+    let before = quote(source[item.start as usize..start].trim_end());
+    let head = BrokenHead { rest, start, text: written[behind..].trim(), before, source };
+    if let Some(habit) = habits::name(part(rest, start, rest.end as usize), source) {
+        return Some(habit);
+    }
+    if let Some(slip) = device_in_brackets(rest, behind, rule, source) {
+        return Some(slip);
+    }
+    if head.text.starts_with('(') {
+        return Some(head.wrong("`(` where `{` belongs", 1, "a block stands in braces", "{"));
+    }
+    match rule {
+        Rule::device_rest if head.text.is_empty() => slips::device_without_kind(item, &source[item.range()]),
+        Rule::device_rest => head.of_device(),
+        Rule::output_rest => head.of_output(),
+        Rule::program_rest => head.of_program(),
+        Rule::task_rest => head.of_task(),
+        _ => None,
+    }
+}
+
+/// `task go(bot) { … }`, where `bot` is a device; the brackets end at the byte `behind` of the rest.
+fn device_in_brackets(rest: Span, behind: usize, rule: Rule, source: &str) -> Option<Diagnostic> {
+    let written = source[rest.range()][..behind].trim_start();
+    let device = written.strip_prefix('(')?.strip_suffix(')')?.trim();
+    let declares =
+        |line: &str| line.strip_prefix("device ").is_some_and(|name| token_at(name.trim_start(), 0) == device);
+    let end = rest.start as usize + behind;
+    let brackets = part(rest, end - written.len(), end);
+    (rule == Rule::task_rest && source.lines().any(declares)).then(|| {
+        Diagnostic::new(Code::E0124, "the device of a task in brackets")
+            .label(brackets, format!("`{device}` is a device"))
+            .help(format!("write `on {device}`: brackets hold parameters, as in `task go(goal: cell) on {device}`"))
+            .mended(brackets, format!(" on {device}"))
+    })
+}
+
+/// The rest of a head, from where reading stopped.
+struct BrokenHead<'s> {
+    rest: Span,
+    /// Where its text begins.
+    start: usize,
+    /// Without the blanks round it.
+    text: &'s str,
+    /// The declaration up to there, as messages repeat it.
+    before: String,
+    source: &'s str,
+}
+
+impl BrokenHead<'_> {
+    /// A part of the text.
+    fn mark(&self, at: usize, length: usize) -> Span {
+        part(self.rest, self.start + at, self.start + at + length)
+    }
+
+    /// A slip in the first bytes of the text; `mend` is written behind what stands before it.
+    fn wrong(&self, title: &str, length: usize, note: &str, mend: &str) -> Diagnostic {
+        let finding = Diagnostic::new(Code::E0124, title).label(self.mark(0, length), note);
+        finding.help(format!("write `{} {mend}`", self.before))
+    }
+
+    /// `device bot = dimibot`, `device bot : dimibot(left: 5)`.
+    fn of_device(&self) -> Option<Diagnostic> {
+        if self.text.starts_with('=') {
+            let mend = format!(": {}", quote(self.text[1..].trim()));
+            let finding = self.wrong("`=` where `:` belongs", 1, "between a device and its kind stands `:`", &mend);
+            return Some(finding.mended_here(":"));
+        }
+        let at = self.text.find('(').filter(|_| self.text.starts_with(':'))?;
+        let fields = self.text[at + 1..].trim_end().trim_end_matches(')').trim();
+        let finding = Diagnostic::new(Code::E0124, "`(` where `{` belongs");
+        let finding = finding.label(self.mark(at, 1), "fields stand in braces");
+        let base = self.text[..at].trim_end();
+        Some(finding.help(format!("write `{} {base} {{ {} }}`", self.before, quote(fields))))
+    }
+
+    /// `output camera : trigger 5 ms -> "Dev1/pfi0"`.
+    fn of_output(&self) -> Option<Diagnostic> {
+        let (sort, wire) = self.text.strip_prefix(':')?.split_once("->")?;
+        let (sort, figure) = sort.trim().split_once(' ').unwrap_or((sort.trim(), ""));
+        let fields = if figure.is_empty() { String::new() } else { format!(" {{ duration: {} }}", figure.trim()) };
+        let name = self.before.split_whitespace().nth(1).unwrap_or("NAME");
+        let declaration = format!("{} : {}{}", self.before, quote(sort), quote(&fields));
+        let wire = quote(wire.trim());
+        let finding = Diagnostic::new(Code::E0124, "a wire in the declaration of an output");
+        let finding = finding.label(self.mark(self.text.find("->")?, "->".len()), "wires stand in a `wiring`");
+        Some(finding.help(format!("write `{declaration}`, and `wiring {name} {{ out -> {wire} }}`")))
+    }
+
+    /// `program day on bot`.
+    fn of_program(&self) -> Option<Diagnostic> {
+        let device = self.text.strip_prefix("on")?.trim_start();
+        let length = self.text.len() - device.len() + end_of_word(device, 0);
+        let finding = self.wrong("a program on a device", length, "its tasks have devices", "{");
+        Some(finding.mended(around::with_blanks(self.mark(0, length), self.source), " "))
+    }
+
+    /// `task go`, `task go in bench`, `task go with bot`, and what may be wrong behind `on`.
+    fn of_task(&self) -> Option<Diagnostic> {
+        let word = token_at(self.text, 0);
+        if word.is_empty() {
+            return Some(self.without_device());
+        }
+        if word == "in" {
+            let mend = format!("on DEVICE {} {{", quote(self.text));
+            let note = "`on` and a device belong before this";
+            return Some(self.wrong("a task without its device", word.len(), note, &mend));
+        }
+        if word != "on" {
+            let device = self.text[word.len()..].trim_start();
+            let title = format!("`{word}` where `on` belongs");
+            let mend = format!("on {} {{", quote(device));
+            let finding = self.wrong(&title, word.len(), "a task runs `on` a device", &mend);
+            return word.starts_with(is_word).then(|| finding.mended_here("on"));
+        }
+        let device = self.text[word.len()..].trim_start();
+        let after = device.trim_start_matches(|c| is_word(c) || c == '.').trim_start();
+        self.behind_device(self.text.len() - after.len())
+    }
+
+    /// `task go { … }`: the first device of the file is the one to propose.
+    fn without_device(&self) -> Diagnostic {
+        let device = self.source.lines().find_map(|line| line.strip_prefix("device "));
+        let device = device.map_or("DEVICE", |device| token_at(device.trim_start(), 0));
+        let end = self.source[..self.start].trim_end().len();
+        let last = token_before(self.source, end).len().max(1);
+        Diagnostic::new(Code::E0124, "a task without its device")
+            .label(part(self.rest, end - last, end), "`on` and a device belong behind this")
+            .help(format!("write `{} on {} {{`", self.before, quote(device)))
+            .mended(part(self.rest, end, end), format!(" on {device}"))
+    }
+
+    /// What stands behind the device, from a byte of the text on.
+    fn behind_device(&self, at: usize) -> Option<Diagnostic> {
+        let after = &self.text[at..];
+        let word = token_at(after, 0);
+        if let Some(habit) = habits::name(part(self.rest, self.start + at, self.rest.end as usize), self.source) {
+            return Some(habit);
+        }
+        if word == "," {
+            let finding = Diagnostic::new(Code::E0124, "a task on several devices");
+            let finding = finding.label(self.mark(at, 1), "a task runs on one device");
+            return Some(
+                finding.help("write a task for each, and run them by `together { run A, run B }` in a program"),
+            );
+        }
+        if !word.starts_with(is_word) || word == "in" {
+            return None;
+        }
+        let scene = after[word.len()..].trim_start();
+        let mend = format!("{} {}in {} {{", self.before, &self.text[..at], quote(scene));
+        Some(
+            Diagnostic::new(Code::E0124, format!("`{word}` where `in` belongs"))
+                .label(self.mark(at, word.len()), "a task runs `in` a scene")
+                .help(format!("write `{mend}`"))
+                .mended_here("in"),
+        )
+    }
+}

@@ -1,0 +1,127 @@
+//! Auxiliary outputs, from the program to what is written.
+
+use crate::{Bench, DONE, ERRORS, err, says};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fs;
+
+const OUTPUTS: &str = "output camera : trigger { duration: 1 ms }\noutput light : digital { voltage: 3 V }\n";
+
+/// A task of each kind, with steps that switch.
+const PROGRAMS: [(&str, &str); 4] = [
+    (
+        "use std.dimibot\ndevice bot : dimibot.femto_st\n",
+        "task go on bot {\n pulse camera\n move to (1, 1)\n set light to high\n move to (3, 2)\n set light to low\n pulse camera\n}\n",
+    ),
+    (
+        "use std.electrode_array as ea\ndevice plate : ea.droplet_chip { columns: 8, rows: 6 }\nscene s { part a : ea.droplet at (3, 3) }\n",
+        "task go on plate in s {\n set light to high\n move a to (5, 3)\n pulse camera\n for i in 0..2 { wait 2 ms, pulse camera }\n move a to (3, 3)\n}\n",
+    ),
+    (
+        "use std.microrobots\ndevice fleet : microrobots.bed\nscene s { for i in 1..5 { robot D[i] at pose(i * 1 mm, 0 mm, 90 deg) } }\n",
+        "task go on fleet in s {\n apply state 1 for 10 ms\n pulse camera\n apply state 2 for 10 ms\n set light to high\n wait 1 ms\n set light to low\n}\n",
+    ),
+    (
+        "use std.fingers as f\ndevice hand : f.three_fingers { step: 18 deg }\nscene s { part bead : ellipsoid { axes: (16 um, 11.845 um, 11.845 um), material: f.silicon } }\n",
+        "task go on hand in s {\n minimize effort\n set light to high\n rotate bead by 18 deg about z\n pulse camera\n rotate bead by 18 deg about z\n pulse camera\n}\n",
+    ),
+];
+
+/// When an output is high by the words of the steps alone, in nanoseconds.
+fn expected(schedule: &Value, output: &str) -> Vec<(u64, u64)> {
+    let end = schedule["duration_ns"].as_u64().expect("a duration");
+    let mut high = Vec::new();
+    let mut since = None;
+    for step in schedule["steps"].as_array().expect("steps") {
+        let (text, t) = (step["text"].as_str().expect("a text"), step["start_ns"].as_u64().expect("a start"));
+        match text.split_whitespace().collect::<Vec<_>>()[..] {
+            ["pulse", name] if name == output => high.push((t, t + 1_000_000)),
+            ["set", name, "to", "high"] if name == output => since = Some(t),
+            ["set", name, "to", "low"] if name == output => high.extend(since.take().map(|start| (start, t))),
+            _ => {}
+        }
+    }
+    high.extend(since.map(|start| (start, end)));
+    high
+}
+
+#[test]
+fn outputs_of_all_kinds_switch_where_their_steps_stand() {
+    for (nth, (devices, task)) in PROGRAMS.iter().enumerate() {
+        let bench = Bench::with(format!("{devices}{OUTPUTS}{task}"));
+        bench.run(&["build", "a.twz", "-o", "out", "--emit", "mcap,json,csv,vcd,html"]).code(DONE);
+        bench.run(&["verify", "out/go.mcap", "--against", "a.twz"]).code(DONE);
+        let text = fs::read_to_string(bench.path("out/go.json")).expect("the schedule is there");
+        let schedule: Value = serde_json::from_str(&text).expect("it is JSON");
+        let names: BTreeMap<u64, &str> = (0..)
+            .zip(schedule["channels"].as_array().expect("channels"))
+            .map(|(index, channel)| (index, channel["name"].as_str().expect("a name")))
+            .collect();
+        for (output, volts) in [("camera", 5.0), ("light", 3.0)] {
+            let own = schedule["actuations"].as_array().expect("actuations").iter().filter(|actuation| {
+                names[&actuation["channel"].as_u64().expect("an index")] == format!("{output}.out")
+            });
+            let found: Vec<(u64, u64)> = own
+                .map(|actuation| {
+                    let [start, lasts] =
+                        ["start_ns", "duration_ns"].map(|key| actuation[key].as_u64().expect("a time"));
+                    assert_eq!([&actuation["from"], &actuation["to"]], [volts, volts], "program {nth}");
+                    (start, start + lasts)
+                })
+                .collect();
+            assert!(!found.is_empty(), "program {nth}");
+            assert_eq!(found, expected(&schedule, output), "`{output}` of program {nth}");
+        }
+        // Without the steps that switch, the same plan.
+        let is_switching = |line: &&str| line.contains("pulse") || line.contains("set light");
+        let still: String = task.lines().filter(|line| !is_switching(line)).map(|line| format!("{line}\n")).collect();
+        fs::write(bench.path("b.twz"), format!("{devices}{still}")).expect("written");
+        bench.run(&["build", "b.twz", "-o", "still", "--emit", "json"]).code(DONE);
+        let text = fs::read_to_string(bench.path("still/go.json")).expect("the schedule is there");
+        let still: Value = serde_json::from_str(&text).expect("it is JSON");
+        assert_eq!(still["plans"][0]["cost"], schedule["plans"][0]["cost"], "program {nth}");
+    }
+}
+
+#[test]
+fn a_log_is_held_against_where_the_steps_stand() {
+    let (devices, task) = PROGRAMS[0];
+    let bench = Bench::with(format!("{devices}{OUTPUTS}{task}"));
+    bench.run(&["build", "a.twz", "-o", "out"]).code(DONE);
+    for (from, to) in
+        [("set light to low\n pulse camera", "pulse camera\n set light to low"), ("1 ms", "2 ms"), ("3 V", "4 V")]
+    {
+        fs::write(bench.path("b.twz"), format!("{devices}{OUTPUTS}{task}").replace(from, to)).expect("written");
+        let refused = bench.run(&["verify", "out/go.mcap", "--against", "b.twz"]);
+        assert_ne!(refused.get_output().status.code(), Some(DONE), "{from}");
+    }
+}
+
+#[test]
+fn steps_that_no_output_takes_are_errors() {
+    let (devices, _) = PROGRAMS[0];
+    for (step, parts) in [
+        ("pulse light", ["E0556", "set light to high"]),
+        ("set camera to high", ["E0556", "`pulse camera`"]),
+        ("pulse camra", ["E0201", "did you mean `camera`?"]),
+        ("pulse bot", ["E0206", "`bot`"]),
+        ("pulse camera for 5 ms", ["E0509", "`pulse camera`"]),
+        ("set light high", ["E0509", "`set light to high`"]),
+        ("set light to on", ["E0122", "`set light to high`"]),
+        ("set light to hgih", ["E0311", "`high`"]),
+        ("set light to 3 V", ["E0311", "`high`"]),
+        ("pulse camera\n pulse camera", ["E0607", "more than 1 ms"]),
+        ("set light to high\n set light to low", ["E0607", "set twice"]),
+        ("move to (1, 1)\n set light to high", ["E0607", "as the schedule ends"]),
+        ("together { pulse camera }", ["E05", "together"]),
+    ] {
+        let bench = Bench::with(format!("{devices}{OUTPUTS}task go on bot {{\n {step}\n}}\n"));
+        says(&err(&bench.run(&["build", "a.twz", "-o", "out"]).code(ERRORS)), &parts);
+    }
+    let program = format!(
+        "{devices}{OUTPUTS}task go on bot {{ pulse camera, wait 2 ms }}\nprogram p {{ run go, pulse camera }}\n"
+    );
+    says(&err(&Bench::with(program).run(&["check", "a.twz"]).code(ERRORS)), &["E0518", "by the steps of tasks"]);
+    let unused = Bench::with(format!("{devices}{OUTPUTS}task go on bot {{ pulse camera, move to (1, 1) }}\n"));
+    says(&err(&unused.run(&["check", "a.twz"]).code(DONE)), &["W0201", "light"]);
+}
