@@ -1,0 +1,15 @@
+// Written by scripts/words.js from ../words.json.
+export default {
+  "declarations": ["device", "instrument", "let", "output", "program", "scene", "task", "use", "wiring"],
+  "functions": ["abs", "atan2", "cos", "count", "euler", "floor", "max", "min", "pose", "quaternion", "round", "sin", "sqrt"],
+  "nouns": ["frame", "obstacle", "part", "reservoir", "robot"],
+  "operators": ["!=", "*", "+", "-", "..", "/", "<", "<=", "==", ">", ">=", "^"],
+  "prefixed_units": ["A", "C", "F", "Hz", "J", "K", "N", "Pa", "V", "W", "g", "m", "s"],
+  "prefixes": ["G", "M", "T", "c", "d", "f", "k", "m", "n", "p", "u", "µ", "μ"],
+  "prepositions": ["about", "at", "by", "for", "from", "in", "on", "to", "via", "with"],
+  "reserved": ["about", "as", "at", "by", "device", "false", "for", "from", "in", "instrument", "let", "on", "output", "program", "scene", "table", "task", "to", "true", "use", "via", "wiring", "with"],
+  "step_nouns": ["state"],
+  "steps": ["apply", "assay", "assemble", "discard", "dispense", "drive", "grasp", "incubate", "merge", "minimize", "move", "orient", "pulse", "release", "require", "rotate", "run", "set", "start", "together", "translate", "using", "visit", "wait"],
+  "truths": ["false", "true"],
+  "units": ["%", "deg", "h", "min", "px", "rad", "turn"]
+};

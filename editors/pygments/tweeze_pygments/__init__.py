@@ -1,0 +1,5 @@
+"""Pygments lexer for Tweeze programs (.twz)."""
+
+from .lexer import TweezeLexer
+
+__all__ = ["TweezeLexer"]

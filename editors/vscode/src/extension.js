@@ -1,0 +1,110 @@
+// Tweeze in Visual Studio Code: the client of `tweeze lsp`, and the commands that build and show a program.
+"use strict";
+
+const os = require("node:os");
+const vscode = require("vscode");
+const { find } = require("./executable");
+const { Server } = require("./server");
+const tasks = require("./tasks");
+
+const OPEN_SETTING = "Open Setting";
+
+let server;
+
+function wantedExecutable(scope) {
+  return vscode.workspace.getConfiguration("tweeze", scope).get("path", "tweeze");
+}
+
+function foundExecutable(scope) {
+  const folders = vscode.workspace.workspaceFolders;
+  const folder = (scope && vscode.workspace.getWorkspaceFolder(scope)) ?? folders?.[0];
+  const machine = { env: process.env, platform: process.platform, home: os.homedir(), folder: folder?.uri.fsPath };
+  return find(wantedExecutable(scope), machine);
+}
+
+/** The executable; where there is none, a message says so and leads to the setting. */
+async function executableOrMessage(scope) {
+  const found = await foundExecutable(scope);
+  if (found === undefined) tellMissing(scope);
+  return found;
+}
+
+async function tellMissing(scope) {
+  const wanted = wantedExecutable(scope);
+  const how = "Install Tweeze, or set `tweeze.path` to its executable.";
+  const chosen = await vscode.window.showErrorMessage(`Tweeze: there is no executable \`${wanted}\`. ${how}`, OPEN_SETTING);
+  if (chosen === OPEN_SETTING) await vscode.commands.executeCommand("workbench.action.openSettings", "tweeze.path");
+}
+
+/** The program in the active editor, saved; undefined, with a message, where there is none. */
+async function savedProgram() {
+  const document = vscode.window.activeTextEditor?.document;
+  if (!document || document.languageId !== "tweeze") {
+    vscode.window.showInformationMessage("Tweeze: open a program (`.twz`) first.");
+    return undefined;
+  }
+  if (document.uri.scheme !== "file") {
+    vscode.window.showInformationMessage("Tweeze: save the program to a file first.");
+    return undefined;
+  }
+  // Programs use other files, whose changes count as well.
+  if (!(await vscode.workspace.saveAll(false))) return undefined;
+  return document.uri;
+}
+
+/** Runs a command of tweeze on the program in the active editor. */
+async function run(command) {
+  const uri = await savedProgram();
+  if (uri === undefined) return undefined;
+  const executable = await executableOrMessage(uri);
+  if (executable === undefined) return undefined;
+  const definition = { type: tasks.SORT, command, file: uri.fsPath };
+  const task = tasks.taskOf(definition, vscode.workspace.getWorkspaceFolder(uri), executable);
+  // A page that is watched for is watched by one task: the new one takes its place.
+  if (command === "view") {
+    const isSame = ({ task: other }) => other.source === tasks.SORT && other.definition.command === "view" && other.definition.file === uri.fsPath;
+    vscode.tasks.taskExecutions.filter(isSame).forEach((execution) => execution.terminate());
+  }
+  return vscode.tasks.executeTask(task);
+}
+
+/** Starts the server; where that fails, a message says why. */
+async function restart() {
+  try {
+    await server.restart();
+  } catch (error) {
+    vscode.window.showErrorMessage(`Tweeze: the server did not start: ${error instanceof Error ? error.message : error}`);
+  }
+}
+
+function activateTrusted(context) {
+  server = new Server(() => executableOrMessage());
+  const executable = async (scope) => (await foundExecutable(scope)) ?? wantedExecutable(scope);
+  context.subscriptions.push(
+    vscode.tasks.registerTaskProvider(tasks.SORT, tasks.provider(executable)),
+    vscode.workspace.onDidChangeConfiguration((event) => {
+      if (event.affectsConfiguration("tweeze.path")) restart();
+    }),
+  );
+  return restart();
+}
+
+async function activate(context) {
+  const ifTrusted = (work) => () => {
+    if (vscode.workspace.isTrusted) return work();
+    return vscode.window.showInformationMessage("Tweeze: programs are built, and the server runs, in trusted workspaces only.");
+  };
+  context.subscriptions.push(
+    vscode.commands.registerCommand("tweeze.build", ifTrusted(() => run("build"))),
+    vscode.commands.registerCommand("tweeze.view", ifTrusted(() => run("view"))),
+    vscode.commands.registerCommand("tweeze.restart", ifTrusted(restart)),
+  );
+  if (vscode.workspace.isTrusted) await activateTrusted(context);
+  else context.subscriptions.push(vscode.workspace.onDidGrantWorkspaceTrust(() => activateTrusted(context)));
+}
+
+function deactivate() {
+  return server?.stop();
+}
+
+module.exports = { activate, deactivate };

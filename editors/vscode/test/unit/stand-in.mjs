@@ -1,0 +1,91 @@
+// A stand-in for the modules `vscode` and `vscode-languageclient/node`, which exist in an editor alone. It keeps what it is asked to do.
+import { Module, createRequire } from "node:module";
+
+const require = createRequire(import.meta.url);
+
+class Task {
+  constructor(definition, scope, name, source, execution, problemMatchers) {
+    Object.assign(this, { definition, scope, name, source, execution, problemMatchers });
+  }
+}
+
+class ProcessExecution {
+  constructor(process, args, options) {
+    Object.assign(this, { process, args, options });
+  }
+}
+
+const fileUri = (fsPath) => ({ scheme: "file", fsPath });
+
+/**
+ * The extension in an editor of its own.
+ *
+ * @param {object} given settings by name, the open document, the workspace folder, the button that is pressed, and whether the server starts
+ */
+export function inEditor({ settings = {}, document, folder, press, trusted = true, failing } = {}) {
+  const done = { commands: new Map(), messages: [], executed: [], tasks: [], servers: [], ended: [], saved: 0, listeners: [], trusts: [], providers: [] };
+  const workspaceFolder = folder && { uri: fileUri(folder), name: "folder", index: 0 };
+  const running = [];
+  const tell = (kind) => (text, ...buttons) => {
+    done.messages.push({ kind, text, buttons });
+    return Promise.resolve(buttons.includes(press) ? press : undefined);
+  };
+  const vscode = {
+    Task,
+    ProcessExecution,
+    TaskGroup: { Build: "build group" },
+    TaskScope: { Workspace: "workspace scope" },
+    Uri: { file: fileUri },
+    commands: {
+      registerCommand: (name, run) => done.commands.set(name, run),
+      executeCommand: async (...all) => done.executed.push(all),
+    },
+    window: {
+      activeTextEditor: document && { document },
+      showErrorMessage: tell("error"),
+      showInformationMessage: tell("information"),
+    },
+    workspace: {
+      isTrusted: trusted,
+      workspaceFolders: workspaceFolder && [workspaceFolder],
+      getWorkspaceFolder: () => workspaceFolder,
+      getConfiguration: (section) => ({ get: (name, otherwise) => settings[`${section}.${name}`] ?? otherwise }),
+      onDidChangeConfiguration: (listener) => done.listeners.push(listener),
+      onDidGrantWorkspaceTrust: (listener) => done.trusts.push(listener),
+      saveAll: async () => (done.saved += 1) > 0,
+    },
+    tasks: {
+      taskExecutions: running,
+      registerTaskProvider: (sort, provider) => done.providers.push({ sort, provider }),
+      executeTask: async (task) => {
+        done.tasks.push(task);
+        const execution = { task, terminate: () => done.ended.push(task) };
+        running.push(execution);
+        return execution;
+      },
+    },
+  };
+  class LanguageClient {
+    constructor(id, name, server, client) {
+      Object.assign(this, { id, name, server, client, state: "new" });
+      done.servers.push(this);
+    }
+    async start() {
+      if (failing) throw new Error(failing);
+      this.state = "running";
+    }
+    async dispose() {
+      if (failing) throw new Error("it never started");
+      this.state = "ended";
+    }
+  }
+  const modules = { vscode, "vscode-languageclient/node": { LanguageClient } };
+  const load = Module._load;
+  Module._load = (name, ...rest) => modules[name] ?? load(name, ...rest);
+  try {
+    for (const file of Object.keys(require.cache).filter((name) => /[\\/]src[\\/]/u.test(name))) delete require.cache[file];
+    return { extension: require("../../src/extension.js"), done, vscode, settings };
+  } finally {
+    Module._load = load;
+  }
+}
