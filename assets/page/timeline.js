@@ -31,6 +31,12 @@ function rowsOf(model) {
       });
     }
   }
+  // Other outputs of the bench have a scale each: a trigger at 5 V beside a valve at 24 V.
+  const others = model.channels.filter((channel) => channel.actuations.length && !model.devices.some(({ name }) => name === channel.device));
+  others.forEach((channel, number) => {
+    const range = [0, Math.max(...channel.actuations.map(({ from }) => from))];
+    rows.push({ kind: "channel", label: channel.device, channel, range, height: 12, gap: number ? 2 : 6 });
+  });
   let y = RULER;
   for (const row of rows) {
     y += row.gap;

@@ -154,6 +154,15 @@ def test_everything_fits_the_window(page, size):
     page.set_viewport_size({"width": WINDOWS[0][0], "height": WINDOWS[0][1]})
 
 
+def test_every_channel_that_does_something_has_its_row(page):
+    """Of a bed the ladder is the row of its one channel."""
+    missing = page.evaluate(
+        """tweeze.model.channels.filter(({ name, device, actuations }) => actuations.length && !tweeze.timeline.rows.some(
+            (row) => (row.channel && row.channel.name === name) || (row.kind === "ladder" && row.device.name === device))).map(({ name }) => name)"""
+    )
+    assert missing == []
+
+
 def test_dark_and_light(page):
     before = page.evaluate("getComputedStyle(document.body).backgroundColor")
     page.locator("#theme").click()
