@@ -1,4 +1,4 @@
-// The strip under the scene: steps as blocks, operations by parts where they overlap, then the channels of each device, all on one clock.
+// The strip under the scene: steps as blocks, operations by parts where they overlap, other outputs, then the channels of each device, all on one clock.
 "use strict";
 
 const RULER = 20;
@@ -17,6 +17,12 @@ function rowsOf(model) {
     lanes.get(device).steps.push({ ...step, index });
   });
   for (const device of model.devices) rows.push(...operationRows(model, device));
+  // Other outputs of the bench have a scale each: a trigger at 5 V beside a valve at 24 V.
+  const others = model.channels.filter((channel) => channel.actuations.length && !model.devices.some(({ name }) => name === channel.device));
+  others.forEach((channel, number) => {
+    const range = [0, Math.max(...channel.actuations.map(({ from }) => from))];
+    rows.push({ kind: "channel", label: channel.device, channel, range, height: 12, gap: number ? 2 : 6 });
+  });
   for (const device of model.devices) {
     if (device.kind === "microrobots") {
       rows.push({ kind: "ladder", label: `${device.name} (V)`, device, height: 120, gap: 8 });
@@ -31,12 +37,6 @@ function rowsOf(model) {
       });
     }
   }
-  // Other outputs of the bench have a scale each: a trigger at 5 V beside a valve at 24 V.
-  const others = model.channels.filter((channel) => channel.actuations.length && !model.devices.some(({ name }) => name === channel.device));
-  others.forEach((channel, number) => {
-    const range = [0, Math.max(...channel.actuations.map(({ from }) => from))];
-    rows.push({ kind: "channel", label: channel.device, channel, range, height: 12, gap: number ? 2 : 6 });
-  });
   let y = RULER;
   for (const row of rows) {
     y += row.gap;

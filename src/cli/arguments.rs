@@ -160,6 +160,9 @@ pub struct CheckArguments {
     /// Also search for a plan of each schedule and verify it, as `build` does; nothing is written
     #[arg(long)]
     pub plan: bool,
+    /// Check again whenever a file of the programs changes, until interrupted
+    #[arg(long)]
+    pub watch: bool,
     #[command(flatten)]
     pub settings: Settings,
     #[command(flatten)]

@@ -1,10 +1,11 @@
 //! `tweeze check`.
 
 use super::arguments::{CheckArguments, CheckFormat, ReportFormat};
+use super::glances::Glances;
 use super::loaded::Loaded;
 use super::report::{LiveReport, ReportedBuild};
-use super::{Exit, report, terminal};
-use crate::check::{DeclarationTally, Options};
+use super::{Exit, build, disk, report, terminal, watch};
+use crate::check::{Checked, DeclarationTally, Options};
 use crate::compile::{self, CompileOutcome, CompileRequest};
 use crate::diagnostic::{Sink, machine};
 use crate::source::Sources;
@@ -14,11 +15,22 @@ use std::path::Path;
 
 /// Checks each file separately; the exit status is the gravest one.
 pub fn run(arguments: &CheckArguments) -> Exit {
+    if !arguments.watch {
+        return check(arguments, &mut Glances::default());
+    }
+    if arguments.files.iter().any(|file| disk::is_standard_input(file)) {
+        return build::misused("check", "standard input holds one program, once: --watch needs a file");
+    }
+    watch::watch(&arguments.files, arguments.quiet, |needed| check(arguments, needed))
+}
+
+/// Checks each program; the files that they need are added.
+fn check(arguments: &CheckArguments, needed: &mut Glances) -> Exit {
     let mut exit = Exit::Done;
     let mut reports: Vec<(Sources, Sink)> = Vec::new();
     for file in &arguments.files {
         let (mut sources, mut sink) = (Sources::default(), Sink::default());
-        let checked = one(file, arguments, &mut sources, &mut sink);
+        let checked = one((file, needed), arguments, &mut sources, &mut sink);
         match arguments.format.one_by_one() {
             Some(format) => terminal::report(&sink, &sources, format),
             None => reports.push((sources, sink)),
@@ -46,9 +58,9 @@ struct CheckedProgram {
     exit: Exit,
 }
 
-/// A program without errors, or the exit status after one.
+/// A program without errors, or the exit status after one; the files that it needs are added.
 fn one(
-    file: &Path,
+    (file, needed): (&Path, &mut Glances),
     arguments: &CheckArguments,
     sources: &mut Sources,
     sink: &mut Sink,
@@ -60,14 +72,18 @@ fn one(
     })?;
     let (disk, shown) = (loaded.disk(), loaded.shown());
     let program = loaded.program(&disk);
-    if arguments.plan {
-        return planned((&loaded, &program), arguments, sources, sink);
-    }
-    let checked = compile::check(&program, sources, sink).ok_or(Exit::Errors)?;
-    Ok(CheckedProgram { shown, tally: checked.tally, schedules: None, exit: Exit::Done })
+    let checked = match arguments.plan {
+        true => planned((&loaded, &program), arguments, sources, sink),
+        false => match compile::check(&program, sources, sink) {
+            Some(Checked { tally, .. }) => Ok(CheckedProgram { shown, tally, schedules: None, exit: Exit::Done }),
+            None => Err(Exit::Errors),
+        },
+    };
+    needed.add(disk.asked());
+    checked
 }
 
-/// As [`one`], with a verified plan for each of its schedules; reports on both as it goes on.
+/// As `one`, with a verified plan for each of its schedules; reports on both as it goes on.
 fn planned(
     (loaded, program): (&Loaded, &CompileRequest),
     arguments: &CheckArguments,

@@ -71,6 +71,7 @@ ledger! {
     E0127 "a place with too many coordinates"
     E0128 "a line of a table that is no row"
     E0129 "a name that is too long"
+    W0101 "a comment that may be meant as a division"
     E0201 "no such name"
     E0202 "a name declared twice"
     E0203 "a name that the language keeps"

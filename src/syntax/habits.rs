@@ -1,6 +1,6 @@
 //! Habits of other languages that newcomers bring: each gets one diagnostic that says how the same is written here.
 
-use super::around::{part, quote, token_at, with_blanks};
+use super::around::{line_before, part, quote, token_at, with_blanks};
 use super::words::is_word;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
@@ -21,7 +21,7 @@ pub(super) fn step(span: Span, source: &str) -> Option<Diagnostic> {
         let name = rest.trim_start();
         let name = &name[..name.len() - name.trim_start_matches(is_word).len()];
         let sign = at + text.find('=')?;
-        let level = source[sign + 1..span.end as usize].trim();
+        let level = source[sign + 1..span.end as usize].trim_start_matches('=').trim();
         let sign = part(span, sign, sign + 1);
         return (!name.is_empty()).then(|| {
             Diagnostic::new(Code::E0119, "`=` where `to` belongs")
@@ -87,7 +87,7 @@ pub(super) fn list(span: Span, at: usize, source: &str) -> Option<Diagnostic> {
         );
     }
     let start = span.start as usize + open;
-    let rest = source[start + 1..span.end as usize].split(']').next()?;
+    let (rest, _) = source[start + 1..span.end as usize].split_once(']')?;
     let rows: Vec<Vec<&str>> = rest
         .split([';', '\n'])
         .map(|row| row.split([' ', '\t', ',']).filter(|cell| !cell.is_empty()).collect())
@@ -103,6 +103,19 @@ pub(super) fn list(span: Span, at: usize, source: &str) -> Option<Diagnostic> {
             .label(whole, "of another language")
             .help(format!("write a list of places, `{}`", quote(&list)))
             .mended(whole, list)
+    })
+}
+
+/// `7 // 2`, of which everything from the signs on is a comment.
+pub(super) fn whole_division(comment: Span, source: &str) -> Option<Diagnostic> {
+    let divisor = source[comment.range()].strip_prefix("//")?.trim();
+    let is_number =
+        divisor.starts_with(|c: char| c.is_ascii_digit()) && divisor.chars().all(|c| c.is_ascii_digit() || c == '.');
+    let follows_value = || line_before(source, comment.start as usize).ends_with(|c: char| is_word(c) || c == ')');
+    (is_number && follows_value()).then(|| {
+        Diagnostic::new(Code::W0101, "a comment that may be meant as a division")
+            .label(comment, "`//` begins a comment")
+            .help(format!("write `floor(… / {divisor})` for a whole quotient, or a word into the comment"))
     })
 }
 

@@ -6,6 +6,7 @@
 //! text pair up, apart from braces that a cut or the end closes, and nest at most [`super::MAX_NESTING`] deep.
 
 use super::cursor::Cursor;
+use super::habits;
 use super::lexical;
 use super::words::{is_word, starts_item};
 use crate::diagnostic::Diagnostic;
@@ -114,6 +115,8 @@ impl Cursor<'_> {
         if is_doc {
             let span = self.span(self.at, end);
             self.docs.push(span);
+        } else if let Some(finding) = habits::whole_division(self.span(self.at, end), self.text) {
+            self.report(finding);
         }
         self.at = end;
     }

@@ -66,6 +66,18 @@ fn each_change_of_a_file_that_is_needed_is_built_and_nothing_else() {
 }
 
 #[test]
+fn checks_follow_their_program_too() {
+    let bench = Bench::with(SMALL);
+    let watched = Watched::run(&bench, &["check", "a.twz", "--watch", "--plan"]);
+    says(&watched.build(), &["Checked  a.twz", "Planned  go", "Watching  1 file"]);
+    fs::write(bench.path("a.twz"), format!("use \"own.twz\"\n{SMALL}")).expect("written");
+    says(&watched.build(), &["Watching  2 files"]);
+    fs::write(bench.path("own.twz"), "// Nothing of its own.\n").expect("written");
+    says(&watched.build(), &["Planned  go", "Watching  2 files"]);
+    assert_eq!(bench.names("."), ["a.twz", "own.twz"]);
+}
+
+#[test]
 fn pages_follow_their_program() {
     let bench = Bench::with(SMALL);
     bench.run(&["view", "a.twz", "-o", "once", "--no-open"]).code(DONE);
@@ -92,6 +104,7 @@ fn what_cannot_change_is_not_watched() {
     let bench = Bench::with(SMALL);
     for arguments in [
         ["build", "-", "--watch"].as_slice(),
+        &["check", "-", "--watch"],
         &["build", "a.twz", "-", "--watch"],
         &["view", "-", "--watch"],
         &["view", "go.mcap", "--watch"],
