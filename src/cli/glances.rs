@@ -14,8 +14,8 @@ pub struct Glances(BTreeMap<PathBuf, Glance>);
 
 impl Glances {
     /// Files as they are now.
-    pub fn of(files: &[PathBuf]) -> Glances {
-        Glances(files.iter().map(|file| (file.clone(), glance(file))).collect())
+    pub fn of<'f>(files: impl IntoIterator<Item = &'f PathBuf>) -> Glances {
+        Glances(files.into_iter().map(|file| (file.clone(), glance(file))).collect())
     }
 
     /// Looks at a file that was not looked at before.
@@ -33,7 +33,7 @@ impl Glances {
     /// The same files as they are now.
     #[must_use]
     pub fn again(&self) -> Glances {
-        Glances(self.0.keys().map(|file| (file.clone(), glance(file))).collect())
+        Glances::of(self.0.keys())
     }
 
     /// Number of files.

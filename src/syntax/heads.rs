@@ -7,6 +7,15 @@ use super::{habits, slips};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
+/// Bytes of a file in which a message looks for the device that is meant: files may be large, and have many broken heads.
+const DEVICES_SIGHT_BYTES: usize = 1 << 16;
+
+/// The devices that the beginning of a file declares.
+fn devices(source: &str) -> impl Iterator<Item = &str> {
+    let seen = &source[..source.floor_char_boundary(DEVICES_SIGHT_BYTES)];
+    seen.lines().filter_map(|line| line.strip_prefix("device ")).map(|name| token_at(name.trim_start(), 0))
+}
+
 /// The slip in the head of a declaration, of which `rest` could not be read, if it is a known one.
 pub(super) fn slip(rest: Span, rule: Rule, item: Span, source: &str) -> Option<Diagnostic> {
     let written = &source[rest.range()];
@@ -38,11 +47,9 @@ pub(super) fn slip(rest: Span, rule: Rule, item: Span, source: &str) -> Option<D
 fn device_in_brackets(rest: Span, behind: usize, rule: Rule, source: &str) -> Option<Diagnostic> {
     let written = source[rest.range()][..behind].trim_start();
     let device = written.strip_prefix('(')?.strip_suffix(')')?.trim();
-    let declares =
-        |line: &str| line.strip_prefix("device ").is_some_and(|name| token_at(name.trim_start(), 0) == device);
     let end = rest.start as usize + behind;
     let brackets = part(rest, end - written.len(), end);
-    (rule == Rule::task_rest && source.lines().any(declares)).then(|| {
+    (rule == Rule::task_rest && devices(source).any(|known| known == device)).then(|| {
         Diagnostic::new(Code::E0124, "the device of a task in brackets")
             .label(brackets, format!("`{device}` is a device"))
             .help(format!("write `on {device}`: brackets hold parameters, as in `task go(goal: cell) on {device}`"))
@@ -135,14 +142,16 @@ impl BrokenHead<'_> {
 
     /// `task go { … }`: the first device of the file is the one to propose.
     fn without_device(&self) -> Diagnostic {
-        let device = self.source.lines().find_map(|line| line.strip_prefix("device "));
-        let device = device.map_or("DEVICE", |device| token_at(device.trim_start(), 0));
+        let device = devices(self.source).next();
         let end = self.source[..self.start].trim_end().len();
         let last = token_before(self.source, end).len().max(1);
-        Diagnostic::new(Code::E0124, "a task without its device")
+        let finding = Diagnostic::new(Code::E0124, "a task without its device")
             .label(part(self.rest, end - last, end), "`on` and a device belong behind this")
-            .help(format!("write `{} on {} {{`", self.before, quote(device)))
-            .mended(part(self.rest, end, end), format!(" on {device}"))
+            .help(format!("write `{} on {} {{`", self.before, quote(device.unwrap_or("DEVICE"))));
+        match device {
+            Some(device) => finding.mended(part(self.rest, end, end), format!(" on {device}")),
+            None => finding,
+        }
     }
 
     /// What stands behind the device, from a byte of the text on.

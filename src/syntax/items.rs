@@ -104,7 +104,7 @@ impl Reader<'_> {
                 Rule::fields | Rule::scene_block | Rule::block | Rule::wiring_block => head.block = Some(part),
                 _ => {
                     head.is_broken = true;
-                    if !Self::has_hole(&part) {
+                    if !Self::has_hole(&part) && !self.is_full() {
                         let rest = self.span(&part);
                         if self.is_reserved_name(rest) {
                             continue;

@@ -68,9 +68,14 @@ impl<'s> Reader<'s> {
     }
 
     pub fn report(&mut self, finding: Diagnostic) {
-        if self.findings.len() < MAX_FINDINGS {
+        if !self.is_full() {
             self.findings.push(finding);
         }
+    }
+
+    /// Whether a further finding would not be kept.
+    pub fn is_full(&self) -> bool {
+        self.findings.len() >= MAX_FINDINGS
     }
 
     pub fn span(&self, node: &Node) -> Span {
