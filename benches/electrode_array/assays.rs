@@ -1,8 +1,8 @@
 //! In-vitro panels: every sample with every reagent. Each mixture rests where it meets, queues for the detector of its reagent and leaves.
 //! The same operations as steps one after the other are what a board does without assays.
 //!
-//! And two families of published assays (PCR mixing tree, in-vitro diagnostics 1 to 5; MFSim's B1 and B2) on 15 x 19 electrodes at 100 Hz:
-//! each fluid out of a port of its own in 2 s, eight places. A mixture rests for the published time of its mixing; it is not moved about.
+//! And three families of published assays (PCR mixing tree, in-vitro diagnostics 1 to 5, protein dilution; MFSim's B1, B2 and B4) on
+//! 15 x 19 electrodes at 100 Hz: fluids out of their ports in 2 s, mixed round 4 x 2 electrodes at eight places, split in 2 s.
 
 use super::clock;
 use super::programs::{Answered, answered};
@@ -39,15 +39,18 @@ const SAMPLE_S: [u32; 4] = [5, 3, 4, 6];
 
 const FIELD_BOARD: &str = "use std.electrode_array as ea\n\
     device chip : ea.droplet_chip {\n\
-    columns: 15, rows: 19, step_duration: 10 ms, settling: 8 ms, dispense_duration: 2 s\n}\n";
+    columns: 15, rows: 19, step_duration: 10 ms, settling: 8 ms, dispense_duration: 2 s, mixer: (4, 2)\n}\n";
+
+/// Levels of splits of the protein assays.
+const PROTEIN: [u32; 3] = [1, 2, 3];
 
 pub fn field_table() {
     println!("\npublished assays on 15 x 19 electrodes at 100 Hz; planned, lowered and verified");
     println!("assay       droplets  operations     ms   steps  bound  ratio | one after the other");
     let in_vitro = IN_VITRO.iter().zip(1..).map(|(size, number)| (format!("in-vitro {number}"), in_vitro(*size)));
-    for (name, program) in std::iter::once(("PCR".to_owned(), pcr())).chain(in_vitro) {
+    let protein = PROTEIN.iter().map(|levels| (format!("protein {levels}"), protein(*levels)));
+    for (name, program) in std::iter::once(("PCR".to_owned(), pcr())).chain(in_vitro).chain(protein) {
         let (time, plan) = clock::timed(|| planned(&program.text("assay {\n", "}\n")));
-        let serial = planned(&program.text("", ""));
         println!(
             "{name:10}  {:8}  {:10}  {:5.0}  {:6}  {:5}  {:5.3} | {}",
             program.droplets,
@@ -56,7 +59,7 @@ pub fn field_table() {
             plan.cost,
             plan.bound,
             plan.cost / plan.bound,
-            serial.cost
+            program.one_after_the_other().map_or("none".to_owned(), |steps| steps.to_string())
         );
     }
 }
@@ -83,7 +86,15 @@ impl FieldAssay {
 
     fn mix(&mut self, one: &str, other: &str, at: (u32, u32), time_s: u32) {
         self.operations.push(format!("merge {one} with {other} at {at:?}"));
-        self.operations.push(format!("incubate {one} for {time_s} s"));
+        self.operations.push(format!("mix {one} for {time_s} s"));
+    }
+
+    /// Steps of the operations as steps of a task, unless one of them has no plan: droplets that wait may stand in the way.
+    fn one_after_the_other(&self) -> Option<f64> {
+        match answered(&self.text("", "")) {
+            Answered::Plan(plan) => Some(plan.cost),
+            Answered::Errors(_) | Answered::Unfit => None,
+        }
     }
 
     /// The program, with these words round its operations.
@@ -102,12 +113,48 @@ fn pcr() -> FieldAssay {
         assay.reservoir(&format!("f{fluid}"), (1 + 14 * (fluid / 4), 3 + 4 * (fluid % 4)));
         assay.dispense(&format!("d{fluid}"), &format!("f{fluid}"));
     }
-    let tree = [(0, 1, (3, 5)), (2, 3, (3, 13)), (4, 5, (13, 5)), (6, 7, (13, 13))];
-    let roots = [(0, 2, (3, 9)), (4, 6, (13, 9)), (0, 4, (8, 9))];
+    let tree = [(0, 1, (3, 5)), (2, 3, (3, 13)), (4, 5, (10, 5)), (6, 7, (10, 13))];
+    let roots = [(0, 2, (3, 9)), (4, 6, (10, 9)), (0, 4, (6, 16))];
     for (one, other, at) in tree.into_iter().chain(roots) {
         assay.mix(&format!("d{one}"), &format!("d{other}"), at, 3);
     }
     assay.operations.push("discard d0 at (8, 1)".to_owned());
+    assay
+}
+
+/// One sample, diluted 1:1 and split, again and again; each part is diluted four times more, meets the reagent, and is read for 30 s.
+fn protein(levels: u32) -> FieldAssay {
+    let mut assay = FieldAssay::default();
+    let ports = [("s", (8, 1)), ("b0", (1, 7)), ("b1", (15, 7)), ("r0", (1, 13)), ("r1", (15, 13))];
+    ports.iter().for_each(|(name, at)| assay.reservoir(name, *at));
+    let place = |part: u32| (3 + 7 * (part % 2), 3 + 4 * (part / 2));
+    let mut count = 0;
+    let mut meet = |assay: &mut FieldAssay, part: u32, fluid: &str| {
+        count += 1;
+        let other = format!("{fluid}_{count}");
+        assay.dispense(&other, &format!("{fluid}{}", count % 2));
+        assay.mix(&format!("d{part}"), &other, place(part), 3);
+    };
+    assay.dispense("d0", "s");
+    let leaves = 1 << levels;
+    for level in 0..levels {
+        let step = leaves >> (level + 1);
+        for part in (0..leaves).step_by(2 * step as usize) {
+            meet(&mut assay, part, "b");
+            let (half, (column, row)) = (part + step, place(part));
+            assay.scene.push(format!("part d{half} : ea.droplet"));
+            assay.droplets += 1;
+            assay.operations.push(format!("incubate d{part} for 2 s"));
+            assay.operations.push(format!("split d{half} from d{part} at ({}, {row})", column + 1));
+        }
+    }
+    for part in 0..leaves {
+        for fluid in ["b", "b", "b", "b", "r"] {
+            meet(&mut assay, part, fluid);
+        }
+        assay.operations.push(format!("incubate d{part} for 30 s"));
+        assay.operations.push(format!("discard d{part} at (8, 19)"));
+    }
     assay
 }
 
@@ -123,7 +170,7 @@ fn in_vitro((samples, reagents): (u32, u32)) -> FieldAssay {
             assay.dispense(&own, &format!("s{sample}"));
             assay.dispense(&other, &format!("r{reagent}"));
             let time_s = SAMPLE_S[sample as usize];
-            assay.mix(&own, &other, (4 + 7 * (place % 2), 3 + 4 * (place / 2)), time_s);
+            assay.mix(&own, &other, (3 + 7 * (place % 2), 3 + 4 * (place / 2)), time_s);
             assay.operations.push(format!("incubate {own} for {time_s} s"));
             assay.operations.push(format!("discard {own} at (8, 19)"));
         }

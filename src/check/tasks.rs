@@ -33,6 +33,8 @@ pub struct Parts {
     pub start: Option<Argument>,
     pub settings: Accepted,
     pub requirements: Vec<Requirement>,
+    /// What droplets must contain.
+    pub contents: Vec<ContentRequirement>,
     pub steps: Vec<VocabularyStep>,
     /// What its steps do to auxiliary outputs.
     pub events: Vec<AuxiliaryEvent>,
@@ -54,6 +56,17 @@ impl Parts {
             _ => None,
         }
     }
+}
+
+/// `require sample.dye == 1/8`, as far as it is known without a scene.
+pub struct ContentRequirement {
+    /// The name of the droplet, and where it stands.
+    pub part: Spanned<String>,
+    /// The name of a fluid, or `volume`.
+    pub share: Spanned<String>,
+    pub relation: Relation,
+    pub limit: f64,
+    pub span: Span,
 }
 
 /// A step in the vocabulary's words.
@@ -170,6 +183,7 @@ impl<'a> Checker<'a> {
             start: None,
             settings: Accepted::new(),
             requirements: Vec::new(),
+            contents: Vec::new(),
             steps: Vec::new(),
             events: Vec::new(),
             is_whole: true,
@@ -215,7 +229,10 @@ impl<'a> Checker<'a> {
     fn settings_come_first(&mut self, name: &tree::Ident, reading: &TaskReading) {
         match reading.parts.steps.first() {
             Some(first) => self.sink.push(errors::setting_after_step(name, first.span)),
-            None if reading.nesting == Nesting::Loop => self.sink.push(errors::setting_in_loop(name)),
+            // What droplets contain is asked of many at once.
+            None if reading.nesting == Nesting::Loop && name.text != "require" => {
+                self.sink.push(errors::setting_in_loop(name));
+            }
             None => {}
         }
     }
@@ -232,9 +249,15 @@ impl<'a> Checker<'a> {
                 reading.parts.objective = objective.map(|value| Spanned { value, span: step.span });
             }
             "using" => reading.parts.planner = self.planner(step, scope, reading.vocabulary),
-            "require" => match self.requirement(step, scope, reading.vocabulary) {
-                Some(requirement) => reading.parts.requirements.push(requirement),
-                None => reading.parts.is_whole = false,
+            "require" => match content_sides(step, reading.vocabulary) {
+                Some(sides) if !self.names_value(sides.path, scope) => match self.content(step, &sides, scope) {
+                    Some(content) => reading.parts.contents.push(content),
+                    None => reading.parts.is_whole = false,
+                },
+                Some(_) | None => match self.requirement(step, scope, reading.vocabulary) {
+                    Some(requirement) => reading.parts.requirements.push(requirement),
+                    None => reading.parts.is_whole = false,
+                },
             },
             _ => reading.parts.start = self.start(step, scope, reading),
         }
@@ -341,6 +364,25 @@ impl<'a> Checker<'a> {
         let wanted = WantedName { name: format!("the limit of `{name}`"), doc: outcome.doc.to_owned(), declared: None };
         let Value::Quantity(limit) = self.accept(sort, limit, scope, &wanted)? else { return None };
         Some(Requirement { outcome: name.to_owned(), relation, limit: limit.si, span: expr.span })
+    }
+
+    /// What a droplet must contain, in droplets or as a share of it.
+    fn content(&mut self, step: &tree::Step, sides: &ContentSides, scope: &Scope) -> Option<ContentRequirement> {
+        let expr = self.only_object(step, "sample.dye == 1/8")?;
+        let [part, share] = sides.path.segments.as_slice() else { return None };
+        let name = |checker: &mut Self, segment: &tree::IndexedName| {
+            let name = checker.joined(&segment.name.text, &segment.indices, scope)?;
+            Some(Spanned::new(name, segment.name.span))
+        };
+        let (part, share) = (name(self, part)?, name(self, share)?);
+        let sort = device::Sort::Quantity { dimension: Dimension::NUMBER, range: device::Range::NotNegative };
+        let wanted = WantedName {
+            name: format!("the limit of `{}.{}`", part.value, share.value),
+            doc: "a share, as `1/8`, or a volume in droplets".to_owned(),
+            declared: None,
+        };
+        let Value::Quantity(limit) = self.accept(sort, sides.limit, scope, &wanted)? else { return None };
+        Some(ContentRequirement { part, share, relation: sides.relation, limit: limit.si, span: expr.span })
     }
 
     /// A bare word that names no value is meant as an outcome.
@@ -466,6 +508,28 @@ impl<'a> Checker<'a> {
 /// The words that begin a step and are no goals.
 const NO_GOALS: [&str; 10] =
     ["wait", "pulse", "set", "together", "assay", "run", "minimize", "using", "require", "start"];
+
+/// The sides of a `require` that compares what a droplet contains.
+struct ContentSides<'e> {
+    path: &'e tree::Path,
+    relation: Relation,
+    limit: &'e Expr,
+}
+
+/// `sample.dye == 1/8`, or the other way round, for a device that has assays.
+fn content_sides<'e>(step: &'e tree::Step, vocabulary: &Vocabulary) -> Option<ContentSides<'e>> {
+    let Some(Expr { kind: ExprKind::Binary { left, operator, right, .. }, .. }) = &step.object else { return None };
+    let relation = relation(*operator).filter(|_| vocabulary.assay == device::Assay::Yes)?;
+    let of_two = |expr: &'e Expr| match &expr.kind {
+        ExprKind::Path(path) if path.segments.len() == 2 => Some(path),
+        _ => None,
+    };
+    match (of_two(left), of_two(right)) {
+        (Some(path), _) => Some(ContentSides { path, relation, limit: right }),
+        (None, Some(path)) => Some(ContentSides { path, relation: mirrored(relation), limit: left }),
+        (None, None) => None,
+    }
+}
 
 fn relation(operator: Operator) -> Option<Relation> {
     match operator {

@@ -1,6 +1,6 @@
 //! Claims of a task on an electrode array.
 
-use super::{KindOrder, Order, ValueOrigin};
+use super::{KindOrder, Order, Relation, ValueOrigin};
 use crate::device::Kind;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 pub use crate::device::electrode_array::{ElectrodeArrayMethod, ElectrodeArrayObjective};
@@ -20,6 +20,9 @@ pub struct ElectrodeArrayOrder {
     pub planner: ElectrodeArrayPlanner,
     /// Whether parts without a goal may move.
     pub bystanders: Bystanders,
+    /// What droplets must contain when they were last on the board.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub contents: Vec<DropletContent>,
     pub steps: Vec<ElectrodeArrayStep>,
 }
 
@@ -43,6 +46,30 @@ impl ElectrodeArrayOrder {
     pub fn of(order: &Order) -> Option<&ElectrodeArrayOrder> {
         if let Order::ElectrodeArray(order) = order { Some(order) } else { None }
     }
+}
+
+/// What a droplet must contain. Every part that the scene puts on the board, and every reservoir, is a fluid of its own by its name; a droplet
+/// that is put or dispensed there is one of it, two that merge are added up, and a split makes two halves.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DropletContent {
+    /// Index of the order's parts.
+    pub part: usize,
+    pub share: DropletShare,
+    pub relation: Relation,
+    /// In droplets for a volume, else from 0 to 1.
+    pub limit: f64,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// A figure of what a droplet contains.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DropletShare {
+    /// In droplets as they are dispensed.
+    Volume,
+    /// The part of its volume that is this fluid.
+    Fluid(String),
 }
 
 /// How the plan is searched.
@@ -156,11 +183,20 @@ pub struct AssayOperation {
     pub with: Option<usize>,
     /// Its stops, in order; one where parts merge. None: it stays where its last operation left it.
     pub stops: Vec<ElectrodeArrayStop>,
-    /// The least time for which it stays at the last stop, in nanoseconds.
+    /// The least time for which it stays at the last stop, or is mixed there, in nanoseconds.
     pub stay_ns: u64,
+    /// Whether it is moved round the mixing loop meanwhile whose corner the last stop is.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub mixes: bool,
+    /// The droplet that comes out of it on the way from the first of its two stops to the second.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub splits: Option<SplitDroplet>,
     /// Whether it comes onto the board at its one stop, the outlet of a reservoir, which dispenses it while it stays.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub comes: bool,
+    /// The name of that reservoir, and so of the fluid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fluid: Option<String>,
     /// Whether it leaves the board at the last stop and is gone from then on.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub leaves: bool,
@@ -168,10 +204,61 @@ pub struct AssayOperation {
     pub span: Span,
 }
 
+/// A droplet that another one gives off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SplitDroplet {
+    /// Index of the order's parts; not on the board before.
+    pub part: usize,
+    /// Where it comes: beside the cell at which the other one splits, opposite to where that one goes.
+    pub cell: ElectrodeCell,
+}
+
+impl SplitDroplet {
+    /// Where it comes by its operation.
+    pub fn stop(&self, operation: &AssayOperation) -> ElectrodeArrayStop {
+        ElectrodeArrayStop { cell: self.cell, span: operation.span, origin: None }
+    }
+}
+
 impl AssayOperation {
-    /// The parts that take part in it.
+    /// An operation that stays for no time, and after which its part is still there.
+    pub fn passing(part: usize, stops: Vec<ElectrodeArrayStop>, span: Span) -> AssayOperation {
+        AssayOperation {
+            part,
+            with: None,
+            stops,
+            stay_ns: 0,
+            mixes: false,
+            splits: None,
+            comes: false,
+            fluid: None,
+            leaves: false,
+            span,
+        }
+    }
+
+    /// The parts that it needs.
     pub fn parts(&self) -> impl Iterator<Item = usize> + use<> {
         [Some(self.part), self.with].into_iter().flatten()
+    }
+
+    /// The parts that it needs, and the one that it makes of them.
+    pub fn all_parts(&self) -> impl Iterator<Item = usize> + use<> {
+        self.parts().chain(self.splits.map(|droplet| droplet.part))
+    }
+
+    /// The part that is on the board since it, and where it comes.
+    pub fn new_part(&self) -> Option<(usize, ElectrodeCell)> {
+        match (self.splits, self.stops.first()) {
+            (Some(droplet), _) => Some((droplet.part, droplet.cell)),
+            (None, Some(outlet)) if self.comes => Some((self.part, outlet.cell)),
+            (None, _) => None,
+        }
+    }
+
+    /// The steps of the board for which its part stays at the last stop, or is mixed there.
+    pub fn stay_steps(&self, facts: &ElectrodeArrayFacts) -> u64 {
+        if self.mixes { facts.mixing_steps(self.stay_ns) } else { self.stay_ns.div_ceil(facts.step_ns) }
     }
 
     /// The part that is gone when it is done.

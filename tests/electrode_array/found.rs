@@ -69,3 +69,10 @@ fn a_help_does_not_name_what_is_written() {
     assert!(told.contains("no plan keeps `steps <= 40` and `sum_of_costs <= 110`"), "{told}");
     assert!(!told.contains("minimize") && told.contains("raise"), "{told}");
 }
+
+#[test]
+fn a_droplet_is_dispensed_before_the_one_that_it_meets_comes_near() {
+    // Planning panics where the verifier refuses what was planned.
+    let plan = planned(&text("ea_dispensed_too_late"));
+    assert!(plan.bound <= plan.cost, "{} of {}", plan.cost, plan.bound);
+}

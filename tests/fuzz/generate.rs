@@ -201,8 +201,12 @@ fn operations(parts: u32, cell: &impl Fn(&mut Random) -> String, random: &mut Ra
     let count = whole(random, 1, 6);
     let operation = |_| {
         let part = format!("p{}", random.below(parts));
-        match random.below(8) {
-            7 => format!("dispense {part} from r{}", random.below(2)),
+        match random.below(11) {
+            10 => format!("dispense {part} from r{}", random.below(2)),
+            9 => format!("mix {part} for {} ms", random.below(700)),
+            8 => format!("mix {part} at {} for {} ms", cell(random), random.below(700)),
+            7 if random.below(2) == 0 => format!("split {part} from p{} at {}", random.below(parts), cell(random)),
+            7 => format!("split {part} from p{} at (4, 4) to (4, {})", random.below(parts), whole(random, 3, 6)),
             0 => format!("merge {part} with p{} at {}", random.below(parts), cell(random)),
             1 => format!("incubate {part} for {} ms", random.below(700)),
             2 => format!("incubate {part} at {} for {} ms", cell(random), random.below(700)),

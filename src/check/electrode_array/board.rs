@@ -1,5 +1,6 @@
 //! The facts of a board: geometry first, then the limits from forces.
 
+use super::cells::whole_cell;
 use super::physics::{self, rounded_up};
 use super::{errors, map};
 use crate::check::devices::CheckedDevice;
@@ -7,7 +8,9 @@ use crate::check::figures::Figures;
 use crate::check::labels::DeviceLabel;
 use crate::check::value::Accepted;
 use crate::check::value::{ShapeValue, Value, whole};
-use crate::device::electrode_array::{ElectrodeArrayFacts, Electrodes, Hold, Layout, Separation};
+use crate::device::electrode_array::{
+    DEFAULT_MIXER, ElectrodeArrayFacts, Electrodes, Hold, Layout, MAX_SIDE, Separation,
+};
 use crate::diagnostic::Sink;
 
 /// The facts of a complete device; `None` where parts cannot even be placed.
@@ -26,6 +29,9 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFa
             Some(_) => Some(fields.clock_ns("dispense_duration", sink)?),
             None => None,
         },
+        mixer: mixer(device, sink)?,
+        least_volume: fields.si("least_volume"),
+        most_volume: fields.si("most_volume"),
         separation: separation(fields)?,
         clearance: fields.count("clearance")?,
         map: None,
@@ -35,10 +41,23 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFa
     covers_electrodes(&facts, device, sink);
     keeps_apart(&facts, device, sink);
     has_room(&facts, device, sink);
+    carries_one(&facts, device, sink);
     let is_placeable = sink.errors() == errors;
     warn_of_published(&facts, device, sink);
     physics::check(&facts, device, sink);
     is_placeable.then_some(facts)
+}
+
+/// The columns and rows of the mixing loop.
+fn mixer(device: &CheckedDevice, sink: &mut Sink) -> Option<[u32; 2]> {
+    let Some(field) = device.fields.get("mixer") else { return Some(DEFAULT_MIXER) };
+    let sides = whole_cell(&field.value);
+    let is_side = |side: &i64| (2..=i64::from(MAX_SIDE)).contains(side);
+    let Some([columns, rows]) = sides.filter(|sides| sides.iter().all(is_side)) else {
+        sink.push(device.labelled(errors::no_mixing_loop(&field.value), [DeviceLabel::field("mixer", "no loop")]));
+        return None;
+    };
+    Some([columns as u32, rows as u32])
 }
 
 fn separation(fields: &Accepted) -> Option<Separation> {
@@ -141,6 +160,16 @@ fn has_room(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink
     let narrow = [("columns", facts.columns), ("rows", facts.rows)].into_iter().filter(|(_, count)| *count < least);
     let labels = narrow.map(|(name, _)| DeviceLabel::field(name, "too few"));
     sink.push(device.labelled(errors::board_too_small(facts.columns, facts.rows, least), labels));
+}
+
+/// Droplets as they are dispensed are neither too small nor too large.
+fn carries_one(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) {
+    let limits = [("least_volume", facts.least_volume.filter(|least| *least > 1.0))];
+    let limits = limits.into_iter().chain([("most_volume", facts.most_volume.filter(|most| *most < 1.0))]);
+    for (field, limit) in limits.filter_map(|(field, limit)| Some((field, limit?))) {
+        let label = DeviceLabel::field(field, "in droplets as they are dispensed");
+        sink.push(device.labelled(errors::no_droplet_fits(field, limit), [label]));
+    }
 }
 
 fn warn_of_published(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) {

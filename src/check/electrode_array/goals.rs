@@ -8,17 +8,18 @@ use super::errors::Departure;
 use super::tray::{BlockedCell, BoardScene, Outlet, on_obstacle};
 use crate::check::figures::Figures;
 use crate::check::lets::Argument;
-use crate::check::tasks::{self, Parts, TaskSite};
-use crate::check::value::Value;
+use crate::check::tasks::{self, ContentRequirement, Parts, TaskSite};
+use crate::check::value::{ObjectName, Value};
 use crate::check::verbs::Call;
 use crate::check::{Checker, clock_ns};
 
 use crate::claims::electrode_array::{
-    AssayOperation, Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove,
-    ElectrodeArrayObjective, ElectrodeArrayOrder, ElectrodeArrayPlanner, ElectrodeArrayStep, ElectrodeArrayStop,
+    AssayOperation, Bystanders, DropletContent, DropletShare, ElectrodeArrayAction, ElectrodeArrayMethod,
+    ElectrodeArrayMove, ElectrodeArrayObjective, ElectrodeArrayOrder, ElectrodeArrayPlanner, ElectrodeArrayStep,
+    ElectrodeArrayStop, SplitDroplet,
 };
 use crate::device::electrode_array::{
-    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_STAY_STEPS, Separation,
+    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_STAY_STEPS, SPLIT_APART, Separation,
 };
 use crate::diagnostic::{Code, Sink};
 use crate::source::Span;
@@ -42,6 +43,7 @@ impl Checker<'_> {
         let mut judge = BoardStepJudge { facts, tray: &tray, scene, device: &site.device.name, hold, sink: self.sink };
         let steps: Vec<Option<ElectrodeArrayStep>> = parts.steps.iter().map(|step| judge.step(step)).collect();
         let steps: Option<Vec<ElectrodeArrayStep>> = steps.into_iter().collect();
+        let contents = judge.contents(&parts.contents);
         let order = ElectrodeArrayOrder {
             facts: facts.clone(),
             obstacles: Arc::clone(&tray.obstacles),
@@ -49,6 +51,7 @@ impl Checker<'_> {
             objective,
             planner: planner?,
             bystanders,
+            contents: contents?,
             steps: steps?,
         };
         tray.is_whole.then_some(order)
@@ -127,8 +130,8 @@ fn calls(action: &tasks::VocabularyAction) -> &[Call] {
     }
 }
 
-/// Verbs that name no place where a part is at the end of its step.
-const OPERATIONS: [&str; 3] = ["dispense", "incubate", "discard"];
+/// Verbs that do more to a part than bring it to a place.
+const OPERATIONS: [&str; 5] = ["dispense", "split", "mix", "incubate", "discard"];
 
 /// Whether a step is made of operations and not of goals.
 fn is_assay(action: &tasks::VocabularyAction) -> bool {
@@ -150,6 +153,30 @@ struct BoardStepJudge<'a> {
 }
 
 impl BoardStepJudge<'_> {
+    /// What droplets must contain, by the names of the scene.
+    fn contents(&mut self, asked: &[ContentRequirement]) -> Option<Vec<DropletContent>> {
+        let contents: Vec<Option<DropletContent>> = asked.iter().map(|asked| self.content(asked)).collect();
+        contents.into_iter().collect()
+    }
+
+    fn content(&mut self, asked: &ContentRequirement) -> Option<DropletContent> {
+        let ContentRequirement { part, share, relation, limit, span } = asked;
+        let no_droplet = self.facts.layout.electrodes != Electrodes::Single;
+        self.sink.unless(no_droplet.then(|| errors::parts_contain_nothing(*span)))?;
+        let object = Value::Object(ObjectName { noun: "part", name: part.value.clone() });
+        let part = self.part(&Argument { value: object, span: part.span, origin: None })?;
+        let fluids = self.tray.fluids();
+        let share = match share.value.as_str() {
+            "volume" => DropletShare::Volume,
+            name if fluids.contains(name) => DropletShare::Fluid(name.to_owned()),
+            name => {
+                self.sink.push(errors::unknown_fluid(share.span, name, &fluids, self.scene));
+                return None;
+            }
+        };
+        Some(DropletContent { part, share, relation: *relation, limit: *limit, span: *span })
+    }
+
     fn step(&mut self, step: &tasks::VocabularyStep) -> Option<ElectrodeArrayStep> {
         let action = match &step.action {
             tasks::VocabularyAction::Wait(duration_ns) => ElectrodeArrayAction::Wait(*duration_ns),
@@ -180,7 +207,7 @@ impl BoardStepJudge<'_> {
         let mut gone: BTreeMap<usize, Departure> = BTreeMap::new();
         let mut stays = 0;
         for (operation, call) in operations.iter().zip(calls) {
-            stays += operation.stay_ns.div_ceil(self.facts.step_ns);
+            stays += operation.stay_steps(self.facts);
             if stays > MAX_STAY_STEPS {
                 let time = phrases(call, "for").next();
                 let span = time.map_or(call.span, |time| time.span);
@@ -191,7 +218,7 @@ impl BoardStepJudge<'_> {
                 });
                 return None;
             }
-            for part in operation.parts() {
+            for part in operation.all_parts() {
                 let wrong = gone.get(&part).map(|gone| errors::gone_before(operation.span, self.name(part), *gone));
                 self.sink.unless(wrong);
             }
@@ -207,25 +234,73 @@ impl BoardStepJudge<'_> {
     fn operation(&mut self, call: &Call) -> Option<AssayOperation> {
         if !OPERATIONS.contains(&call.verb.name) {
             let ElectrodeArrayMove { part, with, stops, span } = self.one_move(call)?;
-            return Some(AssayOperation { part, with, stops, stay_ns: 0, comes: false, leaves: false, span });
+            return Some(AssayOperation { with, ..AssayOperation::passing(part, stops, span) });
         }
         let part = self.part(call.object.as_ref()?);
-        if call.verb.name == "dispense" {
-            return self.dispensed(call, part);
+        match call.verb.name {
+            "dispense" => return self.dispensed(call, part),
+            "split" => return self.split(call, part),
+            _ => (),
         }
         let stops: Vec<Option<ElectrodeArrayStop>> = phrases(call, "at").map(|target| self.stop(target)).collect();
-        let leaves = call.verb.name == "discard";
-        let stay_ns = if leaves { Some(0) } else { self.stay_ns(phrases(call, "for").next()?) };
+        let what = if call.verb.name == "mix" { "`mix`" } else { "`incubate`" };
+        let (leaves, mixes) = (call.verb.name == "discard", call.verb.name == "mix");
+        let stay_ns = if leaves { Some(0) } else { self.stay_ns(phrases(call, "for").next()?, what) };
         let stops = stops.into_iter().collect::<Option<Vec<ElectrodeArrayStop>>>()?;
-        Some(AssayOperation {
-            part: part?,
-            with: None,
-            stops,
-            stay_ns: stay_ns?,
-            comes: false,
-            leaves,
-            span: call.span,
-        })
+        let no_droplet = mixes && self.facts.layout.electrodes != Electrodes::Single;
+        self.sink.unless(no_droplet.then(|| errors::parts_do_not_mix(call.span)))?;
+        let passing = AssayOperation::passing(part?, stops, call.span);
+        Some(AssayOperation { stay_ns: stay_ns?, mixes, leaves, ..passing })
+    }
+
+    /// A droplet that is pulled out of another one, which goes the other way.
+    fn split(&mut self, call: &Call, part: Option<usize>) -> Option<AssayOperation> {
+        let other = phrases(call, "from").next()?;
+        let from = self.part(other);
+        let at = phrases(call, "at").next()?;
+        let place = self.stop(at);
+        let wrong = if self.facts.layout.electrodes != Electrodes::Single {
+            Some(errors::parts_do_not_split(call.span))
+        } else if self.facts.hold == Hold::Off {
+            Some(errors::splits_without_hold(call.span, self.hold))
+        } else if self.facts.separation.apart() > SPLIT_APART {
+            Some(errors::halves_too_near(call.span, self.device, self.facts.separation.apart()))
+        } else if part.is_some() && part == from {
+            Some(errors::splits_from_itself(call.span, self.name(part?)))
+        } else {
+            None
+        };
+        self.sink.unless(wrong)?;
+        let place = place?;
+        let centre = place.cell;
+        let (to, to_span) = match phrases(call, "to").next() {
+            Some(to) => (self.stop(to)?.cell, to.span),
+            None => (ElectrodeCell::new(centre.column.saturating_add(1), centre.row), at.span),
+        };
+        let split = errors::SplitPlace { at: centre, span: call.span };
+        if to.steps_to(centre) != 1 {
+            self.sink.push(errors::comes_not_beside(split, to, to_span));
+            return None;
+        }
+        let free = |[column, row]: [i64; 2]| {
+            let pair = [i64::from(centre.column) + column, i64::from(centre.row) + row];
+            let cell = on_board(pair, self.facts).filter(|cell| self.facts.reaches(*cell));
+            cell.filter(|cell| self.tray.cover.covering(*cell).is_none()).ok_or(pair)
+        };
+        let side = [(to.column, centre.column), (to.row, centre.row)].map(|(to, at)| i64::from(to) - i64::from(at));
+        let across =
+            || free([side[1].abs(), side[0].abs()]).ok().filter(|_| free([-side[1].abs(), -side[0].abs()]).is_ok());
+        let (comes, goes) = (free(side), free(side.map(|step| -step)));
+        let (part, from) = (part?, from?);
+        let wrong = match (comes, goes) {
+            (Err(pair), _) => Some(errors::half_has_no_room(split, (self.name(part), pair), across())),
+            (_, Err(pair)) => Some(errors::half_has_no_room(split, (self.name(from), pair), across())),
+            (Ok(_), Ok(_)) => None,
+        };
+        self.sink.unless(wrong)?;
+        let stop = ElectrodeArrayStop { cell: goes.ok()?, span: at.span, origin: at.origin.clone() };
+        let splits = Some(SplitDroplet { part, cell: to });
+        Some(AssayOperation { splits, ..AssayOperation::passing(from, vec![place, stop], call.span) })
     }
 
     /// A droplet that a reservoir makes at its outlet, where the electrode holds it.
@@ -242,22 +317,22 @@ impl BoardStepJudge<'_> {
             None
         };
         self.sink.unless(wrong)?;
-        let Outlet { cell, .. } = *self.tray.outlets.get(outlet?)?;
-        let stop = ElectrodeArrayStop { cell, span: from.span, origin: from.origin.clone() };
-        let (stops, stay_ns) = (vec![stop], self.facts.dispense_ns?);
-        Some(AssayOperation { part: part?, with: None, stops, stay_ns, comes: true, leaves: false, span: call.span })
+        let Outlet { name, cell, .. } = self.tray.outlets.get(outlet?)?;
+        let stop = ElectrodeArrayStop { cell: *cell, span: from.span, origin: from.origin.clone() };
+        let passing = AssayOperation::passing(part?, vec![stop], call.span);
+        Some(AssayOperation { stay_ns: self.facts.dispense_ns?, comes: true, fluid: Some(name.clone()), ..passing })
     }
 
-    fn stay_ns(&mut self, time: &Argument) -> Option<u64> {
+    fn stay_ns(&mut self, time: &Argument, what: &str) -> Option<u64> {
         let Value::Quantity(quantity) = time.value else { return None };
-        clock_ns(quantity, time.span, "`incubate`", self.sink)
+        clock_ns(quantity, time.span, what, self.sink)
     }
 
     /// What happens at the same time is one thing for each part.
     fn one_operation_each(&mut self, operations: &[AssayOperation]) {
         let mut busy: BTreeMap<usize, Span> = BTreeMap::new();
         for operation in operations {
-            for part in operation.parts() {
+            for part in operation.all_parts() {
                 let earlier = busy.insert(part, operation.span);
                 let wrong = earlier.map(|earlier| errors::two_goals(self.name(part), operation.span, earlier));
                 self.sink.unless(wrong);
@@ -268,9 +343,11 @@ impl BoardStepJudge<'_> {
     /// The last stops of the parts that are left keep the separation.
     fn ends_apart(&mut self, operations: &[AssayOperation], gone: &BTreeMap<usize, Departure>) {
         let apart = self.facts.separation.apart();
-        let mut ends: BTreeMap<usize, &ElectrodeArrayStop> = BTreeMap::new();
+        let mut ends: BTreeMap<usize, ElectrodeArrayStop> = BTreeMap::new();
         for operation in operations {
-            ends.extend(operation.stops.last().map(|stop| (operation.part, stop)));
+            ends.extend(operation.stops.last().map(|stop| (operation.part, stop.clone())));
+            let half = operation.splits.map(|half| (half.part, half.stop(operation)));
+            ends.extend(half);
         }
         let mut spread: SpacedPlaces<usize> = SpacedPlaces::new(apart);
         for (part, stop) in ends.iter().filter(|(part, _)| !gone.contains_key(*part)) {

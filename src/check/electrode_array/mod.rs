@@ -6,6 +6,7 @@ mod cover;
 mod errors;
 mod forces;
 mod goals;
+mod liquids;
 mod map;
 mod motion;
 mod physics;

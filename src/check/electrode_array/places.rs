@@ -6,6 +6,7 @@
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
 use super::errors;
 use super::errors::Departure;
+use super::liquids::BoardLiquids;
 use super::tray::distance_to;
 use crate::claims::Job;
 use crate::claims::electrode_array::{
@@ -37,15 +38,19 @@ pub fn places_agree(jobs: &[Job], sink: &mut Sink) {
             board.obstacles = Arc::clone(&order.obstacles);
             board.stands_clear(job, order, &mut walk).into_iter().for_each(|wrong| sink.push(wrong));
         }
+        board.liquids.put(order);
         for step in &order.steps {
-            let found = match &step.action {
+            let mut found = match &step.action {
                 ElectrodeArrayAction::Wait(_) => continue,
                 ElectrodeArrayAction::Move(moves) => board.advance(moves, order, &mut walk),
                 ElectrodeArrayAction::Assay(operations) => board.operate(operations, order, &mut walk),
             };
+            found.extend(board.fill((job, order), &step.action, &mut walk));
             let run = if job.run_span == job.span { step.span } else { job.run_span };
             found.into_iter().for_each(|wrong| sink.push(wrong.label_elsewhere(run, step.span, "run here")));
         }
+        let others = board.liquids.judge(order).into_iter();
+        others.filter(|(span, _)| walk.told.insert((*span, None))).for_each(|(_, wrong)| sink.push(wrong));
     }
 }
 
@@ -97,6 +102,7 @@ struct BoardWalk {
     obstacles: Arc<Vec<ElectrodeArrayObstacle>>,
     /// One for each part.
     stands: Vec<PartStand>,
+    liquids: BoardLiquids,
     /// The parts that are still there, by index.
     spread: SpacedPlaces<usize>,
 }
@@ -106,9 +112,14 @@ impl BoardWalk {
         let stands = order.parts.iter().map(PartStand::at_first).collect();
         let spread = SpacedPlaces::new(order.facts.separation.apart());
         let (parts, obstacles) = (Arc::clone(&order.parts), Arc::clone(&order.obstacles));
-        let mut board = BoardWalk { parts, obstacles, stands, spread };
+        let mut board = BoardWalk { parts, obstacles, stands, liquids: BoardLiquids::default(), spread };
         (0..board.stands.len()).for_each(|part| board.enter(part));
         board
+    }
+
+    /// The name of a part, and where that is declared.
+    fn named(&self, part: usize) -> (&str, Span) {
+        (&self.parts[part].name, self.parts[part].span)
     }
 
     fn enter(&mut self, part: usize) {
@@ -188,6 +199,27 @@ impl BoardWalk {
         found
     }
 
+    /// What a step makes of the droplets that it merges and splits; findings are reported once.
+    fn fill(
+        &mut self,
+        of: (&Job, &ElectrodeArrayOrder),
+        action: &ElectrodeArrayAction,
+        walk: &mut PartsWalk,
+    ) -> Vec<Diagnostic> {
+        let liquids = &mut self.liquids;
+        let found: Vec<(Span, Diagnostic)> = match action {
+            ElectrodeArrayAction::Wait(_) => Vec::new(),
+            ElectrodeArrayAction::Move(moves) => {
+                let merged = moves.iter().filter_map(|one| Some((one.span, [one.part, one.with?])));
+                merged.filter_map(|(span, both)| Some((span, liquids.merge(of, both, span)?))).collect()
+            }
+            ElectrodeArrayAction::Assay(all) => {
+                all.iter().filter_map(|one| Some((one.span, liquids.operate(of, one)?))).collect()
+            }
+        };
+        found.into_iter().filter(|(span, _)| walk.told.insert((*span, None))).map(|(_, wrong)| wrong).collect()
+    }
+
     /// Checks an assay as the moves of its parts to all their stops, and moves them to the last ones.
     fn operate(
         &mut self,
@@ -198,17 +230,23 @@ impl BoardWalk {
         let mut found = Vec::new();
         let mut moves: BTreeMap<usize, ElectrodeArrayMove> = BTreeMap::new();
         for operation in operations {
-            if let Some(stop) = operation.stops.first().filter(|_| operation.comes) {
-                found.extend(self.comes(operation, stop, &mut walk.told));
+            if operation.comes {
+                found.extend(self.comes(operation, &mut walk.told));
             }
             for part in operation.parts() {
                 if let PartStand::Due = self.stands[part]
                     && walk.told.insert((operation.span, None))
                 {
-                    found.push(errors::not_there_yet(operation.span, &self.parts[part].name));
+                    found.push(errors::not_there_yet(operation.span, self.named(part)));
                 }
                 let fresh = || ElectrodeArrayMove { part, with: None, stops: Vec::new(), span: operation.span };
                 moves.entry(part).or_insert_with(fresh).stops.extend(operation.stops.iter().cloned());
+            }
+            if let Some(half) = operation.splits {
+                found.extend(self.comes(operation, &mut walk.told));
+                let stops = vec![half.stop(operation)];
+                moves
+                    .insert(half.part, ElectrodeArrayMove { part: half.part, with: None, stops, span: operation.span });
             }
         }
         let rests: Vec<usize> = moves.values().filter(|one| one.stops.is_empty()).map(|one| one.part).collect();
@@ -224,6 +262,7 @@ impl BoardWalk {
                 one.stops.push(ElectrodeArrayStop { cell, span, origin: None });
             }
         }
+        found.extend(self.loops(operations, order, walk));
         found.extend(self.advance(&moves, order, walk));
         for operation in operations {
             if let Some((part, departure)) = Departure::of(operation) {
@@ -257,22 +296,67 @@ impl BoardWalk {
         Some(errors::near_standing_part(moved, stays, order.facts.separation.apart(), free))
     }
 
-    /// A droplet is dispensed once.
-    fn comes(
-        &mut self,
-        operation: &AssayOperation,
-        stop: &ElectrodeArrayStop,
-        told: &mut BTreeSet<Finding>,
-    ) -> Option<Diagnostic> {
-        let wrong = match self.stands[operation.part] {
+    /// The loops in which droplets are mixed are on the board, and clear of obstacles and of the parts that stay where they are.
+    fn loops(
+        &self,
+        operations: &[AssayOperation],
+        order: &ElectrodeArrayOrder,
+        walk: &mut PartsWalk,
+    ) -> Vec<Diagnostic> {
+        let (facts, apart) = (&order.facts, order.facts.separation.apart());
+        let mut here: BTreeMap<usize, ElectrodeArrayStop> = BTreeMap::new();
+        let mut found = Vec::new();
+        for operation in operations {
+            let (part, moved) = (operation.part, operation.stops.last().cloned());
+            here.extend(moved.map(|stop| (part, stop)));
+            here.extend(operation.splits.map(|half| (half.part, half.stop(operation))));
+            let stands = match self.stands[part] {
+                PartStand::At(cell, _) => Some(cell),
+                PartStand::Due | PartStand::Gone(_) => None,
+            };
+            let known = here.get(&part).map(|stop| stop.cell).or(stands);
+            let Some(corner) = known.filter(|_| operation.mixes) else { continue };
+            let cover = walk.cover(order);
+            let is_free = |cell: &ElectrodeCell| facts.reaches(*cell) && cover.covering(*cell).is_none();
+            let name = self.parts[part].name.as_str();
+            let at = operation.stops.last();
+            let place = (name, at.map_or(operation.span, |stop| stop.span));
+            let stays = |other: &usize| {
+                let is_moved = operations.iter().any(|own| own.all_parts().any(|part| part == *other));
+                !is_moved && order.bystanders == Bystanders::Stay
+            };
+            let around = facts.mixing_loop(corner);
+            let wrong = if let Some(cell) = around.iter().find(|cell| !is_free(cell)) {
+                let free = nearest_cell(corner, facts, |cell| facts.mixing_loop(cell).iter().all(is_free));
+                Some(errors::loop_blocked(place, (corner, facts.mixer), *cell, free))
+            } else {
+                let near = around.iter().find_map(|cell| self.spread.near(*cell).filter(|(_, other)| stays(other)));
+                near.and_then(|(cell, other)| {
+                    let PartStand::At(_, span) = self.stands[other] else { return None };
+                    let other = errors::PartPlace { name: &self.parts[other].name, cell, span };
+                    Some(errors::loop_near_part(place, corner, other, apart))
+                })
+            };
+            let wrong = wrong.filter(|_| walk.told.insert((place.1, Some(corner))));
+            found.extend(wrong.map(|wrong| match at {
+                Some(stop) => errors::given_from(wrong, stop.span, stop.origin.as_ref()),
+                None => wrong,
+            }));
+        }
+        found
+    }
+
+    /// A droplet is dispensed, or given off by another, once.
+    fn comes(&mut self, operation: &AssayOperation, told: &mut BTreeSet<Finding>) -> Option<Diagnostic> {
+        let (part, cell) = operation.new_part()?;
+        let name = &self.parts[part].name;
+        let wrong = match self.stands[part] {
             PartStand::Due => {
-                self.stands[operation.part] = PartStand::At(stop.cell, operation.span);
+                self.stands[part] = PartStand::At(cell, operation.span);
                 return None;
             }
-            PartStand::At(_, since) => errors::there_already(operation.span, &self.parts[operation.part].name, since),
-            PartStand::Gone(departure) => {
-                errors::gone_before(operation.span, &self.parts[operation.part].name, departure)
-            }
+            PartStand::At(_, since) => errors::there_already(operation.span, name, since),
+            PartStand::Gone(departure) => errors::gone_before(operation.span, name, departure),
         };
         told.insert((operation.span, None)).then_some(wrong)
     }
@@ -285,7 +369,7 @@ impl BoardWalk {
                 let name = &self.parts[part].name;
                 let wrong = match self.stands[part] {
                     PartStand::At(..) => continue,
-                    PartStand::Due => errors::not_there_yet(step.span, name),
+                    PartStand::Due => errors::not_there_yet(step.span, self.named(part)),
                     PartStand::Gone(departure) => errors::gone_before(step.span, name, departure),
                 };
                 if told.insert((step.span, None)) {

@@ -9,7 +9,9 @@ use crate::claims::electrode_array::{
     Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayObstacle,
     ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
 };
-use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, Separation};
+use crate::device::electrode_array::{
+    DEFAULT_MIXER, ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, Separation,
+};
 use crate::diagnostic::Sink;
 use crate::source::{Sources, Span};
 
@@ -95,6 +97,9 @@ fn the_example_of_the_language_becomes_an_order() {
         layout: Layout { electrodes: Electrodes::Quad, half_width_pitches: 1.5 },
         hold: Hold::Off,
         dispense_ns: None,
+        mixer: DEFAULT_MIXER,
+        least_volume: None,
+        most_volume: None,
         separation: Separation::Apart(4),
         clearance: 3,
         map: None,
@@ -464,6 +469,9 @@ fn board(columns: u32, rows: u32) -> ElectrodeArrayFacts {
         layout: Layout { electrodes: Electrodes::Quad, half_width_pitches: 1.5 },
         hold: Hold::Off,
         dispense_ns: None,
+        mixer: DEFAULT_MIXER,
+        least_volume: None,
+        most_volume: None,
         separation: Separation::Apart(4),
         clearance: 3,
         map: None,

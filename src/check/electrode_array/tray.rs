@@ -14,10 +14,13 @@ use crate::check::tasks::TaskSite;
 use crate::check::value::Accepted;
 use crate::check::value::{ShapeValue, Value};
 use crate::claims::electrode_array::{BoardPart, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody};
-use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, MAX_OBSTACLES, MAX_PARTS, VOCABULARY};
+use crate::device::electrode_array::{
+    ElectrodeArrayFacts, ElectrodeCell, Electrodes, MAX_OBSTACLES, MAX_PARTS, VOCABULARY,
+};
 use crate::device::shape::ShapeForm;
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::source::{Span, Spanned};
+use std::collections::BTreeSet;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -33,6 +36,14 @@ pub struct BoardScene {
     pub cover: ObstacleCells,
     /// Whether none of its objects is impossible.
     pub is_whole: bool,
+}
+
+impl BoardScene {
+    /// The names of all that droplets can contain: reservoirs, and the parts that the scene puts on the board.
+    pub fn fluids(&self) -> BTreeSet<&str> {
+        let placed = self.parts.iter().filter(|part| part.cell.is_some()).map(|part| part.name.as_str());
+        self.outlets.iter().map(|outlet| outlet.name.as_str()).chain(placed).collect()
+    }
 }
 
 impl Checker<'_> {
@@ -60,6 +71,7 @@ fn judged_scene(
 
 /// Where a reservoir dispenses.
 pub struct Outlet {
+    pub name: String,
     pub cell: ElectrodeCell,
     pub span: Span,
 }
@@ -79,12 +91,13 @@ fn judged(
     let before = sink.errors();
     let (mut obstacles, mut standing, mut outlets) = (Vec::new(), Vec::new(), Vec::new());
     let (mut names, mut reservoirs) = (ObjectNames::default(), ObjectNames::default());
-    let dispenses = objects.iter().any(|object| object.noun == "reservoir");
+    let is_droplet = facts.layout.electrodes == Electrodes::Single;
+    let may_come = is_droplet || objects.iter().any(|object| object.noun == "reservoir");
     for object in objects {
         let mut reader = TrayReader { object, device, facts, sink };
         match object.noun.as_str() {
             "part" => {
-                let part = reader.part(dispenses);
+                let part = reader.part(may_come);
                 names.insert(&object.name, part.as_ref().map(|_| standing.len()));
                 reservoirs.insert_other(&object.name, "part", object.span);
                 standing.extend(part);
@@ -133,12 +146,12 @@ struct TrayReader<'a> {
 }
 
 impl TrayReader<'_> {
-    /// A part; without a place it is a droplet of a reservoir, if the scene has any.
-    fn part(&mut self, dispenses: bool) -> Option<StandingPart> {
+    /// A part; without a place it is a droplet that a reservoir or another droplet makes.
+    fn part(&mut self, may_come: bool) -> Option<StandingPart> {
         let shape = self.object.shape.as_ref();
         let is_carried = shape.is_none_or(|shape| self.is_carried(shape));
         let (name, span) = (self.object.name.clone(), self.object.span);
-        if dispenses && self.object.at.is_none() {
+        if may_come && self.object.at.is_none() {
             let part = BoardPart { name, cell: None, span };
             return is_carried.then_some(StandingPart { part, at: None });
         }
@@ -158,7 +171,7 @@ impl TrayReader<'_> {
             self.sink.push(errors::given_at(wrong, &at));
             return None;
         }
-        Some(Outlet { cell, span })
+        Some(Outlet { name: self.object.name.clone(), cell, span })
     }
 
     /// The cell at a place that the centre of a part can take.

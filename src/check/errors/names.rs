@@ -257,6 +257,8 @@ fn verb_synonym(name: &str, vocabulary: &Vocabulary) -> Option<&'static str> {
         "drop" | "ungrasp" | "put" => &["release"],
         "dispose" | "remove" | "trash" | "dump" | "eject" => &["discard"],
         "combine" | "join" | "fuse" => &["merge"],
+        "halve" | "divide" | "cut" | "aliquot" => &["split"],
+        "stir" | "shake" | "agitate" | "homogenize" | "homogenise" => &["mix"],
         "detect" | "read" | "measure" | "heat" | "store" | "stay" | "rest" | "keep" | "react" => &["incubate"],
         "hold" => &["incubate", "grasp"],
         "sleep" | "pause" | "delay" => return Some("wait"),

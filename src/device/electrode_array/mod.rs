@@ -26,6 +26,12 @@ pub const MAX_OBSTACLES: usize = 100_000;
 /// Greatest configurable distance of parts from each other or from obstacles, in electrodes.
 pub const MAX_APART: u32 = 100;
 
+/// Columns and rows of the loop round which a droplet is moved to mix it, where the device says nothing.
+pub const DEFAULT_MIXER: [u32; 2] = [2, 2];
+
+/// Columns between the two droplets that come out of one: the electrodes on both sides of it pull, its own is off.
+pub const SPLIT_APART: u32 = 2;
+
 /// Most steps of the board for which the operations of one assay stay, all together.
 pub const MAX_STAY_STEPS: u64 = 100_000;
 
@@ -159,12 +165,28 @@ pub struct ElectrodeArrayFacts {
     /// Time in which a reservoir dispenses one droplet; `None` where no reservoirs are known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dispense_ns: Option<u64>,
+    /// Columns and rows of the loop round which a droplet is moved to mix it, each at least 2.
+    #[serde(default = "default_mixer", skip_serializing_if = "is_default_mixer")]
+    pub mixer: [u32; 2],
+    /// The least and the greatest volume of a droplet that can be moved, in droplets as they are dispensed; `None` where none is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub least_volume: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub most_volume: Option<f64>,
     pub separation: Separation,
     /// The least Chebyshev distance from a part's centre to an electrode that an obstacle covers, in electrodes; at least 1.
     pub clearance: u32,
     /// `None` where every place has an electrode that works and needs no number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<Arc<ElectrodeMap>>,
+}
+
+fn default_mixer() -> [u32; 2] {
+    DEFAULT_MIXER
+}
+
+fn is_default_mixer(mixer: &[u32; 2]) -> bool {
+    *mixer == DEFAULT_MIXER
 }
 
 impl ElectrodeArrayFacts {
@@ -204,6 +226,24 @@ impl ElectrodeArrayFacts {
         let first = ElectrodeCell::new(1 + rim, 1 + rim);
         let last = ElectrodeCell::new(self.columns.saturating_sub(rim), self.rows.saturating_sub(rim));
         (first.column <= last.column && first.row <= last.row).then_some([first, last])
+    }
+
+    /// The loop round which a droplet is moved to mix it, from its corner with the least column and row: along the row first, then
+    /// upward, and back. Cells may lie off the board.
+    pub fn mixing_loop(&self, corner: ElectrodeCell) -> Vec<ElectrodeCell> {
+        let [columns, rows] = self.mixer.map(|side| side - 1);
+        let ElectrodeCell { column, row } = corner;
+        let east = (0..columns).map(|along| ElectrodeCell::new(column + along, row));
+        let north = (0..rows).map(|up| ElectrodeCell::new(column + columns, row + up));
+        let west = (0..columns).map(|back| ElectrodeCell::new(column + columns - back, row + rows));
+        let south = (0..rows).map(|down| ElectrodeCell::new(column, row + rows - down));
+        east.chain(north).chain(west).chain(south).collect()
+    }
+
+    /// The steps for which a droplet is moved round the loop to mix it for at least a time: whole rounds, since it ends where it begins.
+    pub fn mixing_steps(&self, time_ns: u64) -> u64 {
+        let round = u64::from(2 * (self.mixer[0] + self.mixer[1]) - 4);
+        time_ns.div_ceil(self.step_ns).div_ceil(round).saturating_mul(round)
     }
 
     /// The middle of an electrode; the middle of electrode (1, 1) is the origin.

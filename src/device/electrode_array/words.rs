@@ -116,6 +116,24 @@ const FIELDS: &[VocabularyField] = &[
         "it has no reservoirs",
         "time in which a reservoir makes one droplet on the electrode at its outlet, which is on meanwhile",
     ),
+    optional(
+        "mixer",
+        Sort::Cell,
+        "(2, 2)",
+        "columns and rows of the loop round which a droplet is moved to mix it, each at least 2",
+    ),
+    optional(
+        "least_volume",
+        positive(Dimension::NUMBER),
+        "no limit",
+        "the smallest droplet that can be moved, in droplets as reservoirs dispense them",
+    ),
+    optional(
+        "most_volume",
+        positive(Dimension::NUMBER),
+        "no limit",
+        "the largest droplet that one electrode can hold, in droplets as reservoirs dispense them",
+    ),
     required(
         "separation",
         Sort::CountOrWord { least: 1, most: MAX_APART, words: &SEPARATION },
@@ -192,6 +210,31 @@ const VERBS: &[Verb] = &[
         block: None,
         doc: "brings two droplets together at a cell; the first name is that of both from then on",
         example: "merge sample with reagent at (7, 4)",
+    },
+    Verb {
+        name: "split",
+        noun: None,
+        object: Some(Sort::Object("part")),
+        phrases: &[
+            VocabularyPhrase { preposition: "from", sort: Sort::Object("part"), count: Count::Once },
+            VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::Once },
+            VocabularyPhrase { preposition: "to", sort: Sort::Cell, count: Count::AtMostOnce },
+        ],
+        block: None,
+        doc: "makes a droplet out of half of another one, which is pulled apart at a cell: the new one comes at the cell after `to` beside it, else at that of the next column, and the other one goes to the opposite side",
+        example: "split half from sample at (7, 4) to (7, 5)",
+    },
+    Verb {
+        name: "mix",
+        noun: None,
+        object: Some(Sort::Object("part")),
+        phrases: &[
+            VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::AtMostOnce },
+            VocabularyPhrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once },
+        ],
+        block: None,
+        doc: "moves a droplet round the device's `mixer`, anticlockwise and in whole rounds, for at least so long, from where it is or from a cell: the corner of the loop with the least column and row, where it is again at the end",
+        example: "mix sample at (8, 5) for 3 s",
     },
     Verb {
         name: "incubate",

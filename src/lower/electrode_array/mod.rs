@@ -12,7 +12,7 @@ use super::clock::{LoweredRun, RunActuation};
 use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayOrder};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold};
 use crate::plan::Planned;
-use crate::plan::electrode_array::{ElectrodeArrayMotion, ElectrodeArrayStepMotion};
+use crate::plan::electrode_array::{ElectrodeArrayMotion, ElectrodeArrayStepMotion, PartCourse};
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{ChannelUnit, State, TimedState};
 use std::collections::{BTreeMap, BTreeSet};
@@ -28,17 +28,15 @@ impl Lowered for Planned<'_, ElectrodeArrayOrder, ElectrodeArrayMotion> {
                 ElectrodeArrayStepMotion::Wait(duration_ns) => board.wait(*duration_ns, index)?,
                 ElectrodeArrayStepMotion::Courses(courses) => {
                     let paths: Vec<&[ElectrodeCell]> = courses.iter().map(|course| course.cells.as_slice()).collect();
-                    let since: Vec<usize> = courses.iter().map(|course| course.since).collect();
-                    let is_gone: Vec<bool> = courses.iter().map(|course| course.is_gone).collect();
-                    board.follow(&paths, (&since, &is_gone), index)?;
+                    board.follow(&paths, courses, index)?;
                     if let ElectrodeArrayAction::Assay(all) = &step.action {
-                        let timed = operations::timed(order, (index, start_ns), all, (&paths, &since));
+                        let timed = operations::timed(order, (index, start_ns), all, courses);
                         board.run.operations.extend(timed);
                     }
                 }
                 ElectrodeArrayStepMotion::Paths(paths) => {
                     let paths: Vec<&[ElectrodeCell]> = paths.iter().map(Vec::as_slice).collect();
-                    board.follow(&paths, (&[], &[]), index)?;
+                    board.follow(&paths, &[], index)?;
                     if let ElectrodeArrayAction::Move(moves) = &step.action {
                         board.merge(moves.iter().filter_map(|action| action.with));
                     }
@@ -67,24 +65,31 @@ struct LoweringBoard<'a> {
 }
 
 impl LoweringBoard<'_> {
-    /// All parts through their cells, one step of the board after the other. Those that are not there come at the instants `since`, and
-    /// those that `is_gone` tells are gone after the last of theirs.
-    fn follow(&mut self, paths: &[&[ElectrodeCell]], (since, is_gone): (&[usize], &[bool]), step: usize) -> Option<()> {
+    /// All parts through their cells, one step of the board after the other; in an assay the courses tell who comes and who goes.
+    fn follow(&mut self, paths: &[&[ElectrodeCell]], courses: &[PartCourse], step: usize) -> Option<()> {
         let facts = &self.order.facts;
         let instants = paths.iter().map(|path| path.len().saturating_sub(1)).max().unwrap_or(0);
         // Electrodes that are on, with the instant since when.
         let mut on: BTreeMap<ElectrodeCell, u64> = BTreeMap::new();
         let gone_after = |cells: &mut [Option<ElectrodeCell>], instant: usize| {
             let done =
-                is_gone.iter().enumerate().filter(|(part, is_gone)| **is_gone && paths[*part].len() <= instant + 1);
-            done.for_each(|(part, _)| cells[part] = None);
+                courses.iter().zip(cells).filter(|(course, _)| course.is_gone && course.cells.len() <= instant + 1);
+            done.for_each(|(_, cell)| *cell = None);
         };
         gone_after(&mut self.cells, 0);
         for instant in 0..instants {
             let start_ns = self.run.duration_ns;
-            for (part, cell) in self.cells.iter_mut().enumerate().filter(|(_, cell)| cell.is_none()) {
-                if since.get(part) == Some(&instant) && paths[part].len() > instant + 1 {
-                    *cell = paths[part].get(instant).copied();
+            for (part, course) in courses.iter().enumerate() {
+                if self.cells[part].is_some() {
+                    continue;
+                }
+                match course.parent {
+                    // What another gives off in this step of the board is where that one is.
+                    Some(parent) if course.since == instant + 1 => self.cells[part] = self.cells[parent],
+                    None if course.since == instant && course.cells.len() > instant + 1 => {
+                        self.cells[part] = course.cells.get(instant).copied();
+                    }
+                    Some(_) | None => (),
                 }
             }
             let next: Vec<Option<ElectrodeCell>> =

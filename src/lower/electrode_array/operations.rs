@@ -1,56 +1,90 @@
 //! The operations of an assay on the clock, from the courses of its parts.
 
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayOrder};
-use crate::device::electrode_array::ElectrodeCell;
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::lower::clock::LoweredOperation;
+use crate::plan::electrode_array::PartCourse;
 
 /// The operations of the step with an index and a start, each as early as the courses have it.
 pub fn timed(
     order: &ElectrodeArrayOrder,
     (step, step_start_ns): (usize, u64),
     operations: &[AssayOperation],
-    (courses, since): (&[&[ElectrodeCell]], &[usize]),
+    courses: &[PartCourse],
 ) -> Vec<LoweredOperation> {
+    let facts = &order.facts;
     // The instant at which each part is free for its next operation, at first that at which it is there.
-    let mut free = since.to_vec();
+    let mut free: Vec<usize> = courses.iter().map(|course| course.since).collect();
     let mut lowered = Vec::new();
     for operation in operations {
-        let parts: Vec<usize> = operation.parts().filter(|part| !courses[*part].is_empty()).collect();
-        let stay = operation.stay_ns.div_ceil(order.facts.step_ns) as usize;
-        let begins = parts.iter().map(|part| free[*part]).min().unwrap_or(0);
-        let Some(arrival) = arrival(operation, stay, &free, courses) else { continue };
-        parts.iter().for_each(|part| free[*part] = arrival + stay);
-        let at_ns = |instant: usize| step_start_ns + instant as u64 * order.facts.step_ns;
+        let parts: Vec<usize> = operation.all_parts().filter(|part| !courses[*part].cells.is_empty()).collect();
+        let begins = operation.parts().filter(|part| parts.contains(part)).map(|part| free[part]).min().unwrap_or(0);
+        let times = match operation.splits.map(|half| courses[half.part].since) {
+            Some(end) => pulled_apart(&courses[operation.part], begins, end).map(|arrival| (arrival, end)),
+            None => {
+                let stay = operation.stay_steps(facts) as usize;
+                arrival(operation, facts, &free, courses).map(|arrival| (arrival, arrival + stay))
+            }
+        };
+        let Some((arrival, end)) = times else { continue };
+        parts.iter().for_each(|part| free[*part] = end);
+        let at_ns = |instant: usize| step_start_ns + instant as u64 * facts.step_ns;
         lowered.push(LoweredOperation {
             step,
             span: operation.span,
             parts: parts.iter().map(|part| order.parts[*part].name.clone()).collect(),
             start_ns: at_ns(begins),
             arrival_ns: at_ns(arrival),
-            end_ns: at_ns(arrival + stay),
+            end_ns: at_ns(end),
         });
     }
     lowered
 }
 
-/// The first instant from which on all parts of an operation stay at its last stop, after they have come by the others.
-fn arrival(operation: &AssayOperation, stay: usize, free: &[usize], courses: &[&[ElectrodeCell]]) -> Option<usize> {
-    let longest = courses.iter().map(|course| course.len()).max()?;
-    let at = |part: usize, instant: usize| courses[part].get(instant).or(courses[part].last()).copied();
+/// The cell of a part at an instant.
+fn at(course: &PartCourse, instant: usize) -> Option<ElectrodeCell> {
+    course.cells.get(instant).or(course.cells.last()).copied()
+}
+
+/// The instant, from one on, since which a part has been where it is pulled apart, which ends at another instant.
+fn pulled_apart(course: &PartCourse, from: usize, end: usize) -> Option<usize> {
+    let last = end.checked_sub(1)?;
+    (from..=last).rev().take_while(|instant| at(course, *instant) == at(course, last)).last()
+}
+
+/// The first instant from which on all parts of an operation stay at its last stop, or are mixed from there on, after they have come by
+/// the others.
+fn arrival(
+    operation: &AssayOperation,
+    facts: &ElectrodeArrayFacts,
+    free: &[usize],
+    courses: &[PartCourse],
+) -> Option<usize> {
+    let longest = courses.iter().map(|course| course.cells.len()).max()?;
+    let stay = operation.stay_steps(facts) as usize;
     let mut from = 0;
     let mut goal = None;
     for part in operation.parts() {
         let mut instant = free[part];
-        goal = at(part, instant);
+        goal = at(&courses[part], instant);
         for stop in &operation.stops {
-            instant = (instant..longest).find(|instant| at(part, *instant) == Some(stop.cell))?;
+            instant = (instant..longest).find(|instant| at(&courses[part], *instant) == Some(stop.cell))?;
             goal = Some(stop.cell);
         }
         from = from.max(instant);
     }
+    if operation.mixes {
+        let (course, around) = (&courses[operation.part], facts.mixing_loop(goal?));
+        let is_mixed = |since: &usize| {
+            let instants = 0..=stay;
+            let mut steps = instants.map(|step| (at(course, since + step), Some(around[step % around.len()])));
+            steps.all(|(is, due)| is == due)
+        };
+        return (from..longest).find(is_mixed);
+    }
     let mut since = from;
     for instant in from..longest + stay {
-        if operation.parts().any(|part| at(part, instant) != goal) {
+        if operation.parts().any(|part| at(&courses[part], instant) != goal) {
             since = instant + 1;
         } else if instant - since == stay {
             return Some(since);

@@ -6,7 +6,7 @@ use crate::claims::electrode_array::{
     ElectrodeArrayStep as TaskStep, ElectrodeArrayStop,
 };
 use crate::claims::{Claims, Job, Order, Timeline};
-use crate::device::electrode_array::{Layout, Separation};
+use crate::device::electrode_array::{DEFAULT_MIXER, Layout, Separation};
 use crate::diagnostic::Sink;
 use crate::lower::lower;
 use crate::plan::{Motion, Optimality, Plan, Planned};
@@ -31,6 +31,9 @@ pub(crate) fn facts(electrodes: Electrodes) -> ElectrodeArrayFacts {
         layout: Layout { electrodes, half_width_pitches },
         hold,
         dispense_ns: None,
+        mixer: DEFAULT_MIXER,
+        least_volume: None,
+        most_volume: None,
         separation: Separation::Apart(separation),
         clearance: 1,
         map: None,
@@ -58,6 +61,7 @@ pub(crate) fn carried(facts: &ElectrodeArrayFacts, steps: &[Vec<Vec<(u32, u32)>>
         objective: ElectrodeArrayObjective::Makespan,
         planner: ElectrodeArrayPlanner { method: ElectrodeArrayMethod::Portfolio, expansions: 1 },
         bystanders: Bystanders::Stay,
+        contents: Vec::new(),
         steps: ways.iter().map(|ways| asked(ways)).collect(),
     };
     let motion = |ways: &Vec<Vec<ElectrodeCell>>| match ways.is_empty() {

@@ -1,24 +1,23 @@
 //! An assay of a task as errands of agents, and plans of it as courses of parts.
 //!
 //! Input: the order, the current cells of its parts, and the operations. Output: an [`ErrandStage`], and from the cells of its
-//! agents those of the parts. Where [`super::assay`] finds no plan, the operations are planned one after the other, which is what
-//! they would be as steps of their own.
+//! agents those of the parts.
 
-use super::assay::{AgentCourse, AssayPlan, AssayProblem, Errand};
-use super::board::{BoardAnswer, BoardCosts, BoardObjective, CellIndex, Instance};
-use super::portfolio;
-use super::stage::{self, BoardGround, BoardStage};
+use super::assay::{AgentCourse, AssayProblem, Errand, SplitErrand};
+use super::board::{CellIndex, Instance};
+use super::stage::{self, BoardStage};
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayMove, ElectrodeArrayOrder, ElectrodeArrayStop};
 use crate::device::electrode_array::ElectrodeCell;
-use crate::plan::search::SearchBudget;
 
 /// The cells of a part in an assay.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PartCourse {
     /// The instant from which on it is on the board.
     pub since: usize,
-    /// At the instants 0, 1, … of the step until its last operation is done; afterwards it stays. Before `since` its outlet. Empty if it
-    /// was gone before, or has not come yet.
+    /// The part that has given it off in the step of the board before, if it comes by a split.
+    pub parent: Option<usize>,
+    /// At the instants 0, 1, … of the step until its last operation is done; afterwards it stays. Before `since` where it comes. Empty
+    /// if it was gone before, or has not come yet.
     pub cells: Vec<ElectrodeCell>,
     /// Whether it merges with another part or leaves the board, and is gone after the last cell.
     pub is_gone: bool,
@@ -36,10 +35,25 @@ impl PartCourse {
 pub struct PartErrands {
     /// All stops of a part.
     pub moves: Vec<ElectrodeArrayMove>,
-    /// For each stop the steps of the board for which the part stays, and the part that it merges with.
-    stays: Vec<Vec<(u32, Option<usize>)>>,
+    /// For each stop what the part does there.
+    works: Vec<Vec<StopWork>>,
     comes: Vec<bool>,
     is_gone: Vec<bool>,
+    /// The parts that give them off.
+    parents: Vec<Option<usize>>,
+}
+
+/// What a part does at a stop.
+#[derive(Debug, Clone, Copy, Default)]
+struct StopWork {
+    /// Steps of the board for which it stays,
+    steps: u32,
+    /// going round its mixing loop.
+    mixes: bool,
+    /// The part that it merges with.
+    with: Option<usize>,
+    /// The part that it gives off as it comes from the stop before.
+    splits: Option<usize>,
 }
 
 impl PartErrands {
@@ -49,7 +63,8 @@ impl PartErrands {
         cells: &[Option<ElectrodeCell>],
         operations: &[AssayOperation],
     ) -> PartErrands {
-        let mut errands = PartErrands { moves: Vec::new(), stays: Vec::new(), comes: Vec::new(), is_gone: Vec::new() };
+        let (moves, works) = (Vec::new(), Vec::new());
+        let mut errands = PartErrands { moves, works, comes: Vec::new(), is_gone: Vec::new(), parents: Vec::new() };
         for operation in operations {
             for part in operation.parts() {
                 let Some(start) = cells[part] else { continue };
@@ -62,12 +77,22 @@ impl PartErrands {
                     }
                     false => own.extend(operation.stops.iter().cloned()),
                 }
-                let steps = operation.stay_ns.div_ceil(order.facts.step_ns);
-                let other = operation.parts().find(|other| *other != part);
-                errands.stays[index].resize(own.len() - 1, (0, None));
-                errands.stays[index].push((u32::try_from(steps).unwrap_or(u32::MAX), other));
+                let work = StopWork {
+                    steps: u32::try_from(operation.stay_steps(&order.facts)).unwrap_or(u32::MAX),
+                    mixes: operation.mixes,
+                    with: operation.parts().find(|other| *other != part),
+                    splits: operation.splits.map(|half| half.part),
+                };
+                errands.works[index].resize(own.len() - 1, StopWork::default());
+                errands.works[index].push(work);
                 errands.comes[index] |= operation.comes;
                 errands.is_gone[index] |= operation.gone() == Some(part);
+            }
+            if let Some(half) = operation.splits {
+                let index = errands.index(half.part, operation);
+                errands.moves[index].stops.push(half.stop(operation));
+                errands.works[index].push(StopWork::default());
+                errands.parents[index] = Some(operation.part);
             }
         }
         errands
@@ -76,28 +101,46 @@ impl PartErrands {
     fn index(&mut self, part: usize, operation: &AssayOperation) -> usize {
         self.moves.iter().position(|one| one.part == part).unwrap_or_else(|| {
             self.moves.push(ElectrodeArrayMove { part, with: None, stops: Vec::new(), span: operation.span });
-            self.stays.push(Vec::new());
+            self.works.push(Vec::new());
             self.comes.push(false);
             self.is_gone.push(false);
+            self.parents.push(None);
             self.moves.len() - 1
         })
     }
 
     /// The problem of a stage that was made of the moves.
-    pub fn problem<'s>(&self, instance: &'s Instance) -> AssayProblem<'s> {
+    pub fn problem<'s>(&self, order: &ElectrodeArrayOrder, instance: &'s Instance) -> AssayProblem<'s> {
         let of_part = |part: usize| self.moves.iter().position(|one| one.part == part);
-        let errands = instance.agents.iter().enumerate().map(|(agent, asked)| {
-            let stays = self.stays.get(agent).map_or([(0, None)].as_slice(), Vec::as_slice);
-            let both = asked.stops.iter().zip(stays);
-            both.map(|(stop, (stay, with))| Errand { stop: *stop, stay: *stay, meets: with.and_then(of_part) })
-                .collect()
-        });
+        let mut loops: Vec<Vec<CellIndex>> = Vec::new();
+        let mut errands = Vec::with_capacity(instance.agents.len());
+        let none = [StopWork::default()];
+        for (agent, asked) in instance.agents.iter().enumerate() {
+            let works = self.works.get(agent).map_or(none.as_slice(), Vec::as_slice);
+            let both = asked.stops.iter().zip(works).enumerate();
+            let own = both.map(|(nth, (stop, work))| Errand {
+                stop: *stop,
+                stay: work.steps,
+                meets: work.with.and_then(of_part),
+                mixes: work.mixes.then(|| {
+                    loops.iter().position(|known| known[0] == *stop).unwrap_or_else(|| {
+                        let around = order.facts.mixing_loop(stage::cell(order, *stop));
+                        loops.push(around.into_iter().map(|cell| stage::flat(order, cell)).collect());
+                        loops.len() - 1
+                    })
+                }),
+                splits: work.splits.and_then(of_part).map(|child| SplitErrand { from: asked.stops[nth - 1], child }),
+            });
+            errands.push(own.collect());
+        }
         // Agents without an operation only step aside.
         let of_agents = |flags: &[bool]| -> Vec<bool> {
             (0..instance.agents.len()).map(|agent| flags.get(agent).copied().unwrap_or(false)).collect()
         };
         let (comes, is_gone) = (of_agents(&self.comes), of_agents(&self.is_gone));
-        AssayProblem { instance, comes, errands: errands.collect(), is_gone }
+        let parent = |agent: usize| self.parents.get(agent).copied().flatten().and_then(of_part);
+        let parents = (0..instance.agents.len()).map(parent).collect();
+        AssayProblem { instance, comes, parents, errands, loops, is_gone }
     }
 }
 
@@ -108,21 +151,29 @@ pub fn courses_of(
     cells: &[Option<ElectrodeCell>],
     (problem, courses): (&AssayProblem, &[AgentCourse]),
 ) -> Vec<PartCourse> {
-    let stays =
-        |cell: &Option<ElectrodeCell>| PartCourse { since: 0, cells: cell.iter().copied().collect(), is_gone: false };
+    let stays = |cell: &Option<ElectrodeCell>| PartCourse {
+        since: 0,
+        parent: None,
+        cells: cell.iter().copied().collect(),
+        is_gone: false,
+    };
     let mut motion: Vec<PartCourse> = cells.iter().map(stays).collect();
-    for ((actor, course), is_gone) in stage.agents.iter().zip(courses).zip(&problem.is_gone) {
-        let cells = course.cells.iter().map(|cell| stage::cell(order, *cell)).collect();
-        motion[actor.part] = PartCourse { since: course.since as usize, cells, is_gone: *is_gone };
+    for (agent, (actor, course)) in stage.agents.iter().zip(courses).enumerate() {
+        motion[actor.part] = PartCourse {
+            since: course.since as usize,
+            parent: problem.parents[agent].map(|parent| stage.agents[parent].part),
+            cells: course.cells.iter().map(|cell| stage::cell(order, *cell)).collect(),
+            is_gone: problem.is_gone[agent],
+        };
     }
     motion
 }
 
-/// The cells of the parts, with those of the outlets for parts that come in an assay.
-pub fn with_outlets(cells: &[Option<ElectrodeCell>], operations: &[AssayOperation]) -> Vec<Option<ElectrodeCell>> {
+/// The cells of the parts; for those that come in an assay, where they do.
+pub fn with_new_parts(cells: &[Option<ElectrodeCell>], operations: &[AssayOperation]) -> Vec<Option<ElectrodeCell>> {
     let mut cells = cells.to_vec();
-    for operation in operations.iter().filter(|operation| operation.comes) {
-        cells[operation.part] = operation.stops.first().map(|outlet| outlet.cell);
+    for (part, cell) in operations.iter().filter_map(AssayOperation::new_part) {
+        cells[part] = Some(cell);
     }
     cells
 }
@@ -133,86 +184,11 @@ pub fn depart(cells: &mut [Option<ElectrodeCell>], operations: &[AssayOperation]
         if let Some(stop) = operation.stops.last() {
             cells[operation.part] = Some(stop.cell);
         }
+        if let Some(half) = operation.splits {
+            cells[half.part] = Some(half.cell);
+        }
         if let Some(gone) = operation.gone() {
             cells[gone] = None;
         }
     }
-}
-
-/// The operations one after the other, each with the best plan of a step of its own; `None` if one of them has none.
-pub fn one_by_one(
-    (order, ground): (&ElectrodeArrayOrder, &BoardGround),
-    cells: &[Option<ElectrodeCell>],
-    (operations, problem, stage): (&[AssayOperation], &AssayProblem, &BoardStage),
-    (objective, bounds): (BoardObjective, BoardCosts),
-) -> Option<AssayPlan> {
-    let agent_of = |part: usize| stage.agents.iter().position(|actor| actor.part == part);
-    let mut now = cells.to_vec();
-    let mut since = vec![0; problem.instance.agents.len()];
-    let mut courses: Vec<Vec<CellIndex>> = problem.instance.agents.iter().map(|agent| vec![agent.start]).collect();
-    for operation in operations {
-        if let Some(outlet) = operation.stops.first().filter(|_| operation.comes) {
-            let apart = order.facts.separation.apart();
-            if now.iter().flatten().any(|cell| cell.apart(outlet.cell) < apart) {
-                return None;
-            }
-            let instants = courses.iter().map(Vec::len).max().unwrap_or(1);
-            if let Some(agent) = agent_of(operation.part) {
-                since[agent] = instants as u32 - 1;
-                courses[agent].resize(instants, problem.instance.agents[agent].start);
-            }
-        } else if !operation.stops.is_empty() {
-            let (part, with) = (operation.part, operation.with);
-            let moves = [ElectrodeArrayMove { part, with, stops: operation.stops.clone(), span: operation.span }];
-            let step = BoardStage::new(order, ground, &now, &moves);
-            let budget = SearchBudget::of(order.planner.expansions);
-            let BoardAnswer::Found(plan) = portfolio::solve(&step.instance, objective, None, budget) else {
-                return None;
-            };
-            let longest = plan.paths.iter().map(Vec::len).max().unwrap_or(1);
-            for (actor, path) in step.agents.iter().zip(&plan.paths) {
-                let Some(course) = agent_of(actor.part).map(|agent| &mut courses[agent]) else { continue };
-                course.extend(&path[1..]);
-                let (length, last) = (course.len() + longest - path.len(), path[path.len() - 1]);
-                course.resize(length, last);
-            }
-        }
-        let stay = u32::try_from(operation.stay_ns.div_ceil(order.facts.step_ns)).unwrap_or(u32::MAX) as usize;
-        let lasts = courses.iter().map(Vec::len).max().unwrap_or(1) + stay;
-        depart(&mut now, std::slice::from_ref(operation));
-        let left = courses.iter_mut().zip(&stage.agents).filter(|(_, actor)| now[actor.part].is_some());
-        left.for_each(|(course, _)| course.resize(lasts, course[course.len() - 1]));
-    }
-    trim(problem, &since, &mut courses);
-    let courses = since.into_iter().zip(courses).map(|(since, cells)| AgentCourse { since, cells }).collect();
-    Some(AssayPlan { courses, bounds })
-}
-
-/// Cuts courses after the instant at which all errands are done and nothing moves any more: while others were at work, a part may
-/// have done an operation that comes later.
-fn trim(problem: &AssayProblem, since: &[u32], courses: &mut [Vec<CellIndex>]) {
-    let mut ends: Vec<usize> = vec![0; courses.len()];
-    for (agent, course) in courses.iter().enumerate() {
-        let (mut done, mut stays_since) = (0, None);
-        for (instant, cell) in course.iter().enumerate().skip(since[agent] as usize) {
-            while let Some(errand) = problem.errands[agent].get(done) {
-                if *cell != errand.stop {
-                    stays_since = None;
-                    break;
-                }
-                let there = *stays_since.get_or_insert(instant);
-                let together = errand
-                    .meets
-                    .is_none_or(|other| courses[other].get(instant).or(courses[other].last()) == Some(cell));
-                if instant - there < errand.stay as usize || !together {
-                    break;
-                }
-                (done, stays_since, ends[agent]) = (done + 1, None, instant);
-            }
-            if instant > 0 && course[instant - 1] != *cell {
-                ends[agent] = ends[agent].max(instant);
-            }
-        }
-    }
-    courses.iter_mut().zip(ends).for_each(|(course, end)| course.truncate(end + 1));
 }

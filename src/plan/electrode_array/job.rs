@@ -10,6 +10,7 @@ use super::errands::{self, PartCourse, PartErrands};
 use super::labels::{BoardFigures, PlanLimits};
 use super::limited::{self, AskedStep, PlanFront, UNLIMITED};
 use super::limits;
+use super::one_by_one::one_by_one;
 use super::published::{self, Heuristic, PairCheck, PaperReading, PublishedOutcome, Ties, Zero};
 use super::remedy::{Shut, Tried};
 use super::stage::{self, BoardGround, BoardStage, CellBlocker};
@@ -294,10 +295,10 @@ impl Tasks<'_> {
 
     /// The courses of all parts in an assay.
     fn courses(&mut self, step: &ElectrodeArrayStep, operations: &[AssayOperation]) -> Option<Vec<PartCourse>> {
-        let cells = errands::with_outlets(&self.cells, operations);
+        let cells = errands::with_new_parts(&self.cells, operations);
         let asked = PartErrands::new(self.order, &cells, operations);
         let stage = BoardStage::new(self.order, self.ground, &cells, &asked.moves);
-        let problem = asked.problem(&stage.instance);
+        let problem = asked.problem(self.order, &stage.instance);
         let (objective, budget) = (objective(self.order.objective), SearchBudget::of(self.order.planner.expansions));
         let plan = match assay::solve(&problem, objective, budget) {
             SearchAnswer::Found(plan) => plan,
@@ -312,7 +313,7 @@ impl Tasks<'_> {
             }
             SearchAnswer::GaveUp(bounds) => {
                 let in_turn = (operations, &problem, &stage);
-                let found = errands::one_by_one((self.order, self.ground), &self.cells, in_turn, (objective, bounds));
+                let found = one_by_one((self.order, self.ground), &self.cells, in_turn, (objective, bounds));
                 let Some(plan) = found else {
                     self.gave_up(step.span, &goals(&stage), bounds, budget);
                     return None;

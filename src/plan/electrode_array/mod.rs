@@ -17,6 +17,7 @@ pub mod labels;
 mod lacam;
 mod limited;
 mod limits;
+mod one_by_one;
 mod portfolio;
 pub mod published;
 mod remedy;

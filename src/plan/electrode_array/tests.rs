@@ -8,7 +8,9 @@ use crate::claims::electrode_array::{
     ElectrodeArrayStop,
 };
 use crate::claims::{Job, Order, Relation, Requirement};
-use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, Separation};
+use crate::device::electrode_array::{
+    DEFAULT_MIXER, ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, Separation,
+};
 use crate::diagnostic::{Code, Sink};
 use crate::plan::{Optimality, Plan};
 use crate::source::{FileId, Span};
@@ -30,6 +32,9 @@ fn facts(columns: u32, rows: u32, electrodes: Electrodes, separation: u32, clear
         layout: Layout { electrodes, half_width_pitches: if electrodes == Electrodes::Quad { 1.5 } else { 0.5 } },
         hold: if electrodes == Electrodes::Quad { Hold::Off } else { Hold::On },
         dispense_ns: None,
+        mixer: DEFAULT_MIXER,
+        least_volume: None,
+        most_volume: None,
         separation: Separation::Apart(separation),
         clearance,
         map: None,
@@ -58,6 +63,7 @@ fn order(facts: ElectrodeArrayFacts, cells: &[(u32, u32)]) -> ElectrodeArrayOrde
         objective: ElectrodeArrayObjective::Makespan,
         planner: ElectrodeArrayPlanner { method: ElectrodeArrayMethod::Portfolio, expansions: 200_000 },
         bystanders: Bystanders::Stay,
+        contents: Vec::new(),
         steps: Vec::new(),
     }
 }

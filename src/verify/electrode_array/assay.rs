@@ -2,11 +2,14 @@
 //!
 //! A part does its operations in their order, each as soon as it can: it has come by a stop by being there, has stayed where it has been
 //! for all beats in question, and has merged with another once both are there and have done all that comes before. What leaves the
-//! board is gone as soon as it is there; what is dispensed stays at the outlet from the beat on in which it comes.
+//! board is gone as soon as it is there; what is dispensed stays at the outlet from the beat on in which it comes. A droplet is mixed
+//! while it goes round its loop anticlockwise, one cell in every beat, from the corner to the corner; it is split in the beat in
+//! which the electrodes on both sides of it pull.
 
+use super::mixing::{Loop, Mixing};
 use super::stage::Meetings;
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayStop};
-use crate::device::electrode_array::ElectrodeCell;
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use std::collections::BTreeMap;
 
 /// What a part is to do next.
@@ -20,6 +23,29 @@ struct DueStop<'o> {
     operation: &'o AssayOperation,
     /// The place of the operation in the assay, where this is its last stop.
     ends: Option<usize>,
+    work: DueWork,
+}
+
+/// What a part does at a stop.
+#[derive(Debug, Clone, Copy)]
+enum DueWork {
+    /// It stays, or merges.
+    Rest,
+    Mix(Loop),
+    /// It comes here as the other half goes the other way.
+    Split,
+}
+
+/// A droplet that is pulled apart in a beat.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct JudgedSplit {
+    pub part: usize,
+    pub at: ElectrodeCell,
+    /// Where it goes.
+    pub to: ElectrodeCell,
+    /// The droplet that comes out of it, and where that goes.
+    pub half: usize,
+    pub comes: ElectrodeCell,
 }
 
 /// When an operation took place: the beats after which the first of its parts was free for it, all were where it takes place, and it
@@ -42,11 +68,18 @@ struct PartTurn<'o> {
     moved: u64,
     acted: u64,
     free: u64,
+    /// Its way round the loop.
+    mixing: Mixing,
     /// Whether it has left an outlet before it was dispensed, or was on the board before that.
     is_spoilt: bool,
 }
 
 impl<'o> PartTurn<'o> {
+    fn new(is_spoilt: bool) -> PartTurn<'o> {
+        let mixing = Mixing::default();
+        PartTurn { due: Vec::new(), done: 0, since: None, moved: 0, acted: 0, free: 0, mixing, is_spoilt }
+    }
+
     fn next(&self) -> Option<&DueStop<'o>> {
         self.due.get(self.done)
     }
@@ -61,6 +94,8 @@ pub(super) struct MissedOperation<'o> {
     /// The beats for which it stays there.
     pub beats: u64,
     pub with: Option<usize>,
+    /// Whether it is the split that is missed.
+    pub is_split: bool,
 }
 
 /// An assay in progress.
@@ -76,7 +111,11 @@ pub(super) struct JudgedAssay<'o> {
 
 impl<'o> JudgedAssay<'o> {
     /// Before the first beat.
-    pub fn new(operations: &'o [AssayOperation], step_ns: u64, cells: &[Option<ElectrodeCell>]) -> JudgedAssay<'o> {
+    pub fn new(
+        operations: &'o [AssayOperation],
+        facts: &ElectrodeArrayFacts,
+        cells: &[Option<ElectrodeCell>],
+    ) -> JudgedAssay<'o> {
         let mut turns: BTreeMap<usize, PartTurn> = BTreeMap::new();
         for (place, operation) in operations.iter().enumerate() {
             for part in operation.parts() {
@@ -85,29 +124,45 @@ impl<'o> JudgedAssay<'o> {
                 if start.is_none() && !turns.contains_key(&part) {
                     continue;
                 }
-                let turn = turns.entry(part).or_insert_with(|| PartTurn {
-                    due: Vec::new(),
-                    done: 0,
-                    since: None,
-                    moved: 0,
-                    acted: 0,
-                    free: 0,
-                    is_spoilt: operation.comes && cells[part].is_some(),
-                });
+                let is_there = operation.comes && cells[part].is_some();
+                let turn = turns.entry(part).or_insert_with(|| PartTurn::new(is_there));
                 let last = operation.stops.len().saturating_sub(1);
-                let beats = operation.stay_ns.div_ceil(step_ns);
+                let beats = operation.stay_ns.div_ceil(facts.step_ns);
                 let with = operation.parts().find(|other| *other != part);
+                let work = |corner: ElectrodeCell| match operation.mixes {
+                    true => DueWork::Mix(Loop::new(corner, facts.mixer)),
+                    false if operation.splits.is_some() => DueWork::Split,
+                    false => DueWork::Rest,
+                };
                 for (nth, stop) in operation.stops.iter().enumerate() {
-                    let (beats, with, ends) = if nth == last { (beats, with, Some(place)) } else { (0, None, None) };
-                    turn.due.push(DueStop { cell: stop.cell, stop: Some(stop), beats, with, operation, ends });
+                    let cell = stop.cell;
+                    let passed = DueStop {
+                        cell,
+                        stop: Some(stop),
+                        beats: 0,
+                        with: None,
+                        operation,
+                        ends: None,
+                        work: DueWork::Rest,
+                    };
+                    turn.due.push(match nth == last {
+                        true => DueStop { beats, with, ends: Some(place), work: work(cell), ..passed },
+                        false => passed,
+                    });
                 }
                 let here = turn.due.last().map(|due| due.cell).or(start);
                 if let Some(cell) = here.filter(|_| operation.stops.is_empty()) {
-                    turn.due.push(DueStop { cell, stop: None, beats, with, operation, ends: Some(place) });
+                    let (stop, ends, work) = (None, Some(place), work(cell));
+                    turn.due.push(DueStop { cell, stop, beats, with, operation, ends, work });
                 }
             }
+            if let Some(half) = operation.splits {
+                let turn = turns.entry(half.part).or_insert_with(|| PartTurn::new(cells[half.part].is_some()));
+                let (cell, work) = (half.cell, DueWork::Rest);
+                turn.due.push(DueStop { cell, stop: None, beats: 0, with: None, operation, ends: None, work });
+            }
         }
-        let meetings = Meetings::new(operations.iter().flat_map(AssayOperation::parts));
+        let meetings = Meetings::new(operations.iter().flat_map(AssayOperation::all_parts));
         JudgedAssay { meetings, turns, beats: vec![None; operations.len()], homes: BTreeMap::new() }
     }
 
@@ -128,10 +183,35 @@ impl<'o> JudgedAssay<'o> {
         self.turns.entry(part).and_modify(|turn| (turn.since, turn.free) = (Some(beats), beats));
     }
 
+    /// The droplets that are next to be split and are where that takes place.
+    pub fn due_to_split(&self, cells: &[Option<ElectrodeCell>]) -> Vec<JudgedSplit> {
+        let due = |(part, turn): (&usize, &PartTurn)| {
+            let next = turn.next().filter(|next| matches!(next.work, DueWork::Split))?;
+            let (half, at) = (next.operation.splits?, next.operation.stops.first()?.cell);
+            let is_due = cells[*part] == Some(at) && cells[half.part].is_none() && !turn.is_spoilt;
+            is_due.then_some(JudgedSplit { part: *part, at, to: next.cell, half: half.part, comes: half.cell })
+        };
+        self.turns.iter().filter_map(due).collect()
+    }
+
+    /// Notes that a droplet was split in the beat before this one.
+    pub fn split(&mut self, split: &JudgedSplit, beat: u64) {
+        let Some(turn) = self.turns.get_mut(&split.part) else { return };
+        if let Some(place) = turn.next().and_then(|due| due.ends) {
+            let arrival = turn.moved.max(turn.free);
+            self.beats[place] = Some(OperationBeats { free: turn.free, arrival, done: beat });
+        }
+        (turn.done, turn.acted, turn.free, turn.since) = (turn.done + 1, beat, beat, None);
+        self.turns.entry(split.half).and_modify(|turn| (turn.acted, turn.free) = (beat, beat));
+    }
+
     /// Notes that a part has moved in the beat before this one.
     pub fn arrive(&mut self, part: usize, from: ElectrodeCell, beat: u64) {
         match self.turns.get_mut(&part) {
-            Some(turn) => turn.moved = beat,
+            Some(turn) => {
+                turn.moved = beat;
+                turn.mixing.come_from(from, beat);
+            }
             None => self.homes.entry(part).or_insert((from, beat)).1 = beat,
         }
     }
@@ -164,6 +244,11 @@ impl<'o> JudgedAssay<'o> {
     fn settle_one(&mut self, part: usize, beat: u64, cells: &mut [Option<ElectrodeCell>]) {
         let Some(turn) = self.turns.get(&part) else { return };
         let Some(due) = turn.next() else { return };
+        match due.work {
+            DueWork::Mix(around) if !turn.is_spoilt => return self.mix(part, around, beat, cells[part]),
+            DueWork::Split => return,
+            DueWork::Rest | DueWork::Mix(_) => (),
+        }
         if cells[part] != Some(due.cell) || turn.is_spoilt {
             let is_spoilt = turn.is_spoilt || (due.operation.comes && cells[part].is_some());
             self.turns.entry(part).and_modify(|turn| (turn.since, turn.is_spoilt) = (None, is_spoilt));
@@ -194,6 +279,25 @@ impl<'o> JudgedAssay<'o> {
         }
     }
 
+    /// As [`Self::settle_one`], of a part that is next to be mixed.
+    fn mix(&mut self, part: usize, around: Loop, beat: u64, cell: Option<ElectrodeCell>) {
+        let Some(turn) = self.turns.get_mut(&part) else { return };
+        let acted = turn.acted;
+        let Some(due) = turn.due.get(turn.done) else { return };
+        let (beats, ends) = (due.beats, due.ends);
+        let Some(cell) = cell else { return };
+        let Some(since) = turn.mixing.since(around, cell, (acted, beat)) else { return };
+        if beat - since < beats || cell != around.corner {
+            return;
+        }
+        let free = turn.free;
+        (turn.done, turn.acted, turn.free, turn.since) = (turn.done + 1, beat, beat, None);
+        turn.mixing = Mixing::default();
+        if let Some(place) = ends {
+            self.beats[place] = Some(OperationBeats { free, arrival: since, done: beat });
+        }
+    }
+
     /// The beats until each part's last arrival, added up.
     pub fn cost(&self) -> u64 {
         let moved = self.turns.values().map(|turn| turn.moved).chain(self.homes.values().map(|(_, beat)| *beat));
@@ -211,8 +315,13 @@ impl<'o> JudgedAssay<'o> {
         let missed = |(part, turn): (&usize, &PartTurn<'o>)| {
             let strays = || turn.due.last().filter(|last| cells[*part].is_some_and(|cell| cell != last.cell));
             let due = turn.next().or_else(strays)?;
-            let DueStop { cell, stop, beats, with, operation, .. } = *due;
-            Some(MissedOperation { part: *part, operation, stop, cell, beats, with })
+            // Of those that a split makes, the one that is split is missed.
+            if due.operation.splits.is_some_and(|half| half.part == *part) && cells[*part].is_none() {
+                return None;
+            }
+            let DueStop { cell, stop, beats, with, operation, work, .. } = *due;
+            let is_split = matches!(work, DueWork::Split);
+            Some(MissedOperation { part: *part, operation, stop, cell, beats, with, is_split })
         };
         self.turns.iter().filter_map(missed).collect()
     }

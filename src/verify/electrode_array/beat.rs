@@ -3,6 +3,7 @@
 //! Every rule is checked on the whole board; the first violation is returned, that of the first part in the order of the scene.
 
 use super::JudgedBoard;
+use super::assay::JudgedSplit;
 use super::bodies::{SweptCells, first_touch, needed};
 use super::pull::{PartPull, acting, explained, merging, range};
 use super::stage::Meetings;
@@ -22,6 +23,19 @@ pub(super) struct StepBeat<'m> {
     pub at_ns: u64,
     pub stage: &'m Meetings,
     pub on: &'m FxHashSet<ElectrodeCell>,
+    /// The droplets that are pulled apart in it, both of which are there at its start.
+    pub splits: &'m [JudgedSplit],
+}
+
+impl StepBeat<'_> {
+    /// Where a droplet goes that is pulled apart, with what comes out of it and where that goes; or the other way round.
+    fn split(&self, part: usize) -> Option<(ElectrodeCell, usize)> {
+        self.splits.iter().find_map(|split| match part {
+            part if part == split.part => Some((split.to, split.half)),
+            part if part == split.half => Some((split.comes, split.part)),
+            _ => None,
+        })
+    }
 }
 
 /// Motion of each part on the board, by the index of the part.
@@ -52,9 +66,10 @@ impl JudgedBoard<'_, '_> {
         let electrodes = self.order.facts.layout.electrodes;
         let here = self.cells.iter().enumerate().filter_map(|(part, cell)| Some((part, (*cell)?)));
         let pull = |(part, at): (usize, ElectrodeCell)| {
-            let pull = match moment.stage.partner(part) {
-                Some((_, goal)) => merging(moment.on, at, goal),
-                None => explained(moment.on, electrodes, at),
+            let pull = match (moment.split(part), moment.stage.partner(part)) {
+                (Some((to, _)), _) => Some(PartPull { from: at, to, by: vec![to] }),
+                (None, Some((_, goal))) => merging(moment.on, at, goal),
+                (None, None) => explained(moment.on, electrodes, at),
             };
             pull.map(|pull| (part, pull)).ok_or_else(|| {
                 let (name, time) = (self.name(part), ms(moment.at_ns));
@@ -177,7 +192,7 @@ impl JudgedBoard<'_, '_> {
     /// Parts keep clear of each other and of all obstacles, wherever in the beat they are.
     pub(super) fn sweeps(&self, moment: &StepBeat, pulls: &Pulls) -> Result<(), Violation> {
         let explain = |(rule, title, parts): Broken| self.broken(rule, moment, title, &parts);
-        self.touches(moment.stage, moment.at_ns, pulls).map_or(Ok(()), |broken| Err(explain(broken)))?;
+        self.touches(moment, pulls).map_or(Ok(()), |broken| Err(explain(broken)))?;
         self.clearances(moment.at_ns, pulls).map_or(Ok(()), |broken| Err(explain(broken)))
     }
 
@@ -189,7 +204,9 @@ impl JudgedBoard<'_, '_> {
             Some((part, PartPull { from: at, to: at, by: Vec::new() }))
         };
         let pulls: Pulls = self.cells.iter().enumerate().filter_map(rests).collect();
-        let broken = self.touches(&Meetings::default(), at_ns, &pulls).or_else(|| self.clearances(at_ns, &pulls));
+        let (stage, on) = (Meetings::default(), FxHashSet::default());
+        let moment = StepBeat { nth: 0, at_ns, stage: &stage, on: &on, splits: &[] };
+        let broken = self.touches(&moment, &pulls).or_else(|| self.clearances(at_ns, &pulls));
         match broken {
             None => Ok(()),
             Some((rule, title, _)) => {
@@ -198,12 +215,18 @@ impl JudgedBoard<'_, '_> {
         }
     }
 
-    /// Two parts keep the separation; between two that merge, moves on their common goal are exempt.
-    fn touches(&self, stage: &Meetings, at_ns: u64, pulls: &Pulls) -> Option<Broken> {
+    /// Two parts keep the separation; between two that merge, moves on their common goal are exempt, and the two of a split keep it from
+    /// where they go on.
+    fn touches(&self, moment: &StepBeat, pulls: &Pulls) -> Option<Broken> {
+        let StepBeat { stage, at_ns, .. } = *moment;
         let needed = needed(&self.order.facts);
         let ways: Vec<SweptCells> = pulls.iter().map(|(_, pull)| SweptCells::new(pull.from, pull.to)).collect();
         let apart = |one: usize, other: usize| {
             let ((part, pull), (second, other_pull)) = (&pulls[one], &pulls[other]);
+            if moment.split(*part).is_some_and(|(_, half)| half == *second) {
+                let [own, other] = [pull, other_pull].map(|pull| SweptCells::new(pull.to, pull.to));
+                return Some(own.apart(&other));
+            }
             match stage.partner(*part).filter(|(partner, _)| partner == second) {
                 None => Some(ways[one].apart(&ways[other])),
                 Some((_, goal)) => {

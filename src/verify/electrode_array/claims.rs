@@ -23,6 +23,10 @@ pub(super) fn check_claims(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
     facts(&order.facts)?;
     parts(order)?;
     obstacles(order)?;
+    demand(
+        order.contents.iter().all(|content| content.part < order.parts.len()),
+        "ask for a part that they do not have",
+    )?;
     order.steps.iter().try_for_each(|step| match &step.action {
         ElectrodeArrayAction::Move(moves) => goals(order, moves),
         ElectrodeArrayAction::Assay(operations) => self::operations(order, operations),
@@ -47,6 +51,9 @@ fn facts(facts: &ElectrodeArrayFacts) -> Result<(), Unfit> {
     demand(facts.step_ns > 0, "hold a step without length")?;
     demand((0.0..=f64::from(MAX_SIDE)).contains(&facts.layout.half_width_pitches), "hold a body out of its range")?;
     demand(facts.clearance >= 1, "hold no clearance")?;
+    let volumes = [facts.least_volume, facts.most_volume];
+    demand(volumes.iter().flatten().all(|volume| volume.is_finite()), "hold a volume that is not finite")?;
+    demand(facts.mixer.iter().all(|side| (2..=MAX_SIDE).contains(side)), "hold a mixing loop out of its range")?;
     if let Some(map) = &facts.map {
         let places = facts.columns as usize * facts.rows as usize;
         let fits = map.columns == facts.columns && [0, places].contains(&map.channels.len());
@@ -93,12 +100,15 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
     let mut gone = BTreeSet::new();
     let mut stays: u64 = 0;
     for operation in operations {
-        for part in operation.parts() {
+        for part in operation.all_parts() {
             demand(part < order.parts.len(), "move a part that they do not have")?;
             demand(!gone.contains(&part), "move a part that is gone before")?;
         }
+        if operation.mixes || operation.splits.is_some() {
+            mix_or_split(order, operation)?;
+        }
         stops(order, &operation.stops)?;
-        stays = stays.saturating_add(operation.stay_ns.div_ceil(order.facts.step_ns));
+        stays = stays.saturating_add(operation.stay_steps(&order.facts));
         if let Some(with) = operation.with {
             demand(with != operation.part, "merge a part with itself")?;
             demand(operation.stops.len() == 1 && operation.stay_ns == 0, "merge parts that have stops on their way")?;
@@ -118,6 +128,27 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
         }
     }
     demand(stays <= MAX_STAY_STEPS, "stay for too many steps")
+}
+
+/// A droplet is mixed for some time; or it is pulled apart, and both go to opposite sides.
+fn mix_or_split(order: &ElectrodeArrayOrder, operation: &AssayOperation) -> Result<(), Unfit> {
+    let is_plain = operation.with.is_none() && !operation.comes && !operation.leaves;
+    let is_droplet = order.facts.layout.electrodes == Electrodes::Single;
+    demand(is_plain && is_droplet, "mix or split a part that is no droplet, or has more to do")?;
+    let Some(half) = operation.splits else {
+        return demand(operation.stay_ns > 0, "mix a droplet in no time");
+    };
+    demand(!operation.mixes && operation.stay_ns == 0, "split a droplet that has more to do")?;
+    demand(half.part != operation.part, "split a droplet from itself")?;
+    let [centre, goes] = operation.stops.as_slice() else { return Err(unfit("split a droplet at no cell")) };
+    let place = |cell: ElectrodeCell| cell.pair().map(i64::from);
+    demand(is_on_board(&order.facts, place(half.cell)), "name a cell that it does not have")?;
+    let (at, goes, comes) = (place(centre.cell), place(goes.cell), place(half.cell));
+    let is_opposite = (0..2).all(|axis| goes[axis] + comes[axis] == 2 * at[axis]);
+    let is_beside = (0..2).map(|axis| (goes[axis] - at[axis]).abs()).sum::<i64>() == 1;
+    demand(is_opposite && is_beside, "split a droplet to cells that are not on both sides of it")?;
+    let is_held = order.facts.hold == Hold::On && super::bodies::needed(&order.facts) <= 2;
+    demand(is_held, "split a droplet that is not held, or into two that are too near")
 }
 
 fn stops(order: &ElectrodeArrayOrder, stops: &[ElectrodeArrayStop]) -> Result<(), Unfit> {

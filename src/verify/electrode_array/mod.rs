@@ -10,6 +10,8 @@ mod assay;
 mod beat;
 mod bodies;
 mod claims;
+mod contents;
+mod mixing;
 mod pull;
 mod stage;
 mod switching;
@@ -23,7 +25,7 @@ use crate::claims::{Claims, Order};
 use crate::device::electrode_array::{ElectrodeArrayOutcome, ElectrodeCell};
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{Actuation, ChannelUnit, State, TimedState};
-use assay::{JudgedAssay, MissedOperation, OperationBeats};
+use assay::{JudgedAssay, JudgedSplit, MissedOperation, OperationBeats};
 use beat::{Pulls, StepBeat};
 use bodies::BoardObstacles;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -72,7 +74,7 @@ impl Judge for ElectrodeArrayOrder {
     fn replay<'a>(
         &self,
         run: &JudgedRun<'a>,
-        _claims: &Claims,
+        claims: &Claims,
         standing: &mut Standing<'a>,
         findings: &mut Findings,
     ) -> Result<Replay<'a>, Halt> {
@@ -87,6 +89,10 @@ impl Judge for ElectrodeArrayOrder {
                 ElectrodeArrayAction::Move(moves) => board.follow(nth, moves, findings)?,
                 ElectrodeArrayAction::Assay(operations) => board.operate(nth, operations, findings)?,
             }
+        }
+        for wrong in contents::broken(claims, run.job) {
+            let end_ns = run.plan.start_ns + run.plan.duration_ns;
+            findings.push(Violation::new(Rule::Requirement, end_ns, wrong.title).label(wrong.span, "this droplet"));
         }
         standing.insert(&run.job.device, board.state());
         let outcomes = board.outcomes();
@@ -186,7 +192,8 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         }
         let mut switching = self.switching(nth, step.duration_ns)?;
         switching.advance(0);
-        let moment = StepBeat { nth, at_ns: step.start_ns, stage: &Meetings::default(), on: &switching.on };
+        let moment =
+            StepBeat { nth, at_ns: step.start_ns, stage: &Meetings::default(), on: &switching.on, splits: &[] };
         let pulls = self.pulled(&moment)?;
         if let Some((part, pull)) = pulls.iter().find(|(_, pull)| pull.moves()) {
             let (name, at) = (&self.order.parts[*part].name, ms(step.start_ns));
@@ -210,7 +217,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 self.record(at_ns)?;
             }
             switching.advance(beat);
-            let pulls = self.beat(&StepBeat { nth, at_ns, stage: &stage.meetings, on: &switching.on })?;
+            let pulls = self.beat(&StepBeat { nth, at_ns, stage: &stage.meetings, on: &switching.on, splits: &[] })?;
             moved = 0;
             for (part, pull) in pulls.iter().filter(|(_, pull)| pull.moves()) {
                 self.cells[*part] = Some(pull.to);
@@ -246,7 +253,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let step_ns = self.order.facts.step_ns;
         let beats = self.whole_beats(nth)?;
         let mut switching = self.switching(nth, step_ns)?;
-        let mut assay = JudgedAssay::new(operations, step_ns, &self.cells);
+        let mut assay = JudgedAssay::new(operations, &self.order.facts, &self.cells);
         assay.settle(0, &mut self.cells);
         for beat in 0..beats {
             let at_ns = step.start_ns + beat * step_ns;
@@ -258,11 +265,17 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 self.cells[part] = Some(outlet);
                 assay.come(part, beat);
             }
-            let pulls = self.beat(&StepBeat { nth, at_ns, stage: &assay.meetings, on: &switching.on })?;
+            let splits = self.pulled_apart(&assay, &switching.on);
+            splits.iter().for_each(|split| self.cells[split.half] = Some(split.at));
+            let pulls =
+                self.beat(&StepBeat { nth, at_ns, stage: &assay.meetings, on: &switching.on, splits: &splits })?;
+            splits.iter().for_each(|split| assay.split(split, beat + 1));
             for (part, pull) in pulls.iter().filter(|(_, pull)| pull.moves()) {
                 self.cells[*part] = Some(pull.to);
-                assay.arrive(*part, pull.from, beat + 1);
-                self.moves += 1;
+                if !splits.iter().any(|split| split.half == *part) {
+                    assay.arrive(*part, pull.from, beat + 1);
+                    self.moves += 1;
+                }
             }
             assay.settle(beat + 1, &mut self.cells);
         }
@@ -281,6 +294,16 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             self.record(step.start_ns + step.duration_ns)?;
         }
         Ok(())
+    }
+
+    /// The droplets that are pulled apart in a beat: those that are due, and on which the two electrodes act and no other one.
+    fn pulled_apart(&self, assay: &JudgedAssay, on: &FxHashSet<ElectrodeCell>) -> Vec<JudgedSplit> {
+        let mut due = assay.due_to_split(&self.cells);
+        due.retain(|split| {
+            let acting = pull::acting(on, self.order.facts.layout.electrodes, split.at);
+            acting.len() == 2 && [split.to, split.comes].iter().all(|cell| acting.contains(cell))
+        });
+        due
     }
 
     /// The droplets that reservoirs begin to dispense in a beat: an outlet's electrode that is on and acts on no droplet brings one out.
@@ -321,7 +344,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let timed = operations.iter().zip(beats).filter_map(|(operation, beats)| Some((operation, (*beats)?)));
         timed
             .map(|(operation, beats)| JudgedOperation {
-                parts: operation.parts().map(|part| self.order.parts[part].name.clone()).collect(),
+                parts: operation.all_parts().map(|part| self.order.parts[part].name.clone()).collect(),
                 times_ns: [beats.free, beats.arrival, beats.done].map(at_ns),
                 span: operation.span,
             })
@@ -335,7 +358,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let (name, end_ns) = (&self.order.parts[part].name, step.start_ns + step.duration_ns);
         let ends = match self.cells[part] {
             Some(end) => format!("it ends at {end}"),
-            None if missed.operation.comes => "it never comes".to_owned(),
+            None if missed.operation.comes || missed.operation.splits.is_some() => "it never comes".to_owned(),
             None => "it is gone before".to_owned(),
         };
         let title = match with {
@@ -346,6 +369,14 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             Some(other) => {
                 let other = &self.order.parts[other].name;
                 format!("`{name}` and `{other}` are to merge at {cell}, but do not")
+            }
+            None if missed.operation.mixes => {
+                let due = ms(beats.saturating_mul(self.order.facts.step_ns));
+                format!("`{name}` is to be mixed from {cell} on for {due}, but is not in its turn; {ends}")
+            }
+            None if missed.is_split => {
+                let half = missed.operation.splits.map_or("", |half| self.order.parts[half.part].name.as_str());
+                format!("`{half}` is to come out of `{name}`, which goes to {cell}, but does not; {ends}")
             }
             None if beats > 0 => {
                 let due = ms(beats.saturating_mul(self.order.facts.step_ns));

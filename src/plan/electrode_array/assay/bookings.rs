@@ -44,6 +44,10 @@ pub(super) struct BookedCourse {
     pub ready: Option<u32>,
     /// Whether it is gone after the last cell.
     pub is_gone: bool,
+    /// Whether another agent has given it off in the step before it is there.
+    pub is_split_off: bool,
+    /// The instants at which it is where it is pulled apart, in order.
+    pub splits: Vec<u32>,
 }
 
 /// The bookings of all courses on a board.
@@ -69,10 +73,10 @@ impl Bookings<'_> {
         }
     }
 
-    /// Keeps a cell for an agent without a course before instant `to`.
-    pub(super) fn keep(&mut self, agent: usize, cell: CellIndex, to: u32) {
+    /// Keeps a cell for an agent without a course in some instants.
+    pub(super) fn keep(&mut self, agent: usize, cell: CellIndex, span: (u32, u32)) {
         self.clear(agent);
-        self.book(agent, cell, (0, to), Doing::Busy);
+        self.book(agent, cell, span, Doing::Busy);
     }
 
     /// Replaces the bookings of an agent by those of a course.
@@ -88,13 +92,16 @@ impl Bookings<'_> {
             if !is_last && cells[next] == cells[from] && !gets_ready {
                 continue;
             }
-            // What has just come was nowhere in the step before.
-            let since = if from == first { from } else { from - 1 } as u32;
+            // What has just been dispensed was nowhere in the step before; what was given off then was on its way.
+            let since = if from == first && !course.is_split_off { from } else { from.saturating_sub(1) } as u32;
             let (cell, until) = (cells[from], next as u32 + 1);
-            // What is gone is nowhere in the step after its last instant.
+            // What is gone is nowhere in the step after its last instant. From where an agent is pulled apart two go on, whose
+            // own cells keep others away in that step.
+            let is_split = course.splits.binary_search(&(until - 2)).is_ok();
             let to = match (is_last, course.is_gone) {
                 (true, true) => until - 1,
                 (true, false) => NEVER,
+                (false, _) if is_split => until - 1,
                 (false, _) => until,
             };
             match (from > ready, gets_ready) {

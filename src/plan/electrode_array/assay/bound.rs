@@ -26,7 +26,7 @@ pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> BoardCosts {
     let alone = timed.iter().flatten().map(|one| one.head + u64::from(one.errand.stay)).max().unwrap_or(0);
     let mut stays: BTreeMap<CellIndex, Vec<(usize, TimedErrand)>> = BTreeMap::new();
     for (agent, errands) in timed.iter().enumerate() {
-        for one in errands.iter().filter(|one| one.errand.stay > 0) {
+        for one in errands.iter().filter(|one| one.errand.stay > 0 && takes_turns(problem, &one.errand)) {
             stays.entry(one.errand.stop).or_default().push((agent, *one));
         }
     }
@@ -43,29 +43,27 @@ fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
     let agents = &problem.instance.agents;
     let mut arrivals: Vec<Vec<u64>> = vec![Vec::new(); agents.len()];
     let mut heads = arrivals.clone();
-    let mut tails: Vec<Vec<u64>> = problem.errands.iter().map(|errands| vec![0; errands.len()]).collect();
-    let way = |agent: usize, index: usize| {
-        let from = if index == 0 { agents[agent].start } else { problem.errands[agent][index - 1].stop };
-        u64::from(ahead.steps(agent, index, from))
-    };
+    let way = |agent: usize, index: usize| way(problem, ahead, agent, index);
     // An agent waits for the other where they meet; every round completes at least one errand.
     let mut order: Vec<(usize, usize)> = Vec::new();
     loop {
         let before = order.len();
         for agent in 0..agents.len() {
+            let Some(comes) = given_off(problem, agent, &heads) else { continue };
             while heads[agent].len() < problem.errands[agent].len() {
                 let index = heads[agent].len();
                 let since = index
                     .checked_sub(1)
-                    .map_or(0, |last| heads[agent][last] + u64::from(problem.errands[agent][last].stay));
+                    .map_or(comes, |last| heads[agent][last] + u64::from(problem.errands[agent][last].stay));
                 let arrival = since + way(agent, index);
                 let mut head = arrival;
                 if let Some(other) = problem.errands[agent][index].meets {
                     let theirs = meeting(problem, other, (agent, index), |errands| heads[errands].len());
                     let Some(theirs) = theirs else { break };
+                    let Some(comes) = given_off(problem, other, &heads) else { break };
                     let since = theirs
                         .checked_sub(1)
-                        .map_or(0, |last| heads[other][last] + u64::from(problem.errands[other][last].stay));
+                        .map_or(comes, |last| heads[other][last] + u64::from(problem.errands[other][last].stay));
                     head = head.max(since + way(other, theirs));
                 }
                 arrivals[agent].push(arrival);
@@ -77,22 +75,8 @@ fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
             break;
         }
     }
-    for (agent, index) in order.iter().rev().copied() {
-        let errands = &problem.errands[agent];
-        let own = if index + 1 < errands.len() {
-            way(agent, index + 1) + u64::from(errands[index + 1].stay) + tails[agent][index + 1]
-        } else {
-            0
-        };
-        // What is gone lives on in the other, whose errands come later in the order.
-        let others = errands[index].meets.filter(|_| problem.is_gone[agent] && index + 1 == errands.len());
-        let lives_on = others.and_then(|other| {
-            let place = problem.errands[other].iter().position(|errand| errand.meets == Some(agent))?;
-            let next = problem.errands[other].get(place + 1)?;
-            Some(way(other, place + 1) + u64::from(next.stay) + tails[other][place + 1])
-        });
-        tails[agent][index] = own.max(lives_on.unwrap_or(0));
-    }
+    order.sort_by_key(|(agent, index)| heads[*agent][*index]);
+    let tails = tails(problem, ahead, &order);
     let of = |agent: usize| {
         let timed = |(index, errand): (usize, &Errand)| TimedErrand {
             errand: *errand,
@@ -103,6 +87,61 @@ fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
         problem.errands[agent].iter().enumerate().map(timed).collect()
     };
     (0..agents.len()).map(of).collect()
+}
+
+/// Least steps of an agent to the stop of an errand from that of the one before.
+fn way(problem: &AssayProblem, ahead: &Ahead, agent: usize, index: usize) -> u64 {
+    let before = index.checked_sub(1).map(|before| problem.errands[agent][before].stop);
+    u64::from(ahead.steps(agent, index, before.unwrap_or(problem.instance.agents[agent].start)))
+}
+
+/// Least steps from the end of each errand to the end of all that must come after it. `order` has them by their earliest starts, so that
+/// one round is mostly enough: what comes later is rarely listed before.
+fn tails(problem: &AssayProblem, ahead: &Ahead, order: &[(usize, usize)]) -> Vec<Vec<u64>> {
+    let mut tails: Vec<Vec<u64>> = problem.errands.iter().map(|errands| vec![0; errands.len()]).collect();
+    let way = |agent: usize, index: usize| way(problem, ahead, agent, index);
+    let mut is_complete = false;
+    while !std::mem::replace(&mut is_complete, true) {
+        for (agent, index) in order.iter().rev().copied() {
+            let errands = &problem.errands[agent];
+            let own = errands
+                .get(index + 1)
+                .map(|next| way(agent, index + 1) + u64::from(next.stay) + tails[agent][index + 1]);
+            // What is gone lives on in the other.
+            let others = errands[index].meets.filter(|_| problem.is_gone[agent] && index + 1 == errands.len());
+            let lives_on = others.and_then(|other| {
+                let place = problem.errands[other].iter().position(|errand| errand.meets == Some(agent))?;
+                let next = problem.errands[other].get(place + 1)?;
+                Some(way(other, place + 1) + u64::from(next.stay) + tails[other][place + 1])
+            });
+            // What it gives off has its own errands from then on.
+            let child = errands[index].splits.map(|split| split.child);
+            let lives_apart = child.map(|child| u64::from(problem.errands[child][0].stay) + tails[child][0]);
+            let tail = own.max(lives_on).max(lives_apart).unwrap_or(0);
+            if tail > tails[agent][index] {
+                (tails[agent][index], is_complete) = (tail, false);
+            }
+        }
+    }
+    tails
+}
+
+/// The first instant at which an agent can be there: 0, or when another one gives it off; `None` while that is not known.
+fn given_off(problem: &AssayProblem, agent: usize, heads: &[Vec<u64>]) -> Option<u64> {
+    let Some(parent) = problem.parents[agent] else { return Some(0) };
+    let gives = |errand: &Errand| errand.splits.is_some_and(|split| split.child == agent);
+    let place = problem.errands[parent].iter().position(gives)?;
+    heads[parent].get(place).copied()
+}
+
+/// Whether no two agents can do an errand at its stop at the same time: they stay there, or in a loop that has no room for two.
+fn takes_turns(problem: &AssayProblem, errand: &Errand) -> bool {
+    let instance = problem.instance;
+    let near = |one: &CellIndex, other: &CellIndex| instance.board.apart(*one, *other) < instance.separation;
+    errand.mixes.is_none_or(|around| {
+        let around = &problem.loops[around];
+        around.iter().all(|one| around.iter().all(|other| near(one, other)))
+    })
 }
 
 /// The errand of another agent in which it meets this one, if all before it are timed.
@@ -234,11 +273,12 @@ fn alone(problem: &AssayProblem, ahead: &Ahead, agent: usize, stop: CellIndex) -
     steps
 }
 
-/// For each agent a number that it has in common with those with which it ever merges, directly or by others: they end as one droplet.
+/// For each agent a number that it has in common with those with which it ever merges, and those that it gives off, directly or by others.
 pub(super) fn drops(problem: &AssayProblem) -> Vec<usize> {
     let mut drops: Vec<usize> = (0..problem.errands.len()).collect();
     for (agent, errands) in problem.errands.iter().enumerate() {
-        for other in errands.iter().filter_map(|errand| errand.meets) {
+        let given_off = errands.iter().filter_map(|errand| errand.splits).map(|split| split.child);
+        for other in errands.iter().filter_map(|errand| errand.meets).chain(given_off) {
             let (one, both) = (drops[agent], drops[other]);
             drops.iter_mut().filter(|drop| **drop == one).for_each(|drop| *drop = both);
         }
@@ -251,6 +291,10 @@ fn last_arrival(problem: &AssayProblem, agent: usize, errands: &[TimedErrand]) -
     let start = problem.instance.agents[agent].start;
     let Some(last) = errands.last() else { return 0 };
     let goal = last.errand.stop;
+    let at_goal = errands.iter().rev().take_while(|one| one.errand.stop == goal);
+    if let Some(mixed) = at_goal.into_iter().find(|one| one.errand.mixes.is_some()) {
+        return mixed.head + u64::from(mixed.errand.stay);
+    }
     let Some(other) = errands.iter().rposition(|one| one.errand.stop != goal) else {
         return if start == goal { 0 } else { errands.first().map_or(0, |one| one.arrival) };
     };

@@ -7,7 +7,7 @@
 use super::super::board::CellIndex;
 use super::super::fast::UNREACHABLE;
 use super::route::Ahead;
-use super::{AgentCourse, AssayProblem, Errand};
+use super::{AgentCourse, AssayProblem, Errand, SplitErrand};
 use crate::plan::search::{Meter, SearchAnswer};
 use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
@@ -39,7 +39,7 @@ struct AgentStand {
     cell: CellIndex,
     /// Errands done.
     done: u32,
-    /// Steps for which it has been where the next one is, and no more than that takes.
+    /// Steps for which it has been where the next one is, or on its loop, and no more than that takes.
     rested: u32,
 }
 
@@ -60,7 +60,8 @@ pub(super) fn fewest_steps(
     if problem.errands.len() > MAX_AGENTS {
         return SearchAnswer::GaveUp(());
     }
-    let stand = |agent: usize| if problem.comes[agent] { JointStand::Due } else { start(problem, agent) };
+    let is_due = |agent: usize| problem.comes[agent] || problem.parents[agent].is_some();
+    let stand = |agent: usize| if is_due(agent) { JointStand::Due } else { start(problem, agent) };
     let mut before: Vec<JointStand> = (0..problem.errands.len()).map(stand).collect();
     settle(problem, &mut before);
     let mut search =
@@ -128,7 +129,8 @@ impl JointSearch<'_> {
             let errands = &self.problem.errands[agent];
             let (mut from, mut left) = (cell, 0u32);
             for (index, errand) in errands.iter().enumerate().skip((done as usize).min(errands.len() - 1)) {
-                let way = self.ahead.steps(agent, index, from);
+                let is_mixing = index as u32 == done && errand.mixes.is_some() && rested > 0;
+                let way = if is_mixing { 0 } else { self.ahead.steps(agent, index, from) };
                 if way == UNREACHABLE {
                     return None;
                 }
@@ -163,7 +165,7 @@ impl JointSearch<'_> {
     fn extend(&self, from: &[JointStand], next: &mut Vec<JointStand>, found: &mut Vec<Box<[JointStand]>>) {
         let agent = next.len();
         let Some(stand) = from.get(agent) else {
-            found.push(next.as_slice().into());
+            found.extend(self.with_given_off(from, next));
             return;
         };
         let JointStand::There(own) = stand else {
@@ -172,25 +174,74 @@ impl JointSearch<'_> {
             next.pop();
             return;
         };
-        // What has just come is dispensed first, and what has come to where it merges stays there.
-        let is_dispensed = self.problem.comes[agent] && own.done == 0;
-        let waits = due(self.problem, from, agent).is_some_and(|due| due.meets.is_some() && due.stop == own.cell);
-        let may_leave = !is_dispensed && !waits;
-        let beside = self.problem.instance.board.neighbours(own.cell).filter(|_| may_leave);
-        for cell in std::iter::once(own.cell).chain(beside) {
-            if !(0..agent).all(|other| self.keeps_apart(from, (agent, cell), (other, next[other]))) {
-                continue;
+        for stand in self.steps_of(from, (agent, *own)) {
+            if (0..agent).all(|other| self.keeps_apart(from, (agent, stand.cell), (other, next[other]))) {
+                next.push(JointStand::There(stand));
+                self.extend(from, next, found);
+                next.pop();
             }
-            let rested = if cell == own.cell { own.rested + 1 } else { 0 };
-            next.push(JointStand::There(AgentStand { cell, rested, ..*own }));
-            self.extend(from, next, found);
-            next.pop();
         }
+    }
+
+    /// All steps of an agent, whatever the others do.
+    fn steps_of(&self, from: &[JointStand], (agent, own): (usize, AgentStand)) -> Vec<AgentStand> {
+        let (problem, due) = (self.problem, due(self.problem, from, agent));
+        let around = due.and_then(|due| due.mixes).map(|around| &problem.loops[around]);
+        let round = |around: &Vec<CellIndex>| AgentStand {
+            cell: around[(own.rested as usize + 1) % around.len()],
+            rested: own.rested + 1,
+            ..own
+        };
+        if let Some(around) = around.filter(|_| own.rested > 0) {
+            let next = round(around);
+            return (!problem.instance.board.is_blocked(next.cell)).then_some(next).into_iter().collect();
+        }
+        let rested = if around.is_some() { 0 } else { own.rested + 1 };
+        let mut steps = vec![AgentStand { rested, ..own }];
+        // What has just come is dispensed first, and what has come to where it merges stays there.
+        let is_dispensed = problem.comes[agent] && own.done == 0;
+        let waits = due.is_some_and(|due| due.meets.is_some() && due.stop == own.cell);
+        if !is_dispensed && !waits {
+            let beside = problem.instance.board.neighbours(own.cell);
+            steps.extend(beside.map(|cell| AgentStand { cell, rested: 0, ..own }));
+        }
+        let begins = around.filter(|around| around[0] == own.cell).map(round);
+        steps.extend(begins.filter(|next| !problem.instance.board.is_blocked(next.cell)));
+        let split = due.filter(|due| due.splits.is_some_and(|split| split.from == own.cell));
+        steps.extend(split.map(|due| AgentStand { cell: due.stop, done: own.done + 1, rested: 0 }));
+        steps
+    }
+
+    /// A joint position with the agents that were given off in the step to it, unless one of them comes too near to another.
+    fn with_given_off(&self, from: &[JointStand], next: &[JointStand]) -> Option<Box<[JointStand]>> {
+        let (problem, instance) = (self.problem, self.problem.instance);
+        let given = |agent: usize| {
+            let (before, after) = (from[agent].there()?, next[agent].there()?);
+            let split = due(problem, from, agent)?.splits?;
+            (after.done > before.done).then_some((agent, split))
+        };
+        let given: Vec<(usize, SplitErrand)> = (0..next.len()).filter_map(given).collect();
+        let mut all: Box<[JointStand]> = next.into();
+        for (_, split) in &given {
+            all[split.child] = start(problem, split.child);
+        }
+        let is_clear = |(agent, split): &(usize, SplitErrand)| {
+            let ours = [split.from, instance.agents[split.child].start];
+            (0..all.len()).filter(|other| other != agent && *other != split.child).all(|other| {
+                let from_split = given.iter().find(|(_, theirs)| theirs.child == other).map(|(_, theirs)| theirs.from);
+                let before = from_split.or(from[other].there().map(|stand| stand.cell));
+                let after = all[other].there().map(|stand| stand.cell);
+                let mut theirs = before.into_iter().chain(after);
+                theirs.all(|theirs| ours.iter().all(|own| instance.board.apart(*own, theirs) >= instance.separation))
+            })
+        };
+        given.iter().all(is_clear).then_some(all)
     }
 
     /// All ways in which agents from one on can come at this instant, that of none among them. What comes has nothing done yet.
     fn come(&self, stands: &[JointStand], from: usize, found: &mut Vec<Box<[JointStand]>>) {
-        let Some(agent) = (from..stands.len()).find(|agent| stands[*agent] == JointStand::Due) else {
+        let is_due = |agent: &usize| stands[*agent] == JointStand::Due && self.problem.parents[*agent].is_none();
+        let Some(agent) = (from..stands.len()).find(is_due) else {
             found.push(stands.into());
             return;
         };
@@ -285,7 +336,7 @@ fn settle(problem: &AssayProblem, stands: &mut [JointStand]) {
     let ready = |stands: &[JointStand], agent: usize| {
         let own = due(problem, stands, agent)?;
         let stand = stands[agent].there()?;
-        if stand.cell != own.stop || stand.rested < own.stay {
+        if stand.cell != own.stop || stand.rested < own.stay || own.splits.is_some() {
             return None;
         }
         match own.meets {
@@ -307,7 +358,7 @@ fn settle(problem: &AssayProblem, stands: &mut [JointStand]) {
     }
     for agent in 0..stands.len() {
         let stay = due(problem, stands, agent)
-            .filter(|own| stands[agent].there().is_some_and(|stand| stand.cell == own.stop))
+            .filter(|own| own.mixes.is_some() || stands[agent].there().is_some_and(|stand| stand.cell == own.stop))
             .map_or(0, |own| own.stay);
         if let JointStand::There(stand) = &mut stands[agent] {
             stand.rested = stand.rested.min(stay);

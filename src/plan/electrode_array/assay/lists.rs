@@ -11,6 +11,7 @@ use super::route::{Ahead, RouteQuery, Router};
 use super::{AgentCourse, AssayPlan, AssayProblem, bound};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
+use std::collections::VecDeque;
 
 /// Lists that are tried until there is a plan, and then without a better one.
 const LISTS: usize = 200;
@@ -39,7 +40,8 @@ pub(super) fn best(
 ) -> Option<Vec<AgentCourse>> {
     let mut planner = ListPlanner { problem, router: Router::new(problem, ahead), limit: NEVER, meter };
     let mut list: Vec<usize> = (0..problem.errands.len()).collect();
-    list.sort_by_key(|agent| std::cmp::Reverse(length(problem, ahead, *agent)));
+    let lengths = lengths(problem, ahead);
+    list.sort_by_key(|agent| std::cmp::Reverse(lengths[*agent]));
     let mut random = SplitMix64::new(SEED);
     let (mut best, mut worst_list) = (None, 0);
     while best.is_none() && worst_list < LISTS && planner.meter.left().steps > 0 {
@@ -48,6 +50,7 @@ pub(super) fn best(
             Err(failed) => {
                 let mut first = vec![failed];
                 first.extend(problem.errands[failed].iter().filter_map(|errand| errand.meets));
+                first.extend(problem.parents[failed]);
                 first.dedup();
                 // The same order again and again would fail again.
                 if worst_list % 2 == 1 {
@@ -121,6 +124,19 @@ impl Improvement {
     }
 }
 
+/// Least steps of each agent alone, or of those that it gives off, if that is more.
+fn lengths(problem: &AssayProblem, ahead: &Ahead) -> Vec<u64> {
+    let agents = 0..problem.errands.len();
+    let mut lengths: Vec<u64> = agents.clone().map(|agent| length(problem, ahead, agent)).collect();
+    // Who is given off comes later than who gives it off.
+    for agent in agents.rev() {
+        if let Some(parent) = problem.parents[agent] {
+            lengths[parent] = lengths[parent].max(lengths[agent] + 1);
+        }
+    }
+    lengths
+}
+
 /// Least steps of an agent alone.
 fn length(problem: &AssayProblem, ahead: &Ahead, agent: usize) -> u64 {
     let mut from = problem.instance.agents[agent].start;
@@ -181,9 +197,19 @@ struct Progress<'a> {
     done: Vec<usize>,
     /// By agent: those that it has merged with.
     past: Vec<Vec<usize>>,
+    /// Agents that others have given off and that have no course yet, each with the instant at which it comes.
+    given_off: VecDeque<(usize, u32)>,
 }
 
 impl Progress<'_> {
+    /// Keeps the starts of the agents that were given off free for them.
+    fn keep_given_off(&mut self, problem: &AssayProblem, instants: u32) {
+        for (agent, since) in &self.given_off {
+            let start = problem.instance.agents[*agent].start;
+            self.bookings.keep(*agent, start, (since - 1, since.saturating_add(instants)));
+        }
+    }
+
     /// The instant since which an agent waits for another one at the end of its course.
     fn waits(&self, problem: &AssayProblem, other: usize, agent: usize) -> Option<u32> {
         let waiting = self.done[other].checked_sub(1).map(|last| problem.errands[other][last]);
@@ -203,18 +229,23 @@ impl ListPlanner<'_, '_> {
             courses: vec![BookedCourse::default(); count],
             done: vec![0; count],
             past: vec![Vec::new(); count],
+            given_off: VecDeque::new(),
         };
         let until = separation.saturating_mul(kept_separations);
         for (agent, asked) in problem.instance.agents.iter().enumerate() {
-            if !problem.comes[agent] {
-                progress.bookings.keep(agent, asked.start, until);
+            if !problem.comes[agent] && problem.parents[agent].is_none() {
+                progress.bookings.keep(agent, asked.start, (0, until));
             }
         }
         loop {
-            // The first of the list that can go on.
-            let next = list.iter().copied().find(|agent| self.can_go_on(&progress, *agent));
-            let Some(agent) = next else { break };
+            // Those that were given off, since they are there already; else the first of the list that can go on, and of these one whose
+            // turn it is where it goes to meet another, if there is one.
+            let given_off = progress.given_off.pop_front().map(|(agent, _)| agent);
+            let can_go_on = || list.iter().copied().filter(|agent| self.can_go_on(&progress, *agent));
+            let in_turn = || can_go_on().find(|agent| self.is_in_turn(&progress, *agent));
+            let Some(agent) = given_off.or_else(in_turn).or_else(|| can_go_on().next()) else { break };
             self.go_on(&mut progress, agent)?;
+            progress.keep_given_off(problem, until);
         }
         let left = (0..count).find(|agent| progress.done[*agent] < problem.errands[*agent].len());
         match left {
@@ -228,7 +259,19 @@ impl ListPlanner<'_, '_> {
 
     /// Whether an agent has errands left and waits for none.
     fn can_go_on(&self, progress: &Progress, agent: usize) -> bool {
-        progress.done[agent] < self.problem.errands[agent].len() && progress.courses[agent].ready.is_none()
+        progress.done[agent] < self.problem.errands[agent].len()
+            && progress.courses[agent].ready.is_none()
+            && (self.problem.parents[agent].is_none() || !progress.courses[agent].cells.is_empty())
+    }
+
+    /// Whether the agent that another one meets next meets no third one before.
+    fn is_in_turn(&self, progress: &Progress, agent: usize) -> bool {
+        let next_meeting = |agent: usize| {
+            let waiting = usize::from(progress.courses[agent].ready.is_some());
+            let left = &self.problem.errands[agent][progress.done[agent] - waiting.min(progress.done[agent])..];
+            left.iter().find_map(|errand| errand.meets)
+        };
+        next_meeting(agent).is_none_or(|other| next_meeting(other) == Some(agent))
     }
 
     /// Plans the course of an agent to its end, or to where it waits for another one.
@@ -272,11 +315,19 @@ impl ListPlanner<'_, '_> {
         let own = &mut progress.courses[agent];
         own.since = if query.comes { course.since } else { own.since };
         own.cells.truncate(since as usize);
-        own.cells.extend(course.cells);
+        own.cells.extend(&course.cells);
         own.ready = must_wait.then_some(course.ready);
+        own.splits.extend(course.splits.iter().map(|(_, at)| at - 1));
         own.is_gone = is_gone;
         progress.done[agent] = first + waits.len();
         progress.bookings.enter(agent, &progress.courses[agent]);
+        for (child, since) in course.splits {
+            // Its course begins where it comes.
+            let start = problem.instance.agents[child].start;
+            let cells = vec![start; since as usize + 1];
+            progress.courses[child] = BookedCourse { since, cells, is_split_off: true, ..BookedCourse::default() };
+            progress.given_off.push_back((child, since));
+        }
         for (errand, waited) in errands.iter().zip(&waits) {
             if let (Some(other), Some(_)) = (errand.meets, waited) {
                 self.met(progress, other, (agent, errand.stop));

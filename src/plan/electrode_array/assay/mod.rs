@@ -30,6 +30,20 @@ pub struct Errand {
     pub stay: u32,
     /// The agent with which it merges there; both stay for no step.
     pub meets: Option<usize>,
+    /// The loop, one of [`AssayProblem::loops`], round which it goes for these steps: whole rounds from the stop to the stop.
+    pub mixes: Option<usize>,
+    /// What it gives off in the one step in which it comes to the stop.
+    pub splits: Option<SplitErrand>,
+}
+
+/// An agent that comes out of another one: that one is pulled apart at a cell, and in one step goes from there to its stop and the new agent
+/// to its start, on the opposite side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SplitErrand {
+    /// Where the first is before that step: the stop of its errand before.
+    pub from: CellIndex,
+    /// The agent that comes.
+    pub child: usize,
 }
 
 /// The errands of all agents.
@@ -40,6 +54,11 @@ pub struct AssayProblem<'a> {
     /// For each agent, whether it is nowhere until an instant that the plan chooses. Then it is at its start, where its first errand is a
     /// stay.
     pub comes: Vec<bool>,
+    /// For each agent the one that gives it off, if it comes by a split. It is nowhere before, then at its start, which is the stop of
+    /// its first errand.
+    pub parents: Vec<Option<usize>>,
+    /// Cells of mixing loops, from the corner on.
+    pub loops: Vec<Vec<CellIndex>>,
     /// For each agent, at least one. Where two meet, the one with further errands, else the one of the smaller index, remains.
     pub errands: Vec<Vec<Errand>>,
     /// For each agent, whether it is gone after its last errand: the other one of those that meet there remains, or it leaves the board.

@@ -3,20 +3,23 @@
 //! Method: safe-interval path planning (Phillips and Likhachev, ICRA 2011) over free spans and the number of errands that are done.
 //! The earliest arrival in a span with the same errands done dominates all later ones. An errand is done as soon as its time has
 //! passed at its stop, which is what whoever replays the course sees too. Of courses that end at the same instant it prefers those that are
-//! not long where agents come. Guaranteed: the course is legal. Not guaranteed: that one is
+//! not long where agents come or are mixed. Guaranteed: the course is legal. Not guaranteed: that one is
 //! found where only one exists that leaves a stop early and does the errand later. Cost: one step for each expanded node.
 
 use super::super::board::CellIndex;
 use super::super::fast::{DistanceField, Distances, UNREACHABLE};
 use super::bookings::{Bookings, FreeSpan, NEVER};
-use super::{AssayProblem, Errand};
+use super::{AssayProblem, Errand, SplitErrand};
 use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// No node.
+/// No node, and no loop.
 const NONE: u32 = u32::MAX;
+
+/// For how many separations, in steps, an agent that was pulled apart does not go where the other one comes.
+const KEPT_SEPARATIONS: u32 = 3;
 
 /// The distances to the stops of all agents.
 pub(super) struct Ahead {
@@ -65,6 +68,8 @@ pub(super) struct Course {
     /// From the instant of the query on.
     pub cells: Vec<CellIndex>,
     pub ready: u32,
+    /// The agents that it gives off, each with the instant at which it comes, in order.
+    pub splits: Vec<(usize, u32)>,
 }
 
 /// Estimated end, time in the way and steps ahead of a node, and its index.
@@ -81,8 +86,13 @@ struct RouteNode {
     at: u32,
     /// The instant at which the last errand but one was done.
     ready: u32,
-    /// For how long it has been where another agent may come.
+    /// For how long it has been where another agent may come, or be mixed.
     in_the_way: u32,
+    /// The loop round which it came, which it entered when it came to the cell, and until when; [`NONE`] if it did not.
+    mixing: u32,
+    mixed: u32,
+    /// The instant at which it last came from where it was pulled apart; 0 if it was not.
+    split: u32,
     parent: u32,
 }
 
@@ -95,8 +105,8 @@ pub(super) struct Router<'a> {
     listed: FxHashMap<(CellIndex, u32), (u32, u32)>,
     /// The earliest instant by span and errands done.
     earliest: FxHashMap<(u32, u32), u32>,
-    /// By cell: whether it is too near to where some agent comes.
-    is_outlet: Vec<bool>,
+    /// By cell: whether it is too near to where some agent comes, or is mixed.
+    is_wanted: Vec<bool>,
     nodes: Vec<RouteNode>,
     open: BinaryHeap<Reverse<OpenNode>>,
 }
@@ -104,16 +114,18 @@ pub(super) struct Router<'a> {
 impl<'a> Router<'a> {
     pub(super) fn new(problem: &'a AssayProblem<'a>, ahead: &'a Ahead) -> Router<'a> {
         let instance = problem.instance;
-        let mut is_outlet = vec![false; instance.board.cells()];
-        for (agent, _) in instance.agents.iter().zip(&problem.comes).filter(|(_, comes)| **comes) {
-            for near in instance.board.around(agent.start, instance.separation) {
-                is_outlet[near as usize] = true;
+        let mut is_wanted = vec![false; instance.board.cells()];
+        let comes = instance.agents.iter().zip(&problem.comes).filter(|(_, comes)| **comes);
+        let loops = problem.loops.iter().flatten().copied();
+        for cell in comes.map(|(agent, _)| agent.start).chain(loops) {
+            for near in instance.board.around(cell, instance.separation) {
+                is_wanted[near as usize] = true;
             }
         }
         Router {
             problem,
             ahead,
-            is_outlet,
+            is_wanted,
             spans: Vec::new(),
             listed: FxHashMap::default(),
             earliest: FxHashMap::default(),
@@ -131,8 +143,20 @@ impl<'a> Router<'a> {
         self.open.clear();
         let search = RouteSearch::new(self.problem, self.ahead, query);
         for (span, at) in self.starts(&search, bookings) {
-            let start =
-                RouteNode { cell: query.start, span, done: 0, entered: at, at, ready: at, in_the_way: 0, parent: NONE };
+            let (mixing, mixed) = (NONE, 0);
+            let start = RouteNode {
+                cell: query.start,
+                span,
+                done: 0,
+                entered: at,
+                at,
+                ready: at,
+                in_the_way: 0,
+                mixing,
+                mixed,
+                split: 0,
+                parent: NONE,
+            };
             self.enter(&search, bookings, start);
         }
         while let Some(Reverse((.., Reverse(index)))) = self.open.pop() {
@@ -142,7 +166,7 @@ impl<'a> Router<'a> {
             }
             meter.step()?;
             if self.is_end(&search, &node) {
-                return Some(self.found(index, query));
+                return Some(self.found(index, &search));
             }
             self.expand(&search, bookings, index);
         }
@@ -202,13 +226,18 @@ impl<'a> Router<'a> {
             let (first, end) = self.list(search, bookings, (cell, node.done));
             let past = self.spans[first as usize..end as usize].partition_point(|span| span.to <= node.at + 1);
             for span in first + past as u32..end {
-                let at = self.spans[span as usize].from.max(node.at + 1);
+                let FreeSpan { from, to } = self.spans[span as usize];
+                let at = from.max(node.at + 1);
                 if at > leave {
                     break;
                 }
-                let was_there = if self.is_outlet[node.cell as usize] { at - node.at } else { 0 };
+                let at = at.max(search.kept_until(self.problem, &node, cell));
+                if at > leave || at >= to {
+                    continue;
+                }
+                let was_there = if self.is_wanted[node.cell as usize] { at - node.at } else { 0 };
                 let in_the_way = node.in_the_way + was_there;
-                let next = RouteNode { cell, span, entered: at, at, in_the_way, parent: index, ..node };
+                let next = RouteNode { cell, span, entered: at, at, in_the_way, mixing: NONE, parent: index, ..node };
                 self.enter(search, bookings, next);
             }
         }
@@ -216,8 +245,20 @@ impl<'a> Router<'a> {
 
     /// Adds a node with all errands done that can be done at once, unless a known one is no later.
     fn enter(&mut self, search: &RouteSearch, bookings: &Bookings, mut node: RouteNode) {
-        while node.done < search.last() && node.cell == search.errand(node.done).stop {
+        while node.done < search.last() {
             let errand = search.errand(node.done);
+            if let Some(split) = errand.splits.filter(|split| split.from == node.cell) {
+                self.split(search, bookings, (&node, errand, split));
+                break;
+            }
+            if errand.splits.is_some() || node.cell != errand.stop {
+                break;
+            }
+            if let Some(around) = errand.mixes {
+                let Some(mixed) = self.mixed(search, bookings, &node, (around, errand.stay)) else { break };
+                node = mixed;
+                continue;
+            }
             let to = self.spans[node.span as usize].to;
             let at = match (errand.meets, search.query.waits[node.done as usize]) {
                 // Where it meets an agent it comes once, and stays until the other is there.
@@ -250,8 +291,88 @@ impl<'a> Router<'a> {
         self.open.push(Reverse((total, node.in_the_way, ahead, Reverse(index))));
     }
 
-    fn found(&self, end: u32, query: &RouteQuery) -> Course {
-        let RouteQuery { since, comes, .. } = *query;
+    /// The first instant of a span, from one on, from which on an agent can go round a loop for some steps. All of the loop is free for all
+    /// of that time, which is more than is needed.
+    fn loop_window(
+        &mut self,
+        search: &RouteSearch,
+        bookings: &Bookings,
+        (node, around): (&RouteNode, &[CellIndex]),
+        steps: u32,
+    ) -> Option<u32> {
+        let to = self.spans[node.span as usize].to;
+        let mut from = node.at;
+        let mut checked = 0;
+        while checked < around.len() {
+            let until = from.saturating_add(steps);
+            if until >= to || self.problem.instance.board.is_blocked(around[checked]) {
+                return None;
+            }
+            let (first, end) = self.list(search, bookings, (around[checked], node.done));
+            let span = (first..end).map(|span| self.spans[span as usize]).find(|span| span.to > until)?;
+            checked = if span.from > from { 0 } else { checked + 1 };
+            from = from.max(span.from);
+        }
+        Some(from)
+    }
+
+    /// The node at which an agent has been mixed, of one at the corner of its loop.
+    fn mixed(
+        &mut self,
+        search: &RouteSearch,
+        bookings: &Bookings,
+        node: &RouteNode,
+        (around, steps): (usize, u32),
+    ) -> Option<RouteNode> {
+        let problem = self.problem;
+        let from = self.loop_window(search, bookings, (node, &problem.loops[around]), steps)?;
+        let at = from + steps;
+        let span = self.span_at(search, bookings, (node.cell, node.done + 1), at)?;
+        let parent = self.nodes.len() as u32;
+        self.nodes.push(*node);
+        let ready = if node.done + 1 < search.last() { at } else { node.ready };
+        let (done, entered, mixing) = (node.done + 1, from + 1, around as u32);
+        Some(RouteNode { span, done, entered, at, ready, mixing, mixed: at, parent, ..*node })
+    }
+
+    /// Adds the nodes at which an agent has been pulled apart, of one where that takes place: one for each free span of where it goes.
+    fn split(
+        &mut self,
+        search: &RouteSearch,
+        bookings: &Bookings,
+        (node, errand, split): (&RouteNode, Errand, SplitErrand),
+    ) {
+        let leave = self.spans[node.span as usize].to;
+        let comes = self.problem.instance.agents[split.child].start;
+        let parent = self.nodes.len() as u32;
+        self.nodes.push(*node);
+        let (first, end) = self.list(search, bookings, (errand.stop, node.done + 1));
+        for span in first..end {
+            let FreeSpan { from, to } = self.spans[span as usize];
+            let (first, end) = self.list(search, bookings, (comes, node.done + 1));
+            let both = (first..end).map(|child| self.spans[child as usize]).find_map(|child| {
+                let at = from.max(child.from).max(node.at + 1);
+                (at < to.min(child.to)).then_some(at)
+            });
+            let Some(at) = both.filter(|at| *at <= leave) else { continue };
+            let ready = if node.done + 1 < search.last() { at } else { node.ready };
+            let (cell, done) = (errand.stop, node.done + 1);
+            let next = RouteNode { cell, span, done, entered: at, at, ready, mixing: NONE, split: at, parent, ..*node };
+            self.enter(search, bookings, next);
+        }
+    }
+
+    /// The latest instant at which an agent that comes can be dispensed if it comes in the span of its first node: before, those that it
+    /// meets later keep away. Where it does more at once there, no later than it does.
+    fn latest_dispensed(&self, search: &RouteSearch, first: &RouteNode) -> u32 {
+        let listed = self.listed.get(&(first.cell, search.met(0).len() as u32)).filter(|_| first.done == 1);
+        let spans = listed.map_or([].as_slice(), |(first, end)| &self.spans[*first as usize..*end as usize]);
+        let holds = |span: &&FreeSpan| (span.from.saturating_sub(1)..span.to).contains(&first.entered);
+        spans.iter().find(holds).map_or(first.at, |span| (span.to - 1).max(first.at))
+    }
+
+    fn found(&self, end: u32, search: &RouteSearch) -> Course {
+        let RouteQuery { since, comes, .. } = *search.query;
         let mut chain = vec![self.nodes[end as usize]];
         while let Some(node) = chain.last().filter(|node| node.parent != NONE) {
             chain.push(self.nodes[node.parent as usize]);
@@ -259,19 +380,29 @@ impl<'a> Router<'a> {
         // What comes does so no earlier than it must to leave when it does.
         let (mut came, mut ready) = (since, chain[0].ready);
         if let ([.., next, first], true) = (chain.as_slice(), comes) {
-            let idle = next.entered - 1 - first.at;
+            let idle = (next.entered - 1 - first.at).min(self.latest_dispensed(search, first) - first.at);
             ready += if ready <= first.at { idle } else { 0 };
             came = first.entered + idle;
         } else if comes {
             came = chain[0].entered;
         }
         let mut cells: Vec<CellIndex> = Vec::new();
+        let pairs = chain.windows(2).rev().filter(|pair| pair[0].split != pair[1].split);
+        let split = |pair: &[RouteNode]| {
+            let split = search.errand(pair[1].done).splits?;
+            Some((split.child, pair[0].split))
+        };
+        let splits = pairs.filter_map(split).collect();
         for node in chain.iter().rev() {
             let before = cells.last().copied().unwrap_or(node.cell);
             cells.resize((node.entered - since) as usize, before);
+            if let Some(around) = self.problem.loops.get(node.mixing as usize) {
+                let steps = node.mixed + 1 - node.entered;
+                cells.extend((1..=steps as usize).map(|step| around[step % around.len()]));
+            }
             cells.resize((node.at - since) as usize + 1, node.cell);
         }
-        Course { since: came, cells, ready }
+        Course { since: came, cells, ready, splits }
     }
 }
 
@@ -318,6 +449,19 @@ impl<'q> RouteSearch<'q> {
     /// Where the course ends.
     fn goal(&self) -> CellIndex {
         self.errands.last().map_or(self.query.start, |errand| errand.stop)
+    }
+
+    /// The first instant at which an agent may come to a cell that is too near to the one that it has given off: that one goes first.
+    fn kept_until(&self, problem: &AssayProblem, node: &RouteNode, cell: CellIndex) -> u32 {
+        let separation = problem.instance.separation;
+        let last = node.done.checked_sub(1).and_then(|last| self.errand(last).splits);
+        let is_near = |split: SplitErrand| {
+            problem.instance.board.apart(cell, problem.instance.agents[split.child].start) < separation
+        };
+        match last.filter(|split| is_near(*split)) {
+            Some(_) => node.split.saturating_add(separation.saturating_mul(KEPT_SEPARATIONS)),
+            None => 0,
+        }
     }
 
     fn met(&self, done: u32) -> &[(usize, CellIndex)] {

@@ -1,5 +1,6 @@
 use super::*;
-use crate::claims::electrode_array::AssayOperation;
+use crate::claims::Relation;
+use crate::claims::electrode_array::{AssayOperation, DropletContent, DropletShare};
 use crate::schedule::{Actuation, ScheduledOperation};
 use crate::source::Span;
 
@@ -192,6 +193,170 @@ fn an_outlet_dispenses_what_is_asked_and_no_more() {
     only(Rule::Unused, &schedule, &claims);
 }
 
+/// `b` comes out of `a`, which is split at (5, 4), and goes up; what follows, and a third part with what it does.
+fn split_upward(third: Option<(&str, u32, u32)>, then: Vec<AssayOperation>) -> ElectrodeArrayOrder {
+    let parts: Vec<(&str, u32, u32)> = [("a", 4, 4), ("b", 1, 1)].into_iter().chain(third).collect();
+    let operations = std::iter::once(split(1, 0, (5, 4), (5, 5))).chain(then).collect();
+    without_places(assay(&parts, operations), &[1])
+}
+
+#[test]
+fn a_droplet_is_split_where_the_electrodes_on_both_sides_pull() {
+    let alone = || split_upward(None, vec![]);
+    judged(alone(), &["RD", "_o"], &[]);
+    judged(alone(), &["R..D", "___o"], &[]);
+    judged(alone(), &[".RLRD", "____o"], &[]);
+    judged(alone(), &["RD", "__"], &[Rule::Goal]);
+    judged(alone(), &["RU", "__"], &[Rule::Goal]);
+    judged(alone(), &["R", "_"], &[Rule::Goal]);
+    judged(alone(), &["RD.", "_o."], &[Rule::Idle]);
+    // Its own electrode is off meanwhile, and it is split nowhere else.
+    judged(alone(), &["R.", "_o"], &[Rule::Pull]);
+    judged(alone(), &["URD", "__o"], &[Rule::Pull]);
+    judged(alone(), &["DD", "_o"], &[Rule::Unused]);
+    // The half that the program names goes where it says.
+    let sideways = || without_places(assay(&[("a", 4, 4), ("b", 1, 1)], vec![split(1, 0, (5, 4), (6, 4))]), &[1]);
+    judged(sideways(), &["RL", "_o"], &[]);
+    judged(sideways(), &["RD", "_o"], &[Rule::Pull]);
+}
+
+#[test]
+fn both_halves_go_on_by_themselves() {
+    let then = vec![incubate(1, &[], 2), operation(go(0, &[(6, 3)])), discard(1, (5, 6))];
+    judged(split_upward(None, then.clone()), &["RDR", "_o..Ux"], &[]);
+    judged(split_upward(None, then.clone()), &["RD...R", "_o..Ux"], &[]);
+    judged(split_upward(None, then.clone()), &["RDR", "_o.U"], &[Rule::Goal]);
+    judged(split_upward(None, then), &["RDR", "_o...."], &[Rule::Goal]);
+    let merges = vec![operation(merge(0, 1, (5, 4)))];
+    judged(split_upward(None, merges), &["RDU", "_oDx"], &[]);
+    // What comes out of one can be split again.
+    let parts = [("a", 4, 4), ("b", 1, 1), ("c", 1, 1)];
+    let again = vec![split(1, 0, (5, 4), (5, 5)), split(2, 1, (5, 6), (6, 6))];
+    let order = || without_places(assay(&parts, again.clone()), &[1, 2]);
+    judged(order(), &["RD", "_oUL", "___o"], &[]);
+    judged(order(), &["RD", "_oUL", "____"], &[Rule::Goal]);
+}
+
+#[test]
+fn halves_keep_away_from_others() {
+    let beside = |at: (u32, u32), then| split_upward(Some(("c", at.0, at.1)), then);
+    judged(beside((7, 5), vec![]), &["RD", "_o", ""], &[]);
+    judged(beside((6, 6), vec![]), &["RD", "_o", ""], &[Rule::Pull]);
+    judged(beside((7, 3), vec![]), &["RD", "_o", ""], &[]);
+    let leaves = || vec![operation(go(2, &[(8, 4)]))];
+    judged(beside((7, 4), leaves()), &["RD", "_o", ".R"], &[]);
+    judged(beside((7, 4), vec![operation(go(2, &[(6, 4)]))]), &["RD", "_o", ".L"], &[Rule::Pull]);
+}
+
+#[test]
+fn a_droplet_is_mixed_round_its_loop() {
+    let stirred = |stops: &[(u32, u32)], beats| assay(&[("a", 4, 4)], vec![mix(0, stops, beats)]);
+    judged(stirred(&[], 4), &["RULD"], &[]);
+    judged(stirred(&[], 1), &["RULD"], &[]);
+    judged(stirred(&[], 5), &["RULDRULD"], &[]);
+    judged(stirred(&[], 5), &["RULDR"], &[Rule::Goal]);
+    judged(stirred(&[], 4), &["RULD.."], &[Rule::Idle]);
+    judged(stirred(&[], 4), &[".RLRULD"], &[]);
+    judged(stirred(&[(5, 4)], 4), &["RRULD"], &[]);
+    // Anticlockwise, a cell in every beat, from the corner to the corner.
+    judged(stirred(&[], 4), &["URDL"], &[Rule::Goal]);
+    judged(stirred(&[], 4), &["R.ULD"], &[Rule::Goal]);
+    judged(stirred(&[], 5), &["RULD.RULD"], &[Rule::Goal]);
+    judged(stirred(&[], 4), &["LURD"], &[Rule::Goal]);
+    judged(stirred(&[], 4), &["RRULLD"], &[Rule::Goal]);
+    // Each time counts once.
+    let twice = || assay(&[("a", 4, 4)], vec![mix(0, &[], 4), mix(0, &[], 3)]);
+    judged(twice(), &["RULDRULD"], &[]);
+    judged(twice(), &["RULD"], &[Rule::Goal]);
+    let mut wide = stirred(&[], 6);
+    wide.facts.mixer = [3, 2];
+    judged(wide.clone(), &["RRULLD"], &[]);
+    judged(wide, &["RULDRULD"], &[Rule::Goal]);
+    let mut ring = stirred(&[], 8);
+    ring.facts.mixer = [3, 3];
+    judged(ring.clone(), &["RRUULLDD"], &[]);
+    judged(ring, &["RUULLDDR"], &[Rule::Goal]);
+}
+
+#[test]
+fn droplets_contain_what_is_asked() {
+    let share = |part, fluid: Option<&str>, relation, limit| DropletContent {
+        part,
+        share: fluid.map_or(DropletShare::Volume, |fluid| DropletShare::Fluid(fluid.to_owned())),
+        relation,
+        limit,
+        span: Span::default(),
+    };
+    // `a` meets `c`, is split into `a` and `b`, and what is left of it meets `d`.
+    let operations = vec![operation(merge(0, 2, (5, 4))), split(1, 0, (5, 4), (5, 5)), operation(merge(0, 3, (5, 2)))];
+    let parts = [("a", 4, 4), ("b", 1, 1), ("c", 7, 4), ("d", 5, 1)];
+    let judged_with = |contents: Vec<DropletContent>, limits: [Option<f64>; 2], due: &[Rule]| {
+        let mut order = without_places(assay(&parts, operations.clone()), &[1]);
+        order.contents = contents;
+        [order.facts.least_volume, order.facts.most_volume] = limits;
+        judged(order, &["R.DD", "__o", "LLx", "...Ux"], due);
+    };
+    judged_with(vec![], [None, None], &[]);
+    let held = |part, fluid, reached: f64| {
+        for (relation, limit) in
+            [(Relation::Equal, reached), (Relation::AtMost, reached), (Relation::More, reached - 0.1)]
+        {
+            judged_with(vec![share(part, fluid, relation, limit)], [None, None], &[]);
+        }
+        for (relation, limit) in
+            [(Relation::Equal, reached + 0.1), (Relation::Less, reached - 0.1), (Relation::AtLeast, reached + 0.1)]
+        {
+            judged_with(vec![share(part, fluid, relation, limit)], [None, None], &[Rule::Requirement]);
+        }
+    };
+    held(0, Some("a"), 0.25);
+    held(0, Some("c"), 0.25);
+    held(0, Some("d"), 0.5);
+    held(1, Some("a"), 0.5);
+    held(1, Some("d"), 0.0);
+    held(0, None, 2.0);
+    held(1, None, 1.0);
+    held(3, Some("d"), 1.0);
+    judged_with(vec![], [Some(1.0), Some(2.0)], &[]);
+    judged_with(vec![], [Some(1.0), Some(1.5)], &[Rule::Requirement]);
+    judged_with(vec![], [Some(1.1), Some(2.0)], &[Rule::Requirement]);
+}
+
+#[test]
+fn splits_and_mixes_on_the_record_are_those_of_the_replay() {
+    let operations = vec![
+        mix(0, &[], 4),
+        split(1, 0, (5, 4), (5, 5)),
+        incubate(1, &[(5, 6)], 1),
+        mix(0, &[(6, 3)], 2),
+        operation(go(1, &[(5, 7)])),
+    ];
+    let order = without_places(assay(&[("a", 4, 4), ("b", 1, 1)], operations), &[1]);
+    let (mut sound, claims) = one_step(order, &[".RULD.R.DR.RULD", "________oU.U"]);
+    sound.steps[0].operations = vec![
+        recorded(&["a"], [0, 1, 5]),
+        recorded(&["a", "b"], [5, 7, 9]),
+        recorded(&["b"], [9, 10, 11]),
+        recorded(&["a"], [9, 11, 15]),
+        recorded(&["b"], [11, 12, 12]),
+    ];
+    passes(&sound, &claims);
+    for nth in 0..5 {
+        for edit in [0, 1, 2] {
+            let mut schedule = sound.clone();
+            let own = &mut schedule.steps[0].operations[nth];
+            match edit {
+                0 => own.start_ns += 1,
+                1 => own.arrival_ns += BEAT,
+                _ => own.parts.reverse(),
+            }
+            if schedule != sound {
+                only(Rule::Figure, &schedule, &claims);
+            }
+        }
+    }
+}
+
 #[test]
 fn parts_without_an_operation_come_back_before_the_end() {
     let order = |bystanders| ElectrodeArrayOrder {
@@ -297,6 +462,32 @@ fn claims_that_no_checker_makes_are_refused() {
         vec![AssayOperation { comes: true, ..incubate(0, &[(5, 4), (5, 5)], 2) }],
         vec![AssayOperation { leaves: true, ..incubate(0, &[], 0) }],
         vec![incubate(0, &[], 60_000), incubate(1, &[], 60_000)],
+        vec![mix(0, &[], 0)],
+        vec![mix(0, &[], 60_000), mix(1, &[], 60_000)],
+        vec![AssayOperation { mixes: true, ..both() }],
+        vec![AssayOperation { mixes: true, ..discard(0, (5, 5)) }],
+        vec![AssayOperation { mixes: true, ..split(1, 0, (5, 4), (5, 5)) }],
+        vec![split(0, 0, (5, 4), (5, 5))],
+        vec![split(2, 0, (5, 4), (5, 5))],
+        vec![split(1, 0, (5, 4), (6, 5))],
+        vec![split(1, 0, (5, 4), (7, 4))],
+        vec![split(1, 0, (5, 4), (5, 4))],
+        vec![split(1, 0, (5, 14), (5, 15))],
+        vec![AssayOperation { stay_ns: 1, ..split(1, 0, (5, 4), (5, 5)) }],
+        vec![AssayOperation { leaves: true, ..split(1, 0, (5, 4), (5, 5)) }],
+        vec![AssayOperation { splits: split(1, 0, (5, 4), (5, 5)).splits, ..incubate(0, &[], 0) }],
+        vec![discard(1, (12, 4)), split(1, 0, (5, 4), (5, 5))],
     ];
     refused.into_iter().for_each(|operations| assert!(!is_judged(operations.clone()), "{operations:?}"));
+    let of_facts = |edit: &dyn Fn(&mut ElectrodeArrayFacts)| {
+        let mut order = assay(&[("a", 4, 4), ("b", 10, 4)], vec![split(1, 0, (5, 4), (5, 5))]);
+        edit(&mut order.facts);
+        let claims = alone(order);
+        !matches!(verify(schedule(&claims, &[&[&[""]]]), &claims), Verdict::Inconclusive { .. })
+    };
+    assert!(of_facts(&|_| ()));
+    assert!(!of_facts(&|facts| facts.hold = Hold::Off));
+    assert!(!of_facts(&|facts| facts.separation = Separation::Apart(3)));
+    assert!(!of_facts(&|facts| facts.mixer = [1, 4]));
+    assert!(!of_facts(&|facts| facts.mixer = [2, 100_000]));
 }

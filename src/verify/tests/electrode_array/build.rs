@@ -3,11 +3,13 @@
 use crate::claims::electrode_array::{
     AssayOperation, BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove,
     ElectrodeArrayObjective, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
-    ElectrodeArrayPlanner, ElectrodeArrayStep, ElectrodeArrayStop,
+    ElectrodeArrayPlanner, ElectrodeArrayStep, ElectrodeArrayStop, SplitDroplet,
 };
 use crate::claims::{Claims, Job, Order};
 use crate::device::Kind;
-use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, Separation};
+use crate::device::electrode_array::{
+    DEFAULT_MIXER, ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, Separation,
+};
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, TimedState};
 use crate::source::Span;
@@ -33,6 +35,9 @@ pub fn platform(columns: u32, rows: u32) -> ElectrodeArrayFacts {
         layout: Layout { electrodes: Electrodes::Quad, half_width_pitches: 1.5 },
         hold: Hold::Off,
         dispense_ns: None,
+        mixer: DEFAULT_MIXER,
+        least_volume: None,
+        most_volume: None,
         separation: Separation::Apart(4),
         clearance: 3,
         map: None,
@@ -45,6 +50,9 @@ pub fn chip(columns: u32, rows: u32) -> ElectrodeArrayFacts {
         layout: Layout { electrodes: Electrodes::Single, half_width_pitches: 0.55 },
         hold: Hold::On,
         dispense_ns: None,
+        mixer: DEFAULT_MIXER,
+        least_volume: None,
+        most_volume: None,
         separation: Separation::Apart(2),
         clearance: 2,
         ..platform(columns, rows)
@@ -75,6 +83,7 @@ pub fn order(
         objective: ElectrodeArrayObjective::Makespan,
         planner: ElectrodeArrayPlanner { method: ElectrodeArrayMethod::Portfolio, expansions: 1000 },
         bystanders: Bystanders::Stay,
+        contents: Vec::new(),
         steps: actions.into_iter().map(|action| ElectrodeArrayStep { action, span: Span::default() }).collect(),
     }
 }
@@ -98,6 +107,18 @@ pub fn dispense(part: usize, outlet: (u32, u32), beats: u64) -> AssayOperation {
     AssayOperation { comes: true, ..incubate(part, &[outlet], beats) }
 }
 
+/// A part is mixed where it is, or from its stop on, for some beats.
+pub fn mix(part: usize, stops: &[(u32, u32)], beats: u64) -> AssayOperation {
+    AssayOperation { mixes: true, ..incubate(part, stops, beats) }
+}
+
+/// A part comes out of another one that is split at a cell, and goes to one beside it.
+pub fn split(half: usize, part: usize, at: (u32, u32), to: (u32, u32)) -> AssayOperation {
+    let opposite = (2 * at.0 - to.0, 2 * at.1 - to.1);
+    let splits = Some(SplitDroplet { part: half, cell: cell(to.0, to.1) });
+    AssayOperation { splits, ..operation(go(part, &[at, opposite])) }
+}
+
 /// A part leaves the board.
 pub fn discard(part: usize, stop: (u32, u32)) -> AssayOperation {
     AssayOperation { leaves: true, ..operation(go(part, &[stop])) }
@@ -105,7 +126,7 @@ pub fn discard(part: usize, stop: (u32, u32)) -> AssayOperation {
 
 /// A move or a merge in an assay.
 pub fn operation(ElectrodeArrayMove { part, with, stops, span }: ElectrodeArrayMove) -> AssayOperation {
-    AssayOperation { part, with, stops, stay_ns: 0, comes: false, leaves: false, span }
+    AssayOperation { with, ..AssayOperation::passing(part, stops, span) }
 }
 
 pub fn merge(part: usize, with: usize, goal: (u32, u32)) -> ElectrodeArrayMove {
@@ -207,9 +228,7 @@ impl Writer {
             match &step.action {
                 ElectrodeArrayAction::Wait(duration_ns) => self.rest(order, *duration_ns),
                 ElectrodeArrayAction::Assay(operations) => {
-                    let comes = operations.iter().filter(|operation| operation.comes);
-                    let outlet = |operation: &AssayOperation| Some((operation.part, operation.stops.first()?.cell));
-                    self.outlets = comes.filter_map(outlet).collect();
+                    self.outlets = operations.iter().filter_map(AssayOperation::new_part).collect();
                     self.follow(order, words, beats, &mut states);
                 }
                 ElectrodeArrayAction::Move(goals) => {

@@ -14,17 +14,27 @@ fn sound() -> (Claims, Schedule) {
             incubate(0, &[(6, 6)], 2),
             operation(merge(0, 2, (8, 8))),
             incubate(0, &[], 1),
+            split(3, 0, (8, 8), (7, 8)),
+            mix(0, &[], 4),
         ]),
     ];
-    let mut order = order(chip(14, 14), &[("a", 3, 5), ("b", 7, 5), ("c", 9, 7)], steps);
+    let parts = [("a", 3, 5), ("b", 7, 5), ("c", 9, 7), ("d", 1, 1)];
+    let mut order = without_places(order(chip(14, 14), &parts, steps), &[3]);
     let bodies = [
         ElectrodeArrayObstacleBody::Electrodes { from: cell(12, 12), to: cell(13, 13) },
         ElectrodeArrayObstacleBody::Fixed(cell(2, 12)),
     ];
     order.obstacles = Arc::new(bodies.into_iter().map(|body| obstacle("dust", body)).collect());
     let claims = alone(order);
-    let mut schedule = schedule(&claims, &[&[&["RR", "LL", "UU"], &[], &["R"], &["U..RRUU.", "", "....LD.x"]]]);
-    let recorded: [(&[&str], [u64; 3]); 3] = [(&["a"], [0, 1, 3]), (&["a", "c"], [0, 7, 7]), (&["a"], [7, 7, 8])];
+    let mut schedule =
+        schedule(&claims, &[&[&["RR", "LL", "UU"], &[], &["R"], &["U..RRUU.RRULD", "", "....LD.x", "________o"]]]);
+    let recorded: [(&[&str], [u64; 3]); 5] = [
+        (&["a"], [0, 1, 3]),
+        (&["a", "c"], [0, 7, 7]),
+        (&["a"], [7, 7, 8]),
+        (&["a", "d"], [8, 8, 9]),
+        (&["a"], [9, 9, 13]),
+    ];
     schedule.steps[3].operations = recorded.map(|(parts, beats)| assay::recorded(parts, beats)).to_vec();
     let begins_ns = schedule.steps[3].start_ns;
     for operation in &mut schedule.steps[3].operations {
@@ -179,8 +189,8 @@ fn claims_that_no_program_has_are_inconclusive() {
                 ElectrodeArrayObstacleBody::Electrodes { from: cell(5, 5), to: cell(4, 9) },
             )]);
         }),
-        ("do not have", |order| moves(order)[1].part = 3),
-        ("do not have", |order| moves(order)[0].with = Some(3)),
+        ("do not have", |order| moves(order)[1].part = 4),
+        ("do not have", |order| moves(order)[0].with = Some(4)),
         ("does not have", |order| moves(order)[1].stops[0].cell = cell(15, 1)),
         ("twice", |order| moves(order)[0].with = Some(0)),
         ("twice", |order| moves(order)[1].part = 1),

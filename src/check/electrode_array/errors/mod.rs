@@ -2,13 +2,15 @@
 //!
 //! Faults of a device come without labels: the caller puts them on the fields, of whichever file they are.
 
+mod droplets;
+
 pub use crate::check::errors::*;
+pub use droplets::*;
 
 use crate::check::value::Value;
-use crate::claims::electrode_array::AssayOperation;
-use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, MAX_STAY_STEPS};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::{Dimension, Quantity, digits};
+use crate::quantity::{Dimension, digits};
 use crate::source::Span;
 
 /// A part with a cell and where that stands in the source.
@@ -215,7 +217,7 @@ pub fn published_needs_published(chosen: Option<Span>) -> Diagnostic {
 }
 
 pub fn stands_nowhere(span: Span, noun: &str, name: &str) -> Diagnostic {
-    let dispensed = if noun == "part" { "; a droplet that is dispensed needs a `reservoir` in the scene" } else { "" };
+    let dispensed = if noun == "part" { "; only droplets come out of reservoirs and other droplets" } else { "" };
     Diagnostic::new(Code::E0515, format!("{noun} `{name}` stands nowhere"))
         .label(span, "where?")
         .help(format!("write `{noun} {name} at (5, 3)`, column and row from 1{dispensed}"))
@@ -404,120 +406,6 @@ pub fn two_goals(name: &str, span: Span, earlier: Span) -> Diagnostic {
         .label(span, "again here")
         .label_elsewhere(earlier, span, "first here")
         .help("write two steps, one below the other, or one `move` with `via`")
-}
-
-/// The operations of an assay stay for more steps than a plan may have.
-pub fn stays_too_long(span: Span, steps: u64, step_ns: u64) -> Diagnostic {
-    let most = Quantity::new(MAX_STAY_STEPS as f64 * step_ns as f64 / 1e9, Dimension::TIME);
-    let one = Quantity::new(step_ns as f64 / 1e9, Dimension::TIME);
-    let title =
-        format!("the operations up to here stay for {steps} steps of the board; at most {MAX_STAY_STEPS} are planned");
-    Diagnostic::new(Code::E0554, title)
-        .label(span, format!("steps of {one}"))
-        .help(format!("stays of one `assay` may take {most} together: split it, with `wait` where all droplets rest"))
-}
-
-/// Why a part is gone, and where the program says so.
-#[derive(Debug, Clone, Copy)]
-pub enum Departure {
-    /// It has merged with another.
-    Merged(Span),
-    /// It has left the board.
-    Left(Span),
-}
-
-impl Departure {
-    /// The part that an operation takes away.
-    pub fn of(operation: &AssayOperation) -> Option<(usize, Departure)> {
-        let departure = if operation.leaves { Departure::Left } else { Departure::Merged };
-        operation.gone().map(|part| (part, departure(operation.span)))
-    }
-}
-
-pub fn gone_before(span: Span, name: &str, departure: Departure) -> Diagnostic {
-    match departure {
-        Departure::Merged(merged) => {
-            Diagnostic::new(Code::E0526, format!("`{name}` has merged with another part by then"))
-                .label(span, "is no part of its own any more")
-                .label_elsewhere(merged, span, "merged here")
-                .help("what has merged goes by the name before `with` from then on")
-        }
-        Departure::Left(left) => Diagnostic::new(Code::E0526, format!("`{name}` has left the board by then"))
-            .label(span, "is not there any more")
-            .label_elsewhere(left, span, "leaves here")
-            .help("`discard` takes a part away for the rest of the schedule: discard it later, or name another part"),
-    }
-}
-
-/// A part without a place before its `dispense`.
-pub fn not_there_yet(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0555, format!("`{name}` is not on the board by then"))
-        .label(span, "no reservoir has dispensed it")
-        .help(format!("write `dispense {name} from RESERVOIR` before, or give `{name}` a place in the scene with `at`"))
-}
-
-/// A part that stands on the board since a place in the source, and is to be dispensed.
-pub fn there_already(span: Span, name: &str, since: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0555, format!("`{name}` is on the board already"))
-        .label(span, "cannot be dispensed again")
-        .label_elsewhere(since, span, format!("`{name}` comes from here"))
-        .help("each droplet has a name of its own: declare another `part` without `at`, or a list of them with `for`")
-}
-
-pub fn parts_are_not_dispensed(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0555, "no reservoir dispenses parts with (2, 2) electrodes, but droplets with (1, 1)")
-        .label(span, "not on this device")
-        .help("give the part a place in the scene, as `part NAME at (5, 3)`")
-}
-
-/// `hold` is the field with which the device turns holding off.
-pub fn dispenses_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
-    let title = "droplets are dispensed only on a device that holds them, but this one has `hold: false`";
-    let diagnostic =
-        Diagnostic::new(Code::E0555, title).label(span, "the electrode at the outlet pulls the droplet out");
-    let diagnostic = match hold {
-        Some(hold) => diagnostic.label(hold, "electrodes are on only to move a droplet"),
-        None => diagnostic,
-    };
-    diagnostic.help("give the device `hold: true`")
-}
-
-pub fn dispenses_in_no_time(span: Span, device: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0555, format!("the device `{device}` has no `dispense_duration`"))
-        .label(span, "how long does this take?")
-        .help("give the device the time that its reservoirs need for one droplet, as `dispense_duration: 2 s`")
-}
-
-/// A reservoir with the outlet of another one.
-pub fn outlets_on_one_cell(name: &str, cell: ElectrodeCell, span: Span, other: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0555, format!("reservoir `{name}` has its outlet at {cell}, where another has its own"))
-        .label(span, "one electrode, two reservoirs")
-        .label_elsewhere(other, span, "the other one")
-        .help("`at` gives the electrode onto which a reservoir dispenses: each has its own")
-}
-
-pub fn parts_do_not_merge(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0527, "parts with (2, 2) electrodes do not merge, droplets with (1, 1) do")
-        .label(span, "not on this device")
-        .help("write two `move`s to cells that are far enough apart")
-}
-
-pub fn merges_with_itself(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0527, format!("`{name}` cannot merge with itself"))
-        .label(span, "one droplet, named twice")
-        .help("name two droplets of the scene")
-}
-
-/// `hold` is the field with which the device turns holding off.
-pub fn merges_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
-    let diagnostic =
-        Diagnostic::new(Code::E0529, "droplets merge only on a device that holds them, but this one has `hold: false`")
-            .label(span, "the first to arrive would not be held for the second");
-    let diagnostic = match hold {
-        Some(hold) => diagnostic.label(hold, "electrodes are on only to move a droplet"),
-        None => diagnostic,
-    };
-    diagnostic.help("give the device `hold: true`")
 }
 
 /// A part that stands where the scene of a later run has an obstacle, since the goal that brought it there.

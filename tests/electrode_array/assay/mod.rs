@@ -3,12 +3,13 @@
 //! The truth is found without the planner and the verifier: instant by instant, all joint positions with what each part has done by
 //! then, until all is done. `TWEEZE_ORACLE_CASES=1000` runs 1000 assays.
 
+mod program;
+
 use crate::programs::{Answered, answered};
 use crate::scenes::Random;
+use program::{Assay, Cell, NOWHERE, Operation, apart};
 use std::collections::HashSet;
 use tweeze::plan::Optimality;
-
-type Cell = (i32, i32);
 
 /// A board with more joint states than this at one instant is not searched.
 const MOST_STATES: usize = 60_000;
@@ -19,38 +20,6 @@ const MOST_STEPS: u64 = 40;
 /// Steps after the shortest plan in which plans of a smaller sum of costs are looked for.
 const LATER_STEPS: u64 = 2;
 
-/// Where a part is that no reservoir has dispensed yet: off the board, whose cells count from 1.
-const NOWHERE: Cell = (0, 0);
-
-/// A step of the board of `droplet_chip`.
-const STEP_MS: u64 = 60;
-
-#[derive(Clone, Debug)]
-enum Operation {
-    Move(usize, Vec<Cell>),
-    Merge(usize, usize, Cell),
-    /// A part, where if not where it is, and for how many steps.
-    Incubate(usize, Option<Cell>, u64),
-    Discard(usize, Cell),
-    /// A part, and the number of the reservoir.
-    Dispense(usize, usize),
-}
-
-#[derive(Clone, Debug)]
-struct Assay {
-    size: Cell,
-    separation: i32,
-    blocks: Vec<Cell>,
-    parts: Vec<Cell>,
-    /// Their outlets.
-    reservoirs: Vec<Cell>,
-    /// Steps in which a droplet is dispensed.
-    dispensing: u64,
-    may_yield: bool,
-    by_sum: bool,
-    operations: Vec<Operation>,
-}
-
 /// What a part is to do next: where, for how many steps, and the operation with its number if it merges.
 #[derive(Clone, Copy, Debug)]
 struct Due {
@@ -59,11 +28,15 @@ struct Due {
     merge: Option<(usize, usize)>,
     is_gone: bool,
     is_dispensed: bool,
+    /// It goes round for these steps, and does not stay.
+    is_mixed: bool,
+    /// The part that comes out of it on its way there: from where, which, and where that one goes.
+    split: Option<(Cell, usize, Cell)>,
 }
 
 impl Due {
     fn at(at: Cell) -> Due {
-        Due { at, stay: 0, merge: None, is_gone: false, is_dispensed: false }
+        Due { at, stay: 0, merge: None, is_gone: false, is_dispensed: false, is_mixed: false, split: None }
     }
 }
 
@@ -71,176 +44,29 @@ impl Due {
 /// which it moved last.
 type Stand = Option<(Cell, usize, u64, u64)>;
 
-fn apart(one: Cell, other: Cell) -> i32 {
-    (one.0 - other.0).abs().max((one.1 - other.1).abs())
+/// A part that is pulled apart in a step, the part that comes out of it, and the way of that one.
+type Pulled = (usize, usize, [Cell; 2]);
+
+/// What a part does in a step.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    /// It goes to a cell, or stays.
+    To(Cell),
+    /// It goes on, or begins to go, round its loop.
+    Round(Cell),
+    /// It is split, and goes to a cell.
+    Split(Cell),
+}
+
+impl Way {
+    fn end(self) -> Cell {
+        match self {
+            Way::To(cell) | Way::Round(cell) | Way::Split(cell) => cell,
+        }
+    }
 }
 
 impl Assay {
-    fn random(chance: &mut Random) -> Option<Assay> {
-        let separation = if chance.below(4) == 0 { 3 } else { 2 };
-        let sizes = match separation {
-            2 => [(4, 4), (5, 3), (6, 2), (5, 4), (7, 2)],
-            _ => [(5, 5), (6, 4), (7, 3), (4, 4), (8, 2)],
-        };
-        let size = sizes[chance.below(5) as usize];
-        let by_sum = chance.below(3) == 0;
-        let mut assay = Assay {
-            size,
-            separation,
-            blocks: vec![],
-            parts: vec![],
-            reservoirs: vec![],
-            dispensing: u64::from(1 + chance.below(3)),
-            may_yield: false,
-            by_sum,
-            operations: vec![],
-        };
-        assay.furnish(chance)?;
-        (assay.parts.len() >= 2).then_some(())?;
-        assay.may_yield = chance.below(2) == 0;
-        if !assay.reservoirs.is_empty() && chance.below(3) == 0 {
-            return assay.served(chance);
-        }
-        let mut left: Vec<usize> = (0..assay.parts.len()).collect();
-        let mut ends = assay.parts.clone();
-        for _ in 0..1 + chance.below(5) {
-            let Some(part) = left.get(chance.below(left.len().max(1) as u32) as usize).copied() else { break };
-            assay.dispense(chance, &mut ends, part);
-            let operation = match chance.below(10) {
-                0..=2 => Operation::Move(part, vec![assay.far(chance, &[])?]),
-                3 => Operation::Move(part, vec![assay.far(chance, &[])?, assay.far(chance, &[])?]),
-                4 => Operation::Incubate(part, None, u64::from(chance.below(5))),
-                5 => Operation::Incubate(part, Some(assay.far(chance, &[])?), u64::from(chance.below(5))),
-                6..=7 => {
-                    // Often where it is, or where another has been.
-                    let known: Vec<Cell> = ends.iter().copied().filter(|cell| assay.is_free(*cell)).collect();
-                    let at = if chance.below(2) == 0 {
-                        Some(known[chance.below(known.len() as u32) as usize])
-                    } else {
-                        assay.far(chance, &[])
-                    };
-                    left.retain(|left| *left != part);
-                    Operation::Discard(part, at?)
-                }
-                _ => {
-                    let other = left[chance.below(left.len() as u32) as usize];
-                    (other != part).then_some(())?;
-                    assay.dispense(chance, &mut ends, other);
-                    left.retain(|left| *left != other);
-                    Operation::Merge(part, other, assay.far(chance, &[])?)
-                }
-            };
-            ends[part] = match &operation {
-                Operation::Move(_, stops) => stops[stops.len() - 1],
-                Operation::Merge(_, _, at) | Operation::Discard(_, at) => *at,
-                Operation::Incubate(part, at, _) => at.unwrap_or(ends[*part]),
-                Operation::Dispense(_, reservoir) => assay.reservoirs[*reservoir],
-            };
-            assay.operations.push(operation);
-        }
-        let keep = |one: &usize, other: &usize| one == other || apart(ends[*one], ends[*other]) >= separation;
-        left.iter().all(|one| left.iter().all(|other| keep(one, other))).then_some(assay)
-    }
-
-    /// All parts out of reservoirs, each to stay at one of two places and to leave: places wait for reservoirs, and parts for places.
-    fn served(mut self, chance: &mut Random) -> Option<Assay> {
-        let first = self.far(chance, &self.reservoirs)?;
-        let second = self.far(chance, &[self.reservoirs.as_slice(), &[first]].concat())?;
-        for part in 0..self.parts.len() {
-            self.parts[part] = NOWHERE;
-            let reservoir = chance.below(self.reservoirs.len() as u32) as usize;
-            let place = if part < 2 { [first, second][part] } else { [first, second][chance.below(2) as usize] };
-            let out = self.far(chance, &[])?;
-            self.operations.push(Operation::Dispense(part, reservoir));
-            self.operations.push(Operation::Incubate(part, Some(place), u64::from(1 + chance.below(7))));
-            self.operations.push(Operation::Discard(part, if chance.below(2) == 0 { place } else { out }));
-        }
-        Some(self)
-    }
-
-    /// Adds obstacles, reservoirs and parts.
-    fn furnish(&mut self, chance: &mut Random) -> Option<()> {
-        for _ in 0..chance.below(3) {
-            let block = self.cell(chance);
-            self.blocks.push(block);
-        }
-        for _ in 0..chance.below(3) {
-            let outlet = self.far(chance, &[])?;
-            if !self.reservoirs.contains(&outlet) {
-                self.reservoirs.push(outlet);
-            }
-        }
-        for _ in 0..2 + chance.below(2) {
-            let is_dispensed = !self.reservoirs.is_empty() && chance.below(2) == 0;
-            let cell = if is_dispensed { Some(NOWHERE) } else { self.far(chance, &self.parts) };
-            self.parts.extend(cell);
-        }
-        Some(())
-    }
-
-    /// Has a part dispensed that is nowhere yet.
-    fn dispense(&mut self, chance: &mut Random, ends: &mut [Cell], part: usize) {
-        if ends[part] == NOWHERE {
-            let reservoir = chance.below(self.reservoirs.len() as u32) as usize;
-            ends[part] = self.reservoirs[reservoir];
-            self.operations.push(Operation::Dispense(part, reservoir));
-        }
-    }
-
-    fn cell(&self, chance: &mut Random) -> Cell {
-        (1 + chance.below(self.size.0 as u32) as i32, 1 + chance.below(self.size.1 as u32) as i32)
-    }
-
-    fn is_free(&self, (column, row): Cell) -> bool {
-        (1..=self.size.0).contains(&column) && (1..=self.size.1).contains(&row) && !self.blocks.contains(&(column, row))
-    }
-
-    fn far(&self, chance: &mut Random, taken: &[Cell]) -> Option<Cell> {
-        let keeps = |cell: Cell| taken.iter().all(|other| apart(cell, *other) >= self.separation);
-        (0..40).map(|_| self.cell(chance)).find(|cell| self.is_free(*cell) && keeps(*cell))
-    }
-
-    fn text(&self) -> String {
-        let ((columns, rows), separation) = (self.size, self.separation);
-        let mut lines = vec![
-            "use std.electrode_array as ea".to_owned(),
-            format!(
-                "device chip : ea.droplet_chip {{ columns: {columns}, rows: {rows}, separation: {separation}, clearance: 1, dispense_duration: {} ms }}",
-                self.dispensing * STEP_MS
-            ),
-            "scene tray {".to_owned(),
-        ];
-        lines.extend(self.blocks.iter().enumerate().map(|(index, at)| format!("obstacle o{index} at {at:?}")));
-        lines.extend(self.reservoirs.iter().enumerate().map(|(index, at)| format!("reservoir r{index} at {at:?}")));
-        lines.extend(self.parts.iter().enumerate().map(|(index, at)| match *at {
-            NOWHERE => format!("part d{index} : ea.droplet"),
-            at => format!("part d{index} : ea.droplet at {at:?}"),
-        }));
-        lines.push("}\ntask go on chip in tray {".to_owned());
-        lines.push(format!("minimize {}", if self.by_sum { "sum_of_costs" } else { "makespan" }));
-        if self.may_yield {
-            lines.push("may_yield: true".to_owned());
-        }
-        lines.push("assay {".to_owned());
-        for operation in &self.operations {
-            lines.push(match operation {
-                Operation::Move(part, stops) => {
-                    let vias: String = stops[..stops.len() - 1].iter().map(|stop| format!(" via {stop:?}")).collect();
-                    format!("move d{part} to {:?}{vias}", stops[stops.len() - 1])
-                }
-                Operation::Merge(part, with, at) => format!("merge d{part} with d{with} at {at:?}"),
-                Operation::Discard(part, at) => format!("discard d{part} at {at:?}"),
-                Operation::Dispense(part, reservoir) => format!("dispense d{part} from r{reservoir}"),
-                Operation::Incubate(part, at, stay) => {
-                    let place = at.map(|at| format!(" at {at:?}")).unwrap_or_default();
-                    format!("incubate d{part}{place} for {} ms", stay * STEP_MS)
-                }
-            });
-        }
-        lines.push("}\n}".to_owned());
-        lines.join("\n")
-    }
-
     /// What each part is to do, in its order.
     fn dues(&self) -> Vec<Vec<Due>> {
         let mut dues: Vec<Vec<Due>> = vec![Vec::new(); self.parts.len()];
@@ -252,6 +78,18 @@ impl Assay {
                 Operation::Incubate(part, at, stay) => {
                     let here = dues[*part].last().map_or(self.parts[*part], |due| due.at);
                     dues[*part].push(Due { stay: *stay, ..Due::at(at.unwrap_or(here)) });
+                }
+                Operation::Mix(part, at, steps) => {
+                    let here = dues[*part].last().map_or(self.parts[*part], |due| due.at);
+                    let round = 2 * (self.mixer.0 + self.mixer.1 - 2) as u64;
+                    let stay = (1..).map(|rounds| rounds * round).find(|stay| stay >= steps).unwrap_or(round);
+                    dues[*part].push(Due { stay, is_mixed: true, ..Due::at(at.unwrap_or(here)) });
+                }
+                Operation::Split(half, part, at, to) => {
+                    let opposite = (2 * at.0 - to.0, 2 * at.1 - to.1);
+                    dues[*part].push(Due::at(*at));
+                    dues[*part].push(Due { split: Some((*at, *half, *to)), ..Due::at(opposite) });
+                    dues[*half].push(Due::at(*to));
                 }
                 Operation::Discard(part, at) => {
                     dues[*part].push(Due { is_gone: true, ..Due::at(*at) });
@@ -326,29 +164,61 @@ impl Assay {
 
     /// All places of all parts after one step.
     fn moves(&self, dues: &[Vec<Due>], stands: &[Stand], instant: u64) -> Vec<Vec<Stand>> {
-        let mut all: Vec<Vec<Stand>> = vec![Vec::new()];
+        let mut all: Vec<(Vec<Stand>, Vec<Pulled>)> = vec![(Vec::new(), Vec::new())];
         for (part, stand) in stands.iter().enumerate() {
             let mut grown = Vec::new();
-            for before in &all {
-                for cell in self.targets(dues, part, *stand) {
+            for (before, splits) in &all {
+                for way in self.targets(dues, part, *stand) {
+                    let cell = way.map(Way::end);
                     let free =
                         (0..part).all(|other| self.keep_apart(dues, stands, (part, cell), (other, before[other])));
                     if !free {
                         continue;
                     }
-                    let next = stand.zip(cell).map(|((from, done, rested, moved), to)| {
+                    let next = stand.zip(way).map(|((from, done, rested, moved), way)| {
+                        let to = way.end();
                         let moved = if from != to && self.by_sum { instant } else { moved };
-                        let rested = if from == to { rested + 1 } else { 0 };
-                        (to, done, rested, moved)
+                        let is_mixed = dues[part].get(done).is_some_and(|due| due.is_mixed);
+                        match way {
+                            Way::To(_) if from == to && !is_mixed => (to, done, rested + 1, moved),
+                            Way::To(_) => (to, done, 0, moved),
+                            Way::Round(_) => (to, done, rested + 1, moved),
+                            Way::Split(_) => (to, done + 1, 0, moved),
+                        }
                     });
-                    let mut after = before.clone();
+                    let (mut after, mut splits) = (before.clone(), splits.clone());
+                    if let (Some(Way::Split(_)), Some((_, done, ..))) = (way, *stand)
+                        && let Some((from, half, to)) = dues[part][done].split
+                    {
+                        splits.push((part, half, [from, to]));
+                    }
                     after.push(next);
-                    grown.push(after);
+                    grown.push((after, splits));
                 }
             }
             all = grown;
         }
-        all.into_iter().flat_map(|after| self.settled(dues, after)).collect()
+        let both = all.into_iter().filter_map(|(after, splits)| self.with_halves(stands, after, &splits));
+        both.flat_map(|after| self.settled(dues, after)).collect()
+    }
+
+    /// The places after a step in which parts come out of others, if those keep apart from all the rest wherever they are in it.
+    fn with_halves(&self, stands: &[Stand], mut after: Vec<Stand>, splits: &[Pulled]) -> Option<Vec<Stand>> {
+        for (part, half, ways) in splits {
+            for other in (0..after.len()).filter(|other| other != part && other != half) {
+                let of_split = splits.iter().find(|(_, half, _)| *half == other).map(|(.., ways)| *ways);
+                let there = [stands[other], after[other]].map(|stand| stand.map(|(cell, ..)| cell));
+                let theirs = of_split.or(there[0].zip(there[1]).map(|(from, to)| [from, to]));
+                let theirs = theirs.into_iter().flatten().filter(|cell| *cell != NOWHERE);
+                if theirs.into_iter().any(|cell| ways.iter().any(|own| apart(*own, cell) < self.separation)) {
+                    return None;
+                }
+            }
+        }
+        for (_, half, [_, to]) in splits {
+            after[*half] = Some((*to, 0, 0, 0));
+        }
+        Some(after)
     }
 
     /// What is done by now, in all ways in which reservoirs then begin to dispense, where nothing is near their outlets.
@@ -370,16 +240,33 @@ impl Assay {
         all
     }
 
-    fn targets(&self, dues: &[Vec<Due>], part: usize, stand: Stand) -> Vec<Option<Cell>> {
-        let Some((cell, ..)) = stand else { return vec![None] };
+    fn targets(&self, dues: &[Vec<Due>], part: usize, stand: Stand) -> Vec<Option<Way>> {
+        let Some((cell, _, rested, _)) = stand else { return vec![None] };
         let next = dues[part].get(stand.map_or(0, |(_, done, ..)| done));
         // A droplet comes out of its reservoir first, and stays where it is to merge.
         let stays = next.is_some_and(|due| due.is_dispensed || (due.merge.is_some() && due.at == cell));
         if cell == NOWHERE || stays || (dues[part].is_empty() && !self.may_yield) {
-            return vec![Some(cell)];
+            return vec![Some(Way::To(cell))];
         }
+        let round = next.filter(|due| due.is_mixed && (rested > 0 || due.at == cell)).map(|due| {
+            // To the right, up, to the left and down, as far as the loop goes.
+            let (c, r) = (cell.0 - due.at.0, cell.1 - due.at.1);
+            let (columns, rows) = (self.mixer.0 - 1, self.mixer.1 - 1);
+            match (c, r) {
+                (c, 0) if c < columns => (cell.0 + 1, cell.1),
+                (c, r) if c == columns && r < rows => (cell.0, cell.1 + 1),
+                (c, r) if r == rows && c > 0 => (cell.0 - 1, cell.1),
+                _ => (cell.0, cell.1 - 1),
+            }
+        });
+        let round = round.filter(|to| self.is_free(*to)).map(Way::Round);
+        if rested > 0 && next.is_some_and(|due| due.is_mixed) {
+            return round.into_iter().map(Some).collect();
+        }
+        let split = next.filter(|due| due.split.is_some_and(|(from, ..)| from == cell)).map(|due| Way::Split(due.at));
         let beside = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)].map(|(c, r)| (cell.0 + c, cell.1 + r));
-        beside.into_iter().filter(|cell| self.is_free(*cell)).map(Some).collect()
+        let plain = beside.into_iter().filter(|cell| self.is_free(*cell)).map(Way::To);
+        plain.chain(round).chain(split).map(Some).collect()
     }
 
     /// Whether two parts keep apart wherever they are in a step, but where they merge.
@@ -414,7 +301,8 @@ fn settle(dues: &[Vec<Due>], stands: &mut [Stand]) {
     loop {
         let ready = (0..stands.len()).find_map(|part| {
             let (cell, _, rested, _) = stands[part]?;
-            let own = due(stands[part], part).filter(|own| own.at == cell && rested >= own.stay)?;
+            let is_done = |own: &Due| own.at == cell && rested >= own.stay && own.split.is_none();
+            let own = due(stands[part], part).filter(is_done)?;
             let other = match own.merge {
                 None => None,
                 Some((number, other)) => {
@@ -434,7 +322,7 @@ fn settle(dues: &[Vec<Due>], stands: &mut [Stand]) {
         let next = due(*stand, part);
         if let Some((cell, _, rested, _)) = stand {
             // Rest counts only where the next thing is to be done, and no longer than that takes.
-            *rested = next.filter(|next| next.at == *cell).map_or(0, |next| (*rested).min(next.stay));
+            *rested = next.filter(|next| next.is_mixed || next.at == *cell).map_or(0, |next| (*rested).min(next.stay));
         }
     }
 }
@@ -443,7 +331,7 @@ fn settle(dues: &[Vec<Due>], stands: &mut [Stand]) {
 fn no_plan_of_an_assay_beats_its_bound() {
     let cases = std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(60);
     let (mut chance, mut judged, mut planned, mut missed, mut optimal) = (Random(5), 0, 0, 0, 0);
-    let (mut none, mut proven) = (0, 0);
+    let (mut none, mut proven, mut split, mut mixed) = (0, 0, 0, 0);
     let mut tries = 0;
     while judged < cases && tries < 60 * cases {
         tries += 1;
@@ -458,6 +346,9 @@ fn no_plan_of_an_assay_beats_its_bound() {
         match (answer, truth) {
             (Answered::Plan(plan), Ok((steps, sum))) => {
                 planned += 1;
+                let has = |is: fn(&Operation) -> bool| usize::from(assay.operations.iter().any(is));
+                split += has(|operation| matches!(operation, Operation::Split(..)));
+                mixed += has(|operation| matches!(operation, Operation::Mix(..)));
                 let reached = plan.outcomes["steps"] as u64;
                 assert!(reached >= steps, "{reached} steps, the fewest are {steps}: {text}");
                 let (least, truth) = if assay.by_sum { (plan.bound, sum) } else { (plan.bound, steps) };
@@ -486,9 +377,10 @@ fn no_plan_of_an_assay_beats_its_bound() {
         }
     }
     println!(
-        "{judged} assays: {planned} planned, {optimal} proven optimal, {missed} missed, {none} without a plan, {proven} of them proven"
+        "{judged} assays: {planned} planned, {split} with splits, {mixed} with mixing, {optimal} proven optimal, {missed} missed, {none} without a plan, {proven} of them proven"
     );
     assert!(judged >= cases, "{judged} judged");
+    assert!(20 * split > planned && 20 * mixed > planned, "{split} with splits, {mixed} with mixing");
     assert_eq!(missed, 0, "{missed} of {planned} assays that have a plan got none");
     assert_eq!(proven, none, "{proven} of {none} assays without a plan proven to have none");
     assert!(optimal * 4 >= planned * 3, "{optimal} of {planned} plans proven optimal");

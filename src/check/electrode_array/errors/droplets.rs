@@ -1,0 +1,342 @@
+//! Diagnostics of the operations of droplets: dispense, merge, split, mix, discard.
+
+use super::{PartPlace, nearest, written};
+use crate::check::scope::nearest as nearest_name;
+use crate::check::value::Value;
+use crate::claims::Relation;
+use crate::claims::electrode_array::{AssayOperation, DropletContent, DropletShare};
+use crate::device::electrode_array::{ElectrodeCell, MAX_STAY_STEPS, SPLIT_APART};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::{Dimension, Quantity, digits};
+use crate::source::Span;
+use std::collections::BTreeSet;
+
+/// The operations of an assay stay for more steps than a plan may have.
+pub fn stays_too_long(span: Span, steps: u64, step_ns: u64) -> Diagnostic {
+    let most = Quantity::new(MAX_STAY_STEPS as f64 * step_ns as f64 / 1e9, Dimension::TIME);
+    let one = Quantity::new(step_ns as f64 / 1e9, Dimension::TIME);
+    let title =
+        format!("the operations up to here stay for {steps} steps of the board; at most {MAX_STAY_STEPS} are planned");
+    Diagnostic::new(Code::E0554, title)
+        .label(span, format!("steps of {one}"))
+        .help(format!("stays of one `assay` may take {most} together: split it, with `wait` where all droplets rest"))
+}
+
+/// Why a part is gone, and where the program says so.
+#[derive(Debug, Clone, Copy)]
+pub enum Departure {
+    /// It has merged with another.
+    Merged(Span),
+    /// It has left the board.
+    Left(Span),
+}
+
+impl Departure {
+    /// The part that an operation takes away.
+    pub fn of(operation: &AssayOperation) -> Option<(usize, Departure)> {
+        let departure = if operation.leaves { Departure::Left } else { Departure::Merged };
+        operation.gone().map(|part| (part, departure(operation.span)))
+    }
+}
+
+pub fn gone_before(span: Span, name: &str, departure: Departure) -> Diagnostic {
+    match departure {
+        Departure::Merged(merged) => {
+            Diagnostic::new(Code::E0526, format!("`{name}` has merged with another part by then"))
+                .label(span, "is no part of its own any more")
+                .label_elsewhere(merged, span, "merged here")
+                .help("what has merged goes by the name before `with` from then on")
+        }
+        Departure::Left(left) => Diagnostic::new(Code::E0526, format!("`{name}` has left the board by then"))
+            .label(span, "is not there any more")
+            .label_elsewhere(left, span, "leaves here")
+            .help("`discard` takes a part away for the rest of the schedule: discard it later, or name another part"),
+    }
+}
+
+/// A part without a place before its `dispense`.
+pub fn not_there_yet(span: Span, (name, declared): (&str, Span)) -> Diagnostic {
+    Diagnostic::new(Code::E0555, format!("`{name}` is not on the board by then"))
+        .label(span, "neither dispensed nor split off before")
+        .label_elsewhere(declared, span, "declared without `at`")
+        .help(format!(
+            "write `dispense {name} from RESERVOIR` or `split {name} from PART at (5, 3)` before, or give `{name}` a place in the scene with `at`"
+        ))
+}
+
+/// A part that stands on the board since a place in the source, and is to be dispensed.
+pub fn there_already(span: Span, name: &str, since: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0555, format!("`{name}` is on the board already"))
+        .label(span, "cannot come again")
+        .label_elsewhere(since, span, format!("`{name}` comes from here"))
+        .help("each droplet has a name of its own: declare another `part` without `at`, or a list of them with `for`")
+}
+
+pub fn parts_are_not_dispensed(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0555, "no reservoir dispenses parts with (2, 2) electrodes, but droplets with (1, 1)")
+        .label(span, "not on this device")
+        .help("give the part a place in the scene, as `part NAME at (5, 3)`")
+}
+
+/// `hold` is the field with which the device turns holding off.
+pub fn dispenses_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
+    let title = "droplets are dispensed only on a device that holds them, but this one has `hold: false`";
+    let diagnostic =
+        Diagnostic::new(Code::E0555, title).label(span, "the electrode at the outlet pulls the droplet out");
+    let diagnostic = match hold {
+        Some(hold) => diagnostic.label(hold, "electrodes are on only to move a droplet"),
+        None => diagnostic,
+    };
+    diagnostic.help("give the device `hold: true`")
+}
+
+pub fn dispenses_in_no_time(span: Span, device: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0555, format!("the device `{device}` has no `dispense_duration`"))
+        .label(span, "how long does this take?")
+        .help("give the device the time that its reservoirs need for one droplet, as `dispense_duration: 2 s`")
+}
+
+/// A reservoir with the outlet of another one.
+pub fn outlets_on_one_cell(name: &str, cell: ElectrodeCell, span: Span, other: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0555, format!("reservoir `{name}` has its outlet at {cell}, where another has its own"))
+        .label(span, "one electrode, two reservoirs")
+        .label_elsewhere(other, span, "the other one")
+        .help("`at` gives the electrode onto which a reservoir dispenses: each has its own")
+}
+
+pub fn parts_do_not_merge(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0527, "parts with (2, 2) electrodes do not merge, droplets with (1, 1) do")
+        .label(span, "not on this device")
+        .help("write two `move`s to cells that are far enough apart")
+}
+
+pub fn merges_with_itself(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0527, format!("`{name}` cannot merge with itself"))
+        .label(span, "one droplet, named twice")
+        .help("name two droplets of the scene")
+}
+
+/// `hold` is the field with which the device turns holding off.
+pub fn merges_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
+    let diagnostic =
+        Diagnostic::new(Code::E0529, "droplets merge only on a device that holds them, but this one has `hold: false`")
+            .label(span, "the first to arrive would not be held for the second");
+    let diagnostic = match hold {
+        Some(hold) => diagnostic.label(hold, "electrodes are on only to move a droplet"),
+        None => diagnostic,
+    };
+    diagnostic.help("give the device `hold: true`")
+}
+
+pub fn parts_do_not_split(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0557, "parts with (2, 2) electrodes do not split, droplets with (1, 1) do")
+        .label(span, "not on this device")
+        .help("give the other part a place of its own in the scene, as `part NAME at (5, 3)`")
+}
+
+/// `hold` is the field with which the device turns holding off.
+pub fn splits_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
+    let title = "droplets split only on a device that holds them, but this one has `hold: false`";
+    let diagnostic = Diagnostic::new(Code::E0557, title).label(span, "two electrodes pull a droplet apart");
+    let diagnostic = match hold {
+        Some(hold) => diagnostic.label(hold, "electrodes are on only to move a droplet"),
+        None => diagnostic,
+    };
+    diagnostic.help("give the device `hold: true`")
+}
+
+/// The separation of the device is more than that of the droplets of a split.
+pub fn halves_too_near(span: Span, device: &str, apart: u32) -> Diagnostic {
+    let title = format!("the two droplets of a split are {SPLIT_APART} electrodes apart, but `{device}` keeps {apart}");
+    Diagnostic::new(Code::E0557, title)
+        .label(span, "too near from the beginning")
+        .help(format!("give the device `separation: {SPLIT_APART}`, or dispense two droplets instead"))
+}
+
+pub fn splits_from_itself(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0557, format!("`{name}` cannot be split from itself"))
+        .label(span, "one droplet, named twice")
+        .help("after `split` comes the new droplet, a `part` without `at` in the scene; the other one keeps its name")
+}
+
+/// Where a droplet is pulled apart, and the step that says so.
+#[derive(Debug, Clone, Copy)]
+pub struct SplitPlace {
+    pub at: ElectrodeCell,
+    pub span: Span,
+}
+
+/// A droplet of a split that is to come at a cell that is not beside that of the split.
+pub fn comes_not_beside(place: SplitPlace, to: ElectrodeCell, span: Span) -> Diagnostic {
+    let SplitPlace { at, .. } = place;
+    let beside = ElectrodeCell::new(at.column.saturating_add(1), at.row);
+    Diagnostic::new(Code::E0557, format!("{to} is not beside {at}, where the droplet is pulled apart"))
+        .label(span, "left, right, above or below it")
+        .help(format!("write `to {beside}`, or leave `to` out: that is the same; the other half goes the other way"))
+}
+
+/// A droplet that would go where it cannot be; `across` is a cell beside the split in the other direction that is free, as its opposite is.
+pub fn half_has_no_room(
+    place: SplitPlace,
+    (name, [column, row]): (&str, [i64; 2]),
+    across: Option<ElectrodeCell>,
+) -> Diagnostic {
+    let SplitPlace { at, span } = place;
+    let help = match across {
+        Some(cell) => format!("pull it apart the other way, with `to {cell}`, or split elsewhere"),
+        None => {
+            "split where the electrodes on both sides are on the board, work, and are clear of obstacles".to_owned()
+        }
+    };
+    let title = format!("no room for `{name}` at ({column}, {row}), where it goes when the droplet is split at {at}");
+    Diagnostic::new(Code::E0557, title).label(span, "one half to each side").help(help)
+}
+
+pub fn parts_do_not_mix(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0558, "parts with (2, 2) electrodes are not mixed, droplets with (1, 1) are")
+        .label(span, "not on this device")
+        .help("write `incubate` to leave a part where it is for a time")
+}
+
+/// A field `mixer` that is no loop.
+pub fn no_mixing_loop(found: &Value) -> Diagnostic {
+    let title = format!("a `mixer` has two columns and two rows or more, but this is {}", written(found));
+    Diagnostic::new(Code::E0558, title).help("write the columns and the rows of the loop, as `mixer: (2, 4)`")
+}
+
+/// A mixing loop of some columns and rows with a cell that a droplet cannot take; `free` is a corner from which it can.
+pub fn loop_blocked(
+    (name, span): (&str, Span),
+    (corner, [columns, rows]): (ElectrodeCell, [u32; 2]),
+    cell: ElectrodeCell,
+    free: Option<ElectrodeCell>,
+) -> Diagnostic {
+    let title = format!("`{name}` cannot be mixed from {corner}: it cannot come to {cell}");
+    let help = nearest(free, "from which the whole loop is free")
+        .unwrap_or_else(|| "no cell of this board will do: give the device a smaller `mixer`".to_owned());
+    Diagnostic::new(Code::E0558, title)
+        .label(span, format!("{columns} × {rows} electrodes, to the right and up from here"))
+        .help(help)
+}
+
+pub fn parts_contain_nothing(span: Span) -> Diagnostic {
+    Diagnostic::new(
+        Code::E0559,
+        "parts with (2, 2) electrodes contain nothing that merges or splits, droplets with (1, 1) do",
+    )
+    .label(span, "not on this device")
+    .help("`require` compares `steps`, `sum_of_costs`, `moves` and `time` of their plans")
+}
+
+/// A fluid that the scene does not have.
+pub fn unknown_fluid(span: Span, name: &str, fluids: &BTreeSet<&str>, scene: Option<Span>) -> Diagnostic {
+    let known: Vec<String> = fluids.iter().take(SHOWN_FLUIDS).map(|fluid| format!("`{fluid}`")).collect();
+    let more = if fluids.len() > SHOWN_FLUIDS { ", …" } else { "" };
+    let near = nearest_name(name, fluids.iter().copied());
+    let diagnostic = Diagnostic::new(Code::E0559, format!("no fluid of this scene is called `{name}`"))
+        .label(span, "neither a reservoir nor a part with a place")
+        .near_or(near, format!("droplets can contain {}{more}, and have a `volume`", known.join(", ")));
+    match scene {
+        Some(scene) => diagnostic.label_elsewhere(scene, span, "the scene"),
+        None => diagnostic,
+    }
+}
+
+/// A droplet that does not contain what the program requires; `contains` has all that it contains, in words.
+pub fn other_content(
+    content: &DropletContent,
+    name: &str,
+    (reached, contains): (f64, &str),
+    last: Option<Span>,
+) -> Diagnostic {
+    let wanted = format!("{}{}", words_of(content.relation), fraction(content.limit));
+    let title = match &content.share {
+        DropletShare::Volume => {
+            format!("the volume of `{name}` is {} at the end, {wanted} is required", droplets(reached))
+        }
+        DropletShare::Fluid(fluid) => {
+            format!("`{name}` is {} `{fluid}` at the end, {wanted} is required", fraction(reached))
+        }
+    };
+    let diagnostic = Diagnostic::new(Code::E0559, title).label(content.span, format!("contains {contains}"));
+    match last {
+        Some(last) => diagnostic.label_elsewhere(last, content.span, "since this"),
+        None => diagnostic,
+    }
+}
+
+/// A droplet of which nothing is known, since it never comes.
+pub fn never_there(content: &DropletContent, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0559, format!("`{name}` is never on the board"))
+        .label(content.span, "contains nothing")
+        .help(format!("write `dispense {name} from RESERVOIR`, or `split {name} from PART at (5, 3)`"))
+}
+
+/// A droplet that is too small or too large for its device.
+pub fn volume_out_of_limits(
+    span: Span,
+    (name, volume): (&str, f64),
+    device: &str,
+    (limit, is_largest): (f64, bool),
+) -> Diagnostic {
+    let (word, help) = match is_largest {
+        true => ("largest", "split it before, or merge fewer droplets"),
+        false => ("smallest", "merge it with another droplet before it is split"),
+    };
+    let title = format!(
+        "the volume of `{name}` is {} by then, but the {word} that `{device}` moves is {}",
+        droplets(volume),
+        fraction(limit)
+    );
+    Diagnostic::new(Code::E0559, title).label(span, "after this").help(help)
+}
+
+/// A limit that excludes every droplet that is dispensed.
+pub fn no_droplet_fits(field: &str, limit: f64) -> Diagnostic {
+    Diagnostic::new(Code::E0559, format!("`{field}` is {}, but reservoirs dispense droplets of 1", fraction(limit)))
+        .help("volumes are counted in droplets: a droplet of two that have merged is 2, half of one 1/2")
+}
+
+/// Most fluids that a message names.
+const SHOWN_FLUIDS: usize = 6;
+
+/// Greatest denominator of a fraction in a message.
+const MAX_DENOMINATOR: u32 = 4_096;
+
+/// A share or a volume, as `3/8` where it is such a fraction.
+pub fn fraction(value: f64) -> String {
+    let is_of = |denominator: &u32| {
+        let numerator = (value * f64::from(*denominator)).round();
+        numerator / f64::from(*denominator) == value
+    };
+    match (1..=MAX_DENOMINATOR).find(is_of) {
+        Some(1) | None => digits(value),
+        Some(denominator) => format!("{}/{denominator}", (value * f64::from(denominator)).round()),
+    }
+}
+
+/// A volume in words.
+pub fn droplets(volume: f64) -> String {
+    let plural = if volume > 1.0 { "s" } else { "" };
+    format!("{} droplet{plural}", fraction(volume))
+}
+
+fn words_of(relation: Relation) -> &'static str {
+    match relation {
+        Relation::Less => "less than ",
+        Relation::AtMost => "at most ",
+        Relation::Equal => "",
+        Relation::AtLeast => "at least ",
+        Relation::More => "more than ",
+    }
+}
+
+/// A mixing loop too near to a part that stays.
+pub fn loop_near_part((name, span): (&str, Span), corner: ElectrodeCell, stays: PartPlace, apart: u32) -> Diagnostic {
+    let PartPlace { name: other, cell, span: since } = stays;
+    let title = format!("the loop in which `{name}` is mixed from {corner} comes too near to `{other}` at {cell}");
+    Diagnostic::new(Code::E0524, title)
+        .label(span, format!("{apart} electrodes are needed"))
+        .label_elsewhere(since, span, format!("`{other}` is at {cell} by then"))
+        .help(format!("mix elsewhere, or send `{other}` away before"))
+}

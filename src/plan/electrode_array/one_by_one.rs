@@ -1,0 +1,186 @@
+//! The operations of an assay one after the other, which is what they would be as steps of their own: a plan where [`super::assay`] finds
+//! none.
+
+use super::assay::{AgentCourse, AssayPlan, AssayProblem};
+use super::board::{BoardAnswer, BoardCosts, BoardObjective, CellIndex};
+use super::errands::depart;
+use super::portfolio;
+use super::stage::{self, BoardGround, BoardStage};
+use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayMove, ElectrodeArrayOrder, ElectrodeArrayStop};
+use crate::device::electrode_array::ElectrodeCell;
+use crate::plan::search::SearchBudget;
+
+/// A plan of the operations in turn, each with the best plan of a step of its own; `None` if one of them has none.
+pub fn one_by_one(
+    (order, ground): (&ElectrodeArrayOrder, &BoardGround),
+    cells: &[Option<ElectrodeCell>],
+    (operations, problem, stage): (&[AssayOperation], &AssayProblem, &BoardStage),
+    (objective, bounds): (BoardObjective, BoardCosts),
+) -> Option<AssayPlan> {
+    let agents = &problem.instance.agents;
+    let mut turns = Turns {
+        order,
+        ground,
+        problem,
+        stage,
+        objective,
+        now: cells.to_vec(),
+        since: vec![0; agents.len()],
+        courses: agents.iter().map(|agent| vec![agent.start]).collect(),
+    };
+    for operation in operations {
+        turns.operate(operation)?;
+    }
+    let Turns { since, mut courses, .. } = turns;
+    trim(problem, &since, &mut courses);
+    let courses = since.into_iter().zip(courses).map(|(since, cells)| AgentCourse { since, cells }).collect();
+    Some(AssayPlan { courses, bounds })
+}
+
+/// The courses of the agents while their operations take turns.
+struct Turns<'a> {
+    order: &'a ElectrodeArrayOrder,
+    ground: &'a BoardGround<'a>,
+    problem: &'a AssayProblem<'a>,
+    stage: &'a BoardStage<'a>,
+    objective: BoardObjective,
+    /// The current cells of all parts.
+    now: Vec<Option<ElectrodeCell>>,
+    since: Vec<u32>,
+    courses: Vec<Vec<CellIndex>>,
+}
+
+impl Turns<'_> {
+    fn agent_of(&self, part: usize) -> Option<usize> {
+        self.stage.agents.iter().position(|actor| actor.part == part)
+    }
+
+    fn instants(&self) -> usize {
+        self.courses.iter().map(Vec::len).max().unwrap_or(1)
+    }
+
+    fn operate(&mut self, operation: &AssayOperation) -> Option<()> {
+        let (stops, last) = match (operation.splits, operation.stops.as_slice()) {
+            (Some(_), [stops @ .., last]) => (stops, Some(last.cell)),
+            (_, stops) => (stops, None),
+        };
+        if operation.comes {
+            self.come(operation)?;
+        } else if !stops.is_empty() {
+            self.travel(operation, stops)?;
+        }
+        if let Some(goes) = last {
+            self.split(operation, goes)?;
+        }
+        let stay = usize::try_from(operation.stay_steps(&self.order.facts)).ok()?;
+        match self.agent_of(operation.part).filter(|_| operation.mixes) {
+            Some(agent) => self.mix(agent, stay)?,
+            None => self.rest(self.instants() + stay),
+        }
+        depart(&mut self.now, std::slice::from_ref(operation));
+        self.rest(self.instants());
+        Some(())
+    }
+
+    /// All parts that are on the board stay where they are until they have some number of instants.
+    fn rest(&mut self, instants: usize) {
+        let there = self.courses.iter_mut().zip(&self.stage.agents).filter(|(_, actor)| self.now[actor.part].is_some());
+        there.for_each(|(course, _)| course.resize(instants.max(course.len()), course[course.len() - 1]));
+    }
+
+    /// Whether a cell is clear of all parts but one.
+    fn is_clear(&self, cell: ElectrodeCell, but: usize) -> bool {
+        let apart = self.order.facts.separation.apart();
+        let others = self.now.iter().enumerate().filter(|(part, _)| *part != but);
+        others.filter_map(|(_, cell)| *cell).all(|other| other.apart(cell) >= apart)
+    }
+
+    fn come(&mut self, operation: &AssayOperation) -> Option<()> {
+        let (part, outlet) = operation.new_part()?;
+        self.is_clear(outlet, part).then_some(())?;
+        let (instants, agent) = (self.instants(), self.agent_of(part)?);
+        self.since[agent] = instants as u32 - 1;
+        self.courses[agent].resize(instants, self.problem.instance.agents[agent].start);
+        self.now[part] = Some(outlet);
+        Some(())
+    }
+
+    fn travel(&mut self, operation: &AssayOperation, stops: &[ElectrodeArrayStop]) -> Option<()> {
+        let (part, with) = (operation.part, operation.with);
+        let moves = [ElectrodeArrayMove { part, with, stops: stops.to_vec(), span: operation.span }];
+        let step = BoardStage::new(self.order, self.ground, &self.now, &moves);
+        let budget = SearchBudget::of(self.order.planner.expansions);
+        let BoardAnswer::Found(plan) = portfolio::solve(&step.instance, self.objective, None, budget) else {
+            return None;
+        };
+        let longest = plan.paths.iter().map(Vec::len).max().unwrap_or(1);
+        for (actor, path) in step.agents.iter().zip(&plan.paths) {
+            let Some(course) = self.agent_of(actor.part).map(|agent| &mut self.courses[agent]) else { continue };
+            course.extend(&path[1..]);
+            let (length, last) = (course.len() + longest - path.len(), path[path.len() - 1]);
+            course.resize(length, last);
+        }
+        self.now[part] = stops.last().map(|stop| stop.cell);
+        self.rest(self.instants());
+        Some(())
+    }
+
+    /// The part is pulled apart, and goes to a cell.
+    fn split(&mut self, operation: &AssayOperation, goes: ElectrodeCell) -> Option<()> {
+        let (part, (new, comes)) = (operation.part, operation.new_part()?);
+        [goes, comes].into_iter().all(|cell| self.is_clear(cell, part)).then_some(())?;
+        let instants = self.instants();
+        let (parent, child) = (self.agent_of(part)?, self.agent_of(new)?);
+        self.courses[parent].push(stage::flat(self.order, goes));
+        self.since[child] = instants as u32;
+        self.courses[child].resize(instants + 1, self.problem.instance.agents[child].start);
+        (self.now[part], self.now[new]) = (Some(goes), Some(comes));
+        self.rest(instants + 1);
+        Some(())
+    }
+
+    /// An agent goes round its loop for some steps, from the corner on.
+    fn mix(&mut self, agent: usize, steps: usize) -> Option<()> {
+        let corner = *self.courses[agent].last()?;
+        let around = self.problem.loops.iter().find(|around| around[0] == corner)?;
+        let part = self.stage.agents[agent].part;
+        let is_clear = |cell: &CellIndex| self.is_clear(stage::cell(self.order, *cell), part);
+        let is_open = |cell: &CellIndex| !self.problem.instance.board.is_blocked(*cell);
+        around.iter().all(|cell| is_clear(cell) && is_open(cell)).then_some(())?;
+        self.courses[agent].extend((1..=steps).map(|step| around[step % around.len()]));
+        self.rest(self.instants());
+        Some(())
+    }
+}
+
+/// Cuts courses after the instant at which all errands are done and nothing moves any more: while others were at work, a part may
+/// have done an operation that comes later.
+fn trim(problem: &AssayProblem, since: &[u32], courses: &mut [Vec<CellIndex>]) {
+    let mut ends: Vec<usize> = vec![0; courses.len()];
+    for (agent, course) in courses.iter().enumerate() {
+        let (mut done, mut stays_since) = (0, None);
+        for (instant, cell) in course.iter().enumerate().skip(since[agent] as usize) {
+            while let Some(errand) = problem.errands[agent].get(done) {
+                // Where it is while its errand lasts.
+                let here = |since: usize| match errand.mixes {
+                    Some(around) => problem.loops[around][(instant - since) % problem.loops[around].len()],
+                    None => errand.stop,
+                };
+                let goes_on = stays_since.filter(|since| here(*since) == *cell);
+                stays_since = goes_on.or((*cell == errand.stop).then_some(instant));
+                let Some(there) = stays_since else { break };
+                let together = errand
+                    .meets
+                    .is_none_or(|other| courses[other].get(instant).or(courses[other].last()) == Some(cell));
+                if instant - there < errand.stay as usize || !together {
+                    break;
+                }
+                (done, stays_since, ends[agent]) = (done + 1, None, instant);
+            }
+            if instant > 0 && course[instant - 1] != *cell {
+                ends[agent] = ends[agent].max(instant);
+            }
+        }
+    }
+    courses.iter_mut().zip(ends).for_each(|(course, end)| course.truncate(end + 1));
+}

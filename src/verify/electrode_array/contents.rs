@@ -1,0 +1,132 @@
+//! What droplets contain at the end of each run of a board, from the operations that it and the runs before it have done.
+//!
+//! A droplet is a volume and the shares of its fluids: what merges is averaged by volume, what splits is halved. Shares are compared with a
+//! tolerance for the rounding of these means.
+
+use crate::claims::electrode_array::{DropletContent, DropletShare, ElectrodeArrayAction, ElectrodeArrayOrder};
+use crate::claims::{Claims, Job, Relation};
+use crate::source::Span;
+use std::collections::BTreeMap;
+
+/// Difference of two shares, or of two volumes of one droplet, that is rounding.
+const TOLERANCE: f64 = 1e-9;
+
+#[derive(Debug, Clone, Default)]
+struct Droplet<'c> {
+    volume: f64,
+    shares: BTreeMap<&'c str, f64>,
+}
+
+impl<'c> Droplet<'c> {
+    fn of(fluid: &'c str) -> Droplet<'c> {
+        Droplet { volume: 1.0, shares: BTreeMap::from([(fluid, 1.0)]) }
+    }
+
+    fn merged(&self, other: &Droplet<'c>) -> Droplet<'c> {
+        let volume = self.volume + other.volume;
+        let mut shares = BTreeMap::new();
+        for droplet in [self, other] {
+            for (fluid, share) in &droplet.shares {
+                *shares.entry(*fluid).or_insert(0.0) += share * droplet.volume / volume;
+            }
+        }
+        Droplet { volume, shares }
+    }
+}
+
+/// A condition on droplets that is not kept: where the program asks for it, and what is wrong.
+pub(super) struct BrokenContent {
+    pub span: Span,
+    pub title: String,
+}
+
+/// What is wrong with the droplets of all runs of a device, where this is its last one.
+pub(super) fn broken(claims: &Claims, job: &Job) -> Vec<BrokenContent> {
+    let mut own = claims.jobs.iter().filter(|other| other.device == job.device);
+    if !own.clone().next_back().is_some_and(|last| std::ptr::eq(last, job)) {
+        return Vec::new();
+    }
+    let mut droplets: BTreeMap<&str, Droplet> = BTreeMap::new();
+    let mut found = Vec::new();
+    for order in own.by_ref().filter_map(|job| ElectrodeArrayOrder::of(&job.order)) {
+        for part in order.parts.iter().filter(|part| part.cell.is_some()) {
+            droplets.entry(&part.name).or_insert_with(|| Droplet::of(&part.name));
+        }
+        found.extend(operated(order, &mut droplets));
+        found.extend(order.contents.iter().filter_map(|content| other_than(content, order, &droplets)));
+    }
+    found
+}
+
+/// What is wrong with a droplet at the end of a run.
+fn other_than(
+    content: &DropletContent,
+    order: &ElectrodeArrayOrder,
+    droplets: &BTreeMap<&str, Droplet>,
+) -> Option<BrokenContent> {
+    let name = order.parts.get(content.part)?.name.as_str();
+    let droplet = droplets.get(name).cloned().unwrap_or_default();
+    let (reached, what) = match &content.share {
+        DropletShare::Volume => (droplet.volume, "volume"),
+        DropletShare::Fluid(fluid) => (droplet.shares.get(fluid.as_str()).copied().unwrap_or(0.0), fluid.as_str()),
+    };
+    let over = reached - content.limit;
+    let is_kept = match content.relation {
+        Relation::Less | Relation::AtMost => over <= TOLERANCE,
+        Relation::Equal => over.abs() <= TOLERANCE,
+        Relation::AtLeast | Relation::More => over >= -TOLERANCE,
+    };
+    let title = || format!("`{name}` has {reached} of `{what}`, which breaks its limit {}", content.limit);
+    (!is_kept).then(|| BrokenContent { span: content.span, title: title() })
+}
+
+/// Does what the steps of an order do to droplets; those that get too large or too small for the device.
+fn operated<'c>(order: &'c ElectrodeArrayOrder, droplets: &mut BTreeMap<&'c str, Droplet<'c>>) -> Vec<BrokenContent> {
+    let name = |part: usize| order.parts.get(part).map_or("", |part| part.name.as_str());
+    let merges = |droplets: &BTreeMap<&'c str, Droplet<'c>>, [part, with]: [usize; 2]| {
+        let both = [part, with].map(|part| droplets.get(name(part)).cloned().unwrap_or_default());
+        both[0].merged(&both[1])
+    };
+    let mut found = Vec::new();
+    let mut put = |droplets: &mut BTreeMap<&'c str, Droplet<'c>>, part: usize, droplet: Droplet<'c>, span: Span| {
+        found.extend(out_of_limits(order, name(part), droplet.volume, span));
+        droplets.insert(name(part), droplet);
+    };
+    for step in &order.steps {
+        match &step.action {
+            ElectrodeArrayAction::Wait(_) => {}
+            ElectrodeArrayAction::Move(moves) => {
+                for (one, with) in moves.iter().filter_map(|one| Some((one, one.with?))) {
+                    let merged = merges(droplets, [one.part, with]);
+                    put(droplets, one.part, merged, one.span);
+                }
+            }
+            ElectrodeArrayAction::Assay(operations) => {
+                for operation in operations {
+                    let (part, span) = (operation.part, operation.span);
+                    if let (true, Some(fluid)) = (operation.comes, &operation.fluid) {
+                        put(droplets, part, Droplet::of(fluid), span);
+                    }
+                    if let Some(with) = operation.with {
+                        let merged = merges(droplets, [part, with]);
+                        put(droplets, part, merged, span);
+                    }
+                    if let Some(half) = operation.splits {
+                        let whole = droplets.get(name(part)).cloned().unwrap_or_default();
+                        let halved = Droplet { volume: whole.volume / 2.0, ..whole };
+                        put(droplets, part, halved.clone(), span);
+                        put(droplets, half.part, halved, span);
+                    }
+                }
+            }
+        }
+    }
+    found
+}
+
+fn out_of_limits(order: &ElectrodeArrayOrder, part: &str, volume: f64, span: Span) -> Option<BrokenContent> {
+    let (least, most) = (order.facts.least_volume.unwrap_or(0.0), order.facts.most_volume.unwrap_or(f64::INFINITY));
+    let title = || format!("`{part}` has a volume of {volume}, the device moves {least} to {most}");
+    let is_kept = (least - TOLERANCE..=most + TOLERANCE).contains(&volume);
+    (!is_kept).then(|| BrokenContent { span, title: title() })
+}

@@ -1,0 +1,262 @@
+//! Random assays on tiny boards, and their programs.
+
+use crate::scenes::Random;
+
+pub type Cell = (i32, i32);
+
+/// Most parts of an assay.
+pub const MOST_PARTS: usize = 4;
+
+/// Where a part is that no reservoir has dispensed and no split has made yet: off the board, whose cells count from 1.
+pub const NOWHERE: Cell = (0, 0);
+
+/// A step of the board of `droplet_chip`.
+pub const STEP_MS: u64 = 60;
+
+#[derive(Clone, Debug)]
+pub enum Operation {
+    Move(usize, Vec<Cell>),
+    Merge(usize, usize, Cell),
+    /// A part, where if not where it is, and for how many steps.
+    Incubate(usize, Option<Cell>, u64),
+    Discard(usize, Cell),
+    /// A part, and the number of the reservoir.
+    Dispense(usize, usize),
+    /// A part, where if not where it is, and for how many steps at least.
+    Mix(usize, Option<Cell>, u64),
+    /// The new part, the part that it comes out of, where, and where the new one goes.
+    Split(usize, usize, Cell, Cell),
+}
+
+#[derive(Clone, Debug)]
+pub struct Assay {
+    pub size: Cell,
+    pub separation: i32,
+    pub blocks: Vec<Cell>,
+    pub parts: Vec<Cell>,
+    /// Their outlets.
+    pub reservoirs: Vec<Cell>,
+    /// Steps in which a droplet is dispensed.
+    pub dispensing: u64,
+    /// Columns and rows of the mixing loop.
+    pub mixer: Cell,
+    pub may_yield: bool,
+    pub by_sum: bool,
+    pub operations: Vec<Operation>,
+}
+
+pub fn apart(one: Cell, other: Cell) -> i32 {
+    (one.0 - other.0).abs().max((one.1 - other.1).abs())
+}
+
+impl Assay {
+    pub fn random(chance: &mut Random) -> Option<Assay> {
+        let separation = if chance.below(4) == 0 { 3 } else { 2 };
+        let sizes = match separation {
+            2 => [(4, 4), (5, 3), (6, 2), (5, 4), (7, 2)],
+            _ => [(5, 5), (6, 4), (7, 3), (4, 4), (8, 2)],
+        };
+        let size = sizes[chance.below(5) as usize];
+        let by_sum = chance.below(3) == 0;
+        let mut assay = Assay {
+            size,
+            separation,
+            blocks: vec![],
+            parts: vec![],
+            reservoirs: vec![],
+            dispensing: u64::from(1 + chance.below(3)),
+            mixer: [(2, 2), (3, 2), (2, 3), (3, 3)][chance.below(4) as usize],
+            may_yield: false,
+            by_sum,
+            operations: vec![],
+        };
+        assay.furnish(chance)?;
+        (assay.parts.len() >= 2).then_some(())?;
+        assay.may_yield = chance.below(2) == 0;
+        if !assay.reservoirs.is_empty() && chance.below(3) == 0 {
+            return assay.served(chance);
+        }
+        let mut left: Vec<usize> = (0..assay.parts.len()).collect();
+        let mut ends = assay.parts.clone();
+        for _ in 0..1 + chance.below(5) {
+            let Some(part) = left.get(chance.below(left.len().max(1) as u32) as usize).copied() else { break };
+            assay.dispense(chance, &mut ends, part);
+            let operation = assay.operation(chance, part, (&mut left, &mut ends))?;
+            ends[part] = match &operation {
+                Operation::Move(_, stops) => stops[stops.len() - 1],
+                Operation::Merge(_, _, at) | Operation::Discard(_, at) => *at,
+                Operation::Incubate(part, at, _) => at.unwrap_or(ends[*part]),
+                Operation::Dispense(_, reservoir) => assay.reservoirs[*reservoir],
+                Operation::Mix(part, at, _) => at.unwrap_or(ends[*part]),
+                Operation::Split(_, _, at, to) => (2 * at.0 - to.0, 2 * at.1 - to.1),
+            };
+            assay.operations.push(operation);
+        }
+        let keep = |one: &usize, other: &usize| one == other || apart(ends[*one], ends[*other]) >= separation;
+        left.iter().all(|one| left.iter().all(|other| keep(one, other))).then_some(assay)
+    }
+
+    /// What a part does next; `left` are those that are not gone, `ends` where each is.
+    fn operation(
+        &mut self,
+        chance: &mut Random,
+        part: usize,
+        (left, ends): (&mut Vec<usize>, &mut Vec<Cell>),
+    ) -> Option<Operation> {
+        Some(match chance.below(17) {
+            10..=11 => {
+                let at = Some(ends[part]).filter(|cell| self.is_loop_free(*cell) && chance.below(2) == 0);
+                let corner = (0..40).map(|_| self.cell(chance)).find(|cell| self.is_loop_free(*cell));
+                Operation::Mix(part, if at.is_some() { None } else { Some(corner?) }, u64::from(1 + chance.below(9)))
+            }
+            12.. if self.separation == 2 && self.parts.len() < MOST_PARTS => {
+                let sides = [(1, 0), (-1, 0), (0, 1), (0, -1)];
+                let places = (0..40).map(|_| {
+                    let at = if chance.below(3) == 0 { ends[part] } else { self.cell(chance) };
+                    (at, sides[chance.below(4) as usize])
+                });
+                let (at, (c, r)) = { places }.find(|(at, (c, r))| {
+                    let sides = [(0, 0), (*c, *r), (-c, -r)];
+                    sides.iter().all(|(c, r)| self.is_free((at.0 + c, at.1 + r)))
+                })?;
+                self.parts.push(NOWHERE);
+                ends.push((at.0 + c, at.1 + r));
+                left.push(self.parts.len() - 1);
+                Operation::Split(self.parts.len() - 1, part, at, (at.0 + c, at.1 + r))
+            }
+            0..=2 => Operation::Move(part, vec![self.far(chance, &[])?]),
+            3 => Operation::Move(part, vec![self.far(chance, &[])?, self.far(chance, &[])?]),
+            4 => Operation::Incubate(part, None, u64::from(chance.below(5))),
+            5 => Operation::Incubate(part, Some(self.far(chance, &[])?), u64::from(chance.below(5))),
+            6..=7 => {
+                // Often where it is, or where another has been.
+                let known: Vec<Cell> = ends.iter().copied().filter(|cell| self.is_free(*cell)).collect();
+                let at = if chance.below(2) == 0 {
+                    known.get(chance.below(known.len().max(1) as u32) as usize).copied()
+                } else {
+                    self.far(chance, &[])
+                };
+                left.retain(|left| *left != part);
+                Operation::Discard(part, at?)
+            }
+            _ => {
+                let other = left[chance.below(left.len() as u32) as usize];
+                (other != part).then_some(())?;
+                self.dispense(chance, ends, other);
+                left.retain(|left| *left != other);
+                Operation::Merge(part, other, self.far(chance, &[])?)
+            }
+        })
+    }
+
+    /// All parts out of reservoirs, each to stay at one of two places and to leave: places wait for reservoirs, and parts for places.
+    fn served(mut self, chance: &mut Random) -> Option<Assay> {
+        let first = self.far(chance, &self.reservoirs)?;
+        let second = self.far(chance, &[self.reservoirs.as_slice(), &[first]].concat())?;
+        for part in 0..self.parts.len() {
+            self.parts[part] = NOWHERE;
+            let reservoir = chance.below(self.reservoirs.len() as u32) as usize;
+            let place = if part < 2 { [first, second][part] } else { [first, second][chance.below(2) as usize] };
+            let out = self.far(chance, &[])?;
+            self.operations.push(Operation::Dispense(part, reservoir));
+            self.operations.push(Operation::Incubate(part, Some(place), u64::from(1 + chance.below(7))));
+            self.operations.push(Operation::Discard(part, if chance.below(2) == 0 { place } else { out }));
+        }
+        Some(self)
+    }
+
+    /// Adds obstacles, reservoirs and parts.
+    fn furnish(&mut self, chance: &mut Random) -> Option<()> {
+        for _ in 0..chance.below(3) {
+            let block = self.cell(chance);
+            self.blocks.push(block);
+        }
+        for _ in 0..chance.below(3) {
+            let outlet = self.far(chance, &[])?;
+            if !self.reservoirs.contains(&outlet) {
+                self.reservoirs.push(outlet);
+            }
+        }
+        for _ in 0..2 + chance.below(2) {
+            let is_dispensed = !self.reservoirs.is_empty() && chance.below(2) == 0;
+            let cell = if is_dispensed { Some(NOWHERE) } else { self.far(chance, &self.parts) };
+            self.parts.extend(cell);
+        }
+        Some(())
+    }
+
+    /// Has a part dispensed that is nowhere yet.
+    fn dispense(&mut self, chance: &mut Random, ends: &mut [Cell], part: usize) {
+        if ends[part] == NOWHERE {
+            let reservoir = chance.below(self.reservoirs.len() as u32) as usize;
+            ends[part] = self.reservoirs[reservoir];
+            self.operations.push(Operation::Dispense(part, reservoir));
+        }
+    }
+
+    fn cell(&self, chance: &mut Random) -> Cell {
+        (1 + chance.below(self.size.0 as u32) as i32, 1 + chance.below(self.size.1 as u32) as i32)
+    }
+
+    pub fn is_free(&self, (column, row): Cell) -> bool {
+        (1..=self.size.0).contains(&column) && (1..=self.size.1).contains(&row) && !self.blocks.contains(&(column, row))
+    }
+
+    fn is_loop_free(&self, (column, row): Cell) -> bool {
+        let columns = column..column + self.mixer.0;
+        let mut cells = columns.flat_map(|column| (row..row + self.mixer.1).map(move |row| (column, row)));
+        cells.all(|cell| self.is_free(cell))
+    }
+
+    fn far(&self, chance: &mut Random, taken: &[Cell]) -> Option<Cell> {
+        let keeps = |cell: Cell| taken.iter().all(|other| apart(cell, *other) >= self.separation);
+        (0..40).map(|_| self.cell(chance)).find(|cell| self.is_free(*cell) && keeps(*cell))
+    }
+
+    pub fn text(&self) -> String {
+        let ((columns, rows), separation) = (self.size, self.separation);
+        let mut lines = vec![
+            "use std.electrode_array as ea".to_owned(),
+            format!(
+                "device chip : ea.droplet_chip {{ columns: {columns}, rows: {rows}, separation: {separation}, clearance: 1, dispense_duration: {} ms, mixer: {:?} }}",
+                self.dispensing * STEP_MS,
+                self.mixer
+            ),
+            "scene tray {".to_owned(),
+        ];
+        lines.extend(self.blocks.iter().enumerate().map(|(index, at)| format!("obstacle o{index} at {at:?}")));
+        lines.extend(self.reservoirs.iter().enumerate().map(|(index, at)| format!("reservoir r{index} at {at:?}")));
+        lines.extend(self.parts.iter().enumerate().map(|(index, at)| match *at {
+            NOWHERE => format!("part d{index} : ea.droplet"),
+            at => format!("part d{index} : ea.droplet at {at:?}"),
+        }));
+        lines.push("}\ntask go on chip in tray {".to_owned());
+        lines.push(format!("minimize {}", if self.by_sum { "sum_of_costs" } else { "makespan" }));
+        if self.may_yield {
+            lines.push("may_yield: true".to_owned());
+        }
+        lines.push("assay {".to_owned());
+        for operation in &self.operations {
+            lines.push(match operation {
+                Operation::Move(part, stops) => {
+                    let vias: String = stops[..stops.len() - 1].iter().map(|stop| format!(" via {stop:?}")).collect();
+                    format!("move d{part} to {:?}{vias}", stops[stops.len() - 1])
+                }
+                Operation::Merge(part, with, at) => format!("merge d{part} with d{with} at {at:?}"),
+                Operation::Discard(part, at) => format!("discard d{part} at {at:?}"),
+                Operation::Dispense(part, reservoir) => format!("dispense d{part} from r{reservoir}"),
+                Operation::Mix(part, at, steps) => {
+                    let place = at.map(|at| format!(" at {at:?}")).unwrap_or_default();
+                    format!("mix d{part}{place} for {} ms", steps * STEP_MS)
+                }
+                Operation::Split(half, part, at, to) => format!("split d{half} from d{part} at {at:?} to {to:?}"),
+                Operation::Incubate(part, at, stay) => {
+                    let place = at.map(|at| format!(" at {at:?}")).unwrap_or_default();
+                    format!("incubate d{part}{place} for {} ms", stay * STEP_MS)
+                }
+            });
+        }
+        lines.push("}\n}".to_owned());
+        lines.join("\n")
+    }
+}
