@@ -38,7 +38,7 @@ const counted = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;
 function drawClaims(root, model, seek) {
   // What could not be planned claims nothing.
   const runs = model.devices.flatMap((device) => device.runs).filter(({ index }) => !model.failure || model.steps.some((step) => step.plan === index));
-  for (const { plan, requirements } of runs.sort((a, b) => a.index - b.index)) {
+  for (const { plan, order, requirements } of runs.sort((a, b) => a.index - b.index)) {
     const card = add(root, "section", "", "card");
     const title = add(card, "button", `${plan.task} on ${plan.device}`, "jump");
     title.type = "button";
@@ -55,6 +55,10 @@ function drawClaims(root, model, seek) {
       const within = limits.map(({ relation, limit }) => ` ${RELATIONS[relation]} ${outcomeText(outcome, limit)}`);
       const kind = limits.length ? (limits.every((limit) => isKept(value, limit)) ? "good" : "open") : "";
       card.append(row(outcome.replaceAll("_", " "), outcomeText(outcome, value) + within.join(","), kind));
+    }
+    for (const { part, share, relation, limit } of order.contents || []) {
+      const name = `${order.parts[part].name}: ${share.fluid ?? "volume"}`;
+      card.append(row(name, `${RELATIONS[relation]} ${short(limit, 6)}`, "good"));
     }
     card.append(row("planner", plan.planner));
     for (const { subject, text } of plan.remarks || []) add(card, "p", `${subject}: ${text}`, "remark");

@@ -64,6 +64,11 @@ pub fn field_table() {
     }
 }
 
+/// The corner of a mixer, from 0 to 7: droplets pass between them, and to the ports.
+fn place(number: u32) -> (u32, u32) {
+    (4 + 5 * (number % 2), 3 + 5 * (number / 2))
+}
+
 /// A published assay.
 #[derive(Default)]
 struct FieldAssay {
@@ -113,21 +118,20 @@ fn pcr() -> FieldAssay {
         assay.reservoir(&format!("f{fluid}"), (1 + 14 * (fluid / 4), 3 + 4 * (fluid % 4)));
         assay.dispense(&format!("d{fluid}"), &format!("f{fluid}"));
     }
-    let tree = [(0, 1, (3, 5)), (2, 3, (3, 13)), (4, 5, (10, 5)), (6, 7, (10, 13))];
-    let roots = [(0, 2, (3, 9)), (4, 6, (10, 9)), (0, 4, (6, 16))];
+    let tree = [(0, 1, place(0)), (2, 3, place(4)), (4, 5, place(1)), (6, 7, place(5))];
+    let roots = [(0, 2, place(2)), (4, 6, place(3)), (0, 4, place(6))];
     for (one, other, at) in tree.into_iter().chain(roots) {
         assay.mix(&format!("d{one}"), &format!("d{other}"), at, 3);
     }
-    assay.operations.push("discard d0 at (8, 1)".to_owned());
+    assay.operations.push("discard d0 at (15, 1)".to_owned());
     assay
 }
 
 /// One sample, diluted 1:1 and split, again and again; each part is diluted four times more, meets the reagent, and is read for 30 s.
 fn protein(levels: u32) -> FieldAssay {
     let mut assay = FieldAssay::default();
-    let ports = [("s", (8, 1)), ("b0", (1, 7)), ("b1", (15, 7)), ("r0", (1, 13)), ("r1", (15, 13))];
+    let ports = [("s", (8, 1)), ("b0", (1, 6)), ("b1", (15, 6)), ("r0", (1, 11)), ("r1", (15, 11))];
     ports.iter().for_each(|(name, at)| assay.reservoir(name, *at));
-    let place = |part: u32| (3 + 7 * (part % 2), 3 + 4 * (part / 2));
     let mut count = 0;
     let mut meet = |assay: &mut FieldAssay, part: u32, fluid: &str| {
         count += 1;
@@ -153,7 +157,7 @@ fn protein(levels: u32) -> FieldAssay {
             meet(&mut assay, part, fluid);
         }
         assay.operations.push(format!("incubate d{part} for 30 s"));
-        assay.operations.push(format!("discard d{part} at (8, 19)"));
+        assay.operations.push(format!("discard d{part} at (15, 1)"));
     }
     assay
 }
@@ -170,9 +174,9 @@ fn in_vitro((samples, reagents): (u32, u32)) -> FieldAssay {
             assay.dispense(&own, &format!("s{sample}"));
             assay.dispense(&other, &format!("r{reagent}"));
             let time_s = SAMPLE_S[sample as usize];
-            assay.mix(&own, &other, (3 + 7 * (place % 2), 3 + 4 * (place / 2)), time_s);
+            assay.mix(&own, &other, self::place(place), time_s);
             assay.operations.push(format!("incubate {own} for {time_s} s"));
-            assay.operations.push(format!("discard {own} at (8, 19)"));
+            assay.operations.push(format!("discard {own} at (15, 1)"));
         }
     }
     assay

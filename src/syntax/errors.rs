@@ -480,9 +480,31 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
             .help("complete the line, or remove it");
     }
     let line = quote(line_before(text, at));
+    if let Some(found) = in_requirement(part(span, at, at + token.len()), &line, token) {
+        return found;
+    }
     Diagnostic::new(Code::E0101, format!("`{token}` does not belong here"))
         .label(part(span, at, at + token.len()), wanted)
         .help(format!("`{line}` is complete; remove the rest, or start a new line"))
+}
+
+/// What people write in a `require` where reading stops.
+fn in_requirement(token_span: Span, line: &str, token: &str) -> Option<Diagnostic> {
+    let step = line.rsplit(['{', ',']).next().unwrap_or("").trim_start();
+    step.strip_prefix("require").filter(|rest| rest.starts_with([' ', '\t']))?;
+    let found = |title: &str, label: &str| Diagnostic::new(Code::E0101, title).label(token_span, label);
+    match token {
+        "=" => Some(found("`=` does not compare", "sets a value").help("write `==`").mended_here("==")),
+        "and" => Some(
+            found("`and` does not join conditions", "one condition each")
+                .help("write a `require` of its own for each, one below the other: all of them hold"),
+        ),
+        "or" => Some(
+            found("`or` does not join conditions", "no alternatives")
+                .help("choose one of them: every `require` of a task holds"),
+        ),
+        _ => None,
+    }
 }
 
 pub(super) fn not_an_entry(span: Span, place: ListPlace, text: &str) -> Diagnostic {

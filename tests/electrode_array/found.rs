@@ -71,6 +71,12 @@ fn a_help_does_not_name_what_is_written() {
 }
 
 #[test]
+fn a_droplet_is_not_split_beside_the_one_that_its_half_meets() {
+    let told = refused(&text("ea_split_beside_another"));
+    assert!(told.starts_with("E0601"), "{told}");
+}
+
+#[test]
 fn a_droplet_is_dispensed_before_the_one_that_it_meets_comes_near() {
     // Planning panics where the verifier refuses what was planned.
     let plan = planned(&text("ea_dispensed_too_late"));

@@ -207,6 +207,13 @@ const SPELT_OUT: [(&str, &str); 24] = [
 pub fn unknown_unit(span: Span, part: &str, near: Option<&str>) -> Diagnostic {
     let list = "units are m s V A N J W Hz g F C Pa K with prefixes f p n u m c d k M G T, and deg rad turn min h %";
     let spelt_out = SPELT_OUT.iter().find(|(word, _)| *word == part.to_lowercase()).map(|(_, unit)| *unit);
+    let pair =
+        part.strip_prefix(['x', 'X']).filter(|rest| !rest.is_empty() && rest.bytes().all(|b| b.is_ascii_digit()));
+    if let Some(second) = pair {
+        return Diagnostic::new(Code::E0303, format!("no unit is called `{part}`"))
+            .label(span, "not a unit")
+            .help(format!("write two numbers in brackets, as `(2, {second})`"));
+    }
     Diagnostic::new(Code::E0303, format!("no unit is called `{part}`"))
         .label(span, "unknown unit")
         .near_or(spelt_out.or(near), list.to_owned())

@@ -346,15 +346,17 @@ impl<'a> Router<'a> {
         let comes = self.problem.instance.agents[split.child].start;
         let parent = self.nodes.len() as u32;
         self.nodes.push(*node);
-        let (first, end) = self.list(search, bookings, (errand.stop, node.done + 1));
+        // Whom it meets next keeps away until it has been pulled apart.
+        let (first, end) = self.list(search, bookings, (errand.stop, node.done));
         for span in first..end {
             let FreeSpan { from, to } = self.spans[span as usize];
-            let (first, end) = self.list(search, bookings, (comes, node.done + 1));
+            let (first, end) = self.list(search, bookings, (comes, node.done));
             let both = (first..end).map(|child| self.spans[child as usize]).find_map(|child| {
                 let at = from.max(child.from).max(node.at + 1);
                 (at < to.min(child.to)).then_some(at)
             });
             let Some(at) = both.filter(|at| *at <= leave) else { continue };
+            let Some(span) = self.span_at(search, bookings, (errand.stop, node.done + 1), at) else { continue };
             let ready = if node.done + 1 < search.last() { at } else { node.ready };
             let (cell, done) = (errand.stop, node.done + 1);
             let next = RouteNode { cell, span, done, entered: at, at, ready, mixing: NONE, split: at, parent, ..*node };
