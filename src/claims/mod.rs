@@ -245,3 +245,16 @@ pub enum Relation {
     AtLeast,
     More,
 }
+
+impl Relation {
+    /// Whether an outcome and its limit compare so, up to a slack of at least 0 in their unit: what is excluded by less than that is not.
+    pub fn holds(self, reached: f64, limit: f64, slack: f64) -> bool {
+        match self {
+            Relation::Less => reached < limit - slack,
+            Relation::AtMost => reached <= limit + slack,
+            Relation::Equal => (reached - limit).abs() <= slack,
+            Relation::AtLeast => reached >= limit - slack,
+            Relation::More => reached > limit + slack,
+        }
+    }
+}

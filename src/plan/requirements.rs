@@ -41,14 +41,7 @@ pub struct KnownLimit {
 /// Checks an outcome against a requirement.
 pub fn keeps(requirement: &Requirement, reached: f64) -> Kept {
     let slack = requirement.limit.abs() * REQUIREMENT_TOLERANCE;
-    let holds = match requirement.relation {
-        Relation::Less => reached < requirement.limit - slack,
-        Relation::AtMost => reached <= requirement.limit + slack,
-        Relation::Equal => (reached - requirement.limit).abs() <= slack,
-        Relation::AtLeast => reached >= requirement.limit - slack,
-        Relation::More => reached > requirement.limit + slack,
-    };
-    if holds { Kept::Yes } else { Kept::No }
+    if requirement.relation.holds(reached, requirement.limit, slack) { Kept::Yes } else { Kept::No }
 }
 
 /// Whether a requirement is only an upper limit of its outcome.

@@ -1,8 +1,8 @@
 //! What the droplets of a board contain, from one operation to the next: exact, since volumes are only added and halved.
 
 use super::errors;
-use crate::claims::electrode_array::{AssayOperation, DropletContent, DropletShare, ElectrodeArrayOrder};
-use crate::claims::{Job, Relation};
+use crate::claims::Job;
+use crate::claims::electrode_array::{AssayOperation, BoardPart, DropletContent, DropletShare, ElectrodeArrayOrder};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use std::collections::BTreeMap;
@@ -53,9 +53,9 @@ pub struct BoardLiquids {
 }
 
 impl BoardLiquids {
-    /// Enters what the scene puts on the board.
-    pub fn put(&mut self, order: &ElectrodeArrayOrder) {
-        for part in order.parts.iter().filter(|part| part.cell.is_some()) {
+    /// Enters what a scene puts on the board.
+    pub fn put(&mut self, parts: &[BoardPart]) {
+        for part in parts.iter().filter(|part| part.cell.is_some()) {
             self.liquids.entry(part.name.clone()).or_insert_with(|| Liquid::of(&part.name));
         }
     }
@@ -109,13 +109,7 @@ impl BoardLiquids {
             let name = order.parts[content.part].name.as_str();
             let Some(liquid) = self.liquids.get(name) else { return Some(errors::never_there(content, name)) };
             let reached = liquid.share(&content.share);
-            let is_kept = match content.relation {
-                Relation::Less => reached < content.limit,
-                Relation::AtMost => reached <= content.limit,
-                Relation::Equal => reached == content.limit,
-                Relation::AtLeast => reached >= content.limit,
-                Relation::More => reached > content.limit,
-            };
+            let is_kept = content.relation.holds(reached, content.limit, 0.0);
             (!is_kept).then(|| errors::other_content(content, name, (reached, &liquid.text()), liquid.since))
         };
         order.contents.iter().filter_map(|content| Some((content.span, wrong(content)?))).collect()

@@ -38,7 +38,6 @@ pub fn places_agree(jobs: &[Job], sink: &mut Sink) {
             board.obstacles = Arc::clone(&order.obstacles);
             board.stands_clear(job, order, &mut walk).into_iter().for_each(|wrong| sink.push(wrong));
         }
-        board.liquids.put(order);
         for step in &order.steps {
             let mut found = match &step.action {
                 ElectrodeArrayAction::Wait(_) => continue,
@@ -112,7 +111,9 @@ impl BoardWalk {
         let stands = order.parts.iter().map(PartStand::at_first).collect();
         let spread = SpacedPlaces::new(order.facts.separation.apart());
         let (parts, obstacles) = (Arc::clone(&order.parts), Arc::clone(&order.obstacles));
-        let mut board = BoardWalk { parts, obstacles, stands, liquids: BoardLiquids::default(), spread };
+        let mut liquids = BoardLiquids::default();
+        liquids.put(&parts);
+        let mut board = BoardWalk { parts, obstacles, stands, liquids, spread };
         (0..board.stands.len()).for_each(|part| board.enter(part));
         board
     }
@@ -145,6 +146,7 @@ impl BoardWalk {
         (0..self.stands.len()).for_each(|part| self.leave(part));
         self.stands = before;
         self.parts = Arc::clone(parts);
+        self.liquids.put(parts);
         (0..self.stands.len()).for_each(|part| self.enter(part));
     }
 
@@ -304,17 +306,17 @@ impl BoardWalk {
         walk: &mut PartsWalk,
     ) -> Vec<Diagnostic> {
         let (facts, apart) = (&order.facts, order.facts.separation.apart());
-        let mut here: BTreeMap<usize, ElectrodeArrayStop> = BTreeMap::new();
+        // Where operations have left their parts; what comes stands where it does already.
+        let mut here: BTreeMap<usize, ElectrodeCell> = BTreeMap::new();
         let mut found = Vec::new();
         for operation in operations {
-            let (part, moved) = (operation.part, operation.stops.last().cloned());
-            here.extend(moved.map(|stop| (part, stop)));
-            here.extend(operation.splits.map(|half| (half.part, half.stop(operation))));
+            let part = operation.part;
+            here.extend(operation.stops.last().map(|stop| (part, stop.cell)));
             let stands = match self.stands[part] {
                 PartStand::At(cell, _) => Some(cell),
                 PartStand::Due | PartStand::Gone(_) => None,
             };
-            let known = here.get(&part).map(|stop| stop.cell).or(stands);
+            let known = here.get(&part).copied().or(stands);
             let Some(corner) = known.filter(|_| operation.mixes) else { continue };
             let cover = walk.cover(order);
             let is_free = |cell: &ElectrodeCell| facts.reaches(*cell) && cover.covering(*cell).is_none();

@@ -177,6 +177,12 @@ const SETTINGS: &[VocabularyField] = &[VocabularyField {
     doc: "whether parts without a goal may step aside, and come back",
 }];
 
+/// Where the part is, or at a cell, for at least so long.
+const FOR_A_TIME: [VocabularyPhrase; 2] = [
+    VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::AtMostOnce },
+    VocabularyPhrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once },
+];
+
 const VERBS: &[Verb] = &[
     Verb {
         name: "move",
@@ -228,10 +234,7 @@ const VERBS: &[Verb] = &[
         name: "mix",
         noun: None,
         object: Some(Sort::Object("part")),
-        phrases: &[
-            VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::AtMostOnce },
-            VocabularyPhrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once },
-        ],
+        phrases: &FOR_A_TIME,
         block: None,
         doc: "moves a droplet round the device's `mixer`, anticlockwise and in whole rounds, for at least so long, from where it is or from a cell: the corner of the loop with the least column and row, where it is again at the end",
         example: "mix sample at (8, 5) for 3 s",
@@ -240,10 +243,7 @@ const VERBS: &[Verb] = &[
         name: "incubate",
         noun: None,
         object: Some(Sort::Object("part")),
-        phrases: &[
-            VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::AtMostOnce },
-            VocabularyPhrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once },
-        ],
+        phrases: &FOR_A_TIME,
         block: None,
         doc: "leaves a part where it is, or at a cell, for at least so long: to react, to be heated, to be read",
         example: "incubate sample at (8, 5) for 30 s",

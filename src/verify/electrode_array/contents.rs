@@ -3,10 +3,13 @@
 //! A droplet is a volume and the shares of its fluids: what merges is averaged by volume, what splits is halved. Shares are compared with a
 //! tolerance for the rounding of these means.
 
-use crate::claims::electrode_array::{DropletContent, DropletShare, ElectrodeArrayAction, ElectrodeArrayOrder};
+use crate::claims::electrode_array::{
+    BoardPart, DropletContent, DropletShare, ElectrodeArrayAction, ElectrodeArrayOrder,
+};
 use crate::claims::{Claims, Job, Relation};
 use crate::source::Span;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Difference of two shares, or of two volumes of one droplet, that is rounding.
 const TOLERANCE: f64 = 1e-9;
@@ -42,15 +45,19 @@ pub(super) struct BrokenContent {
 
 /// What is wrong with the droplets of all runs of a device, where this is its last one.
 pub(super) fn broken(claims: &Claims, job: &Job) -> Vec<BrokenContent> {
-    let mut own = claims.jobs.iter().filter(|other| other.device == job.device);
+    let own = claims.jobs.iter().filter(|other| other.device == job.device);
     if !own.clone().next_back().is_some_and(|last| std::ptr::eq(last, job)) {
         return Vec::new();
     }
     let mut droplets: BTreeMap<&str, Droplet> = BTreeMap::new();
     let mut found = Vec::new();
-    for order in own.by_ref().filter_map(|job| ElectrodeArrayOrder::of(&job.order)) {
-        for part in order.parts.iter().filter(|part| part.cell.is_some()) {
-            droplets.entry(&part.name).or_insert_with(|| Droplet::of(&part.name));
+    let mut known: Option<&Arc<Vec<BoardPart>>> = None;
+    for order in own.filter_map(|job| ElectrodeArrayOrder::of(&job.order)) {
+        // Runs in one scene share its parts.
+        if !known.replace(&order.parts).is_some_and(|known| Arc::ptr_eq(known, &order.parts)) {
+            for part in order.parts.iter().filter(|part| part.cell.is_some()) {
+                droplets.entry(&part.name).or_insert_with(|| Droplet::of(&part.name));
+            }
         }
         found.extend(operated(order, &mut droplets));
         found.extend(order.contents.iter().filter_map(|content| other_than(content, order, &droplets)));

@@ -78,16 +78,21 @@ pub fn parts_are_not_dispensed(span: Span) -> Diagnostic {
         .help("give the part a place in the scene, as `part NAME at (5, 3)`")
 }
 
-/// `hold` is the field with which the device turns holding off.
-pub fn dispenses_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
-    let title = "droplets are dispensed only on a device that holds them, but this one has `hold: false`";
-    let diagnostic =
-        Diagnostic::new(Code::E0555, title).label(span, "the electrode at the outlet pulls the droplet out");
+/// Explains that a device must hold its droplets; `hold` is the field with which it turns that off.
+fn held(diagnostic: Diagnostic, hold: Option<Span>) -> Diagnostic {
     let diagnostic = match hold {
         Some(hold) => diagnostic.label(hold, "electrodes are on only to move a droplet"),
         None => diagnostic,
     };
     diagnostic.help("give the device `hold: true`")
+}
+
+/// `hold` is the field with which the device turns holding off.
+pub fn dispenses_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
+    let title = "droplets are dispensed only on a device that holds them, but this one has `hold: false`";
+    let diagnostic =
+        Diagnostic::new(Code::E0555, title).label(span, "the electrode at the outlet pulls the droplet out");
+    held(diagnostic, hold)
 }
 
 pub fn dispenses_in_no_time(span: Span, device: &str) -> Diagnostic {
@@ -121,11 +126,7 @@ pub fn merges_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
     let diagnostic =
         Diagnostic::new(Code::E0529, "droplets merge only on a device that holds them, but this one has `hold: false`")
             .label(span, "the first to arrive would not be held for the second");
-    let diagnostic = match hold {
-        Some(hold) => diagnostic.label(hold, "electrodes are on only to move a droplet"),
-        None => diagnostic,
-    };
-    diagnostic.help("give the device `hold: true`")
+    held(diagnostic, hold)
 }
 
 pub fn parts_do_not_split(span: Span) -> Diagnostic {
@@ -138,11 +139,7 @@ pub fn parts_do_not_split(span: Span) -> Diagnostic {
 pub fn splits_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
     let title = "droplets split only on a device that holds them, but this one has `hold: false`";
     let diagnostic = Diagnostic::new(Code::E0557, title).label(span, "two electrodes pull a droplet apart");
-    let diagnostic = match hold {
-        Some(hold) => diagnostic.label(hold, "electrodes are on only to move a droplet"),
-        None => diagnostic,
-    };
-    diagnostic.help("give the device `hold: true`")
+    held(diagnostic, hold)
 }
 
 /// The separation of the device is more than that of the droplets of a split.
