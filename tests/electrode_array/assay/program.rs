@@ -65,7 +65,7 @@ impl Assay {
             parts: vec![],
             reservoirs: vec![],
             dispensing: u64::from(1 + chance.below(3)),
-            mixer: [(2, 2), (3, 2), (2, 3), (3, 3)][chance.below(4) as usize],
+            mixer: [(2, 2), (3, 2), (2, 3), (3, 3), (4, 2)][chance.below(5) as usize],
             may_yield: false,
             by_sum,
             operations: vec![],
@@ -149,7 +149,8 @@ impl Assay {
         })
     }
 
-    /// All parts out of reservoirs, each to stay at one of two places and to leave: places wait for reservoirs, and parts for places.
+    /// All parts out of reservoirs, each to stay or be mixed at one of two places and to leave: places wait for reservoirs, and parts for
+    /// places.
     fn served(mut self, chance: &mut Random) -> Option<Assay> {
         let first = self.far(chance, &self.reservoirs)?;
         let second = self.far(chance, &[self.reservoirs.as_slice(), &[first]].concat())?;
@@ -159,7 +160,11 @@ impl Assay {
             let place = if part < 2 { [first, second][part] } else { [first, second][chance.below(2) as usize] };
             let out = self.far(chance, &[])?;
             self.operations.push(Operation::Dispense(part, reservoir));
-            self.operations.push(Operation::Incubate(part, Some(place), u64::from(1 + chance.below(7))));
+            let steps = u64::from(1 + chance.below(7));
+            self.operations.push(match self.is_loop_free(place) && chance.below(2) == 0 {
+                true => Operation::Mix(part, Some(place), steps),
+                false => Operation::Incubate(part, Some(place), steps),
+            });
             self.operations.push(Operation::Discard(part, if chance.below(2) == 0 { place } else { out }));
         }
         Some(self)

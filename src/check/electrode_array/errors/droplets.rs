@@ -255,7 +255,8 @@ pub fn other_content(
             format!("`{name}` is {} `{fluid}` at the end, {wanted} is required", fraction(reached))
         }
     };
-    let diagnostic = Diagnostic::new(Code::E0559, title).label(content.span, format!("contains {contains}"));
+    let help = format!("change what it merges with or how often it is split, or require {}", fraction(reached));
+    let diagnostic = Diagnostic::new(Code::E0559, title).label(content.span, format!("contains {contains}")).help(help);
     match last {
         Some(last) => diagnostic.label_elsewhere(last, content.span, "since this"),
         None => diagnostic,

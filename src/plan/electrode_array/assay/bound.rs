@@ -2,7 +2,8 @@
 //!
 //! Three of them. Each errand ends no earlier than its agent alone could have done it, and those that meet wait for one another (the
 //! critical path). Agents that stay at one stop take turns: between two of them lie the steps in which the first moves out of the way.
-//! And of several stops whose agents come at few places, one has to wait for its first.
+//! So do those that are moved round a loop in which two are always in each other's way before the round is over. And of several stops
+//! whose agents come at few places, one has to wait for its first.
 
 use super::super::board::{BoardCosts, CellIndex};
 use super::route::Ahead;
@@ -24,15 +25,18 @@ struct TimedErrand {
 pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> BoardCosts {
     let timed = timed(problem, ahead);
     let alone = timed.iter().flatten().map(|one| one.head + u64::from(one.errand.stay)).max().unwrap_or(0);
-    let mut stays: BTreeMap<CellIndex, Vec<(usize, TimedErrand)>> = BTreeMap::new();
+    let loops: Vec<LoopRoom> = problem.loops.iter().map(|around| LoopRoom::of(problem, around)).collect();
+    let mut stays: BTreeMap<TurnPlace, Vec<(usize, TimedErrand)>> = BTreeMap::new();
     for (agent, errands) in timed.iter().enumerate() {
-        for one in errands.iter().filter(|one| one.errand.stay > 0 && takes_turns(problem, &one.errand)) {
-            stays.entry(one.errand.stop).or_default().push((agent, *one));
+        for one in errands.iter().filter(|one| one.errand.stay > 0) {
+            if let Some(place) = TurnPlace::of(&one.errand, &loops) {
+                stays.entry(place).or_default().push((agent, *one));
+            }
         }
     }
     let drops = drops(problem);
-    let turns = stays.values().map(|stays| in_turns(problem, stays, &drops)).max().unwrap_or(0);
-    let turns = turns.max(stays.values().map(|stays| comings(problem, stays)).max().unwrap_or(0));
+    let turns = stays.iter().map(|(place, stays)| in_turns(problem, *place, stays, &drops)).max().unwrap_or(0);
+    let turns = turns.max(stays.iter().map(|(place, stays)| comings(problem, *place, stays)).max().unwrap_or(0));
     let turns = turns.max(firsts(problem, ahead, &stays, &drops));
     let arrivals = timed.iter().enumerate().map(|(agent, errands)| last_arrival(problem, agent, errands));
     BoardCosts { makespan: alone.max(turns), sum_of_costs: arrivals.sum() }
@@ -134,14 +138,56 @@ fn given_off(problem: &AssayProblem, agent: usize, heads: &[Vec<u64>]) -> Option
     heads[parent].get(place).copied()
 }
 
-/// Whether no two agents can do an errand at its stop at the same time: they stay there, or in a loop that has no room for two.
-fn takes_turns(problem: &AssayProblem, errand: &Errand) -> bool {
-    let instance = problem.instance;
-    let near = |one: &CellIndex, other: &CellIndex| instance.board.apart(*one, *other) < instance.separation;
-    errand.mixes.is_none_or(|around| {
-        let around = &problem.loops[around];
-        around.iter().all(|one| around.iter().all(|other| near(one, other)))
-    })
+/// Where agents take turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct TurnPlace {
+    stop: CellIndex,
+    /// Whether those are meant that are moved round a loop of more than one place from there: who stays at its corner may be there
+    /// while another one is at its far end.
+    is_loop: bool,
+}
+
+/// Whether two agents can be in a loop at the same time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum LoopRoom {
+    /// All of its cells are as near to each other as if it were one.
+    Cell,
+    /// Whenever one begins, it gets in the way of the other before that one is back at the corner.
+    One,
+    Two,
+}
+
+impl LoopRoom {
+    fn of(problem: &AssayProblem, around: &[CellIndex]) -> LoopRoom {
+        let (instance, cells) = (problem.instance, around.len());
+        let keep_apart = |one: usize, other: usize| {
+            let [one, other] = [one, other].map(|place| around[place % cells]);
+            instance.board.apart(one, other) >= instance.separation
+        };
+        if !(0..cells).any(|one| (0..cells).any(|other| keep_apart(one, other))) {
+            return LoopRoom::Cell;
+        }
+        // One begins, and the other is some cells ahead of it: until that one ends, both go on.
+        let is_clear = |ahead: usize| {
+            let steps = 0..cells - ahead;
+            let mut ways = steps.flat_map(|step| [(step, step + ahead + 1), (step + 1, step + ahead)]);
+            (0..=cells - ahead).all(|step| keep_apart(step, step + ahead))
+                && ways.all(|(own, its)| keep_apart(own, its))
+        };
+        if (1..cells).any(is_clear) { LoopRoom::Two } else { LoopRoom::One }
+    }
+}
+
+impl TurnPlace {
+    /// Where an errand takes turns with others; `None` if it need not.
+    fn of(errand: &Errand, loops: &[LoopRoom]) -> Option<TurnPlace> {
+        let is_loop = match errand.mixes.map(|around| loops[around]) {
+            None | Some(LoopRoom::Cell) => false,
+            Some(LoopRoom::One) => true,
+            Some(LoopRoom::Two) => return None,
+        };
+        Some(TurnPlace { stop: errand.stop, is_loop })
+    }
 }
 
 /// The errand of another agent in which it meets this one, if all before it are timed.
@@ -161,9 +207,8 @@ fn meeting(
 /// first, all stays with the changes between them, and the shortest way of the last to the end; first and last are two, where there are
 /// two. Agents that merge, with each other or with a third, may follow each other as one and without a change; `drops` has one number
 /// for all of them. What leaves the board at the stop need not move out of the way.
-fn in_turns(problem: &AssayProblem, stays: &[(usize, TimedErrand)], drops: &[usize]) -> u64 {
-    let Some(stop) = stays.first().map(|(_, one)| one.errand.stop) else { return 0 };
-    let change = change(problem, stop);
+fn in_turns(problem: &AssayProblem, place: TurnPlace, stays: &[(usize, TimedErrand)], drops: &[usize]) -> u64 {
+    let change = change(problem, place.stop);
     let set_from = |least: u64| {
         let of: Vec<(usize, TimedErrand)> = stays.iter().filter(|(_, one)| one.head >= least).copied().collect();
         one_after_another(&of, |nth| of[nth].1.head, drops, change)
@@ -200,7 +245,11 @@ fn change(problem: &AssayProblem, stop: CellIndex) -> u64 {
 }
 
 /// As [`in_turns`], for the agents that come at a stop: each needs it for itself, whatever it merges with later.
-fn comings(problem: &AssayProblem, stays: &[(usize, TimedErrand)]) -> u64 {
+fn comings(problem: &AssayProblem, place: TurnPlace, stays: &[(usize, TimedErrand)]) -> u64 {
+    // Nobody is moved round a loop before it is all there.
+    if place.is_loop {
+        return 0;
+    }
     let mut own: Vec<(usize, TimedErrand)> = Vec::new();
     for (agent, one) in stays {
         let is_first = problem.comes[*agent] && problem.instance.agents[*agent].start == one.errand.stop;
@@ -209,7 +258,7 @@ fn comings(problem: &AssayProblem, stays: &[(usize, TimedErrand)]) -> u64 {
         }
     }
     let apart: Vec<usize> = (0..problem.errands.len()).collect();
-    in_turns(problem, &own, &apart)
+    in_turns(problem, place, &own, &apart)
 }
 
 /// Stops whose agents all come, at few places: the first agents of `m` stops come at `n` places, so that one of them is the `m / n`th that
@@ -218,16 +267,16 @@ fn comings(problem: &AssayProblem, stays: &[(usize, TimedErrand)]) -> u64 {
 fn firsts(
     problem: &AssayProblem,
     ahead: &Ahead,
-    stays: &BTreeMap<CellIndex, Vec<(usize, TimedErrand)>>,
+    stays: &BTreeMap<TurnPlace, Vec<(usize, TimedErrand)>>,
     drops: &[usize],
 ) -> u64 {
     let start = |agent: usize| problem.instance.agents[agent].start;
     let mut stops: Vec<ServedStop> = Vec::new();
-    for (stop, stays) in stays {
+    for (place, stays) in stays {
         // Coming is no stay that an agent must come for first.
-        if stays.iter().all(|(agent, _)| problem.comes[*agent] && start(*agent) != *stop) {
-            let head = |nth: usize| alone(problem, ahead, stays[nth].0, *stop);
-            let steps = one_after_another(stays, head, drops, change(problem, *stop));
+        if stays.iter().all(|(agent, _)| problem.comes[*agent] && start(*agent) != place.stop) {
+            let head = |nth: usize| alone(problem, ahead, stays[nth].0, place.stop);
+            let steps = one_after_another(stays, head, drops, change(problem, place.stop));
             let agents: BTreeSet<usize> = stays.iter().map(|(agent, _)| *agent).collect();
             stops.push(ServedStop { steps, from: agents.iter().map(|agent| start(*agent)).collect(), agents });
         }
