@@ -60,6 +60,12 @@ function drawClaims(root, model, seek) {
       const name = `${order.parts[part].name}: ${share.fluid ?? "volume"}`;
       card.append(row(name, `${RELATIONS[relation]} ${short(limit, 6)}`, "good"));
     }
+    const { avoided = [], washes = [] } = order.contamination || {};
+    for (const fluid of new Set(avoided.map(({ of }) => of))) {
+      const others = avoided.filter(({ of }) => of === fluid).map(({ within }) => within);
+      card.append(row(`no ${fluid} in`, others.join(", "), "good"));
+    }
+    if (washes.length) card.append(row("washed with", washes.join(", ")));
     card.append(row("planner", plan.planner));
     for (const { subject, text } of plan.remarks || []) add(card, "p", `${subject}: ${text}`, "remark");
   }

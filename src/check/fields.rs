@@ -69,7 +69,8 @@ impl Checker<'_> {
         given: &[Given],
         table: &'static [device::VocabularyField],
     ) -> Option<&'static device::VocabularyField> {
-        if STEP_WORDS.contains(&field.name.text.as_str()) {
+        let word = field.name.text.as_str();
+        if STEP_WORDS.contains(&word) || device::condition_of_any_kind(word).is_some() {
             self.sink.push(errors::setting_with_colon(&field.name));
             return None;
         }

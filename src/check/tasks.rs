@@ -35,6 +35,8 @@ pub struct Parts {
     pub requirements: Vec<Requirement>,
     /// What droplets must contain.
     pub contents: Vec<ContentRequirement>,
+    /// The kind's own conditions.
+    pub conditions: Vec<Call>,
     pub steps: Vec<VocabularyStep>,
     /// What its steps do to auxiliary outputs.
     pub events: Vec<AuxiliaryEvent>,
@@ -113,8 +115,15 @@ impl TaskReading<'_> {
 
 /// Whether a step of a task is a setting of it, which comes before all that is done.
 pub fn is_setting(step: &tree::Step) -> bool {
-    matches!(step.head.text.as_str(), "minimize" | "using" | "require")
-        || (step.head.text == "start" && step.object.is_none())
+    let head = step.head.text.as_str();
+    matches!(head, "minimize" | "using" | "require")
+        || (head == "start" && step.object.is_none())
+        || device::condition_of_any_kind(head).is_some()
+}
+
+/// Whether a setting may be given several times, also in a `for`.
+fn may_repeat(head: &Ident, vocabulary: &Vocabulary) -> bool {
+    head.text == "require" || vocabulary.condition(&head.text).is_some()
 }
 
 /// Whether the entries stand in the task itself or in a `for` of it.
@@ -184,6 +193,7 @@ impl<'a> Checker<'a> {
             settings: Accepted::new(),
             requirements: Vec::new(),
             contents: Vec::new(),
+            conditions: Vec::new(),
             steps: Vec::new(),
             events: Vec::new(),
             is_whole: true,
@@ -230,7 +240,7 @@ impl<'a> Checker<'a> {
         match reading.parts.steps.first() {
             Some(first) => self.sink.push(errors::setting_after_step(name, first.span)),
             // What droplets contain is asked of many at once.
-            None if reading.nesting == Nesting::Loop && name.text != "require" => {
+            None if reading.nesting == Nesting::Loop && !may_repeat(name, reading.vocabulary) => {
                 self.sink.push(errors::setting_in_loop(name));
             }
             None => {}
@@ -239,8 +249,8 @@ impl<'a> Checker<'a> {
 
     fn setting(&mut self, step: &'a tree::Step, scope: &Scope, reading: &mut TaskReading<'a>) {
         let head = &step.head;
-        let repeats = head.text != "require";
-        if let Some(earlier) = reading.seen.insert(head.text.clone(), head.span).filter(|_| repeats) {
+        let is_single = !may_repeat(head, reading.vocabulary);
+        if let Some(earlier) = reading.seen.insert(head.text.clone(), head.span).filter(|_| is_single) {
             self.sink.push(errors::setting_twice(head, earlier));
         }
         match head.text.as_str() {
@@ -259,7 +269,19 @@ impl<'a> Checker<'a> {
                     None => reading.parts.is_whole = false,
                 },
             },
-            _ => reading.parts.start = self.start(step, scope, reading),
+            "start" => reading.parts.start = self.start(step, scope, reading),
+            word => {
+                let condition = reading.vocabulary.condition(word);
+                let call = match condition {
+                    Some(condition) => self.verb_call(step, scope, condition),
+                    // It is one of other kinds, which is reported.
+                    None => self.verb(step, scope, reading.vocabulary),
+                };
+                match call {
+                    Some(call) => reading.parts.conditions.push(call),
+                    None => reading.parts.is_whole = false,
+                }
+            }
         }
     }
 

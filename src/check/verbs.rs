@@ -40,6 +40,11 @@ impl Checker<'_> {
             });
             return None;
         };
+        self.verb_call(step, scope, verb)
+    }
+
+    /// What a verb, or a condition of a task, is asked with; `None` after an error.
+    pub fn verb_call(&mut self, step: &tree::Step, scope: &Scope, verb: &'static device::Verb) -> Option<Call> {
         self.noun(step, verb)?;
         let entries = self.braces(step, verb, scope);
         let object = self.verb_object(step, verb, scope);

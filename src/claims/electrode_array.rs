@@ -23,6 +23,8 @@ pub struct ElectrodeArrayOrder {
     /// What droplets must contain when they were last on the board.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub contents: Vec<DropletContent>,
+    #[serde(default, skip_serializing_if = "Contamination::is_unheeded")]
+    pub contamination: Contamination,
     pub steps: Vec<ElectrodeArrayStep>,
 }
 
@@ -58,6 +60,36 @@ pub struct DropletContent {
     pub relation: Relation,
     /// In droplets for a volume, else from 0 to 1.
     pub limit: f64,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// Fluids of which droplets leave traces on electrodes that must not get into others. A droplet leaves all that it contains on every electrode
+/// to which it comes.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Contamination {
+    pub avoided: Vec<AvoidedTrace>,
+    /// Fluids by their names: a droplet of nothing but these takes away what was left on the electrodes to which it comes, and takes no
+    /// harm.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub washes: Vec<String>,
+    /// For each part the fluids that it contains before the task; none if it is not on the board by then.
+    #[serde(skip)]
+    pub before: Vec<Vec<String>>,
+}
+
+impl Contamination {
+    /// Whether nothing is avoided.
+    pub fn is_unheeded(&self) -> bool {
+        self.avoided.is_empty()
+    }
+}
+
+/// No droplet that contains one fluid and not another comes onto an electrode with traces of that other one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AvoidedTrace {
+    pub of: String,
+    pub within: String,
     #[serde(skip)]
     pub span: Span,
 }
@@ -200,6 +232,10 @@ pub struct AssayOperation {
     /// Whether it leaves the board at the last stop and is gone from then on.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub leaves: bool,
+    /// Indices of earlier operations of the assay that are done before it stays at the last stop, merges, is mixed, is split, comes or
+    /// leaves.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub after: Vec<usize>,
     #[serde(skip)]
     pub span: Span,
 }
@@ -233,6 +269,7 @@ impl AssayOperation {
             comes: false,
             fluid: None,
             leaves: false,
+            after: Vec::new(),
             span,
         }
     }

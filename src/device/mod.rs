@@ -126,6 +126,8 @@ pub struct Vocabulary {
     pub frames: Frames,
     /// Steps of a task.
     pub verbs: &'static [Verb],
+    /// Conditions on a whole task, which stand before its steps, also in `for`.
+    pub conditions: &'static [Verb],
     /// Objectives of `minimize`; the first is the default.
     pub objectives: &'static [WordChoice],
     /// Planners of `using`; the first is the default.
@@ -142,10 +144,20 @@ impl Vocabulary {
         self.verbs.iter().find(|verb| verb.name == name)
     }
 
+    /// The condition of a word.
+    pub fn condition(&self, name: &str) -> Option<&'static Verb> {
+        self.conditions.iter().find(|condition| condition.name == name)
+    }
+
     /// The scene noun of a word.
     pub fn noun(&self, name: &str) -> Option<&'static Noun> {
         self.nouns.iter().find(|noun| noun.name == name)
     }
+}
+
+/// The condition of a word, whatever the kind.
+pub fn condition_of_any_kind(word: &str) -> Option<&'static Verb> {
+    Kind::ALL.iter().find_map(|kind| kind.vocabulary().condition(word))
 }
 
 /// Whether a device can have several goals at the same time.
@@ -342,7 +354,7 @@ pub struct Noun {
     pub shapes: &'static [shape::ShapeForm],
 }
 
-/// A step of a task.
+/// A step of a task, or a condition on all of it.
 #[derive(Debug)]
 pub struct Verb {
     pub name: &'static str,

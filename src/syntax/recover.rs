@@ -27,7 +27,7 @@ const ITEMS: [(&str, Rule); 9] = [
     ("wiring", Rule::wiring_rest),
 ];
 
-const PREPOSITIONS: [&str; 10] = ["to", "from", "by", "about", "for", "at", "via", "with", "in", "on"];
+const PREPOSITIONS: [&str; 11] = ["to", "from", "by", "about", "after", "for", "at", "via", "with", "in", "on"];
 
 /// Steps that every kind of device knows: a second one of them on a line is a second step.
 const COMMON_HEADS: [&str; 10] =

@@ -204,6 +204,11 @@ pub(super) fn in_value(span: Span, at: usize, open: Option<char>, source: &str) 
             finding.help("steps follow each other: write the next one behind a comma, or on a line of its own"),
         );
     }
+    if token == "before" {
+        let finding =
+            Diagnostic::new(Code::E0101, "`before` is not of the language").label(place, "complete before this");
+        return Some(finding.help("write `after NAME` at the operation of an `assay` that comes later"));
+    }
     let is_value = token.starts_with(|c: char| is_word(c) || c == '(');
     let before = around::code_end_before(source, at);
     (is_value && matches!(open, Some('(' | '['))).then(|| {

@@ -1,7 +1,7 @@
 //! Words: which characters make a name, which names the language reserves, and which words begin a declaration.
 
 /// The words that cannot be names.
-pub const RESERVED: [&str; 23] = [
+pub const RESERVED: [&str; 24] = [
     "use",
     "as",
     "let",
@@ -19,6 +19,7 @@ pub const RESERVED: [&str; 23] = [
     "from",
     "by",
     "about",
+    "after",
     "for",
     "at",
     "via",

@@ -76,6 +76,8 @@ pub enum Rule {
     Clearance,
     /// A part without a goal stays, or comes back.
     Bystander,
+    /// A droplet comes onto no electrode with traces that are avoided in it.
+    Trace,
     /// A control cycle visits steady levels that the source gives, each for the dwell time.
     Level,
     /// Strokes are those of the device, after a control cycle.
@@ -173,6 +175,7 @@ impl Rule {
             Rule::Touch => Code::E0734,
             Rule::Clearance => Code::E0735,
             Rule::Bystander => Code::E0736,
+            Rule::Trace => Code::E0775,
             Rule::Level => Code::E0737,
             Rule::Train => Code::E0738,
             Rule::Arm => Code::E0739,

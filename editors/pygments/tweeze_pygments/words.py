@@ -79,6 +79,7 @@ PREFIXES = (
 )
 PREPOSITIONS = (
     "about",
+    "after",
     "at",
     "by",
     "for",
@@ -91,6 +92,7 @@ PREPOSITIONS = (
 )
 RESERVED = (
     "about",
+    "after",
     "as",
     "at",
     "by",
@@ -121,6 +123,7 @@ STEPS = (
     "apply",
     "assay",
     "assemble",
+    "avoid",
     "discard",
     "dispense",
     "drive",
@@ -144,6 +147,7 @@ STEPS = (
     "using",
     "visit",
     "wait",
+    "wash",
 )
 TRUTHS = (
     "false",

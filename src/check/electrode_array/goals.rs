@@ -44,6 +44,7 @@ impl Checker<'_> {
         let steps: Vec<Option<ElectrodeArrayStep>> = parts.steps.iter().map(|step| judge.step(step)).collect();
         let steps: Option<Vec<ElectrodeArrayStep>> = steps.into_iter().collect();
         let contents = judge.contents(&parts.contents);
+        let contamination = judge.contamination(&parts.conditions, &parts.steps);
         let order = ElectrodeArrayOrder {
             facts: facts.clone(),
             obstacles: Arc::clone(&tray.obstacles),
@@ -52,6 +53,7 @@ impl Checker<'_> {
             planner: planner?,
             bystanders,
             contents: contents?,
+            contamination: contamination?,
             steps: steps?,
         };
         tray.is_whole.then_some(order)
@@ -134,22 +136,22 @@ fn calls(action: &tasks::VocabularyAction) -> &[Call] {
 const OPERATIONS: [&str; 5] = ["dispense", "split", "mix", "incubate", "discard"];
 
 /// Whether a step is made of operations and not of goals.
-fn is_assay(action: &tasks::VocabularyAction) -> bool {
+pub(super) fn is_assay(action: &tasks::VocabularyAction) -> bool {
     let is_operation = |call: &Call| OPERATIONS.contains(&call.verb.name);
     matches!(action, tasks::VocabularyAction::Assay(_)) || calls(action).iter().any(is_operation)
 }
 
 /// Judges the steps of one task.
-struct BoardStepJudge<'a> {
-    facts: &'a ElectrodeArrayFacts,
-    tray: &'a BoardScene,
+pub(super) struct BoardStepJudge<'a> {
+    pub facts: &'a ElectrodeArrayFacts,
+    pub tray: &'a BoardScene,
     /// Where the task's scene is declared.
-    scene: Option<Span>,
+    pub scene: Option<Span>,
     /// The name of the device.
     device: &'a str,
     /// The field that sets whether the device holds its parts, if there is one.
     hold: Option<Span>,
-    sink: &'a mut Sink,
+    pub sink: &'a mut Sink,
 }
 
 impl BoardStepJudge<'_> {
@@ -170,7 +172,7 @@ impl BoardStepJudge<'_> {
             "volume" => DropletShare::Volume,
             name if fluids.contains(name) => DropletShare::Fluid(name.to_owned()),
             name => {
-                self.sink.push(errors::unknown_fluid(share.span, name, &fluids, self.scene));
+                self.sink.push(errors::unknown_fluid((Code::E0559, share.span), name, &fluids, self.scene));
                 return None;
             }
         };
@@ -188,6 +190,7 @@ impl BoardStepJudge<'_> {
 
     /// Goals at the same time: each part has one, and they are apart.
     fn moves(&mut self, calls: &[Call]) -> Option<Vec<ElectrodeArrayMove>> {
+        self.nothing_after(calls)?;
         let moves: Vec<Option<ElectrodeArrayMove>> = calls.iter().map(|call| self.one_move(call)).collect();
         let found: Vec<(&Call, &ElectrodeArrayMove)> =
             calls.iter().zip(&moves).filter_map(|(call, found)| Some((call, found.as_ref()?))).collect();
@@ -202,8 +205,12 @@ impl BoardStepJudge<'_> {
     fn operations(&mut self, action: &tasks::VocabularyAction) -> Option<Vec<AssayOperation>> {
         let calls = calls(action);
         let operations: Vec<Option<AssayOperation>> = calls.iter().map(|call| self.operation(call)).collect();
-        let operations = operations.into_iter().collect::<Option<Vec<AssayOperation>>>()?;
+        let mut operations = operations.into_iter().collect::<Option<Vec<AssayOperation>>>()?;
         let before = self.sink.errors();
+        match action {
+            tasks::VocabularyAction::Assay(_) => self.follow(&mut operations, calls),
+            _ => self.nothing_after(calls)?,
+        }
         let mut gone: BTreeMap<usize, Departure> = BTreeMap::new();
         let mut stays = 0;
         for (operation, call) in operations.iter().zip(calls) {
@@ -229,6 +236,33 @@ impl BoardStepJudge<'_> {
         }
         self.ends_apart(&operations, &gone);
         (self.sink.errors() == before).then_some(operations)
+    }
+
+    /// Enters what each operation of an assay comes after: the last operation above of each part that its `after` names.
+    fn follow(&mut self, operations: &mut [AssayOperation], calls: &[Call]) {
+        // By part, its last operation so far.
+        let mut last: BTreeMap<usize, usize> = BTreeMap::new();
+        for (place, call) in calls.iter().enumerate() {
+            for asked in phrases(call, "after") {
+                let Some(part) = self.part(asked) else { continue };
+                match last.get(&part) {
+                    // Operations of one part follow each other anyway.
+                    Some(_) if operations[place].parts().any(|own| own == part) => {}
+                    Some(earlier) => operations[place].after.push(*earlier),
+                    None => {
+                        let wrong = errors::nothing_to_come_after(asked.span, self.name(part));
+                        asked.unless(Some(wrong), self.sink);
+                    }
+                }
+            }
+            last.extend(operations[place].all_parts().map(|part| (part, place)));
+        }
+    }
+
+    /// Outside an assay nothing comes after anything but the step before.
+    fn nothing_after(&mut self, calls: &[Call]) -> Option<()> {
+        let asked = calls.iter().flat_map(|call| phrases(call, "after")).next();
+        self.sink.unless(asked.map(|asked| errors::after_outside_assay(asked.span)))
     }
 
     fn operation(&mut self, call: &Call) -> Option<AssayOperation> {

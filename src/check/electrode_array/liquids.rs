@@ -46,6 +46,9 @@ impl Liquid {
     }
 }
 
+/// For each part of an order the fluids that it contains before the task.
+pub type FluidsBefore = Vec<Vec<String>>;
+
 /// The droplets of a board, by their names; those that are gone are remembered as they were last.
 #[derive(Debug, Default)]
 pub struct BoardLiquids {
@@ -58,6 +61,15 @@ impl BoardLiquids {
         for part in parts.iter().filter(|part| part.cell.is_some()) {
             self.liquids.entry(part.name.clone()).or_insert_with(|| Liquid::of(&part.name));
         }
+    }
+
+    /// The fluids of the parts that are on the board, or were.
+    pub fn before(&self, order: &ElectrodeArrayOrder) -> FluidsBefore {
+        let of_part = |part: &BoardPart| {
+            let liquid = self.liquids.get(&part.name);
+            liquid.map(|liquid| liquid.amounts.keys().cloned().collect()).unwrap_or_default()
+        };
+        order.parts.iter().map(of_part).collect()
     }
 
     /// Two droplets become one; the first is what it was, if the device can carry it.

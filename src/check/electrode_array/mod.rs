@@ -11,6 +11,7 @@ mod map;
 mod motion;
 mod physics;
 mod places;
+mod traces;
 mod tray;
 
 use super::devices::CheckedDevice;
@@ -65,7 +66,8 @@ impl KindChecks for ElectrodeArrayChecks {
     }
 
     fn agree(&self, jobs: &mut [Job], sink: &mut Sink) {
-        places::places_agree(jobs, sink);
+        let before = places::places_agree(jobs, sink);
+        traces::agree(jobs, before, sink);
     }
 }
 

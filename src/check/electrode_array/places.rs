@@ -6,7 +6,7 @@
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
 use super::errors;
 use super::errors::Departure;
-use super::liquids::BoardLiquids;
+use super::liquids::{BoardLiquids, FluidsBefore};
 use super::tray::distance_to;
 use crate::claims::Job;
 use crate::claims::electrode_array::{
@@ -21,16 +21,17 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 /// Where parts stand between the tasks of a schedule, as far as that is known before planning.
-pub fn places_agree(jobs: &[Job], sink: &mut Sink) {
+pub fn places_agree(jobs: &[Job], sink: &mut Sink) -> Vec<(usize, FluidsBefore)> {
+    let mut before = Vec::new();
     let mut boards: BTreeMap<&str, BoardWalk> = BTreeMap::new();
     let mut walk = PartsWalk { told: BTreeSet::new(), covers: BTreeMap::new() };
-    for job in jobs {
+    for (nth, job) in jobs.iter().enumerate() {
         let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
         let board = boards.entry(&job.device).or_insert_with(|| BoardWalk::of(order));
         if !Arc::ptr_eq(&board.parts, &order.parts) {
             if let Some(name) = odd_part(&board.parts, &order.parts) {
                 sink.push(errors::unlike_parts(job.run_span, &job.device, name));
-                return;
+                return before;
             }
             board.reorder(&order.parts);
         }
@@ -38,6 +39,7 @@ pub fn places_agree(jobs: &[Job], sink: &mut Sink) {
             board.obstacles = Arc::clone(&order.obstacles);
             board.stands_clear(job, order, &mut walk).into_iter().for_each(|wrong| sink.push(wrong));
         }
+        before.push((nth, board.liquids.before(order)));
         for step in &order.steps {
             let mut found = match &step.action {
                 ElectrodeArrayAction::Wait(_) => continue,
@@ -51,6 +53,7 @@ pub fn places_agree(jobs: &[Job], sink: &mut Sink) {
         let others = board.liquids.judge(order).into_iter();
         others.filter(|(span, _)| walk.told.insert((*span, None))).for_each(|(_, wrong)| sink.push(wrong));
     }
+    before
 }
 
 /// State of the walk through the runs of a schedule.

@@ -431,10 +431,10 @@ fn obstacles_of_a_later_scene_leave_room_for_the_parts() {
     let text = |obstacle: &str| {
         format!(
             "device plate : ea.smart_platform
-             scene before {{ part m1 at (5, 3) }}
-             scene after : before {{ obstacle o {obstacle} }}
-             task bring on plate in before {{ move m1 to (15, 5) }}
-             task clear on plate in after {{ move m1 to (5, 3) }}
+             scene earlier {{ part m1 at (5, 3) }}
+             scene later : earlier {{ obstacle o {obstacle} }}
+             task bring on plate in earlier {{ move m1 to (15, 5) }}
+             task clear on plate in later {{ move m1 to (5, 3) }}
              program day {{ for i in 0..2 {{ run bring, run clear }} }}"
         )
     };

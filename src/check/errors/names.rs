@@ -3,7 +3,7 @@
 use super::{either, listed, with_article};
 use crate::check::scope::{Declaration, DeclarationSort, function_names, path_text};
 use crate::device::shape::ShapeForm;
-use crate::device::{Assay, Together, Vocabulary};
+use crate::device::{Assay, Together, Vocabulary, condition_of_any_kind};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use crate::stdlib;
@@ -278,7 +278,7 @@ pub fn setting_with_colon(name: &Ident) -> Diagnostic {
         "using" => "using staged_astar",
         "wait" => "wait 10 ms",
         "start" => "start at (3, 3)",
-        _ => "minimize time",
+        word => condition_of_any_kind(word).map_or("minimize time", |condition| condition.example),
     };
     Diagnostic::new(Code::E0119, format!("`{}` takes no `:`", name.text))
         .label(name.span, "a setting, not a field")

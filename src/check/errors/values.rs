@@ -99,9 +99,12 @@ pub fn wrong_value(wanted: &WantedName, what: &str, example: &str, span: Span, f
 pub fn several_objects(wanted: &WantedName, noun: &str, span: Span) -> Diagnostic {
     let title = format!("{} must be the name of a {noun}, but this is a list", wanted.name);
     let diagnostic = Diagnostic::new(Code::E0304, title).label(span, "a list");
-    wanted
-        .declared_on(diagnostic)
-        .help("write a step for each; `together { … }` does several at once, where the kind can")
+    let help = match noun {
+        "fluid" => "write a line for each, or a `for` over the list",
+        _ if wanted.name.starts_with("`after`") => "write `after` before each",
+        _ => "write a step for each; `together { … }` does several at once, where the kind can",
+    };
+    wanted.declared_on(diagnostic).help(help)
 }
 
 /// `found` is the word as it was written, if it was one.

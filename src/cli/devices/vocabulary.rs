@@ -1,6 +1,6 @@
 //! The tables that the checker reads, for people.
 
-use crate::device::{Assay, Kind, Together, Vocabulary, VocabularyField, WordChoice, shape::ShapeForm};
+use crate::device::{Assay, Kind, Together, Verb, Vocabulary, VocabularyField, WordChoice, shape::ShapeForm};
 use crate::instrument::{AuxiliarySort, Family};
 use crate::quantity::Dimension;
 use std::fmt::Write;
@@ -56,17 +56,14 @@ pub fn page(vocabulary: &'static Vocabulary) -> String {
     page.section("Fields of a device", vocabulary.fields.iter().map(field));
     page.section(
         "Settings of a task",
-        common_settings(vocabulary).into_iter().chain(vocabulary.settings.iter().map(field)),
+        common_settings(vocabulary)
+            .into_iter()
+            .chain(vocabulary.conditions.iter().map(verb))
+            .chain(vocabulary.settings.iter().map(field)),
     );
     page.section(
         "Steps of a task",
-        vocabulary
-            .verbs
-            .iter()
-            .map(|verb| (verb.example.to_owned(), verb.meaning()))
-            .chain(together(vocabulary))
-            .chain(assay(vocabulary))
-            .chain([wait()]),
+        vocabulary.verbs.iter().map(verb).chain(together(vocabulary)).chain(assay(vocabulary)).chain([wait()]),
     );
     page.section("minimize", vocabulary.objectives.iter().map(choice));
     page.section(
@@ -151,6 +148,10 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
 
 fn field(field: &VocabularyField) -> (String, String) {
     (field.term(), field.meaning())
+}
+
+fn verb(verb: &Verb) -> (String, String) {
+    (verb.example.to_owned(), verb.meaning())
 }
 
 fn choice(choice: &WordChoice) -> (String, String) {

@@ -207,6 +207,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     assay: Assay::No,
     frames: Frames::Yes,
     verbs: VERBS,
+    conditions: &[],
     objectives: DimibotObjective::CHOICES,
     planners: PLANNERS,
     outcomes: &[

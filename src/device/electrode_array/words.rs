@@ -177,10 +177,15 @@ const SETTINGS: &[VocabularyField] = &[VocabularyField {
     doc: "whether parts without a goal may step aside, and come back",
 }];
 
+/// Once another part has done all that it does above.
+const AFTER: VocabularyPhrase =
+    VocabularyPhrase { preposition: "after", sort: Sort::Object("part"), count: Count::AnyNumber };
+
 /// Where the part is, or at a cell, for at least so long.
-const FOR_A_TIME: [VocabularyPhrase; 2] = [
+const FOR_A_TIME: [VocabularyPhrase; 3] = [
     VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::AtMostOnce },
     VocabularyPhrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once },
+    AFTER,
 ];
 
 const VERBS: &[Verb] = &[
@@ -191,6 +196,7 @@ const VERBS: &[Verb] = &[
         phrases: &[
             VocabularyPhrase { preposition: "to", sort: Sort::Cell, count: Count::Once },
             VocabularyPhrase { preposition: "via", sort: Sort::Cell, count: Count::AnyNumber },
+            AFTER,
         ],
         block: None,
         doc: "carries a part to a cell, by way of others in the order of writing",
@@ -200,7 +206,10 @@ const VERBS: &[Verb] = &[
         name: "dispense",
         noun: None,
         object: Some(Sort::Object("part")),
-        phrases: &[VocabularyPhrase { preposition: "from", sort: Sort::Object("reservoir"), count: Count::Once }],
+        phrases: &[
+            VocabularyPhrase { preposition: "from", sort: Sort::Object("reservoir"), count: Count::Once },
+            AFTER,
+        ],
         block: None,
         doc: "makes a droplet on the electrode at a reservoir's outlet; it takes the device's `dispense_duration`",
         example: "dispense sample from serum",
@@ -212,6 +221,7 @@ const VERBS: &[Verb] = &[
         phrases: &[
             VocabularyPhrase { preposition: "with", sort: Sort::Object("part"), count: Count::Once },
             VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::Once },
+            AFTER,
         ],
         block: None,
         doc: "brings two droplets together at a cell; the first name is that of both from then on",
@@ -225,6 +235,7 @@ const VERBS: &[Verb] = &[
             VocabularyPhrase { preposition: "from", sort: Sort::Object("part"), count: Count::Once },
             VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::Once },
             VocabularyPhrase { preposition: "to", sort: Sort::Cell, count: Count::AtMostOnce },
+            AFTER,
         ],
         block: None,
         doc: "makes a droplet out of half of another one, which is pulled apart at a cell: the new one comes at the cell after `to` beside it, else at that of the next column, and the other one goes to the opposite side",
@@ -252,10 +263,31 @@ const VERBS: &[Verb] = &[
         name: "discard",
         noun: None,
         object: Some(Sort::Object("part")),
-        phrases: &[VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::Once }],
+        phrases: &[VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::Once }, AFTER],
         block: None,
         doc: "takes a part off the board at a cell, as a port or an open rim; its name means nothing from then on",
         example: "discard sample at (16, 1)",
+    },
+];
+
+const CONDITIONS: &[Verb] = &[
+    Verb {
+        name: "avoid",
+        noun: None,
+        object: Some(Sort::Object("fluid")),
+        phrases: &[VocabularyPhrase { preposition: "in", sort: Sort::Object("fluid"), count: Count::Once }],
+        block: None,
+        doc: "keeps traces of a fluid out of another one: no droplet that contains the second and not the first comes onto an electrode on which the first was, unless it was washed in between",
+        example: "avoid blood in serum",
+    },
+    Verb {
+        name: "wash",
+        noun: None,
+        object: None,
+        phrases: &[VocabularyPhrase { preposition: "with", sort: Sort::Object("fluid"), count: Count::Once }],
+        block: None,
+        doc: "makes droplets of nothing but a fluid take away what was left on the electrodes to which they come",
+        example: "wash with water",
     },
 ];
 
@@ -302,6 +334,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     assay: Assay::Yes,
     frames: Frames::No,
     verbs: VERBS,
+    conditions: CONDITIONS,
     objectives: ElectrodeArrayObjective::CHOICES,
     planners: PLANNERS,
     outcomes: OUTCOMES,

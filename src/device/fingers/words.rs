@@ -218,6 +218,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     assay: Assay::No,
     frames: Frames::No,
     verbs: VERBS,
+    conditions: &[],
     objectives: FingersObjective::CHOICES,
     planners: PLANNERS,
     outcomes: OUTCOMES,

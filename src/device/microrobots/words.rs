@@ -212,6 +212,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     assay: Assay::No,
     frames: Frames::No,
     verbs: VERBS,
+    conditions: &[],
     objectives: MicrorobotsObjective::CHOICES,
     planners: PLANNERS,
     outcomes: OUTCOMES,

@@ -16,6 +16,8 @@ pub fn timed(
     // The instant at which each part is free for its next operation, at first that at which it is there.
     let mut free: Vec<usize> = courses.iter().map(|course| course.since).collect();
     let mut lowered = Vec::new();
+    // The instant at which each operation so far is done.
+    let mut ends: Vec<usize> = Vec::with_capacity(operations.len());
     for operation in operations {
         let parts: Vec<usize> = operation.all_parts().filter(|part| !courses[*part].cells.is_empty()).collect();
         let begins = operation.parts().filter(|part| parts.contains(part)).map(|part| free[part]).min().unwrap_or(0);
@@ -23,9 +25,12 @@ pub fn timed(
             Some(end) => pulled_apart(&courses[operation.part], begins, end).map(|arrival| (arrival, end)),
             None => {
                 let stay = operation.stay_steps(facts) as usize;
-                arrival(operation, facts, &free, courses).map(|arrival| (arrival, arrival + stay))
+                let begins = operation.after.iter().filter_map(|earlier| ends.get(*earlier)).max();
+                arrival(operation, facts, (&free, begins.copied().unwrap_or(0)), courses)
+                    .map(|arrival| (arrival, arrival + stay))
             }
         };
+        ends.push(times.map_or(0, |(_, end)| end));
         let Some((arrival, end)) = times else { continue };
         parts.iter().for_each(|part| free[*part] = end);
         let at_ns = |instant: usize| step_start_ns + instant as u64 * facts.step_ns;
@@ -52,17 +57,17 @@ fn pulled_apart(course: &PartCourse, from: usize, end: usize) -> Option<usize> {
     (from..=last).rev().take_while(|instant| at(course, *instant) == at(course, last)).last()
 }
 
-/// The first instant from which on all parts of an operation stay at its last stop, or are mixed from there on, after they have come by
-/// the others.
+/// The first instant, from one on, from which on all parts of an operation stay at its last stop, or are mixed from there on, after they
+/// have come by the others.
 fn arrival(
     operation: &AssayOperation,
     facts: &ElectrodeArrayFacts,
-    free: &[usize],
+    (free, begins): (&[usize], usize),
     courses: &[PartCourse],
 ) -> Option<usize> {
     let longest = courses.iter().map(|course| course.cells.len()).max()?;
     let stay = operation.stay_steps(facts) as usize;
-    let mut from = 0;
+    let mut from = begins;
     let mut goal = None;
     for part in operation.parts() {
         let mut instant = free[part];

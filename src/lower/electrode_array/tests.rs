@@ -62,6 +62,7 @@ pub(crate) fn carried(facts: &ElectrodeArrayFacts, steps: &[Vec<Vec<(u32, u32)>>
         planner: ElectrodeArrayPlanner { method: ElectrodeArrayMethod::Portfolio, expansions: 1 },
         bystanders: Bystanders::Stay,
         contents: Vec::new(),
+        contamination: Default::default(),
         steps: ways.iter().map(|ways| asked(ways)).collect(),
     };
     let motion = |ways: &Vec<Vec<ElectrodeCell>>| match ways.is_empty() {

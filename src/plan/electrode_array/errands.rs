@@ -3,11 +3,14 @@
 //! Input: the order, the current cells of its parts, and the operations. Output: an [`ErrandStage`], and from the cells of its
 //! agents those of the parts.
 
-use super::assay::{AgentCourse, AssayProblem, Errand, SplitErrand};
-use super::board::{CellIndex, Instance};
-use super::stage::{self, BoardStage};
-use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayMove, ElectrodeArrayOrder, ElectrodeArrayStop};
+use super::assay::{AgentCourse, AssayProblem, Errand, ErrandPlace, SplitErrand, Traces};
+use super::board::CellIndex;
+use super::stage::{self, Actor, BoardStage};
+use crate::claims::electrode_array::{
+    AssayOperation, AvoidedTrace, ElectrodeArrayMove, ElectrodeArrayOrder, ElectrodeArrayStop,
+};
 use crate::device::electrode_array::ElectrodeCell;
+use std::collections::BTreeSet;
 
 /// The cells of a part in an assay.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -41,10 +44,17 @@ pub struct PartErrands {
     is_gone: Vec<bool>,
     /// The parts that give them off.
     parents: Vec<Option<usize>>,
+    /// For each operation, what is done when it is.
+    ends: Vec<Option<ErrandPlace>>,
+    /// For each stop the fluids that the part contains until it has done what it does there, and after the last one.
+    fluids: Vec<Vec<Fluids>>,
 }
 
+/// The names of fluids that a droplet contains.
+type Fluids = BTreeSet<String>;
+
 /// What a part does at a stop.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 struct StopWork {
     /// Steps of the board for which it stays,
     steps: u32,
@@ -54,6 +64,8 @@ struct StopWork {
     with: Option<usize>,
     /// The part that it gives off as it comes from the stop before.
     splits: Option<usize>,
+    /// The operations that are done before.
+    after: Vec<usize>,
 }
 
 impl PartErrands {
@@ -64,8 +76,10 @@ impl PartErrands {
         operations: &[AssayOperation],
     ) -> PartErrands {
         let (moves, works) = (Vec::new(), Vec::new());
-        let mut errands = PartErrands { moves, works, comes: Vec::new(), is_gone: Vec::new(), parents: Vec::new() };
-        for operation in operations {
+        let (comes, is_gone, parents, ends) = (Vec::new(), Vec::new(), Vec::new(), vec![None; operations.len()]);
+        let mut errands = PartErrands { moves, works, comes, is_gone, parents, ends, fluids: Vec::new() };
+        let mut fluids = fluids_before(order);
+        for (nth, operation) in operations.iter().enumerate() {
             for part in operation.parts() {
                 let Some(start) = cells[part] else { continue };
                 let index = errands.index(part, operation);
@@ -82,9 +96,15 @@ impl PartErrands {
                     mixes: operation.mixes,
                     with: operation.parts().find(|other| *other != part),
                     splits: operation.splits.map(|half| half.part),
+                    after: operation.after.clone(),
                 };
                 errands.works[index].resize(own.len() - 1, StopWork::default());
                 errands.works[index].push(work);
+                if let Some(fluid) = &operation.fluid {
+                    fluids[part] = Fluids::from([fluid.clone()]);
+                }
+                errands.fluids[index].resize(errands.works[index].len(), fluids[part].clone());
+                errands.ends[nth] = Some(ErrandPlace { agent: index, errand: errands.works[index].len() - 1 });
                 errands.comes[index] |= operation.comes;
                 errands.is_gone[index] |= operation.gone() == Some(part);
             }
@@ -93,7 +113,16 @@ impl PartErrands {
                 errands.moves[index].stops.push(half.stop(operation));
                 errands.works[index].push(StopWork::default());
                 errands.parents[index] = Some(operation.part);
+                fluids[half.part] = fluids[operation.part].clone();
+                errands.fluids[index].push(fluids[half.part].clone());
             }
+            if let Some(with) = operation.with {
+                let both: Fluids = fluids[operation.part].union(&fluids[with]).cloned().collect();
+                (fluids[operation.part], fluids[with]) = (both.clone(), both);
+            }
+        }
+        for (own, one) in errands.fluids.iter_mut().zip(&errands.moves) {
+            own.push(fluids[one.part].clone());
         }
         errands
     }
@@ -105,12 +134,14 @@ impl PartErrands {
             self.comes.push(false);
             self.is_gone.push(false);
             self.parents.push(None);
+            self.fluids.push(Vec::new());
             self.moves.len() - 1
         })
     }
 
     /// The problem of a stage that was made of the moves.
-    pub fn problem<'s>(&self, order: &ElectrodeArrayOrder, instance: &'s Instance) -> AssayProblem<'s> {
+    pub fn problem<'s>(&self, order: &ElectrodeArrayOrder, stage: &'s BoardStage) -> AssayProblem<'s> {
+        let instance = &stage.instance;
         let of_part = |part: usize| self.moves.iter().position(|one| one.part == part);
         let mut loops: Vec<Vec<CellIndex>> = Vec::new();
         let mut errands = Vec::with_capacity(instance.agents.len());
@@ -138,10 +169,54 @@ impl PartErrands {
             (0..instance.agents.len()).map(|agent| flags.get(agent).copied().unwrap_or(false)).collect()
         };
         let (comes, is_gone) = (of_agents(&self.comes), of_agents(&self.is_gone));
+        let before = |work: &StopWork| work.after.iter().filter_map(|operation| self.ends[*operation]).collect();
+        let afters = |agent: usize| {
+            let works = self.works.get(agent).map_or(none.as_slice(), Vec::as_slice);
+            works.iter().map(before).collect()
+        };
+        let afters = (0..instance.agents.len()).map(afters).collect();
         let parent = |agent: usize| self.parents.get(agent).copied().flatten().and_then(of_part);
         let parents = (0..instance.agents.len()).map(parent).collect();
-        AssayProblem { instance, comes, parents, errands, loops, is_gone }
+        let traces = (!order.contamination.is_unheeded()).then(|| self.traces(order, stage));
+        AssayProblem { instance, comes, parents, errands, afters, loops, is_gone, traces }
     }
+
+    /// The contents of the agents by their numbers, and which of them do harm to others. Who only steps aside contains what it did.
+    fn traces(&self, order: &ElectrodeArrayOrder, stage: &BoardStage) -> Traces {
+        let before = fluids_before(order);
+        let mut known: Vec<Fluids> = Vec::new();
+        let mut number = |fluids: &Fluids| {
+            known.iter().position(|known| known == fluids).unwrap_or_else(|| {
+                known.push(fluids.clone());
+                known.len() - 1
+            })
+        };
+        let of_agent = |(agent, actor): (usize, &Actor)| match self.fluids.get(agent) {
+            Some(own) => own.clone(),
+            None => vec![before[actor.part].clone(); 2],
+        };
+        let of_agents: Vec<Vec<Fluids>> = stage.agents.iter().enumerate().map(of_agent).collect();
+        let contents = of_agents.iter().map(|own| own.iter().map(&mut number).collect()).collect();
+        let is_wash = |fluids: &Fluids| !fluids.is_empty() && fluids.iter().all(|fluid| is_washing(order, fluid));
+        let does_harm = |left: &Fluids, comes: &Fluids| {
+            let is_met = |trace: &AvoidedTrace| {
+                left.contains(&trace.of) && comes.contains(&trace.within) && !comes.contains(&trace.of)
+            };
+            order.contamination.avoided.iter().any(is_met)
+        };
+        let harms = known.iter().map(|left| known.iter().map(|comes| does_harm(left, comes)).collect()).collect();
+        Traces { contents, washes: known.iter().map(is_wash).collect(), harms }
+    }
+}
+
+/// For each part the fluids that it contains before the task.
+fn fluids_before(order: &ElectrodeArrayOrder) -> Vec<Fluids> {
+    let before = |part: usize| order.contamination.before.get(part).into_iter().flatten().cloned().collect();
+    (0..order.parts.len()).map(before).collect()
+}
+
+fn is_washing(order: &ElectrodeArrayOrder, fluid: &str) -> bool {
+    order.contamination.washes.iter().any(|wash| wash == fluid)
 }
 
 /// The cells of every part of the order, from the courses of the agents.

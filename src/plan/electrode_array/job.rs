@@ -22,7 +22,7 @@ use crate::claims::electrode_array::{
 use crate::claims::{Job, Requirement};
 use crate::device::MAX_EXPANSIONS;
 use crate::device::electrode_array::{ElectrodeArrayOutcome, ElectrodeCell, Separation};
-use crate::diagnostic::{Code, Sink};
+use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::plan::errors::{self, Removal};
 use crate::plan::requirements::{Kept, KnownLimit, require};
 use crate::plan::search::{SearchAnswer, SearchBudget};
@@ -298,13 +298,14 @@ impl Tasks<'_> {
         let cells = errands::with_new_parts(&self.cells, operations);
         let asked = PartErrands::new(self.order, &cells, operations);
         let stage = BoardStage::new(self.order, self.ground, &cells, &asked.moves);
-        let problem = asked.problem(self.order, &stage.instance);
+        let problem = asked.problem(self.order, &stage);
         let (objective, budget) = (objective(self.order.objective), SearchBudget::of(self.order.planner.expansions));
         let plan = match assay::solve(&problem, objective, budget) {
             SearchAnswer::Found(plan) => plan,
             SearchAnswer::Impossible(NoBoardPlan::Blocked { agents }) => {
                 let parts = agents.iter().map(|agent| self.order.parts[stage.agents[*agent].part].name.as_str());
-                self.sink.push(errors::operations_exclude_one_another(step.span, &parts.collect::<Vec<_>>()));
+                let told = errors::operations_exclude_one_another(step.span, &parts.collect::<Vec<_>>());
+                self.sink.push(self.with_avoided(told, step.span));
                 return None;
             }
             SearchAnswer::Impossible(why) => {
@@ -354,7 +355,15 @@ impl Tasks<'_> {
     fn gave_up(&mut self, step: Span, to: &str, bounds: BoardCosts, budget: SearchBudget) {
         let (what, steps) = ("the search for a plan", format!("{} steps", bounds.makespan));
         let told = errors::gave_up(step, to, what, budget.steps, &steps, ElectrodeArrayMethod::Portfolio.name());
-        self.sink.push(told.help(more_may_do(budget.steps)));
+        self.sink.push(self.with_avoided(told.help(more_may_do(budget.steps)), step));
+    }
+
+    /// A message about a step that has no plan, with where the task avoids traces, if it does.
+    fn with_avoided(&self, told: Diagnostic, step: Span) -> Diagnostic {
+        match self.order.contamination.avoided.first() {
+            Some(avoided) => told.label_elsewhere(avoided.span, step, "with these traces avoided"),
+            None => told,
+        }
     }
 
     /// The paper's algorithm; it is greedy, so its failure proves nothing.

@@ -1,7 +1,7 @@
 //! The operations of an assay one after the other, which is what they would be as steps of their own: a plan where [`super::assay`] finds
 //! none.
 
-use super::assay::{AgentCourse, AssayPlan, AssayProblem};
+use super::assay::{AgentCourse, AssayPlan, AssayProblem, all_done_at};
 use super::board::{BoardAnswer, BoardCosts, BoardObjective, CellIndex};
 use super::errands::depart;
 use super::portfolio;
@@ -33,8 +33,10 @@ pub fn one_by_one(
     }
     let Turns { since, mut courses, .. } = turns;
     trim(problem, &since, &mut courses);
-    let courses = since.into_iter().zip(courses).map(|(since, cells)| AgentCourse { since, cells }).collect();
-    Some(AssayPlan { courses, bounds })
+    let courses: Vec<AgentCourse> =
+        since.into_iter().zip(courses).map(|(since, cells)| AgentCourse { since, cells }).collect();
+    let is_clean = problem.traces.as_ref().is_none_or(|traces| traces.is_clean(problem, &courses));
+    is_clean.then_some(AssayPlan { courses, bounds })
 }
 
 /// The courses of the agents while their operations take turns.
@@ -156,31 +158,11 @@ impl Turns<'_> {
 /// Cuts courses after the instant at which all errands are done and nothing moves any more: while others were at work, a part may
 /// have done an operation that comes later.
 fn trim(problem: &AssayProblem, since: &[u32], courses: &mut [Vec<CellIndex>]) {
-    let mut ends: Vec<usize> = vec![0; courses.len()];
-    for (agent, course) in courses.iter().enumerate() {
-        let (mut done, mut stays_since) = (0, None);
-        for (instant, cell) in course.iter().enumerate().skip(since[agent] as usize) {
-            while let Some(errand) = problem.errands[agent].get(done) {
-                // Where it is while its errand lasts.
-                let here = |since: usize| match errand.mixes {
-                    Some(around) => problem.loops[around][(instant - since) % problem.loops[around].len()],
-                    None => errand.stop,
-                };
-                let goes_on = stays_since.filter(|since| here(*since) == *cell);
-                stays_since = goes_on.or((*cell == errand.stop).then_some(instant));
-                let Some(there) = stays_since else { break };
-                let together = errand
-                    .meets
-                    .is_none_or(|other| courses[other].get(instant).or(courses[other].last()) == Some(cell));
-                if instant - there < errand.stay as usize || !together {
-                    break;
-                }
-                (done, stays_since, ends[agent]) = (done + 1, None, instant);
-            }
-            if instant > 0 && course[instant - 1] != *cell {
-                ends[agent] = ends[agent].max(instant);
-            }
-        }
+    let cells: Vec<&[CellIndex]> = courses.iter().map(Vec::as_slice).collect();
+    let done_at = all_done_at(problem, since, &cells);
+    for (course, done_at) in courses.iter_mut().zip(done_at) {
+        let end = done_at.last().copied().unwrap_or(0) as usize;
+        let moved = course.windows(2).rposition(|pair| pair[0] != pair[1]).map_or(0, |before| before + 1);
+        course.truncate(end.max(moved) + 1);
     }
-    courses.iter_mut().zip(ends).for_each(|(course, end)| course.truncate(end + 1));
 }

@@ -64,6 +64,7 @@ fn order(facts: ElectrodeArrayFacts, cells: &[(u32, u32)]) -> ElectrodeArrayOrde
         planner: ElectrodeArrayPlanner { method: ElectrodeArrayMethod::Portfolio, expansions: 200_000 },
         bystanders: Bystanders::Stay,
         contents: Vec::new(),
+        contamination: Default::default(),
         steps: Vec::new(),
     }
 }

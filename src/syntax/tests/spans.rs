@@ -258,6 +258,7 @@ const TOKENS: &[&str] = &[
     "at",
     "to",
     "via",
+    "after",
     "a",
     "b1",
     "move",

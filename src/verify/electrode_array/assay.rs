@@ -4,7 +4,7 @@
 //! for all beats in question, and has merged with another once both are there and have done all that comes before. What leaves the
 //! board is gone as soon as it is there; what is dispensed stays at the outlet from the beat on in which it comes. A droplet is mixed
 //! while it goes round its loop anticlockwise, one cell in every beat, from the corner to the corner; it is split in the beat in
-//! which the electrodes on both sides of it pull.
+//! which the electrodes on both sides of it pull. What comes after other operations begins once those are done.
 
 use super::mixing::{Loop, Mixing};
 use super::stage::Meetings;
@@ -171,6 +171,7 @@ impl<'o> JudgedAssay<'o> {
         let mut due: BTreeMap<ElectrodeCell, Vec<usize>> = BTreeMap::new();
         for (part, turn) in &self.turns {
             let next = turn.next().filter(|next| next.operation.comes && cells[*part].is_none());
+            let next = next.filter(|next| self.begins(next).is_some());
             if let Some(next) = next {
                 due.entry(next.cell).or_default().push(*part);
             }
@@ -186,7 +187,7 @@ impl<'o> JudgedAssay<'o> {
     /// The droplets that are next to be split and are where that takes place.
     pub fn due_to_split(&self, cells: &[Option<ElectrodeCell>]) -> Vec<JudgedSplit> {
         let due = |(part, turn): (&usize, &PartTurn)| {
-            let next = turn.next().filter(|next| matches!(next.work, DueWork::Split))?;
+            let next = turn.next().filter(|next| matches!(next.work, DueWork::Split) && self.begins(next).is_some())?;
             let (half, at) = (next.operation.splits?, next.operation.stops.first()?.cell);
             let is_due = cells[*part] == Some(at) && cells[half.part].is_none() && !turn.is_spoilt;
             is_due.then_some(JudgedSplit { part: *part, at, to: next.cell, half: half.part, comes: half.cell })
@@ -229,10 +230,17 @@ impl<'o> JudgedAssay<'o> {
             }
         }
         let pairs = self.turns.iter().filter_map(|(part, turn)| {
-            let due = turn.next()?;
+            let due = turn.next().filter(|due| self.begins(due).is_some())?;
             self.is_next(due.with?, due).then_some((*part, (due.with?, due.cell)))
         });
         self.meetings.pairs = pairs.collect();
+    }
+
+    /// The beat after which all that an operation comes after was done; `None` while it is not.
+    fn begins(&self, due: &DueStop) -> Option<u64> {
+        // Stops on the way wait for nothing.
+        let before = due.operation.after.iter().filter(|_| due.ends.is_some());
+        before.map(|earlier| Some((*self.beats.get(*earlier)?)?.done)).try_fold(0, |last, done| Some(last.max(done?)))
     }
 
     /// Whether the next thing that a part does is this same merge.
@@ -244,14 +252,23 @@ impl<'o> JudgedAssay<'o> {
     fn settle_one(&mut self, part: usize, beat: u64, cells: &mut [Option<ElectrodeCell>]) {
         let Some(turn) = self.turns.get(&part) else { return };
         let Some(due) = turn.next() else { return };
+        let begins = self.begins(due);
         match due.work {
-            DueWork::Mix(around) if !turn.is_spoilt => return self.mix(part, around, beat, cells[part]),
+            DueWork::Mix(around) if !turn.is_spoilt => {
+                if let Some(begins) = begins {
+                    self.mix(part, around, (begins, beat), cells[part]);
+                }
+                return;
+            }
             DueWork::Split => return,
             DueWork::Rest | DueWork::Mix(_) => (),
         }
         if cells[part] != Some(due.cell) || turn.is_spoilt {
             let is_spoilt = turn.is_spoilt || (due.operation.comes && cells[part].is_some());
             self.turns.entry(part).and_modify(|turn| (turn.since, turn.is_spoilt) = (None, is_spoilt));
+            return;
+        }
+        if begins.is_none() {
             return;
         }
         let since = turn.since.unwrap_or(beat);
@@ -280,9 +297,9 @@ impl<'o> JudgedAssay<'o> {
     }
 
     /// As [`Self::settle_one`], of a part that is next to be mixed.
-    fn mix(&mut self, part: usize, around: Loop, beat: u64, cell: Option<ElectrodeCell>) {
+    fn mix(&mut self, part: usize, around: Loop, (begins, beat): (u64, u64), cell: Option<ElectrodeCell>) {
         let Some(turn) = self.turns.get_mut(&part) else { return };
-        let acted = turn.acted;
+        let acted = turn.acted.max(begins);
         let Some(due) = turn.due.get(turn.done) else { return };
         let (beats, ends) = (due.beats, due.ends);
         let Some(cell) = cell else { return };

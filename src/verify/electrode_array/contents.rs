@@ -8,7 +8,7 @@ use crate::claims::electrode_array::{
 };
 use crate::claims::{Claims, Job, Relation};
 use crate::source::Span;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Difference of two shares, or of two volumes of one droplet, that is rounding.
@@ -63,6 +63,22 @@ pub(super) fn broken(claims: &Claims, job: &Job) -> Vec<BrokenContent> {
         found.extend(order.contents.iter().filter_map(|content| other_than(content, order, &droplets)));
     }
     found
+}
+
+/// The fluids of each droplet before a run, by the runs of its device before it.
+pub(super) fn fluids_before<'c>(claims: &'c Claims, job: &Job) -> BTreeMap<&'c str, BTreeSet<&'c str>> {
+    let mut droplets: BTreeMap<&str, Droplet> = BTreeMap::new();
+    for other in claims.jobs.iter().filter(|other| other.device == job.device) {
+        let Some(order) = ElectrodeArrayOrder::of(&other.order) else { continue };
+        for part in order.parts.iter().filter(|part| part.cell.is_some()) {
+            droplets.entry(&part.name).or_insert_with(|| Droplet::of(&part.name));
+        }
+        if std::ptr::eq(other, job) {
+            break;
+        }
+        operated(order, &mut droplets);
+    }
+    droplets.into_iter().map(|(name, droplet)| (name, droplet.shares.into_keys().collect())).collect()
 }
 
 /// What is wrong with a droplet at the end of a run.

@@ -15,6 +15,7 @@ mod mixing;
 mod pull;
 mod stage;
 mod switching;
+mod traces;
 
 use super::clock::JudgedRun;
 use super::record;
@@ -33,6 +34,7 @@ use stage::{JudgedStage, Meetings};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use switching::{ElectrodePulse, Switching};
+use traces::JudgedTraces;
 
 impl Judge for ElectrodeArrayOrder {
     fn unit(&self, channel: &str) -> Option<ChannelUnit> {
@@ -79,6 +81,7 @@ impl Judge for ElectrodeArrayOrder {
         findings: &mut Findings,
     ) -> Result<Replay<'a>, Halt> {
         let mut board = JudgedBoard::new(run, self, standing)?;
+        board.traces = JudgedTraces::new(self, claims, run.job);
         board.potentials(findings);
         board.disabled(findings);
         board.record(run.plan.start_ns)?;
@@ -126,6 +129,8 @@ struct JudgedBoard<'r, 'a> {
     states: Vec<Cow<'a, TimedState>>,
     /// Of each step in which several take place at the same time.
     operations: BTreeMap<usize, Vec<JudgedOperation>>,
+    /// What is left on electrodes, if that matters.
+    traces: Option<JudgedTraces<'r>>,
     beats: u64,
     sum_of_costs: u64,
     moves: u64,
@@ -144,6 +149,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             cells: start(run, order, standing),
             states: Vec::new(),
             operations: BTreeMap::new(),
+            traces: None,
             beats: 0,
             sum_of_costs: 0,
             moves: 0,
@@ -248,13 +254,15 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     }
 
     /// Parts do their operations, beat by beat.
-    fn operate(&mut self, nth: usize, operations: &[AssayOperation], findings: &mut Findings) -> Result<(), Halt> {
+    fn operate(&mut self, nth: usize, operations: &'r [AssayOperation], findings: &mut Findings) -> Result<(), Halt> {
         let step = self.run.step(nth);
         let step_ns = self.order.facts.step_ns;
         let beats = self.whole_beats(nth)?;
         let mut switching = self.switching(nth, step_ns)?;
         let mut assay = JudgedAssay::new(operations, &self.order.facts, &self.cells);
+        let there = self.there();
         assay.settle(0, &mut self.cells);
+        self.tread((nth, step.start_ns), (operations, &assay), there, findings);
         for beat in 0..beats {
             let at_ns = step.start_ns + beat * step_ns;
             if beat > 0 {
@@ -264,9 +272,14 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             for (part, outlet) in self.dispensed((nth, at_ns), &assay.due_from_outlets(&self.cells), &switching.on) {
                 self.cells[part] = Some(outlet);
                 assay.come(part, beat);
+                self.traces.iter_mut().for_each(|traces| traces.dispense(part, operations));
+                self.tread((nth, at_ns), (operations, &assay), vec![(part, outlet)], findings);
             }
             let splits = self.pulled_apart(&assay, &switching.on);
-            splits.iter().for_each(|split| self.cells[split.half] = Some(split.at));
+            for split in &splits {
+                self.cells[split.half] = Some(split.at);
+                self.traces.iter_mut().for_each(|traces| traces.split(split.part, split.half));
+            }
             let pulls =
                 self.beat(&StepBeat { nth, at_ns, stage: &assay.meetings, on: &switching.on, splits: &splits })?;
             splits.iter().for_each(|split| assay.split(split, beat + 1));
@@ -277,7 +290,9 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                     self.moves += 1;
                 }
             }
+            let there = self.there();
             assay.settle(beat + 1, &mut self.cells);
+            self.tread((nth, at_ns + step_ns), (operations, &assay), there, findings);
         }
         self.beats = self.beats.saturating_add(beats);
         self.sum_of_costs = self.sum_of_costs.saturating_add(assay.cost());

@@ -4,11 +4,13 @@
 //! then, until all is done. `TWEEZE_ORACLE_CASES=1000` runs 1000 assays.
 
 mod program;
+mod traces;
 
 use crate::programs::{Answered, answered};
 use crate::scenes::Random;
 use program::{Assay, Cell, NOWHERE, Operation, apart};
 use std::collections::HashSet;
+use traces::Traces;
 use tweeze::plan::Optimality;
 
 /// A board with more joint states than this at one instant is not searched.
@@ -32,17 +34,27 @@ struct Due {
     is_mixed: bool,
     /// The part that comes out of it on its way there: from where, which, and where that one goes.
     split: Option<(Cell, usize, Cell)>,
+    /// A part, and how much of what it is to do must be done before.
+    after: Option<(usize, usize)>,
 }
 
 impl Due {
     fn at(at: Cell) -> Due {
-        Due { at, stay: 0, merge: None, is_gone: false, is_dispensed: false, is_mixed: false, split: None }
+        Due { at, stay: 0, merge: None, is_gone: false, is_dispensed: false, is_mixed: false, split: None, after: None }
+    }
+
+    /// Whether what it comes after is done; what is gone has done all.
+    fn may_begin(&self, stands: &[Stand]) -> bool {
+        self.after.is_none_or(|(part, count)| stands[part].is_none_or(|(_, done, ..)| done >= count))
     }
 }
 
 /// A part at an instant: its cell, the number of things done, the steps for which it has been where the next one is, and the instant at
 /// which it moved last.
 type Stand = Option<(Cell, usize, u64, u64)>;
+
+/// Where all parts are, and what is left on the cells, if that matters.
+type Position = (Vec<Stand>, Vec<u32>);
 
 /// A part that is pulled apart in a step, the part that comes out of it, and the way of that one.
 type Pulled = (usize, usize, [Cell; 2]);
@@ -71,6 +83,7 @@ impl Assay {
     fn dues(&self) -> Vec<Vec<Due>> {
         let mut dues: Vec<Vec<Due>> = vec![Vec::new(); self.parts.len()];
         for (number, operation) in self.operations.iter().enumerate() {
+            let before: Vec<usize> = dues.iter().map(Vec::len).collect();
             match operation {
                 Operation::Move(part, stops) => {
                     dues[*part].extend(stops.iter().map(|at| Due::at(*at)));
@@ -104,6 +117,12 @@ impl Assay {
                     dues[*with].push(due(*part, true));
                 }
             }
+            let after = self.afters[number].map(|part| (part, before[part]));
+            for part in operation.parts() {
+                if let Some(last) = dues[part].last_mut() {
+                    last.after = after;
+                }
+            }
         }
         dues
     }
@@ -111,13 +130,14 @@ impl Assay {
     /// The fewest steps of any plan, and the smallest sum of costs of those that take few more. An error if there is none, and none if
     /// there are too many states or steps.
     fn least(&self) -> Option<Result<(u64, u64), ()>> {
-        let dues = self.dues();
+        let (dues, traces) = (self.dues(), Traces::of(self));
         let start: Vec<Stand> = self.parts.iter().map(|cell| Some((*cell, 0, 0, 0))).collect();
-        let (mut now, mut met) = (HashSet::from_iter(self.settled(&dues, start)), HashSet::new());
+        let start = self.arrived(&dues, &traces, start, &traces.clean());
+        let (mut now, mut met) = (HashSet::from_iter(start), HashSet::new());
         let (mut fewest, mut sum) = (None, u64::MAX);
         for step in 0..=MOST_STEPS {
-            let ended = now.iter().filter(|stands| self.is_end(&dues, stands));
-            let sums = ended.map(|stands| stands.iter().flatten().map(|(_, _, _, moved)| moved).sum::<u64>());
+            let ended = now.iter().filter(|(stands, _)| self.is_end(&dues, stands));
+            let sums = ended.map(|(stands, _)| stands.iter().flatten().map(|(_, _, _, moved)| moved).sum::<u64>());
             // Parts that are gone moved last when they merged, which is noted with the dues done.
             let best = sums.min();
             if let Some(best) = best {
@@ -127,12 +147,14 @@ impl Assay {
             if fewest.is_some_and(|fewest| step >= fewest + if self.by_sum { LATER_STEPS } else { 0 }) {
                 break;
             }
-            let mut next: HashSet<Vec<Stand>> = HashSet::new();
-            for stands in &now {
+            let mut next: HashSet<Position> = HashSet::new();
+            for (stands, left) in &now {
                 for moved in self.moves(&dues, stands, step + 1) {
-                    // With sums, the same places with later last moves are other states.
-                    if self.by_sum || met.insert(moved.clone()) {
-                        next.insert(moved);
+                    for there in self.arrived(&dues, &traces, moved, left) {
+                        // With sums, the same places with later last moves are other states.
+                        if self.by_sum || met.insert(there.clone()) {
+                            next.insert(there);
+                        }
                     }
                 }
                 if next.len() > MOST_STATES {
@@ -162,13 +184,20 @@ impl Assay {
         })
     }
 
-    /// All places of all parts after one step.
+    /// What is done where parts have come to, in all ways in which reservoirs begin to dispense then, if none of them does harm to another.
+    fn arrived(&self, dues: &[Vec<Due>], traces: &Traces, stands: Vec<Stand>, left: &[u32]) -> Vec<Position> {
+        let cells: Vec<Option<Cell>> = stands.iter().map(|stand| stand.map(|(cell, ..)| cell)).collect();
+        let settled = self.settled(dues, stands).into_iter();
+        settled.filter_map(|stands| traces.left(&cells, &stands, left).map(|left| (stands, left))).collect()
+    }
+
+    /// All places of all parts after one step, before anything is done there.
     fn moves(&self, dues: &[Vec<Due>], stands: &[Stand], instant: u64) -> Vec<Vec<Stand>> {
         let mut all: Vec<(Vec<Stand>, Vec<Pulled>)> = vec![(Vec::new(), Vec::new())];
         for (part, stand) in stands.iter().enumerate() {
             let mut grown = Vec::new();
             for (before, splits) in &all {
-                for way in self.targets(dues, part, *stand) {
+                for way in self.targets(dues, stands, part) {
                     let cell = way.map(Way::end);
                     let free =
                         (0..part).all(|other| self.keep_apart(dues, stands, (part, cell), (other, before[other])));
@@ -198,8 +227,7 @@ impl Assay {
             }
             all = grown;
         }
-        let both = all.into_iter().filter_map(|(after, splits)| self.with_halves(stands, after, &splits));
-        both.flat_map(|after| self.settled(dues, after)).collect()
+        all.into_iter().filter_map(|(after, splits)| self.with_halves(stands, after, &splits)).collect()
     }
 
     /// The places after a step in which parts come out of others, if those keep apart from all the rest wherever they are in it.
@@ -228,7 +256,8 @@ impl Assay {
         for (part, dues) in dues.iter().enumerate() {
             let Some(outlet) = dues.first().filter(|due| due.is_dispensed).map(|due| due.at) else { continue };
             for before in all.clone() {
-                let is_due = before[part].is_some_and(|(cell, ..)| cell == NOWHERE);
+                let may_begin = dues[0].may_begin(&before);
+                let is_due = may_begin && before[part].is_some_and(|(cell, ..)| cell == NOWHERE);
                 let mut there = before.iter().flatten().filter(|(cell, ..)| *cell != NOWHERE);
                 if is_due && there.all(|(cell, ..)| apart(*cell, outlet) >= self.separation) {
                     let mut after = before;
@@ -240,7 +269,8 @@ impl Assay {
         all
     }
 
-    fn targets(&self, dues: &[Vec<Due>], part: usize, stand: Stand) -> Vec<Option<Way>> {
+    fn targets(&self, dues: &[Vec<Due>], stands: &[Stand], part: usize) -> Vec<Option<Way>> {
+        let stand = stands[part];
         let Some((cell, _, rested, _)) = stand else { return vec![None] };
         let next = dues[part].get(stand.map_or(0, |(_, done, ..)| done));
         // A droplet comes out of its reservoir first, and stays where it is to merge.
@@ -259,11 +289,13 @@ impl Assay {
                 _ => (cell.0, cell.1 - 1),
             }
         });
-        let round = round.filter(|to| self.is_free(*to)).map(Way::Round);
+        let may_begin = next.is_none_or(|due| due.may_begin(stands));
+        let round = round.filter(|to| may_begin && self.is_free(*to)).map(Way::Round);
         if rested > 0 && next.is_some_and(|due| due.is_mixed) {
             return round.into_iter().map(Some).collect();
         }
-        let split = next.filter(|due| due.split.is_some_and(|(from, ..)| from == cell)).map(|due| Way::Split(due.at));
+        let split = next.filter(|due| may_begin && due.split.is_some_and(|(from, ..)| from == cell));
+        let split = split.map(|due| Way::Split(due.at));
         let beside = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)].map(|(c, r)| (cell.0 + c, cell.1 + r));
         let plain = beside.into_iter().filter(|cell| self.is_free(*cell)).map(Way::To);
         plain.chain(round).chain(split).map(Some).collect()
@@ -284,7 +316,10 @@ impl Assay {
         if from == NOWHERE || other_from == NOWHERE {
             return true;
         }
-        let due = |part: usize, done: usize| dues[part].get(done).and_then(|due| Some((due.at, due.merge?.0)));
+        let due = |part: usize, done: usize| {
+            let due = dues[part].get(done).filter(|due| due.may_begin(stands))?;
+            Some((due.at, due.merge?.0))
+        };
         let meet = due(part, done).filter(|own| due(other, other_done) == Some(*own));
         let ways = |from: Cell, to: Cell| match meet {
             Some((at, _)) => [from, to].into_iter().filter(|cell| *cell != at).collect(),
@@ -298,11 +333,16 @@ impl Assay {
 /// What is done by now.
 fn settle(dues: &[Vec<Due>], stands: &mut [Stand]) {
     let due = |stand: Stand, part: usize| stand.and_then(|(_, done, _, _)| dues[part].get(done).copied());
+    let waits = |part: &usize| due(stands[*part], *part).is_some_and(|next| !next.may_begin(stands));
+    for part in (0..stands.len()).filter(waits).collect::<Vec<_>>() {
+        // Rest does not count before others are done.
+        stands[part] = stands[part].map(|(cell, done, _, moved)| (cell, done, 0, moved));
+    }
     loop {
         let ready = (0..stands.len()).find_map(|part| {
             let (cell, _, rested, _) = stands[part]?;
             let is_done = |own: &Due| own.at == cell && rested >= own.stay && own.split.is_none();
-            let own = due(stands[part], part).filter(is_done)?;
+            let own = due(stands[part], part).filter(is_done).filter(|own| own.may_begin(stands))?;
             let other = match own.merge {
                 None => None,
                 Some((number, other)) => {
@@ -331,7 +371,7 @@ fn settle(dues: &[Vec<Due>], stands: &mut [Stand]) {
 fn no_plan_of_an_assay_beats_its_bound() {
     let cases = std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(60);
     let (mut chance, mut judged, mut planned, mut missed, mut optimal) = (Random(5), 0, 0, 0, 0);
-    let (mut none, mut proven, mut split, mut mixed) = (0, 0, 0, 0);
+    let (mut none, mut proven, mut split, mut mixed, mut ordered, mut clean) = (0, 0, 0, 0, 0, 0);
     let mut tries = 0;
     while judged < cases && tries < 60 * cases {
         tries += 1;
@@ -349,6 +389,8 @@ fn no_plan_of_an_assay_beats_its_bound() {
                 let has = |is: fn(&Operation) -> bool| usize::from(assay.operations.iter().any(is));
                 split += has(|operation| matches!(operation, Operation::Split(..)));
                 mixed += has(|operation| matches!(operation, Operation::Mix(..)));
+                ordered += usize::from(assay.afters.iter().any(Option::is_some));
+                clean += usize::from(!assay.avoided.is_empty());
                 let reached = plan.outcomes["steps"] as u64;
                 assert!(reached >= steps, "{reached} steps, the fewest are {steps}: {text}");
                 let (least, truth) = if assay.by_sum { (plan.bound, sum) } else { (plan.bound, steps) };
@@ -377,10 +419,11 @@ fn no_plan_of_an_assay_beats_its_bound() {
         }
     }
     println!(
-        "{judged} assays: {planned} planned, {split} with splits, {mixed} with mixing, {optimal} proven optimal, {missed} missed, {none} without a plan, {proven} of them proven"
+        "{judged} assays: {planned} planned, {split} with splits, {mixed} with mixing, {ordered} with `after`, {clean} with `avoid`, {optimal} proven optimal, {missed} missed, {none} without a plan, {proven} of them proven"
     );
     assert!(judged >= cases, "{judged} judged");
     assert!(20 * split > planned && 20 * mixed > planned, "{split} with splits, {mixed} with mixing");
+    assert!(20 * ordered > planned && 20 * clean > planned, "{ordered} with `after`, {clean} with `avoid`");
     assert_eq!(missed, 0, "{missed} of {planned} assays that have a plan got none");
     assert_eq!(proven, none, "{proven} of {none} assays without a plan proven to have none");
     assert!(optimal * 4 >= planned * 3, "{optimal} of {planned} plans proven optimal");

@@ -28,6 +28,37 @@ pub enum Operation {
     Split(usize, usize, Cell, Cell),
 }
 
+/// What a part is when it is on the board first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fluid {
+    Part(usize),
+    Reservoir(usize),
+}
+
+impl Fluid {
+    fn name(self) -> String {
+        match self {
+            Fluid::Part(part) => format!("d{part}"),
+            Fluid::Reservoir(reservoir) => format!("r{reservoir}"),
+        }
+    }
+}
+
+impl Operation {
+    /// The parts whose operation it is.
+    pub fn parts(&self) -> Vec<usize> {
+        match self {
+            Operation::Merge(part, with, _) => vec![*part, *with],
+            Operation::Move(part, _)
+            | Operation::Incubate(part, ..)
+            | Operation::Discard(part, _)
+            | Operation::Dispense(part, _)
+            | Operation::Mix(part, ..)
+            | Operation::Split(_, part, ..) => vec![*part],
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 pub struct Assay {
     pub size: Cell,
@@ -43,6 +74,11 @@ pub struct Assay {
     pub may_yield: bool,
     pub by_sum: bool,
     pub operations: Vec<Operation>,
+    /// What must leave no traces in what.
+    pub avoided: Vec<(Fluid, Fluid)>,
+    pub washes: Vec<Fluid>,
+    /// For each operation the part that has done all that it does above before.
+    pub afters: Vec<Option<usize>>,
 }
 
 pub fn apart(one: Cell, other: Cell) -> i32 {
@@ -69,12 +105,15 @@ impl Assay {
             may_yield: false,
             by_sum,
             operations: vec![],
+            avoided: vec![],
+            washes: vec![],
+            afters: vec![],
         };
         assay.furnish(chance)?;
         (assay.parts.len() >= 2).then_some(())?;
         assay.may_yield = chance.below(2) == 0;
         if !assay.reservoirs.is_empty() && chance.below(3) == 0 {
-            return assay.served(chance);
+            return assay.served(chance).map(|assay| assay.ordered(chance));
         }
         let mut left: Vec<usize> = (0..assay.parts.len()).collect();
         let mut ends = assay.parts.clone();
@@ -93,7 +132,7 @@ impl Assay {
             assay.operations.push(operation);
         }
         let keep = |one: &usize, other: &usize| one == other || apart(ends[*one], ends[*other]) >= separation;
-        left.iter().all(|one| left.iter().all(|other| keep(one, other))).then_some(assay)
+        left.iter().all(|one| left.iter().all(|other| keep(one, other))).then(|| assay.ordered(chance))
     }
 
     /// What a part does next; `left` are those that are not gone, `ends` where each is.
@@ -170,6 +209,39 @@ impl Assay {
         Some(self)
     }
 
+    /// Has some operations come after those of other parts.
+    fn ordered(mut self, chance: &mut Random) -> Assay {
+        let is_ordered = chance.below(2) == 0;
+        for place in 0..self.operations.len() {
+            let earlier = self.operations[..place].iter().flat_map(Operation::parts);
+            let own = self.operations[place].parts();
+            let others: Vec<usize> = earlier.filter(|part| !own.contains(part)).collect();
+            let part = others.get(chance.below(others.len().max(1) as u32) as usize).copied();
+            self.afters.push(part.filter(|_| is_ordered && chance.below(3) == 0));
+        }
+        self.avoiding(chance)
+    }
+
+    /// Has some fluids leave no traces in others.
+    fn avoiding(mut self, chance: &mut Random) -> Assay {
+        let placed = (0..self.parts.len()).filter(|part| self.parts[*part] != NOWHERE).map(Fluid::Part);
+        let fluids: Vec<Fluid> = placed.chain((0..self.reservoirs.len()).map(Fluid::Reservoir)).collect();
+        if fluids.len() < 2 || chance.below(3) > 0 {
+            return self;
+        }
+        let one = |chance: &mut Random| fluids[chance.below(fluids.len() as u32) as usize];
+        for _ in 0..1 + chance.below(3) {
+            let (of, within) = (one(chance), one(chance));
+            if of != within {
+                self.avoided.extend([(of, within), (within, of)].into_iter().take(1 + chance.below(2) as usize));
+            }
+        }
+        if !self.avoided.is_empty() && chance.below(2) == 0 {
+            self.washes.push(one(chance));
+        }
+        self
+    }
+
     /// Adds obstacles, reservoirs and parts.
     fn furnish(&mut self, chance: &mut Random) -> Option<()> {
         for _ in 0..chance.below(3) {
@@ -240,9 +312,12 @@ impl Assay {
         if self.may_yield {
             lines.push("may_yield: true".to_owned());
         }
+        lines.extend(self.avoided.iter().map(|(of, within)| format!("avoid {} in {}", of.name(), within.name())));
+        lines.extend(self.washes.iter().map(|fluid| format!("wash with {}", fluid.name())));
         lines.push("assay {".to_owned());
-        for operation in &self.operations {
-            lines.push(match operation {
+        for (operation, after) in self.operations.iter().zip(&self.afters) {
+            let after = after.map(|part| format!(" after d{part}")).unwrap_or_default();
+            let line = match operation {
                 Operation::Move(part, stops) => {
                     let vias: String = stops[..stops.len() - 1].iter().map(|stop| format!(" via {stop:?}")).collect();
                     format!("move d{part} to {:?}{vias}", stops[stops.len() - 1])
@@ -259,7 +334,8 @@ impl Assay {
                     let place = at.map(|at| format!(" at {at:?}")).unwrap_or_default();
                     format!("incubate d{part}{place} for {} ms", stay * STEP_MS)
                 }
-            });
+            };
+            lines.push(line + &after);
         }
         lines.push("}\n}".to_owned());
         lines.join("\n")

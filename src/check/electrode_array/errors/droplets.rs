@@ -72,6 +72,20 @@ pub fn there_already(span: Span, name: &str, since: Span) -> Diagnostic {
         .help("each droplet has a name of its own: declare another `part` without `at`, or a list of them with `for`")
 }
 
+/// What comes after a part that has done nothing by then.
+pub fn nothing_to_come_after(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0564, format!("`{name}` does nothing above, so that nothing comes after it"))
+        .label(span, "has no operation above")
+        .help(format!("`after {name}` means after all that `{name}` does above: write its operations first"))
+}
+
+/// An order of operations among steps that have one anyway.
+pub fn after_outside_assay(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0564, "`after` stands in an `assay`")
+        .label(span, "no `assay` around it")
+        .help("`assay { … }` plans operations side by side, and `after` orders them; steps follow each other anyway, and what stands in `together` begins at once")
+}
+
 pub fn parts_are_not_dispensed(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0555, "no reservoir dispenses parts with (2, 2) electrodes, but droplets with (1, 1)")
         .label(span, "not on this device")
@@ -226,17 +240,52 @@ pub fn parts_contain_nothing(span: Span) -> Diagnostic {
 }
 
 /// A fluid that the scene does not have.
-pub fn unknown_fluid(span: Span, name: &str, fluids: &BTreeSet<&str>, scene: Option<Span>) -> Diagnostic {
+pub fn unknown_fluid(
+    (code, span): (Code, Span),
+    name: &str,
+    fluids: &BTreeSet<&str>,
+    scene: Option<Span>,
+) -> Diagnostic {
     let known: Vec<String> = fluids.iter().take(SHOWN_FLUIDS).map(|fluid| format!("`{fluid}`")).collect();
     let more = if fluids.len() > SHOWN_FLUIDS { ", …" } else { "" };
     let near = nearest_name(name, fluids.iter().copied());
-    let diagnostic = Diagnostic::new(Code::E0559, format!("no fluid of this scene is called `{name}`"))
+    let volume = if code == Code::E0559 { ", and have a `volume`" } else { "" };
+    let diagnostic = Diagnostic::new(code, format!("no fluid of this scene is called `{name}`"))
         .label(span, "neither a reservoir nor a part with a place")
-        .near_or(near, format!("droplets can contain {}{more}, and have a `volume`", known.join(", ")));
+        .near_or(near, format!("droplets can contain {}{more}{volume}", known.join(", ")));
     match scene {
         Some(scene) => diagnostic.label_elsewhere(scene, span, "the scene"),
         None => diagnostic,
     }
+}
+
+/// Microparts leave nothing behind.
+pub fn parts_leave_no_traces(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0565, "parts with (2, 2) electrodes leave no traces, but droplets with (1, 1)")
+        .label(span, "not on this device")
+        .help("leave the line out")
+}
+
+/// A wash where nothing is avoided.
+pub fn washes_nothing(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0565, "`wash` takes away traces, but this task avoids none")
+        .label(span, "no `avoid` in the task")
+        .help("say what must not come into what before it, as `avoid blood in serum`")
+}
+
+/// Steps beside the one assay of a task that avoids traces.
+pub fn avoids_outside_assay(span: Span, avoided: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0565, "traces are avoided in one `assay`, and not from step to step")
+        .label(span, "besides it")
+        .label_elsewhere(avoided, span, "avoided here")
+        .help("write all operations of the task into one `assay { … }`; before it, the board counts as clean")
+}
+
+/// Two droplets that stop at one cell and harm each other.
+pub fn harms_at_one_place(span: Span, [left, comes]: [&str; 2], cell: ElectrodeCell) -> Diagnostic {
+    Diagnostic::new(Code::E0565, format!("`{left}` and `{comes}` both stop at {cell}, and each contaminates the other"))
+        .label(span, format!("`{left}` stops there too"))
+        .help("give each a place of its own, or write `wash with FLUID` and have a droplet of it pass there between the two")
 }
 
 /// A droplet that does not contain what the program requires; `contains` has all that it contains, in words.

@@ -3,6 +3,7 @@
 //! A position at instant `t` forbids the cells nearer than the separation at `t - 1`, `t` and `t + 1` ([`super::super::board`]).
 
 use super::super::board::{BoardGrid, CellIndex};
+use super::traces::{Touch, Traces};
 
 /// The instant after all others.
 pub(super) const NEVER: u32 = u32::MAX;
@@ -59,11 +60,33 @@ pub(super) struct Bookings<'a> {
     bookings: Vec<Vec<Booking>>,
     /// By agent: the cells with a booking of it.
     touched: Vec<Vec<CellIndex>>,
+    traces: Option<&'a Traces>,
+    /// By cell, where traces matter: who comes there, in order of `from`; and by agent its cells.
+    touches: Vec<Vec<Touch>>,
+    trodden: Vec<Vec<CellIndex>>,
+}
+
+/// Who asks where it may go.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Asking<'q> {
+    /// Those that it has merged with.
+    pub past: &'q [usize],
+    /// Those that it meets, each with where.
+    pub met: &'q [(usize, CellIndex)],
+    /// What it contains by then, where traces matter.
+    pub content: Option<usize>,
 }
 
 impl Bookings<'_> {
-    pub(super) fn new(board: &BoardGrid, separation: u32, agents: usize) -> Bookings<'_> {
-        Bookings { board, separation, bookings: vec![Vec::new(); board.cells()], touched: vec![Vec::new(); agents] }
+    pub(super) fn new<'b>(
+        board: &'b BoardGrid,
+        separation: u32,
+        (agents, traces): (usize, Option<&'b Traces>),
+    ) -> Bookings<'b> {
+        let (bookings, touched) = (vec![Vec::new(); board.cells()], vec![Vec::new(); agents]);
+        let (cells, treading) = traces.map_or((0, 0), |_| (board.cells(), agents));
+        let (touches, trodden) = (vec![Vec::new(); cells], vec![Vec::new(); treading]);
+        Bookings { board, separation, bookings, touched, traces, touches, trodden }
     }
 
     /// Removes all bookings of an agent.
@@ -71,17 +94,40 @@ impl Bookings<'_> {
         for cell in std::mem::take(&mut self.touched[agent]) {
             self.bookings[cell as usize].retain(|booking| booking.agent as usize != agent);
         }
+        for cell in self.trodden.get_mut(agent).map(std::mem::take).into_iter().flatten() {
+            self.touches[cell as usize].retain(|touch| touch.agent != agent);
+        }
     }
 
     /// Keeps a cell for an agent without a course in some instants.
-    pub(super) fn keep(&mut self, agent: usize, cell: CellIndex, span: (u32, u32)) {
+    pub(super) fn keep(&mut self, agent: usize, cell: CellIndex, (since, span): (u32, (u32, u32))) {
         self.clear(agent);
         self.book(agent, cell, span, Doing::Busy);
+        if let Some(traces) = self.traces {
+            let touch = Touch { agent, from: since, to: since, content: traces.contents[agent][0] };
+            self.touch(cell, touch);
+        }
+    }
+
+    /// Notes the cells to which an agent comes, and with which contents.
+    fn tread(&mut self, agent: usize, course: (u32, &[CellIndex]), done_at: &[u32]) {
+        let Some(traces) = self.traces else { return };
+        for (cell, touch) in traces.touches(agent, course, done_at) {
+            self.touch(cell, touch);
+        }
+    }
+
+    fn touch(&mut self, cell: CellIndex, touch: Touch) {
+        let of_cell = &mut self.touches[cell as usize];
+        let place = of_cell.partition_point(|known| known.from <= touch.from);
+        of_cell.insert(place, touch);
+        self.trodden[touch.agent].push(cell);
     }
 
     /// Replaces the bookings of an agent by those of a course.
-    pub(super) fn enter(&mut self, agent: usize, course: &BookedCourse) {
+    pub(super) fn enter(&mut self, agent: usize, course: &BookedCourse, done_at: &[u32]) {
         self.clear(agent);
+        self.tread(agent, (course.since, &course.cells), done_at);
         let cells = &course.cells;
         let ready = course.ready.map_or(usize::MAX, |ready| ready as usize);
         let first = course.since as usize;
@@ -128,14 +174,9 @@ impl Bookings<'_> {
         }
     }
 
-    /// Appends the free spans of a cell, in order. The asking agent has merged with those of `past`; `met` are those that it meets,
-    /// each with where.
-    pub(super) fn free(
-        &self,
-        cell: CellIndex,
-        (past, met): (&[usize], &[(usize, CellIndex)]),
-        out: &mut Vec<FreeSpan>,
-    ) {
+    /// Appends the free spans of a cell, in order.
+    pub(super) fn free(&self, cell: CellIndex, asking: Asking, out: &mut Vec<FreeSpan>) {
+        let Asking { past, met, content } = asking;
         let is_met = |booking: &Booking| {
             past.contains(&(booking.agent as usize))
                 || met.iter().any(|(agent, at)| {
@@ -147,15 +188,29 @@ impl Bookings<'_> {
                         }
                 })
         };
-        let mut from = 0;
-        for booking in self.bookings[cell as usize].iter().filter(|booking| !is_met(booking)) {
-            if booking.from > from {
-                out.push(FreeSpan { from, to: booking.from });
-            }
-            from = from.max(booking.to);
+        let booked = self.bookings[cell as usize].iter().filter(|booking| !is_met(booking));
+        let booked = booked.map(|booking| (booking.from, booking.to));
+        let Some((traces, content)) = self.traces.zip(content) else { return between(booked, out) };
+        // Where it merges it comes to the other one, not to what that has left.
+        let is_other = |touch: &&Touch| !met.contains(&(touch.agent, cell));
+        let touches: Vec<Touch> = self.touches[cell as usize].iter().filter(is_other).copied().collect();
+        let mut closed: Vec<(u32, u32)> = booked.collect();
+        traces.append_closed(&touches, content, &mut closed);
+        closed.sort_unstable();
+        between(closed.into_iter(), out);
+    }
+}
+
+/// Appends what lies between spans `from..to`, which are in order of `from`.
+fn between(closed: impl Iterator<Item = (u32, u32)>, out: &mut Vec<FreeSpan>) {
+    let mut free = 0;
+    for (from, to) in closed {
+        if from > free {
+            out.push(FreeSpan { from: free, to: from });
         }
-        if from != NEVER {
-            out.push(FreeSpan { from, to: NEVER });
-        }
+        free = free.max(to);
+    }
+    if free != NEVER {
+        out.push(FreeSpan { from: free, to: NEVER });
     }
 }

@@ -7,7 +7,7 @@
 
 use super::super::board::{BoardCosts, CellIndex};
 use super::route::Ahead;
-use super::{AssayProblem, Errand};
+use super::{AssayProblem, Errand, ErrandPlace};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// An errand with its earliest start and end, and the least time from its end to the end of the assay.
@@ -60,7 +60,8 @@ fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
                     .checked_sub(1)
                     .map_or(comes, |last| heads[agent][last] + u64::from(problem.errands[agent][last].stay));
                 let arrival = since + way(agent, index);
-                let mut head = arrival;
+                let Some(begins) = begins(problem, (agent, index), &heads) else { break };
+                let mut head = arrival.max(begins);
                 if let Some(other) = problem.errands[agent][index].meets {
                     let theirs = meeting(problem, other, (agent, index), |errands| heads[errands].len());
                     let Some(theirs) = theirs else { break };
@@ -91,6 +92,15 @@ fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
         problem.errands[agent].iter().enumerate().map(timed).collect()
     };
     (0..agents.len()).map(of).collect()
+}
+
+/// The earliest instant at which all is done that an errand comes after; `None` while that is not known.
+fn begins(problem: &AssayProblem, (agent, index): (usize, usize), heads: &[Vec<u64>]) -> Option<u64> {
+    let done = |before: &ErrandPlace| {
+        let head = heads[before.agent].get(before.errand)?;
+        Some(head + u64::from(problem.errands[before.agent][before.errand].stay))
+    };
+    problem.afters[agent][index].iter().try_fold(0, |last, before| Some(last.max(done(before)?)))
 }
 
 /// Least steps of an agent to the stop of an errand from that of the one before.
@@ -124,6 +134,13 @@ fn tails(problem: &AssayProblem, ahead: &Ahead, order: &[(usize, usize)]) -> Vec
             let tail = own.max(lives_on).max(lives_apart).unwrap_or(0);
             if tail > tails[agent][index] {
                 (tails[agent][index], is_complete) = (tail, false);
+            }
+            let own = u64::from(errands[index].stay) + tails[agent][index];
+            for before in &problem.afters[agent][index] {
+                let tail = &mut tails[before.agent][before.errand];
+                if own > *tail {
+                    (*tail, is_complete) = (own, false);
+                }
             }
         }
     }

@@ -7,7 +7,7 @@
 use super::super::board::CellIndex;
 use super::super::fast::UNREACHABLE;
 use super::route::Ahead;
-use super::{AgentCourse, AssayProblem, Errand, SplitErrand};
+use super::{AgentCourse, AssayProblem, Errand, ErrandPlace, SplitErrand};
 use crate::plan::search::{Meter, SearchAnswer};
 use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
@@ -43,9 +43,17 @@ struct AgentStand {
     rested: u32,
 }
 
+/// Where all agents are and what they have done.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+struct JointPosition {
+    stands: Box<[JointStand]>,
+    /// By cell, where traces matter: one bit for each content that was left there since it was washed.
+    left: Box<[u64]>,
+}
+
 /// A joint position and the one before it.
 struct JointNode {
-    stands: Box<[JointStand]>,
+    position: JointPosition,
     instant: u32,
     parent: Option<u32>,
 }
@@ -57,17 +65,18 @@ pub(super) fn fewest_steps(
     limit: u32,
     meter: &mut Meter,
 ) -> SearchAnswer<Vec<AgentCourse>, (), ()> {
-    if problem.errands.len() > MAX_AGENTS {
+    let contents = problem.traces.as_ref().map_or(0, |traces| traces.washes.len());
+    if problem.errands.len() > MAX_AGENTS || contents > u64::BITS as usize {
         return SearchAnswer::GaveUp(());
     }
     let is_due = |agent: usize| problem.comes[agent] || problem.parents[agent].is_some();
     let stand = |agent: usize| if is_due(agent) { JointStand::Due } else { start(problem, agent) };
-    let mut before: Vec<JointStand> = (0..problem.errands.len()).map(stand).collect();
-    settle(problem, &mut before);
+    let before: Vec<JointStand> = (0..problem.errands.len()).map(stand).collect();
     let mut search =
         JointSearch { problem, ahead, limit, nodes: Vec::new(), known: FxHashMap::default(), open: BinaryHeap::new() };
+    let cells = problem.traces.as_ref().map_or(0, |_| problem.instance.board.cells());
     let mut starts = Vec::new();
-    search.come(&before, 0, &mut starts);
+    search.arrive(before.into(), &vec![0; cells], &mut starts);
     starts.into_iter().for_each(|start| search.enter(start, 0, None));
     while let Some(Reverse((_, _, index))) = search.open.pop() {
         if search.is_end(index) {
@@ -87,7 +96,7 @@ struct JointSearch<'a> {
     limit: u32,
     nodes: Vec<JointNode>,
     /// The earliest instant of each joint position.
-    known: FxHashMap<Box<[JointStand]>, u32>,
+    known: FxHashMap<JointPosition, u32>,
     /// By estimated end, the later instant first.
     open: BinaryHeap<Reverse<(u32, Reverse<u32>, u32)>>,
 }
@@ -102,18 +111,18 @@ impl JointSearch<'_> {
                 stand.done as usize == errands.len() && errands.last().is_none_or(|last| last.stop == stand.cell)
             }
         };
-        self.nodes[index as usize].stands.iter().enumerate().all(has_done)
+        self.nodes[index as usize].position.stands.iter().enumerate().all(has_done)
     }
 
-    fn enter(&mut self, stands: Box<[JointStand]>, instant: u32, parent: Option<u32>) {
-        let Some(left) = self.left(&stands) else { return };
+    fn enter(&mut self, position: JointPosition, instant: u32, parent: Option<u32>) {
+        let Some(left) = self.left(&position.stands) else { return };
         let least = instant.saturating_add(left);
-        if least > self.limit || self.known.get(&stands).is_some_and(|known| *known <= instant) {
+        if least > self.limit || self.known.get(&position).is_some_and(|known| *known <= instant) {
             return;
         }
-        self.known.insert(stands.clone(), instant);
+        self.known.insert(position.clone(), instant);
         let index = self.nodes.len() as u32;
-        self.nodes.push(JointNode { stands, instant, parent });
+        self.nodes.push(JointNode { position, instant, parent });
         self.open.push(Reverse((least, Reverse(instant), index)));
     }
 
@@ -146,19 +155,55 @@ impl JointSearch<'_> {
 
     /// Adds all joint positions one step later; `None` when the meter or the room runs out.
     fn expand(&mut self, index: u32, meter: &mut Meter) -> Option<()> {
-        let (stands, instant) = (self.nodes[index as usize].stands.clone(), self.nodes[index as usize].instant);
-        let mut moved = Vec::new();
-        self.extend(&stands, &mut Vec::with_capacity(stands.len()), &mut moved);
+        let JointNode { position: JointPosition { stands, left }, instant, .. } = &self.nodes[index as usize];
+        let (instant, mut moved) = (*instant, Vec::new());
+        self.extend(stands, &mut Vec::with_capacity(stands.len()), &mut moved);
         let mut found = Vec::new();
-        for mut next in moved {
-            settle(self.problem, &mut next);
-            self.come(&next, 0, &mut found);
-        }
+        moved.into_iter().for_each(|next| self.arrive(next, left, &mut found));
         for next in found {
             meter.step()?;
             self.enter(next, instant + 1, Some(index));
         }
         (self.nodes.len() <= MAX_POSITIONS).then_some(())
+    }
+
+    /// Does what can be done where the agents have come to, and adds the positions with those that come then; none that does harm.
+    fn arrive(&self, mut next: Box<[JointStand]>, left: &[u64], found: &mut Vec<JointPosition>) {
+        let cells: Vec<Option<CellIndex>> = next.iter().map(|stand| Some(stand.there()?.cell)).collect();
+        settle(self.problem, &mut next);
+        let mut with_new = Vec::new();
+        self.come(&next, 0, &mut with_new);
+        let position = |stands: Box<[JointStand]>| {
+            let left = self.trodden(&cells, &stands, left)?;
+            Some(JointPosition { stands, left })
+        };
+        found.extend(with_new.into_iter().filter_map(position));
+    }
+
+    /// What is left on all cells, with agents that have just come to some of them; `None` if one of them comes where that does harm.
+    fn trodden(&self, cells: &[Option<CellIndex>], stands: &[JointStand], left: &[u64]) -> Option<Box<[u64]>> {
+        let mut left: Box<[u64]> = left.into();
+        let Some(traces) = &self.problem.traces else { return Some(left) };
+        for (agent, stand) in stands.iter().enumerate() {
+            let contents = &traces.contents[agent];
+            let (cell, done) = match stand {
+                JointStand::Due => continue,
+                JointStand::There(stand) => (Some(stand.cell), stand.done as usize),
+                JointStand::Gone => (cells[agent], contents.len() - 1),
+            };
+            let (Some(cell), content) = (cell, contents[done]) else { continue };
+            let own = &mut left[cell as usize];
+            if traces.washes[content] {
+                *own = 0;
+                continue;
+            }
+            let does_harm = |before: &usize| *own >> before & 1 == 1 && traces.harms[*before][content];
+            if (0..traces.washes.len()).any(|before| does_harm(&before)) {
+                return None;
+            }
+            *own |= 1 << content;
+        }
+        Some(left)
     }
 
     /// All steps of the agents from one on, round those of the agents before it.
@@ -205,9 +250,10 @@ impl JointSearch<'_> {
             let beside = problem.instance.board.neighbours(own.cell);
             steps.extend(beside.map(|cell| AgentStand { cell, rested: 0, ..own }));
         }
-        let begins = around.filter(|around| around[0] == own.cell).map(round);
+        let may_begin = may_begin(problem, from, agent);
+        let begins = around.filter(|around| may_begin && around[0] == own.cell).map(round);
         steps.extend(begins.filter(|next| !problem.instance.board.is_blocked(next.cell)));
-        let split = due.filter(|due| due.splits.is_some_and(|split| split.from == own.cell));
+        let split = due.filter(|due| may_begin && due.splits.is_some_and(|split| split.from == own.cell));
         steps.extend(split.map(|due| AgentStand { cell: due.stop, done: own.done + 1, rested: 0 }));
         steps
     }
@@ -240,7 +286,11 @@ impl JointSearch<'_> {
 
     /// All ways in which agents from one on can come at this instant, that of none among them. What comes has nothing done yet.
     fn come(&self, stands: &[JointStand], from: usize, found: &mut Vec<Box<[JointStand]>>) {
-        let is_due = |agent: &usize| stands[*agent] == JointStand::Due && self.problem.parents[*agent].is_none();
+        let is_due = |agent: &usize| {
+            stands[*agent] == JointStand::Due
+                && self.problem.parents[*agent].is_none()
+                && may_begin(self.problem, stands, *agent)
+        };
         let Some(agent) = (from..stands.len()).find(is_due) else {
             found.push(stands.into());
             return;
@@ -289,9 +339,9 @@ impl JointSearch<'_> {
     }
 
     fn course(&self, chain: &[&JointNode], agent: usize) -> AgentCourse {
-        let since = chain.iter().take_while(|node| node.stands[agent] == JointStand::Due).count();
+        let since = chain.iter().take_while(|node| node.position.stands[agent] == JointStand::Due).count();
         let mut cells = vec![self.problem.instance.agents[agent].start; since];
-        let there = chain[since..].iter().map_while(|node| node.stands[agent].there());
+        let there = chain[since..].iter().map_while(|node| node.position.stands[agent].there());
         cells.extend(there.map(|stand| stand.cell));
         let since = since as u32;
         if cells.len() < chain.len() {
@@ -301,7 +351,7 @@ impl JointSearch<'_> {
         }
         // After its last errand it rests where it came to last.
         let due = self.problem.errands[agent].len() as u32;
-        let is_done = |node: &&JointNode| node.stands[agent].there().is_some_and(|stand| stand.done == due);
+        let is_done = |node: &&JointNode| node.position.stands[agent].there().is_some_and(|stand| stand.done == due);
         let done = chain.iter().position(is_done).unwrap_or(0);
         let moved = cells.windows(2).rposition(|pair| pair[0] != pair[1]).map_or(0, |before| before + 1);
         cells.truncate(done.max(moved) + 1);
@@ -323,20 +373,45 @@ fn due(problem: &AssayProblem, stands: &[JointStand], agent: usize) -> Option<Er
     problem.errands[agent].get(stands[agent].there()?.done as usize).copied()
 }
 
-/// The agent with which another is to merge next, if that one is to merge with it next too, and where.
+/// Whether what the next errand of an agent comes after is done.
+fn may_begin(problem: &AssayProblem, stands: &[JointStand], agent: usize) -> bool {
+    let errand = match stands[agent] {
+        JointStand::Due => 0,
+        JointStand::There(stand) => stand.done as usize,
+        JointStand::Gone => return true,
+    };
+    let is_done = |place: &ErrandPlace| match stands[place.agent] {
+        JointStand::Due => false,
+        JointStand::There(stand) => stand.done as usize > place.errand,
+        JointStand::Gone => true,
+    };
+    problem.afters[agent].get(errand).is_none_or(|before| before.iter().all(is_done))
+}
+
+/// The agent with which another is to merge next, if that one is to merge with it next too and nothing comes before, and where.
 fn meeting(problem: &AssayProblem, stands: &[JointStand], agent: usize) -> Option<(usize, CellIndex)> {
     let own = due(problem, stands, agent)?;
-    let other = own.meets?;
+    let other = own.meets.filter(|_| may_begin(problem, stands, agent))?;
     let theirs = due(problem, stands, other)?;
     (theirs.meets == Some(agent) && theirs.stop == own.stop).then_some((other, own.stop))
 }
 
 /// Does all errands that can be done where the agents are.
 fn settle(problem: &AssayProblem, stands: &mut [JointStand]) {
+    // What waits for others counts from the instant on at which they are done.
+    for agent in (0..stands.len()).filter(|agent| !may_begin(problem, stands, *agent)).collect::<Vec<_>>() {
+        if let JointStand::There(stand) = &mut stands[agent] {
+            stand.rested = 0;
+        }
+    }
     let ready = |stands: &[JointStand], agent: usize| {
         let own = due(problem, stands, agent)?;
         let stand = stands[agent].there()?;
-        if stand.cell != own.stop || stand.rested < own.stay || own.splits.is_some() {
+        if stand.cell != own.stop
+            || stand.rested < own.stay
+            || own.splits.is_some()
+            || !may_begin(problem, stands, agent)
+        {
             return None;
         }
         match own.meets {

@@ -7,8 +7,9 @@
 
 use super::super::board::{BoardCosts, BoardObjective, CellIndex};
 use super::bookings::{BookedCourse, Bookings, NEVER};
+use super::replay::done_at;
 use super::route::{Ahead, RouteQuery, Router};
-use super::{AgentCourse, AssayPlan, AssayProblem, bound};
+use super::{AgentCourse, AssayPlan, AssayProblem, Errand, ErrandPlace, bound};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 use std::collections::VecDeque;
@@ -195,6 +196,8 @@ struct Progress<'a> {
     courses: Vec<BookedCourse>,
     /// By agent: errands done.
     done: Vec<usize>,
+    /// By agent: when each of them was, but for the last one of an agent that waits for another.
+    done_at: Vec<Vec<u32>>,
     /// By agent: those that it has merged with.
     past: Vec<Vec<usize>>,
     /// Agents that others have given off and that have no course yet, each with the instant at which it comes.
@@ -202,12 +205,47 @@ struct Progress<'a> {
 }
 
 impl Progress<'_> {
+    /// Notes when the errands of a new part of a course, from an instant on, are done.
+    fn note_done(
+        &mut self,
+        problem: &AssayProblem,
+        agent: usize,
+        (since, begins, waits): (u32, &[u32], &[Option<u32>]),
+    ) {
+        let course = &self.courses[agent];
+        let first = since.max(course.since);
+        let mut last = first;
+        let mut splits = course.splits.iter().filter(|before| **before >= first);
+        for (begins, waits) in begins.iter().zip(waits) {
+            let errand = self.done_at[agent].len();
+            let Errand { meets, splits: split, .. } = problem.errands[agent][errand];
+            if meets.is_some() && waits.is_none() {
+                break;
+            }
+            let from = last.max(*begins).max(waits.unwrap_or(0));
+            last = match split {
+                Some(_) => splits.next().map_or(last, |before| before + 1),
+                None => done_at(problem, ErrandPlace { agent, errand }, &course.cells, from).unwrap_or(last),
+            };
+            self.done_at[agent].push(last);
+        }
+    }
+
     /// Keeps the starts of the agents that were given off free for them.
     fn keep_given_off(&mut self, problem: &AssayProblem, instants: u32) {
         for (agent, since) in &self.given_off {
             let start = problem.instance.agents[*agent].start;
-            self.bookings.keep(*agent, start, (since - 1, since.saturating_add(instants)));
+            self.bookings.keep(*agent, start, (*since, (since - 1, since.saturating_add(instants))));
         }
+    }
+
+    /// The instant at which all is done that an errand comes after; `None` if that is not known yet.
+    fn begins(&self, problem: &AssayProblem, agent: usize, errand: usize) -> Option<u32> {
+        let mut last = 0;
+        for before in problem.afters[agent].get(errand).into_iter().flatten() {
+            last = last.max(*self.done_at[before.agent].get(before.errand)?);
+        }
+        Some(last)
     }
 
     /// The instant since which an agent waits for another one at the end of its course.
@@ -225,16 +263,17 @@ impl ListPlanner<'_, '_> {
         let (problem, separation) = (self.problem, self.problem.instance.separation);
         let count = problem.errands.len();
         let mut progress = Progress {
-            bookings: Bookings::new(&problem.instance.board, separation, count),
+            bookings: Bookings::new(&problem.instance.board, separation, (count, problem.traces.as_ref())),
             courses: vec![BookedCourse::default(); count],
             done: vec![0; count],
+            done_at: vec![Vec::new(); count],
             past: vec![Vec::new(); count],
             given_off: VecDeque::new(),
         };
         let until = separation.saturating_mul(kept_separations);
         for (agent, asked) in problem.instance.agents.iter().enumerate() {
             if !problem.comes[agent] && problem.parents[agent].is_none() {
-                progress.bookings.keep(agent, asked.start, (0, until));
+                progress.bookings.keep(agent, asked.start, (0, (0, until)));
             }
         }
         loop {
@@ -261,6 +300,7 @@ impl ListPlanner<'_, '_> {
     fn can_go_on(&self, progress: &Progress, agent: usize) -> bool {
         progress.done[agent] < self.problem.errands[agent].len()
             && progress.courses[agent].ready.is_none()
+            && progress.begins(self.problem, agent, progress.done[agent]).is_some()
             && (self.problem.parents[agent].is_none() || !progress.courses[agent].cells.is_empty())
     }
 
@@ -279,10 +319,12 @@ impl ListPlanner<'_, '_> {
         let problem = self.problem;
         let first = progress.done[agent];
         let errands = &problem.errands[agent][first..];
-        let mut waits: Vec<Option<u32>> = Vec::new();
-        for errand in errands {
+        let (mut waits, mut begins) = (Vec::<Option<u32>>::new(), Vec::new());
+        for (place, errand) in errands.iter().enumerate() {
+            let Some(after) = progress.begins(problem, agent, first + place) else { break };
             let since = errand.meets.and_then(|other| progress.waits(problem, other, agent));
             waits.push(since);
+            begins.push(after);
             if errand.meets.is_some() && since.is_none() {
                 break;
             }
@@ -293,7 +335,7 @@ impl ListPlanner<'_, '_> {
         let is_gone = is_last && problem.is_gone[agent] && !must_wait;
         let start = problem.instance.agents[agent].start;
         let (start, since) = match progress.courses[agent].cells.as_slice() {
-            [] => (start, 0),
+            [] => (start, if problem.comes[agent] { begins[0] } else { 0 }),
             cells => (cells[cells.len() - 1], cells.len() as u32 - 1),
         };
         let query = RouteQuery {
@@ -302,6 +344,7 @@ impl ListPlanner<'_, '_> {
             since,
             first,
             waits: &waits,
+            begins: &begins,
             past: &progress.past[agent],
             is_gone,
             comes: problem.comes[agent] && progress.courses[agent].cells.is_empty(),
@@ -314,13 +357,14 @@ impl ListPlanner<'_, '_> {
         let course = self.meter.share(allowed, |meter| router.course(&query, bookings, meter)).ok_or(agent)?;
         let own = &mut progress.courses[agent];
         own.since = if query.comes { course.since } else { own.since };
-        own.cells.truncate(since as usize);
+        own.cells.resize(since as usize, start);
         own.cells.extend(&course.cells);
         own.ready = must_wait.then_some(course.ready);
         own.splits.extend(course.splits.iter().map(|(_, at)| at - 1));
         own.is_gone = is_gone;
         progress.done[agent] = first + waits.len();
-        progress.bookings.enter(agent, &progress.courses[agent]);
+        progress.note_done(problem, agent, (since, &begins, &waits));
+        progress.bookings.enter(agent, &progress.courses[agent], &progress.done_at[agent]);
         for (child, since) in course.splits {
             // Its course begins where it comes.
             let start = problem.instance.agents[child].start;
@@ -340,11 +384,12 @@ impl ListPlanner<'_, '_> {
     fn met(&self, progress: &mut Progress, other: usize, (agent, stop): (usize, CellIndex)) {
         let since = progress.courses[other].cells.len() - 1;
         let came = progress.courses[agent].cells.iter().skip(since).position(|cell| *cell == stop).unwrap_or(0);
+        progress.done_at[other].push((since + came) as u32);
         let course = &mut progress.courses[other];
         course.cells.resize(since + came + 1, stop);
         course.ready = None;
         course.is_gone = self.problem.is_gone[other] && progress.done[other] == self.problem.errands[other].len();
-        progress.bookings.enter(other, &progress.courses[other]);
+        progress.bookings.enter(other, &progress.courses[other], &progress.done_at[other]);
         progress.past[agent].push(other);
         progress.past[other].push(agent);
     }

@@ -1,7 +1,7 @@
 //! Plans of assays: every part does its errands one after the other, and none waits for a part that it does not meet.
 //!
 //! Problem: agents on a grid with separation kept ([`super::board`]); each visits its stops in order, stays at some of them, and
-//! meets others, with which it merges: one of the two is gone from then on. Method: list scheduling. The course of one agent after the
+//! meets others, with which it merges: one of the two is gone from then on. Some errands wait for those of other agents. Method: list scheduling. The course of one agent after the
 //! other, up to the next agent that it meets and that has no course yet (`route`), is planned around the courses of the others
 //! (`bookings`); an agent that finds none comes earlier in the next list. Then lists with two agents exchanged, as long as they
 //! are no worse (`lists`). Where no list leads to a plan, or to one that may have too many steps, a few agents are planned all at once
@@ -15,11 +15,15 @@ mod bookings;
 mod bound;
 mod joint;
 mod lists;
+mod replay;
 mod route;
+mod traces;
 
 use super::board::{BoardCosts, BoardObjective, CellIndex, Instance, NoBoardPlan};
 use super::fast;
 use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
+pub use replay::all_done_at;
+pub use traces::Traces;
 
 /// One thing that an agent does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,6 +50,13 @@ pub struct SplitErrand {
     pub child: usize,
 }
 
+/// An errand by its agent and its place among that one's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ErrandPlace {
+    pub agent: usize,
+    pub errand: usize,
+}
+
 /// The errands of all agents.
 #[derive(Debug, Clone)]
 pub struct AssayProblem<'a> {
@@ -61,8 +72,13 @@ pub struct AssayProblem<'a> {
     pub loops: Vec<Vec<CellIndex>>,
     /// For each agent, at least one. Where two meet, the one with further errands, else the one of the smaller index, remains.
     pub errands: Vec<Vec<Errand>>,
+    /// By agent and errand: the errands of others that are done before it begins: before its agent stays, is mixed or pulled apart, comes,
+    /// leaves, or meets another that is there already.
+    pub afters: Vec<Vec<Vec<ErrandPlace>>>,
     /// For each agent, whether it is gone after its last errand: the other one of those that meet there remains, or it leaves the board.
     pub is_gone: Vec<bool>,
+    /// What they leave behind, if that does harm to any.
+    pub traces: Option<Traces>,
 }
 
 /// Where an agent is.

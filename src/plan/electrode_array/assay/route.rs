@@ -8,7 +8,7 @@
 
 use super::super::board::CellIndex;
 use super::super::fast::{DistanceField, Distances, UNREACHABLE};
-use super::bookings::{Bookings, FreeSpan, NEVER};
+use super::bookings::{Asking, Bookings, FreeSpan, NEVER};
 use super::{AssayProblem, Errand, SplitErrand};
 use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
@@ -51,6 +51,8 @@ pub(super) struct RouteQuery<'q> {
     /// One for each errand to do from the first on: the instant since which the agent waits that it meets there. Only the last one
     /// may meet an agent that does not wait yet.
     pub waits: &'q [Option<u32>],
+    /// One for each of these errands: the instant at which all that it comes after is done; 0 if there is nothing.
+    pub begins: &'q [u32],
     /// The agents with which it has merged before.
     pub past: &'q [usize],
     /// Whether the agent is gone where the course ends.
@@ -101,7 +103,7 @@ pub(super) struct Router<'a> {
     problem: &'a AssayProblem<'a>,
     ahead: &'a Ahead,
     spans: Vec<FreeSpan>,
-    /// By cell and number of agents met: their range in `spans`.
+    /// By cell and stage of the search: their range in `spans`.
     listed: FxHashMap<(CellIndex, u32), (u32, u32)>,
     /// The earliest instant by span and errands done.
     earliest: FxHashMap<(u32, u32), u32>,
@@ -193,14 +195,14 @@ impl<'a> Router<'a> {
 
     /// The free spans of a cell for an agent that has met the first so many.
     fn list(&mut self, search: &RouteSearch, bookings: &Bookings, (cell, done): (CellIndex, u32)) -> (u32, u32) {
-        let met = search.met(done);
-        if let Some(known) = self.listed.get(&(cell, met.len() as u32)) {
+        let stage = search.stage(done);
+        if let Some(known) = self.listed.get(&(cell, stage)) {
             return *known;
         }
         let first = self.spans.len() as u32;
-        bookings.free(cell, (search.query.past, met), &mut self.spans);
+        bookings.free(cell, search.asking(self.problem, done), &mut self.spans);
         let range = (first, self.spans.len() as u32);
-        self.listed.insert((cell, met.len() as u32), range);
+        self.listed.insert((cell, stage), range);
         range
     }
 
@@ -231,7 +233,8 @@ impl<'a> Router<'a> {
                 if at > leave {
                     break;
                 }
-                let at = at.max(search.kept_until(self.problem, &node, cell));
+                let kept = search.kept_until(self.problem, &node, cell);
+                let at = at.max(kept).max(search.held_until(self.problem, node.done, cell));
                 if at > leave || at >= to {
                     continue;
                 }
@@ -251,6 +254,9 @@ impl<'a> Router<'a> {
                 self.split(search, bookings, (&node, errand, split));
                 break;
             }
+            if search.held_until(self.problem, node.done, node.cell) > node.at {
+                return;
+            }
             if errand.splits.is_some() || node.cell != errand.stop {
                 break;
             }
@@ -260,12 +266,13 @@ impl<'a> Router<'a> {
                 continue;
             }
             let to = self.spans[node.span as usize].to;
+            let from = node.at.max(search.begins(node.done));
             let at = match (errand.meets, search.query.waits[node.done as usize]) {
                 // Where it meets an agent it comes once, and stays until the other is there.
                 (Some(_), Some(since)) if node.at.max(since) < to => node.at.max(since),
                 (Some(_), None) if to == NEVER => node.at,
                 (Some(_), Some(_) | None) => return,
-                (None, _) if node.at.saturating_add(errand.stay) < to => node.at + errand.stay,
+                (None, _) if from.saturating_add(errand.stay) < to => from + errand.stay,
                 // What has just come is dispensed first.
                 (None, _) if search.query.comes && node.done == 0 => return,
                 (None, _) => break,
@@ -301,7 +308,7 @@ impl<'a> Router<'a> {
         steps: u32,
     ) -> Option<u32> {
         let to = self.spans[node.span as usize].to;
-        let mut from = node.at;
+        let mut from = node.at.max(search.begins(node.done));
         let mut checked = 0;
         while checked < around.len() {
             let until = from.saturating_add(steps);
@@ -352,7 +359,7 @@ impl<'a> Router<'a> {
             let FreeSpan { from, to } = self.spans[span as usize];
             let (first, end) = self.list(search, bookings, (comes, node.done));
             let both = (first..end).map(|child| self.spans[child as usize]).find_map(|child| {
-                let at = from.max(child.from).max(node.at + 1);
+                let at = from.max(child.from).max(node.at + 1).max(search.begins(node.done).saturating_add(1));
                 (at < to.min(child.to)).then_some(at)
             });
             let Some(at) = both.filter(|at| *at <= leave) else { continue };
@@ -367,7 +374,7 @@ impl<'a> Router<'a> {
     /// The latest instant at which an agent that comes can be dispensed if it comes in the span of its first node: before, those that it
     /// meets later keep away. Where it does more at once there, no later than it does.
     fn latest_dispensed(&self, search: &RouteSearch, first: &RouteNode) -> u32 {
-        let listed = self.listed.get(&(first.cell, search.met(0).len() as u32)).filter(|_| first.done == 1);
+        let listed = self.listed.get(&(first.cell, search.stage(0))).filter(|_| first.done == 1);
         let spans = listed.map_or([].as_slice(), |(first, end)| &self.spans[*first as usize..*end as usize]);
         let holds = |span: &&FreeSpan| (span.from.saturating_sub(1)..span.to).contains(&first.entered);
         spans.iter().find(holds).map_or(first.at, |span| (span.to - 1).max(first.at))
@@ -419,6 +426,8 @@ struct RouteSearch<'q> {
     meetings: Vec<(usize, CellIndex)>,
     /// By errands done: number of the meetings for which it is under way or over.
     met: Vec<usize>,
+    /// By errands done: a number for all of them with which it may go to the same cells at the same instants.
+    stages: Vec<u32>,
 }
 
 impl<'q> RouteSearch<'q> {
@@ -437,7 +446,29 @@ impl<'q> RouteSearch<'q> {
             met.push(meetings.len());
         }
         met.push(meetings.len());
-        RouteSearch { query, ahead, errands, rest, meetings, met }
+        let mut search = RouteSearch { query, ahead, errands, rest, meetings, met, stages: vec![0] };
+        for done in 1..=errands.len() {
+            let contents = [done - 1, done].map(|done| search.content(problem, done));
+            let is_other = search.met[done] != search.met[done - 1] || contents[0] != contents[1];
+            search.stages.push(search.stages[done - 1] + u32::from(is_other));
+        }
+        search
+    }
+
+    /// What it contains with some errands of the query done, where traces matter.
+    fn content(&self, problem: &AssayProblem, done: usize) -> Option<usize> {
+        let contents = &problem.traces.as_ref()?.contents[self.query.agent];
+        contents.get(self.query.first + done).copied()
+    }
+
+    fn stage(&self, done: u32) -> u32 {
+        self.stages[done as usize]
+    }
+
+    /// As whom it asks for free spans.
+    fn asking(&self, problem: &AssayProblem, done: u32) -> Asking<'_> {
+        let content = self.content(problem, done as usize);
+        Asking { past: self.query.past, met: &self.meetings[..self.met[done as usize]], content }
     }
 
     fn last(&self) -> u32 {
@@ -466,8 +497,24 @@ impl<'q> RouteSearch<'q> {
         }
     }
 
-    fn met(&self, done: u32) -> &[(usize, CellIndex)] {
-        &self.meetings[..self.met[done as usize]]
+    /// The instant from which on the next errand may begin.
+    fn begins(&self, done: u32) -> u32 {
+        self.query.begins.get(done as usize).copied().unwrap_or(0)
+    }
+
+    /// The first instant at which an agent may come to a cell near where it meets another next: not before they may merge, since until then
+    /// they keep apart.
+    fn held_until(&self, problem: &AssayProblem, done: u32, cell: CellIndex) -> u32 {
+        let is_held = |errand: &Errand| {
+            let waits = self.query.waits[done as usize];
+            let is_near = || problem.instance.board.apart(cell, errand.stop) < problem.instance.separation;
+            errand.meets.is_some() && waits.is_some() && is_near()
+        };
+        match self.begins(done) {
+            0 => 0,
+            begins if self.errands.get(done as usize).is_some_and(is_held) => begins + 1,
+            _ => 0,
+        }
     }
 
     /// Least steps from a cell to the end.

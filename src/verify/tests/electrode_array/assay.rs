@@ -4,10 +4,6 @@ use crate::claims::electrode_array::{AssayOperation, DropletContent, DropletShar
 use crate::schedule::{Actuation, ScheduledOperation};
 use crate::source::Span;
 
-fn assay(parts: &[(&str, u32, u32)], operations: Vec<AssayOperation>) -> ElectrodeArrayOrder {
-    order(chip(14, 14), parts, vec![ElectrodeArrayAction::Assay(operations)])
-}
-
 #[test]
 fn a_part_does_its_operations_in_their_order() {
     let tour = |operations| assay(&[("a", 4, 4)], operations);

@@ -84,6 +84,7 @@ pub fn order(
         planner: ElectrodeArrayPlanner { method: ElectrodeArrayMethod::Portfolio, expansions: 1000 },
         bystanders: Bystanders::Stay,
         contents: Vec::new(),
+        contamination: Default::default(),
         steps: actions.into_iter().map(|action| ElectrodeArrayStep { action, span: Span::default() }).collect(),
     }
 }
@@ -95,6 +96,11 @@ pub fn go(part: usize, stops: &[(u32, u32)]) -> ElectrodeArrayMove {
         origin: None,
     };
     ElectrodeArrayMove { part, with: None, stops: stops.iter().map(stop).collect(), span: Span::default() }
+}
+
+/// One assay on a board of droplets.
+pub fn assay(parts: &[(&str, u32, u32)], operations: Vec<AssayOperation>) -> ElectrodeArrayOrder {
+    order(chip(14, 14), parts, vec![ElectrodeArrayAction::Assay(operations)])
 }
 
 /// A part stays where it is, or at its stop, for some beats.

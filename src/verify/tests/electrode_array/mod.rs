@@ -12,12 +12,14 @@ use crate::verify::{Rule, Verdict, verify};
 use build::*;
 use std::sync::Arc;
 
+mod after;
 mod assay;
 mod build;
 mod garbage;
 mod merging;
 mod pairs;
 mod random;
+mod traces;
 
 /// Three microparts: `a` goes right and `b` up, then all wait, then `b` comes back by a detour; `c` stays.
 fn day() -> Claims {

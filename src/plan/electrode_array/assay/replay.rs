@@ -1,0 +1,80 @@
+//! When courses do their errands, as whoever replays them sees it.
+
+use super::super::board::CellIndex;
+use super::{AssayProblem, ErrandPlace};
+
+/// The first instant, from one on, at which an errand is done by a course, which stays at its last cell; where agents meet, that at which
+/// this one is there. `None` if it does not do it.
+pub fn done_at(problem: &AssayProblem, of: ErrandPlace, cells: &[CellIndex], from: u32) -> Option<u32> {
+    let errand = problem.errands[of.agent].get(of.errand)?;
+    let at = |instant: u32| cells.get(instant as usize).or(cells.last()).copied();
+    let length = u32::try_from(cells.len()).ok()?;
+    if let Some(around) = errand.mixes {
+        let around = &problem.loops[around];
+        let due = |step: u32| Some(around[step as usize % around.len()]);
+        let goes_round = |since: &u32| (0..=errand.stay).all(|step| at(since + step) == due(step));
+        return (from..length).find(goes_round).map(|since| since + errand.stay);
+    }
+    let mut since = None;
+    for instant in from..length.max(from + 1) {
+        since = if at(instant) == Some(errand.stop) { since.or(Some(instant)) } else { None };
+        if since.is_some_and(|since| instant - since == errand.stay) {
+            return Some(instant);
+        }
+    }
+    since.map(|since| since + errand.stay)
+}
+
+/// For each agent, when each of its errands is done by courses, each with the instant from which on it is there; fewer than all of them
+/// where they do not do them.
+pub fn all_done_at(problem: &AssayProblem, since: &[u32], courses: &[&[CellIndex]]) -> Vec<Vec<u32>> {
+    let mut replay = Replay { problem, since, courses, done_at: vec![Vec::new(); courses.len()] };
+    let mut done = 0;
+    loop {
+        (0..courses.len()).for_each(|agent| replay.go_on(agent));
+        let now: usize = replay.done_at.iter().map(Vec::len).sum();
+        if std::mem::replace(&mut done, now) == now {
+            return replay.done_at;
+        }
+    }
+}
+
+struct Replay<'a> {
+    problem: &'a AssayProblem<'a>,
+    since: &'a [u32],
+    courses: &'a [&'a [CellIndex]],
+    /// By agent, of the errands done so far.
+    done_at: Vec<Vec<u32>>,
+}
+
+impl Replay<'_> {
+    /// The instant at which an agent is ready for the end of its next errand, whoever it meets; `None` while that is not known.
+    fn is_ready(&self, agent: usize) -> Option<u32> {
+        let errand = self.done_at[agent].len();
+        let due = self.problem.errands[agent].get(errand)?;
+        let mut from = self.done_at[agent].last().copied().unwrap_or(self.since[agent]);
+        for before in &self.problem.afters[agent][errand] {
+            from = from.max(*self.done_at[before.agent].get(before.errand)?);
+        }
+        match due.splits {
+            Some(split) => Some(self.since[split.child]),
+            None => done_at(self.problem, ErrandPlace { agent, errand }, self.courses[agent], from),
+        }
+    }
+
+    /// Follows an agent through the errands that it can do.
+    fn go_on(&mut self, agent: usize) {
+        while let Some(ready) = self.is_ready(agent) {
+            let due = self.problem.errands[agent][self.done_at[agent].len()];
+            let Some(other) = due.meets else {
+                self.done_at[agent].push(ready);
+                continue;
+            };
+            let theirs = self.problem.errands[other].get(self.done_at[other].len());
+            let is_met = theirs.is_some_and(|theirs| theirs.meets == Some(agent));
+            let Some(both) = self.is_ready(other).filter(|_| is_met).map(|theirs| ready.max(theirs)) else { break };
+            self.done_at[agent].push(both);
+            self.done_at[other].push(both);
+        }
+    }
+}

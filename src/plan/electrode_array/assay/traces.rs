@@ -1,0 +1,99 @@
+//! What agents leave on the cells to which they come, and to which of them it does harm.
+//!
+//! Contents are numbered: what an agent is while it does one errand after the other is known beforehand, whatever the plan.
+
+use super::super::board::CellIndex;
+use super::{AgentCourse, AssayProblem, replay};
+
+/// The contents of agents, by their numbers.
+#[derive(Debug, Clone)]
+pub struct Traces {
+    /// By agent and number of errands done, one more than it has errands.
+    pub contents: Vec<Vec<usize>>,
+    /// By content: whether it takes away what was left before, and leaves nothing.
+    pub washes: Vec<bool>,
+    /// By content that was left, and content that comes there: whether that is not to be.
+    pub harms: Vec<Vec<bool>>,
+}
+
+/// An agent on a cell from an instant to another one, both included, with one content.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Touch {
+    pub agent: usize,
+    pub from: u32,
+    pub to: u32,
+    pub content: usize,
+}
+
+impl Traces {
+    /// The cells to which a course comes, each with how long it is there, in their order. `done_at` has the errands done so far.
+    pub fn touches(&self, agent: usize, course: (u32, &[CellIndex]), done_at: &[u32]) -> Vec<(CellIndex, Touch)> {
+        let (since, cells) = course;
+        let contents = &self.contents[agent];
+        let mut touches: Vec<(CellIndex, Touch)> = Vec::new();
+        let mut done = 0;
+        for (instant, cell) in (0..).zip(cells).skip(since as usize) {
+            while done_at.get(done).is_some_and(|at| *at <= instant) {
+                done += 1;
+            }
+            let content = contents[done.min(contents.len() - 1)];
+            match touches.last_mut() {
+                Some((last, touch)) if last == cell && touch.content == content => touch.to = instant,
+                _ => touches.push((*cell, Touch { agent, from: instant, to: instant, content })),
+            }
+        }
+        touches
+    }
+
+    /// Whether none of some touches of one cell, in their order, comes to what others do harm with.
+    fn are_clean(&self, touches: &[Touch]) -> bool {
+        let mut left: Vec<usize> = Vec::new();
+        touches.iter().all(|touch| {
+            if self.washes[touch.content] {
+                left.clear();
+                return true;
+            }
+            let is_clean = left.iter().all(|left| !self.harms[*left][touch.content]);
+            left.push(touch.content);
+            is_clean
+        })
+    }
+
+    /// Whether no agent comes where another one does harm.
+    pub fn is_clean(&self, problem: &AssayProblem, courses: &[AgentCourse]) -> bool {
+        let since: Vec<u32> = courses.iter().map(|course| course.since).collect();
+        let cells: Vec<&[CellIndex]> = courses.iter().map(|course| course.cells.as_slice()).collect();
+        let done_at = replay::all_done_at(problem, &since, &cells);
+        let mut touches: Vec<(CellIndex, Touch)> = Vec::new();
+        for (agent, done_at) in done_at.iter().enumerate() {
+            touches.extend(self.touches(agent, (since[agent], cells[agent]), done_at));
+        }
+        touches.sort_by_key(|(cell, touch)| (*cell, touch.from, touch.agent));
+        touches.chunk_by(|(one, _), (other, _)| one == other).all(|of_cell| {
+            let of_cell: Vec<Touch> = of_cell.iter().map(|(_, touch)| *touch).collect();
+            self.are_clean(&of_cell)
+        })
+    }
+
+    /// Appends the instants `from..to` at which a content does not come to a cell: where others have left what does it harm, or come to
+    /// what it would leave. `touches` are those of the cell, in their order.
+    pub fn append_closed(&self, touches: &[Touch], content: usize, closed: &mut Vec<(u32, u32)>) {
+        if self.washes[content] {
+            return;
+        }
+        let mut washed = None;
+        for (nth, touch) in touches.iter().enumerate() {
+            if self.washes[touch.content] {
+                washed = Some(touch.from);
+                continue;
+            }
+            if self.harms[touch.content][content] {
+                let next = touches[nth..].iter().find(|later| self.washes[later.content]);
+                closed.push((touch.from, next.map_or(u32::MAX, |wash| wash.from)));
+            }
+            if self.harms[content][touch.content] {
+                closed.push((washed.map_or(0, |washed: u32| washed + 1), touch.to + 1));
+            }
+        }
+    }
+}

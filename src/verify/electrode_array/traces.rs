@@ -1,0 +1,110 @@
+//! What droplets leave on the electrodes to which they come, and who comes there after them.
+//!
+//! A droplet leaves every fluid that it contains wherever it is after a beat, once it has merged there; a droplet of nothing but washing fluids
+//! takes away all of it.
+
+use super::assay::JudgedAssay;
+use super::{Findings, JudgedBoard, Rule, contents, ms};
+use crate::claims::electrode_array::{AssayOperation, AvoidedTrace, Contamination, ElectrodeArrayOrder};
+use crate::claims::{Claims, Job};
+use crate::device::electrode_array::ElectrodeCell;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A droplet that comes onto traces that are avoided in what it contains.
+#[derive(Debug)]
+struct Contaminated<'c> {
+    part: usize,
+    cell: ElectrodeCell,
+    avoided: &'c AvoidedTrace,
+}
+
+/// The board's electrodes with what is left on them, in the course of a task.
+#[derive(Debug)]
+pub(super) struct JudgedTraces<'c> {
+    rules: &'c Contamination,
+    /// By part: the fluids that it contains.
+    fluids: Vec<BTreeSet<&'c str>>,
+    left: BTreeMap<ElectrodeCell, BTreeSet<&'c str>>,
+    /// Merges that have been done.
+    done: BTreeSet<usize>,
+    /// What was found, once for a part at a cell.
+    told: BTreeSet<(usize, ElectrodeCell)>,
+}
+
+impl<'c> JudgedTraces<'c> {
+    /// A clean board before a task; `None` if that avoids no traces.
+    pub fn new(order: &'c ElectrodeArrayOrder, claims: &'c Claims, job: &Job) -> Option<JudgedTraces<'c>> {
+        let rules = &order.contamination;
+        if rules.is_unheeded() {
+            return None;
+        }
+        let mut before = contents::fluids_before(claims, job);
+        let fluids = order.parts.iter().map(|part| before.remove(part.name.as_str()).unwrap_or_default()).collect();
+        Some(JudgedTraces { rules, fluids, left: BTreeMap::new(), done: BTreeSet::new(), told: BTreeSet::new() })
+    }
+
+    /// Notes what a reservoir dispenses.
+    pub fn dispense(&mut self, part: usize, operations: &'c [AssayOperation]) {
+        let own = operations.iter().find(|operation| operation.part == part && operation.comes);
+        self.fluids[part] = own.and_then(|operation| operation.fluid.as_deref()).into_iter().collect();
+    }
+
+    /// Notes that a droplet comes out of another one.
+    pub fn split(&mut self, part: usize, half: usize) {
+        self.fluids[half] = self.fluids[part].clone();
+    }
+
+    /// Notes the merges that are done by now: both parts are all that they were.
+    fn merge(&mut self, operations: &[AssayOperation], is_done: impl Fn(usize) -> bool) {
+        for (place, operation) in operations.iter().enumerate() {
+            let Some(with) = operation.with.filter(|_| is_done(place) && !self.done.contains(&place)) else { continue };
+            self.done.insert(place);
+            let both: BTreeSet<&str> = self.fluids[operation.part].union(&self.fluids[with]).copied().collect();
+            (self.fluids[operation.part], self.fluids[with]) = (both.clone(), both);
+        }
+    }
+
+    /// Parts are on cells, each with what it contains by now.
+    fn touch(&mut self, there: impl Iterator<Item = (usize, ElectrodeCell)>) -> Vec<Contaminated<'c>> {
+        let mut found = Vec::new();
+        for (part, cell) in there {
+            let own = &self.fluids[part];
+            if !own.is_empty() && own.iter().all(|fluid| self.rules.washes.iter().any(|wash| wash == fluid)) {
+                self.left.remove(&cell);
+                continue;
+            }
+            let left = self.left.entry(cell).or_default();
+            let (is_left, is_own) = (|fluid: &str| left.contains(fluid), |fluid: &str| own.contains(fluid));
+            let harm = |trace: &&AvoidedTrace| is_left(&trace.of) && is_own(&trace.within) && !is_own(&trace.of);
+            let harmed = self.rules.avoided.iter().find(harm).filter(|_| self.told.insert((part, cell)));
+            found.extend(harmed.map(|avoided| Contaminated { part, cell, avoided }));
+            left.extend(own);
+        }
+        found
+    }
+}
+
+impl JudgedBoard<'_, '_> {
+    /// The parts that are on the board, where traces matter.
+    pub(super) fn there(&self) -> Vec<(usize, ElectrodeCell)> {
+        let there = || self.cells.iter().enumerate().filter_map(|(part, cell)| Some((part, (*cell)?)));
+        self.traces.iter().flat_map(|_| there()).collect()
+    }
+
+    /// Parts are on cells at an instant, with what is done by then.
+    pub(super) fn tread(
+        &mut self,
+        (nth, at_ns): (usize, u64),
+        (operations, assay): (&[AssayOperation], &JudgedAssay),
+        there: Vec<(usize, ElectrodeCell)>,
+        findings: &mut Findings,
+    ) {
+        let Some(traces) = &mut self.traces else { return };
+        traces.merge(operations, |place| assay.beats[place].is_some());
+        for Contaminated { part, cell, avoided } in traces.touch(there.into_iter()) {
+            let (name, at) = (&self.order.parts[part].name, ms(at_ns));
+            let title = format!("`{name}` comes to {cell} at {at}, where traces of `{}` are left", avoided.of);
+            findings.push(self.within(Rule::Trace, nth, at_ns, title).label(avoided.span, "avoided here"));
+        }
+    }
+}
