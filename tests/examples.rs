@@ -3,10 +3,11 @@
 mod support;
 
 use std::path::{Path, PathBuf};
-use support::{build, build_in};
+use support::{build, build_in, carries_droplets};
 use tweeze::instrument::{InstrumentFacts, Protocol};
 use tweeze::schedule::microrobots::MicrorobotsState;
 use tweeze::schedule::{ChannelUnit, Schedule, State};
+use tweeze::verify::Verified;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")
@@ -41,7 +42,7 @@ fn every_example_builds_without_a_word_and_is_written_in_every_format() {
         let built = build_in(&folder(), &text);
         assert!(built.codes.is_empty() && !built.schedules.is_empty(), "{name}: {:?}", built.codes);
         let files = built.files();
-        // G-code is of stages only; a generator has a script and its description, a card its samples, a driver of electrodes its frames, each format a sender.
+        // G-code is of stages only, a sheet of droplets; a generator has a script and its description, a card its samples, a driver of electrodes its frames, each format a sender.
         let are_stages =
             |schedule: &Schedule| schedule.channels.iter().all(|channel| channel.unit == ChannelUnit::Micrometre);
         let of_instruments = |schedule: &Schedule| -> usize {
@@ -53,8 +54,10 @@ fn every_example_builds_without_a_word_and_is_written_in_every_format() {
             });
             files.sum()
         };
-        let schedules = built.schedules.iter().map(|verified| verified.schedule());
-        let due = schedules.map(|schedule| 10 + usize::from(are_stages(schedule)) + of_instruments(schedule));
+        let of_kinds = |verified: &Verified| {
+            usize::from(are_stages(verified.schedule())) + usize::from(carries_droplets(verified))
+        };
+        let due = built.schedules.iter().map(|built| 10 + of_kinds(built) + of_instruments(built.schedule()));
         assert_eq!(files.len(), due.sum::<usize>(), "{name}");
         assert!(files.iter().all(|file| !file.bytes.is_empty()), "{name}");
         let plans = built.schedules.iter().flat_map(|verified| &verified.schedule().plans);
@@ -87,4 +90,23 @@ fn a_file_without_tasks_is_only_there_to_be_used() {
         assert!(used, "{name} has no tasks, and no example uses it");
         assert!(build(text).codes.iter().all(|code| code.starts_with('W')), "{name}");
     }
+}
+
+#[test]
+fn a_sheet_says_what_to_load_and_what_is_left() {
+    let text = examples().into_iter().find(|(name, _)| name == "electrode_array_dilute.twz").map(|(_, text)| text);
+    let files = build_in(&folder(), &text.expect("the example")).files();
+    let sheet = files.iter().find(|file| file.name == "dilute.sheet.md").expect("a sheet");
+    let sheet = String::from_utf8(sheet.bytes.clone()).expect("a text");
+    let has = |line: &str| assert!(sheet.contains(line), "{line}\n{sheet}");
+    has("| ☐ | reservoir `dye` | outlet (1, 2) | 1 droplet |\n");
+    has("| ☐ | reservoir `buffer` | outlet (1, 8) | 6 droplets |\n");
+    has("| chip | `sample` is split at (7, 3): `half0` comes to (8, 3) |\n");
+    has("| chip | `half0` stays at (12, 7) for 2.04 s |\n");
+    has("`half0`, 1 droplet: 1/2 buffer, 1/2 dye; ");
+    has("`half5`, 1 droplet: 63/64 buffer, 1/64 dye |\n");
+    has("| left at (14, 1) | `sample`, 1 droplet: 63/64 buffer, 1/64 dye |\n");
+    // Every operation has its row, in the order of time.
+    let run = sheet.split("## Run").nth(1).and_then(|rest| rest.split("## After").next()).expect("a table");
+    assert_eq!(run.lines().filter(|line| line.contains("| chip |")).count(), 2 + 6 * 6);
 }

@@ -356,6 +356,8 @@ const MAX_SHARED_LINES: usize = 17;
 const OWN_OFFERS: &[(&str, [usize; 2])] = &[
     // It is simulated and controlled, and tables of voltages are suggested for it.
     ("microrobots", [1, 5]),
+    // It has liquids to load, which a sheet lists.
+    ("electrode_array", [1, 4]),
 ];
 
 /// How often the shared files name a kind in code, by file: `dimibot` as a word, or a word that begins with `Dimibot`. A file or a

@@ -483,7 +483,7 @@ impl<'a> Checker<'a> {
         let mut is_whole = true;
         for entry in entries {
             is_whole &= match entry {
-                Entry::Step(step) if NO_GOALS.contains(&step.head.text.as_str()) => {
+                Entry::Step(step) if is_no_goal(&step.head.text) => {
                     self.sink.push(errors::not_in_block(&step.head, head));
                     false
                 }
@@ -525,6 +525,11 @@ impl<'a> Checker<'a> {
         let Value::Quantity(time) = self.accept(sort, expr, scope, &wanted)? else { return None };
         super::clock_ns(time, expr.span, "`wait`", self.sink)
     }
+}
+
+/// Whether a word begins a step or a setting that is no goal.
+fn is_no_goal(word: &str) -> bool {
+    NO_GOALS.contains(&word) || device::condition_of_any_kind(word).is_some()
 }
 
 /// The words that begin a step and are no goals.

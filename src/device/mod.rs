@@ -22,6 +22,7 @@
 //! | `src/emit/course/mod.rs` | the module |
 //! | `src/emit/mcap/mod.rs` | the module |
 //! | `src/emit/svg/mod.rs` | the module |
+//! | `src/emit/sheet/mod.rs` | the module, if there is anything to load |
 //! | `src/cli/report/mod.rs` | the module |
 //! | `src/cli/mod.rs` | commands of its own, if it has any |
 //!

@@ -302,6 +302,7 @@ ledger! {
     E0827 "a format of positions meets something else"
     E0828 "a picture is asked for after the end"
     E0829 "digital lines without a sample clock"
+    E0830 "a sheet of a schedule without droplets"
     E0840 "a file is no MCAP log"
     E0841 "a log breaks off"
     E0842 "a log is damaged"

@@ -39,6 +39,8 @@ pub enum EmitError {
     Leap { format: Format, channel: String, t_ns: u64, from: f64, to: f64 },
     /// The format only represents positions of stages: the first channel that is none, if there is a channel.
     NotPositions { format: Format, channel: Option<String> },
+    /// No device of the schedule has anything to load.
+    NothingToLoad { name: String },
     /// An instant was asked for that is after the end of the schedule.
     OutsideSchedule { name: String, t_ns: u64, duration_ns: u64 },
     /// The library that writes the format gave up.
@@ -78,7 +80,8 @@ impl EmitError {
             | EmitError::NoSampleClock { .. }
             | EmitError::NotWired { .. }
             | EmitError::Leap { .. }
-            | EmitError::NotPositions { .. } => true,
+            | EmitError::NotPositions { .. }
+            | EmitError::NothingToLoad { .. } => true,
             EmitError::NotFinite | EmitError::OutsideSchedule { .. } | EmitError::Failed { .. } => false,
         }
     }
@@ -133,13 +136,10 @@ impl EmitError {
                 format!("`{channel}` leaps from {from} um to {to} um at {t_ns} ns, but `{}` only has straight lines", format.name()),
             )
             .help("write `--emit mcap`, `json` or `pwl`, which store it exactly"),
-            EmitError::NotPositions { format, channel } => {
-                let what = match channel {
-                    Some(channel) => format!("`{channel}` takes voltages"),
-                    None => "the schedule has no channel".to_owned(),
-                };
-                Diagnostic::new(Code::E0827, format!("{what}, but `{}` only holds stage positions", format.name()))
-                    .help("write voltages with `--emit csv`, `pwl` or `scpi`, and the tasks of stages on their own with `--task`")
+            EmitError::NotPositions { format, channel } => not_positions(*format, channel.as_deref()),
+            EmitError::NothingToLoad { name } => {
+                Diagnostic::new(Code::E0830, format!("`{name}` moves no droplets, so that a sheet has nothing to say"))
+                    .help("a sheet lists what to load into boards of droplets: write `--emit html` or `svg` for other devices")
             }
             EmitError::OutsideSchedule { name, t_ns, duration_ns } => {
                 let [t, duration] = [*t_ns, *duration_ns].map(|ns| Quantity::new(ns as f64 / 1e9, Dimension::TIME));
@@ -160,6 +160,15 @@ fn too_many_frames(instrument: &str, [frames, limit]: [u64; 2], period_ns: u64) 
     let title = format!("{frames} frames of {period} for `{instrument}`, its own program loads {limit}");
     Diagnostic::new(Code::E0823, title)
         .help("write `--emit frames`, whose sender has no limit, or build the tasks one at a time with `--task`")
+}
+
+fn not_positions(format: Format, channel: Option<&str>) -> Diagnostic {
+    let what = match channel {
+        Some(channel) => format!("`{channel}` takes voltages"),
+        None => "the schedule has no channel".to_owned(),
+    };
+    Diagnostic::new(Code::E0827, format!("{what}, but `{}` only holds stage positions", format.name()))
+        .help("write voltages with `--emit csv`, `pwl` or `scpi`, and the tasks of stages on their own with `--task`")
 }
 
 fn not_wired(format: Format, name: &str, family: Family) -> Diagnostic {

@@ -17,6 +17,7 @@ mod nidaqmx;
 pub mod pwl;
 mod sampling;
 mod scpi;
+mod sheet;
 mod signal;
 mod svg;
 pub mod vcd;
@@ -56,6 +57,8 @@ pub enum Format {
     Html,
     /// A static picture for papers.
     Svg,
+    /// What to load, what happens when, and what is there afterwards, for the person at the bench.
+    Sheet,
 }
 
 impl Format {
@@ -73,6 +76,7 @@ impl Format {
         Format::Gcode,
         Format::Html,
         Format::Svg,
+        Format::Sheet,
     ];
 
     /// The name used by `--emit`.
@@ -90,6 +94,7 @@ impl Format {
             Format::Gcode => "gcode",
             Format::Html => "html",
             Format::Svg => "svg",
+            Format::Sheet => "sheet",
         }
     }
 
@@ -107,6 +112,7 @@ impl Format {
             Format::Opendrop | Format::Gcode => &[],
             Format::Html => &["html"],
             Format::Svg => &["svg"],
+            Format::Sheet => &["sheet.md"],
         }
     }
 
@@ -173,6 +179,7 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
         }
         Format::Html => Ok(vec![file("html", html::write(verified, provenance)?)]),
         Format::Svg => Ok(vec![file("svg", svg::write(verified, None)?)]),
+        Format::Sheet => Ok(vec![file("sheet.md", sheet::write(verified, provenance)?)]),
     }
 }
 

@@ -406,6 +406,24 @@ fn prefixed(f: &mut fmt::Formatter<'_>, si: f64, symbol: &str) -> fmt::Result {
     write!(f, "{} {prefix}{symbol}", digits(shift(value, -ten)))
 }
 
+/// Greatest denominator of a fraction that is written as one.
+const MAX_DENOMINATOR: u32 = 4_096;
+
+/// Relative difference from a fraction that is rounding.
+const FRACTION_ROUNDING: f64 = 1e-12;
+
+/// A share or a volume, as `3/8` where it is such a fraction; else as [`digits`] has it.
+pub fn fraction(value: f64) -> String {
+    let is_of = |denominator: &u32| {
+        let numerator = (value * f64::from(*denominator)).round();
+        (numerator / f64::from(*denominator) - value).abs() <= FRACTION_ROUNDING * value.abs()
+    };
+    match (1..=MAX_DENOMINATOR).find(is_of) {
+        Some(1) | None => digits(value),
+        Some(denominator) => format!("{}/{denominator}", (value * f64::from(denominator)).round()),
+    }
+}
+
 /// A number with at most six significant digits, without trailing zeros; plain notation where it is short.
 pub fn digits(value: f64) -> String {
     if value == 0.0 {

@@ -15,7 +15,7 @@
 mod boxes;
 mod clock;
 mod dimibot;
-mod electrode_array;
+pub(crate) mod electrode_array;
 pub mod fingers;
 mod form;
 mod geometry;

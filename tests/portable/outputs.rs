@@ -29,9 +29,10 @@ pub fn fingerprints(environment: &[(&str, &Path)]) -> String {
         let stem = example.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let out = tempfile::tempdir().expect("a folder");
         let program = std::fs::read_to_string(&example).expect("an example");
-        // G-code is of stages only, and instruments play what is wired to them.
+        // G-code is of stages only, a sheet of droplets, and instruments play what is wired to them.
         let further = [
             (stem.starts_with("fingers"), ",gcode"),
+            (program.contains(": ea.droplet"), ",sheet"),
             (program.contains(": instruments.keysight"), ",scpi"),
             (program.contains(": instruments.ni_"), ",nidaqmx"),
         ];

@@ -5,7 +5,9 @@
 use std::path::Path;
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
+use tweeze::claims::electrode_array::ElectrodeArrayOrder;
 use tweeze::compile::{self, CompileOutcome, CompileRequest};
+use tweeze::device::electrode_array::Electrodes;
 use tweeze::diagnostic::Sink;
 use tweeze::emit::{self, Format, OutputFile, Provenance};
 use tweeze::instrument::{Family, InstrumentFacts, Protocol};
@@ -79,6 +81,7 @@ impl Built {
                 Format::Nidaqmx => families.contains(&Family::DataAcquisition),
                 Format::Frames => families.contains(&Family::ElectrodeDriver),
                 Format::Opendrop => protocols.contains(&Protocol::Opendrop),
+                Format::Sheet => carries_droplets(verified),
                 Format::Mcap | Format::Json | Format::Csv | Format::Vcd | Format::Pwl | Format::Html | Format::Svg => {
                     true
                 }
@@ -90,6 +93,14 @@ impl Built {
         }
         files
     }
+}
+
+/// Whether a board of the schedule carries droplets, whose electrodes lie one under each.
+pub fn carries_droplets(verified: &Verified) -> bool {
+    verified.claims().jobs.iter().any(|job| {
+        let board = ElectrodeArrayOrder::of(&job.order);
+        board.is_some_and(|board| board.facts.layout.electrodes == Electrodes::Single)
+    })
 }
 
 /// What is said of a text that uses no file beside it: the codes, and the helps where there are any.

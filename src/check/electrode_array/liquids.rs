@@ -3,7 +3,9 @@
 use super::errors;
 use crate::claims::Job;
 use crate::claims::electrode_array::{AssayOperation, BoardPart, DropletContent, DropletShare, ElectrodeArrayOrder};
+use crate::device::electrode_array::droplets;
 use crate::diagnostic::Diagnostic;
+use crate::quantity::fraction;
 use crate::source::Span;
 use std::collections::BTreeMap;
 
@@ -38,11 +40,11 @@ impl Liquid {
     /// `1/4 dye, 3/4 buffer; 2 droplets`
     fn text(&self) -> String {
         let volume = self.volume();
-        let part = |(fluid, amount): (&String, &f64)| format!("{} {fluid}", errors::fraction(amount / volume));
+        let part = |(fluid, amount): (&String, &f64)| format!("{} {fluid}", fraction(amount / volume));
         let parts: Vec<String> = self.amounts.iter().map(part).collect();
         let more = if parts.len() > SHOWN { ", …" } else { "" };
         let shown = parts.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
-        format!("{shown}{more}; {}", errors::droplets(volume))
+        format!("{shown}{more}; {}", droplets(volume))
     }
 }
 

@@ -4,7 +4,7 @@ use super::{listed, with_article};
 use crate::check::lets::Argument;
 use crate::check::value::Value;
 use crate::claims::ValueOrigin;
-use crate::device::{Verb, Vocabulary, VocabularyPhrase};
+use crate::device::{Verb, Vocabulary, VocabularyPhrase, condition_of_any_kind};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, digits};
 use crate::source::Span;
@@ -362,6 +362,7 @@ pub fn not_in_block(word: &Ident, head: &Ident) -> Diagnostic {
         .then(|| "write `incubate NAME for 10 s`, with the part that waits".to_owned());
     let place = match word.text.as_str() {
         "minimize" | "require" | "using" | "start" => "before all steps".to_owned(),
+        word if condition_of_any_kind(word).is_some() => "before all steps".to_owned(),
         _ => format!("before or after the `{}`", head.text),
     };
     let elsewhere = format!("write it {place}");

@@ -5,6 +5,7 @@
 //! Micromachines 9, 2018, with the rule of distance corrected where its tables contradict one another (see the standard
 //! library's file).
 
+use crate::quantity::fraction;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -262,4 +263,10 @@ impl ElectrodeArrayFacts {
         let cell = ElectrodeCell::new(column.parse().ok()?, row.parse().ok()?);
         (self.has_electrode(cell) && ElectrodeArrayFacts::channel(cell) == channel).then_some(cell)
     }
+}
+
+/// A volume in words: `2 droplets`, `1/4 droplet`.
+pub fn droplets(volume: f64) -> String {
+    let plural = if volume > 1.0 { "s" } else { "" };
+    format!("{} droplet{plural}", fraction(volume))
 }

@@ -28,7 +28,7 @@ fn formats(verified: &Verified) -> impl Iterator<Item = Format> {
     Format::ALL.iter().copied().filter(move |format| match format {
         Format::Gcode => all_stages,
         Format::Scpi => is_wired,
-        Format::Nidaqmx | Format::Frames | Format::Opendrop => false,
+        Format::Nidaqmx | Format::Frames | Format::Opendrop | Format::Sheet => false,
         Format::Mcap | Format::Json | Format::Csv | Format::Vcd | Format::Pwl | Format::Html | Format::Svg => true,
     })
 }

@@ -14,18 +14,21 @@ use std::sync::Arc;
 /// Difference of two shares, or of two volumes of one droplet, that is rounding.
 const TOLERANCE: f64 = 1e-9;
 
+/// A droplet in the end, or when it was last on the board.
 #[derive(Debug, Clone, Default)]
-struct Droplet<'c> {
-    volume: f64,
-    shares: BTreeMap<&'c str, f64>,
+pub(crate) struct DropletAfter<'c> {
+    /// In droplets as reservoirs dispense them.
+    pub volume: f64,
+    /// The part of its volume, from 0 to 1, by the names of the fluids.
+    pub shares: BTreeMap<&'c str, f64>,
 }
 
-impl<'c> Droplet<'c> {
-    fn of(fluid: &'c str) -> Droplet<'c> {
-        Droplet { volume: 1.0, shares: BTreeMap::from([(fluid, 1.0)]) }
+impl<'c> DropletAfter<'c> {
+    fn of(fluid: &'c str) -> DropletAfter<'c> {
+        DropletAfter { volume: 1.0, shares: BTreeMap::from([(fluid, 1.0)]) }
     }
 
-    fn merged(&self, other: &Droplet<'c>) -> Droplet<'c> {
+    fn merged(&self, other: &DropletAfter<'c>) -> DropletAfter<'c> {
         let volume = self.volume + other.volume;
         let mut shares = BTreeMap::new();
         for droplet in [self, other] {
@@ -33,7 +36,7 @@ impl<'c> Droplet<'c> {
                 *shares.entry(*fluid).or_insert(0.0) += share * droplet.volume / volume;
             }
         }
-        Droplet { volume, shares }
+        DropletAfter { volume, shares }
     }
 }
 
@@ -49,14 +52,14 @@ pub(super) fn broken(claims: &Claims, job: &Job) -> Vec<BrokenContent> {
     if !own.clone().next_back().is_some_and(|last| std::ptr::eq(last, job)) {
         return Vec::new();
     }
-    let mut droplets: BTreeMap<&str, Droplet> = BTreeMap::new();
+    let mut droplets: BTreeMap<&str, DropletAfter> = BTreeMap::new();
     let mut found = Vec::new();
     let mut known: Option<&Arc<Vec<BoardPart>>> = None;
     for order in own.filter_map(|job| ElectrodeArrayOrder::of(&job.order)) {
         // Runs in one scene share its parts.
         if !known.replace(&order.parts).is_some_and(|known| Arc::ptr_eq(known, &order.parts)) {
             for part in order.parts.iter().filter(|part| part.cell.is_some()) {
-                droplets.entry(&part.name).or_insert_with(|| Droplet::of(&part.name));
+                droplets.entry(&part.name).or_insert_with(|| DropletAfter::of(&part.name));
             }
         }
         found.extend(operated(order, &mut droplets));
@@ -67,25 +70,36 @@ pub(super) fn broken(claims: &Claims, job: &Job) -> Vec<BrokenContent> {
 
 /// The fluids of each droplet before a run, by the runs of its device before it.
 pub(super) fn fluids_before<'c>(claims: &'c Claims, job: &Job) -> BTreeMap<&'c str, BTreeSet<&'c str>> {
-    let mut droplets: BTreeMap<&str, Droplet> = BTreeMap::new();
-    for other in claims.jobs.iter().filter(|other| other.device == job.device) {
-        let Some(order) = ElectrodeArrayOrder::of(&other.order) else { continue };
+    let droplets = droplets_before(claims, &job.device, Some(job)).into_iter();
+    droplets.map(|(name, droplet)| (name, droplet.shares.into_keys().collect())).collect()
+}
+
+/// The droplets of a device after all of its runs, by their names.
+pub(crate) fn droplets_after<'c>(claims: &'c Claims, device: &str) -> BTreeMap<&'c str, DropletAfter<'c>> {
+    droplets_before(claims, device, None)
+}
+
+/// The droplets of a device before one of its runs, or after all of them.
+fn droplets_before<'c>(claims: &'c Claims, device: &str, end: Option<&Job>) -> BTreeMap<&'c str, DropletAfter<'c>> {
+    let mut droplets: BTreeMap<&str, DropletAfter> = BTreeMap::new();
+    for job in claims.jobs.iter().filter(|job| job.device == device) {
+        let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
         for part in order.parts.iter().filter(|part| part.cell.is_some()) {
-            droplets.entry(&part.name).or_insert_with(|| Droplet::of(&part.name));
+            droplets.entry(&part.name).or_insert_with(|| DropletAfter::of(&part.name));
         }
-        if std::ptr::eq(other, job) {
+        if end.is_some_and(|end| std::ptr::eq(job, end)) {
             break;
         }
         operated(order, &mut droplets);
     }
-    droplets.into_iter().map(|(name, droplet)| (name, droplet.shares.into_keys().collect())).collect()
+    droplets
 }
 
 /// What is wrong with a droplet at the end of a run.
 fn other_than(
     content: &DropletContent,
     order: &ElectrodeArrayOrder,
-    droplets: &BTreeMap<&str, Droplet>,
+    droplets: &BTreeMap<&str, DropletAfter>,
 ) -> Option<BrokenContent> {
     let name = order.parts.get(content.part)?.name.as_str();
     let droplet = droplets.get(name).cloned().unwrap_or_default();
@@ -104,17 +118,21 @@ fn other_than(
 }
 
 /// Does what the steps of an order do to droplets; those that get too large or too small for the device.
-fn operated<'c>(order: &'c ElectrodeArrayOrder, droplets: &mut BTreeMap<&'c str, Droplet<'c>>) -> Vec<BrokenContent> {
+fn operated<'c>(
+    order: &'c ElectrodeArrayOrder,
+    droplets: &mut BTreeMap<&'c str, DropletAfter<'c>>,
+) -> Vec<BrokenContent> {
     let name = |part: usize| order.parts.get(part).map_or("", |part| part.name.as_str());
-    let merges = |droplets: &BTreeMap<&'c str, Droplet<'c>>, [part, with]: [usize; 2]| {
+    let merges = |droplets: &BTreeMap<&'c str, DropletAfter<'c>>, [part, with]: [usize; 2]| {
         let both = [part, with].map(|part| droplets.get(name(part)).cloned().unwrap_or_default());
         both[0].merged(&both[1])
     };
     let mut found = Vec::new();
-    let mut put = |droplets: &mut BTreeMap<&'c str, Droplet<'c>>, part: usize, droplet: Droplet<'c>, span: Span| {
-        found.extend(out_of_limits(order, name(part), droplet.volume, span));
-        droplets.insert(name(part), droplet);
-    };
+    let mut put =
+        |droplets: &mut BTreeMap<&'c str, DropletAfter<'c>>, part: usize, droplet: DropletAfter<'c>, span: Span| {
+            found.extend(out_of_limits(order, name(part), droplet.volume, span));
+            droplets.insert(name(part), droplet);
+        };
     for step in &order.steps {
         match &step.action {
             ElectrodeArrayAction::Wait(_) => {}
@@ -128,7 +146,7 @@ fn operated<'c>(order: &'c ElectrodeArrayOrder, droplets: &mut BTreeMap<&'c str,
                 for operation in operations {
                     let (part, span) = (operation.part, operation.span);
                     if let (true, Some(fluid)) = (operation.comes, &operation.fluid) {
-                        put(droplets, part, Droplet::of(fluid), span);
+                        put(droplets, part, DropletAfter::of(fluid), span);
                     }
                     if let Some(with) = operation.with {
                         let merged = merges(droplets, [part, with]);
@@ -136,7 +154,7 @@ fn operated<'c>(order: &'c ElectrodeArrayOrder, droplets: &mut BTreeMap<&'c str,
                     }
                     if let Some(half) = operation.splits {
                         let whole = droplets.get(name(part)).cloned().unwrap_or_default();
-                        let halved = Droplet { volume: whole.volume / 2.0, ..whole };
+                        let halved = DropletAfter { volume: whole.volume / 2.0, ..whole };
                         put(droplets, part, halved.clone(), span);
                         put(droplets, half.part, halved, span);
                     }

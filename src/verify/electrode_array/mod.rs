@@ -17,6 +17,8 @@ mod stage;
 mod switching;
 mod traces;
 
+pub(crate) use contents::{DropletAfter, droplets_after};
+
 use super::clock::JudgedRun;
 use super::record;
 use super::rule::{Findings, Rule, Violation, ms};

@@ -207,9 +207,11 @@ impl Assay {
                     let next = stand.zip(way).map(|((from, done, rested, moved), way)| {
                         let to = way.end();
                         let moved = if from != to && self.by_sum { instant } else { moved };
-                        let is_mixed = dues[part].get(done).is_some_and(|due| due.is_mixed);
+                        // Rest does not count in a step before which others are not done.
+                        let counts = |due: &Due| !due.is_mixed && due.may_begin(stands);
+                        let counts = dues[part].get(done).is_none_or(counts);
                         match way {
-                            Way::To(_) if from == to && !is_mixed => (to, done, rested + 1, moved),
+                            Way::To(_) if from == to && counts => (to, done, rested + 1, moved),
                             Way::To(_) => (to, done, 0, moved),
                             Way::Round(_) => (to, done, rested + 1, moved),
                             Way::Split(_) => (to, done + 1, 0, moved),
@@ -333,11 +335,6 @@ impl Assay {
 /// What is done by now.
 fn settle(dues: &[Vec<Due>], stands: &mut [Stand]) {
     let due = |stand: Stand, part: usize| stand.and_then(|(_, done, _, _)| dues[part].get(done).copied());
-    let waits = |part: &usize| due(stands[*part], *part).is_some_and(|next| !next.may_begin(stands));
-    for part in (0..stands.len()).filter(waits).collect::<Vec<_>>() {
-        // Rest does not count before others are done.
-        stands[part] = stands[part].map(|(cell, done, _, moved)| (cell, done, 0, moved));
-    }
     loop {
         let ready = (0..stands.len()).find_map(|part| {
             let (cell, _, rested, _) = stands[part]?;

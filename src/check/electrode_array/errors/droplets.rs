@@ -5,9 +5,9 @@ use crate::check::scope::nearest as nearest_name;
 use crate::check::value::Value;
 use crate::claims::Relation;
 use crate::claims::electrode_array::{AssayOperation, DropletContent, DropletShare};
-use crate::device::electrode_array::{ElectrodeCell, MAX_STAY_STEPS, SPLIT_APART};
+use crate::device::electrode_array::{ElectrodeCell, MAX_STAY_STEPS, SPLIT_APART, droplets};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::{Dimension, Quantity, digits};
+use crate::quantity::{Dimension, Quantity, fraction};
 use crate::source::Span;
 use std::collections::BTreeSet;
 
@@ -346,27 +346,6 @@ pub fn no_droplet_fits(field: &str, limit: f64) -> Diagnostic {
 
 /// Most fluids that a message names.
 const SHOWN_FLUIDS: usize = 6;
-
-/// Greatest denominator of a fraction in a message.
-const MAX_DENOMINATOR: u32 = 4_096;
-
-/// A share or a volume, as `3/8` where it is such a fraction.
-pub fn fraction(value: f64) -> String {
-    let is_of = |denominator: &u32| {
-        let numerator = (value * f64::from(*denominator)).round();
-        numerator / f64::from(*denominator) == value
-    };
-    match (1..=MAX_DENOMINATOR).find(is_of) {
-        Some(1) | None => digits(value),
-        Some(denominator) => format!("{}/{denominator}", (value * f64::from(denominator)).round()),
-    }
-}
-
-/// A volume in words.
-pub fn droplets(volume: f64) -> String {
-    let plural = if volume > 1.0 { "s" } else { "" };
-    format!("{} droplet{plural}", fraction(volume))
-}
 
 fn words_of(relation: Relation) -> &'static str {
     match relation {

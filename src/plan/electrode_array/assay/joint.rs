@@ -241,7 +241,9 @@ impl JointSearch<'_> {
             let next = round(around);
             return (!problem.instance.board.is_blocked(next.cell)).then_some(next).into_iter().collect();
         }
-        let rested = if around.is_some() { 0 } else { own.rested + 1 };
+        // What waits for others counts from the instant on at which they are done.
+        let may_begin = may_begin(problem, from, agent);
+        let rested = if around.is_some() || !may_begin { 0 } else { own.rested + 1 };
         let mut steps = vec![AgentStand { rested, ..own }];
         // What has just come is dispensed first, and what has come to where it merges stays there.
         let is_dispensed = problem.comes[agent] && own.done == 0;
@@ -250,7 +252,6 @@ impl JointSearch<'_> {
             let beside = problem.instance.board.neighbours(own.cell);
             steps.extend(beside.map(|cell| AgentStand { cell, rested: 0, ..own }));
         }
-        let may_begin = may_begin(problem, from, agent);
         let begins = around.filter(|around| may_begin && around[0] == own.cell).map(round);
         steps.extend(begins.filter(|next| !problem.instance.board.is_blocked(next.cell)));
         let split = due.filter(|due| may_begin && due.splits.is_some_and(|split| split.from == own.cell));
@@ -398,12 +399,6 @@ fn meeting(problem: &AssayProblem, stands: &[JointStand], agent: usize) -> Optio
 
 /// Does all errands that can be done where the agents are.
 fn settle(problem: &AssayProblem, stands: &mut [JointStand]) {
-    // What waits for others counts from the instant on at which they are done.
-    for agent in (0..stands.len()).filter(|agent| !may_begin(problem, stands, *agent)).collect::<Vec<_>>() {
-        if let JointStand::There(stand) = &mut stands[agent] {
-            stand.rested = 0;
-        }
-    }
     let ready = |stands: &[JointStand], agent: usize| {
         let own = due(problem, stands, agent)?;
         let stand = stands[agent].there()?;

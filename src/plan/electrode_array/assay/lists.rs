@@ -205,13 +205,13 @@ struct Progress<'a> {
 }
 
 impl Progress<'_> {
-    /// Notes when the errands of a new part of a course, from an instant on, are done.
+    /// Notes when the errands of a new part of a course, from an instant on, are done; `None` if it does not do them.
     fn note_done(
         &mut self,
         problem: &AssayProblem,
         agent: usize,
         (since, begins, waits): (u32, &[u32], &[Option<u32>]),
-    ) {
+    ) -> Option<()> {
         let course = &self.courses[agent];
         let first = since.max(course.since);
         let mut last = first;
@@ -224,11 +224,12 @@ impl Progress<'_> {
             }
             let from = last.max(*begins).max(waits.unwrap_or(0));
             last = match split {
-                Some(_) => splits.next().map_or(last, |before| before + 1),
-                None => done_at(problem, ErrandPlace { agent, errand }, &course.cells, from).unwrap_or(last),
+                Some(_) => splits.next()? + 1,
+                None => done_at(problem, ErrandPlace { agent, errand }, &course.cells, from)?,
             };
             self.done_at[agent].push(last);
         }
+        Some(())
     }
 
     /// Keeps the starts of the agents that were given off free for them.
@@ -363,7 +364,7 @@ impl ListPlanner<'_, '_> {
         own.splits.extend(course.splits.iter().map(|(_, at)| at - 1));
         own.is_gone = is_gone;
         progress.done[agent] = first + waits.len();
-        progress.note_done(problem, agent, (since, &begins, &waits));
+        progress.note_done(problem, agent, (since, &begins, &waits)).ok_or(agent)?;
         progress.bookings.enter(agent, &progress.courses[agent], &progress.done_at[agent]);
         for (child, since) in course.splits {
             // Its course begins where it comes.

@@ -1,0 +1,209 @@
+//! Boards of droplets on the sheet: reservoirs and droplets to load, operations by time, and where everything is in the end.
+
+use super::{Sheet, time};
+use crate::claims::Job;
+use crate::claims::electrode_array::{
+    AssayOperation, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayOrder, ElectrodeArrayStop,
+};
+use crate::device::electrode_array::{ElectrodeCell, Electrodes, droplets};
+use crate::quantity::fraction;
+use crate::schedule::ScheduledStep;
+use crate::schedule::electrode_array::ElectrodeArrayState;
+use crate::schedule::{Schedule, State};
+use crate::verify::Verified;
+use crate::verify::electrode_array::{DropletAfter, droplets_after};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A board with its runs, in their order.
+pub(super) struct SheetBoard<'v> {
+    device: &'v str,
+    schedule: &'v Schedule,
+    /// By the index of the plan.
+    runs: Vec<(usize, &'v ElectrodeArrayOrder)>,
+    /// What its droplets contain in the end, or when they were last there.
+    droplets: BTreeMap<&'v str, DropletAfter<'v>>,
+}
+
+/// The boards of a schedule that carry droplets.
+pub(super) fn boards(verified: &Verified) -> Vec<SheetBoard<'_>> {
+    let mut boards: Vec<SheetBoard> = Vec::new();
+    for (plan, job) in verified.claims().jobs.iter().enumerate() {
+        let Some(order) = order_of_droplets(job) else { continue };
+        match boards.iter_mut().find(|board| board.device == job.device) {
+            Some(board) => board.runs.push((plan, order)),
+            None => boards.push(SheetBoard {
+                device: &job.device,
+                schedule: verified.schedule(),
+                runs: vec![(plan, order)],
+                droplets: droplets_after(verified.claims(), &job.device),
+            }),
+        }
+    }
+    boards
+}
+
+fn order_of_droplets(job: &Job) -> Option<&ElectrodeArrayOrder> {
+    ElectrodeArrayOrder::of(&job.order).filter(|order| order.facts.layout.electrodes == Electrodes::Single)
+}
+
+/// What happens on all boards, by time.
+pub(super) fn run(boards: &[SheetBoard]) -> Vec<[String; 4]> {
+    let mut rows: Vec<([u64; 2], &str, String)> = Vec::new();
+    for board in boards {
+        rows.extend(board.rows().map(|(times, text)| (times, board.device, text)));
+    }
+    rows.sort_by_key(|(times, ..)| *times);
+    rows.into_iter().map(|([from, to], device, text)| [time(from), time(to), device.to_owned(), text]).collect()
+}
+
+impl SheetBoard<'_> {
+    /// What to load before the run.
+    pub(super) fn load(&self, sheet: &mut Sheet) {
+        sheet.line(&format!("\n## Load `{}`", self.device));
+        let mut rows: Vec<[String; 4]> = Vec::new();
+        for (fluid, (cell, count)) in self.reservoirs() {
+            rows.push(row(format!("reservoir `{fluid}`"), format!("outlet {cell}"), droplets(count as f64)));
+        }
+        let mut placed = BTreeSet::new();
+        for part in self.runs.iter().flat_map(|(_, order)| order.parts.iter()) {
+            if let Some(cell) = part.cell.filter(|_| placed.insert(&part.name)) {
+                rows.push(row(format!("droplet `{}`", part.name), format!("electrode {cell}"), droplets(1.0)));
+            }
+        }
+        sheet.table(["", "what", "where", "needed"], rows);
+        for (_, order) in &self.runs {
+            let contamination = &order.contamination;
+            for fluid in contamination.avoided.iter().map(|trace| &trace.of).collect::<BTreeSet<_>>() {
+                let others = contamination.avoided.iter().filter(|trace| trace.of == *fluid);
+                let others: Vec<String> = others.map(|trace| format!("`{}`", trace.within)).collect();
+                sheet.paragraph(&format!("No traces of `{fluid}` come into {}.", others.join(", ")));
+            }
+        }
+    }
+
+    /// The reservoirs in use, with their outlets and the droplets that they dispense.
+    fn reservoirs(&self) -> BTreeMap<&str, (ElectrodeCell, usize)> {
+        let mut reservoirs = BTreeMap::new();
+        for operation in self.runs.iter().flat_map(|(_, order)| operations_of(order)) {
+            if let (Some(fluid), Some(outlet)) = (&operation.fluid, operation.stops.first()) {
+                reservoirs.entry(fluid.as_str()).or_insert((outlet.cell, 0)).1 += 1;
+            }
+        }
+        reservoirs
+    }
+
+    /// What happens on the board, with its times.
+    fn rows(&self) -> impl Iterator<Item = ([u64; 2], String)> {
+        self.runs.iter().flat_map(|(plan, order)| {
+            let steps = self.schedule.steps.iter().filter(|step| step.plan as usize == *plan);
+            order.steps.iter().zip(steps).flat_map(|(asked, step)| rows_of(order, &asked.action, step))
+        })
+    }
+
+    /// What is on the board in the end, and where the rest has left it.
+    pub(super) fn leave(&self, sheet: &mut Sheet) {
+        sheet.line(&format!("\n## Afterwards on `{}`", self.device));
+        let mut ports: BTreeMap<ElectrodeCell, Vec<String>> = BTreeMap::new();
+        for (_, order) in &self.runs {
+            for operation in operations_of(order).filter(|operation| operation.leaves) {
+                let name = order.parts[operation.part].name.as_str();
+                if let Some(port) = operation.stops.last() {
+                    ports.entry(port.cell).or_default().push(self.content(name));
+                }
+            }
+        }
+        let mut rows: Vec<[String; 2]> = Vec::new();
+        for (name, [column, row]) in self.last_state() {
+            rows.push([format!("electrode ({column}, {row})"), self.content(name)]);
+        }
+        rows.extend(ports.into_iter().map(|(port, all)| [format!("left at {port}"), all.join("; ")]));
+        sheet.table(["where", "what"], rows);
+    }
+
+    fn last_state(&self) -> impl Iterator<Item = (&str, [u32; 2])> {
+        let last = self.runs.last().and_then(|(plan, _)| self.schedule.plans.get(*plan));
+        let parts = match last.and_then(|plan| plan.states.last()).map(|timed| &timed.state) {
+            Some(State::ElectrodeArray(ElectrodeArrayState { parts })) => Some(parts),
+            _ => None,
+        };
+        parts.into_iter().flatten().map(|(name, cell)| (name.as_str(), *cell))
+    }
+
+    /// `` `sample`, 2 droplets: 1/4 dye, 3/4 buffer ``
+    fn content(&self, name: &str) -> String {
+        let Some(DropletAfter { volume, shares }) = self.droplets.get(name) else { return format!("`{name}`") };
+        let text = |(fluid, share): (&&str, &f64)| match shares.len() {
+            1 => (*fluid).to_owned(),
+            _ => format!("{} {fluid}", fraction(*share)),
+        };
+        let shares: Vec<String> = shares.iter().map(text).collect();
+        format!("`{name}`, {}: {}", droplets(*volume), shares.join(", "))
+    }
+}
+
+fn row(what: String, place: String, needed: String) -> [String; 4] {
+    ["☐".to_owned(), what, place, needed]
+}
+
+fn operations_of(order: &ElectrodeArrayOrder) -> impl Iterator<Item = &AssayOperation> {
+    order.steps.iter().flat_map(|step| match &step.action {
+        ElectrodeArrayAction::Assay(operations) => operations.as_slice(),
+        ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_) => &[],
+    })
+}
+
+/// What a step does, with the times of its operations where they overlap.
+fn rows_of(
+    order: &ElectrodeArrayOrder,
+    action: &ElectrodeArrayAction,
+    step: &ScheduledStep,
+) -> Vec<([u64; 2], String)> {
+    let all = [step.start_ns, step.start_ns + step.duration_ns];
+    match action {
+        ElectrodeArrayAction::Wait(0) => vec![(all, step.text.clone())],
+        ElectrodeArrayAction::Wait(_) => vec![(all, "nothing moves".to_owned())],
+        ElectrodeArrayAction::Move(moves) => moves.iter().map(|one| (all, moved(order, one))).collect(),
+        ElectrodeArrayAction::Assay(operations) => {
+            let timed = operations.iter().zip(&step.operations);
+            timed
+                .map(|(operation, on)| {
+                    ([on.start_ns, on.end_ns()], done(order, operation, on.end_ns() - on.arrival_ns))
+                })
+                .collect()
+        }
+    }
+}
+
+fn name(order: &ElectrodeArrayOrder, part: usize) -> String {
+    order.parts.get(part).map_or(String::new(), |part| format!("`{}`", part.name))
+}
+
+fn moved(order: &ElectrodeArrayOrder, one: &ElectrodeArrayMove) -> String {
+    let (part, goal) = (name(order, one.part), one.goal().cell);
+    match one.with {
+        Some(with) => format!("{part} and {} merge at {goal}", name(order, with)),
+        None => format!("{part} goes to {goal}"),
+    }
+}
+
+/// An operation in words; `stay_ns` is how long it stays in the end.
+fn done(order: &ElectrodeArrayOrder, operation: &AssayOperation, stay_ns: u64) -> String {
+    let part = name(order, operation.part);
+    let at = |stop: Option<&ElectrodeArrayStop>| stop.map_or(String::new(), |stop| format!(" at {}", stop.cell));
+    let last = at(operation.stops.last());
+    if let Some(with) = operation.with {
+        return format!("{part} and {} merge{last}", name(order, with));
+    }
+    if let Some(half) = operation.splits {
+        let first = at(operation.stops.first());
+        return format!("{part} is split{first}: {} comes to {}", name(order, half.part), half.cell);
+    }
+    let stay = time(stay_ns);
+    match &operation.fluid {
+        Some(fluid) => format!("reservoir `{fluid}` dispenses {part}{last}"),
+        None if operation.leaves => format!("{part} leaves{last}"),
+        None if operation.mixes => format!("{part} is mixed{last} for {stay}"),
+        None if stay_ns > 0 => format!("{part} stays{last} for {stay}"),
+        None => format!("{part} goes{}", last.replacen(" at", " to", 1)),
+    }
+}

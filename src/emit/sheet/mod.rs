@@ -1,0 +1,74 @@
+//! Sheets for the bench, in Markdown: what to load before a schedule runs, what happens when, and what is there afterwards.
+//!
+//! `<name>.sheet.md` is for the person at the bench and for the notebook. It has no line that instruments read.
+
+mod electrode_array;
+
+use super::error::{EmitError, MAX_TEXT_BYTES};
+use super::{Format, Provenance};
+use crate::quantity::{Dimension, Quantity};
+use crate::verify::Verified;
+use std::fmt::Write as _;
+
+/// The sheet of a schedule.
+///
+/// # Errors
+/// [`EmitError::NothingToLoad`] for a schedule without droplets, [`EmitError::TooLarge`].
+pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
+    let schedule = verified.schedule();
+    let boards = electrode_array::boards(verified);
+    if boards.is_empty() {
+        return Err(EmitError::NothingToLoad { name: schedule.name.clone() });
+    }
+    let mut sheet = Sheet::default();
+    sheet.line(&format!("# {}", schedule.name));
+    let file = provenance.files.first().map_or(String::new(), |(name, _)| format!("`{name}`, "));
+    let (lasts, version) = (time(schedule.duration_ns), env!("CARGO_PKG_VERSION"));
+    sheet.paragraph(&format!(
+        "{file}{lasts}, verified by tweeze {version}. Droplets are counted as reservoirs dispense them."
+    ));
+    for board in &boards {
+        board.load(&mut sheet);
+    }
+    sheet.line("\n## Run");
+    sheet.table(["from", "to", "on", "what happens"], electrode_array::run(&boards));
+    for board in &boards {
+        board.leave(&mut sheet);
+    }
+    EmitError::refuse_size(Format::Sheet, sheet.text.len() as u64, MAX_TEXT_BYTES)?;
+    Ok(sheet.text.into_bytes())
+}
+
+/// A text in Markdown that is being written.
+#[derive(Debug, Default)]
+struct Sheet {
+    text: String,
+}
+
+impl Sheet {
+    fn line(&mut self, line: &str) {
+        let _ = writeln!(self.text, "{line}");
+    }
+
+    fn paragraph(&mut self, text: &str) {
+        let _ = writeln!(self.text, "\n{text}");
+    }
+
+    /// A table with as many columns as its head.
+    fn table<const COLUMNS: usize>(
+        &mut self,
+        head: [&str; COLUMNS],
+        rows: impl IntoIterator<Item = [String; COLUMNS]>,
+    ) {
+        let _ = writeln!(self.text, "\n| {} |", head.join(" | "));
+        let _ = writeln!(self.text, "|{}", "---|".repeat(COLUMNS));
+        for row in rows {
+            let _ = writeln!(self.text, "| {} |", row.join(" | "));
+        }
+    }
+}
+
+/// `20.4 s`
+fn time(ns: u64) -> String {
+    Quantity::new(ns as f64 / 1e9, Dimension::TIME).to_string()
+}
