@@ -204,6 +204,14 @@ pub(super) fn in_value(span: Span, at: usize, open: Option<char>, source: &str) 
             finding.help("steps follow each other: write the next one behind a comma, or on a line of its own"),
         );
     }
+    if around::line_before(source, at).trim_start().starts_with("avoid contamination ") {
+        let finding = Diagnostic::new(Code::E0101, "contamination is avoided in one direction at a time");
+        return Some(
+            finding
+                .label(place, "expected a line end")
+                .help("write `avoid A in B`, and `avoid B in A` where both must stay clean, with the names of fluids"),
+        );
+    }
     if token == "before" {
         let finding =
             Diagnostic::new(Code::E0101, "`before` is not of the language").label(place, "complete before this");

@@ -2,8 +2,8 @@
 //!
 //! Three of them. Each errand ends no earlier than its agent alone could have done it, and those that meet wait for one another (the
 //! critical path). Agents that stay at one stop take turns: between two of them lie the steps in which the first moves out of the way.
-//! So do those that are moved round a loop in which two are always in each other's way before the round is over. And of several stops
-//! whose agents come at few places, one has to wait for its first.
+//! So do those that are moved round a loop in which two are always in each other's way before the round is over, also with those that
+//! stay at its corner for as long as that. And of several stops whose agents come at few places, one has to wait for its first.
 
 use super::super::board::{BoardCosts, CellIndex};
 use super::route::Ahead;
@@ -25,11 +25,11 @@ struct TimedErrand {
 pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> BoardCosts {
     let timed = timed(problem, ahead);
     let alone = timed.iter().flatten().map(|one| one.head + u64::from(one.errand.stay)).max().unwrap_or(0);
-    let loops: Vec<LoopRoom> = problem.loops.iter().map(|around| LoopRoom::of(problem, around)).collect();
+    let rooms: Vec<LoopRoom> = problem.loops.iter().map(|around| LoopRoom::of(problem, around)).collect();
     let mut stays: BTreeMap<TurnPlace, Vec<(usize, TimedErrand)>> = BTreeMap::new();
     for (agent, errands) in timed.iter().enumerate() {
         for one in errands.iter().filter(|one| one.errand.stay > 0) {
-            if let Some(place) = TurnPlace::of(&one.errand, &loops) {
+            for place in TurnPlace::all(problem, &one.errand, &rooms) {
                 stays.entry(place).or_default().push((agent, *one));
             }
         }
@@ -40,6 +40,12 @@ pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> BoardCosts {
     let turns = turns.max(firsts(problem, ahead, &stays, &drops));
     let arrivals = timed.iter().enumerate().map(|(agent, errands)| last_arrival(problem, agent, errands));
     BoardCosts { makespan: alone.max(turns), sum_of_costs: arrivals.sum() }
+}
+
+/// By agent and errand: least steps from the end of it to the end of all that must come after it.
+pub(super) fn steps_after(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<u32>> {
+    let steps = |one: &TimedErrand| u32::try_from(one.tail).unwrap_or(u32::MAX);
+    timed(problem, ahead).iter().map(|errands| errands.iter().map(steps).collect()).collect()
 }
 
 /// The earliest start of each errand, with those that meet at the same instant.
@@ -159,8 +165,8 @@ fn given_off(problem: &AssayProblem, agent: usize, heads: &[Vec<u64>]) -> Option
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct TurnPlace {
     stop: CellIndex,
-    /// Whether those are meant that are moved round a loop of more than one place from there: who stays at its corner may be there
-    /// while another one is at its far end.
+    /// Whether it is the corner of a loop without room for two, for those that are moved round it or stay there for a whole round: who
+    /// stays for less may do so while another one is at the far end.
     is_loop: bool,
 }
 
@@ -196,14 +202,22 @@ impl LoopRoom {
 }
 
 impl TurnPlace {
-    /// Where an errand takes turns with others; `None` if it need not.
-    fn of(errand: &Errand, loops: &[LoopRoom]) -> Option<TurnPlace> {
-        let is_loop = match errand.mixes.map(|around| loops[around]) {
-            None | Some(LoopRoom::Cell) => false,
-            Some(LoopRoom::One) => true,
-            Some(LoopRoom::Two) => return None,
+    /// Where an errand takes turns with others; nowhere if it need not.
+    fn all(problem: &AssayProblem, errand: &Errand, rooms: &[LoopRoom]) -> impl Iterator<Item = TurnPlace> + use<> {
+        let fills = |around: &Vec<CellIndex>| around[0] == errand.stop && errand.stay as usize >= around.len();
+        let fills_loop =
+            || problem.loops.iter().zip(rooms).any(|(around, room)| *room == LoopRoom::One && fills(around));
+        let (stays, turns) = match errand.mixes.map(|around| rooms[around]) {
+            None => (true, fills_loop()),
+            Some(LoopRoom::Cell) => (true, false),
+            Some(LoopRoom::One) => (false, true),
+            Some(LoopRoom::Two) => (false, false),
         };
-        Some(TurnPlace { stop: errand.stop, is_loop })
+        let stop = errand.stop;
+        [stays.then_some(false), turns.then_some(true)]
+            .into_iter()
+            .flatten()
+            .map(move |is_loop| TurnPlace { stop, is_loop })
     }
 }
 

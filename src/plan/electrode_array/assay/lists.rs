@@ -39,7 +39,8 @@ pub(super) fn best(
     (objective, bounds): (BoardObjective, BoardCosts),
     meter: &mut Meter,
 ) -> Option<Vec<AgentCourse>> {
-    let mut planner = ListPlanner { problem, router: Router::new(problem, ahead), limit: NEVER, meter };
+    let after = bound::steps_after(problem, ahead);
+    let mut planner = ListPlanner { problem, router: Router::new(problem, ahead), after, limit: NEVER, meter };
     let mut list: Vec<usize> = (0..problem.errands.len()).collect();
     let lengths = lengths(problem, ahead);
     list.sort_by_key(|agent| std::cmp::Reverse(lengths[*agent]));
@@ -185,7 +186,9 @@ fn below(random: &mut SplitMix64, count: usize) -> usize {
 struct ListPlanner<'a, 'm> {
     problem: &'a AssayProblem<'a>,
     router: Router<'a>,
-    /// Latest end of a course.
+    /// By agent and errand: least steps to the end of all that comes after it.
+    after: Vec<Vec<u32>>,
+    /// Latest end of all courses.
     limit: u32,
     meter: &'m mut Meter,
 }
@@ -349,7 +352,11 @@ impl ListPlanner<'_, '_> {
             past: &progress.past[agent],
             is_gone,
             comes: problem.comes[agent] && progress.courses[agent].cells.is_empty(),
-            limit: self.limit,
+            // What comes after the last of these errands must be done within the limit, too.
+            limit: match self.limit {
+                NEVER => NEVER,
+                limit => limit.saturating_sub(self.after[agent][first + waits.len() - 1]),
+            },
         };
         let cells = problem.instance.board.cells() as u64;
         let allowed = COURSE_STEPS + STEPS_PER_CELL * cells * waits.len() as u64;
