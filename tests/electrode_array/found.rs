@@ -77,12 +77,6 @@ fn a_droplet_is_not_split_beside_the_one_that_its_half_meets() {
 }
 
 #[test]
-fn what_comes_after_a_split_begins_once_that_is_done() {
-    let plan = planned(&text("ea_after_a_split"));
-    assert_eq!((plan.cost, plan.bound), (5.0, 5.0));
-}
-
-#[test]
 fn a_droplet_is_dispensed_before_the_one_that_it_meets_comes_near() {
     // Planning panics where the verifier refuses what was planned.
     let plan = planned(&text("ea_dispensed_too_late"));

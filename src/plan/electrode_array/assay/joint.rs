@@ -435,3 +435,49 @@ fn settle(problem: &AssayProblem, stands: &mut [JointStand]) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::board::{Agent, BoardGrid, Instance};
+    use super::super::super::fast::Distances;
+    use super::super::AssayPlan;
+    use super::*;
+    use crate::plan::search::SearchBudget;
+
+    /// One agent is pulled apart after two steps, in the third; the other rests for two steps after that.
+    #[test]
+    fn rest_counts_once_what_comes_before_is_done() {
+        let board = BoardGrid::new(7, 2);
+        let cell = |column: u32, row: u32| board.cell(column, row);
+        let starts = [cell(0, 1), cell(6, 0), cell(6, 1)];
+        let errand = |stop: CellIndex| Errand { stop, stay: 0, meets: None, mixes: None, splits: None };
+        let split = SplitErrand { from: cell(5, 1), child: 2 };
+        let errands = vec![
+            vec![Errand { stay: 2, ..errand(starts[0]) }],
+            vec![errand(cell(5, 1)), Errand { splits: Some(split), ..errand(cell(4, 1)) }],
+            vec![errand(starts[2])],
+        ];
+        let agents = errands
+            .iter()
+            .zip(starts)
+            .map(|(own, start)| Agent { start, stops: own.iter().map(|errand| errand.stop).collect() });
+        let agents = agents.collect();
+        let instance = Instance { board, separation: 2, agents, merges: Vec::new() };
+        let problem = AssayProblem {
+            instance: &instance,
+            comes: vec![false; 3],
+            parents: vec![None, None, Some(1)],
+            loops: Vec::new(),
+            afters: vec![vec![vec![ErrandPlace { agent: 1, errand: 1 }]], vec![Vec::new(); 2], vec![Vec::new()]],
+            errands,
+            is_gone: vec![false; 3],
+            traces: None,
+        };
+        let mut meter = Meter::new(SearchBudget::of(100_000));
+        let ahead = Ahead::new(&problem, &mut Distances::of(&instance.board), &mut meter);
+        let SearchAnswer::Found(courses) = fewest_steps(&problem, &ahead, u32::MAX, &mut meter) else {
+            panic!("there is a plan")
+        };
+        assert_eq!(AssayPlan::costs(&courses).makespan, 5);
+    }
+}
