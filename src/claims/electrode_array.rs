@@ -6,6 +6,7 @@ use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 pub use crate::device::electrode_array::{ElectrodeArrayMethod, ElectrodeArrayObjective};
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// A task of an electrode array.
@@ -75,10 +76,24 @@ pub struct Contamination {
     pub washes: Vec<String>,
     /// For each part the fluids that it contains before the task; none if it is not on the board by then.
     #[serde(skip)]
-    pub before: Vec<Vec<String>>,
+    pub before: Vec<Fluids>,
 }
 
+/// The names of the fluids that a droplet contains.
+pub type Fluids = BTreeSet<String>;
+
 impl Contamination {
+    /// Whether a droplet of some fluids must not come to what one of others has left.
+    pub fn does_harm(&self, left: &Fluids, comes: &Fluids) -> bool {
+        let (is_left, is_own) = (|fluid: &String| left.contains(fluid), |fluid: &String| comes.contains(fluid));
+        self.avoided.iter().any(|trace| is_left(&trace.of) && is_own(&trace.within) && !is_own(&trace.of))
+    }
+
+    /// Whether a droplet takes away what others have left.
+    pub fn is_wash(&self, fluids: &Fluids) -> bool {
+        !fluids.is_empty() && fluids.iter().all(|fluid| self.washes.contains(fluid))
+    }
+
     /// Whether nothing is avoided.
     pub fn is_unheeded(&self) -> bool {
         self.avoided.is_empty()
@@ -271,6 +286,24 @@ impl AssayOperation {
             leaves: false,
             after: Vec::new(),
             span,
+        }
+    }
+
+    /// What its part contains, of all parts, as soon as it begins.
+    pub fn begin_fluids(&self, fluids: &mut [Fluids]) {
+        if let Some(fluid) = &self.fluid {
+            fluids[self.part] = Fluids::from([fluid.clone()]);
+        }
+    }
+
+    /// What its parts contain, of all parts, once it is done; of two that merge, both are all that either was.
+    pub fn end_fluids(&self, fluids: &mut [Fluids]) {
+        if let Some(with) = self.with {
+            let both: Fluids = fluids[self.part].union(&fluids[with]).cloned().collect();
+            (fluids[self.part], fluids[with]) = (both.clone(), both);
+        }
+        if let Some(half) = self.splits {
+            fluids[half.part] = fluids[self.part].clone();
         }
     }
 

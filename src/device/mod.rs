@@ -145,6 +145,11 @@ impl Vocabulary {
         self.verbs.iter().find(|verb| verb.name == name)
     }
 
+    /// What begins an entry of a task: its verbs, and its conditions.
+    pub fn verbs_and_conditions(&self) -> impl Iterator<Item = &'static Verb> + use<> {
+        self.verbs.iter().chain(self.conditions)
+    }
+
     /// The condition of a word.
     pub fn condition(&self, name: &str) -> Option<&'static Verb> {
         self.conditions.iter().find(|condition| condition.name == name)

@@ -85,11 +85,7 @@ pub fn tokens(text: &EditedText, unit: ColumnUnit) -> Vec<SemanticToken> {
 fn heads() -> BTreeSet<&'static str> {
     let of_kinds = Kind::ALL.iter().flat_map(|kind| {
         let vocabulary = kind.vocabulary();
-        let verbs = vocabulary
-            .verbs
-            .iter()
-            .chain(vocabulary.conditions)
-            .flat_map(|verb| std::iter::once(verb.name).chain(verb.noun));
+        let verbs = vocabulary.verbs_and_conditions().flat_map(|verb| std::iter::once(verb.name).chain(verb.noun));
         verbs.chain(vocabulary.nouns.iter().map(|noun| noun.name))
     });
     COMMON_STEPS.iter().map(|(word, _)| *word).chain(["start", "run", frames::NOUN]).chain(of_kinds).collect()

@@ -17,7 +17,7 @@ type Words = BTreeSet<&'static str>;
 /// The words of the compiler's tables, by the names of the lists.
 fn words() -> BTreeMap<&'static str, Words> {
     let vocabularies = || Kind::ALL.iter().map(|kind| kind.vocabulary());
-    let verbs = || vocabularies().flat_map(|vocabulary| vocabulary.verbs.iter().chain(vocabulary.conditions));
+    let verbs = || vocabularies().flat_map(|vocabulary| vocabulary.verbs_and_conditions());
     let steps = STEP_WORDS.into_iter().chain(["run"]).chain(verbs().map(|verb| verb.name));
     let nouns = vocabularies().flat_map(|vocabulary| vocabulary.nouns).map(|noun| noun.name);
     BTreeMap::from([

@@ -149,7 +149,7 @@ fn known_words(kinds: &[&'static Vocabulary], with_instruments: bool) -> Vec<Kno
         words.push(KnownWord { word, form, meaning: meaning.to_owned(), kind });
     };
     for vocabulary in kinds {
-        for verb in vocabulary.verbs.iter().chain(vocabulary.conditions) {
+        for verb in vocabulary.verbs_and_conditions() {
             push(verb.name, verb.example.to_owned(), &verb.meaning(), CompletionItemKind::METHOD);
         }
         for noun in vocabulary.nouns {

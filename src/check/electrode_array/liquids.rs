@@ -2,7 +2,9 @@
 
 use super::errors;
 use crate::claims::Job;
-use crate::claims::electrode_array::{AssayOperation, BoardPart, DropletContent, DropletShare, ElectrodeArrayOrder};
+use crate::claims::electrode_array::{
+    AssayOperation, BoardPart, DropletContent, DropletShare, ElectrodeArrayOrder, Fluids,
+};
 use crate::device::electrode_array::droplets;
 use crate::diagnostic::Diagnostic;
 use crate::quantity::fraction;
@@ -48,9 +50,6 @@ impl Liquid {
     }
 }
 
-/// For each part of an order the fluids that it contains before the task.
-pub type FluidsBefore = Vec<Vec<String>>;
-
 /// The droplets of a board, by their names; those that are gone are remembered as they were last.
 #[derive(Debug, Default)]
 pub struct BoardLiquids {
@@ -65,8 +64,8 @@ impl BoardLiquids {
         }
     }
 
-    /// The fluids of the parts that are on the board, or were.
-    pub fn before(&self, order: &ElectrodeArrayOrder) -> FluidsBefore {
+    /// For each part of an order the fluids that it contains before the task, if it is on the board, or was.
+    pub fn before(&self, order: &ElectrodeArrayOrder) -> Vec<Fluids> {
         let of_part = |part: &BoardPart| {
             let liquid = self.liquids.get(&part.name);
             liquid.map(|liquid| liquid.amounts.keys().cloned().collect()).unwrap_or_default()

@@ -6,12 +6,12 @@
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
 use super::errors;
 use super::errors::Departure;
-use super::liquids::{BoardLiquids, FluidsBefore};
+use super::liquids::BoardLiquids;
 use super::tray::distance_to;
 use crate::claims::Job;
 use crate::claims::electrode_array::{
     AssayOperation, BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle,
-    ElectrodeArrayOrder, ElectrodeArrayStop,
+    ElectrodeArrayOrder, ElectrodeArrayStop, Fluids,
 };
 use crate::device::electrode_array::ElectrodeCell;
 use crate::diagnostic::{Diagnostic, Sink};
@@ -21,7 +21,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 /// Where parts stand between the tasks of a schedule, as far as that is known before planning.
-pub fn places_agree(jobs: &[Job], sink: &mut Sink) -> Vec<(usize, FluidsBefore)> {
+pub fn places_agree(jobs: &[Job], sink: &mut Sink) -> Vec<(usize, Vec<Fluids>)> {
     let mut before = Vec::new();
     let mut boards: BTreeMap<&str, BoardWalk> = BTreeMap::new();
     let mut walk = PartsWalk { told: BTreeSet::new(), covers: BTreeMap::new() };

@@ -2,12 +2,11 @@
 
 use super::errors;
 use super::goals::{BoardStepJudge, is_assay};
-use super::liquids::FluidsBefore;
 use crate::check::lets::Argument;
 use crate::check::tasks::{VocabularyAction, VocabularyStep};
 use crate::check::value::{ObjectName, Value};
 use crate::check::verbs::Call;
-use crate::claims::electrode_array::{AvoidedTrace, Contamination, ElectrodeArrayAction, ElectrodeArrayOrder};
+use crate::claims::electrode_array::{AvoidedTrace, Contamination, ElectrodeArrayAction, ElectrodeArrayOrder, Fluids};
 use crate::claims::{Job, Order};
 use crate::device::electrode_array::Electrodes;
 use crate::diagnostic::{Code, Diagnostic, Sink};
@@ -66,7 +65,7 @@ impl BoardStepJudge<'_> {
 
 /// Enters what the parts of each order contain before it, by the places of the jobs, and reports operations at one place that harm each
 /// other.
-pub fn agree(jobs: &mut [Job], before: Vec<(usize, FluidsBefore)>, sink: &mut Sink) {
+pub fn agree(jobs: &mut [Job], before: Vec<(usize, Vec<Fluids>)>, sink: &mut Sink) {
     let mut told: BTreeSet<Span> = BTreeSet::new();
     for (nth, before) in before {
         let Order::ElectrodeArray(order) = &mut jobs[nth].order else { continue };
@@ -82,39 +81,28 @@ pub fn agree(jobs: &mut [Job], before: Vec<(usize, FluidsBefore)>, sink: &mut Si
 
 /// Two operations at one cell, of which each does harm to the other in whatever order they come, where nothing is washed.
 fn harmed_at_one_place(order: &ElectrodeArrayOrder) -> Option<(Span, Diagnostic)> {
-    let Contamination { avoided, washes, before } = &order.contamination;
+    let contamination = &order.contamination;
+    if !contamination.washes.is_empty() {
+        return None;
+    }
     let assay = order.steps.iter().find_map(|step| match &step.action {
         ElectrodeArrayAction::Assay(operations) => Some(operations),
         ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_) => None,
     })?;
-    let mut contents: Vec<BTreeSet<&str>> =
-        before.iter().map(|fluids| fluids.iter().map(String::as_str).collect()).collect();
-    let does_harm = |left: &BTreeSet<&str>, comes: &BTreeSet<&str>| {
-        let (left, comes) = (|fluid: &str| left.contains(fluid), |fluid: &str| comes.contains(fluid));
-        avoided.iter().any(|trace| left(&trace.of) && comes(&trace.within) && !comes(&trace.of))
-    };
-    let mut stops: BTreeMap<_, Vec<(usize, BTreeSet<&str>)>> = BTreeMap::new();
+    let mut fluids = contamination.before.clone();
+    let mut stops: BTreeMap<_, Vec<(usize, Fluids)>> = BTreeMap::new();
     for operation in assay {
-        let part = operation.part;
-        if let Some(fluid) = &operation.fluid {
-            contents[part] = BTreeSet::from([fluid.as_str()]);
-        }
-        if let Some(with) = operation.with {
-            let added = contents[with].clone();
-            contents[part].extend(added);
-        }
-        if let Some(half) = operation.splits {
-            contents[half.part] = contents[part].clone();
-        }
+        operation.begin_fluids(&mut fluids);
+        operation.end_fluids(&mut fluids);
+        let own = &fluids[operation.part];
         for stop in &operation.stops {
             let there = stops.entry((stop.cell.column, stop.cell.row)).or_default();
-            let own = &contents[part];
-            let earlier = there.iter().find(|(_, left)| does_harm(left, own) && does_harm(own, left));
-            if let Some((other, _)) = earlier.filter(|_| washes.is_empty()) {
-                let names = [*other, part].map(|part| order.parts[part].name.as_str());
+            let harms_both = |left: &Fluids| contamination.does_harm(left, own) && contamination.does_harm(own, left);
+            if let Some((other, _)) = there.iter().find(|(_, left)| harms_both(left)) {
+                let names = [*other, operation.part].map(|part| order.parts[part].name.as_str());
                 return Some((stop.span, errors::harms_at_one_place(operation.span, names, stop.cell)));
             }
-            there.push((part, own.clone()));
+            there.push((operation.part, own.clone()));
         }
     }
     None

@@ -7,10 +7,9 @@ use super::assay::{AgentCourse, AssayProblem, Errand, ErrandPlace, SplitErrand, 
 use super::board::CellIndex;
 use super::stage::{self, Actor, BoardStage};
 use crate::claims::electrode_array::{
-    AssayOperation, AvoidedTrace, ElectrodeArrayMove, ElectrodeArrayOrder, ElectrodeArrayStop,
+    AssayOperation, ElectrodeArrayMove, ElectrodeArrayOrder, ElectrodeArrayStop, Fluids,
 };
 use crate::device::electrode_array::ElectrodeCell;
-use std::collections::BTreeSet;
 
 /// The cells of a part in an assay.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,12 +45,7 @@ pub struct PartErrands {
     parents: Vec<Option<usize>>,
     /// For each operation, what is done when it is.
     ends: Vec<Option<ErrandPlace>>,
-    /// For each stop the fluids that the part contains until it has done what it does there, and after the last one.
-    fluids: Vec<Vec<Fluids>>,
 }
-
-/// The names of fluids that a droplet contains.
-type Fluids = BTreeSet<String>;
 
 /// What a part does at a stop.
 #[derive(Debug, Clone, Default)]
@@ -77,8 +71,7 @@ impl PartErrands {
     ) -> PartErrands {
         let (moves, works) = (Vec::new(), Vec::new());
         let (comes, is_gone, parents, ends) = (Vec::new(), Vec::new(), Vec::new(), vec![None; operations.len()]);
-        let mut errands = PartErrands { moves, works, comes, is_gone, parents, ends, fluids: Vec::new() };
-        let mut fluids = fluids_before(order);
+        let mut errands = PartErrands { moves, works, comes, is_gone, parents, ends };
         for (nth, operation) in operations.iter().enumerate() {
             for part in operation.parts() {
                 let Some(start) = cells[part] else { continue };
@@ -100,10 +93,6 @@ impl PartErrands {
                 };
                 errands.works[index].resize(own.len() - 1, StopWork::default());
                 errands.works[index].push(work);
-                if let Some(fluid) = &operation.fluid {
-                    fluids[part] = Fluids::from([fluid.clone()]);
-                }
-                errands.fluids[index].resize(errands.works[index].len(), fluids[part].clone());
                 errands.ends[nth] = Some(ErrandPlace { agent: index, errand: errands.works[index].len() - 1 });
                 errands.comes[index] |= operation.comes;
                 errands.is_gone[index] |= operation.gone() == Some(part);
@@ -113,16 +102,7 @@ impl PartErrands {
                 errands.moves[index].stops.push(half.stop(operation));
                 errands.works[index].push(StopWork::default());
                 errands.parents[index] = Some(operation.part);
-                fluids[half.part] = fluids[operation.part].clone();
-                errands.fluids[index].push(fluids[half.part].clone());
             }
-            if let Some(with) = operation.with {
-                let both: Fluids = fluids[operation.part].union(&fluids[with]).cloned().collect();
-                (fluids[operation.part], fluids[with]) = (both.clone(), both);
-            }
-        }
-        for (own, one) in errands.fluids.iter_mut().zip(&errands.moves) {
-            own.push(fluids[one.part].clone());
         }
         errands
     }
@@ -134,13 +114,17 @@ impl PartErrands {
             self.comes.push(false);
             self.is_gone.push(false);
             self.parents.push(None);
-            self.fluids.push(Vec::new());
             self.moves.len() - 1
         })
     }
 
-    /// The problem of a stage that was made of the moves.
-    pub fn problem<'s>(&self, order: &ElectrodeArrayOrder, stage: &'s BoardStage) -> AssayProblem<'s> {
+    /// The problem of a stage that was made of the moves of these operations.
+    pub fn problem<'s>(
+        &self,
+        order: &ElectrodeArrayOrder,
+        stage: &'s BoardStage,
+        operations: &[AssayOperation],
+    ) -> AssayProblem<'s> {
         let instance = &stage.instance;
         let of_part = |part: usize| self.moves.iter().position(|one| one.part == part);
         let mut loops: Vec<Vec<CellIndex>> = Vec::new();
@@ -177,46 +161,46 @@ impl PartErrands {
         let afters = (0..instance.agents.len()).map(afters).collect();
         let parent = |agent: usize| self.parents.get(agent).copied().flatten().and_then(of_part);
         let parents = (0..instance.agents.len()).map(parent).collect();
-        let traces = (!order.contamination.is_unheeded()).then(|| self.traces(order, stage));
+        let traces = (!order.contamination.is_unheeded()).then(|| traces(order, stage, operations));
         AssayProblem { instance, comes, parents, errands, afters, loops, is_gone, traces }
     }
+}
 
-    /// The contents of the agents by their numbers, and which of them do harm to others. Who only steps aside contains what it did.
-    fn traces(&self, order: &ElectrodeArrayOrder, stage: &BoardStage) -> Traces {
-        let before = fluids_before(order);
-        let mut known: Vec<Fluids> = Vec::new();
-        let mut number = |fluids: &Fluids| {
-            known.iter().position(|known| known == fluids).unwrap_or_else(|| {
-                known.push(fluids.clone());
-                known.len() - 1
-            })
-        };
-        let of_agent = |(agent, actor): (usize, &Actor)| match self.fluids.get(agent) {
-            Some(own) => own.clone(),
-            None => vec![before[actor.part].clone(); 2],
-        };
-        let of_agents: Vec<Vec<Fluids>> = stage.agents.iter().enumerate().map(of_agent).collect();
-        let contents = of_agents.iter().map(|own| own.iter().map(&mut number).collect()).collect();
-        let is_wash = |fluids: &Fluids| !fluids.is_empty() && fluids.iter().all(|fluid| is_washing(order, fluid));
-        let does_harm = |left: &Fluids, comes: &Fluids| {
-            let is_met = |trace: &AvoidedTrace| {
-                left.contains(&trace.of) && comes.contains(&trace.within) && !comes.contains(&trace.of)
-            };
-            order.contamination.avoided.iter().any(is_met)
-        };
-        let harms = known.iter().map(|left| known.iter().map(|comes| does_harm(left, comes)).collect()).collect();
-        Traces { contents, washes: known.iter().map(is_wash).collect(), harms }
+/// The contents of the agents by their numbers, and which of them do harm to others.
+fn traces(order: &ElectrodeArrayOrder, stage: &BoardStage, operations: &[AssayOperation]) -> Traces {
+    let contamination = &order.contamination;
+    let mut known: Vec<Fluids> = Vec::new();
+    let mut number = |fluids: &Fluids| {
+        known.iter().position(|known| known == fluids).unwrap_or_else(|| {
+            known.push(fluids.clone());
+            known.len() - 1
+        })
+    };
+    // By part: its contents at its stops so far.
+    let mut contents: Vec<Vec<usize>> = vec![Vec::new(); order.parts.len()];
+    let mut now = contamination.before.clone();
+    now.resize(order.parts.len(), Fluids::new());
+    for operation in operations {
+        operation.begin_fluids(&mut now);
+        for part in operation.parts() {
+            let stops = operation.stops.len().max(1);
+            contents[part].extend(vec![number(&now[part]); stops]);
+        }
+        operation.end_fluids(&mut now);
+        if let Some(half) = operation.splits {
+            contents[half.part].push(number(&now[half.part]));
+        }
     }
-}
-
-/// For each part the fluids that it contains before the task.
-fn fluids_before(order: &ElectrodeArrayOrder) -> Vec<Fluids> {
-    let before = |part: usize| order.contamination.before.get(part).into_iter().flatten().cloned().collect();
-    (0..order.parts.len()).map(before).collect()
-}
-
-fn is_washing(order: &ElectrodeArrayOrder, fluid: &str) -> bool {
-    order.contamination.washes.iter().any(|wash| wash == fluid)
+    let of_agent = |actor: &Actor| {
+        let (own, last) = (&contents[actor.part], number(&now[actor.part]));
+        // Who only steps aside has one stop.
+        own.iter().copied().chain(own.is_empty().then_some(last)).chain([last]).collect()
+    };
+    let contents = stage.agents.iter().map(of_agent).collect();
+    let does_harm = |left: &Fluids| known.iter().map(|comes| contamination.does_harm(left, comes)).collect();
+    let (washes, harms) =
+        (known.iter().map(|fluids| contamination.is_wash(fluids)).collect(), known.iter().map(does_harm).collect());
+    Traces { contents, washes, harms }
 }
 
 /// The cells of every part of the order, from the courses of the agents.

@@ -298,7 +298,7 @@ impl Tasks<'_> {
         let cells = errands::with_new_parts(&self.cells, operations);
         let asked = PartErrands::new(self.order, &cells, operations);
         let stage = BoardStage::new(self.order, self.ground, &cells, &asked.moves);
-        let problem = asked.problem(self.order, &stage);
+        let problem = asked.problem(self.order, &stage, operations);
         let (objective, budget) = (objective(self.order.objective), SearchBudget::of(self.order.planner.expansions));
         let plan = match assay::solve(&problem, objective, budget) {
             SearchAnswer::Found(plan) => plan,

@@ -27,6 +27,10 @@ pub(super) fn check_claims(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
         order.contents.iter().all(|content| content.part < order.parts.len()),
         "ask for a part that they do not have",
     )?;
+    let moving = || order.steps.iter().filter(|step| !matches!(step.action, ElectrodeArrayAction::Wait(_)));
+    let is_assay = |action: &ElectrodeArrayAction| matches!(action, ElectrodeArrayAction::Assay(_));
+    let in_one_assay = moving().count() <= 1 && moving().all(|step| is_assay(&step.action));
+    demand(order.contamination.is_unheeded() || in_one_assay, "avoid traces from step to step")?;
     order.steps.iter().try_for_each(|step| match &step.action {
         ElectrodeArrayAction::Move(moves) => goals(order, moves),
         ElectrodeArrayAction::Assay(operations) => self::operations(order, operations),

@@ -52,20 +52,33 @@ pub(super) fn broken(claims: &Claims, job: &Job) -> Vec<BrokenContent> {
     if !own.clone().next_back().is_some_and(|last| std::ptr::eq(last, job)) {
         return Vec::new();
     }
-    let mut droplets: BTreeMap<&str, DropletAfter> = BTreeMap::new();
+    let mut board = BoardDroplets::default();
     let mut found = Vec::new();
-    let mut known: Option<&Arc<Vec<BoardPart>>> = None;
     for order in own.filter_map(|job| ElectrodeArrayOrder::of(&job.order)) {
-        // Runs in one scene share its parts.
-        if !known.replace(&order.parts).is_some_and(|known| Arc::ptr_eq(known, &order.parts)) {
-            for part in order.parts.iter().filter(|part| part.cell.is_some()) {
-                droplets.entry(&part.name).or_insert_with(|| DropletAfter::of(&part.name));
-            }
-        }
-        found.extend(operated(order, &mut droplets));
-        found.extend(order.contents.iter().filter_map(|content| other_than(content, order, &droplets)));
+        board.put(order);
+        found.extend(operated(order, &mut board.droplets));
+        found.extend(order.contents.iter().filter_map(|content| other_than(content, order, &board.droplets)));
     }
     found
+}
+
+/// The droplets of a device, in the course of its runs.
+#[derive(Default)]
+struct BoardDroplets<'c> {
+    droplets: BTreeMap<&'c str, DropletAfter<'c>>,
+    /// The parts of the last run.
+    known: Option<&'c Arc<Vec<BoardPart>>>,
+}
+
+impl<'c> BoardDroplets<'c> {
+    /// Enters what the scene of a run puts on the board; runs in one scene share its parts.
+    fn put(&mut self, order: &'c ElectrodeArrayOrder) {
+        if !self.known.replace(&order.parts).is_some_and(|known| Arc::ptr_eq(known, &order.parts)) {
+            for part in order.parts.iter().filter(|part| part.cell.is_some()) {
+                self.droplets.entry(&part.name).or_insert_with(|| DropletAfter::of(&part.name));
+            }
+        }
+    }
 }
 
 /// The fluids of each droplet before a run, by the runs of its device before it.
@@ -81,18 +94,16 @@ pub(crate) fn droplets_after<'c>(claims: &'c Claims, device: &str) -> BTreeMap<&
 
 /// The droplets of a device before one of its runs, or after all of them.
 fn droplets_before<'c>(claims: &'c Claims, device: &str, end: Option<&Job>) -> BTreeMap<&'c str, DropletAfter<'c>> {
-    let mut droplets: BTreeMap<&str, DropletAfter> = BTreeMap::new();
+    let mut board = BoardDroplets::default();
     for job in claims.jobs.iter().filter(|job| job.device == device) {
         let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
-        for part in order.parts.iter().filter(|part| part.cell.is_some()) {
-            droplets.entry(&part.name).or_insert_with(|| DropletAfter::of(&part.name));
-        }
+        board.put(order);
         if end.is_some_and(|end| std::ptr::eq(job, end)) {
             break;
         }
-        operated(order, &mut droplets);
+        operated(order, &mut board.droplets);
     }
-    droplets
+    board.droplets
 }
 
 /// What is wrong with a droplet at the end of a run.

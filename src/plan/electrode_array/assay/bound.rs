@@ -21,8 +21,15 @@ struct TimedErrand {
     tail: u64,
 }
 
-/// Lower bounds of the steps and of the sum of costs.
-pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> BoardCosts {
+/// What holds for every plan.
+pub(super) struct AssayBounds {
+    /// Lower bounds of the steps and of the sum of costs.
+    pub costs: BoardCosts,
+    /// By agent and errand: least steps from the end of it to the end of all that must come after it.
+    pub after: Vec<Vec<u32>>,
+}
+
+pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> AssayBounds {
     let timed = timed(problem, ahead);
     let alone = timed.iter().flatten().map(|one| one.head + u64::from(one.errand.stay)).max().unwrap_or(0);
     let rooms: Vec<LoopRoom> = problem.loops.iter().map(|around| LoopRoom::of(problem, around)).collect();
@@ -39,13 +46,9 @@ pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> BoardCosts {
     let turns = turns.max(stays.iter().map(|(place, stays)| comings(problem, *place, stays)).max().unwrap_or(0));
     let turns = turns.max(firsts(problem, ahead, &stays, &drops));
     let arrivals = timed.iter().enumerate().map(|(agent, errands)| last_arrival(problem, agent, errands));
-    BoardCosts { makespan: alone.max(turns), sum_of_costs: arrivals.sum() }
-}
-
-/// By agent and errand: least steps from the end of it to the end of all that must come after it.
-pub(super) fn steps_after(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<u32>> {
+    let costs = BoardCosts { makespan: alone.max(turns), sum_of_costs: arrivals.sum() };
     let steps = |one: &TimedErrand| u32::try_from(one.tail).unwrap_or(u32::MAX);
-    timed(problem, ahead).iter().map(|errands| errands.iter().map(steps).collect()).collect()
+    AssayBounds { costs, after: timed.iter().map(|errands| errands.iter().map(steps).collect()).collect() }
 }
 
 /// The earliest start of each errand, with those that meet at the same instant.

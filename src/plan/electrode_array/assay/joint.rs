@@ -169,7 +169,8 @@ impl JointSearch<'_> {
 
     /// Does what can be done where the agents have come to, and adds the positions with those that come then; none that does harm.
     fn arrive(&self, mut next: Box<[JointStand]>, left: &[u64], found: &mut Vec<JointPosition>) {
-        let cells: Vec<Option<CellIndex>> = next.iter().map(|stand| Some(stand.there()?.cell)).collect();
+        let cell = |stand: &JointStand| Some(stand.there()?.cell);
+        let cells = self.problem.traces.as_ref().map_or(Vec::new(), |_| next.iter().map(cell).collect());
         settle(self.problem, &mut next);
         let mut with_new = Vec::new();
         self.come(&next, 0, &mut with_new);

@@ -5,8 +5,9 @@
 //! come first in the next list. Once there is a plan, its list is changed: one agent goes to another place, or all agents of one
 //! droplet, every other time of one that is done last, go further to the front. The new list is kept if it is no worse.
 
-use super::super::board::{BoardCosts, BoardObjective, CellIndex};
+use super::super::board::{BoardObjective, CellIndex};
 use super::bookings::{BookedCourse, Bookings, NEVER};
+use super::bound::AssayBounds;
 use super::replay::done_at;
 use super::route::{Ahead, RouteQuery, Router};
 use super::{AgentCourse, AssayPlan, AssayProblem, Errand, ErrandPlace, bound};
@@ -36,11 +37,11 @@ const STEPS_PER_CELL: u64 = 4;
 pub(super) fn best(
     problem: &AssayProblem,
     ahead: &Ahead,
-    (objective, bounds): (BoardObjective, BoardCosts),
+    (objective, bounds): (BoardObjective, &AssayBounds),
     meter: &mut Meter,
 ) -> Option<Vec<AgentCourse>> {
-    let after = bound::steps_after(problem, ahead);
-    let mut planner = ListPlanner { problem, router: Router::new(problem, ahead), after, limit: NEVER, meter };
+    let (router, after) = (Router::new(problem, ahead), bounds.after.as_slice());
+    let mut planner = ListPlanner { problem, router, after, limit: NEVER, meter };
     let mut list: Vec<usize> = (0..problem.errands.len()).collect();
     let lengths = lengths(problem, ahead);
     list.sort_by_key(|agent| std::cmp::Reverse(lengths[*agent]));
@@ -65,7 +66,7 @@ pub(super) fn best(
         worst_list += 1;
     }
     let (first, kept) = best?;
-    let improvement = Improvement { first: (first, list), kept, objective, least: bounds.key(objective).0 };
+    let improvement = Improvement { first: (first, list), kept, objective, least: bounds.costs.key(objective).0 };
     Some(improvement.best(&mut planner, &mut random))
 }
 
@@ -187,7 +188,7 @@ struct ListPlanner<'a, 'm> {
     problem: &'a AssayProblem<'a>,
     router: Router<'a>,
     /// By agent and errand: least steps to the end of all that comes after it.
-    after: Vec<Vec<u32>>,
+    after: &'a [Vec<u32>],
     /// Latest end of all courses.
     limit: u32,
     meter: &'m mut Meter,

@@ -126,8 +126,9 @@ pub fn solve(
     let mut meter = Meter::new(budget);
     let mut distances = fast::Distances::of(&problem.instance.board);
     let ahead = route::Ahead::new(problem, &mut distances, &mut meter);
-    let bounds = bound::least(problem, &ahead);
-    let by_lists = lists::best(problem, &ahead, (objective, bounds), &mut meter);
+    let least = bound::least(problem, &ahead);
+    let by_lists = lists::best(problem, &ahead, (objective, &least), &mut meter);
+    let bounds = least.costs;
     let steps = by_lists.as_ref().map(|courses| AssayPlan::costs(courses).makespan);
     if steps.is_some_and(|steps| steps == bounds.makespan || objective != BoardObjective::Makespan) {
         return found(by_lists, bounds);
