@@ -3,7 +3,7 @@
 
 const RELATIONS = { at_most: "≤", at_least: "≥", less: "<", more: ">", equal: "=" };
 
-function row(label, value, kind = "") {
+function claimRow(label, value, kind = "") {
   const line = document.createElement("div");
   line.className = `claim ${kind}`;
   const [name, text] = [document.createElement("span"), document.createElement("b")];
@@ -45,28 +45,28 @@ function drawClaims(root, model, seek) {
     title.title = `jump to ${timeText(plan.start_ns)}`;
     title.addEventListener("click", () => seek(plan.start_ns));
     const unit = plan.unit ? ` ${plan.unit}` : "";
-    card.append(row(`least ${plan.objective.replaceAll("_", " ")}`, plan.optimal ? "proven" : "best found", plan.optimal ? "good" : "open"));
-    card.append(row("cost", short(plan.cost, 6) + unit));
-    const bound = row("bound", short(plan.bound, 6) + unit);
+    card.append(claimRow(`least ${plan.objective.replaceAll("_", " ")}`, plan.optimal ? "proven" : "best found", plan.optimal ? "good" : "open"));
+    card.append(claimRow("cost", short(plan.cost, 6) + unit));
+    const bound = claimRow("bound", short(plan.bound, 6) + unit);
     bound.title = "no plan costs less";
     card.append(bound);
     for (const [outcome, value] of Object.entries(plan.outcomes)) {
       const limits = requirements.filter((requirement) => requirement.outcome === outcome);
       const within = limits.map(({ relation, limit }) => ` ${RELATIONS[relation]} ${outcomeText(outcome, limit)}`);
       const kind = limits.length ? (limits.every((limit) => isKept(value, limit)) ? "good" : "open") : "";
-      card.append(row(outcome.replaceAll("_", " "), outcomeText(outcome, value) + within.join(","), kind));
+      card.append(claimRow(outcome.replaceAll("_", " "), outcomeText(outcome, value) + within.join(","), kind));
     }
     for (const { part, share, relation, limit } of order.contents || []) {
       const name = `${order.parts[part].name}: ${share.fluid ?? "volume"}`;
-      card.append(row(name, `${RELATIONS[relation]} ${short(limit, 6)}`, "good"));
+      card.append(claimRow(name, `${RELATIONS[relation]} ${short(limit, 6)}`, "good"));
     }
     const { avoided = [], washes = [] } = order.contamination || {};
     for (const fluid of new Set(avoided.map(({ of }) => of))) {
       const others = avoided.filter(({ of }) => of === fluid).map(({ within }) => within);
-      card.append(row(`no ${fluid} in`, others.join(", "), "good"));
+      card.append(claimRow(`no ${fluid} in`, others.join(", "), "good"));
     }
-    if (washes.length) card.append(row("washed with", washes.join(", ")));
-    card.append(row("planner", plan.planner));
+    if (washes.length) card.append(claimRow("washed with", washes.join(", ")));
+    card.append(claimRow("planner", plan.planner));
     for (const { subject, text } of plan.remarks || []) add(card, "p", `${subject}: ${text}`, "remark");
   }
   const reached = model.steps.flatMap((step) => (step.reached || []).map((one) => ({ step, one })));
@@ -75,7 +75,7 @@ function drawClaims(root, model, seek) {
     add(card, "h3", "Reached, where a goal is not met exactly");
     for (const { step, one } of reached.slice(0, 100)) {
       const [name, text] = reachedText(one);
-      const line = row(name, text);
+      const line = claimRow(name, text);
       line.title = `${step.file}:${step.line} ${step.text}`;
       card.append(line);
     }
@@ -84,7 +84,7 @@ function drawClaims(root, model, seek) {
   if (!model.page.schedule) return;
   const card = add(root, "section", "", "card");
   add(card, "h3", "About this schedule");
-  card.append(row("channels", String(model.channels.length)), row("actuations", String(model.schedule.actuations.length)));
-  card.append(row("tweeze", model.page.tweeze));
-  for (const setting of model.page.settings || []) card.append(row("set", setting));
+  card.append(claimRow("channels", String(model.channels.length)), claimRow("actuations", String(model.schedule.actuations.length)));
+  card.append(claimRow("tweeze", model.page.tweeze));
+  for (const setting of model.page.settings || []) card.append(claimRow("set", setting));
 }

@@ -1,33 +1,50 @@
-// Why a program could not be built: its errors as cards, at their lines, and at their places in the scene.
+// Why a program could not be built, or a log was refused: its errors as cards, at their lines, instants and places in the scene.
 "use strict";
 
 /** Says at the top that the program was not built. */
 function showRefusal(verdict, { failure }) {
   const errors = failure.findings.filter(({ severity }) => severity === "error").length;
   verdict.className = "failed";
+  if (failure.is_refused) {
+    verdict.textContent = `✗ refused: ${counted(errors, "violation")}`;
+    verdict.title = "The scene shows what the log says, which breaks rules";
+    return;
+  }
   verdict.textContent = `✗ not built: ${counted(errors, "error")}`;
   verdict.title = "The scene shows what of the program could be built";
 }
 
 /** What is wrong: each finding with its places, and what the scene shows instead. */
-function drawFailure(root, { failure, page, steps }, reveal) {
+function drawFailure(root, { failure, page, steps }, { reveal, seek }) {
+  let lastHelp = null;
   // Errors before warnings; each kind stays in the order of its places.
   const isWarning = ({ severity }) => Number(severity === "warning");
-  for (const { code, severity, title, help, labels } of [...failure.findings].sort((a, b) => isWarning(a) - isWarning(b))) {
+  for (const { code, severity, title, help, labels, t_ns } of [...failure.findings].sort((a, b) => isWarning(a) - isWarning(b))) {
     const card = add(root, "section", "", `card ${severity}`);
     const head = add(card, "p", "", "finding");
     add(head, "b", `${severity} ${code}`);
     head.append(` ${title}`);
+    if (t_ns !== null && page.schedule) {
+      const jump = add(card, "button", `at ${timeText(t_ns)}`, "jump instant");
+      jump.type = "button";
+      jump.addEventListener("click", () => seek(t_ns));
+    }
     for (const label of labels) {
       const place = `${label.file}:${label.line}`;
       const jump = add(card, "button", label.text ? `${place} ${label.text}` : place, "jump");
       jump.type = "button";
       jump.addEventListener("click", () => reveal(label));
     }
-    if (help) add(card, "p", `help: ${help}`, "help");
+    // One that several have in common is said once.
+    if (help && help !== lastHelp) add(card, "p", `help: ${help}`, "help");
+    lastHelp = help;
   }
   if (failure.more) add(root, "p", `and ${failure.more} more`, "remark");
   if (!page.schedule) return;
+  if (failure.is_refused) {
+    add(add(root, "section", "", "card"), "p", "Shown is what the log says. No instrument should play it.", "remark");
+    return;
+  }
   const built = steps.length ? `${counted(steps.length, "step")}, planned and verified` : "the scene before the first step";
   add(add(root, "section", "", "card"), "p", `Shown is what could be built: ${built}.`, "remark");
 }

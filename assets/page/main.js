@@ -30,8 +30,10 @@ class Player {
     const seek = (t_ns) => this.seek(t_ns);
     const light = (thing) => this.light(thing);
     this.program = new Program(find("program"), this.model, { seek, light });
-    if (this.model.failure) drawFailure(find("claims"), this.model, (label) => this.program.reveal(label));
-    drawClaims(find("claims"), this.model, seek);
+    const { failure } = this.model;
+    if (failure) drawFailure(find("claims"), this.model, { reveal: (label) => this.program.reveal(label), seek });
+    // What was refused claims nothing.
+    if (!failure || !failure.is_refused) drawClaims(find("claims"), this.model, seek);
     this.timeline = new Timeline(find("timeline"), this.model, this.theme, seek);
     this.timeline.onChange = () => this.draw();
     this.addStage();
@@ -42,6 +44,7 @@ class Player {
     find("name").textContent = name;
     if (this.model.failure) showRefusal(find("verdict"), this.model);
     find("facts").textContent = this.model.devices.map((device) => `${device.name}: ${device.kind.replaceAll("_", " ")}`).join(", ");
+    if (failure && failure.is_refused && failure.findings.length) this.seek(failure.findings[0].t_ns, false);
     this.readLink();
     window.addEventListener("hashchange", () => this.readLink());
     window.addEventListener("resize", () => this.draw());

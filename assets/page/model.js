@@ -305,6 +305,37 @@ function turned([w, x, y, z], [a, b, c]) {
   return [a + w * p + y * r - z * q, b + w * q + z * p - x * r, c + w * r + x * q - y * p];
 }
 
+/** The point of a closed line that is nearest to a point. */
+function nearestOn(points, [x, y]) {
+  let nearest = points[0];
+  let least = Infinity;
+  points.forEach(([ax, ay], at) => {
+    const [bx, by] = points[(at + 1) % points.length];
+    const [dx, dy] = [bx - ax, by - ay];
+    const share = Math.min(1, Math.max(0, ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy || 1)));
+    const point = [ax + share * dx, ay + share * dy];
+    const apart = Math.hypot(x - point[0], y - point[1]);
+    if (apart < least) [nearest, least] = [point, apart];
+  });
+  return nearest;
+}
+
+/**
+ * The friction cone of a tip on an outline, in the plane of the section: its apex at the contact, and its two corners inside of the part,
+ * `length` away. A force of the tip within it makes no slip (Coulomb). `tip` is the middle of the tip.
+ */
+function frictionCone(points, tip, friction, length) {
+  const apex = nearestOn(points, tip);
+  const [u, v] = [apex[0] - tip[0], apex[1] - tip[1]];
+  const far = Math.hypot(u, v) || 1;
+  const half_rad = Math.atan(friction);
+  const corner = (angle) => {
+    const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+    return [apex[0] + ((u * cos - v * sin) * length) / far, apex[1] + ((u * sin + v * cos) * length) / far];
+  };
+  return [apex, corner(-half_rad), corner(half_rad)];
+}
+
 /** Points round an outline of a section, counter-clockwise. */
 function outlinePoints(outline, count = 96) {
   const angles = Array.from({ length: count }, (_, at) => (2 * Math.PI * at) / count);

@@ -38,7 +38,6 @@ class Pen {
   }
 
   shape(points, { fill, stroke, width = 1, dash = [] }) {
-    const { g } = this;
     this.path(points, true);
     this.paint({ fill, stroke, width, dash });
   }

@@ -134,10 +134,10 @@ function drawDimibot(pen, device, t_ns, color) {
       if (marked.has(cell.x * 2 ** 32 + cell.y)) continue;
       marked.add(cell.x * 2 ** 32 + cell.y);
       const [dx, dy] = pitchUm(order.facts);
-      const place = inScene(order, [cell.x * dx, cell.y * dy]);
-      pen.disc(place, 0, { stroke: theme.stop, width: 2, least: 6 });
-      const isAtEdge = pen.at(place)[0] > pen.box.x + pen.box.width - 56;
-      pen.text(place, `(${cell.x}, ${cell.y})`, theme.stop, { dx: isAtEdge ? -10 : 10, align: isAtEdge ? "right" : "left", size: 11 });
+      const stop = inScene(order, [cell.x * dx, cell.y * dy]);
+      pen.disc(stop, 0, { stroke: theme.stop, width: 2, least: 6 });
+      const isAtEdge = pen.at(stop)[0] > pen.box.x + pen.box.width - 56;
+      pen.text(stop, `(${cell.x}, ${cell.y})`, theme.stop, { dx: isAtEdge ? -10 : 10, align: isAtEdge ? "right" : "left", size: 11 });
     }
   });
   pen.disc(place(plan.states[0]), 0, { stroke: color, width: 1.5, least: 4 });
@@ -470,6 +470,10 @@ function handView(device) {
         width: isInUse ? 2 : 1,
       });
     }
+    const held = outlines.find(({ plane }) => plane === state.plane) || outlines[0];
+    for (const [finger, cone] of conesOf(order, part, held, tipsAt(device, t_ns))) {
+      pen.shape(cone.map(placed), { fill: `${colorOf(finger)}40`, stroke: colorOf(finger) });
+    }
     const mark = outlines[0].points[0];
     pen.disc(placed(mark), 0, { fill: theme.ink, least: 3 });
     const tips = tipsAt(device, t_ns).map((tip, finger) => ({ ...tip, finger, spot: seen(tip.place) }));
@@ -483,9 +487,25 @@ function handView(device) {
       const words = contact ? `f${finger + 1} on ${contact}` : `f${finger + 1}`;
       pen.text(spot, words, theme.ink, { align: "center", dy: order.facts.tip_radius_um * pen.scale + 10, size: 11 });
     }
-    pen.text([-reach, -reach], "drag to turn the view", theme.soft, { dx: 4, dy: -8, size: 11 });
+    const words = `cones: friction ${short(order.facts.friction)}; drag to turn the view`;
+    pen.text([-reach, -reach], words, theme.soft, { dx: 4, dy: -8, size: 11 });
   };
   return view;
+}
+
+/** The friction cones of the fingers that hold, in the frame of the part. */
+function conesOf({ facts }, part, { plane, points }, tips) {
+  const across = plane === "xy" ? 1 : 2;
+  const flat = (point) => [point[0], point[across]];
+  const back = [part.turn[0], ...part.turn.slice(1).map((value) => -value)];
+  const solid = ([u, v]) => (plane === "xy" ? [u, v, 0] : [u, 0, v]);
+  const outline = points.map(flat);
+  const length = 0.8 * Math.min(...outline.map((point) => Math.hypot(...point)));
+  return tips.flatMap(({ place, contact }, finger) => {
+    if (!contact) return [];
+    const tip = turned(back, place.map((value, axis) => value - part.place[axis]));
+    return [[finger, frictionCone(outline, flat(tip), facts.friction, length).map(solid)]];
+  });
 }
 
 function drawAxes(pen, seen, reach) {

@@ -56,7 +56,7 @@ pub enum Command {
     /// Write the page that plays a program or a log, and open it in the browser
     #[command(
         after_help = "Examples:\n  tweeze view fetch.twz --watch\n  tweeze view out/fetch.mcap -o out --no-open\n\n\
-                            A log is verified first. Of a program with errors the page, FILE.failed.html, shows these at their lines and in the scene. \
+                            A log is verified first; one that breaks rules is shown with them, as LOG.failed.html. Of a program with errors the page, FILE.failed.html, shows these at their lines and in the scene. \
                             The page is one file: it needs no network and can be passed on."
     )]
     View(ViewArguments),
@@ -186,6 +186,9 @@ pub struct BuildArguments {
     /// Build again whenever a file of the programs changes, until interrupted; pages of --emit html follow
     #[arg(long)]
     pub watch: bool,
+    /// On Ctrl-C go on with the best plan that was found, for each search that still has none with its first one; once more ends
+    #[arg(long)]
+    pub keep_best: bool,
     /// With `--emit svg`: draw this one instant, such as 120ms, instead of numbered positions
     #[arg(long, value_name = "TIME", value_parser = instant_ns)]
     pub at: Option<u64>,
@@ -195,6 +198,9 @@ pub struct BuildArguments {
     /// Replace files that were built from other programs
     #[arg(long)]
     pub force: bool,
+    /// Report also how many steps were searched, and every line of long lists
+    #[arg(short, long, conflicts_with = "is_quiet")]
+    pub verbose: bool,
     #[command(flatten)]
     pub settings: Settings,
     #[command(flatten)]

@@ -6,7 +6,7 @@ use super::failed::{self, FailedBuild};
 use super::formats::ChosenFormats;
 use super::glances::Glances;
 use super::loaded::Loaded;
-use super::report::{LiveReport, ReportedBuild, Totals, WrittenSchedule};
+use super::report::{Detail, LiveReport, ReportedBuild, Totals, WrittenSchedule};
 use super::{Exit, errors, report, signals, terminal, verify, watch};
 use crate::check::Options;
 use crate::compile::{self, CompileOutcome, Compiled};
@@ -87,9 +87,13 @@ pub fn built(file: &Path, arguments: &BuildArguments, needed: &mut Glances) -> R
         output: &arguments.output,
         formats: &chosen.formats,
         is_told: !arguments.quiet.is_quiet && format != ReportFormat::Json,
+        detail: if arguments.verbose { Detail::Full } else { Detail::Usual },
     });
     let disk = loaded.disk();
-    let outcome = compile::compile(&loaded.program(&disk), &mut sources, &mut sink, &mut live);
+    let search = live.search();
+    let kept = arguments.keep_best.then(|| signals::keep_best(&search));
+    let outcome = search.over(|| compile::compile(&loaded.program(&disk), &mut sources, &mut sink, &mut live));
+    drop(kept);
     needed.add(disk.asked());
     live.end_planning();
     terminal::report(&sink, &sources, format);

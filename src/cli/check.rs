@@ -3,7 +3,7 @@
 use super::arguments::{CheckArguments, CheckFormat, ReportFormat};
 use super::glances::Glances;
 use super::loaded::Loaded;
-use super::report::{LiveReport, ReportedBuild};
+use super::report::{Detail, LiveReport, ReportedBuild};
 use super::{Exit, build, disk, report, terminal, watch};
 use crate::check::{Checked, DeclarationTally, Options};
 use crate::compile::{self, CompileOutcome, CompileRequest};
@@ -98,8 +98,9 @@ fn planned(
         output: Path::new(""),
         formats: &formats,
         is_told: has_lines && !arguments.quiet.is_quiet,
+        detail: Detail::Usual,
     });
-    let outcome = compile::compile(program, sources, sink, &mut live);
+    let outcome = live.search().over(|| compile::compile(program, sources, sink, &mut live));
     let exit = live.end();
     match outcome {
         CompileOutcome::Compiled(compiled) => Ok(CheckedProgram {

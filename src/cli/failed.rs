@@ -90,7 +90,7 @@ pub fn follower(program: &Path) -> String {
 }
 
 /// The name of a program's file without its ending; that of standard input is `stdin`.
-fn stem(program: &Path) -> String {
+pub fn stem(program: &Path) -> String {
     let stem = program.file_stem().unwrap_or_default().to_string_lossy();
     stem.trim_matches(['<', '>']).to_owned()
 }

@@ -2,15 +2,60 @@
 //! is finished; then the process dies of the signal.
 
 use super::terminal;
+use crate::plan::watch::SearchWatch;
 use std::io::{self, IsTerminal};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, Once, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, Once, PoisonError};
+use std::time::Duration;
 
 /// Whether the process has been asked to end.
 static ASKED: AtomicBool = AtomicBool::new(false);
 
 /// Whether the build's files are in place. Held while a folder is changed: who ends the process waits for it.
 static FILES_IN_PLACE: Mutex<bool> = Mutex::new(false);
+
+/// Milliseconds in which the handler of a signal sets its flag.
+const FLAG_LOOKS: usize = 1000;
+
+/// The search that Ctrl-C ends, and not the process, once.
+static KEPT: Mutex<Option<Arc<SearchWatch>>> = Mutex::new(None);
+
+fn kept() -> MutexGuard<'static, Option<Arc<SearchWatch>>> {
+    // A thread that panicked has left a search, or none.
+    KEPT.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// While this lives, the first Ctrl-C ends a search with what it has found.
+pub struct BestKept(());
+
+/// The first Ctrl-C from here on is for the searches that are watched.
+pub fn keep_best(search: &Arc<SearchWatch>) -> BestKept {
+    *kept() = Some(Arc::clone(search));
+    BestKept(())
+}
+
+impl Drop for BestKept {
+    fn drop(&mut self) {
+        *kept() = None;
+    }
+}
+
+/// Whether a Ctrl-C is for the search that runs, which then takes the best plan it has, or the first one that it finds.
+fn ends_a_search() -> bool {
+    let mut kept = kept();
+    let Some(search) = kept.take() else { return false };
+    search.take_what_is_held();
+    // Before whoever drops `BestKept` can go on to write. The handler that sets it may not have come to that yet.
+    for _ in 0..FLAG_LOOKS {
+        if ASKED.swap(false, Ordering::SeqCst) {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let line = if io::stderr().is_terminal() { "\n" } else { "" };
+    terminal::to_stderr(&format!("{line}tweeze: goes on with the best plan found; Ctrl-C again ends without one\n"));
+    true
+}
 
 /// Whether the process has been asked to end. True at the latest when the handler of the signal returns.
 pub fn is_asked() -> bool {
@@ -55,7 +100,10 @@ fn install() {
     let wanted: Vec<i32> = wanted.collect();
     let Ok(mut signals) = Signals::new(&wanted) else { return };
     let watch = move || {
-        if let Some(signal) = signals.forever().next() {
+        for signal in signals.forever() {
+            if signal == SIGINT && ends_a_search() {
+                continue;
+            }
             let _alive = say_goodbye();
             // Whoever waits for this process learns that a signal ended it: a shell shows 128 and the signal's number.
             let _ = low_level::emulate_default_handler(signal);
@@ -85,6 +133,9 @@ fn install() {
     // Where they cannot be caught, they end the process at once, and the next build into the folder clears up.
     let _ = ctrlc::set_handler(|| {
         ASKED.store(true, Ordering::SeqCst);
+        if ends_a_search() {
+            return;
+        }
         let _alive = say_goodbye();
         std::process::exit(130);
     });

@@ -12,7 +12,7 @@ use crate::emit::{Provenance, mcap};
 use crate::log::{self, Log, LogError};
 use crate::schedule::{Schedule, SourceRef};
 use crate::source::Sources;
-use crate::verify::{self, Verdict, Verified};
+use crate::verify::{self, Verdict, Verified, Violation};
 use std::path::Path;
 
 /// A refusal on its way to the terminal: its diagnostics, and the exit status.
@@ -76,6 +76,25 @@ pub fn not_ours(version: &str) -> Box<Refusal> {
 /// the schedule. Data are dropped as soon as they are no longer needed: all together may exceed the memory.
 pub fn judge_bytes(path: &Path, bytes: &[u8]) -> Result<Judged, Box<Refusal>> {
     judge_log(path, bytes, log::read(bytes))
+}
+
+/// A log that breaks rules.
+pub struct RefusedLog {
+    pub schedule: Schedule,
+    /// Of the log's own program.
+    pub derived: Derived,
+    /// By time; at least one.
+    pub violations: Vec<Violation>,
+    pub provenance: Provenance,
+}
+
+/// What a log breaks of the claims of its own program; `None` if it was refused for something else.
+pub fn refused_bytes(path: &Path, bytes: &[u8]) -> Option<RefusedLog> {
+    let Log { schedule, claims, files, settings, .. } = log::read(bytes).ok()?;
+    let recorded = Embedding { name: &schedule.name, claims: &claims, files: &files, settings: &settings };
+    let derived = own_claims(path, &recorded).ok()?;
+    let violations = verify::violations(&schedule, &derived.claims).ok().filter(|list| !list.is_empty())?;
+    Some(RefusedLog { schedule, derived, violations, provenance: Provenance { files, settings } })
 }
 
 /// As [`judge_bytes`], with what was read from the bytes.

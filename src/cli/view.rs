@@ -5,8 +5,9 @@ use super::disk::{self, Destination, MAX_LOG_BYTES};
 use super::failed::{self, FailedBuild};
 use super::formats::EmitChoice;
 use super::glances::Glances;
+use super::verify::{Refusal, RefusedLog};
 use super::{Exit, build, errors, report, terminal, verify, watch};
-use crate::emit::{self, Format};
+use crate::emit::{self, Format, RefusedSchedule};
 use std::path::{Path, PathBuf};
 
 /// Writes the pages of a program, or the page of a log once it is verified, and opens them.
@@ -19,7 +20,7 @@ pub fn run(arguments: &ViewArguments) -> Exit {
     let is_log = has_ending("mcap");
     if !arguments.watch {
         let written = match is_log {
-            true => of_log(arguments).map_err(FailedBuild::from),
+            true => of_log(arguments),
             false => of_program(arguments, &mut Glances::default()),
         };
         return shown(arguments, !arguments.no_open, written);
@@ -61,17 +62,19 @@ fn build_arguments(arguments: &ViewArguments) -> BuildArguments {
         files: Vec::new(),
         task: arguments.task.clone(),
         emit: vec![EmitChoice::One(Format::Html)],
+        keep_best: false,
         at: None,
         watch: arguments.watch,
         output: arguments.output.clone(),
         force: arguments.force,
+        verbose: false,
         settings: arguments.settings.clone(),
         quiet: QuietArgument { is_quiet: false },
         report: arguments.report.clone(),
     }
 }
 
-fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, Exit> {
+fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, FailedBuild> {
     let (path, format) = (&arguments.file, arguments.report.format);
     let files = |error: Box<crate::diagnostic::Diagnostic>| {
         terminal::report_one(*error, format);
@@ -79,7 +82,7 @@ fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, Exit> {
     };
     disk::settle(path).map_err(files)?;
     let bytes = disk::read_bytes(path, MAX_LOG_BYTES).map_err(files)?;
-    let judged = verify::judge_bytes(path, &bytes).map_err(|refusal| refusal.report(format))?;
+    let judged = verify::judge_bytes(path, &bytes).map_err(|refusal| of_refused_log(arguments, &bytes, &refusal))?;
     let pages = emit::emit(Format::Html, &judged.verified, &judged.provenance).map_err(|error| {
         terminal::report_one(error.diagnostic(), format);
         Exit::Errors
@@ -99,6 +102,33 @@ fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, Exit> {
     let mut text = terminal::line("Verified", &schedule.name, width, &replayed);
     names.iter().for_each(|name| text.push_str(&terminal::line("Wrote", name, width, "")));
     Ok((terminal::answer(&text), pages))
+}
+
+/// The page of a log that was refused, where it breaks rules.
+fn of_refused_log(arguments: &ViewArguments, bytes: &[u8], refusal: &Refusal) -> FailedBuild {
+    let (path, format) = (&arguments.file, arguments.report.format);
+    let exit = refusal.report(format);
+    let Some(RefusedLog { schedule, derived, violations, provenance }) = verify::refused_bytes(path, bytes) else {
+        return exit.into();
+    };
+    let is_whole = crate::verify::is_whole(&schedule, &derived.claims);
+    let refused = RefusedSchedule::new((&schedule, is_whole), &derived.claims, violations, &derived.sources);
+    let page = match emit::refused_page(&failed::stem(path), &refused, &provenance) {
+        Ok(page) => page,
+        Err(error) => {
+            terminal::report_one(error.diagnostic(), format);
+            return exit.into();
+        }
+    };
+    let to = Destination { folder: &arguments.output, program: path, force: arguments.force };
+    let name = disk::shown(&arguments.output, &page.name);
+    match disk::write_all(&to, &[page]) {
+        Ok(()) => FailedBuild { exit, page: Some(name) },
+        Err(diagnostic) => {
+            terminal::report_one(*diagnostic, format);
+            Exit::Files.into()
+        }
+    }
 }
 
 /// Opens a page; without a browser it can still be opened by hand.

@@ -1,5 +1,6 @@
 //! A sign of life for work that lasts longer than a second; on a terminal only.
 
+use crate::plan::watch::{SearchNews, SearchWatch};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -9,7 +10,7 @@ use std::time::Duration;
 /// Time after which a progress line appears.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Period of the animation.
+/// Period in which the line is drawn again.
 const TICK: Duration = Duration::from_millis(100);
 
 /// Progress line; appears after one second. Dropping it clears the line.
@@ -18,8 +19,9 @@ pub struct ProgressLine {
     watcher: Option<JoinHandle<()>>,
 }
 
-#[derive(Default)]
 struct Shared {
+    /// The searches of the work.
+    search: Arc<SearchWatch>,
     state: Mutex<State>,
     end: Condvar,
 }
@@ -45,20 +47,26 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits for the patience to end, and shows the line unless the work has ended before.
+    /// Waits for the patience to end, then shows the line and what the search comes to, until the work is over.
     fn watch(&self) {
-        let waiting = self.end.wait_timeout_while(self.state(), PATIENCE, |state| !state.is_over);
-        let (mut state, _) = waiting.unwrap_or_else(PoisonError::into_inner);
-        if !state.is_over {
-            state.bar = Some(bar(state.part.as_ref()));
+        let mut patience = PATIENCE;
+        loop {
+            let waiting = self.end.wait_timeout_while(self.state(), patience, |state| !state.is_over);
+            let (mut state, _) = waiting.unwrap_or_else(PoisonError::into_inner);
+            if state.is_over {
+                return;
+            }
+            let State { part, bar, .. } = &mut *state;
+            show(bar.get_or_insert_with(new_bar), part.as_ref(), &self.search.news());
+            patience = TICK;
         }
     }
 }
 
 impl ProgressLine {
-    /// Begins to wait; silent where standard error is no terminal.
-    pub fn begin() -> ProgressLine {
-        let shared = Arc::new(Shared::default());
+    /// Begins to wait for work and its searches; silent where standard error is no terminal.
+    pub fn begin(search: &Arc<SearchWatch>) -> ProgressLine {
+        let shared = Arc::new(Shared { search: Arc::clone(search), state: Mutex::default(), end: Condvar::new() });
         let watched = Arc::clone(&shared);
         let is_shown = std::io::stderr().is_terminal();
         ProgressLine { shared, watcher: is_shown.then(|| std::thread::spawn(move || watched.watch())) }
@@ -66,12 +74,7 @@ impl ProgressLine {
 
     /// Tells that a part of the work has begun.
     pub fn at(&self, index: usize, count: usize, name: &str) {
-        let mut state = self.shared.state();
-        let part = WorkPart { index, count, name: name.to_owned() };
-        if let Some(bar) = &state.bar {
-            show(bar, &part);
-        }
-        state.part = Some(part);
+        self.shared.state().part = Some(WorkPart { index, count, name: name.to_owned() });
     }
 
     /// Writes to the terminal while the line is out of the way.
@@ -83,22 +86,39 @@ impl ProgressLine {
     }
 }
 
-fn bar(part: Option<&WorkPart>) -> ProgressBar {
+fn new_bar() -> ProgressBar {
     let bar = ProgressBar::new(0);
-    if let Ok(style) = ProgressStyle::with_template("  Planning {bar:24} {pos}/{len} {msg} ({elapsed})") {
+    if let Ok(style) = ProgressStyle::with_template(" Planning {bar:16} {pos}/{len} {elapsed} {wide_msg}") {
         bar.set_style(style);
     }
-    if let Some(part) = part {
-        show(&bar, part);
-    }
-    bar.enable_steady_tick(TICK);
     bar
 }
 
-fn show(bar: &ProgressBar, part: &WorkPart) {
+fn show(bar: &ProgressBar, part: Option<&WorkPart>, news: &SearchNews) {
+    let Some(part) = part else { return };
     bar.set_length(part.count as u64);
     bar.set_position(part.index as u64);
-    bar.set_message(part.name.clone());
+    bar.set_message(said(&part.name, news));
+    bar.tick();
+}
+
+/// `fetch: 12.3 M steps of search, best so far 41 steps, least 39`.
+fn said(name: &str, news: &SearchNews) -> String {
+    let searched = match news.steps {
+        0 => String::new(),
+        steps => format!(": {} of search", steps_in_short(steps)),
+    };
+    let best = news.best.as_ref().map(|best| format!(", best so far {best}")).unwrap_or_default();
+    format!("{name}{searched}{best}")
+}
+
+/// A number of steps that changes all the time.
+fn steps_in_short(steps: u64) -> String {
+    match steps {
+        0..10_000 => format!("{steps} steps"),
+        10_000..1_000_000 => format!("{} k steps", steps / 1000),
+        _ => format!("{:.1} M steps", steps as f64 / 1e6),
+    }
 }
 
 impl Drop for ProgressLine {
@@ -112,5 +132,19 @@ impl Drop for ProgressLine {
         if let Some(bar) = self.shared.state().bar.take() {
             bar.finish_and_clear();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_line_says_how_far_the_search_came() {
+        let news = |steps, best: Option<&str>| SearchNews { steps, best: best.map(str::to_owned) };
+        assert_eq!(said("fetch", &news(0, None)), "fetch");
+        assert_eq!(said("fetch", &news(61_440, None)), "fetch: 61 k steps of search");
+        let best = news(12_345_678, Some("41 steps, least 39"));
+        assert_eq!(said("fetch", &best), "fetch: 12.3 M steps of search, best so far 41 steps, least 39");
     }
 }

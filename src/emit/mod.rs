@@ -24,7 +24,7 @@ pub mod vcd;
 mod wired;
 
 pub use error::EmitError;
-pub use html::{FAILED_ENDING, FailedProgram};
+pub use html::{FAILED_ENDING, FailedProgram, RefusedSchedule};
 
 use crate::schedule::{Reached, Schedule, json};
 use crate::verify::Verified;
@@ -201,6 +201,14 @@ pub fn picture_at(verified: &Verified, t_ns: u64) -> Result<Vec<OutputFile>, Emi
 pub fn failed_page(stem: &str, failed: &FailedProgram, provenance: &Provenance) -> Result<OutputFile, EmitError> {
     failed.part.map_or(Ok(()), |(verified, _)| check_finite(verified.schedule()))?;
     Ok(OutputFile { name: format!("{stem}.{FAILED_ENDING}"), bytes: html::write_failed(failed, provenance)? })
+}
+
+/// The page of a schedule that was refused, named after the file that holds it.
+///
+/// # Errors
+/// As [`emit`] for [`Format::Html`].
+pub fn refused_page(stem: &str, refused: &RefusedSchedule, provenance: &Provenance) -> Result<OutputFile, EmitError> {
+    Ok(OutputFile { name: format!("{stem}.{FAILED_ENDING}"), bytes: html::write_refused(refused, provenance)? })
 }
 
 /// Lets the pages among a build's files follow their program, and adds the script beside them, of the given name, that tells them which

@@ -11,6 +11,7 @@ pub mod fingers;
 pub mod microrobots;
 mod requirements;
 pub mod search;
+pub mod watch;
 
 use crate::claims::{self, Claims, Job, Order};
 use crate::device::{each_kind, for_each_kind};
@@ -114,6 +115,9 @@ fn planner(order: &Order) -> &dyn KindPlanner {
     each_kind!(Order, order, order => order)
 }
 
+/// Subject of the remark on a search that did not end by itself.
+pub const ENDED_EARLY: &str = "search";
+
 /// Called before each job is planned, with its index, the number of jobs, and its task.
 pub type Progress<'a> = &'a mut dyn FnMut(usize, usize, &str);
 
@@ -123,7 +127,15 @@ pub fn plan<'a>(claims: &'a Claims, sink: &mut Sink, progress: Progress) -> Opti
     let mut plans = Vec::with_capacity(claims.jobs.len());
     for (index, job) in claims.jobs.iter().enumerate() {
         progress(index, claims.jobs.len(), &job.task);
-        plans.push(planned(job, &mut standings, sink));
+        watch::begin_run();
+        let mut plan = planned(job, &mut standings, sink);
+        if let Some(plan) = plan.as_mut().filter(|plan| plan.proof == Optimality::Open && watch::has_ended_early()) {
+            plan.remarks.push(Remark {
+                subject: ENDED_EARLY.to_owned(),
+                text: "ended when asked to, its best plan kept".to_owned(),
+            });
+        }
+        plans.push(plan);
     }
     let plans = plans.into_iter().collect::<Option<Vec<_>>>()?;
     claims.first_of_kinds().try_fold(plans, |plans, job| planner(&job.order).settled(claims, plans, sink))

@@ -1,6 +1,8 @@
 //! Shared by all planners: the results of a search, and its budget. Budgets count steps, never time, so that a plan does not depend on
 //! the machine.
 
+use super::watch::{self, BEAT_STEPS};
+
 /// Result of a search. No empty plan means "no", and a search that ended early proves nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SearchAnswer<P, I, G = GaveUp> {
@@ -46,39 +48,76 @@ pub struct GaveUp {
     pub bound: u64,
 }
 
-/// Counts steps against a budget.
-#[derive(Clone, Copy, Debug)]
+/// Counts steps against a budget, and tells who watches the search.
+#[derive(Debug)]
 pub struct Meter {
     budget: SearchBudget,
     spent: u64,
+    /// Up to here a step asks neither the budget nor the watch.
+    free: u64,
+    /// Steps that the watch knows of, or that were taken on meters of their own.
+    told: u64,
 }
 
 impl Meter {
     /// A meter that has spent nothing.
     pub const fn new(budget: SearchBudget) -> Self {
-        Meter { budget, spent: 0 }
+        Meter { budget, spent: 0, free: 0, told: 0 }
     }
 
     /// Takes one step, or reports that none is left.
     #[inline]
     pub fn step(&mut self) -> Option<()> {
-        if self.spent >= self.budget.steps {
-            return None;
+        if self.spent >= self.free {
+            self.go_on()?;
         }
         self.spent += 1;
         Some(())
     }
 
+    /// More steps that ask for nothing, or none.
+    #[cold]
+    fn go_on(&mut self) -> Option<()> {
+        if !self.is_wanted() || self.spent >= self.budget.steps {
+            return None;
+        }
+        self.free = self.budget.steps.min(self.spent.saturating_add(BEAT_STEPS));
+        Some(())
+    }
+
+    /// Tells the watch of the steps that it does not know of. If it has seen enough, no step is left.
+    fn is_wanted(&mut self) -> bool {
+        watch::tell(self.spent - self.told);
+        self.told = self.spent;
+        let goes_on = watch::goes_on();
+        if !goes_on {
+            self.budget = SearchBudget::of(self.spent);
+            self.free = self.spent;
+        }
+        goes_on
+    }
+
     /// Takes `steps` steps at once; the last of them may overdraw the budget.
+    #[inline]
     pub fn charge(&mut self, steps: u64) {
         self.spent = self.spent.saturating_add(steps);
+        if self.spent >= self.free {
+            self.go_on();
+        }
+    }
+
+    /// Takes the steps of a search that had a meter of its own.
+    pub fn charge_metered(&mut self, steps: u64) {
+        self.spent = self.spent.saturating_add(steps);
+        self.told = self.told.saturating_add(steps);
+        self.is_wanted();
     }
 
     /// Runs a search on at most `steps` of the remaining steps, and charges the steps it took.
     pub fn share<T>(&mut self, steps: u64, search: impl FnOnce(&mut Meter) -> T) -> T {
         let mut part = Meter::new(SearchBudget::of(steps.min(self.left().steps)));
         let result = search(&mut part);
-        self.charge(part.spent());
+        self.charge_metered(part.spent());
         result
     }
 
@@ -95,6 +134,12 @@ impl Meter {
     /// The report for a budget that ran out, when no plan can cost less than `bound`.
     pub const fn gave_up(&self, bound: u64) -> GaveUp {
         GaveUp { budget: self.budget, spent: self.spent, bound }
+    }
+}
+
+impl Drop for Meter {
+    fn drop(&mut self) {
+        watch::tell(self.spent - self.told);
     }
 }
 

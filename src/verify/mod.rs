@@ -1,7 +1,8 @@
 //! Judges a schedule against the device models and the program's claims, trusting nothing of the planner.
 //!
 //! Input: a [`Schedule`] and the [`Claims`] of its program. Output: a [`Verdict`].
-//! Promise: only this stage can make a [`Verified`] value, and only such a value can be emitted. It uses nothing of a planner, and
+//! Promise: only this stage can make a [`Verified`] value, and only such a value can be emitted, but for the page that shows why a log was
+//! refused. It uses nothing of a planner, and
 //! nothing that planners measure with: distances, placed shapes and outlines are those of `geometry` in here. The parts of
 //! `device` that both use are listed in `tests/tidy.rs`. Places come from the kinematic matrix, sweeps from gaps between projections, moves
 //! of parts from the electrodes that are on, turns of parts from the contacts of tips. No input makes it panic. Cost for n actuations and m
@@ -103,6 +104,19 @@ fn with_source_map(found: Vec<Violation>, schedule: &Schedule, claims: &Claims, 
 /// Why no schedule can be checked against the claims.
 pub fn violations(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, String> {
     judge(schedule, claims).map_err(|Unfit(why)| why)
+}
+
+/// Whether the parts of a schedule fit together and to its claims, whatever else it breaks: its indices, numbers, channels, runs and steps.
+pub fn is_whole(schedule: &Schedule, claims: &Claims) -> bool {
+    let mut findings = Findings::default();
+    if premise::check(claims).is_err() {
+        return false;
+    }
+    form::check(schedule, claims, &mut findings);
+    if findings.is_empty() {
+        clock::runs(schedule, claims, &mut findings);
+    }
+    findings.is_empty()
 }
 
 /// As [`verify_program`] but without the source map, for schedules that the tests make by hand.

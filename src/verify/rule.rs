@@ -208,6 +208,13 @@ impl Rule {
     }
 }
 
+impl Rule {
+    /// Whether it is about what the schedule says of itself, and not about what takes place.
+    pub fn is_of_the_record(self) -> bool {
+        matches!(self, Rule::Figure | Rule::State | Rule::Requirement)
+    }
+}
+
 /// One breach of a rule.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Violation {

@@ -28,8 +28,13 @@ fn mask(status: &str, name: &str) -> u64 {
 
 /// A build that takes long, started in a folder.
 fn start(bench: &Bench, wrap: &str) -> Child {
+    start_with(bench, wrap, "")
+}
+
+/// The same with more options.
+fn start_with(bench: &Bench, wrap: &str, options: &str) -> Child {
     bench.write("slow.twz", found("ea_400_parts_gave_up.twz"));
-    let line = format!("{wrap} '{}' build slow.twz -o out", env!("CARGO_BIN_EXE_tweeze"));
+    let line = format!("{wrap} '{}' build slow.twz -o out {options}", env!("CARGO_BIN_EXE_tweeze"));
     let mut command = Command::new("sh");
     command.args(["-c", &line]).current_dir(bench.path("")).stdout(Stdio::null()).stderr(Stdio::piped());
     command.spawn().expect("the shell starts")
@@ -68,6 +73,51 @@ fn a_signal_ends_a_build_as_it_ends_any_program() {
         assert_eq!(String::from_utf8_lossy(&output.stderr), "tweeze: interrupted, nothing was written\n");
         assert_eq!(bench.names(), ["slow.twz"]);
     }
+}
+
+/// With `--keep-best` the first Ctrl-C ends a search once it has a plan, which is verified and written as always.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_best_plan_is_kept_where_that_is_asked_for() {
+    if is_ignored(SIGINT) {
+        return;
+    }
+    let bench = Bench::new();
+    let mut child = start_with(&bench, "exec", "--emit json --keep-best");
+    assert!(is_ready(&mut child), "no signal is caught");
+    // The search has begun once the report of the check stands; then there is no plan for some seconds.
+    std::thread::sleep(Duration::from_millis(500));
+    send("INT", &child);
+    let output = child.wait_with_output().expect("it ends");
+    let told = "tweeze: goes on with the best plan found; Ctrl-C again ends without one\n";
+    assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(0), told));
+    let json = std::fs::read_to_string(bench.path("out/go.json")).expect("it was written");
+    let schedule: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let plan = &schedule["plans"][0];
+    assert_eq!((&plan["optimal"], &plan["remarks"][0]["subject"]), (&false.into(), &"search".into()));
+}
+
+/// The second Ctrl-C ends the build, like any signal without `--keep-best`.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_second_signal_ends_a_build_that_would_keep_its_best_plan() {
+    if is_ignored(SIGINT) {
+        return;
+    }
+    let bench = Bench::new();
+    let mut child = start_with(&bench, "exec", "--keep-best");
+    assert!(is_ready(&mut child), "no signal is caught");
+    std::thread::sleep(Duration::from_millis(500));
+    send("INT", &child);
+    std::thread::sleep(Duration::from_millis(100));
+    send("INT", &child);
+    let output = child.wait_with_output().expect("it ends");
+    assert_eq!(output.status.signal(), Some(SIGINT), "{output:?}");
+    assert!(
+        String::from_utf8_lossy(&output.stderr).ends_with("tweeze: interrupted, nothing was written\n"),
+        "{output:?}"
+    );
+    assert_eq!(bench.names(), ["slow.twz"]);
 }
 
 /// What its parent has it ignore, as `nohup` does, it goes on ignoring.

@@ -11,11 +11,8 @@ impl ReportedOrder for FingersOrder {
     fn notes(&self, run: &ReportedRun) -> Vec<Note> {
         let sections = Plane::ALL.into_iter().filter_map(|plane| Some(contacts(plane, self.part.section(plane)?)));
         let contacts = format!("{}: {}", self.part.name, sections.collect::<Vec<_>>().join(", "));
-        let remarks = run
-            .plan
-            .remarks
-            .iter()
-            .map(|remark| (ReportTopic::Remarked, format!("{}: {}", remark.subject, remark.text)));
+        let remarks =
+            run.remarks().map(|remark| (ReportTopic::Remarked, format!("{}: {}", remark.subject, remark.text)));
         std::iter::once((ReportTopic::Contacts, contacts)).chain(remarks).chain(reached(run)).collect()
     }
 }

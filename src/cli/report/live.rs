@@ -1,6 +1,6 @@
 //! The report of a build, told line by line as the work goes on.
 
-use super::{WrittenSchedule, checked, planned, subjects, verified, width, wrote};
+use super::{Detail, WrittenSchedule, checked, planned, subjects, verified, width, wrote};
 use crate::check::Checked;
 use crate::claims::Claims;
 use crate::cli::Exit;
@@ -9,12 +9,14 @@ use crate::cli::terminal;
 use crate::cli::waiting::ProgressLine;
 use crate::compile::CompileObserver;
 use crate::emit::Format;
+use crate::plan::watch::SearchWatch;
 use crate::schedule::Schedule;
 use crate::schedule::cost::count;
 use crate::verify::Verified;
 use std::collections::BTreeSet;
 use std::io::IsTerminal;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// What is being built, as far as its report needs to know.
@@ -25,12 +27,19 @@ pub struct ReportedBuild<'a> {
     pub formats: &'a BTreeSet<Format>,
     /// Whether its lines are wanted at all.
     pub is_told: bool,
+    /// Whether all of them are, and what was searched.
+    pub detail: Detail,
 }
 
 /// The report of a build that goes on.
 pub struct LiveReport<'a> {
     build: ReportedBuild<'a>,
+    search: Arc<SearchWatch>,
     waiting: Option<ProgressLine>,
+    /// The run that is being planned, and since when.
+    planned: Option<(String, Instant)>,
+    /// What was searched for the runs of a schedule, one line each.
+    searched: Vec<(String, String)>,
     /// Columns of the names.
     width: usize,
     exit: Exit,
@@ -39,7 +48,14 @@ pub struct LiveReport<'a> {
 impl<'a> LiveReport<'a> {
     /// Waits for the first news.
     pub fn begin(build: ReportedBuild<'a>) -> LiveReport<'a> {
-        LiveReport { build, waiting: Some(ProgressLine::begin()), width: 0, exit: Exit::Done }
+        let search = Arc::<SearchWatch>::default();
+        let waiting = Some(ProgressLine::begin(&search));
+        LiveReport { build, search, waiting, planned: None, searched: Vec::new(), width: 0, exit: Exit::Done }
+    }
+
+    /// What its searches are watched by.
+    pub fn search(&self) -> Arc<SearchWatch> {
+        Arc::clone(&self.search)
     }
 
     /// The end of all planning: the line that shows its progress goes.
@@ -73,6 +89,16 @@ impl<'a> LiveReport<'a> {
         self.exit = self.exit.max(exit);
     }
 
+    /// Notes what was searched for the run that was planned last; how long that took is told on a terminal alone.
+    fn note_searched(&mut self) {
+        let Some((task, begin)) = self.planned.take() else { return };
+        let mut text = count(self.search.news().steps as usize, "step");
+        if std::io::stdout().is_terminal() {
+            text.push_str(&format!(" in {:.2} s", begin.elapsed().as_secs_f64()));
+        }
+        self.searched.push((task, text));
+    }
+
     fn file(&self) -> String {
         self.build.program.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
     }
@@ -83,8 +109,9 @@ impl<'a> LiveReport<'a> {
         let shown = |name: &str, ending: &str| disk::shown(self.build.output, &format!("{name}.{ending}"));
         let files = claims.iter().flat_map(|claims| endings().map(|ending| shown(&claims.name, ending)));
         let settings = self.build.settings.iter().map(|setting| format!("--set {setting}"));
+        let told = |claims| subjects(claims).take(self.build.detail.most_lines());
         let names = files.map(|path| path.to_string_lossy().into_owned());
-        width(claims.iter().flat_map(subjects).chain(names).chain(settings).chain([self.file()]))
+        width(claims.iter().flat_map(told).chain(names).chain(settings).chain([self.file()]))
     }
 }
 
@@ -96,13 +123,21 @@ impl CompileObserver for LiveReport<'_> {
     }
 
     fn planning(&mut self, index: usize, count: usize, task: &str) {
+        self.note_searched();
+        self.planned = Some((task.to_owned(), Instant::now()));
         if let Some(waiting) = &self.waiting {
             waiting.at(index, count, task);
         }
     }
 
     fn scheduled(&mut self, schedule: &Schedule, claims: &Claims) {
-        let text = planned(schedule, claims, self.width);
+        self.note_searched();
+        let mut text = planned(schedule, claims, self.width, self.build.detail);
+        let searched = std::mem::take(&mut self.searched);
+        if self.build.detail == Detail::Full {
+            let line = |(task, steps): (String, String)| terminal::line("Searched", &task, self.width, &steps);
+            text.extend(searched.into_iter().map(line));
+        }
         self.tell(&text);
     }
 

@@ -16,7 +16,9 @@ use super::terminal;
 use crate::check::{DeclarationTally, KindFacts};
 use crate::claims::{Claims, Job, Order};
 use crate::device::each_kind;
+use crate::diagnostic::Remark;
 use crate::emit::Format;
+use crate::plan::ENDED_EARLY;
 use crate::quantity::{Dimension, Quantity};
 use crate::schedule::cost::{cost, count};
 use crate::schedule::{PlanRecord, Schedule, ScheduledStep};
@@ -26,6 +28,24 @@ use std::path::PathBuf;
 /// Runs of one schedule that the report shows; the rest is counted. Of each sort of note it shows as many.
 const MAX_PLAN_LINES: usize = 20;
 
+/// How much of a build is reported.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Detail {
+    /// At most [`MAX_PLAN_LINES`] lines of a sort.
+    Usual,
+    /// Every line, and what was searched.
+    Full,
+}
+
+impl Detail {
+    fn most_lines(self) -> usize {
+        match self {
+            Detail::Usual => MAX_PLAN_LINES,
+            Detail::Full => usize::MAX,
+        }
+    }
+}
+
 /// One run of a schedule.
 struct ReportedRun<'a> {
     job: &'a Job,
@@ -34,12 +54,20 @@ struct ReportedRun<'a> {
     steps: Vec<&'a ScheduledStep>,
 }
 
+impl<'a> ReportedRun<'a> {
+    /// The planner's remarks on the plan itself.
+    fn remarks(&self) -> impl Iterator<Item = &'a Remark> + use<'a> {
+        self.plan.remarks.iter().filter(|remark| remark.subject != ENDED_EARLY)
+    }
+}
+
 /// Additional note of a kind on a run: its topic, and the line.
 type Note = (ReportTopic, String);
 
 /// Topic of a note, in the order of the report.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum ReportTopic {
+    Search,
     Visits,
     Nearest,
     Waits,
@@ -52,7 +80,8 @@ enum ReportTopic {
 }
 
 impl ReportTopic {
-    const ALL: [ReportTopic; 9] = [
+    const ALL: [ReportTopic; 10] = [
+        ReportTopic::Search,
         ReportTopic::Visits,
         ReportTopic::Nearest,
         ReportTopic::Waits,
@@ -66,6 +95,7 @@ impl ReportTopic {
 
     fn label(self) -> &'static str {
         match self {
+            ReportTopic::Search => "Search",
             ReportTopic::Visits => "Visits",
             ReportTopic::Nearest => "Nearest",
             ReportTopic::Waits => "Waits",
@@ -158,22 +188,25 @@ fn subjects(claims: &Claims) -> impl Iterator<Item = String> + '_ {
         true => job.task.clone(),
         false => format!("{}: {}", claims.name, job.task),
     };
-    claims.jobs.iter().take(MAX_PLAN_LINES).map(subject)
+    claims.jobs.iter().map(subject)
 }
 
 /// What each run of a schedule costs, and what else there is to say of it.
-fn planned(schedule: &Schedule, claims: &Claims, width: usize) -> String {
+fn planned(schedule: &Schedule, claims: &Claims, width: usize, detail: Detail) -> String {
     let mut text = String::new();
     let runs = runs(schedule, claims);
-    for (run, subject) in runs.iter().zip(subjects(claims)) {
+    for (run, subject) in runs.iter().zip(subjects(claims)).take(detail.most_lines()) {
         text.push_str(&terminal::line("Planned", &subject, width, &cost(&run.job.order, run.plan)));
     }
-    let more = runs.len().saturating_sub(MAX_PLAN_LINES);
+    let more = runs.len().saturating_sub(detail.most_lines());
     if more > 0 {
         text.push_str(&terminal::line("", "", width, &format!("and {} more", count(more, "run"))));
     }
-    let notes: Vec<Note> =
-        runs.iter().flat_map(|run| reported(&run.job.order).notes(run)).chain(idle(schedule)).collect();
+    let notes: Vec<Note> = runs
+        .iter()
+        .flat_map(|run| reported(&run.job.order).notes(run).into_iter().chain(ended(run)))
+        .chain(idle(schedule))
+        .collect();
     for topic in ReportTopic::ALL {
         let mut lines: Vec<&str> = Vec::new();
         for (_, line) in notes.iter().filter(|(other, _)| *other == topic) {
@@ -181,11 +214,12 @@ fn planned(schedule: &Schedule, claims: &Claims, width: usize) -> String {
                 lines.push(line);
             }
         }
-        for line in lines.iter().take(MAX_PLAN_LINES) {
+        for line in lines.iter().take(detail.most_lines()) {
             text.push_str(&terminal::line(topic.label(), "", width, line));
         }
-        if lines.len() > MAX_PLAN_LINES {
-            let more = count(lines.len() - MAX_PLAN_LINES, "line");
+        let more = lines.len().saturating_sub(detail.most_lines());
+        if more > 0 {
+            let more = count(more, "line");
             text.push_str(&terminal::line(
                 "",
                 "",
@@ -218,6 +252,12 @@ fn idle(schedule: &Schedule) -> Vec<Note> {
     let line =
         |(_, plan): (u32, &PlanRecord)| (ReportTopic::Idle, format!("{}: 0 actuations, nothing is done", plan.task));
     (0..).zip(&schedule.plans).filter(is_idle).map(line).collect()
+}
+
+/// That the search for a plan did not end by itself.
+fn ended(run: &ReportedRun) -> Option<Note> {
+    let remark = run.plan.remarks.iter().find(|remark| remark.subject == ENDED_EARLY)?;
+    Some((ReportTopic::Search, format!("{}: {}", run.job.task, remark.text)))
 }
 
 /// Values that steps reach, where they differ from the goals.

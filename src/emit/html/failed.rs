@@ -1,9 +1,11 @@
-//! What the page of a program shows that could not be built: its errors, at their lines and in the scene.
+//! What the page of a program shows that could not be built: its errors, at their lines and in the scene. And what the page of a log shows
+//! that was refused: the rules that it breaks, at their instants.
 
 use crate::claims::Claims;
 use crate::diagnostic::{Code, Diagnostic, Label, PlaceUnit, Sink, WrittenPlace, machine};
+use crate::schedule::Schedule;
 use crate::source::Sources;
-use crate::verify::Verified;
+use crate::verify::{Verified, Violation};
 use serde::Serialize;
 
 /// Ending of the page of a program that could not be built, after the name of its file.
@@ -12,9 +14,11 @@ pub const FAILED_ENDING: &str = "failed.html";
 /// Errors and warnings that such a page lists.
 const MAX_FINDINGS: usize = 50;
 
-/// Why a program could not be built.
+/// Why a program could not be built, or a log was refused.
 #[derive(Serialize)]
 pub(super) struct PageFailure<'a> {
+    /// Whether it is a log, which is shown as it is, though it was refused.
+    is_refused: bool,
     findings: Vec<PageFinding<'a>>,
     /// Errors and warnings that are not listed.
     more: usize,
@@ -27,6 +31,8 @@ struct PageFinding<'a> {
     severity: &'static str,
     title: &'a str,
     help: Option<&'a str>,
+    /// When a rule is broken.
+    t_ns: Option<u64>,
     labels: Vec<PageLabel<'a>>,
 }
 
@@ -64,7 +70,8 @@ impl FailedProgram<'_> {
     pub(super) fn failure(&self) -> PageFailure<'_> {
         let sorted = self.errors.sorted();
         PageFailure {
-            findings: sorted.iter().take(MAX_FINDINGS).map(|diagnostic| self.finding(diagnostic)).collect(),
+            is_refused: false,
+            findings: sorted.iter().take(MAX_FINDINGS).map(|error| finding(error, self.sources, None)).collect(),
             more: sorted.len().saturating_sub(MAX_FINDINGS) + self.errors.dropped(),
             places: self.places.iter().map(|place| self.place(place)).collect(),
         }
@@ -82,27 +89,68 @@ impl FailedProgram<'_> {
             at: place.at,
         }
     }
+}
 
-    fn finding<'a>(&'a self, diagnostic: &'a Diagnostic) -> PageFinding<'a> {
-        PageFinding {
-            code: diagnostic.code,
-            severity: machine::severity(diagnostic.code),
-            title: &diagnostic.title,
-            help: diagnostic.help.as_deref(),
-            labels: diagnostic.labels.iter().map(|label| self.label(label)).collect(),
-        }
+/// A schedule that the verifier refused, to be shown.
+pub struct RefusedSchedule<'a> {
+    /// None where its parts do not fit together, so that nothing of it can be shown.
+    schedule: Option<&'a Schedule>,
+    claims: &'a Claims,
+    /// Each with its instant; those of what takes place come first, each sort by time.
+    violations: Vec<(u64, Diagnostic)>,
+    sources: &'a Sources,
+}
+
+impl<'a> RefusedSchedule<'a> {
+    /// What a schedule breaks of its claims; `is_whole` says whether it can be shown at all.
+    pub fn new(
+        (schedule, is_whole): (&'a Schedule, bool),
+        claims: &'a Claims,
+        violations: Vec<Violation>,
+        sources: &'a Sources,
+    ) -> RefusedSchedule<'a> {
+        let mut violations = violations;
+        // A pulse that is wrong makes recorded figures wrong, too: those say little of the reason.
+        violations.sort_by_key(|violation| violation.rule.is_of_the_record());
+        let violations = violations.into_iter().map(|violation| (violation.time_ns, violation.into())).collect();
+        RefusedSchedule { schedule: is_whole.then_some(schedule), claims, violations, sources }
     }
 
-    fn label<'a>(&'a self, label: &'a Label) -> PageLabel<'a> {
-        let file = self.sources.file(label.span.file);
-        let (start, end) = (file.position(label.span.start), file.position(label.span.end));
-        PageLabel {
-            file: &file.name,
-            line: start.line,
-            column: start.column,
-            end_line: end.line,
-            end_column: end.column,
-            text: &label.text,
+    pub(super) fn shown(&self) -> Option<(&Schedule, &Claims)> {
+        Some((self.schedule?, self.claims))
+    }
+
+    pub(super) fn failure(&self) -> PageFailure<'_> {
+        let listed = self.violations.iter().take(MAX_FINDINGS);
+        PageFailure {
+            is_refused: true,
+            findings: listed.map(|(t_ns, broken)| finding(broken, self.sources, Some(*t_ns))).collect(),
+            more: self.violations.len().saturating_sub(MAX_FINDINGS),
+            places: Vec::new(),
         }
+    }
+}
+
+fn finding<'a>(diagnostic: &'a Diagnostic, sources: &'a Sources, t_ns: Option<u64>) -> PageFinding<'a> {
+    PageFinding {
+        code: diagnostic.code,
+        severity: machine::severity(diagnostic.code),
+        title: &diagnostic.title,
+        help: diagnostic.help.as_deref(),
+        t_ns,
+        labels: diagnostic.labels.iter().map(|label| written_label(label, sources)).collect(),
+    }
+}
+
+fn written_label<'a>(label: &'a Label, sources: &'a Sources) -> PageLabel<'a> {
+    let file = sources.file(label.span.file);
+    let (start, end) = (file.position(label.span.start), file.position(label.span.end));
+    PageLabel {
+        file: &file.name,
+        line: start.line,
+        column: start.column,
+        end_line: end.line,
+        end_column: end.column,
+        text: &label.text,
     }
 }

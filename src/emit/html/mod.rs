@@ -1,6 +1,7 @@
 //! HTML: one page that plays a schedule, without a server, a network or another file.
 //!
-//! A program that could not be built has a page too (`failed`): its errors, and the scene with what of it could be built.
+//! A program that could not be built has a page too (`failed`): its errors, and the scene with what of it could be built. So has a log that
+//! was refused: the rules that it breaks, and what it says, which is the one form in which anything unverified is written.
 //!
 //! The page holds the program, the schedule and the claims as JSON (`schema/page.schema.json`), and draws them itself: program, scene,
 //! timeline and claims on one clock. Style and script are those of `assets/page`, put together here as they are.
@@ -8,14 +9,14 @@
 mod failed;
 mod follow;
 
-pub use failed::{FAILED_ENDING, FailedProgram};
+pub use failed::{FAILED_ENDING, FailedProgram, RefusedSchedule};
 pub use follow::Follower;
 
 use super::error::MAX_TEXT_BYTES;
 use super::{EmitError, Format, Provenance};
 use crate::claims::Claims;
 use crate::log;
-use crate::schedule::json;
+use crate::schedule::{Schedule, json};
 use crate::verify::Verified;
 use failed::PageFailure;
 use serde::Serialize;
@@ -55,7 +56,7 @@ struct PageData<'a> {
     /// The program's own file first, then those that it uses.
     sources: Vec<PageSource<'a>>,
     settings: &'a [String],
-    /// Why the program could not be built.
+    /// Why the program could not be built, or the log was refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     failure: Option<PageFailure<'a>>,
 }
@@ -71,7 +72,7 @@ struct PageSource<'a> {
 /// # Errors
 /// [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`]; [`EmitError::Failed`] if the library that writes JSON fails.
 pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
-    page(Some((verified, verified.claims())), provenance, None)
+    page(Some((verified.schedule(), verified.claims())), provenance, None)
 }
 
 /// The bytes of the page of a program that could not be built.
@@ -79,21 +80,29 @@ pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<
 /// # Errors
 /// As those of [`write`].
 pub(super) fn write_failed(failed: &FailedProgram, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
-    let part = failed.part.map(|(verified, whole)| (verified, whole.unwrap_or(verified.claims())));
+    let part = failed.part.map(|(verified, whole)| (verified.schedule(), whole.unwrap_or(verified.claims())));
     page(part, provenance, Some(failed.failure()))
 }
 
+/// The bytes of the page of a schedule that was refused.
+///
+/// # Errors
+/// As those of [`write`].
+pub(super) fn write_refused(refused: &RefusedSchedule, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
+    page(refused.shown(), provenance, Some(refused.failure()))
+}
+
 fn page(
-    built: Option<(&Verified, &Claims)>,
+    shown: Option<(&Schedule, &Claims)>,
     provenance: &Provenance,
     failure: Option<PageFailure>,
 ) -> Result<Vec<u8>, EmitError> {
     let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
-    let schedule = built.map(|(verified, _)| RawValue::from_string(text(json::write(verified.schedule()))));
+    let schedule = shown.map(|(schedule, _)| RawValue::from_string(text(json::write(schedule))));
     let schedule = schedule.transpose().map_err(unwritten)?;
     let length = schedule.as_ref().map_or(0, |schedule| schedule.get().len());
     EmitError::refuse_size(Format::Html, length as u64, MAX_TEXT_BYTES)?;
-    let claims = built.map(|(_, claims)| log::write_claims(claims).and_then(|it| RawValue::from_string(text(it))));
+    let claims = shown.map(|(_, claims)| log::write_claims(claims).and_then(|it| RawValue::from_string(text(it))));
     let claims = claims.transpose().map_err(unwritten)?;
     let data = PageData {
         format: "tweeze-page",

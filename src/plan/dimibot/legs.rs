@@ -55,8 +55,8 @@ pub(super) struct Meters {
 
 impl Meters {
     pub(super) fn new(expansions: u64) -> Self {
-        let meter = Meter::new(SearchBudget::of(expansions));
-        Meters { find: meter, ties: meter, limits: meter }
+        let meter = || Meter::new(SearchBudget::of(expansions));
+        Meters { find: meter(), ties: meter(), limits: meter() }
     }
 }
 
@@ -168,7 +168,7 @@ impl<'a> Legs<'a> {
             DimibotAnswer::Impossible(proof) => return Err(self.impossible(proof, meters)),
             DimibotAnswer::GaveUp(report) => return Err(self.gave_up(report, meters)),
         };
-        meters.find.charge(train.expanded);
+        meters.find.charge_metered(train.expanded);
         let PulseTrain { pulses, bound, .. } = train;
         let tally = MotionTally::sum(self.field.lattice(), &pulses);
         let is_exact = pulses::is_small(self.field.lattice()) || pulses.len() <= 1;
@@ -183,7 +183,7 @@ impl<'a> Legs<'a> {
             DimibotAnswer::Impossible(proof) => return Err(self.impossible(proof, meters)),
             DimibotAnswer::GaveUp(report) => return Err(self.gave_up(report, meters)),
         };
-        meters.find.charge(path.expanded);
+        meters.find.charge_metered(path.expanded);
         let best = self.of_path(&path, path.bound);
         if best.is_exact || path.cost > path.bound {
             return Ok(best);
@@ -192,13 +192,13 @@ impl<'a> Legs<'a> {
         let ordered = ordered(&weights, rank);
         match shortest(self.field, from, to, &ordered, SearchBudget::of(allowed)) {
             DimibotAnswer::Found(fine) if fine.cost == fine.bound && fine.cost >> bits(rank) == path.cost => {
-                meters.ties.charge(fine.expanded);
+                meters.ties.charge_metered(fine.expanded);
                 let fine = self.of_path(&fine, path.bound);
                 let is_exact = is_exact(rank, fine.tally);
                 Ok(Best { is_exact, ..fine })
             }
             DimibotAnswer::Found(_) | DimibotAnswer::Impossible(_) | DimibotAnswer::GaveUp(_) => {
-                meters.ties.charge(allowed);
+                meters.ties.charge_metered(allowed);
                 Ok(best)
             }
         }
@@ -226,7 +226,7 @@ impl<'a> Legs<'a> {
                 return Err(self.gave_up(report, meters));
             }
         };
-        meters.find.charge(path.expanded);
+        meters.find.charge_metered(path.expanded);
         let best = self.of_path(&path, path.bound >> bits(rank));
         if is_exact(rank, best.tally) {
             return Ok(Best { is_exact: true, ..best });
@@ -237,12 +237,12 @@ impl<'a> Legs<'a> {
     }
 
     fn impossible(&self, proof: Impossible, meters: &mut Meters) -> NoLeg {
-        meters.find.charge(proof.expanded);
+        meters.find.charge_metered(proof.expanded);
         NoLeg::Impossible(proof)
     }
 
     fn gave_up(&self, report: GaveUp, meters: &mut Meters) -> NoLeg {
-        meters.find.charge(report.spent);
+        meters.find.charge_metered(report.spent);
         NoLeg::GaveUp(report)
     }
 

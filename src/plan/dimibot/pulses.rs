@@ -268,7 +268,7 @@ fn by_length(
         // A single pulse was ruled out, so the bound is two.
         DimibotAnswer::GaveUp(report) => return DimibotAnswer::GaveUp(GaveUp { bound: 2, ..report }),
     };
-    meter.charge(path.expanded);
+    meter.charge_metered(path.expanded);
     let best = compress(field, start, &path, meter);
     for length in 2..best.len() - 1 {
         let tries = TRIES.min(meter.left().steps);
@@ -277,7 +277,7 @@ fn by_length(
         }
         let mut sought = Sought::new(field, start, goal, length, Meter::new(SearchBudget::of(tries)));
         let answer = sought.branch(0);
-        meter.charge(sought.meter.spent());
+        meter.charge_metered(sought.meter.spent());
         match answer {
             PulseBranch::Found(cells) => return found(&cells, length as u64, meter),
             PulseBranch::None => {}

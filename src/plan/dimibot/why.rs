@@ -166,15 +166,15 @@ impl BlamedScene<'_> {
         let budget = SearchBudget::of(TRIAL.steps.min(meter.left().steps));
         match shortest(field, self.start, self.goal, &weights, budget) {
             DimibotAnswer::Found(path) => {
-                meter.charge(path.expanded);
+                meter.charge_metered(path.expanded);
                 BlameTrial::Open
             }
             DimibotAnswer::Impossible(proof) => {
-                meter.charge(proof.expanded);
+                meter.charge_metered(proof.expanded);
                 BlameTrial::Shut
             }
             DimibotAnswer::GaveUp(gave_up) => {
-                meter.charge(gave_up.spent);
+                meter.charge_metered(gave_up.spent);
                 BlameTrial::Unknown
             }
         }

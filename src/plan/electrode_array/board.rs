@@ -7,6 +7,7 @@
 //! positions is too near to any of three positions of another; pairs of moves need no check.
 
 use crate::plan::search::SearchAnswer;
+use crate::plan::watch::HeldPlan;
 use fixedbitset::FixedBitSet;
 
 /// A cell: `row * width + column`, both from 0.
@@ -198,6 +199,39 @@ impl BoardCosts {
             BoardObjective::Makespan => (self.makespan, self.sum_of_costs),
             BoardObjective::SumOfCosts => (self.sum_of_costs, self.makespan),
         }
+    }
+}
+
+/// The best plan of a stage so far, as told to who watches the search.
+#[derive(Debug)]
+pub struct HeldBoardPlan {
+    objective: BoardObjective,
+    costs: BoardCosts,
+    bounds: BoardCosts,
+    held: HeldPlan,
+}
+
+impl HeldBoardPlan {
+    /// A first plan; no plan is below the bounds.
+    pub fn begin(objective: BoardObjective, costs: BoardCosts, bounds: BoardCosts) -> HeldBoardPlan {
+        HeldBoardPlan { objective, costs, bounds, held: HeldPlan::begin(|| told(objective, costs, bounds)) }
+    }
+
+    /// Another plan, which may be better, and the bounds that are known by now.
+    pub fn offer(&mut self, costs: BoardCosts, bounds: BoardCosts) {
+        if costs.key(self.objective) < self.costs.key(self.objective) {
+            self.costs = costs;
+        }
+        self.bounds = bounds;
+        self.held.improve(|| told(self.objective, self.costs, self.bounds));
+    }
+}
+
+fn told(objective: BoardObjective, costs: BoardCosts, bounds: BoardCosts) -> String {
+    let (cost, bound) = (costs.key(objective).0, bounds.key(objective).0);
+    match objective {
+        BoardObjective::Makespan => format!("{cost} steps, least {bound}"),
+        BoardObjective::SumOfCosts => format!("{cost} steps of all parts, least {bound}"),
     }
 }
 

@@ -15,7 +15,7 @@
 //! budget is spent. Same instance and budget, same answer. The figure that is not minimised is improved too, but only while that is
 //! quick, and it is not proven optimal where that takes a search. Cost: one step of the budget is one node of one search.
 
-use super::board::{BoardAnswer, BoardCosts, BoardObjective, BoardPlan, Instance, NoBoardPlan, Paths};
+use super::board::{BoardAnswer, BoardCosts, BoardObjective, BoardPlan, HeldBoardPlan, Instance, NoBoardPlan, Paths};
 use super::exact::field::ExactTables;
 use super::joint::{self, JointAim};
 use super::{alone, exact, fast, lacam, timing};
@@ -67,8 +67,15 @@ pub fn solve(instance: &Instance, objective: BoardObjective, limit: Option<u64>,
         Ok(bounds) => bounds,
         Err(why) => return BoardAnswer::Impossible(why),
     };
-    let mut search =
-        PortfolioSearch { instance, objective, limit, bounds, is_crowded: false, meter: Meter::new(budget) };
+    let mut search = PortfolioSearch {
+        instance,
+        objective,
+        limit,
+        bounds,
+        is_crowded: false,
+        meter: Meter::new(budget),
+        held: None,
+    };
     match search.first() {
         Some(BoardAnswer::Found(BoardPlan { paths, .. })) => search.better(paths),
         Some(decided) => decided,
@@ -102,6 +109,8 @@ struct PortfolioSearch<'a> {
     /// Many parts, for which short searches found no plan: plans with one step less are not sought either.
     is_crowded: bool,
     meter: Meter,
+    /// Once there is a plan.
+    held: Option<HeldBoardPlan>,
 }
 
 impl PortfolioSearch<'_> {
@@ -178,6 +187,7 @@ impl PortfolioSearch<'_> {
 
     /// The best plan that the budget allows, starting from a first one.
     fn better(mut self, mut first: Paths) -> BoardAnswer {
+        self.held = Some(HeldBoardPlan::begin(self.objective, BoardCosts::of(&first), self.bounds));
         if !self.is_met(&first) {
             let (instance, objective, limit) = (self.instance, self.objective, self.limit);
             let share = self.meter.left().steps - self.meter.left().steps / IMPROVE_SHARE;
@@ -224,6 +234,9 @@ impl PortfolioSearch<'_> {
             {
                 let steps = (SQUEEZE_STEPS + more).min(self.meter.left().steps.saturating_sub(end));
                 best = self.within(Some(before - 1), seed, steps).unwrap_or(best);
+            }
+            if let Some(held) = &mut self.held {
+                held.offer(BoardCosts::of(&best), self.bounds);
             }
             seed += 1;
         }

@@ -14,6 +14,7 @@ use crate::claims::Job;
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
 use crate::device::microrobots::MicrorobotsObjective;
 use crate::diagnostic::{Code, Diagnostic, Remark, Sink};
+use crate::plan::watch::HeldPlan;
 use crate::quantity::digits;
 use std::sync::Arc;
 
@@ -85,6 +86,7 @@ pub fn safest(order: &MicrorobotsOrder, (start, is_first): (&Crew, bool), fastes
             routes.push((room, route));
         }
     };
+    let _held = HeldPlan::begin(|| format!("{:.1} s", fastest.motion.duration_ns(order) as f64 / 1e9));
     let mut routes = vec![(0, fastest)];
     planned(0, FirstLegs::None, &mut routes);
     for room in 0..ROOMS.len() {

@@ -17,6 +17,7 @@ use crate::device::microrobots::{Arm, MicrorobotsObjective};
 use crate::diagnostic::Sink;
 use crate::geometry::Pose;
 use crate::plan::search::{Meter, SearchBudget};
+use crate::plan::watch::HeldPlan;
 use crate::random::SplitMix64;
 
 /// The motion of a whole job, and the state of the robots after it.
@@ -209,6 +210,11 @@ impl<'a> BedStepPlanner<'a> {
         }
     }
 
+    /// What legs cost, for who watches the search.
+    fn told(&self, legs: &[Leg]) -> String {
+        format!("{:.1} s in {} legs", legs_ns(self.order, legs) as f64 / 1e9, legs.len())
+    }
+
     fn assembled(&self, docks: &[Dock], sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
         let gathering = Gathering::new((self.order, self.roomy), (self.world, self.bed), docks);
         if let FirstLegs::Drawn(seed) = self.first_legs {
@@ -221,6 +227,7 @@ impl<'a> BedStepPlanner<'a> {
         let is_in_vain =
             matches!(direct, Err(NoAssembly::Stuck(StuckAssembly::Unsteerable { .. } | StuckAssembly::Apart { .. })));
         let mut best = direct.as_ref().ok().cloned();
+        let _held = best.as_ref().map(|best| HeldPlan::begin(|| self.told(best.legs())));
         if !is_in_vain && self.first_legs != FirstLegs::None {
             best = self.gathered((gathering.as_ref(), &mut Meter::new(budget)), docks, best);
         }

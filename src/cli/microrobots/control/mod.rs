@@ -18,12 +18,14 @@ use crate::lower::microrobots::command::{command_line, stopped};
 use crate::plan::Motion;
 use crate::plan::microrobots::MicrorobotsMotion;
 use crate::plan::microrobots::control::{Command, Controller, StopReason};
+use crate::plan::watch::SearchWatch;
 use crate::source::Sources;
 pub use link::Address;
 use link::Incoming;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
@@ -52,9 +54,10 @@ pub fn run(arguments: &ControlArguments) -> Exit {
         }
     };
     let Some(order) = the_bed(claims) else { return no_bed(&claims.name) };
-    let waiting = ProgressLine::begin();
-    let built =
-        compile::verified_plans(claims, &sources, &mut sink, &mut |index, count, task| waiting.at(index, count, task));
+    let search = Arc::<SearchWatch>::default();
+    let waiting = ProgressLine::begin(&search);
+    let progress = &mut |index, count, task: &str| waiting.at(index, count, task);
+    let built = search.over(|| compile::verified_plans(claims, &sources, &mut sink, progress));
     drop(waiting);
     terminal::report(&sink, &sources, arguments.report.format);
     let plans = match built {

@@ -17,7 +17,7 @@ impl ReportedOrder for MicrorobotsOrder {
             EXPECTED => (ReportTopic::Expected, remark.text.clone()),
             subject => (ReportTopic::Guaranteed, format!("{subject}: {}", remark.text)),
         };
-        let assured = run.plan.remarks.iter().map(remark);
+        let assured = run.remarks().map(remark);
         assured.chain(reached(run)).chain(absent(self)).collect()
     }
 }

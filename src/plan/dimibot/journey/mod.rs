@@ -194,7 +194,7 @@ impl<'a, 'f> LatticeJourney<'a, 'f> {
             let mut search =
                 GuidedSearch { ground, guide: &guide, lists, weights: self.weights, target: self.goal, greed };
             let ended = search.run(self.start, &mut meter, |_| true);
-            self.meter.charge(meter.spent());
+            self.meter.charge_metered(meter.spent());
             if matches!(ended, SearchEnd::Found) {
                 return self.path(&space.lists, Some(self.bound));
             }

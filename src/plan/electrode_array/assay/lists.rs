@@ -5,7 +5,7 @@
 //! come first in the next list. Once there is a plan, its list is changed: one agent goes to another place, or all agents of one
 //! droplet, every other time of one that is done last, go further to the front. The new list is kept if it is no worse.
 
-use super::super::board::{BoardObjective, CellIndex};
+use super::super::board::{BoardCosts, BoardObjective, CellIndex, HeldBoardPlan};
 use super::bookings::{BookedCourse, Bookings, NEVER};
 use super::bound::AssayBounds;
 use super::replay::done_at;
@@ -66,7 +66,7 @@ pub(super) fn best(
         worst_list += 1;
     }
     let (first, kept) = best?;
-    let improvement = Improvement { first: (first, list), kept, objective, least: bounds.costs.key(objective).0 };
+    let improvement = Improvement { first: (first, list), kept, objective, least: bounds.costs };
     Some(improvement.best(&mut planner, &mut random))
 }
 
@@ -75,19 +75,21 @@ struct Improvement {
     first: (Vec<AgentCourse>, Vec<usize>),
     kept: u32,
     objective: BoardObjective,
-    /// No plan is below it.
-    least: u64,
+    /// No plan is below them.
+    least: BoardCosts,
 }
 
 impl Improvement {
     /// The best courses of several rounds, each from the first list on.
     fn best(self, planner: &mut ListPlanner, random: &mut SplitMix64) -> Vec<AgentCourse> {
         let mut best = self.first.0.clone();
+        let costs = AssayPlan::costs(&best);
+        let mut held = HeldBoardPlan::begin(self.objective, costs, self.least);
         for _ in 0..ROUNDS {
-            if self.key(&best).0 <= self.least {
+            if self.is_least(&best) {
                 break;
             }
-            let found = self.round(planner, random);
+            let found = self.round(planner, random, &mut held);
             if self.key(&found) < self.key(&best) {
                 best = found;
             }
@@ -95,16 +97,20 @@ impl Improvement {
         best
     }
 
+    fn is_least(&self, courses: &[AgentCourse]) -> bool {
+        self.key(courses).0 <= self.least.key(self.objective).0
+    }
+
     fn key(&self, courses: &[AgentCourse]) -> (u64, u64) {
         AssayPlan::costs(courses).key(self.objective)
     }
 
     /// The courses of the last list of which no change is better.
-    fn round(&self, planner: &mut ListPlanner, random: &mut SplitMix64) -> Vec<AgentCourse> {
+    fn round(&self, planner: &mut ListPlanner, random: &mut SplitMix64, held: &mut HeldBoardPlan) -> Vec<AgentCourse> {
         let (mut courses, mut list) = self.first.clone();
         let drops = bound::drops(planner.problem);
         let mut idle = 0;
-        while self.key(&courses).0 > self.least && idle < LISTS && list.len() > 1 && planner.meter.left().steps > 0 {
+        while !self.is_least(&courses) && idle < LISTS && list.len() > 1 && planner.meter.left().steps > 0 {
             planner.limit = match self.objective {
                 BoardObjective::Makespan => u32::try_from(AssayPlan::costs(&courses).makespan).unwrap_or(NEVER),
                 BoardObjective::SumOfCosts => NEVER,
@@ -118,6 +124,7 @@ impl Improvement {
             let Ok(found) = planner.courses(&other, self.kept) else { continue };
             if self.key(&found) < self.key(&courses) {
                 idle = 0;
+                held.offer(AssayPlan::costs(&found), self.least);
             }
             if self.key(&found) <= self.key(&courses) {
                 (courses, list) = (found, other);

@@ -19,7 +19,7 @@ mod replay;
 mod route;
 mod traces;
 
-use super::board::{BoardCosts, BoardObjective, CellIndex, Instance, NoBoardPlan};
+use super::board::{BoardCosts, BoardObjective, CellIndex, HeldBoardPlan, Instance, NoBoardPlan};
 use super::fast;
 use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
 pub use replay::all_done_at;
@@ -133,6 +133,8 @@ pub fn solve(
     if steps.is_some_and(|steps| steps == bounds.makespan || objective != BoardObjective::Makespan) {
         return found(by_lists, bounds);
     }
+    let begin = |courses: &Vec<AgentCourse>| HeldBoardPlan::begin(objective, AssayPlan::costs(courses), bounds);
+    let _held = by_lists.as_ref().map(begin);
     // Only fewer steps than those of the lists are of use.
     let limit = steps.and_then(|steps| u32::try_from(steps - 1).ok()).unwrap_or(u32::MAX);
     match joint::fewest_steps(problem, &ahead, limit, &mut meter) {

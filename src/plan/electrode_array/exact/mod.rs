@@ -27,7 +27,7 @@ mod pair;
 mod split;
 mod tree;
 
-use super::board::{BoardAnswer, BoardCosts, BoardObjective, BoardPlan, Instance, NoBoardPlan, Paths};
+use super::board::{BoardAnswer, BoardCosts, BoardObjective, BoardPlan, HeldBoardPlan, Instance, NoBoardPlan, Paths};
 use super::joint::{self, JointAim, NoJointPlan, trim};
 use super::timing;
 use crate::plan::search::{Meter, SearchBudget};
@@ -119,6 +119,8 @@ struct Prover<'a, 'm> {
     limit: Option<u32>,
     bounds: BoardCosts,
     meter: &'m mut Meter,
+    /// Once there is a plan.
+    held: Option<HeldBoardPlan>,
 }
 
 /// How a proof ends.
@@ -138,7 +140,9 @@ impl<'a, 'm> Prover<'a, 'm> {
     ) -> Self {
         let costs = (0..field.agents()).map(|agent| u64::from(field.least(agent)));
         let bounds = BoardCosts { makespan: costs.clone().max().unwrap_or(0), sum_of_costs: costs.sum() };
-        Prover { field, objective, best, limit, bounds, meter }
+        let mut prover = Prover { field, objective, best, limit, bounds, meter, held: None };
+        prover.tell();
+        prover
     }
 
     fn run(mut self) -> BoardAnswer {
@@ -193,6 +197,16 @@ impl<'a, 'm> Prover<'a, 'm> {
         }
         if self.best.as_ref().is_none_or(|best| key(&paths) < key(best)) {
             self.best = Some(paths);
+            self.tell();
+        }
+    }
+
+    /// Tells who watches of the best plan, and of the bounds.
+    fn tell(&mut self) {
+        let Some(costs) = self.best.as_ref().map(BoardCosts::of) else { return };
+        match &mut self.held {
+            Some(held) => held.offer(costs, self.bounds),
+            None => self.held = Some(HeldBoardPlan::begin(self.objective, costs, self.bounds)),
         }
     }
 
@@ -353,7 +367,7 @@ impl<'a, 'm> Prover<'a, 'm> {
         let share = if self.best.is_some() { 1 } else { OPEN_SHARE };
         let mut own = Meter::new(SearchBudget::of(self.meter.left().steps / share));
         let done = self.raise_makespan(&mut own);
-        self.meter.charge(own.spent());
+        self.meter.charge_metered(own.spent());
         if matches!(done, Some(ProofEnd::Proven)) {
             self.polish();
         }
@@ -371,7 +385,10 @@ impl<'a, 'm> Prover<'a, 'm> {
                     self.offer(paths);
                     return Some(ProofEnd::Proven);
                 }
-                End::Nothing => self.bounds.makespan += 1,
+                End::Nothing => {
+                    self.bounds.makespan += 1;
+                    self.tell();
+                }
                 End::GaveUp { .. } => return None,
             }
         }

@@ -1,0 +1,148 @@
+"""Pages of logs that were refused, in a real browser: each violation with its instant, and the scene at the first of them.
+
+`TWEEZE` names the program; `CHROMIUM` the browser, if it is not on the path.
+"""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+from mcap.writer import CompressionType, Writer
+
+TWEEZE = Path(os.environ.get("TWEEZE", "target/release/tweeze")).resolve()
+ROOT = Path(__file__).parents[2]
+REFUSED = 3
+
+
+def altered(log, out, edit):
+    """The same log with another schedule."""
+    with log.open("rb") as source, out.open("wb") as target:
+        reader = make_reader(source)
+        header, summary = reader.get_header(), reader.get_summary()
+        writer = Writer(target, compression=CompressionType.NONE, enable_data_crcs=True)
+        writer.start(profile=header.profile, library=header.library)
+        schemas = {own.id: writer.register_schema(own.name, own.encoding, own.data) for own in summary.schemas.values()}
+        channels = {
+            own.id: writer.register_channel(own.topic, own.message_encoding, schemas.get(own.schema_id, 0), own.metadata)
+            for own in summary.channels.values()
+        }
+        for _, channel, message in reader.iter_messages():
+            writer.add_message(channels[channel.id], message.log_time, message.data, message.publish_time, message.sequence)
+        for own in reader.iter_attachments():
+            data = own.data
+            if own.name == "schedule.json":
+                schedule = json.loads(data)
+                edit(schedule)
+                data = json.dumps(schedule).encode()
+            writer.add_attachment(own.create_time, own.log_time, own.name, own.media_type, data)
+        for own in reader.iter_metadata():
+            writer.add_metadata(own.name, own.metadata)
+        writer.finish()
+
+
+def stronger(schedule):
+    """One actuation in the middle with another value."""
+    actuation = schedule["actuations"][len(schedule["actuations"]) // 2]
+    actuation["from"] = actuation["to"] = actuation["to"] + 1
+
+
+def elsewhere(schedule):
+    """A state that no replay comes to."""
+    state = schedule["plans"][0]["states"][-1]
+    if "parts" in state:
+        name = sorted(state["parts"])[0]
+        state["parts"][name] = [place + 1 for place in state["parts"][name]]
+    elif "poses" in state:
+        name = sorted(state["poses"])[0]
+        state["poses"][name][0] += 5
+    else:
+        state["position_um"] = [place + 0.5 for place in state["position_um"]]
+
+
+def other_way(schedule):
+    """A pulse in the middle that moves its module back where it is."""
+    actuation = schedule["actuations"][len(schedule["actuations"]) // 2]
+    name = schedule["channels"][actuation["channel"]]["name"]
+    other = name.replace(".set", ".reset") if ".set" in name else name.replace(".reset", ".set")
+    actuation["channel"] = [channel["name"] for channel in schedule["channels"]].index(other)
+
+
+EDITS = {
+    "dimibot_fetch": (other_way, "E0724"),
+    "electrode_array_swap": (stronger, "E0729"),
+    "electrode_array_droplets": (elsewhere, "E0714"),
+    "microrobots_drive": (elsewhere, "E0714"),
+    "fingers_ellipsoid": (elsewhere, "E0714"),
+}
+
+
+def view(log, folder):
+    ended = subprocess.run([TWEEZE, "view", log, "-o", folder, "--no-open"], capture_output=True, text=True, check=False)
+    assert ended.returncode == REFUSED, ended.stderr
+    page = folder / f"{log.stem}.failed.html"
+    assert page.name in ended.stdout
+    return page, ended.stderr
+
+
+def opened(browser, page):
+    tab = browser.new_page(viewport={"width": 1280, "height": 720})
+    tab.faults = []
+    tab.on("console", lambda message: tab.faults.append(message.text) if message.type in ("error", "warning") else None)
+    tab.on("pageerror", lambda error: tab.faults.append(str(error)))
+    tab.goto(page.as_uri())
+    tab.data = json.loads(tab.locator("#data").text_content())
+    return tab
+
+
+def built(example, folder):
+    subprocess.run([TWEEZE, "build", ROOT / f"examples/{example}.twz", "-o", folder, "-q"], check=True)
+    return sorted(folder.glob("*.mcap"))[0]
+
+
+def check_schema(data):
+    import jsonschema
+
+    schema = json.loads((ROOT / "schema" / "page.schema.json").read_text())
+    jsonschema.Draft202012Validator(schema).validate(data)
+
+
+@pytest.mark.parametrize("example", EDITS)
+def test_a_refused_log_is_shown_at_its_first_violation(browser, tmp_path, example):
+    edit, code = EDITS[example]
+    log = tmp_path / "altered.mcap"
+    altered(built(example, tmp_path / "whole"), log, edit)
+    page, told = view(log, tmp_path)
+    assert code in told
+    tab = opened(browser, page)
+    check_schema(tab.data)
+    findings = tab.data["failure"]["findings"]
+    # What takes place comes before what the schedule says of it.
+    assert tab.data["failure"]["is_refused"] and findings[0]["code"] == code
+    assert tab.locator("#verdict").text_content().startswith("✗ refused: ")
+    assert tab.evaluate("window.tweeze.t_ns") == min(findings[0]["t_ns"], tab.data["schedule"]["duration_ns"])
+    # What was refused claims nothing; each violation leads to its instant.
+    assert "proven" not in tab.locator("#claims").text_content()
+    jumps = tab.locator("#claims .card.error .instant")
+    assert jumps.count() == len(findings)
+    tab.keyboard.press("Home")
+    jumps.last.click()
+    assert tab.evaluate("window.tweeze.t_ns") == min(findings[-1]["t_ns"], tab.data["schedule"]["duration_ns"])
+    assert tab.faults == []
+    tab.close()
+
+
+def test_parts_that_do_not_fit_are_not_shown(browser, tmp_path):
+    log = tmp_path / "altered.mcap"
+    # More than the wired output can give: channels and wires do not fit.
+    altered(built("dimibot_fetch", tmp_path / "whole"), log, stronger)
+    page, told = view(log, tmp_path)
+    assert "E0706" in told
+    tab = opened(browser, page)
+    check_schema(tab.data)
+    assert tab.data["schedule"] is None
+    assert "E0706" in tab.locator("#claims .card.error").first.text_content()
+    assert tab.faults == []
+    tab.close()
