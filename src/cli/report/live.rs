@@ -36,10 +36,10 @@ pub struct LiveReport<'a> {
     build: ReportedBuild<'a>,
     search: Arc<SearchWatch>,
     waiting: Option<ProgressLine>,
-    /// The run that is being planned, and since when.
-    planned: Option<(String, Instant)>,
-    /// What was searched for the runs of a schedule, one line each.
-    searched: Vec<(String, String)>,
+    /// Since when a run is being planned.
+    planned: Option<Instant>,
+    /// What was searched for each run of a schedule.
+    searched: Vec<String>,
     /// Columns of the names.
     width: usize,
     exit: Exit,
@@ -91,12 +91,15 @@ impl<'a> LiveReport<'a> {
 
     /// Notes what was searched for the run that was planned last; how long that took is told on a terminal alone.
     fn note_searched(&mut self) {
-        let Some((task, begin)) = self.planned.take() else { return };
-        let mut text = count(self.search.news().steps as usize, "step");
+        let Some(begin) = self.planned.take() else { return };
+        let mut text = match self.search.news().steps {
+            0 => "nothing: the plan is known without".to_owned(),
+            steps => count(steps as usize, "step"),
+        };
         if std::io::stdout().is_terminal() {
             text.push_str(&format!(" in {:.2} s", begin.elapsed().as_secs_f64()));
         }
-        self.searched.push((task, text));
+        self.searched.push(text);
     }
 
     fn file(&self) -> String {
@@ -124,7 +127,7 @@ impl CompileObserver for LiveReport<'_> {
 
     fn planning(&mut self, index: usize, count: usize, task: &str) {
         self.note_searched();
-        self.planned = Some((task.to_owned(), Instant::now()));
+        self.planned = Some(Instant::now());
         if let Some(waiting) = &self.waiting {
             waiting.at(index, count, task);
         }
@@ -135,8 +138,8 @@ impl CompileObserver for LiveReport<'_> {
         let mut text = planned(schedule, claims, self.width, self.build.detail);
         let searched = std::mem::take(&mut self.searched);
         if self.build.detail == Detail::Full {
-            let line = |(task, steps): (String, String)| terminal::line("Searched", &task, self.width, &steps);
-            text.extend(searched.into_iter().map(line));
+            let line = |(run, steps): (String, String)| terminal::line("Searched", &run, self.width, &steps);
+            text.extend(subjects(claims).zip(searched).map(line));
         }
         self.tell(&text);
     }
