@@ -42,9 +42,9 @@ class Player {
     const name = page.schedule ? page.schedule.name : page.sources[0].name;
     document.title = `${name} – Tweeze`;
     find("name").textContent = name;
-    if (this.model.failure) showRefusal(find("verdict"), this.model);
+    if (failure) showRefusal(find("verdict"), this.model);
     find("facts").textContent = this.model.devices.map((device) => `${device.name}: ${device.kind.replaceAll("_", " ")}`).join(", ");
-    if (failure && failure.is_refused && failure.findings.length) this.seek(failure.findings[0].t_ns, false);
+    if (failure && failure.is_refused) this.seek(failure.findings[0].t_ns, false);
     this.readLink();
     window.addEventListener("hashchange", () => this.readLink());
     window.addEventListener("resize", () => this.draw());

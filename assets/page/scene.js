@@ -471,12 +471,13 @@ function handView(device) {
       });
     }
     const held = outlines.find(({ plane }) => plane === state.plane) || outlines[0];
-    for (const [finger, cone] of conesOf(order, part, held, tipsAt(device, t_ns))) {
+    const fingers = tipsAt(device, t_ns);
+    for (const [finger, cone] of conesOf(order, part, held, fingers)) {
       pen.shape(cone.map(placed), { fill: `${colorOf(finger)}40`, stroke: colorOf(finger) });
     }
     const mark = outlines[0].points[0];
     pen.disc(placed(mark), 0, { fill: theme.ink, least: 3 });
-    const tips = tipsAt(device, t_ns).map((tip, finger) => ({ ...tip, finger, spot: seen(tip.place) }));
+    const tips = fingers.map((tip, finger) => ({ ...tip, finger, spot: seen(tip.place) }));
     tips.sort((a, b) => b.spot[2] - a.spot[2]);
     for (const { spot, contact, finger } of tips) {
       const color = colorOf(finger);

@@ -71,3 +71,16 @@ fn a_verbose_build_tells_every_line_and_what_was_searched() {
     assert_eq!(told(&["build", "a.twz", "--task", "all", "--verbose"]), all);
     bench.run(&["build", "a.twz", "-v", "-q"]).code(crate::USAGE);
 }
+
+#[test]
+fn what_was_searched_is_told_of_its_own_schedule() {
+    let far = "task far on bot { require switches <= 1\n move to (1, 1) }\n";
+    let bench = Bench::with(SMALL.replace("task go", &format!("{far}task go")));
+    let searched = |text: String| -> Vec<String> {
+        text.lines().filter(|line| line.trim_start().starts_with("Searched")).map(str::to_owned).collect()
+    };
+    let failed = searched(out(&bench.run(&["build", "a.twz", "-v"]).code(ERRORS)));
+    assert_eq!(failed.len(), 1, "{failed:?}");
+    // The search for `far`, which came before and found nothing, took a step.
+    says(&failed[0], &["Searched  go ", "nothing: the plan is known without"]);
+}

@@ -75,6 +75,16 @@ fn a_signal_ends_a_build_as_it_ends_any_program() {
     }
 }
 
+/// The same with `--keep-best`, after a first Ctrl-C: its search has begun, and finds no plan for some seconds.
+#[cfg(target_os = "linux")]
+fn interrupted(bench: &Bench, options: &str) -> Child {
+    let mut child = start_with(bench, "exec", &format!("{options} --keep-best"));
+    assert!(is_ready(&mut child), "no signal is caught");
+    std::thread::sleep(Duration::from_millis(500));
+    send("INT", &child);
+    child
+}
+
 /// With `--keep-best` the first Ctrl-C ends a search once it has a plan, which is verified and written as always.
 #[cfg(target_os = "linux")]
 #[test]
@@ -83,12 +93,7 @@ fn the_best_plan_is_kept_where_that_is_asked_for() {
         return;
     }
     let bench = Bench::new();
-    let mut child = start_with(&bench, "exec", "--emit json --keep-best");
-    assert!(is_ready(&mut child), "no signal is caught");
-    // The search has begun once the report of the check stands; then there is no plan for some seconds.
-    std::thread::sleep(Duration::from_millis(500));
-    send("INT", &child);
-    let output = child.wait_with_output().expect("it ends");
+    let output = interrupted(&bench, "--emit json").wait_with_output().expect("it ends");
     let told = "tweeze: goes on with the best plan found; Ctrl-C again ends without one\n";
     assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(0), told));
     let json = std::fs::read_to_string(bench.path("out/go.json")).expect("it was written");
@@ -105,10 +110,7 @@ fn a_second_signal_ends_a_build_that_would_keep_its_best_plan() {
         return;
     }
     let bench = Bench::new();
-    let mut child = start_with(&bench, "exec", "--keep-best");
-    assert!(is_ready(&mut child), "no signal is caught");
-    std::thread::sleep(Duration::from_millis(500));
-    send("INT", &child);
+    let child = interrupted(&bench, "");
     std::thread::sleep(Duration::from_millis(100));
     send("INT", &child);
     let output = child.wait_with_output().expect("it ends");

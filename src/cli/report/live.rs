@@ -127,6 +127,10 @@ impl CompileObserver for LiveReport<'_> {
 
     fn planning(&mut self, index: usize, count: usize, task: &str) {
         self.note_searched();
+        if index == 0 {
+            // Of a schedule that has no plan.
+            self.searched.clear();
+        }
         self.planned = Some(Instant::now());
         if let Some(waiting) = &self.waiting {
             waiting.at(index, count, task);
