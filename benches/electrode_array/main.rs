@@ -30,6 +30,9 @@ const TIME: Duration = Duration::from_secs(1);
 /// What ours gets, first plan and all; a fraction of that time.
 const BUDGET: SearchBudget = SearchBudget::of(2_000_000);
 
+/// A budget that is spent in about a second where 50 microparts crowd.
+const SECOND: SearchBudget = SearchBudget::of(5_500_000);
+
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
     if let [name, seed] = arguments.as_slice()
@@ -58,10 +61,18 @@ fn microparts() {
     for agents in [5, 10, 20, 30, 40, 50] {
         compare(micropart_shape(agents), 20);
     }
+    println!("with a budget of about a second:");
+    row_alone(micropart_shape(50), 20, SECOND);
     println!("with the default budget:");
-    let samples: Vec<Sample> =
-        instances(micropart_shape(50), 20).iter().map(|instance| ours(instance, SearchBudget::DEFAULT)).collect();
-    sample::row("tweeze", 50, &samples);
+    for agents in [50, 60, 65] {
+        row_alone(micropart_shape(agents), 20, SearchBudget::DEFAULT);
+    }
+}
+
+/// One row of ours.
+fn row_alone(shape: Shape, count: u64, budget: SearchBudget) {
+    let samples: Vec<Sample> = instances(shape, count).iter().map(|instance| ours(instance, budget)).collect();
+    sample::row("tweeze", shape.agents, &samples);
 }
 
 fn micropart_shape(agents: usize) -> Shape {
@@ -71,7 +82,14 @@ fn micropart_shape(agents: usize) -> Shape {
 fn crowd() {
     println!("\ncrowd: 50 x 50 electrodes, separation 2; 20 random instances");
     sample::header();
-    compare(Shape { size: (50, 50), rim: 1, separation: 2, agents: 100, obstacles: 0 }, 20);
+    let shape = |agents| Shape { size: (50, 50), rim: 1, separation: 2, agents, obstacles: 0 };
+    compare(shape(100), 20);
+    println!("with the default budget:");
+    for agents in [200, 250] {
+        row_alone(shape(agents), 5, SearchBudget::DEFAULT);
+    }
+    println!("200 x 200 electrodes, with the default budget:");
+    row_alone(Shape { size: (200, 200), ..shape(1000) }, 5, SearchBudget::DEFAULT);
 }
 
 /// Two rows: ours, and the baseline on the same instances.

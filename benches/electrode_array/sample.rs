@@ -5,8 +5,8 @@ use crate::check::{fault, judged};
 use crate::clock::{running, timed};
 use std::time::Duration;
 use tweeze::plan::electrode_array::board::{BoardAnswer, BoardCosts, BoardObjective, Instance, Paths};
-use tweeze::plan::electrode_array::{fast, solve};
-use tweeze::plan::search::{Meter, SearchBudget};
+use tweeze::plan::electrode_array::{self, fast, solve};
+use tweeze::plan::search::SearchBudget;
 
 /// A first plan by itself gets half of the default budget.
 const FIRST: SearchBudget = SearchBudget::of(SearchBudget::DEFAULT.steps / 2);
@@ -37,7 +37,7 @@ pub fn ours(instance: &Instance, budget: SearchBudget) -> Sample {
 
 /// The first plan and the milliseconds to it.
 pub fn first(instance: &Instance) -> Option<(f64, Paths)> {
-    let (time, first) = timed(|| fast::first(instance, fast::FirstPlanTerms::default(), &mut Meter::new(FIRST)));
+    let (time, first) = timed(|| electrode_array::first(instance, BoardObjective::Makespan, FIRST));
     first.map(|paths| (milliseconds(time), paths))
 }
 

@@ -14,8 +14,8 @@ use scenes::{Random, Shape, block, droplets, rimmed, table_6};
 use tweeze::plan::electrode_array::board::{
     Agent, BoardAnswer, BoardCosts, BoardGrid, BoardObjective, Instance, NoBoardPlan,
 };
-use tweeze::plan::electrode_array::solve;
-use tweeze::plan::search::SearchBudget;
+use tweeze::plan::electrode_array::{fast, first, solve};
+use tweeze::plan::search::{Meter, SearchBudget};
 
 const OBJECTIVES: [BoardObjective; 2] = [BoardObjective::Makespan, BoardObjective::SumOfCosts];
 
@@ -243,4 +243,30 @@ fn crowded_boards_have_plans() {
         let answer = solve(&instance, BoardObjective::SumOfCosts, None, SearchBudget::of(2_000_000));
         assert!(judged(&instance, &answer).is_some(), "{answer:?}");
     }
+}
+
+/// A crowd of microparts on a third of the board: a plan within a tenth of the bound, of which repair without weights finds none in
+/// these steps; and from the first plan, which is longer, a shorter one within a limit.
+#[test]
+fn crowds_arrive_near_their_bound() {
+    let shape = Shape { size: (32, 32), rim: 0, separation: 4, agents: 22, obstacles: 0 };
+    let instance = shape.instance(&mut Random(3)).expect("there is room");
+    let bound = simple_bounds(&instance).expect("nothing is walled in").makespan;
+    let least = u32::try_from(bound).expect("a short way");
+    let mut meter = Meter::new(SearchBudget::of(1_500_000));
+    let terms = fast::FirstPlanTerms { seed: 1, step_limit: Some(least * 11 / 10), most_conflicts: None };
+    let near = fast::first(&instance, terms, &mut meter).expect("conflicts that persist gain weight");
+    assert_eq!(fault(&instance, &near), None);
+    assert!(BoardCosts::of(&near).makespan * 10 <= bound * 11);
+
+    let long = first(&instance, BoardObjective::Makespan, SearchBudget::of(1_500_000)).expect("there is a plan");
+    assert_eq!(fault(&instance, &long), None);
+    let makespan = BoardCosts::of(&long).makespan;
+    let terms = fast::FirstPlanTerms { step_limit: Some(makespan as u32 - 1), ..terms };
+    let mut meter = Meter::new(SearchBudget::of(1_500_000));
+    let shorter = fast::tighten(&instance, &long, terms, &mut meter).expect("a step less is possible");
+    assert_eq!(fault(&instance, &shorter), None);
+    assert!(BoardCosts::of(&shorter).makespan < makespan, "{makespan}");
+    let hopeless = fast::FirstPlanTerms { most_conflicts: Some(0), ..terms };
+    assert_eq!(fast::tighten(&instance, &long, hopeless, &mut Meter::new(SearchBudget::of(1_500_000))), None);
 }

@@ -27,7 +27,7 @@ mod why;
 
 pub use errands::PartCourse;
 pub use job::{BoardStandings as Standings, ElectrodeArrayMotion, ElectrodeArrayStepMotion, plan};
-pub use portfolio::solve;
+pub use portfolio::{first, solve};
 
 #[cfg(test)]
 mod tests;

@@ -4,11 +4,12 @@
 //! several, in this order:
 //! - In rounds of increasing length, [`fast::first`] searches for a plan, then [`lacam::first`] and, one part moving at a time,
 //!   [`joint`]; then [`exact::prove`] for a reason why there is none (small joint spaces, parts that block each other), until one
-//!   of them succeeds. Where that is a plan of many parts from a search of configurations, [`fast::first`] gets a longer turn.
+//!   of them succeeds.
 //! - A small joint space is searched exhaustively.
 //! - Until the objective meets its bound or their share of the budget is spent: [`fast::improve`] in rounds and, where a round
-//!   leaves the makespan unchanged, [`fast::first`] within one step less. Where the bound is not met, the same again from the same
-//!   first plan for the other objective, and from there back: a change that helps one may help the other.
+//!   hardly shortens the makespan, [`fast::first`] and [`fast::tighten`] within a limit between the bound and the makespan held:
+//!   with many parts a new plan within a limit is found sooner than a long one is shortened. Where the bound is not met, the same
+//!   again from the same first plan for the other objective, and from there back: a change that helps one may help the other.
 //! - [`exact::prove`] with the rest of the budget, which improves plan and bounds until they meet.
 //!
 //! Guaranteed: the answer is a legal plan with bounds that hold for every plan, a proof that there is none, or neither when the
@@ -21,8 +22,9 @@ use super::joint::{self, JointAim};
 use super::{alone, exact, fast, lacam, timing};
 use crate::plan::search::{Meter, SearchBudget};
 
-/// Steps of the first round: nearly all instances that are not crowded need fewer.
+/// Steps of the first round, or as many for each step of the parts: nearly all instances that are not crowded need fewer.
 const TURN_STEPS: u64 = 20_000;
+const TURN_STEPS_PER_MOVE: u64 = 2;
 
 /// Growth factor of the rounds.
 const TURN_GROWTH: u64 = 4;
@@ -37,15 +39,29 @@ const HARD_SHARE: u64 = 4;
 const IMPROVE_SHARE: u64 = 4;
 const OTHER_SHARE: u64 = 8;
 
-/// One part in this many of the remaining budget goes to repaired paths where a search of configurations found a plan of many parts
-/// first.
-const REPAIR_SHARE: u64 = 4;
+/// Most of the makespan's bound, in per cent, that the first round allows: a limit makes the search of each path smaller.
+const ROOMY_PERCENT: u64 = 150;
 
-/// With more parts a proof is unlikely, so better plans get the whole remaining budget except one such part.
-const CROWD: usize = 50;
+/// A first plan of configurations may take as many steps as it takes all parts to walk this many times the makespan's bound.
+const WALK_BOUNDS: u64 = 4;
 
-/// Steps of one round of improvement, and of one search for a plan with a step less; each plus this many for each step of the
-/// parts.
+/// With more parts a proof is unlikely, so better plans get the whole remaining budget except one such part. Then
+const CROWD: usize = 36;
+
+/// a makespan of more than this, in per cent of its bound, is brought near to the bound by a new plan,
+const FAR_PERCENT: u64 = 120;
+
+/// of at most this many per cent of the bound,
+const NEAR_PERCENT: u64 = 110;
+
+/// which gets at least one in this many of the steps for better plans.
+const FAR_SHARE: u64 = 3;
+
+/// A round has stalled if it shortens the makespan by less than one part in this many.
+const SHORTER: u64 = 50;
+
+/// Steps of the first round of improvement, and of the first search for a plan within a limit; each plus this many for each step of
+/// the parts.
 const ROUND_STEPS: u64 = 100_000;
 const SQUEEZE_STEPS: u64 = 400_000;
 const STEPS_PER_MOVE: u64 = 5;
@@ -67,19 +83,21 @@ pub fn solve(instance: &Instance, objective: BoardObjective, limit: Option<u64>,
         Ok(bounds) => bounds,
         Err(why) => return BoardAnswer::Impossible(why),
     };
-    let mut search = PortfolioSearch {
-        instance,
-        objective,
-        limit,
-        bounds,
-        is_crowded: false,
-        meter: Meter::new(budget),
-        held: None,
-    };
+    let mut search = PortfolioSearch { instance, objective, limit, bounds, meter: Meter::new(budget), held: None };
     match search.first() {
         Some(BoardAnswer::Found(BoardPlan { paths, .. })) => search.better(paths),
         Some(decided) => decided,
         None => exact::prove(instance, objective, None, limit, &mut search.meter),
+    }
+}
+
+/// The plan with which [`solve`] begins, if it finds one.
+pub fn first(instance: &Instance, objective: BoardObjective, budget: SearchBudget) -> Option<Paths> {
+    let bounds = fast::bounds(instance).ok()?;
+    let meter = Meter::new(budget);
+    match (PortfolioSearch { instance, objective, limit: None, bounds, meter, held: None }).first()? {
+        BoardAnswer::Found(BoardPlan { paths, .. }) => Some(paths),
+        BoardAnswer::Impossible(_) | BoardAnswer::GaveUp(_) => None,
     }
 }
 
@@ -106,8 +124,6 @@ struct PortfolioSearch<'a> {
     limit: Option<u64>,
     /// Lower bounds from the parts alone.
     bounds: BoardCosts,
-    /// Many parts, for which short searches found no plan: plans with one step less are not sought either.
-    is_crowded: bool,
     meter: Meter,
     /// Once there is a plan.
     held: Option<HeldBoardPlan>,
@@ -118,13 +134,13 @@ impl PortfolioSearch<'_> {
     fn first(&mut self) -> Option<BoardAnswer> {
         let (instance, objective, limit, bounds) = (self.instance, self.objective, self.limit, self.bounds);
         let reserve = self.meter.left().steps / HARD_SHARE;
-        let (mut steps, mut seed) = (TURN_STEPS, 1);
+        let (mut steps, mut seed) = (TURN_STEPS.max(TURN_STEPS_PER_MOVE * bounds.sum_of_costs), 1);
         while self.meter.left().steps > reserve {
             let most = self.meter.left().steps - reserve;
-            let mut plan = self.within(limit, seed, steps.min(most));
+            let roomy = (seed == 1).then_some(bounds.makespan * ROOMY_PERCENT / 100);
+            let mut plan = self.within(limit.into_iter().chain(roomy).min(), seed, steps.min(most));
             if plan.is_none() {
-                let crowded = self.crowded(seed, steps.min(most)).and_then(|paths| self.shortened(paths));
-                plan = crowded.map(|paths| self.or_repaired(paths, seed));
+                plan = self.crowded(seed, steps.min(most)).and_then(|paths| self.shortened(paths));
             }
             if let Some(paths) = plan {
                 return Some(BoardAnswer::Found(BoardPlan { paths, bounds }));
@@ -143,24 +159,13 @@ impl PortfolioSearch<'_> {
     /// A plan of any length for a crowded board: the best of three searches of configurations.
     fn crowded(&mut self, seed: u64, steps: u64) -> Option<Paths> {
         let instance = self.instance;
-        let quick = self.searched(steps, |share| lacam::first(instance, seed, share));
+        let walk = instance.agents.len() as u64 * self.bounds.makespan * WALK_BOUNDS;
+        let quick = self.searched(steps.max(walk), |share| lacam::first(instance, seed, share));
         let any = self.searched(steps, |share| in_turns(instance, JointAim::Any, share));
         let fewest =
             any.as_ref().and_then(|_| self.searched(steps, |share| in_turns(instance, JointAim::Moves, share)));
         let plans = quick.into_iter().chain(any).chain(fewest);
         plans.min_by_key(|paths| BoardCosts::of(paths).key(self.objective))
-    }
-
-    /// A plan of a crowded board, or a better one by longer repair: configurations are searched one step at a time, and with many
-    /// agents their plans are about twice as long as those of repaired paths, and hardly improve afterwards.
-    fn or_repaired(&mut self, paths: Paths, seed: u64) -> Paths {
-        if self.instance.agents.len() <= CROWD {
-            return paths;
-        }
-        self.is_crowded = true;
-        let repaired = self.within(self.limit, seed, self.meter.left().steps / REPAIR_SHARE);
-        let key = |paths: &Paths| BoardCosts::of(paths).key(self.objective);
-        repaired.filter(|repaired| key(repaired) < key(&paths)).unwrap_or(paths)
     }
 
     /// A plan shortened to keep the limit, if one is found.
@@ -182,7 +187,8 @@ impl PortfolioSearch<'_> {
     fn within(&mut self, limit: Option<u64>, seed: u64, steps: u64) -> Option<Paths> {
         let instance = self.instance;
         let step_limit = limit.map(|limit| u32::try_from(limit).unwrap_or(u32::MAX));
-        self.searched(steps, |share| fast::first(instance, fast::FirstPlanTerms { seed, step_limit }, share))
+        let terms = fast::FirstPlanTerms { seed, step_limit, most_conflicts: None };
+        self.searched(steps, |share| fast::first(instance, terms, share))
     }
 
     /// The best plan that the budget allows, starting from a first one.
@@ -219,21 +225,32 @@ impl PortfolioSearch<'_> {
         exact::prove(self.instance, self.objective, Some(&best), self.limit, &mut self.meter)
     }
 
-    /// A plan improved in rounds until it meets its bound or `steps` steps are spent.
+    /// A plan improved in rounds until it meets its bound or `steps` steps are spent. Where a round shortens it little, plans within a
+    /// limit on the makespan are sought instead; each time that fails, both get more steps.
     fn bettered(&mut self, mut best: Paths, steps: u64) -> Paths {
         let end = self.meter.left().steps - steps;
         let more = STEPS_PER_MOVE * self.bounds.sum_of_costs;
-        let mut seed = 1;
+        let (mut round_steps, mut squeeze_steps) = (ROUND_STEPS + more, SQUEEZE_STEPS + more);
+        let (mut seed, mut failures) = (1, 0);
         while !self.is_met(&best) && self.meter.left().steps > end {
             let before = BoardCosts::of(&best).makespan;
-            best = self.round(best, seed, ROUND_STEPS + more);
-            if self.objective == BoardObjective::Makespan
-                && !self.is_crowded
-                && BoardCosts::of(&best).makespan == before
-                && before > self.bounds.makespan
-            {
-                let steps = (SQUEEZE_STEPS + more).min(self.meter.left().steps.saturating_sub(end));
-                best = self.within(Some(before - 1), seed, steps).unwrap_or(best);
+            best = self.round(best, seed, round_steps.min(self.meter.left().steps - end));
+            let makespan = BoardCosts::of(&best).makespan;
+            let is_stalled = before.saturating_sub(makespan) * SHORTER < before && makespan > self.bounds.makespan;
+            let left = self.meter.left().steps.saturating_sub(end);
+            if self.objective == BoardObjective::Makespan && is_stalled && left > 0 {
+                let is_far = makespan * 100 > self.bounds.makespan * FAR_PERCENT;
+                let is_new = failures == 0 && is_far && self.instance.agents.len() > CROWD;
+                let aim = if is_new { SqueezeAim::New } else { SqueezeAim::turn(failures) };
+                let most = if is_new { squeeze_steps.max(steps / FAR_SHARE) } else { squeeze_steps };
+                match self.squeezed(&best, aim, seed, most.min(left)) {
+                    Some(shorter) => (best, failures) = (shorter, 0),
+                    None => {
+                        failures += 1;
+                        round_steps += round_steps / 2;
+                        squeeze_steps += squeeze_steps / 2;
+                    }
+                }
             }
             if let Some(held) = &mut self.held {
                 held.offer(BoardCosts::of(&best), self.bounds);
@@ -241,6 +258,26 @@ impl PortfolioSearch<'_> {
             seed += 1;
         }
         best
+    }
+
+    /// A plan nearer to the bound on the makespan, if one is found.
+    fn squeezed(&mut self, best: &Paths, aim: SqueezeAim, seed: u64, steps: u64) -> Option<Paths> {
+        let (bound, makespan) = (self.bounds.makespan, BoardCosts::of(best).makespan);
+        let limit = match aim {
+            SqueezeAim::New => bound * NEAR_PERCENT / 100,
+            SqueezeAim::HalfNew | SqueezeAim::HalfTightened => (bound + makespan) / 2,
+            SqueezeAim::OneLessNew | SqueezeAim::OneLessTightened => makespan - 1,
+        };
+        let instance = self.instance;
+        let terms = fast::FirstPlanTerms {
+            seed,
+            step_limit: Some(u32::try_from(limit.min(makespan - 1)).unwrap_or(u32::MAX)),
+            most_conflicts: Some(instance.agents.len()),
+        };
+        self.searched(steps, |share| match aim {
+            SqueezeAim::New | SqueezeAim::HalfNew | SqueezeAim::OneLessNew => fast::first(instance, terms, share),
+            SqueezeAim::HalfTightened | SqueezeAim::OneLessTightened => fast::tighten(instance, best, terms, share),
+        })
     }
 
     /// Improves the figure that is not minimised, in rounds until one of them gains little.
@@ -285,6 +322,28 @@ impl PortfolioSearch<'_> {
             self.meter.charge(steps.max(1));
         }
         result
+    }
+}
+
+/// The limit on the makespan of a shorter plan, and whether that plan is new or made from the best one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum SqueezeAim {
+    /// Near the bound.
+    New,
+    /// Half of the way from the best plan to the bound.
+    HalfNew,
+    HalfTightened,
+    /// One step less.
+    OneLessNew,
+    OneLessTightened,
+}
+
+impl SqueezeAim {
+    /// The aim after a number of failures.
+    fn turn(failures: usize) -> SqueezeAim {
+        const TURNS: [SqueezeAim; 4] =
+            [SqueezeAim::HalfNew, SqueezeAim::OneLessNew, SqueezeAim::HalfTightened, SqueezeAim::OneLessTightened];
+        TURNS[failures % TURNS.len()]
     }
 }
 

@@ -4,6 +4,7 @@ use super::super::board::{CellIndex, Instance, NoBoardPlan, Paths};
 use super::distances::Distances;
 use super::reservations::{Asking, Others, Reservations};
 use super::sipp::{Query, Sipp, StopRoute};
+use super::weights::ConflictWeights;
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 
@@ -19,6 +20,8 @@ pub(super) struct PlannedInstance<'a> {
     distances: Distances,
     sipp: Sipp,
     partners: Vec<Vec<u32>>,
+    /// What soft conflicts cost.
+    pub(super) weights: ConflictWeights,
 }
 
 /// Settings for planning one agent.
@@ -60,6 +63,7 @@ impl<'a> PlannedInstance<'a> {
             distances,
             sipp: Sipp::new(&instance.board),
             partners,
+            weights: ConflictWeights::new(instance.agents.len()),
         })
     }
 
@@ -73,7 +77,8 @@ impl<'a> PlannedInstance<'a> {
         let it = &self.instance.agents[agent];
         let stops = wish.detour.iter().chain(&it.stops);
         let route = route(self.instance, it.start, stops, &mut self.distances, meter).ok()?;
-        let asking = Asking { goal: it.goal(), partners: &self.partners[agent], others: wish.others };
+        let weights = self.weights.row(agent);
+        let asking = Asking { goal: it.goal(), partners: &self.partners[agent], others: wish.others, weights };
         let query = Query {
             board: &self.instance.board,
             start: it.start,
@@ -90,7 +95,7 @@ impl<'a> PlannedInstance<'a> {
     /// The agents in the table with which a path conflicts, sorted.
     pub(super) fn conflicts(&self, agent: usize, path: &[CellIndex]) -> Vec<usize> {
         let goal = self.instance.agents[agent].goal();
-        let asking = Asking { goal, partners: &self.partners[agent], others: Others::Hard };
+        let asking = Asking { goal, partners: &self.partners[agent], others: Others::Hard, weights: &[] };
         let mut found = Vec::new();
         self.table.conflicts(path, &asking, |other| {
             if other != agent {

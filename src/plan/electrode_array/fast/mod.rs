@@ -20,8 +20,9 @@ mod prioritise;
 mod repair;
 mod reservations;
 mod sipp;
+mod weights;
 
-use super::board::{BoardCosts, BoardObjective, Instance, NoBoardPlan, Paths};
+use super::board::{BoardCosts, BoardObjective, CellIndex, Instance, NoBoardPlan, Paths};
 use crate::plan::search::{Meter, SearchBudget};
 use crew::PlannedInstance;
 pub(super) use distances::{DistanceField, Distances, UNREACHABLE};
@@ -37,6 +38,14 @@ pub struct FirstPlanTerms {
     pub seed: u64,
     /// Latest arrival of an agent.
     pub step_limit: Option<u32>,
+    /// Most pairs of agents whose paths may conflict when repair begins: with more it rarely ends.
+    pub most_conflicts: Option<usize>,
+}
+
+impl FirstPlanTerms {
+    fn most_pairs(self) -> usize {
+        self.most_conflicts.unwrap_or(usize::MAX)
+    }
 }
 
 /// Lower bounds: the makespan and the sum of costs of agents that ignore one another. An error if an agent alone cannot reach a
@@ -50,18 +59,31 @@ pub fn bounds(instance: &Instance) -> Result<BoardCosts, NoBoardPlan> {
 
 /// A first plan, unless the meter runs out, an agent is enclosed, or the board has more than [`MAX_CELLS`].
 pub fn first(instance: &Instance, terms: FirstPlanTerms, meter: &mut Meter) -> Option<Paths> {
+    let mut crew = begin(instance, terms, meter)?;
+    match prioritise::prioritise(&mut crew, meter) {
+        PrioritisedOutcome::Plan(paths) => Some(paths),
+        PrioritisedOutcome::Part(part) => repair::repair(&mut crew, part, terms.most_pairs(), meter),
+    }
+}
+
+/// A plan within a step limit from a legal plan that is longer: the paths that arrive later are planned anew, and repaired. Ends
+/// without one as [`first`] does.
+pub fn tighten(instance: &Instance, paths: &Paths, terms: FirstPlanTerms, meter: &mut Meter) -> Option<Paths> {
+    let mut crew = begin(instance, terms, meter)?;
+    let limit = u64::from(crew.step_limit);
+    let arrives = |path: &&Vec<CellIndex>| path.len() as u64 - 1 <= limit;
+    let part = paths.iter().map(|path| Some(path).filter(arrives).cloned()).collect();
+    repair::repair(&mut crew, part, terms.most_pairs(), meter)
+}
+
+/// The state of a first plan; none where the terms or the board allow none.
+fn begin<'a>(instance: &'a Instance, terms: FirstPlanTerms, meter: &mut Meter) -> Option<PlannedInstance<'a>> {
     if instance.board.cells() > MAX_CELLS {
         return None;
     }
     let mut crew = PlannedInstance::new(instance, terms.seed, meter).ok()?;
     crew.step_limit = terms.step_limit.unwrap_or(crew.step_limit);
-    if u64::from(crew.step_limit) < total(&crew.least).makespan {
-        return None;
-    }
-    match prioritise::prioritise(&mut crew, meter) {
-        PrioritisedOutcome::Plan(paths) => Some(paths),
-        PrioritisedOutcome::Part(part) => repair::repair(&mut crew, part, meter),
-    }
+    (u64::from(crew.step_limit) >= total(&crew.least).makespan).then_some(crew)
 }
 
 /// The best plan found from a legal one, at worst itself; ends early where both bounds are met.

@@ -1,21 +1,25 @@
 //! Repairs conflicting paths into a legal plan.
 //!
 //! Method: MAPF-LNS2 (Li and others, AAAI 2022): remove the paths of a few conflicting agents, replan them one after the other with
-//! as few conflicts as possible, and keep the result if there are no more conflicts than before. Now and then an agent waits at its
-//! start or detours via a nearby cell: for two agents to swap in a corridor, one of them must enter a bay. Guaranteed: a returned
-//! plan is legal. Not guaranteed: that one is found; the search ends with its meter. Cost: one search for each agent of a
+//! as few conflicts as possible, and keep the result if its conflicts weigh no more than before. Pairs that stay in conflict gain
+//! weight ([`super::weights`]). Now and then an agent waits at its start or detours via a nearby cell: for two agents to swap in a
+//! corridor, one of them must enter a bay. Guaranteed: a returned plan is legal. Not guaranteed: that one is found; the search ends with its meter. Cost: one search for each agent of a
 //! neighbourhood of at most [`LARGEST`].
 
 use super::super::board::{CellIndex, Paths};
 use super::crew::{PlannedInstance, Wish};
 use super::reservations::Others;
+use super::weights::ConflictWeights;
 use crate::plan::search::Meter;
 
 /// Most agents that are replanned at once.
 const LARGEST: usize = 5;
 
-/// Instants of detour that one instant of conflict is worth.
-const WEIGHT: u32 = 500;
+/// Instants of detour that one conflict of weight 1 is worth.
+const WEIGHT: u32 = 30;
+
+/// In one of this many rounds that resolve nothing, the pairs in conflict gain weight.
+const RAISING_ROUNDS: usize = 40;
 
 /// Extra weight of the heuristic, see [`super::sipp::Query::haste`].
 const HASTE: u32 = 2;
@@ -43,6 +47,13 @@ impl RepairState {
         self.near.iter().map(Vec::len).sum::<usize>() / 2
     }
 
+    /// Total weight of the conflicts; each pair counts once for each of its agents.
+    fn weight(&self, weights: &ConflictWeights) -> u64 {
+        let of =
+            |(agent, others): (usize, &Vec<usize>)| others.iter().map(|other| weights.of(agent, *other)).sum::<u64>();
+        self.near.iter().enumerate().map(of).sum()
+    }
+
     fn link(&mut self, agent: usize, others: Vec<usize>) {
         for other in &others {
             self.near[*other].push(agent);
@@ -57,19 +68,38 @@ impl RepairState {
     }
 }
 
-/// Completes and repairs the paths of an attempt.
+/// Completes and repairs the paths of an attempt, unless more than `most_pairs` pairs conflict in the beginning.
 pub(super) fn repair(
     crew: &mut PlannedInstance,
     part: Vec<Option<Vec<CellIndex>>>,
+    most_pairs: usize,
     meter: &mut Meter,
 ) -> Option<Paths> {
+    crew.weights = ConflictWeights::new(crew.count());
     let mut state = begin(crew, part, meter)?;
-    while state.pairs() > 0 {
+    let (mut pairs, mut vain_rounds) = (state.pairs(), 0);
+    if pairs > most_pairs {
+        return None;
+    }
+    while pairs > 0 {
         meter.step()?;
         let chosen = neighbourhood(crew, &state);
         again(crew, &mut state, chosen, meter)?;
+        let before = std::mem::replace(&mut pairs, state.pairs());
+        vain_rounds += usize::from(pairs >= before);
+        if vain_rounds == RAISING_ROUNDS {
+            vain_rounds = 0;
+            raise(&mut crew.weights, &state);
+        }
     }
     Some(state.paths)
+}
+
+/// Raises the weight of each pair in conflict.
+fn raise(weights: &mut ConflictWeights, state: &RepairState) {
+    for (agent, others) in state.near.iter().enumerate() {
+        others.iter().for_each(|other| weights.raise(agent, *other));
+    }
 }
 
 /// Enters the paths of an attempt and plans the missing ones, conflicts allowed.
@@ -130,9 +160,9 @@ fn passer(crew: &mut PlannedInstance, path: &[CellIndex]) -> usize {
     crew.table.visitors(cell).nth(pick).expect("the path itself is in the table")
 }
 
-/// Replans the chosen agents; undone if there are more conflicts than before. `None` when the meter ran out.
+/// Replans the chosen agents; undone if the conflicts weigh more than before. `None` when the meter ran out.
 fn again(crew: &mut PlannedInstance, state: &mut RepairState, mut chosen: Vec<usize>, meter: &mut Meter) -> Option<()> {
-    let before = state.pairs();
+    let before = state.weight(&crew.weights);
     let old: Vec<_> = chosen.iter().map(|agent| (*agent, state.paths[*agent].clone())).collect();
     for (agent, path) in &old {
         crew.table.remove(*agent, path);
@@ -148,11 +178,11 @@ fn again(crew: &mut PlannedInstance, state: &mut RepairState, mut chosen: Vec<us
         crew.table.add(*agent, &path);
         state.paths[*agent] = path;
         placed += 1;
-        if state.pairs() > before {
+        if state.weight(&crew.weights) > before {
             break;
         }
     }
-    if placed == chosen.len() && state.pairs() <= before {
+    if placed == chosen.len() && state.weight(&crew.weights) <= before {
         return Some(());
     }
     for agent in &chosen[..placed] {

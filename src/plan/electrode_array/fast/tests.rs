@@ -123,7 +123,7 @@ fn with_merges(mut instance: Instance) -> Instance {
 
 /// Plans, checks, improves for both objectives, checks again; returns whether there was a plan.
 fn plan_and_check(instance: &Instance, seed: u64, steps: u64) -> bool {
-    let terms = FirstPlanTerms { seed, step_limit: None };
+    let terms = FirstPlanTerms { seed, ..FirstPlanTerms::default() };
     let Some(paths) = first(instance, terms, &mut meter(steps)) else { return false };
     assert_eq!(violations(instance, &paths), Vec::<String>::new(), "{instance:?}");
     let below = bounds(instance).expect("there is a plan");
@@ -277,7 +277,13 @@ fn a_walled_in_stop_is_named() {
 #[test]
 fn the_step_limit_holds() {
     let instance = swap(corridor(9, true));
-    let with = |limit| first(&instance, FirstPlanTerms { seed: 1, step_limit: Some(limit) }, &mut meter(100_000));
+    let with = |limit| {
+        first(
+            &instance,
+            FirstPlanTerms { seed: 1, step_limit: Some(limit), ..FirstPlanTerms::default() },
+            &mut meter(100_000),
+        )
+    };
     assert_eq!(with(7), None);
     let best = improve(&instance, with(40).expect("enough"), BoardObjective::Makespan, 1, &mut meter(PLENTY));
     let least = BoardCosts::of(&best).makespan;

@@ -42,7 +42,7 @@ impl ReservedSpan {
 pub(super) struct SafeInterval {
     pub(super) from: u32,
     pub(super) to: u32,
-    /// Number of conflicts with others; 0 where all of them are hard.
+    /// Weight of the conflicts with others; 0 where all of them are hard.
     pub(super) cost: u32,
 }
 
@@ -62,6 +62,8 @@ pub(super) struct Asking<'a> {
     /// The agents with which it merges on its goal.
     pub(super) partners: &'a [u32],
     pub(super) others: Others,
+    /// What a soft conflict with each agent costs; 1 with those beyond its end.
+    pub(super) weights: &'a [u32],
 }
 
 impl Asking<'_> {
@@ -294,7 +296,8 @@ impl Reservations {
                 continue;
             }
             let soft = asking.others == Others::Soft || span.owner & HAZARD != 0;
-            let weight = if soft { 1 } else { HARD };
+            let own = || asking.weights.get(span.agent() as usize).map_or(1, |weight| i64::from(*weight));
+            let weight = if soft { own() } else { HARD };
             self.events.push((span.from, weight));
             self.events.push((span.to, -weight));
         }

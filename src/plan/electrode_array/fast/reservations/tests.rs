@@ -56,7 +56,7 @@ fn segments_are_what_the_rule_says() {
         table.remove(2, &[0]);
         table.add(1, &paths[1]);
         for others in [Others::Hard, Others::Soft] {
-            let asking = Asking { goal: instance.agents[2].goal(), partners: &[1], others };
+            let asking = Asking { goal: instance.agents[2].goal(), partners: &[1], others, weights: &[] };
             for cell in 0..instance.board.cells() as CellIndex {
                 let mut segments = Vec::new();
                 table.segments(cell, &asking, &mut segments);
@@ -81,7 +81,7 @@ fn conflicts_are_those_of_the_rule() {
         let mut table = Reservations::new(&instance);
         table.add(0, &paths[0]);
         table.add(1, &paths[1]);
-        let asking = Asking { goal: instance.agents[2].goal(), partners: &[1], others: Others::Hard };
+        let asking = Asking { goal: instance.agents[2].goal(), partners: &[1], others: Others::Hard, weights: &[] };
         let mut found = Vec::new();
         table.conflicts(&paths[2], &asking, |other| found.push(other));
         for other in [0, 1] {
@@ -116,7 +116,7 @@ fn a_hazard_is_soft_among_hard_paths() {
     let mut table = Reservations::new(&instance);
     table.add(0, &[0]);
     table.add_hazard(1, 4, 7);
-    let asking = Asking { goal: 8, partners: &[], others: Others::Hard };
+    let asking = Asking { goal: 8, partners: &[], others: Others::Hard, weights: &[] };
     let mut segments = Vec::new();
     table.segments(3, &asking, &mut segments);
     assert_eq!(segments, [SafeInterval { from: 0, to: 7, cost: 1 }, SafeInterval { from: 7, to: NEVER, cost: 0 }]);
@@ -153,7 +153,7 @@ fn a_hidden_path_does_not_count_until_it_is_decided() {
 }
 
 fn listing(table: &mut Reservations, instance: &Instance) -> Vec<Vec<SafeInterval>> {
-    let asking = Asking { goal: 0, partners: &[], others: Others::Hard };
+    let asking = Asking { goal: 0, partners: &[], others: Others::Hard, weights: &[] };
     let list = |cell| {
         let mut segments = Vec::new();
         table.segments(cell, &asking, &mut segments);
