@@ -101,21 +101,7 @@ fn end_of_line(text: &str, at: usize) -> usize {
 /// The steps of all tasks and programs: the bytes at which they begin and end.
 fn step_ends(tree: &Tree) -> BTreeMap<usize, usize> {
     let mut ends = BTreeMap::new();
-    let mut open: Vec<&[Entry]> = Vec::new();
-    for item in &tree.items {
-        match item {
-            Item::Task(task) => open.push(&task.entries),
-            Item::Program(program) => open.push(&program.entries),
-            Item::Use(_)
-            | Item::Let(_)
-            | Item::Device(_)
-            | Item::Instrument(_)
-            | Item::Output(_)
-            | Item::Scene(_)
-            | Item::Wiring(_)
-            | Item::Error(_) => {}
-        }
-    }
+    let mut open: Vec<&[Entry]> = tree.items.iter().filter_map(Item::runnable).map(|item| item.entries).collect();
     while let Some(entries) = open.pop() {
         for entry in entries {
             match entry {
