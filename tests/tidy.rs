@@ -31,7 +31,7 @@ const SIGHT: &[(&str, &[&str])] = &[
     ("lower", &["claims", "plan", "schedule"]),
     ("emit", &["claims", "schedule", "verify", "log"]),
     ("compile", &["syntax", "claims", "schedule", "check", "plan", "lower", "verify"]),
-    ("lsp", &["syntax", "format", "check", "compile"]),
+    ("lsp", &["syntax", "format", "claims", "check", "compile"]),
     (
         "cli",
         &[

@@ -27,7 +27,7 @@ impl Checker<'_> {
             ExprKind::Text(text) => self.text(text, expr.span, scope).map_or(Value::Unknown, Value::Text),
             ExprKind::Bool(value) => Value::Bool(*value),
             ExprKind::Path(path) => self.path(path, scope),
-            ExprKind::Tuple(parts) => self.tuple(parts, scope),
+            ExprKind::Tuple(parts) => self.tuple(expr.span, parts, scope),
             ExprKind::List(parts) => self.list(parts, expr.span, scope),
             ExprKind::Range { from, to } => self.range(from, to, scope),
             ExprKind::Negative(inner) => self.negative(inner, expr.span, scope),
@@ -179,7 +179,7 @@ impl Checker<'_> {
         number
     }
 
-    fn tuple(&mut self, parts: &[Expr], scope: &Scope) -> Value {
+    fn tuple(&mut self, span: Span, parts: &[Expr], scope: &Scope) -> Value {
         let values: Vec<Value> = parts.iter().map(|part| self.evaluate(part, scope)).collect();
         let mut coordinates = Vec::with_capacity(values.len());
         for (part, value) in parts.iter().zip(&values) {
@@ -192,7 +192,7 @@ impl Checker<'_> {
         let Some(first) = coordinates.first() else { return Value::Unknown };
         if let Some(odd) = coordinates.iter().position(|coordinate| coordinate.dimension != first.dimension) {
             let (first, odd) = ((parts[0].span, &values[0]), (parts[odd].span, &values[odd]));
-            return self.unknown(errors::mixed_point(first, odd));
+            return self.unknown(errors::mixed_point(first, odd, (span, &coordinates)));
         }
         Value::Point(coordinates)
     }

@@ -129,7 +129,9 @@ impl Checker<'_> {
             Ok(()) => Some(value),
             Err(diagnostic) => {
                 self.sink.push(match sort {
-                    Sort::Quantity { dimension, .. } => errors::unit_mended(*diagnostic, dimension, expr, &value),
+                    Sort::Quantity { dimension, .. } => {
+                        errors::unit_mended(*diagnostic, (wanted, dimension), expr, &value)
+                    }
                     _ => *diagnostic,
                 });
                 None

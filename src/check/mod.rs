@@ -21,6 +21,7 @@ pub mod imports;
 mod instruments;
 mod labels;
 pub mod lets;
+mod limits;
 mod lineage;
 pub mod links;
 mod meshes;
@@ -134,6 +135,11 @@ trait CheckedFacts {
         false
     }
 
+    /// The distance from one place at which something can stand to the next, as `cells of 80 um`; `None` where things stand anywhere.
+    fn pitch(&self) -> Option<String> {
+        None
+    }
+
     /// Whether the device has a channel of a name.
     fn has_channel(&self, name: &str) -> bool {
         self.channel_examples().iter().any(|channel| channel == name)
@@ -152,6 +158,11 @@ impl KindFacts {
     /// The facts as their kind.
     fn asked(&self) -> &dyn CheckedFacts {
         each_kind!(KindFacts, self, facts => facts)
+    }
+
+    /// The distance from one place at which something can stand to the next, as `cells of 80 um`; `None` where things stand anywhere.
+    pub fn pitch(&self) -> Option<String> {
+        self.asked().pitch()
     }
 }
 

@@ -88,7 +88,7 @@ impl Checker<'_> {
         let mut pairs: BTreeMap<[DeclarationPlace; 2], [Span; 2]> = BTreeMap::new();
         concurrent(timeline, sites, &mut |one, other| {
             let (one, other) = (sites[one], sites[other]);
-            if one.scene.is_some() && one.scene == other.scene {
+            if one.scene.is_some() && one.scene == other.scene && one.device != other.device {
                 let pair = [one.device.min(other.device), one.device.max(other.device)];
                 pairs.entry(pair).or_insert([one.span, other.span]);
             }

@@ -158,7 +158,7 @@ impl<'a> Checker<'a> {
         scope.view = self.view_of(scene);
         // The words are checked even if the device's own figures are unknown.
         let mut parts = self.parts(item, device.root.vocabulary(), scope);
-        let is_whole = parts.is_whole;
+        let is_whole = parts.is_whole && super::limits::can_be_kept(&parts.requirements, self.sink);
         let requirements = std::mem::take(&mut parts.requirements);
         let events = std::mem::take(&mut parts.events);
         let scene = match scene {
@@ -226,7 +226,10 @@ impl<'a> Checker<'a> {
 
     fn entry(&mut self, step: &'a tree::Step, scope: &Scope, reading: &mut TaskReading<'a>) {
         if is_setting(step) {
-            self.settings_come_first(&step.head, reading);
+            // A second one is a mistake wherever it stands.
+            if may_repeat(&step.head, reading.vocabulary) || !reading.seen.contains_key(&step.head.text) {
+                self.settings_come_first(&step.head, reading);
+            }
             self.setting(step, scope, reading);
             return;
         }

@@ -48,6 +48,11 @@ impl Checker<'_> {
         self.noun(step, verb)?;
         let entries = self.braces(step, verb, scope);
         let object = self.verb_object(step, verb, scope);
+        // `move [a, b] to [(5, 3), (7, 6)]` is one mistake.
+        let is_list = |expr: &Expr| matches!(expr.kind, ExprKind::List(_));
+        if object.is_none() && step.object.as_ref().is_some_and(is_list) {
+            return None;
+        }
         let phrases = self.phrases(step, verb, verb.phrases, scope);
         Some(Call { verb, object: object?, phrases: phrases?, entries: entries?, span: step.span })
     }
@@ -61,6 +66,8 @@ impl Checker<'_> {
                 let near = nearest(&noun.text, [own]);
                 self.sink.push(errors::wrong_noun(noun, verb, own, near));
             }
+            // An object that could not be read was reported.
+            (Some(_), None) if matches!(&step.object, Some(Expr { kind: ExprKind::Error, .. })) => {}
             // `rotate bead 80 deg`: the word is the object, and the preposition of what follows is missing.
             (Some(_), None) if step.object.is_some() && !verb.phrases.is_empty() => {
                 let (amount, value) = step.object.as_ref().map_or((false, step.span), |it| (is_amount(it), it.span));
@@ -166,6 +173,7 @@ impl Checker<'_> {
                 let value = self.accept(sort, expr, scope, &wanted)?;
                 Some(Some(self.argument_of(expr, value, scope)))
             }
+            (Some(Expr { kind: ExprKind::Error, .. }), None) => None,
             (Some(expr), None) => {
                 let lacking = verb.phrases.iter().find(|entry| {
                     entry.count == Count::Once && step.phrases.iter().all(|p| p.preposition.text != entry.preposition)

@@ -6,6 +6,8 @@ use crate::device::dimibot;
 pub use crate::device::dimibot::{DimibotMethod, DimibotObjective};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::shape::{Pose, Shape};
+use crate::quantity::{Dimension, Quantity};
+use crate::real::Real;
 use crate::source::{Span, Spanned};
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
@@ -39,6 +41,10 @@ impl KindOrder for DimibotOrder {
     fn frame(&self) -> Option<Pose> {
         self.frame
     }
+
+    fn taken_for_places(&self) -> Vec<(Span, String)> {
+        self.stops().filter_map(|stop| Some((stop.span, self.taken_for(stop)?))).collect()
+    }
 }
 
 impl DimibotOrder {
@@ -68,6 +74,27 @@ impl DimibotOrder {
     /// The scene's coordinates of a place in the robot's own frame.
     pub fn in_scene_um(&self, own_um: [f64; 2]) -> [f64; 2] {
         in_scene_um(own_um, self.frame.as_ref())
+    }
+
+    /// All places to be reached, in the order of the steps.
+    pub fn stops(&self) -> impl Iterator<Item = &DimibotStop> {
+        self.steps.iter().flat_map(|step| match &step.action {
+            DimibotAction::Move(stops) | DimibotAction::Visit(stops) => stops.as_slice(),
+            DimibotAction::Wait(_) => &[],
+        })
+    }
+
+    /// The cell that is taken for the place of a stop, `cell (7, 14), 225.1 nm off`; `None` where a cell was asked for.
+    pub fn taken_for(&self, stop: &DimibotStop) -> Option<String> {
+        let off_um = (self.off_um(stop)? * 1e4).round() / 1e4;
+        Some(format!("cell {}, {} off", stop.cell, Quantity::new(off_um / 1e6, Dimension::LENGTH)))
+    }
+
+    /// How far the cell of a stop lies from the place that was asked for; `None` where that was a cell.
+    pub fn off_um(&self, stop: &DimibotStop) -> Option<f64> {
+        let Asked::Place([x_um, y_um]) = stop.asked else { return None };
+        let [cell_x_um, cell_y_um] = self.in_scene_um(self.facts.place_um(stop.cell));
+        Some((cell_x_um - x_um).hypotenuse(cell_y_um - y_um))
     }
 }
 

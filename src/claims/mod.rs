@@ -210,6 +210,12 @@ pub trait KindOrder {
         None
     }
 
+    /// What is taken for each place of its steps that is none of the device's own, as `cell (7, 14), 225.1 nm off`, by where the place is
+    /// written; where that is known before there is a plan.
+    fn taken_for_places(&self) -> Vec<(Span, String)> {
+        Vec::new()
+    }
+
     /// How far the device may be off the ways of its job, in micrometres, if its kind has such a figure. Planned ways use half of it.
     fn tolerance_um(&self) -> Option<f64> {
         None

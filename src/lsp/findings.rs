@@ -1,11 +1,12 @@
 //! The checker's findings of an open program, as editors show them.
 
+use super::hints::CheckedFigures;
 use super::text::{self, ColumnUnit, EditedText};
 use crate::check::Options;
 use crate::check::imports::Library;
 use crate::compile::{self, CompileRequest};
 use crate::diagnostic::{Diagnostic, Label, Severity, Sink};
-use crate::source::{Origin, Sources, beside};
+use crate::source::{FileId, Origin, Sources, beside};
 use lsp_types::{
     CodeAction, CodeActionKind, DiagnosticRelatedInformation, DiagnosticSeverity, Location, NumberOrString, TextEdit,
     Uri, WorkspaceEdit,
@@ -51,23 +52,24 @@ impl Library for Overlay<'_> {
     }
 }
 
-/// The findings of the program of a path, which is one of the open texts.
+/// The findings of the program of a path, which is one of the open texts, and its figures if there is no error.
 pub fn of(
     path: &Path,
     uri: &Uri,
     (texts, disk): (&BTreeMap<PathBuf, &str>, &dyn Library),
     unit: ColumnUnit,
-) -> Vec<lsp_types::Diagnostic> {
-    let Some(text) = texts.get(path) else { return Vec::new() };
+) -> (Vec<lsp_types::Diagnostic>, CheckedFigures) {
+    let Some(text) = texts.get(path) else { return (Vec::new(), CheckedFigures::default()) };
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     let library = Overlay { folder: path.parent().unwrap_or(Path::new("")), texts, disk };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let request = CompileRequest { name: &name, text, library: &library, options: &Options::default() };
-    // What the program means is not asked here.
-    let _ = compile::check(&request, &mut sources, &mut sink);
+    let checked = compile::check(&request, &mut sources, &mut sink);
     let own = EditedText::new((*text).to_owned());
     let shown = ShownProgram { uri, own: &own, library: &library, sources: &sources, unit };
-    sink.sorted().into_iter().map(|diagnostic| shown.diagnostic(diagnostic)).collect()
+    let figures = checked.zip(shown.own_file()).map(|(checked, own)| CheckedFigures::of(&checked, own));
+    let found = sink.sorted().into_iter().map(|diagnostic| shown.diagnostic(diagnostic)).collect();
+    (found, figures.unwrap_or_default())
 }
 
 /// What the editor may do about findings, which it gives back as they were sent.
@@ -106,6 +108,11 @@ struct ShownProgram<'a> {
 }
 
 impl ShownProgram<'_> {
+    /// The program's own text among the sources.
+    fn own_file(&self) -> Option<FileId> {
+        self.sources.files().find(|(_, file)| file.origin == Origin::User).map(|(id, _)| id)
+    }
+
     fn diagnostic(&self, diagnostic: &Diagnostic) -> lsp_types::Diagnostic {
         let first = diagnostic.labels.first();
         let own_range = first.and_then(|label| self.range(label));
@@ -143,7 +150,7 @@ impl ShownProgram<'_> {
 
     /// The edits that mend a finding, if they are known, as they come back with a request for actions.
     fn mend(&self, diagnostic: &Diagnostic) -> Option<serde_json::Value> {
-        let own = self.sources.files().find(|(_, file)| file.origin == Origin::User)?.0;
+        let own = self.own_file()?;
         if diagnostic.mend.is_empty() || diagnostic.mend.iter().any(|edit| edit.span.file != own) {
             return None;
         }
@@ -183,7 +190,7 @@ impl ShownProgram<'_> {
 
     /// The place of a label in the program's own text; `None` in another file.
     fn range(&self, label: &Label) -> Option<lsp_types::Range> {
-        let own = self.sources.files().find(|(_, file)| file.origin == Origin::User)?.0;
+        let own = self.own_file()?;
         (label.span.file == own).then(|| self.own.range(label.span.range(), self.unit))
     }
 }

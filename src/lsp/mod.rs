@@ -8,6 +8,7 @@
 
 mod findings;
 mod highlight;
+mod hints;
 mod names;
 mod outline;
 mod planning;
@@ -21,18 +22,19 @@ mod tests;
 pub use planning::{PLANNED, PlanningResult, ProgramPlanner};
 
 use crate::check::imports::Library;
+use hints::CheckedFigures;
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response};
 use lsp_types::notification::{
     DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, DidSaveTextDocument, Exit,
     Notification as Notice, PublishDiagnostics,
 };
 use lsp_types::request::{
-    CodeActionRequest, Completion, DocumentHighlightRequest, DocumentSymbolRequest, FoldingRangeRequest, Formatting,
-    GotoDefinition, HoverRequest, InlayHintRefreshRequest, InlayHintRequest, References, Rename, Request as Asked,
-    SemanticTokensFullRequest, Shutdown, SignatureHelpRequest,
+    CodeActionRequest, CodeLensRequest, Completion, DocumentHighlightRequest, DocumentSymbolRequest,
+    FoldingRangeRequest, Formatting, GotoDefinition, HoverRequest, InlayHintRefreshRequest, InlayHintRequest,
+    References, Rename, Request as Asked, SemanticTokensFullRequest, Shutdown, SignatureHelpRequest,
 };
 use lsp_types::{
-    CodeActionProviderCapability, CompletionOptions, DocumentHighlight, DocumentSymbolResponse,
+    CodeActionProviderCapability, CodeLensOptions, CompletionOptions, DocumentHighlight, DocumentSymbolResponse,
     FoldingRangeProviderCapability, HoverProviderCapability, InitializeParams, Location, OneOf, PositionEncodingKind,
     PublishDiagnosticsParams, SemanticTokens, SemanticTokensFullOptions, SemanticTokensLegend, SemanticTokensOptions,
     SemanticTokensServerCapabilities, ServerCapabilities, SignatureHelpOptions, TextDocumentSyncCapability,
@@ -127,6 +129,7 @@ fn capabilities(unit: ColumnUnit) -> ServerCapabilities {
         document_highlight_provider: Some(OneOf::Left(true)),
         rename_provider: Some(OneOf::Left(true)),
         inlay_hint_provider: Some(OneOf::Left(true)),
+        code_lens_provider: Some(CodeLensOptions { resolve_provider: Some(false) }),
         signature_help_provider: Some(SignatureHelpOptions {
             trigger_characters: Some(["(", ","].map(str::to_owned).to_vec()),
             ..SignatureHelpOptions::default()
@@ -154,6 +157,8 @@ struct OpenDocument {
     ticket: u64,
     /// What that found, once it has ended.
     plans: ProgramPlans,
+    /// What the checker knows of the text for which findings were sent last.
+    figures: CheckedFigures,
 }
 
 struct Session<'a> {
@@ -186,9 +191,14 @@ impl Session<'_> {
                     return end;
                 }
             }
-            if std::mem::take(&mut self.is_changed) {
-                self.publish_all();
-            }
+            self.settle();
+        }
+    }
+
+    /// Sends the findings of the texts as they are, if one has changed since they were sent.
+    fn settle(&mut self) {
+        if std::mem::take(&mut self.is_changed) {
+            self.publish_all();
         }
     }
 
@@ -214,8 +224,12 @@ impl Session<'_> {
         None
     }
 
-    fn answer(&self, request: Request) {
+    fn answer(&mut self, request: Request) {
         let Request { id, method, params } = request;
+        if method == InlayHintRequest::METHOD {
+            // They stand in the text that was checked.
+            self.settle();
+        }
         let answer = match method.as_str() {
             Formatting::METHOD => read(params).map(|asked| json!(self.formatted::<Formatting>(&asked))),
             DocumentSymbolRequest::METHOD => read(params).map(|asked| json!(self.symbols(&asked))),
@@ -227,6 +241,7 @@ impl Session<'_> {
             References::METHOD => read(params).map(|asked| json!(self.references(&asked))),
             DocumentHighlightRequest::METHOD => read(params).map(|asked| json!(self.highlights(&asked))),
             InlayHintRequest::METHOD => read(params).map(|asked| json!(self.hints(&asked))),
+            CodeLensRequest::METHOD => read(params).map(|asked| json!(self.lenses(&asked))),
             SignatureHelpRequest::METHOD => read(params).map(|asked| json!(self.signatures(&asked))),
             FoldingRangeRequest::METHOD => read(params).map(|asked| json!(self.folds(&asked))),
             SemanticTokensFullRequest::METHOD => read(params).map(|asked| json!(self.tokens(&asked))),
@@ -263,6 +278,7 @@ impl Session<'_> {
                     is_saved: true,
                     ticket: 0,
                     plans: ProgramPlans::default(),
+                    figures: CheckedFigures::default(),
                 };
                 self.open.insert(path.clone(), opened);
                 self.is_changed = true;
@@ -308,14 +324,21 @@ impl Session<'_> {
     }
 
     /// Checks every open program: a change of one may concern those that use it.
-    fn publish_all(&self) {
+    fn publish_all(&mut self) {
         let texts = self.texts();
+        let mut all_figures = Vec::with_capacity(texts.len());
         for (path, document) in &self.open {
-            let mut found = Vec::new();
-            (self.round)(path, &mut |disk| found = findings::of(path, &document.uri, (&texts, disk), self.unit));
+            let (mut found, mut figures) = (Vec::new(), CheckedFigures::default());
+            (self.round)(path, &mut |disk| {
+                (found, figures) = findings::of(path, &document.uri, (&texts, disk), self.unit);
+            });
+            all_figures.push(figures);
             let place = (path.as_path(), &document.uri);
             found.extend(document.plans.diagnostics(place, &document.text, self.unit, &found));
             self.publish(document.uri.clone(), found, Some(document.version));
+        }
+        for (document, figures) in self.open.values_mut().zip(all_figures) {
+            document.figures = figures;
         }
     }
 
@@ -378,7 +401,15 @@ impl Session<'_> {
 
     fn hints(&self, asked: &lsp_types::InlayHintParams) -> Option<Vec<lsp_types::InlayHint>> {
         let document = self.document(&asked.text_document.uri)?;
-        Some(document.plans.hints(&document.text, asked.range, self.unit))
+        Some(hints::shown(&document.text, (&document.figures, &document.plans), asked.range, self.unit))
+    }
+
+    /// Commands of a client over the heads of tasks and programs; none where the text is in no file.
+    fn lenses(&self, asked: &lsp_types::CodeLensParams) -> Option<Vec<lsp_types::CodeLens>> {
+        let uri = &asked.text_document.uri;
+        let is_file = text::path(uri)?.is_absolute();
+        let document = self.document(uri)?;
+        Some(if is_file { outline::lenses(&document.text, uri, self.unit) } else { Vec::new() })
     }
 
     fn completions(&self, asked: &lsp_types::CompletionParams) -> Option<Vec<lsp_types::CompletionItem>> {

@@ -1,11 +1,12 @@
-//! The declarations of a text, and its canonical form.
+//! The declarations of a text, what a client can do with them, and its canonical form.
 
 use super::text::{ColumnUnit, EditedText};
 use crate::diagnostic::Sink;
 use crate::source::{Sources, Span};
-use crate::syntax::tree::{Item, Tree};
+use crate::syntax::tree::{Item, Runnable, Tree};
 use crate::{format, syntax};
-use lsp_types::{DocumentSymbol, SymbolKind};
+use lsp_types::{CodeLens, Command, DocumentSymbol, SymbolKind, Uri};
+use serde_json::json;
 
 /// The tree of a text by itself.
 pub fn tree(text: &str) -> Tree {
@@ -56,4 +57,28 @@ pub fn symbols(text: &EditedText, unit: ColumnUnit) -> Vec<DocumentSymbol> {
     };
     // A name is not empty in the protocol; that of a declaration with an error may be.
     tree(text.as_str()).items.iter().filter_map(of).filter(|symbol| !symbol.name.is_empty()).collect()
+}
+
+/// The commands that a client carries out, with the title of each: `tweeze build FILE --task NAME`, and the same with `view`.
+const LENSES: [(&str, &str); 2] = [("Build", "tweeze.build"), ("View", "tweeze.view")];
+
+/// What can be done with each task and program: its commands, with the document and the name as arguments. One with parameters is built
+/// by those that run it.
+pub fn lenses(text: &EditedText, uri: &Uri, unit: ColumnUnit) -> Vec<CodeLens> {
+    let tree = tree(text.as_str());
+    let alone = tree.items.iter().filter_map(Item::runnable).filter(|head| head.parameters.is_empty());
+    let named = alone.filter(|head| !head.name.text.is_empty());
+    let of = |head: Runnable| {
+        let range = text.range(head.name.span.range(), unit);
+        LENSES.map(|(title, command)| CodeLens {
+            range,
+            command: Some(Command {
+                title: title.to_owned(),
+                command: command.to_owned(),
+                arguments: Some(vec![json!(uri), json!(head.name.text)]),
+            }),
+            data: None,
+        })
+    };
+    named.flat_map(of).collect()
 }

@@ -3,13 +3,11 @@
 //! Planning may take long: it goes on elsewhere, by a [`ProgramPlanner`], and what comes of it arrives as a message. Tickets tell apart
 //! what belongs to the text as it is from what belongs to one that was changed since.
 
-use super::outline;
 use super::text::{ColumnUnit, EditedText};
 use crate::quantity::{Dimension, Quantity};
-use crate::syntax::tree::{Item, Runnable};
 use lsp_types::{
-    Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, InlayHint, InlayHintLabel, InlayHintTooltip,
-    Location, MarkupContent, MarkupKind, NumberOrString, Range, Uri,
+    Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, Location, MarkupContent, MarkupKind, NumberOrString,
+    Range, Uri,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -45,6 +43,8 @@ pub struct PlanningResult {
 pub struct ProgramPlans {
     /// By the name of the task or program.
     summaries: BTreeMap<String, String>,
+    /// By their lines and columns in the program's own file.
+    steps: BTreeMap<(usize, usize), PlannedStep>,
     findings: Vec<PlannerFinding>,
     /// The limit after which the search was given up, in seconds.
     limit_s: Option<u64>,
@@ -60,6 +60,37 @@ struct ReportedSchedule {
     name: String,
     duration_ns: u64,
     plans: Vec<ReportedPlan>,
+    steps: Vec<ReportedStep>,
+}
+
+/// One run of a step.
+#[derive(Debug, Deserialize)]
+struct ReportedStep {
+    file: String,
+    line: usize,
+    column: usize,
+    duration_ns: u64,
+    /// What it takes in what the kind counts.
+    takes: Option<String>,
+    reached: Vec<ReportedValue>,
+}
+
+/// A value that a step reaches, where it is not the one asked for.
+#[derive(Debug, Deserialize)]
+struct ReportedValue {
+    value: String,
+    text: String,
+}
+
+/// A step of a text with all its runs: several in a loop, or where its task is run several times.
+#[derive(Debug)]
+pub struct PlannedStep {
+    /// From 1.
+    pub line: usize,
+    /// In characters, from 1.
+    pub column: usize,
+    /// Never empty.
+    runs: Vec<ReportedStep>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -102,7 +133,14 @@ impl ProgramPlans {
             summaries.entry(plan.task.clone()).or_insert_with(|| plan.summary(&schedules));
         }
         let findings = result.findings.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
-        ProgramPlans { summaries, findings, limit_s: result.limit_s }
+        let own = result.path.file_name().unwrap_or_default();
+        let mut steps: BTreeMap<(usize, usize), PlannedStep> = BTreeMap::new();
+        for step in schedules.into_iter().flat_map(|schedule| schedule.steps).filter(|step| step.file.as_str() == own) {
+            let (line, column) = (step.line, step.column);
+            let place = steps.entry((line, column)).or_insert(PlannedStep { line, column, runs: Vec::new() });
+            place.runs.push(step);
+        }
+        ProgramPlans { summaries, steps, findings, limit_s: result.limit_s }
     }
 
     /// Whether a finding was made.
@@ -110,28 +148,17 @@ impl ProgramPlans {
         !self.findings.is_empty()
     }
 
-    /// What there is to say of the tasks and programs of a text, behind the heads of their declarations.
-    pub fn hints(&self, text: &EditedText, within: Range, unit: ColumnUnit) -> Vec<InlayHint> {
-        let tree = outline::tree(text.as_str());
-        let hint = |Runnable { name, .. }: Runnable| {
-            let given_up =
-                || self.limit_s.map(|limit_s| format!("no plan within {limit_s} s; `tweeze build` has no limit"));
-            let summary = &self.summaries.get(&name.text).cloned().or_else(given_up)?;
-            let at = name.span.end as usize;
-            let line = text.as_str()[at..].lines().next().unwrap_or_default();
-            let position = text.position(at + line.trim_end().len(), unit);
-            (within.start <= position && position <= within.end).then(|| InlayHint {
-                position,
-                label: InlayHintLabel::String(first_line(summary).to_owned()),
-                kind: None,
-                text_edits: None,
-                tooltip: self.summary(&name.text).map(InlayHintTooltip::MarkupContent),
-                padding_left: Some(true),
-                padding_right: None,
-                data: None,
-            })
-        };
-        tree.items.iter().filter_map(Item::runnable).filter_map(hint).collect()
+    /// What there is to say of the task or program of a name in a line, with all of it for a tooltip.
+    pub fn head(&self, name: &str) -> Option<(String, Option<MarkupContent>)> {
+        let given_up =
+            || self.limit_s.map(|limit_s| format!("no plan within {limit_s} s; `tweeze build` has no limit"));
+        let summary = self.summaries.get(name).cloned().or_else(given_up)?;
+        Some((first_line(&summary).to_owned(), self.summary(name)))
+    }
+
+    /// What there is to say of each step, in the order of the text.
+    pub fn steps(&self) -> impl Iterator<Item = &PlannedStep> {
+        self.steps.values()
     }
 
     /// What there is to say of the task or program of a name.
@@ -181,6 +208,56 @@ impl ProgramPlans {
         };
         let is_new = |found: &Diagnostic| !known.iter().any(|one| one.code == found.code && one.range == found.range);
         self.findings.iter().filter_map(shown).filter(is_new).collect()
+    }
+}
+
+impl ReportedStep {
+    /// `60 ms, 4 switches`.
+    fn cost(&self) -> String {
+        let takes = self.takes.iter().map(|takes| format!(", {takes}"));
+        format!("{}{}", duration(self.duration_ns), takes.collect::<String>())
+    }
+
+    /// What it takes, and what it reaches in short.
+    fn line(&self, with_reached: bool) -> String {
+        let reached =
+            self.reached.iter().filter(|_| with_reached).map(|reached| format!(", reaches {}", reached.value));
+        self.cost() + &reached.collect::<String>()
+    }
+}
+
+/// Most runs of a step that its tooltip lists.
+const MAX_RUNS: usize = 20;
+
+impl PlannedStep {
+    /// What the step takes, and reaches if that is asked; the shortest and the longest time where its runs differ.
+    pub fn line_text(&self, with_reached: bool) -> String {
+        let mut lines: Vec<String> = self.runs.iter().map(|run| run.line(with_reached)).collect();
+        lines.dedup();
+        let times = || self.runs.iter().map(|run| run.duration_ns);
+        match (lines.as_slice(), times().min(), times().max()) {
+            ([_, _, ..], Some(least), Some(most)) if least < most => {
+                format!("{} to {}", duration(least), duration(most))
+            }
+            ([first, _, ..], ..) => format!("{first} …"),
+            (lines, ..) => lines.concat(),
+        }
+    }
+
+    /// Each run that differs from the one before, with what it reaches.
+    pub fn tooltip(&self) -> MarkupContent {
+        let mut lines: Vec<String> = Vec::new();
+        for run in &self.runs {
+            let reached = run.reached.iter().map(|reached| format!("\n  {}", reached.text));
+            lines.push(run.cost() + &reached.collect::<String>());
+        }
+        lines.dedup();
+        if lines.len() > MAX_RUNS {
+            let more = lines.len() - MAX_RUNS;
+            lines.truncate(MAX_RUNS);
+            lines.push(format!("and {more} more"));
+        }
+        markdown(&lines.join("\n"))
     }
 }
 

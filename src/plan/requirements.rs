@@ -78,10 +78,25 @@ pub fn require<M>(
             floor: value.map(|value| no_more(value, dimension)),
         };
         let missed = errors::requirement_missed(requirement, verdict, job.requirements.len(), &texts);
-        let advice = known.advice.filter(|_| verdict == LimitVerdict::NotFound);
+        let advice = known.advice.or_else(|| longer(job, index, reached)).filter(|_| verdict == LimitVerdict::NotFound);
         sink.push(missed.help_if(advice));
     }
     all_kept
+}
+
+/// The wait that makes a run as long as a limit from below asks, if no other limit is against it.
+fn longer(job: &Job, index: usize, reached: f64) -> Option<String> {
+    let requirement = &job.requirements[index];
+    // The wait is rounded up, so that an exact limit or one that is not in is not for it.
+    let is_from_below = match requirement.relation {
+        Relation::AtLeast => true,
+        Relation::Less | Relation::AtMost | Relation::Equal | Relation::More => false,
+    };
+    let missing_s = requirement.limit - reached;
+    let mut of_time = job.requirements.iter().filter(|other| other.outcome == requirement.outcome);
+    let is_alone = of_time.all(|other| keeps(other, requirement.limit) == Kept::Yes);
+    (is_from_below && requirement.outcome == "time" && missing_s > 0.0 && is_alone)
+        .then(|| format!("a last step `wait {}` keeps it", enough(missing_s, Dimension::TIME)))
 }
 
 /// The strongest statement about a missed limit that is known to be true.

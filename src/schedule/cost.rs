@@ -12,11 +12,21 @@ use crate::quantity::digits;
 pub(super) trait Costed {
     /// What a run costs and how good that is.
     fn cost(&self, plan: &PlanRecord) -> String;
+
+    /// What a stretch of a run's time takes, in what the kind counts; `None` where time says it all.
+    fn stretch(&self, _plan: &PlanRecord, _from_to_ns: (u64, u64)) -> Option<String> {
+        None
+    }
 }
 
 /// What a run costs, and whether that is proven to be the least: `29.88 um (70 r) in 9 switches, optimal (bound 29.88 um)`.
 pub fn cost(order: &Order, plan: &PlanRecord) -> String {
     each_kind!(Order, order, order => order.cost(plan))
+}
+
+/// What a stretch of a run's time takes, in what its kind counts: `9 switches`, `34 steps`; `None` where time says it all.
+pub fn stretch(order: &Order, plan: &PlanRecord, from_to_ns: (u64, u64)) -> Option<String> {
+    each_kind!(Order, order, order => order.stretch(plan, from_to_ns))
 }
 
 /// `optimal (bound 29.88 um)`.

@@ -2,11 +2,10 @@
 
 use super::cost::{Costed, count, figure_of, proof, rounded};
 use super::reached::{Reached, Reaching};
-use super::{KindState, PlanRecord, State};
+use super::{KindState, PlanRecord, State, TimedState};
 use crate::claims::dimibot::{Asked, DimibotAction, DimibotOrder, DimibotStop};
 use crate::device::dimibot::{DimibotObjective, DimibotOutcome, Side};
 use crate::quantity::digits;
-use crate::real::Real;
 use serde::{Deserialize, Serialize};
 
 /// Where a robot stands.
@@ -33,8 +32,7 @@ impl Reaching for DimibotOrder {
         let place = |stop: &DimibotStop| {
             let Asked::Place(asked_um) = stop.asked else { return None };
             let reached_um = self.in_scene_um(self.facts.place_um(stop.cell));
-            let off_um = (reached_um[0] - asked_um[0]).hypotenuse(reached_um[1] - asked_um[1]);
-            Some(Reached::Place { asked_um, reached_um, off_um })
+            Some(Reached::Place { asked_um, reached_um, off_um: self.off_um(stop)? })
         };
         stops.iter().filter_map(place).collect()
     }
@@ -59,5 +57,17 @@ impl Costed for DimibotOrder {
                 format!("{} in {switches}, {proof}", figure(plan.cost))
             }
         }
+    }
+
+    /// Modules switched in it.
+    fn stretch(&self, plan: &PlanRecord, (start_ns, end_ns): (u64, u64)) -> Option<String> {
+        let words = plan.states.iter().filter_map(|TimedState { t_ns, state }| match state {
+            State::Dimibot(DimibotState { word, .. }) => Some((*t_ns, *word)),
+            State::ElectrodeArray(_) | State::Microrobots(_) | State::Fingers(_) => None,
+        });
+        let words: Vec<(u64, u64)> = words.collect();
+        let within = words.windows(2).filter(|pair| (start_ns + 1..=end_ns).contains(&pair[1].0));
+        let switched: u32 = within.map(|pair| (pair[0].1 ^ pair[1].1).count_ones()).sum();
+        Some(count(switched as usize, "switch"))
     }
 }

@@ -50,6 +50,11 @@ impl Costed for ElectrodeArrayOrder {
         };
         format!("{minimised}, {}; {reached}{}", proof(plan, digits), bounded(plan, other))
     }
+
+    /// Steps of the board in it.
+    fn stretch(&self, _plan: &PlanRecord, (start_ns, end_ns): (u64, u64)) -> Option<String> {
+        Some(count((end_ns.saturating_sub(start_ns) / self.facts.step_ns.max(1)) as usize, "step"))
+    }
 }
 
 /// The bound on an outcome that was not minimised, if the planner knows one.

@@ -74,11 +74,31 @@ impl Reached {
     }
 }
 
+impl Reached {
+    /// The value reached, in short: `99.99 deg`, `(2.9884 um, 5.9768 um)`; for an orientation how far it is off.
+    pub fn value(&self) -> String {
+        match self {
+            Reached::Turn { reached_deg, .. } => format!("{} deg", rounded(*reached_deg)),
+            Reached::Orientation { off_deg, .. } => format!("{} deg off", rounded(*off_deg)),
+            Reached::Place { reached_um, .. } => place(reached_um),
+            Reached::Pose { reached_um, reached_deg, .. } => {
+                format!("{}, {} deg", place(reached_um), rounded(*reached_deg))
+            }
+        }
+    }
+}
+
+fn rounded(value: f64) -> String {
+    digits((value * 1e4).round() / 1e4)
+}
+
+fn place(um: &[f64; 2]) -> String {
+    format!("({} um, {} um)", rounded(um[0]), rounded(um[1]))
+}
+
 impl std::fmt::Display for Reached {
     /// `90 deg about z reaches 99.99 deg, 9.99 deg off`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let rounded = |value: f64| digits((value * 1e4).round() / 1e4);
-        let place = |um: &[f64; 2]| format!("({} um, {} um)", rounded(um[0]), rounded(um[1]));
         match self {
             Reached::Turn { axis, asked_deg, reached_deg, off_deg } => {
                 let [asked, reached, off] = [*asked_deg, *reached_deg, off_deg.abs()].map(rounded);

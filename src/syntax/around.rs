@@ -64,6 +64,20 @@ pub(super) fn line_after(text: &str, offset: usize) -> &str {
     line.split("//").next().unwrap_or("").trim()
 }
 
+/// The value at the beginning of a text: up to the comma or the bracket that ends it.
+pub(super) fn value_in(text: &str) -> &str {
+    let mut depth = 0_usize;
+    for (at, c) in text.char_indices() {
+        match c {
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' if depth > 0 => depth -= 1,
+            ')' | ']' | '}' | ',' | ';' if depth == 0 => return text[..at].trim_end(),
+            _ => {}
+        }
+    }
+    text
+}
+
 /// The longest piece of the user's text that a message repeats, in characters.
 const LONGEST_QUOTE: usize = 60;
 

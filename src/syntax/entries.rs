@@ -2,10 +2,12 @@
 
 use super::errors;
 use super::grammar::{Node, Rule};
+use super::habits;
 use super::reader::Reader;
 use super::slips;
 use super::tree::{
-    Doc, Entry, Expr, ExprKind, Field, For, Object, Phrase, SceneEntry, Step, TextPart, Wire, WireOutput, WiringEntry,
+    Doc, Entry, Expr, ExprKind, Field, For, Ident, Object, Phrase, SceneEntry, Step, TextPart, Wire, WireOutput,
+    WiringEntry,
 };
 
 impl Reader<'_> {
@@ -14,6 +16,10 @@ impl Reader<'_> {
         let mut entries = Vec::new();
         let mut doc = None;
         for child in self.children(node) {
+            // What a finding about a whole step has covered already.
+            if self.passed > 0 && self.span(&child).start < self.passed {
+                continue;
+            }
             if child.as_rule() == Rule::docs {
                 doc = Some(child);
                 continue;
@@ -62,6 +68,12 @@ impl Reader<'_> {
     pub fn entries(&mut self, node: Node) -> Vec<Entry> {
         self.block(node, |reader, child, doc| {
             let span = reader.span(&child);
+            if let Some((finding, whole)) = habits::whole_step(span, reader.source) {
+                reader.forget_within(whole);
+                reader.report(finding);
+                reader.passed = whole.end;
+                return Some(Entry::Error(whole));
+            }
             Some(match child.as_rule() {
                 Rule::field => Entry::Field(reader.field(child, doc)),
                 Rule::step => reader.step(child).map_or(Entry::Error(span), Entry::Step),
@@ -149,12 +161,24 @@ impl Reader<'_> {
             match part.as_rule() {
                 Rule::head_index => step.indices = self.indices(part),
                 Rule::noun => step.noun = part.into_inner().next().map(|word| self.ident(&word)),
-                Rule::step_expr => step.object = Some(self.expr(part)),
+                Rule::step_expr => step.object = Some(self.object_of_step(part, step.noun.as_ref())),
                 Rule::phrase | Rule::late_phrase => step.phrases.extend(self.phrase(part)),
                 _ => step.block = Some(self.entries(part)),
             }
         }
         Some(step)
+    }
+
+    /// What stands behind a verb, which may be a place behind a misspelt preposition.
+    fn object_of_step(&mut self, node: Node, noun: Option<&Ident>) -> Expr {
+        let span = self.span(&node);
+        match habits::misspelt_preposition(span, noun.map(|noun| noun.text.as_str()), self.source) {
+            Some(finding) => {
+                self.report(finding);
+                Expr { kind: ExprKind::Error, span }
+            }
+            None => self.expr(node),
+        }
     }
 
     fn phrase(&mut self, node: Node) -> Option<Phrase> {

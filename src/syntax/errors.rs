@@ -2,7 +2,7 @@
 
 use super::around::{
     after, blanks_end, code_end_before, first_word, line_after, line_before, line_part, part, quote, token_at,
-    token_before, token_before_sign, visible, with_blanks,
+    token_before, token_before_sign, value_in, visible, with_blanks,
 };
 use super::grammar::Rule;
 use super::tree::{Column, Ident};
@@ -85,7 +85,7 @@ pub(super) fn wrong_colon(mark: Span, text: &str) -> Diagnostic {
     let name = token_before(text, mark.start as usize);
     Diagnostic::new(Code::E0119, format!("`{sign}` where `:` belongs"))
         .label(mark, "between a name and its value stands `:`")
-        .help(format!("write `{name}: {}`", quote(line_after(text, mark.end as usize))))
+        .help(format!("write `{name}: {}`", quote(value_in(line_after(text, mark.end as usize)))))
         .mended(with_blanks(mark, text), ": ")
 }
 

@@ -1,6 +1,6 @@
 //! Habits of other languages that newcomers bring: each gets one diagnostic that says how the same is written here.
 
-use super::around::{line_before, part, quote, token_at, with_blanks};
+use super::around::{after, line_after, line_before, part, quote, token_at, value_in, with_blanks};
 use super::words::is_word;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
@@ -155,4 +155,179 @@ pub(super) fn name(rest: Span, source: &str) -> Option<Diagnostic> {
             .help(format!("write `{}`", quote(inside)))
             .mended_here(inside)
     })
+}
+
+/// Comparisons in words, the longer ones before those that they begin with, and their signs.
+const COMPARISONS: [(&str, &str); 23] = [
+    ("less than or equal to", "<="),
+    ("greater than or equal to", ">="),
+    ("more than or equal to", ">="),
+    ("less than", "<"),
+    ("lower than", "<"),
+    ("smaller than", "<"),
+    ("greater than", ">"),
+    ("more than", ">"),
+    ("longer than", ">"),
+    ("no more than", "<="),
+    ("not more than", "<="),
+    ("no less than", ">="),
+    ("not less than", ">="),
+    ("at most", "<="),
+    ("at least", ">="),
+    ("up to", "<="),
+    ("within", "<="),
+    ("below", "<"),
+    ("under", "<"),
+    ("above", ">"),
+    ("over", ">"),
+    ("equal to", "=="),
+    ("equals", "=="),
+];
+
+/// `time less than 400 ms`, behind `require`: where the words stand between a figure and its limit, and the sign that they mean.
+pub(super) fn comparison(text: &str) -> Option<(std::ops::Range<usize>, &'static str)> {
+    let figure = text.trim_start_matches([' ', '\t']);
+    let name = figure.len() - figure.trim_start_matches(|c| is_word(c) || matches!(c, '.' | '[' | ']')).len();
+    let behind = &figure[name..];
+    let words = behind.trim_start_matches([' ', '\t']);
+    if name == 0 || words.len() == behind.len() {
+        return None;
+    }
+    let after = |phrase: &str, text: &str| -> Option<usize> {
+        let mut rest = text;
+        for word in phrase.split(' ') {
+            rest = rest.trim_start_matches([' ', '\t']).strip_prefix(word)?;
+            rest = Some(rest).filter(|rest| !rest.starts_with(is_word))?;
+        }
+        Some(text.len() - rest.len())
+    };
+    // `is less than`, and `is` alone.
+    let verb = after("must be", words).or_else(|| after("is", words)).unwrap_or(0);
+    let found = COMPARISONS.iter().find_map(|(phrase, sign)| Some((after(phrase, &words[verb..])?, *sign)));
+    let (length, sign) = match found {
+        Some((length, sign)) => (verb + length, sign),
+        None if verb > 0 => (verb, "=="),
+        None => return None,
+    };
+    let limit = words[length..].trim_start_matches([' ', '\t']);
+    let is_value = limit.starts_with(|c: char| is_word(c) || c == '(' || c == '-');
+    let start = text.len() - words.len();
+    is_value.then_some((start..start + length, sign))
+}
+
+/// The words stand in an entry that begins at `entry`.
+pub(super) fn comparison_in_words(words: Span, entry: usize, sign: &str, source: &str) -> Diagnostic {
+    let figure = source[entry..words.start as usize].trim_end();
+    let limit = value_in(line_after(source, words.end as usize));
+    Diagnostic::new(Code::E0122, format!("`{}` where `{sign}` belongs", quote(&source[words.range()])))
+        .label(words, "a comparison is a sign")
+        .help(format!("write `{} {sign} {}`", quote(figure), quote(limit)))
+        .mended_here(sign)
+}
+
+/// A whole step in other words than the verb takes, and where it ends.
+pub(super) fn whole_step(step: Span, source: &str) -> Option<(Diagnostic, Span)> {
+    let start = step.start as usize;
+    let head = ["merge", "split", "assemble"].into_iter().find(|head| source[start..].starts_with(head))?;
+    let line = after(source, start).lines().next()?;
+    let line = line.split("//").next().unwrap_or_default();
+    let text = line.split(['{', '}', ';']).next().unwrap_or_default().trim_end();
+    let rest = text[head.len()..].strip_prefix([' ', '\t'])?;
+    let names: Vec<&str> = rest.split([' ', '\t', ',']).filter(|word| !word.is_empty()).collect();
+    let whole = part(step, start, start + text.len());
+    let finding = match head {
+        "merge" => merged(whole, text, &names),
+        "split" => split_into(whole, &names),
+        _ => assembled(whole, line, text, rest),
+    };
+    finding.map(|finding| (finding, whole))
+}
+
+fn is_name(text: &str) -> bool {
+    text.starts_with(|c: char| is_word(c) && !c.is_ascii_digit())
+        && text.chars().all(|c| is_word(c) || matches!(c, '[' | ']'))
+}
+
+/// `merge a and b`, `merge a, b at (6, 3)`.
+fn merged(step: Span, text: &str, words: &[&str]) -> Option<Diagnostic> {
+    let (first, second, wrong, behind) = match words {
+        [first, "and" | "into" | "+" | "&", second, behind @ ..] => (first, second, words[1], behind),
+        [first, second, behind @ ..] if text.contains(&format!("{first},")) => (first, second, ",", behind),
+        _ => return None,
+    };
+    if !is_name(first) || !is_name(second) || !matches!(behind, [] | ["at", ..]) {
+        return None;
+    }
+    // Behind the first name: a word such as `and` may be part of it.
+    let from = text.find(first)? + first.len();
+    let sign = step.start as usize + from + text[from..].find(wrong)?;
+    let sign = part(step, sign, sign + wrong.len());
+    let finding = Diagnostic::new(Code::E0122, format!("`{wrong}` where `with` belongs"))
+        .label(sign, "a droplet merges `with` another");
+    let merge = format!("merge {first} with {second} at");
+    if behind.is_empty() {
+        return Some(finding.help(format!("write `{} CELL`, with the cell where they meet", quote(&merge))));
+    }
+    let place = text.split(" at ").nth(1).unwrap_or_default();
+    let mend = if wrong == "," { " with" } else { "with" };
+    Some(finding.help(format!("write `{} {}`", quote(&merge), quote(value_in(place.trim())))).mended_here(mend))
+}
+
+/// `split sample into a, b`, `split sample`.
+fn split_into(step: Span, words: &[&str]) -> Option<Diagnostic> {
+    let (droplet, half) = match words {
+        [droplet, "into", "half" | "halves" | "two" | "2", ..] | [droplet, "in", ..] => (droplet, "half"),
+        [droplet, "into", .., half] if is_name(half) => (droplet, *half),
+        _ => return None,
+    };
+    is_name(droplet).then(|| {
+        Diagnostic::new(Code::E0122, "`split` names the new droplet first")
+            .label(step, "a half that parts gets a name, the other keeps its own")
+            .help(format!("write `split {half} from {droplet} at CELL to CELL`, with the cells of both halves"))
+    })
+}
+
+/// `assemble D1, D2`, with a block behind it or without.
+fn assembled(step: Span, line: &str, text: &str, rest: &str) -> Option<Diagnostic> {
+    let names: Vec<&str> = rest.split(',').flat_map(|part| part.split(" and ")).map(str::trim).collect();
+    if names.len() < 2 || !names.iter().all(|name| is_name(name)) {
+        return None;
+    }
+    let at = step.start as usize + (text.len() - rest.len());
+    let place = part(step, at, step.end as usize);
+    let finding = Diagnostic::new(Code::E0509, "`assemble` takes braces").label(place, "robots stand in the braces");
+    if line[text.len()..].trim_start().starts_with('{') {
+        return Some(finding.help("write `assemble {`: the entries name the robots").mended_here(""));
+    }
+    let goals: Vec<String> = names.iter().map(|name| format!("{name} to POSE")).collect();
+    Some(finding.help(format!("write `assemble {{ {} }}`, with the pose of each", quote(&goals.join(", ")))))
+}
+
+/// What is written for `to`; of other words it is not known whether they are the object that is moved.
+const TO: [&str; 5] = ["too", "tto", "tp", "ot", "tu"];
+
+/// `move too (19, 28)`, `move m1 form (5, 3)`: the word before a bracket is a preposition, but for a letter. `noun` is the word before it.
+pub(super) fn misspelt_preposition(object: Span, noun: Option<&str>, source: &str) -> Option<Diagnostic> {
+    let text = &source[object.range()];
+    let word = token_at(text, 0);
+    let follows = text[word.len()..].trim_start_matches([' ', '\t']);
+    if !word.starts_with(is_word) || follows.len() == text.len() - word.len() || !follows.starts_with('(') {
+        return None;
+    }
+    // Not `in` and `on`: `min` and `sin` are functions.
+    let known = ["to", "from", "via", "with", "about", "after", "at", "by"];
+    let is_near = |right: &&str| *right != word && strsim::osa_distance(word, right) == 1;
+    let right = match noun {
+        Some(_) if word.chars().all(char::is_alphabetic) && word.len() > 1 => known.into_iter().find(is_near)?,
+        None if TO.contains(&word) => "to",
+        Some(_) | None => return None,
+    };
+    let at = object.start as usize;
+    let place = part(object, at, at + word.len());
+    Some(
+        Diagnostic::new(Code::E0509, format!("no step goes with `{}`", quote(word)))
+            .label(place, "a preposition belongs before a place")
+            .help(format!("did you mean `{right}`?"))
+            .mended(place, right),
+    )
 }

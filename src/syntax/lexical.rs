@@ -2,7 +2,7 @@
 
 use super::cursor::Cursor;
 use super::words::{end_of_word, is_word};
-use super::{MAX_NESTING, errors, slips};
+use super::{MAX_NESTING, errors, habits, slips};
 
 /// Greatest number of bytes of a name: it is repeated in every channel, file and message that uses it.
 pub const MAX_NAME_BYTES: usize = 200;
@@ -15,6 +15,14 @@ pub(super) fn word(cursor: &mut Cursor) {
         let span = cursor.span(start, end);
         cursor.report(errors::name_too_long(span, end - start, MAX_NAME_BYTES));
         cursor.cover(start, end);
+    }
+    if cursor.text[start..end] == *"require"
+        && let Some((words, sign)) = habits::comparison(&cursor.text[end..cursor.end_of_line()])
+    {
+        let (from, to) = (end + words.start, end + words.end);
+        let finding = habits::comparison_in_words(cursor.span(from, to), start, sign, cursor.text);
+        cursor.report(finding);
+        cursor.replace(from, to, sign);
     }
 }
 

@@ -20,6 +20,7 @@ mod items;
 mod lexical;
 mod reader;
 mod recover;
+mod repeated;
 mod scan;
 mod slips;
 pub mod tree;

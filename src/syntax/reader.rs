@@ -51,6 +51,8 @@ pub(super) struct Reader<'s> {
     pub broken_names: Vec<Ident>,
     /// The operators of the expressions that are open.
     pub operators: usize,
+    /// Where a step ends of which one finding covers all.
+    pub passed: u32,
 }
 
 impl<'s> Reader<'s> {
@@ -64,6 +66,7 @@ impl<'s> Reader<'s> {
             attached_docs: Vec::new(),
             broken_names: Vec::new(),
             operators: 0,
+            passed: 0,
         }
     }
 
@@ -164,7 +167,7 @@ impl<'s> Reader<'s> {
         let mut findings = self.findings;
         findings.sort_by_key(|finding| finding.span().map(|span| span.start));
         let has_error = findings.iter().any(Diagnostic::is_error);
-        for finding in findings {
+        for finding in super::repeated::joined(findings) {
             sink.push(finding);
         }
         has_error

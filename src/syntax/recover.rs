@@ -208,7 +208,7 @@ impl Reader<'_> {
     }
 
     /// Drops the findings inside of a span, and of the `;` behind it.
-    fn forget_within(&mut self, span: Span) {
+    pub fn forget_within(&mut self, span: Span) {
         let rest = &self.source[span.end as usize..];
         let behind = rest.len() - rest.trim_start_matches([' ', '\t', ';']).len();
         let span = around::part(span, span.start as usize, span.end as usize + behind);

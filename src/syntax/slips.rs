@@ -217,14 +217,33 @@ pub(super) fn in_value(span: Span, at: usize, open: Option<char>, source: &str) 
             Diagnostic::new(Code::E0101, "`before` is not of the language").label(place, "complete before this");
         return Some(finding.help("write `after NAME` at the operation of an `assay` that comes later"));
     }
-    let is_value = token.starts_with(|c: char| is_word(c) || c == '(');
+    open.filter(|open| matches!(open, '(' | '[')).and_then(|open| missing_comma(span, at, open, source))
+}
+
+/// `(4.0 um 2.5 um)`, in a bracket that is open at `at`.
+fn missing_comma(span: Span, at: usize, open: char, source: &str) -> Option<Diagnostic> {
+    let rest = around::after(source, at);
+    let is_number = rest.starts_with(|c: char| c.is_ascii_digit());
+    let length = rest.find(|c: char| !(is_word(c) || (is_number && c == '.'))).unwrap_or(rest.len());
+    let token = &rest[..length.max(token_at(rest, 0).len())];
+    if !token.starts_with(|c: char| is_word(c) || c == '(') {
+        return None;
+    }
     let before = around::code_end_before(source, at);
-    (is_value && matches!(open, Some('(' | '['))).then(|| {
-        Diagnostic::new(Code::E0101, format!("a comma is missing before `{token}`"))
-            .label(place, "the value before this is complete")
-            .help("separate the values in brackets with commas, as in `(4 um, 2 um)`")
-            .mended(part(span, before, before), ",")
-    })
+    let close = if open == '(' { ')' } else { ']' };
+    let start = source[span.start as usize..before].rfind(open).map(|start| span.start as usize + start);
+    let end = rest.find(['\n', close]).filter(|end| rest[*end..].starts_with(close));
+    let written = start.zip(end).map(|(start, end)| (&source[start..before], &rest[..=end]));
+    let help = match written.filter(|(first, second)| !first.contains('\n') && !second.contains(['(', '['])) {
+        Some((first, second)) => format!("write `{}`", quote(&format!("{first}, {second}"))),
+        None => "separate the values in brackets with commas, as in `(4 um, 2 um)`".to_owned(),
+    };
+    Some(
+        Diagnostic::new(Code::E0101, format!("a comma is missing before `{}`", quote(token)))
+            .label(part(span, at, at + token.len()), "the value before this is complete")
+            .help(help)
+            .mended(part(span, before, before), ","),
+    )
 }
 
 /// `device bot { … }`.

@@ -60,8 +60,9 @@ impl Item {
     /// What `run` takes, if it is that: a task or a program.
     pub fn runnable(&self) -> Option<Runnable<'_>> {
         match self {
-            Item::Task(Task { name, parameters, doc, .. }) | Item::Program(Program { name, parameters, doc, .. }) => {
-                Some(Runnable { name, parameters, doc })
+            Item::Task(Task { name, parameters, doc, entries, .. })
+            | Item::Program(Program { name, parameters, doc, entries, .. }) => {
+                Some(Runnable { name, parameters, doc, entries })
             }
             Item::Use(_)
             | Item::Let(_)
@@ -75,12 +76,13 @@ impl Item {
     }
 }
 
-/// The head of a task or a program.
+/// A task or a program.
 #[derive(Debug, Clone, Copy)]
 pub struct Runnable<'t> {
     pub name: &'t Ident,
     pub parameters: &'t [Parameter],
     pub doc: &'t Doc,
+    pub entries: &'t [Entry],
 }
 
 /// `use std.dimibot as d` or `use "bench.twz" as lab`.

@@ -11,6 +11,14 @@ use pest::Parser;
 impl Reader<'_> {
     /// An expression of any of the grammar's three sorts.
     pub fn expr(&mut self, node: Node) -> Expr {
+        // Most are a single value, without a sign before it or an operator behind.
+        let mut inner = node.clone().into_inner();
+        if inner.len() == 1
+            && let Some(part) = inner.next()
+            && !is_operator(part.as_rule())
+        {
+            return self.primary(part);
+        }
         let span = self.span(&node);
         let mut parts = self.children(node);
         if parts.len() == 1

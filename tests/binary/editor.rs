@@ -8,7 +8,7 @@ use std::io::{BufReader, Write as _};
 use std::process::{Child, ChildStdin, ChildStdout};
 
 /// An editor with one open folder.
-struct Editor {
+pub struct Editor {
     server: Child,
     input: Option<ChildStdin>,
     output: BufReader<ChildStdout>,
@@ -17,7 +17,7 @@ struct Editor {
 
 impl Editor {
     /// Starts the server and shakes hands.
-    fn new(capabilities: Value) -> (Editor, Value) {
+    pub fn new(capabilities: Value) -> (Editor, Value) {
         let mut server = Plain::new(env!("CARGO_BIN_EXE_tweeze"))
             .arg("lsp")
             .stdin(Stdio::piped())
@@ -32,15 +32,15 @@ impl Editor {
         (editor, hello.expect("it answers"))
     }
 
-    fn send(&mut self, message: Message) {
+    pub fn send(&mut self, message: Message) {
         message.write(self.input.as_mut().expect("it is open")).expect("it is written");
     }
 
-    fn note(&mut self, method: &str, params: Value) {
+    pub fn note(&mut self, method: &str, params: Value) {
         self.send(Message::Notification(Notification::new(method.to_owned(), params)));
     }
 
-    fn ask(&mut self, method: &str, params: Value) -> Result<Value, ResponseError> {
+    pub fn ask(&mut self, method: &str, params: Value) -> Result<Value, ResponseError> {
         self.asked += 1;
         let id = RequestId::from(self.asked);
         self.send(Message::Request(Request::new(id.clone(), method.to_owned(), params)));
@@ -52,12 +52,12 @@ impl Editor {
         }
     }
 
-    fn receive(&mut self) -> Message {
+    pub fn receive(&mut self) -> Message {
         Message::read(&mut self.output).expect("it is a message").expect("the server is there")
     }
 
     /// The next findings that the server sends, with their document.
-    fn findings(&mut self) -> (String, Vec<Value>) {
+    pub fn findings(&mut self) -> (String, Vec<Value>) {
         loop {
             if let Message::Notification(note) = self.receive() {
                 assert_eq!(note.method, "textDocument/publishDiagnostics");
@@ -67,27 +67,27 @@ impl Editor {
         }
     }
 
-    fn open(&mut self, uri: &str, text: &str) {
+    pub fn open(&mut self, uri: &str, text: &str) {
         self.note(
             "textDocument/didOpen",
             json!({ "textDocument": { "uri": uri, "languageId": "tweeze", "version": 1, "text": text } }),
         );
     }
 
-    fn change(&mut self, uri: &str, change: Value) {
+    pub fn change(&mut self, uri: &str, change: Value) {
         self.note(
             "textDocument/didChange",
             json!({ "textDocument": { "uri": uri, "version": 2 }, "contentChanges": [change] }),
         );
     }
 
-    fn status(mut self) -> Option<i32> {
+    pub fn status(mut self) -> Option<i32> {
         drop(self.input.take());
         self.server.wait().expect("it ends").code()
     }
 }
 
-fn place(line: u32, character: u32) -> Value {
+pub fn place(line: u32, character: u32) -> Value {
     json!(Position { line, character })
 }
 
@@ -180,87 +180,6 @@ fn a_text_has_colours_and_folds() {
     assert_eq!(editor.ask("textDocument/semanticTokens/full", other).expect("it answers"), Value::Null);
 }
 
-/// The next finding with a code, in whichever message it comes.
-fn finding(editor: &mut Editor, code: &str) -> Value {
-    loop {
-        let (_, found) = editor.findings();
-        if let Some(found) = found.into_iter().find(|found| found["code"] == code) {
-            return found;
-        }
-    }
-}
-
-impl Editor {
-    /// Waits until the server says that hints have changed, and answers.
-    fn refreshed(&mut self) {
-        loop {
-            if let Message::Request(request) = self.receive() {
-                assert_eq!(request.method, "workspace/inlayHint/refresh");
-                return self.send(Message::Response(lsp_server::Response::new_ok(request.id, ())));
-            }
-        }
-    }
-
-    /// The hints of a document: place and text of each.
-    fn hints(&mut self, uri: &str) -> Vec<(Value, String)> {
-        let all = json!({ "start": place(0, 0), "end": place(999, 0) });
-        let asked = json!({ "textDocument": { "uri": uri }, "range": all });
-        let hints = self.ask("textDocument/inlayHint", asked).expect("it answers");
-        let hint = |hint: &Value| (hint["position"].clone(), hint["label"].as_str().expect("a text").to_owned());
-        hints.as_array().expect("a list").iter().map(hint).collect()
-    }
-}
-
-#[test]
-fn saved_programs_are_planned() {
-    let bench = Bench::new();
-    let uri = format!("file://{}", bench.path("a.twz").display());
-    let (mut editor, hello) = Editor::new(json!({ "workspace": { "inlayHint": { "refreshSupport": true } } }));
-    assert_eq!(hello["capabilities"]["textDocumentSync"]["save"], true);
-    let text = "use std.dimibot\ndevice bot : dimibot.femto_st\n// µ\ntask go on bot { // there\n  move to (1, 1)\n}\nprogram both { run go, run go }\n";
-    let save = |editor: &mut Editor, text: &str| {
-        fs::write(bench.path("a.twz"), text).expect("written");
-        editor.change(&uri, json!({ "text": text }));
-        editor.note("textDocument/didSave", json!({ "textDocument": { "uri": &uri } }));
-    };
-    fs::write(bench.path("a.twz"), text).expect("written");
-    editor.open(&uri, text);
-    editor.refreshed();
-    let hints = editor.hints(&uri);
-    assert_eq!(hints.len(), 2, "{hints:?}");
-    assert_eq!((&hints[0].0, &hints[1].0), (&json!(place(3, 25)), &json!(place(6, 31))));
-    says(&hints[0].1, &["ms, ", " um (", "optimal (bound"]);
-    says(&hints[1].1, &["ms in 2 runs"]);
-    let on_name = json!({ "textDocument": { "uri": &uri }, "position": place(3, 6) });
-    let hover = editor.ask("textDocument/hover", on_name).expect("it answers");
-    says(hover["contents"]["value"].as_str().expect("text"), &["Planned and verified", "optimal (bound"]);
-    // A text that is not saved has no plans.
-    editor.change(&uri, json!({ "range": { "start": place(4, 12), "end": place(4, 13) }, "text": "2" }));
-    assert_eq!(editor.hints(&uri), []);
-    // What the planner finds stands at its line.
-    let walled = "use std.dimibot\ndevice bot : dimibot.femto_st\nscene s { obstacle wall : cells { from: (1, 0), to: (1, 3) } }\ntask go on bot in s { move to (3, 3) }\n";
-    save(&mut editor, walled);
-    let found = finding(&mut editor, "E0601");
-    assert_eq!(found["range"]["start"]["line"], 3, "{found}");
-    assert_eq!(found["relatedInformation"][0]["location"]["range"]["start"]["line"], 2, "{found}");
-    assert_eq!(editor.hints(&uri), []);
-    // It goes with the next edit, and an error of the checker's own is not there twice.
-    save(&mut editor, &walled.replace("(3, 3)", "(30, 3)"));
-    let found = loop {
-        let (_, found) = editor.findings();
-        if found.iter().any(|found| found["code"] == "E0501") {
-            break found;
-        }
-    };
-    assert_eq!(found.len(), 1, "{found:?}");
-    save(&mut editor, text);
-    editor.refreshed();
-    assert_eq!(editor.ask("shutdown", json!(null)).expect("it answers"), Value::Null);
-    editor.note("exit", json!(null));
-    assert_eq!(editor.status(), Some(0));
-}
-
-/// A change of a used file in the editor, which the disk has not seen, concerns the program that uses it.
 /// Open, see the squiggle, apply the fix: the program is as it should be.
 #[test]
 fn a_quick_fix_writes_the_word_that_is_near() {
@@ -312,6 +231,7 @@ fn a_quick_fix_writes_the_word_that_is_near() {
     }
 }
 
+/// A change of a used file in the editor, which the disk has not seen, concerns the program that uses it.
 #[test]
 fn open_texts_stand_for_files() {
     let bench = Bench::new();

@@ -1,6 +1,7 @@
 //! The built program as users see it: commands, exit statuses, files, streams.
 
 mod editor;
+mod hints;
 mod live;
 mod outputs;
 mod pages;

@@ -36,9 +36,14 @@ async function tellMissing(scope) {
   if (chosen === OPEN_SETTING) await vscode.commands.executeCommand("workbench.action.openSettings", "tweeze.path");
 }
 
-/** The program in the active editor, saved; undefined, with a message, where there is none. */
-async function savedProgram() {
-  const document = vscode.window.activeTextEditor?.document;
+/**
+ * A program, saved; undefined, with a message, where there is none.
+ *
+ * @param {string | undefined} link the program over whose task a command stands; without it that of the active editor
+ */
+async function savedProgram(link) {
+  const isMeant = (document) => document.uri.toString() === vscode.Uri.parse(link).toString();
+  const document = link === undefined ? vscode.window.activeTextEditor?.document : vscode.workspace.textDocuments.find(isMeant);
   if (!document || document.languageId !== "tweeze") {
     vscode.window.showInformationMessage("Tweeze: open a program (`.twz`) first.");
     return undefined;
@@ -52,13 +57,20 @@ async function savedProgram() {
   return document.uri;
 }
 
-/** Runs a command of tweeze on the program in the active editor. */
-async function run(command) {
-  const uri = await savedProgram();
+/**
+ * Runs a command of tweeze on the program in the active editor, or on a task of it.
+ *
+ * @param {unknown} link over a task, the text of the program's address: a menu gives an object of the editor's own
+ * @param {unknown} name of that task
+ */
+async function run(command, link, name) {
+  const isOfTask = typeof link === "string" && typeof name === "string";
+  const uri = await savedProgram(isOfTask ? link : undefined);
   if (uri === undefined) return undefined;
   const executable = await executableOrMessage(uri);
   if (executable === undefined) return undefined;
-  const definition = { type: tasks.SORT, command, file: uri.fsPath };
+  const options = isOfTask ? { options: ["--task", name] } : {};
+  const definition = { type: tasks.SORT, command, file: uri.fsPath, ...options };
   const task = tasks.taskOf(definition, vscode.workspace.getWorkspaceFolder(uri), executable);
   // A page that is watched for is watched by one task: the new one takes its place.
   if (command === "view") {
@@ -90,13 +102,13 @@ function activateTrusted(context) {
 }
 
 async function activate(context) {
-  const ifTrusted = (work) => () => {
-    if (vscode.workspace.isTrusted) return work();
+  const ifTrusted = (work) => (...given) => {
+    if (vscode.workspace.isTrusted) return work(...given);
     return vscode.window.showInformationMessage("Tweeze: programs are built, and the server runs, in trusted workspaces only.");
   };
   context.subscriptions.push(
-    vscode.commands.registerCommand("tweeze.build", ifTrusted(() => run("build"))),
-    vscode.commands.registerCommand("tweeze.view", ifTrusted(() => run("view"))),
+    vscode.commands.registerCommand("tweeze.build", ifTrusted((...of) => run("build", ...of))),
+    vscode.commands.registerCommand("tweeze.view", ifTrusted((...of) => run("view", ...of))),
     vscode.commands.registerCommand("tweeze.restart", ifTrusted(restart)),
   );
   if (vscode.workspace.isTrusted) await activateTrusted(context);

@@ -42,6 +42,11 @@ impl CheckedFacts for Rc<DimibotFacts> {
         self.channels()
     }
 
+    fn pitch(&self) -> Option<String> {
+        let [left, right] = Side::BOTH.map(|side| length(self.pitch_um(side)));
+        Some(if left == right { format!("cells of {left}") } else { format!("cells of {left} by {right}") })
+    }
+
     fn order(&self, checker: &mut Checker, site: &TaskSite, parts: Parts) -> Option<Order> {
         checker.dimibot_order(site, self, parts).map(Order::Dimibot)
     }

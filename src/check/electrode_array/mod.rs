@@ -21,6 +21,7 @@ use super::{CheckedFacts, Checker, KindChecks, KindFacts};
 use crate::claims::{Job, Order};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::diagnostic::Sink;
+use crate::quantity::{Dimension, Quantity};
 use std::rc::Rc;
 
 /// Greatest default of the limit of expanded states.
@@ -38,6 +39,10 @@ impl CheckedFacts for Rc<ElectrodeArrayFacts> {
     fn channel_examples(&self) -> Vec<String> {
         let last = ElectrodeCell::new(self.columns, self.rows);
         [ElectrodeCell::new(1, 1), last].map(ElectrodeArrayFacts::channel).to_vec()
+    }
+
+    fn pitch(&self) -> Option<String> {
+        Some(format!("cells of {}", Quantity::new(self.pitch_um() / 1e6, Dimension::LENGTH)))
     }
 
     fn has_channel(&self, name: &str) -> bool {

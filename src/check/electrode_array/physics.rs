@@ -25,8 +25,10 @@ const REST_SHARE: f64 = 0.02;
 pub fn check(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) {
     gap(device, sink);
     let forces = forces(facts, device, sink);
-    potential(facts, forces.as_ref(), device, sink);
-    step(facts, forces.as_ref(), device, sink);
+    // How soon a part comes to rest depends on the potential, which is to be another one.
+    if potential(facts, forces.as_ref(), device, sink) || device.fields.contains_key("settling") {
+        step(facts, forces.as_ref(), device, sink);
+    }
 }
 
 fn si(device: &CheckedDevice, name: &str) -> Option<f64> {
@@ -69,14 +71,14 @@ fn forces(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) 
 }
 
 /// Whether the potential moves a part: it must reach the measured least potential or the table's, and overcome friction.
-fn potential(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &CheckedDevice, sink: &mut Sink) {
+fn potential(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &CheckedDevice, sink: &mut Sink) -> bool {
     let potential_v = facts.potential_v;
     let measured_v = si(device, "least_potential");
-    let Some(needed_v) = measured_v.or(forces.map(Forces::needed_v)) else { return };
+    let Some(needed_v) = measured_v.or(forces.map(Forces::needed_v)) else { return true };
     let net_n = forces.map(|forces| forces.net_n(potential_v));
     let is_enough = potential_v >= needed_v * (1.0 - SLACK);
     if is_enough && net_n.is_none_or(|net_n| net_n > 0.0) {
-        return;
+        return true;
     }
     // The needed potential is at least the one that overcomes friction.
     let least_v = match forces.map(|forces| (forces, forces.net_n(needed_v))) {
@@ -108,6 +110,7 @@ fn potential(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &Chec
         labels.push(DeviceLabel::field("radius", "electrodes of this size"));
     }
     sink.push(device.labelled(wrong, labels));
+    false
 }
 
 /// Whether a part comes to rest within a step.

@@ -5,6 +5,7 @@ use crate::check::scope::{Declaration, DeclarationSort, function_names, path_tex
 use crate::device::shape::ShapeForm;
 use crate::device::{Assay, Together, Vocabulary, condition_of_any_kind};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::Unit;
 use crate::source::Span;
 use crate::stdlib;
 use crate::syntax::tree::{Ident, Path};
@@ -17,6 +18,9 @@ pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<
         Some(near) => diagnostic.near(near),
         None => diagnostic.help_if(match sort {
             _ if name.contains('.') => None,
+            DeclarationSort::Let if Unit::parse(name).is_ok() => {
+                Some(format!("a unit stands behind a number: write `1 {name}`"))
+            }
             DeclarationSort::Let => {
                 Some(format!("values are named at the top of a file, `let {name} = …`, or as parameters of a task"))
             }

@@ -313,6 +313,13 @@ pub fn bad_requirement(span: Span, vocabulary: &Vocabulary) -> Diagnostic {
         .help(format!("write `require time <= 400 ms`; {} has {known}", with_article(vocabulary.name)))
 }
 
+pub fn limits_exclude(outcome: &str, earlier: Span, later: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0603, format!("no plan keeps both limits of `{outcome}`"))
+        .label(later, "excludes the other")
+        .label_elsewhere(earlier, later, "this one")
+        .help("leave one of the two out, or move them apart")
+}
+
 pub fn unknown_outcome(span: Span, name: &str, near: Option<&str>, vocabulary: &Vocabulary) -> Diagnostic {
     let known = listed(vocabulary.outcomes.iter().map(|outcome| outcome.name));
     Diagnostic::new(Code::E0516, format!("a plan of {} has no `{name}`", with_article(vocabulary.name)))

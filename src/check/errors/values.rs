@@ -32,18 +32,18 @@ impl WantedName {
 pub fn wrong_dimension(wanted: &WantedName, dimension: Dimension, span: Span, found: &Value) -> Diagnostic {
     let title = format!("{} must be {}, but this is {}", wanted.name, dimension.with_article(), found.describe_fully());
     let diagnostic = Diagnostic::new(Code::E0301, title).label(span, found.describe());
-    wanted.declared_on(diagnostic).help(dimension_help(wanted, dimension, found))
+    wanted.declared_on(diagnostic).help(dimension_help(wanted, dimension, found, &example(dimension, found)))
 }
 
-fn dimension_help(wanted: &WantedName, dimension: Dimension, found: &Value) -> String {
+fn dimension_help(wanted: &WantedName, dimension: Dimension, found: &Value, example: &str) -> String {
     let unit = dimension.example_unit();
     let about = if wanted.doc.is_empty() { String::new() } else { format!(" ({})", wanted.doc) };
     match found {
         Value::Quantity(quantity) if quantity.dimension == Dimension::NUMBER && !unit.is_empty() => {
-            format!("give the number its unit, as `{}`{about}", example(dimension, found))
+            format!("give the number its unit, as `{example}`{about}")
         }
         _ if unit.is_empty() => format!("write a plain number without a unit{about}"),
-        _ => format!("write {} with its unit, as `{}`{about}", dimension.with_article(), example(dimension, found)),
+        _ => format!("write {} with its unit, as `{example}`{about}", dimension.with_article()),
     }
 }
 
@@ -57,34 +57,61 @@ fn likely_unit(dimension: Dimension, found: &Value) -> String {
     }
 }
 
-/// The digits that were written, with a unit that fits; `1` where they would make no sense there.
-fn example(dimension: Dimension, found: &Value) -> String {
+/// Digits that make sense with the unit of an example.
+fn is_plain(digits: &str) -> bool {
     const PLAIN: std::ops::RangeInclusive<f64> = 0.001..=100_000.0;
-    let unit = likely_unit(dimension, found);
-    // A length given for a length per pixel keeps its value, as `0.02 um` in `0.02 um/px`.
-    let numerator = unit.split_once('/').map_or("", |(numerator, _)| numerator);
-    let is_numerator = |quantity: &Quantity| Unit::parse(numerator).is_ok_and(|of| of.dimension == quantity.dimension);
-    let written = match found {
-        Value::Quantity(quantity) if is_numerator(quantity) => digits(quantity.in_unit(numerator)),
-        Value::Quantity(quantity) => quantity.to_string().split(' ').next().unwrap_or_default().to_owned(),
-        _ => String::new(),
-    };
-    let is_plain = written.parse().is_ok_and(|number: f64| PLAIN.contains(&number));
-    format!("{} {unit}", if is_plain { written.as_str() } else { "1" })
+    digits.parse().is_ok_and(|number: f64| PLAIN.contains(&number.abs()))
 }
 
-/// Adds the edit that gives a number its unit, where the help shows its own digits with that unit.
-pub fn unit_mended(finding: Diagnostic, dimension: Dimension, expr: &Expr, found: &Value) -> Diagnostic {
+/// The value without its unit, with a unit that fits; `1` where the digits would make no sense there.
+fn example(dimension: Dimension, found: &Value) -> String {
     let unit = likely_unit(dimension, found);
-    let (number, place, mend) = match &expr.kind {
-        ExprKind::Number(number) => (number, expr.span.after(), format!(" {unit}")),
-        ExprKind::Quantity { number, unit: written } => (number, written.span, unit.to_owned()),
+    let written = match (found, kept_unit(dimension, found)) {
+        (Value::Quantity(quantity), Some(numerator)) => digits(quantity.in_unit(&numerator)),
+        (Value::Quantity(quantity), None) => quantity.to_string().split(' ').next().unwrap_or_default().to_owned(),
+        _ => String::new(),
+    };
+    format!("{} {unit}", if is_plain(&written) { written.as_str() } else { "1" })
+}
+
+/// The unit in which a value keeps its size: a length given for a length per pixel is `0.02 um` in `0.02 um/px`.
+fn kept_unit(dimension: Dimension, found: &Value) -> Option<String> {
+    let unit = likely_unit(dimension, found);
+    let (numerator, _) = unit.split_once('/')?;
+    let Value::Quantity(quantity) = found else { return None };
+    let is_same = Unit::parse(numerator).is_ok_and(|of| of.dimension == quantity.dimension);
+    is_same.then(|| numerator.to_owned())
+}
+
+/// Gives a finding about the dimension of a number the digits that were written, and the edit that gives them the unit, where they make
+/// sense with it.
+pub fn unit_mended(
+    finding: Diagnostic,
+    (wanted, dimension): (&WantedName, Dimension),
+    expr: &Expr,
+    found: &Value,
+) -> Diagnostic {
+    let unit = likely_unit(dimension, found);
+    let (sign, inner) = match &expr.kind {
+        ExprKind::Negative(inner) => ("-", inner.as_ref()),
+        _ => ("", expr),
+    };
+    let (number, place, mend) = match &inner.kind {
+        ExprKind::Number(number) => (number, inner.span.after(), format!(" {unit}")),
+        ExprKind::Quantity { number, unit: written } => (number, written.span, unit.clone()),
         _ => return finding,
     };
-    let shown = example(dimension, found);
-    let keeps_digits = shown.split(' ').next().and_then(|digits| digits.parse::<f64>().ok()) == number.parse().ok();
-    match finding.code == Code::E0301 && !unit.is_empty() && keeps_digits {
-        true => finding.mended(place, mend),
+    if finding.code != Code::E0301 || unit.is_empty() || !is_plain(number) {
+        return finding;
+    }
+    let keeps_size = kept_unit(dimension, found).is_none_or(|numerator| match &inner.kind {
+        ExprKind::Quantity { unit, .. } => unit.text == numerator,
+        _ => true,
+    });
+    match keeps_size {
+        true => finding
+            .help(dimension_help(wanted, dimension, found, &format!("{sign}{number} {unit}")))
+            .mended(place, mend),
         false => finding,
     }
 }
@@ -323,16 +350,21 @@ pub fn bad_coordinate(span: Span, found: &Value) -> Diagnostic {
         )
 }
 
-pub fn mixed_point(first: (Span, &Value), odd: (Span, &Value)) -> Diagnostic {
-    let is_heading = matches!(odd.1, Value::Quantity(quantity) if quantity.dimension == Dimension::ANGLE);
-    let help = match is_heading {
-        true => "a place with a heading is a pose: write `pose(1 mm, 2 mm, 90 deg)`",
-        false => "`(5, 3)` is a cell, `(5 um, 3 um)` is a place; one point is not both",
-    };
-    Diagnostic::new(Code::E0310, "a point of unlike coordinates")
+/// `whole` is the point from bracket to bracket, with all its coordinates.
+pub fn mixed_point(
+    first: (Span, &Value),
+    odd: (Span, &Value),
+    (whole, coordinates): (Span, &[Quantity]),
+) -> Diagnostic {
+    let finding = Diagnostic::new(Code::E0310, "a point of unlike coordinates")
         .label(odd.0, odd.1.describe_fully())
-        .label(first.0, first.1.describe_fully())
-        .help(help)
+        .label(first.0, first.1.describe_fully());
+    match coordinates {
+        [x, y, heading] if x.dimension == y.dimension && heading.dimension == Dimension::ANGLE => finding
+            .help(format!("a place with a heading is a pose: write `pose({x}, {y}, {heading})`"))
+            .mended(Span { end: whole.start, ..whole }, "pose"),
+        _ => finding.help("`(5, 3)` is a cell, `(5 um, 3 um)` is a place; one point is not both"),
+    }
 }
 
 pub fn bad_pose(span: Span, found: &Value, dimension: Dimension) -> Diagnostic {

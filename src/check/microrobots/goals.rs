@@ -66,6 +66,8 @@ impl Checker<'_> {
         };
         let assembles = steps.iter().any(|step| matches!(step.action, MicrorobotsAction::Assemble(_)));
         let why = match MicrorobotsObjective::find(name)? {
+            // What cannot be read may be one.
+            MicrorobotsObjective::Failures if !assembles && !parts.is_whole => return Some(MicrorobotsObjective::Time),
             MicrorobotsObjective::Failures if !assembles => "the task assembles nothing",
             MicrorobotsObjective::Failures if bed.facts.errors.is_none() => "the device does not state all its errors",
             objective => return Some(objective),

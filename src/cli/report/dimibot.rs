@@ -5,7 +5,6 @@ use crate::claims::Claims;
 use crate::claims::dimibot::{Asked, DimibotAction, DimibotOrder, DimibotStop};
 use crate::device::dimibot::{DimibotFacts, LatticeCell, Side};
 use crate::quantity::{Dimension, Quantity};
-use crate::real::Real;
 use crate::schedule::dimibot::DimibotState;
 use crate::schedule::{State, TimedState};
 use std::ops::RangeInclusive;
@@ -62,17 +61,11 @@ fn visited(stops: &[DimibotStop], states: &[TimedState], during: RangeInclusive<
 }
 
 fn nearest(order: &DimibotOrder) -> Vec<String> {
-    let stops = order.steps.iter().flat_map(|step| match &step.action {
-        DimibotAction::Move(stops) | DimibotAction::Visit(stops) => stops.as_slice(),
-        DimibotAction::Wait(_) => &[],
-    });
     let line = |stop: &DimibotStop| {
         let Asked::Place([x_um, y_um]) = stop.asked else { return None };
-        let [cell_x_um, cell_y_um] = order.in_scene_um(order.facts.place_um(stop.cell));
-        let off = length((cell_x_um - x_um).hypotenuse(cell_y_um - y_um));
-        Some(format!("({}, {}) is cell {}, {off} off", length(x_um), length(y_um), stop.cell))
+        Some(format!("({}, {}) is {}", length(x_um), length(y_um), order.taken_for(stop)?))
     };
-    stops.filter_map(line).collect()
+    order.stops().filter_map(line).collect()
 }
 
 fn length(um: f64) -> String {

@@ -5,7 +5,8 @@ use crate::check::DeclarationTally;
 use crate::claims::Order;
 use crate::compile::Compiled;
 use crate::emit::Format;
-use crate::schedule::cost::cost;
+use crate::schedule::cost::{cost, stretch};
+use crate::schedule::reached::Reached;
 use crate::schedule::{PlanRecord, Schedule};
 use crate::verify::Verified;
 use serde_json::{Value, json};
@@ -14,7 +15,14 @@ use serde_json::{Value, json};
 pub fn checked(file: &str, tally: DeclarationTally, schedules: Option<&[Verified]>) -> Value {
     let mut report = json!({ "checked": file, "declared": declared(tally) });
     if let Some(schedules) = schedules {
-        report["schedules"] = schedules.iter().map(planned_schedule).collect();
+        report["schedules"] = schedules
+            .iter()
+            .map(|verified| {
+                let mut report = planned_schedule(verified);
+                report["steps"] = steps(verified);
+                report
+            })
+            .collect();
     }
     report
 }
@@ -50,6 +58,34 @@ fn planned_schedule(verified: &Verified) -> Value {
     let mut report = verified_schedule(schedule);
     report["plans"] = plans.collect();
     report
+}
+
+/// What each step takes and reaches, and each operation where several take place at the same time, by the places where they are written.
+fn steps(verified: &Verified) -> Value {
+    let (schedule, claims) = (verified.schedule(), verified.claims());
+    let mut told = Vec::new();
+    for step in &schedule.steps {
+        let nth = step.plan as usize;
+        let (Some(plan), Some(job)) = (schedule.plans.get(nth), claims.jobs.get(nth)) else { continue };
+        let mut tell = |(line, column): (u32, u32), start_ns: u64, duration_ns: u64, reached: &[Reached]| {
+            let value = |reached: &Reached| json!({ "value": reached.value(), "text": reached.to_string() });
+            told.push(json!({
+                "task": step.task,
+                "file": step.file,
+                "line": line,
+                "column": column,
+                "start_ns": start_ns,
+                "duration_ns": duration_ns,
+                "takes": stretch(&job.order, plan, (start_ns, start_ns + duration_ns)),
+                "reached": reached.iter().filter(|reached| reached.is_off()).map(value).collect::<Value>(),
+            }));
+        };
+        tell((step.line, step.column), step.start_ns, step.duration_ns, &step.reached);
+        for operation in &step.operations {
+            tell((operation.line, operation.column), operation.start_ns, operation.duration_ns, &[]);
+        }
+    }
+    Value::Array(told)
 }
 
 fn verified_schedule(schedule: &Schedule) -> Value {

@@ -124,7 +124,7 @@ test("the client and `tweeze lsp` understand each other", { skip: executable ? f
   await extension.activate({ subscriptions: [] });
   const [first] = await found;
   assert.deepEqual([first.code, first.message.split("\n")[0]], ["E0201", "no value is named `nowhere`"]);
-  for (const name of ["Completion", "Hover", "Definition", "Rename", "DocumentFormattingEdit", "FoldingRange"]) {
+  for (const name of ["Completion", "Hover", "Definition", "Rename", "DocumentFormattingEdit", "FoldingRange", "CodeLens", "InlayHints"]) {
     assert.ok(done.providers.some((provider) => provider.startsWith(`register${name}`)), name);
   }
   await extension.deactivate();

@@ -14,7 +14,10 @@ const executable = path.join(folder, "tweeze");
 writeFileSync(executable, "#!/bin/sh\n");
 chmodSync(executable, 0o755);
 
-const documentOf = (fsPath, { languageId = "tweeze", scheme = "file" } = {}) => ({ languageId, uri: { scheme, fsPath } });
+const documentOf = (fsPath, { languageId = "tweeze", scheme = "file" } = {}) => ({
+  languageId,
+  uri: { scheme, fsPath, toString: () => `${scheme}://${encodeURI(fsPath)}` },
+});
 const context = () => ({ subscriptions: [] });
 
 /** The extension, activated. */
@@ -100,6 +103,27 @@ test("`View This Program` watches, and takes the place of the last page of the s
   assert.deepEqual(done.ended, []);
   await done.commands.get("tweeze.view")();
   assert.deepEqual(done.ended, [done.tasks[0]]);
+});
+
+test("the commands over a task build and show it alone, whichever editor is active", async () => {
+  const file = path.join(folder, "a µ.twz");
+  const document = documentOf(file);
+  const { done } = await activated({ document: documentOf(path.join(folder, "b.twz")), others: [document] });
+  // As the server sends them, with the address as the editor gave it or written in another way.
+  for (const link of [document.uri.toString(), `file://${file}`]) await done.commands.get("tweeze.build")(link, "fetch");
+  await done.commands.get("tweeze.view")(document.uri.toString(), "fetch");
+  assert.deepEqual(done.tasks.map(({ execution }) => execution.args), [
+    ["build", "--format", "short", "--output", "out", "--task", "fetch", "--", file],
+    ["build", "--format", "short", "--output", "out", "--task", "fetch", "--", file],
+    ["view", "--format", "short", "--output", "out", "--watch", "--task", "fetch", "--", file],
+  ]);
+  assert.deepEqual(done.tasks[0].definition, { type: "tweeze", command: "build", file, options: ["--task", "fetch"] });
+  // A document that was closed since.
+  await done.commands.get("tweeze.build")("file:///gone.twz", "fetch");
+  assert.deepEqual([done.tasks.length, done.messages.map(({ text }) => text)], [3, ["Tweeze: open a program (`.twz`) first."]]);
+  // The menu of an editor gives its own object.
+  await done.commands.get("tweeze.build")(document.uri);
+  assert.deepEqual(done.tasks[3].execution.args, ["build", "--format", "short", "--output", "out", "--", path.join(folder, "b.twz")]);
 });
 
 test("without a program in a file, the commands say what is needed", async () => {

@@ -15,14 +15,16 @@ class ProcessExecution {
   }
 }
 
-const fileUri = (fsPath) => ({ scheme: "file", fsPath });
+const fileUri = (fsPath) => ({ scheme: "file", fsPath, toString: () => `file://${encodeURI(fsPath)}` });
+/** As the editor reads addresses: however they are written, the same file is the same. */
+const parsed = (link) => ({ ...fileUri(decodeURI(link.replace("file://", ""))), scheme: link.split(":")[0] });
 
 /**
  * The extension in an editor of its own.
  *
- * @param {object} given settings by name, the open document, the workspace folder, the button that is pressed, and whether the server starts
+ * @param {object} given settings by name, the document in the active editor, other open ones, the workspace folder, the button that is pressed, and whether the server starts
  */
-export function inEditor({ settings = {}, document, folder, press, trusted = true, failing } = {}) {
+export function inEditor({ settings = {}, document, others = [], folder, press, trusted = true, failing } = {}) {
   const done = { commands: new Map(), messages: [], executed: [], tasks: [], servers: [], ended: [], saved: 0, listeners: [], trusts: [], providers: [] };
   const workspaceFolder = folder && { uri: fileUri(folder), name: "folder", index: 0 };
   const running = [];
@@ -35,7 +37,7 @@ export function inEditor({ settings = {}, document, folder, press, trusted = tru
     ProcessExecution,
     TaskGroup: { Build: "build group" },
     TaskScope: { Workspace: "workspace scope" },
-    Uri: { file: fileUri },
+    Uri: { file: fileUri, parse: parsed },
     commands: {
       registerCommand: (name, run) => done.commands.set(name, run),
       executeCommand: async (...all) => done.executed.push(all),
@@ -47,6 +49,7 @@ export function inEditor({ settings = {}, document, folder, press, trusted = tru
     },
     workspace: {
       isTrusted: trusted,
+      textDocuments: [document, ...others].filter(Boolean),
       workspaceFolders: workspaceFolder && [workspaceFolder],
       getWorkspaceFolder: () => workspaceFolder,
       getConfiguration: (section) => ({ get: (name, otherwise) => settings[`${section}.${name}`] ?? otherwise }),

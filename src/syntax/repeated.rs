@@ -1,0 +1,45 @@
+//! A habit of the hand, such as `;` behind each line, is one finding with all its places, and not one for each.
+
+use crate::diagnostic::{Code, Diagnostic, Label};
+use std::collections::BTreeMap;
+
+/// Most places of a habit that its finding points to.
+const MAX_PLACES: usize = 4;
+
+/// Findings in the order of their places; signs of other languages that are mended alike are joined with the first of them.
+pub(super) fn joined(findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let mut kept: Vec<Diagnostic> = Vec::with_capacity(findings.len());
+    // Where each habit stands among those that are kept, and how often it was met since.
+    let mut habits: BTreeMap<String, (usize, usize)> = BTreeMap::new();
+    for finding in findings {
+        if !is_habit(&finding) {
+            kept.push(finding);
+            continue;
+        }
+        let (nth, again) = habits.entry(finding.title.clone()).or_insert((kept.len(), 0));
+        match kept.get_mut(*nth) {
+            Some(first) => {
+                *again += 1;
+                if *again < MAX_PLACES {
+                    let places = finding.labels.into_iter().take(1);
+                    first.labels.extend(places.map(|label| Label { text: "here too".to_owned(), ..label }));
+                }
+                first.mend.extend(finding.mend);
+            }
+            None => kept.push(finding),
+        }
+    }
+    for (nth, again) in habits.into_values().filter(|(_, again)| *again > 0) {
+        if let Some(first) = kept.get_mut(nth) {
+            let help = first.help.take().unwrap_or_default();
+            let places = if again == 1 { "place" } else { "places" };
+            first.help = Some(format!("{help}; the same at {again} more {places}"));
+        }
+    }
+    kept
+}
+
+/// Whether a finding is about a sign that people write as often as they need one, and its mend is known.
+fn is_habit(finding: &Diagnostic) -> bool {
+    matches!(finding.code, Code::E0104 | Code::E0119) && finding.labels.len() == 1 && !finding.mend.is_empty()
+}
