@@ -15,7 +15,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tweeze::compile::partial;
 use tweeze::diagnostic::render::{Characters, Colour, Look, human};
-use tweeze::diagnostic::{Diagnostic, PlaceUnit, Sink, WrittenPlace};
+use tweeze::diagnostic::{CellRun, Diagnostic, PlaceUnit, Sink, WrittenPlace};
 use tweeze::emit::{FailedProgram, Provenance, failed_page};
 use tweeze::source::Sources;
 
@@ -64,6 +64,10 @@ fn page(case: &Case, sources: &Sources, errors: &Sink) -> String {
         let unit = if *unit == PlaceUnit::Cells { "" } else { " um" };
         let device = device.as_ref().map_or("scene", String::as_str);
         line.push_str(&format!(", ({x}, {y}){unit} of {device}"));
+    }
+    for reach in errors.sorted().into_iter().filter_map(|error| error.reach.as_deref()) {
+        let cells: u32 = reach.runs.iter().map(|CellRun { columns: [first, last], .. }| last - first + 1).sum();
+        line.push_str(&format!(", `{}` reaches {cells} cells", reach.what));
     }
     line + "\n"
 }

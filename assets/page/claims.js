@@ -81,7 +81,10 @@ function drawClaims(root, model, seek) {
     }
     if (reached.length > 100) add(card, "p", `and ${reached.length - 100} more`, "remark");
   }
-  if (!model.page.schedule) return;
+}
+
+/** What kind of schedule it is. */
+function drawAbout(root, model) {
   const card = add(root, "section", "", "card");
   add(card, "h3", "About this schedule");
   card.append(claimRow("channels", String(model.channels.length)), claimRow("actuations", String(model.schedule.actuations.length)));

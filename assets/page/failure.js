@@ -19,7 +19,7 @@ function drawFailure(root, { failure, page, steps }, { reveal, seek }) {
   let lastHelp = null;
   // Errors before warnings; each kind stays in the order of its places.
   const isWarning = ({ severity }) => Number(severity === "warning");
-  for (const { code, severity, title, help, labels, t_ns } of [...failure.findings].sort((a, b) => isWarning(a) - isWarning(b))) {
+  for (const { code, severity, title, help, labels, t_ns, reach } of [...failure.findings].sort((a, b) => isWarning(a) - isWarning(b))) {
     const card = add(root, "section", "", `card ${severity}`);
     const head = add(card, "p", "", "finding");
     add(head, "b", `${severity} ${code}`);
@@ -28,6 +28,12 @@ function drawFailure(root, { failure, page, steps }, { reveal, seek }) {
       const jump = add(card, "button", `at ${timeText(t_ns)}`, "jump instant");
       jump.type = "button";
       jump.addEventListener("click", () => seek(t_ns));
+    }
+    if (reach) {
+      const cells = reach.runs.reduce((sum, [, first, last]) => sum + last - first + 1, 0);
+      const line = add(card, "p", "", "reached");
+      add(line, "span", "", "swatch");
+      line.append(`reached by the proof: ${counted(cells, "cell")}`);
     }
     for (const label of labels) {
       const place = `${label.file}:${label.line}`;
@@ -75,20 +81,32 @@ function placeFaults(view, places) {
   }
 }
 
-/** The box of a text on a canvas: its corners. */
-function boxOfText(g, { words, x, y, align, size }) {
-  g.font = `600 ${size}px system-ui, sans-serif`;
-  const width = g.measureText(words).width;
-  const left = align === "right" ? x - width : align === "center" ? x - width / 2 : x;
-  return [left, y - size / 2, left + width, y + size / 2];
+/** Shades what a proof has reached, with an edge round it; `place` leads from columns and rows into the scene. */
+function drawReaches(pen, reaches, place) {
+  const { g, theme } = pen;
+  for (const { runs, edges } of reaches) {
+    g.fillStyle = theme.reached;
+    g.beginPath();
+    for (const [row, first, last] of runs) {
+      const corners = [[first - 0.5, row - 0.5], [last + 0.5, row - 0.5], [last + 0.5, row + 0.5], [first - 0.5, row + 0.5]];
+      corners.forEach((corner, at) => (at ? g.lineTo(...pen.at(place(corner))) : g.moveTo(...pen.at(place(corner)))));
+      g.closePath();
+    }
+    g.fill();
+    g.beginPath();
+    for (const [from, to] of edges) {
+      g.moveTo(...pen.at(place(from)));
+      g.lineTo(...pen.at(place(to)));
+    }
+    Object.assign(g, { strokeStyle: theme.reachedEdge, lineWidth: 1.5, lineCap: "round" });
+    g.stroke();
+  }
 }
-
-const overlap = ([a, b, c, d], [e, f, g, h]) => a < g && e < c && b < h && f < d;
 
 /** Rings the places that errors are about, and names each where there is room for it. */
 function drawFaults(pen, faults) {
   if (faults.length === 0) return;
-  const { g, theme, box } = pen;
+  const { g, theme } = pen;
   const radius = 9;
   const taken = pen.texts.map((text) => boxOfText(g, text));
   for (const { at } of faults) {
@@ -111,8 +129,7 @@ function drawFaults(pen, faults) {
     if (pen.texts.some((text) => text.words === words && Math.hypot(text.x - x, text.y - y) < 60)) continue;
     for (const [dx, dy, align] of [[14, -14, "left"], [-14, -14, "right"], [14, 14, "left"], [-14, 14, "right"], [0, -26, "center"], [0, 26, "center"]]) {
       const corners = boxOfText(g, { words, x: x + dx, y: y + dy, align, size: 12 });
-      const isInside = corners[0] >= box.x && corners[2] <= box.x + box.width;
-      if (!isInside || taken.some((other) => overlap(corners, other))) continue;
+      if (!pen.isFree(corners, taken)) continue;
       pen.text(at, words, theme.alarm, { dx, dy, align, weight: "600" });
       taken.push(corners);
       break;

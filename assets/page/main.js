@@ -4,7 +4,7 @@
 /** Colours of the canvases, from the style sheet, so that light and dark stay in one place. */
 function themeOf() {
   const style = getComputedStyle(document.documentElement);
-  const names = ["paper", "panel", "ink", "soft", "faint", "rule", "dots", "obstacle", "grown", "lit", "stop", "ahead", "board", "electrode", "live", "liveEdge", "section", "alarm", "now", "block", "blockNow", "wave"];
+  const names = ["paper", "panel", "ink", "soft", "faint", "rule", "dots", "obstacle", "grown", "lit", "stop", "ahead", "board", "electrode", "live", "liveEdge", "section", "alarm", "reached", "reachedEdge", "ruler", "now", "block", "blockNow", "wave"];
   return Object.fromEntries(names.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
 }
 
@@ -33,7 +33,13 @@ class Player {
     const { failure } = this.model;
     if (failure) drawFailure(find("claims"), this.model, { reveal: (label) => this.program.reveal(label), seek });
     // What was refused claims nothing.
-    if (!failure || !failure.is_refused) drawClaims(find("claims"), this.model, seek);
+    if (!failure || !failure.is_refused) {
+      const root = find("claims");
+      drawClaims(root, this.model, seek);
+      drawClearances(root, this.model, (found) => this.measure(found));
+      drawRules(root, this.model);
+      if (page.schedule) drawAbout(root, this.model);
+    }
     this.timeline = new Timeline(find("timeline"), this.model, this.theme, seek);
     this.timeline.onChange = () => this.draw();
     this.addStage();
@@ -135,6 +141,16 @@ class Player {
     this.draw();
   }
 
+  /** Jumps to the instant of a clearance; its ruler is drawn until the time goes on. */
+  measure(clearance) {
+    this.ruler = clearance;
+    const [from, to] = clearance.points;
+    for (const view of this.views) {
+      if (view.face && view.devices.some(({ name }) => name === clearance.device)) view.face(to.map((value, axis) => value - from[axis]));
+    }
+    this.seek(clearance.t_ns);
+  }
+
   link() {
     window.history.replaceState(null, "", `#t=${this.t_ns / 1e9}`);
   }
@@ -202,9 +218,41 @@ class Player {
     g.clearRect(0, 0, width, height);
     const foot = 30 + (view.foot || 0);
     view.pen = new Pen(canvas, { x: 8, y: 26, width: width - 16, height: height - 34 - foot }, view.extent, this.theme);
-    view.draw(view.pen, t_ns, { hovered: this.lit, blamed: this.model.blamed });
+    const lights = { hovered: this.lit, blamed: this.model.blamed };
+    view.draw(view.pen, t_ns, lights);
     drawFaults(view.pen, view.faults);
+    const { ruler } = this;
+    view.ruled = null;
+    if (ruler && ruler.t_ns === t_ns && view.devices.some(({ name }) => name === ruler.device)) {
+      drawRuler(view.pen, view, ruler, (loupe) => view.draw(loupe, t_ns, lights));
+    }
     this.drawFrame(view, width, height);
+    if (view.legend) this.drawLegend(view, width, height);
+  }
+
+  /** What the colours of a view mean, as far as there is room beside the scale bar. */
+  drawLegend(view, width, height) {
+    const { g } = view.pen;
+    const [head, entries] = view.legend;
+    Object.assign(g, { font: "11px system-ui, sans-serif", textAlign: "left", textBaseline: "middle", fillStyle: this.theme.soft });
+    const y = height - 15;
+    let x = 10;
+    g.fillText(head, x, y);
+    x += g.measureText(head).width + 8;
+    for (const [at, [words, color]] of entries.entries()) {
+      const last = at === entries.length - 1 ? 0 : 20;
+      if (x + 16 + g.measureText(words).width + last > 0.62 * width) {
+        g.fillStyle = this.theme.soft;
+        g.fillText("…", x, y);
+        return;
+      }
+      Object.assign(g, { fillStyle: color, strokeStyle: this.theme.faint, lineWidth: 1 });
+      g.fillRect(x, y - 5, 10, 10);
+      g.strokeRect(x, y - 5, 10, 10);
+      g.fillStyle = this.theme.ink;
+      g.fillText(words, x + 14, y);
+      x += 14 + g.measureText(words).width + 10;
+    }
   }
 
   /** The title of a view, and its scale bar. */

@@ -25,12 +25,14 @@ function buildModel(page) {
     device.runs.push({ plan, order, requirements: claims.jobs[index].requirements, index });
   });
   for (const device of devices) device.runs.sort((a, b) => a.plan.start_ns - b.plan.start_ns);
+  for (const device of devices) device.reaches = reachesOf(page, device.name);
   const model = { page, schedule, claims, channels, devices, steps: schedule.steps, duration_ns: schedule.duration_ns };
   model.failure = page.failure || null;
   model.blamed = blamedNames(page);
   model.works = worksOf(model);
   model.events = eventsOf(model);
-  for (const device of devices) if (device.kind === "fingers") prepareHand(device);
+  for (const device of devices) if (device.kind === "fingers") prepareHand(device, page.evidence);
+  for (const device of devices) if (device.kind === "electrode_array") prepareBoard(device);
   return model;
 }
 
@@ -58,6 +60,24 @@ function blamedNames({ failure, sources }) {
     }
   }
   return names;
+}
+
+/** The corners of the cells that a proof has reached on a device, and the edges behind which nothing is. */
+function reachesOf({ failure }, name) {
+  const found = (failure ? failure.findings : []).map(({ reach }) => reach).filter((reach) => reach && reach.device === name);
+  return found.map(({ runs }) => {
+    const met = new Set(runs.flatMap(([row, first, last]) => Array.from({ length: last - first + 1 }, (_, at) => `${first + at}/${row}`)));
+    const edges = [];
+    for (const key of met) {
+      const [column, row] = key.split("/").map(Number);
+      for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
+        if (met.has(`${column + dx}/${row + dy}`)) continue;
+        const middle = [column + dx / 2, row + dy / 2];
+        edges.push([[middle[0] - dy / 2, middle[1] - dx / 2], [middle[0] + dy / 2, middle[1] + dx / 2]]);
+      }
+    }
+    return { runs, edges };
+  });
 }
 
 /** Instants at which something begins or ends, for stepping through. */
@@ -189,6 +209,67 @@ function partsAt(device, t_ns) {
   return places;
 }
 
+/**
+ * Finds what droplets leave on the electrodes of a board, run after run: `traces` has for each electrode that they come to its place and
+ * `changes`, the fluids that are on it from an instant on. A droplet of nothing but washing fluids takes away what is there.
+ */
+function prepareBoard(device) {
+  device.traces = new Map();
+  device.fluids = [];
+  const held = new Map();
+  const tread = ([column, row], t_ns, fluids, washes) => {
+    const key = `${column}/${row}`;
+    if (!device.traces.has(key)) device.traces.set(key, { cell: [column, row], changes: [{ t_ns: -1, fluids: [] }] });
+    const { changes } = device.traces.get(key);
+    const last = changes[changes.length - 1].fluids;
+    const isWash = fluids.size > 0 && [...fluids].every((fluid) => washes.includes(fluid));
+    const next = isWash ? [] : [...new Set([...last, ...fluids])];
+    if (next.length !== last.length) changes.push({ t_ns, fluids: next });
+  };
+  for (const { plan, order } of device.runs) {
+    if (order.facts.layout?.electrodes !== "single") return;
+    const { washes = [] } = order.contamination || {};
+    const works = movesOf(order);
+    const part = (name) => order.parts.findIndex((known) => known.name === name);
+    for (const [index, { t_ns, parts }] of plan.states.entries()) {
+      for (const name of Object.keys(parts)) if (!held.has(name)) held.set(name, fluidsOf(order, works, part(name), held));
+      for (const [name, fluids] of held) {
+        if (parts[name]) continue;
+        const merge = works.find((work) => work.with === part(name));
+        const into = merge && order.parts[merge.part].name;
+        if (held.has(into)) held.set(into, new Set([...held.get(into), ...fluids]));
+        const left = !merge && index > 0 && departureOf(order, name);
+        if (left) tread(left, t_ns, fluids, washes);
+        held.delete(name);
+      }
+      for (const [name, cell] of Object.entries(parts)) tread(cell, t_ns, held.get(name), washes);
+    }
+  }
+  const order = device.runs[0].order;
+  const names = [...new Set([...device.traces.values()].flatMap(({ changes }) => changes.flatMap(({ fluids }) => fluids)))];
+  // A fluid has the colour of the first droplet that is of it.
+  const all = device.runs.flatMap((run) => movesOf(run.order));
+  const partOf = (fluid) => {
+    const dispensed = all.find((work) => work.comes && work.fluid === fluid);
+    return dispensed ? dispensed.part : order.parts.findIndex(({ name }) => name === fluid);
+  };
+  device.fluids = names.map((name) => ({ name, part: partOf(name) }));
+}
+
+/** What a droplet contains as it comes: what its reservoir holds, what the droplet has that it is split from, or a fluid of its own name. */
+function fluidsOf(order, works, part, held) {
+  const dispensed = works.find((work) => work.comes && work.part === part);
+  if (dispensed && dispensed.fluid) return new Set([dispensed.fluid]);
+  const split = works.find((work) => work.splits && work.splits.part === part);
+  return new Set((split && held.get(order.parts[split.part].name)) || [order.parts[part].name]);
+}
+
+/** The fluids on the electrodes of a board at an instant, where there are any. */
+function tracesAt(device, t_ns) {
+  const found = [...device.traces.values()].map(({ cell, changes }) => ({ cell, fluids: changes[lastAtMost(changes, "t_ns", t_ns)].fluids }));
+  return found.filter(({ fluids }) => fluids.length > 0);
+}
+
 // Microrobots
 
 /** The drive train of a leg: the first that begins between its start and the next state. */
@@ -248,13 +329,14 @@ function robotsAt(device, t_ns) {
 // Fingers
 
 /** Finds for each pair of states when the fingers that hold move, and the channels of each finger. */
-function prepareHand(device) {
+function prepareHand(device, evidence) {
   const byName = new Map(device.channels.map((channel) => [channel.name, channel]));
   const count = device.runs[0].order.facts.fingers;
   device.stages = Array.from({ length: count }, (_, finger) =>
     ["x", "y", "z"].map((axis) => byName.get(`${device.name}.f${finger + 1}.${axis}`)));
   for (const run of device.runs) {
     const { states } = run.plan;
+    run.forces = forcesOf(evidence, run);
     run.motions = states.slice(0, -1).map((state, index) => {
       let [first, last] = [Infinity, -Infinity];
       state.grasp.forEach((contact, finger) => {
@@ -272,6 +354,26 @@ function prepareHand(device) {
       return first < last ? [first, last] : null;
     });
   }
+}
+
+/** The forces of the fingers in each state of a run, along the axes of the part; null where none are known. */
+function forcesOf(evidence, { plan, index }) {
+  const found = evidence ? evidence.forces.find((forces) => forces.plan === index) : null;
+  return plan.states.map(({ orientation: [w, x, y, z] }, at) => {
+    const forces = found && found.states[at];
+    return forces ? forces.map((force) => force && turned([w, -x, -y, -z], force)) : null;
+  });
+}
+
+/** The force of each finger on the part along the axes of the part; in a motion on its way to those of the next state. */
+function forcesAt(device, t_ns) {
+  const run = runAt(device, t_ns);
+  const index = stateIndexAt(run.plan, t_ns);
+  const [here, next, motion] = [run.forces[index], run.forces[index + 1], run.motions[index]];
+  const isSame = here && next && here.every((force, finger) => Boolean(force) === Boolean(next[finger]));
+  if (!isSame || !motion || t_ns <= motion[0]) return here;
+  const share = (Math.min(t_ns, motion[1]) - motion[0]) / (motion[1] - motion[0]);
+  return here.map((force, finger) => force && force.map((value, axis) => mix(value, next[finger][axis], share)));
 }
 
 /** Middle of each tip, and whether it holds. */

@@ -63,6 +63,12 @@ class Pen {
     }
   }
 
+  /** Whether a box of the canvas is between the sides of the drawing, and meets no other. */
+  isFree([left, top, right, bottom], taken) {
+    const isInside = left >= this.box.x && right <= this.box.x + this.box.width;
+    return isInside && !taken.some(([a, b, c, d]) => left < c && a < right && top < d && b < bottom);
+  }
+
   text(place, words, color, { dx = 0, dy = 0, align = "left", size = 12, weight = "" } = {}) {
     const { g } = this;
     const [x, y] = this.at(place);
@@ -73,6 +79,14 @@ class Pen {
     g.fillStyle = color;
     g.fillText(words, x + dx, y + dy);
   }
+}
+
+/** The box of a text on a canvas: its corners. */
+function boxOfText(g, { words, x, y, align, size }) {
+  g.font = `600 ${size}px system-ui, sans-serif`;
+  const width = g.measureText(words).width;
+  const left = align === "right" ? x - width : align === "center" ? x - width / 2 : x;
+  return [left, y - size / 2, left + width, y + size / 2];
 }
 
 /** Corners of a shape at its pose, grown by a length; round parts as many short sides. */

@@ -2,7 +2,8 @@
 //
 // A view shows one device, or several DiMiBots that share a scene. Every view has `extent` (the corners that must be seen, in its own
 // unit), `draw(pen, t_ns, lights)`, and `unit_um`, the length of its unit; a flat one also `spot(place)`, where a place of the program is in
-// it. `lights` says what is pointed at (`hovered`), and what errors are about (`blamed`).
+// it. `lights` says what is pointed at (`hovered`), and what errors are about (`blamed`). A view that can be
+// turned has `seen(place)`, where a place in space is in it.
 "use strict";
 
 /** Colours that people with any colour vision tell apart (Okabe and Ito). */
@@ -78,6 +79,7 @@ function dimibotView(devices) {
       const [dx, dy] = pitchUm(order.facts);
       const [nx, ny] = cells(order);
       const corners = [[0, 0], [nx * dx, 0], [nx * dx, ny * dy], [0, ny * dy]].map((corner) => inScene(order, corner));
+      drawReaches(pen, device.reaches, ([column, row]) => inScene(order, [column * dx, row * dy]));
       pen.shape(corners, { stroke: theme.faint });
       if (dx * pen.scale > 5 && dy * pen.scale > 5) {
         pen.g.fillStyle = theme.dots;
@@ -208,8 +210,10 @@ function arrayView(device) {
     return null;
   };
   view.spot = ({ unit, at }) => (unit === "cells" ? at : null);
+  if (device.fluids.length) view.legend = ["left on electrodes:", device.fluids.map(({ name, part }) => [name, `${colorOf(part)}59`])];
   view.draw = (pen, t_ns, lights) => {
     drawBoard(pen, device, t_ns);
+    drawReaches(pen, device.reaches, (cell) => cell);
     drawParts(pen, device, t_ns, lights);
   };
   return view;
@@ -246,12 +250,28 @@ function drawBoard(pen, device, t_ns) {
     }
     g.fill();
   }
+  drawTraces(pen, device, t_ns);
   for (const { column, row } of facts.map?.disabled ?? []) pen.disc([column, row], radius, { stroke: theme.faint, least: 1.5 });
   for (const channel of device.channels) {
     const actuation = actuationAt(channel, t_ns);
     if (!actuation || actuation.from === 0) continue;
     const place = /\.e(\d+)_(\d+)$/.exec(channel.name);
     if (place) pen.disc([Number(place[1]), Number(place[2])], radius * 1.15, { fill: theme.live, stroke: theme.liveEdge, least: 1.5 });
+  }
+}
+
+/** What droplets have left on electrodes: a field in the colour of the fluid, or one stripe for each of several. */
+function drawTraces(pen, device, t_ns) {
+  const { g } = pen;
+  const size = 0.84;
+  for (const { cell, fluids } of tracesAt(device, t_ns)) {
+    const width = size / fluids.length;
+    fluids.forEach((fluid, at) => {
+      const { part } = device.fluids.find(({ name }) => name === fluid);
+      const [x, y] = pen.at([cell[0] - size / 2 + width * at, cell[1] + size / 2]);
+      g.fillStyle = `${colorOf(part)}59`;
+      g.fillRect(x, y, width * pen.scale, size * pen.scale);
+    });
   }
 }
 
@@ -318,7 +338,8 @@ function bedView(device) {
   view.spot = ({ unit, at }) => (unit === "um" ? at : null);
   view.draw = (pen, t_ns, lights) => {
     drawBed(pen, device, t_ns, lights, true);
-    drawInset(pen, device, t_ns, lights);
+    // A loupe shows what is there, and no inset.
+    if (pen === view.pen) drawInset(pen, device, t_ns, lights);
   };
   return view;
 }
@@ -435,89 +456,6 @@ function drawInset(pen, device, t_ns, lights) {
   g.strokeRect(inset.x, inset.y, size, size);
   Object.assign(g, { font: "11px system-ui, sans-serif", textAlign: "left", textBaseline: "top", fillStyle: theme.soft });
   g.fillText("where they meet", inset.x + 6, inset.y + 5);
-}
-
-// Hand
-
-function handView(device) {
-  const { order } = device.runs[0];
-  const sections = [["xy", order.part.xy], ["xz", order.part.xz]].filter(([, section]) => section);
-  const outlines = sections.map(([plane, { outline }]) => ({
-    plane,
-    points: outlinePoints(outline).map(([u, v]) => (plane === "xy" ? [u, v, 0] : [u, 0, v])),
-  }));
-  const reach = Math.max(...outlines.flatMap(({ points }) => points.map((point) => Math.hypot(...point)))) + 3.2 * order.facts.tip_radius_um;
-  const view = { title: device.name, devices: [device], unit_um: 1, extent: [[-reach, -reach], [reach, reach]], turnable: true, yaw: -0.5, pitch: outlines.length > 1 ? 0.5 : 1.1 };
-  view.things = () => [order.part.name];
-  view.hit = ([x, y]) => (Math.hypot(x, y) < reach / 3 ? order.part.name : null);
-  view.draw = (pen, t_ns, lights) => {
-    const { theme } = pen;
-    const [cy, sy, cp, sp] = [Math.cos(view.yaw), Math.sin(view.yaw), Math.cos(view.pitch), Math.sin(view.pitch)];
-    // World z is up; the viewer looks along the third of these.
-    const seen = ([x, y, z]) => {
-      const [u, v] = [x * cy - y * sy, x * sy + y * cy];
-      return [u, z * cp + v * sp, v * cp - z * sp];
-    };
-    drawAxes(pen, seen, reach);
-    const part = partAt(device, t_ns);
-    const placed = (point) => seen(turned(part.turn, point).map((value, axis) => value + part.place[axis]));
-    const state = stateAt(device, t_ns);
-    for (const { plane, points } of outlines) {
-      const isInUse = state.plane === plane;
-      pen.shape(points.map(placed), {
-        fill: isInUse ? theme.section : undefined,
-        stroke: lights.hovered === order.part.name ? theme.lit : isInUse ? theme.ink : theme.faint,
-        width: isInUse ? 2 : 1,
-      });
-    }
-    const held = outlines.find(({ plane }) => plane === state.plane) || outlines[0];
-    const fingers = tipsAt(device, t_ns);
-    for (const [finger, cone] of conesOf(order, part, held, fingers)) {
-      pen.shape(cone.map(placed), { fill: `${colorOf(finger)}40`, stroke: colorOf(finger) });
-    }
-    const mark = outlines[0].points[0];
-    pen.disc(placed(mark), 0, { fill: theme.ink, least: 3 });
-    const tips = fingers.map((tip, finger) => ({ ...tip, finger, spot: seen(tip.place) }));
-    tips.sort((a, b) => b.spot[2] - a.spot[2]);
-    for (const { spot, contact, finger } of tips) {
-      const color = colorOf(finger);
-      if (contact) pen.line([spot, seen(part.place)], color, 1, [3, 3]);
-      pen.disc(spot, order.facts.tip_radius_um, { fill: contact ? color : theme.panel, stroke: color, width: 2 });
-    }
-    for (const { spot, contact, finger } of tips) {
-      const words = contact ? `f${finger + 1} on ${contact}` : `f${finger + 1}`;
-      pen.text(spot, words, theme.ink, { align: "center", dy: order.facts.tip_radius_um * pen.scale + 10, size: 11 });
-    }
-    const words = `cones: friction ${short(order.facts.friction)}; drag to turn the view`;
-    pen.text([-reach, -reach], words, theme.soft, { dx: 4, dy: -8, size: 11 });
-  };
-  return view;
-}
-
-/** The friction cones of the fingers that hold, in the frame of the part. */
-function conesOf({ facts }, part, { plane, points }, tips) {
-  const across = plane === "xy" ? 1 : 2;
-  const flat = (point) => [point[0], point[across]];
-  const back = [part.turn[0], ...part.turn.slice(1).map((value) => -value)];
-  const solid = ([u, v]) => (plane === "xy" ? [u, v, 0] : [u, 0, v]);
-  const outline = points.map(flat);
-  const length = 0.8 * Math.min(...outline.map((point) => Math.hypot(...point)));
-  return tips.flatMap(({ place, contact }, finger) => {
-    if (!contact) return [];
-    const tip = turned(back, place.map((value, axis) => value - part.place[axis]));
-    return [[finger, frictionCone(outline, flat(tip), facts.friction, length).map(solid)]];
-  });
-}
-
-function drawAxes(pen, seen, reach) {
-  const { theme } = pen;
-  const at = [-reach * 0.82, reach * 0.78];
-  [["x", [1, 0, 0]], ["y", [0, 1, 0]], ["z", [0, 0, 1]]].forEach(([name, axis], number) => {
-    const [u, v] = seen(axis);
-    const end = [at[0] + u * reach * 0.15, at[1] + v * reach * 0.15];
-    pen.line([at, end], colorOf([5, 2, 0][number]), 2);
-    pen.text(end, name, theme.soft, { align: "center", dx: u * 9, dy: -v * 9, size: 11 });
-  });
 }
 
 /** The views of a model: DiMiBots of one scene together, each other device alone. */

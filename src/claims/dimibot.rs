@@ -164,6 +164,16 @@ pub struct DimibotStep {
     pub span: Span,
 }
 
+impl DimibotStep {
+    /// Its places; none for a wait.
+    pub fn stops(&self) -> &[DimibotStop] {
+        match &self.action {
+            DimibotAction::Move(stops) | DimibotAction::Visit(stops) => stops,
+            DimibotAction::Wait(_) => &[],
+        }
+    }
+}
+
 /// Action of a step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

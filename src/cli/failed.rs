@@ -6,7 +6,7 @@ use super::loaded::Loaded;
 use super::{Exit, report, terminal};
 use crate::compile;
 use crate::diagnostic::Sink;
-use crate::emit::{self, FAILED_ENDING, FailedProgram, Provenance};
+use crate::emit::{self, FAILED_ENDING, FailedProgram, OutputFile, Provenance};
 use crate::source::Sources;
 use std::path::{Path, PathBuf};
 
@@ -42,16 +42,23 @@ pub fn write(
         terminal::report_one(error.diagnostic(), report_format);
         Exit::Errors
     })?;
-    let name = disk::shown(&arguments.output, &page.name);
     let mut files = vec![page];
     if arguments.watch {
         emit::follow(&mut files, &follower(loaded.path()), provenance);
     }
-    disk::write_all(&destination(loaded.path(), arguments), &files).map_err(|diagnostic| {
+    put(&files, &destination(loaded.path(), arguments), report_format).map(|mut names| names.swap_remove(0))
+}
+
+/// Writes files; where each of them stands.
+///
+/// # Errors
+/// The exit status, once it was reported that they cannot be written.
+pub fn put(files: &[OutputFile], to: &Destination, report_format: ReportFormat) -> Result<Vec<PathBuf>, Exit> {
+    disk::write_all(to, files).map_err(|diagnostic| {
         terminal::report_one(*diagnostic, report_format);
         Exit::Files
     })?;
-    Ok(name)
+    Ok(files.iter().map(|file| disk::shown(to.folder, &file.name)).collect())
 }
 
 /// Says where the page stands.

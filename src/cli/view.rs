@@ -88,8 +88,7 @@ fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, FailedBuild> {
         Exit::Errors
     })?;
     let to = Destination { folder: &arguments.output, program: path, force: arguments.force };
-    disk::write_all(&to, &pages).map_err(files)?;
-    let pages: Vec<PathBuf> = pages.iter().map(|page| disk::shown(&arguments.output, &page.name)).collect();
+    let pages = failed::put(&pages, &to, format)?;
     let schedule = judged.verified.schedule();
     let names: Vec<String> = pages.iter().map(|page| page.to_string_lossy().into_owned()).collect();
     if format == ReportFormat::Json {
@@ -121,13 +120,9 @@ fn of_refused_log(arguments: &ViewArguments, bytes: &[u8], refusal: &Refusal) ->
         }
     };
     let to = Destination { folder: &arguments.output, program: path, force: arguments.force };
-    let name = disk::shown(&arguments.output, &page.name);
-    match disk::write_all(&to, &[page]) {
-        Ok(()) => FailedBuild { exit, page: Some(name) },
-        Err(diagnostic) => {
-            terminal::report_one(*diagnostic, format);
-            Exit::Files.into()
-        }
+    match failed::put(&[page], &to, format) {
+        Ok(mut names) => FailedBuild { exit, page: names.pop() },
+        Err(exit) => exit.into(),
     }
 }
 

@@ -11,7 +11,7 @@ pub mod plain;
 pub mod render;
 
 pub use code::{Code, Severity};
-pub use place::{PlaceUnit, WrittenPlace};
+pub use place::{CellRun, PlaceUnit, Reach, WrittenPlace};
 
 use crate::source::Span;
 use serde::Serialize;
@@ -37,6 +37,9 @@ pub struct Diagnostic {
     /// all of one file.
     #[serde(skip)]
     pub mend: Vec<SourceEdit>,
+    /// How far the proof came, where that is what the diagnostic is about and few cells say it.
+    #[serde(skip)]
+    pub reach: Option<Box<Reach>>,
 }
 
 /// A text for what stands at a place; an empty place is one where nothing stands yet.
@@ -49,7 +52,7 @@ pub struct SourceEdit {
 impl Diagnostic {
     /// A diagnostic without a place yet.
     pub fn new(code: Code, title: impl Into<String>) -> Self {
-        Diagnostic { code, title: title.into(), labels: Vec::new(), help: None, mend: Vec::new() }
+        Diagnostic { code, title: title.into(), labels: Vec::new(), help: None, mend: Vec::new(), reach: None }
     }
 
     /// Adds a place; the first one added is where the diagnostic points.
@@ -69,6 +72,13 @@ impl Diagnostic {
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Self {
         self.help = Some(text.into());
+        self
+    }
+
+    /// Adds how far the proof came, if that is known.
+    #[must_use]
+    pub fn reach(mut self, reach: Option<Reach>) -> Self {
+        self.reach = reach.map(Box::new);
         self
     }
 

@@ -20,3 +20,47 @@ pub enum PlaceUnit {
     /// Micrometres in the scene.
     Micrometres,
 }
+
+/// All that a search reached which proved that there is no plan.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Reach {
+    /// The device that cannot go on.
+    pub device: String,
+    /// What cannot go on: a part of a board, or the tip of the device.
+    pub what: String,
+    /// Rows of neighbouring cells, as the program counts them.
+    pub runs: Vec<CellRun>,
+}
+
+/// Neighbouring cells of one row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CellRun {
+    pub row: u32,
+    /// The columns of the first and of the last.
+    pub columns: [u32; 2],
+}
+
+impl CellRun {
+    /// The runs of some cells, each a column and a row.
+    pub fn all(cells: impl IntoIterator<Item = (u32, u32)>) -> Vec<CellRun> {
+        let mut cells: Vec<(u32, u32)> = cells.into_iter().map(|(column, row)| (row, column)).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        let joins = |one: &(u32, u32), other: &(u32, u32)| one.0 == other.0 && one.1.checked_add(1) == Some(other.1);
+        let ends = |run: &[(u32, u32)]| Some((run.first()?.0, [run.first()?.1, run.last()?.1]));
+        cells.chunk_by(joins).filter_map(ends).map(|(row, columns)| CellRun { row, columns }).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_of_a_row_are_one_run() {
+        let runs = CellRun::all([(3, 1), (1, 1), (2, 1), (5, 1), (2, 2), (u32::MAX, 0), (3, 1)]);
+        let told: Vec<(u32, [u32; 2])> = runs.iter().map(|run| (run.row, run.columns)).collect();
+        assert_eq!(told, [(0, [u32::MAX; 2]), (1, [1, 3]), (1, [5, 5]), (2, [2, 2])]);
+        assert_eq!(CellRun::all([]), []);
+    }
+}

@@ -4,11 +4,13 @@
 //! devices meet them. Promise: if [`runs`] finds nothing, the steps of a run are those of its task, follow each other without a gap
 //! from the run's start to its end, and hold all their actuations.
 
+use super::evidence::Tally;
 use super::form::is_auxiliary;
 use super::rule::{Findings, Rule, Violation, ms};
 use crate::claims::{Claims, Job, Timeline};
 use crate::schedule::{Actuation, PlanRecord, Schedule, ScheduledStep};
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 /// A job with its plan, steps and actuations in the schedule.
 #[derive(Debug)]
@@ -20,6 +22,7 @@ pub(super) struct JudgedRun<'a> {
     pub steps: Vec<usize>,
     /// By start, then channel.
     pub actuations: Vec<&'a Actuation>,
+    pub tally: Rc<Tally>,
 }
 
 impl<'a> JudgedRun<'a> {
@@ -40,7 +43,7 @@ pub(super) fn runs<'a>(schedule: &'a Schedule, claims: &'a Claims, findings: &mu
     if !findings.is_empty() {
         return Vec::new();
     }
-    let runs = paired(schedule, claims);
+    let runs = paired(schedule, claims, findings.tally());
     for run in &runs {
         steps(run, findings);
     }
@@ -50,6 +53,7 @@ pub(super) fn runs<'a>(schedule: &'a Schedule, claims: &'a Claims, findings: &mu
 }
 
 fn plans(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
+    findings.asked(Rule::Plan, claims.jobs.len().max(1));
     let mut find = |time_ns, title| findings.push(Violation::new(Rule::Plan, time_ns, title));
     if schedule.name != claims.name {
         find(0, format!("the schedule is of `{}`, not of `{}`", schedule.name, claims.name));
@@ -67,8 +71,11 @@ fn plans(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     }
 }
 
-fn paired<'a>(schedule: &'a Schedule, claims: &'a Claims) -> Vec<JudgedRun<'a>> {
-    let pair = |(plan, job)| JudgedRun { schedule, job, plan, steps: Vec::new(), actuations: Vec::new() };
+fn paired<'a>(schedule: &'a Schedule, claims: &'a Claims, tally: &Rc<Tally>) -> Vec<JudgedRun<'a>> {
+    let pair = |(plan, job)| {
+        let (steps, actuations, tally) = (Vec::new(), Vec::new(), tally.clone());
+        JudgedRun { schedule, job, plan, steps, actuations, tally }
+    };
     let mut runs: Vec<JudgedRun> = schedule.plans.iter().zip(&claims.jobs).map(pair).collect();
     for (index, step) in schedule.steps.iter().enumerate() {
         runs[step.plan as usize].steps.push(index);
@@ -88,6 +95,7 @@ fn of_devices<'a>(schedule: &'a Schedule, claims: &Claims) -> impl Iterator<Item
 
 fn steps(run: &JudgedRun, findings: &mut Findings) {
     let (recorded, claimed) = (run.steps.len(), run.job.steps());
+    findings.asked(Rule::Step, claimed.max(1));
     if recorded != claimed {
         let title = format!("the run of `{}` has {recorded} steps, but the task has {claimed}", run.job.task);
         findings.push(Violation::new(Rule::Step, run.plan.start_ns, title).label(run.job.span, "this task"));
@@ -114,6 +122,7 @@ fn steps(run: &JudgedRun, findings: &mut Findings) {
 }
 
 fn intervals(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
+    findings.asked(Rule::Interval, of_devices(schedule, claims).count());
     for (index, actuation) in of_devices(schedule, claims) {
         let step = &schedule.steps[actuation.step as usize];
         let end_ns = step.start_ns + step.duration_ns;
@@ -166,6 +175,7 @@ pub(super) fn timeline(
     let mut order = Vec::with_capacity(claims.jobs.len());
     let run_ns = walk(&claims.timeline, 0, (schedule, claims), &mut order, findings);
     let end_ns = run_ns.max(last_pulse_ns(runs, claims));
+    findings.asked(Rule::Timeline, claims.jobs.len() + 1);
     if schedule.duration_ns != end_ns {
         let last = if end_ns > run_ns { "last pulse" } else { "last run" };
         let title = format!("the schedule lasts {}, but its {last} ends at {}", ms(schedule.duration_ns), ms(end_ns));
@@ -215,6 +225,7 @@ fn busy(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     }
     for (device, mut runs) in by_device {
         runs.sort_by_key(|(plan, _)| plan.start_ns);
+        findings.asked(Rule::Busy, runs.len());
         for pair in runs.windows(2) {
             let ((first, one), (second, other)) = (pair[0], pair[1]);
             let end_ns = first.start_ns + first.duration_ns;

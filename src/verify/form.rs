@@ -7,7 +7,7 @@ use super::judge_of;
 use super::rule::{Findings, Rule, Violation, ms};
 use crate::claims::{Claims, Order};
 use crate::instrument::{AuxiliarySort, Link};
-use crate::schedule::{Actuation, Channel, ChannelUnit, Reached, Schedule, Swing};
+use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Reached, Schedule, Swing};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Room for the rounding of a product of two figures of the program.
@@ -29,6 +29,7 @@ pub(super) fn check(schedule: &Schedule, claims: &Claims, findings: &mut Finding
 }
 
 fn references(schedule: &Schedule, findings: &mut Findings) {
+    findings.asked(Rule::Reference, 2 * schedule.actuations.len() + schedule.steps.len());
     let mut find = |what: &str, index: usize, of: &str, named: u32, known: usize, time_ns: u64| {
         if named as usize >= known {
             let title = format!("{what} {index} names {of} {named}, but there are {known}");
@@ -45,6 +46,7 @@ fn references(schedule: &Schedule, findings: &mut Findings) {
 }
 
 fn actuation_numbers(schedule: &Schedule, findings: &mut Findings) {
+    findings.asked(Rule::Number, schedule.actuations.len());
     for (index, actuation) in schedule.actuations.iter().enumerate() {
         let Actuation { start_ns, duration_ns, from, to, .. } = *actuation;
         let fault = if duration_ns == 0 {
@@ -67,12 +69,14 @@ fn past_the_clock(start_ns: u64, duration_ns: u64) -> String {
 fn clock_numbers(schedule: &Schedule, findings: &mut Findings) {
     let steps = schedule.steps.iter().map(|step| ("step", step.start_ns, step.duration_ns)).enumerate();
     let plans = schedule.plans.iter().map(|plan| ("plan", plan.start_ns, plan.duration_ns)).enumerate();
+    findings.asked(Rule::Number, schedule.steps.len() + schedule.plans.len());
     for (index, (what, start_ns, duration_ns)) in steps.chain(plans) {
         if start_ns.checked_add(duration_ns).is_none() {
             let title = format!("{what} {index} {}", past_the_clock(start_ns, duration_ns));
             findings.push(Violation::new(Rule::Number, start_ns, title));
         }
     }
+    findings.asked(Rule::Number, schedule.steps.iter().map(|step| step.operations.len()).sum());
     for (index, operation) in schedule.steps.iter().flat_map(|step| &step.operations).enumerate() {
         if operation.start_ns.checked_add(operation.duration_ns).is_none() {
             let title = format!("operation {index} {}", past_the_clock(operation.start_ns, operation.duration_ns));
@@ -82,6 +86,8 @@ fn clock_numbers(schedule: &Schedule, findings: &mut Findings) {
 }
 
 fn figures(schedule: &Schedule, findings: &mut Findings) {
+    let of_plan = |plan: &PlanRecord| 2 + plan.outcomes.len() + plan.bounds.len() + plan.states.len();
+    findings.asked(Rule::Number, schedule.steps.len() + schedule.plans.iter().map(of_plan).sum::<usize>());
     for (index, step) in schedule.steps.iter().enumerate() {
         let floats: Vec<f64> = step.reached.iter().flat_map(Reached::floats).collect();
         if !floats.iter().all(|value| value.is_finite()) {
@@ -115,6 +121,7 @@ pub(super) fn is_auxiliary(channel: &Channel, claims: &Claims) -> bool {
 fn channels(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     let orders: BTreeMap<&str, &Order> = claims.jobs.iter().map(|job| (job.device.as_str(), &job.order)).collect();
     let mut met = BTreeSet::new();
+    findings.asked(Rule::Channel, schedule.channels.len());
     for channel in &schedule.channels {
         let own = is_auxiliary(channel, claims).then_some((channel.device.as_str(), ChannelUnit::Volt));
         let fault = match own.or_else(|| owner(&channel.name, &orders)) {
@@ -141,6 +148,7 @@ fn owner<'a>(name: &str, orders: &BTreeMap<&'a str, &Order>) -> Option<(&'a str,
 }
 
 fn wires(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
+    findings.asked(Rule::Wire, schedule.channels.len());
     let shown = |wire: Option<&String>| wire.map_or("none".to_owned(), |wire| format!("`{wire}`"));
     for channel in &schedule.channels {
         let (recorded, claimed) = (channel.wire.as_ref(), claims.wires.get(&channel.name));
@@ -158,6 +166,7 @@ fn wires(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
 
 /// The instruments as the program has them, and nothing asked of them that they cannot do.
 fn bench(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
+    findings.asked(Rule::Wire, 1);
     if !schedule.bench.is_same(&claims.bench) {
         let title = "the instruments and their wires are not those of the program".to_owned();
         findings.push(Violation::new(Rule::Wire, 0, title));
@@ -166,6 +175,7 @@ fn bench(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     for actuation in &schedule.actuations {
         let Some(channel) = schedule.channels.get(actuation.channel as usize) else { continue };
         let Some((drive, instrument)) = claims.bench.drive(&channel.name) else { continue };
+        findings.asked(Rule::Wire, 1);
         let levels = actuation.swing.map_or([actuation.from, actuation.to], |swing| swing.levels);
         let peak_v = instrument.facts.voltage().map_or(0.0, |output| output.peak_v);
         let is_played = |value: f64| match drive.link {
@@ -192,6 +202,7 @@ fn bench(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
 
 fn order(schedule: &Schedule, findings: &mut Findings) {
     let key = |actuation: &Actuation| (actuation.start_ns, actuation.channel);
+    findings.asked(Rule::Order, schedule.actuations.len());
     for (index, pair) in schedule.actuations.windows(2).enumerate() {
         if key(&pair[0]) > key(&pair[1]) {
             let title = format!(
@@ -209,6 +220,7 @@ fn order(schedule: &Schedule, findings: &mut Findings) {
 
 fn swings(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     let orders: BTreeMap<&str, &Order> = claims.jobs.iter().map(|job| (job.device.as_str(), &job.order)).collect();
+    findings.asked(Rule::Swing, schedule.actuations.iter().filter(|actuation| actuation.swing.is_some()).count());
     for (index, actuation) in schedule.actuations.iter().enumerate() {
         let channel = &schedule.channels[actuation.channel as usize];
         let order = orders.get(channel.device.as_str());
@@ -243,6 +255,7 @@ fn swing_fault(actuation: &Actuation, swing: Swing, order: Option<&Order>) -> Op
 fn overlaps(schedule: &Schedule, findings: &mut Findings) {
     let mut by_channel: Vec<&Actuation> = schedule.actuations.iter().collect();
     by_channel.sort_by_key(|actuation| (actuation.channel, actuation.start_ns));
+    findings.asked(Rule::Overlap, by_channel.len());
     for pair in by_channel.windows(2) {
         let (first, second) = (pair[0], pair[1]);
         if first.channel == second.channel && second.start_ns < first.end_ns() {

@@ -14,9 +14,11 @@
 //! then together the timeline, the replay of each run (one file per kind), and `record` (the schedule's own figures).
 
 mod boxes;
+mod catalogue;
 mod clock;
 mod dimibot;
 pub(crate) mod electrode_array;
+mod evidence;
 pub mod fingers;
 mod form;
 mod geometry;
@@ -27,6 +29,7 @@ mod record;
 mod rule;
 mod source_map;
 
+pub use evidence::{Clearance, Evidence, GapUnit};
 pub use rule::{MAX_VIOLATIONS, Rule, Violation};
 
 use crate::claims::{Claims, Order};
@@ -35,14 +38,16 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::schedule::{ChannelUnit, Schedule, State, TimedState};
 use crate::source::{Sources, Span};
 use clock::JudgedRun;
+use evidence::Tally;
 use rule::Findings;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
 
 /// A schedule that was replayed without a violation, with the claims that it keeps.
 #[derive(Debug, Clone)]
 pub struct Verified {
-    held: Box<(Schedule, Claims)>,
+    held: Box<(Schedule, Claims, Evidence)>,
 }
 
 impl Verified {
@@ -56,10 +61,15 @@ impl Verified {
         &self.held.1
     }
 
+    /// What was checked, how often, and what comes nearest to what.
+    pub fn evidence(&self) -> &Evidence {
+        &self.held.2
+    }
+
     /// Takes a schedule on trust, for the tests of the stages that come after this one.
     #[cfg(test)]
     pub(crate) fn assume(schedule: Schedule, claims: Claims) -> Self {
-        Verified { held: Box::new((schedule, claims)) }
+        Verified { held: Box::new((schedule, claims, Evidence::default())) }
     }
 }
 
@@ -79,21 +89,38 @@ pub enum Verdict {
 ///
 /// Claims of the checker can always be judged; [`Verdict::Inconclusive`] results only from claims from elsewhere.
 pub fn verify_program(schedule: Schedule, claims: &Claims, sources: &Sources) -> Verdict {
-    match judge(&schedule, claims).map(|found| with_source_map(found, &schedule, claims, sources)) {
+    let tally = Rc::new(Tally::default());
+    let found =
+        judge(&schedule, claims, &tally).map(|found| with_source_map(found, &schedule, (claims, sources), &tally));
+    verdict(found, schedule, claims, &tally)
+}
+
+fn verdict(found: Result<Vec<Violation>, Unfit>, schedule: Schedule, claims: &Claims, tally: &Tally) -> Verdict {
+    match found {
         Err(Unfit(why)) => Verdict::Inconclusive { why },
         Ok(violations) if violations.is_empty() => {
-            Verdict::Accepted(Verified { held: Box::new((schedule, claims.clone())) })
+            Verdict::Accepted(Verified { held: Box::new((schedule, claims.clone(), tally.evidence())) })
         }
-        Ok(violations) => Verdict::Rejected(violations),
+        Ok(violations) => {
+            // What breaks a rule was counted before.
+            #[cfg(test)]
+            violations.iter().for_each(|violation| assert!(tally.times(violation.rule) > 0, "{violation:?}"));
+            Verdict::Rejected(violations)
+        }
     }
 }
 
 /// The source map is judged last: the other rules must have paired steps with those of the claims.
-fn with_source_map(found: Vec<Violation>, schedule: &Schedule, claims: &Claims, sources: &Sources) -> Vec<Violation> {
+fn with_source_map(
+    found: Vec<Violation>,
+    schedule: &Schedule,
+    (claims, sources): (&Claims, &Sources),
+    tally: &Rc<Tally>,
+) -> Vec<Violation> {
     if !found.is_empty() {
         return found;
     }
-    let mut findings = Findings::default();
+    let mut findings = Findings::counting(tally);
     source_map::check(schedule, claims, sources, &mut findings);
     findings.sorted()
 }
@@ -103,7 +130,7 @@ fn with_source_map(found: Vec<Violation>, schedule: &Schedule, claims: &Claims, 
 /// # Errors
 /// Why no schedule can be checked against the claims.
 pub fn violations(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, String> {
-    judge(schedule, claims).map_err(|Unfit(why)| why)
+    judge(schedule, claims, &Rc::default()).map_err(|Unfit(why)| why)
 }
 
 /// Whether the parts of a schedule fit together and to its claims, whatever else it breaks: its indices, numbers, channels, runs and steps.
@@ -122,13 +149,8 @@ pub fn is_whole(schedule: &Schedule, claims: &Claims) -> bool {
 /// As [`verify_program`] but without the source map, for schedules that the tests make by hand.
 #[cfg(test)]
 fn verify(schedule: Schedule, claims: &Claims) -> Verdict {
-    match judge(&schedule, claims) {
-        Err(Unfit(why)) => Verdict::Inconclusive { why },
-        Ok(violations) if violations.is_empty() => {
-            Verdict::Accepted(Verified { held: Box::new((schedule, claims.clone())) })
-        }
-        Ok(violations) => Verdict::Rejected(violations),
-    }
+    let tally = Rc::new(Tally::default());
+    verdict(judge(&schedule, claims, &tally), schedule, claims, &tally)
 }
 
 /// The diagnostic for claims against which no schedule can be checked.
@@ -216,6 +238,11 @@ trait Judge {
         true
     }
 
+    /// The forces on what is held in a state, if the kind holds anything by forces; see [`forces`].
+    fn forces(&self, _state: &State) -> Option<Vec<Option<[f64; 3]>>> {
+        None
+    }
+
     /// What the claims say of a plan's record.
     fn terms(&self) -> RecordTerms;
 
@@ -239,6 +266,12 @@ trait Judge {
     fn beside(&self, _runs: &[JudgedRun], _order: &[usize], _claims: &Claims, _findings: &mut Findings) {}
 }
 
+/// The force of each finger on the part that they hold in a state, along the axes of the device and in micronewtons; `None` for a finger that
+/// is free, or at all where nothing is held or no forces balance.
+pub fn forces(order: &Order, state: &State) -> Option<Vec<Option<[f64; 3]>>> {
+    judge_of(order).forces(state)
+}
+
 /// The judge of an order.
 fn judge_of(order: &Order) -> &dyn Judge {
     each_kind!(Order, order, order => order)
@@ -258,9 +291,9 @@ fn judged_state(state: &State) -> &dyn JudgedState {
     each_kind!(State, state, state => state)
 }
 
-fn judge(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, Unfit> {
+fn judge(schedule: &Schedule, claims: &Claims, tally: &Rc<Tally>) -> Result<Vec<Violation>, Unfit> {
     premise::check(claims)?;
-    let mut findings = Findings::default();
+    let mut findings = Findings::counting(tally);
     form::check(schedule, claims, &mut findings);
     if !findings.is_empty() {
         return Ok(findings.sorted());
@@ -281,6 +314,8 @@ fn judge(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, Unfit> 
         if lost.contains(run.job.device.as_str()) {
             continue;
         }
+        tally.asked(Rule::Start, 1);
+        tally.asked(Rule::State, run.plan.states.len().max(1));
         match judge_of(&run.job.order).replay(run, claims, &mut standing, &mut findings) {
             Ok(replay) => record::check(run, &replay, &mut findings),
             Err(Halt::Unfit(unfit)) => return Err(unfit),

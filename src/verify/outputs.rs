@@ -31,6 +31,7 @@ pub(super) fn check(schedule: &Schedule, runs: &[JudgedRun], claims: &Claims, fi
         let found: Vec<&Actuation> =
             schedule.actuations.iter().filter(|actuation| Some(actuation.channel as usize) == channel).collect();
         let claimed = stretches(&events, output.pulse_ns, schedule.duration_ns);
+        findings.asked(Rule::Output, found.len() + claimed.len() + events.len());
         let is_claimed = |actuation: &&&Actuation| {
             let is_level = actuation.from == output.high_v && actuation.to == output.high_v;
             let stretch = (actuation.start_ns, actuation.end_ns(), actuation.step as usize);

@@ -18,6 +18,7 @@ pub(super) const TOLERANCE: f64 = 1e-9;
 
 pub(super) fn check(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     names(run, findings);
+    findings.asked(Rule::Figure, 2 + run.plan.bounds.len());
     cost(run, replay, findings);
     bound(run, findings);
     other_bounds(run, findings);
@@ -45,6 +46,7 @@ fn names(run: &JudgedRun, findings: &mut Findings) {
         ("objective", &run.plan.objective, terms.objective),
         ("unit", &run.plan.unit, terms.unit),
     ];
+    findings.asked(Rule::Figure, named.len());
     for (what, recorded, claimed) in named.into_iter().filter(|(_, recorded, claimed)| recorded != claimed) {
         let title = format!("the plan of `{}` has the {what} `{recorded}`, but `{claimed}` is due", run.job.task);
         findings.push(figure(run, title));
@@ -112,6 +114,7 @@ fn apart(one: f64, other: f64) -> (String, String) {
 
 fn outcomes(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     let recorded = &run.plan.outcomes;
+    findings.asked(Rule::Figure, recorded.len().max(replay.outcomes.len()));
     for Outcome { name, dimension, .. } in run.job.kind().vocabulary().outcomes {
         let replayed = replay.outcomes[name];
         let (recorded, replayed) = match recorded.get(*name) {
@@ -138,6 +141,7 @@ fn nearness(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
         if step.reached.is_empty() {
             continue;
         }
+        findings.asked(Rule::Figure, step.reached.len());
         let over = replay.states.partition_point(|timed| timed.t_ns <= end_ns);
         let end = over.checked_sub(1).map(|last| &replay.states[last]);
         let due = end.map_or_else(Vec::new, |end| reached(&run.job.order, nth, &end.state));
@@ -160,6 +164,7 @@ fn operations(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     for nth in 0..run.steps.len() {
         let step = run.step(nth);
         let due = replay.operations.get(&nth).map_or(&[][..], Vec::as_slice);
+        findings.asked(Rule::Figure, step.operations.len());
         if !step.operations.is_empty() && step.operations.len() != due.len() {
             let (recorded, replayed) = (step.operations.len(), due.len());
             let place = format!("step {} of `{}`", nth + 1, run.job.task);
@@ -229,6 +234,7 @@ pub(super) fn agrees(recorded: &TimedState, replayed: &TimedState) -> bool {
 }
 
 fn requirements(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
+    findings.asked(Rule::Requirement, run.job.requirements.len());
     for requirement in &run.job.requirements {
         let outcomes = run.job.kind().vocabulary().outcomes;
         let outcome = outcomes.iter().find(|outcome| outcome.name == requirement.outcome);

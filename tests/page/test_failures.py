@@ -8,6 +8,7 @@ import os
 from pathlib import Path
 
 import pytest
+from opened import opened
 
 PAGES = sorted(Path(os.environ.get("TWEEZE_FAILURES", "out/failures")).glob("**/*.failed.html"))
 WINDOWS = [(1280, 720), (1920, 1080), (800, 900)]
@@ -15,16 +16,8 @@ WINDOWS = [(1280, 720), (1920, 1080), (800, 900)]
 
 @pytest.fixture(scope="module", params=PAGES, ids=lambda path: path.name.removesuffix(".failed.html"))
 def page(browser, request):
-    page = browser.new_page(viewport={"width": WINDOWS[0][0], "height": WINDOWS[0][1]})
-    errors = []
-    page.on("console", lambda message: errors.append(message.text) if message.type in ("error", "warning") else None)
-    page.on("pageerror", lambda error: errors.append(str(error)))
-    page.on("request", lambda sent: errors.append(sent.url) if not sent.url.startswith("file:") else None)
-    page.goto(request.param.resolve().as_uri())
-    page.data = json.loads(page.locator("#data").text_content())
-    yield page
-    assert errors == []
-    page.close()
+    with opened(browser, request.param, WINDOWS[0]) as page:
+        yield page
 
 
 def findings(page, severity):
@@ -97,6 +90,39 @@ def test_places_are_marked_in_the_window(page):
     kinds = {plan["kind"] for plan in (page.data["schedule"] or {"plans": []})["plans"]}
     if any(place["device"] is None for place in page.data["failure"]["places"]) and kinds and kinds != {"fingers"}:
         assert marked
+
+
+def test_what_a_proof_has_reached_is_shaded(page):
+    findings_with = [finding for finding in page.data["failure"]["findings"] if "reach" in finding]
+    shown = page.locator("#claims .reached").all_text_contents()
+    cells = [sum(last - first + 1 for _, first, last in finding["reach"]["runs"]) for finding in findings_with]
+    assert shown == [f"reached by the proof: {count} cell{'' if count == 1 else 's'}" for count in cells]
+    # Each run is seen in the scene of its device, in the colour of the swatch; what is not reached is not.
+    for reach in (finding["reach"] for finding in findings_with):
+        drawn = page.evaluate(
+            """(name) => {
+              const view = tweeze.views.find((view) => view.devices.some((device) => device.name === name));
+              if (!view) return null;
+              const device = view.devices.find((device) => device.name === name);
+              return device.reaches.map(({ runs, edges }) => ({ runs, edges: edges.length,
+                seen: runs.every(([row, first]) => { const [x, y] = view.pen.at(view.spot({ unit: "cells", at: [first, row], device: name })); return x >= 0 && y >= 0 && x <= view.canvas.clientWidth && y <= view.canvas.clientHeight; }) }));
+            }""",
+            reach["device"],
+        )
+        if drawn is None:
+            continue  # of a schedule that the page does not show
+        assert reach["runs"] in [one["runs"] for one in drawn]
+        assert all(one["edges"] >= 4 and one["seen"] for one in drawn)
+
+
+def test_some_proofs_say_how_far_they_came():
+    texts = [path.read_text() for path in PAGES]
+    assert sum('"reach":' in text for text in texts) >= 5
+
+
+def test_nothing_in_a_card_is_cut_off(page):
+    wide = page.evaluate("[...document.querySelectorAll('#claims .card')].filter((card) => card.scrollWidth > card.clientWidth).map((card) => card.textContent)")
+    assert wide == []
 
 
 def test_a_click_on_a_finding_leads_to_its_line(page):

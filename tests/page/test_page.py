@@ -10,6 +10,7 @@ import re
 from pathlib import Path
 
 import pytest
+from opened import opened
 
 PAGES = sorted(Path(os.environ.get("TWEEZE_PAGES", "out/pages")).glob("**/*.html"))
 WINDOWS = [(1280, 720), (1920, 1080)]
@@ -19,16 +20,8 @@ INSTANTS = 50
 # Opened once for all its tests, each of which leaves the window as it was.
 @pytest.fixture(scope="module", params=PAGES, ids=lambda path: f"{path.parent.name}/{path.stem}")
 def page(browser, request):
-    page = browser.new_page(viewport={"width": WINDOWS[0][0], "height": WINDOWS[0][1]})
-    errors = []
-    page.on("console", lambda message: errors.append(message.text) if message.type in ("error", "warning") else None)
-    page.on("pageerror", lambda error: errors.append(str(error)))
-    page.on("request", lambda sent: errors.append(sent.url) if not sent.url.startswith("file:") else None)
-    page.goto(request.param.resolve().as_uri())
-    page.data = json.loads(page.locator("#data").text_content())
-    yield page
-    assert errors == []
-    page.close()
+    with opened(browser, request.param, WINDOWS[0]) as page:
+        yield page
 
 
 def now(page):

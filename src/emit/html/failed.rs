@@ -2,7 +2,7 @@
 //! that was refused: the rules that it breaks, at their instants.
 
 use crate::claims::Claims;
-use crate::diagnostic::{Code, Diagnostic, Label, PlaceUnit, Sink, WrittenPlace, machine};
+use crate::diagnostic::{CellRun, Code, Diagnostic, Label, PlaceUnit, Reach, Sink, WrittenPlace, machine};
 use crate::schedule::Schedule;
 use crate::source::Sources;
 use crate::verify::{Verified, Violation};
@@ -34,6 +34,24 @@ struct PageFinding<'a> {
     /// When a rule is broken.
     t_ns: Option<u64>,
     labels: Vec<PageLabel<'a>>,
+    /// What can be reached, where a proof that there is no plan has found that out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reach: Option<PageReach<'a>>,
+}
+
+#[derive(Serialize)]
+struct PageReach<'a> {
+    device: &'a str,
+    what: &'a str,
+    /// A row, and its columns from the first to the last.
+    runs: Vec<[u32; 3]>,
+}
+
+impl<'a> PageReach<'a> {
+    fn of(reach: &'a Reach) -> PageReach<'a> {
+        let run = |CellRun { row, columns: [first, last] }: &CellRun| [*row, *first, *last];
+        PageReach { device: &reach.device, what: &reach.what, runs: reach.runs.iter().map(run).collect() }
+    }
 }
 
 /// Lines and columns as people count them, columns in characters; the end is the place after the last character.
@@ -139,6 +157,7 @@ fn finding<'a>(diagnostic: &'a Diagnostic, sources: &'a Sources, t_ns: Option<u6
         help: diagnostic.help.as_deref(),
         t_ns,
         labels: diagnostic.labels.iter().map(|label| written_label(label, sources)).collect(),
+        reach: diagnostic.reach.as_deref().map(PageReach::of),
     }
 }
 

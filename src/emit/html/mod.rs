@@ -6,6 +6,7 @@
 //! The page holds the program, the schedule and the claims as JSON (`schema/page.schema.json`), and draws them itself: program, scene,
 //! timeline and claims on one clock. Style and script are those of `assets/page`, put together here as they are.
 
+mod evidence;
 mod failed;
 mod follow;
 
@@ -18,6 +19,7 @@ use crate::claims::Claims;
 use crate::log;
 use crate::schedule::{Schedule, json};
 use crate::verify::Verified;
+use evidence::PageEvidence;
 use failed::PageFailure;
 use serde::Serialize;
 use serde_json::value::RawValue;
@@ -28,13 +30,15 @@ const PAGE: &str = include_str!("../../../assets/page/page.html");
 const STYLE: &str = include_str!("../../../assets/page/page.css");
 
 /// The parts of the script, in the order in which they use one another.
-const SCRIPTS: [&str; 9] = [
+const SCRIPTS: [&str; 11] = [
     include_str!("../../../assets/page/model.js"),
     include_str!("../../../assets/page/pen.js"),
     include_str!("../../../assets/page/scene.js"),
+    include_str!("../../../assets/page/hand.js"),
     include_str!("../../../assets/page/timeline.js"),
     include_str!("../../../assets/page/program.js"),
     include_str!("../../../assets/page/claims.js"),
+    include_str!("../../../assets/page/ruler.js"),
     include_str!("../../../assets/page/failure.js"),
     include_str!("../../../assets/page/follow.js"),
     include_str!("../../../assets/page/main.js"),
@@ -56,6 +60,9 @@ struct PageData<'a> {
     /// The program's own file first, then those that it uses.
     sources: Vec<PageSource<'a>>,
     settings: &'a [String],
+    /// What was verified; none of a log that was refused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    evidence: Option<PageEvidence<'a>>,
     /// Why the program could not be built, or the log was refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     failure: Option<PageFailure<'a>>,
@@ -72,7 +79,8 @@ struct PageSource<'a> {
 /// # Errors
 /// [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`]; [`EmitError::Failed`] if the library that writes JSON fails.
 pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
-    page(Some((verified.schedule(), verified.claims())), provenance, None)
+    let evidence = PageEvidence::of(verified);
+    page(Some((verified.schedule(), verified.claims())), provenance, (Some(evidence), None))
 }
 
 /// The bytes of the page of a program that could not be built.
@@ -81,7 +89,8 @@ pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<
 /// As those of [`write`].
 pub(super) fn write_failed(failed: &FailedProgram, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
     let part = failed.part.map(|(verified, whole)| (verified.schedule(), whole.unwrap_or(verified.claims())));
-    page(part, provenance, Some(failed.failure()))
+    let evidence = failed.part.map(|(verified, _)| PageEvidence::of(verified));
+    page(part, provenance, (evidence, Some(failed.failure())))
 }
 
 /// The bytes of the page of a schedule that was refused.
@@ -89,13 +98,13 @@ pub(super) fn write_failed(failed: &FailedProgram, provenance: &Provenance) -> R
 /// # Errors
 /// As those of [`write`].
 pub(super) fn write_refused(refused: &RefusedSchedule, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
-    page(refused.shown(), provenance, Some(refused.failure()))
+    page(refused.shown(), provenance, (None, Some(refused.failure())))
 }
 
 fn page(
     shown: Option<(&Schedule, &Claims)>,
     provenance: &Provenance,
-    failure: Option<PageFailure>,
+    (evidence, failure): (Option<PageEvidence>, Option<PageFailure>),
 ) -> Result<Vec<u8>, EmitError> {
     let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
     let schedule = shown.map(|(schedule, _)| RawValue::from_string(text(json::write(schedule))));
@@ -112,6 +121,7 @@ fn page(
         claims: claims.as_deref(),
         sources: provenance.files.iter().map(|(name, text)| PageSource { name, text }).collect(),
         settings: &provenance.settings,
+        evidence,
         failure,
     };
     // In JSON a `<` stands within strings only; escaped, nothing in them can end the script that carries them.

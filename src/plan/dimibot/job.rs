@@ -4,6 +4,7 @@
 //! A plan within limits is the best of those that keep them all. Where there is none, the report on a limit states what the search
 //! within all other limits has shown.
 
+use super::reach::reached;
 use super::{
     FieldObstacle, Impossible, Lattice, LatticeCell, LatticeField, MissingLeg, ModulePulse, MotionTally, NoLeg,
     Opening, Proof, Route, RouteRequest, RouteStage, RouteWithin, Router, Side, apart, why,
@@ -13,7 +14,7 @@ use crate::claims::dimibot::{
 };
 use crate::claims::{self, Claims, Job, Relation, Requirement};
 use crate::device::dimibot::{DimibotFacts, DimibotOutcome, Simultaneous};
-use crate::diagnostic::Sink;
+use crate::diagnostic::{CellRun, Reach, Sink};
 use crate::plan::errors::{self, Removal};
 use crate::plan::requirements::{Kept, KnownLimit, keeps, require};
 use crate::plan::search::{GaveUp, SearchBudget};
@@ -397,9 +398,14 @@ impl<'a> DimibotTaskSearch<'a> {
             Some(Opening::Irreducible | Opening::Opens) => Removal::Opens,
             Some(Opening::Unknown) | None => Removal::Unknown,
         };
+        let reach = reached(&self.scene.field, from).map(|cells| Reach {
+            device: self.job.device.clone(),
+            what: self.job.device.clone(),
+            runs: CellRun::all(cells.into_iter().map(|cell| (cell.x, cell.y))),
+        });
         let (from, to) = (from.to_string(), stop.cell.to_string());
         let ends = errors::StepEnds { step, from: &from, to: &to };
-        let report = errors::impossible(ends, &proof_text(proof.proof), &blamed, removal);
+        let report = errors::impossible(ends, &proof_text(proof.proof), &blamed, removal).reach(reach);
         sink.push(match why {
             Some(_) => report,
             None => report.help("the obstacles that block the path were not found within the step limit"),

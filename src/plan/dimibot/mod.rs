@@ -22,6 +22,7 @@ mod programme;
 pub mod published;
 mod pulses;
 mod queue;
+mod reach;
 mod route;
 mod seen;
 mod shortest;

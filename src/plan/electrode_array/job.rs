@@ -22,7 +22,7 @@ use crate::claims::electrode_array::{
 use crate::claims::{Job, Requirement};
 use crate::device::MAX_EXPANSIONS;
 use crate::device::electrode_array::{ElectrodeArrayOutcome, ElectrodeCell, Separation};
-use crate::diagnostic::{Code, Diagnostic, Sink};
+use crate::diagnostic::{CellRun, Code, Diagnostic, Reach, Sink};
 use crate::plan::errors::{self, Removal};
 use crate::plan::requirements::{Kept, KnownLimit, require};
 use crate::plan::search::{SearchAnswer, SearchBudget};
@@ -463,6 +463,11 @@ impl Tasks<'_> {
             &blamed,
             Removal::Unknown,
         );
+        let told = told.reach(why::reached(stage, from).map(|cells| Reach {
+            device: self.job.device.clone(),
+            what: name.clone(),
+            runs: CellRun::all(cells.into_iter().map(|at| stage::cell(self.order, at)).map(|at| (at.column, at.row))),
+        }));
         self.sink.push(match help {
             Some(help) => told.help(help),
             None => told,

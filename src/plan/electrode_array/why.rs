@@ -77,8 +77,31 @@ fn fewest_entered(stage: &BoardStage, from: board::CellIndex, to: board::CellInd
     })
 }
 
+/// All cells that a part can come to; `None` where the blockers are too many to be told.
+pub fn reached(stage: &BoardStage, from: board::CellIndex) -> Option<Vec<board::CellIndex>> {
+    let covered: usize = stage.blockers().map(|blocker| blocker.area(&stage.ground.bare)).sum();
+    (covered <= MAX_COVERED).then(|| {
+        let mut met = Vec::new();
+        flood(stage, &[], from, |cell| {
+            met.push(cell);
+            true
+        });
+        met
+    })
+}
+
 /// Whether a path exists without the blockers of a set.
 fn is_open(stage: &BoardStage, gone: &[usize], from: board::CellIndex, to: board::CellIndex) -> bool {
+    let mut is_met = false;
+    flood(stage, gone, from, |cell| {
+        is_met |= cell == to;
+        !is_met
+    });
+    is_met
+}
+
+/// Visits what can be reached without the blockers of a set, nearest first, until the visitor has seen enough.
+fn flood(stage: &BoardStage, gone: &[usize], from: board::CellIndex, mut visit: impl FnMut(board::CellIndex) -> bool) {
     let mut board = stage.ground.bare.clone();
     for (index, blocker) in stage.blockers().enumerate() {
         if !gone.contains(&index) {
@@ -89,8 +112,8 @@ fn is_open(stage: &BoardStage, gone: &[usize], from: board::CellIndex, to: board
     let mut open = VecDeque::from([from]);
     met[from as usize] = true;
     while let Some(here) = open.pop_front() {
-        if here == to {
-            return true;
+        if !visit(here) {
+            return;
         }
         for next in board.neighbours(here) {
             if !std::mem::replace(&mut met[next as usize], true) {
@@ -98,7 +121,6 @@ fn is_open(stage: &BoardStage, gone: &[usize], from: board::CellIndex, to: board
             }
         }
     }
-    false
 }
 
 /// The blockers of each cell, ascending, in one flat list.

@@ -7,13 +7,14 @@
 
 use super::super::boxes::Extent;
 use super::super::clock::JudgedRun;
-use super::super::geometry::convex::apart_um;
+use super::super::evidence::{Clearance, GapUnit};
+use super::super::geometry::convex::{apart_um, nearest_points, share_of_side, towards};
 use super::super::rule::{Findings, Rule, Violation, ms};
-use super::scene::{FrameTransform, room_um, swept};
-use super::{PulseInstant, pulses};
+use super::pulses;
+use super::scene::{FrameTransform, place, room_um, swept};
 use crate::claims::dimibot::DimibotOrder;
 use crate::claims::{Claims, SharedScene};
-use crate::device::dimibot::{DimibotFacts, LatticeCell, Switch};
+use crate::device::dimibot::{DimibotFacts, LatticeCell};
 use crate::quantity::digits;
 use crate::source::Span;
 use nalgebra::Point2;
@@ -28,6 +29,8 @@ struct TipInterval {
     end_ns: u64,
     /// The corners of where it may be, in the scene.
     swept: Vec<Point2<f64>>,
+    /// Where its pulse takes it from and to, if it moves.
+    way: Option<[Point2<f64>; 2]>,
     /// The run, and the step of the schedule where it moves.
     run: usize,
     step: Option<usize>,
@@ -53,8 +56,13 @@ pub(super) fn tips_apart(runs: &[JudgedRun], order: &[usize], claims: &Claims, f
         .collect();
     for [one, other] in pairs(&claims.shared) {
         let (Some(first), Some(second)) = (traces.get(one), traces.get(other)) else { continue };
+        findings.asked(Rule::Encounter, first.stretches.len() + second.stretches.len());
         if let Some((stretch, beside, gap_um)) = first_touch(first, second) {
             findings.push(touch(runs, [one, other], [stretch, beside], gap_um, needed_um(first, second)));
+            continue;
+        }
+        if let Some(nearest) = nearest([one, other], [first, second]) {
+            findings.tally().near(nearest);
         }
     }
 }
@@ -85,15 +93,18 @@ fn trace<'a>(runs: &'a [JudgedRun], own: &[usize], stand: &FrameTransform) -> Op
         start_ns: times[0],
         end_ns: times[1],
         swept: swept(facts, stand, area),
+        way: None,
         run,
         step,
     };
+    let centre = |cell| stand.in_scene(place(facts, cell));
     for index in own {
         let Some(order) = DimibotOrder::of(&runs[*index].job.order) else { continue };
         for pulse in pulses(&runs[*index], order, cell) {
             stretches.push(at([cell, cell], [at_ns, pulse.start_ns.max(at_ns)], at_run, None));
             let end_ns = pulse.start_ns.saturating_add(facts.pulse_duration_ns);
-            stretches.push(at(extremes(&pulse), [pulse.start_ns, end_ns], *index, Some(pulse.step)));
+            let moves = at(pulse.extremes(), [pulse.start_ns, end_ns], *index, Some(pulse.step));
+            stretches.push(TipInterval { way: Some([pulse.before, pulse.after].map(centre)), ..moves });
             (cell, at_ns, at_run) = (pulse.after, end_ns, *index);
         }
     }
@@ -102,18 +113,59 @@ fn trace<'a>(runs: &'a [JudgedRun], own: &[usize], stand: &FrameTransform) -> Op
     Some(TipTrace { facts, stretches })
 }
 
-/// The lowest and the highest cell that the modules of a pulse can carry the tip to, in any order.
-fn extremes(pulse: &PulseInstant) -> [LatticeCell; 2] {
-    let all = |switch| {
-        let strokes = pulse.strokes.iter().filter(|stroke| stroke.switch == switch);
-        strokes.fold(pulse.before, |cell, stroke| stroke.applied(cell))
-    };
-    [all(Switch::Reset), all(Switch::Set)]
+/// Two stretches of common time, with the distance of the tips' centres in them.
+type NearTips<'a> = (&'a TipInterval, &'a TipInterval, f64);
+
+/// The first two stretches in which two tips may touch.
+fn first_touch<'a>(one: &'a TipTrace, other: &'a TipTrace) -> Option<NearTips<'a>> {
+    let needed_um = needed_um(one, other);
+    let mut touch = None;
+    meet(one, other, needed_um, |near| {
+        touch = Some(near).filter(|(_, _, distance_um)| *distance_um <= needed_um);
+        touch.map_or(Some(needed_um), |_| None)
+    });
+    touch
 }
 
-/// The first two stretches of common time in which two tips may touch, with the least gap between them.
-fn first_touch<'a>(one: &'a TipTrace, other: &'a TipTrace) -> Option<(&'a TipInterval, &'a TipInterval, f64)> {
-    let needed_um = needed_um(one, other);
+/// How near two tips may come to each other.
+fn nearest(devices: [&str; 2], [one, other]: [&TipTrace; 2]) -> Option<Clearance> {
+    let mut nearest: Option<NearTips> = None;
+    meet(one, other, f64::INFINITY, |near| {
+        nearest = nearest.filter(|(_, _, least_um)| *least_um <= near.2).or(Some(near));
+        nearest.map(|(_, _, least_um)| least_um)
+    });
+    let (stretch, beside, distance_um) = nearest?;
+    let [a, b] = nearest_points(&stretch.swept, &beside.swept)?;
+    let (first, second) = (one.facts, other.facts);
+    let points = [towards(a, b, first.tip_radius_um), towards(b, a, second.tip_radius_um)];
+    let moves = [(stretch, a, first), (beside, b, second)].into_iter();
+    let on_way = moves.filter_map(|(tip, at, facts)| {
+        let after_ns = facts.pulse_duration_ns as f64 * share_of_side(tip.way?, at);
+        Some(tip.start_ns.saturating_add(after_ns.round() as u64))
+    });
+    let common = [stretch.start_ns.max(beside.start_ns), stretch.end_ns.min(beside.end_ns)];
+    let within = on_way.clone().find(|t_ns| (common[0]..=common[1]).contains(t_ns));
+    Some(Clearance {
+        rule: Rule::Encounter,
+        device: devices[0].to_owned(),
+        between: devices.map(str::to_owned),
+        apart: distance_um - first.tip_radius_um - second.tip_radius_um,
+        needed: first.repeatability_um + second.repeatability_um,
+        within: 0.0,
+        unit: GapUnit::Micrometres,
+        t_ns: within.or(on_way.clone().next()).unwrap_or(common[0]).clamp(common[0], common[1]),
+        points: points.map(|point| [point.x, point.y, 0.0]),
+    })
+}
+
+/// Visits the stretches of common time in which the centres of two tips may be within a distance, that the visitor may lessen, until it
+/// gives none.
+fn meet<'a>(
+    one: &'a TipTrace,
+    other: &'a TipTrace,
+    mut within_um: f64,
+    mut visit: impl FnMut(NearTips<'a>) -> Option<f64>,
+) {
     let mut from = 0;
     for stretch in &one.stretches {
         // Stretches are in order of time, so one that ended before this one began is over for all later ones too.
@@ -121,17 +173,14 @@ fn first_touch<'a>(one: &'a TipTrace, other: &'a TipTrace) -> Option<(&'a TipInt
             from += 1;
         }
         for beside in other.stretches[from..].iter().take_while(|beside| beside.start_ns <= stretch.end_ns) {
-            let near = Extent::of(&stretch.swept).widened(needed_um + BOX_MARGIN_UM).meets(&Extent::of(&beside.swept));
+            let near = Extent::of(&stretch.swept).widened(within_um + BOX_MARGIN_UM).meets(&Extent::of(&beside.swept));
             if !near || beside.end_ns < stretch.start_ns {
                 continue;
             }
-            let distance_um = apart_um(&stretch.swept, &beside.swept);
-            if distance_um <= needed_um {
-                return Some((stretch, beside, distance_um));
-            }
+            let Some(less_um) = visit((stretch, beside, apart_um(&stretch.swept, &beside.swept))) else { return };
+            within_um = less_um;
         }
     }
-    None
 }
 
 fn touch(

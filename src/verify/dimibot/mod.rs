@@ -9,6 +9,8 @@ mod beside;
 mod scene;
 
 use super::clock::JudgedRun;
+use super::evidence::{Clearance, GapUnit};
+use super::geometry::convex::{share_of_side, towards};
 use super::record::TOLERANCE;
 use super::rule::{Findings, Rule, Violation, ms};
 use super::{Halt, Judge, JudgedState, RecordTerms, Replay, Standing, Unfit};
@@ -124,6 +126,7 @@ impl Judge for DimibotOrder {
         switches(&task, findings);
         simultaneous(&task, findings);
         standing_clear(&task, &scene, findings);
+        clearances(&task, &scene);
         sweeps(&task, &scene, findings);
         mixtures(&task, &scene, findings);
         goals(&task, findings);
@@ -167,6 +170,17 @@ struct PulseInstant<'a> {
     after: LatticeCell,
     /// The actuators that change their module.
     strokes: Vec<Actuator>,
+}
+
+impl PulseInstant<'_> {
+    /// The lowest and the highest cell to which its modules can carry the tip, in any order.
+    fn extremes(&self) -> [LatticeCell; 2] {
+        let all = |switch| {
+            let strokes = self.strokes.iter().filter(|stroke| stroke.switch == switch);
+            strokes.fold(self.before, |cell, stroke| stroke.applied(cell))
+        };
+        [all(Switch::Reset), all(Switch::Set)]
+    }
 }
 
 /// A run in the kind's own terms.
@@ -282,18 +296,22 @@ impl DimibotRun<'_> {
         std::iter::once(first).chain(later).collect()
     }
 
+    /// Number of actuations in all pulses.
+    fn parts(&self) -> usize {
+        self.pulses.iter().map(|pulse| pulse.parts.len()).sum()
+    }
+
     /// Every module that snaps carries the tip along its own axis by its own column of the matrix, in whatever order they do.
     fn outcomes(&self) -> BTreeMap<&'static str, f64> {
         let facts = self.facts();
         let strokes = || self.pulses.iter().flat_map(|pulse| &pulse.strokes);
         let way = |stroke: &Actuator| facts.displacement_um(stroke.own_cell()).norm();
-        let parts: usize = self.pulses.iter().map(|pulse| pulse.parts.len()).sum();
         let pulse_j = facts.pulse_voltage_v * facts.pulse_current_a * (facts.pulse_duration_ns as f64 * 1e-9);
         BTreeMap::from([
             (DimibotOutcome::Distance.name(), strokes().map(way).sum::<f64>() * 1e-6),
             (DimibotOutcome::Switches.name(), strokes().count() as f64),
             (DimibotOutcome::Time.name(), self.run.plan.duration_ns as f64 / 1e9),
-            (DimibotOutcome::Energy.name(), parts as f64 * pulse_j),
+            (DimibotOutcome::Energy.name(), self.parts() as f64 * pulse_j),
         ])
     }
 }
@@ -301,6 +319,7 @@ impl DimibotRun<'_> {
 /// Voltage and duration of every pulse are those of the device.
 fn shapes(task: &DimibotRun, findings: &mut Findings) {
     let DimibotFacts { pulse_voltage_v: volts, pulse_duration_ns, .. } = *task.facts();
+    findings.asked(Rule::Pulse, task.parts());
     for pulse in &task.pulses {
         for (part, actuator) in &pulse.parts {
             let name = actuator.name();
@@ -320,6 +339,7 @@ fn shapes(task: &DimibotRun, findings: &mut Findings) {
 
 /// The rest after a pulse is over before the next pulse, and before the run ends.
 fn rests(task: &DimibotRun, findings: &mut Findings) {
+    findings.asked(Rule::Rest, task.pulses.len());
     let next = task.pulses.iter().skip(1).map(|pulse| pulse.start_ns);
     for (pulse, next_ns) in task.pulses.iter().zip(next) {
         let since_ns = next_ns - pulse.start_ns;
@@ -349,6 +369,7 @@ fn idle(task: &DimibotRun, findings: &mut Findings) {
             DimibotAction::Wait(_) => continue,
             DimibotAction::Move(_) | DimibotAction::Visit(_) => (),
         }
+        findings.asked(Rule::Idle, 1);
         let step = task.run.step(nth);
         let mut due_ns = step.start_ns;
         let ends = task.of_step(nth).map(|pulse| pulse.start_ns).chain([step.start_ns + step.duration_ns]);
@@ -369,6 +390,7 @@ fn waits(task: &DimibotRun, findings: &mut Findings) {
             DimibotAction::Wait(duration_ns) => duration_ns,
             DimibotAction::Move(_) | DimibotAction::Visit(_) => continue,
         };
+        findings.asked(Rule::Wait, 1);
         let step = task.run.step(nth);
         if step.duration_ns != duration_ns {
             let title = format!("wait lasts {}, {} is claimed", ms(step.duration_ns), ms(duration_ns));
@@ -383,6 +405,7 @@ fn waits(task: &DimibotRun, findings: &mut Findings) {
 
 /// A module is not set and reset in one pulse.
 fn opposed(task: &DimibotRun, findings: &mut Findings) {
+    findings.asked(Rule::Opposed, task.pulses.len());
     for pulse in &task.pulses {
         let set = pulse.parts.iter().filter(|(_, actuator)| actuator.switch == Switch::Set);
         for (_, actuator) in set {
@@ -397,6 +420,7 @@ fn opposed(task: &DimibotRun, findings: &mut Findings) {
 
 /// A pulse sets a module that is 0 or resets one that is 1.
 fn switches(task: &DimibotRun, findings: &mut Findings) {
+    findings.asked(Rule::Switch, task.parts());
     for pulse in &task.pulses {
         for (_, actuator) in &pulse.parts {
             let twisted = pulse.parts.iter().any(|(_, other)| other.is_opposite(*actuator));
@@ -415,6 +439,7 @@ fn simultaneous(task: &DimibotRun, findings: &mut Findings) {
         Simultaneous::Safe => return,
         Simultaneous::Never => (),
     }
+    findings.asked(Rule::Simultaneous, task.pulses.len());
     for pulse in task.pulses.iter().filter(|pulse| pulse.strokes.len() > 1) {
         let (count, at) = (pulse.strokes.len(), ms(pulse.start_ns));
         let title = format!("{count} modules switched at {at}, 1 at a time is allowed");
@@ -424,6 +449,7 @@ fn simultaneous(task: &DimibotRun, findings: &mut Findings) {
 
 /// The tip stands clear before the first pulse.
 fn standing_clear(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) {
+    findings.asked(Rule::Sweep, 1);
     if let Some(touch) = scene.touch(task.start, task.start) {
         let title = format!("the tip is at cell {} at the start, {}", task.start, touch.told(task.order));
         let violation = Violation::new(Rule::Sweep, task.run.plan.start_ns, title);
@@ -435,9 +461,8 @@ fn standing_clear(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Fi
 fn sweeps(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) {
     for pulse in &task.pulses {
         let [stroke] = pulse.strokes[..] else { continue };
-        let LatticeCell { x: x0, y: y0 } = pulse.before;
-        let LatticeCell { x: x1, y: y1 } = pulse.after;
-        let (low, high) = (LatticeCell { x: x0.min(x1), y: y0.min(y1) }, LatticeCell { x: x0.max(x1), y: y0.max(y1) });
+        findings.asked(Rule::Sweep, 1);
+        let [low, high] = pulse.extremes();
         if let Some(touch) = scene.touch(low, high) {
             let (name, at, told) = (stroke.name(), ms(pulse.start_ns), touch.told(task.order));
             let title = format!("`{name}` at {at} moves the tip from {} to {}, {told}", pulse.before, pulse.after);
@@ -449,15 +474,37 @@ fn sweeps(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) 
 /// Everywhere that modules switched at once can carry the tip, in any order and by any part of their strokes, is clear.
 fn mixtures(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) {
     for pulse in task.pulses.iter().filter(|pulse| pulse.strokes.len() > 1) {
-        let all = |switch| {
-            let strokes = pulse.strokes.iter().filter(move |stroke| stroke.switch == switch);
-            strokes.fold(pulse.before, |cell, stroke| stroke.applied(cell))
-        };
-        if let Some(touch) = scene.touch(all(Switch::Reset), all(Switch::Set)) {
+        findings.asked(Rule::Mixture, 1);
+        let [low, high] = pulse.extremes();
+        if let Some(touch) = scene.touch(low, high) {
             let (count, at, told) = (pulse.strokes.len(), ms(pulse.start_ns), touch.told(task.order));
             let title = format!("{count} modules switched together at {at} may move the tip, {told}");
             findings.push(touched(task, task.at(Rule::Mixture, pulse, title), &touch));
         }
+    }
+}
+
+/// Keeps the least distance of the tip from an obstacle, and the instant at which it has it on its way.
+fn clearances(task: &DimibotRun, scene: &DimibotObstacles) {
+    let (facts, tally, device) = (task.facts(), &task.run.tally, &task.run.job.device);
+    let still = (task.run.plan.start_ns, [task.start; 2], [task.start; 2]);
+    let moves = task.pulses.iter().map(|pulse| (pulse.start_ns, pulse.extremes(), [pulse.before, pulse.after]));
+    for (start_ns, [low, high], way) in std::iter::once(still).chain(moves) {
+        let below_um = tally.least(Rule::Sweep, device) + facts.tip_radius_um;
+        let Some(found) = scene.nearest(low, high, below_um) else { continue };
+        let share = share_of_side(way.map(|cell| scene.centre(cell)), found.centre);
+        let tip = towards(found.centre, found.on_solid, facts.tip_radius_um);
+        tally.near(Clearance {
+            rule: Rule::Sweep,
+            device: device.clone(),
+            between: [device.clone(), task.order.obstacles[found.obstacle].name.clone()],
+            apart: found.gap_um - facts.tip_radius_um,
+            needed: facts.repeatability_um,
+            within: 0.0,
+            unit: GapUnit::Micrometres,
+            t_ns: start_ns.saturating_add((facts.pulse_duration_ns as f64 * share).round() as u64),
+            points: [tip, found.on_solid].map(|point| [point.x, point.y, 0.0]),
+        });
     }
 }
 
@@ -467,6 +514,7 @@ fn touched(task: &DimibotRun, violation: Violation, touch: &TipTouch) -> Violati
 
 /// Stops are reached: those of a move in their order, those of a visit in any; and the step ends at the last, or at one.
 fn goals(task: &DimibotRun, findings: &mut Findings) {
+    findings.asked(Rule::Goal, task.order.steps.iter().map(|step| step.stops().len()).sum());
     for (nth, claimed) in task.order.steps.iter().enumerate() {
         let cells = task.rests_at(nth);
         let missed = match &claimed.action {
@@ -508,10 +556,8 @@ fn missed_of_all<'a>(stops: &'a [DimibotStop], cells: &[LatticeCell]) -> Option<
 /// The cell taken for a place is the nearest one, and as near as the task demands.
 fn places(task: &DimibotRun, findings: &mut Findings) {
     for (nth, claimed) in task.order.steps.iter().enumerate() {
-        let stops: &[DimibotStop] = match &claimed.action {
-            DimibotAction::Wait(_) => &[],
-            DimibotAction::Move(stops) | DimibotAction::Visit(stops) => stops,
-        };
+        let stops = claimed.stops();
+        findings.asked(Rule::Place, stops.len());
         let start_ns = task.run.step(nth).start_ns;
         for stop in stops {
             if let Some(why) = scene::misplaced(task.order, stop) {

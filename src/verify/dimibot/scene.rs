@@ -8,7 +8,7 @@ use super::super::Unfit;
 use super::super::boxes::{Extent, GroupedBoxes};
 use super::super::geometry::solid::Solid;
 use super::super::premise::is_frame;
-use crate::claims::dimibot::{Asked, DimibotAction, DimibotObstacleBody, DimibotOrder, DimibotStop};
+use crate::claims::dimibot::{Asked, DimibotObstacleBody, DimibotOrder, DimibotStep, DimibotStop};
 use crate::device::dimibot::{DimibotFacts, LatticeCell, MAX_MODULES};
 use crate::geometry::shape::{MAX_EXTENT_UM, Pose};
 use crate::quantity::digits;
@@ -43,10 +43,7 @@ pub(super) fn check_claims(order: &DimibotOrder) -> Result<(), Unfit> {
     if facts.pulse_duration_ns == 0 || facts.pulse_duration_ns.checked_add(facts.rest_ns).is_none() {
         return unfit("hold a pulse without length or a rest without end");
     }
-    let stops = order.steps.iter().flat_map(|step| match &step.action {
-        DimibotAction::Move(stops) | DimibotAction::Visit(stops) => stops.as_slice(),
-        DimibotAction::Wait(_) => &[],
-    });
+    let stops = order.steps.iter().flat_map(DimibotStep::stops);
     let start = order.start.as_ref().map(|start| start.value);
     if !stops.map(|stop| stop.cell).chain(start).chain([facts.home]).all(|cell| exists(facts, cell)) {
         return unfit("name a cell that it does not have");
@@ -120,6 +117,16 @@ pub(super) struct TipTouch {
     gap_um: Option<f64>,
 }
 
+/// A solid near to the path of the tip.
+pub(super) struct NearestSolid {
+    /// Index of the order's obstacles.
+    pub obstacle: usize,
+    /// Distance of the tip's centre from its surface.
+    pub gap_um: f64,
+    pub on_solid: Point2<f64>,
+    pub centre: Point2<f64>,
+}
+
 impl TipTouch {
     /// The end of a title.
     pub fn told(&self, order: &DimibotOrder) -> String {
@@ -169,6 +176,23 @@ impl<'a> DimibotObstacles<'a> {
         let first = solids.iter().copied().chain(blocks.iter().map(|index| (*index, None)));
         let (obstacle, gap_um) = first.min_by_key(|(index, _)| *index)?;
         Some(TipTouch { obstacle, others, gap_um })
+    }
+
+    /// The solid nearest to where the tip's centre may be between two cells, if it is nearer than a distance.
+    pub fn nearest(&self, low: LatticeCell, high: LatticeCell, below_um: f64) -> Option<NearestSolid> {
+        let swept = swept(self.facts, &self.stand, [low, high]);
+        let area = Extent::of(&swept).widened(below_um + BOX_MARGIN_UM);
+        let near = self.solid_boxes.meeting(&area).into_iter().map(|at| &self.solids[at]);
+        let measured = near.map(|(obstacle, body)| (*obstacle, body.gap_um(&swept), body));
+        let nearest = measured.filter(|(_, gap_um, _)| *gap_um < below_um).min_by(|a, b| a.1.total_cmp(&b.1));
+        let (obstacle, gap_um, body) = nearest?;
+        let [on_solid, centre] = body.nearest_points(&swept)?;
+        Some(NearestSolid { obstacle, gap_um, on_solid, centre })
+    }
+
+    /// Where the tip's centre is at a cell, in the scene.
+    pub fn centre(&self, cell: LatticeCell) -> Point2<f64> {
+        self.stand.in_scene(place(self.facts, cell))
     }
 
     fn touched_solids(&self, low: LatticeCell, high: LatticeCell) -> Vec<(usize, Option<f64>)> {

@@ -53,6 +53,9 @@ impl JudgedBoard<'_, '_> {
 
     /// Where every part goes, with the rules on electrodes kept.
     pub(super) fn pulled(&self, moment: &StepBeat) -> Result<Pulls, Violation> {
+        let tally = &self.run.tally;
+        tally.asked(Rule::Pull, self.cells.iter().flatten().count());
+        tally.asked(Rule::Unused, moment.on.len());
         let pulls = self.pulls(moment)?;
         let owners = self.owners(moment, &pulls)?;
         self.strays(moment, &pulls, &owners)?;
@@ -150,6 +153,7 @@ impl JudgedBoard<'_, '_> {
             Electrodes::Quad => return Ok(()),
             Electrodes::Single => (),
         }
+        self.run.tally.asked(Rule::Hold, pulls.iter().filter(|(_, pull)| !pull.moves()).count());
         for (part, pull) in pulls.iter().filter(|(_, pull)| !pull.moves()) {
             let joined = moment.stage.partner(*part).is_some_and(|(other, goal)| {
                 goal == pull.from && pulls.iter().any(|(part, pull)| *part == other && pull.moves() && pull.to == goal)
@@ -168,6 +172,7 @@ impl JudgedBoard<'_, '_> {
 
     /// An electrode that is on acts on no part that is stuck.
     pub(super) fn leaves_stuck_parts(&self, nth: usize, electrode: ElectrodeCell, at_ns: u64) -> Result<(), Violation> {
+        self.run.tally.asked(Rule::Pull, 1);
         let Some(stuck) = self.scene.pulled(electrode, range(self.order.facts.layout.electrodes)) else {
             return Ok(());
         };
@@ -182,6 +187,7 @@ impl JudgedBoard<'_, '_> {
             Bystanders::Yield => return Ok(()),
             Bystanders::Stay => (),
         }
+        self.run.tally.asked(Rule::Bystander, pulls.iter().filter(|(part, _)| !moment.stage.is_asked(*part)).count());
         let moved = pulls.iter().find(|(part, pull)| pull.moves() && !moment.stage.is_asked(*part));
         let Some((part, PartPull { from, to, .. })) = moved else { return Ok(()) };
         let (name, at) = (self.name(*part), ms(moment.at_ns));
@@ -191,6 +197,7 @@ impl JudgedBoard<'_, '_> {
 
     /// Parts keep clear of each other and of all obstacles, wherever in the beat they are.
     pub(super) fn sweeps(&self, moment: &StepBeat, pulls: &Pulls) -> Result<(), Violation> {
+        self.nearest(moment, pulls);
         let explain = |(rule, title, parts): Broken| self.broken(rule, moment, title, &parts);
         self.touches(moment, pulls).map_or(Ok(()), |broken| Err(explain(broken)))?;
         self.clearances(moment.at_ns, pulls).map_or(Ok(()), |broken| Err(explain(broken)))
@@ -206,6 +213,7 @@ impl JudgedBoard<'_, '_> {
         let pulls: Pulls = self.cells.iter().enumerate().filter_map(rests).collect();
         let (stage, on) = (Meetings::default(), FxHashSet::default());
         let moment = StepBeat { nth: 0, at_ns, stage: &stage, on: &on, splits: &[] };
+        self.nearest(&moment, &pulls);
         let broken = self.touches(&moment, &pulls).or_else(|| self.clearances(at_ns, &pulls));
         match broken {
             None => Ok(()),
@@ -215,26 +223,37 @@ impl JudgedBoard<'_, '_> {
         }
     }
 
+    /// Where two parts may be while they must keep their distance; `None` if they need not.
+    pub(super) fn spans(
+        &self,
+        moment: &StepBeat,
+        [(part, pull), (second, other)]: [&(usize, PartPull); 2],
+    ) -> Option<[SweptCells; 2]> {
+        if moment.split(*part).is_some_and(|(_, half)| half == *second) {
+            return Some([pull, other].map(|pull| SweptCells::new(pull.to, pull.to)));
+        }
+        match moment.stage.partner(*part).filter(|(partner, _)| partner == second) {
+            None => Some([pull, other].map(|pull| SweptCells::new(pull.from, pull.to))),
+            Some((_, goal)) => {
+                let besides = |pull: &PartPull| SweptCells::besides(pull.from, pull.to, goal);
+                Some([besides(pull)?, besides(other)?])
+            }
+        }
+    }
+
+    /// The distance of two parts that must keep one.
+    pub(super) fn apart(&self, moment: &StepBeat, pair: [&(usize, PartPull); 2]) -> Option<u32> {
+        self.spans(moment, pair).map(|[one, other]| one.apart(&other))
+    }
+
     /// Two parts keep the separation; between two that merge, moves on their common goal are exempt, and the two of a split keep it from
     /// where they go on.
     fn touches(&self, moment: &StepBeat, pulls: &Pulls) -> Option<Broken> {
-        let StepBeat { stage, at_ns, .. } = *moment;
+        let at_ns = moment.at_ns;
         let needed = needed(&self.order.facts);
+        self.run.tally.asked(Rule::Touch, pulls.len());
         let ways: Vec<SweptCells> = pulls.iter().map(|(_, pull)| SweptCells::new(pull.from, pull.to)).collect();
-        let apart = |one: usize, other: usize| {
-            let ((part, pull), (second, other_pull)) = (&pulls[one], &pulls[other]);
-            if moment.split(*part).is_some_and(|(_, half)| half == *second) {
-                let [own, other] = [pull, other_pull].map(|pull| SweptCells::new(pull.to, pull.to));
-                return Some(own.apart(&other));
-            }
-            match stage.partner(*part).filter(|(partner, _)| partner == second) {
-                None => Some(ways[one].apart(&ways[other])),
-                Some((_, goal)) => {
-                    let besides = |pull: &PartPull| SweptCells::besides(pull.from, pull.to, goal);
-                    Some(besides(pull)?.apart(&besides(other_pull)?))
-                }
-            }
-        };
+        let apart = |one: usize, other: usize| self.apart(moment, [&pulls[one], &pulls[other]]);
         let time = ms(at_ns);
         let told = |(part, pull): &(usize, PartPull)| match pull.moves() {
             true => format!("`{}` on its way from {} to {}", self.name(*part), pull.from, pull.to),
@@ -255,6 +274,7 @@ impl JudgedBoard<'_, '_> {
 
     /// Where a part rests or arrives it keeps the clearance from electrodes that an obstacle covers.
     fn clearances(&self, at_ns: u64, pulls: &Pulls) -> Option<Broken> {
+        self.run.tally.asked(Rule::Clearance, pulls.len());
         let near = |(part, pull): &(usize, PartPull)| Some((*part, pull.to, self.scene.blocked(pull.to)?));
         let (part, at, (obstacle, near)) = pulls.iter().find_map(near)?;
         let (name, obstacle, time) = (self.name(part), &self.order.obstacles[obstacle].name, ms(at_ns));

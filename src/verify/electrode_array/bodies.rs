@@ -42,6 +42,24 @@ impl SweptCells {
         let columns = gap(self.low.column, self.high.column, other.low.column, other.high.column);
         columns.max(gap(self.low.row, self.high.row, other.low.row, other.high.row))
     }
+
+    /// A cell of each that are nearest to each other.
+    pub fn nearest(&self, other: &SweptCells) -> [ElectrodeCell; 2] {
+        let columns = nearest_of_ranges([self.low.column, self.high.column], [other.low.column, other.high.column]);
+        let rows = nearest_of_ranges([self.low.row, self.high.row], [other.low.row, other.high.row]);
+        [0, 1].map(|at| ElectrodeCell::new(columns[at], rows[at]))
+    }
+}
+
+/// The coordinates of two ranges that are nearest to each other.
+fn nearest_of_ranges([low, high]: [u32; 2], [other_low, other_high]: [u32; 2]) -> [u32; 2] {
+    if high < other_low {
+        [high, other_low]
+    } else if other_high < low {
+        [low, other_high]
+    } else {
+        [low.max(other_low); 2]
+    }
 }
 
 /// Least distance that two centres must keep, in electrodes: the separation of the device, which includes the oscillation
@@ -114,6 +132,16 @@ impl BoardObstacles {
         first(&self.fixed, &self.fixed_boxes, way, self.needed - 1)
     }
 
+    /// The obstacle of electrodes that is nearest to a centre, if it is within a distance: the centre, and the nearest cell of the obstacle.
+    pub fn nearest_block(&self, at: ElectrodeCell, within: u32) -> Option<(usize, [ElectrodeCell; 2])> {
+        nearest(&self.blocks, &self.block_boxes, &SweptCells::new(at, at), within)
+    }
+
+    /// As [`Self::nearest_block`], for the parts that are stuck.
+    pub fn nearest_stuck(&self, way: &SweptCells, within: u32) -> Option<(usize, [ElectrodeCell; 2])> {
+        nearest(&self.fixed, &self.fixed_boxes, way, within)
+    }
+
     /// The first part that is stuck and that an electrode acts on.
     pub fn pulled(&self, electrode: ElectrodeCell, reach: i64) -> Option<usize> {
         let reach = u32::try_from(reach).unwrap_or(0);
@@ -126,6 +154,18 @@ impl BoardObstacles {
 fn first(bodies: &[(usize, SweptCells)], boxes: &GroupedBoxes, area: &SweptCells, within: u32) -> Option<(usize, u32)> {
     let near = boxes.meeting(&extent(area).widened(f64::from(within)));
     near.first().map(|at| (bodies[*at].0, bodies[*at].1.apart(area)))
+}
+
+/// The nearest of some bodies within a distance from an area, with the two cells.
+fn nearest(
+    bodies: &[(usize, SweptCells)],
+    boxes: &GroupedBoxes,
+    area: &SweptCells,
+    within: u32,
+) -> Option<(usize, [ElectrodeCell; 2])> {
+    let near = boxes.meeting(&extent(area).widened(f64::from(within))).into_iter();
+    let (obstacle, body) = near.map(|at| &bodies[at]).min_by_key(|(_, body)| body.apart(area))?;
+    Some((*obstacle, area.nearest(body)))
 }
 
 fn extent(way: &SweptCells) -> Extent {

@@ -8,6 +8,8 @@ use crate::claims::electrode_array::{
 };
 use crate::claims::{Claims, Job, Relation};
 use crate::source::Span;
+use crate::verify::evidence::Tally;
+use crate::verify::rule::Rule;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -47,7 +49,7 @@ pub(super) struct BrokenContent {
 }
 
 /// What is wrong with the droplets of all runs of a device, where this is its last one.
-pub(super) fn broken(claims: &Claims, job: &Job) -> Vec<BrokenContent> {
+pub(super) fn broken(claims: &Claims, job: &Job, tally: &Tally) -> Vec<BrokenContent> {
     let own = claims.jobs.iter().filter(|other| other.device == job.device);
     if !own.clone().next_back().is_some_and(|last| std::ptr::eq(last, job)) {
         return Vec::new();
@@ -56,10 +58,24 @@ pub(super) fn broken(claims: &Claims, job: &Job) -> Vec<BrokenContent> {
     let mut found = Vec::new();
     for order in own.filter_map(|job| ElectrodeArrayOrder::of(&job.order)) {
         board.put(order);
+        tally.asked(Rule::Requirement, order.contents.len() + limited(order));
         found.extend(operated(order, &mut board.droplets));
         found.extend(order.contents.iter().filter_map(|content| other_than(content, order, &board.droplets)));
     }
     found
+}
+
+/// Number of operations after which the device limits the volume of a droplet.
+fn limited(order: &ElectrodeArrayOrder) -> usize {
+    if order.facts.least_volume.is_none() && order.facts.most_volume.is_none() {
+        return 0;
+    }
+    let operations = order.steps.iter().map(|step| match &step.action {
+        ElectrodeArrayAction::Wait(_) => 0,
+        ElectrodeArrayAction::Move(moves) => moves.len(),
+        ElectrodeArrayAction::Assay(operations) => operations.len(),
+    });
+    operations.sum()
 }
 
 /// The droplets of a device, in the course of its runs.

@@ -12,6 +12,7 @@ mod bodies;
 mod claims;
 mod contents;
 mod mixing;
+mod nearest;
 mod pull;
 mod stage;
 mod switching;
@@ -95,7 +96,7 @@ impl Judge for ElectrodeArrayOrder {
                 ElectrodeArrayAction::Assay(operations) => board.operate(nth, operations, findings)?,
             }
         }
-        for wrong in contents::broken(claims, run.job) {
+        for wrong in contents::broken(claims, run.job, &run.tally) {
             let end_ns = run.plan.start_ns + run.plan.duration_ns;
             findings.push(Violation::new(Rule::Requirement, end_ns, wrong.title).label(wrong.span, "this droplet"));
         }
@@ -167,6 +168,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     /// Every electrode is on at the potential of the device.
     fn potentials(&self, findings: &mut Findings) {
         let volts = self.order.facts.potential_v;
+        findings.asked(Rule::Potential, self.pulses.iter().map(Vec::len).sum());
         for (nth, pulses) in self.pulses.iter().enumerate() {
             for (cell, part) in pulses.iter().filter(|(_, part)| part.from != volts || part.to != volts) {
                 let (from, to, at) = (part.from, part.to, ms(part.start_ns));
@@ -179,6 +181,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     /// No electrode is on that does not work: it would pull nothing.
     fn disabled(&self, findings: &mut Findings) {
         let Some(map) = &self.order.facts.map else { return };
+        findings.asked(Rule::Disabled, self.pulses.iter().map(Vec::len).sum());
         for (nth, pulses) in self.pulses.iter().enumerate() {
             for (cell, part) in pulses.iter().filter(|(cell, _)| map.disabled.contains(cell)) {
                 let at = ms(part.start_ns);
@@ -191,6 +194,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     /// Nothing moves for the claimed duration; holding electrodes stay on.
     fn wait(&mut self, nth: usize, duration_ns: u64, findings: &mut Findings) -> Result<(), Halt> {
         let step = self.run.step(nth);
+        findings.asked(Rule::Wait, 1);
         if step.duration_ns != duration_ns {
             let title = format!("wait lasts {}, {} is claimed", ms(step.duration_ns), ms(duration_ns));
             findings.push(self.within(Rule::Wait, nth, step.start_ns, title));
@@ -236,6 +240,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         }
         self.beats = self.beats.saturating_add(beats);
         self.sum_of_costs = self.sum_of_costs.saturating_add(stage.cost());
+        findings.asked(Rule::Goal, moves.len());
         self.goals(nth, &stage, findings);
         let homes = stage.homes.iter().map(|(part, home)| (*part, *home));
         self.returns(nth, homes, findings);
@@ -298,6 +303,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         }
         self.beats = self.beats.saturating_add(beats);
         self.sum_of_costs = self.sum_of_costs.saturating_add(assay.cost());
+        findings.asked(Rule::Goal, operations.len());
         let missed = assay.missed(&self.cells);
         missed.iter().for_each(|missed| findings.push(self.not_done(nth, missed)));
         let on_clock = self.on_clock(nth, operations, &assay.beats);
@@ -305,6 +311,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let homes = assay.homes.iter().map(|(part, (home, _))| (*part, *home));
         self.returns(nth, homes, findings);
         if beats > 0 {
+            findings.asked(Rule::Idle, 1);
             if missed.is_empty() && assay.end() < beats {
                 findings.push(self.idle_assay(nth, assay.end()));
             }
@@ -416,6 +423,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     /// A step of parts lasts for a whole number of beats.
     fn whole_beats(&self, nth: usize) -> Result<u64, Violation> {
         let (step, step_ns) = (self.run.step(nth), self.order.facts.step_ns);
+        self.run.tally.asked(Rule::Beat, 1);
         if step.duration_ns.is_multiple_of(step_ns) {
             return Ok(step.duration_ns / step_ns);
         }
@@ -427,6 +435,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     /// Changes of electrodes in a step, provided that they are between beats and pull no stuck part.
     fn switching(&self, nth: usize, beat_ns: u64) -> Result<Switching, Violation> {
         let step = self.run.step(nth);
+        self.run.tally.asked(Rule::Beat, self.pulses[nth].len());
         let mut pulses = Vec::with_capacity(self.pulses[nth].len());
         for (cell, part) in &self.pulses[nth] {
             let after_ns = part.start_ns - step.start_ns;
@@ -448,6 +457,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     /// A step of parts ends with the last arrival.
     fn idle(&self, nth: usize, moved: u64, findings: &mut Findings) {
         let step = self.run.step(nth);
+        findings.asked(Rule::Idle, 1);
         if moved == 0 {
             let end_ns = step.start_ns + step.duration_ns;
             let from_ns = end_ns - self.order.facts.step_ns;
@@ -476,6 +486,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let step = self.run.step(nth);
         let end_ns = step.start_ns + step.duration_ns;
         for (part, home) in homes {
+            findings.asked(Rule::Bystander, 1);
             let Some(end) = self.cells[part].filter(|cell| *cell != home) else { continue };
             let part = &self.order.parts[part];
             let title = format!("`{}` steps aside from {home} and ends at {end}, but must return", part.name);

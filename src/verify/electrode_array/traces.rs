@@ -101,6 +101,7 @@ impl JudgedBoard<'_, '_> {
     ) {
         let Some(traces) = &mut self.traces else { return };
         traces.merge(operations, |place| assay.beats[place].is_some());
+        findings.asked(Rule::Trace, there.len());
         for Contaminated { part, cell, avoided } in traces.touch(there.into_iter()) {
             let (name, at) = (&self.order.parts[part].name, ms(at_ns));
             let title = format!("`{name}` comes to {cell} at {at}, where traces of `{}` are left", avoided.of);

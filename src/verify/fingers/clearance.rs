@@ -24,8 +24,8 @@ pub(super) fn least_um(stretch: &Stretch, one: usize, other: usize) -> (f64, f64
     ((from_um + run_um * share).norm(), share)
 }
 
-/// The two tips that come nearest of all in a stretch, of those that come too near; their distance, and at which share.
-pub(super) fn too_near(stretch: &Stretch, facts: &FingersFacts) -> Option<([usize; 2], f64, f64)> {
+/// The two tips that come nearest of all in a stretch in which one of them moves; their distance, and at which share.
+pub(super) fn nearest(stretch: &Stretch) -> Option<([usize; 2], f64, f64)> {
     let fingers = stretch.from_um.len();
     let pairs = (0..fingers).flat_map(|one| (one + 1..fingers).map(move |other| [one, other]));
     let moving = pairs.filter(|pair| !pair.iter().all(|finger| stretch.rests(*finger)));
@@ -33,8 +33,7 @@ pub(super) fn too_near(stretch: &Stretch, facts: &FingersFacts) -> Option<([usiz
         let (distance_um, share) = least_um(stretch, pair[0], pair[1]);
         (pair, distance_um, share)
     });
-    let due_um = apart_um(facts) - facts.tolerance_um;
-    distances.filter(|found| found.1 < due_um).min_by(|one, other| one.1.total_cmp(&other.1))
+    distances.min_by(|one, other| one.1.total_cmp(&other.1))
 }
 
 /// Least distance that the centres of two tips must keep.

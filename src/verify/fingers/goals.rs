@@ -49,6 +49,7 @@ impl JudgedHand<'_, '_> {
         let turned_deg = self.since.turn_rad(*plane).to_degrees();
         for reached in &self.run.step(nth).reached {
             let Reached::Turn { reached_deg, .. } = reached else { continue };
+            findings.asked(Rule::Figure, 1);
             if (reached_deg - turned_deg).abs() > TOLD_DEG {
                 let title =
                     format!("a turn is recorded as {reached_deg} deg, but the tips turn the part by {turned_deg} deg");
@@ -58,12 +59,14 @@ impl JudgedHand<'_, '_> {
     }
 
     fn tell(&self, fault: Option<String>, nth: usize, findings: &mut Findings) {
+        findings.asked(Rule::Goal, 1);
         if let Some(title) = fault {
             findings.push(self.violation(Rule::Goal, nth, self.end_ns(nth), title));
         }
     }
 
     fn check_wait(&self, nth: usize, duration_ns: u64, findings: &mut Findings) {
+        findings.asked(Rule::Wait, 1);
         let step = self.run.step(nth);
         if step.duration_ns != duration_ns {
             let title = format!("wait lasts {}, {} is claimed", ms(step.duration_ns), ms(duration_ns));

@@ -4,6 +4,7 @@
 //! that held and goes off while others stay is removed. Tips that hold and move carry the part along.
 
 use super::super::clock::JudgedRun;
+use super::super::evidence::{Clearance, GapUnit};
 use super::super::rule::{Findings, Rule, Violation, ms};
 use super::super::{Halt, Unfit};
 use super::body::{ObjectPose, PartOutlines, Surface};
@@ -153,6 +154,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
             return;
         }
         let pose = self.grip.pose();
+        findings.asked(Rule::Pierce, self.tips_um.len());
         for finger in 0..self.tips_um.len() {
             if let Some(hit) = self.strays(finger, &pose, start_ns, &self.tips_um) {
                 let title = self.pierce(finger, &hit);
@@ -166,6 +168,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         for one in 0..self.tips_um.len() {
             for other in one + 1..self.tips_um.len() {
                 let (apart_um, _) = clearance::least_um(&still, one, other);
+                self.note_apart(&still, ([one, other], apart_um, 0.0));
                 if apart_um < due_um {
                     findings.push(Violation::new(Rule::Apart, start_ns, self.apart([one, other], apart_um, start_ns)));
                 }
@@ -214,7 +217,9 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
 
     /// Goes along one stretch.
     pub fn follow(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
-        if let Some((pair, apart_um, share)) = clearance::too_near(stretch, &self.order.facts) {
+        let due_um = clearance::apart_um(&self.order.facts) - self.order.facts.tolerance_um;
+        let nearest = clearance::nearest(stretch).inspect(|nearest| self.note_apart(stretch, *nearest));
+        if let Some((pair, apart_um, share)) = nearest.filter(|near| near.1 < due_um) {
             let time_ns = stretch.instant_ns(share);
             findings.push(self.violation(Rule::Apart, nth, time_ns, self.apart(pair, apart_um, time_ns)));
         }
@@ -231,7 +236,28 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         }
     }
 
+    /// Keeps a distance of two tips, where it is less than all before.
+    fn note_apart(&self, stretch: &Stretch, (pair, apart_um, share): ([usize; 2], f64, f64)) {
+        let JudgedHand { run, order, .. } = self;
+        run.tally.asked(Rule::Apart, 1);
+        let radius_um = order.facts.tip_radius_um;
+        let [one, other] = pair.map(|finger| stretch.tip_um(finger, share));
+        let way = (other - one).try_normalize(0.0).unwrap_or_default() * radius_um;
+        run.tally.near(Clearance {
+            rule: Rule::Apart,
+            device: run.job.device.clone(),
+            between: pair.map(|finger| format!("finger {}", finger + 1)),
+            apart: apart_um - 2.0 * radius_um,
+            needed: order.facts.clearance_um,
+            within: 0.0,
+            unit: GapUnit::Micrometres,
+            t_ns: stretch.instant_ns(share),
+            points: [(one + way).into(), (other - way).into()],
+        });
+    }
+
     fn check_still(&self, nth: usize, stretch: &Stretch) -> Result<(), Halt> {
+        self.run.tally.asked(Rule::Wait, 1);
         let Some(finger) = (0..stretch.from_um.len()).find(|finger| !stretch.rests(*finger)) else { return Ok(()) };
         let title = format!("finger {} moves during a wait, at {}", finger + 1, ms(stretch.start_ns));
         Err(self.violation(Rule::Wait, nth, stretch.start_ns, title).into())
@@ -271,6 +297,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
 
     /// The fingers that hold are in equilibrium.
     pub(super) fn check_hold(&mut self, nth: usize, time_ns: u64, findings: &mut Findings) {
+        findings.asked(Rule::Equilibrium, 1);
         let touches: Vec<ContactPoint> = self.touches().into_iter().map(|(_, touch)| touch).collect();
         if self.told == ReportedGrip::Weak || self.statics().holds(&touches) {
             return;
@@ -295,6 +322,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         if self.is_release(nth) || self.held == Held::Supported {
             return self.let_go(nth, stretch, findings);
         }
+        findings.asked(Rule::Contact, 1);
         if self.grip.holds.len() < 2 {
             let title = format!("finger {} leaves the part to one finger at {}", finger + 1, ms(time_ns));
             return Err(self.violation(Rule::Contact, nth, time_ns, title).into());
@@ -320,6 +348,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         time_ns: u64,
         findings: &mut Findings,
     ) {
+        findings.asked(Rule::Removal, 1);
         let touches: Vec<ContactPoint> = self.touches().into_iter().map(|(_, touch)| touch).collect();
         if !self.statics().resists(&touches, leaving) {
             let facts = &self.order.facts;
@@ -338,6 +367,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
     fn let_go(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
         let facts = &self.order.facts;
         let pull_un = pull_off_un(facts) * facts.removal_safety;
+        findings.asked(Rule::Support, 1);
         let is_enough = pull_un <= facts.support_un * (1.0 + super::statics::TOLERANCE);
         if !is_enough && self.told == ReportedGrip::Nothing {
             self.told = ReportedGrip::Weak;
@@ -359,6 +389,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
             if self.grip.has(finger) || stretch.rests(finger) {
                 continue;
             }
+            findings.asked(Rule::Pierce, 1);
             let followed = self.flights[finger].follow((stretch, finger), (&self.body, &pose), &order.facts);
             let kept = self.paces[finger].follow(stretch, finger, &order.facts);
             self.tell_pace(nth, finger, kept, findings);
@@ -401,6 +432,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         findings: &mut Findings,
     ) -> Result<(), Halt> {
         let time_ns = stretch.end_ns;
+        findings.asked(Rule::Contact, 1);
         if self.grip.holds.len() == MAX_HOLDING {
             let title =
                 format!("finger {} touches the part at {} while {MAX_HOLDING} others hold it", finger + 1, ms(time_ns));
@@ -443,6 +475,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
 
     /// Fingers come and leave where all that hold are on contacts that have numbers.
     fn check_contacts(&self, nth: usize, time_ns: u64, findings: &mut Findings) {
+        findings.asked(Rule::Contact, self.grip.holds.len());
         let Some(surface) = self.body.surface(self.grip.plane) else { return };
         for hold in &self.grip.holds {
             let (contact, off_um) = surface.contact(&hold.foot);

@@ -66,6 +66,10 @@ impl Judge for FingersOrder {
         FingersOrder::of(other).is_some_and(|other| other.part == self.part)
     }
 
+    fn forces(&self, state: &State) -> Option<Vec<Option<[f64; 3]>>> {
+        forces(self, state)
+    }
+
     fn terms(&self) -> RecordTerms {
         RecordTerms {
             planner: self.planner.name(),

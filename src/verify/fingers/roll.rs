@@ -31,6 +31,7 @@ impl JudgedHand<'_, '_> {
     /// Tips that hold move, and the part with them.
     pub(super) fn carry(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
         let time_ns = stretch.start_ns;
+        findings.asked(Rule::Slip, 1);
         if self.grip.holds.len() < 2 {
             let finger = self.grip.holds.first().map_or(0, |hold| hold.finger);
             let title = format!("finger {} alone moves along the part at {}", finger + 1, ms(time_ns));
@@ -116,6 +117,9 @@ impl JudgedHand<'_, '_> {
     /// Where the part is at a share of a stretch, and whether all is well there.
     fn sample(&mut self, nth: usize, stretch: &Stretch, share: f64, findings: &mut Findings) -> Result<(), Halt> {
         let (tips_um, time_ns) = (tips_at(stretch, share), stretch.instant_ns(share));
+        findings.asked(Rule::Gap, self.grip.holds.len());
+        findings.asked(Rule::Slip, self.grip.holds.len());
+        findings.asked(Rule::Pierce, tips_um.len());
         let moved = self.grip.follow(self.surface()?, &tips_um);
         let Some((grip, misfit)) = moved else {
             let title = format!("{} move as no part between them can, at {}", self.holding(), ms(time_ns));

@@ -40,6 +40,7 @@ impl JudgedHand<'_, '_> {
 
     /// Tells of the first tip of a step that is too fast.
     pub(super) fn tell_pace(&mut self, nth: usize, finger: usize, kept: Result<(), Fast>, findings: &mut Findings) {
+        findings.asked(Rule::Speed, 1);
         let Err(fast) = kept else { return };
         if self.hurried != Some(nth) {
             self.hurried = Some(nth);

@@ -24,6 +24,37 @@ pub fn sides(corners: &[Point2<f64>]) -> impl Iterator<Item = [Point2<f64>; 2]> 
     corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| [*a, *b])
 }
 
+/// A point of each body that are nearest to each other, for bodies that are apart: a corner of one of them, and a point on a side of the
+/// other. Hollows do no harm here. `None` if one has no corner.
+pub fn nearest_points(one: &[Point2<f64>], other: &[Point2<f64>]) -> Option<[Point2<f64>; 2]> {
+    let to_sides = |corners: &[Point2<f64>], body: &[Point2<f64>]| {
+        let pairs: Vec<[Point2<f64>; 2]> = corners
+            .iter()
+            .flat_map(|corner| sides(body).map(|side| [*corner, nearest_of_side(side, *corner)]))
+            .collect();
+        pairs
+    };
+    let turned = to_sides(other, one).into_iter().map(|[theirs, ours]| [ours, theirs]);
+    let pairs = to_sides(one, other).into_iter().chain(turned);
+    pairs.min_by(|[a, b], [c, d]| (a - b).norm_squared().total_cmp(&(c - d).norm_squared()))
+}
+
+fn nearest_of_side([from, to]: [Point2<f64>; 2], point: Point2<f64>) -> Point2<f64> {
+    from + (to - from) * share_of_side([from, to], point)
+}
+
+/// The share of a side at which it is nearest to a point; 0 for a side without length.
+pub fn share_of_side([from, to]: [Point2<f64>; 2], point: Point2<f64>) -> f64 {
+    let (way, square) = (to - from, (to - from).norm_squared());
+    if square > 0.0 { ((point - from).dot(&way) / square).clamp(0.0, 1.0) } else { 0.0 }
+}
+
+/// A point moved by a length towards another one.
+pub fn towards(from: Point2<f64>, to: Point2<f64>, by_um: f64) -> Point2<f64> {
+    let apart_um = (to - from).norm();
+    if apart_um > 0.0 { from + (to - from) * (by_um / apart_um) } else { from }
+}
+
 /// Gap between the projections of two bodies on a line; at most 0 where they overlap, or if the line has no direction.
 fn gap_um(one: &[Point2<f64>], other: &[Point2<f64>], line: Vector2<f64>) -> f64 {
     let length_um = line.norm();

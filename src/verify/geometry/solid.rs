@@ -4,7 +4,7 @@
 //! is grown: callers compare the gap with the required clearance.
 
 use super::super::boxes::Extent;
-use super::convex::{apart_um, sides};
+use super::convex::{apart_um, nearest_points, sides, towards};
 use crate::geometry::fault::{Fault, through};
 use crate::geometry::shape::MAX_EXTENT_UM;
 use crate::geometry::{Pose, Shape};
@@ -66,6 +66,13 @@ impl Solid {
             Frame::Outline(corners) => apart_from_outline_um(corners, body),
         };
         apart_um - self.radius_um
+    }
+
+    /// The point of the obstacle, and that of a convex body apart from it, that are nearest to each other; `None` for a body without corners.
+    pub fn nearest_points(&self, body: &[Point2<f64>]) -> Option<[Point2<f64>; 2]> {
+        let (Frame::Convex(corners) | Frame::Outline(corners)) = &self.frame;
+        let [ours, theirs] = nearest_points(corners, body)?;
+        Some([towards(ours, theirs, self.radius_um), theirs])
     }
 }
 

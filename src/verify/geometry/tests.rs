@@ -1,6 +1,6 @@
 //! The verifier's distances against the planners', on bodies of every size that are apart, touch, overlap or are degenerate.
 
-use super::convex::apart_um;
+use super::convex::{apart_um, nearest_points};
 use super::solid::Solid;
 use crate::geometry::distance::{Segment, point_segment, quadrilateral_core, segment_core, segment_segment};
 use crate::geometry::shape::{Core, MAX_EXTENT_UM};
@@ -120,6 +120,28 @@ proptest! {
         for axis in 0..2 {
             prop_assert!((extent.low[axis] - bounds.min_um[axis]).abs() <= near);
             prop_assert!((extent.high[axis] - bounds.max_um[axis]).abs() <= near);
+        }
+    }
+
+    /// The ends of a ruler are on both bodies, and as far apart as these.
+    #[test]
+    fn nearest_points_are_as_far_apart_as_the_bodies(
+        (shape, pose) in (shape(), pose()),
+        (rectangle, other) in (rectangle(), rectangle()),
+    ) {
+        let solid = Solid::of(&shape, &pose).expect("a shape");
+        let near = 1e3 * rounding_um(size_um(&rectangle).max(size_um(&other)).max(solid.extent().high.map(f64::abs).into_iter().fold(1.0, f64::max)));
+        let gap_um = apart_um(&rectangle, &other);
+        if gap_um > near {
+            let [one, two] = nearest_points(&rectangle, &other).expect("corners");
+            prop_assert!(((one - two).norm() - gap_um).abs() <= near, "{one} {two} {gap_um}");
+            prop_assert!(apart_um(&[one], &rectangle) <= near && apart_um(&[two], &other) <= near);
+        }
+        let gap_um = solid.gap_um(&rectangle);
+        if gap_um > near {
+            let [on_solid, on_body] = solid.nearest_points(&rectangle).expect("corners");
+            prop_assert!(((on_solid - on_body).norm() - gap_um).abs() <= near, "{on_solid} {on_body} {gap_um}");
+            prop_assert!(solid.gap_um(&[on_solid]) <= near && apart_um(&[on_body], &rectangle) <= near);
         }
     }
 

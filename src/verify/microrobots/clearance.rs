@@ -79,17 +79,17 @@ fn orbits(bed: &JudgedBed) -> Vec<Vec<(usize, TakenDisc)>> {
 }
 
 /// The clearances checked in each train.
-struct Watch<'b, 'r, 'a, 'f> {
+pub(super) struct Watch<'b, 'r, 'a, 'f> {
     bed: &'b JudgedBed<'r, 'a>,
     findings: &'f mut Findings,
-    solids: Vec<Solid>,
+    pub solids: Vec<Solid>,
     boxes: GroupedBoxes,
     looks: Looks,
     told: FxHashSet<ReportedMeeting>,
 }
 
 impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
-    fn new(bed: &'b JudgedBed<'r, 'a>, findings: &'f mut Findings) -> Self {
+    pub fn new(bed: &'b JudgedBed<'r, 'a>, findings: &'f mut Findings) -> Self {
         let placed = bed.order.obstacles.iter().map(|obstacle| Solid::of(&obstacle.shape, &obstacle.pose));
         let solids: Vec<Solid> = placed.map(|body| body.expect("the premise knows every shape")).collect();
         let boxes = GroupedBoxes::new(solids.iter().map(Solid::extent));
@@ -117,7 +117,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     }
 
     /// Obstacles that may lie nearer than a distance to a disc.
-    fn about(&self, centre: Point2<f64>, within_um: f64) -> Vec<usize> {
+    pub fn about(&self, centre: Point2<f64>, within_um: f64) -> Vec<usize> {
         self.boxes.meeting(&Extent::of(&[centre]).widened(within_um + BOX_MARGIN_UM))
     }
 
@@ -126,6 +126,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         let needed_um = self.bed.order.facts.clearance_um;
         let (centre, radius_um) = ride.disc([0.0, 1.0]);
         let (round, part) = ride.once_round();
+        self.findings.asked(Rule::Graze, self.solids.len());
         for obstacle in self.about(centre, radius_um + needed_um) {
             let told = (Rule::Graze, robot, obstacle);
             let solid = &self.solids[obstacle];
@@ -158,6 +159,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     fn pair(&mut self, index: usize, train: &JudgedTrain, robots: [usize; 2]) -> Result<(), Endless> {
         let rides = robots.map(|robot| &train.rides[robot]);
         let told = (Rule::Meet, robots[0], robots[1]);
+        self.findings.asked(Rule::Meet, 1);
         if rides.iter().all(|ride| ride.way_um == 0.0) || self.told.contains(&told) {
             return Ok(());
         }
@@ -188,7 +190,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     }
 
     /// From which share of a train on two robots may touch: 1 if they may not.
-    fn docking_from(&self, index: usize, train: &JudgedTrain, [one, other]: [usize; 2]) -> f64 {
+    pub fn docking_from(&self, index: usize, train: &JudgedTrain, [one, other]: [usize; 2]) -> f64 {
         let fine = self.bed.order.facts.fine;
         let from = |robot: usize, other: usize| {
             let (docks, docked) = (self.bed.docked[robot]?, self.bed.docked[other]?);
@@ -207,6 +209,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     /// Obstacles keep clear of an orbit.
     fn obstacles_of_orbit(&mut self, train: &JudgedTrain, robot: usize, disc: &TakenDisc) {
         let needed_um = self.bed.order.facts.orbit_clearance_um;
+        self.findings.asked(Rule::Orbit, self.solids.len());
         for obstacle in self.about(disc.centre, disc.reach_um + needed_um) {
             let solid = &self.solids[obstacle];
             let gap_um = solid.gap_um(&[disc.centre]) - disc.reach_um;
@@ -226,6 +229,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         let needed_um = self.bed.order.facts.orbit_clearance_um;
         let gap_um = (disc.centre - guest.centre).norm() - disc.reach_um - guest.reach_um;
         let told = (Rule::Orbit, robot, *other);
+        self.findings.asked(Rule::Orbit, 1);
         if gap_um < needed_um - ROUNDING_UM && !self.told.contains(&told) {
             let name = format!("that of `{}`", self.bed.name(*other));
             let violation = self.orbit(train, robot, &name, SweptTouch { share: 0.0, gap_um });
@@ -236,6 +240,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     /// A robot that does not orbit keeps clear of an orbit, whether it moves or not.
     fn guest(&mut self, train: &JudgedTrain, (robot, disc): (usize, &TakenDisc), other: usize) -> Result<(), Endless> {
         let told = (Rule::Orbit, robot, other);
+        self.findings.asked(Rule::Orbit, 1);
         if self.told.contains(&told) {
             return Ok(());
         }
@@ -283,7 +288,9 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
 }
 
 /// The distance of two bodies in the course of a train.
-fn pair_gap<'t>([one, other]: [&'t Ride; 2]) -> SweptGap<impl Fn(f64) -> f64 + 't, impl Fn([f64; 2]) -> f64 + 't> {
+pub(super) fn pair_gap<'t>(
+    [one, other]: [&'t Ride; 2],
+) -> SweptGap<impl Fn(f64) -> f64 + 't, impl Fn([f64; 2]) -> f64 + 't> {
     SweptGap {
         at: |share| one.body(share).gap_um(&other.body(share)),
         floor: |span| {

@@ -10,6 +10,7 @@ mod bodies;
 mod claims;
 mod clearance;
 mod motion;
+mod nearest;
 pub mod recorded;
 mod relay;
 mod sweep;
@@ -118,7 +119,11 @@ impl Judge for MicrorobotsOrder {
             }
         }
         bed.record_rest(run.end_ns())?;
+        let before = findings.len();
         clearance::check(&bed, findings)?;
+        if findings.len() == before {
+            nearest::note(&bed, findings);
+        }
         standing.insert(&run.job.device, bed.state(bed.rest));
         let outcomes = bed.outcomes();
         Ok(Replay { states: bed.states, outcomes, operations: BTreeMap::new() })
@@ -241,6 +246,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
     fn follow(&mut self, nth: usize, legs: &[VoltageLeg], docks: &[Dock], findings: &mut Findings) -> Result<(), Halt> {
         for leg in legs {
             self.record(leg.start_ns, leg.control)?;
+            findings.asked(Rule::Twist, self.docked.iter().flatten().count());
             self.twist(nth, leg).into_iter().for_each(|violation| findings.push(violation));
             let rides: Vec<Ride> = (0..self.places.len()).map(|robot| self.ride(robot, leg)).collect();
             for (place, ride) in self.places.iter_mut().zip(&rides).filter(|(_, ride)| ride.way_um > 0.0) {
@@ -309,6 +315,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
 
     /// An `apply` is one leg of its state, for as many strokes as its duration takes.
     fn applied(&self, nth: usize, legs: &[VoltageLeg], (state, duration_ns): (usize, u64), findings: &mut Findings) {
+        findings.asked(Rule::Apply, 1);
         let step = self.run.step(nth);
         let strokes = duration_ns.div_ceil(self.order.facts.period_ns);
         let title = match legs {
@@ -327,6 +334,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
 
     /// A robot comes by its stops in order, at ends of legs, and ends at the last one.
     fn stops(&self, nth: usize, from: usize, (robot, stops): (usize, &[MicrorobotsStop]), findings: &mut Findings) {
+        findings.asked(Rule::Goal, stops.len());
         let starts = self.trains[from..].iter().map(|train| train.rides[robot].start);
         let instants = starts.chain([self.places[robot]]);
         let Some((goal, mut left)) = stops.split_last() else { return };
@@ -360,6 +368,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
 
     /// The robots of an assembly are docked in the end, at their goals.
     fn assembled(&self, nth: usize, docks: &[Dock], findings: &mut Findings) {
+        findings.asked(Rule::Dock, docks.len());
         for Dock { robot, goal } in docks {
             let (name, is_there) = (self.name(*robot), self.is_at(self.places[*robot], &goal.pose));
             let title = match (self.docked[*robot], is_there) {

@@ -91,6 +91,7 @@ impl DrivenBed<'_, '_> {
 
     /// The bed is without voltage, which brings all arms up.
     fn rest(&mut self, time_ns: u64, nth: Option<usize>) -> Result<(), Violation> {
+        self.run.tally.asked(Rule::Arm, self.relays.arms.len());
         self.relays.visit(0.0);
         let Some(row) = self.relays.not_up() else { return Ok(()) };
         let title = format!("the arm of `{}` may stay down at 0 V, at {}", self.name(row), ms(time_ns));
@@ -107,6 +108,7 @@ impl DrivenBed<'_, '_> {
         here: &[&Actuation],
         findings: &mut Findings,
     ) -> Result<(), Violation> {
+        findings.asked(Rule::Wait, 1);
         let step = self.run.step(nth);
         if step.duration_ns != duration_ns {
             let title = format!("wait lasts {}, {} is claimed", ms(step.duration_ns), ms(duration_ns));
@@ -140,6 +142,7 @@ impl DrivenBed<'_, '_> {
             }
         }
         self.gap(nth, due_ns, step.start_ns + step.duration_ns, findings);
+        self.run.tally.asked(Rule::Train, 1);
         if let Some(cycle_ns) = cycle_ns {
             let title = format!("a control cycle from {} on is not followed by strokes", ms(cycle_ns));
             return Err(self.within(Rule::Train, nth, cycle_ns, title));
@@ -149,6 +152,7 @@ impl DrivenBed<'_, '_> {
 
     /// Between the actuations of a step no time is lost; if it is, the bed is at 0 V.
     fn gap(&mut self, nth: usize, from_ns: u64, to_ns: u64, findings: &mut Findings) {
+        findings.asked(Rule::Idle, 1);
         if from_ns == to_ns {
             return;
         }
@@ -159,6 +163,7 @@ impl DrivenBed<'_, '_> {
 
     /// A level of a control cycle.
     fn level(&mut self, nth: usize, actuation: &Actuation) -> Result<(), Violation> {
+        self.run.tally.asked(Rule::Level, 1);
         let Actuation { start_ns, duration_ns, from, to, .. } = *actuation;
         let (max_v, dwell_ns) = (self.order.facts.max_v, self.order.facts.dwell_ns);
         let at = ms(start_ns);
@@ -185,6 +190,9 @@ impl DrivenBed<'_, '_> {
         cycle_ns: Option<u64>,
     ) -> Result<VoltageLeg, Violation> {
         let facts = &self.order.facts;
+        self.run.tally.asked(Rule::Train, 1);
+        self.run.tally.asked(Rule::Arm, self.relays.arms.len());
+        self.run.tally.asked(Rule::Control, 1);
         let train_ns = actuation.start_ns;
         let at = ms(train_ns);
         let due = Swing { period_ns: facts.period_ns, levels: [facts.flex_v, facts.relax_v] };

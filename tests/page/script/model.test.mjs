@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { model, plain } from "./script.mjs";
 
-const { buildModel, valueAt, worksAt, lastAtMost, timeText, short, isKept, outcomeText, tipAt, partsAt, turned, moved, frictionCone } = model;
+const { buildModel, valueAt, worksAt, lastAtMost, timeText, short, isKept, outcomeText, tipAt, partsAt, turned, moved, frictionCone, tracesAt, forcesAt, reachesOf } = model;
 
 const plan = (kind, more) => ({ task: "go", device: "it", kind, start_ns: 0, states: [], outcomes: {}, ...more });
 const page = (schedule, order = {}) => ({
@@ -60,6 +60,59 @@ test("a part that is gone comes to where it merges", () => {
   const order = { facts: { step_ns: 10 }, parts: [{ name: "a" }, { name: "b" }], steps: [{ action: { move: [move] } }] };
   const { devices } = buildModel(page({ plans: [plan("electrode_array", { states })] }, { electrode_array: order }));
   assert.deepEqual(plain(partsAt(devices[0], 5)), { a: [1.5, 1], b: [2.5, 1] });
+});
+
+test("droplets leave what they contain where they come, until it is washed away", () => {
+  const states = [
+    { t_ns: 0, parts: { a: [1, 1], b: [4, 1] } },
+    { t_ns: 10, parts: { a: [2, 1], b: [3, 1] } },
+    { t_ns: 20, parts: { a: [2, 1] } },
+    { t_ns: 30, parts: { a: [2, 2], half: [2, 1], rinse: [1, 1] } },
+    { t_ns: 40, parts: { a: [2, 2], half: [2, 1] } },
+  ];
+  const stop = { cell: { column: 1, row: 2 } };
+  const assay = [
+    { part: 0, with: 1, stops: [stop] }, { part: 0, splits: { part: 2 }, stops: [stop] },
+    { part: 3, comes: true, fluid: "water", stops: [stop] }, { part: 3, leaves: true, stops: [stop] },
+  ];
+  const parts = ["a", "b", "half", "rinse"].map((name) => ({ name }));
+  const order = (electrodes) => ({ electrode_array: { parts, facts: { step_ns: 10, layout: { electrodes } }, contamination: { avoided: [], washes: ["water"] }, steps: [{ action: { assay } }] } });
+  const device = (electrodes) => buildModel(page({ plans: [plan("electrode_array", { states })] }, order(electrodes))).devices[0];
+  const at = (t_ns) => Object.fromEntries(tracesAt(device("single"), t_ns).map(({ cell, fluids }) => [cell.join(), [...fluids].join()]));
+  assert.deepEqual(at(9), { "1,1": "a", "4,1": "b" });
+  assert.deepEqual(at(20), { "1,1": "a", "4,1": "b", "2,1": "a,b", "3,1": "b" });
+  // What comes out of a droplet has all that it has; water washes where it comes, and leaves nothing.
+  assert.deepEqual(at(40), { "4,1": "b", "2,1": "a,b", "3,1": "b", "2,2": "a,b" });
+  assert.deepEqual(plain(tracesAt(device("quad"), 40)), []);
+});
+
+test("forces turn with the part, and go over into those of the next state", () => {
+  const half = Math.SQRT1_2;
+  const state = (t_ns, orientation) => ({ t_ns, grasp: [1, 1], orientation, position_um: [0, 0, 0] });
+  const states = [state(0, [1, 0, 0, 0]), state(100, [half, 0, 0, half])];
+  const order = { fingers: { facts: { fingers: 2 } } };
+  const channels = [1, 2].flatMap((finger) => ["x", "y", "z"].map((axis) => ({ name: `it.f${finger}.${axis}`, device: "it", unit: "um" })));
+  const actuations = [{ channel: 0, start_ns: 0, duration_ns: 100, from: 0, to: 5 }];
+  const forces = (second) => [{ plan: 0, states: [[[2, 0, 0], [-2, 0, 0]], second] }];
+  const device = (evidence) => buildModel({ ...page({ channels, actuations, plans: [plan("fingers", { states })] }, order), evidence }).devices[0];
+  const rounded = (value) => plain(value).map((force) => force && force.map((part) => Math.round(part * 1e9) / 1e9 + 0));
+  // A quarter turn about z: what pushes along y then pushes along the part's own x.
+  const both = device({ forces: forces([[0, 4, 0], [0, -4, 0]]) });
+  assert.deepEqual([0, 50, 100].map((t_ns) => rounded(forcesAt(both, t_ns))), [2, 3, 4].map((x) => [[x, 0, 0], [-x, 0, 0]]));
+  // Where a finger leaves, its force lasts until then.
+  assert.deepEqual(rounded(forcesAt(device({ forces: forces([[0, 4, 0], null]) }), 50)), [[2, 0, 0], [-2, 0, 0]]);
+  assert.equal(forcesAt(device({ forces: forces(null) }), 100), null);
+  assert.equal(forcesAt(device(undefined), 0), null);
+});
+
+test("what a proof has reached has an edge where nothing leads on", () => {
+  const reach = { device: "it", what: "a", runs: [[1, 2, 3], [2, 2, 2]] };
+  const failure = { findings: [{ reach }, {}, { reach: { ...reach, device: "other" } }] };
+  const [{ runs, edges }, ...others] = plain(reachesOf({ failure }, "it"));
+  assert.deepEqual([runs, others], [reach.runs, []]);
+  const sorted = edges.map((edge) => edge.map((corner) => corner.join()).sort().join(" ")).sort();
+  assert.deepEqual(sorted, ["1.5,0.5 1.5,1.5", "1.5,0.5 2.5,0.5", "1.5,1.5 1.5,2.5", "1.5,2.5 2.5,2.5", "2.5,0.5 3.5,0.5", "2.5,1.5 2.5,2.5", "2.5,1.5 3.5,1.5", "3.5,0.5 3.5,1.5"]);
+  assert.deepEqual(plain(reachesOf({}, "it")), []);
 });
 
 test("robots drive straight with the arm up and round with it down", () => {

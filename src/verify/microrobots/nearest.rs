@@ -1,0 +1,163 @@
+//! How near robots come to obstacles and to one another, for the record of what was verified.
+//!
+//! Paths are followed as by [`super::clearance`], whose rules hold before this is asked. Where a path cannot be measured at once it is
+//! bisected, until no part of it can come nearer than the least distance found by more than a tolerance; a run that needs very many
+//! looks is measured more coarsely, and the record says how far off it may be.
+
+use super::JudgedBed;
+use super::JudgedTrain;
+use super::bodies::JudgedBody;
+use super::clearance::{Watch, pair_gap};
+use super::motion::Ride;
+use super::sweep::SweptGap;
+use crate::verify::evidence::{Clearance, GapUnit};
+use crate::verify::geometry::convex::nearest_points;
+use crate::verify::rule::{Findings, Rule};
+use nalgebra::Point2;
+
+/// By how much a distance may be found too great at first, and by how much more each time that the looks run out.
+const TOLERANCE_UM: f64 = 0.01;
+const COARSER: f64 = 10.0;
+
+/// Looks that one tolerance has in a run.
+const LOOKS: u64 = 1 << 17;
+
+/// The least distances of a run.
+struct Nearest<'w, 'b, 'r, 'a, 'f> {
+    watch: &'w Watch<'b, 'r, 'a, 'f>,
+    bed: &'b JudgedBed<'r, 'a>,
+    tolerance_um: f64,
+    looks: u64,
+}
+
+/// Keeps the least distances of a run whose clearances are kept.
+pub(super) fn note(bed: &JudgedBed, findings: &mut Findings) {
+    let watch = Watch::new(bed, findings);
+    let mut nearest = Nearest { watch: &watch, bed, tolerance_um: TOLERANCE_UM, looks: LOOKS };
+    for (index, train) in nearest.bed.trains.iter().enumerate() {
+        for (robot, ride) in train.rides.iter().enumerate().filter(|(_, ride)| ride.way_um > 0.0) {
+            nearest.obstacles(train, robot, ride);
+        }
+        for one in 0..train.rides.len() {
+            for other in one + 1..train.rides.len() {
+                nearest.pair(index, train, [one, other]);
+            }
+        }
+    }
+    // What was passed over may be nearer by as much as the coarsest tolerance.
+    let (tally, device) = (&nearest.bed.run.tally, &nearest.bed.run.job.device);
+    for rule in [Rule::Graze, Rule::Meet] {
+        tally.off_by(rule, device, nearest.tolerance_um);
+    }
+}
+
+impl Nearest<'_, '_, '_, '_, '_> {
+    fn least_um(&self, rule: Rule) -> f64 {
+        self.bed.run.tally.least(rule, &self.bed.run.job.device)
+    }
+
+    fn obstacles(&mut self, train: &JudgedTrain, robot: usize, ride: &Ride) {
+        let (centre, radius_um) = ride.disc([0.0, 1.0]);
+        let (round, part) = ride.once_round();
+        for obstacle in self.watch.about(centre, radius_um + self.least_um(Rule::Graze)) {
+            let solid = &self.watch.solids[obstacle];
+            let gap_um = |body: JudgedBody| solid.gap_um(&body.vertices());
+            let below_um = self.least_um(Rule::Graze);
+            if ride.curve_um.is_none() && gap_um(ride.body(0.0).stretched(ride.way_um)) >= below_um {
+                continue;
+            }
+            let gap = SweptGap {
+                at: |share| gap_um(round.body(share)),
+                floor: |_| f64::NEG_INFINITY,
+                travel_um: round.travel_um(),
+            };
+            let Some((share, least_um)) = self.least(&gap, [0.0, 1.0], below_um) else { continue };
+            let body = round.body(share).vertices();
+            let Some([on_solid, on_body]) = solid.nearest_points(&body) else { continue };
+            let between = [self.bed.name(robot), &self.bed.order.obstacles[obstacle].name].map(str::to_owned);
+            self.keep((Rule::Graze, between), (train, share * part), least_um, [on_body, on_solid]);
+        }
+    }
+
+    fn pair(&mut self, index: usize, train: &JudgedTrain, robots: [usize; 2]) {
+        let rides = robots.map(|robot| &train.rides[robot]);
+        let until = self.watch.docking_from(index, train, robots);
+        if rides.iter().all(|ride| ride.way_um == 0.0) || until <= 0.0 {
+            return;
+        }
+        let Some((share, least_um)) = self.least(&pair_gap(rides), [0.0, until], self.least_um(Rule::Meet)) else {
+            return;
+        };
+        let [one, other] = rides.map(|ride| ride.body(share).vertices());
+        let Some(points) = nearest_points(&one, &other) else { return };
+        self.keep((Rule::Meet, robots.map(|robot| self.bed.name(robot).to_owned())), (train, share), least_um, points);
+    }
+
+    /// The least distance of a stretch, and the share of the path at which it is, if it is less than a limit.
+    fn least<G, F>(&mut self, gap: &SweptGap<G, F>, span: [f64; 2], below_um: f64) -> Option<(f64, f64)>
+    where
+        G: Fn(f64) -> f64,
+        F: Fn([f64; 2]) -> f64,
+    {
+        let mut least = None;
+        let mut below_um = below_um;
+        if (gap.floor)(span) >= below_um - self.tolerance_um {
+            return None;
+        }
+        let mut open = vec![span];
+        // The ends are looked at as well: a path is nearest there as often as not.
+        for share in span {
+            let gap_um = (gap.at)(share);
+            if gap_um < below_um {
+                (below_um, least) = (gap_um, Some((share, gap_um)));
+            }
+        }
+        while let Some([from, to]) = open.pop() {
+            if (gap.floor)([from, to]) >= below_um - self.tolerance_um {
+                continue;
+            }
+            self.look();
+            let share = f64::midpoint(from, to);
+            let gap_um = (gap.at)(share);
+            if gap_um < below_um {
+                (below_um, least) = (gap_um, Some((share, gap_um)));
+            }
+            let lost_um = gap.travel_um * (to - from) / 2.0;
+            let is_whole = share <= from || to <= share;
+            if !is_whole && gap_um - lost_um < below_um - self.tolerance_um {
+                open.extend([[share, to], [from, share]]);
+            }
+        }
+        least
+    }
+
+    /// Each look counts; when all are used, the rest of the run is measured more coarsely.
+    fn look(&mut self) {
+        match self.looks.checked_sub(1) {
+            Some(left) => self.looks = left,
+            None => (self.tolerance_um, self.looks) = (self.tolerance_um * COARSER, LOOKS),
+        }
+    }
+
+    fn keep(
+        &self,
+        (rule, between): (Rule, [String; 2]),
+        (train, share): (&JudgedTrain, f64),
+        gap_um: f64,
+        points: [Point2<f64>; 2],
+    ) {
+        let facts = &self.bed.order.facts;
+        let train_ns = (train.leg.strokes as f64 * facts.period_ns as f64 * share).round() as u64;
+        self.bed.run.tally.near(Clearance {
+            rule,
+            device: self.bed.run.job.device.clone(),
+            between,
+            apart: gap_um,
+            needed: facts.clearance_um,
+            within: self.tolerance_um,
+            unit: GapUnit::Micrometres,
+            t_ns: train.leg.train_ns.saturating_add(train_ns),
+            points: points.map(|point| [point.x, point.y, 0.0]),
+        });
+    }
+}

@@ -1,0 +1,19 @@
+"""Pages in a browser, opened from disk."""
+
+import json
+from contextlib import contextmanager
+
+
+@contextmanager
+def opened(browser, path, size):
+    """A page with its `data`; in the end it must have asked for nothing but files, and have no error or warning in its console."""
+    page = browser.new_page(viewport={"width": size[0], "height": size[1]})
+    errors = []
+    page.on("console", lambda message: errors.append(message.text) if message.type in ("error", "warning") else None)
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.on("request", lambda sent: errors.append(sent.url) if not sent.url.startswith("file:") else None)
+    page.goto(path.resolve().as_uri())
+    page.data = json.loads(page.locator("#data").text_content())
+    yield page
+    assert errors == []
+    page.close()
