@@ -95,8 +95,10 @@ fn every_page_has_its_heading() {
 fn every_code_is_told_somewhere() {
     let mut text = String::new();
     read_all(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut text);
+    // A rule of the verifier names its code in the row of its sentence.
     for code in Code::ALL.iter() {
-        assert!(text.contains(&format!("Code::{code}")), "nobody tells {code}");
+        let is_told = [format!("Code::{code}"), format!(" {code} \"")].iter().any(|told| text.contains(told));
+        assert!(is_told, "nobody tells {code}");
     }
 }
 
