@@ -16,21 +16,21 @@ pub fn can_be_kept(requirements: &[Requirement], sink: &mut Sink) -> bool {
     excluded.is_none()
 }
 
-/// Whether one limit is from below and above another one of the same figure, which is from above.
+/// Whether one limit is from below and another one of the same figure is from above, with no value that keeps both, by the slack with
+/// which limits are held.
 fn exclude(lower: &Requirement, upper: &Requirement) -> bool {
-    let is_lower = match lower.relation {
-        Relation::AtLeast | Relation::More | Relation::Equal => true,
-        Relation::Less | Relation::AtMost => false,
+    let least = match lower.relation {
+        Relation::AtLeast | Relation::Equal => lower.limit - lower.slack(),
+        Relation::More => lower.limit + lower.slack(),
+        Relation::Less | Relation::AtMost => return false,
     };
-    let is_upper = match upper.relation {
-        Relation::AtMost | Relation::Less | Relation::Equal => true,
-        Relation::AtLeast | Relation::More => false,
+    let most = match upper.relation {
+        Relation::AtMost | Relation::Equal => upper.limit + upper.slack(),
+        Relation::Less => upper.limit - upper.slack(),
+        Relation::AtLeast | Relation::More => return false,
     };
     let is_strict = lower.relation == Relation::More || upper.relation == Relation::Less;
-    lower.outcome == upper.outcome
-        && is_lower
-        && is_upper
-        && (lower.limit > upper.limit || (is_strict && lower.limit == upper.limit))
+    lower.outcome == upper.outcome && (least > most || (is_strict && least == most))
 }
 
 #[cfg(test)]
@@ -60,6 +60,9 @@ mod tests {
             [(AtMost, 1.0), (Less, 0.5)],
             [(Equal, 1.0), (AtMost, 1.0)],
             [(More, 1.0), (Less, 1.5)],
+            // Within the slack: 1100 ms are not quite 1.1 s.
+            [(AtLeast, 1.1), (AtMost, 1.1 - 1e-15)],
+            [(Equal, 1.1), (Equal, 1.1 + 1e-15)],
         ] {
             assert!(can(&kept), "{kept:?}");
         }
@@ -69,6 +72,7 @@ mod tests {
             [(Less, 1.0), (AtLeast, 1.0)],
             [(Equal, 1.0), (Equal, 2.0)],
             [(More, 1.0), (Equal, 1.0)],
+            [(More, 0.0), (AtMost, 0.0)],
         ] {
             assert!(!can(&lost), "{lost:?}");
         }

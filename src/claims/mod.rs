@@ -241,6 +241,16 @@ pub struct Requirement {
     pub span: Span,
 }
 
+/// Relative tolerance of a limit; allows for rounding in a sum of floats that meets the limit exactly.
+pub const REQUIREMENT_TOLERANCE: f64 = 1e-9;
+
+impl Requirement {
+    /// By how much an outcome may seem to miss the limit, in its unit.
+    pub fn slack(&self) -> f64 {
+        self.limit.abs() * REQUIREMENT_TOLERANCE
+    }
+}
+
 /// How an outcome and its limit compare.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -1,5 +1,5 @@
-//! Signals that end a build: Ctrl-C, a closed terminal, a request to terminate. Staged files are removed, or a commit that has begun
-//! is finished; then the process dies of the signal.
+//! Signals that end the process: Ctrl-C, a closed terminal, a request to terminate. Of a build, staged files are removed, or a commit
+//! that has begun is finished; then the process dies of the signal. A controlled run stops its robots first.
 
 use super::terminal;
 use crate::plan::watch::SearchWatch;
@@ -17,12 +17,19 @@ static FILES_IN_PLACE: Mutex<bool> = Mutex::new(false);
 /// Milliseconds in which the handler of a signal sets its flag.
 const FLAG_LOOKS: usize = 1000;
 
-/// The search that Ctrl-C ends, and not the process, once.
-static KEPT: Mutex<Option<Arc<SearchWatch>>> = Mutex::new(None);
+/// What the first signal ends in place of the process.
+enum Spared {
+    /// Ctrl-C alone ends the search.
+    Search(Arc<SearchWatch>),
+    /// Any signal ends the run.
+    Run(Arc<AtomicBool>),
+}
 
-fn kept() -> MutexGuard<'static, Option<Arc<SearchWatch>>> {
-    // A thread that panicked has left a search, or none.
-    KEPT.lock().unwrap_or_else(PoisonError::into_inner)
+static SPARED: Mutex<Option<Spared>> = Mutex::new(None);
+
+fn spared() -> MutexGuard<'static, Option<Spared>> {
+    // A thread that panicked has left one of them, or none.
+    SPARED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// While this lives, the first Ctrl-C ends a search with what it has found.
@@ -30,22 +37,49 @@ pub struct BestKept(());
 
 /// The first Ctrl-C from here on is for the searches that are watched.
 pub fn keep_best(search: &Arc<SearchWatch>) -> BestKept {
-    *kept() = Some(Arc::clone(search));
+    *spared() = Some(Spared::Search(Arc::clone(search)));
     BestKept(())
 }
 
 impl Drop for BestKept {
     fn drop(&mut self) {
-        *kept() = None;
+        *spared() = None;
     }
 }
 
-/// Whether a Ctrl-C is for the search that runs, which then takes the best plan it has, or the first one that it finds.
-fn ends_a_search() -> bool {
-    let mut kept = kept();
-    let Some(search) = kept.take() else { return false };
-    search.take_what_is_held();
-    // Before whoever drops `BestKept` can go on to write. The handler that sets it may not have come to that yet.
+/// While this lives, the first signal does not end the process: whoever holds it stops what is running, and then ends.
+pub struct RunStop(Arc<AtomicBool>);
+
+/// The first signal from here on is for the run that asks [`RunStop::is_asked`].
+pub fn stop_run_first() -> RunStop {
+    let stop = Arc::<AtomicBool>::default();
+    *spared() = Some(Spared::Run(Arc::clone(&stop)));
+    RunStop(stop)
+}
+
+impl RunStop {
+    /// Whether the run has been asked to stop.
+    pub fn is_asked(&self) -> bool {
+        self.0.load(Ordering::SeqCst)
+    }
+}
+
+impl Drop for RunStop {
+    fn drop(&mut self) {
+        *spared() = None;
+    }
+}
+
+/// Whether a signal is for what is spared: a search then takes the best plan it has, or the first one that it finds; a run stops.
+fn spares_the_process(is_ctrl_c: bool) -> bool {
+    let mut spared = spared();
+    match &*spared {
+        None => return false,
+        Some(Spared::Search(search)) if is_ctrl_c => search.take_what_is_held(),
+        Some(Spared::Search(_)) => return false,
+        Some(Spared::Run(_)) => {}
+    }
+    // Before whoever drops `BestKept` can go on to write, or the run can end. The handler that sets it may not have come to that yet.
     for _ in 0..FLAG_LOOKS {
         if ASKED.swap(false, Ordering::SeqCst) {
             break;
@@ -53,7 +87,13 @@ fn ends_a_search() -> bool {
         std::thread::sleep(Duration::from_millis(1));
     }
     let line = if io::stderr().is_terminal() { "\n" } else { "" };
-    terminal::to_stderr(&format!("{line}tweeze: goes on with the best plan found; Ctrl-C again ends without one\n"));
+    match spared.take() {
+        Some(Spared::Search(_)) => terminal::to_stderr(&format!(
+            "{line}tweeze: goes on with the best plan found; Ctrl-C again ends without one\n"
+        )),
+        Some(Spared::Run(stop)) => stop.store(true, Ordering::SeqCst),
+        None => {}
+    }
     true
 }
 
@@ -101,7 +141,7 @@ fn install() {
     let Ok(mut signals) = Signals::new(&wanted) else { return };
     let watch = move || {
         for signal in signals.forever() {
-            if signal == SIGINT && ends_a_search() {
+            if spares_the_process(signal == SIGINT) {
                 continue;
             }
             let _alive = say_goodbye();
@@ -133,7 +173,7 @@ fn install() {
     // Where they cannot be caught, they end the process at once, and the next build into the folder clears up.
     let _ = ctrlc::set_handler(|| {
         ASKED.store(true, Ordering::SeqCst);
-        if ends_a_search() {
+        if spares_the_process(true) {
             return;
         }
         let _alive = say_goodbye();

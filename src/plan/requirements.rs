@@ -6,15 +6,12 @@
 
 use super::Plan;
 use super::errors::{self, LimitTexts, LimitVerdict};
-use crate::claims::{Job, Relation, Requirement};
+use crate::claims::{Job, REQUIREMENT_TOLERANCE, Relation, Requirement};
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity, Unit};
 use std::collections::BTreeMap;
 
 type Outcomes = BTreeMap<String, f64>;
-
-/// Relative tolerance of a limit; allows for rounding in a sum of floats that meets the limit exactly.
-pub const REQUIREMENT_TOLERANCE: f64 = 1e-9;
 
 /// Whether an outcome meets its requirement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,8 +37,7 @@ pub struct KnownLimit {
 
 /// Checks an outcome against a requirement.
 pub fn keeps(requirement: &Requirement, reached: f64) -> Kept {
-    let slack = requirement.limit.abs() * REQUIREMENT_TOLERANCE;
-    if requirement.relation.holds(reached, requirement.limit, slack) { Kept::Yes } else { Kept::No }
+    if requirement.relation.holds(reached, requirement.limit, requirement.slack()) { Kept::Yes } else { Kept::No }
 }
 
 /// Whether a requirement is only an upper limit of its outcome.

@@ -62,6 +62,7 @@ struct Seen {
     impossible: usize,
     shut: usize,
     advised: usize,
+    contradictions: usize,
 }
 
 /// Holds an answer against the truth. `searches` says whether the planner promises to find what there is.
@@ -80,7 +81,15 @@ fn judge(
     let best =
         front.iter().filter(|figures| keeps(figures, limits)).min_by_key(|figures| scene.key(objective, **figures));
     let has_lower = limits.iter().any(|limit| !limit.is_upper());
-    match (answer(text), best) {
+    let answer = answer(text);
+    let of_both = |told: &Diagnostic| told.title.starts_with("no plan keeps both limits of");
+    let contradicts = answer.as_ref().is_err_and(|told| told.iter().any(of_both));
+    assert_eq!(contradicts, Limit::contradict(limits), "{answer:?}\n{text}");
+    if contradicts {
+        seen.contradictions += 1;
+        return;
+    }
+    match (answer, best) {
         (Ok(plan), Some(best)) => {
             for limit in limits {
                 let value = plan.outcomes[OUTCOMES[limit.outcome]] * UNITS[limit.outcome];

@@ -44,6 +44,19 @@ impl Limit {
         self.relation.starts_with('>') || self.holds(value) || (self.relation == "==" && value < self.value)
     }
 
+    /// Whether no value at all keeps all these limits, of one outcome or several: tried at the limits, between them and beyond them.
+    pub fn contradict(limits: &[Limit]) -> bool {
+        (0..OUTCOMES.len()).any(|outcome| {
+            let of: Vec<&Limit> = limits.iter().filter(|limit| limit.outcome == outcome).collect();
+            let mut at: Vec<f64> = of.iter().map(|limit| limit.value).collect();
+            at.sort_by(f64::total_cmp);
+            let between = at.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0);
+            let beyond = at.first().map(|least| least - 1.0).into_iter().chain(at.last().map(|most| most + 1.0));
+            let tried: Vec<f64> = between.chain(beyond).chain(at.iter().copied()).collect();
+            !of.is_empty() && !tried.into_iter().any(|value| of.iter().all(|limit| limit.holds(value)))
+        })
+    }
+
     pub fn holds(&self, value: f64) -> bool {
         let slack = self.value.abs() * 1e-9;
         match self.relation {

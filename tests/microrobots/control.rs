@@ -119,6 +119,43 @@ fn a_recording_depends_on_the_measurements_alone() {
     assert!(one.starts_with(b"\x89MCAP0\r\n") && one == two);
 }
 
+/// A signal is no reason to leave the source at its last voltage: the last line is a stop, and the recording is whole.
+#[cfg(unix)]
+#[test]
+fn a_signal_stops_the_robots_first() {
+    use std::io::{BufRead, BufReader, Write};
+    use std::process::{Command, Stdio};
+    const VERIFICATION: i32 = 3;
+    let folder = folder();
+    let path = four(&folder);
+    let record = folder.path().join("run.mcap");
+    // Before the first measurement and behind it.
+    for (signal, measurements) in [("INT", 0), ("TERM", 1)] {
+        let mut control = Command::new(assert_cmd::cargo::cargo_bin!("tweeze"));
+        control.arg("control").arg(&path).arg("--record").arg(&record);
+        let mut child =
+            control.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("tweeze starts");
+        let mut lines = BufReader::new(child.stdout.take().expect("its answers")).lines();
+        let mut next = || lines.next().expect("a line").expect("text");
+        assert!(next().contains("\"control\":\"quartet\""));
+        let mut to = child.stdin.take().expect("its input");
+        for nth in 0..measurements {
+            to.write_all(measured(1000 + nth).as_bytes()).expect("it reads");
+            assert!(next().contains("\"command\":\"drive\""));
+        }
+        let sent = Command::new("kill").args(["-s", signal, &child.id().to_string()]).status();
+        assert!(sent.expect("`kill` is there").success());
+        let last = answers(next().as_bytes()).remove(0);
+        assert_eq!((&last["command"], &last["reason"]), (&json!("stop"), &json!("interrupted")));
+        let run = child.wait_with_output().expect("it ends");
+        assert_eq!(run.status.code(), Some(STOPPED), "{}", text(&run.stderr));
+        assert_eq!(text(&run.stderr), "tweeze: stopped: the controller was interrupted\n");
+        let verified = tweeze(&["verify", &record.to_string_lossy()]).assert().code(VERIFICATION);
+        assert!(text(&verified.get_output().stderr).contains("interrupted"), "{verified}");
+        std::fs::remove_file(&record).expect("the recording");
+    }
+}
+
 /// A trial is recorded, judged alone and against its program, and nothing can be changed in the file.
 #[test]
 fn a_recording_is_verified() {

@@ -48,4 +48,6 @@ pub enum StopReason {
     Clock,
     /// Too many lines could not be understood.
     Garbled,
+    /// A signal asked the controller to end.
+    Interrupted,
 }

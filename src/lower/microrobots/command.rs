@@ -56,5 +56,6 @@ pub fn stopped(order: &MicrorobotsOrder, stop: Stop) -> String {
         StopReason::Closed => "the measurements ended before the task was done".to_owned(),
         StopReason::Clock => "the time of a measurement lies before that of the last one".to_owned(),
         StopReason::Garbled => "too many lines in a row are no measurements".to_owned(),
+        StopReason::Interrupted => "the controller was interrupted".to_owned(),
     }
 }

@@ -8,6 +8,7 @@ use crate::claims::Claims;
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::cli::arguments::{ControlArguments, ReportFormat};
 use crate::cli::loaded::Loaded;
+use crate::cli::signals::{self, RunStop};
 use crate::cli::waiting::ProgressLine;
 use crate::cli::{Exit, build, errors, terminal};
 use crate::compile::{self, CompileOutcome};
@@ -26,11 +27,14 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::mpsc::RecvTimeoutError;
-use std::time::Duration;
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::{Duration, Instant};
 
 /// So many lines in a row may be no measurements.
 const MAX_GARBLED: u32 = 5;
+
+/// How often a signal is looked for while no line comes.
+const INTERRUPT_LOOK: Duration = Duration::from_millis(20);
 
 /// Builds and verifies the program, then controls its task until it is done or given up.
 pub fn run(arguments: &ControlArguments) -> Exit {
@@ -125,9 +129,21 @@ fn serve(
             }
         }
     };
+    signals::catch();
+    let interrupt = signals::stop_run_first();
     let (answers, incoming) = (link.answers, link.lines);
-    let mut session =
-        Session { order, controller, lines, recorder, answers, t_ns: 0, until_ns: None, garbled: 0, read: 0 };
+    let mut session = Session {
+        order,
+        controller,
+        lines,
+        recorder,
+        answers,
+        interrupt,
+        t_ns: 0,
+        until_ns: None,
+        garbled: 0,
+        read: 0,
+    };
     let exit = session.greet(&claims.name).and_then(|()| session.control(&incoming)).unwrap_or_else(|exit| exit);
     match session.recorder.take().map(Recorder::finish) {
         None | Some(Ok(())) => exit,
@@ -154,6 +170,7 @@ struct Session<'a> {
     lines: Vec<u32>,
     recorder: Option<Recorder<BufWriter<File>>>,
     answers: Box<dyn Write>,
+    interrupt: RunStop,
     /// Time of the last measurement.
     t_ns: u64,
     /// When the last command ends; `None` before the first measurement.
@@ -169,24 +186,34 @@ impl Session<'_> {
     }
 
     /// Answers lines until the task is over. The error is the exit of a connection that failed.
-    fn control(&mut self, incoming: &std::sync::mpsc::Receiver<Incoming>) -> Result<Exit, Exit> {
+    fn control(&mut self, incoming: &Receiver<Incoming>) -> Result<Exit, Exit> {
         loop {
-            let next = match self.until_ns {
-                // The robots rest before the first measurement: there is nothing to stop.
-                None => incoming.recv().map_err(|_| RecvTimeoutError::Disconnected),
-                Some(until_ns) => {
-                    let left_ns = until_ns.saturating_sub(self.t_ns).saturating_add(self.order.facts.watchdog_ns());
-                    incoming.recv_timeout(Duration::from_nanos(left_ns))
-                }
-            };
-            let over = match next {
+            let over = match self.next(incoming) {
                 Ok(Incoming::Line(line)) => self.take(&line)?,
                 Ok(Incoming::Unreadable(why)) => self.refuse(why)?,
-                Err(RecvTimeoutError::Timeout) => self.stop(StopReason::Silence)?,
-                Err(RecvTimeoutError::Disconnected) => self.stop(StopReason::Closed)?,
+                Err(reason) => self.stop(reason)?,
             };
             if let Some(exit) = over {
                 return Ok(exit);
+            }
+        }
+    }
+
+    /// The next line, or why none is waited for any more.
+    fn next(&self, incoming: &Receiver<Incoming>) -> Result<Incoming, StopReason> {
+        // The robots rest before the first measurement: nothing is late.
+        let late = self.until_ns.map(|until_ns| {
+            let left_ns = until_ns.saturating_sub(self.t_ns).saturating_add(self.order.facts.watchdog_ns());
+            Instant::now() + Duration::from_nanos(left_ns)
+        });
+        loop {
+            let left = late.map_or(INTERRUPT_LOOK, |late| late.saturating_duration_since(Instant::now()));
+            match incoming.recv_timeout(left.min(INTERRUPT_LOOK)) {
+                _ if self.interrupt.is_asked() => return Err(StopReason::Interrupted),
+                Ok(incoming) => return Ok(incoming),
+                Err(RecvTimeoutError::Timeout) if left > INTERRUPT_LOOK || late.is_none() => {}
+                Err(RecvTimeoutError::Timeout) => return Err(StopReason::Silence),
+                Err(RecvTimeoutError::Disconnected) => return Err(StopReason::Closed),
             }
         }
     }

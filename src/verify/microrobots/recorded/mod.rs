@@ -246,8 +246,8 @@ impl<'r, 'a> Walk<'r, 'a> {
         }
         let stops = command.command == CommandWord::Stop;
         let Some(measured) = measured else {
-            let by_itself = [StopReason::Silence, StopReason::Closed, StopReason::Garbled].map(Some);
-            return match stops && by_itself.contains(&command.reason) {
+            let unasked = [StopReason::Silence, StopReason::Closed, StopReason::Garbled, StopReason::Interrupted];
+            return match stops && unasked.map(Some).contains(&command.reason) {
                 true => Ok(()),
                 false => Err(self.exchange(now_ns, "a command answers no measurement".to_owned())),
             };

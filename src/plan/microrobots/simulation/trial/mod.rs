@@ -52,9 +52,11 @@ impl FailureReason {
             StopReason::Misplaced => FailureReason::Misplaced,
             StopReason::TimeLimit => FailureReason::TimeLimit,
             StopReason::Unseen | StopReason::Doubtful => FailureReason::Unmeasured,
-            StopReason::Silence | StopReason::Closed | StopReason::Clock | StopReason::Garbled => {
-                FailureReason::Silence
-            }
+            StopReason::Silence
+            | StopReason::Closed
+            | StopReason::Clock
+            | StopReason::Garbled
+            | StopReason::Interrupted => FailureReason::Silence,
         }
     }
 }
