@@ -72,12 +72,15 @@ impl Drop for RunStop {
 
 /// Whether a signal is for what is spared: a search then takes the best plan it has, or the first one that it finds; a run stops.
 fn spares_the_process(is_ctrl_c: bool) -> bool {
+    // Held until the end: who drops `BestKept` or `RunStop` waits for it.
     let mut spared = spared();
-    match &*spared {
-        None => return false,
-        Some(Spared::Search(search)) if is_ctrl_c => search.take_what_is_held(),
-        Some(Spared::Search(_)) => return false,
-        Some(Spared::Run(_)) => {}
+    let taken = spared.take_if(|one| match one {
+        Spared::Search(_) => is_ctrl_c,
+        Spared::Run(_) => true,
+    });
+    let Some(taken) = taken else { return false };
+    if let Spared::Search(search) = &taken {
+        search.take_what_is_held();
     }
     // Before whoever drops `BestKept` can go on to write, or the run can end. The handler that sets it may not have come to that yet.
     for _ in 0..FLAG_LOOKS {
@@ -87,12 +90,11 @@ fn spares_the_process(is_ctrl_c: bool) -> bool {
         std::thread::sleep(Duration::from_millis(1));
     }
     let line = if io::stderr().is_terminal() { "\n" } else { "" };
-    match spared.take() {
-        Some(Spared::Search(_)) => terminal::to_stderr(&format!(
+    match taken {
+        Spared::Search(_) => terminal::to_stderr(&format!(
             "{line}tweeze: goes on with the best plan found; Ctrl-C again ends without one\n"
         )),
-        Some(Spared::Run(stop)) => stop.store(true, Ordering::SeqCst),
-        None => {}
+        Spared::Run(stop) => stop.store(true, Ordering::SeqCst),
     }
     true
 }

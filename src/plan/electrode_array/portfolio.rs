@@ -45,7 +45,7 @@ const ROOMY_PERCENT: u64 = 150;
 /// A first plan of configurations may take as many steps as it takes all parts to walk this many times the makespan's bound.
 const WALK_BOUNDS: u64 = 4;
 
-/// With more parts a proof is unlikely, so better plans get the whole remaining budget except one such part. Then
+/// With more parts a proof is unlikely, so better plans get the whole remaining budget except one part in [`IMPROVE_SHARE`]. Then
 const CROWD: usize = 36;
 
 /// a makespan of more than this, in per cent of its bound, is brought near to the bound by a new plan,

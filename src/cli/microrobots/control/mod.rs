@@ -202,9 +202,9 @@ impl Session<'_> {
     /// The next line, or why none is waited for any more.
     fn next(&self, incoming: &Receiver<Incoming>) -> Result<Incoming, StopReason> {
         // The robots rest before the first measurement: nothing is late.
-        let late = self.until_ns.map(|until_ns| {
+        let late = self.until_ns.and_then(|until_ns| {
             let left_ns = until_ns.saturating_sub(self.t_ns).saturating_add(self.order.facts.watchdog_ns());
-            Instant::now() + Duration::from_nanos(left_ns)
+            Instant::now().checked_add(Duration::from_nanos(left_ns))
         });
         loop {
             let left = late.map_or(INTERRUPT_LOOK, |late| late.saturating_duration_since(Instant::now()));

@@ -2,9 +2,9 @@
 //!
 //! Method: MAPF-LNS2 (Li and others, AAAI 2022): remove the paths of a few conflicting agents, replan them one after the other with
 //! as few conflicts as possible, and keep the result if its conflicts weigh no more than before. Pairs that stay in conflict gain
-//! weight ([`super::weights`]). Now and then an agent waits at its start or detours via a nearby cell: for two agents to swap in a
-//! corridor, one of them must enter a bay. Guaranteed: a returned plan is legal. Not guaranteed: that one is found; the search ends with its meter. Cost: one search for each agent of a
-//! neighbourhood of at most [`LARGEST`].
+//! weight ([`super::weights`]). Now and then an agent waits at its start or detours via a nearby cell: for two agents to swap in
+//! a corridor, one of them must enter a bay. Guaranteed: a returned plan is legal. Not guaranteed: that one is found; the search
+//! ends with its meter. Cost: one search for each agent of a neighbourhood of at most [`LARGEST`].
 
 use super::super::board::{CellIndex, Paths};
 use super::crew::{PlannedInstance, Wish};
