@@ -4,6 +4,7 @@ import os
 import shutil
 
 import pytest
+from opened import PAGES, WINDOWS, name_of, opened
 from playwright.sync_api import sync_playwright
 
 
@@ -15,3 +16,10 @@ def browser():
         browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
         yield browser
         browser.close()
+
+
+# Opened once for all tests of a file, each of which leaves the window as it was.
+@pytest.fixture(scope="module", params=PAGES, ids=name_of)
+def page(browser, request):
+    with opened(browser, request.param, WINDOWS[0]) as page:
+        yield page

@@ -1,7 +1,17 @@
 """Pages in a browser, opened from disk."""
 
 import json
+import os
 from contextlib import contextmanager
+from pathlib import Path
+
+PAGES = sorted(Path(os.environ.get("TWEEZE_PAGES", "out/pages")).glob("**/*.html"))
+WINDOWS = [(1280, 720), (1920, 1080)]
+
+
+def name_of(path):
+    """The name of a page's test: programs of different examples may have one name."""
+    return f"{path.parent.name}/{path.stem}"
 
 
 @contextmanager

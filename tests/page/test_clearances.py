@@ -5,23 +5,14 @@
 
 import json
 import math
-import os
 import re
 from pathlib import Path
 
 import gaps
 import pytest
-from opened import opened
+from opened import PAGES, WINDOWS
 
-PAGES = sorted(Path(os.environ.get("TWEEZE_PAGES", "out/pages")).glob("**/*.html"))
-SIZES = [(1280, 720), (1920, 1080)]
 SAMPLES = 400
-
-
-@pytest.fixture(scope="module", params=PAGES, ids=lambda path: f"{path.parent.name}/{path.stem}")
-def page(browser, request):
-    with opened(browser, request.param, SIZES[0]) as page:
-        yield page
 
 
 def runs(page, device):
@@ -122,7 +113,7 @@ def test_two_tips_of_a_scene_are_as_near_as_it_says(page):
             assert min(near) < 1e-6, found
 
 
-@pytest.mark.parametrize("size", SIZES, ids=lambda size: f"{size[0]}x{size[1]}")
+@pytest.mark.parametrize("size", WINDOWS, ids=lambda size: f"{size[0]}x{size[1]}")
 def test_a_click_draws_the_ruler_there(page, size):
     page.set_viewport_size({"width": size[0], "height": size[1]})
     buttons = page.locator(".clearances .jump")
@@ -159,7 +150,7 @@ def test_a_click_draws_the_ruler_there(page, size):
         # Another instant has no ruler.
         page.keyboard.press("End" if found["t_ns"] == 0 else "Home")
         assert page.evaluate("tweeze.views.every(({ ruled }) => ruled === null)")
-    page.set_viewport_size({"width": SIZES[0][0], "height": SIZES[0][1]})
+    page.set_viewport_size({"width": WINDOWS[0][0], "height": WINDOWS[0][1]})
 
 
 def test_together_the_pages_ask_every_rule():

@@ -4,13 +4,11 @@
 """
 
 import math
-import os
-from pathlib import Path
 
 import pytest
 from firefox import Firefox
+from opened import PAGES, name_of
 
-PAGES = sorted(Path(os.environ.get("TWEEZE_PAGES", "out/pages")).glob("**/*.html"))
 SHARES = [0, 0.13, 0.5, 0.77]
 SIZE = {"width": 1280, "height": 720}
 
@@ -69,7 +67,7 @@ def test_there_are_pages():
     assert PAGES, "TWEEZE_PAGES names a folder without pages"
 
 
-@pytest.mark.parametrize("path", PAGES, ids=lambda path: f"{path.parent.name}/{path.stem}")
+@pytest.mark.parametrize("path", PAGES, ids=name_of)
 def test_it_is_the_same_page_as_in_chromium(firefox, browser, path):
     url = path.resolve().as_uri()
     page = browser.new_page(viewport=SIZE)

@@ -5,23 +5,13 @@
 
 import json
 import math
-import os
 import re
 from pathlib import Path
 
 import pytest
-from opened import opened
+from opened import PAGES, WINDOWS
 
-PAGES = sorted(Path(os.environ.get("TWEEZE_PAGES", "out/pages")).glob("**/*.html"))
-WINDOWS = [(1280, 720), (1920, 1080)]
 INSTANTS = 50
-
-
-# Opened once for all its tests, each of which leaves the window as it was.
-@pytest.fixture(scope="module", params=PAGES, ids=lambda path: f"{path.parent.name}/{path.stem}")
-def page(browser, request):
-    with opened(browser, request.param, WINDOWS[0]) as page:
-        yield page
 
 
 def now(page):
