@@ -7,7 +7,7 @@ use std::fmt::Write;
 use std::time::Instant;
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
-use tweeze::compile::{CompileRequest, check};
+use tweeze::compile::{ProgramSource, check_program};
 use tweeze::diagnostic::render::{Characters, Colour, Look, human};
 use tweeze::diagnostic::{Code, Diagnostic, Sink};
 use tweeze::source::{FileId, Sources, Span};
@@ -37,14 +37,14 @@ fn main() {
     });
     let checking = median_ms(|| {
         let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
-        let program = CompileRequest { name: "steps.twz", text: &text, library: &Nothing, options: &options };
-        assert!(check(&program, &mut sources, &mut sink).is_some(), "the program has no errors");
+        let program = ProgramSource { name: "steps.twz", text: &text, library: &Nothing, options: &options };
+        assert!(check_program(&program, &mut sources, &mut sink).is_some(), "the program has no errors");
     });
     let crowded = crowded();
     let judging = median_ms(|| {
         let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
-        let program = CompileRequest { name: "crowd.twz", text: &crowded, library: &Nothing, options: &options };
-        check(&program, &mut sources, &mut sink);
+        let program = ProgramSource { name: "crowd.twz", text: &crowded, library: &Nothing, options: &options };
+        check_program(&program, &mut sources, &mut sink);
     });
     let mut sources = Sources::default();
     sources.add("large.twz", "let x = 1 um + 2 um\n".repeat(500_000));

@@ -26,9 +26,9 @@
 //!
 //! They stand on a base that knows nothing of them: [`source`] (files and spans), [`real`] (elementary functions that are the same on
 //! every platform), [`random`] (numbers that a seed determines), [`quantity`] (units and dimensions),
-//! [`geometry`], [`diagnostic`] (what is said to people), [`device`] (the vocabulary and facts of each kind), [`instrument`] (those of
-//! what stands behind the channels) and [`stdlib`] (published devices and instruments, in the language itself). [`compile`] calls the stages in their order; [`cli`] is the only place that touches files, clock and
-//! terminal.
+//! [`geometry`], [`diagnostic`] (what is said to people), [`device`] (the vocabulary and facts of each kind, and those of the
+//! [instruments](device::instrument) behind the channels) and [`stdlib`] (published devices and instruments, in the language itself). [`compile`] calls the
+//! stages in their order; [`cli`] is the only place that touches files, clock and terminal.
 //!
 //! # What holds it together
 //!
@@ -61,7 +61,6 @@ pub mod diagnostic;
 pub mod emit;
 pub mod format;
 pub mod geometry;
-pub mod instrument;
 pub mod log;
 pub mod lower;
 pub mod lsp;

@@ -4,7 +4,7 @@ mod support;
 
 use std::path::{Path, PathBuf};
 use support::{build, build_in, carries_droplets};
-use tweeze::instrument::{InstrumentFacts, Protocol};
+use tweeze::device::instrument::{InstrumentFacts, Protocol};
 use tweeze::schedule::microrobots::MicrorobotsState;
 use tweeze::schedule::{ChannelUnit, Schedule, State};
 use tweeze::verify::Verified;

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
 use tweeze::claims::Claims;
-use tweeze::compile::{self, CompileRequest};
+use tweeze::compile::{self, ProgramSource};
 use tweeze::diagnostic::Sink;
 use tweeze::plan::{self, Motion, Plan};
 use tweeze::simulate::simulate;
@@ -57,9 +57,9 @@ fn program(count: usize) -> String {
 
 fn claims(text: &str) -> Claims {
     let options = Options::default();
-    let program = CompileRequest { name: "bench.twz", text, library: &Alone, options: &options };
+    let program = ProgramSource { name: "bench.twz", text, library: &Alone, options: &options };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let checked = compile::check(&program, &mut sources, &mut sink).expect("the program is right");
+    let checked = compile::check_program(&program, &mut sources, &mut sink).expect("the program is right");
     checked.claims.into_iter().next().expect("it has a task")
 }
 

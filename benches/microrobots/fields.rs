@@ -8,7 +8,7 @@ use tweeze::check::Options;
 use tweeze::check::imports::Library;
 use tweeze::claims::Claims;
 use tweeze::claims::microrobots::MicrorobotsOrder;
-use tweeze::compile::{self, CompileRequest};
+use tweeze::compile::{self, ProgramSource};
 use tweeze::diagnostic::Sink;
 use tweeze::random::SplitMix64;
 use tweeze::real::Real;
@@ -45,9 +45,9 @@ impl Library for Alone {
 /// A program as checked; `None` where the checker refuses it.
 pub fn checked(text: &str) -> Option<Claims> {
     let options = Options::default();
-    let program = CompileRequest { name: "bench.twz", text, library: &Alone, options: &options };
+    let program = ProgramSource { name: "bench.twz", text, library: &Alone, options: &options };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    compile::check(&program, &mut sources, &mut sink)?.claims.into_iter().next()
+    compile::check_program(&program, &mut sources, &mut sink)?.claims.into_iter().next()
 }
 
 /// The order of the only job.

@@ -6,8 +6,8 @@ use super::scope::{DeclarationPlace, DeclarationSort, in_a_used_file, nearest, p
 use super::value::Accepted;
 use super::{Checker, KindFacts, checks, errors};
 use crate::claims::ValueOrigin;
+use crate::device::instrument::{AuxiliarySort, Family};
 use crate::device::{Kind, VocabularyField};
-use crate::instrument::{AuxiliarySort, Family};
 use crate::source::Span;
 use crate::syntax::tree::{self, Item};
 use std::collections::{BTreeMap, BTreeSet};

@@ -4,7 +4,7 @@ use super::devices::CheckedInstrument;
 use super::figures::Figures;
 use super::scope::{DeclarationPlace, DeclarationSort, path_text};
 use super::{Checker, errors};
-use crate::instrument::{
+use crate::device::instrument::{
     DataAcquisitionFacts, ElectrodeDriverFacts, Family, Instrument, InstrumentFacts, Protocol, Start, VoltageOutput,
     WaveformGeneratorFacts,
 };

@@ -4,10 +4,9 @@
 //! objects of a task's scene. What an error keeps from being checked has no link.
 
 use super::scenes::CheckedScene;
-use super::scope::Module;
 use super::tasks::{VocabularyAction, VocabularyStep};
 use super::value::Value;
-use super::{Checker, Options};
+use super::{Checker, Options, ProgramSource, imports};
 use crate::check::lets::Argument;
 use crate::diagnostic::Sink;
 use crate::source::{Sources, Span};
@@ -21,10 +20,11 @@ pub struct NameLink {
     pub declared: Span,
 }
 
-/// The links of a program, in order, each once. Nothing is reported.
-pub fn links(sources: &mut Sources, modules: &[Module]) -> Vec<NameLink> {
+/// The links of a program, in order, each once, as far as they are known. Nothing is reported.
+pub fn links(program: &ProgramSource, sources: &mut Sources) -> Vec<NameLink> {
     let mut sink = Sink::default();
-    let mut checker = Checker::new(modules, &mut sink);
+    let modules = imports::load(sources, program.name, program.text, program.library, &mut sink);
+    let mut checker = Checker::new(&modules, &mut sink);
     checker.links = Some(FxHashSet::default());
     checker.check_all(sources, &Options::default());
     let mut links: Vec<NameLink> = checker.links.into_iter().flatten().collect();

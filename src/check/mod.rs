@@ -45,12 +45,13 @@ mod verbs;
 mod wiring;
 
 use crate::claims::{Claims, Job, Order};
+use crate::device::instrument::{AuxiliaryOutput, AuxiliarySort, Family, Instrument};
 use crate::device::{self, Kind, each_kind, for_each_kind};
 use crate::diagnostic::Sink;
-use crate::instrument::{AuxiliaryOutput, AuxiliarySort, Family, Instrument};
 use crate::quantity::{Dimension, Quantity};
 use crate::source::{Sources, Span, Spanned};
 use crate::syntax::tree::{Expr, For, Item, Path};
+use imports::Library;
 use lets::LetState;
 use rustc_hash::FxHashSet;
 use scope::{Declaration, DeclarationPlace, DeclarationSort, Import, Module, Scope};
@@ -71,6 +72,15 @@ pub struct Options {
     pub only: Option<String>,
 }
 
+/// A program as it is handed to the compiler.
+pub struct ProgramSource<'a> {
+    /// The name that outputs carry, without a folder; used files are looked up from it, and the library says what messages call it.
+    pub name: &'a str,
+    pub text: &'a str,
+    pub library: &'a dyn Library,
+    pub options: &'a Options,
+}
+
 /// A program without an error.
 #[derive(Debug, Clone)]
 pub struct Checked {
@@ -88,6 +98,12 @@ pub struct DeclarationTally {
     pub scenes: usize,
     pub tasks: usize,
     pub programs: usize,
+}
+
+/// Reads and checks a program with the files that it uses; `None` after an error.
+pub fn check_program(program: &ProgramSource, sources: &mut Sources, sink: &mut Sink) -> Option<Checked> {
+    let modules = imports::load(sources, program.name, program.text, program.library, sink);
+    check(sources, &modules, program.options, sink)
 }
 
 /// Checks a program: its own file is the first module, used files follow.

@@ -8,8 +8,8 @@ use super::scope::{DeclarationPlace, DeclarationSort, Scope};
 use super::value::Value;
 use crate::claims::Job;
 use crate::claims::auxiliary::AuxiliaryAction;
+use crate::device::instrument::{AuxiliaryOutput, AuxiliarySort};
 use crate::device::{Sort, words::words};
-use crate::instrument::{AuxiliaryOutput, AuxiliarySort};
 use crate::syntax::tree::{ExprKind, Item, Step};
 use std::collections::{BTreeMap, BTreeSet};
 

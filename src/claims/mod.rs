@@ -9,9 +9,9 @@ pub mod electrode_array;
 pub mod fingers;
 pub mod microrobots;
 
+use crate::device::instrument::{AuxiliaryOutput, Bench};
 use crate::device::{Kind, each_kind};
 use crate::geometry::shape::Pose;
-use crate::instrument::{AuxiliaryOutput, Bench};
 use crate::source::Span;
 use auxiliary::AuxiliaryEvent;
 use serde::{Deserialize, Serialize};

@@ -6,7 +6,7 @@ use super::loaded::Loaded;
 use super::report::{Detail, LiveReport, ReportedBuild};
 use super::{Exit, build, disk, report, terminal, watch};
 use crate::check::{Checked, DeclarationTally, Options};
-use crate::compile::{self, CompileOutcome, CompileRequest};
+use crate::compile::{self, CompileOutcome, ProgramSource};
 use crate::diagnostic::{Sink, machine};
 use crate::source::Sources;
 use crate::verify::Verified;
@@ -74,7 +74,7 @@ fn one(
     let program = loaded.program(&disk);
     let checked = match arguments.plan {
         true => planned((&loaded, &program), arguments, sources, sink),
-        false => match compile::check(&program, sources, sink) {
+        false => match compile::check_program(&program, sources, sink) {
             Some(Checked { tally, .. }) => Ok(CheckedProgram { shown, tally, schedules: None, exit: Exit::Done }),
             None => Err(Exit::Errors),
         },
@@ -85,7 +85,7 @@ fn one(
 
 /// As `one`, with a verified plan for each of its schedules; reports on both as it goes on.
 fn planned(
-    (loaded, program): (&Loaded, &CompileRequest),
+    (loaded, program): (&Loaded, &ProgramSource),
     arguments: &CheckArguments,
     sources: &mut Sources,
     sink: &mut Sink,

@@ -5,7 +5,7 @@ use super::disk;
 use super::library::Disk;
 use super::{Exit, terminal};
 use crate::check::Options;
-use crate::compile::CompileRequest;
+use crate::compile::ProgramSource;
 use crate::diagnostic::Diagnostic;
 use std::path::{Path, PathBuf};
 
@@ -55,7 +55,7 @@ impl Loaded {
     }
 
     /// Input of the compiler.
-    pub fn program<'a>(&'a self, disk: &'a Disk<'a>) -> CompileRequest<'a> {
-        CompileRequest { name: &self.name, text: &self.text, library: disk, options: &self.options }
+    pub fn program<'a>(&'a self, disk: &'a Disk<'a>) -> ProgramSource<'a> {
+        ProgramSource { name: &self.name, text: &self.text, library: disk, options: &self.options }
     }
 }

@@ -6,7 +6,7 @@ use super::library::{Disk, Embedded};
 use super::{Exit, errors, judge_recording, report, terminal};
 use crate::check::Options;
 use crate::claims::Claims;
-use crate::compile::{self, CompileRequest};
+use crate::compile::{self, ProgramSource};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::emit::{Provenance, mcap};
 use crate::log::{self, Log, LogError};
@@ -143,7 +143,7 @@ pub struct Embedding<'a> {
 pub fn own_claims(path: &Path, within: &Embedding) -> Result<Derived, Box<Refusal>> {
     let (name, text) = &within.files[0];
     let options = options(within.name, within.settings);
-    let own = derive(&CompileRequest { name, text, library: &Embedded(within.files), options: &options });
+    let own = derive(&ProgramSource { name, text, library: &Embedded(within.files), options: &options });
     let own = own.map_err(|mut refusal| {
         refusal.sink.push(errors::program_in_log_has_errors(path));
         Box::new(Refusal { exit: Exit::Refused, ..*refusal })
@@ -165,9 +165,9 @@ fn options(name: &str, settings: &[String]) -> Options {
 }
 
 /// The claims of a program.
-fn derive(program: &CompileRequest) -> Result<Derived, Box<Refusal>> {
+fn derive(program: &ProgramSource) -> Result<Derived, Box<Refusal>> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let checked = compile::check(program, &mut sources, &mut sink);
+    let checked = compile::check_program(program, &mut sources, &mut sink);
     let claims = checked.and_then(|checked| checked.claims.into_iter().next());
     match claims {
         Some(claims) => Ok(Derived { claims, sources }),
@@ -226,7 +226,7 @@ pub fn trusted_claims(
     let file = disk.program_name();
     let options = options(name, &arguments.set);
     let unlike = errors::other_settings(&arguments.file, trusted, settings, &arguments.set);
-    match (derive(&CompileRequest { name: &file, text: &text, library: &disk, options: &options }), unlike) {
+    match (derive(&ProgramSource { name: &file, text: &text, library: &disk, options: &options }), unlike) {
         (Ok(derived), None) => Ok(derived),
         (Ok(derived), Some(unlike)) => match written(&derived.claims).as_deref() == own {
             // Settings equal to the program's own values.

@@ -4,9 +4,9 @@ mod partial;
 
 pub use partial::{PartialBuild, partial};
 
-use crate::check::imports::{self, Library};
-use crate::check::links::NameLink;
-use crate::check::{self, Checked, DeclarationTally, Options};
+pub use crate::check::{ProgramSource, check_program};
+
+use crate::check::{Checked, DeclarationTally};
 use crate::claims::Claims;
 use crate::diagnostic::Sink;
 use crate::lower::lower;
@@ -14,15 +14,6 @@ use crate::plan::{self, Motion, Plan, Progress};
 use crate::schedule::Schedule;
 use crate::source::Sources;
 use crate::verify::{self, Verdict, Verified};
-
-/// A program as it is handed to the compiler.
-pub struct CompileRequest<'a> {
-    /// The name that outputs carry, without a folder; used files are looked up from it, and the library says what messages call it.
-    pub name: &'a str,
-    pub text: &'a str,
-    pub library: &'a dyn Library,
-    pub options: &'a Options,
-}
 
 /// What became of a program.
 pub struct Compiled {
@@ -58,18 +49,6 @@ pub trait CompileObserver {
 /// Nobody.
 impl CompileObserver for () {}
 
-/// Reads and checks a program; `None` after an error.
-pub fn check(program: &CompileRequest, sources: &mut Sources, sink: &mut Sink) -> Option<Checked> {
-    let modules = imports::load(sources, program.name, program.text, program.library, sink);
-    check::check(sources, &modules, program.options, sink)
-}
-
-/// Reads a program; what each of its names stands for, as far as that is known.
-pub fn links(program: &CompileRequest, sources: &mut Sources) -> Vec<NameLink> {
-    let modules = imports::load(sources, program.name, program.text, program.library, &mut Sink::default());
-    check::links::links(sources, &modules)
-}
-
 /// Plans of a schedule's jobs, with the schedule that the verifier accepted.
 pub struct VerifiedPlans<'a> {
     pub plans: Vec<Plan<Motion<'a>>>,
@@ -98,12 +77,12 @@ pub fn verified_plans<'a>(
 
 /// Reads, checks, plans, schedules and verifies a program.
 pub fn compile(
-    program: &CompileRequest,
+    program: &ProgramSource,
     sources: &mut Sources,
     sink: &mut Sink,
     observer: &mut dyn CompileObserver,
 ) -> CompileOutcome {
-    let Some(checked) = check(program, sources, sink) else { return CompileOutcome::Errors };
+    let Some(checked) = check_program(program, sources, sink) else { return CompileOutcome::Errors };
     observer.checked(&checked);
     let mut drafts = Vec::with_capacity(checked.claims.len());
     for claims in &checked.claims {

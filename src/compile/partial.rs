@@ -1,6 +1,6 @@
 //! What there is to see of a program that cannot be built: as much of it as is without a fault, planned and verified.
 
-use super::{CompileRequest, check, verified_plans};
+use super::{ProgramSource, check_program, verified_plans};
 use crate::check::imports;
 use crate::check::reduced::{LeftOut, leave_out, leave_out_all_steps};
 use crate::check::{self as checker, Checked};
@@ -24,7 +24,7 @@ pub struct PartialBuild {
 
 /// Builds the rest of a program whose errors are known; `None` where nothing of it can be shown. The places of what is built, and of the
 /// errors, are those of the same program's sources.
-pub fn partial(program: &CompileRequest, errors: &Sink) -> Option<PartialBuild> {
+pub fn partial(program: &ProgramSource, errors: &Sink) -> Option<PartialBuild> {
     let mut faults = first_places(errors);
     let mut places = Vec::new();
     for round in 1..=MAX_ROUNDS {
@@ -62,7 +62,7 @@ fn shown<'a>(checked: &'a Checked, left_out: &LeftOut) -> Option<&'a Claims> {
 }
 
 /// The claims of the whole program for a schedule.
-fn whole(program: &CompileRequest, name: &str) -> Option<Claims> {
-    let checked = check(program, &mut Sources::default(), &mut Sink::default())?;
+fn whole(program: &ProgramSource, name: &str) -> Option<Claims> {
+    let checked = check_program(program, &mut Sources::default(), &mut Sink::default())?;
     checked.claims.into_iter().find(|claims| claims.name == name)
 }

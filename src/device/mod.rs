@@ -32,6 +32,7 @@ mod described;
 pub mod dimibot;
 pub mod electrode_array;
 pub mod fingers;
+pub mod instrument;
 pub mod microrobots;
 pub mod shape;
 pub(crate) mod words;

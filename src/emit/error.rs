@@ -1,8 +1,8 @@
 //! Why a format cannot represent a schedule.
 
 use super::{Format, Signals};
+use crate::device::instrument::Family;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::instrument::Family;
 use crate::quantity::{Dimension, Quantity};
 
 /// The largest text file that is written, in bytes: it is made in memory, and its readers load it whole.

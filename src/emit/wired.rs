@@ -1,7 +1,7 @@
 //! The part of a schedule that one instrument plays.
 
 use super::{EmitError, Format};
-use crate::instrument::{Drive, Family, Instrument, Start};
+use crate::device::instrument::{Drive, Family, Instrument, Start};
 use crate::schedule::Schedule;
 
 /// An instrument of the program with the channels that are wired to it.

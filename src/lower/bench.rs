@@ -6,8 +6,8 @@
 //! instrument's clock. What is wrong is pointed out at the wire, with the step that asks for it.
 
 use crate::claims::Claims;
+use crate::device::instrument::{Drive, Instrument, InstrumentFacts, Link, OutputSort};
 use crate::diagnostic::{Code, Diagnostic, Sink};
-use crate::instrument::{Drive, Instrument, InstrumentFacts, Link, OutputSort};
 use crate::quantity::{Dimension, Quantity};
 use crate::schedule::{Actuation, Channel, ChannelUnit, Schedule};
 use std::collections::BTreeMap;

@@ -2,8 +2,8 @@
 
 use crate::claims::Claims;
 use crate::claims::auxiliary::AuxiliaryAction;
+use crate::device::instrument::{AuxiliaryOutput, AuxiliarySort};
 use crate::diagnostic::{Code, Diagnostic, Sink};
-use crate::instrument::{AuxiliaryOutput, AuxiliarySort};
 use crate::quantity::{Dimension, Quantity};
 use crate::schedule::{Actuation, Channel, ChannelUnit, Schedule};
 

@@ -2,9 +2,8 @@
 
 use super::hints::CheckedFigures;
 use super::text::{self, ColumnUnit, EditedText};
-use crate::check::Options;
 use crate::check::imports::Library;
-use crate::compile::{self, CompileRequest};
+use crate::check::{Options, ProgramSource, check_program};
 use crate::diagnostic::{Diagnostic, Label, Severity, Sink};
 use crate::source::{FileId, Origin, Sources, beside};
 use lsp_types::{
@@ -63,8 +62,8 @@ pub fn of(
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     let library = Overlay { folder: path.parent().unwrap_or(Path::new("")), texts, disk };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let request = CompileRequest { name: &name, text, library: &library, options: &Options::default() };
-    let checked = compile::check(&request, &mut sources, &mut sink);
+    let request = ProgramSource { name: &name, text, library: &library, options: &Options::default() };
+    let checked = check_program(&request, &mut sources, &mut sink);
     let own = EditedText::new((*text).to_owned());
     let shown = ShownProgram { uri, own: &own, library: &library, sources: &sources, unit };
     let figures = checked.zip(shown.own_file()).map(|(checked, own)| CheckedFigures::of(&checked, own));

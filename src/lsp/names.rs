@@ -5,9 +5,8 @@
 
 use super::findings::Overlay;
 use super::text::{self, ColumnUnit, EditedText};
-use crate::check::Options;
 use crate::check::imports::Library;
-use crate::compile::{self, CompileRequest};
+use crate::check::{Options, ProgramSource, links};
 use crate::diagnostic::Sink;
 use crate::source::{Origin, Sources, Span};
 use crate::syntax::{self, tree::Item};
@@ -53,8 +52,8 @@ impl ProgramNames {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
         let library = Overlay { folder: path.parent().unwrap_or(Path::new("")), texts, disk };
         let mut sources = Sources::default();
-        let request = CompileRequest { name: &name, text, library: &library, options: &Options::default() };
-        for link in compile::links(&request, &mut sources) {
+        let request = ProgramSource { name: &name, text, library: &library, options: &Options::default() };
+        for link in links::links(&request, &mut sources) {
             let place = |span: Span| {
                 let file = sources.file(span.file);
                 let Range { start, end } = span.range();

@@ -16,8 +16,8 @@ pub use microrobots::control;
 pub use reached::Reached;
 
 use crate::device::each_kind;
+use crate::device::instrument::Bench;
 use crate::diagnostic::Remark;
-use crate::instrument::Bench;
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};

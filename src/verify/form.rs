@@ -6,7 +6,7 @@
 use super::judge_of;
 use super::rule::{Findings, Rule, Violation, ms};
 use crate::claims::{Claims, Order};
-use crate::instrument::{AuxiliarySort, Link};
+use crate::device::instrument::{AuxiliarySort, Link};
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Reached, Schedule, Swing};
 use std::collections::{BTreeMap, BTreeSet};
 

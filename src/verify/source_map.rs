@@ -111,7 +111,7 @@ mod tests {
     use super::*;
     use crate::check::Options;
     use crate::check::imports::Library;
-    use crate::compile::{CompileOutcome, CompileRequest, compile};
+    use crate::compile::{CompileOutcome, ProgramSource, compile};
     use crate::diagnostic::Sink;
     use crate::schedule::{ScheduledOperation, ScheduledStep};
 
@@ -130,7 +130,7 @@ mod tests {
     fn built(text: &str) -> (Schedule, Claims, Sources) {
         let (mut sources, mut sink) = (Sources::default(), Sink::default());
         let options = Options::default();
-        let program = CompileRequest { name: "a.twz", text, library: &Nothing, options: &options };
+        let program = ProgramSource { name: "a.twz", text, library: &Nothing, options: &options };
         let CompileOutcome::Compiled(compiled) = compile(&program, &mut sources, &mut sink, &mut ()) else {
             panic!("{:?}", sink.sorted())
         };

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::process::Command;
 use tweeze::device::Kind;
-use tweeze::instrument::Family;
+use tweeze::device::instrument::Family;
 
 /// What `tweeze` prints.
 fn printed(arguments: &[&str]) -> String {

@@ -13,7 +13,7 @@ mod scene;
 use brute::Figures;
 use case::Case;
 use scene::{Limit, OUTCOMES, Random, Scene};
-use tweeze::compile::{CompileOutcome, CompileRequest, compile};
+use tweeze::compile::{CompileOutcome, ProgramSource, compile};
 use tweeze::diagnostic::{Diagnostic, Sink};
 use tweeze::schedule::{PlanRecord, Schedule};
 use tweeze::source::Sources;
@@ -36,7 +36,7 @@ fn schedules(text: &str) -> Result<Vec<Schedule>, Vec<Diagnostic>> {
     let case = Case { name: "test.twz".to_owned(), text: text.to_owned(), ..Case::default() };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let library = case::Shelf(&case);
-    let program = CompileRequest { name: &case.name, text: &case.text, library: &library, options: &case.options };
+    let program = ProgramSource { name: &case.name, text: &case.text, library: &library, options: &case.options };
     match compile(&program, &mut sources, &mut sink, &mut ()) {
         CompileOutcome::Compiled(compiled) => {
             Ok(compiled.schedules.iter().map(|verified| verified.schedule().clone()).collect())

@@ -2,7 +2,7 @@
 
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
-use tweeze::compile::{self, CompileRequest};
+use tweeze::compile::{self, ProgramSource};
 use tweeze::diagnostic::Sink;
 use tweeze::lower::lower;
 use tweeze::plan::{self, Plan};
@@ -31,8 +31,8 @@ impl Library for Alone {
 pub fn answered(text: &str) -> Answered {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();
-    let program = CompileRequest { name: "task.twz", text, library: &Alone, options: &options };
-    let Some(checked) = compile::check(&program, &mut sources, &mut sink) else { return Answered::Unfit };
+    let program = ProgramSource { name: "task.twz", text, library: &Alone, options: &options };
+    let Some(checked) = compile::check_program(&program, &mut sources, &mut sink) else { return Answered::Unfit };
     let [claims] = checked.claims.as_slice() else { panic!("one task: {text}") };
     let plans = plan::plan(claims, &mut sink, &mut |_, _, _| {});
     match plans {

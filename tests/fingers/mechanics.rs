@@ -3,7 +3,7 @@
 use super::support::build;
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
-use tweeze::compile::{self, CompileRequest};
+use tweeze::compile::{self, ProgramSource};
 use tweeze::diagnostic::Sink;
 use tweeze::source::Sources;
 
@@ -24,7 +24,7 @@ impl Library for NoFiles {
 /// Everything that is said of a program: code, title, labels and help of each report.
 pub fn said(text: &str) -> Vec<String> {
     let options = Options::default();
-    let program = CompileRequest { name: "test.twz", text, library: &NoFiles, options: &options };
+    let program = ProgramSource { name: "test.twz", text, library: &NoFiles, options: &options };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     compile::compile(&program, &mut sources, &mut sink, &mut ());
     sink.sorted().into_iter().map(|diagnostic| format!("{diagnostic:?}")).collect()

@@ -2,7 +2,7 @@
 
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
-use tweeze::compile::{self, CompileObserver, CompileOutcome, CompileRequest};
+use tweeze::compile::{self, CompileObserver, CompileOutcome, ProgramSource};
 use tweeze::diagnostic::{Sink, SourceEdit, machine, render};
 use tweeze::emit::{self, EmitError, FailedProgram, Format, Provenance, mcap};
 use tweeze::log;
@@ -69,8 +69,8 @@ fn draw(sink: &Sink, sources: &Sources) {
 pub fn check(text: &str) -> Result<bool, String> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();
-    let program = CompileRequest { name: NAME, text, library: &Carried(&[]), options: &options };
-    let checked = compile::check(&program, &mut sources, &mut sink);
+    let program = ProgramSource { name: NAME, text, library: &Carried(&[]), options: &options };
+    let checked = compile::check_program(&program, &mut sources, &mut sink);
     draw(&sink, &sources);
     let own = |edit: &SourceEdit| sources.file(edit.span.file).name == NAME;
     let wrong = sink.sorted().into_iter().find(|one| one.mend.iter().any(own) && one.mend_in(text).is_none());
@@ -101,7 +101,7 @@ pub fn build(text: &str, next: &mut dyn FnMut(u64)) -> Built {
     let mut tasks = CountedTasks { begun: 0, next };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();
-    let program = CompileRequest { name: NAME, text, library: &Carried(&[]), options: &options };
+    let program = ProgramSource { name: NAME, text, library: &Carried(&[]), options: &options };
     let outcome = compile::compile(&program, &mut sources, &mut sink, &mut tasks);
     draw(&sink, &sources);
     let first = |sink: &Sink| {
@@ -129,7 +129,7 @@ pub fn build(text: &str, next: &mut dyn FnMut(u64)) -> Built {
 }
 
 /// The page of a program with errors.
-fn shown(program: &CompileRequest, sources: &Sources, errors: &Sink) -> Result<(), String> {
+fn shown(program: &ProgramSource, sources: &Sources, errors: &Sink) -> Result<(), String> {
     let part = compile::partial(program, errors);
     let failed = FailedProgram {
         part: part.as_ref().map(|part| (&part.verified, part.whole.as_ref())),
@@ -177,7 +177,7 @@ fn provenance(sources: &Sources) -> Provenance {
 pub fn log_of(text: &str) -> Option<Vec<u8>> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();
-    let program = CompileRequest { name: NAME, text, library: &Carried(&[]), options: &options };
+    let program = ProgramSource { name: NAME, text, library: &Carried(&[]), options: &options };
     let outcome = compile::compile(&program, &mut sources, &mut sink, &mut ());
     let CompileOutcome::Compiled(compiled) = outcome else { return None };
     let files = emit::emit(Format::Mcap, compiled.schedules.first()?, &provenance(&sources)).ok()?;
@@ -190,8 +190,8 @@ pub fn verify(bytes: &[u8]) -> Result<(), String> {
     let (name, text) = &log.files[0];
     let options = Options { settings: log.settings.clone(), only: Some(log.schedule.name.clone()) };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let program = CompileRequest { name, text, library: &Carried(&log.files), options: &options };
-    let checked = compile::check(&program, &mut sources, &mut sink);
+    let program = ProgramSource { name, text, library: &Carried(&log.files), options: &options };
+    let checked = compile::check_program(&program, &mut sources, &mut sink);
     draw(&sink, &sources);
     let claims = checked.and_then(|checked| checked.claims.into_iter().next()).ok_or("its program has errors")?;
     if log.schedule.source != SourceRef::of(name, text) {

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use tweeze::check::Options;
 use tweeze::claims::microrobots::{MicrorobotsAction, MicrorobotsObstacle, MicrorobotsOrder};
 use tweeze::claims::{Claims, Order, Relation, Requirement};
-use tweeze::compile::{self, CompileRequest};
+use tweeze::compile::{self, ProgramSource};
 use tweeze::device::microrobots::control::ControlPhase;
 use tweeze::diagnostic::Sink;
 use tweeze::geometry::{Pose, Shape};
@@ -73,8 +73,8 @@ impl Bench {
         let (mut sources, mut sink) = (Sources::default(), Sink::default());
         let (text, options) = (program(steps), Options::default());
         let request =
-            CompileRequest { name: "test.twz", text: &text, library: &Folder(Path::new(".")), options: &options };
-        let checked = compile::check(&request, &mut sources, &mut sink).expect("a program without errors");
+            ProgramSource { name: "test.twz", text: &text, library: &Folder(Path::new(".")), options: &options };
+        let checked = compile::check_program(&request, &mut sources, &mut sink).expect("a program without errors");
         let claims = checked.claims.into_iter().next().expect("a task");
         Bench { claims, sources }
     }

@@ -3,7 +3,7 @@
 use super::bench::{Bench, DONE, REFUSED, USAGE, found, says};
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
-use tweeze::compile::{CompileOutcome, CompileRequest, compile};
+use tweeze::compile::{CompileOutcome, ProgramSource, compile};
 use tweeze::diagnostic::Sink;
 use tweeze::emit::{Format, Provenance, emit};
 use tweeze::source::Sources;
@@ -104,7 +104,7 @@ impl Library for NoFiles {
 fn carrying(text: &str, settings: &[&str]) -> Vec<u8> {
     let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
     let honest = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n";
-    let program = CompileRequest { name: "a.twz", text: honest, library: &NoFiles, options: &options };
+    let program = ProgramSource { name: "a.twz", text: honest, library: &NoFiles, options: &options };
     let CompileOutcome::Compiled(compiled) = compile(&program, &mut sources, &mut sink, &mut ()) else {
         panic!("{:?}", sink.sorted())
     };

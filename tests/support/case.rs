@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
-use tweeze::compile::{CompileRequest, compile};
+use tweeze::compile::{ProgramSource, compile};
 use tweeze::diagnostic::Sink;
 use tweeze::source::Sources;
 
@@ -38,8 +38,8 @@ impl Case {
     }
 
     /// What is done with it as a program.
-    pub fn request<T>(&self, act: impl FnOnce(&CompileRequest) -> T) -> T {
-        act(&CompileRequest { name: &self.name, text: &self.text, library: &Shelf(self), options: &self.options })
+    pub fn request<T>(&self, act: impl FnOnce(&ProgramSource) -> T) -> T {
+        act(&ProgramSource { name: &self.name, text: &self.text, library: &Shelf(self), options: &self.options })
     }
 
     /// Takes `set=name=value` and `task=name`; anything else is given back.

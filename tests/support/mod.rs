@@ -6,11 +6,11 @@ use std::path::Path;
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
 use tweeze::claims::electrode_array::ElectrodeArrayOrder;
-use tweeze::compile::{self, CompileOutcome, CompileRequest};
+use tweeze::compile::{self, CompileOutcome, ProgramSource};
 use tweeze::device::electrode_array::Electrodes;
+use tweeze::device::instrument::{Family, InstrumentFacts, Protocol};
 use tweeze::diagnostic::Sink;
 use tweeze::emit::{self, Format, OutputFile, Provenance};
-use tweeze::instrument::{Family, InstrumentFacts, Protocol};
 use tweeze::schedule::ChannelUnit;
 use tweeze::source::{Origin, Sources};
 use tweeze::verify::Verified;
@@ -42,7 +42,7 @@ impl Library for Folder<'_> {
 /// Compiles a text, whose used files lie in a folder.
 pub fn build_in(folder: &Path, text: &str) -> Built {
     let options = Options::default();
-    let program = CompileRequest { name: "test.twz", text, library: &Folder(folder), options: &options };
+    let program = ProgramSource { name: "test.twz", text, library: &Folder(folder), options: &options };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let outcome = compile::compile(&program, &mut sources, &mut sink, &mut ());
     let (schedules, refused) = match outcome {
@@ -106,7 +106,7 @@ pub fn carries_droplets(verified: &Verified) -> bool {
 /// What is said of a text that uses no file beside it: the codes, and the helps where there are any.
 pub fn complaints(text: &str) -> (Vec<&'static str>, Vec<String>) {
     let options = Options::default();
-    let program = CompileRequest { name: "test.twz", text, library: &Folder(Path::new(".")), options: &options };
+    let program = ProgramSource { name: "test.twz", text, library: &Folder(Path::new(".")), options: &options };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     compile::compile(&program, &mut sources, &mut sink, &mut ());
     let sorted = sink.sorted();

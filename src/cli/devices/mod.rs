@@ -7,7 +7,7 @@ use super::arguments::DevicesArguments;
 use super::{Exit, report, terminal};
 use crate::check::scope::nearest;
 use crate::device::Kind;
-use crate::instrument::Family;
+use crate::device::instrument::Family;
 use std::path::Path;
 
 /// Lists the kinds, all that one offers, or the devices of a program; or finds a table.

@@ -17,7 +17,7 @@ pub fn run(file: &Path, arguments: &DevicesArguments) -> Exit {
         Err(exit) => return exit,
     };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let checked = compile::check(&loaded.program(&loaded.disk()), &mut sources, &mut sink);
+    let checked = compile::check_program(&loaded.program(&loaded.disk()), &mut sources, &mut sink);
     // A file of devices alone has nothing to build, and here nothing is to be built.
     terminal::report(&sink.without(Code::W0503), &sources, arguments.report.format);
     let Some(checked) = checked else { return Exit::Errors };

@@ -1,7 +1,7 @@
 //! The tables that the checker reads, for people.
 
+use crate::device::instrument::{AuxiliarySort, Family};
 use crate::device::{Assay, Kind, Together, Verb, Vocabulary, VocabularyField, WordChoice, shape::ShapeForm};
-use crate::instrument::{AuxiliarySort, Family};
 use crate::quantity::Dimension;
 use std::fmt::Write;
 

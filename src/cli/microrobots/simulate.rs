@@ -7,7 +7,7 @@ use crate::claims::microrobots::MicrorobotsOrder;
 use crate::cli::arguments::{ReportFormat, SimulateArguments};
 use crate::cli::loaded::Loaded;
 use crate::cli::{Exit, terminal};
-use crate::compile::{self, CompileRequest};
+use crate::compile::{self, ProgramSource};
 use crate::diagnostic::Sink;
 use crate::plan::microrobots::simulation::{EndedTrial, SimulatedBed};
 use crate::plan::{self, Motion, Plan};
@@ -48,12 +48,12 @@ pub fn run(arguments: &SimulateArguments) -> Exit {
 
 /// Outcomes of each assembly; `None` after an error of the program. The error is that of a controller that could not be asked.
 fn told(
-    program: &CompileRequest,
+    program: &ProgramSource,
     arguments: &SimulateArguments,
     sources: &mut Sources,
     sink: &mut Sink,
 ) -> Result<Option<Vec<String>>, String> {
-    let Some(checked) = compile::check(program, sources, sink) else { return Ok(None) };
+    let Some(checked) = compile::check_program(program, sources, sink) else { return Ok(None) };
     let mut told = Vec::new();
     let mut is_whole = true;
     for claims in &checked.claims {

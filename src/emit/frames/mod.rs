@@ -14,7 +14,7 @@ use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::sampling::gcd;
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
-use crate::instrument::{ElectrodeDriverFacts, Family, InstrumentFacts, Protocol, number_after};
+use crate::device::instrument::{ElectrodeDriverFacts, Family, InstrumentFacts, Protocol, number_after};
 use crate::schedule::Schedule;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};

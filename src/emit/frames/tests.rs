@@ -1,8 +1,8 @@
 use super::*;
 use crate::device::electrode_array::Electrodes;
+use crate::device::instrument::{Bench, Drive, Instrument, Link, Start};
 use crate::diagnostic::Code;
 use crate::emit::{Provenance, emit, fixture};
-use crate::instrument::{Bench, Drive, Instrument, Link, Start};
 use crate::lower::electrode_array::tests::{carried, facts};
 use crate::schedule::{Channel, ChannelUnit, State};
 use crate::source::Span;

@@ -15,7 +15,7 @@ use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::sampling::Sampling;
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
-use crate::instrument::{DataAcquisitionFacts, Family, InstrumentFacts, Start};
+use crate::device::instrument::{DataAcquisitionFacts, Family, InstrumentFacts, Start};
 use crate::schedule::{ChannelUnit, Schedule};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;

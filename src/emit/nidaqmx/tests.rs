@@ -1,7 +1,7 @@
 use super::*;
+use crate::device::instrument::{Bench, Drive, Instrument, Link, VoltageOutput};
 use crate::diagnostic::Code;
 use crate::emit::{Provenance, emit, fixture};
-use crate::instrument::{Bench, Drive, Instrument, Link, VoltageOutput};
 use crate::schedule::{Channel, ChannelUnit};
 use crate::source::Span;
 use crate::verify::Verified;

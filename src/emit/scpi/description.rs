@@ -2,8 +2,8 @@
 
 use super::sequence::Sequence;
 use super::{ASK_ERROR, BEGIN, Generator, Playing, SWITCH_OFF, numbered, segment_name};
+use crate::device::instrument::{Link, Start};
 use crate::emit::csv::one_line;
-use crate::instrument::{Link, Start};
 use crate::schedule::ChannelUnit;
 use std::fmt::Write as _;
 

@@ -25,7 +25,7 @@ use super::error::EmitError;
 use super::sampling::Sampling;
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
-use crate::instrument::{Family, InstrumentFacts, Link, Start, WaveformGeneratorFacts, number_after};
+use crate::device::instrument::{Family, InstrumentFacts, Link, Start, WaveformGeneratorFacts, number_after};
 use crate::schedule::{ChannelUnit, Schedule};
 use sequence::{Sequence, sequence};
 use std::fmt::Write as _;

@@ -1,9 +1,9 @@
 //! Fixtures with instruments behind their channels.
 
-use crate::emit::{Provenance, fixture};
-use crate::instrument::{
+use crate::device::instrument::{
     Bench, Drive, Instrument, InstrumentFacts, Link, Start, VoltageOutput, WaveformGeneratorFacts,
 };
+use crate::emit::{Provenance, fixture};
 use crate::schedule::ChannelUnit;
 use crate::source::Span;
 use crate::verify::Verified;

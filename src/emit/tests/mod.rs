@@ -1,6 +1,6 @@
 use super::{EmitError, Format, Provenance, emit, fixture};
+use crate::device::instrument::Protocol;
 use crate::diagnostic::Code;
-use crate::instrument::Protocol;
 use crate::schedule::{Actuation, ChannelUnit, json};
 use crate::verify::Verified;
 

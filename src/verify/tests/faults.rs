@@ -6,7 +6,7 @@
 use super::*;
 use crate::check::Options;
 use crate::check::imports::Library;
-use crate::compile::{CompileRequest, check};
+use crate::compile::{ProgramSource, check_program};
 use crate::diagnostic::Sink;
 use crate::geometry::fault::{Fault, Wrong, with};
 use crate::lower::lower;
@@ -36,8 +36,8 @@ enum Built {
 fn built(text: &str) -> Built {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();
-    let program = CompileRequest { name: "a.twz", text, library: &Nothing, options: &options };
-    let checked = check(&program, &mut sources, &mut sink);
+    let program = ProgramSource { name: "a.twz", text, library: &Nothing, options: &options };
+    let checked = check_program(&program, &mut sources, &mut sink);
     let planned = checked.and_then(|checked| {
         let claims = checked.claims.into_iter().next()?;
         let plans = plan(&claims, &mut sink, &mut |_, _, _| {})?;

@@ -2,7 +2,7 @@ use super::*;
 use crate::claims::Timeline;
 use crate::claims::auxiliary::{AuxiliaryAction, AuxiliaryEvent};
 use crate::claims::dimibot::DimibotAction;
-use crate::instrument::AuxiliaryOutput;
+use crate::device::instrument::AuxiliaryOutput;
 use crate::schedule::{Actuation, Channel, ChannelUnit};
 
 fn event(step: usize, output: &str, action: AuxiliaryAction) -> AuxiliaryEvent {

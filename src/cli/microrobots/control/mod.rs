@@ -44,7 +44,7 @@ pub fn run(arguments: &ControlArguments) -> Exit {
         Err(exit) => return exit,
     };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let checked = compile::check(&loaded.program(&loaded.disk()), &mut sources, &mut sink);
+    let checked = compile::check_program(&loaded.program(&loaded.disk()), &mut sources, &mut sink);
     let claims = checked.map(|checked| checked.claims);
     let claims = match claims.as_deref() {
         None => {

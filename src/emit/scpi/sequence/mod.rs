@@ -5,9 +5,9 @@
 //! the last one. Pieces with fewer samples than the minimum of a segment are merged with their neighbours.
 
 use super::{GeneratorOutput, MOST_REPEATS, Sampling};
+use crate::device::instrument::WaveformGeneratorFacts;
 use crate::emit::Signals;
 use crate::emit::signal::half_ns;
-use crate::instrument::WaveformGeneratorFacts;
 use crate::schedule::ChannelUnit;
 use std::collections::BTreeMap;
 
