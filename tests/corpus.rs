@@ -15,7 +15,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tweeze::compile::partial;
 use tweeze::diagnostic::render::{Characters, Colour, Look, human};
-use tweeze::diagnostic::{CellRun, Diagnostic, PlaceUnit, Sink, WrittenPlace};
+use tweeze::diagnostic::{CellRun, Diagnostic, PlaceUnit, Reach, ReachExtent, Sink, WrittenPlace};
 use tweeze::emit::{FailedProgram, Provenance, failed_page};
 use tweeze::source::Sources;
 
@@ -65,9 +65,16 @@ fn page(case: &Case, sources: &Sources, errors: &Sink) -> String {
         let device = device.as_ref().map_or("scene", String::as_str);
         line.push_str(&format!(", ({x}, {y}){unit} of {device}"));
     }
-    for reach in errors.sorted().into_iter().filter_map(|error| error.reach.as_deref()) {
-        let cells: u32 = reach.runs.iter().map(|CellRun { columns: [first, last], .. }| last - first + 1).sum();
-        line.push_str(&format!(", `{}` reaches {cells} cells", reach.what));
+    for Reach { what, extent } in errors.sorted().into_iter().flat_map(|error| &error.reaches) {
+        let far = match extent {
+            ReachExtent::Cells(runs) => {
+                let cells: u32 = runs.iter().map(|CellRun { columns: [first, last], .. }| last - first + 1).sum();
+                format!("reaches {cells} cells")
+            }
+            ReachExtent::Turn { reached_deg, asked_deg, .. } => format!("turns {reached_deg} of {asked_deg} deg"),
+            ReachExtent::Pose([x_um, y_um, _]) => format!("comes to ({x_um:.1}, {y_um:.1}) um"),
+        };
+        line.push_str(&format!(", `{what}` {far}"));
     }
     line + "\n"
 }

@@ -15,11 +15,11 @@ function showRefusal(verdict, { failure }) {
 }
 
 /** What is wrong: each finding with its places, and what the scene shows instead. */
-function drawFailure(root, { failure, page, steps }, { reveal, seek }) {
+function drawFailure(root, { failure, page, steps, devices }, { reveal, seek }) {
   let lastHelp = null;
   // Errors before warnings; each kind stays in the order of its places.
   const isWarning = ({ severity }) => Number(severity === "warning");
-  for (const { code, severity, title, help, labels, t_ns, reach } of [...failure.findings].sort((a, b) => isWarning(a) - isWarning(b))) {
+  for (const { code, severity, title, help, labels, t_ns, reaches } of [...failure.findings].sort((a, b) => isWarning(a) - isWarning(b))) {
     const card = add(root, "section", "", `card ${severity}`);
     const head = add(card, "p", "", "finding");
     add(head, "b", `${severity} ${code}`);
@@ -29,11 +29,12 @@ function drawFailure(root, { failure, page, steps }, { reveal, seek }) {
       jump.type = "button";
       jump.addEventListener("click", () => seek(t_ns));
     }
-    if (reach) {
-      const cells = reach.runs.reduce((sum, [, first, last]) => sum + last - first + 1, 0);
+    for (const reach of reaches || []) {
       const line = add(card, "p", "", "reached");
-      add(line, "span", "", "swatch");
-      line.append(`reached by the proof: ${counted(cells, "cell")}`);
+      const swatch = add(line, "span", "", reach.pose ? "swatch last" : "swatch");
+      const [fill, edge] = reachColors(null, devices, reach);
+      if (fill) Object.assign(swatch.style, { background: fill, borderColor: edge });
+      line.append(reachText(reach));
     }
     for (const label of labels) {
       const place = `${label.file}:${label.line}`;
@@ -53,6 +54,22 @@ function drawFailure(root, { failure, page, steps }, { reveal, seek }) {
   }
   const built = steps.length ? `${counted(steps.length, "step")}, planned and verified` : "the scene before the first step";
   add(add(root, "section", "", "card"), "p", `Shown is what could be built: ${built}.`, "remark");
+}
+
+/** How far something came in a search that found no plan. */
+function reachText({ what, runs, plane, reached_deg, asked_deg, pose }) {
+  if (runs) return `reached by ${what}: ${counted(runs.reduce((sum, [, first, last]) => sum + last - first + 1, 0), "cell")}`;
+  if (plane) return `${what} turns ${short(reached_deg, 6)} of ${short(asked_deg, 6)} deg about ${plane === "xy" ? "z" : "y"}`;
+  return `${what} comes to (${pose.slice(0, 2).map((value) => short(value, 6)).join(", ")}) um`;
+}
+
+/** The colours of what was reached: those of each part, where several parts keep one another from their goals. Null for the usual ones. */
+function reachColors(theme, devices, reach) {
+  const device = devices.find(({ name }) => name === reach.device);
+  const own = device && device.reaches.find((one) => one.isShared && one.what === reach.what);
+  if (!own) return theme ? [theme.reached, theme.reachedEdge] : [null, null];
+  const color = colorOf(device.runs[0].order.parts.findIndex(({ name }) => name === reach.what));
+  return [`${color}30`, color];
 }
 
 /** Share of a scene by which it grows to say that a place is far outside of it. */
@@ -82,10 +99,12 @@ function placeFaults(view, places) {
 }
 
 /** Shades what a proof has reached, with an edge round it; `place` leads from columns and rows into the scene. */
-function drawReaches(pen, reaches, place) {
+function drawReaches(pen, device, place) {
   const { g, theme } = pen;
-  for (const { runs, edges } of reaches) {
-    g.fillStyle = theme.reached;
+  for (const reach of device.reaches) {
+    const { runs, edges } = reach;
+    const [fill, edge] = reachColors(theme, [device], reach);
+    g.fillStyle = fill;
     g.beginPath();
     for (const [row, first, last] of runs) {
       const corners = [[first - 0.5, row - 0.5], [last + 0.5, row - 0.5], [last + 0.5, row + 0.5], [first - 0.5, row + 0.5]];
@@ -98,7 +117,7 @@ function drawReaches(pen, reaches, place) {
       g.moveTo(...pen.at(place(from)));
       g.lineTo(...pen.at(place(to)));
     }
-    Object.assign(g, { strokeStyle: theme.reachedEdge, lineWidth: 1.5, lineCap: "round" });
+    Object.assign(g, { strokeStyle: edge, lineWidth: 1.5, lineCap: "round" });
     g.stroke();
   }
 }

@@ -8,7 +8,8 @@ function handView(device) {
     plane,
     points: outlinePoints(outline).map(([u, v]) => (plane === "xy" ? [u, v, 0] : [u, 0, v])),
   }));
-  const reach = Math.max(...outlines.flatMap(({ points }) => points.map((point) => Math.hypot(...point)))) + 3.2 * order.facts.tip_radius_um;
+  const size = Math.max(...outlines.flatMap(({ points }) => points.map((point) => Math.hypot(...point))));
+  const reach = size + 3.2 * order.facts.tip_radius_um;
   const view = { title: device.name, devices: [device], unit_um: 1, extent: [[-reach, -reach], [reach, reach]], turnable: true, yaw: -0.5, pitch: outlines.length > 1 ? 0.5 : 1.1 };
   view.things = () => [order.part.name];
   view.hit = ([x, y]) => (Math.hypot(x, y) < reach / 3 ? order.part.name : null);
@@ -50,6 +51,7 @@ function handView(device) {
     }
     const forces = forcesAt(device, t_ns);
     if (forces) drawForces(pen, cones, forces, placed);
+    for (const turn of device.reaches) drawTurn(pen, turn, 0.5 * size, placed);
     const mark = outlines[0].points[0];
     pen.disc(placed(mark), 0, { fill: theme.ink, least: 3 });
     const tips = fingers.map((tip, finger) => ({ ...tip, finger, spot: seen(tip.place) }));
@@ -107,6 +109,21 @@ function drawForces(pen, cones, forces, placed) {
       g.stroke();
     }
   }
+}
+
+/** How far a turn comes of which no end was reached: a sector from where contact 1 is, and the rest of it as a dashed arc. */
+function drawTurn(pen, { plane, reached_deg, asked_deg }, radius, placed) {
+  const { theme } = pen;
+  const at = (deg) => {
+    const [u, v] = [radius * Math.cos((deg * Math.PI) / 180), radius * Math.sin((deg * Math.PI) / 180)];
+    return placed(plane === "xy" ? [u, v, 0] : [u, 0, -v]);
+  };
+  const arc = (from, to) => Array.from({ length: 49 }, (_, part) => at(from + ((to - from) * part) / 48));
+  const reached = arc(0, reached_deg);
+  pen.shape([placed([0, 0, 0]), ...reached], { fill: theme.reached, stroke: theme.reachedEdge, width: 1.5 });
+  pen.line(arc(reached_deg, asked_deg), theme.alarm, 1.5, [4, 3]);
+  pen.disc(at(asked_deg), 0, { stroke: theme.alarm, least: 4 });
+  pen.text(reached[reached.length - 1], `${short(reached_deg, 6)} of ${short(asked_deg, 6)} deg`, theme.ink, { dx: 8, dy: -8, size: 11 });
 }
 
 function drawAxes(pen, seen, reach) {

@@ -62,10 +62,13 @@ function blamedNames({ failure, sources }) {
   return names;
 }
 
-/** The corners of the cells that a proof has reached on a device, and the edges behind which nothing is. */
+/** How far a device came in searches that found no plan; for cells also the edges behind which nothing was reached. */
 function reachesOf({ failure }, name) {
-  const found = (failure ? failure.findings : []).map(({ reach }) => reach).filter((reach) => reach && reach.device === name);
-  return found.map(({ runs }) => {
+  const found = (failure ? failure.findings : []).flatMap(({ reaches }) => reaches || []).filter((reach) => reach.device === name);
+  const isShared = new Set(found.filter(({ runs }) => runs).map(({ what }) => what)).size > 1;
+  return found.map((reach) => {
+    const { runs } = reach;
+    if (!runs) return reach;
     const met = new Set(runs.flatMap(([row, first, last]) => Array.from({ length: last - first + 1 }, (_, at) => `${first + at}/${row}`)));
     const edges = [];
     for (const key of met) {
@@ -76,7 +79,7 @@ function reachesOf({ failure }, name) {
         edges.push([[middle[0] - dy / 2, middle[1] - dx / 2], [middle[0] + dy / 2, middle[1] + dx / 2]]);
       }
     }
-    return { runs, edges };
+    return { ...reach, edges, isShared };
   });
 }
 

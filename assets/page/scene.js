@@ -79,7 +79,7 @@ function dimibotView(devices) {
       const [dx, dy] = pitchUm(order.facts);
       const [nx, ny] = cells(order);
       const corners = [[0, 0], [nx * dx, 0], [nx * dx, ny * dy], [0, ny * dy]].map((corner) => inScene(order, corner));
-      drawReaches(pen, device.reaches, ([column, row]) => inScene(order, [column * dx, row * dy]));
+      drawReaches(pen, device, ([column, row]) => inScene(order, [column * dx, row * dy]));
       pen.shape(corners, { stroke: theme.faint });
       if (dx * pen.scale > 5 && dy * pen.scale > 5) {
         pen.g.fillStyle = theme.dots;
@@ -213,7 +213,7 @@ function arrayView(device) {
   if (device.fluids.length) view.legend = ["left on electrodes:", device.fluids.map(({ name, part }) => [name, `${colorOf(part)}59`])];
   view.draw = (pen, t_ns, lights) => {
     drawBoard(pen, device, t_ns);
-    drawReaches(pen, device.reaches, (cell) => cell);
+    drawReaches(pen, device, (cell) => cell);
     drawParts(pen, device, t_ns, lights);
   };
   return view;
@@ -325,6 +325,7 @@ function bedView(device) {
     for (const { pose } of [...order.obstacles, ...goalsOf(order)]) places.push([pose.x_um, pose.y_um]);
     reach.push(...order.facts.robots.map((robot) => 2 * robot.turning_radius_um + robot.length_um));
   }
+  for (const { pose } of device.reaches) places.push(pose.slice(0, 2));
   const [low, high] = boxAbout(places, 0.02);
   const more = Math.max(...reach) / 2;
   const view = { title: device.name, devices: [device], unit_um: 1, extent: [low.map((v) => v - more), high.map((v) => v + more)] };
@@ -393,6 +394,7 @@ function drawBed(pen, device, t_ns, lights, withNames) {
     const facts = order.facts.robots[order.robots[robot].row];
     pen.shape(bodyPoints(facts, [pose.x_um, pose.y_um, pose.heading_rad]), { stroke: theme.stop, width: 1.5, dash: [4, 3] });
   }
+  if (withNames) drawLastTry(pen, device, order);
   const robots = robotsAt(device, t_ns);
   robots.forEach((robot, number) => {
     if (withNames) pen.line(trailOf(device, run, robot, t_ns), colorOf(number), 1.25);
@@ -414,6 +416,15 @@ function drawBed(pen, device, t_ns, lights, withNames) {
     if (withNames && !robot.isDocked) pen.text([x, y], robot.name, theme.ink, { dx: 10, dy: -14, size: 12, weight: "600" });
     if (!withNames && robot.isDocked) pen.text([x, y], robot.name, theme.ink, { align: "center", size: 10 });
   });
+}
+
+/** Where robots come too near to something on the way that was tried last. */
+function drawLastTry(pen, { reaches }, { facts }) {
+  for (const { what, pose } of reaches) {
+    const robot = facts.robots.find(({ name }) => name === what);
+    pen.shape(bodyPoints(robot, pose), { stroke: pen.theme.alarm, width: 2, dash: [3, 2] });
+    pen.text(pose, `${what} too near`, pen.theme.alarm, { align: "center", dy: -robot.length_um * pen.scale * 0.5 - 8, size: 11, weight: "600" });
+  }
 }
 
 /** Trails are kept: a leg that is over no longer changes. */

@@ -11,7 +11,7 @@ pub mod plain;
 pub mod render;
 
 pub use code::{Code, Severity};
-pub use place::{CellRun, PlaceUnit, Reach, WrittenPlace};
+pub use place::{CellRun, PlaceUnit, Reach, ReachExtent, WrittenPlace};
 
 use crate::source::Span;
 use serde::Serialize;
@@ -27,7 +27,7 @@ pub struct Label {
 ///
 /// The title is lower case without a full stop and names the fault, with the number, its unit and the limit. The first
 /// label is the place itself; further ones explain the conflict. The help is the fix.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Diagnostic {
     pub code: Code,
     pub title: String,
@@ -37,9 +37,12 @@ pub struct Diagnostic {
     /// all of one file.
     #[serde(skip)]
     pub mend: Vec<SourceEdit>,
-    /// How far the proof came, where that is what the diagnostic is about and few cells say it.
+    /// The device that has no plan, where that is what the diagnostic is about.
     #[serde(skip)]
-    pub reach: Option<Box<Reach>>,
+    pub device: Option<String>,
+    /// How far the search for a plan came, where that can be shown.
+    #[serde(skip)]
+    pub reaches: Vec<Reach>,
 }
 
 /// A text for what stands at a place; an empty place is one where nothing stands yet.
@@ -52,7 +55,15 @@ pub struct SourceEdit {
 impl Diagnostic {
     /// A diagnostic without a place yet.
     pub fn new(code: Code, title: impl Into<String>) -> Self {
-        Diagnostic { code, title: title.into(), labels: Vec::new(), help: None, mend: Vec::new(), reach: None }
+        Diagnostic {
+            code,
+            title: title.into(),
+            labels: Vec::new(),
+            help: None,
+            mend: Vec::new(),
+            device: None,
+            reaches: Vec::new(),
+        }
     }
 
     /// Adds a place; the first one added is where the diagnostic points.
@@ -75,10 +86,10 @@ impl Diagnostic {
         self
     }
 
-    /// Adds how far the proof came, if that is known.
+    /// Adds how far the search for a plan came, as far as that is known.
     #[must_use]
-    pub fn reach(mut self, reach: Option<Reach>) -> Self {
-        self.reach = reach.map(Box::new);
+    pub fn reached(mut self, reaches: impl IntoIterator<Item = Reach>) -> Self {
+        self.reaches.extend(reaches);
         self
     }
 
@@ -209,6 +220,11 @@ impl Sink {
             }
             None => Some(()),
         }
+    }
+
+    /// Says of each finding which device has no plan.
+    pub fn about_device(&mut self, device: &str) {
+        self.diagnostics.iter_mut().for_each(|diagnostic| diagnostic.device = Some(device.to_owned()));
     }
 
     /// Adds the findings of another sink, with the number of those that it did not keep.

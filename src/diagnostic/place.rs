@@ -21,15 +21,23 @@ pub enum PlaceUnit {
     Micrometres,
 }
 
-/// All that a search reached which proved that there is no plan.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// How far something came in a search that found no plan: all that it reached, where that is the proof.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Reach {
-    /// The device that cannot go on.
-    pub device: String,
-    /// What cannot go on: a part of a board, or the tip of the device.
+    /// What cannot go on: a part, a robot, or the tip of the device.
     pub what: String,
+    pub extent: ReachExtent,
+}
+
+/// How far it came, in the terms of its kind.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ReachExtent {
     /// Rows of neighbouring cells, as the program counts them.
-    pub runs: Vec<CellRun>,
+    Cells(Vec<CellRun>),
+    /// A turn in a plane of the part; positive from its first axis to its second.
+    Turn { plane: &'static str, reached_deg: f64, asked_deg: f64 },
+    /// Where the last way that was tried ended: a place in micrometres and the heading in radians.
+    Pose([f64; 3]),
 }
 
 /// Neighbouring cells of one row.

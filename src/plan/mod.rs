@@ -128,7 +128,10 @@ pub fn plan<'a>(claims: &'a Claims, sink: &mut Sink, progress: Progress) -> Opti
     for (index, job) in claims.jobs.iter().enumerate() {
         progress(index, claims.jobs.len(), &job.task);
         watch::begin_run();
-        let mut plan = planned(job, &mut standings, sink);
+        let mut own = Sink::default();
+        let mut plan = planned(job, &mut standings, &mut own);
+        own.about_device(&job.device);
+        sink.append(own);
         if let Some(plan) = plan.as_mut().filter(|plan| plan.proof == Optimality::Open && watch::has_ended_early()) {
             plan.remarks.push(Remark {
                 subject: ENDED_EARLY.to_owned(),

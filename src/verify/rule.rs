@@ -60,7 +60,8 @@ impl From<Violation> for Diagnostic {
             labels: violation.labels,
             help: violation.help.or_else(|| Some(NOT_THE_PROGRAM.to_owned())),
             mend: Vec::new(),
-            reach: None,
+            device: None,
+            reaches: Vec::new(),
         }
     }
 }

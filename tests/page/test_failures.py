@@ -5,6 +5,7 @@
 
 import json
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -93,18 +94,18 @@ def test_places_are_marked_in_the_window(page):
 
 
 def test_what_a_proof_has_reached_is_shaded(page):
-    findings_with = [finding for finding in page.data["failure"]["findings"] if "reach" in finding]
+    errors_first = sorted(page.data["failure"]["findings"], key=lambda finding: finding["severity"] == "warning")
+    reaches = [reach for finding in errors_first for reach in finding.get("reaches", [])]
     shown = page.locator("#claims .reached").all_text_contents()
-    cells = [sum(last - first + 1 for _, first, last in finding["reach"]["runs"]) for finding in findings_with]
-    assert shown == [f"reached by the proof: {count} cell{'' if count == 1 else 's'}" for count in cells]
+    assert shown == [reach_text(reach) for reach in reaches]
     # Each run is seen in the scene of its device, in the colour of the swatch; what is not reached is not.
-    for reach in (finding["reach"] for finding in findings_with):
+    for reach in (reach for reach in reaches if "runs" in reach):
         drawn = page.evaluate(
             """(name) => {
               const view = tweeze.views.find((view) => view.devices.some((device) => device.name === name));
               if (!view) return null;
               const device = view.devices.find((device) => device.name === name);
-              return device.reaches.map(({ runs, edges }) => ({ runs, edges: edges.length,
+              return device.reaches.filter(({ runs }) => runs).map(({ runs, edges }) => ({ runs, edges: edges.length,
                 seen: runs.every(([row, first]) => { const [x, y] = view.pen.at(view.spot({ unit: "cells", at: [first, row], device: name })); return x >= 0 && y >= 0 && x <= view.canvas.clientWidth && y <= view.canvas.clientHeight; }) }));
             }""",
             reach["device"],
@@ -115,9 +116,33 @@ def test_what_a_proof_has_reached_is_shaded(page):
         assert all(one["edges"] >= 4 and one["seen"] for one in drawn)
 
 
-def test_some_proofs_say_how_far_they_came():
-    texts = [path.read_text() for path in PAGES]
-    assert sum('"reach":' in text for text in texts) >= 5
+def data_of(path):
+    return json.loads(re.search(r'<script[^>]*id="data"[^>]*>(.*?)</script>', path.read_text(), re.DOTALL)[1])
+
+
+def reach_text(reach):
+    what = reach["what"]
+    if "runs" in reach:
+        cells = sum(last - first + 1 for _, first, last in reach["runs"])
+        return f"reached by {what}: {cells} cell{'' if cells == 1 else 's'}"
+    if "plane" in reach:
+        axis = {"xy": "z", "xz": "y"}[reach["plane"]]
+        return f"{what} turns {reach['reached_deg']:g} of {reach['asked_deg']:g} deg about {axis}"
+    x, y, _ = reach["pose"]
+    return f"{what} comes to ({x:g}, {y:g}) um"
+
+
+@pytest.mark.parametrize("extent, least", [("runs", 5), ("plane", 1), ("pose", 1)])
+def test_some_failures_say_how_far_the_search_came(extent, least):
+    failures = [data_of(path)["failure"] for path in PAGES]
+    reaches = [reach for failure in failures for finding in failure["findings"] for reach in finding.get("reaches", [])]
+    assert sum(extent in reach for reach in reaches) >= least
+
+
+def test_parts_that_block_each_other_have_their_own_colours(page):
+    shared = page.evaluate("tweeze.model.devices.flatMap((device) => device.reaches.filter(({ isShared }) => isShared).map(({ what }) => what))")
+    swatches = page.evaluate("[...document.querySelectorAll('#claims .reached .swatch')].map((swatch) => getComputedStyle(swatch).borderTopColor)")
+    assert not shared or len(set(swatches)) >= len(set(shared))
 
 
 def test_nothing_in_a_card_is_cut_off(page):

@@ -2,7 +2,7 @@
 //! that was refused: the rules that it breaks, at their instants.
 
 use crate::claims::Claims;
-use crate::diagnostic::{CellRun, Code, Diagnostic, Label, PlaceUnit, Reach, Sink, WrittenPlace, machine};
+use crate::diagnostic::{CellRun, Code, Diagnostic, Label, PlaceUnit, Reach, ReachExtent, Sink, WrittenPlace, machine};
 use crate::schedule::Schedule;
 use crate::source::Sources;
 use crate::verify::{Verified, Violation};
@@ -34,23 +34,46 @@ struct PageFinding<'a> {
     /// When a rule is broken.
     t_ns: Option<u64>,
     labels: Vec<PageLabel<'a>>,
-    /// What can be reached, where a proof that there is no plan has found that out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    reach: Option<PageReach<'a>>,
+    /// How far the search for a plan came, where that can be shown.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    reaches: Vec<PageReach<'a>>,
 }
 
 #[derive(Serialize)]
 struct PageReach<'a> {
     device: &'a str,
     what: &'a str,
-    /// A row, and its columns from the first to the last.
-    runs: Vec<[u32; 3]>,
+    #[serde(flatten)]
+    extent: PageExtent,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum PageExtent {
+    /// Each a row, and its columns from the first to the last.
+    Cells {
+        runs: Vec<[u32; 3]>,
+    },
+    Turn {
+        plane: &'static str,
+        reached_deg: f64,
+        asked_deg: f64,
+    },
+    /// Micrometres, micrometres and radians.
+    Pose {
+        pose: [f64; 3],
+    },
 }
 
 impl<'a> PageReach<'a> {
-    fn of(reach: &'a Reach) -> PageReach<'a> {
+    fn of(diagnostic: &'a Diagnostic, reach: &'a Reach) -> PageReach<'a> {
         let run = |CellRun { row, columns: [first, last] }: &CellRun| [*row, *first, *last];
-        PageReach { device: &reach.device, what: &reach.what, runs: reach.runs.iter().map(run).collect() }
+        let extent = match &reach.extent {
+            ReachExtent::Cells(runs) => PageExtent::Cells { runs: runs.iter().map(run).collect() },
+            &ReachExtent::Turn { plane, reached_deg, asked_deg } => PageExtent::Turn { plane, reached_deg, asked_deg },
+            &ReachExtent::Pose(pose) => PageExtent::Pose { pose },
+        };
+        PageReach { device: diagnostic.device.as_deref().unwrap_or_default(), what: &reach.what, extent }
     }
 }
 
@@ -157,7 +180,7 @@ fn finding<'a>(diagnostic: &'a Diagnostic, sources: &'a Sources, t_ns: Option<u6
         help: diagnostic.help.as_deref(),
         t_ns,
         labels: diagnostic.labels.iter().map(|label| written_label(label, sources)).collect(),
-        reach: diagnostic.reach.as_deref().map(PageReach::of),
+        reaches: diagnostic.reaches.iter().map(|reach| PageReach::of(diagnostic, reach)).collect(),
     }
 }
 

@@ -14,7 +14,7 @@ use crate::claims::dimibot::{
 };
 use crate::claims::{self, Claims, Job, Relation, Requirement};
 use crate::device::dimibot::{DimibotFacts, DimibotOutcome, Simultaneous};
-use crate::diagnostic::{CellRun, Reach, Sink};
+use crate::diagnostic::{CellRun, Reach, ReachExtent, Sink};
 use crate::plan::errors::{self, Removal};
 use crate::plan::requirements::{Kept, KnownLimit, keeps, require};
 use crate::plan::search::{GaveUp, SearchBudget};
@@ -399,13 +399,12 @@ impl<'a> DimibotTaskSearch<'a> {
             Some(Opening::Unknown) | None => Removal::Unknown,
         };
         let reach = reached(&self.scene.field, from).map(|cells| Reach {
-            device: self.job.device.clone(),
             what: self.job.device.clone(),
-            runs: CellRun::all(cells.into_iter().map(|cell| (cell.x, cell.y))),
+            extent: ReachExtent::Cells(CellRun::all(cells.into_iter().map(|cell| (cell.x, cell.y)))),
         });
         let (from, to) = (from.to_string(), stop.cell.to_string());
         let ends = errors::StepEnds { step, from: &from, to: &to };
-        let report = errors::impossible(ends, &proof_text(proof.proof), &blamed, removal).reach(reach);
+        let report = errors::impossible(ends, &proof_text(proof.proof), &blamed, removal).reached(reach);
         sink.push(match why {
             Some(_) => report,
             None => report.help("the obstacles that block the path were not found within the step limit"),

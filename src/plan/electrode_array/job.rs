@@ -4,9 +4,10 @@
 //! form the optimal plan of the job, and its bounds are the sums of theirs. Only limits couple the steps; where the best plan
 //! breaks one, [`limited`] chooses among the plans of each step.
 
-use super::assay;
+use super::assay::{self, NoAssayPlan};
 use super::board::{self, BoardAnswer, BoardCosts, BoardPlan, NoBoardPlan, Paths};
 use super::errands::{self, PartCourse, PartErrands};
+use super::exact;
 use super::labels::{BoardFigures, PlanLimits};
 use super::limited::{self, AskedStep, PlanFront, UNLIMITED};
 use super::limits;
@@ -22,7 +23,7 @@ use crate::claims::electrode_array::{
 use crate::claims::{Job, Requirement};
 use crate::device::MAX_EXPANSIONS;
 use crate::device::electrode_array::{ElectrodeArrayOutcome, ElectrodeCell, Separation};
-use crate::diagnostic::{CellRun, Code, Diagnostic, Reach, Sink};
+use crate::diagnostic::{CellRun, Code, Diagnostic, Reach, ReachExtent, Sink};
 use crate::plan::errors::{self, Removal};
 use crate::plan::requirements::{Kept, KnownLimit, require};
 use crate::plan::search::{SearchAnswer, SearchBudget};
@@ -302,13 +303,14 @@ impl Tasks<'_> {
         let (objective, budget) = (objective(self.order.objective), SearchBudget::of(self.order.planner.expansions));
         let plan = match assay::solve(&problem, objective, budget) {
             SearchAnswer::Found(plan) => plan,
-            SearchAnswer::Impossible(NoBoardPlan::Blocked { agents }) => {
-                let parts = agents.iter().map(|agent| self.order.parts[stage.agents[*agent].part].name.as_str());
-                let told = errors::operations_exclude_one_another(step.span, &parts.collect::<Vec<_>>());
-                self.sink.push(self.with_avoided(told, step.span));
+            SearchAnswer::Impossible(NoAssayPlan::Excluded { reached }) => {
+                let parts: Vec<&str> = (0..reached.len()).map(|agent| self.part_name(&stage, agent)).collect();
+                let told = errors::operations_exclude_one_another(step.span, &parts);
+                let reaches = parts.iter().zip(reached).map(|(part, cells)| reach(self.order, part, cells));
+                self.sink.push(self.with_avoided(told.reached(reaches), step.span));
                 return None;
             }
-            SearchAnswer::Impossible(why) => {
+            SearchAnswer::Impossible(NoAssayPlan::Alone(why)) => {
                 self.impossible(step.span, &stage, &why);
                 return None;
             }
@@ -418,6 +420,10 @@ impl Tasks<'_> {
         self.sink.push(errors::greedy_gave_up(span, name, &at.to_string(), path.len() - 1, how));
     }
 
+    fn part_name(&self, stage: &BoardStage, agent: usize) -> &str {
+        &self.order.parts[stage.agents[agent].part].name
+    }
+
     fn impossible(&mut self, step: Span, stage: &BoardStage, reason: &NoBoardPlan) {
         match reason {
             NoBoardPlan::Closed { agent, stop } => self.closed(stage, *agent, *stop),
@@ -429,7 +435,10 @@ impl Tasks<'_> {
                         (part.name.as_str(), actor.asked.map_or(part.span, |action| action.span))
                     })
                     .collect();
-                self.sink.push(errors::blocked_by_one_another(step, &parts));
+                let told = errors::blocked_by_one_another(step, &parts);
+                let reached = exact::reached(&stage.instance, agents).unwrap_or_default();
+                let reaches = parts.iter().zip(reached).map(|((name, _), cells)| reach(self.order, name, cells));
+                self.sink.push(told.reached(reaches));
             }
             // Cannot occur without a limit; limits are checked after the plans without them are known.
             NoBoardPlan::TooFewSteps { least } => self.sink.push(errors::too_few_steps(step, 0, *least)),
@@ -463,11 +472,7 @@ impl Tasks<'_> {
             &blamed,
             Removal::Unknown,
         );
-        let told = told.reach(why::reached(stage, from).map(|cells| Reach {
-            device: self.job.device.clone(),
-            what: name.clone(),
-            runs: CellRun::all(cells.into_iter().map(|at| stage::cell(self.order, at)).map(|at| (at.column, at.row))),
-        }));
+        let told = told.reached(why::reached(stage, from).map(|cells| reach(self.order, name, cells)));
         self.sink.push(match help {
             Some(help) => told.help(help),
             None => told,
@@ -489,6 +494,12 @@ impl Tasks<'_> {
     fn add(&mut self, paths: &Paths, bounds: BoardCosts) {
         self.known.push((paths.clone(), bounds));
     }
+}
+
+/// How far a part came.
+fn reach(order: &ElectrodeArrayOrder, part: &str, cells: Vec<board::CellIndex>) -> Reach {
+    let places = cells.into_iter().map(|cell| stage::cell(order, cell)).map(|cell| (cell.column, cell.row));
+    Reach { what: part.to_owned(), extent: ReachExtent::Cells(CellRun::all(places)) }
 }
 
 /// Advice after a search that gave up; how long it would take is not known.

@@ -14,7 +14,7 @@ use crate::device::MAX_EXPANSIONS;
 use crate::device::fingers::MAX_LOOKS;
 use crate::device::fingers::sampling::contacts;
 use crate::device::fingers::{AXES, Adhesion, FingersFacts, MAX_CONTACTS, MAX_GRASPS, Plane};
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, Reach, ReachExtent};
 use crate::geometry::outline::{Curve, OutlineError};
 use crate::plan::search::GaveUp;
 use crate::quantity::digits;
@@ -172,6 +172,24 @@ impl HandReasons<'_> {
         Diagnostic::new(Code::E0601, title)
             .label(self.span(), format!("{}{}", self.told(blocked, leg, next), self.kept_back()))
             .help_if(self.openings(&trials))
+            .reached(self.reach(blocked, leg))
+    }
+
+    /// How far the turn comes that has no end, where that was found out.
+    fn reach(&self, blocked: &FarthestRoute, leg: RouteTurn) -> Option<Reach> {
+        let reached = blocked.farthest.filter(|_| blocked.is_known)?;
+        let extent = ReachExtent::Turn {
+            plane: leg.turn.plane.name(),
+            reached_deg: self.degrees(reached),
+            asked_deg: self.degrees(leg.turn.steps),
+        };
+        Some(Reach { what: self.order.part.name.clone(), extent })
+    }
+
+    /// Steps of a turn in degrees, without the noise of the division.
+    fn degrees(&self, steps: i32) -> f64 {
+        let step_deg = 360.0 / f64::from(self.order.facts.steps_per_turn);
+        (f64::from(steps) * step_deg * 1e6).round() / 1e6
     }
 
     /// The greedy planner got stuck, which proves nothing about other paths.
@@ -220,8 +238,7 @@ impl HandReasons<'_> {
 
     /// How far the fingers get.
     fn told(&self, blocked: &FarthestRoute, leg: RouteTurn, next: Option<&RouteTurn>) -> String {
-        let step_deg = 360.0 / f64::from(self.order.facts.steps_per_turn);
-        let degrees = |steps: i32| digits((f64::from(steps) * step_deg * 1e6).round() / 1e6);
+        let degrees = |steps: i32| digits(self.degrees(steps));
         let [i, j] = [1, self.order.part.section(leg.turn.plane).and_then(|section| section.opposite).unwrap_or(1)];
         let junction = next.map(|next| {
             format!(

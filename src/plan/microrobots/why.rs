@@ -5,7 +5,8 @@ use super::drive::{self, StuckReason, Thing};
 use super::world::{FirstMeeting, ForbiddenMeeting};
 use crate::claims::microrobots::{MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop};
 use crate::device::microrobots::MicrorobotsPlanner;
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, Reach, ReachExtent};
+use crate::geometry::Pose;
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::source::Span;
 
@@ -26,7 +27,7 @@ impl BedReasons<'_> {
         let title = format!("{} after {}", self.meeting(hit.meeting), rounded(after));
         let diagnostic =
             Diagnostic::new(Code::E0606, title).label(self.step.span, "this carries all robots that have not docked");
-        self.labelled(diagnostic, hit.meeting).help("apply it for a shorter time, or another state")
+        self.shown(diagnostic, hit).help("apply it for a shorter time, or another state")
     }
 
     /// Report of a raw state that lowers the arm of a docked robot.
@@ -41,7 +42,7 @@ impl BedReasons<'_> {
     pub fn still_turning(&self, hit: &FirstMeeting) -> Diagnostic {
         let diagnostic = Diagnostic::new(Code::E0602, format!("no way was found: {}", self.meeting(hit.meeting)))
             .label(self.step.span, "it has been turning since the step before");
-        self.labelled(diagnostic, hit.meeting).help("put `wait 1 ms` before this step: at 0 V all arms go up")
+        self.shown(diagnostic, hit).help("put `wait 1 ms` before this step: at 0 V all arms go up")
     }
 
     /// Report of a stage whose success is not certain, though the task demands that.
@@ -105,7 +106,7 @@ impl BedReasons<'_> {
                 let title = format!("{name} has a path, but all robots move with it: {}", self.meeting(hit.meeting));
                 let diagnostic = Diagnostic::new(code, title)
                     .label(goal, "so it ends with the last of the control states that were tried");
-                self.labelled(diagnostic, hit.meeting)
+                self.shown(diagnostic, &hit)
                     .help("make room for the robots that run along or turn, or drive them out of the way first")
             }
         }
@@ -262,7 +263,7 @@ impl BedReasons<'_> {
         let title = format!("no way was found for {driven}: {}", self.meeting(hit.meeting));
         let diagnostic = Diagnostic::new(code, title)
             .label(span(robot), "of all ways to this goal that were tried the last one ended so");
-        self.labelled(diagnostic, hit.meeting)
+        self.shown(diagnostic, hit)
             .help("give the robots more room: other starts, other headings of the goals, or fewer obstacles")
     }
 
@@ -292,6 +293,23 @@ impl BedReasons<'_> {
                 )
             }
         }
+    }
+
+    /// Labels the thing that is met, and shows where.
+    fn shown(&self, diagnostic: Diagnostic, hit: &FirstMeeting) -> Diagnostic {
+        let (first, other) = match hit.meeting {
+            ForbiddenMeeting::Obstacle { robot, .. } | ForbiddenMeeting::OrbitObstacle { robot, .. } => (robot, None),
+            ForbiddenMeeting::Robots { robot, other }
+            | ForbiddenMeeting::OrbitRobot { robot, other }
+            | ForbiddenMeeting::Orbits { robot, other } => (robot, Some(other)),
+        };
+        let at = |robot: usize, pose: &Pose| Reach {
+            what: self.order.robot(robot).name.clone(),
+            extent: ReachExtent::Pose([pose.x_um, pose.y_um, pose.heading_rad]),
+        };
+        self.labelled(diagnostic, hit.meeting)
+            .reached([at(first, &hit.at)])
+            .reached(other.map(|other| at(other, &hit.with)))
     }
 
     /// Labels the thing that is met, where the program declares it.

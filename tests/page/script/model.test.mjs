@@ -107,12 +107,14 @@ test("forces turn with the part, and go over into those of the next state", () =
 
 test("what a proof has reached has an edge where nothing leads on", () => {
   const reach = { device: "it", what: "a", runs: [[1, 2, 3], [2, 2, 2]] };
-  const failure = { findings: [{ reach }, {}, { reach: { ...reach, device: "other" } }] };
+  const failure = { findings: [{ reaches: [reach] }, {}, { reaches: [{ ...reach, device: "other" }] }] };
   const [{ runs, edges }, ...others] = plain(reachesOf({ failure }, "it"));
   assert.deepEqual([runs, others], [reach.runs, []]);
   const sorted = edges.map((edge) => edge.map((corner) => corner.join()).sort().join(" ")).sort();
   assert.deepEqual(sorted, ["1.5,0.5 1.5,1.5", "1.5,0.5 2.5,0.5", "1.5,1.5 1.5,2.5", "1.5,2.5 2.5,2.5", "2.5,0.5 3.5,0.5", "2.5,1.5 2.5,2.5", "2.5,1.5 3.5,1.5", "3.5,0.5 3.5,1.5"]);
   assert.deepEqual(plain(reachesOf({}, "it")), []);
+  const turn = { device: "it", what: "bead", plane: "xy", reached_deg: 30, asked_deg: 90 };
+  assert.deepEqual(plain(reachesOf({ failure: { findings: [{ reaches: [turn] }] } }, "it")), [turn]);
 });
 
 test("robots drive straight with the arm up and round with it down", () => {

@@ -2,14 +2,14 @@
 //!
 //! Method: A* over the positions of all agents with what each has done, one step of the board at a time; the estimate is that of the agent
 //! with the longest way to its end. Guaranteed: a plan is legal and has the fewest steps, and "impossible" is said only after all positions
-//! have been seen. Cost: one step of the budget for each joint position generated; no more than [`MAX_POSITIONS`] are kept.
+//! have been seen, with the cells that they reach. Cost: one step of the budget for each joint position generated; no more than [`MAX_POSITIONS`] are kept.
 
 use super::super::board::CellIndex;
 use super::super::fast::UNREACHABLE;
 use super::route::Ahead;
 use super::{AgentCourse, AssayProblem, Errand, ErrandPlace, SplitErrand};
 use crate::plan::search::{Meter, SearchAnswer};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -51,6 +51,9 @@ struct JointPosition {
     left: Box<[u64]>,
 }
 
+/// The cells to which each agent has come, ascending.
+pub(super) type AgentCells = Vec<Vec<CellIndex>>;
+
 /// A joint position and the one before it.
 struct JointNode {
     position: JointPosition,
@@ -64,7 +67,7 @@ pub(super) fn fewest_steps(
     ahead: &Ahead,
     limit: u32,
     meter: &mut Meter,
-) -> SearchAnswer<Vec<AgentCourse>, (), ()> {
+) -> SearchAnswer<Vec<AgentCourse>, AgentCells, ()> {
     let contents = problem.traces.as_ref().map_or(0, |traces| traces.washes.len());
     if problem.errands.len() > MAX_AGENTS || contents > u64::BITS as usize {
         return SearchAnswer::GaveUp(());
@@ -86,7 +89,7 @@ pub(super) fn fewest_steps(
             return SearchAnswer::GaveUp(());
         }
     }
-    SearchAnswer::Impossible(())
+    SearchAnswer::Impossible(search.reached())
 }
 
 struct JointSearch<'a> {
@@ -102,6 +105,22 @@ struct JointSearch<'a> {
 }
 
 impl JointSearch<'_> {
+    /// The cells of all positions that were found.
+    fn reached(&self) -> AgentCells {
+        let mut met = vec![FxHashSet::default(); self.problem.errands.len()];
+        for node in &self.nodes {
+            for (met, stand) in met.iter_mut().zip(&node.position.stands) {
+                met.extend(stand.there().map(|stand| stand.cell));
+            }
+        }
+        let sorted = |met: FxHashSet<CellIndex>| {
+            let mut cells: Vec<CellIndex> = met.into_iter().collect();
+            cells.sort_unstable();
+            cells
+        };
+        met.into_iter().map(sorted).collect()
+    }
+
     fn is_end(&self, index: u32) -> bool {
         let has_done = |(agent, stand): (usize, &JointStand)| match stand {
             JointStand::Due => false,

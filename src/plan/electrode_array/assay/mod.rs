@@ -114,14 +114,23 @@ pub fn last_arrival(course: &[CellIndex]) -> u64 {
     course.iter().rposition(|cell| Some(cell) != last).map_or(0, |before| before as u64 + 1)
 }
 
+/// Why an assay has no plan.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum NoAssayPlan {
+    /// Agents cannot come to their stops, whatever the others do.
+    Alone(NoBoardPlan),
+    /// The agents keep one another from their operations, in every order; by agent, the cells that it came to.
+    Excluded { reached: Vec<Vec<CellIndex>> },
+}
+
 /// A plan of an assay; where the search gave up, lower bounds on every plan.
 pub fn solve(
     problem: &AssayProblem,
     objective: BoardObjective,
     budget: SearchBudget,
-) -> SearchAnswer<AssayPlan, NoBoardPlan, BoardCosts> {
+) -> SearchAnswer<AssayPlan, NoAssayPlan, BoardCosts> {
     if let Err(why) = fast::bounds(problem.instance) {
-        return SearchAnswer::Impossible(why);
+        return SearchAnswer::Impossible(NoAssayPlan::Alone(why));
     }
     let mut meter = Meter::new(budget);
     let mut distances = fast::Distances::of(&problem.instance.board);
@@ -142,15 +151,15 @@ pub fn solve(
             let makespan = AssayPlan::costs(&courses).makespan;
             found(Some(courses), BoardCosts { makespan, ..bounds })
         }
-        SearchAnswer::Impossible(()) if by_lists.is_none() => {
-            SearchAnswer::Impossible(NoBoardPlan::Blocked { agents: (0..problem.errands.len()).collect() })
+        SearchAnswer::Impossible(reached) if by_lists.is_none() => {
+            SearchAnswer::Impossible(NoAssayPlan::Excluded { reached })
         }
-        SearchAnswer::Impossible(()) => found(by_lists, BoardCosts { makespan: u64::from(limit) + 1, ..bounds }),
+        SearchAnswer::Impossible(_) => found(by_lists, BoardCosts { makespan: u64::from(limit) + 1, ..bounds }),
         SearchAnswer::GaveUp(()) => found(by_lists, bounds),
     }
 }
 
-fn found(courses: Option<Vec<AgentCourse>>, bounds: BoardCosts) -> SearchAnswer<AssayPlan, NoBoardPlan, BoardCosts> {
+fn found(courses: Option<Vec<AgentCourse>>, bounds: BoardCosts) -> SearchAnswer<AssayPlan, NoAssayPlan, BoardCosts> {
     match courses {
         Some(courses) => SearchAnswer::Found(AssayPlan { courses, bounds }),
         None => SearchAnswer::GaveUp(bounds),

@@ -27,7 +27,9 @@ mod pair;
 mod split;
 mod tree;
 
-use super::board::{BoardAnswer, BoardCosts, BoardObjective, BoardPlan, HeldBoardPlan, Instance, NoBoardPlan, Paths};
+use super::board::{
+    BoardAnswer, BoardCosts, BoardObjective, BoardPlan, CellIndex, HeldBoardPlan, Instance, NoBoardPlan, Paths,
+};
 use super::joint::{self, JointAim, NoJointPlan, trim};
 use super::timing;
 use crate::plan::search::{Meter, SearchBudget};
@@ -46,6 +48,9 @@ const JOINT_SHARE: u64 = 4;
 /// remains of that.
 const PAIRS_SHARE: u64 = 2;
 const PAIR_SHARE: u64 = 2;
+
+/// Moves that are tried to find out, for a picture, how far agents without a plan come.
+const REACH_BUDGET: SearchBudget = SearchBudget::of(4_000_000);
 
 /// Without an incumbent, one part in this many of the remaining budget goes to the main search, which may not end because there may
 /// be no plan.
@@ -92,6 +97,12 @@ pub fn small(
         Some(ProofEnd::Proven) => Some((unsearched(prover.best, prover.bounds), true)),
         None => Some((unsearched(prover.best, prover.bounds), false)),
     }
+}
+
+/// The cells that each of some agents without a plan comes to while they keep apart, by agent; `None` where that is too much to visit.
+pub fn reached(instance: &Instance, agents: &[usize]) -> Option<Vec<Vec<CellIndex>>> {
+    let field = ExactTables::new(instance).ok()?;
+    joint::reached(&field, agents, &mut Meter::new(REACH_BUDGET))
 }
 
 fn unsearched(best: Option<Paths>, bounds: BoardCosts) -> BoardAnswer {

@@ -176,6 +176,19 @@ fn the_pair_that_cannot_pass_is_named_and_no_one_else() {
 }
 
 #[test]
+fn what_agents_reach_that_cannot_pass_ends_before_one_another() {
+    let corridor = [((0, 0), (9, 0)), ((9, 0), (0, 0))];
+    let instance = drawn(&[".........."], 1, &corridor);
+    assert_eq!(reached(&instance, &[0, 1]), Some(vec![(0..=8).collect(), (1..=9).collect()]));
+    // At a distance of three, a cell at each end is taken by nobody but the one that starts there.
+    let instance = drawn(&[".........."], 3, &corridor);
+    assert_eq!(reached(&instance, &[1, 0]), Some(vec![(3..=9).collect(), (0..=6).collect()]));
+    // Those that can pass have a plan, and no such proof.
+    let instance = drawn(&["..........", "####.#####"], 1, &[((0, 1), (9, 1)), ((9, 1), (0, 1))]);
+    assert_eq!(reached(&instance, &[0, 1]), None);
+}
+
+#[test]
 fn a_blocked_pair_is_found_in_a_joint_space_too_large_to_search() {
     let (free, wall) = (".".repeat(60), "#".repeat(60));
     let lines = [free.as_str(), &free, &free, &wall, &free];

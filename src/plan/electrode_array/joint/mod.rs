@@ -71,6 +71,25 @@ pub fn search(field: &ExactTables, group: &[usize], aim: JointAim, meter: &mut M
     search.run(meter)
 }
 
+/// The cells that each member of a group without a plan comes to in some order of moves, as far as it could go on to its goal from there
+/// if it were alone, ascending. `None` if the meter ends first, or if there is a plan.
+pub fn reached(field: &ExactTables, group: &[usize], meter: &mut Meter) -> Option<Vec<Vec<CellIndex>>> {
+    if group.is_empty() || group.len() > MOST_MEMBERS {
+        return None;
+    }
+    let mut search = JointSearch::new(field, group, JointAim::Any);
+    search.begin();
+    let JointAnswer::Impossible(_) = search.run(meter) else { return None };
+    let mut met = vec![vec![false; field.instance.board.cells()]; group.len()];
+    for state in 0..search.states.count() {
+        for (met, word) in met.iter_mut().zip(search.states.words(state)) {
+            met[field.cell(word >> 1) as usize] = true;
+        }
+    }
+    let cells = |met: Vec<bool>| (0..).zip(met).filter_map(|(cell, is_met)| is_met.then_some(cell)).collect();
+    Some(met.into_iter().map(cells).collect())
+}
+
 /// One agent's part of a joint node: its node, and whether it has arrived for good.
 type AgentWord = u32;
 

@@ -33,6 +33,11 @@ impl States {
         self.width
     }
 
+    /// Number of stored states; they are those below it.
+    pub fn count(&self) -> u32 {
+        self.costs.len() as u32
+    }
+
     pub fn words(&self, state: u32) -> &[u32] {
         &self.words[state as usize * self.width..][..self.width]
     }
