@@ -37,6 +37,16 @@ pub struct Given<'a> {
     pub scope: Scope,
 }
 
+/// A width and a height in place of a size.
+fn extents<'a>(given: &'a [Given], table: &[device::VocabularyField]) -> Option<[&'a tree::Field; 2]> {
+    let has = |name: &str| table.iter().any(|entry| entry.name == name);
+    let is_sized = has("size") && !has("width") && given.iter().all(|one| one.field.name.text != "size");
+    let mut pairs = given.windows(2).filter(|_| is_sized).map(|pair| [pair[0].field, pair[1].field]);
+    pairs.find(|[one, other]| {
+        one.name.text == "width" && other.name.text == "height" && one.span.file == other.span.file
+    })
+}
+
 impl Checker<'_> {
     /// Reads fields against their table; unknown, repeated and unfit ones are reported. Missing ones are left to the caller.
     pub fn read_fields(
@@ -47,7 +57,15 @@ impl Checker<'_> {
     ) -> Accepted {
         let mut accepted = Accepted::new();
         let mut seen: BTreeMap<&str, Span> = BTreeMap::new();
+        let extents = extents(given, table);
+        if let Some([width, height]) = extents {
+            self.sink.push(errors::extents(width, height, &owner.name));
+            accepted.insert("size", Spanned::new(Value::Unknown, width.span));
+        }
         for Given { field, scope } in given {
+            if extents.is_some_and(|pair| pair.iter().any(|one| one.span == field.span)) {
+                continue;
+            }
             if let Some(earlier) = seen.insert(&field.name.text, field.name.span) {
                 self.sink.push(errors::field_twice(&field.name, earlier));
                 continue;

@@ -8,7 +8,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Unit;
 use crate::source::Span;
 use crate::stdlib;
-use crate::syntax::tree::{Ident, Path};
+use crate::syntax::tree::{Field, Ident, Path};
 use std::collections::BTreeSet;
 
 pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<&str>) -> Diagnostic {
@@ -311,6 +311,21 @@ pub fn unknown_field(name: &Ident, owner: &str, near: Option<&str>, known: &[&st
     Diagnostic::new(Code::E0209, format!("{owner} has no field `{}`", name.text))
         .label(name.span, "unknown field")
         .near_or(near, list)
+}
+
+/// A width and a height, where a size is asked for.
+pub fn extents(width: &Field, height: &Field, owner: &str) -> Diagnostic {
+    let (before, between) = (width.name.span.to(width.value.span), width.value.span.to(height.value.span));
+    let up_to_value = Span { end: width.value.span.start, ..before };
+    let up_to_next = Span { start: width.value.span.end, end: height.value.span.start, ..between };
+    let after = Span { start: height.value.span.end, end: height.value.span.end, ..between };
+    Diagnostic::new(Code::E0209, format!("{owner} has no fields `width` and `height`"))
+        .label(width.name.span, "unknown field")
+        .label(height.name.span, "unknown field")
+        .help("write both as `size: (width, height)`")
+        .mended(up_to_value, "size: (")
+        .mended(up_to_next, ", ")
+        .mended(after, ")")
 }
 
 pub fn unknown_noun(span: Span, noun: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {
