@@ -38,9 +38,9 @@
 //!   with [`geometry`]. `tests/tidy.rs` lists what the verifier names of it, and tests put faults into each of the two and see the build
 //!   refuse. Elementary functions ([`real`]) and plain figures of [`device`] are shared.
 //! - **A device kind is vocabulary.** It is one file of facts in `device`, of `claims`, of judgements in `check`, a planner in `plan`, its
-//!   states in `schedule`, a lowering in `lower`, a judge in `verify`, its motion over time in `emit/course`, its pictures in `emit/mcap` and `emit/svg`, its lines of the report in `cli/report`,
-//!   and a file of published devices in `stdlib/`, all of one name. It adds no syntax. Each stage asks for the kind once and works through
-//!   a small trait from there; what a fifth kind costs stands in [`device`].
+//!   states in `schedule`, a lowering in `lower`, a judge in `verify`, its motion over time and its pictures in `emit`, its lines of the
+//!   report in `cli/report`, and a file of published devices in `stdlib/`, all of one name. It adds no syntax. Each stage asks for the
+//!   kind once and works through a small trait from there; what a fifth kind costs stands in [`device`].
 //! - **Nothing is silent.** All errors of a stage are reported in one run, each with a code, the user's own text labelled, and the
 //!   mend. "No plan" is a proof; a search that gave up says so.
 //! - **Same input, same bytes.** Budgets count steps and not seconds; no clock, hash order or thread reaches the output.

@@ -5,8 +5,8 @@
 //!
 //! # What a fifth kind costs
 //!
-//! Files of its own, all of one name: facts and words here, and `claims`, `check`, `plan`, `schedule`, `lower`, `verify`, `emit/course`,
-//! `emit/mcap`, `emit/svg` and `cli/report` each with a file or a folder; besides, `stdlib/<kind>.twz` (with its line in `src/stdlib.rs`), an example, cases of the
+//! Files of its own, all of one name: facts and words here, and `claims`, `check`, `plan`, `schedule`, `lower`, `verify`, `emit`
+//! and `cli/report` each with a file or a folder; besides, `stdlib/<kind>.twz` (with its line in `src/stdlib.rs`), an example, cases of the
 //! corpus. Each stage asks it through a small trait that stands in the stage's `mod.rs`. The shared files that name it are these:
 //!
 //! | file | what it gets |
@@ -19,9 +19,7 @@
 //! | `src/lower/mod.rs` | the module |
 //! | `src/verify/mod.rs` | the module |
 //! | `src/simulate/mod.rs` | whether it is simulated |
-//! | `src/emit/course/mod.rs` | the module |
-//! | `src/emit/mcap/mod.rs` | the module |
-//! | `src/emit/svg/mod.rs` | the module |
+//! | `src/emit/mod.rs` | the module |
 //! | `src/emit/sheet/mod.rs` | the module, if there is anything to load |
 //! | `src/cli/report/mod.rs` | the module |
 //! | `src/cli/mod.rs` | commands of its own, if it has any |

@@ -5,7 +5,10 @@
 
 mod course;
 pub mod csv;
+mod dimibot;
+mod electrode_array;
 mod error;
+mod fingers;
 #[cfg(test)]
 pub(crate) mod fixture;
 mod frames;
@@ -13,6 +16,7 @@ pub mod gcode;
 mod html;
 mod identifier;
 pub mod mcap;
+mod microrobots;
 mod nidaqmx;
 pub mod pwl;
 mod sampling;

@@ -3,11 +3,6 @@
 //! Input: a [`Verified`] schedule and the name of a device. Output: the places of what moves, at the instants of its states and
 //! between them, and what stands around. Nothing is drawn here.
 
-pub mod dimibot;
-pub mod electrode_array;
-pub mod fingers;
-pub mod microrobots;
-
 use crate::claims::Job;
 use crate::schedule::PlanRecord;
 use crate::verify::Verified;

@@ -11,22 +11,18 @@
 //! A micrometre would be a dot in a viewer whose unit is the metre, so pictures are enlarged: one unit is one micrometre, for every
 //! device.
 
-mod bench;
-mod cloud;
+pub(super) mod bench;
+pub(super) mod cloud;
 mod difference;
-mod dimibot;
-mod drawing;
-mod electrode_array;
-mod fingers;
-mod foxglove;
-mod frames;
+pub(super) mod drawing;
+pub(super) mod foxglove;
+pub(super) mod frames;
 pub mod layout;
-mod lines;
-mod microrobots;
+pub(super) mod lines;
 pub mod recording;
 #[cfg(test)]
-mod tests;
-mod voltages;
+pub(super) mod tests;
+pub(super) mod voltages;
 
 pub use difference::{difference, difference_diagnostic};
 
@@ -70,23 +66,23 @@ const MAX_OUTLINES: usize = 500;
 const WORLD: &str = "world";
 
 /// One topic of the log with its messages.
-struct LogTopic {
-    name: String,
-    schema: foxglove::MessageSchema,
-    metadata: BTreeMap<String, String>,
+pub(super) struct LogTopic {
+    pub name: String,
+    pub schema: foxglove::MessageSchema,
+    pub metadata: BTreeMap<String, String>,
     /// In order of time.
-    messages: Vec<(u64, Vec<u8>)>,
+    pub messages: Vec<(u64, Vec<u8>)>,
 }
 
 impl LogTopic {
-    fn new<T: ::foxglove::Encode>(name: impl Into<String>, messages: Vec<(u64, Vec<u8>)>) -> LogTopic {
+    pub fn new<T: ::foxglove::Encode>(name: impl Into<String>, messages: Vec<(u64, Vec<u8>)>) -> LogTopic {
         let schema = foxglove::schema::<T>().expect("every foxglove message has a schema");
         LogTopic { name: name.into(), schema, metadata: BTreeMap::new(), messages }
     }
 }
 
 /// What a kind brings to a log, on its orders.
-trait Pictures {
+pub(super) trait Pictures {
     /// All topics of a device but its voltages or positions, and what moves.
     fn topics(&self, verified: &Verified, signals: &Signals, device: &str) -> (Vec<LogTopic>, Vec<Mover>);
 

@@ -4,15 +4,11 @@
 //! Above them stand the cost of each plan and what is proven of it, below them the scale bars, the instants and the legend. Without
 //! scripts, style sheets or other files; 85 mm wide, as a column of a paper, or 175 mm where there are several panels.
 
-mod dimibot;
-mod drawing;
-mod electrode_array;
-mod fingers;
-mod legend;
-mod letters;
-mod microrobots;
-mod scenery;
-mod strobe;
+pub(super) mod drawing;
+pub(super) mod legend;
+pub(super) mod letters;
+pub(super) mod scenery;
+pub(super) mod strobe;
 #[cfg(test)]
 mod tests;
 
@@ -51,15 +47,15 @@ const MAX_PANELS: usize = 12;
 /// What a kind is asked to draw.
 #[derive(Clone, Copy)]
 pub struct Subject<'a> {
-    verified: &'a Verified,
-    signals: &'a Signals<'a>,
-    device: &'a str,
+    pub verified: &'a Verified,
+    pub signals: &'a Signals<'a>,
+    pub device: &'a str,
     /// The one instant to be drawn; `None` for strobes.
-    moment_ns: Option<u64>,
+    pub moment_ns: Option<u64>,
 }
 
 /// A part of a picture with one scale.
-trait Panel {
+pub(super) trait Panel {
     fn title(&self) -> String;
 
     /// The corners of what must be seen, in its unit.
@@ -85,7 +81,7 @@ trait Panel {
 }
 
 /// What a kind brings to pictures, on its orders.
-trait Pictured {
+pub(super) trait Pictured {
     /// The panels of a device, which has the order as its first one; none if another device's panel shows it.
     fn panels<'a>(&'a self, subject: Subject<'a>) -> Vec<Box<dyn Panel + 'a>>;
 }

@@ -6,13 +6,13 @@
 mod scene;
 mod solid;
 
-use super::drawing;
-use super::foxglove::{self, PoseInFrame};
-use super::frames::{FramePlace, Mover, StandingPose};
-use super::{LogTopic, Pictures};
 use crate::claims::fingers::{FingersAction, FingersOrder};
 use crate::emit::Signals;
-use crate::emit::course::fingers::{HandCourse, HandMoment, PartPose};
+use crate::emit::fingers::course::{HandCourse, HandMoment, PartPose};
+use crate::emit::mcap::drawing;
+use crate::emit::mcap::foxglove::{self, PoseInFrame};
+use crate::emit::mcap::frames::{FramePlace, Mover, StandingPose};
+use crate::emit::mcap::{LogTopic, Pictures};
 use crate::geometry::outline::Curve;
 use crate::verify::Verified;
 

@@ -7,7 +7,7 @@ use super::{frame, place_um};
 use crate::claims::electrode_array::ElectrodeArrayOrder;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes};
 use crate::emit::course;
-use crate::emit::course::electrode_array::{asked, body, outline};
+use crate::emit::electrode_array::course::{asked, body, outline};
 use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, rectangle, spaced_cloud};
 use crate::emit::mcap::drawing::{self, Slab, color};

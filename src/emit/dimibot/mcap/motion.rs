@@ -2,8 +2,8 @@
 //!
 //! A module snaps at some instant within its pulse, so the old pose is repeated at the pulse's start and the new one written at its end.
 
-use crate::emit::course::dimibot::place;
 use crate::emit::course::plans;
+use crate::emit::dimibot::course::place;
 use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::foxglove::{self, PoseInFrame, PosesInFrame};
 use crate::verify::Verified;

@@ -1,8 +1,8 @@
-use super::super::tests::device_topics;
 use super::*;
-use crate::emit::course::fingers::{HandCourse, MAX_MOMENTS};
+use crate::emit::fingers::course::{HandCourse, MAX_MOMENTS};
 use crate::emit::fixture;
 use crate::emit::mcap::foxglove::SceneUpdate;
+use crate::emit::mcap::tests::device_topics;
 use crate::schedule::State;
 use crate::schedule::fingers::FingersState;
 use prost::Message as _;

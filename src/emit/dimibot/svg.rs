@@ -2,16 +2,16 @@
 //!
 //! Robots that share a scene are drawn in one panel, in the scene's coordinates.
 
-use super::drawing::{
-    Anchor, Drawing, HAIR_PT, Ink, Letters, PaperBox, PaperView, PlacedLabel, TEXT_PT, THIN_PT, WAY_PT, color, decimal,
-};
-use super::legend::{KeyForm, PanelKey};
-use super::scenery::{self, simplified};
-use super::strobe::{MAX_NUMBERS, MAX_STROBES, StrobedPlace, Strobes};
-use super::{Panel, Pictured, Subject};
 use crate::claims::dimibot::{DimibotObstacle, DimibotObstacleBody, DimibotOrder};
 use crate::device::dimibot::{LatticeCell, Side};
-use crate::emit::course::dimibot::{extent_um, jobs, last_cell, place, poses, stops, tiles_um};
+use crate::emit::dimibot::course::{extent_um, jobs, last_cell, place, poses, stops, tiles_um};
+use crate::emit::svg::drawing::{
+    Anchor, Drawing, HAIR_PT, Ink, Letters, PaperBox, PaperView, PlacedLabel, TEXT_PT, THIN_PT, WAY_PT, color, decimal,
+};
+use crate::emit::svg::legend::{KeyForm, PanelKey};
+use crate::emit::svg::scenery::{self, simplified};
+use crate::emit::svg::strobe::{MAX_NUMBERS, MAX_STROBES, StrobedPlace, Strobes};
+use crate::emit::svg::{Panel, Pictured, Subject};
 use crate::geometry::Shape;
 use crate::schedule::dimibot::DimibotState;
 use crate::schedule::{PlanRecord, State};

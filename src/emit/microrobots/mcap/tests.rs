@@ -1,10 +1,10 @@
-use super::super::tests::device_topics;
-use super::foxglove::{FrameTransforms, SceneUpdate};
 use super::*;
 use crate::device::microrobots::Arm;
-use crate::emit::course::microrobots::MAX_POSES;
 use crate::emit::fixture;
 use crate::emit::mcap::bench;
+use crate::emit::mcap::foxglove::{FrameTransforms, SceneUpdate};
+use crate::emit::mcap::tests::device_topics;
+use crate::emit::microrobots::course::MAX_POSES;
 use crate::schedule::State;
 use crate::schedule::microrobots::MicrorobotsState;
 use prost::Message as _;

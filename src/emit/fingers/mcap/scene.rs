@@ -7,7 +7,7 @@ use super::solid;
 use super::{part_frame, stand, tip_frame};
 use crate::claims::fingers::{FingersOrder, HandPart};
 use crate::device::fingers::Plane;
-use crate::emit::course::fingers::{HandCourse, HandPlanCourse, RecordedGrasp};
+use crate::emit::fingers::course::{HandCourse, HandPlanCourse, RecordedGrasp};
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, SpaceStroke, circle, space_cloud};
 use crate::emit::mcap::drawing::{self, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, Vector3, line_primitive};

@@ -4,17 +4,18 @@ pub mod motion;
 mod points;
 pub mod scene;
 
-use super::cloud::SpaceStroke;
-use super::frames::{Mover, StandingPose};
-use super::{LogTopic, Pictures, Signals};
 use crate::claims::dimibot::{DimibotOrder, in_scene_um};
-use crate::emit::course::dimibot;
+use crate::emit::Signals;
+use crate::emit::dimibot::course;
+use crate::emit::mcap::cloud::SpaceStroke;
+use crate::emit::mcap::frames::{Mover, StandingPose};
+use crate::emit::mcap::{LogTopic, Pictures};
 use crate::geometry::Pose;
 use crate::verify::Verified;
 
 impl Pictures for DimibotOrder {
     fn topics(&self, verified: &Verified, signals: &Signals, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
-        let poses = dimibot::poses(verified, signals, device);
+        let poses = course::poses(verified, signals, device);
         let mut topics = Vec::from(motion::topics(verified, device, &poses));
         topics.extend(points::topics(verified, device));
         topics.extend(scene::topics(verified, device));
@@ -24,11 +25,11 @@ impl Pictures for DimibotOrder {
     }
 
     fn reach(&self) -> [f64; 2] {
-        [0.0, dimibot::extent_um(&self.facts)[0]]
+        [0.0, course::extent_um(&self.facts)[0]]
     }
 
     fn right_in_scene(&self, frame: &Pose) -> Option<f64> {
-        let [x, y] = dimibot::extent_um(&self.facts);
+        let [x, y] = course::extent_um(&self.facts);
         let corners = [[0.0, 0.0], [x, 0.0], [0.0, y], [x, y]];
         Some(corners.map(|corner| in_scene_um(corner, Some(frame))[0]).into_iter().fold(f64::NEG_INFINITY, f64::max))
     }

@@ -6,11 +6,11 @@
 use super::{frame, stand};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Robot};
-use crate::emit::course::microrobots::{BedCourse, BedPlanCourse, ControlLeg, SweptDisc, goals, nose_corners};
 use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, SpaceStroke, Stroke, circle, outlines, spaced_cloud};
 use crate::emit::mcap::drawing::{self, Slab, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, line_primitive};
+use crate::emit::microrobots::course::{BedCourse, BedPlanCourse, ControlLeg, SweptDisc, goals, nose_corners};
 use crate::geometry::{Pose, Shape};
 use nalgebra::Point2;
 use std::collections::BTreeSet;

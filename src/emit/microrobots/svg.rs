@@ -1,13 +1,15 @@
 //! Pictures of microrobots: the bed with its obstacles, the robots with their headings and trails, and where they dock, enlarged.
 
-use super::drawing::{Drawing, HAIR_PT, Ink, Letters, PaperBox, PaperView, PlacedLabel, THIN_PT, color, decimal};
-use super::legend::{KeyForm, PanelKey};
-use super::scenery::{self, simplified};
-use super::strobe::{MAX_NUMBERS, MAX_STROBES, StrobedPlace, Strobes, ranges};
-use super::{Panel, Pictured, Subject};
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsObstacle, MicrorobotsOrder};
 use crate::device::microrobots::{Arm, Robot};
-use crate::emit::course::microrobots::{BedCourse, goals, nose_corners};
+use crate::emit::microrobots::course::{BedCourse, goals, nose_corners};
+use crate::emit::svg::drawing::{
+    Drawing, HAIR_PT, Ink, Letters, PaperBox, PaperView, PlacedLabel, THIN_PT, color, decimal,
+};
+use crate::emit::svg::legend::{KeyForm, PanelKey};
+use crate::emit::svg::scenery::{self, simplified};
+use crate::emit::svg::strobe::{MAX_NUMBERS, MAX_STROBES, StrobedPlace, Strobes, ranges};
+use crate::emit::svg::{Panel, Pictured, Subject};
 use crate::geometry::Pose;
 use crate::real::Real;
 use nalgebra::Point2;

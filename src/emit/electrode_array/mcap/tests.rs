@@ -1,8 +1,8 @@
-use super::super::bench;
-use super::super::tests::device_topics;
-use super::foxglove::{FrameTransforms, SceneUpdate};
 use super::*;
 use crate::device::electrode_array::Electrodes;
+use crate::emit::mcap::bench;
+use crate::emit::mcap::foxglove::{FrameTransforms, SceneUpdate};
+use crate::emit::mcap::tests::device_topics;
 use crate::lower::electrode_array::tests::{carried, facts};
 use prost::Message as _;
 

@@ -7,7 +7,7 @@ use super::motion;
 use crate::claims::dimibot::{DimibotObstacle, DimibotObstacleBody, DimibotOrder};
 use crate::device::dimibot::Side;
 use crate::device::dimibot::{DimibotFacts, LatticeCell};
-use crate::emit::course::dimibot::{self, extent_um, jobs, sceneries, tiles_um};
+use crate::emit::dimibot::course::{self, extent_um, jobs, sceneries, tiles_um};
 use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::drawing::{self, Slab, color};
 use crate::emit::mcap::foxglove::{self, SceneEntity, SceneUpdate, line_primitive};
@@ -68,7 +68,7 @@ pub fn drawn(order: &DimibotOrder) -> &[DimibotObstacle] {
 
 /// The stops that are drawn.
 pub fn stops(order: &DimibotOrder) -> Vec<LatticeCell> {
-    dimibot::stops(order).into_iter().take(MAX_DRAWN).collect()
+    course::stops(order).into_iter().take(MAX_DRAWN).collect()
 }
 
 fn scenery(order: &DimibotOrder, device: &str, t_ns: u64) -> Vec<SceneEntity> {
@@ -118,12 +118,12 @@ fn lattice(mut entity: SceneEntity, order: &DimibotOrder, device: &str) -> Scene
 
 fn path(mut entity: SceneEntity, plan: &PlanRecord) -> SceneEntity {
     let places = plan.states.iter().map(|state| {
-        let [x, y, z] = dimibot::place(state);
+        let [x, y, z] = course::place(state);
         [x, y, z + PATH_HEIGHT_UM]
     });
     drawing::line(&mut entity, places, line_primitive::Type::LineStrip, color::PATH);
     if let Some(first) = plan.states.first() {
-        let [x, y, _] = dimibot::place(first);
+        let [x, y, _] = course::place(first);
         drawing::sphere(&mut entity, [x, y, PATH_HEIGHT_UM], STOP_UM, color::START);
         drawing::text(&mut entity, [x, y - LABEL_GAP_UM, LABEL_HEIGHT_UM], "start".into(), color::START);
     }

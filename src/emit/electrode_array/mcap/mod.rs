@@ -6,15 +6,16 @@
 
 mod scene;
 
-use super::cloud::SpaceStroke;
-use super::foxglove::{self, PoseInFrame};
-use super::frames::{FramePlace, Mover, StandingPose};
-use super::voltages::{MAX_FIELDS, MessageShape, encode_fields, repeat_held, schema};
-use super::{LogTopic, Pictures, Signals};
 use crate::claims::electrode_array::ElectrodeArrayOrder;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
-use crate::emit::course::electrode_array::{PartsMoment, moments, place};
+use crate::emit::Signals;
+use crate::emit::electrode_array::course::{PartsMoment, moments, place};
 use crate::emit::identifier;
+use crate::emit::mcap::cloud::SpaceStroke;
+use crate::emit::mcap::foxglove::{self, PoseInFrame};
+use crate::emit::mcap::frames::{FramePlace, Mover, StandingPose};
+use crate::emit::mcap::voltages::{MAX_FIELDS, MessageShape, encode_fields, repeat_held, schema};
+use crate::emit::mcap::{LogTopic, Pictures};
 use crate::verify::Verified;
 use std::collections::{BTreeMap, BTreeSet};
 

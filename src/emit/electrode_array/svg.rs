@@ -1,16 +1,16 @@
 //! Pictures of electrode arrays: the board with its obstacles, the parts at their start and end, and their routes.
 
-use super::drawing::{
-    Drawing, HAIR_PT, Ink, Letters, PaperBox, PaperView, PlacedLabel, THIN_PT, WAY_PT, color, decimal,
-};
-use super::legend::{KeyForm, PanelKey};
-use super::scenery::{self, simplified};
-use super::strobe::{MAX_NUMBERS, MAX_STROBES, StrobedPlace, Strobes, length, ranges};
-use super::{Panel, Pictured, Subject};
 use crate::claims::electrode_array::{ElectrodeArrayObstacle, ElectrodeArrayOrder};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes};
 use crate::emit::course;
-use crate::emit::course::electrode_array::{PartsMoment, asked, body, moments, outline, place};
+use crate::emit::electrode_array::course::{PartsMoment, asked, body, moments, outline, place};
+use crate::emit::svg::drawing::{
+    Drawing, HAIR_PT, Ink, Letters, PaperBox, PaperView, PlacedLabel, THIN_PT, WAY_PT, color, decimal,
+};
+use crate::emit::svg::legend::{KeyForm, PanelKey};
+use crate::emit::svg::scenery::{self, simplified};
+use crate::emit::svg::strobe::{MAX_NUMBERS, MAX_STROBES, StrobedPlace, Strobes, length, ranges};
+use crate::emit::svg::{Panel, Pictured, Subject};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Least distance of electrodes on paper; of a finer board only the outline is drawn.

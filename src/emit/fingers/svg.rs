@@ -2,14 +2,16 @@
 //!
 //! The first axis of a panel is where the part's first axis was when its turn began, so that a part is seen as far round as it has turned.
 
-use super::drawing::{Drawing, HAIR_PT, Ink, Letters, PaperView, PlacedLabel, THIN_PT, WAY_PT, color, decimal};
-use super::legend::{KeyForm, PanelKey};
-use super::scenery;
-use super::strobe::{Strobes, time};
-use super::{Panel, Pictured, Subject};
 use crate::claims::fingers::{FingersOrder, Section};
 use crate::device::fingers::Plane;
-use crate::emit::course::fingers::{HandCourse, HandMoment, HandPlanCourse, PartPose, RecordedGrasp, corners};
+use crate::emit::fingers::course::{HandCourse, HandMoment, HandPlanCourse, PartPose, RecordedGrasp, corners};
+use crate::emit::svg::drawing::{
+    Drawing, HAIR_PT, Ink, Letters, PaperView, PlacedLabel, THIN_PT, WAY_PT, color, decimal,
+};
+use crate::emit::svg::legend::{KeyForm, PanelKey};
+use crate::emit::svg::scenery;
+use crate::emit::svg::strobe::{Strobes, time};
+use crate::emit::svg::{Panel, Pictured, Subject};
 use crate::geometry::outline::Curve;
 use crate::real::Real;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};

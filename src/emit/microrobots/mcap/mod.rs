@@ -3,13 +3,14 @@
 
 mod scene;
 
-use super::foxglove::{self, PosesInFrame};
-use super::frames::{Mover, StandingPose};
-use super::voltages::{MessageShape, encode_fields, repeat_held, schema};
-use super::{LogTopic, Pictures, Signals, drawing};
 use crate::claims::microrobots::MicrorobotsOrder;
-use crate::emit::course::microrobots::{BedCourse, BedMoment, goals};
+use crate::emit::Signals;
 use crate::emit::identifier;
+use crate::emit::mcap::foxglove::{self, PosesInFrame};
+use crate::emit::mcap::frames::{Mover, StandingPose};
+use crate::emit::mcap::voltages::{MessageShape, encode_fields, repeat_held, schema};
+use crate::emit::mcap::{LogTopic, Pictures, drawing};
+use crate::emit::microrobots::course::{BedCourse, BedMoment, goals};
 use crate::geometry::Pose;
 use crate::verify::Verified;
 use std::collections::BTreeMap;
