@@ -140,7 +140,7 @@ impl<'a> ScheduleBuilder<'a> {
         }
         self.index.insert(name.clone(), self.channels.len() as u32);
         let wire = self.claims.wires.get(&name).cloned();
-        self.channels.push(Channel { name, device: device.to_owned(), unit, wire });
+        self.channels.push(Channel { name, device: device.to_owned(), unit, wire, rest_v: 0.0 });
     }
 
     fn add(&mut self, job: usize, plan: &Plan<Motion>, run: LoweredRun, start_ns: u64) {

@@ -58,7 +58,7 @@ impl SourceRef {
 }
 
 /// One output of an instrument.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Channel {
     /// With the device in front: `bot.bl4.set`.
     pub name: String,
@@ -66,6 +66,14 @@ pub struct Channel {
     pub unit: ChannelUnit,
     /// The physical output, where a `wiring` names one.
     pub wire: Option<String>,
+    /// A voltage's value before the schedule, after it, between its actuations and when it is broken off: 0 V for the channels of devices.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rest_v: f64,
+}
+
+/// Whether a figure is left out of a text.
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// Unit of a channel's numbers.
@@ -89,7 +97,7 @@ impl ChannelUnit {
 }
 
 /// A channel's value over a stretch of time, from one number in a straight line to another; outside of its actuations a
-/// voltage is 0 V, and a stage stays where it was last, or where it is first wanted.
+/// voltage is at rest, and a stage stays where it was last, or where it is first wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Actuation {
     /// Index of the schedule's channels.

@@ -84,7 +84,7 @@ rules! {
     Pierce E0759 "No tip is in the part, and no free one too near it"
     Apart E0760 "Tips keep clear of one another"
     Encounter E0770 "The tips of robots that share a scene never touch"
-    Output E0774 "An auxiliary output is high when the steps say so, and at no other time"
+    Output E0774 "An auxiliary output is where the steps have it, and at rest at all other times"
     SourceMap E0771 "The words and the place of a step are those of the program's file"
     Speed E0762 "No tip of a hand moves faster than the device allows there"
     Exchange E0763 "A recording is an exchange of measurements and commands, of the task's steps"

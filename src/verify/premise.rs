@@ -46,7 +46,17 @@ fn outputs(job: &Job, claims: &Claims) -> Result<(), Unfit> {
         if event.step >= job.steps() {
             return unfit("at a step that there is not");
         }
-        if !output.high_v.is_finite() || (event.action == AuxiliaryAction::Pulse) != output.pulse_ns.is_some() {
+        let levels = [output.low_v, output.high_v, output.rest_v];
+        let between = |volts: f64| output.low_v.min(output.high_v) <= volts && volts <= output.low_v.max(output.high_v);
+        let is_graded = output.is_graded && output.pulse_ns.is_none();
+        let is_of_its_sort = match event.action {
+            AuxiliaryAction::Pulse => output.pulse_ns.is_some() && !output.is_graded,
+            AuxiliaryAction::High | AuxiliaryAction::Low => output.pulse_ns.is_none() && !output.is_graded,
+            AuxiliaryAction::Volts(volts) => is_graded && between(volts),
+        };
+        let rests = between(output.rest_v)
+            && (output.is_graded || output.rest_v == output.low_v || output.rest_v == output.high_v);
+        if !levels.into_iter().all(f64::is_finite) || !rests || !is_of_its_sort {
             return unfit("in a way that it does not have");
         }
     }

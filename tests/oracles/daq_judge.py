@@ -54,7 +54,7 @@ def judge(path, schedule):
             if schedule.is_stage(channel):
                 demand(level is None, f"{output} is set to {level} V at once, and its stage with it")
             else:
-                demand(level is not None and abs(level - schedule.output_v(link, 0)) < 1e-9, f"{output} rests at {level}")
+                demand(level is not None and abs(level - schedule.output_v(link, schedule.rests_v[channel])) < 1e-9, f"{output} rests at {level}")
     return f"{sum(counts)} samples are the schedule, as the sender gave them to the driver"
 
 

@@ -162,8 +162,8 @@ def compare(rack, facts, channel, output, link, schedule):
         for edge in schedule.edges(channel):
             demand(edge % period_ns == 0, f"{channel} has an edge at {edge} ns, between samples")
     demand(len(codes) * period_ns >= schedule.duration_ns, f"{output} ends too early")
-    off = schedule.output_v(link, 0)
-    waits_at = [wanted(0), wanted(schedule.duration_ns)] if schedule.is_stage(channel) else [off, off]
+    rest = schedule.output_v(link, schedule.rests_v[channel])
+    waits_at = [wanted(0), wanted(schedule.duration_ns)] if schedule.is_stage(channel) else [rest, rest]
     for code, level in zip(waits, waits_at, strict=True):
         demand(near(code, level), f"{channel} waits or rests at {volts(code)} V, not {level} V")
     for index, code in enumerate(codes):

@@ -4,6 +4,7 @@ use super::{listed, with_article};
 use crate::check::lets::Argument;
 use crate::check::value::Value;
 use crate::claims::ValueOrigin;
+use crate::device::instrument::Level;
 use crate::device::{Verb, Vocabulary, VocabularyPhrase, condition_of_any_kind};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, digits};
@@ -168,12 +169,16 @@ pub fn bad_output_step(step: &Step, form: &str) -> Diagnostic {
         .help(format!("write `{form}`"))
 }
 
-pub fn pulse_of_level(span: Span, (name, declared): (&str, Span)) -> Diagnostic {
+pub fn pulse_of_level(span: Span, (name, declared): (&str, Span), is_graded: bool) -> Diagnostic {
+    let (sort, [first, second]) = match is_graded {
+        true => ("level", ["60 %", "0 %"]),
+        false => ("digital", ["high", "low"]),
+    };
     Diagnostic::new(Code::E0556, format!("`{name}` gives no pulses"))
         .label(span, "for outputs of the sort `trigger`")
-        .label(declared, "one of the sort `digital`")
+        .label(declared, format!("one of the sort `{sort}`"))
         .help(format!(
-            "write `set {name} to high` and later `set {name} to low`, or declare it `: trigger {{ duration: 5 ms }}`"
+            "write `set {name} to {first}` and later `set {name} to {second}`, or declare it `: trigger {{ duration: 5 ms }}`"
         ))
 }
 
@@ -183,6 +188,18 @@ pub fn level_of_trigger(step: &Step, (name, declared): (&str, Span)) -> Diagnost
         .label(declared, "one of the sort `trigger`")
         .help(format!("write `pulse {name}`, or declare it `: digital`"))
         .mended(step.span, format!("pulse {name}"))
+}
+
+/// `high` or `low` for an output with levels between the two.
+pub fn word_for_share(span: Span, name: &str, word: Level) -> Diagnostic {
+    let share = match word {
+        Level::Low => "0 %",
+        Level::High => "100 %",
+    };
+    Diagnostic::new(Code::E0311, format!("{name} must be a share of it, but this is `{}`", word.name()))
+        .label(span, "a level of an output of the sort `digital`")
+        .help(format!("write `{share}`"))
+        .mended(span, share)
 }
 
 pub fn outputs_of_one_name(name: &str, declared: Span, earlier: Span) -> Diagnostic {

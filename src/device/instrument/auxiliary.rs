@@ -1,7 +1,7 @@
-//! Auxiliary outputs: what else a bench switches, at the steps of tasks and planned by nobody. A camera's trigger, a light, a valve.
+//! Auxiliary outputs: what else a bench switches, at the steps of tasks and planned by nobody. A camera's trigger, a light, a heater.
 
-use super::words;
-use crate::device::{VocabularyField, WordChoice};
+use super::words::{DIGITAL, LEVEL, TRIGGER};
+use crate::device::{VocabularyField, WordChoice, words::words};
 use serde::{Deserialize, Serialize};
 
 /// The sorts of auxiliary outputs.
@@ -9,11 +9,20 @@ use serde::{Deserialize, Serialize};
 pub enum AuxiliarySort {
     Trigger,
     Digital,
+    Level,
+}
+
+words! {
+    /// Level of an output that has two.
+    pub enum Level {
+        Low = "low": "at 0 V",
+        High = "high": "at the voltage of the output",
+    }
 }
 
 impl AuxiliarySort {
     /// Every sort, in the order of the handbook.
-    pub const ALL: &'static [AuxiliarySort] = &[AuxiliarySort::Trigger, AuxiliarySort::Digital];
+    pub const ALL: &'static [AuxiliarySort] = &[AuxiliarySort::Trigger, AuxiliarySort::Digital, AuxiliarySort::Level];
 
     /// The name of its one channel.
     pub const CHANNEL: &'static str = "out";
@@ -25,6 +34,7 @@ impl AuxiliarySort {
             AuxiliarySort::Digital => {
                 ("digital", "an output of two levels, by `set NAME to high` and `set NAME to low`")
             }
+            AuxiliarySort::Level => ("level", "an output of any voltage between two, by `set NAME to 60 %`"),
         };
         WordChoice { name, doc }
     }
@@ -37,8 +47,9 @@ impl AuxiliarySort {
     /// The fields of an output.
     pub fn fields(self) -> &'static [VocabularyField] {
         match self {
-            AuxiliarySort::Trigger => words::TRIGGER,
-            AuxiliarySort::Digital => words::DIGITAL,
+            AuxiliarySort::Trigger => TRIGGER,
+            AuxiliarySort::Digital => DIGITAL,
+            AuxiliarySort::Level => LEVEL,
         }
     }
 
@@ -47,15 +58,30 @@ impl AuxiliarySort {
         match self {
             AuxiliarySort::Trigger => "output camera : trigger { duration: 5 ms }",
             AuxiliarySort::Digital => "output light : digital",
+            AuxiliarySort::Level => "output heater : level { from: 0 V, to: 10 V }",
         }
     }
 }
 
-/// The facts of an auxiliary output. Before a schedule, after it and between what its steps say it is at 0 V.
+/// The facts of an auxiliary output. Before a schedule, after it, when it is broken off and between what its steps say it is at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct AuxiliaryOutput {
-    /// Of the high level, in volts.
+    /// Of the high level or of 100 %, in volts.
     pub high_v: f64,
-    /// Length of a pulse, in nanoseconds; `None` for one of two levels.
+    /// Of the low level or of 0 %, in volts.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub low_v: f64,
+    /// At rest, in volts: one of the two levels, or between them where it is graded.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rest_v: f64,
+    /// Length of a pulse, in nanoseconds; `None` for one that is set to levels.
     pub pulse_ns: Option<u64>,
+    /// Whether it takes every voltage between its two levels.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_graded: bool,
+}
+
+/// Whether a figure is left out of a text.
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }

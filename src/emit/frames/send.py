@@ -7,7 +7,7 @@
     python NAME.frames.py pd=192.168.7.2:7000    the server of a PurpleDrop; without it 127.0.0.1:7000
 
 An OpenDrop needs the package pyserial (`pip install pyserial`); a PurpleDrop needs its server `pdserver` only. Voltage and frequency
-are set on the device. All electrodes are switched off at the end, on an error and on Ctrl-C. A frame that cannot be sent within its own
+are set on the device. All electrodes are switched off before the start, at the end, on an error and on Ctrl-C, but outputs that rest on. A frame that cannot be sent within its own
 time is an error. The electrodes of reservoirs are not played: droplets that are dispensed are named when they are due, each at the
 electrode of its outlet, which is on by then. Exit status: 0 played, 1 a driver refused or was late, 2 wrong usage, 130 Ctrl-C.
 """
@@ -123,7 +123,7 @@ def play(addresses, folder):
         for driver in PLAYS["drivers"]:
             board = PROTOCOLS[driver["protocol"]](addresses.get(driver["name"]))
             boards.append(board)
-            board.send([])
+            board.send(driver["rest"])
         begin = time.monotonic()
         print("started", flush=True)
         for (start, end, on), index in frames:
@@ -139,13 +139,14 @@ def play(addresses, folder):
         print(f"{PLAYS['name']}: played {len(frames)} frames in {PLAYS['duration_s']:g} s, at most {latest * 1e3:.1f} ms late")
     finally:
         lost = []
-        for board in boards:
+        for board, driver in zip(boards, PLAYS["drivers"]):
             try:
-                board.send([])
+                board.send(driver["rest"])
             except Exception as error:  # every other board is still to be switched off
                 lost.append(f"{board.address} may still be on ({error})")
             board.close()
-        print("; ".join(lost) or "all electrodes are off", flush=True)
+        resting = [f"c{number} of {driver['name']}" for driver in PLAYS["drivers"] for number in driver["rest"]]
+        print("; ".join(lost) or "all electrodes are off" + (f", {', '.join(resting)} on" if resting else ""), flush=True)
 
 
 def show(folder):

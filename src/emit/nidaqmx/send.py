@@ -6,7 +6,7 @@
     python NAME.nidaqmx.py card=Dev1 --dry-run    everything but the start
 
 Needs the NI-DAQmx driver and its package (`pip install nidaqmx`). Before the start, at the end, on an error and on Ctrl-C lines are off
-and voltages at rest; an output that places a stage keeps its voltage, and goes to the first position at the start. Exit status: 0 played, 1 the driver refused something, 2 wrong usage, 130 Ctrl-C.
+and voltages at rest, or what the program has as their rest; an output that places a stage keeps its voltage, and goes to the first position at the start. Exit status: 0 played, 1 the driver refused something, 2 wrong usage, 130 Ctrl-C.
 """
 
 import argparse
@@ -101,11 +101,11 @@ class Player:
         self.tasks = []
 
     def rest(self):
-        """Lines off, voltages at rest; stages stay where they are."""
+        """Lines and voltages at rest; stages stay where they are."""
         volts = [output for output in self.card["analog"] if output["rest_v"] is not None]
         for levels, add, outputs in (
             ([output["rest_v"] for output in volts], self.add_analog, volts),
-            ([False for _ in self.lines], self.add_lines, self.card["lines"]),
+            (self.card["line_rests"], self.add_lines, self.card["lines"]),
         ):
             if levels:
                 with self.ni.Task() as task:
@@ -117,7 +117,7 @@ def at_rest():
     """What the outputs do once all is over."""
     analog = [output for card in PLAYS["cards"] for output in card["analog"]]
     ends = [
-        ("lines off", any(card["lines"] for card in PLAYS["cards"])),
+        ("lines off" if not any(any(card["line_rests"]) for card in PLAYS["cards"]) else "lines at rest", any(card["lines"] for card in PLAYS["cards"])),
         ("voltages at rest", any(output["rest_v"] is not None for output in analog)),
         ("stages keep their last voltage", any(output["rest_v"] is None for output in analog)),
     ]

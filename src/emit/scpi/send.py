@@ -6,7 +6,7 @@
     python NAME.scpi.py awg=... --dry-run                   everything but the last message: nothing starts
 
 Needs PyVISA and a VISA library (`pip install pyvisa pyvisa-py`). After each message the error queue is read; on an error, on Ctrl-C
-and at the end all outputs are switched off, but for those of stages, which keep their voltage. Exit status: 0 played, 1 an instrument refused something or was lost, 2 wrong usage, 130 Ctrl-C.
+and at the end all outputs are switched off, but for those of stages, which keep their voltage, and those that rest at a voltage, which go there. Exit status: 0 played, 1 an instrument refused something or was lost, 2 wrong usage, 130 Ctrl-C.
 """
 
 import argparse
@@ -71,15 +71,18 @@ def send(device, name, script, says):
 
 
 def switch_off(open_ones, says):
-    """Switches every output off but those of stages, whatever happens on the way."""
+    """Switches every output off or to its rest, but those of stages, whatever happens on the way."""
     lost = []
     for one, device in open_ones:
         for output in (output for output in one["outputs"] if output not in one["stay_on"]):
+            rest_v = one["rest_v"].get(str(output))
             try:
-                device.write(f":OUTP{output} OFF")
+                device.write(f":OUTP{output} OFF" if rest_v is None else f":SOUR{output}:APPL:DC DEF,DEF,{rest_v}")
             except Exception as error:  # every other output is still to be switched off
                 lost.append(f"{one['name']}: output {output} may still be on ({error})")
-        says(f"{one['name']}: outputs off" + (f", {one['stay_on']} stay on for their stages" if one["stay_on"] else ""))
+        stay = f", {one['stay_on']} stay on for their stages" if one["stay_on"] else ""
+        rest = ", ".join(f"{output} rests at {volts} V" for output, volts in one["rest_v"].items())
+        says(f"{one['name']}: outputs off{stay}" + (f", {rest}" if rest else ""))
     if lost:
         raise Refused("; ".join(lost))
 

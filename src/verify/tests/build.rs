@@ -135,7 +135,13 @@ fn channels(claims: &Claims) -> Vec<Channel> {
                 let name = format!("{}.{side}{module}.{switch}", job.device);
                 let wire = claims.wires.get(&name).cloned();
                 if !channels.iter().any(|channel| channel.name == name) {
-                    channels.push(Channel { name, device: job.device.clone(), unit: ChannelUnit::Volt, wire });
+                    channels.push(Channel {
+                        name,
+                        device: job.device.clone(),
+                        unit: ChannelUnit::Volt,
+                        wire,
+                        rest_v: 0.0,
+                    });
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Waveforms as sequences: segments that are played one after the other, each a number of times.
 //!
 //! Input: the pieces that an output plays. Output: a [`Sequence`] whose playback is the same, sample by sample, between two
-//! stretches of 0 V, or of its first and its last position: the instrument waits for the trigger in the first one and rests in
+//! stretches at rest, or of its first and its last position: the instrument waits for the trigger in the first one and rests in
 //! the last one. Pieces with fewer samples than the minimum of a segment are merged with their neighbours.
 
 use super::{GeneratorOutput, MOST_REPEATS, Sampling};
@@ -93,7 +93,8 @@ pub fn sequence(
     let limits = Limits::of(facts);
     let score = match signals.unit(channel) {
         ChannelUnit::Volt => {
-            Score { ends: [output.code(0.0); 2], pieces: pieces(signals, channel, output, limits, sampling)? }
+            let rest_v = signals.rest_v(channel).unwrap_or_default();
+            Score { ends: [output.code(rest_v); 2], pieces: pieces(signals, channel, output, limits, sampling)? }
         }
         ChannelUnit::Micrometre => positions(signals, channel, output, limits, sampling)?,
     };
@@ -119,8 +120,9 @@ fn pieces(
     let period_ns = sampling.period_ns;
     let code = |value: f64| output.code(value);
     let mut pieces = Vec::new();
+    let rest_v = signals.rest_v(channel).unwrap_or_default();
     let rest = |from_ns: u64, to_ns: u64, pieces: &mut Vec<SamplePiece>| {
-        pieces.push(SamplePiece { samples: vec![code(0.0)], count: to_ns.saturating_sub(from_ns) / period_ns });
+        pieces.push(SamplePiece { samples: vec![code(rest_v)], count: to_ns.saturating_sub(from_ns) / period_ns });
     };
     let mut at_ns = 0;
     for actuation in signals.of(channel) {
