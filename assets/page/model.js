@@ -127,7 +127,7 @@ function actuationAt(channel, t_ns) {
   return actuation && t_ns < actuation.start_ns + actuation.duration_ns ? actuation : null;
 }
 
-/** The value of a channel: volts, which are 0 outside of actuations, or micrometres, which are held. */
+/** The value of a channel: volts, which are at rest outside of actuations, or micrometres, which are held. */
 function valueAt(channel, t_ns) {
   const actuation = actuationAt(channel, t_ns);
   if (actuation) {
@@ -137,7 +137,7 @@ function valueAt(channel, t_ns) {
     }
     return actuation.from + ((actuation.to - actuation.from) * (t_ns - actuation.start_ns)) / actuation.duration_ns;
   }
-  if (channel.unit === "V") return 0;
+  if (channel.unit === "V") return channel.rest_v || 0;
   const before = channel.actuations[lastAtMost(channel.actuations, "start_ns", t_ns)];
   return before ? before.to : channel.actuations.length ? channel.actuations[0].from : 0;
 }

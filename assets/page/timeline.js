@@ -20,7 +20,8 @@ function rowsOf(model) {
   // Other outputs of the bench have a scale each: a trigger at 5 V beside a valve at 24 V.
   const others = model.channels.filter((channel) => channel.actuations.length && !model.devices.some(({ name }) => name === channel.device));
   others.forEach((channel, number) => {
-    const range = [0, Math.max(...channel.actuations.map(({ from }) => from))];
+    const values = [0, channel.rest_v || 0, ...channel.actuations.map(({ from }) => from)];
+    const range = [Math.min(...values), Math.max(...values)];
     rows.push({ kind: "channel", label: channel.device, channel, range, height: 12, gap: number ? 2 : 6 });
   });
   for (const device of model.devices) {
@@ -280,7 +281,7 @@ class Timeline {
     const yOf = (value) => row.y + row.height - 1.5 - ((value - low) / (high - low || 1)) * (row.height - 3);
     const color = channel.unit === "um" ? colorOf(Number((/f(\d+)\./.exec(channel.name) || [0, 1])[1]) - 1) : theme.wave;
     Object.assign(g, { strokeStyle: color, fillStyle: color, lineWidth: 1.25 });
-    const base = yOf(0);
+    const base = yOf(channel.rest_v || 0);
     if (channel.unit === "V") {
       g.globalAlpha = 0.25;
       g.fillRect(LABELS, base, this.width(), 0.75);

@@ -8,21 +8,14 @@ use super::scope::{DeclarationPlace, DeclarationSort, Scope};
 use super::value::Value;
 use crate::claims::Job;
 use crate::claims::auxiliary::AuxiliaryAction;
-use crate::device::instrument::{AuxiliaryOutput, AuxiliarySort};
-use crate::device::{Sort, words::words};
-use crate::syntax::tree::{ExprKind, Item, Step};
+use crate::device::instrument::{AuxiliaryOutput, AuxiliarySort, Level};
+use crate::device::{Range, Sort};
+use crate::quantity::Dimension;
+use crate::syntax::tree::{Expr, ExprKind, Item, Step};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Voltage of the high level of an output that names none: that of TTL and of most digital lines.
 const HIGH_V: f64 = 5.0;
-
-words! {
-    /// Level of an output.
-    pub enum Level {
-        High = "high": "at the voltage of the output",
-        Low = "low": "at 0 V",
-    }
-}
 
 impl Checker<'_> {
     /// Checks every output of the user's files; one that only serves as a base may lack fields.
@@ -54,12 +47,22 @@ impl Checker<'_> {
     }
 
     fn facts_of_output(&mut self, declared: &CheckedDeclaration<AuxiliarySort>) -> Option<AuxiliaryOutput> {
-        let high_v = declared.fields.si("voltage").unwrap_or(HIGH_V);
-        let pulse_ns = match declared.root {
-            AuxiliarySort::Trigger => Some(declared.fields.clock_ns("duration", self.sink)?),
-            AuxiliarySort::Digital => None,
+        let fields = &declared.fields;
+        if declared.root == AuxiliarySort::Level {
+            let (low_v, high_v) = (fields.si("from").unwrap_or(0.0), fields.si("to")?);
+            let rest_v = between([low_v, high_v], fields.si("rest").unwrap_or(0.0));
+            return Some(AuxiliaryOutput { high_v, low_v, rest_v, pulse_ns: None, is_graded: true });
+        }
+        let high_v = fields.si("voltage").unwrap_or(HIGH_V);
+        let rest_v = match fields.word("rest").and_then(Level::find).unwrap_or_default() {
+            Level::Low => 0.0,
+            Level::High => high_v,
         };
-        Some(AuxiliaryOutput { high_v, pulse_ns })
+        let pulse_ns = match declared.root {
+            AuxiliarySort::Trigger => Some(fields.clock_ns("duration", self.sink)?),
+            AuxiliarySort::Digital | AuxiliarySort::Level => None,
+        };
+        Some(AuxiliaryOutput { high_v, low_v: 0.0, rest_v, pulse_ns, is_graded: false })
     }
 
     /// `pulse camera`: the output's name, and what happens to it.
@@ -74,7 +77,7 @@ impl Checker<'_> {
         let facts = self.output(place)?;
         let (name, declared) = self.named(place);
         if facts.pulse_ns.is_none() {
-            self.sink.push(errors::pulse_of_level(step.head.span, (name, declared)));
+            self.sink.push(errors::pulse_of_level(step.head.span, (name, declared), facts.is_graded));
             return None;
         }
         Some((self.enlist_output(place)?, AuxiliaryAction::Pulse))
@@ -91,19 +94,35 @@ impl Checker<'_> {
             return None;
         };
         let place = self.resolve(path, scope, DeclarationSort::Output);
-        let wanted = WantedName { name: "the level of an output".to_owned(), doc: String::new(), declared: None };
-        let level = self.accept(Sort::Word(Level::CHOICES), &phrase.value, scope, &wanted);
-        let place = place?;
-        let facts = self.output(place)?;
+        let facts = place.and_then(|place| self.output(place));
+        let is_graded = facts.is_some_and(|facts| facts.is_graded);
+        let (sort, name) = match place.filter(|_| is_graded) {
+            Some(place) => {
+                let share = Sort::Quantity { dimension: Dimension::NUMBER, range: Range::Share };
+                (share, format!("the level of `{}`", self.named(place).0))
+            }
+            None => (Sort::Word(Level::CHOICES), "the level of an output".to_owned()),
+        };
+        let doc = if is_graded { "a share of it, as `60 %`".to_owned() } else { String::new() };
+        let wanted = WantedName { name, doc, declared: None };
+        if let Some(word) = level_word(&phrase.value).filter(|_| is_graded) {
+            self.sink.push(errors::word_for_share(phrase.value.span, &wanted.name, word));
+            return None;
+        }
+        let level = self.accept(sort, &phrase.value, scope, &wanted);
+        let (place, facts) = (place?, facts?);
         let (name, declared) = self.named(place);
         if facts.pulse_ns.is_some() {
             self.sink.push(errors::level_of_trigger(step, (name, declared)));
             return None;
         }
-        let Value::Text(word) = level? else { return None };
-        let action = match Level::find(&word)? {
-            Level::High => AuxiliaryAction::High,
-            Level::Low => AuxiliaryAction::Low,
+        let action = match level? {
+            Value::Quantity(share) => AuxiliaryAction::Volts(between([facts.low_v, facts.high_v], share.si)),
+            Value::Text(word) => match Level::find(&word)? {
+                Level::High => AuxiliaryAction::High,
+                Level::Low => AuxiliaryAction::Low,
+            },
+            _ => return None,
         };
         Some((self.enlist_output(place)?, action))
     }
@@ -129,6 +148,17 @@ impl Checker<'_> {
         };
         names.into_iter().filter_map(known).collect()
     }
+}
+
+/// The level that a bare word means for an output of two.
+fn level_word(expr: &Expr) -> Option<Level> {
+    let ExprKind::Path(path) = &expr.kind else { return None };
+    Level::find(&super::scope::path_text(path))
+}
+
+/// The voltage at a share of the way from one to another.
+fn between([low_v, high_v]: [f64; 2], share: f64) -> f64 {
+    (low_v + (high_v - low_v) * share).clamp(low_v.min(high_v), low_v.max(high_v))
 }
 
 /// The output that a step names, as in `set light high` and `pulse camera for 5 ms`.

@@ -326,6 +326,8 @@ pub enum Range {
     Any,
     /// Of either sign, but not zero.
     NotZero,
+    /// From 0 to 1.
+    Share,
 }
 
 impl Range {
@@ -336,6 +338,7 @@ impl Range {
             Range::NotNegative => value >= 0.0,
             Range::Any => true,
             Range::NotZero => value != 0.0,
+            Range::Share => (0.0..=1.0).contains(&value),
         }
     }
 
@@ -346,6 +349,7 @@ impl Range {
             Range::NotNegative => "0 or above",
             Range::Any => "of either sign",
             Range::NotZero => "other than 0",
+            Range::Share => "from 0 % to 100 %",
         }
     }
 }

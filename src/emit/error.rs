@@ -39,6 +39,8 @@ pub enum EmitError {
     Leap { format: Format, channel: String, t_ns: u64, from: f64, to: f64 },
     /// The format only represents positions of stages: the first channel that is none, if there is a channel.
     NotPositions { format: Format, channel: Option<String> },
+    /// The format has no form for something that the schedule asks for: what, as the rest of a sentence, and what has one.
+    Unsayable { format: Format, what: String, help: String },
     /// No device of the schedule has anything to load.
     NothingToLoad { name: String },
     /// An instant was asked for that is after the end of the schedule.
@@ -81,6 +83,7 @@ impl EmitError {
             | EmitError::NotWired { .. }
             | EmitError::Leap { .. }
             | EmitError::NotPositions { .. }
+            | EmitError::Unsayable { .. }
             | EmitError::NothingToLoad { .. } => true,
             EmitError::NotFinite | EmitError::OutsideSchedule { .. } | EmitError::Failed { .. } => false,
         }
@@ -137,6 +140,9 @@ impl EmitError {
             )
             .help("write `--emit mcap`, `json` or `pwl`, which store it exactly"),
             EmitError::NotPositions { format, channel } => not_positions(*format, channel.as_deref()),
+            EmitError::Unsayable { format, what, help } => {
+                Diagnostic::new(Code::E0831, format!("`{}` has no form for {what}", format.name())).help(help.clone())
+            }
             EmitError::NothingToLoad { name } => {
                 Diagnostic::new(Code::E0830, format!("`{name}` moves no droplets, so that a sheet has nothing to say"))
                     .help("a sheet lists what to load into boards of droplets: write `--emit html` or `svg` for other devices")

@@ -86,6 +86,7 @@ fn build(name: &str, runs: &[(Robot, Vec<LatticeCell>, u64)]) -> (Verified, Prov
     let text = format!("// {name} µ\ntask {name} on bot {{ }}\n");
     let sha256 = Sha256::digest(&text).iter().map(|byte| format!("{byte:02x}")).collect();
     let mut schedule = Schedule {
+        holds: Vec::new(),
         bench: Default::default(),
         name: name.to_owned(),
         source: SourceRef { file: format!("{name}.twz"), sha256 },
@@ -117,6 +118,11 @@ fn build(name: &str, runs: &[(Robot, Vec<LatticeCell>, u64)]) -> (Verified, Prov
     (Verified::assume(schedule, claims), provenance)
 }
 
+/// A channel of volts without a wire.
+fn voltage(name: String, device: &str) -> Channel {
+    Channel { name, device: device.to_owned(), unit: ChannelUnit::Volt, wire: None, rest_v: 0.0 }
+}
+
 fn add_channels(schedule: &mut Schedule, claims: &mut Claims, robot: &Robot) {
     for side in [Side::Left, Side::Right] {
         for module in 0..robot.facts.modules(side) {
@@ -127,7 +133,7 @@ fn add_channels(schedule: &mut Schedule, claims: &mut Claims, robot: &Robot) {
                 if let Some(wire) = &wire {
                     claims.wires.insert(name.clone(), wire.clone());
                 }
-                schedule.channels.push(Channel { name, device: robot.device.into(), unit: ChannelUnit::Volt, wire });
+                schedule.channels.push(Channel { wire, ..voltage(name, robot.device) });
             }
         }
     }
@@ -152,6 +158,7 @@ fn job(robot: &Robot, way: &[LatticeCell]) -> Job {
         device: robot.device.to_owned(),
         requirements: Vec::new(),
         events: Vec::new(),
+        holds: Vec::new(),
         order: Order::Dimibot(order),
         span: Span::default(),
         run_span: Span::default(),
@@ -241,8 +248,7 @@ pub fn crowd() -> (Verified, Provenance) {
     let crowd = changed(&verified, |schedule| {
         schedule.name = "crowd".to_owned();
         schedule.duration_ns = 1000;
-        let channel =
-            |i| Channel { name: format!("bot.e{i}"), device: "bot".into(), unit: ChannelUnit::Volt, wire: None };
+        let channel = |i| voltage(format!("bot.e{i}"), "bot");
         schedule.channels = (0..301).map(channel).collect();
         schedule.steps = vec![ScheduledStep { duration_ns: 1000, ..named_step("go_bot", "wait 1 us", "crowd.twz") }];
         let pulse = |channel, start_ns, from, to| Actuation {
@@ -289,8 +295,7 @@ pub fn paces() -> (Verified, Provenance) {
     let paces = changed(&verified, |schedule| {
         schedule.name = "paces".to_owned();
         schedule.duration_ns = 100;
-        let channel =
-            |i| Channel { name: format!("bot.e{i}"), device: "bot".into(), unit: ChannelUnit::Volt, wire: None };
+        let channel = |i| voltage(format!("bot.e{i}"), "bot");
         schedule.channels = (0..3).map(channel).collect();
         let crowd = crowd().0;
         schedule.steps = crowd.schedule().steps.clone();
@@ -329,6 +334,7 @@ pub fn mixed() -> (Verified, Provenance) {
             device,
             unit: ChannelUnit::Micrometre,
             wire: Some("stage1/x".to_owned()),
+            rest_v: 0.0,
         });
         let go = |start_ns, duration_ns, from, to| Actuation {
             channel,
@@ -375,6 +381,7 @@ pub fn hand() -> (Verified, Provenance) {
         device: "hand".to_owned(),
         unit: ChannelUnit::Micrometre,
         wire: wire(&name),
+        rest_v: 0.0,
     };
     schedule.channels = facts.channels().into_iter().map(channel).collect();
     let mut hand = Gesture::new();
@@ -408,6 +415,7 @@ pub fn hand() -> (Verified, Provenance) {
         device: "hand".to_owned(),
         requirements: Vec::new(),
         events: Vec::new(),
+        holds: Vec::new(),
         order: Order::Fingers(hand_order(facts)),
         span: Span::default(),
         run_span: Span::default(),

@@ -1,6 +1,6 @@
 //! The channels of a schedule as functions of time.
 //!
-//! Outside of its actuations a voltage is 0 V, and a stage stays at its last position, or at its first one before the first actuation.
+//! Outside of its actuations a voltage is at rest, and a stage stays at its last position, or at its first one before the first actuation.
 //!
 //! A swing is one actuation, however long it is. Its ends are [`Signals::breaks`]; the changes between them are only counted, or
 //! listed one by one by [`Edges`], for the formats without a notation for trains.
@@ -77,16 +77,21 @@ impl<'a> Signals<'a> {
         })
     }
 
-    /// The value between two actuations, `over` of them being over: a stage stays where it is, a voltage is off.
+    /// A voltage's value before and after the schedule; `None` for a stage, which stays where it is.
+    pub fn rest_v(&self, channel: usize) -> Option<f64> {
+        match self.unit(channel) {
+            ChannelUnit::Volt => Some(self.schedule.channels[channel].rest_v),
+            ChannelUnit::Micrometre => None,
+        }
+    }
+
+    /// The value between two actuations, `over` of them being over: a stage stays where it is, a voltage is at rest.
     fn rest(&self, channel: usize, over: usize) -> f64 {
         let list = self.of(channel);
-        match self.unit(channel) {
-            ChannelUnit::Volt => 0.0,
-            ChannelUnit::Micrometre => match over.checked_sub(1) {
-                Some(last) => list[last].to,
-                None => list.first().map_or(0.0, |first| first.from),
-            },
-        }
+        self.rest_v(channel).unwrap_or_else(|| match over.checked_sub(1) {
+            Some(last) => list[last].to,
+            None => list.first().map_or(0.0, |first| first.from),
+        })
     }
 
     /// Number of actuations of a channel that have begun by an instant.

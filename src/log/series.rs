@@ -261,9 +261,9 @@ fn topic(channel: &Channel) -> String {
 
 fn topic_fault(schedule: &Schedule, by_channel: &[Vec<&Actuation>], series: &Series) -> Option<VoltageFault> {
     let channels = schedule.channels.iter().zip(by_channel).filter(|(channel, _)| topic(channel) == series.topic);
-    let columns: Vec<(SeriesColumn, ChannelUnit, &[&Actuation])> = channels
+    let columns: Vec<(SeriesColumn, &Channel, &[&Actuation])> = channels
         .flat_map(|(channel, actuations)| {
-            columns(&channel.name, actuations).map(|column| (column, channel.unit, &actuations[..]))
+            columns(&channel.name, actuations).map(move |column| (column, channel, &actuations[..]))
         })
         .collect();
     if !columns.iter().map(|(column, ..)| column).eq(&series.columns) {
@@ -288,7 +288,7 @@ fn column_fault(
     schedule: &Schedule,
     series: &Series,
     index: usize,
-    (column, unit, actuations): &(SeriesColumn, ChannelUnit, &[&Actuation]),
+    (column, channel, actuations): &(SeriesColumn, &Channel, &[&Actuation]),
 ) -> Option<VoltageFault> {
     if let Some(fault) = gap(schedule.duration_ns, series, actuations) {
         return Some(fault);
@@ -300,11 +300,11 @@ fn column_fault(
         }
         let running = actuations.get(next).filter(|actuation| actuation.start_ns <= t_ns);
         let scheduled = running
-            .map_or_else(|| (rest(*unit, actuations, next), 0.0), |actuation| value(actuation, column.bound, t_ns));
+            .map_or_else(|| (rest(channel, actuations, next), 0.0), |actuation| value(actuation, column.bound, t_ns));
         let recorded = values[index];
         let agrees = (recorded - scheduled.0).abs() <= scheduled.1;
         if !agrees {
-            let (channel, unit, scheduled) = (column.channel.clone(), *unit, scheduled.0);
+            let (channel, unit, scheduled) = (column.channel.clone(), channel.unit, scheduled.0);
             return Some(VoltageFault::Value { channel, unit, t_ns, recorded, scheduled });
         }
     }
@@ -313,9 +313,9 @@ fn column_fault(
 
 /// The value between actuations, `over` of them being over: a stage stays at its last position, or at its first one before the first
 /// actuation.
-fn rest(unit: ChannelUnit, actuations: &[&Actuation], over: usize) -> f64 {
-    match unit {
-        ChannelUnit::Volt => 0.0,
+fn rest(channel: &Channel, actuations: &[&Actuation], over: usize) -> f64 {
+    match channel.unit {
+        ChannelUnit::Volt => channel.rest_v,
         ChannelUnit::Micrometre => match over.checked_sub(1) {
             Some(last) => actuations[last].to,
             None => actuations.first().map_or(0.0, |first| first.from),

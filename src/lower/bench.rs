@@ -25,7 +25,7 @@ pub fn holds(schedule: &Schedule, claims: &Claims, sink: &mut Sink) -> bool {
         actuations.sort_by_key(|actuation| actuation.start_ns);
         let wired = WiredChannel { schedule, channel, drive, instrument, actuations };
         let finding = wired.beyond_range().or_else(|| wired.unswitched()).or_else(|| wired.beyond_driver());
-        let finding = finding.or_else(|| wired.too_fast());
+        let finding = finding.or_else(|| wired.rests_beyond()).or_else(|| wired.too_fast());
         finding.into_iter().for_each(|finding| sink.push(finding));
     }
     finer_than_a_sample(schedule, claims).into_iter().for_each(|finding| sink.push(finding));
@@ -119,6 +119,25 @@ impl WiredChannel<'_> {
         })
     }
 
+    /// A voltage at rest that the output or its switch does not give.
+    fn rests_beyond(&self) -> Option<Diagnostic> {
+        let rest_v = self.channel.rest_v;
+        let (code, given) = match self.drive.link {
+            Link::Amplifier { gain, limit_v, .. } => {
+                let peak_v = self.instrument.facts.voltage()?.peak_v * gain.abs();
+                let given_v = limit_v.map_or(peak_v, |limit_v| limit_v.min(peak_v));
+                (rest_v.abs() > given_v * ROUNDING).then(|| (Code::E0620, format!("up to {}", volts(given_v))))?
+            }
+            Link::Switch { on_v } => {
+                (rest_v != 0.0 && rest_v != on_v).then(|| (Code::E0621, format!("0 V or {}", volts(on_v))))?
+            }
+            Link::StageDriver { .. } => return None,
+        };
+        let title = format!("`{}` rests at {}, its output gives {given}", self.channel.name, volts(rest_v));
+        let diagnostic = Diagnostic::new(code, title).label(self.drive.span, given);
+        Some(diagnostic.help("choose another `rest` of the output, or wire it to what gives that voltage"))
+    }
+
     /// The value with the greatest size, and its actuation.
     fn largest(&self, size: impl Fn(f64) -> f64) -> Option<(f64, &Actuation)> {
         let all = self.actuations.iter().flat_map(|actuation| levels(actuation).map(|value| (value, *actuation)));
@@ -159,7 +178,7 @@ impl WiredChannel<'_> {
     /// A change that takes an amplifier longer than its new level lasts.
     fn too_fast(&self) -> Option<Diagnostic> {
         let Link::Amplifier { slew_v_per_s: Some(slew), .. } = self.drive.link else { return None };
-        let mut last = (0, 0.0);
+        let mut last = (0, self.channel.rest_v);
         let mut slowest: Option<(f64, f64, &Actuation)> = None;
         let mut change = |step_v: f64, lasts_ns: u64, actuation| {
             let share = step_v.abs() / slew * 1e9 / lasts_ns as f64;
@@ -168,7 +187,7 @@ impl WiredChannel<'_> {
             }
         };
         for actuation in &self.actuations {
-            let from_v = if last.0 == actuation.start_ns { last.1 } else { 0.0 };
+            let from_v = if last.0 == actuation.start_ns { last.1 } else { self.channel.rest_v };
             match actuation.swing {
                 None => change(actuation.from - from_v, actuation.duration_ns, *actuation),
                 Some(swing) => {

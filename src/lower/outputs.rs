@@ -16,7 +16,7 @@ struct TimedEvent {
 }
 
 /// Adds a channel for each auxiliary output of a program, and what its steps do to it. A pulse begins with its step; a level lasts until the
-/// next step of the output, or until the schedule ends, which it does not before the last pulse.
+/// next step of the output, or until the schedule ends, which it does not before the last pulse. Where an output is at rest, there is no actuation.
 ///
 /// `None` after an error: an output is switched again while a pulse lasts, or twice at one instant.
 pub fn add(schedule: &mut Schedule, claims: &Claims, sink: &mut Sink) -> Option<()> {
@@ -45,17 +45,17 @@ pub fn add(schedule: &mut Schedule, claims: &Claims, sink: &mut Sink) -> Option<
         }
     }
     for ((name, output), events) in claims.outputs.iter().zip(&events) {
-        let channel = add_channel(schedule, claims, name);
+        let channel = add_channel(schedule, claims, (name, output));
         let ends = events.iter().skip(1).map(|next| next.t_ns).chain([schedule.duration_ns]);
         for (event, end_ns) in events.iter().zip(ends) {
-            let duration_ns = match event.action {
-                AuxiliaryAction::Low => continue,
-                AuxiliaryAction::Pulse => output.pulse_ns.unwrap_or_default(),
-                AuxiliaryAction::High => end_ns - event.t_ns,
-            };
+            let volts = voltage(output, event.action);
+            if volts == output.rest_v {
+                continue;
+            }
+            let duration_ns = output.pulse_ns.unwrap_or(end_ns - event.t_ns);
             if duration_ns == 0 {
                 if end_ns == schedule.duration_ns {
-                    sink.push(high_at_the_end(schedule, name, *event));
+                    sink.push(set_at_the_end(schedule, name, *event));
                 }
                 continue;
             }
@@ -63,8 +63,8 @@ pub fn add(schedule: &mut Schedule, claims: &Claims, sink: &mut Sink) -> Option<
                 channel,
                 start_ns: event.t_ns,
                 duration_ns,
-                from: output.high_v,
-                to: output.high_v,
+                from: volts,
+                to: volts,
                 swing: None,
                 step: event.step as u32,
             });
@@ -74,10 +74,21 @@ pub fn add(schedule: &mut Schedule, claims: &Claims, sink: &mut Sink) -> Option<
     (sink.errors() == errors).then_some(())
 }
 
-fn add_channel(schedule: &mut Schedule, claims: &Claims, name: &str) -> u32 {
+/// The voltage that a step gives to an output.
+fn voltage(output: &AuxiliaryOutput, action: AuxiliaryAction) -> f64 {
+    match action {
+        AuxiliaryAction::Pulse if output.rest_v == output.high_v => output.low_v,
+        AuxiliaryAction::Pulse | AuxiliaryAction::High => output.high_v,
+        AuxiliaryAction::Low => output.low_v,
+        AuxiliaryAction::Volts(volts) => volts,
+    }
+}
+
+fn add_channel(schedule: &mut Schedule, claims: &Claims, (name, output): (&str, &AuxiliaryOutput)) -> u32 {
     let full = format!("{name}.{}", AuxiliarySort::CHANNEL);
     let wire = claims.wires.get(&full).cloned();
-    schedule.channels.push(Channel { name: full, device: name.to_owned(), unit: ChannelUnit::Volt, wire });
+    let (device, rest_v) = (name.to_owned(), output.rest_v);
+    schedule.channels.push(Channel { name: full, device, unit: ChannelUnit::Volt, wire, rest_v });
     schedule.channels.len() as u32 - 1
 }
 
@@ -110,8 +121,10 @@ fn too_soon(
 }
 
 /// A level that nothing would ever show.
-fn high_at_the_end(schedule: &Schedule, name: &str, event: TimedEvent) -> Diagnostic {
-    Diagnostic::new(Code::E0607, format!("`{name}` is set high as the schedule ends, and is low again at once"))
+fn set_at_the_end(schedule: &Schedule, name: &str, event: TimedEvent) -> Diagnostic {
+    Diagnostic::new(Code::E0607, format!("`{name}` is set as the schedule ends, and goes back to rest at once"))
         .label(schedule.steps[event.step].span, "nothing comes after it")
-        .help("write it before the step that it is for, or a `wait` behind it: after a schedule all outputs are low")
+        .help(
+            "write it before the step that it is for, or a `wait` behind it: after a schedule all outputs are at rest",
+        )
 }

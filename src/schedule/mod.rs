@@ -16,7 +16,7 @@ pub use microrobots::control;
 pub use reached::Reached;
 
 use crate::device::each_kind;
-use crate::device::instrument::Bench;
+use crate::device::instrument::{Bench, HoldTerms};
 use crate::diagnostic::Remark;
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
@@ -35,9 +35,29 @@ pub struct Schedule {
     pub steps: Vec<ScheduledStep>,
     /// One for each job of the claims, in their order.
     pub plans: Vec<PlanRecord>,
+    /// Where it waits for an input or a person, in order of time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub holds: Vec<ScheduledHold>,
     /// The instruments that play the channels, where the program declares any.
     #[serde(default, skip_serializing_if = "Bench::is_empty")]
     pub bench: Bench,
+}
+
+/// A stretch in which nothing changes: the clock goes on from its end as soon as what is waited for has come.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ScheduledHold {
+    /// Index of the schedule's steps.
+    pub step: u32,
+    pub start_ns: u64,
+    #[serde(flatten)]
+    pub terms: HoldTerms,
+}
+
+impl ScheduledHold {
+    /// The instant at which its stretch ends.
+    pub fn end_ns(&self) -> u64 {
+        self.start_ns + self.terms.duration_ns
+    }
 }
 
 /// The program's own file.
@@ -58,7 +78,7 @@ impl SourceRef {
 }
 
 /// One output of an instrument.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Channel {
     /// With the device in front: `bot.bl4.set`.
     pub name: String,
@@ -66,6 +86,14 @@ pub struct Channel {
     pub unit: ChannelUnit,
     /// The physical output, where a `wiring` names one.
     pub wire: Option<String>,
+    /// A voltage's value before the schedule, after it, between its actuations and when it is broken off: 0 V for the channels of devices.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rest_v: f64,
+}
+
+/// Whether a figure is left out of a text.
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// Unit of a channel's numbers.
@@ -89,7 +117,7 @@ impl ChannelUnit {
 }
 
 /// A channel's value over a stretch of time, from one number in a straight line to another; outside of its actuations a
-/// voltage is 0 V, and a stage stays where it was last, or where it is first wanted.
+/// voltage is at rest, and a stage stays where it was last, or where it is first wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Actuation {
     /// Index of the schedule's channels.

@@ -19,6 +19,7 @@ pub(super) fn check(schedule: &Schedule, claims: &Claims, findings: &mut Finding
     clock_numbers(schedule, findings);
     figures(schedule, findings);
     channels(schedule, claims, findings);
+    rests(schedule, claims, findings);
     wires(schedule, claims, findings);
     bench(schedule, claims, findings);
     if findings.is_empty() {
@@ -74,6 +75,13 @@ fn clock_numbers(schedule: &Schedule, findings: &mut Findings) {
         if start_ns.checked_add(duration_ns).is_none() {
             let title = format!("{what} {index} {}", past_the_clock(start_ns, duration_ns));
             findings.push(Violation::new(Rule::Number, start_ns, title));
+        }
+    }
+    findings.asked(Rule::Number, schedule.holds.len());
+    for (index, hold) in schedule.holds.iter().enumerate() {
+        if hold.start_ns.checked_add(hold.terms.duration_ns).is_none() {
+            let title = format!("wait {index} {}", past_the_clock(hold.start_ns, hold.terms.duration_ns));
+            findings.push(Violation::new(Rule::Number, hold.start_ns, title));
         }
     }
     findings.asked(Rule::Number, schedule.steps.iter().map(|step| step.operations.len()).sum());
@@ -147,6 +155,20 @@ fn owner<'a>(name: &str, orders: &BTreeMap<&'a str, &Order>) -> Option<(&'a str,
     })
 }
 
+/// Channels of devices rest at 0 V, auxiliary outputs where the program has them.
+fn rests(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
+    findings.asked(Rule::Output, schedule.channels.len());
+    for channel in &schedule.channels {
+        let output = claims.outputs.get(&channel.device).filter(|_| is_auxiliary(channel, claims));
+        let claimed_v = output.map_or(0.0, |output| output.rest_v);
+        if channel.rest_v != claimed_v {
+            let (name, recorded_v) = (&channel.name, channel.rest_v);
+            let title = format!("channel `{name}` rests at {recorded_v} V, but the program has {claimed_v} V");
+            findings.push(Violation::new(Rule::Output, 0, title));
+        }
+    }
+}
+
 fn wires(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     findings.asked(Rule::Wire, schedule.channels.len());
     let shown = |wire: Option<&String>| wire.map_or("none".to_owned(), |wire| format!("`{wire}`"));
@@ -172,11 +194,15 @@ fn bench(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
         findings.push(Violation::new(Rule::Wire, 0, title));
         return;
     }
-    for actuation in &schedule.actuations {
-        let Some(channel) = schedule.channels.get(actuation.channel as usize) else { continue };
+    let at_rest = schedule.channels.iter().map(|channel| (channel, 0, [channel.rest_v; 2]));
+    let at_rest = at_rest.filter(|(channel, ..)| channel.rest_v != 0.0);
+    let played = schedule.actuations.iter().filter_map(|actuation| {
+        let levels = actuation.swing.map_or([actuation.from, actuation.to], |swing| swing.levels);
+        Some((schedule.channels.get(actuation.channel as usize)?, actuation.start_ns, levels))
+    });
+    for (channel, time_ns, levels) in at_rest.chain(played) {
         let Some((drive, instrument)) = claims.bench.drive(&channel.name) else { continue };
         findings.asked(Rule::Wire, 1);
-        let levels = actuation.swing.map_or([actuation.from, actuation.to], |swing| swing.levels);
         let peak_v = instrument.facts.voltage().map_or(0.0, |output| output.peak_v);
         let is_played = |value: f64| match drive.link {
             Link::Amplifier { gain, limit_v, .. } => {
@@ -194,7 +220,7 @@ fn bench(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
                 "`{name}` is to be at {value} {unit}, which output `{output}` of `{}` cannot give",
                 drive.instrument
             );
-            findings.push(Violation::new(Rule::Wire, actuation.start_ns, title));
+            findings.push(Violation::new(Rule::Wire, time_ns, title));
             return;
         }
     }

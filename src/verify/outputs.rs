@@ -1,18 +1,25 @@
-//! Auxiliary outputs: high when the steps of the program say so, and at no other time.
+//! Auxiliary outputs: where the steps of the program have them, and at rest at all other times.
 //!
-//! Each output is replayed by itself: the edges that its steps make, put in order of time, are walked from low to low, and every stretch
-//! in which it is high must be in the schedule, by the step that began it; nothing else may be there.
+//! Each output is replayed by itself: the edges that its steps make, put in order of time, are walked from rest to rest, and every stretch
+//! in which it is elsewhere must be in the schedule, at its voltage and by the step that began it; nothing else may be there.
 
 use super::clock::JudgedRun;
 use super::form::is_auxiliary;
 use super::rule::{Findings, Rule, Violation, ms};
 use crate::claims::Claims;
 use crate::claims::auxiliary::AuxiliaryAction;
+use crate::device::instrument::AuxiliaryOutput;
 use crate::schedule::{Actuation, Schedule};
 use std::collections::BTreeMap;
 
-/// A stretch in which an output is high, with the step that makes it so.
-type HighStretch = (u64, u64, usize);
+/// A stretch in which an output is not at rest, with its voltage and the step that makes it so.
+#[derive(PartialEq)]
+struct Stretch {
+    start_ns: u64,
+    end_ns: u64,
+    volts: f64,
+    step: usize,
+}
 
 /// Holds every auxiliary output against the steps of the program.
 pub(super) fn check(schedule: &Schedule, runs: &[JudgedRun], claims: &Claims, findings: &mut Findings) {
@@ -30,12 +37,12 @@ pub(super) fn check(schedule: &Schedule, runs: &[JudgedRun], claims: &Claims, fi
             schedule.channels.iter().position(|channel| channel.device == *name && is_auxiliary(channel, claims));
         let found: Vec<&Actuation> =
             schedule.actuations.iter().filter(|actuation| Some(actuation.channel as usize) == channel).collect();
-        let claimed = stretches(&events, output.pulse_ns, schedule.duration_ns);
+        let claimed = stretches(&events, output, schedule.duration_ns);
         findings.asked(Rule::Output, found.len() + claimed.len() + events.len());
         let is_claimed = |actuation: &&&Actuation| {
-            let is_level = actuation.from == output.high_v && actuation.to == output.high_v;
-            let stretch = (actuation.start_ns, actuation.end_ns(), actuation.step as usize);
-            is_level && actuation.swing.is_none() && claimed.contains(&stretch)
+            let (start_ns, end_ns, step) = (actuation.start_ns, actuation.end_ns(), actuation.step as usize);
+            let is_level = actuation.from == actuation.to && actuation.swing.is_none();
+            is_level && claimed.contains(&Stretch { start_ns, end_ns, volts: actuation.to, step })
         };
         if let Some(other) = found.iter().find(|actuation| !is_claimed(actuation)) {
             let title = format!(
@@ -46,9 +53,9 @@ pub(super) fn check(schedule: &Schedule, runs: &[JudgedRun], claims: &Claims, fi
             );
             findings.push(Violation::new(Rule::Output, other.start_ns, title).step(other.step as usize));
         }
-        let is_found = |stretch: &&HighStretch| found.iter().any(|actuation| actuation.start_ns == stretch.0);
-        if let Some((start_ns, end_ns, step)) = claimed.iter().find(|stretch| !is_found(stretch)) {
-            let title = format!("`{name}` is not high from {} to {}", ms(*start_ns), ms(*end_ns));
+        let is_found = |stretch: &&Stretch| found.iter().any(|actuation| actuation.start_ns == stretch.start_ns);
+        if let Some(Stretch { start_ns, end_ns, volts, step }) = claimed.iter().find(|stretch| !is_found(stretch)) {
+            let title = format!("`{name}` is not at {volts} V from {} to {}", ms(*start_ns), ms(*end_ns));
             findings.push(Violation::new(Rule::Output, *start_ns, title).step(*step));
         }
         let apart = events.windows(2).find(|pair| {
@@ -62,20 +69,23 @@ pub(super) fn check(schedule: &Schedule, runs: &[JudgedRun], claims: &Claims, fi
     }
 }
 
-/// When an output is high, from its events in order of time.
-fn stretches(events: &[(u64, usize, AuxiliaryAction)], pulse_ns: Option<u64>, end_ns: u64) -> Vec<HighStretch> {
-    let mut high = Vec::new();
-    let mut since: Option<(u64, usize)> = None;
-    for (t_ns, step, action) in events {
-        if let Some((start_ns, by)) = since.take() {
-            high.push((start_ns, *t_ns, by));
-        }
-        match action {
-            AuxiliaryAction::Pulse => high.push((*t_ns, t_ns.saturating_add(pulse_ns.unwrap_or_default()), *step)),
-            AuxiliaryAction::High => since = Some((*t_ns, *step)),
-            AuxiliaryAction::Low => {}
+/// When an output is not at rest, from its events in order of time.
+fn stretches(events: &[(u64, usize, AuxiliaryAction)], output: &AuxiliaryOutput, end_ns: u64) -> Vec<Stretch> {
+    let mut found = Vec::new();
+    for (nth, (start_ns, step, action)) in events.iter().enumerate() {
+        let next_ns = events.get(nth + 1).map_or(end_ns, |(next_ns, ..)| *next_ns);
+        let (volts, end_ns) = match action {
+            AuxiliaryAction::Pulse => {
+                let away_v = if output.rest_v == output.low_v { output.high_v } else { output.low_v };
+                (away_v, start_ns.saturating_add(output.pulse_ns.unwrap_or_default()))
+            }
+            AuxiliaryAction::High => (output.high_v, next_ns),
+            AuxiliaryAction::Low => (output.low_v, next_ns),
+            AuxiliaryAction::Volts(volts) => (*volts, next_ns),
+        };
+        if volts != output.rest_v {
+            found.push(Stretch { start_ns: *start_ns, end_ns, volts, step: *step });
         }
     }
-    high.extend(since.map(|(start_ns, by)| (start_ns, end_ns, by)));
-    high
+    found
 }

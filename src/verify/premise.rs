@@ -5,7 +5,7 @@
 
 use super::{Unfit, judge_of};
 use crate::claims::auxiliary::AuxiliaryAction;
-use crate::claims::{Claims, Job, SharedScene, Timeline};
+use crate::claims::{Claims, Job, Relation, SharedScene, Timeline};
 use crate::device::Frames;
 use crate::geometry::shape::{MAX_EXTENT_UM, Pose};
 use std::collections::BTreeMap;
@@ -25,6 +25,7 @@ pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
     for job in &claims.jobs {
         requirements(job)?;
         outputs(job, claims)?;
+        holds(job)?;
         let judge = judge_of(&job.order);
         judge.premise()?;
         let first = devices.entry(job.device.as_str()).or_insert(job);
@@ -38,6 +39,20 @@ pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
     Ok(())
 }
 
+/// Waits are at steps of the job, each at one of its own, and no least time is asked of a run that may be shorter.
+fn holds(job: &Job) -> Result<(), Unfit> {
+    let unfit = |why: &str| Err(Unfit(format!("the claims have `{}` wait {why}", job.task)));
+    if job.holds.iter().any(|hold| hold.step >= job.steps() || hold.terms.duration_ns == 0) {
+        return unfit("at a step that there is not, or for no time");
+    }
+    if job.holds.windows(2).any(|pair| pair[0].step >= pair[1].step) {
+        return unfit("twice at one step");
+    }
+    let from_below = |relation: Relation| !matches!(relation, Relation::Less | Relation::AtMost);
+    let asks = job.requirements.iter().any(|asked| asked.outcome == "time" && from_below(asked.relation));
+    if asks && !job.holds.is_empty() { unfit("and limit its time from below") } else { Ok(()) }
+}
+
 /// The steps that switch outputs are steps of the job, and each output can do what they say.
 fn outputs(job: &Job, claims: &Claims) -> Result<(), Unfit> {
     for event in &job.events {
@@ -46,7 +61,17 @@ fn outputs(job: &Job, claims: &Claims) -> Result<(), Unfit> {
         if event.step >= job.steps() {
             return unfit("at a step that there is not");
         }
-        if !output.high_v.is_finite() || (event.action == AuxiliaryAction::Pulse) != output.pulse_ns.is_some() {
+        let levels = [output.low_v, output.high_v, output.rest_v];
+        let between = |volts: f64| output.low_v.min(output.high_v) <= volts && volts <= output.low_v.max(output.high_v);
+        let is_graded = output.is_graded && output.pulse_ns.is_none();
+        let is_of_its_sort = match event.action {
+            AuxiliaryAction::Pulse => output.pulse_ns.is_some() && !output.is_graded,
+            AuxiliaryAction::High | AuxiliaryAction::Low => output.pulse_ns.is_none() && !output.is_graded,
+            AuxiliaryAction::Volts(volts) => is_graded && between(volts),
+        };
+        let rests = between(output.rest_v)
+            && (output.is_graded || output.rest_v == output.low_v || output.rest_v == output.high_v);
+        if !levels.into_iter().all(f64::is_finite) || !rests || !is_of_its_sort {
             return unfit("in a way that it does not have");
         }
     }

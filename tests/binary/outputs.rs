@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
 
-const OUTPUTS: &str = "output camera : trigger { duration: 1 ms }\noutput light : digital { voltage: 3 V }\n";
+const OUTPUTS: &str = "output camera : trigger { duration: 1 ms }\noutput light : digital { voltage: 3 V }\noutput heater : level { from: 1 V, to: 6 V }\n";
 
 /// A task of each kind, with steps that switch.
 const PROGRAMS: [(&str, &str); 4] = [
@@ -110,6 +110,10 @@ fn steps_that_no_output_takes_are_errors() {
         ("set light to on", ["E0122", "`set light to high`"]),
         ("set light to hgih", ["E0311", "`high`"]),
         ("set light to 3 V", ["E0311", "`high`"]),
+        ("set heater to 120 %", ["E0403", "from 0 % to 100 %"]),
+        ("set heater to high", ["E0311", "`100 %`"]),
+        ("set heater to 3 V", ["E03", "the level of `heater`"]),
+        ("pulse heater", ["E0556", "set heater to 60 %"]),
         ("pulse camera\n pulse camera", ["E0607", "more than 1 ms"]),
         ("set light to high\n set light to low", ["E0607", "set twice"]),
         ("move to (1, 1)\n set light to high", ["E0607", "as the schedule ends"]),
@@ -124,4 +128,75 @@ fn steps_that_no_output_takes_are_errors() {
     says(&err(&Bench::with(program).run(&["check", "a.twz"]).code(ERRORS)), &["E0518", "by the steps of tasks"]);
     let unused = Bench::with(format!("{devices}{OUTPUTS}task go on bot {{ pulse camera, move to (1, 1) }}\n"));
     says(&err(&unused.run(&["check", "a.twz"]).code(DONE)), &["W0201", "light"]);
+}
+
+/// The stretches of an output in a schedule: start and end in milliseconds, and the voltage.
+fn stretches(schedule: &Value, output: &str) -> Vec<(f64, f64, f64)> {
+    let channels = schedule["channels"].as_array().expect("channels");
+    let index = channels.iter().position(|channel| channel["name"] == format!("{output}.out")).expect("the output");
+    let own = schedule["actuations"].as_array().expect("actuations").iter();
+    own.filter(|actuation| actuation["channel"] == index as u64)
+        .map(|actuation| {
+            let ms = |key: &str| actuation[key].as_f64().expect("a time") / 1e6;
+            let volts = actuation["from"].as_f64().expect("a voltage");
+            assert_eq!(actuation["to"].as_f64(), Some(volts));
+            (ms("start_ns"), ms("start_ns") + ms("duration_ns"), volts)
+        })
+        .collect()
+}
+
+#[test]
+fn levels_and_what_outputs_rest_at_are_played_and_verified() {
+    let program = "use std.dimibot\nuse std.instruments\ndevice bot : dimibot.femto_st { left: 1, right: 1 }\n\
+        instrument card : instruments.ni_usb_6343\ninstrument od : instruments.opendrop_v4 { start: trigger }\n\
+        output heater : level { from: 1 V, to: 6 V, rest: 20 % }\noutput valve : digital { rest: high }\n\
+        output shutter : trigger { duration: 2 ms, rest: high }\noutput lamp : digital { voltage: 200 V, rest: high }\n\
+        task go on bot {\n set heater to 60 %\n pulse shutter\n wait 100 ms\n set valve to low\n set lamp to low\n wait 100 ms\n \
+        set heater to 20 %\n set valve to high\n wait 100 ms\n set heater to 100 %\n wait 100 ms\n}\n\
+        wiring heater { out -> card.ao0 }\nwiring valve { out -> card.port0.line0 { switches: 5 V } }\n\
+        wiring shutter { out -> card.port0.line1 { switches: 5 V } }\nwiring lamp { out -> od.c8 { switches: 200 V } }\n";
+    let bench = Bench::with(program);
+    bench.run(&["build", "a.twz", "-o", "out", "--emit", "mcap,json,csv,vcd,pwl,nidaqmx,frames"]).code(DONE);
+    bench.run(&["verify", "out/go.mcap", "--against", "a.twz"]).code(DONE);
+    let text = |name: &str| fs::read_to_string(bench.path(&format!("out/{name}"))).expect("it is there");
+    let schedule: Value = serde_json::from_str(&text("go.json")).expect("it is JSON");
+    assert_eq!(stretches(&schedule, "heater"), [(0.0, 200.0, 4.0), (300.0, 400.0, 6.0)]);
+    assert_eq!(stretches(&schedule, "valve"), [(100.0, 200.0, 0.0)]);
+    assert_eq!(stretches(&schedule, "shutter"), [(0.0, 2.0, 0.0)]);
+    assert_eq!(stretches(&schedule, "lamp"), [(100.0, 400.0, 0.0)]);
+    let rests = schedule["channels"].as_array().expect("channels").iter().map(|channel| &channel["rest_v"]);
+    assert_eq!(rests.filter_map(Value::as_f64).collect::<Vec<_>>(), [2.0, 200.0, 5.0, 5.0]);
+    let samples = text("go.card.daq");
+    let rows: Vec<&str> = samples.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit())).collect();
+    assert_eq!(rows.first(), Some(&"1\t0x00000001\t4"), "{samples}");
+    assert_eq!(rows.last(), Some(&"1\t0x00000003\t2"), "{samples}");
+    let sender = text("go.nidaqmx.py");
+    says(&sender, &["\"line_rests\": [\n            true,\n            true\n          ]", "\"rest_v\": 2.0"]);
+    says(&text("go.od.frames.csv"), &["1,0,100,8\n2,100,300,\n"]);
+    says(&text("go.frames.py"), &["\"rest\": [\n        8\n      ]"]);
+    let refused = bench.run(&["build", "a.twz", "-o", "other", "--emit", "opendrop"]);
+    says(&err(&refused.code(ERRORS)), &["E0831", "`od.c8`", "rests on", "--emit frames"]);
+    fs::write(bench.path("b.twz"), program.replace("rest: 20 %", "rest: 40 %")).expect("written");
+    let refused = bench.run(&["verify", "out/go.mcap", "--against", "b.twz"]);
+    assert_ne!(refused.get_output().status.code(), Some(DONE));
+    says(&err(&refused), &["E0774", "heater.out"]);
+    // What the output or its switch does not give.
+    for (from, to, code) in
+        [("to: 6 V", "to: 40 V", "E0620"), ("digital { rest: high }", "digital { voltage: 4 V, rest: high }", "E0621")]
+    {
+        fs::write(bench.path("c.twz"), program.replace(from, to)).expect("written");
+        says(&err(&bench.run(&["build", "c.twz", "-o", "c", "--emit", "json"]).code(ERRORS)), &[code]);
+    }
+}
+
+#[test]
+fn a_generator_rests_at_a_voltage() {
+    let program = "use std.dimibot\nuse std.instruments\ndevice bot : dimibot.femto_st { left: 1, right: 1 }\n\
+        instrument awg : instruments.keysight_33500b\noutput heater : level { to: 6 V, rest: 50 % }\n\
+        task go on bot {\n wait 10 ms\n set heater to 100 %\n wait 10 ms\n}\nwiring heater { out -> awg.ch1 { gain: 2 } }\n";
+    let bench = Bench::with(program);
+    bench.run(&["build", "a.twz", "-o", "out", "--emit", "scpi"]).code(DONE);
+    let text = |name: &str| fs::read_to_string(bench.path(&format!("out/{name}"))).expect("it is there");
+    says(&text("go.scpi.py"), &["\"rest_v\": {\n        \"1\": 1.5\n      }"]);
+    says(&text("go.awg.scpi.txt"), &[":SOUR1:APPL:DC DEF,DEF,1.5 when all is played", "ch1\t1.5\t3\t"]);
 }

@@ -23,6 +23,7 @@ class Schedule:
         self.document = json.loads(self.bytes)
         self.channels = [channel["name"] for channel in self.document["channels"]]
         self.units = {channel["name"]: channel["unit"] for channel in self.document["channels"]}
+        self.rests_v = {channel["name"]: channel.get("rest_v", 0.0) for channel in self.document["channels"]}
         self.wires = {channel["name"]: channel["wire"] for channel in self.document["channels"]}
         self.duration_ns = self.document["duration_ns"]
         self.pulses = {name: [] for name in self.channels}
@@ -48,11 +49,20 @@ class Schedule:
         return first if first == last else first + (last - first) * (t_ns - start) / (end - start)
 
     def rest(self, channel, index):
-        """The value after a pulse, -1 for before the first: a voltage is off, a stage stays where it is."""
+        """The value after a pulse, -1 for before the first: a voltage is at rest, a stage stays where it is."""
         pulses = self.pulses[channel]
-        if self.units[channel] == "V" or not pulses:
+        if self.units[channel] == "V":
+            return self.rests_v[channel]
+        if not pulses:
             return 0.0
         return pulses[index][3] if index >= 0 else pulses[0][2]
+
+    def parts(self):
+        """When each part begins and ends that is played without a wait: where a wait begins, the value there is held. Nothing comes after one at the end."""
+        holds = self.document.get("holds", [])
+        starts = [0, *(hold["start_ns"] + hold["duration_ns"] for hold in holds)]
+        parts = list(zip(starts, [*(hold["start_ns"] for hold in holds), self.duration_ns]))
+        return parts if not holds or parts[-1][0] < parts[-1][1] else parts[:-1]
 
     def instruments(self, family):
         """The facts of the program's instruments of a family, by their names."""

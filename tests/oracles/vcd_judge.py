@@ -57,7 +57,8 @@ def compare(types, changes, unit_ns, name, form, channel, schedule):
     if schedule.periods(channel):
         value = train([of("_train", "wire"), *(of(suffix, "real") for suffix in ("_first", "_second", "_period_ns"))])
     else:
-        levels = {last for _, _, _, last, _ in schedule.pulses[channel]} - {0.0}
+        levels = {last for _, _, _, last, _ in schedule.pulses[channel]} | {schedule.rests_v[channel]}
+        levels -= {0.0}
         volts = re.fullmatch(", 1 stands for (.*) V", form)
         demand(len(levels) == 1 if volts else not levels or form == "", f"the comment of {name} says{form}")
         demand(len(levels) < 2 or form == "", f"the comment of {name} says{form}")

@@ -4,6 +4,7 @@ use super::{listed, with_article};
 use crate::check::lets::Argument;
 use crate::check::value::Value;
 use crate::claims::ValueOrigin;
+use crate::device::instrument::Level;
 use crate::device::{Verb, Vocabulary, VocabularyPhrase, condition_of_any_kind};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, digits};
@@ -168,12 +169,16 @@ pub fn bad_output_step(step: &Step, form: &str) -> Diagnostic {
         .help(format!("write `{form}`"))
 }
 
-pub fn pulse_of_level(span: Span, (name, declared): (&str, Span)) -> Diagnostic {
+pub fn pulse_of_level(span: Span, (name, declared): (&str, Span), is_graded: bool) -> Diagnostic {
+    let (sort, [first, second]) = match is_graded {
+        true => ("level", ["60 %", "0 %"]),
+        false => ("digital", ["high", "low"]),
+    };
     Diagnostic::new(Code::E0556, format!("`{name}` gives no pulses"))
         .label(span, "for outputs of the sort `trigger`")
-        .label(declared, "one of the sort `digital`")
+        .label(declared, format!("one of the sort `{sort}`"))
         .help(format!(
-            "write `set {name} to high` and later `set {name} to low`, or declare it `: trigger {{ duration: 5 ms }}`"
+            "write `set {name} to {first}` and later `set {name} to {second}`, or declare it `: trigger {{ duration: 5 ms }}`"
         ))
 }
 
@@ -183,6 +188,73 @@ pub fn level_of_trigger(step: &Step, (name, declared): (&str, Span)) -> Diagnost
         .label(declared, "one of the sort `trigger`")
         .help(format!("write `pulse {name}`, or declare it `: digital`"))
         .mended(step.span, format!("pulse {name}"))
+}
+
+/// A step that waits for an input or a person, in a wrong form.
+pub fn bad_hold_step(step: &Step) -> Diagnostic {
+    let (takes, form) = match step.head.text.as_str() {
+        "prompt" => {
+            ("a text in quotes, and `for at most` a time if it is not to wait for ever", "prompt \"add the sample\"")
+        }
+        _ => ("an input, and `for at most` a time", "wait until card.port0.line5 for at most 5 s"),
+    };
+    let head = if step.head.text == "prompt" { "prompt" } else { "wait until" };
+    Diagnostic::new(Code::E0509, format!("`{head}` takes {takes}"))
+        .label(step.span, "incomplete, or too much")
+        .help(format!("write `{form}`"))
+}
+
+pub fn no_input(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0566, "this is no input")
+        .label(span, "neither a line of an instrument nor a name in quotes")
+        .help("write `wait until card.port0.line5 for at most 5 s`, or `wait until \"motion.digital-in-00\" …`")
+}
+
+pub fn instrument_without_inputs(span: Span, (name, declared): (&str, Span), family: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0566, format!("instrument `{name}` has no input that a program can wait for"))
+        .label(span, "not an input")
+        .label_elsewhere(declared, span, format!("an instrument of the family `{family}`"))
+        .help("wait for a digital line of a `data_acquisition`, or for a name in quotes that your own program reads")
+}
+
+pub fn unknown_input(span: Span, (name, declared): (&str, Span), input: &str, known: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0566, format!("instrument `{name}` has no digital line `{input}`"))
+        .label(span, "no such line")
+        .label_elsewhere(declared, span, "the instrument")
+        .help(known.to_owned())
+}
+
+pub fn input_is_output(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0566, format!("`{name}` is an output of this program, and so no input"))
+        .label(span, "a channel is wired to it")
+        .help("wait for another line")
+}
+
+/// `require time >= 10 s` in a task whose duration depends on what comes.
+pub fn least_time_of_hold(span: Span, hold: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0567, "a least `time` for a task that may be done sooner")
+        .label(span, "cannot be promised")
+        .label(hold, "this wait ends when what it waits for has come")
+        .help("leave it out, or limit the time from above: the longest wait counts there")
+}
+
+/// A wait for an input or a person between the runs of a program.
+pub fn hold_in_program(head: &Ident) -> Diagnostic {
+    Diagnostic::new(Code::E0518, format!("`{}` in a program", head.text))
+        .label(head.span, "waits in a task")
+        .help("write it as a step of a task: at its beginning, or at its end")
+}
+
+/// `high` or `low` for an output with levels between the two.
+pub fn word_for_share(span: Span, name: &str, word: Level) -> Diagnostic {
+    let share = match word {
+        Level::Low => "0 %",
+        Level::High => "100 %",
+    };
+    Diagnostic::new(Code::E0311, format!("{name} must be a share of it, but this is `{}`", word.name()))
+        .label(span, "a level of an output of the sort `digital`")
+        .help(format!("write `{share}`"))
+        .mended(span, share)
 }
 
 pub fn outputs_of_one_name(name: &str, declared: Span, earlier: Span) -> Diagnostic {

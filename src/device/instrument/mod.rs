@@ -7,7 +7,7 @@
 mod auxiliary;
 mod words;
 
-pub use auxiliary::{AuxiliaryOutput, AuxiliarySort};
+pub use auxiliary::{AuxiliaryOutput, AuxiliarySort, Awaited, HoldTerms, Level};
 pub use words::ANY_WIRE;
 
 use crate::device::{VocabularyField, WordChoice, words::words};

@@ -1,5 +1,6 @@
 //! The vocabulary of instruments and of the wires that lead to them.
 
+use super::auxiliary::Level;
 use super::{MAX_OUTPUTS, Protocol, Start};
 use crate::device::{Need, Range, Sort, VocabularyField, optional, positive, required};
 use crate::quantity::Dimension;
@@ -84,9 +85,21 @@ pub const ELECTRODE_DRIVER: &[VocabularyField] = &[
 const HIGH: VocabularyField =
     optional("voltage", positive(Dimension::VOLTAGE), "5 V", "voltage of the high level; low is 0 V");
 
+const RESTS: VocabularyField =
+    optional("rest", Sort::Word(Level::CHOICES), "low", "level before a schedule, after it and when it is broken off");
+
+const fn voltage(range: Range) -> Sort {
+    Sort::Quantity { dimension: Dimension::VOLTAGE, range }
+}
+
 pub const TRIGGER: &[VocabularyField] =
-    &[required("duration", positive(Dimension::TIME), "length of a pulse, which begins with its step"), HIGH];
-pub const DIGITAL: &[VocabularyField] = &[HIGH];
+    &[required("duration", positive(Dimension::TIME), "length of a pulse, which begins with its step"), HIGH, RESTS];
+pub const DIGITAL: &[VocabularyField] = &[HIGH, RESTS];
+pub const LEVEL: &[VocabularyField] = &[
+    optional("from", voltage(Range::Any), "0 V", "voltage at 0 %"),
+    required("to", voltage(Range::Any), "voltage at 100 %"),
+    optional("rest", Sort::Quantity { dimension: Dimension::NUMBER, range: Range::Share }, "0 %", RESTS.doc),
+];
 
 const GAIN: VocabularyField = optional(
     "gain",

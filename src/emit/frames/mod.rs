@@ -4,13 +4,15 @@
 //! `<name>.<driver>.frames.csv` has a row for each frame: its number from 1, when it begins and how long it lasts in milliseconds, and
 //! the numbers of the channels that are on, with blanks between them. Frames follow each other without a gap from 0 to the end of the
 //! schedule; two neighbours differ. `<name>.frames.py` plays them on an OpenDrop (frames of 32 bytes over USB serial) or a PurpleDrop
-//! (JSON-RPC calls), and switches all electrodes off at the end, on an error and on Ctrl-C. The electrodes of reservoirs are not among
-//! those of a board: it says when a droplet is due at which outlet.
+//! (JSON-RPC calls), and switches all electrodes off at the end, on an error and on Ctrl-C, but what rests on. The electrodes of reservoirs are not among
+//! those of a board: it says when a droplet is due at which outlet. Where the schedule waits for an input or a person, frames have the longest
+//! wait; the sender goes on from its end as soon as what is waited for has come.
 //!
 //! `<name>.<driver>.opendrop.json`, a format of its own, is for the program that comes with an OpenDrop. It has no times, so that each
 //! frame stands in it as often as the common period of all durations fits into its own.
 
 use super::error::{EmitError, MAX_TEXT_BYTES};
+use super::parts::{WAITING, WAITS, listing as holds_listing, plays as plays_line};
 use super::sampling::gcd;
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
@@ -57,8 +59,9 @@ pub(super) fn write(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitE
         "duration_s": schedule.duration_ns as f64 / 1e9,
         "drivers": plays,
         "dispensed": dispensed(schedule),
+        "holds": holds_listing(schedule),
     });
-    let sender = SENDER.replacen(MARKER, &format!("PLAYS = json.loads(r'''{listing:#}''')"), 1);
+    let sender = SENDER.replacen(MARKER, &plays_line(&listing), 1).replacen(WAITS, WAITING, 1);
     files.push(("frames.py".to_owned(), sender.into_bytes()));
     Ok(files)
 }
@@ -66,14 +69,16 @@ pub(super) fn write(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitE
 /// The files for the program that comes with an OpenDrop, each with its ending.
 ///
 /// # Errors
-/// [`EmitError::NotWired`], [`EmitError::Ramp`], [`EmitError::TooManyFrames`].
+/// [`EmitError::NotWired`], [`EmitError::Ramp`], [`EmitError::Unsayable`], [`EmitError::TooManyFrames`].
 pub(super) fn write_opendrop(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     let mut files = Vec::new();
     for wired in wired(Format::Opendrop, schedule, Family::ElectrodeDriver)? {
         let InstrumentFacts::ElectrodeDriver(facts) = &wired.instrument.facts else { continue };
         match facts.protocol {
             Protocol::Opendrop => {
-                let text = FramedBoard::new(&wired, facts)?.controller_file()?;
+                let board = FramedBoard::new(&wired, facts)?;
+                board.refuse_rest()?;
+                let text = board.controller_file()?;
                 files.push((format!("{}.opendrop.json", wired.name), text.into_bytes()));
             }
             Protocol::Purpledrop => {}
@@ -111,23 +116,28 @@ struct FramedBoard<'a> {
     wired: &'a WiredInstrument<'a>,
     facts: &'a ElectrodeDriverFacts,
     frames: Vec<Frame>,
+    /// Channels that are on before and after.
+    rest: BTreeSet<u32>,
 }
 
 impl<'a> FramedBoard<'a> {
     fn new(wired: &'a WiredInstrument<'a>, facts: &'a ElectrodeDriverFacts) -> Result<FramedBoard<'a>, EmitError> {
         EmitError::refuse_ramps(Format::Frames, &Signals::new(&wired.schedule))?;
         let numbers: Vec<Option<u32>> = wired.drives.iter().map(|drive| number_after("c", &drive.output)).collect();
-        // What is switched off and on at an instant, by channel.
-        let mut changes: BTreeMap<u64, [Vec<u32>; 2]> = BTreeMap::new();
+        let channels = wired.schedule.channels.iter();
+        let resting = numbers.iter().zip(channels).filter(|(_, channel)| channel.rest_v != 0.0);
+        let rest: BTreeSet<u32> = resting.filter_map(|(number, _)| *number).collect();
+        // The channels whose actuations end, and those on which one begins, each with whether it is on then, by instant.
+        let mut changes: BTreeMap<u64, [Vec<(u32, bool)>; 2]> = BTreeMap::new();
         for actuation in &wired.schedule.actuations {
             let Some(number) = numbers.get(actuation.channel as usize).copied().flatten() else { continue };
-            changes.entry(actuation.start_ns).or_default()[1].push(number);
-            changes.entry(actuation.end_ns()).or_default()[0].push(number);
+            changes.entry(actuation.start_ns).or_default()[1].push((number, actuation.from != 0.0));
+            changes.entry(actuation.end_ns()).or_default()[0].push((number, rest.contains(&number)));
         }
         let duration_ns = wired.schedule.duration_ns;
         changes.entry(duration_ns).or_default();
         let mut frames: Vec<Frame> = Vec::new();
-        let mut on = BTreeSet::new();
+        let mut on = rest.clone();
         let mut start_ns = 0;
         for (at_ns, [ended, begun]) in changes {
             if at_ns > start_ns {
@@ -137,12 +147,15 @@ impl<'a> FramedBoard<'a> {
                 }
                 start_ns = at_ns;
             }
-            for number in ended {
-                on.remove(&number);
+            for (number, is_on) in ended.into_iter().chain(begun) {
+                if is_on {
+                    on.insert(number)
+                } else {
+                    on.remove(&number)
+                };
             }
-            on.extend(begun);
         }
-        Ok(FramedBoard { wired, facts, frames })
+        Ok(FramedBoard { wired, facts, frames, rest })
     }
 
     /// The table of frames.
@@ -157,6 +170,15 @@ impl<'a> FramedBoard<'a> {
             let _ = writeln!(text, "{number},{start},{lasts},{}", on.join(" "));
         }
         Ok(text)
+    }
+
+    /// An error if a channel rests on: the file says nothing of what is on once its frames are over.
+    fn refuse_rest(&self) -> Result<(), EmitError> {
+        let Some(number) = self.rest.first() else { return Ok(()) };
+        let output = format!("{}.c{number}", self.wired.name);
+        let what = format!("`{output}`, which rests on: its file says nothing of what is on after the last frame");
+        let help = "write `--emit frames`, whose sender leaves it on".to_owned();
+        Err(EmitError::Unsayable { format: Format::Opendrop, what, help })
     }
 
     /// The time that each frame of OpenDrop's file stands for, in nanoseconds.
@@ -198,6 +220,7 @@ impl<'a> FramedBoard<'a> {
             "protocol": self.facts.protocol.name(),
             "file": format!("{name}.{}.frames.csv", self.wired.name),
             "frames": self.frames.len(),
+            "rest": self.rest,
             "electrodes": electrodes.iter().map(|(number, name)| format!("c{number} {name}")).collect::<Vec<_>>(),
         })
     }

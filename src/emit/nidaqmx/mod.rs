@@ -3,20 +3,24 @@
 //! `<name>.<instrument>.daq` is a text: lines that begin with `#`, a line of titles, then one line for each stretch of equal samples,
 //! with tabs between its columns: how many samples, the word of each port with a bit for each line, the volts of each analog output.
 //! `<name>.nidaqmx.py` plays all of them with the `nidaqmx` package of National Instruments: every card on its sample clock, lines
-//! and outputs of one card on the same clock, from one start. Before it, at the end, on an error and on Ctrl-C it switches lines off and
-//! puts voltages to rest; the outputs of stages keep what they have.
+//! and outputs of one card on the same clock, from one start. Before it, at the end, on an error and on Ctrl-C it puts lines and
+//! voltages to rest; the outputs of stages keep what they have.
+//!
+//! A schedule that waits for inputs or people has a file for each part of it, `<name>.<instrument>.1.daq` and so on, whose last sample
+//! is what the wait holds.
 //!
 //! The sample period is the greatest common divisor of all times, so that every edge of a voltage falls on a sample; the first
-//! sample is the instant 0. After the schedule there is one sample of rest: 0 V, lines off, stages at their last position. Stages
+//! sample is the instant 0. After the schedule there is one sample of rest: 0 V and lines off, unless a channel rests at another voltage, stages at their last position. Stages
 //! are sampled as for generators.
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
+use super::parts::{WAITING, WAITS, listing as holds_listing, parts, plays as plays_line};
 use super::sampling::Sampling;
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
 use crate::device::instrument::{DataAcquisitionFacts, Family, InstrumentFacts, Start};
-use crate::schedule::{ChannelUnit, Schedule};
+use crate::schedule::Schedule;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
@@ -39,19 +43,22 @@ const MARKER: &str = "PLAYS = {}";
 /// [`EmitError::TooLarge`].
 pub(super) fn write(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     let mut files = Vec::new();
-    let mut plays = Vec::new();
-    for wired in wired(Format::Nidaqmx, schedule, Family::DataAcquisition)? {
-        let InstrumentFacts::DataAcquisition(facts) = &wired.instrument.facts else { continue };
-        let card = Card::new(&wired, facts)?;
-        files.push((format!("{}.daq", wired.name), card.text()?.into_bytes()));
-        plays.push(card.listing());
+    let mut played = Vec::new();
+    let all = parts(schedule);
+    for (index, part) in all.iter().enumerate() {
+        let number = if all.len() > 1 { format!(".{}", index + 1) } else { String::new() };
+        let mut plays = Vec::new();
+        for wired in wired(Format::Nidaqmx, part, Family::DataAcquisition)? {
+            let InstrumentFacts::DataAcquisition(facts) = &wired.instrument.facts else { continue };
+            let card = Card::new(&wired, facts)?;
+            let ending = format!("{}{number}.daq", wired.name);
+            plays.push(card.listing(&ending));
+            files.push((ending, card.text()?.into_bytes()));
+        }
+        played.push(serde_json::json!({ "duration_s": part.duration_ns as f64 / 1e9, "cards": plays }));
     }
-    let listing = serde_json::json!({
-        "name": schedule.name,
-        "duration_s": schedule.duration_ns as f64 / 1e9,
-        "cards": plays,
-    });
-    let sender = SENDER.replacen(MARKER, &format!("PLAYS = json.loads(r'''{listing:#}''')"), 1);
+    let listing = serde_json::json!({ "name": schedule.name, "holds": holds_listing(schedule), "parts": played });
+    let sender = SENDER.replacen(MARKER, &plays_line(&listing), 1).replacen(WAITS, WAITING, 1);
     files.push(("nidaqmx.py".to_owned(), sender.into_bytes()));
     Ok(files)
 }
@@ -181,17 +188,20 @@ impl<'a> Card<'a> {
     }
 
     /// What the sender must know.
-    fn listing(&self) -> serde_json::Value {
+    fn listing(&self, ending: &str) -> serde_json::Value {
         let lines: Vec<String> = self.lines.keys().map(|(port, line)| format!("port{port}/line{line}")).collect();
+        let line_rests: Vec<bool> = self
+            .lines
+            .values()
+            .map(|channel| self.signals.rest_v(*channel).is_some_and(|rest_v| rest_v != 0.0))
+            .collect();
         let analog: Vec<serde_json::Value> = self
             .analog
             .iter()
             .map(|(output, channel)| {
-                let rest_v = match self.signals.unit(*channel) {
-                    ChannelUnit::Volt => Some(self.wired.drives[*channel].link.output_v(0.0)),
-                    // A stage stays where it is: to send it elsewhere at once could harm what it holds.
-                    ChannelUnit::Micrometre => None,
-                };
+                // A stage stays where it is: to send it elsewhere at once could harm what it holds.
+                let rest_v =
+                    self.signals.rest_v(*channel).map(|rest_v| self.wired.drives[*channel].link.output_v(rest_v));
                 serde_json::json!({ "output": format!("ao{output}"), "rest_v": rest_v })
             })
             .collect();
@@ -199,10 +209,11 @@ impl<'a> Card<'a> {
         serde_json::json!({
             "name": self.wired.name,
             "model": self.wired.instrument.model,
-            "file": format!("{}.{}.daq", self.signals.schedule.name, self.wired.name),
+            "file": format!("{}.{ending}", self.signals.schedule.name),
             "rate_hz": 1e9 / self.period_ns as f64,
             "samples": self.samples() + 1,
             "lines": lines,
+            "line_rests": line_rests,
             "analog": analog,
             "peak_v": peak_v,
             "waits_for_trigger": self.facts.start == Start::Trigger,

@@ -1,7 +1,7 @@
 //! What a script plays, for the person who connects the instrument.
 
 use super::sequence::Sequence;
-use super::{ASK_ERROR, BEGIN, Generator, Playing, SWITCH_OFF, numbered, segment_name};
+use super::{ASK_ERROR, BEGIN, Generator, Playing, REST, SWITCH_OFF, numbered, segment_name};
 use crate::device::instrument::{Link, Start};
 use crate::emit::csv::one_line;
 use crate::schedule::ChannelUnit;
@@ -57,8 +57,14 @@ impl Generator<'_> {
 
     /// What to do by hand at the end; without the voltage of its output a stage would run to its zero.
     fn at_end(&self) -> String {
-        let off = self.outputs.iter().filter(|output| !matches!(output.link, Link::StageDriver { .. }));
-        let off: Vec<String> = off.map(|output| numbered(SWITCH_OFF, output.number)).collect();
+        let off =
+            self.outputs.iter().enumerate().filter(|(_, output)| !matches!(output.link, Link::StageDriver { .. }));
+        let off: Vec<String> = off
+            .map(|(channel, output)| match self.signals.rest_v(channel).unwrap_or_default() {
+                0.0 => numbered(SWITCH_OFF, output.number),
+                rest_v => numbered(REST, output.number).replace("{rest}", &output.link.output_v(rest_v).to_string()),
+            })
+            .collect();
         match off.is_empty() {
             true => "leave the outputs on, which hold the stages,".to_owned(),
             false => format!("send {}", off.join(" and ")),
@@ -87,7 +93,12 @@ impl Generator<'_> {
     fn playback(&self) -> String {
         let (period_ns, duration) = (self.sampling.period_ns, seconds(self.signals.schedule.duration_ns));
         let of_volts = self.signals.in_unit(ChannelUnit::Volt).next().is_some();
-        let rest = if of_volts { "0 V" } else { "where the stage is" };
+        let is_off = |channel: usize| self.signals.rest_v(channel) == Some(0.0);
+        let rest = match of_volts {
+            true if self.signals.in_unit(ChannelUnit::Volt).all(is_off) => "0 V",
+            true => "what the channel rests at",
+            false => "where the stage is",
+        };
         match self.outputs.iter().any(|output| matches!(output.playing, Playing::Sequence(_))) {
             false => format!(
                 "A sample lasts {period_ns} ns, a waveform {points}\nsamples. The schedule lasts {duration} s and begins at the second \

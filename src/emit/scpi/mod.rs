@@ -9,25 +9,27 @@
 //! range that it uses, since the instrument allows its full amplitude to waveforms of the full range only; an output with one
 //! value all the time is a DC source. The filter is off: it would ring at edges and eat drive trains.
 //!
-//! The sample period is the greatest common divisor of all times, so that every edge falls on a sample. One sample of 0 V
+//! The sample period is the greatest common divisor of all times, so that every edge falls on a sample. One sample at rest
 //! comes before the schedule and one after it: a generator waits at its first sample and rests at its last, and an actuator
-//! left under voltage burns. A channel of positions waits at its first one and rests at its last one. Straight lines are sampled:
+//! left under voltage burns. An output that does not rest at 0 V stays on as a DC source when all is over. A channel of positions waits at its first one and rests at its last one. Straight lines are sampled:
 //! between two samples no stage moves by more than `SAMPLE_UM`, unless the instrument's memory is too small for that; the
 //! description gives the distance.
 //!
-//! Where a channel has drive trains, or several instruments play together, all outputs of the instrument play sequences instead: a train is one segment and the number of its
-//! repetitions.
+//! Where a channel has drive trains, the schedule waits for inputs or people, or several instruments play together, all outputs of the instrument play sequences instead: a train is one segment and the number of its
+//! repetitions, a wait a segment that holds its value until the next trigger.
 
 mod description;
 mod sequence;
 
 use super::error::EmitError;
+use super::parts::{WAITING, WAITS, listing as holds_listing, plays as plays_line};
 use super::sampling::Sampling;
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
 use crate::device::instrument::{Family, InstrumentFacts, Link, Start, WaveformGeneratorFacts, number_after};
 use crate::schedule::{ChannelUnit, Schedule};
 use sequence::{Sequence, sequence};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// The code of the highest voltage of an output; its negative is that of the lowest. Codes travel as 16 bits, signed, most
@@ -94,6 +96,9 @@ const SWITCH_ON: &str = ":OUTP{output} ON";
 /// Sent for each output at the end and on an error.
 const SWITCH_OFF: &str = ":OUTP{output} OFF";
 
+/// Sent instead for an output that does not rest at 0 V: a DC source of `{rest}`, at once.
+const REST: &str = ":SOUR{output}:APPL:DC DEF,DEF,{rest}";
+
 /// Begins, where the sender starts the instrument.
 const BEGIN: &str = "*TRG";
 
@@ -127,8 +132,9 @@ fn sender(schedule: &Schedule, plays: &[serde_json::Value]) -> String {
         "name": schedule.name,
         "duration_s": schedule.duration_ns as f64 / 1e9,
         "instruments": plays,
+        "holds": holds_listing(schedule),
     });
-    SENDER.replacen(MARKER, &format!("PLAYS = json.loads(r'''{listing:#}''')"), 1)
+    SENDER.replacen(MARKER, &plays_line(&listing), 1).replacen(WAITS, WAITING, 1)
 }
 
 /// A waveform generator with what its outputs play.
@@ -168,10 +174,7 @@ impl GeneratorOutput {
         });
         // Where it is at rest counts too.
         let ends = [0, signals.schedule.duration_ns].map(|t_ns| signals.value(channel, t_ns));
-        let rest = match signals.unit(channel) {
-            ChannelUnit::Volt => Some(0.0),
-            ChannelUnit::Micrometre => None,
-        };
+        let rest = signals.rest_v(channel);
         let (mut low_v, mut high_v) = (f64::INFINITY, f64::NEG_INFINITY);
         for value in levels.chain(ends).chain(rest) {
             let output_v = link.output_v(value);
@@ -219,8 +222,9 @@ impl<'a> Generator<'a> {
     fn playing(&self, channel: usize) -> Result<Playing, EmitError> {
         let output = &self.outputs[channel];
         // A waveform begins with a sample of its own; a sequence begins with its trigger, as other instruments do.
-        let sequenced =
-            !self.wired.is_alone || self.signals.schedule.actuations.iter().any(|actuation| actuation.swing.is_some());
+        let sequenced = !self.wired.is_alone
+            || self.waits()
+            || self.signals.schedule.actuations.iter().any(|actuation| actuation.swing.is_some());
         if output.span_v() <= 0.0 {
             return Ok(Playing::Constant);
         }
@@ -234,6 +238,11 @@ impl<'a> Generator<'a> {
             true => Ok(Playing::Waveform(self.codes(channel))),
             false => Err(self.too_long(None)),
         }
+    }
+
+    /// Whether it waits for inputs or people.
+    fn waits(&self) -> bool {
+        !self.signals.schedule.holds.is_empty()
     }
 
     fn too_long(&self, most_steps: Option<u64>) -> EmitError {
@@ -251,7 +260,8 @@ impl<'a> Generator<'a> {
         let output = &self.outputs[channel];
         match self.signals.unit(channel) {
             ChannelUnit::Volt => {
-                let mut codes = vec![output.code(0.0); self.sampling.points as usize];
+                let rest = output.code(self.signals.rest_v(channel).unwrap_or_default());
+                let mut codes = vec![rest; self.sampling.points as usize];
                 for actuation in self.signals.of(channel) {
                     let sample = |t_ns: u64| (1 + t_ns / self.sampling.period_ns) as usize;
                     codes[sample(actuation.start_ns)..sample(actuation.end_ns())].fill(output.code(actuation.from));
@@ -333,12 +343,19 @@ impl<'a> Generator<'a> {
         // A stage stays where it is: without the voltage of its output it would run to its zero.
         let stays = |output: &&GeneratorOutput| matches!(output.link, Link::StageDriver { .. });
         let stay_on: Vec<u32> = self.outputs.iter().filter(stays).map(|output| output.number).collect();
+        let rests: BTreeMap<String, f64> = (self.outputs.iter().enumerate())
+            .filter_map(|(channel, output)| {
+                Some((output, self.signals.rest_v(channel).filter(|rest_v| *rest_v != 0.0)?))
+            })
+            .map(|(output, rest_v)| (output.number.to_string(), output.link.output_v(rest_v)))
+            .collect();
         serde_json::json!({
             "name": self.wired.name,
             "model": self.wired.instrument.model,
             "file": format!("{}.{}.scpi", self.signals.schedule.name, self.wired.name),
             "outputs": numbers,
             "stay_on": stay_on,
+            "rest_v": rests,
             "starts": self.facts.start == Start::Sender,
         })
     }

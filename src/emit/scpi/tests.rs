@@ -109,7 +109,13 @@ fn stages_are_sampled_within_the_period_of_voltages() {
     let both = |period_ns: u64| {
         let changed = fixture::changed(&hand, |schedule| {
             let name = "plate.e1_1".to_owned();
-            schedule.channels.push(Channel { name, device: "plate".into(), unit: ChannelUnit::Volt, wire: None });
+            schedule.channels.push(Channel {
+                name,
+                device: "plate".into(),
+                unit: ChannelUnit::Volt,
+                wire: None,
+                rest_v: 0.0,
+            });
             let pulse = Actuation { channel: 9, from: 50.0, to: 50.0, ..schedule.actuations[0] };
             schedule.actuations.push(Actuation { start_ns: period_ns, duration_ns: 3 * period_ns, ..pulse });
         });

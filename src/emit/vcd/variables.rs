@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 /// How a channel is written.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Form {
-    /// A voltage that is either 0 V or this one; nothing where it is 0 V throughout.
+    /// A voltage that is either 0 V or this one; `None` where it is 0 V throughout.
     Switch(Option<f64>),
     Volts,
     /// With drive trains; the name that its four variables begin with.
@@ -27,7 +27,8 @@ impl Form {
                 Form::Train(plain(&signals.schedule.channels[channel].name))
             }
             ChannelUnit::Volt => {
-                let mut levels = signals.of(channel).iter().map(|actuation| actuation.to).filter(|volts| *volts != 0.0);
+                let levels = signals.of(channel).iter().map(|actuation| actuation.to).chain(signals.rest_v(channel));
+                let mut levels = levels.filter(|volts| *volts != 0.0);
                 let first = levels.next();
                 if levels.all(|volts| Some(volts) == first) { Form::Switch(first) } else { Form::Volts }
             }

@@ -61,6 +61,7 @@ pub fn job_of(task: &str, device: &str, order: Order) -> Job {
         device: device.into(),
         requirements: Vec::new(),
         events: Vec::new(),
+        holds: Vec::new(),
         order,
         span: Span::default(),
         run_span: Span::default(),
@@ -135,7 +136,13 @@ fn channels(claims: &Claims) -> Vec<Channel> {
                 let name = format!("{}.{side}{module}.{switch}", job.device);
                 let wire = claims.wires.get(&name).cloned();
                 if !channels.iter().any(|channel| channel.name == name) {
-                    channels.push(Channel { name, device: job.device.clone(), unit: ChannelUnit::Volt, wire });
+                    channels.push(Channel {
+                        name,
+                        device: job.device.clone(),
+                        unit: ChannelUnit::Volt,
+                        wire,
+                        rest_v: 0.0,
+                    });
                 }
             }
         }

@@ -371,7 +371,7 @@ pub fn channel(schedule: &mut Schedule, cell: ElectrodeCell) -> u32 {
 
 fn named(cell: ElectrodeCell) -> Channel {
     let name = format!("board.e{}_{}", cell.column, cell.row);
-    Channel { name, device: "board".into(), unit: ChannelUnit::Volt, wire: None }
+    Channel { name, device: "board".into(), unit: ChannelUnit::Volt, wire: None, rest_v: 0.0 }
 }
 
 /// One more electrode that is on, in a step.

@@ -319,7 +319,13 @@ pub fn schedule(claims: &Claims, days: &[Day]) -> Schedule {
     let fingers = days[0].order.facts.fingers as usize;
     for (finger, axis) in (0..fingers).flat_map(|finger| (0..AXES.len()).map(move |axis| (finger, axis))) {
         let name = format!("hand.{}", channel(finger, axis));
-        schedule.channels.push(Channel { name, device: "hand".into(), unit: ChannelUnit::Micrometre, wire: None });
+        schedule.channels.push(Channel {
+            name,
+            device: "hand".into(),
+            unit: ChannelUnit::Micrometre,
+            wire: None,
+            rest_v: 0.0,
+        });
     }
     for (index, day) in days.iter().enumerate() {
         run(&mut schedule, &claims.jobs[index], index, day);

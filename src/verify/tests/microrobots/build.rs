@@ -227,7 +227,8 @@ fn advance(order: &MicrorobotsOrder, leg: &Leg, poses: &mut [Pose], docked: &mut
 /// The schedule of these legs, with true records.
 pub fn schedule(claims: &Claims, legs: &[Vec<Vec<Leg>>]) -> Schedule {
     let mut writer = Writer { schedule: bare(claims), at_ns: 0, poses: Vec::new(), docked: Vec::new() };
-    let channel = Channel { name: "fleet.bed".into(), device: "fleet".into(), unit: ChannelUnit::Volt, wire: None };
+    let channel =
+        Channel { name: "fleet.bed".into(), device: "fleet".into(), unit: ChannelUnit::Volt, wire: None, rest_v: 0.0 };
     writer.schedule.channels.push(channel);
     for (index, job) in claims.jobs.iter().enumerate() {
         let Order::Microrobots(order) = &job.order else { panic!("an order of a bed") };
