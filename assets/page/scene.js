@@ -291,15 +291,17 @@ function drawParts(pen, device, t_ns, lights) {
   const [behind, ahead] = around(plan.states, stateIndexAt(plan, t_ns));
   const places = partsAt(device, t_ns);
   const stops = new Map();
-  for (const move of movesOf(order)) stops.set(move.part, [...(stops.get(move.part) || []), ...move.stops]);
+  const whose = (move) => ("team" in move ? null : move.part);
+  for (const move of movesOf(order)) stops.set(whose(move), [...(stops.get(whose(move)) || []), ...move.stops]);
+  const mark = (stop, stroke) => pen.shape(square([stop.cell.column, stop.cell.row], 0.5), { stroke, width: 1.5, dash: [3, 2] });
+  // A goal that any of several parts may take has none of their colours.
+  for (const stop of stops.get(null) || []) mark(stop, theme.soft);
   order.parts.forEach(({ name }, number) => {
     const color = colorOf(number);
     const route = (states) => states.map((state) => state.parts[name]).filter(Boolean);
     pen.line(route(ahead), color, 1, [2, 4]);
     if (places[name]) pen.line([...route(behind), places[name]], color, 2);
-    for (const { cell } of stops.get(number) || []) {
-      pen.shape(square([cell.column, cell.row], 0.5), { stroke: color, width: 1.5, dash: [3, 2] });
-    }
+    for (const stop of stops.get(number) || []) mark(stop, color);
   });
   order.parts.forEach(({ name }, number) => {
     const place = places[name];

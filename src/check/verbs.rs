@@ -29,7 +29,8 @@ pub struct Entered {
 impl Checker<'_> {
     /// A step that is a verb with its object and its prepositions; `None` after an error.
     pub fn verb(&mut self, step: &tree::Step, scope: &Scope, vocabulary: &'static Vocabulary) -> Option<Call> {
-        let Some(verb) = vocabulary.verb(&step.head.text) else {
+        let noun = step.noun.as_ref().map(|noun| noun.text.as_str());
+        let Some(verb) = vocabulary.verb_of(&step.head.text, noun) else {
             let verbs = vocabulary.verbs.iter().map(|verb| verb.name);
             let near = nearest(&step.head.text, verbs.chain(STEP_WORDS));
             let written = (step.head.span, step.head.text.as_str());

@@ -169,6 +169,21 @@ pub struct BoardPart {
     pub span: Span,
 }
 
+impl BoardPart {
+    /// The name before its index: `m` of `m3`, which is `m[3]`, and of `m3_12`; `None` for a part without an index.
+    pub fn family(&self) -> Option<&str> {
+        let before = |name: &str| name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+        let mut own = before(&self.name);
+        if own == self.name.len() {
+            return None;
+        }
+        while let Some(outer) = self.name[..own].strip_suffix('_').map(before).filter(|outer| outer + 1 < own) {
+            own = outer;
+        }
+        Some(&self.name[..own]).filter(|family| !family.is_empty())
+    }
+}
+
 /// One step of a task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ElectrodeArrayStep {
@@ -199,12 +214,21 @@ pub struct ElectrodeArrayMove {
     pub with: Option<usize>,
     /// Its stops, in order; the last one is its goal. One stop where parts merge.
     pub stops: Vec<ElectrodeArrayStop>,
+    /// The number of its team in the step. The moves of a team, each of one stop, share their goals: at each ends one of its parts, whichever
+    /// the plan chooses.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub team: Option<usize>,
     #[serde(skip)]
     pub span: Span,
 }
 
 impl ElectrodeArrayMove {
-    /// Where it ends.
+    /// A move of one part that is in no team.
+    pub fn alone(part: usize, stops: Vec<ElectrodeArrayStop>, span: Span) -> ElectrodeArrayMove {
+        ElectrodeArrayMove { part, with: None, stops, team: None, span }
+    }
+
+    /// Where it ends, if it is in no team.
     pub fn goal(&self) -> &ElectrodeArrayStop {
         self.stops.last().expect("the checker gives every move a goal")
     }
@@ -334,5 +358,20 @@ impl AssayOperation {
     /// The part that is gone when it is done.
     pub fn gone(&self) -> Option<usize> {
         self.with.or(self.leaves.then_some(self.part))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_index_is_a_number_or_several() {
+        let family = |name: &str| {
+            let part = BoardPart { name: name.to_owned(), cell: None, span: Span::default() };
+            part.family().unwrap_or("none").to_owned()
+        };
+        let names = ["m0", "m12", "m1_2", "m1_2_30", "m", "m_", "m_1", "a1b", "a1_b", "x_y3"];
+        assert_eq!(names.map(family), ["m", "m", "m", "m", "none", "none", "m_", "none", "none", "x_y"]);
     }
 }

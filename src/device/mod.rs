@@ -144,6 +144,12 @@ impl Vocabulary {
         self.verbs.iter().find(|verb| verb.name == name)
     }
 
+    /// The verb of a word with a noun after it: the one of that noun if there is one, else the one of the word.
+    pub fn verb_of(&self, name: &str, noun: Option<&str>) -> Option<&'static Verb> {
+        let with_noun = self.verbs.iter().find(|verb| verb.name == name && verb.noun.is_some() && verb.noun == noun);
+        with_noun.or_else(|| self.verb(name))
+    }
+
     /// What begins an entry of a task: its verbs, and its conditions.
     pub fn verbs_and_conditions(&self) -> impl Iterator<Item = &'static Verb> + use<> {
         self.verbs.iter().chain(self.conditions)

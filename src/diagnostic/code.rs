@@ -200,6 +200,7 @@ ledger! {
     E0567 "a least time of a task that waits for what comes"
     E0570 "a place in pixels without an image"
     E0571 "more than one image in a scene"
+    E0572 "goals that are not told apart"
     W0501 "an obstacle outside the workspace"
     W0502 "a task that is never run"
     W0503 "nothing to build"

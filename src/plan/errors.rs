@@ -141,6 +141,34 @@ pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)]) -> Diagnostic 
     )
 }
 
+/// A step of which what is proven depends on where an earlier one has brought parts whose goals are not told apart.
+pub fn not_from_here(step: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0602, "no plan was found for this step from where `any` has brought the parts before")
+        .label(step, "who stands where before it is the plan's choice; others were not tried")
+        .help("send the parts that this step moves to goals of their own before, instead of with `any`")
+}
+
+/// More goals of `any` lie somewhere than its parts can come there.
+pub fn goals_out_of_reach(step: Span, name: &str, [goals, parts]: [usize; 2], goal: &str) -> Diagnostic {
+    let (few, verb) = (if parts == 1 { "part" } else { "parts" }, if goals == 1 { "lies" } else { "lie" });
+    let (all, beside) = if goals == 1 { ("goal", String::new()) } else { ("goals", format!(", {goal} among them")) };
+    let title = match parts {
+        0 => format!("no plan: no part of `any {name}` can come to its goal {goal}"),
+        _ => format!("no plan: {goals} {all} of `any {name}` {verb} where only {parts} of its {few} can come{beside}"),
+    };
+    Diagnostic::new(Code::E0601, title).label(step, "obstacles, or parts that stay, lie between").help(
+        "move a goal to the side of the parts, move an obstacle, or let parts that stay step aside: `may_yield: true`",
+    )
+}
+
+/// Parts that cannot pass one another, whichever of their goals each takes.
+pub fn blocked_with_any_goals(step: Span, parts: &[&str]) -> Diagnostic {
+    let title = format!("no plan: {} cannot pass one another, whichever goals they take", all_of(parts));
+    Diagnostic::new(Code::E0601, title)
+        .label(step, "every choice of goals was searched")
+        .help("give them goals with more room, or send some of them in a step of its own before")
+}
+
 pub fn too_few_steps(limit_span: Span, limit: u64, least: u64) -> Diagnostic {
     Diagnostic::new(Code::E0603, format!("no plan has {limit} steps or fewer"))
         .label(limit_span, "this limit")

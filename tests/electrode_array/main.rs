@@ -7,6 +7,7 @@ mod found;
 mod programs;
 mod scenes;
 mod task;
+mod teams;
 mod tiny;
 
 use check::{fault, judged};

@@ -117,6 +117,7 @@ RESERVED = (
     "with",
 )
 STEP_NOUNS = (
+    "any",
     "state",
 )
 STEPS = (

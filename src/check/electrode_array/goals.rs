@@ -120,6 +120,9 @@ fn beyond_greed(call: &Call) -> Option<(&'static str, Span)> {
     if call.verb.name == "merge" {
         return Some(("merge", call.span));
     }
+    if call.verb.noun.is_some() {
+        return Some(("choose which part comes to which goal", call.span));
+    }
     let via = call.phrases.iter().find(|(preposition, _)| *preposition == "via");
     via.map(|(_, via)| ("plan by way of a cell", via.span))
 }
@@ -191,14 +194,24 @@ impl BoardStepJudge<'_> {
     /// Goals at the same time: each part has one, and they are apart.
     fn moves(&mut self, calls: &[Call]) -> Option<Vec<ElectrodeArrayMove>> {
         self.nothing_after(calls)?;
-        let moves: Vec<Option<ElectrodeArrayMove>> = calls.iter().map(|call| self.one_move(call)).collect();
+        let moves: Vec<Option<Vec<ElectrodeArrayMove>>> =
+            calls.iter().enumerate().map(|(nth, call)| self.moves_of(call, nth)).collect();
+        let each = calls.iter().zip(&moves);
         let found: Vec<(&Call, &ElectrodeArrayMove)> =
-            calls.iter().zip(&moves).filter_map(|(call, found)| Some((call, found.as_ref()?))).collect();
+            each.flat_map(|(call, moves)| moves.iter().flatten().map(move |found| (call, found))).collect();
         let before = self.sink.errors();
         self.one_goal_each(&found);
         self.goals_apart(&found);
         (self.sink.errors() == before).then_some(())?;
-        moves.into_iter().collect()
+        Some(moves.into_iter().collect::<Option<Vec<_>>>()?.concat())
+    }
+
+    /// The moves of a step, `nth` of those at the same time: one, or those of a team.
+    fn moves_of(&mut self, call: &Call, nth: usize) -> Option<Vec<ElectrodeArrayMove>> {
+        match call.verb.noun {
+            Some(_) => self.team(call, nth),
+            None => self.one_move(call).map(|one| vec![one]),
+        }
     }
 
     /// Operations: those of one part follow each other, and none needs a part that is gone before.
@@ -266,8 +279,9 @@ impl BoardStepJudge<'_> {
     }
 
     fn operation(&mut self, call: &Call) -> Option<AssayOperation> {
+        self.sink.unless(call.verb.noun.map(|_| errors::team_in_assay(call.span)))?;
         if !OPERATIONS.contains(&call.verb.name) {
-            let ElectrodeArrayMove { part, with, stops, span } = self.one_move(call)?;
+            let ElectrodeArrayMove { part, with, stops, span, .. } = self.one_move(call)?;
             return Some(AssayOperation { with, ..AssayOperation::passing(part, stops, span) });
         }
         let part = self.part(call.object.as_ref()?);
@@ -418,7 +432,7 @@ impl BoardStepJudge<'_> {
                 (None, stops.into_iter().collect::<Option<Vec<ElectrodeArrayStop>>>()?)
             }
         };
-        Some(ElectrodeArrayMove { part: part?, with, stops, span: call.span })
+        Some(ElectrodeArrayMove { with, ..ElectrodeArrayMove::alone(part?, stops, call.span) })
     }
 
     /// Droplets merge, two of them, where electrodes hold them.
@@ -435,7 +449,7 @@ impl BoardStepJudge<'_> {
         self.sink.unless(wrong)
     }
 
-    fn name(&self, part: usize) -> &str {
+    pub(super) fn name(&self, part: usize) -> &str {
         self.tray.parts.get(part).map_or("", |part| part.name.as_str())
     }
 
@@ -445,7 +459,7 @@ impl BoardStepJudge<'_> {
     }
 
     /// A cell that a centre can take.
-    fn stop(&mut self, target: &Argument) -> Option<ElectrodeArrayStop> {
+    pub(super) fn stop(&mut self, target: &Argument) -> Option<ElectrodeArrayStop> {
         let Some(pair) = whole_cell(&target.value) else {
             target.unless(Some(errors::no_cell(target.span, &target.value)), self.sink);
             return None;
@@ -496,12 +510,16 @@ impl BoardStepJudge<'_> {
                 cover.covering(cell).is_none() && spread.near(cell).is_none()
             });
             let goals = [
-                errors::PartPlace { name: self.name(found.part), cell: goal.cell, span: goal.span },
-                errors::PartPlace { name: self.name(earlier.part), cell, span: earlier.goal().span },
+                errors::PartPlace { name: self.mover(found), cell: goal.cell, span: goal.span },
+                errors::PartPlace { name: self.mover(earlier), cell, span: earlier.goal().span },
             ];
-            let wrong = errors::goals_too_near(goals, apart, free);
+            let is_one_team = found.team.is_some() && found.team == earlier.team;
+            let wrong = match is_one_team {
+                true => errors::team_goals_too_near(goals, apart, free),
+                false => errors::goals_too_near(goals, apart, free),
+            };
             let given = phrases(call, if found.with.is_some() { "at" } else { "to" }).next();
-            self.sink.push(match given {
+            self.sink.push(match given.filter(|_| found.team.is_none()) {
                 Some(given) => errors::given_at(wrong, given),
                 None => wrong,
             });
@@ -509,7 +527,7 @@ impl BoardStepJudge<'_> {
     }
 }
 
-fn phrases<'c>(call: &'c Call, preposition: &'c str) -> impl Iterator<Item = &'c Argument> {
+pub(super) fn phrases<'c>(call: &'c Call, preposition: &'c str) -> impl Iterator<Item = &'c Argument> {
     call.phrases.iter().filter(move |(name, _)| *name == preposition).map(|(_, argument)| argument)
 }
 

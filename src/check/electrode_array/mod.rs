@@ -11,6 +11,7 @@ mod map;
 mod motion;
 mod physics;
 mod places;
+mod teams;
 mod traces;
 mod tray;
 

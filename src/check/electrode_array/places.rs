@@ -1,4 +1,5 @@
-//! Where the parts of each board stand when a step begins: goals are fixed, so all of that is known before planning.
+//! Where the parts of each board stand when a step begins: goals are fixed, so all of that is known before planning, but for who of a
+//! team is at which of its goals.
 //!
 //! The runs of a schedule are walked in their order. A step is wrong if it needs a part that has merged away, or sends one too
 //! near to a part that stays where it is, or that comes back there.
@@ -85,6 +86,8 @@ fn odd_part<'p>(before: &'p [BoardPart], now: &'p [BoardPart]) -> Option<&'p str
 enum PartStand {
     /// There, since it was put or sent there.
     At(ElectrodeCell, Span),
+    /// On one of the cells to which a step has sent its team, but not known on which.
+    Somewhere(Span),
     /// No reservoir has dispensed it yet.
     Due,
     /// It has merged with another, or left the board.
@@ -107,6 +110,8 @@ struct BoardWalk {
     liquids: BoardLiquids,
     /// The parts that are still there, by index.
     spread: SpacedPlaces<usize>,
+    /// Parts that stand on the cells of each other, for all that is known: the goals of their team.
+    teams: Vec<BTreeSet<usize>>,
 }
 
 impl BoardWalk {
@@ -116,9 +121,39 @@ impl BoardWalk {
         let (parts, obstacles) = (Arc::clone(&order.parts), Arc::clone(&order.obstacles));
         let mut liquids = BoardLiquids::default();
         liquids.put(&parts);
-        let mut board = BoardWalk { parts, obstacles, stands, liquids, spread };
+        let mut board = BoardWalk { parts, obstacles, stands, liquids, spread, teams: Vec::new() };
         (0..board.stands.len()).for_each(|part| board.enter(part));
         board
+    }
+
+    /// What a message calls the part on a cell: one of a team by the name before its index.
+    fn name_of(&self, part: usize) -> &str {
+        let is_loose = self.teams.iter().any(|team| team.contains(&part));
+        self.parts[part].family().filter(|_| is_loose).unwrap_or(&self.parts[part].name)
+    }
+
+    /// The parts that some moves take from their cells; who is left of a team stands where that is not known.
+    fn set_out(&mut self, moves: &[ElectrodeArrayMove]) {
+        let moved: BTreeSet<usize> = moves.iter().flat_map(of_move).collect();
+        let mut lost: Vec<usize> = Vec::new();
+        for team in &mut self.teams {
+            if !team.is_disjoint(&moved) {
+                lost.extend(team.difference(&moved));
+                team.clear();
+            }
+        }
+        self.teams.retain(|team| !team.is_empty());
+        moved.iter().chain(&lost).for_each(|part| self.leave(*part));
+        for part in lost {
+            if let PartStand::At(_, since) = self.stands[part] {
+                self.stands[part] = PartStand::Somewhere(since);
+            }
+        }
+        let mut teams: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+        for (team, part) in moves.iter().filter_map(|one| Some((one.team?, one.part))) {
+            teams.entry(team).or_default().insert(part);
+        }
+        self.teams.extend(teams.into_values());
     }
 
     /// The name of a part, and where that is declared.
@@ -147,6 +182,9 @@ impl BoardWalk {
             .map(|part| index.get(part.name.as_str()).map_or(PartStand::at_first(part), |at| self.stands[*at]))
             .collect();
         (0..self.stands.len()).for_each(|part| self.leave(part));
+        let now: BTreeMap<&str, usize> = parts.iter().enumerate().map(|(at, part)| (part.name.as_str(), at)).collect();
+        let renamed = |part: &usize| now.get(self.parts[*part].name.as_str()).copied();
+        self.teams = self.teams.iter().map(|team| team.iter().filter_map(renamed).collect()).collect();
         self.stands = before;
         self.parts = Arc::clone(parts);
         self.liquids.put(parts);
@@ -157,12 +195,12 @@ impl BoardWalk {
     fn stands_clear(&self, job: &Job, order: &ElectrodeArrayOrder, walk: &mut PartsWalk) -> Vec<Diagnostic> {
         let cover = walk.cover(order);
         let mut found = Vec::new();
-        for (part, stand) in self.parts.iter().zip(&self.stands) {
+        for (part, stand) in self.stands.iter().enumerate() {
             let PartStand::At(cell, since) = *stand else { continue };
             let Some(obstacle) = cover.covering(cell).map(|index| &order.obstacles[index]) else { continue };
             if walk.told.insert((job.run_span, Some(cell))) {
                 let distance = distance_to(obstacle, cell, &order.facts);
-                let place = errors::PartPlace { name: &part.name, cell, span: since };
+                let place = errors::PartPlace { name: self.name_of(part), cell, span: since };
                 let obstacle = (obstacle.name.as_str(), obstacle.span);
                 found.push(errors::obstacle_comes_near(job.run_span, place, obstacle, distance));
             }
@@ -178,7 +216,7 @@ impl BoardWalk {
         walk: &mut PartsWalk,
     ) -> Vec<Diagnostic> {
         let mut found = self.not_there(moves, &mut walk.told);
-        moves.iter().flat_map(of_move).for_each(|part| self.leave(part));
+        self.set_out(moves);
         for step in moves {
             let stops = match order.bystanders {
                 Bystanders::Stay => step.stops.as_slice(),
@@ -244,14 +282,13 @@ impl BoardWalk {
                 {
                     found.push(errors::not_there_yet(operation.span, self.named(part)));
                 }
-                let fresh = || ElectrodeArrayMove { part, with: None, stops: Vec::new(), span: operation.span };
+                let fresh = || ElectrodeArrayMove::alone(part, Vec::new(), operation.span);
                 moves.entry(part).or_insert_with(fresh).stops.extend(operation.stops.iter().cloned());
             }
             if let Some(half) = operation.splits {
                 found.extend(self.comes(operation, &mut walk.told));
                 let stops = vec![half.stop(operation)];
-                moves
-                    .insert(half.part, ElectrodeArrayMove { part: half.part, with: None, stops, span: operation.span });
+                moves.insert(half.part, ElectrodeArrayMove::alone(half.part, stops, operation.span));
             }
         }
         let rests: Vec<usize> = moves.values().filter(|one| one.stops.is_empty()).map(|one| one.part).collect();
@@ -267,6 +304,8 @@ impl BoardWalk {
                 one.stops.push(ElectrodeArrayStop { cell, span, origin: None });
             }
         }
+        // Of who stays where that is not known, nothing can be judged.
+        moves.retain(|one| !one.stops.is_empty());
         found.extend(self.loops(operations, order, walk));
         found.extend(self.advance(&moves, order, walk));
         for operation in operations {
@@ -317,7 +356,7 @@ impl BoardWalk {
             here.extend(operation.stops.last().map(|stop| (part, stop.cell)));
             let stands = match self.stands[part] {
                 PartStand::At(cell, _) => Some(cell),
-                PartStand::Due | PartStand::Gone(_) => None,
+                PartStand::Due | PartStand::Somewhere(_) | PartStand::Gone(_) => None,
             };
             let known = here.get(&part).copied().or(stands);
             let Some(corner) = known.filter(|_| operation.mixes) else { continue };
@@ -360,7 +399,7 @@ impl BoardWalk {
                 self.stands[part] = PartStand::At(cell, operation.span);
                 return None;
             }
-            PartStand::At(_, since) => errors::there_already(operation.span, name, since),
+            PartStand::At(_, since) | PartStand::Somewhere(since) => errors::there_already(operation.span, name, since),
             PartStand::Gone(departure) => errors::gone_before(operation.span, name, departure),
         };
         told.insert((operation.span, None)).then_some(wrong)
@@ -373,7 +412,7 @@ impl BoardWalk {
             for part in of_move(step) {
                 let name = &self.parts[part].name;
                 let wrong = match self.stands[part] {
-                    PartStand::At(..) => continue,
+                    PartStand::At(..) | PartStand::Somewhere(_) => continue,
                     PartStand::Due => errors::not_there_yet(step.span, self.named(part)),
                     PartStand::Gone(departure) => errors::gone_before(step.span, name, departure),
                 };
@@ -403,8 +442,8 @@ impl BoardWalk {
                 && self.spread.near(cell).is_none()
                 && goals.clone().all(|goal| goal.apart(cell) >= apart)
         });
-        let moved = errors::PartPlace { name: &self.parts[step.part].name, cell: stop.cell, span: stop.span };
-        let stays = errors::PartPlace { name: &self.parts[other].name, cell, span: since };
+        let moved = errors::PartPlace { name: self.name_of(step.part), cell: stop.cell, span: stop.span };
+        let stays = errors::PartPlace { name: self.name_of(other), cell, span: since };
         errors::near_standing_part(moved, stays, apart, free)
     }
 }

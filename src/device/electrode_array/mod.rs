@@ -21,6 +21,9 @@ pub const MAX_SIDE: u32 = 1_000;
 /// Greatest number of parts in one scene.
 pub const MAX_PARTS: usize = 1_000;
 
+/// Most parts that share their goals in one step.
+pub const MAX_TEAM: usize = 400;
+
 /// Greatest number of obstacles in one scene.
 pub const MAX_OBSTACLES: usize = 100_000;
 

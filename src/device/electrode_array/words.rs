@@ -177,6 +177,9 @@ const SETTINGS: &[VocabularyField] = &[VocabularyField {
     doc: "whether parts without a goal may step aside, and come back",
 }];
 
+/// The word before a name that stands for all parts with an index after it.
+pub const ANY: &str = "any";
+
 /// Once another part has done all that it does above.
 const AFTER: VocabularyPhrase =
     VocabularyPhrase { preposition: "after", sort: Sort::Object("part"), count: Count::AnyNumber };
@@ -201,6 +204,15 @@ const VERBS: &[Verb] = &[
         block: None,
         doc: "carries a part to a cell, by way of others in the order of writing",
         example: "move m1 to (26, 31) via (5, 20)",
+    },
+    Verb {
+        name: "move",
+        noun: Some(ANY),
+        object: Some(Sort::Object("part")),
+        phrases: &[VocabularyPhrase { preposition: "to", sort: Sort::Cells, count: Count::Once }],
+        block: None,
+        doc: "carries all parts of an indexed name, as `m[0]`, `m[1]` and on, to as many cells; the plan chooses which of them comes to which",
+        example: "move any m to [(5, 20), (9, 20), (13, 20)]",
     },
     Verb {
         name: "dispense",

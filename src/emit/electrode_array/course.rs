@@ -3,8 +3,8 @@
 //! One unit is one pitch of the board; electrode (1, 1) is the origin.
 
 use crate::claims::electrode_array::{
-    ElectrodeArrayAction, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder, ElectrodeArrayStep,
-    ElectrodeArrayStop,
+    ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
+    ElectrodeArrayStep, ElectrodeArrayStop,
 };
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::emit::course;
@@ -101,14 +101,15 @@ pub fn body(facts: &ElectrodeArrayFacts, obstacle: &ElectrodeArrayObstacle) -> [
     [low.map(|value| value - half), high.map(|value| value + half)]
 }
 
-/// The goals of every step of a task: the part's index and the cell.
-pub fn asked(order: &ElectrodeArrayOrder) -> impl Iterator<Item = (usize, ElectrodeCell)> + '_ {
-    let stops = |part: usize, stops: &[ElectrodeArrayStop]| -> Vec<(usize, ElectrodeCell)> {
+/// The goals of every step of a task: the part's index, if one part in particular goes there, and the cell.
+pub fn asked(order: &ElectrodeArrayOrder) -> impl Iterator<Item = (Option<usize>, ElectrodeCell)> + '_ {
+    let stops = |part: Option<usize>, stops: &[ElectrodeArrayStop]| -> Vec<(Option<usize>, ElectrodeCell)> {
         stops.iter().map(|stop| (part, stop.cell)).collect()
     };
+    let of_move = move |one: &ElectrodeArrayMove| stops(Some(one.part).filter(|_| one.team.is_none()), &one.stops);
     order.steps.iter().flat_map(move |step| match &step.action {
-        ElectrodeArrayAction::Move(moves) => moves.iter().flat_map(|one| stops(one.part, &one.stops)).collect(),
-        ElectrodeArrayAction::Assay(all) => all.iter().flat_map(|one| stops(one.part, &one.stops)).collect(),
+        ElectrodeArrayAction::Move(moves) => moves.iter().flat_map(of_move).collect(),
+        ElectrodeArrayAction::Assay(all) => all.iter().flat_map(|one| stops(Some(one.part), &one.stops)).collect(),
         ElectrodeArrayAction::Wait(_) => Vec::new(),
     })
 }

@@ -58,7 +58,7 @@ fn strobes(orders: &[&ElectrodeArrayOrder], moments: &[PartsMoment], parts: &[&s
     let goals: BTreeSet<(&str, ElectrodeCell)> = orders
         .iter()
         .flat_map(|order| asked(order))
-        .filter_map(|(part, cell)| Some((*parts.get(part)?, cell)))
+        .filter_map(|(part, cell)| Some((*parts.get(part?)?, cell)))
         .collect();
     let arrived = |(part, cell): &(&str, ElectrodeCell)| {
         moments.iter().find(|moment| moment.parts.get(*part) == Some(cell)).map(|moment| moment.t_ns)
@@ -219,9 +219,10 @@ fn draw_obstacles(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &
 
 /// Marks of the goals of all steps.
 fn draw_goals(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
-    let goals: BTreeSet<(usize, ElectrodeCell)> = panel.orders.iter().flat_map(|order| asked(order)).collect();
+    let goals: BTreeSet<(Option<usize>, ElectrodeCell)> = panel.orders.iter().flat_map(|order| asked(order)).collect();
     for (part, cell) in &goals {
-        let ink = Ink::line(color::in_turn(*part), 1.0).dashed("2 1.5");
+        // A goal that any of several parts may take has none of their colours.
+        let ink = Ink::line(part.map_or(color::SOFT, color::in_turn), 1.0).dashed("2 1.5");
         to.rect(
             PaperBox::about(view.at(place(*cell)), 0.5 * view.scale),
             ink,

@@ -180,6 +180,10 @@ fn name(order: &ElectrodeArrayOrder, part: usize) -> String {
 
 fn moved(order: &ElectrodeArrayOrder, one: &ElectrodeArrayMove) -> String {
     let (part, goal) = (name(order, one.part), one.goal().cell);
+    if one.team.is_some() {
+        let family = order.parts.get(one.part).and_then(|part| part.family()).unwrap_or_default();
+        return format!("one of `{family}` goes to {goal}");
+    }
     match one.with {
         Some(with) => format!("{part} and {} merge at {goal}", name(order, with)),
         None => format!("{part} goes to {goal}"),

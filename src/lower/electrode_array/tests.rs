@@ -122,7 +122,7 @@ fn asked(ways: &[Vec<ElectrodeCell>]) -> TaskStep {
             first.with = Some(part);
         } else if way.len() > 1 {
             let stops = vec![ElectrodeArrayStop { cell: goal, span: Span::default(), origin: None }];
-            moves.push(ElectrodeArrayMove { part, with: None, stops, span: Span::default() });
+            moves.push(ElectrodeArrayMove::alone(part, stops, Span::default()));
         }
     }
     TaskStep { action: ElectrodeArrayAction::Move(moves), span: Span::default() }

@@ -109,7 +109,7 @@ impl PartErrands {
 
     fn index(&mut self, part: usize, operation: &AssayOperation) -> usize {
         self.moves.iter().position(|one| one.part == part).unwrap_or_else(|| {
-            self.moves.push(ElectrodeArrayMove { part, with: None, stops: Vec::new(), span: operation.span });
+            self.moves.push(ElectrodeArrayMove::alone(part, Vec::new(), operation.span));
             self.works.push(Vec::new());
             self.comes.push(false);
             self.is_gone.push(false);

@@ -11,9 +11,12 @@ use super::exact;
 use super::labels::{BoardFigures, PlanLimits};
 use super::limited::{self, AskedStep, PlanFront, UNLIMITED};
 use super::limits;
+use super::loose::LooseParts;
+use super::motion::{ElectrodeArrayMotion, ElectrodeArrayStepMotion};
 use super::one_by_one::one_by_one;
 use super::published::{self, Heuristic, PairCheck, PaperReading, PublishedOutcome, Ties, Zero};
 use super::remedy::{Shut, Tried};
+use super::shared::{self, SharedGoals};
 use super::stage::{self, BoardGround, BoardStage, CellBlocker};
 use super::{portfolio, why};
 use crate::claims::electrode_array::{
@@ -37,46 +40,6 @@ const PUBLISHED_HORIZON: usize = 4;
 
 /// Pair checks of the published planner that take as long as one expansion of another planner.
 const LOOKS_PER_EXPANSION: u64 = 20;
-
-/// Motion of the parts of a board.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ElectrodeArrayMotion {
-    /// Start cell of each part of the order; `None` for one that has already merged with another, or has not come yet.
-    pub start: Vec<Option<ElectrodeCell>>,
-    /// One for each step of the order.
-    pub steps: Vec<ElectrodeArrayStepMotion>,
-}
-
-/// Motion of the parts in one step of the task.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum ElectrodeArrayStepMotion {
-    /// For each part its cells at the instants 0, 1, … of the step, until it stays; empty for a part that has already merged.
-    Paths(Vec<Vec<ElectrodeCell>>),
-    /// One for each part.
-    Courses(Vec<PartCourse>),
-    /// In nanoseconds.
-    Wait(u64),
-}
-
-impl ElectrodeArrayStepMotion {
-    /// Steps, sum of costs and moves.
-    fn figures(&self) -> [usize; 3] {
-        let moves = |cells: &[ElectrodeCell]| cells.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        match self {
-            ElectrodeArrayStepMotion::Paths(paths) => {
-                let arrivals = paths.iter().map(|path| path.len().saturating_sub(1));
-                let moves = paths.iter().map(|path| moves(path)).sum();
-                [arrivals.clone().max().unwrap_or(0), arrivals.sum(), moves]
-            }
-            ElectrodeArrayStepMotion::Courses(courses) => {
-                let ends = courses.iter().map(|course| course.cells.len().saturating_sub(1));
-                let moves = courses.iter().map(|course| moves(&course.cells)).sum();
-                [ends.max().unwrap_or(0), courses.iter().map(PartCourse::last_arrival).sum(), moves]
-            }
-            ElectrodeArrayStepMotion::Wait(_) => [0; 3],
-        }
-    }
-}
 
 /// State that the plans of a schedule hand on to later jobs: the cell of each part of each device, by name.
 #[derive(Default)]
@@ -119,8 +82,8 @@ fn planned(
 ) -> (Option<Plan<ElectrodeArrayMotion>>, Vec<Option<ElectrodeCell>>) {
     let ground = BoardGround::new(order);
     let cells = start.clone();
-    let (known, assays) = (Vec::new(), Vec::new());
-    let mut tasks = Tasks { job, order, ground: &ground, start: &start, cells, known, assays, may_remedy, sink };
+    let (known, assays, loose) = (Vec::new(), Vec::new(), LooseParts::default());
+    let mut tasks = Tasks { job, order, ground: &ground, start: &start, cells, loose, known, assays, may_remedy, sink };
     let steps: Vec<Option<ElectrodeArrayStepMotion>> = order.steps.iter().map(|step| tasks.step(step)).collect();
     let (known, assays, end) = (tasks.known, tasks.assays, tasks.cells);
     let Some(steps) = steps.into_iter().collect::<Option<Vec<ElectrodeArrayStepMotion>>>() else { return (None, end) };
@@ -265,9 +228,11 @@ struct Tasks<'a> {
     start: &'a [Option<ElectrodeCell>],
     /// Current cells of the parts.
     cells: Vec<Option<ElectrodeCell>>,
+    /// Those that the program leaves open.
+    loose: LooseParts,
     /// The plans of the steps with moves, and their bounds.
     known: Vec<(Paths, BoardCosts)>,
-    /// The bounds of the assays.
+    /// The bounds of the assays, and of the steps with goals that are not told apart.
     assays: Vec<BoardCosts>,
     /// Whether a remedy may still be tried, once per job, since each try costs as much as planning.
     may_remedy: bool,
@@ -284,11 +249,16 @@ impl Tasks<'_> {
                 let paths = self.paths(step, &stage);
                 let motion = paths.map(|paths| moves_of(self.order, &stage, &self.cells, &paths));
                 arrive(&mut self.cells, moves);
+                if let Some(motion) = &motion {
+                    shared::arrive(&mut self.cells, moves, motion);
+                }
+                self.loose.follow(&step.action);
                 motion.map(ElectrodeArrayStepMotion::Paths)
             }
             ElectrodeArrayAction::Assay(operations) => {
                 let courses = self.courses(step, operations);
                 errands::depart(&mut self.cells, operations);
+                self.loose.follow(&step.action);
                 courses.map(ElectrodeArrayStepMotion::Courses)
             }
         }
@@ -303,6 +273,10 @@ impl Tasks<'_> {
         let (objective, budget) = (objective(self.order.objective), SearchBudget::of(self.order.planner.expansions));
         let plan = match assay::solve(&problem, objective, budget) {
             SearchAnswer::Found(plan) => plan,
+            SearchAnswer::Impossible(_) if !self.loose.is_fixed_in(&step.action) => {
+                self.sink.push(errors::not_from_here(step.span));
+                return None;
+            }
             SearchAnswer::Impossible(NoAssayPlan::Excluded { reached }) => {
                 let parts: Vec<&str> = (0..reached.len()).map(|agent| self.part_name(&stage, agent)).collect();
                 let told = errors::operations_exclude_one_another(step.span, &parts);
@@ -324,11 +298,14 @@ impl Tasks<'_> {
                 plan
             }
         };
-        self.assays.push(plan.bounds);
+        self.assays.push(self.least_of(step, plan.bounds));
         Some(errands::courses_of(self.order, &stage, &self.cells, (&problem, &plan.courses)))
     }
 
     fn paths(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage) -> Option<Paths> {
+        if stage.agents.iter().any(|actor| actor.asked.is_some_and(|one| one.team.is_some())) {
+            return self.by_teams(step, stage);
+        }
         match self.order.planner.method {
             ElectrodeArrayMethod::Portfolio => self.by_portfolio(step, stage),
             ElectrodeArrayMethod::CooperativeAstar => self.as_published(step, stage, Heuristic::Spread),
@@ -340,8 +317,12 @@ impl Tasks<'_> {
         let budget = SearchBudget::of(self.order.planner.expansions);
         match portfolio::solve(&stage.instance, objective(self.order.objective), None, budget) {
             BoardAnswer::Found(BoardPlan { paths, bounds }) => {
-                self.add(&paths, bounds);
+                self.add(&paths, self.least_of(step, bounds));
                 Some(paths)
+            }
+            BoardAnswer::Impossible(_) if !self.loose.is_fixed_in(&step.action) => {
+                self.sink.push(errors::not_from_here(step.span));
+                None
             }
             BoardAnswer::Impossible(why) => {
                 self.impossible(step.span, stage, &why);
@@ -352,6 +333,30 @@ impl Tasks<'_> {
                 None
             }
         }
+    }
+
+    /// The paths of a step with goals that are not told apart.
+    fn by_teams(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage) -> Option<Paths> {
+        let budget = SearchBudget::of(self.order.planner.expansions);
+        match shared::solve(self.order, step.span, stage, (objective(self.order.objective), budget)) {
+            SharedGoals::Found(BoardPlan { paths, bounds }) => {
+                self.assays.push(self.least_of(step, bounds));
+                return Some(paths);
+            }
+            SharedGoals::GaveUp(bounds) => self.gave_up(step.span, &goals(stage), bounds, budget),
+            SharedGoals::Alone(_) | SharedGoals::Told(_) if !self.loose.is_fixed_in(&step.action) => {
+                self.sink.push(errors::not_from_here(step.span));
+            }
+            SharedGoals::Alone(why) => self.impossible(step.span, stage, &why),
+            SharedGoals::Told(told) => self.sink.push(told),
+        }
+        None
+    }
+
+    /// The bounds that were proven of a step, if they hold wherever the plan has brought the parts; else what does.
+    fn least_of(&self, step: &ElectrodeArrayStep, bounds: BoardCosts) -> BoardCosts {
+        let least = self.loose.least(self.order, self.ground, &self.cells, &step.action);
+        least.unwrap_or(bounds)
     }
 
     fn gave_up(&mut self, step: Span, to: &str, bounds: BoardCosts, budget: SearchBudget) {

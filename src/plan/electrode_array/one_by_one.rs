@@ -109,7 +109,7 @@ impl Turns<'_> {
 
     fn travel(&mut self, operation: &AssayOperation, stops: &[ElectrodeArrayStop]) -> Option<()> {
         let (part, with) = (operation.part, operation.with);
-        let moves = [ElectrodeArrayMove { part, with, stops: stops.to_vec(), span: operation.span }];
+        let moves = [ElectrodeArrayMove { with, ..ElectrodeArrayMove::alone(part, stops.to_vec(), operation.span) }];
         let step = BoardStage::new(self.order, self.ground, &self.now, &moves);
         let budget = SearchBudget::of(self.order.planner.expansions);
         let BoardAnswer::Found(plan) = portfolio::solve(&step.instance, self.objective, None, budget) else {

@@ -76,6 +76,16 @@ const TIE_GAIN: u64 = 500;
 
 /// Solves a stage, within `limit` steps if there is a limit.
 pub fn solve(instance: &Instance, objective: BoardObjective, limit: Option<u64>, budget: SearchBudget) -> BoardAnswer {
+    solve_metered(instance, objective, limit, &mut Meter::new(budget))
+}
+
+/// [`solve`], with the steps of a meter.
+pub fn solve_metered(
+    instance: &Instance,
+    objective: BoardObjective,
+    limit: Option<u64>,
+    meter: &mut Meter,
+) -> BoardAnswer {
     if instance.agents.len() == 1 {
         return by_itself(instance, limit);
     }
@@ -83,18 +93,18 @@ pub fn solve(instance: &Instance, objective: BoardObjective, limit: Option<u64>,
         Ok(bounds) => bounds,
         Err(why) => return BoardAnswer::Impossible(why),
     };
-    let mut search = PortfolioSearch { instance, objective, limit, bounds, meter: Meter::new(budget), held: None };
+    let mut search = PortfolioSearch { instance, objective, limit, bounds, meter, held: None };
     match search.first() {
         Some(BoardAnswer::Found(BoardPlan { paths, .. })) => search.better(paths),
         Some(decided) => decided,
-        None => exact::prove(instance, objective, None, limit, &mut search.meter),
+        None => exact::prove(instance, objective, None, limit, search.meter),
     }
 }
 
 /// The plan with which [`solve`] begins, if it finds one.
 pub fn first(instance: &Instance, objective: BoardObjective, budget: SearchBudget) -> Option<Paths> {
     let bounds = fast::bounds(instance).ok()?;
-    let meter = Meter::new(budget);
+    let meter = &mut Meter::new(budget);
     match (PortfolioSearch { instance, objective, limit: None, bounds, meter, held: None }).first()? {
         BoardAnswer::Found(BoardPlan { paths, .. }) => Some(paths),
         BoardAnswer::Impossible(_) | BoardAnswer::GaveUp(_) => None,
@@ -124,7 +134,7 @@ struct PortfolioSearch<'a> {
     limit: Option<u64>,
     /// Lower bounds from the parts alone.
     bounds: BoardCosts,
-    meter: Meter,
+    meter: &'a mut Meter,
     /// Once there is a plan.
     held: Option<HeldBoardPlan>,
 }
@@ -222,7 +232,7 @@ impl PortfolioSearch<'_> {
             let paths = self.ties(best, 1);
             return BoardAnswer::Found(BoardPlan { paths, bounds: self.bounds });
         }
-        exact::prove(self.instance, self.objective, Some(&best), self.limit, &mut self.meter)
+        exact::prove(self.instance, self.objective, Some(&best), self.limit, self.meter)
     }
 
     /// A plan improved in rounds until it meets its bound or `steps` steps are spent. Where a round shortens it little, plans within a

@@ -41,6 +41,11 @@ impl<'a> BoardGround<'a> {
         cover(&mut board, &obstacles);
         BoardGround { obstacles, bare, board }
     }
+
+    /// The board with its obstacles.
+    pub fn board(&self) -> &BoardGrid {
+        &self.board
+    }
 }
 
 /// A part that may move in a step.

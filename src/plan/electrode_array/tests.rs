@@ -76,7 +76,7 @@ fn go(part: usize, stops: &[(u32, u32)]) -> ElectrodeArrayMove {
         span: span(at),
         origin: None,
     };
-    ElectrodeArrayMove { part, with: None, stops: stops.iter().map(stop).collect(), span: span(at) }
+    ElectrodeArrayMove::alone(part, stops.iter().map(stop).collect(), span(at))
 }
 
 fn together(moves: Vec<ElectrodeArrayMove>) -> ElectrodeArrayStep {

@@ -162,7 +162,14 @@ fn stops(order: &ElectrodeArrayOrder, stops: &[ElectrodeArrayStop]) -> Result<()
 
 fn goals(order: &ElectrodeArrayOrder, moves: &[ElectrodeArrayMove]) -> Result<(), Unfit> {
     let mut met = BTreeSet::new();
+    let mut shared = BTreeSet::new();
     for action in moves {
+        if action.team.is_some() {
+            let is_plain = action.stops.len() == 1 && action.with.is_none();
+            demand(is_plain, "let a part of a team do more than go to a goal")?;
+            let is_new = action.stops.iter().all(|stop| shared.insert((stop.cell.column, stop.cell.row)));
+            demand(is_new, "give a team one goal twice")?;
+        }
         let all = std::iter::once(action.part).chain(action.with);
         for part in all {
             demand(part < order.parts.len(), "move a part that they do not have")?;

@@ -470,6 +470,14 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     fn goals(&self, nth: usize, stage: &JudgedStage, findings: &mut Findings) {
         let step = self.run.step(nth);
         let end_ns = step.start_ns + step.duration_ns;
+        for (part, stop) in stage.empty(&self.cells) {
+            let name = &self.order.parts[part].name;
+            let title = format!(
+                "no part is at {} when the step ends, which is a goal of `{name}` and those with it",
+                stop.cell
+            );
+            findings.push(self.within(Rule::Goal, nth, end_ns, title).label(stop.span, "this goal"));
+        }
         for (part, stop, is_goal) in stage.missed(&self.cells) {
             let name = &self.order.parts[part].name;
             let title = match (self.cells[part], is_goal) {

@@ -57,7 +57,7 @@ impl<'o> JudgedStage<'o> {
                 let goal = action.goal().cell;
                 stage.meetings.pairs.extend([(action.part, (with, goal)), (with, (action.part, goal))]);
             }
-            if let Some(cell) = cells[action.part] {
+            if let Some(cell) = cells[action.part].filter(|_| action.team.is_none()) {
                 stage.pass(index, cell);
             }
         }
@@ -69,7 +69,9 @@ impl<'o> JudgedStage<'o> {
         self.arrivals.insert(part, beat);
         match self.of.get(&part).copied() {
             None => drop(self.homes.entry(part).or_insert(pull.from)),
-            Some(index) if self.moves[index].part == part => self.pass(index, pull.to),
+            Some(index) if self.moves[index].part == part && self.moves[index].team.is_none() => {
+                self.pass(index, pull.to)
+            }
             Some(_) => (),
         }
     }
@@ -96,7 +98,17 @@ impl<'o> JudgedStage<'o> {
             let second = action.with.filter(|with| cells[*with] != Some(goal.cell)).map(|with| (with, goal, true));
             first.into_iter().chain(second)
         };
-        self.moves.iter().enumerate().flat_map(of_move).collect()
+        self.moves.iter().enumerate().filter(|(_, action)| action.team.is_none()).flat_map(of_move).collect()
+    }
+
+    /// The goals of teams at which none of their parts is, each with a part of the team.
+    pub fn empty(&self, cells: &[Option<ElectrodeCell>]) -> Vec<(usize, &'o ElectrodeArrayStop)> {
+        let of_teams = self.moves.iter().filter_map(|action| Some((action.team?, action)));
+        let is_taken = |(team, action): &(usize, &ElectrodeArrayMove)| {
+            let others = self.moves.iter().filter(|other| other.team == Some(*team));
+            others.into_iter().any(|other| cells[other.part] == Some(action.goal().cell))
+        };
+        of_teams.filter(|asked| !is_taken(asked)).map(|(_, action)| (action.part, action.goal())).collect()
     }
 
     /// The parts that are no more when the step has ended.

@@ -3,9 +3,11 @@
 //! Faults of a device come without labels: the caller puts them on the fields, of whichever file they are.
 
 mod droplets;
+mod teams;
 
 pub use crate::check::errors::*;
 pub use droplets::*;
+pub use teams::*;
 
 use crate::check::value::Value;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};

@@ -87,6 +87,11 @@ fn color_of(part: usize) -> Color {
     color::in_turn(part)
 }
 
+/// The colour of the part that is asked to go there; one of its own for a goal that any of several may take.
+fn color_of_stop(part: Option<usize>) -> Color {
+    part.map_or(color::STOP, color_of)
+}
+
 fn scenery(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> Vec<SceneEntity> {
     let facts = &order.facts;
     let mut entities = vec![board(facts, device, t_ns), obstacles(order, device, t_ns)];
@@ -200,10 +205,10 @@ fn stops(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> SceneEntity {
     let [stop_um, height_um] = [STOP, PLAN_HEIGHT].map(|pitches| pitches * order.facts.pitch_um());
     for (index, (part, cell)) in asked(order).enumerate() {
         let [x, y] = place_um(&order.facts, cell);
-        drawing::sphere(&mut entity, [x, y, height_um], stop_um, color_of(part));
+        drawing::sphere(&mut entity, [x, y, height_um], stop_um, color_of_stop(part));
         if index < MAX_LABELS {
-            let text = format!("{} {cell}", order.parts.get(part).map_or("", |part| &part.name));
-            drawing::text(&mut entity, [x, y + stop_um, height_um], text, color_of(part));
+            let name = part.and_then(|part| order.parts.get(part)).map_or("any", |part| &part.name);
+            drawing::text(&mut entity, [x, y + stop_um, height_um], format!("{name} {cell}"), color_of_stop(part));
         }
     }
     entity
@@ -230,7 +235,7 @@ fn way_strokes(order: &ElectrodeArrayOrder, ways: &[(usize, Vec<ElectrodeCell>)]
             STOP / 2.0 * order.facts.pitch_um(),
             CIRCLE_CORNERS,
         ),
-        color: color_of(part),
+        color: color_of_stop(part),
     });
     ways.chain(stops).collect()
 }

@@ -95,7 +95,7 @@ pub fn go(part: usize, stops: &[(u32, u32)]) -> ElectrodeArrayMove {
         span: Span::default(),
         origin: None,
     };
-    ElectrodeArrayMove { part, with: None, stops: stops.iter().map(stop).collect(), span: Span::default() }
+    ElectrodeArrayMove::alone(part, stops.iter().map(stop).collect(), Span::default())
 }
 
 /// One assay on a board of droplets.
@@ -131,7 +131,7 @@ pub fn discard(part: usize, stop: (u32, u32)) -> AssayOperation {
 }
 
 /// A move or a merge in an assay.
-pub fn operation(ElectrodeArrayMove { part, with, stops, span }: ElectrodeArrayMove) -> AssayOperation {
+pub fn operation(ElectrodeArrayMove { part, with, stops, span, .. }: ElectrodeArrayMove) -> AssayOperation {
     AssayOperation { with, ..AssayOperation::passing(part, stops, span) }
 }
 

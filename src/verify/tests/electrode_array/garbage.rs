@@ -196,6 +196,12 @@ fn claims_that_no_program_has_are_inconclusive() {
         ("twice", |order| moves(order)[1].part = 1),
         ("no goal", |order| moves(order)[1].stops.clear()),
         ("stops on their way", |order| moves(order)[0].stops = go(0, &[(4, 5), (5, 5)]).stops),
+        ("more than go", |order| moves(order)[0].team = Some(0)),
+        ("more than go", |order| moves(order)[1].team = Some(0)),
+        ("one goal twice", |order| {
+            moves(order)[0] = ElectrodeArrayMove { team: Some(0), ..go(0, &[(4, 5)]) };
+            moves(order)[1] = ElectrodeArrayMove { team: Some(0), ..go(2, &[(4, 5)]) };
+        }),
         ("no droplets", |order| order.facts.layout.electrodes = Electrodes::Quad),
     ];
     for (expected, spoil) in cases {

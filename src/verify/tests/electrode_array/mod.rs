@@ -19,6 +19,7 @@ mod garbage;
 mod merging;
 mod pairs;
 mod random;
+mod teams;
 mod traces;
 
 /// Three microparts: `a` goes right and `b` up, then all wait, then `b` comes back by a detour; `c` stays.
