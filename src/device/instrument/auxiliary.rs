@@ -1,8 +1,9 @@
 //! Auxiliary outputs: what else a bench switches, at the steps of tasks and planned by nobody. A camera's trigger, a light, a heater.
 //! And what the steps of tasks wait for: an input of the bench, or a person.
 
+use super::Level;
 use super::words::{DIGITAL, LEVEL, TRIGGER};
-use crate::device::{VocabularyField, WordChoice, words::words};
+use crate::device::{VocabularyField, WordChoice};
 use serde::{Deserialize, Serialize};
 
 /// The sorts of auxiliary outputs.
@@ -11,14 +12,6 @@ pub enum AuxiliarySort {
     Trigger,
     Digital,
     Level,
-}
-
-words! {
-    /// Level of an output that has two.
-    pub enum Level {
-        Low = "low": "at 0 V",
-        High = "high": "at the voltage of the output",
-    }
 }
 
 impl AuxiliarySort {
