@@ -17,7 +17,10 @@ fn main() -> ExitCode {
     for example in examples(root) {
         // Programs of different examples may have one name.
         let folder = folder.path().join(example.file_stem().unwrap_or_default());
-        let mut built = build(&example, "mcap,json,csv,vcd,pwl,svg", &folder);
+        // Tables and waveforms have one clock, and cannot wait.
+        let waits = std::fs::read_to_string(&example).unwrap_or_default().contains("  prompt ");
+        let formats = if waits { "mcap,json,svg" } else { "mcap,json,csv,vcd,pwl,svg" };
+        let mut built = build(&example, formats, &folder);
         let written: Vec<Value> = schedules(&folder).iter().map(|path| document(path)).collect();
         for (family, format) in
             [("waveform_generator", "scpi"), ("data_acquisition", "nidaqmx"), ("electrode_driver", "frames")]

@@ -9,7 +9,7 @@ export default {
   "prepositions": ["about", "after", "at", "by", "for", "from", "in", "on", "to", "via", "with"],
   "reserved": ["about", "after", "as", "at", "by", "device", "false", "for", "from", "in", "instrument", "let", "on", "output", "program", "scene", "table", "task", "to", "true", "use", "via", "wiring", "with"],
   "step_nouns": ["state"],
-  "steps": ["apply", "assay", "assemble", "avoid", "discard", "dispense", "drive", "grasp", "incubate", "merge", "minimize", "mix", "move", "orient", "pulse", "release", "require", "rotate", "run", "set", "split", "start", "together", "translate", "using", "visit", "wait", "wash"],
+  "steps": ["apply", "assay", "assemble", "avoid", "discard", "dispense", "drive", "grasp", "incubate", "merge", "minimize", "mix", "move", "orient", "prompt", "pulse", "release", "require", "rotate", "run", "set", "split", "start", "together", "translate", "using", "visit", "wait", "wash"],
   "truths": ["false", "true"],
   "units": ["%", "deg", "h", "min", "px", "rad", "turn"]
 };

@@ -17,6 +17,7 @@ mod figures;
 mod fingers;
 pub(crate) mod frames;
 mod functions;
+mod holds;
 pub mod imports;
 mod instruments;
 mod labels;

@@ -178,6 +178,10 @@ impl<'a> Checker<'a> {
             self.sink.push(finding);
             return None;
         }
+        self.holds_of(&draft.jobs, &wires, &bench);
+        if self.sink.errors() > errors {
+            return None;
+        }
         let (name, jobs) = (name.to_owned(), draft.jobs);
         let outputs = outputs.into_iter().map(|(name, (facts, _))| (name, facts)).collect();
         Some(Claims { name, timeline, jobs, wires, bench, outputs, shared, not_held, span: declaration.span })
@@ -291,6 +295,10 @@ impl<'a> Checker<'a> {
         }
         let timeline = match step.head.text.as_str() {
             "run" => self.run_step(step, scope, draft),
+            "wait" | "prompt" if super::holds::is_hold(step) => {
+                self.sink.push(errors::hold_in_program(&step.head));
+                None
+            }
             "wait" => self.wait(step, scope).map(Timeline::Wait),
             "together" => self.together(step, scope, draft),
             other => {

@@ -56,8 +56,8 @@ pub fn function_names() -> impl Iterator<Item = &'static str> + Clone {
 }
 
 /// The words that stand where a verb may, whatever the kind.
-pub const STEP_WORDS: [&str; 9] =
-    ["wait", "pulse", "set", "together", "assay", "minimize", "using", "require", "start"];
+pub const STEP_WORDS: [&str; 10] =
+    ["wait", "prompt", "pulse", "set", "together", "assay", "minimize", "using", "require", "start"];
 
 /// The name of the angle in the expression of a curve.
 pub const ANGLE_NAME: &str = "t";

@@ -9,9 +9,9 @@ use super::scenes::CheckedScene;
 use super::scope::{DeclarationPlace, DeclarationSort, Scope, nearest, path_text};
 use super::value::{Accepted, Value, whole};
 use super::verbs::Call;
-use crate::claims::auxiliary::{AuxiliaryAction, AuxiliaryEvent};
+use crate::claims::auxiliary::{AuxiliaryAction, AuxiliaryEvent, Hold};
 use crate::claims::{Job, Relation, Requirement};
-use crate::device::{self, Assay, Kind, Together, Vocabulary};
+use crate::device::{self, Assay, Kind, Together, Vocabulary, instrument::HoldTerms};
 use crate::quantity::Dimension;
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{self, Entry, Expr, ExprKind, Ident, Item, Operator};
@@ -40,6 +40,8 @@ pub struct Parts {
     pub steps: Vec<VocabularyStep>,
     /// What its steps do to auxiliary outputs.
     pub events: Vec<AuxiliaryEvent>,
+    /// Where they wait for an input or a person.
+    pub holds: Vec<Hold>,
     /// Whether nothing was left out because of errors.
     pub is_whole: bool,
 }
@@ -111,6 +113,12 @@ impl TaskReading<'_> {
         self.parts.events.push(AuxiliaryEvent { step: self.parts.steps.len(), output, action });
         VocabularyAction::Wait(0)
     }
+
+    /// Notes a wait for an input or a person. To the device it is the longest one.
+    fn held(&mut self, terms: HoldTerms) -> VocabularyAction {
+        self.parts.holds.push(Hold { step: self.parts.steps.len(), terms: terms.clone() });
+        VocabularyAction::Wait(terms.duration_ns)
+    }
 }
 
 /// Whether a step of a task is a setting of it, which comes before all that is done.
@@ -161,6 +169,7 @@ impl<'a> Checker<'a> {
         let is_whole = parts.is_whole && super::limits::can_be_kept(&parts.requirements, self.sink);
         let requirements = std::mem::take(&mut parts.requirements);
         let events = std::mem::take(&mut parts.events);
+        let holds = std::mem::take(&mut parts.holds);
         let scene = match scene {
             None => None,
             Some(place) => Some(place.and_then(|place| Some((place, self.scene(place)?)))?),
@@ -174,6 +183,7 @@ impl<'a> Checker<'a> {
             requirements,
             order: order.filter(|_| is_whole)?,
             events,
+            holds,
             span: item.name.span,
             run_span: run.span,
         })
@@ -196,6 +206,7 @@ impl<'a> Checker<'a> {
             conditions: Vec::new(),
             steps: Vec::new(),
             events: Vec::new(),
+            holds: Vec::new(),
             is_whole: true,
         };
         let mut reading =
@@ -425,6 +436,7 @@ impl<'a> Checker<'a> {
 
     fn step(&mut self, step: &tree::Step, scope: &Scope, reading: &mut TaskReading) -> Option<VocabularyAction> {
         match step.head.text.as_str() {
+            "wait" | "prompt" if super::holds::is_hold(step) => self.hold(step, scope).map(|terms| reading.held(terms)),
             "wait" => self.wait(step, scope).map(VocabularyAction::Wait),
             "pulse" => self.pulse(step, scope).map(|event| reading.switched(event)),
             "set" => self.level(step, scope).map(|event| reading.switched(event)),
@@ -536,8 +548,8 @@ fn is_no_goal(word: &str) -> bool {
 }
 
 /// The words that begin a step and are no goals.
-const NO_GOALS: [&str; 10] =
-    ["wait", "pulse", "set", "together", "assay", "run", "minimize", "using", "require", "start"];
+const NO_GOALS: [&str; 11] =
+    ["wait", "prompt", "pulse", "set", "together", "assay", "run", "minimize", "using", "require", "start"];
 
 /// The sides of a `require` that compares what a droplet contains.
 struct ContentSides<'e> {

@@ -265,7 +265,7 @@ impl<'a> Checker<'a> {
     }
 
     /// The instrument that the first words of a path name, and how many words these are.
-    fn instrument_of(&mut self, path: &tree::Path, scope: &Scope) -> Option<(DeclarationPlace, usize)> {
+    pub fn instrument_of(&mut self, path: &tree::Path, scope: &Scope) -> Option<(DeclarationPlace, usize)> {
         let words = match self.find(path, scope) {
             Some((_, last)) => last + 1,
             None => (path.segments.len() - 1).clamp(1, 2),
@@ -390,7 +390,7 @@ impl<'a> Checker<'a> {
     }
 
     /// `bl[i].set` with i = 3 is `bl3.set`.
-    fn channel_name(&mut self, segments: &[tree::IndexedName], scope: &Scope) -> Option<String> {
+    pub fn channel_name(&mut self, segments: &[tree::IndexedName], scope: &Scope) -> Option<String> {
         let mut words = Vec::with_capacity(segments.len());
         for segment in segments {
             words.push(self.joined(&segment.name.text, &segment.indices, scope)?);

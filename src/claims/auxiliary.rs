@@ -1,5 +1,6 @@
-//! What tasks do to auxiliary outputs.
+//! What tasks do to auxiliary outputs, and what they wait for.
 
+use crate::device::instrument::HoldTerms;
 use serde::{Deserialize, Serialize};
 
 /// A step that switches an auxiliary output, at the instant at which the step before it has ended.
@@ -10,6 +11,14 @@ pub struct AuxiliaryEvent {
     /// The output's name.
     pub output: String,
     pub action: AuxiliaryAction,
+}
+
+/// A step that waits for an input or a person; to the device it is a wait of the duration in its terms.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Hold {
+    /// Index of the job's steps.
+    pub step: usize,
+    pub terms: HoldTerms,
 }
 
 /// What happens to an auxiliary output.

@@ -13,7 +13,7 @@ use crate::device::instrument::{AuxiliaryOutput, Bench};
 use crate::device::{Kind, each_kind};
 use crate::geometry::shape::Pose;
 use crate::source::Span;
-use auxiliary::AuxiliaryEvent;
+use auxiliary::{AuxiliaryEvent, Hold};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -155,6 +155,9 @@ pub struct Job {
     /// What it does to auxiliary outputs, in the order of its steps; such a step is one of no duration in the order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub events: Vec<AuxiliaryEvent>,
+    /// Where it waits for an input or a person, in the order of its steps.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub holds: Vec<Hold>,
     /// Where the task is declared.
     #[serde(skip)]
     pub span: Span,

@@ -86,6 +86,7 @@ fn build(name: &str, runs: &[(Robot, Vec<LatticeCell>, u64)]) -> (Verified, Prov
     let text = format!("// {name} µ\ntask {name} on bot {{ }}\n");
     let sha256 = Sha256::digest(&text).iter().map(|byte| format!("{byte:02x}")).collect();
     let mut schedule = Schedule {
+        holds: Vec::new(),
         bench: Default::default(),
         name: name.to_owned(),
         source: SourceRef { file: format!("{name}.twz"), sha256 },
@@ -157,6 +158,7 @@ fn job(robot: &Robot, way: &[LatticeCell]) -> Job {
         device: robot.device.to_owned(),
         requirements: Vec::new(),
         events: Vec::new(),
+        holds: Vec::new(),
         order: Order::Dimibot(order),
         span: Span::default(),
         run_span: Span::default(),
@@ -413,6 +415,7 @@ pub fn hand() -> (Verified, Provenance) {
         device: "hand".to_owned(),
         requirements: Vec::new(),
         events: Vec::new(),
+        holds: Vec::new(),
         order: Order::Fingers(hand_order(facts)),
         span: Span::default(),
         run_span: Span::default(),

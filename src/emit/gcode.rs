@@ -6,6 +6,9 @@
 //! schedule's instant 0. Each line then gives the positions of the moving axes at the next common instant. In G93 the feed is one over
 //! the minutes that a line takes, so that all axes arrive together and in time; G4 waits while nothing moves.
 //!
+//! A wait for a person is a pause (M0) with its message. One for an input is `M66` on the pin that the program names, as
+//! `"motion.digital-in-00"`, with its longest time; when that is over, the program is broken off, and the stages stay where they are.
+//!
 //! `G64 P` lets the controller round corners by at most half of the hand's `tolerance`: planned ways use the other half. Under G61,
 //! exact path, it would stop at every corner, and the program would take longer than its schedule. Numbers are whole nanometres.
 //! The machine's accelerations are not considered, and may add to the time of its moves.
@@ -14,7 +17,8 @@ use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::{Format, Signals};
 use crate::claims::Claims;
-use crate::schedule::{Channel, ChannelUnit};
+use crate::device::instrument::{Awaited, Level};
+use crate::schedule::{Channel, ChannelUnit, Schedule, ScheduledHold};
 use std::fmt::Write as _;
 
 /// The letters of a machine's axes: three for each finger.
@@ -32,13 +36,18 @@ const LINE_BYTES: u64 = 24;
 
 const NS_PER_MINUTE: f64 = 60e9;
 
+/// What the names of the digital pins begin with that a program can wait for.
+const PIN: &str = "motion.digital-in-";
+
 /// The files, each with the part of its name between the schedule's name and `.ngc`.
 ///
 /// # Errors
 /// [`EmitError::NotPositions`] where some channel is no stage's, or there is none; [`EmitError::Leap`] for a position that jumps;
+/// [`EmitError::Unsayable`] for a wait that the controller has no words for;
 /// [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
 pub(super) fn write(signals: &Signals, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     refuse_what_is_no_stage(signals)?;
+    let waits = waits(signals.schedule)?;
     EmitError::refuse_leaps(Format::Gcode, signals)?;
     let mut files = Vec::new();
     for (device, _, channels) in signals.devices() {
@@ -52,7 +61,7 @@ pub(super) fn write(signals: &Signals, claims: &Claims) -> Result<Vec<(String, V
                 1 => device.to_owned(),
                 _ => format!("{device}.f{}-f{}", index * FINGERS + 1, index * FINGERS + group.len().div_ceil(AXES)),
             };
-            files.push((name, program(signals, device, group, rounding_nm).into_bytes()));
+            files.push((name, program(signals, device, group, (rounding_nm, &waits)).into_bytes()));
         }
     }
     Ok(files)
@@ -78,15 +87,92 @@ pub(super) fn rounding_nm(claims: &Claims, device: &str) -> u64 {
     (tolerances_um.reduce(f64::min).unwrap_or(0.0) / 2.0 * 1000.0).floor() as u64
 }
 
+/// A wait as G-code: when it begins and ends on the schedule's clock, and its lines.
+struct WaitLines {
+    start_ns: u64,
+    end_ns: u64,
+    lines: String,
+}
+
+/// The waits of a schedule.
+///
+/// # Errors
+/// [`EmitError::Unsayable`] for an input that is no digital pin of the motion controller.
+fn waits(schedule: &Schedule) -> Result<Vec<WaitLines>, EmitError> {
+    schedule
+        .holds
+        .iter()
+        .zip(1..)
+        .map(|(hold, number)| {
+            let lines = wait_lines(hold, number)?;
+            Ok(WaitLines { start_ns: hold.start_ns, end_ns: hold.end_ns(), lines })
+        })
+        .collect()
+}
+
+/// The lines of a wait; `number` tells its label from those of others.
+fn wait_lines(hold: &ScheduledHold, number: usize) -> Result<String, EmitError> {
+    let seconds = |ns: u64| format!("{}.{:09}", ns / 1_000_000_000, ns % 1_000_000_000);
+    match &hold.terms.awaited {
+        Awaited::Person { prompt } if hold.terms.is_bounded => {
+            let what = format!("the longest time of `{prompt}`: its pause lasts until the operator goes on");
+            let help = "leave out `for at most`, or write another format".to_owned();
+            Err(EmitError::Unsayable { format: Format::Gcode, what, help })
+        }
+        Awaited::Person { prompt } => Ok(format!("(MSG, {})\nM0\n", message(prompt))),
+        Awaited::Input { name, level, .. } => {
+            let Some(pin) = pin(name) else {
+                let what = format!("the input `{name}`: it reads digital pins of the motion controller");
+                let help = format!("wait for a pin of LinuxCNC, `wait until \"{PIN}00\" for at most 5 s`");
+                return Err(EmitError::Unsayable { format: Format::Gcode, what, help });
+            };
+            let mode = match level {
+                Level::High => 3,
+                Level::Low => 4,
+            };
+            let limit = seconds(hold.terms.duration_ns);
+            Ok(format!(
+                "M66 P{pin} L{mode} Q{limit} ; {} {}\no{number} if [#5399 LT 0]\n(ABORT, {} has not come)\no{number} endif\n",
+                ascii(name),
+                level.name(),
+                message(name)
+            ))
+        }
+    }
+}
+
+/// The number of a digital pin of the motion controller, as `motion.digital-in-00`.
+fn pin(name: &str) -> Option<u32> {
+    let digits = name.strip_prefix(PIN)?;
+    let is_plain = digits.len() == 2 && digits.bytes().all(|byte| byte.is_ascii_digit());
+    digits.parse().ok().filter(|_| is_plain)
+}
+
+/// A text within a comment in brackets, which ends with the first `)`.
+fn message(text: &str) -> String {
+    ascii(text).replace(['(', ')'], "_")
+}
+
 /// The program that moves some channels of a device, at most one for each axis letter.
-fn program(signals: &Signals, device: &str, channels: &[usize], rounding_nm: u64) -> String {
+fn program(signals: &Signals, device: &str, channels: &[usize], (rounding_nm, waits): (u64, &[WaitLines])) -> String {
     let mut text = header(signals, device, channels, rounding_nm);
     let mut at_nm = places_nm(signals, channels, 0);
     let _ = writeln!(text, "G0{}\nM0 ; going on is the instant 0 of the schedule", words(&at_nm, |_| true));
     let duration_ns = signals.schedule.duration_ns;
-    let breaks = signals.breaks(channels.iter().copied());
+    let ends = waits.iter().flat_map(|wait| [wait.start_ns, wait.end_ns]);
+    let mut instants = signals.breaks(channels.iter().copied());
+    instants.extend(ends);
     let (mut last_ns, mut still_ns) = (0, 0);
-    for t_ns in breaks.into_iter().filter(|t_ns| *t_ns > 0 && *t_ns < duration_ns).chain([duration_ns]) {
+    let inner = instants.into_iter().filter(|t_ns| *t_ns > 0 && *t_ns < duration_ns);
+    for t_ns in inner.chain([duration_ns]) {
+        if let Some(wait) = waits.iter().find(|wait| wait.start_ns <= last_ns && last_ns < wait.end_ns) {
+            if wait.start_ns == last_ns {
+                dwell(&mut text, std::mem::take(&mut still_ns));
+                text.push_str(&wait.lines);
+            }
+            last_ns = t_ns;
+            continue;
+        }
         let next_nm = places_nm(signals, channels, t_ns);
         let moves = |axis: usize| next_nm[axis] != at_nm[axis];
         match (0..channels.len()).any(moves) {

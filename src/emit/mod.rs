@@ -14,6 +14,7 @@ mod html;
 mod identifier;
 pub mod mcap;
 mod nidaqmx;
+mod parts;
 pub mod pwl;
 mod sampling;
 mod scpi;
@@ -147,6 +148,7 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
     let schedule = verified.schedule();
     check_finite(schedule)?;
     let file = |ending: &str, bytes| OutputFile { name: format!("{}.{ending}", schedule.name), bytes };
+    parts::refuse_holds(format, schedule)?;
     let signals = Signals::new(schedule);
     match format {
         Format::Mcap => {

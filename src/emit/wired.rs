@@ -61,6 +61,7 @@ fn part(schedule: &Schedule, channels: &[usize]) -> Schedule {
         actuations: actuations.collect(),
         steps: Vec::new(),
         plans: Vec::new(),
+        holds: schedule.holds.clone(),
         bench: schedule.bench.clone(),
     }
 }

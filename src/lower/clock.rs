@@ -1,6 +1,6 @@
 //! Puts the plans of a program on one clock.
 
-use super::{bench, lowered, outputs};
+use super::{bench, holds, lowered, outputs};
 use crate::claims::{Claims, Job, Timeline};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::plan::{Motion, Optimality, Plan};
@@ -62,6 +62,7 @@ pub fn lower(claims: &Claims, plans: &[Plan<Motion>], sources: &Sources, sink: &
     }
     let mut schedule = builder.finish(duration_ns);
     outputs::add(&mut schedule, claims, sink)?;
+    holds::add(&mut schedule, claims, sink)?;
     if schedule.duration_ns > MAX_DURATION_NS {
         return too_long(claims, sink);
     }
@@ -244,6 +245,7 @@ impl<'a> ScheduleBuilder<'a> {
             actuations: self.actuations,
             steps: self.steps,
             plans: self.plans,
+            holds: Vec::new(),
             bench: self.claims.bench.clone(),
         }
     }

@@ -8,6 +8,7 @@ pub mod clock;
 mod dimibot;
 pub(crate) mod electrode_array;
 pub(crate) mod fingers;
+mod holds;
 pub mod microrobots;
 mod outputs;
 

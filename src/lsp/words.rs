@@ -27,13 +27,14 @@ const DECLARATIONS: [(&str, &str); 9] = [
 ];
 
 /// Settings and steps that tasks of all kinds have.
-pub(super) const COMMON_STEPS: [(&str, &str); 9] = [
+pub(super) const COMMON_STEPS: [(&str, &str); 10] = [
     ("minimize", "minimize WHAT: the figure that the plan minimises"),
     ("require", "require FIGURE <= LIMIT: a limit that the plan must keep"),
     ("using", "using PLANNER { expansions: 5000000 }: how the plan is searched"),
-    ("wait", "wait 10 ms: nothing is switched for so long"),
+    ("wait", "wait 10 ms: nothing is switched for so long; wait until card.port0.line5 for at most 5 s"),
+    ("prompt", "prompt \"add the sample\": asks the person at the bench, and waits"),
     ("pulse", "pulse OUTPUT: a pulse of an output of the sort `trigger`"),
-    ("set", "set OUTPUT to high, or to low: the level of an output of the sort `digital`"),
+    ("set", "set OUTPUT to high, to low, or to 60 %: the level of an output"),
     ("together", "together { GOALS }: at the same time, where the kind can"),
     ("assay", "assay { OPERATIONS }: each part in its own time, where the kind can"),
     ("for", "for i in 0..5 { … }: once for each"),

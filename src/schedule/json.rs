@@ -119,6 +119,14 @@ fn check(schedule: &Schedule) -> Result<(), ReadError> {
             }
         }
     }
+    for (index, hold) in schedule.holds.iter().enumerate() {
+        if hold.step as usize >= schedule.steps.len() {
+            return wrong(format!("holds[{index}].step"), "names no step");
+        }
+        if too_late(hold.start_ns, hold.terms.duration_ns) {
+            return wrong(format!("holds[{index}].start_ns"), "is beyond every clock");
+        }
+    }
     for (index, plan) in schedule.plans.iter().enumerate() {
         let last_ns = plan.states.iter().map(|state| state.t_ns).max().unwrap_or(0);
         if too_late(plan.start_ns, plan.duration_ns) || last_ns > MAX_DURATION_NS {

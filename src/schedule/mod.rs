@@ -16,7 +16,7 @@ pub use microrobots::control;
 pub use reached::Reached;
 
 use crate::device::each_kind;
-use crate::device::instrument::Bench;
+use crate::device::instrument::{Bench, HoldTerms};
 use crate::diagnostic::Remark;
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
@@ -35,9 +35,29 @@ pub struct Schedule {
     pub steps: Vec<ScheduledStep>,
     /// One for each job of the claims, in their order.
     pub plans: Vec<PlanRecord>,
+    /// Where it waits for an input or a person, in order of time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub holds: Vec<ScheduledHold>,
     /// The instruments that play the channels, where the program declares any.
     #[serde(default, skip_serializing_if = "Bench::is_empty")]
     pub bench: Bench,
+}
+
+/// A stretch in which nothing changes: the clock goes on from its end as soon as what is waited for has come.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ScheduledHold {
+    /// Index of the schedule's steps.
+    pub step: u32,
+    pub start_ns: u64,
+    #[serde(flatten)]
+    pub terms: HoldTerms,
+}
+
+impl ScheduledHold {
+    /// The instant at which its stretch ends.
+    pub fn end_ns(&self) -> u64 {
+        self.start_ns + self.terms.duration_ns
+    }
 }
 
 /// The program's own file.

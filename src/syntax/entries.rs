@@ -184,7 +184,11 @@ impl Reader<'_> {
     fn phrase(&mut self, node: Node) -> Option<Phrase> {
         let span = self.span(&node);
         let mut parts = self.children(node).into_iter();
-        let preposition = parts.next().map(|word| self.ident(&word))?;
+        let Ident { text, span: at } = parts.next().map(|word| self.ident(&word))?;
+        // `for at most` is one, whatever stands between its words.
+        let text =
+            if text.contains([' ', '\t']) { text.split_whitespace().collect::<Vec<_>>().join(" ") } else { text };
+        let preposition = Ident { text, span: at };
         let value = self.value(parts.next(), span);
         Some(Phrase { preposition, value, span })
     }

@@ -85,6 +85,7 @@ rules! {
     Apart E0760 "Tips keep clear of one another"
     Encounter E0770 "The tips of robots that share a scene never touch"
     Output E0774 "An auxiliary output is where the steps have it, and at rest at all other times"
+    Held E0776 "While a program waits for what comes nothing changes, and nothing else goes on"
     SourceMap E0771 "The words and the place of a step are those of the program's file"
     Speed E0762 "No tip of a hand moves faster than the device allows there"
     Exchange E0763 "A recording is an exchange of measurements and commands, of the task's steps"

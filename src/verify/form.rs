@@ -77,6 +77,13 @@ fn clock_numbers(schedule: &Schedule, findings: &mut Findings) {
             findings.push(Violation::new(Rule::Number, start_ns, title));
         }
     }
+    findings.asked(Rule::Number, schedule.holds.len());
+    for (index, hold) in schedule.holds.iter().enumerate() {
+        if hold.start_ns.checked_add(hold.terms.duration_ns).is_none() {
+            let title = format!("wait {index} {}", past_the_clock(hold.start_ns, hold.terms.duration_ns));
+            findings.push(Violation::new(Rule::Number, hold.start_ns, title));
+        }
+    }
     findings.asked(Rule::Number, schedule.steps.iter().map(|step| step.operations.len()).sum());
     for (index, operation) in schedule.steps.iter().flat_map(|step| &step.operations).enumerate() {
         if operation.start_ns.checked_add(operation.duration_ns).is_none() {

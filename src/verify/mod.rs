@@ -22,6 +22,7 @@ mod evidence;
 pub mod fingers;
 mod form;
 mod geometry;
+mod holds;
 pub mod microrobots;
 mod outputs;
 mod premise;
@@ -306,6 +307,7 @@ fn judge(schedule: &Schedule, claims: &Claims, tally: &Rc<Tally>) -> Result<Vec<
     let mut lost = BTreeSet::new();
     let order = clock::timeline(schedule, &runs, claims, &mut findings);
     outputs::check(schedule, &runs, claims, &mut findings);
+    holds::check(schedule, &runs, claims, &mut findings);
     for job in claims.first_of_kinds() {
         judge_of(&job.order).beside(&runs, &order, claims, &mut findings);
     }

@@ -5,7 +5,7 @@
 
 use super::{Unfit, judge_of};
 use crate::claims::auxiliary::AuxiliaryAction;
-use crate::claims::{Claims, Job, SharedScene, Timeline};
+use crate::claims::{Claims, Job, Relation, SharedScene, Timeline};
 use crate::device::Frames;
 use crate::geometry::shape::{MAX_EXTENT_UM, Pose};
 use std::collections::BTreeMap;
@@ -25,6 +25,7 @@ pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
     for job in &claims.jobs {
         requirements(job)?;
         outputs(job, claims)?;
+        holds(job)?;
         let judge = judge_of(&job.order);
         judge.premise()?;
         let first = devices.entry(job.device.as_str()).or_insert(job);
@@ -36,6 +37,20 @@ pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
         }
     }
     Ok(())
+}
+
+/// Waits are at steps of the job, each at one of its own, and no least time is asked of a run that may be shorter.
+fn holds(job: &Job) -> Result<(), Unfit> {
+    let unfit = |why: &str| Err(Unfit(format!("the claims have `{}` wait {why}", job.task)));
+    if job.holds.iter().any(|hold| hold.step >= job.steps() || hold.terms.duration_ns == 0) {
+        return unfit("at a step that there is not, or for no time");
+    }
+    if job.holds.windows(2).any(|pair| pair[0].step >= pair[1].step) {
+        return unfit("twice at one step");
+    }
+    let from_below = |relation: Relation| !matches!(relation, Relation::Less | Relation::AtMost);
+    let asks = job.requirements.iter().any(|asked| asked.outcome == "time" && from_below(asked.relation));
+    if asks && !job.holds.is_empty() { unfit("and limit its time from below") } else { Ok(()) }
 }
 
 /// The steps that switch outputs are steps of the job, and each output can do what they say.

@@ -2,6 +2,7 @@
 
 mod editor;
 mod hints;
+mod holds;
 mod live;
 mod outputs;
 mod pages;

@@ -171,7 +171,7 @@ fn levels_and_what_outputs_rest_at_are_played_and_verified() {
     assert_eq!(rows.first(), Some(&"1\t0x00000001\t4"), "{samples}");
     assert_eq!(rows.last(), Some(&"1\t0x00000003\t2"), "{samples}");
     let sender = text("go.nidaqmx.py");
-    says(&sender, &["\"line_rests\": [\n        true,\n        true\n      ]", "\"rest_v\": 2.0"]);
+    says(&sender, &["\"line_rests\": [\n            true,\n            true\n          ]", "\"rest_v\": 2.0"]);
     says(&text("go.od.frames.csv"), &["1,0,100,8\n2,100,300,\n"]);
     says(&text("go.frames.py"), &["\"rest\": [\n        8\n      ]"]);
     let refused = bench.run(&["build", "a.twz", "-o", "other", "--emit", "opendrop"]);

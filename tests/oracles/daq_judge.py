@@ -22,7 +22,7 @@ def played(program, arguments=()):
         log = Path(folder) / "calls.json"
         environment = os.environ | {"PYTHONPATH": str(STAND_IN), "STANDIN_LOG": str(log)}
         run = subprocess.run(
-            [sys.executable, str(program), *arguments], env=environment, capture_output=True, text=True, timeout=300
+            [sys.executable, str(program), *arguments], env=environment, capture_output=True, text=True, timeout=300, input="\n" * 99
         )
         calls = [json.loads(line) for line in log.read_text().splitlines()] if log.exists() else []
     return run.returncode, run.stdout + run.stderr, calls
@@ -38,15 +38,17 @@ def judge(path, schedule):
         demand(tasks and all(task["started"] and task["waited"] and task["closed"] for task in tasks), f"{name} was not played")
         first = min(tasks, key=lambda task: task["order"])
         demand(("start" in first) == (facts["start"] == "trigger"), f"{name} waits for another start")
-        given = {}
+        given, begins = {}, schedule.parts()
         for task in tasks:
             rate_hz, samples = task["clock"]["rate"], task["clock"]["samps_per_chan"]
             limit = facts["digital_rate_hz"] if task["kind"] == "do" else facts["voltage"]["rate_hz"]
             demand(rate_hz <= limit, f"{name} plays {rate_hz} samples in a second")
             for output, levels in zip(task["channels"], task["levels"], strict=True):
                 demand(len(levels) == samples, f"{output} has {len(levels)} samples, not {samples}")
-                given[output.removeprefix(f"{name}/").replace("/", ".")] = (1e9 / rate_hz, levels)
-        counts.append(sum(compare(schedule, channel, link, *given[output]) for channel, (output, link) in schedule.drives(name).items()))
+                given.setdefault(output.removeprefix(f"{name}/").replace("/", "."), []).append((1e9 / rate_hz, levels))
+        demand(all(len(all_parts) == len(begins) for all_parts in given.values()), f"{name} does not play {len(begins)} parts")
+        drives = schedule.drives(name).items()
+        counts += [compare(schedule, channel, link, *part, times) for channel, (output, link) in drives for part, times in zip(given[output], begins)]
         demand(len(given) == len(schedule.drives(name)), f"{name} drives more than is wired")
         rest = {output: level for call in calls if call["device"] == name and not call["clock"] for output, level in call["rest"].items()}
         for channel, (output, link) in schedule.drives(name).items():
@@ -58,14 +60,17 @@ def judge(path, schedule):
     return f"{sum(counts)} samples are the schedule, as the sender gave them to the driver"
 
 
-def compare(schedule, channel, link, period, levels):
+def compare(schedule, channel, link, period, levels, times):
+    begin, end = times
     period_ns = round(period)
     demand(abs(period - period_ns) < 1e-6 * period_ns, f"a sample lasts {period} ns")
     if not schedule.is_stage(channel):
-        demand(all(edge % period_ns == 0 for edge in schedule.edges(channel)), f"{channel} has an edge between samples")
-    demand(len(levels) * period_ns >= schedule.duration_ns, f"{channel} ends too early")
+        inner = [edge for edge in schedule.edges(channel) if begin <= edge <= end]
+        demand(all((edge - begin) % period_ns == 0 for edge in inner), f"{channel} has an edge between samples")
+    demand(begin + len(levels) * period_ns >= end, f"{channel} ends too early")
     for index, level in enumerate(levels):
-        value = schedule.value(channel, min(index * period_ns, schedule.duration_ns))
+        # A wait may hold for a while what it finds.
+        value = schedule.value(channel, min(begin + index * period_ns, end))
         expected = schedule.output_v(link, value)
         demand(abs(level - expected) < 1e-9, f"{channel} is at {level} at {index * period_ns} ns, not {expected}")
     return len(levels)

@@ -22,7 +22,7 @@ def judge(path, schedule):
         text = file.read_text(encoding="ascii")
         axes = dict(re.findall(r"^; ([A-Z]) is ([^\s,]+)", text, re.MULTILINE))
         letters += axes.values()
-        times, places = played(text, axes, schedule.duration_ns)
+        times, places = played(text, axes, schedule)
         by_pygcode(text, axes, places)
         for letter, channel in axes.items():
             compare(times, 1000 * places[letter], channel, schedule)
@@ -32,8 +32,11 @@ def judge(path, schedule):
     return f"{len(files)} files, {moves} places of {len(letters)} axes are the schedule for gcodeparser and pygcode"
 
 
-def played(text, axes, end_ns):
+def played(text, axes, schedule):
     """Where each axis is, in millimetres, at the instants at which a line ends."""
+    end_ns, holds = schedule.duration_ns, list(schedule.document.get("holds", []))
+    # Labels and what is said to the operator move nothing.
+    text = re.sub(r"^(o\d+ .*|\(.*\))$", "", text, flags=re.MULTILINE)
     head, lines = [], iter(parse_gcode_lines(text))
     at, t_ns, times, places = {}, 0.0, [], {letter: [] for letter in axes}
     for line in lines:
@@ -54,7 +57,13 @@ def played(text, axes, end_ns):
                 t_ns += 60e9 / feed
             case ("G", 4):
                 t_ns += line.params["P"] * 1e9
+            case ("M", 0) | ("M", 66):
+                hold = holds.pop(0)
+                demand(abs(t_ns - hold["start_ns"]) <= TOLERANCE_NS, f"it waits at {t_ns} ns, not at {hold['start_ns']} ns")
+                demand((line.command == ("M", 66)) == ("input" in hold["awaited"]), "it waits for something else")
+                t_ns += hold["duration_ns"]
             case ("M", 2):
+                demand(not holds, f"it does not wait for {holds}")
                 demand(next(lines, None) is None, "it goes on after its end")
                 demand(abs(t_ns - end_ns) <= TOLERANCE_NS, f"it lasts {t_ns} ns, not {end_ns} ns")
                 return numpy.array(times), {letter: numpy.array(list_) for letter, list_ in places.items()}
@@ -92,8 +101,10 @@ def by_pygcode(text, axes, places):
     """The machine of pygcode is at the same places after each line that moves or waits."""
     machine, found = Stages(), {letter: [] for letter in axes}
     for line in text.splitlines():
-        machine.process_block(Line(line).block)
-        if line.startswith(("M0 ", "G1 ", "G4 ")):
+        # It knows no labels, and not the word that waits for a pin.
+        if not line.startswith(("o", "(", "M66 ")):
+            machine.process_block(Line(line).block)
+        if line.startswith(("M0", "M66 ", "G1 ", "G4 ")):
             for letter in axes:
                 found[letter].append(machine.pos.values[letter])
     mode = str(machine.mode).split()

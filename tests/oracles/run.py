@@ -34,6 +34,9 @@ JUDGES = {
 # Formats of instruments, with the family that a channel must be wired to.
 PLAYED_BY = {".scpi": "waveform_generator", ".daq": "data_acquisition", ".frames.py": "electrode_driver"}
 
+# Formats with one clock, in which no wait for an input or a person can stand.
+ONE_CLOCK = {".csv", ".vcd", ".gtkw", ".cir"}
+
 # Second judges of some files.
 SECOND = {".vcd": "sigrok_judge", ".mcap": "plot_judge"}
 
@@ -72,6 +75,8 @@ def judge_folder(folder):
             if ending == ".ngc" and not all(map(schedule.is_stage, schedule.channels)):
                 continue
             if ending in PLAYED_BY and not schedule.instruments(PLAYED_BY[ending]):
+                continue
+            if ending in ONE_CLOCK and schedule.document.get("holds"):
                 continue
             file = path.with_suffix(ending)
             verdicts.append((file.name, *judge(file, module, schedule)))

@@ -57,6 +57,13 @@ class Schedule:
             return 0.0
         return pulses[index][3] if index >= 0 else pulses[0][2]
 
+    def parts(self):
+        """When each part begins and ends that is played without a wait: where a wait begins, the value there is held. Nothing comes after one at the end."""
+        holds = self.document.get("holds", [])
+        starts = [0, *(hold["start_ns"] + hold["duration_ns"] for hold in holds)]
+        parts = list(zip(starts, [*(hold["start_ns"] for hold in holds), self.duration_ns]))
+        return parts if not holds or parts[-1][0] < parts[-1][1] else parts[:-1]
+
     def instruments(self, family):
         """The facts of the program's instruments of a family, by their names."""
         known = self.document.get("bench", {}).get("instruments", {})

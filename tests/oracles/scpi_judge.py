@@ -158,18 +158,26 @@ def compare(rack, facts, channel, output, link, schedule):
         step_um = schedule.fastest(channel) * period_ns
         few = len(codes) < facts["most_points"] / 2
         demand(step_um <= SAMPLE_UM + 1e-9 or not few, f"{channel} moves {step_um} um from sample to sample")
-    else:
-        for edge in schedule.edges(channel):
-            demand(edge % period_ns == 0, f"{channel} has an edge at {edge} ns, between samples")
-    demand(len(codes) * period_ns >= schedule.duration_ns, f"{output} ends too early")
+    parts = schedule.parts()
+    holds = schedule.document.get("holds", [])
+    demand(len(codes) == len(holds) + 1 and not any(codes[len(parts):]), f"{output} plays {len(codes)} parts, not {len(parts)}")
+    for (begin, end), part in zip(parts, codes):
+        inner = [] if schedule.is_stage(channel) else [edge for edge in schedule.edges(channel) if begin <= edge <= end]
+        for edge in inner:
+            demand((edge - begin) % period_ns == 0, f"{channel} has an edge at {edge} ns, between samples")
+        demand(begin + len(part) * period_ns >= end, f"{output} ends too early")
     rest = schedule.output_v(link, schedule.rests_v[channel])
-    waits_at = [wanted(0), wanted(schedule.duration_ns)] if schedule.is_stage(channel) else [rest, rest]
+    ends = [wanted(0), wanted(schedule.duration_ns)] if schedule.is_stage(channel) else [rest, rest]
+    waits_at = [ends[0], *(wanted(hold["start_ns"]) for hold in holds), ends[1]]
     for code, level in zip(waits, waits_at, strict=True):
         demand(near(code, level), f"{channel} waits or rests at {volts(code)} V, not {level} V")
-    for index, code in enumerate(codes):
-        level = wanted(index * period_ns)
-        demand(near(code, level), f"{output} gives {volts(code)} V at {index * period_ns} ns, not {level} V")
-    return len(codes)
+    for (begin, end), part in zip(parts, codes):
+        for index, code in enumerate(part):
+            t_ns = begin + index * period_ns
+            # A wait may hold for a while what it finds.
+            level = wanted(t_ns if end == schedule.duration_ns and len(parts) > len(holds) else min(t_ns, end))
+            demand(near(code, level), f"{output} gives {volts(code)} V at {t_ns} ns, not {level} V")
+    return sum(map(len, codes))
 
 
 def waveform(ask, segments):
@@ -178,11 +186,11 @@ def waveform(ask, segments):
     name = ask(":SOUR{}:FUNC:ARB")
     demand(name in segments, f"{name} is no segment")
     codes = segments[name]
-    return [codes[0], codes[-1]], codes[1:]
+    return [codes[0], codes[-1]], [codes[1:]]
 
 
 def sequence(ask, facts, segments, block):
-    """What a sequence waits at and rests at, and its samples from the trigger on.
+    """What a sequence waits at and rests at, and its samples from each trigger on.
 
     As the 33500 series plays it: a name, then for each step a segment, how many times, how it goes on, and a marker."""
     offset, length = util.parse_ieee_block_header(block.encode("ascii"))
@@ -192,18 +200,21 @@ def sequence(ask, facts, segments, block):
     demand(ask(":SOUR{}:BURS:STAT") == "OFF", "a sequence is no burst")
     steps = [rest[at : at + 5] for at in range(0, len(rest), 5)]
     demand(all(len(step) == 5 for step in steps) and len(steps) <= facts["most_steps"], "a step has too little, or too many are there")
-    codes, waits = [], []
+    parts, waits = [], []
     for number, (quoted, times, control, marker, point) in enumerate(steps):
         segment = segments.get(quoted.strip('"'))
         demand(segment is not None, f"{quoted} is no segment")
         demand(marker == "lowAtStart" and 4 <= int(point) <= len(segment) - 3, f"the marker of step {number} is off")
         demand(1 <= int(times) <= MOST_REPEATS, f"step {number} repeats {times} times")
         if control in ("onceWaitTrig", "repeatInf"):
-            demand(number in (0, len(steps) - 1) and len(set(segment)) == 1, f"step {number} stops, or swings")
+            demand((control == "onceWaitTrig") == (number < len(steps) - 1) and len(set(segment)) == 1, f"step {number} stops, or swings")
             waits.append(segment[0])
+            if control == "onceWaitTrig":
+                parts.append([])
         else:
             demand(control == "repeat" or (control, times) == ("once", "1"), f"step {number} goes on by {control}")
-            codes += segment * int(times)
+            demand(parts, f"step {number} comes before the trigger")
+            parts[-1] += segment * int(times)
     ends = [step[2] for step in (steps[0], steps[-1])]
     demand(ends == ["onceWaitTrig", "repeatInf"], f"it waits and rests by {ends}")
-    return waits, codes
+    return waits, parts

@@ -82,9 +82,9 @@ impl Built {
                 Format::Frames => families.contains(&Family::ElectrodeDriver),
                 Format::Opendrop => protocols.contains(&Protocol::Opendrop),
                 Format::Sheet => carries_droplets(verified),
-                Format::Mcap | Format::Json | Format::Csv | Format::Vcd | Format::Pwl | Format::Html | Format::Svg => {
-                    true
-                }
+                // These have one clock, and cannot wait.
+                Format::Csv | Format::Vcd | Format::Pwl => verified.schedule().holds.is_empty(),
+                Format::Mcap | Format::Json | Format::Html | Format::Svg => true,
             };
             for format in Format::ALL.iter().filter(is_played) {
                 let set = emit::emit(*format, verified, &self.provenance);

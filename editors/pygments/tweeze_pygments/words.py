@@ -134,6 +134,7 @@ STEPS = (
     "mix",
     "move",
     "orient",
+    "prompt",
     "pulse",
     "release",
     "require",

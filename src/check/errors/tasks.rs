@@ -190,6 +190,61 @@ pub fn level_of_trigger(step: &Step, (name, declared): (&str, Span)) -> Diagnost
         .mended(step.span, format!("pulse {name}"))
 }
 
+/// A step that waits for an input or a person, in a wrong form.
+pub fn bad_hold_step(step: &Step) -> Diagnostic {
+    let (takes, form) = match step.head.text.as_str() {
+        "prompt" => {
+            ("a text in quotes, and `for at most` a time if it is not to wait for ever", "prompt \"add the sample\"")
+        }
+        _ => ("an input, and `for at most` a time", "wait until card.port0.line5 for at most 5 s"),
+    };
+    let head = if step.head.text == "prompt" { "prompt" } else { "wait until" };
+    Diagnostic::new(Code::E0509, format!("`{head}` takes {takes}"))
+        .label(step.span, "incomplete, or too much")
+        .help(format!("write `{form}`"))
+}
+
+pub fn no_input(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0566, "this is no input")
+        .label(span, "neither a line of an instrument nor a name in quotes")
+        .help("write `wait until card.port0.line5 for at most 5 s`, or `wait until \"motion.digital-in-00\" …`")
+}
+
+pub fn instrument_without_inputs(span: Span, (name, declared): (&str, Span), family: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0566, format!("instrument `{name}` has no input that a program can wait for"))
+        .label(span, "not an input")
+        .label_elsewhere(declared, span, format!("an instrument of the family `{family}`"))
+        .help("wait for a digital line of a `data_acquisition`, or for a name in quotes that your own program reads")
+}
+
+pub fn unknown_input(span: Span, (name, declared): (&str, Span), input: &str, known: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0566, format!("instrument `{name}` has no digital line `{input}`"))
+        .label(span, "no such line")
+        .label_elsewhere(declared, span, "the instrument")
+        .help(known.to_owned())
+}
+
+pub fn input_is_output(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0566, format!("`{name}` is an output of this program, and so no input"))
+        .label(span, "a channel is wired to it")
+        .help("wait for another line")
+}
+
+/// `require time >= 10 s` in a task whose duration depends on what comes.
+pub fn least_time_of_hold(span: Span, hold: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0567, "a least `time` for a task that may be done sooner")
+        .label(span, "cannot be promised")
+        .label(hold, "this wait ends when what it waits for has come")
+        .help("leave it out, or limit the time from above: the longest wait counts there")
+}
+
+/// A wait for an input or a person between the runs of a program.
+pub fn hold_in_program(head: &Ident) -> Diagnostic {
+    Diagnostic::new(Code::E0518, format!("`{}` in a program", head.text))
+        .label(head.span, "waits in a task")
+        .help("write it as a step of a task: at its beginning, or at its end")
+}
+
 /// `high` or `low` for an output with levels between the two.
 pub fn word_for_share(span: Span, name: &str, word: Level) -> Diagnostic {
     let share = match word {

@@ -63,7 +63,7 @@ pub fn page(vocabulary: &'static Vocabulary) -> String {
     );
     page.section(
         "Steps of a task",
-        vocabulary.verbs.iter().map(verb).chain(together(vocabulary)).chain(assay(vocabulary)).chain([wait()]),
+        vocabulary.verbs.iter().map(verb).chain(together(vocabulary)).chain(assay(vocabulary)).chain(waits()),
     );
     page.section("minimize", vocabulary.objectives.iter().map(choice));
     page.section(
@@ -175,8 +175,16 @@ fn assay(vocabulary: &Vocabulary) -> Option<(String, String)> {
     }
 }
 
-fn wait() -> (String, String) {
-    ("wait 10 ms".to_owned(), "nothing is switched for so long".to_owned())
+fn waits() -> [(String, String); 3] {
+    [
+        ("wait 10 ms", "nothing is switched for so long"),
+        (
+            "wait until card.port0.line5 for at most 5 s",
+            "until a digital input is high, or `at low` low; else all is broken off",
+        ),
+        ("prompt \"add the sample\"", "asks the person at the bench, and waits for the answer; `for at most 10 min`"),
+    ]
+    .map(|(form, meaning)| (form.to_owned(), meaning.to_owned()))
 }
 
 fn common_settings(vocabulary: &Vocabulary) -> Vec<(String, String)> {

@@ -1,7 +1,9 @@
 //! Auxiliary outputs: what else a bench switches, at the steps of tasks and planned by nobody. A camera's trigger, a light, a heater.
+//! And what the steps of tasks wait for: an input of the bench, or a person.
 
+use super::Level;
 use super::words::{DIGITAL, LEVEL, TRIGGER};
-use crate::device::{VocabularyField, WordChoice, words::words};
+use crate::device::{VocabularyField, WordChoice};
 use serde::{Deserialize, Serialize};
 
 /// The sorts of auxiliary outputs.
@@ -10,14 +12,6 @@ pub enum AuxiliarySort {
     Trigger,
     Digital,
     Level,
-}
-
-words! {
-    /// Level of an output that has two.
-    pub enum Level {
-        Low = "low": "at 0 V",
-        High = "high": "at the voltage of the output",
-    }
 }
 
 impl AuxiliarySort {
@@ -79,6 +73,42 @@ pub struct AuxiliaryOutput {
     /// Whether it takes every voltage between its two levels.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_graded: bool,
+}
+
+/// What a program waits for, and how long.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct HoldTerms {
+    pub awaited: Awaited,
+    /// How long the wait is on the clock: its longest, if it is bounded. Above zero, in nanoseconds.
+    pub duration_ns: u64,
+    /// Whether the schedule is broken off when that time is over; otherwise it goes on whenever what it waits for has come.
+    pub is_bounded: bool,
+}
+
+/// What a program waits for.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Awaited {
+    Input {
+        /// As it is shown: `card.port0.line5`, or the name that the program gives in quotes.
+        name: String,
+        /// The instrument that reads it, if the program declares it, and its input there: `port0.line5`.
+        place: Option<(String, String)>,
+        /// The level that is waited for.
+        level: Level,
+    },
+    /// A person who is asked to do something.
+    Person { prompt: String },
+}
+
+impl Awaited {
+    /// What is waited for, in words.
+    pub fn shown(&self) -> String {
+        match self {
+            Awaited::Input { name, level, .. } => format!("`{name}` to be {}", level.name()),
+            Awaited::Person { .. } => "a person".to_owned(),
+        }
+    }
 }
 
 /// Whether a figure is left out of a text.

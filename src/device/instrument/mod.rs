@@ -7,7 +7,7 @@
 mod auxiliary;
 mod words;
 
-pub use auxiliary::{AuxiliaryOutput, AuxiliarySort, Level};
+pub use auxiliary::{AuxiliaryOutput, AuxiliarySort, Awaited, HoldTerms};
 pub use words::ANY_WIRE;
 
 use crate::device::{VocabularyField, WordChoice, words::words};
@@ -123,6 +123,14 @@ pub enum InstrumentFacts {
     WaveformGenerator(WaveformGeneratorFacts),
     DataAcquisition(DataAcquisitionFacts),
     ElectrodeDriver(ElectrodeDriverFacts),
+}
+
+words! {
+    /// Level of an output or an input that has two.
+    pub enum Level {
+        Low = "low": "at 0 V",
+        High = "high": "at the voltage of the output",
+    }
 }
 
 words! {

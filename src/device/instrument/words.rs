@@ -1,7 +1,6 @@
 //! The vocabulary of instruments and of the wires that lead to them.
 
-use super::auxiliary::Level;
-use super::{MAX_OUTPUTS, Protocol, Start};
+use super::{Level, MAX_OUTPUTS, Protocol, Start};
 use crate::device::{Need, Range, Sort, VocabularyField, optional, positive, required};
 use crate::quantity::Dimension;
 

@@ -5,12 +5,14 @@
 //! the numbers of the channels that are on, with blanks between them. Frames follow each other without a gap from 0 to the end of the
 //! schedule; two neighbours differ. `<name>.frames.py` plays them on an OpenDrop (frames of 32 bytes over USB serial) or a PurpleDrop
 //! (JSON-RPC calls), and switches all electrodes off at the end, on an error and on Ctrl-C, but what rests on. The electrodes of reservoirs are not among
-//! those of a board: it says when a droplet is due at which outlet.
+//! those of a board: it says when a droplet is due at which outlet. Where the schedule waits for an input or a person, frames have the longest
+//! wait; the sender goes on from its end as soon as what is waited for has come.
 //!
 //! `<name>.<driver>.opendrop.json`, a format of its own, is for the program that comes with an OpenDrop. It has no times, so that each
 //! frame stands in it as often as the common period of all durations fits into its own.
 
 use super::error::{EmitError, MAX_TEXT_BYTES};
+use super::parts::{WAITING, WAITS, listing as holds_listing, plays as plays_line};
 use super::sampling::gcd;
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
@@ -57,8 +59,9 @@ pub(super) fn write(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitE
         "duration_s": schedule.duration_ns as f64 / 1e9,
         "drivers": plays,
         "dispensed": dispensed(schedule),
+        "holds": holds_listing(schedule),
     });
-    let sender = SENDER.replacen(MARKER, &format!("PLAYS = json.loads(r'''{listing:#}''')"), 1);
+    let sender = SENDER.replacen(MARKER, &plays_line(&listing), 1).replacen(WAITS, WAITING, 1);
     files.push(("frames.py".to_owned(), sender.into_bytes()));
     Ok(files)
 }

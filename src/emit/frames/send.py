@@ -8,14 +8,17 @@
 
 An OpenDrop needs the package pyserial (`pip install pyserial`); a PurpleDrop needs its server `pdserver` only. Voltage and frequency
 are set on the device. All electrodes are switched off before the start, at the end, on an error and on Ctrl-C, but outputs that rest on. A frame that cannot be sent within its own
-time is an error. The electrodes of reservoirs are not played: droplets that are dispensed are named when they are due, each at the
+time is an error. Where the program waits, the frame that is on stays so; the frames after it are due from the end of the wait, and a wait
+that is too long ends like an error. The electrodes of reservoirs are not played: droplets that are dispensed are named when they are due, each at the
 electrode of its outlet, which is on by then. Exit status: 0 played, 1 a driver refused or was late, 2 wrong usage, 130 Ctrl-C.
 """
 
 import argparse
 import csv
 import json
+import subprocess
 import sys
+import threading
 import time
 import urllib.request
 from pathlib import Path
@@ -28,6 +31,9 @@ REPLY_BYTES, REPLY_S = 24, 0.5
 USB_ID = (0x239A, 0x800B)
 # PurpleDrop: how long a call may take, in seconds.
 CALL_S = 5.0
+
+
+# WAITS
 
 
 class Opendrop:
@@ -113,9 +119,17 @@ def dues():
         yield one["at_s"], f"{one['at_s']:g} s: droplet {one['droplet']} is due at ({column}, {row})"
 
 
-def play(addresses, folder):
+def passed(hold, begin, commands):
+    """Waits, and returns the instant 0 of a schedule in which the wait ends now."""
+    start, end = hold["times_s"]
+    time.sleep(max(0.0, begin + start - time.monotonic()))
+    wait_for(hold, lambda: asked(commands, hold))
+    return time.monotonic() - end
+
+
+def play(addresses, folder, commands):
     """All frames of all drivers, each when it is due."""
-    due = list(dues())
+    due, holds = list(dues()), list(PLAYS["holds"])
     frames = [(frame, index) for index, driver in enumerate(PLAYS["drivers"]) for frame in read(driver, folder)]
     frames.sort(key=lambda due: (due[0][0], due[1]))
     boards, latest = [], 0.0
@@ -127,6 +141,8 @@ def play(addresses, folder):
         begin = time.monotonic()
         print("started", flush=True)
         for (start, end, on), index in frames:
+            while holds and holds[0]["times_s"][0] < start:
+                begin = passed(holds.pop(0), begin, commands)
             time.sleep(max(0.0, begin + start - time.monotonic()))
             boards[index].send(on)
             while due and due[0][0] <= start:
@@ -135,8 +151,11 @@ def play(addresses, folder):
             latest = max(latest, now - start)
             if now >= end:
                 raise RuntimeError(f"a frame of {end - start:g} s was sent {now - start:.3f} s after it was due")
+        while holds:
+            begin = passed(holds.pop(0), begin, commands)
         time.sleep(max(0.0, begin + PLAYS["duration_s"] - time.monotonic()))
-        print(f"{PLAYS['name']}: played {len(frames)} frames in {PLAYS['duration_s']:g} s, at most {latest * 1e3:.1f} ms late")
+        lasted = "" if PLAYS["holds"] else f" in {PLAYS['duration_s']:g} s"
+        print(f"{PLAYS['name']}: played {len(frames)} frames{lasted}, at most {latest * 1e3:.1f} ms late")
     finally:
         lost = []
         for board, driver in zip(boards, PLAYS["drivers"]):
@@ -163,7 +182,10 @@ def main(given):
     parser.add_argument("addresses", nargs="*", metavar="NAME=ADDRESS", help=f"port or server of: {', '.join(names)}")
     parser.add_argument("--list", action="store_true", help="show what is to be played")
     parser.add_argument("--dry-run", action="store_true", help="read and check the frames, send nothing")
+    named = [hold for hold in PLAYS.get("holds", []) if "input" in hold]
+    add_inputs(parser, named)
     arguments = parser.parse_args(given)
+    commands = commands_of(parser, arguments, named)
     unknown = [pair for pair in arguments.addresses if "=" not in pair or pair.split("=", 1)[0] not in names]
     if unknown:
         parser.error(f"not a driver of the program: {', '.join(unknown)}")
@@ -172,7 +194,7 @@ def main(given):
         if arguments.list or arguments.dry_run:
             show(folder)
         else:
-            play(dict(pair.split("=", 1) for pair in arguments.addresses), folder)
+            play(dict(pair.split("=", 1) for pair in arguments.addresses), folder, commands)
         return 0
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)

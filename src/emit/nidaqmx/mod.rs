@@ -6,12 +6,16 @@
 //! and outputs of one card on the same clock, from one start. Before it, at the end, on an error and on Ctrl-C it puts lines and
 //! voltages to rest; the outputs of stages keep what they have.
 //!
+//! A schedule that waits for inputs or people has a file for each part of it, `<name>.<instrument>.1.daq` and so on, whose last sample
+//! is what the wait holds.
+//!
 //! The sample period is the greatest common divisor of all times, so that every edge of a voltage falls on a sample; the first
 //! sample is the instant 0. After the schedule there is one sample of rest: 0 V and lines off, unless a channel rests at another voltage, stages at their last position. Stages
 //! are sampled as for generators.
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
+use super::parts::{WAITING, WAITS, listing as holds_listing, parts, plays as plays_line};
 use super::sampling::Sampling;
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
@@ -39,19 +43,22 @@ const MARKER: &str = "PLAYS = {}";
 /// [`EmitError::TooLarge`].
 pub(super) fn write(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     let mut files = Vec::new();
-    let mut plays = Vec::new();
-    for wired in wired(Format::Nidaqmx, schedule, Family::DataAcquisition)? {
-        let InstrumentFacts::DataAcquisition(facts) = &wired.instrument.facts else { continue };
-        let card = Card::new(&wired, facts)?;
-        files.push((format!("{}.daq", wired.name), card.text()?.into_bytes()));
-        plays.push(card.listing());
+    let mut played = Vec::new();
+    let all = parts(schedule);
+    for (index, part) in all.iter().enumerate() {
+        let number = if all.len() > 1 { format!(".{}", index + 1) } else { String::new() };
+        let mut plays = Vec::new();
+        for wired in wired(Format::Nidaqmx, part, Family::DataAcquisition)? {
+            let InstrumentFacts::DataAcquisition(facts) = &wired.instrument.facts else { continue };
+            let card = Card::new(&wired, facts)?;
+            let ending = format!("{}{number}.daq", wired.name);
+            plays.push(card.listing(&ending));
+            files.push((ending, card.text()?.into_bytes()));
+        }
+        played.push(serde_json::json!({ "duration_s": part.duration_ns as f64 / 1e9, "cards": plays }));
     }
-    let listing = serde_json::json!({
-        "name": schedule.name,
-        "duration_s": schedule.duration_ns as f64 / 1e9,
-        "cards": plays,
-    });
-    let sender = SENDER.replacen(MARKER, &format!("PLAYS = json.loads(r'''{listing:#}''')"), 1);
+    let listing = serde_json::json!({ "name": schedule.name, "holds": holds_listing(schedule), "parts": played });
+    let sender = SENDER.replacen(MARKER, &plays_line(&listing), 1).replacen(WAITS, WAITING, 1);
     files.push(("nidaqmx.py".to_owned(), sender.into_bytes()));
     Ok(files)
 }
@@ -181,7 +188,7 @@ impl<'a> Card<'a> {
     }
 
     /// What the sender must know.
-    fn listing(&self) -> serde_json::Value {
+    fn listing(&self, ending: &str) -> serde_json::Value {
         let lines: Vec<String> = self.lines.keys().map(|(port, line)| format!("port{port}/line{line}")).collect();
         let line_rests: Vec<bool> = self
             .lines
@@ -202,7 +209,7 @@ impl<'a> Card<'a> {
         serde_json::json!({
             "name": self.wired.name,
             "model": self.wired.instrument.model,
-            "file": format!("{}.{}.daq", self.signals.schedule.name, self.wired.name),
+            "file": format!("{}.{ending}", self.signals.schedule.name),
             "rate_hz": 1e9 / self.period_ns as f64,
             "samples": self.samples() + 1,
             "lines": lines,

@@ -6,18 +6,27 @@
     python NAME.nidaqmx.py card=Dev1 --dry-run    everything but the start
 
 Needs the NI-DAQmx driver and its package (`pip install nidaqmx`). Before the start, at the end, on an error and on Ctrl-C lines are off
-and voltages at rest, or what the program has as their rest; an output that places a stage keeps its voltage, and goes to the first position at the start. Exit status: 0 played, 1 the driver refused something, 2 wrong usage, 130 Ctrl-C.
+and voltages at rest, or what the program has as their rest; an output that places a stage keeps its voltage, and goes to the first position at the start.
+A program that waits for inputs or people is played in parts: between them all outputs keep what they have, and a line that is waited
+for is read all the time; a wait that is too long ends like an error. Exit status: 0 played, 1 the driver refused something or a wait was too long,
+2 wrong usage, 130 Ctrl-C.
 """
 
 import argparse
 import json
+import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
 
 PLAYS = {}
 
 # Beyond the schedule's own duration, before a card that does not end counts as lost, in seconds.
 MARGIN_S = 5.0
+
+
+# WAITS
 
 
 def read(path):
@@ -43,16 +52,43 @@ def samples(card, folder):
     return lines, analog
 
 
-class Player:
+class Resting:
+    """A card that plays nothing."""
+
+    def __init__(self, ni, card, device):
+        self.ni, self.card, self.device = ni, card, device
+
+    def add_lines(self, task, lines):
+        for line in lines:
+            task.do_channels.add_do_chan(f"{self.device}/{line}", line_grouping=self.ni.constants.LineGrouping.CHAN_PER_LINE)
+
+    def add_analog(self, task, outputs):
+        peak = self.card["peak_v"]
+        for output in outputs:
+            task.ao_channels.add_ao_voltage_chan(f"{self.device}/{output['output']}", min_val=-peak, max_val=peak)
+
+    def rest(self):
+        """Lines and voltages at rest; stages stay where they are."""
+        volts = [output for output in self.card["analog"] if output["rest_v"] is not None]
+        for levels, add, outputs in (
+            ([output["rest_v"] for output in volts], self.add_analog, volts),
+            (self.card["line_rests"], self.add_lines, self.card["lines"]),
+        ):
+            if levels:
+                with self.ni.Task() as task:
+                    add(task, outputs)
+                    task.write(levels if len(levels) > 1 else levels[0], auto_start=True)
+
+
+class Player(Resting):
     """The tasks of a card: analog outputs lead the sample clock where there are some, lines follow it."""
 
-    def __init__(self, ni, card, device, folder, terminals):
-        self.ni, self.card, self.device = ni, card, device
+    def __init__(self, ni, card, device, folder, terminals, duration_s):
+        super().__init__(ni, card, device)
         self.lines, self.analog = samples(card, folder)
-        self.tasks = []
+        self.tasks, self.duration_s = [], duration_s
         start, lead = terminals
         clock = None
-        self.rest()
         for levels, add, outputs in (
             (self.analog, self.add_analog, card["analog"]),
             (self.lines, self.add_lines, card["lines"]),
@@ -74,15 +110,6 @@ class Player:
                 clock = f"/{device}/ao/SampleClock"
             task.write(levels if len(levels) > 1 else levels[0], auto_start=False)
 
-    def add_lines(self, task, lines):
-        for line in lines:
-            task.do_channels.add_do_chan(f"{self.device}/{line}", line_grouping=self.ni.constants.LineGrouping.CHAN_PER_LINE)
-
-    def add_analog(self, task, outputs):
-        peak = self.card["peak_v"]
-        for output in outputs:
-            task.ao_channels.add_ao_voltage_chan(f"{self.device}/{output['output']}", min_val=-peak, max_val=peak)
-
     def start(self):
         """The task that has the clock starts last, so that the others wait for it."""
         for task in reversed(self.tasks):
@@ -90,7 +117,7 @@ class Player:
 
     def wait(self):
         for task in self.tasks:
-            task.wait_until_done(timeout=PLAYS["duration_s"] + MARGIN_S)
+            task.wait_until_done(timeout=self.duration_s + MARGIN_S)
 
     def close(self):
         for task in self.tasks:
@@ -100,68 +127,101 @@ class Player:
                 task.close()
         self.tasks = []
 
-    def rest(self):
-        """Lines and voltages at rest; stages stay where they are."""
-        volts = [output for output in self.card["analog"] if output["rest_v"] is not None]
-        for levels, add, outputs in (
-            ([output["rest_v"] for output in volts], self.add_analog, volts),
-            (self.card["line_rests"], self.add_lines, self.card["lines"]),
-        ):
-            if levels:
-                with self.ni.Task() as task:
-                    add(task, outputs)
-                    task.write(levels if len(levels) > 1 else levels[0], auto_start=True)
-
 
 def at_rest():
     """What the outputs do once all is over."""
-    analog = [output for card in PLAYS["cards"] for output in card["analog"]]
+    cards = PLAYS["parts"][0]["cards"]
+    analog = [output for card in cards for output in card["analog"]]
+    lines = "lines at rest" if any(any(card["line_rests"]) for card in cards) else "lines off"
     ends = [
-        ("lines off" if not any(any(card["line_rests"]) for card in PLAYS["cards"]) else "lines at rest", any(card["lines"] for card in PLAYS["cards"])),
+        (lines, any(card["lines"] for card in cards)),
         ("voltages at rest", any(output["rest_v"] is not None for output in analog)),
         ("stages keep their last voltage", any(output["rest_v"] is None for output in analog)),
     ]
     return ", ".join(words for words, are_there in ends if are_there)
 
 
-def play(ni, devices, arguments):
-    """Loads all cards, starts those that wait for a trigger, then the one that leads, and waits."""
+def read_line(ni, channel):
+    """Whether a digital line is high."""
+    with ni.Task() as task:
+        task.di_channels.add_di_chan(channel, line_grouping=ni.constants.LineGrouping.CHAN_PER_LINE)
+        return task.read()
+
+
+def level_of(ni, devices, arguments, hold):
+    """Whether an input is high: by your own command, by the line of a card, or by the name of a line that the program has in quotes."""
+    if hold["input"] in arguments.commands:
+        return asked(arguments.commands, hold)
+    own = hold["instrument"]
+    return read_line(ni, hold["input"] if own is None else f"{devices.get(own, own)}/{hold['line']}")
+
+
+def load(ni, devices, arguments, part, players):
+    """Loads a part into all cards: those that wait for a trigger first."""
     folder = Path(__file__).resolve().parent
+    terminals = (arguments.start_terminal, arguments.lead_terminal)
+    for card in sorted(part["cards"], key=lambda card: not card["waits_for_trigger"]):
+        player = Player(ni, card, devices[card["name"]], folder, terminals, part["duration_s"])
+        players.append(player)
+        print(f"{card['name']}: {card['samples']} samples at {card['rate_hz']} Hz on {player.device}", flush=True)
+
+
+def play(ni, devices, arguments):
+    """Loads all cards, starts those that wait for a trigger, then the one that leads, and waits; so for each part."""
     players = []
     try:
-        for card in sorted(PLAYS["cards"], key=lambda card: not card["waits_for_trigger"]):
-            player = Player(ni, card, devices[card["name"]], folder, (arguments.start_terminal, arguments.lead_terminal))
-            players.append(player)
-            print(f"{card['name']}: {card['samples']} samples at {card['rate_hz']} Hz on {player.device}", flush=True)
-        if arguments.dry_run:
-            print("dry run: all is loaded, nothing starts")
-            return
-        for player in players:
-            player.start()
-        print("started", flush=True)
-        for player in players:
-            player.wait()
-        print(f"{PLAYS['name']}: played, {PLAYS['duration_s']} s")
+        for index, part in enumerate(PLAYS["parts"]):
+            if index:
+                # What the cards give stays while nothing is loaded.
+                for player in players:
+                    player.close()
+                hold = PLAYS["holds"][index - 1]
+                wait_for(hold, lambda: level_of(ni, devices, arguments, hold))
+                players.clear()
+            else:
+                for card in part["cards"]:
+                    Resting(ni, card, devices[card["name"]]).rest()
+            load(ni, devices, arguments, part, players)
+            if arguments.dry_run:
+                print("dry run: all is loaded, nothing starts")
+                return
+            for player in players:
+                player.start()
+            print("started", flush=True)
+            for player in players:
+                player.wait()
+        for hold in PLAYS["holds"][len(PLAYS["parts"]) - 1 :]:
+            wait_for(hold, lambda: level_of(ni, devices, arguments, hold))
+        print(f"{PLAYS['name']}: played, {sum(part['duration_s'] for part in PLAYS['parts']):g} s")
     finally:
         lost = []
         for player in players:
             try:
                 player.close()
-                player.rest()
             except Exception as error:  # every other card is still to be put to rest
                 lost.append(f"{player.card['name']} may still be on ({error})")
+        for card in PLAYS["parts"][0]["cards"]:
+            try:
+                Resting(ni, card, devices[card["name"]]).rest()
+            except Exception as error:  # every other card is still to be put to rest
+                lost.append(f"{card['name']} may still be on ({error})")
         print("; ".join(lost) or at_rest(), flush=True)
 
 
 def main(given):
-    names = [card["name"] for card in PLAYS.get("cards", [])]
+    names = [card["name"] for card in PLAYS["parts"][0]["cards"]] if PLAYS else []
+    named = [hold for hold in PLAYS.get("holds", []) if "input" in hold]
+    readers = {hold["instrument"] for hold in named if hold["instrument"]}
+    names += sorted(readers - set(names))
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("devices", nargs="*", metavar="NAME=DEVICE", help=f"for each of: {', '.join(names)}; else the name itself")
     parser.add_argument("--list", action="store_true", help="show what is to be played and the devices that the driver finds")
     parser.add_argument("--dry-run", action="store_true", help="load and check, but start nothing")
     parser.add_argument("--start-terminal", default="PFI0", help="where the trigger comes in (PFI0)")
     parser.add_argument("--lead-terminal", default="PFI1", help="where the start goes out to other instruments (PFI1)")
+    add_inputs(parser, named)
     arguments = parser.parse_args(given)
+    arguments.commands = commands_of(parser, arguments, [])
     unknown = [pair for pair in arguments.devices if "=" not in pair or pair.split("=", 1)[0] not in names]
     if unknown:
         parser.error(f"not a card of the program: {', '.join(unknown)}")
@@ -175,7 +235,7 @@ def main(given):
         return 1
     try:
         if arguments.list:
-            for card in PLAYS["cards"]:
+            for card in (card for part in PLAYS["parts"] for card in part["cards"]):
                 print(f"{card['name']}: {card['file']}, {card['model']}, {', '.join(card['lines'] + [output['output'] for output in card['analog']])}")
             found = [device.name for device in ni.system.System.local().devices]
             print("devices:", ", ".join(found) or "none")

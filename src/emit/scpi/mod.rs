@@ -15,13 +15,14 @@
 //! between two samples no stage moves by more than `SAMPLE_UM`, unless the instrument's memory is too small for that; the
 //! description gives the distance.
 //!
-//! Where a channel has drive trains, or several instruments play together, all outputs of the instrument play sequences instead: a train is one segment and the number of its
-//! repetitions.
+//! Where a channel has drive trains, the schedule waits for inputs or people, or several instruments play together, all outputs of the instrument play sequences instead: a train is one segment and the number of its
+//! repetitions, a wait a segment that holds its value until the next trigger.
 
 mod description;
 mod sequence;
 
 use super::error::EmitError;
+use super::parts::{WAITING, WAITS, listing as holds_listing, plays as plays_line};
 use super::sampling::Sampling;
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
@@ -131,8 +132,9 @@ fn sender(schedule: &Schedule, plays: &[serde_json::Value]) -> String {
         "name": schedule.name,
         "duration_s": schedule.duration_ns as f64 / 1e9,
         "instruments": plays,
+        "holds": holds_listing(schedule),
     });
-    SENDER.replacen(MARKER, &format!("PLAYS = json.loads(r'''{listing:#}''')"), 1)
+    SENDER.replacen(MARKER, &plays_line(&listing), 1).replacen(WAITS, WAITING, 1)
 }
 
 /// A waveform generator with what its outputs play.
@@ -220,8 +222,9 @@ impl<'a> Generator<'a> {
     fn playing(&self, channel: usize) -> Result<Playing, EmitError> {
         let output = &self.outputs[channel];
         // A waveform begins with a sample of its own; a sequence begins with its trigger, as other instruments do.
-        let sequenced =
-            !self.wired.is_alone || self.signals.schedule.actuations.iter().any(|actuation| actuation.swing.is_some());
+        let sequenced = !self.wired.is_alone
+            || self.waits()
+            || self.signals.schedule.actuations.iter().any(|actuation| actuation.swing.is_some());
         if output.span_v() <= 0.0 {
             return Ok(Playing::Constant);
         }
@@ -235,6 +238,11 @@ impl<'a> Generator<'a> {
             true => Ok(Playing::Waveform(self.codes(channel))),
             false => Err(self.too_long(None)),
         }
+    }
+
+    /// Whether it waits for inputs or people.
+    fn waits(&self) -> bool {
+        !self.signals.schedule.holds.is_empty()
     }
 
     fn too_long(&self, most_steps: Option<u64>) -> EmitError {

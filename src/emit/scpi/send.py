@@ -6,12 +6,15 @@
     python NAME.scpi.py awg=... --dry-run                   everything but the last message: nothing starts
 
 Needs PyVISA and a VISA library (`pip install pyvisa pyvisa-py`). After each message the error queue is read; on an error, on Ctrl-C
-and at the end all outputs are switched off, but for those of stages, which keep their voltage, and those that rest at a voltage, which go there. Exit status: 0 played, 1 an instrument refused something or was lost, 2 wrong usage, 130 Ctrl-C.
+and at the end all outputs are switched off, but for those of stages, which keep their voltage, and those that rest at a voltage, which go there. Where the program waits, outputs hold their
+voltage until the next trigger, which the sender gives; a wait that is too long ends like an error. Exit status: 0 played, 1 an instrument refused something or was lost, 2 wrong usage, 130 Ctrl-C.
 """
 
 import argparse
 import json
+import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -19,6 +22,9 @@ PLAYS = {}
 
 # Beyond the schedule's own duration, before outputs are switched off, in seconds.
 MARGIN_S = 0.1
+
+
+# WAITS
 
 
 class Refused(Exception):
@@ -110,12 +116,23 @@ def play(manager, addresses, arguments, says):
             says(f"{one['name']}: started")
         if not starters:
             says("waiting for your trigger; end with Ctrl-C when all is played")
-        deadline = time.monotonic() + PLAYS["duration_s"] + MARGIN_S
+        played = 0.0
+        for hold in PLAYS["holds"]:
+            start, end = hold["times_s"]
+            time.sleep(start - played + MARGIN_S)
+            for one, device in open_ones:
+                check(device, one["name"], b"the schedule")
+            wait_for(hold, lambda: asked(arguments.commands, hold))
+            for one, device, begin in starters:
+                device.write_raw(begin + b"\n")
+                says(f"{one['name']}: goes on")
+            played = end
+        deadline = time.monotonic() + PLAYS["duration_s"] - played + MARGIN_S
         while not starters or time.monotonic() < deadline:
             time.sleep(min(0.2, max(deadline - time.monotonic(), 0.01)) if starters else 0.2)
         for one, device in open_ones:
             check(device, one["name"], b"the schedule")
-        says(f"{PLAYS['name']}: played, {PLAYS['duration_s']} s")
+        says(f"{PLAYS['name']}: played" + ("" if PLAYS["holds"] else f", {PLAYS['duration_s']} s"))
     finally:
         switch_off(open_ones, says)
         for _, device in open_ones:
@@ -130,7 +147,10 @@ def main(given):
     parser.add_argument("--dry-run", action="store_true", help="upload and check, but start nothing")
     parser.add_argument("--visa", default="", help="the VISA library, as `@py` or `description.yaml@sim`")
     parser.add_argument("--verbose", action="store_true", help="show every message")
+    named = [hold for hold in PLAYS.get("holds", []) if "input" in hold]
+    add_inputs(parser, named)
     arguments = parser.parse_args(given)
+    arguments.commands = commands_of(parser, arguments, named)
     addresses = dict(pair.split("=", 1) for pair in arguments.addresses if "=" in pair)
     unknown = [pair for pair in arguments.addresses if pair.split("=", 1)[0] not in names or "=" not in pair]
     missing = [name for name in names if name not in addresses]

@@ -86,6 +86,7 @@ pub(crate) fn carried(facts: &ElectrodeArrayFacts, steps: &[Vec<Vec<(u32, u32)>>
         device: "plate".to_owned(),
         requirements: Vec::new(),
         events: Vec::new(),
+        holds: Vec::new(),
         order: Order::ElectrodeArray(order),
         span: Span::default(),
         run_span: Span::default(),

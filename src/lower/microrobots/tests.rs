@@ -98,6 +98,7 @@ pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
         device: "m".to_owned(),
         requirements: Vec::new(),
         events: Vec::new(),
+        holds: Vec::new(),
         order: Order::Microrobots(order),
         span: Span::default(),
         run_span: Span::default(),

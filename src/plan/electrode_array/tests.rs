@@ -97,6 +97,7 @@ fn job(order: ElectrodeArrayOrder, requirements: Vec<Requirement>) -> Job {
         device: "plate".to_owned(),
         requirements,
         events: Vec::new(),
+        holds: Vec::new(),
         order: Order::ElectrodeArray(order),
         span: span(1),
         run_span: span(2),

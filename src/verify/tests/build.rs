@@ -61,6 +61,7 @@ pub fn job_of(task: &str, device: &str, order: Order) -> Job {
         device: device.into(),
         requirements: Vec::new(),
         events: Vec::new(),
+        holds: Vec::new(),
         order,
         span: Span::default(),
         run_span: Span::default(),

@@ -8,6 +8,7 @@ mod faults;
 mod fingers;
 mod garbage;
 mod general;
+mod holds;
 mod microrobots;
 mod mutants;
 mod outputs;
@@ -65,6 +66,7 @@ fn passes(schedule: &Schedule, claims: &Claims) {
 /// A schedule of some claims in which nothing happens.
 fn bare(claims: &Claims) -> Schedule {
     Schedule {
+        holds: Vec::new(),
         bench: Default::default(),
         name: claims.name.clone(),
         source: SourceRef { file: "day.twz".into(), sha256: "00".into() },

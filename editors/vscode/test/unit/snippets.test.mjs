@@ -79,6 +79,9 @@ const HOSTS = {
   Limit: inTask,
   Pulse: (text) => inTask(`${text}\nwait 10 ms`),
   Level: inTask,
+  Share: (text) => `${BOT}output heater : level { to: 10 V }\ntask go on bot {\n${text}\nmove to (1, 1)\n}\n`,
+  Prompt: inTask,
+  Input: (text) => `use std.instruments\n${BOT}instrument card : instruments.ni_usb_6343\ntask go on bot {\n${text}\nmove to (1, 1)\n}\n`,
 };
 
 const isProgram = (snippet) => snippet.isFileTemplate === true;

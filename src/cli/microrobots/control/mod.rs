@@ -58,6 +58,9 @@ pub fn run(arguments: &ControlArguments) -> Exit {
         }
     };
     let Some(order) = the_bed(claims) else { return no_bed(&claims.name) };
+    if claims.jobs.iter().any(|job| !job.holds.is_empty()) {
+        return waits(&claims.name);
+    }
     let search = Arc::<SearchWatch>::default();
     let waiting = ProgressLine::begin(&search);
     let progress = &mut |index, count, task: &str| waiting.at(index, count, task);
@@ -88,6 +91,13 @@ fn the_bed(claims: &Claims) -> Option<&MicrorobotsOrder> {
 fn no_bed(name: &str) -> Exit {
     terminal::to_stderr(&format!(
         "tweeze: `{name}` cannot be controlled: that takes one run of one task on a bed of microrobots with all error bounds\n"
+    ));
+    Exit::Usage
+}
+
+fn waits(name: &str) -> Exit {
+    terminal::to_stderr(&format!(
+        "tweeze: `{name}` cannot be controlled: it waits for an input or a person, which `control` does not\n"
     ));
     Exit::Usage
 }

@@ -7,8 +7,9 @@
 use super::{GeneratorOutput, MOST_REPEATS, Sampling};
 use crate::device::instrument::WaveformGeneratorFacts;
 use crate::emit::Signals;
+use crate::emit::parts::parts;
 use crate::emit::signal::half_ns;
-use crate::schedule::ChannelUnit;
+use crate::schedule::Schedule;
 use std::collections::BTreeMap;
 
 /// How a step goes over to the next one; the words are those of the instruments.
@@ -91,23 +92,42 @@ pub fn sequence(
     sampling: &Sampling,
 ) -> Option<Sequence> {
     let limits = Limits::of(facts);
-    let score = match signals.unit(channel) {
-        ChannelUnit::Volt => {
-            let rest_v = signals.rest_v(channel).unwrap_or_default();
-            Score { ends: [output.code(rest_v); 2], pieces: pieces(signals, channel, output, limits, sampling)? }
-        }
-        ChannelUnit::Micrometre => positions(signals, channel, output, limits, sampling)?,
-    };
+    let parts = parts(signals.schedule);
+    let of_part = |part: &Schedule| score(&Signals::new(part), channel, output, limits, sampling);
+    let mut scores = parts.iter().map(of_part).collect::<Option<Vec<Score>>>()?;
+    // Behind a wait at the end comes rest.
+    if parts.len() == signals.schedule.holds.len() {
+        let end = scores.last()?.ends[1];
+        let rest = signals.rest_v(channel).map_or(end, |rest_v| output.code(rest_v));
+        scores.push(Score { ends: [end, rest], pieces: Vec::new() });
+    }
+    // A part waits where the one before it holds.
+    for at in 1..scores.len() {
+        scores[at].ends[0] = scores[at - 1].ends[1];
+    }
     let mut written_out = WRITTEN_OUT;
     while written_out < limits.most_points {
         // More samples written out fill the memory, so there is no use in going on once it is full.
-        let sequence = SequenceBuilder::compose(&score, limits, written_out)?;
+        let sequence = SequenceBuilder::compose(&scores, limits, written_out)?;
         if sequence.steps.len() as u64 <= u64::from(facts.most_steps) {
             return Some(sequence);
         }
         written_out *= 4;
     }
     None
+}
+
+/// What is played without a wait.
+fn score(
+    signals: &Signals,
+    channel: usize,
+    output: &GeneratorOutput,
+    limits: Limits,
+    sampling: &Sampling,
+) -> Option<Score> {
+    let Some(rest_v) = signals.rest_v(channel) else { return positions(signals, channel, output, limits, sampling) };
+    let end = output.code(signals.value(channel, signals.schedule.duration_ns));
+    Some(Score { ends: [output.code(rest_v), end], pieces: pieces(signals, channel, output, limits, sampling)? })
 }
 
 fn pieces(
@@ -128,7 +148,12 @@ fn pieces(
     for actuation in signals.of(channel) {
         rest(at_ns, actuation.start_ns, &mut pieces);
         pieces.push(match actuation.swing {
-            None => SamplePiece { samples: vec![code(actuation.from)], count: actuation.duration_ns / period_ns },
+            // A value that a wait holds lasts beyond the end of its part.
+            None => {
+                let end_ns = actuation.end_ns().min(signals.schedule.duration_ns);
+                let count = end_ns.saturating_sub(actuation.start_ns) / period_ns;
+                SamplePiece { samples: vec![code(actuation.from)], count }
+            }
             Some(swing) => {
                 let half = half_ns(swing) / period_ns;
                 if 2 * half > limits.most_points {
@@ -155,8 +180,9 @@ fn positions(
     if sampling.points > MAX_PACKED * limits.most_points {
         return None;
     }
-    let codes = sampling.positions(signals, channel).map(|position_um| output.code(position_um));
-    let codes: Vec<i16> = codes.collect();
+    let points = signals.schedule.duration_ns.div_ceil(sampling.period_ns) + 2;
+    let own = Sampling { points: points.max(limits.least_points), ..*sampling };
+    let codes: Vec<i16> = own.positions(signals, channel).map(|position_um| output.code(position_um)).collect();
     let piece = |run: &[i16]| SamplePiece { samples: vec![run[0]], count: run.len() as u64 };
     // The first sample is the one before the trigger.
     let pieces = codes[1..].chunk_by(|a, b| a == b).map(piece).collect();
@@ -176,20 +202,23 @@ struct SequenceBuilder {
 
 impl SequenceBuilder {
     /// `None` if the segments are too large for the instrument's memory.
-    fn compose(score: &Score, limits: Limits, written_out: u64) -> Option<Sequence> {
+    fn compose(scores: &[Score], limits: Limits, written_out: u64) -> Option<Sequence> {
         let (sequence, index) = (Sequence::default(), BTreeMap::new());
         let mut builder = SequenceBuilder { limits, sequence, index, points: 0, pending: Vec::new() };
-        let [wait, rest] = score.ends.map(|code| vec![code; limits.least_points as usize]);
-        builder.step(wait, 1, Control::OnceWaitTrigger)?;
-        for piece in &score.pieces {
-            builder.add(piece, written_out)?;
+        let level = |code: i16| vec![code; limits.least_points as usize];
+        for score in scores {
+            builder.step(level(score.ends[0]), 1, Control::OnceWaitTrigger)?;
+            for piece in &score.pieces {
+                builder.add(piece, written_out)?;
+            }
+            let rest = level(score.ends[1]);
+            let missing = rest.len().saturating_sub(builder.pending.len());
+            if !builder.pending.is_empty() {
+                builder.pending.extend(&rest[..missing]);
+            }
+            builder.flush()?;
         }
-        let missing = rest.len().saturating_sub(builder.pending.len());
-        if !builder.pending.is_empty() {
-            builder.pending.extend(&rest[..missing]);
-        }
-        builder.flush()?;
-        builder.step(rest, 1, Control::RepeatForever)?;
+        builder.step(level(scores.last()?.ends[1]), 1, Control::RepeatForever)?;
         Some(builder.sequence)
     }
 

@@ -1,6 +1,7 @@
 """A stand-in for National Instruments' package: the calls that senders use, as its documentation describes them.
 
-Nothing is played. At its close each task writes a line to the file that STANDIN_LOG names. STANDIN_FAULT makes one call raise.
+Nothing is played. At its close each task writes a line to the file that STANDIN_LOG names. STANDIN_FAULT makes one call raise. Lines that are
+read are low STANDIN_LOW times, then high.
 """
 
 import json
@@ -9,6 +10,7 @@ import os
 from . import constants, system  # noqa: F401
 
 OPENED = 0
+READ = 0
 
 
 class DaqError(Exception):
@@ -28,7 +30,7 @@ class Task:
         OPENED += 1
         self.record = {"order": OPENED, "device": None, "kind": None, "channels": [], "clock": {}, "levels": [], "rest": {},
                        "started": False, "waited": False, "closed": False}
-        self.do_channels = self.ao_channels = self.timing = self.export_signals = self
+        self.do_channels = self.ao_channels = self.di_channels = self.timing = self.export_signals = self
         self.triggers = self.start_trigger = self
 
     def add(self, kind, channel):
@@ -40,6 +42,17 @@ class Task:
     def add_do_chan(self, lines, name_to_assign_to_lines="", line_grouping=None):
         assert line_grouping is constants.LineGrouping.CHAN_PER_LINE, "a channel for each line"
         self.add("do", lines)
+
+    def add_di_chan(self, lines, name_to_assign_to_lines="", line_grouping=None):
+        assert line_grouping is constants.LineGrouping.CHAN_PER_LINE, "a channel for each line"
+        self.add("di", lines)
+
+    def read(self, number_of_samples_per_channel=None, timeout=10.0):
+        global READ
+        attempt("read")
+        assert self.record["kind"] == "di" and len(self.record["channels"]) == 1
+        READ += 1
+        return READ > int(os.environ.get("STANDIN_LOW", "0"))
 
     def add_ao_voltage_chan(self, physical_channel, name_to_assign_to_channel="", min_val=-10.0, max_val=10.0):
         self.range = (min_val, max_val)

@@ -1,0 +1,126 @@
+//! A schedule cut where it waits for an input or a person: each part is played on a clock of its own.
+
+use super::{EmitError, Format, Signals};
+use crate::device::instrument::{Awaited, Family};
+use crate::schedule::{Actuation, ChannelUnit, Schedule, ScheduledHold};
+
+/// The line of a sender that stands for [`WAITING`].
+pub const WAITS: &str = "# WAITS\n";
+
+/// How a sender waits for inputs and people.
+pub const WAITING: &str = include_str!("waiting.py");
+
+/// How long a part is that only holds what a wait at its beginning finds, in nanoseconds.
+const LEAST_NS: u64 = 1_000_000;
+
+/// The parts of a schedule, one more than it has waits that something follows, each from its own first instant. Where a wait follows, the last values of a part
+/// last beyond its end: the wait holds them.
+pub fn parts(schedule: &Schedule) -> Vec<Schedule> {
+    let starts = [0].into_iter().chain(schedule.holds.iter().map(ScheduledHold::end_ns));
+    let holds = schedule.holds.iter().map(Some).chain([None]);
+    let all = starts.zip(holds).map(|(start_ns, hold)| part(schedule, start_ns, hold));
+    // Behind a wait at the end there is nothing to play.
+    let mut all: Vec<Schedule> = all.collect();
+    if all.len() > 1 && all.last().is_some_and(|last| last.duration_ns == 0) {
+        all.pop();
+    }
+    all
+}
+
+fn part(schedule: &Schedule, start_ns: u64, hold: Option<&ScheduledHold>) -> Schedule {
+    let (end_ns, held_ns) = match hold {
+        None => (schedule.duration_ns, schedule.duration_ns),
+        // Something must be played that puts the outputs where the wait has them.
+        Some(hold) if hold.start_ns == start_ns => {
+            let end_ns = start_ns + LEAST_NS.min(hold.terms.duration_ns);
+            (end_ns, end_ns + (end_ns - start_ns))
+        }
+        // All that is held is so for a multiple of what is played, so that samples stay as coarse as they are.
+        Some(hold) => (hold.start_ns, hold.start_ns + (hold.start_ns - start_ns)),
+    };
+    let clipped = |actuation: &Actuation| {
+        let begin_ns = actuation.start_ns.max(start_ns);
+        let is_held = hold.is_some_and(|hold| actuation.start_ns <= hold.start_ns && actuation.end_ns() > end_ns);
+        let last_ns = if is_held { held_ns } else { actuation.end_ns().min(end_ns) };
+        let duration_ns = last_ns.checked_sub(begin_ns).filter(|duration_ns| *duration_ns > 0)?;
+        Some(Actuation { start_ns: begin_ns - start_ns, duration_ns, ..*actuation })
+    };
+    let mut actuations: Vec<Actuation> = schedule.actuations.iter().filter_map(clipped).collect();
+    // A stage that does not move in a part is where it was.
+    let whole = Signals::new(schedule);
+    for channel in whole.in_unit(ChannelUnit::Micrometre) {
+        let place_um = whole.value(channel, start_ns);
+        let (channel, duration_ns) = (channel as u32, held_ns - start_ns);
+        if duration_ns > 0 && actuations.iter().all(|actuation| actuation.channel != channel) {
+            let still =
+                Actuation { channel, start_ns: 0, duration_ns, from: place_um, to: place_um, swing: None, step: 0 };
+            actuations.push(still);
+        }
+    }
+    actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
+    Schedule { duration_ns: end_ns - start_ns, actuations, holds: Vec::new(), ..schedule.clone() }
+}
+
+/// The waits for a sender: what is asked or read, and for how long at most.
+pub fn listing(schedule: &Schedule) -> Vec<serde_json::Value> {
+    let of_hold = |hold: &ScheduledHold| {
+        let seconds = |ns: u64| ns as f64 / 1e9;
+        let at_most_s = hold.terms.is_bounded.then(|| seconds(hold.terms.duration_ns));
+        let times = [seconds(hold.start_ns), seconds(hold.end_ns())];
+        match &hold.terms.awaited {
+            Awaited::Person { prompt } => {
+                serde_json::json!({ "at_most_s": at_most_s, "prompt": prompt, "times_s": times })
+            }
+            Awaited::Input { name, place, level } => serde_json::json!({
+                "at_most_s": at_most_s,
+                "input": name,
+                "instrument": place.as_ref().map(|(instrument, _)| instrument),
+                "line": place.as_ref().map(|(_, line)| line.replace('.', "/")),
+                "level": level.name(),
+                "times_s": times,
+            }),
+        }
+    };
+    schedule.holds.iter().map(of_hold).collect()
+}
+
+/// The line of a sender that says what it plays. Texts of the program stand in it: none of them ends Python's string.
+pub fn plays(listing: &serde_json::Value) -> String {
+    let text = format!("{listing:#}").replace('\'', "\\u0027");
+    format!("PLAYS = json.loads(r'''{text}''')")
+}
+
+/// An error if a schedule waits and the format has no form for that.
+pub fn refuse_holds(format: Format, schedule: &Schedule) -> Result<(), EmitError> {
+    let Some(hold) = schedule.holds.first() else { return Ok(()) };
+    let unsayable = |what: String, help: &str| Err(EmitError::Unsayable { format, what, help: help.to_owned() });
+    match format {
+        Format::Mcap | Format::Json | Format::Html | Format::Svg | Format::Sheet => Ok(()),
+        Format::Csv | Format::Vcd | Format::Pwl | Format::Opendrop => unsayable(
+            format!("the wait for {}: it has one clock", hold.terms.awaited.shown()),
+            "write `--emit scpi`, `nidaqmx`, `frames` or `gcode`, which wait, or `mcap`, `json` and `html`, which show the longest wait",
+        ),
+        Format::Scpi | Format::Nidaqmx | Format::Frames => refuse_two_senders(format, schedule),
+        Format::Gcode => Ok(()),
+    }
+}
+
+/// An error if the instruments of a schedule that waits are not all played by one sender.
+fn refuse_two_senders(format: Format, schedule: &Schedule) -> Result<(), EmitError> {
+    let families: Vec<Family> =
+        schedule.bench.instruments.values().map(|instrument| instrument.facts.family()).collect();
+    if !families.iter().any(|family| family.format() == format.name()) {
+        return Ok(());
+    }
+    let apart = families.iter().any(|family| family.format() != format.name());
+    if !apart && (format != Format::Scpi || families.len() < 2) {
+        return Ok(());
+    }
+    let what = match apart {
+        true => "a wait with instruments of two families, which two programs would send",
+        false => "a wait of two generators, which start together once",
+    };
+    let help =
+        "wire all channels of a program that waits to instruments of one family, generators to one of them".to_owned();
+    Err(EmitError::Unsayable { format, what: what.to_owned(), help })
+}

@@ -1,0 +1,87 @@
+//! Waits for inputs and people: a schedule holds for every end of each of them.
+//!
+//! The stretch of such a wait may be cut short at any instant, and all that comes after it moves there. That changes nothing but the
+//! length of the wait if every channel has one value in the whole of it, and if nothing that takes its time reaches into it: no other
+//! run, no wait of the program, no pulse. Then what is played after it is what was verified, at the same distances. What the
+//! bench itself does in the time, as drops that dry, is not modelled.
+
+use super::clock::JudgedRun;
+use super::rule::{Findings, Rule, Violation, ms};
+use crate::claims::auxiliary::Hold;
+use crate::claims::{Claims, Timeline};
+use crate::schedule::{Schedule, ScheduledHold};
+
+/// Holds every wait of the schedule against those of the claims, and against all that goes on.
+pub(super) fn check(schedule: &Schedule, runs: &[JudgedRun], claims: &Claims, findings: &mut Findings) {
+    let mut due: Vec<(ScheduledHold, usize)> = Vec::new();
+    for (index, run) in runs.iter().enumerate() {
+        let of_run = |hold: &Hold| ScheduledHold {
+            step: run.steps[hold.step] as u32,
+            start_ns: run.step(hold.step).start_ns,
+            terms: hold.terms.clone(),
+        };
+        due.extend(run.job.holds.iter().map(|hold| (of_run(hold), index)));
+    }
+    due.sort_by_key(|(hold, _)| (hold.start_ns, hold.step));
+    findings.asked(Rule::Held, due.len().max(schedule.holds.len()));
+    if !schedule.holds.iter().eq(due.iter().map(|(hold, _)| hold)) {
+        let title = "the waits for inputs and people are not those of the program's steps".to_owned();
+        let time_ns = schedule.holds.first().or(due.first().map(|(hold, _)| hold)).map_or(0, |hold| hold.start_ns);
+        findings.push(Violation::new(Rule::Held, time_ns, title));
+        return;
+    }
+    let mut busy = Vec::new();
+    stretches(&claims.timeline, 0, schedule, &mut busy);
+    for (hold, run) in &due {
+        let find = |title: String| Violation::new(Rule::Held, hold.start_ns, title).step(hold.step as usize);
+        let step = &schedule.steps[hold.step as usize];
+        if step.duration_ns != hold.terms.duration_ns {
+            let [lasts, due] = [step.duration_ns, hold.terms.duration_ns].map(ms);
+            findings.push(find(format!("the wait lasts {lasts} on the clock, but {due} in the program")));
+        }
+        let meets = |start_ns: u64, end_ns: u64| start_ns < hold.end_ns() && hold.start_ns < end_ns;
+        let other = busy.iter().find(|(start_ns, end_ns, job)| *job != Some(*run) && meets(*start_ns, *end_ns));
+        if let Some((start_ns, end_ns, _)) = other {
+            let (start, end) = (ms(*start_ns), ms(*end_ns));
+            findings
+                .push(find(format!("something goes on from {start} to {end}, in a wait that may end at any instant")));
+        }
+        findings.asked(Rule::Held, schedule.actuations.len());
+        for actuation in schedule.actuations.iter().filter(|actuation| meets(actuation.start_ns, actuation.end_ns())) {
+            let channel = &schedule.channels[actuation.channel as usize];
+            let is_pulse = claims.outputs.get(&channel.device).is_some_and(|output| output.pulse_ns.is_some());
+            let is_steady = actuation.swing.is_none() && actuation.from == actuation.to;
+            let lasts = actuation.start_ns <= hold.start_ns && hold.end_ns() <= actuation.end_ns();
+            if is_pulse || !is_steady || !lasts {
+                let start = ms(actuation.start_ns);
+                findings.push(find(format!("`{}` changes in the wait, by what begins at {start}", channel.name)));
+                break;
+            }
+        }
+    }
+}
+
+/// When each run and each wait of the program is due, with the run's index; returns the end.
+fn stretches(part: &Timeline, at_ns: u64, schedule: &Schedule, busy: &mut Vec<(u64, u64, Option<usize>)>) -> u64 {
+    let (lasts_ns, job) = match part {
+        Timeline::Sequence(parts) => {
+            let mut end_ns = at_ns;
+            for part in parts {
+                end_ns = stretches(part, end_ns, schedule, busy);
+            }
+            return end_ns;
+        }
+        Timeline::Together(parts) => {
+            let mut end_ns = at_ns;
+            for part in parts {
+                end_ns = end_ns.max(stretches(part, at_ns, schedule, busy));
+            }
+            return end_ns;
+        }
+        Timeline::Run(job) => (schedule.plans[*job].duration_ns, Some(*job)),
+        Timeline::Wait(duration_ns) => (*duration_ns, None),
+    };
+    let end_ns = at_ns.saturating_add(lasts_ns);
+    busy.push((at_ns, end_ns, job));
+    end_ns
+}
