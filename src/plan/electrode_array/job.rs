@@ -365,8 +365,14 @@ impl Tasks<'_> {
 
     /// A message about a step that has no plan, with where the task avoids traces, if it does.
     fn with_avoided(&self, told: Diagnostic, step: Span) -> Diagnostic {
-        match self.order.contamination.avoided.first() {
+        let told = match self.order.contamination.avoided.first() {
             Some(avoided) => told.label_elsewhere(avoided.span, step, "with these traces avoided"),
+            None => told,
+        };
+        let asked = self.order.steps.iter().find(|own| own.span == step).map(|own| &own.action);
+        let Some(ElectrodeArrayAction::Assay(operations)) = asked else { return told };
+        match operations.iter().find_map(|operation| operation.within.as_ref()) {
+            Some(within) => told.label_elsewhere(within.span, step, "and within this time"),
             None => told,
         }
     }
