@@ -275,6 +275,21 @@ pub struct AssayOperation {
     /// leaves.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub after: Vec<usize>,
+    /// How soon after others it begins.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within: Option<OperationLag>,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+/// The longest time from the end of some operations to the beginning of another one: the instant from which on it stays, is mixed or is
+/// dispensed, the beginning of the step in which it is split, or that at which it merges, leaves or is at its last stop.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OperationLag {
+    /// Indices of earlier operations of the assay, at least one; the time counts from the last of them on.
+    pub of: Vec<usize>,
+    /// In nanoseconds.
+    pub most_ns: u64,
     #[serde(skip)]
     pub span: Span,
 }
@@ -309,6 +324,7 @@ impl AssayOperation {
             fluid: None,
             leaves: false,
             after: Vec::new(),
+            within: None,
             span,
         }
     }
@@ -353,6 +369,11 @@ impl AssayOperation {
     /// The steps of the board for which its part stays at the last stop, or is mixed there.
     pub fn stay_steps(&self, facts: &ElectrodeArrayFacts) -> u64 {
         if self.mixes { facts.mixing_steps(self.stay_ns) } else { self.stay_ns.div_ceil(facts.step_ns) }
+    }
+
+    /// The steps of the board from its beginning to its end.
+    pub fn work_steps(&self, facts: &ElectrodeArrayFacts) -> u64 {
+        if self.splits.is_some() { 1 } else { self.stay_steps(facts) }
     }
 
     /// The part that is gone when it is done.

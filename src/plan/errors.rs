@@ -109,6 +109,13 @@ fn all_of(names: &[&str]) -> String {
     }
 }
 
+/// A part whose own way takes longer than the time within which it must do its next operation.
+pub fn too_far_in_time(step: Span, part: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0601, format!("no plan: the way of `{part}` takes longer than `within` allows"))
+        .label(step, "even if no other part were there")
+        .help("allow more time, or choose places that are nearer to each other")
+}
+
 /// Parts that keep one another from their operations, whatever the order.
 pub fn operations_exclude_one_another(step: Span, parts: &[&str]) -> Diagnostic {
     let title = match parts {

@@ -1,7 +1,7 @@
 //! Words: which characters make a name, which names the language reserves, and which words begin a declaration.
 
 /// The words that cannot be names.
-pub const RESERVED: [&str; 24] = [
+pub const RESERVED: [&str; 25] = [
     "use",
     "as",
     "let",
@@ -24,6 +24,7 @@ pub const RESERVED: [&str; 24] = [
     "at",
     "via",
     "with",
+    "within",
     "in",
     "on",
 ];

@@ -89,6 +89,7 @@ PREPOSITIONS = (
     "to",
     "via",
     "with",
+    "within",
 )
 RESERVED = (
     "about",
@@ -115,6 +116,7 @@ RESERVED = (
     "via",
     "wiring",
     "with",
+    "within",
 )
 STEP_NOUNS = (
     "any",

@@ -16,7 +16,7 @@ use crate::check::{Checker, clock_ns};
 use crate::claims::electrode_array::{
     AssayOperation, Bystanders, DropletContent, DropletShare, ElectrodeArrayAction, ElectrodeArrayMethod,
     ElectrodeArrayMove, ElectrodeArrayObjective, ElectrodeArrayOrder, ElectrodeArrayPlanner, ElectrodeArrayStep,
-    ElectrodeArrayStop, SplitDroplet,
+    ElectrodeArrayStop, OperationLag, SplitDroplet,
 };
 use crate::device::electrode_array::{
     ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_STAY_STEPS, SPLIT_APART, Separation,
@@ -256,8 +256,10 @@ impl BoardStepJudge<'_> {
         // By part, its last operation so far.
         let mut last: BTreeMap<usize, usize> = BTreeMap::new();
         for (place, call) in calls.iter().enumerate() {
+            let mut before = Vec::new();
             for asked in phrases(call, "after") {
                 let Some(part) = self.part(asked) else { continue };
+                before.extend(last.get(&part).copied());
                 match last.get(&part) {
                     // Operations of one part follow each other anyway.
                     Some(_) if operations[place].parts().any(|own| own == part) => {}
@@ -268,13 +270,20 @@ impl BoardStepJudge<'_> {
                     }
                 }
             }
+            if let Some(within) = phrases(call, "within").next() {
+                let is_idle = phrases(call, "after").next().is_none();
+                self.sink.unless(is_idle.then(|| errors::within_of_nothing(within.span)));
+                let most_ns = self.stay_ns(within, "`within`").filter(|_| !before.is_empty());
+                operations[place].within =
+                    most_ns.map(|most_ns| OperationLag { of: before, most_ns, span: within.span });
+            }
             last.extend(operations[place].all_parts().map(|part| (part, place)));
         }
     }
 
     /// Outside an assay nothing comes after anything but the step before.
     fn nothing_after(&mut self, calls: &[Call]) -> Option<()> {
-        let asked = calls.iter().flat_map(|call| phrases(call, "after")).next();
+        let asked = calls.iter().flat_map(|call| phrases(call, "after").chain(phrases(call, "within"))).next();
         self.sink.unless(asked.map(|asked| errors::after_outside_assay(asked.span)))
     }
 

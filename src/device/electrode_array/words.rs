@@ -184,11 +184,16 @@ pub const ANY: &str = "any";
 const AFTER: VocabularyPhrase =
     VocabularyPhrase { preposition: "after", sort: Sort::Object("part"), count: Count::AnyNumber };
 
+/// The longest time from the end of what it comes after until it begins.
+const WITHIN: VocabularyPhrase =
+    VocabularyPhrase { preposition: "within", sort: positive(Dimension::TIME), count: Count::AtMostOnce };
+
 /// Where the part is, or at a cell, for at least so long.
-const FOR_A_TIME: [VocabularyPhrase; 3] = [
+const FOR_A_TIME: [VocabularyPhrase; 4] = [
     VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::AtMostOnce },
     VocabularyPhrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once },
     AFTER,
+    WITHIN,
 ];
 
 const VERBS: &[Verb] = &[
@@ -200,6 +205,7 @@ const VERBS: &[Verb] = &[
             VocabularyPhrase { preposition: "to", sort: Sort::Cell, count: Count::Once },
             VocabularyPhrase { preposition: "via", sort: Sort::Cell, count: Count::AnyNumber },
             AFTER,
+            WITHIN,
         ],
         block: None,
         doc: "carries a part to a cell, by way of others in the order of writing",
@@ -221,6 +227,7 @@ const VERBS: &[Verb] = &[
         phrases: &[
             VocabularyPhrase { preposition: "from", sort: Sort::Object("reservoir"), count: Count::Once },
             AFTER,
+            WITHIN,
         ],
         block: None,
         doc: "makes a droplet on the electrode at a reservoir's outlet; it takes the device's `dispense_duration`",
@@ -234,6 +241,7 @@ const VERBS: &[Verb] = &[
             VocabularyPhrase { preposition: "with", sort: Sort::Object("part"), count: Count::Once },
             VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::Once },
             AFTER,
+            WITHIN,
         ],
         block: None,
         doc: "brings two droplets together at a cell; the first name is that of both from then on",
@@ -248,6 +256,7 @@ const VERBS: &[Verb] = &[
             VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::Once },
             VocabularyPhrase { preposition: "to", sort: Sort::Cell, count: Count::AtMostOnce },
             AFTER,
+            WITHIN,
         ],
         block: None,
         doc: "makes a droplet out of half of another one, which is pulled apart at a cell: the new one comes at the cell after `to` beside it, else at that of the next column, and the other one goes to the opposite side",
@@ -275,7 +284,7 @@ const VERBS: &[Verb] = &[
         name: "discard",
         noun: None,
         object: Some(Sort::Object("part")),
-        phrases: &[VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::Once }, AFTER],
+        phrases: &[VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::Once }, AFTER, WITHIN],
         block: None,
         doc: "takes a part off the board at a cell, as a port or an open rim; its name means nothing from then on",
         example: "discard sample at (16, 1)",

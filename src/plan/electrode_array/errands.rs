@@ -3,7 +3,7 @@
 //! Input: the order, the current cells of its parts, and the operations. Output: an [`ErrandStage`], and from the cells of its
 //! agents those of the parts.
 
-use super::assay::{AgentCourse, AssayProblem, Errand, ErrandPlace, SplitErrand, Traces};
+use super::assay::{AgentCourse, AssayProblem, Errand, ErrandLag, ErrandPlace, SplitErrand, Traces};
 use super::board::CellIndex;
 use super::stage::{self, Actor, BoardStage};
 use crate::claims::electrode_array::{
@@ -162,7 +162,20 @@ impl PartErrands {
         let parent = |agent: usize| self.parents.get(agent).copied().flatten().and_then(of_part);
         let parents = (0..instance.agents.len()).map(parent).collect();
         let traces = (!order.contamination.is_unheeded()).then(|| traces(order, stage, operations));
-        AssayProblem { instance, comes, parents, errands, afters, loops, is_gone, traces }
+        let steps = |steps: u64| u32::try_from(steps).unwrap_or(u32::MAX);
+        let lag = |(nth, operation): (usize, &AssayOperation)| {
+            let within = operation.within.as_ref()?;
+            let after: Option<Vec<ErrandPlace>> = within.of.iter().map(|earlier| self.ends[*earlier]).collect();
+            let most = steps(within.most_ns / order.facts.step_ns);
+            Some(ErrandLag {
+                of: self.ends[nth]?,
+                after: after?,
+                most,
+                work: steps(operation.work_steps(&order.facts)),
+            })
+        };
+        let lags = operations.iter().enumerate().filter_map(lag).collect();
+        AssayProblem { instance, comes, parents, errands, afters, lags, releases: Vec::new(), loops, is_gone, traces }
     }
 }
 

@@ -284,6 +284,11 @@ impl Tasks<'_> {
                 self.sink.push(self.with_avoided(told.reached(reaches), step.span));
                 return None;
             }
+            SearchAnswer::Impossible(NoAssayPlan::TooLate { agent }) => {
+                let told = errors::too_far_in_time(step.span, self.part_name(&stage, agent));
+                self.sink.push(self.with_avoided(told, step.span));
+                return None;
+            }
             SearchAnswer::Impossible(NoAssayPlan::Alone(why)) => {
                 self.impossible(step.span, &stage, &why);
                 return None;
@@ -367,8 +372,14 @@ impl Tasks<'_> {
 
     /// A message about a step that has no plan, with where the task avoids traces, if it does.
     fn with_avoided(&self, told: Diagnostic, step: Span) -> Diagnostic {
-        match self.order.contamination.avoided.first() {
+        let told = match self.order.contamination.avoided.first() {
             Some(avoided) => told.label_elsewhere(avoided.span, step, "with these traces avoided"),
+            None => told,
+        };
+        let asked = self.order.steps.iter().find(|own| own.span == step).map(|own| &own.action);
+        let Some(ElectrodeArrayAction::Assay(operations)) = asked else { return told };
+        match operations.iter().find_map(|operation| operation.within.as_ref()) {
+            Some(within) => told.label_elsewhere(within.span, step, "within this time"),
             None => told,
         }
     }

@@ -1,7 +1,7 @@
 //! The operations of an assay one after the other, which is what they would be as steps of their own: a plan where [`super::assay`] finds
 //! none.
 
-use super::assay::{AgentCourse, AssayPlan, AssayProblem, all_done_at};
+use super::assay::{AgentCourse, AssayPlan, AssayProblem, all_done_at, are_kept};
 use super::board::{BoardAnswer, BoardCosts, BoardObjective, CellIndex};
 use super::errands::depart;
 use super::portfolio;
@@ -36,7 +36,7 @@ pub fn one_by_one(
     let courses: Vec<AgentCourse> =
         since.into_iter().zip(courses).map(|(since, cells)| AgentCourse { since, cells }).collect();
     let is_clean = problem.traces.as_ref().is_none_or(|traces| traces.is_clean(problem, &courses));
-    is_clean.then_some(AssayPlan { courses, bounds })
+    (is_clean && are_kept(problem, &courses)).then_some(AssayPlan { courses, bounds })
 }
 
 /// The courses of the agents while their operations take turns.

@@ -315,6 +315,24 @@ impl<'o> JudgedAssay<'o> {
         }
     }
 
+    /// The operations that have begun more beats than they may after the last of those that the program names, each with that last end
+    /// and its beginning.
+    pub fn late(&self, operations: &'o [AssayOperation], beat_ns: u64) -> Vec<(&'o AssayOperation, [u64; 2])> {
+        let begun = |(operation, beats): (&AssayOperation, &Option<OperationBeats>)| {
+            let beats = (*beats)?;
+            // A split begins with the beat in which it is pulled apart.
+            Some(if operation.splits.is_some() { beats.done.saturating_sub(1) } else { beats.arrival })
+        };
+        let late = |(operation, beats): (&'o AssayOperation, &Option<OperationBeats>)| {
+            let within = operation.within.as_ref()?;
+            let ends: Option<Vec<u64>> = within.of.iter().map(|of| Some((*self.beats.get(*of)?)?.done)).collect();
+            let (last, begins) = (ends?.into_iter().max()?, begun((operation, beats))?);
+            let is_late = begins.saturating_sub(last).saturating_mul(beat_ns) > within.most_ns;
+            is_late.then_some((operation, [last, begins]))
+        };
+        operations.iter().zip(&self.beats).filter_map(late).collect()
+    }
+
     /// The beats until each part's last arrival, added up.
     pub fn cost(&self) -> u64 {
         let moved = self.turns.values().map(|turn| turn.moved).chain(self.homes.values().map(|(_, beat)| *beat));

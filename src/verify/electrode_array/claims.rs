@@ -5,7 +5,7 @@
 use super::super::Unfit;
 use crate::claims::electrode_array::{
     AssayOperation, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
-    ElectrodeArrayStop,
+    ElectrodeArrayStop, OperationLag,
 };
 use crate::device::electrode_array::{
     ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_PARTS, MAX_SIDE, MAX_STAY_STEPS, Separation,
@@ -103,7 +103,9 @@ fn obstacles(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
 fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Result<(), Unfit> {
     let mut gone = BTreeSet::new();
     let mut stays: u64 = 0;
-    for operation in operations {
+    for (nth, operation) in operations.iter().enumerate() {
+        let is_earlier = |lag: &OperationLag| !lag.of.is_empty() && lag.of.iter().all(|of| *of < nth);
+        demand(operation.within.as_ref().is_none_or(is_earlier), "count a time from no earlier operation")?;
         for part in operation.all_parts() {
             demand(part < order.parts.len(), "move a part that they do not have")?;
             demand(!gone.contains(&part), "move a part that is gone before")?;

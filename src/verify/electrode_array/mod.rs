@@ -11,6 +11,7 @@ mod beat;
 mod bodies;
 mod claims;
 mod contents;
+mod lags;
 mod mixing;
 mod nearest;
 mod pull;
@@ -306,6 +307,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         findings.asked(Rule::Goal, operations.len());
         let missed = assay.missed(&self.cells);
         missed.iter().for_each(|missed| findings.push(self.not_done(nth, missed)));
+        self.lags(nth, &assay, operations, findings);
         let on_clock = self.on_clock(nth, operations, &assay.beats);
         self.operations.insert(nth, on_clock);
         let homes = assay.homes.iter().map(|(part, (home, _))| (*part, *home));

@@ -53,8 +53,16 @@ impl Due {
 /// which it moved last.
 type Stand = Option<(Cell, usize, u64, u64)>;
 
-/// Where all parts are, and what is left on the cells, if that matters.
-type Position = (Vec<Stand>, Vec<u32>);
+/// Where all parts are, what is left on the cells, if that matters, and for each [`Wait`] the steps since it began, if it has.
+type Position = (Vec<Stand>, Vec<u32>, Vec<Option<u64>>);
+
+/// From the end of so many things that a part does to the end of so many that another one does, at most so many steps pass.
+#[derive(Clone, Copy, Debug)]
+struct Wait {
+    from: (usize, usize),
+    to: (usize, usize),
+    most: u64,
+}
 
 /// A part that is pulled apart in a step, the part that comes out of it, and the way of that one.
 type Pulled = (usize, usize, [Cell; 2]);
@@ -127,17 +135,46 @@ impl Assay {
         dues
     }
 
+    /// What must not wait too long.
+    fn waits(&self, dues: &[Vec<Due>]) -> Vec<Wait> {
+        let mut counts = vec![0; self.parts.len()];
+        let mut waits = Vec::new();
+        for (number, operation) in self.operations.iter().enumerate() {
+            let before = counts.clone();
+            match operation {
+                Operation::Move(part, stops) => counts[*part] += stops.len(),
+                Operation::Split(half, part, ..) => {
+                    counts[*part] += 2;
+                    counts[*half] += 1;
+                }
+                Operation::Merge(part, with, _) => [*part, *with].iter().for_each(|part| counts[*part] += 1),
+                Operation::Incubate(part, ..)
+                | Operation::Mix(part, ..)
+                | Operation::Discard(part, _)
+                | Operation::Dispense(part, _) => counts[*part] += 1,
+            }
+            let Some((first, most)) = self.withins.get(number).copied().flatten() else { continue };
+            let own = operation.parts()[0];
+            let due = dues[own][counts[own] - 1];
+            let takes = if due.split.is_some() { 1 } else { due.stay };
+            waits.push(Wait { from: (first, before[first]), to: (own, counts[own]), most: most + takes });
+        }
+        waits
+    }
+
     /// The fewest steps of any plan, and the smallest sum of costs of those that take few more. An error if there is none, and none if
     /// there are too many states or steps.
     fn least(&self) -> Option<Result<(u64, u64), ()>> {
         let (dues, traces) = (self.dues(), Traces::of(self));
         let start: Vec<Stand> = self.parts.iter().map(|cell| Some((*cell, 0, 0, 0))).collect();
-        let start = self.arrived(&dues, &traces, start, &traces.clean());
+        let waits = self.waits(&dues);
+        let waiting = vec![None; waits.len()];
+        let start = self.arrived((&dues, &traces, &waits), start, (&traces.clean(), &waiting));
         let (mut now, mut met) = (HashSet::from_iter(start), HashSet::new());
         let (mut fewest, mut sum) = (None, u64::MAX);
         for step in 0..=MOST_STEPS {
-            let ended = now.iter().filter(|(stands, _)| self.is_end(&dues, stands));
-            let sums = ended.map(|(stands, _)| stands.iter().flatten().map(|(_, _, _, moved)| moved).sum::<u64>());
+            let ended = now.iter().filter(|(stands, ..)| self.is_end(&dues, stands));
+            let sums = ended.map(|(stands, ..)| stands.iter().flatten().map(|(_, _, _, moved)| moved).sum::<u64>());
             // Parts that are gone moved last when they merged, which is noted with the dues done.
             let best = sums.min();
             if let Some(best) = best {
@@ -148,9 +185,9 @@ impl Assay {
                 break;
             }
             let mut next: HashSet<Position> = HashSet::new();
-            for (stands, left) in &now {
+            for (stands, left, waiting) in &now {
                 for moved in self.moves(&dues, stands, step + 1) {
-                    for there in self.arrived(&dues, &traces, moved, left) {
+                    for there in self.arrived((&dues, &traces, &waits), moved, (left, waiting)) {
                         // With sums, the same places with later last moves are other states.
                         if self.by_sum || met.insert(there.clone()) {
                             next.insert(there);
@@ -185,10 +222,19 @@ impl Assay {
     }
 
     /// What is done where parts have come to, in all ways in which reservoirs begin to dispense then, if none of them does harm to another.
-    fn arrived(&self, dues: &[Vec<Due>], traces: &Traces, stands: Vec<Stand>, left: &[u32]) -> Vec<Position> {
+    fn arrived(
+        &self,
+        (dues, traces, waits): (&[Vec<Due>], &Traces, &[Wait]),
+        stands: Vec<Stand>,
+        (left, waiting): (&[u32], &[Option<u64>]),
+    ) -> Vec<Position> {
         let cells: Vec<Option<Cell>> = stands.iter().map(|stand| stand.map(|(cell, ..)| cell)).collect();
         let settled = self.settled(dues, stands).into_iter();
-        settled.filter_map(|stands| traces.left(&cells, &stands, left).map(|left| (stands, left))).collect()
+        let position = |stands: Vec<Stand>| {
+            let waiting = still_waiting(waits, &stands, waiting)?;
+            traces.left(&cells, &stands, left).map(|left| (stands, left, waiting))
+        };
+        settled.filter_map(position).collect()
     }
 
     /// All places of all parts after one step, before anything is done there.
@@ -332,6 +378,19 @@ impl Assay {
     }
 }
 
+/// The steps since each wait began, a step later; none if one is over too late.
+fn still_waiting(waits: &[Wait], stands: &[Stand], before: &[Option<u64>]) -> Option<Vec<Option<u64>>> {
+    let has = |(part, count): (usize, usize)| stands[part].is_none_or(|(_, done, ..)| done >= count);
+    let step = |(wait, before): (&Wait, &Option<u64>)| {
+        if has(wait.to) || !has(wait.from) {
+            return Some(None);
+        }
+        let now = before.map_or(0, |before| before + 1);
+        (now < wait.most).then_some(Some(now))
+    };
+    waits.iter().zip(before).map(step).collect()
+}
+
 /// What is done by now.
 fn settle(dues: &[Vec<Due>], stands: &mut [Stand]) {
     let due = |stand: Stand, part: usize| stand.and_then(|(_, done, _, _)| dues[part].get(done).copied());
@@ -366,13 +425,27 @@ fn settle(dues: &[Vec<Due>], stands: &mut [Stand]) {
 
 #[test]
 fn no_plan_of_an_assay_beats_its_bound() {
+    let [planned, split, mixed, clean] = agree(Random(5), |_, assay| assay);
+    assert!(20 * split > planned && 20 * mixed > planned, "{split} with splits, {mixed} with mixing");
+    assert!(20 * clean > planned, "{clean} with `avoid`");
+}
+
+/// As above, with operations that begin soon after others.
+#[test]
+fn assays_in_a_hurry_agree_with_brute_force() {
+    agree(Random(11), |chance, assay| assay.hurried(chance));
+}
+
+/// The plans found, and those of them with splits, with mixing, and with traces that are avoided.
+fn agree(mut chance: Random, changed: fn(&mut Random, Assay) -> Assay) -> [usize; 4] {
     let cases = std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(60);
-    let (mut chance, mut judged, mut planned, mut missed, mut optimal) = (Random(5), 0, 0, 0, 0);
+    let (mut judged, mut planned, mut missed, mut optimal) = (0, 0, 0, 0);
     let (mut none, mut proven, mut split, mut mixed, mut ordered, mut clean) = (0, 0, 0, 0, 0, 0);
     let mut tries = 0;
     while judged < cases && tries < 60 * cases {
         tries += 1;
         let Some(assay) = Assay::random(&mut chance) else { continue };
+        let assay = changed(&mut chance, assay);
         let text = assay.text();
         let answer = answered(&text);
         if matches!(answer, Answered::Unfit) {
@@ -419,9 +492,9 @@ fn no_plan_of_an_assay_beats_its_bound() {
         "{judged} assays: {planned} planned, {split} with splits, {mixed} with mixing, {ordered} with `after`, {clean} with `avoid`, {optimal} proven optimal, {missed} missed, {none} without a plan, {proven} of them proven"
     );
     assert!(judged >= cases, "{judged} judged");
-    assert!(20 * split > planned && 20 * mixed > planned, "{split} with splits, {mixed} with mixing");
-    assert!(20 * ordered > planned && 20 * clean > planned, "{ordered} with `after`, {clean} with `avoid`");
+    assert!(20 * ordered > planned, "{ordered} with `after`");
     assert_eq!(missed, 0, "{missed} of {planned} assays that have a plan got none");
     assert_eq!(proven, none, "{proven} of {none} assays without a plan proven to have none");
     assert!(optimal * 4 >= planned * 3, "{optimal} of {planned} plans proven optimal");
+    [planned, split, mixed, clean]
 }

@@ -59,6 +59,21 @@ impl Operation {
     }
 }
 
+impl Operation {
+    /// The parts whose operation it is, and the one that it makes.
+    fn all_parts(&self) -> Vec<usize> {
+        match self {
+            Operation::Split(half, part, ..) => vec![*part, *half],
+            Operation::Merge(..)
+            | Operation::Move(..)
+            | Operation::Incubate(..)
+            | Operation::Discard(..)
+            | Operation::Dispense(..)
+            | Operation::Mix(..) => self.parts(),
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 pub struct Assay {
     pub size: Cell,
@@ -79,6 +94,8 @@ pub struct Assay {
     pub washes: Vec<Fluid>,
     /// For each operation the part that has done all that it does above before.
     pub afters: Vec<Option<usize>>,
+    /// For each operation a part, and the most steps from the end of all that it does above to the beginning of this one.
+    pub withins: Vec<Option<(usize, u64)>>,
 }
 
 pub fn apart(one: Cell, other: Cell) -> i32 {
@@ -108,6 +125,7 @@ impl Assay {
             avoided: vec![],
             washes: vec![],
             afters: vec![],
+            withins: vec![],
         };
         assay.furnish(chance)?;
         (assay.parts.len() >= 2).then_some(())?;
@@ -222,6 +240,21 @@ impl Assay {
         self.avoiding(chance)
     }
 
+    /// Has some operations begin soon after what others, or their own parts, have done above; without traces.
+    pub fn hurried(mut self, chance: &mut Random) -> Assay {
+        (self.avoided, self.washes) = (vec![], vec![]);
+        for place in 0..self.operations.len() {
+            let earlier: Vec<usize> = self.operations[..place].iter().flat_map(Operation::all_parts).collect();
+            let any = earlier.get(chance.below(earlier.len().max(1) as u32) as usize).copied();
+            let part = self.afters[place].or(any).filter(|_| chance.below(2) == 0);
+            if part.is_some_and(|part| !self.operations[place].parts().contains(&part)) {
+                self.afters[place] = part;
+            }
+            self.withins.push(part.map(|part| (part, u64::from(chance.below(7)))));
+        }
+        self
+    }
+
     /// Has some fluids leave no traces in others.
     fn avoiding(mut self, chance: &mut Random) -> Assay {
         let placed = (0..self.parts.len()).filter(|part| self.parts[*part] != NOWHERE).map(Fluid::Part);
@@ -315,8 +348,13 @@ impl Assay {
         lines.extend(self.avoided.iter().map(|(of, within)| format!("avoid {} in {}", of.name(), within.name())));
         lines.extend(self.washes.iter().map(|fluid| format!("wash with {}", fluid.name())));
         lines.push("assay {".to_owned());
-        for (operation, after) in self.operations.iter().zip(&self.afters) {
-            let after = after.map(|part| format!(" after d{part}")).unwrap_or_default();
+        let withins = self.withins.iter().copied().chain(std::iter::repeat(None));
+        for ((operation, after), within) in self.operations.iter().zip(&self.afters).zip(withins) {
+            let after = match within {
+                // A time of less than a step is as good as none.
+                Some((part, steps)) => format!(" after d{part} within {} ms", steps * STEP_MS + STEP_MS / 2),
+                None => after.map(|part| format!(" after d{part}")).unwrap_or_default(),
+            };
             let line = match operation {
                 Operation::Move(part, stops) => {
                     let vias: String = stops[..stops.len() - 1].iter().map(|stop| format!(" via {stop:?}")).collect();

@@ -80,8 +80,14 @@ pub fn nothing_to_come_after(span: Span, name: &str) -> Diagnostic {
 }
 
 /// An order of operations among steps that have one anyway.
+pub fn within_of_nothing(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0573, "`within` says how soon after something else, and nothing is named")
+        .label(span, "counts from nothing")
+        .help("write `after PART within 20 s`; `after` the part itself counts from the end of its own operation above")
+}
+
 pub fn after_outside_assay(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0564, "`after` stands in an `assay`")
+    Diagnostic::new(Code::E0564, "`after` and `within` stand in an `assay`")
         .label(span, "no `assay` around it")
         .help("`assay { … }` plans operations side by side, and `after` orders them; steps follow each other anyway, and what stands in `together` begins at once")
 }

@@ -7,7 +7,7 @@
 use super::super::board::CellIndex;
 use super::super::fast::UNREACHABLE;
 use super::route::Ahead;
-use super::{AgentCourse, AssayProblem, Errand, ErrandPlace, SplitErrand};
+use super::{AgentCourse, AssayProblem, Errand, ErrandLag, ErrandPlace, SplitErrand};
 use crate::plan::search::{Meter, SearchAnswer};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::cmp::Reverse;
@@ -18,6 +18,9 @@ const MAX_AGENTS: usize = 5;
 
 /// Greatest number of joint positions that are kept.
 const MAX_POSITIONS: usize = 400_000;
+
+/// Nothing waits.
+const IDLE: u32 = u32::MAX;
 
 /// Where an agent is, and what it has done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -49,6 +52,8 @@ struct JointPosition {
     stands: Box<[JointStand]>,
     /// By cell, where traces matter: one bit for each content that was left there since it was washed.
     left: Box<[u64]>,
+    /// By lag, the steps since what its errand comes after was done; [`IDLE`] before that, and once the errand is done.
+    waits: Box<[u32]>,
 }
 
 /// The cells to which each agent has come, ascending.
@@ -79,7 +84,7 @@ pub(super) fn fewest_steps(
         JointSearch { problem, ahead, limit, nodes: Vec::new(), known: FxHashMap::default(), open: BinaryHeap::new() };
     let cells = problem.traces.as_ref().map_or(0, |_| problem.instance.board.cells());
     let mut starts = Vec::new();
-    search.arrive(before.into(), &vec![0; cells], &mut starts);
+    search.arrive(before.into(), (&vec![0; cells], &vec![IDLE; problem.lags.len()]), &mut starts);
     starts.into_iter().for_each(|start| search.enter(start, 0, None));
     while let Some(Reverse((_, _, index))) = search.open.pop() {
         if search.is_end(index) {
@@ -174,11 +179,11 @@ impl JointSearch<'_> {
 
     /// Adds all joint positions one step later; `None` when the meter or the room runs out.
     fn expand(&mut self, index: u32, meter: &mut Meter) -> Option<()> {
-        let JointNode { position: JointPosition { stands, left }, instant, .. } = &self.nodes[index as usize];
+        let JointNode { position: JointPosition { stands, left, waits }, instant, .. } = &self.nodes[index as usize];
         let (instant, mut moved) = (*instant, Vec::new());
         self.extend(stands, &mut Vec::with_capacity(stands.len()), &mut moved);
         let mut found = Vec::new();
-        moved.into_iter().for_each(|next| self.arrive(next, left, &mut found));
+        moved.into_iter().for_each(|next| self.arrive(next, (left, waits), &mut found));
         for next in found {
             meter.step()?;
             self.enter(next, instant + 1, Some(index));
@@ -187,7 +192,7 @@ impl JointSearch<'_> {
     }
 
     /// Does what can be done where the agents have come to, and adds the positions with those that come then; none that does harm.
-    fn arrive(&self, mut next: Box<[JointStand]>, left: &[u64], found: &mut Vec<JointPosition>) {
+    fn arrive(&self, mut next: Box<[JointStand]>, (left, waits): (&[u64], &[u32]), found: &mut Vec<JointPosition>) {
         let cell = |stand: &JointStand| Some(stand.there()?.cell);
         let cells = self.problem.traces.as_ref().map_or(Vec::new(), |_| next.iter().map(cell).collect());
         settle(self.problem, &mut next);
@@ -195,9 +200,22 @@ impl JointSearch<'_> {
         self.come(&next, 0, &mut with_new);
         let position = |stands: Box<[JointStand]>| {
             let left = self.trodden(&cells, &stands, left)?;
-            Some(JointPosition { stands, left })
+            let waits = self.waited(&stands, waits)?;
+            Some(JointPosition { stands, left, waits })
         };
         found.extend(with_new.into_iter().filter_map(position));
+    }
+
+    /// The waits of all lags a step later; `None` if one is too long for what must be done by its end.
+    fn waited(&self, stands: &[JointStand], before: &[u32]) -> Option<Box<[u32]>> {
+        let wait = |(lag, before): (&ErrandLag, &u32)| {
+            if is_done(stands, &lag.of) || !lag.after.iter().all(|place| is_done(stands, place)) {
+                return Some(IDLE);
+            }
+            let now = if *before == IDLE { 0 } else { before + 1 };
+            (now < lag.most_to_end()).then_some(now)
+        };
+        self.problem.lags.iter().zip(before).map(wait).collect()
     }
 
     /// What is left on all cells, with agents that have just come to some of them; `None` if one of them comes where that does harm.
@@ -401,12 +419,16 @@ fn may_begin(problem: &AssayProblem, stands: &[JointStand], agent: usize) -> boo
         JointStand::There(stand) => stand.done as usize,
         JointStand::Gone => return true,
     };
-    let is_done = |place: &ErrandPlace| match stands[place.agent] {
+    problem.afters[agent].get(errand).is_none_or(|before| before.iter().all(|place| is_done(stands, place)))
+}
+
+/// Whether an errand is done.
+fn is_done(stands: &[JointStand], place: &ErrandPlace) -> bool {
+    match stands[place.agent] {
         JointStand::Due => false,
         JointStand::There(stand) => stand.done as usize > place.errand,
         JointStand::Gone => true,
-    };
-    problem.afters[agent].get(errand).is_none_or(|before| before.iter().all(is_done))
+    }
 }
 
 /// The agent with which another is to merge next, if that one is to merge with it next too and nothing comes before, and where.
@@ -490,6 +512,8 @@ mod tests {
             loops: Vec::new(),
             afters: vec![vec![vec![ErrandPlace { agent: 1, errand: 1 }]], vec![Vec::new(); 2], vec![Vec::new()]],
             errands,
+            lags: Vec::new(),
+            releases: Vec::new(),
             is_gone: vec![false; 3],
             traces: None,
         };

@@ -253,7 +253,7 @@ impl Progress<'_> {
 
     /// The instant at which all is done that an errand comes after; `None` if that is not known yet.
     fn begins(&self, problem: &AssayProblem, agent: usize, errand: usize) -> Option<u32> {
-        let mut last = 0;
+        let mut last = problem.releases.get(agent).and_then(|own| own.get(errand)).copied().unwrap_or(0);
         for before in problem.afters[agent].get(errand).into_iter().flatten() {
             last = last.max(*self.done_at[before.agent].get(before.errand)?);
         }

@@ -14,6 +14,7 @@
 mod bookings;
 mod bound;
 mod joint;
+mod lags;
 mod lists;
 mod replay;
 mod route;
@@ -22,6 +23,7 @@ mod traces;
 use super::board::{BoardCosts, BoardObjective, CellIndex, HeldBoardPlan, Instance, NoBoardPlan};
 use super::fast;
 use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
+pub use lags::are_kept;
 pub use replay::all_done_at;
 pub use traces::Traces;
 
@@ -57,6 +59,25 @@ pub struct ErrandPlace {
     pub errand: usize,
 }
 
+/// How soon an errand is done after others.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ErrandLag {
+    pub of: ErrandPlace,
+    /// At least one.
+    pub after: Vec<ErrandPlace>,
+    /// Most steps from the instant at which the last of those is done to the one at which it begins,
+    pub most: u32,
+    /// and from then on until it is done.
+    pub work: u32,
+}
+
+impl ErrandLag {
+    /// Most steps from the end of the others to its own.
+    fn most_to_end(&self) -> u32 {
+        self.most.saturating_add(self.work)
+    }
+}
+
 /// The errands of all agents.
 #[derive(Debug, Clone)]
 pub struct AssayProblem<'a> {
@@ -75,6 +96,10 @@ pub struct AssayProblem<'a> {
     /// By agent and errand: the errands of others that are done before it begins: before its agent stays, is mixed or pulled apart, comes,
     /// leaves, or meets another that is there already.
     pub afters: Vec<Vec<Vec<ErrandPlace>>>,
+    /// What must not be done too long after others.
+    pub lags: Vec<ErrandLag>,
+    /// By agent and errand: the first instant at which it may begin, as what comes after others may; empty where nothing waits.
+    pub releases: Vec<Vec<u32>>,
     /// For each agent, whether it is gone after its last errand: the other one of those that meet there remains, or it leaves the board.
     pub is_gone: Vec<bool>,
     /// What they leave behind, if that does harm to any.
@@ -119,6 +144,8 @@ pub fn last_arrival(course: &[CellIndex]) -> u64 {
 pub enum NoAssayPlan {
     /// Agents cannot come to their stops, whatever the others do.
     Alone(NoBoardPlan),
+    /// This agent cannot come from one of its errands to another in time, even alone.
+    TooLate { agent: usize },
     /// The agents keep one another from their operations, in every order; by agent, the cells that it came to.
     Excluded { reached: Vec<Vec<CellIndex>> },
 }
@@ -136,7 +163,10 @@ pub fn solve(
     let mut distances = fast::Distances::of(&problem.instance.board);
     let ahead = route::Ahead::new(problem, &mut distances, &mut meter);
     let least = bound::least(problem, &ahead);
-    let by_lists = lists::best(problem, &ahead, (objective, &least), &mut meter);
+    if let Some(agent) = lags::hopeless(problem, &ahead) {
+        return SearchAnswer::Impossible(NoAssayPlan::TooLate { agent });
+    }
+    let by_lists = lags::by_lists(problem, &ahead, (objective, &least), &mut meter);
     let bounds = least.costs;
     let steps = by_lists.as_ref().map(|courses| AssayPlan::costs(courses).makespan);
     if steps.is_some_and(|steps| steps == bounds.makespan || objective != BoardObjective::Makespan) {

@@ -16,6 +16,7 @@ mod after;
 mod assay;
 mod build;
 mod garbage;
+mod lags;
 mod merging;
 mod pairs;
 mod random;

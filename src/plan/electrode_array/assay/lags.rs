@@ -1,0 +1,98 @@
+//! Errands that must not be done too long after others: maximal time lags.
+//!
+//! Method: lists that ignore the lags (`lists`). Where their plan breaks one, what comes first is held back by as much as the other is too
+//! late, and the lists are tried again: it is late since it waits for a cell, an agent or other errands, which do not wait for the first.
+//!
+//! Guaranteed: plans keep all lags. Bounds of plans without the lags hold for those with them. Where no such lists are found, the search of
+//! all positions (`joint`) knows the lags.
+
+use super::bound::AssayBounds;
+use super::replay::all_done_at;
+use super::route::Ahead;
+use super::{AgentCourse, AssayProblem, ErrandLag, ErrandPlace, lists};
+use crate::plan::electrode_array::board::{BoardObjective, CellIndex};
+use crate::plan::electrode_array::fast::UNREACHABLE;
+use crate::plan::search::Meter;
+
+/// How often what comes first is held back, and one part in this many of the remaining budget for all of that.
+const ROUNDS: usize = 24;
+const HELD_SHARE: u64 = 2;
+
+/// Courses that keep all lags, if lists lead to such.
+pub(super) fn by_lists(
+    problem: &AssayProblem,
+    ahead: &Ahead,
+    terms: (BoardObjective, &AssayBounds),
+    meter: &mut Meter,
+) -> Option<Vec<AgentCourse>> {
+    let first = lists::best(problem, ahead, terms, meter)?;
+    if are_kept(problem, &first) {
+        return Some(first);
+    }
+    let mut held = problem.clone();
+    held.releases = problem.errands.iter().map(|errands| vec![0; errands.len()]).collect();
+    let share = meter.left().steps / HELD_SHARE;
+    meter.share(share, |meter| held_back(&mut held, ahead, (terms, first), meter))
+}
+
+/// Holds back what comes too early, until the courses of the best lists keep all lags.
+fn held_back(
+    held: &mut AssayProblem,
+    ahead: &Ahead,
+    (terms, mut courses): ((BoardObjective, &AssayBounds), Vec<AgentCourse>),
+    meter: &mut Meter,
+) -> Option<Vec<AgentCourse>> {
+    for _ in 0..ROUNDS {
+        for (place, release) in late(held, &courses) {
+            let own = &mut held.releases[place.agent][place.errand];
+            *own = release.max(*own + 1);
+        }
+        courses = lists::best(held, ahead, terms, meter)?;
+        if are_kept(held, &courses) {
+            return Some(courses);
+        }
+    }
+    None
+}
+
+/// Whether courses keep all lags.
+pub fn are_kept(problem: &AssayProblem, courses: &[AgentCourse]) -> bool {
+    late(problem, courses).is_empty()
+}
+
+/// The errands that come too early before another, each with the instant at which it should begin instead.
+fn late(problem: &AssayProblem, courses: &[AgentCourse]) -> Vec<(ErrandPlace, u32)> {
+    if problem.lags.is_empty() {
+        return Vec::new();
+    }
+    let since: Vec<u32> = courses.iter().map(|course| course.since).collect();
+    let cells: Vec<&[CellIndex]> = courses.iter().map(|course| course.cells.as_slice()).collect();
+    let done = all_done_at(problem, &since, &cells);
+    let end = |place: &ErrandPlace| done[place.agent].get(place.errand).copied().unwrap_or(u32::MAX);
+    let of_lag = |lag: &ErrandLag| {
+        let last = lag.after.iter().max_by_key(|place| end(place))?;
+        let excess = end(&lag.of).saturating_sub(end(last)).saturating_sub(lag.most_to_end());
+        let errand = problem.errands[last.agent][last.errand];
+        let work = if errand.splits.is_some() { 1 } else { errand.stay };
+        (excess > 0).then(|| (*last, end(last).saturating_sub(work).saturating_add(excess)))
+    };
+    problem.lags.iter().filter_map(of_lag).collect()
+}
+
+/// An agent that cannot come from one of its errands to a later one in time, even alone.
+pub(super) fn hopeless(problem: &AssayProblem, ahead: &Ahead) -> Option<usize> {
+    let is_far = |lag: &&ErrandLag| {
+        let agent = lag.of.agent;
+        let own = lag.after.iter().filter(|place| place.agent == agent && place.errand < lag.of.errand);
+        let ways = own.map(|place| {
+            let between = place.errand + 1..=lag.of.errand;
+            let stays = (place.errand + 1..lag.of.errand).map(|index| problem.errands[agent][index].stay);
+            let ways = between.map(|index| ahead.steps(agent, index, problem.errands[agent][index - 1].stop));
+            let is_cut = |way: u32| if way == UNREACHABLE { 0 } else { way };
+            ways.map(is_cut).chain(stays).fold(0u32, u32::saturating_add)
+        });
+        let is_split = problem.errands[agent][lag.of.errand].splits.is_some();
+        !is_split && ways.max().is_some_and(|ways| ways > lag.most)
+    };
+    problem.lags.iter().find(is_far).map(|lag| lag.of.agent)
+}
