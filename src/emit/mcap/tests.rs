@@ -1,4 +1,5 @@
 use super::*;
+use crate::emit::dimibot::mcap::scene;
 use crate::emit::fixture;
 use prost::Message as _;
 use std::io::Cursor;
@@ -133,7 +134,7 @@ fn something_that_is_no_log_differs() {
 #[test]
 fn the_scene_shows_every_obstacle_twice_and_takes_away_what_is_gone() {
     let (verified, _) = fixture::fetch();
-    let topics = dimibot::scene::topics(&verified, "bot");
+    let topics = scene::topics(&verified, "bot");
     let update = |topic: &LogTopic| foxglove::SceneUpdate::decode(topic.messages[0].1.as_slice()).unwrap();
     let updates: Vec<_> = topics.iter().map(update).collect();
     let entity = |id: &str| updates.iter().flat_map(|update| &update.entities).find(|entity| entity.id == id).unwrap();
@@ -163,7 +164,7 @@ fn twice(change: impl FnOnce(&mut Vec<crate::claims::dimibot::DimibotObstacle>))
 }
 
 fn scenes(verified: &Verified) -> Vec<(u64, foxglove::SceneUpdate)> {
-    let topics = dimibot::scene::topics(verified, "bot");
+    let topics = scene::topics(verified, "bot");
     let decode = |(t_ns, data): &(u64, Vec<u8>)| (*t_ns, foxglove::SceneUpdate::decode(data.as_slice()).unwrap());
     topics[0].messages.iter().map(decode).collect()
 }
