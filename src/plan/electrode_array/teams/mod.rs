@@ -1,14 +1,14 @@
 //! Plans of a stage in which some goals are not told apart: teams of agents, each with as many goals as agents.
 //!
 //! Problem: target assignment and path finding (H. Ma, S. Koenig, "Optimal target assignment and path finding for teams of agents", AAMAS
-//! 2016), with separation. Method: an assignment of goals by the distances of the agents alone ([`assignment`]), and the stage with these
-//! goals as any other ([`portfolio`]). Where its plan does not meet the bound, the other assignments follow in the order of their bounds, if
-//! there are at most [`MOST_ASSIGNMENTS`]; else some in which an agent that comes late has exchanged its goal for that of another.
+//! 2016), with separation. Method: an assignment of goals by the distances of the agents alone (`assignment`), and the stage with these
+//! goals as any other (`portfolio`). Where its plan does not meet the bound, the other assignments follow in the order of their bounds, if
+//! there are at most `MOST_ASSIGNMENTS`; else some in which an agent that comes late has exchanged its goal for that of another.
 //!
 //! Guaranteed: plans are legal. The bound on the steps is that of the bottleneck assignment, the one on the sum of costs that of the
 //! assignment with the least sum, so that no assignment avoids them; where all assignments with a lower bound were searched, the least that
 //! was proven for any of them. "No plan" is proven for every assignment. The same input and budget give the same plan. Cost: one step of
-//! the budget is one of [`portfolio`].
+//! the budget is one of `portfolio`.
 
 mod assignment;
 
