@@ -82,3 +82,9 @@ fn a_droplet_is_dispensed_before_the_one_that_it_meets_comes_near() {
     let plan = planned(&text("ea_dispensed_too_late"));
     assert!(plan.bound <= plan.cost, "{} of {}", plan.cost, plan.bound);
 }
+
+#[test]
+fn a_droplet_does_not_merge_on_traces_that_its_partner_left_before() {
+    let plan = planned(&text("ea_merge_on_own_outlet"));
+    assert_eq!(plan.outcomes["steps"], 19.0);
+}

@@ -35,7 +35,7 @@ pub fn one_by_one(
     trim(problem, &since, &mut courses);
     let courses: Vec<AgentCourse> =
         since.into_iter().zip(courses).map(|(since, cells)| AgentCourse { since, cells }).collect();
-    let is_clean = problem.traces.as_ref().is_none_or(|traces| traces.is_clean(problem, &courses));
+    let is_clean = problem.traces.as_ref().is_none_or(|traces| traces.harmed(problem, &courses).is_none());
     (is_clean && are_kept(problem, &courses)).then_some(AssayPlan { courses, bounds })
 }
 

@@ -240,9 +240,8 @@ impl Assay {
         self.avoiding(chance)
     }
 
-    /// Has some operations begin soon after what others, or their own parts, have done above; without traces.
+    /// Has some operations begin soon after what others, or their own parts, have done above.
     pub fn hurried(mut self, chance: &mut Random) -> Assay {
-        (self.avoided, self.washes) = (vec![], vec![]);
         for place in 0..self.operations.len() {
             let earlier: Vec<usize> = self.operations[..place].iter().flat_map(Operation::all_parts).collect();
             let any = earlier.get(chance.below(earlier.len().max(1) as u32) as usize).copied();

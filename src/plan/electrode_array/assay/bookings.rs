@@ -191,11 +191,22 @@ impl Bookings<'_> {
         let booked = self.bookings[cell as usize].iter().filter(|booking| !is_met(booking));
         let booked = booked.map(|booking| (booking.from, booking.to));
         let Some((traces, content)) = self.traces.zip(content) else { return between(booked, out) };
-        // Where it merges it comes to the other one, not to what that has left.
+        let here = &self.touches[cell as usize];
         let is_other = |touch: &&Touch| !met.contains(&(touch.agent, cell));
-        let touches: Vec<Touch> = self.touches[cell as usize].iter().filter(is_other).copied().collect();
+        let touches: Vec<Touch> = here.iter().filter(is_other).copied().collect();
         let mut closed: Vec<(u32, u32)> = booked.collect();
         traces.append_closed(&touches, content, &mut closed);
+        // Where it merges it comes to the other one, not to what that has left; but what that left there before it came back does harm
+        // until then.
+        for (other, _) in met.iter().filter(|(_, at)| *at == cell) {
+            let Some(back) = here.iter().rfind(|touch| touch.agent == *other) else { continue };
+            let is_before =
+                |touch: &&Touch| touch.from < back.from && (touch.agent == *other || traces.washes[touch.content]);
+            let before: Vec<Touch> = here.iter().filter(is_before).copied().collect();
+            let mut dirty = Vec::new();
+            traces.append_closed(&before, content, &mut dirty);
+            closed.extend(dirty.into_iter().map(|(from, to)| (from, to.min(back.from))));
+        }
         closed.sort_unstable();
         between(closed.into_iter(), out);
     }

@@ -298,13 +298,15 @@ impl ListPlanner<'_, '_> {
             self.go_on(&mut progress, agent)?;
             progress.keep_given_off(problem, until);
         }
-        let left = (0..count).find(|agent| progress.done[*agent] < problem.errands[*agent].len());
-        match left {
+        if let Some(agent) = (0..count).find(|agent| progress.done[*agent] < problem.errands[*agent].len()) {
+            return Err(agent);
+        }
+        let found = |BookedCourse { since, cells, .. }: BookedCourse| AgentCourse { since, cells };
+        let courses: Vec<AgentCourse> = progress.courses.into_iter().map(found).collect();
+        // An agent may have come to where it merges before the other one, which was not planned then, left its traces there.
+        match problem.traces.as_ref().and_then(|traces| traces.harmed(problem, &courses)) {
             Some(agent) => Err(agent),
-            None => {
-                let found = |BookedCourse { since, cells, .. }: BookedCourse| AgentCourse { since, cells };
-                Ok(progress.courses.into_iter().map(found).collect())
-            }
+            None => Ok(courses),
         }
     }
 

@@ -45,22 +45,24 @@ impl Traces {
         touches
     }
 
-    /// Whether none of some touches of one cell, in their order, comes to what others do harm with.
-    fn are_clean(&self, touches: &[Touch]) -> bool {
+    /// The first agent of some touches of one cell, in their order, that comes to what others do harm with.
+    fn harmed_here<'t>(&self, touches: impl Iterator<Item = &'t Touch>) -> Option<usize> {
         let mut left: Vec<usize> = Vec::new();
-        touches.iter().all(|touch| {
+        for touch in touches {
             if self.washes[touch.content] {
                 left.clear();
-                return true;
+                continue;
             }
-            let is_clean = left.iter().all(|left| !self.harms[*left][touch.content]);
+            if left.iter().any(|left| self.harms[*left][touch.content]) {
+                return Some(touch.agent);
+            }
             left.push(touch.content);
-            is_clean
-        })
+        }
+        None
     }
 
-    /// Whether no agent comes where another one does harm.
-    pub fn is_clean(&self, problem: &AssayProblem, courses: &[AgentCourse]) -> bool {
+    /// An agent that comes where another one does harm.
+    pub fn harmed(&self, problem: &AssayProblem, courses: &[AgentCourse]) -> Option<usize> {
         let since: Vec<u32> = courses.iter().map(|course| course.since).collect();
         let cells: Vec<&[CellIndex]> = courses.iter().map(|course| course.cells.as_slice()).collect();
         let done_at = replay::all_done_at(problem, &since, &cells);
@@ -69,10 +71,8 @@ impl Traces {
             touches.extend(self.touches(agent, (since[agent], cells[agent]), done_at));
         }
         touches.sort_by_key(|(cell, touch)| (*cell, touch.from, touch.agent));
-        touches.chunk_by(|(one, _), (other, _)| one == other).all(|of_cell| {
-            let of_cell: Vec<Touch> = of_cell.iter().map(|(_, touch)| *touch).collect();
-            self.are_clean(&of_cell)
-        })
+        let mut cells = touches.chunk_by(|(one, _), (other, _)| one == other);
+        cells.find_map(|of_cell| self.harmed_here(of_cell.iter().map(|(_, touch)| touch)))
     }
 
     /// Appends the instants `from..to` at which a content does not come to a cell: where others have left what does it harm, or come to
