@@ -74,6 +74,24 @@ pub(super) fn colon_range(span: Span, source: &str) -> Option<Diagnostic> {
     })
 }
 
+/// A loop as it should be, with something behind its braces on the same line.
+pub(super) fn after_loop(span: Span, source: &str) -> Option<Diagnostic> {
+    let text = &source[span.range()];
+    let (head, body) = text.split_once('{')?;
+    let mut words = head.strip_prefix("for")?.split_whitespace();
+    let is_ours = words.next().is_some_and(|name| name.starts_with(is_word)) && words.any(|word| word == "in");
+    let mut depth = 1;
+    let closes = |(_, sign): &(usize, char)| {
+        depth += i32::from(*sign == '{') - i32::from(*sign == '}');
+        depth == 0
+    };
+    let (close, _) = body.char_indices().filter(|_| is_ours).find(closes)?;
+    let behind = body[close + 1..].lines().next()?;
+    let word = behind.trim_start();
+    let end = span.start as usize + head.len() + 1 + close + 1;
+    (word.starts_with(is_word)).then(|| super::errors::joined(part(span, end, end + behind.len() - word.len()), source))
+}
+
 /// What stopped reading inside the list of a declaration at `at`: a matrix, or a loop.
 pub(super) fn list(span: Span, at: usize, source: &str) -> Option<Diagnostic> {
     let text = &source[span.start as usize..at];

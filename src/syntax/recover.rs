@@ -66,7 +66,9 @@ impl Reader<'_> {
                 self.forget_within(span);
                 // What its body would call the counter is no further mistake.
                 self.keep_name(span);
-                habits::colon_range(span, self.source).unwrap_or_else(|| errors::bad_loop(span))
+                habits::colon_range(span, self.source)
+                    .or_else(|| habits::after_loop(span, self.source))
+                    .unwrap_or_else(|| errors::bad_loop(span))
             }
             "let" => errors::let_in_block(span, text),
             _ if ITEMS.iter().any(|item| item.0 == word) => errors::item_in_block(span, word),
