@@ -32,8 +32,8 @@ function drawFailure(root, { failure, page, steps, devices }, { reveal, seek }) 
     for (const reach of reaches || []) {
       const line = add(card, "p", "", "reached");
       const swatch = add(line, "span", "", reach.pose ? "swatch last" : "swatch");
-      const [fill, edge] = reachColors(null, devices, reach);
-      if (fill) Object.assign(swatch.style, { background: fill, borderColor: edge });
+      const own = partColors(devices.find(({ name }) => name === reach.device), reach);
+      if (own) Object.assign(swatch.style, { background: own[0], borderColor: own[1] });
       line.append(reachText(reach));
     }
     for (const label of labels) {
@@ -63,11 +63,9 @@ function reachText({ what, runs, plane, reached_deg, asked_deg, pose }) {
   return `${what} comes to (${pose.slice(0, 2).map((value) => short(value, 6)).join(", ")}) um`;
 }
 
-/** The colours of what was reached: those of each part, where several parts keep one another from their goals. Null for the usual ones. */
-function reachColors(theme, devices, reach) {
-  const device = devices.find(({ name }) => name === reach.device);
-  const own = device && device.reaches.find((one) => one.isShared && one.what === reach.what);
-  if (!own) return theme ? [theme.reached, theme.reachedEdge] : [null, null];
+/** The colours of what a part has reached, where several parts keep one another from their goals; null otherwise. */
+function partColors(device, reach) {
+  if (!device || !device.reaches.some((one) => one.isShared && one.what === reach.what)) return null;
   const color = colorOf(device.runs[0].order.parts.findIndex(({ name }) => name === reach.what));
   return [`${color}30`, color];
 }
@@ -103,7 +101,7 @@ function drawReaches(pen, device, place) {
   const { g, theme } = pen;
   for (const reach of device.reaches) {
     const { runs, edges } = reach;
-    const [fill, edge] = reachColors(theme, [device], reach);
+    const [fill, edge] = partColors(device, reach) || [theme.reached, theme.reachedEdge];
     g.fillStyle = fill;
     g.beginPath();
     for (const [row, first, last] of runs) {

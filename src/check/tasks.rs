@@ -6,7 +6,7 @@ use super::errors::{self, WantedName};
 use super::fields::{Given, Owner};
 use super::lets::Argument;
 use super::scenes::CheckedScene;
-use super::scope::{DeclarationPlace, DeclarationSort, Scope, nearest, path_text};
+use super::scope::{DeclarationPlace, DeclarationSort, STEP_WORDS, Scope, nearest, path_text};
 use super::value::{Accepted, Value, whole};
 use super::verbs::Call;
 use crate::claims::auxiliary::{AuxiliaryAction, AuxiliaryEvent, Hold};
@@ -544,12 +544,8 @@ impl<'a> Checker<'a> {
 
 /// Whether a word begins a step or a setting that is no goal.
 fn is_no_goal(word: &str) -> bool {
-    NO_GOALS.contains(&word) || device::condition_of_any_kind(word).is_some()
+    word == "run" || STEP_WORDS.contains(&word) || device::condition_of_any_kind(word).is_some()
 }
-
-/// The words that begin a step and are no goals.
-const NO_GOALS: [&str; 11] =
-    ["wait", "prompt", "pulse", "set", "together", "assay", "run", "minimize", "using", "require", "start"];
 
 /// The sides of a `require` that compares what a droplet contains.
 struct ContentSides<'e> {

@@ -371,11 +371,6 @@ impl AssayOperation {
         if self.mixes { facts.mixing_steps(self.stay_ns) } else { self.stay_ns.div_ceil(facts.step_ns) }
     }
 
-    /// The steps of the board from its beginning to its end.
-    pub fn work_steps(&self, facts: &ElectrodeArrayFacts) -> u64 {
-        if self.splits.is_some() { 1 } else { self.stay_steps(facts) }
-    }
-
     /// The part that is gone when it is done.
     pub fn gone(&self) -> Option<usize> {
         self.with.or(self.leaves.then_some(self.part))

@@ -3,31 +3,40 @@
 use super::{EmitError, Format, Signals};
 use crate::device::instrument::{Awaited, Family};
 use crate::schedule::{Actuation, ChannelUnit, Schedule, ScheduledHold};
+use std::borrow::Cow;
+
+/// The line of a sender that stands for what it plays.
+pub const PLAYS: &str = "PLAYS = {}";
 
 /// The line of a sender that stands for [`WAITING`].
-pub const WAITS: &str = "# WAITS\n";
+const WAITS: &str = "# WAITS\n";
 
 /// How a sender waits for inputs and people.
-pub const WAITING: &str = include_str!("waiting.py");
+const WAITING: &str = include_str!("waiting.py");
 
 /// How long a part is that only holds what a wait at its beginning finds, in nanoseconds.
 const LEAST_NS: u64 = 1_000_000;
 
-/// The parts of a schedule, one more than it has waits that something follows, each from its own first instant. Where a wait follows, the last values of a part
-/// last beyond its end: the wait holds them.
-pub fn parts(schedule: &Schedule) -> Vec<Schedule> {
+/// The parts of a schedule, one more than it has waits that something follows, each from its own first instant: the schedule itself, if it
+/// waits for nothing. Where a wait follows, the last values of a part last beyond its end: the wait holds them.
+pub fn parts(schedule: &Schedule) -> Vec<Cow<'_, Schedule>> {
+    if schedule.holds.is_empty() {
+        return vec![Cow::Borrowed(schedule)];
+    }
+    let whole = Signals::new(schedule);
     let starts = [0].into_iter().chain(schedule.holds.iter().map(ScheduledHold::end_ns));
     let holds = schedule.holds.iter().map(Some).chain([None]);
-    let all = starts.zip(holds).map(|(start_ns, hold)| part(schedule, start_ns, hold));
+    let all = starts.zip(holds).map(|(start_ns, hold)| Cow::Owned(part(&whole, start_ns, hold)));
     // Behind a wait at the end there is nothing to play.
-    let mut all: Vec<Schedule> = all.collect();
+    let mut all: Vec<Cow<Schedule>> = all.collect();
     if all.len() > 1 && all.last().is_some_and(|last| last.duration_ns == 0) {
         all.pop();
     }
     all
 }
 
-fn part(schedule: &Schedule, start_ns: u64, hold: Option<&ScheduledHold>) -> Schedule {
+fn part(whole: &Signals, start_ns: u64, hold: Option<&ScheduledHold>) -> Schedule {
+    let schedule = whole.schedule;
     let (end_ns, held_ns) = match hold {
         None => (schedule.duration_ns, schedule.duration_ns),
         // Something must be played that puts the outputs where the wait has them.
@@ -47,7 +56,6 @@ fn part(schedule: &Schedule, start_ns: u64, hold: Option<&ScheduledHold>) -> Sch
     };
     let mut actuations: Vec<Actuation> = schedule.actuations.iter().filter_map(clipped).collect();
     // A stage that does not move in a part is where it was.
-    let whole = Signals::new(schedule);
     for channel in whole.in_unit(ChannelUnit::Micrometre) {
         let place_um = whole.value(channel, start_ns);
         let (channel, duration_ns) = (channel as u32, held_ns - start_ns);
@@ -58,7 +66,18 @@ fn part(schedule: &Schedule, start_ns: u64, hold: Option<&ScheduledHold>) -> Sch
         }
     }
     actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
-    Schedule { duration_ns: end_ns - start_ns, actuations, holds: Vec::new(), ..schedule.clone() }
+    // Steps and plans are those of the whole: no sender names them.
+    Schedule {
+        name: schedule.name.clone(),
+        source: schedule.source.clone(),
+        duration_ns: end_ns - start_ns,
+        channels: schedule.channels.clone(),
+        actuations,
+        steps: Vec::new(),
+        plans: Vec::new(),
+        holds: Vec::new(),
+        bench: schedule.bench.clone(),
+    }
 }
 
 /// The waits for a sender: what is asked or read, and for how long at most.
@@ -84,10 +103,11 @@ pub fn listing(schedule: &Schedule) -> Vec<serde_json::Value> {
     schedule.holds.iter().map(of_hold).collect()
 }
 
-/// The line of a sender that says what it plays. Texts of the program stand in it: none of them ends Python's string.
-pub fn plays(listing: &serde_json::Value) -> String {
+/// A sender with what it plays, and how it waits. Texts of the program stand in it: none of them ends Python's string.
+pub fn sender(template: &str, listing: &serde_json::Value) -> String {
     let text = format!("{listing:#}").replace('\'', "\\u0027");
-    format!("PLAYS = json.loads(r'''{text}''')")
+    let plays = format!("PLAYS = json.loads(r'''{text}''')");
+    template.replacen(PLAYS, &plays, 1).replacen(WAITS, WAITING, 1)
 }
 
 /// An error if a schedule waits and the format has no form for that.

@@ -1,7 +1,8 @@
 //! Puts the plans of a program on one clock.
 
+use super::timeline::{MAX_DURATION_NS, place};
 use super::{bench, holds, lowered, outputs};
-use crate::claims::{Claims, Job, Timeline};
+use crate::claims::{Claims, Job};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::plan::{Motion, Optimality, Plan};
 use crate::schedule::reached::{Reached, reached};
@@ -11,9 +12,6 @@ use crate::schedule::{
 };
 use crate::source::{FileId, Sources, Span};
 use std::collections::BTreeMap;
-
-/// The longest schedule, in nanoseconds: a little over eleven days.
-pub const MAX_DURATION_NS: u64 = 1_000_000_000_000_000;
 
 /// A job alone, from its own instant 0.
 #[derive(Default)]
@@ -54,15 +52,20 @@ pub struct LoweredOperation {
 pub fn lower(claims: &Claims, plans: &[Plan<Motion>], sources: &Sources, sink: &mut Sink) -> Option<Schedule> {
     let runs: Option<Vec<LoweredRun>> = plans.iter().map(|plan| lowered(&plan.motion).run()).collect();
     let Some(runs) = runs else { return too_long(claims, sink) };
+    let mut placed = Vec::with_capacity(runs.len());
+    let lasts: Vec<u64> = runs.iter().map(|run| run.duration_ns).collect();
+    let Some(duration_ns) = place(&claims.timeline, 0, &lasts, &mut placed) else { return too_long(claims, sink) };
     let mut starts = vec![0; runs.len()];
-    let Some(duration_ns) = place(&claims.timeline, 0, &runs, &mut starts) else { return too_long(claims, sink) };
+    for stretch in &placed {
+        stretch.job.into_iter().for_each(|job| starts[job] = stretch.start_ns);
+    }
     let mut builder = ScheduleBuilder::new(claims, (plans, &runs), sources);
     for (job, (run, start_ns)) in runs.into_iter().zip(starts).enumerate() {
         builder.add(job, &plans[job], run, start_ns);
     }
     let mut schedule = builder.finish(duration_ns);
     outputs::add(&mut schedule, claims, sink)?;
-    holds::add(&mut schedule, claims, sink)?;
+    holds::add(&mut schedule, &placed, claims, sink)?;
     if schedule.duration_ns > MAX_DURATION_NS {
         return too_long(claims, sink);
     }
@@ -74,32 +77,6 @@ fn too_long(claims: &Claims, sink: &mut Sink) -> Option<Schedule> {
     let diagnostic = Diagnostic::new(Code::E0604, title).label(claims.span, "lasts too long");
     sink.push(diagnostic.help("shorten its waits, or split the program into several"));
     None
-}
-
-/// Where each run of a timeline begins; returns where the timeline ends.
-fn place(timeline: &Timeline, at_ns: u64, runs: &[LoweredRun], starts: &mut [u64]) -> Option<u64> {
-    let end = match timeline {
-        Timeline::Run(job) => {
-            starts[*job] = at_ns;
-            at_ns.checked_add(runs[*job].duration_ns)?
-        }
-        Timeline::Wait(duration_ns) => at_ns.checked_add(*duration_ns)?,
-        Timeline::Sequence(parts) => {
-            let mut end = at_ns;
-            for part in parts {
-                end = place(part, end, runs, starts)?;
-            }
-            end
-        }
-        Timeline::Together(parts) => {
-            let mut end = at_ns;
-            for part in parts {
-                end = end.max(place(part, at_ns, runs, starts)?);
-            }
-            end
-        }
-    };
-    (end <= MAX_DURATION_NS).then_some(end)
 }
 
 /// Gathers the runs of a program into one schedule.

@@ -16,7 +16,7 @@ pub use microrobots::control;
 pub use reached::Reached;
 
 use crate::device::each_kind;
-use crate::device::instrument::{Bench, HoldTerms};
+use crate::device::instrument::{self, Bench, HoldTerms};
 use crate::diagnostic::Remark;
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
@@ -87,13 +87,8 @@ pub struct Channel {
     /// The physical output, where a `wiring` names one.
     pub wire: Option<String>,
     /// A voltage's value before the schedule, after it, between its actuations and when it is broken off: 0 V for the channels of devices.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "instrument::is_zero")]
     pub rest_v: f64,
-}
-
-/// Whether a figure is left out of a text.
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }
 
 /// Unit of a channel's numbers.

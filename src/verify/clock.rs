@@ -165,15 +165,22 @@ fn last_pulse_ns(runs: &[JudgedRun], claims: &Claims) -> u64 {
     ends.max().unwrap_or(0)
 }
 
-/// Checks when runs begin and end. Returns all jobs, those of one device in the order in which it meets them.
+/// A run or a wait of the program, as it is due; a wait has no job.
+pub(super) struct DueStretch {
+    pub start_ns: u64,
+    pub end_ns: u64,
+    pub job: Option<usize>,
+}
+
+/// Checks when runs begin and end. Returns all runs and waits, those of one device in the order in which it meets them.
 pub(super) fn timeline(
     schedule: &Schedule,
     runs: &[JudgedRun],
     claims: &Claims,
     findings: &mut Findings,
-) -> Vec<usize> {
-    let mut order = Vec::with_capacity(claims.jobs.len());
-    let run_ns = walk(&claims.timeline, 0, (schedule, claims), &mut order, findings);
+) -> Vec<DueStretch> {
+    let mut due = Vec::with_capacity(claims.jobs.len());
+    let run_ns = walk(&claims.timeline, 0, (schedule, claims), &mut due, findings);
     let end_ns = run_ns.max(last_pulse_ns(runs, claims));
     findings.asked(Rule::Timeline, claims.jobs.len() + 1);
     if schedule.duration_ns != end_ns {
@@ -182,7 +189,7 @@ pub(super) fn timeline(
         findings.push(Violation::new(Rule::Timeline, end_ns, title).label(claims.span, "this program"));
     }
     busy(schedule, claims, findings);
-    order
+    due
 }
 
 /// The end of a part of the timeline that starts at an instant. Saturates: the end of the clock is no end that a schedule can reach.
@@ -190,19 +197,24 @@ fn walk(
     part: &Timeline,
     start_ns: u64,
     (schedule, claims): (&Schedule, &Claims),
-    order: &mut Vec<usize>,
+    due: &mut Vec<DueStretch>,
     findings: &mut Findings,
 ) -> u64 {
     match part {
-        Timeline::Wait(duration_ns) => start_ns.saturating_add(*duration_ns),
+        Timeline::Wait(duration_ns) => {
+            let end_ns = start_ns.saturating_add(*duration_ns);
+            due.push(DueStretch { start_ns, end_ns, job: None });
+            end_ns
+        }
         Timeline::Sequence(parts) => {
-            parts.iter().fold(start_ns, |at_ns, part| walk(part, at_ns, (schedule, claims), order, findings))
+            parts.iter().fold(start_ns, |at_ns, part| walk(part, at_ns, (schedule, claims), due, findings))
         }
         Timeline::Together(parts) => parts
             .iter()
-            .fold(start_ns, |end_ns, part| end_ns.max(walk(part, start_ns, (schedule, claims), order, findings))),
+            .fold(start_ns, |end_ns, part| end_ns.max(walk(part, start_ns, (schedule, claims), due, findings))),
         Timeline::Run(job) => {
-            order.push(*job);
+            let end_ns = start_ns.saturating_add(schedule.plans[*job].duration_ns);
+            due.push(DueStretch { start_ns, end_ns, job: Some(*job) });
             let (plan, job) = (&schedule.plans[*job], &claims.jobs[*job]);
             if plan.start_ns != start_ns {
                 let title = format!(
@@ -213,7 +225,7 @@ fn walk(
                 );
                 findings.push(Violation::new(Rule::Timeline, plan.start_ns, title).label(job.run_span, "this run"));
             }
-            start_ns.saturating_add(plan.duration_ns)
+            end_ns
         }
     }
 }

@@ -5,14 +5,19 @@
 //! run, no wait of the program, no pulse. Then what is played after it is what was verified, at the same distances. What the
 //! bench itself does in the time, as drops that dry, is not modelled.
 
-use super::clock::JudgedRun;
+use super::clock::{DueStretch, JudgedRun};
 use super::rule::{Findings, Rule, Violation, ms};
+use crate::claims::Claims;
 use crate::claims::auxiliary::Hold;
-use crate::claims::{Claims, Timeline};
 use crate::schedule::{Schedule, ScheduledHold};
 
 /// Holds every wait of the schedule against those of the claims, and against all that goes on.
-pub(super) fn check(schedule: &Schedule, runs: &[JudgedRun], claims: &Claims, findings: &mut Findings) {
+pub(super) fn check(
+    schedule: &Schedule,
+    (runs, stretches): (&[JudgedRun], &[DueStretch]),
+    claims: &Claims,
+    findings: &mut Findings,
+) {
     let mut due: Vec<(ScheduledHold, usize)> = Vec::new();
     for (index, run) in runs.iter().enumerate() {
         let of_run = |hold: &Hold| ScheduledHold {
@@ -30,8 +35,6 @@ pub(super) fn check(schedule: &Schedule, runs: &[JudgedRun], claims: &Claims, fi
         findings.push(Violation::new(Rule::Held, time_ns, title));
         return;
     }
-    let mut busy = Vec::new();
-    stretches(&claims.timeline, 0, schedule, &mut busy);
     for (hold, run) in &due {
         let find = |title: String| Violation::new(Rule::Held, hold.start_ns, title).step(hold.step as usize);
         let step = &schedule.steps[hold.step as usize];
@@ -40,8 +43,8 @@ pub(super) fn check(schedule: &Schedule, runs: &[JudgedRun], claims: &Claims, fi
             findings.push(find(format!("the wait lasts {lasts} on the clock, but {due} in the program")));
         }
         let meets = |start_ns: u64, end_ns: u64| start_ns < hold.end_ns() && hold.start_ns < end_ns;
-        let other = busy.iter().find(|(start_ns, end_ns, job)| *job != Some(*run) && meets(*start_ns, *end_ns));
-        if let Some((start_ns, end_ns, _)) = other {
+        let is_other = |one: &&DueStretch| one.job != Some(*run) && meets(one.start_ns, one.end_ns);
+        if let Some(DueStretch { start_ns, end_ns, .. }) = stretches.iter().find(is_other) {
             let (start, end) = (ms(*start_ns), ms(*end_ns));
             findings
                 .push(find(format!("something goes on from {start} to {end}, in a wait that may end at any instant")));
@@ -59,29 +62,4 @@ pub(super) fn check(schedule: &Schedule, runs: &[JudgedRun], claims: &Claims, fi
             }
         }
     }
-}
-
-/// When each run and each wait of the program is due, with the run's index; returns the end.
-fn stretches(part: &Timeline, at_ns: u64, schedule: &Schedule, busy: &mut Vec<(u64, u64, Option<usize>)>) -> u64 {
-    let (lasts_ns, job) = match part {
-        Timeline::Sequence(parts) => {
-            let mut end_ns = at_ns;
-            for part in parts {
-                end_ns = stretches(part, end_ns, schedule, busy);
-            }
-            return end_ns;
-        }
-        Timeline::Together(parts) => {
-            let mut end_ns = at_ns;
-            for part in parts {
-                end_ns = end_ns.max(stretches(part, at_ns, schedule, busy));
-            }
-            return end_ns;
-        }
-        Timeline::Run(job) => (schedule.plans[*job].duration_ns, Some(*job)),
-        Timeline::Wait(duration_ns) => (*duration_ns, None),
-    };
-    let end_ns = at_ns.saturating_add(lasts_ns);
-    busy.push((at_ns, end_ns, job));
-    end_ns
 }

@@ -305,9 +305,10 @@ fn judge(schedule: &Schedule, claims: &Claims, tally: &Rc<Tally>) -> Result<Vec<
     }
     let mut standing = Standing::new();
     let mut lost = BTreeSet::new();
-    let order = clock::timeline(schedule, &runs, claims, &mut findings);
+    let due = clock::timeline(schedule, &runs, claims, &mut findings);
+    let order: Vec<usize> = due.iter().filter_map(|stretch| stretch.job).collect();
     outputs::check(schedule, &runs, claims, &mut findings);
-    holds::check(schedule, &runs, claims, &mut findings);
+    holds::check(schedule, (&runs, &due), claims, &mut findings);
     for job in claims.first_of_kinds() {
         judge_of(&job.order).beside(&runs, &order, claims, &mut findings);
     }

@@ -315,17 +315,15 @@ pub fn unknown_field(name: &Ident, owner: &str, near: Option<&str>, known: &[&st
 
 /// A width and a height, where a size is asked for.
 pub fn extents(width: &Field, height: &Field, owner: &str) -> Diagnostic {
-    let (before, between) = (width.name.span.to(width.value.span), width.value.span.to(height.value.span));
-    let up_to_value = Span { end: width.value.span.start, ..before };
-    let up_to_next = Span { start: width.value.span.end, end: height.value.span.start, ..between };
-    let after = Span { start: height.value.span.end, end: height.value.span.end, ..between };
+    let before_width = Span { end: width.value.span.start, ..width.name.span };
+    let before_height = Span { end: height.value.span.start, ..width.value.span.after() };
     Diagnostic::new(Code::E0209, format!("{owner} has no fields `width` and `height`"))
         .label(width.name.span, "unknown field")
         .label(height.name.span, "unknown field")
         .help("write both as `size: (width, height)`")
-        .mended(up_to_value, "size: (")
-        .mended(up_to_next, ", ")
-        .mended(after, ")")
+        .mended(before_width, "size: (")
+        .mended(before_height, ", ")
+        .mended(height.value.span.after(), ")")
 }
 
 pub fn unknown_noun(span: Span, noun: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {

@@ -193,15 +193,13 @@ pub fn level_of_trigger(step: &Step, (name, declared): (&str, Span)) -> Diagnost
 /// A step that waits for an input or a person, in a wrong form.
 pub fn bad_hold_step(step: &Step) -> Diagnostic {
     let (takes, form) = match step.head.text.as_str() {
-        "prompt" => {
-            ("a text in quotes, and `for at most` a time if it is not to wait for ever", "prompt \"add the sample\"")
-        }
-        _ => ("an input, and `for at most` a time", "wait until card.port0.line5 for at most 5 s"),
+        "prompt" => (
+            "`prompt` takes a text in quotes, and `for at most` a time if it is not to wait for ever",
+            "prompt \"add the sample\"",
+        ),
+        _ => ("`wait until` takes an input, and `for at most` a time", "wait until card.port0.line5 for at most 5 s"),
     };
-    let head = if step.head.text == "prompt" { "prompt" } else { "wait until" };
-    Diagnostic::new(Code::E0509, format!("`{head}` takes {takes}"))
-        .label(step.span, "incomplete, or too much")
-        .help(format!("write `{form}`"))
+    Diagnostic::new(Code::E0509, takes).label(step.span, "incomplete, or too much").help(format!("write `{form}`"))
 }
 
 pub fn no_input(span: Span) -> Diagnostic {

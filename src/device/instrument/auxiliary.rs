@@ -112,6 +112,6 @@ impl Awaited {
 }
 
 /// Whether a figure is left out of a text.
-fn is_zero(value: &f64) -> bool {
+pub fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }

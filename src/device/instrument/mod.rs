@@ -7,6 +7,7 @@
 mod auxiliary;
 mod words;
 
+pub(crate) use auxiliary::is_zero;
 pub use auxiliary::{AuxiliaryOutput, AuxiliarySort, Awaited, HoldTerms};
 pub use words::ANY_WIRE;
 

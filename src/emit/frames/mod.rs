@@ -12,7 +12,7 @@
 //! frame stands in it as often as the common period of all durations fits into its own.
 
 use super::error::{EmitError, MAX_TEXT_BYTES};
-use super::parts::{WAITING, WAITS, listing as holds_listing, plays as plays_line};
+use super::parts::{listing as holds_listing, sender};
 use super::sampling::gcd;
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
@@ -24,9 +24,6 @@ use std::fmt::Write as _;
 
 /// The sender, with an empty list of drivers where the marker is.
 const SENDER: &str = include_str!("send.py");
-
-/// The line of the sender that says what it plays.
-const MARKER: &str = "PLAYS = {}";
 
 /// Estimated bytes of a row without its channels, and of a channel.
 const ROW_BYTES: u64 = 32;
@@ -61,8 +58,7 @@ pub(super) fn write(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitE
         "dispensed": dispensed(schedule),
         "holds": holds_listing(schedule),
     });
-    let sender = SENDER.replacen(MARKER, &plays_line(&listing), 1).replacen(WAITS, WAITING, 1);
-    files.push(("frames.py".to_owned(), sender.into_bytes()));
+    files.push(("frames.py".to_owned(), sender(SENDER, &listing).into_bytes()));
     Ok(files)
 }
 

@@ -15,7 +15,7 @@
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
-use super::parts::{WAITING, WAITS, listing as holds_listing, parts, plays as plays_line};
+use super::parts::{listing as holds_listing, parts, sender};
 use super::sampling::Sampling;
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
@@ -32,9 +32,6 @@ const COLUMN_BYTES: u64 = 12;
 
 /// The sender, with an empty list of cards where the marker is.
 const SENDER: &str = include_str!("send.py");
-
-/// The line of the sender that says what it plays.
-const MARKER: &str = "PLAYS = {}";
 
 /// The files, each with its ending.
 ///
@@ -58,8 +55,7 @@ pub(super) fn write(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitE
         played.push(serde_json::json!({ "duration_s": part.duration_ns as f64 / 1e9, "cards": plays }));
     }
     let listing = serde_json::json!({ "name": schedule.name, "holds": holds_listing(schedule), "parts": played });
-    let sender = SENDER.replacen(MARKER, &plays_line(&listing), 1).replacen(WAITS, WAITING, 1);
-    files.push(("nidaqmx.py".to_owned(), sender.into_bytes()));
+    files.push(("nidaqmx.py".to_owned(), sender(SENDER, &listing).into_bytes()));
     Ok(files)
 }
 

@@ -22,7 +22,7 @@ mod description;
 mod sequence;
 
 use super::error::EmitError;
-use super::parts::{WAITING, WAITS, listing as holds_listing, plays as plays_line};
+use super::parts::{self, listing as holds_listing};
 use super::sampling::Sampling;
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
@@ -105,9 +105,6 @@ const BEGIN: &str = "*TRG";
 /// The sender, with an empty list of schedules where the marker is.
 const SENDER: &str = include_str!("send.py");
 
-/// The line of the sender that says what it sends.
-const MARKER: &str = "PLAYS = {}";
-
 /// The files, each with its ending.
 ///
 /// # Errors
@@ -134,7 +131,7 @@ fn sender(schedule: &Schedule, plays: &[serde_json::Value]) -> String {
         "instruments": plays,
         "holds": holds_listing(schedule),
     });
-    SENDER.replacen(MARKER, &plays_line(&listing), 1).replacen(WAITS, WAITING, 1)
+    parts::sender(SENDER, &listing)
 }
 
 /// A waveform generator with what its outputs play.

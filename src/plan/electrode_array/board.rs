@@ -245,6 +245,30 @@ pub struct BoardPlan {
     pub bounds: BoardCosts,
 }
 
+/// The cells to which each of some agents comes in a search.
+pub struct MetCells {
+    /// By agent and cell.
+    is_met: Vec<Vec<bool>>,
+}
+
+impl MetCells {
+    /// None yet, of a board with so many cells.
+    pub fn new(agents: usize, cells: usize) -> MetCells {
+        MetCells { is_met: vec![vec![false; cells]; agents] }
+    }
+
+    /// Notes a cell of an agent.
+    pub fn meet(&mut self, agent: usize, cell: CellIndex) {
+        self.is_met[agent][cell as usize] = true;
+    }
+
+    /// By agent, its cells, ascending.
+    pub fn listed(self) -> Vec<Vec<CellIndex>> {
+        let cells = |own: Vec<bool>| (0..).zip(own).filter_map(|(cell, is_met)| is_met.then_some(cell)).collect();
+        self.is_met.into_iter().map(cells).collect()
+    }
+}
+
 /// Why there is no plan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NoBoardPlan {

@@ -162,17 +162,11 @@ impl PartErrands {
         let parent = |agent: usize| self.parents.get(agent).copied().flatten().and_then(of_part);
         let parents = (0..instance.agents.len()).map(parent).collect();
         let traces = (!order.contamination.is_unheeded()).then(|| traces(order, stage, operations));
-        let steps = |steps: u64| u32::try_from(steps).unwrap_or(u32::MAX);
         let lag = |(nth, operation): (usize, &AssayOperation)| {
             let within = operation.within.as_ref()?;
             let after: Option<Vec<ErrandPlace>> = within.of.iter().map(|earlier| self.ends[*earlier]).collect();
-            let most = steps(within.most_ns / order.facts.step_ns);
-            Some(ErrandLag {
-                of: self.ends[nth]?,
-                after: after?,
-                most,
-                work: steps(operation.work_steps(&order.facts)),
-            })
+            let most = u32::try_from(within.most_ns / order.facts.step_ns).unwrap_or(u32::MAX);
+            Some(ErrandLag { of: self.ends[nth]?, after: after?, most })
         };
         let lags = operations.iter().enumerate().filter_map(lag).collect();
         AssayProblem { instance, comes, parents, errands, afters, lags, releases: Vec::new(), loops, is_gone, traces }

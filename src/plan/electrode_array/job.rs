@@ -281,12 +281,12 @@ impl Tasks<'_> {
                 let parts: Vec<&str> = (0..reached.len()).map(|agent| self.part_name(&stage, agent)).collect();
                 let told = errors::operations_exclude_one_another(step.span, &parts);
                 let reaches = parts.iter().zip(reached).map(|(part, cells)| reach(self.order, part, cells));
-                self.sink.push(self.with_avoided(told.reached(reaches), step.span));
+                self.sink.push(self.with_avoided(told.reached(reaches), step));
                 return None;
             }
             SearchAnswer::Impossible(NoAssayPlan::TooLate { agent }) => {
                 let told = errors::too_far_in_time(step.span, self.part_name(&stage, agent));
-                self.sink.push(self.with_avoided(told, step.span));
+                self.sink.push(self.with_avoided(told, step));
                 return None;
             }
             SearchAnswer::Impossible(NoAssayPlan::Alone(why)) => {
@@ -297,7 +297,7 @@ impl Tasks<'_> {
                 let in_turn = (operations, &problem, &stage);
                 let found = one_by_one((self.order, self.ground), &self.cells, in_turn, (objective, bounds));
                 let Some(plan) = found else {
-                    self.gave_up(step.span, &goals(&stage), bounds, budget);
+                    self.gave_up(step, &goals(&stage), bounds, budget);
                     return None;
                 };
                 plan
@@ -334,7 +334,7 @@ impl Tasks<'_> {
                 None
             }
             BoardAnswer::GaveUp(bounds) => {
-                self.gave_up(step.span, &goals(stage), bounds, budget);
+                self.gave_up(step, &goals(stage), bounds, budget);
                 None
             }
         }
@@ -348,7 +348,7 @@ impl Tasks<'_> {
                 self.assays.push(self.least_of(step, bounds));
                 return Some(paths);
             }
-            SharedGoals::GaveUp(bounds) => self.gave_up(step.span, &goals(stage), bounds, budget),
+            SharedGoals::GaveUp(bounds) => self.gave_up(step, &goals(stage), bounds, budget),
             SharedGoals::Alone(_) | SharedGoals::Told(_) if !self.loose.is_fixed_in(&step.action) => {
                 self.sink.push(errors::not_from_here(step.span));
             }
@@ -364,22 +364,21 @@ impl Tasks<'_> {
         least.unwrap_or(bounds)
     }
 
-    fn gave_up(&mut self, step: Span, to: &str, bounds: BoardCosts, budget: SearchBudget) {
+    fn gave_up(&mut self, step: &ElectrodeArrayStep, to: &str, bounds: BoardCosts, budget: SearchBudget) {
         let (what, steps) = ("the search for a plan", format!("{} steps", bounds.makespan));
-        let told = errors::gave_up(step, to, what, budget.steps, &steps, ElectrodeArrayMethod::Portfolio.name());
+        let told = errors::gave_up(step.span, to, what, budget.steps, &steps, ElectrodeArrayMethod::Portfolio.name());
         self.sink.push(self.with_avoided(told.help(more_may_do(budget.steps)), step));
     }
 
-    /// A message about a step that has no plan, with where the task avoids traces, if it does.
-    fn with_avoided(&self, told: Diagnostic, step: Span) -> Diagnostic {
+    /// A message about a step that has no plan, with where the task avoids traces and how soon operations begin, if it says so.
+    fn with_avoided(&self, told: Diagnostic, step: &ElectrodeArrayStep) -> Diagnostic {
         let told = match self.order.contamination.avoided.first() {
-            Some(avoided) => told.label_elsewhere(avoided.span, step, "with these traces avoided"),
+            Some(avoided) => told.label_elsewhere(avoided.span, step.span, "with these traces avoided"),
             None => told,
         };
-        let asked = self.order.steps.iter().find(|own| own.span == step).map(|own| &own.action);
-        let Some(ElectrodeArrayAction::Assay(operations)) = asked else { return told };
+        let ElectrodeArrayAction::Assay(operations) = &step.action else { return told };
         match operations.iter().find_map(|operation| operation.within.as_ref()) {
-            Some(within) => told.label_elsewhere(within.span, step, "within this time"),
+            Some(within) => told.label_elsewhere(within.span, step.span, "within this time"),
             None => told,
         }
     }

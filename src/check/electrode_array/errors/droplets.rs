@@ -79,13 +79,14 @@ pub fn nothing_to_come_after(span: Span, name: &str) -> Diagnostic {
         .help(format!("`after {name}` means after all that `{name}` does above: write its operations first"))
 }
 
-/// An order of operations among steps that have one anyway.
+/// A longest time that counts from nothing.
 pub fn within_of_nothing(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0573, "`within` says how soon after something else, and nothing is named")
         .label(span, "counts from nothing")
         .help("write `after PART within 20 s`; `after` the part itself counts from the end of its own operation above")
 }
 
+/// An order of operations among steps that have one anyway.
 pub fn after_outside_assay(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0564, "`after` and `within` stand in an `assay`")
         .label(span, "no `assay` around it")

@@ -1,6 +1,6 @@
 //! Goals that are not told apart: E0572.
 
-use super::PartPlace;
+use super::{PartPlace, electrodes, nearest};
 use crate::device::electrode_array::{ElectrodeCell, MAX_TEAM};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
@@ -54,14 +54,13 @@ pub fn team_goals_too_near(goals: [PartPlace; 2], apart: u32, free: Option<Elect
     let title = match cell.apart(at) {
         0 => format!("`any {name}` has the goal {cell} twice"),
         distance => {
-            let distance = if distance == 1 { "1 electrode".to_owned() } else { format!("{distance} electrodes") };
-            format!("two goals of `any {name}` are {distance} apart; the least distance is {apart}")
+            format!("two goals of `any {name}` are {}; the least distance is {apart}", electrodes(distance))
         }
     };
     Diagnostic::new(Code::E0524, title)
         .label(span, "too near")
         .label_elsewhere(other_span, span, "to this goal")
-        .help_if(free.map(|free| format!("the nearest cell that is free is {free}")))
+        .help_if(nearest(free, "that is free"))
 }
 
 pub fn team_too_large(span: Span, name: &str, parts: usize) -> Diagnostic {

@@ -10,6 +10,7 @@ use crate::emit::Signals;
 use crate::emit::parts::parts;
 use crate::emit::signal::half_ns;
 use crate::schedule::Schedule;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// How a step goes over to the next one; the words are those of the instruments.
@@ -93,7 +94,7 @@ pub fn sequence(
 ) -> Option<Sequence> {
     let limits = Limits::of(facts);
     let parts = parts(signals.schedule);
-    let of_part = |part: &Schedule| score(&Signals::new(part), channel, output, limits, sampling);
+    let of_part = |part: &Cow<Schedule>| score(&Signals::new(part), channel, output, limits, sampling);
     let mut scores = parts.iter().map(of_part).collect::<Option<Vec<Score>>>()?;
     // Behind a wait at the end comes rest.
     if parts.len() == signals.schedule.holds.len() {

@@ -2,14 +2,15 @@
 //!
 //! Method: A* over the positions of all agents with what each has done, one step of the board at a time; the estimate is that of the agent
 //! with the longest way to its end. Guaranteed: a plan is legal and has the fewest steps, and "impossible" is said only after all positions
-//! have been seen, with the cells that they reach. Cost: one step of the budget for each joint position generated; no more than [`MAX_POSITIONS`] are kept.
+//! have been seen, with the cells that they reach. Cost: one step of the budget for each joint position generated; no more than
+//! [`MAX_POSITIONS`] are kept.
 
-use super::super::board::CellIndex;
+use super::super::board::{CellIndex, MetCells};
 use super::super::fast::UNREACHABLE;
 use super::route::Ahead;
 use super::{AgentCourse, AssayProblem, Errand, ErrandLag, ErrandPlace, SplitErrand};
 use crate::plan::search::{Meter, SearchAnswer};
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -112,18 +113,13 @@ struct JointSearch<'a> {
 impl JointSearch<'_> {
     /// The cells of all positions that were found.
     fn reached(&self) -> AgentCells {
-        let mut met = vec![FxHashSet::default(); self.problem.errands.len()];
+        let mut met = MetCells::new(self.problem.errands.len(), self.problem.instance.board.cells());
         for node in &self.nodes {
-            for (met, stand) in met.iter_mut().zip(&node.position.stands) {
-                met.extend(stand.there().map(|stand| stand.cell));
+            for (agent, stand) in node.position.stands.iter().enumerate() {
+                stand.there().into_iter().for_each(|stand| met.meet(agent, stand.cell));
             }
         }
-        let sorted = |met: FxHashSet<CellIndex>| {
-            let mut cells: Vec<CellIndex> = met.into_iter().collect();
-            cells.sort_unstable();
-            cells
-        };
-        met.into_iter().map(sorted).collect()
+        met.listed()
     }
 
     fn is_end(&self, index: u32) -> bool {
@@ -213,7 +209,7 @@ impl JointSearch<'_> {
                 return Some(IDLE);
             }
             let now = if *before == IDLE { 0 } else { before + 1 };
-            (now < lag.most_to_end()).then_some(now)
+            (now < self.problem.most_to_end(lag)).then_some(now)
         };
         self.problem.lags.iter().zip(before).map(wait).collect()
     }

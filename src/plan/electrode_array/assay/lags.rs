@@ -7,10 +7,10 @@
 //! all positions (`joint`) knows the lags.
 
 use super::bound::AssayBounds;
-use super::replay::all_done_at;
+use super::replay::done_by;
 use super::route::Ahead;
 use super::{AgentCourse, AssayProblem, ErrandLag, ErrandPlace, lists};
-use crate::plan::electrode_array::board::{BoardObjective, CellIndex};
+use crate::plan::electrode_array::board::BoardObjective;
 use crate::plan::electrode_array::fast::UNREACHABLE;
 use crate::plan::search::Meter;
 
@@ -65,15 +65,12 @@ fn late(problem: &AssayProblem, courses: &[AgentCourse]) -> Vec<(ErrandPlace, u3
     if problem.lags.is_empty() {
         return Vec::new();
     }
-    let since: Vec<u32> = courses.iter().map(|course| course.since).collect();
-    let cells: Vec<&[CellIndex]> = courses.iter().map(|course| course.cells.as_slice()).collect();
-    let done = all_done_at(problem, &since, &cells);
+    let done = done_by(problem, courses);
     let end = |place: &ErrandPlace| done[place.agent].get(place.errand).copied().unwrap_or(u32::MAX);
     let of_lag = |lag: &ErrandLag| {
         let last = lag.after.iter().max_by_key(|place| end(place))?;
-        let excess = end(&lag.of).saturating_sub(end(last)).saturating_sub(lag.most_to_end());
-        let errand = problem.errands[last.agent][last.errand];
-        let work = if errand.splits.is_some() { 1 } else { errand.stay };
+        let excess = end(&lag.of).saturating_sub(end(last)).saturating_sub(problem.most_to_end(lag));
+        let work = problem.errands[last.agent][last.errand].work();
         (excess > 0).then(|| (*last, end(last).saturating_sub(work).saturating_add(excess)))
     };
     problem.lags.iter().filter_map(of_lag).collect()

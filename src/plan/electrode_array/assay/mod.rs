@@ -42,6 +42,13 @@ pub struct Errand {
     pub splits: Option<SplitErrand>,
 }
 
+impl Errand {
+    /// Steps from its beginning until it is done.
+    fn work(&self) -> u32 {
+        if self.splits.is_some() { 1 } else { self.stay }
+    }
+}
+
 /// An agent that comes out of another one: that one is pulled apart at a cell, and in one step goes from there to its stop and the new agent
 /// to its start, on the opposite side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,17 +72,8 @@ pub struct ErrandLag {
     pub of: ErrandPlace,
     /// At least one.
     pub after: Vec<ErrandPlace>,
-    /// Most steps from the instant at which the last of those is done to the one at which it begins,
+    /// Most steps from the instant at which the last of those is done to the one at which it begins.
     pub most: u32,
-    /// and from then on until it is done.
-    pub work: u32,
-}
-
-impl ErrandLag {
-    /// Most steps from the end of the others to its own.
-    fn most_to_end(&self) -> u32 {
-        self.most.saturating_add(self.work)
-    }
 }
 
 /// The errands of all agents.
@@ -121,6 +119,13 @@ pub struct AssayPlan {
     pub courses: Vec<AgentCourse>,
     /// Lower bounds on every plan.
     pub bounds: BoardCosts,
+}
+
+impl AssayProblem<'_> {
+    /// Most steps from the end of what a lag counts from to the end of its errand.
+    fn most_to_end(&self, lag: &ErrandLag) -> u32 {
+        lag.most.saturating_add(self.errands[lag.of.agent][lag.of.errand].work())
+    }
 }
 
 impl AssayPlan {

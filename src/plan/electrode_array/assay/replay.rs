@@ -1,7 +1,7 @@
 //! When courses do their errands, as whoever replays them sees it.
 
 use super::super::board::CellIndex;
-use super::{AssayProblem, ErrandPlace};
+use super::{AgentCourse, AssayProblem, ErrandPlace};
 
 /// The first instant, from one on, at which an errand is done by a course, which stays at its last cell; where agents meet, that at which
 /// this one is there. `None` if it does not do it.
@@ -37,6 +37,13 @@ pub fn all_done_at(problem: &AssayProblem, since: &[u32], courses: &[&[CellIndex
             return replay.done_at;
         }
     }
+}
+
+/// As [`all_done_at`], of courses that have that instant with them.
+pub fn done_by(problem: &AssayProblem, courses: &[AgentCourse]) -> Vec<Vec<u32>> {
+    let since: Vec<u32> = courses.iter().map(|course| course.since).collect();
+    let cells: Vec<&[CellIndex]> = courses.iter().map(|course| course.cells.as_slice()).collect();
+    all_done_at(problem, &since, &cells)
 }
 
 struct Replay<'a> {

@@ -63,12 +63,10 @@ impl Traces {
 
     /// An agent that comes where another one does harm.
     pub fn harmed(&self, problem: &AssayProblem, courses: &[AgentCourse]) -> Option<usize> {
-        let since: Vec<u32> = courses.iter().map(|course| course.since).collect();
-        let cells: Vec<&[CellIndex]> = courses.iter().map(|course| course.cells.as_slice()).collect();
-        let done_at = replay::all_done_at(problem, &since, &cells);
+        let done_at = replay::done_by(problem, courses);
         let mut touches: Vec<(CellIndex, Touch)> = Vec::new();
-        for (agent, done_at) in done_at.iter().enumerate() {
-            touches.extend(self.touches(agent, (since[agent], cells[agent]), done_at));
+        for (agent, (course, done_at)) in courses.iter().zip(&done_at).enumerate() {
+            touches.extend(self.touches(agent, (course.since, &course.cells), done_at));
         }
         touches.sort_by_key(|(cell, touch)| (*cell, touch.from, touch.agent));
         let mut cells = touches.chunk_by(|(one, _), (other, _)| one == other);

@@ -15,7 +15,7 @@
 //! agents' nodes, so two parts fit on most boards and more on small ones. One step of the budget is one tried move of one agent;
 //! memory is at most some 50 bytes for each, and some 400 MB in all.
 
-use super::board::{CellIndex, Paths};
+use super::board::{CellIndex, MetCells, Paths};
 use super::exact::field::{ExactTables, FAR, StagedCell};
 use crate::plan::search::{Meter, SearchAnswer};
 use states::States;
@@ -80,14 +80,12 @@ pub fn reached(field: &ExactTables, group: &[usize], meter: &mut Meter) -> Optio
     let mut search = JointSearch::new(field, group, JointAim::Any);
     search.begin();
     let JointAnswer::Impossible(_) = search.run(meter) else { return None };
-    let mut met = vec![vec![false; field.instance.board.cells()]; group.len()];
+    let mut met = MetCells::new(group.len(), field.instance.board.cells());
     for state in 0..search.states.count() {
-        for (met, word) in met.iter_mut().zip(search.states.words(state)) {
-            met[field.cell(word >> 1) as usize] = true;
-        }
+        let words = search.states.words(state)[..group.len()].iter();
+        words.enumerate().for_each(|(member, word)| met.meet(member, field.cell(word >> 1)));
     }
-    let cells = |met: Vec<bool>| (0..).zip(met).filter_map(|(cell, is_met)| is_met.then_some(cell)).collect();
-    Some(met.into_iter().map(cells).collect())
+    Some(met.listed())
 }
 
 /// One agent's part of a joint node: its node, and whether it has arrived for good.
