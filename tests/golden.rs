@@ -105,7 +105,7 @@ fn table_one_is_a_way_of_thirty_that_the_robot_can_go() {
 fn edge_weight(from: u32, to: u32, obstacles: &[u32]) -> u32 {
     let plan = plan(&program(2, (from, to), obstacles, "minimize switches"));
     match plan.filter(|plan| words(plan).len() == 2) {
-        Some(plan) => (plan.outcomes["distance"] * 1e6 / pitch_um(2)).round() as u32,
+        Some(plan) => (plan.outcomes["distance_um"] / pitch_um(2)).round() as u32,
         None => 0,
     }
 }

@@ -50,7 +50,7 @@ function drawClaims(root, model, seek) {
     const bound = claimRow("bound", short(plan.bound, 6) + unit);
     bound.title = "no plan costs less";
     card.append(bound);
-    for (const [outcome, value] of Object.entries(plan.outcomes)) {
+    for (const [outcome, value] of Object.entries(plan.outcomes).map((entry) => outcomeOf(...entry))) {
       const limits = requirements.filter((requirement) => requirement.outcome === outcome);
       const within = limits.map(({ relation, limit }) => ` ${RELATIONS[relation]} ${outcomeText(outcome, limit)}`);
       const kind = limits.length ? (limits.every((limit) => isKept(value, limit)) ? "good" : "open") : "";

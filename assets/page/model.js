@@ -317,7 +317,7 @@ function robotsAt(device, t_ns) {
     const facts = order.facts.robots[row];
     const isDown = state.arms[row] === 1;
     const isDocked = (state.docked || []).includes(facts.name);
-    const pose = state.poses[facts.name];
+    const pose = poseIn(state, facts.name);
     return {
       name: facts.name,
       facts,
@@ -487,11 +487,26 @@ function timeText(t_ns) {
   return `${t_ns} ns`;
 }
 
-/** An outcome, which the schedule has in SI units, in the unit of its word. */
+/** How many SI units the unit at the end of an outcome's key has. */
+const OUTCOME_UNITS = { deg: Math.PI / 180, j: 1, ns: 1e-9, um: 1e-6 };
+
+/** The outcome of a key of the schedule, such as `distance_um`, and its value in SI units, in which claims have their limits. */
+function outcomeOf(key, value) {
+  const [, word, unit] = key.match(/^(.*)_(deg|j|ns|um)$/) || [null, key, null];
+  return [word, unit ? value * OUTCOME_UNITS[unit] : value];
+}
+
+/** An outcome in SI units, in the unit of its word. */
 function outcomeText(outcome, value) {
   if (outcome === "time") return timeText(value * 1e9);
   if (outcome === "distance") return `${short(value * 1e6)} um`;
   if (outcome === "energy") return `${short(value * 1e3)} mJ`;
   if (outcome === "effort") return `${short((value * 180) / Math.PI)} deg`;
   return short(value, 6);
+}
+
+/** Place and heading, in radians, of a robot in a state. */
+function poseIn(state, name) {
+  const { x_um, y_um, heading_deg } = state.poses[name];
+  return [x_um, y_um, (heading_deg * Math.PI) / 180];
 }

@@ -323,7 +323,7 @@ function bedView(device) {
   const places = [];
   const reach = [];
   for (const { plan, order } of device.runs) {
-    for (const state of plan.states) places.push(...Object.values(state.poses));
+    for (const state of plan.states) places.push(...Object.keys(state.poses).map((name) => poseIn(state, name)));
     for (const { pose } of [...order.obstacles, ...goalsOf(order)]) places.push([pose.x_um, pose.y_um]);
     reach.push(...order.facts.robots.map((robot) => 2 * robot.turning_radius_um + robot.length_um));
   }
@@ -374,7 +374,7 @@ function trail(device, run, robot, upTo_ns) {
     const isDown = state.arms[run.order.facts.robots.indexOf(robot.facts)] === 1;
     const until_ns = Math.min(end_ns, upTo_ns);
     const count = isDown ? 24 : 1;
-    points.push(state.poses[name]);
+    points.push(poseIn(state, name));
     for (let part = 1; part <= count; part += 1) {
       const at = robotsAt(device, state.t_ns + ((until_ns - state.t_ns) * part) / count - 1).find((other) => other.name === name);
       if (at) points.push(at.pose);

@@ -396,7 +396,7 @@ impl<'a> Checker<'a> {
             self.sink.push(errors::unknown_outcome(span, name, near, vocabulary));
             return None;
         };
-        let sort = device::Sort::Quantity { dimension: outcome.dimension, range: device::Range::NotNegative };
+        let sort = device::Sort::Quantity { dimension: outcome.unit.dimension(), range: device::Range::NotNegative };
         let wanted = WantedName { name: format!("the limit of `{name}`"), doc: outcome.doc.to_owned(), declared: None };
         let Value::Quantity(limit) = self.accept(sort, limit, scope, &wanted)? else { return None };
         Some(Requirement { outcome: name.to_owned(), relation, limit: limit.si, span: expr.span })

@@ -250,9 +250,9 @@ const fn planner(word: WordChoice, options: &'static [VocabularyField]) -> Plann
     Planner { name: word.name, options, doc: word.doc }
 }
 
-/// An outcome by its word, with the dimension of its figure.
-const fn outcome(word: WordChoice, dimension: Dimension) -> Outcome {
-    Outcome { name: word.name, dimension, doc: word.doc }
+/// An outcome by its word, with the unit of its figure in schedules.
+const fn outcome(word: WordChoice, unit: OutcomeUnit) -> Outcome {
+    Outcome { name: word.name, unit, doc: word.doc }
 }
 
 /// Whether a field may be left out.
@@ -419,6 +419,74 @@ pub struct Planner {
 #[derive(Debug)]
 pub struct Outcome {
     pub name: &'static str,
-    pub dimension: Dimension,
+    pub unit: OutcomeUnit,
     pub doc: &'static str,
+}
+
+impl Outcome {
+    /// Its name in a schedule, which ends in its unit: `distance_um`; without an end for a count.
+    pub fn key(&self) -> String {
+        match self.unit.suffix() {
+            "" => self.name.to_owned(),
+            suffix => format!("{}_{suffix}", self.name),
+        }
+    }
+}
+
+/// A converted figure to twelve digits, so that 2240 deg are not written as 2239.9999999999995.
+fn without_noise(figure: f64) -> f64 {
+    format!("{figure:.11e}").parse().unwrap_or(figure)
+}
+
+/// Units of outcomes in schedules: those of every other number there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OutcomeUnit {
+    Count,
+    Degree,
+    Joule,
+    Micrometre,
+    Nanosecond,
+}
+
+impl OutcomeUnit {
+    pub const fn dimension(self) -> Dimension {
+        match self {
+            OutcomeUnit::Count => Dimension::NUMBER,
+            OutcomeUnit::Degree => Dimension::ANGLE,
+            OutcomeUnit::Joule => Dimension::ENERGY,
+            OutcomeUnit::Micrometre => Dimension::LENGTH,
+            OutcomeUnit::Nanosecond => Dimension::TIME,
+        }
+    }
+
+    /// The last word of the name of a figure in it; empty for a count.
+    pub const fn suffix(self) -> &'static str {
+        match self {
+            OutcomeUnit::Count => "",
+            OutcomeUnit::Degree => "deg",
+            OutcomeUnit::Joule => "j",
+            OutcomeUnit::Micrometre => "um",
+            OutcomeUnit::Nanosecond => "ns",
+        }
+    }
+
+    /// A figure in this unit, from SI units; whole for nanoseconds.
+    pub fn of_si(self, si: f64) -> f64 {
+        match self {
+            OutcomeUnit::Count | OutcomeUnit::Joule => si,
+            OutcomeUnit::Degree => without_noise(si.to_degrees()),
+            OutcomeUnit::Micrometre => without_noise(si * 1e6),
+            OutcomeUnit::Nanosecond => (si * 1e9).round(),
+        }
+    }
+
+    /// A figure in SI units, from this unit.
+    pub fn to_si(self, figure: f64) -> f64 {
+        match self {
+            OutcomeUnit::Count | OutcomeUnit::Joule => figure,
+            OutcomeUnit::Degree => figure.to_radians(),
+            OutcomeUnit::Micrometre => figure / 1e6,
+            OutcomeUnit::Nanosecond => figure / 1e9,
+        }
+    }
 }

@@ -229,7 +229,7 @@ fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[LatticeCell], start_n
         bound: 0.1,
         optimal: false,
         bounds: Default::default(),
-        outcomes: BTreeMap::from([("time".to_owned(), (t_ns - start_ns) as f64 / 1e9)]),
+        outcomes: BTreeMap::from([("time_ns".to_owned(), (t_ns - start_ns) as f64)]),
         start_ns,
         duration_ns: t_ns - start_ns,
         states,

@@ -3,6 +3,7 @@
 use super::timeline::{MAX_DURATION_NS, place};
 use super::{bench, holds, lowered, outputs};
 use crate::claims::{Claims, Job};
+use crate::device::Kind;
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::plan::{Motion, Optimality, Plan};
 use crate::schedule::reached::{Reached, reached};
@@ -70,6 +71,12 @@ pub fn lower(claims: &Claims, plans: &[Plan<Motion>], sources: &Sources, sink: &
         return too_long(claims, sink);
     }
     bench::holds(&schedule, claims, sink).then_some(schedule)
+}
+
+/// Figures of a plan by their names, as schedules have them.
+fn in_their_units(kind: Kind, figures: &BTreeMap<String, f64>) -> BTreeMap<String, f64> {
+    let known = kind.vocabulary().outcomes.iter();
+    known.filter_map(|outcome| Some((outcome.key(), outcome.unit.of_si(*figures.get(outcome.name)?)))).collect()
 }
 
 fn too_long(claims: &Claims, sink: &mut Sink) -> Option<Schedule> {
@@ -202,8 +209,8 @@ impl<'a> ScheduleBuilder<'a> {
             cost: plan.cost,
             bound: plan.bound,
             optimal: plan.proof == Optimality::Proven,
-            outcomes: plan.outcomes.clone(),
-            bounds: plan.bounds.clone(),
+            outcomes: in_their_units(task.kind(), &plan.outcomes),
+            bounds: in_their_units(task.kind(), &plan.bounds),
             start_ns,
             duration_ns: run.duration_ns,
             states: run.states.into_iter().map(on_clock).collect(),

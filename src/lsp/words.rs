@@ -165,7 +165,7 @@ fn known_words(kinds: &[&'static Vocabulary], with_instruments: bool) -> Vec<Kno
             );
         }
         for outcome in vocabulary.outcomes {
-            let form = format!("require {}: {}", outcome.name, outcome.dimension.name());
+            let form = format!("require {}: {}", outcome.name, outcome.unit.dimension().name());
             push(outcome.name, form, outcome.doc, CompletionItemKind::ENUM_MEMBER);
         }
         for planner in vocabulary.planners {

@@ -127,7 +127,7 @@ fn keeps_the_others(job: &Job, but: usize, outcomes: &Outcomes) -> bool {
 fn dimension(job: &Job, requirement: &Requirement) -> Dimension {
     let outcomes = job.kind().vocabulary().outcomes;
     let known = outcomes.iter().find(|known| known.name == requirement.outcome);
-    known.map_or(Dimension::NUMBER, |known| known.dimension)
+    known.map_or(Dimension::NUMBER, |known| known.unit.dimension())
 }
 
 fn show(value: f64, dimension: Dimension) -> String {

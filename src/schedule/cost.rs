@@ -42,9 +42,9 @@ pub fn rounded(value: f64) -> String {
     if value.abs() >= 1.0 { digits((value * 100.0).round() / 100.0) } else { digits(value) }
 }
 
-/// A figure of a plan by its word, in SI units; 0 where the plan does not have it.
-pub fn figure_of(plan: &PlanRecord, outcome: &str) -> f64 {
-    plan.outcomes.get(outcome).copied().unwrap_or_default()
+/// A figure of a plan by its key; 0 where the plan does not have it.
+pub fn figure_of(plan: &PlanRecord, key: &str) -> f64 {
+    plan.outcomes.get(key).copied().unwrap_or_default()
 }
 
 pub fn count(number: usize, noun: &str) -> String {

@@ -1,4 +1,4 @@
-//! The schedule as JSON: format `tweeze-schedule`, version 1, the form that `schema/schedule.schema.json` describes.
+//! The schedule as JSON: format `tweeze-schedule`, version 2, the form that `schema/schedule.schema.json` describes.
 //!
 //! Input: a [`Schedule`], or the bytes of one. Promise: [`read`] gives back exactly the input of [`write()`] except the spans,
 //! every float bit for bit; the result has no index out of range, no instant beyond `u64`, no empty actuation, and swings of
@@ -13,7 +13,7 @@ use std::io;
 pub const FORMAT: &str = "tweeze-schedule";
 
 /// The number in `version`; it goes up when a reader of the old form would misread the new one.
-pub const VERSION: u64 = 1;
+pub const VERSION: u64 = 2;
 
 /// Longest duration of a written schedule, in nanoseconds, about 146 years: twice as many are still a `u64`.
 pub const MAX_DURATION_NS: u64 = u64::MAX / 4;
@@ -70,7 +70,7 @@ pub fn write(schedule: &Schedule) -> Vec<u8> {
 /// The schedule of a text.
 ///
 /// # Errors
-/// See [`ReadError`]. Fields that this version does not know are passed over.
+/// See [`ReadError`]. Fields that this version does not know are passed over, but for those of a pose.
 pub fn read(bytes: &[u8]) -> Result<Schedule, ReadError> {
     let form = |error: serde_json::Error| ReadError::Form(error.to_string());
     let Header { format, version } = serde_json::from_slice(bytes).map_err(form)?;

@@ -211,9 +211,9 @@ pub struct PlanRecord {
     pub bound: f64,
     /// Whether `cost` is proven to be the least.
     pub optimal: bool,
-    /// Every figure that the kind knows, in SI units, by the names of the vocabulary's outcomes.
+    /// Every figure that the kind knows, by the keys of the vocabulary's [outcomes](crate::device::Outcome::key).
     pub outcomes: std::collections::BTreeMap<String, f64>,
-    /// Lower bounds of other outcomes than the minimised one: no plan is below them; by the same names.
+    /// Lower bounds of other outcomes than the minimised one: no plan is below them; by the same keys.
     #[serde(default, skip_serializing_if = "std::collections::BTreeMap::is_empty")]
     pub bounds: std::collections::BTreeMap<String, f64>,
     pub start_ns: u64,

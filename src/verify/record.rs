@@ -115,17 +115,18 @@ fn apart(one: f64, other: f64) -> (String, String) {
 fn outcomes(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     let recorded = &run.plan.outcomes;
     findings.asked(Rule::Figure, recorded.len().max(replay.outcomes.len()));
-    for Outcome { name, dimension, .. } in run.job.kind().vocabulary().outcomes {
+    let known = run.job.kind().vocabulary().outcomes;
+    for outcome @ Outcome { name, unit, .. } in known {
         let replayed = replay.outcomes[name];
-        let (recorded, replayed) = match recorded.get(*name) {
-            Some(value) if alike(*value, replayed) => continue,
-            Some(value) => quantities_apart(*value, replayed, *dimension),
-            None => ("unknown".to_owned(), Quantity::new(replayed, *dimension).to_string()),
+        let (recorded, replayed) = match recorded.get(&outcome.key()).map(|value| unit.to_si(*value)) {
+            Some(value) if alike(value, replayed) => continue,
+            Some(value) => quantities_apart(value, replayed, unit.dimension()),
+            None => ("unknown".to_owned(), Quantity::new(replayed, unit.dimension()).to_string()),
         };
         let title = format!("the recorded {name} of `{}` is {recorded}, but the replay gives {replayed}", run.job.task);
         findings.push(figure(run, title));
     }
-    for name in recorded.keys().filter(|name| !replay.outcomes.contains_key(name.as_str())) {
+    for name in recorded.keys().filter(|key| known.iter().all(|outcome| outcome.key() != **key)) {
         findings.push(figure(run, format!("the plan of `{}` has an unknown outcome `{name}`", run.job.task)));
     }
 }
@@ -266,7 +267,7 @@ fn broken(run: &JudgedRun, requirement: &Requirement, outcome: &Outcome, value: 
         Relation::AtLeast => "at least",
         Relation::More => "more than",
     };
-    let (value, limit) = quantities_apart(value, requirement.limit, outcome.dimension);
+    let (value, limit) = quantities_apart(value, requirement.limit, outcome.unit.dimension());
     let title = format!("{name} of {value} in `{}`, {words} {limit} is required", run.job.task);
     Violation::new(Rule::Requirement, run.end_ns(), title)
         .label(requirement.span, format!("this limit; the plan takes {value}"))

@@ -23,7 +23,7 @@ fn two_limits_are_kept_where_a_plan_keeps_them() {
         let plan = answer(&text.replace("minimize time", &format!("minimize {objective}")));
         let plan = plan.unwrap_or_else(|told| panic!("{objective}: {told:?}"));
         assert_eq!(plan.outcomes["switches"], 7.0);
-        assert!((plan.outcomes["distance"] * 1e6 - 18.784).abs() < 1e-2 && plan.optimal, "{plan:?}");
+        assert!((plan.outcomes["distance_um"] - 18.784).abs() < 1e-2 && plan.optimal, "{plan:?}");
     }
 }
 
@@ -33,7 +33,7 @@ fn of_the_plans_with_the_fewest_switches_the_shortest_is_taken() {
         let text = program("dimibot_ties_broken_badly").replace("minimize switches", &format!("minimize {objective}"));
         let plan = answer(&text).unwrap_or_else(|told| panic!("{objective}: {told:?}"));
         assert_eq!(plan.outcomes["switches"], 7.0);
-        assert!((plan.outcomes["distance"] * 1e6 - 23.054).abs() < 1e-2 && plan.optimal, "{plan:?}");
+        assert!((plan.outcomes["distance_um"] - 23.054).abs() < 1e-2 && plan.optimal, "{plan:?}");
     }
 }
 

@@ -12,13 +12,13 @@ mod scene;
 
 use brute::Figures;
 use case::Case;
-use scene::{Limit, OUTCOMES, Random, Scene};
+use scene::{KEYS, Limit, OUTCOMES, Random, Scene};
 use tweeze::compile::{CompileOutcome, ProgramSource, compile};
 use tweeze::diagnostic::{Diagnostic, Sink};
 use tweeze::schedule::{PlanRecord, Schedule};
 use tweeze::source::Sources;
 
-const UNITS: [f64; 4] = [1e6, 1.0, 1e3, 1e3];
+const UNITS: [f64; 4] = [1.0, 1.0, 1e-6, 1e3];
 
 /// A plan, or what was reported instead.
 type Answer = Result<PlanRecord, Vec<Diagnostic>>;
@@ -92,11 +92,11 @@ fn judge(
     match (answer, best) {
         (Ok(plan), Some(best)) => {
             for limit in limits {
-                let value = plan.outcomes[OUTCOMES[limit.outcome]] * UNITS[limit.outcome];
+                let value = plan.outcomes[KEYS[limit.outcome]] * UNITS[limit.outcome];
                 assert!(limit.holds(value), "{limit:?} {value}\n{text}");
             }
             for (outcome, name) in OUTCOMES.iter().enumerate() {
-                let (told, truth) = (plan.outcomes[*name] * UNITS[outcome], scene.outcome(outcome, *best));
+                let (told, truth) = (plan.outcomes[KEYS[outcome]] * UNITS[outcome], scene.outcome(outcome, *best));
                 assert!(close(told, truth), "{name}: {told} for {truth}\n{text}");
             }
             let cost = scene.outcome(objective, *best);
@@ -243,7 +243,7 @@ fn long_visits_agree_with_brute_force() {
                 assert!(places > 12 || plan.optimal, "{plan:?}\n{text}");
                 assert!(!plan.optimal || close(plan.cost, cost), "{plan:?} {cost}\n{text}");
                 for (outcome, name) in OUTCOMES.iter().enumerate().filter(|_| places <= 12) {
-                    let (told, truth) = (plan.outcomes[*name] * UNITS[outcome], scene.outcome(outcome, best));
+                    let (told, truth) = (plan.outcomes[KEYS[outcome]] * UNITS[outcome], scene.outcome(outcome, best));
                     assert!(close(told, truth), "{name}: {told} for {truth}\n{text}");
                 }
                 proven += usize::from(plan.optimal);

@@ -1,7 +1,7 @@
 //! Programs of several tasks on two robots: each starts where its robot's last task ended, and is optimal from there.
 
 use super::brute::{self, Cell, Figures};
-use super::scene::{Limit, OUTCOMES, Random, Scene};
+use super::scene::{KEYS, Limit, OUTCOMES, Random, Scene};
 use super::{UNITS, cases, close};
 use std::collections::{BTreeMap, BTreeSet};
 use tweeze::schedule::dimibot::DimibotState;
@@ -110,7 +110,7 @@ fn judge(works: &[Work], plans: &[&PlanRecord], text: &str) {
         assert_eq!(cell(&states[0].state), at, "{}\n{text}", plan.task);
         let (best, ends) = work.best(at).unwrap_or_else(|| panic!("{} has no plan: {plan:?}\n{text}", plan.task));
         for (outcome, name) in OUTCOMES.iter().enumerate() {
-            let (told, truth) = (plan.outcomes[*name] * UNITS[outcome], work.scene.outcome(outcome, best));
+            let (told, truth) = (plan.outcomes[KEYS[outcome]] * UNITS[outcome], work.scene.outcome(outcome, best));
             assert!(close(told, truth), "{} {name}: {told} for {truth}\n{text}", plan.task);
         }
         assert!(work.holds(best), "{}: {best:?}\n{text}", plan.task);

@@ -9,6 +9,9 @@ use std::fmt::Write;
 
 pub const OUTCOMES: [&str; 4] = ["distance", "switches", "time", "energy"];
 
+/// Their keys in schedules.
+pub const KEYS: [&str; 4] = ["distance_um", "switches", "time_ns", "energy_j"];
+
 /// A robot, what stands in its way, and what it is to do.
 #[derive(Debug, Clone)]
 pub struct Scene {

@@ -208,7 +208,7 @@ fn a_limit_of_time_is_searched_for_with_fewer_reconfigurations() {
     // Where tips come slowly, a reconfiguration takes longer than the rolling that it saves.
     let text = with(&found("fingers-optimal-but-reserve"), "approach_speed: 0.2 um/s");
     let limited = |limit: &str| text.replacen("  rotate", &format!("  require time <= {limit}\n  rotate"), 1);
-    let time_s = |text: &str| build(text).schedules[0].schedule().plans[0].outcomes["time"];
+    let time_s = |text: &str| build(text).schedules[0].schedule().plans[0].outcomes["time_ns"] / 1e9;
     let [most_s, least_s] =
         [time_s(&text), time_s(&text.replacen("  rotate", "  require reconfigurations <= 0\n  rotate", 1))];
     assert!(least_s < most_s, "{least_s} s, {most_s} s");

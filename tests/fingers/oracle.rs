@@ -135,7 +135,7 @@ struct Planned {
 fn planned(built: &Built) -> Option<Planned> {
     let plan = &built.schedules.first()?.schedule().plans[0];
     let gaits = plan.outcomes["reconfigurations"] as u32;
-    let time_s = plan.outcomes["time"];
+    let time_s = plan.outcomes["time_ns"] / 1e9;
     Some(Planned { cost_deg: plan.cost, bound_deg: plan.bound, gaits, optimal: plan.optimal, time_s })
 }
 

@@ -54,7 +54,7 @@ fn head(words: &Vocabulary, budget: u32, random: &mut Random) -> String {
     }
     for outcome in words.outcomes {
         if random.below(6) == 0 {
-            let unit = tweeze::quantity::Quantity::new(random.unit() * 4.0, outcome.dimension);
+            let unit = tweeze::quantity::Quantity::new(random.unit() * 4.0, outcome.unit.dimension());
             let _ = writeln!(text, "  require {} {} {unit}", outcome.name, one_of(random, &["<=", "<", ">="]));
         }
     }

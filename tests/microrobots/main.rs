@@ -42,7 +42,10 @@ fn pose(x_um: f64, y_um: f64, heading_rad: f64) -> String {
 /// Where a robot is at the end of a plan.
 fn last(plan: &PlanRecord, robot: &str) -> [f64; 3] {
     match plan.states.last().map(|timed| &timed.state) {
-        Some(State::Microrobots(MicrorobotsState { poses, .. })) => poses[robot],
+        Some(State::Microrobots(MicrorobotsState { poses, .. })) => {
+            let pose = &poses[robot];
+            [pose.x_um, pose.y_um, pose.heading_rad()]
+        }
         other => panic!("a state of a bed: {other:?}"),
     }
 }

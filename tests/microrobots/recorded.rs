@@ -18,7 +18,8 @@ use tweeze::lower::microrobots::command::command_line;
 use tweeze::plan::microrobots::control::{Command, Controller, Pilot};
 use tweeze::plan::microrobots::simulation::{Disturbances, SimulatedBed};
 use tweeze::plan::{self, Motion};
-use tweeze::schedule::control::{CommandLine, CommandWord, ControlLine, MeasuredLine, MeasuredPose, SegmentLine};
+use tweeze::schedule::control::{CommandLine, CommandWord, ControlLine, MeasuredLine, SegmentLine};
+use tweeze::schedule::microrobots::RecordedPose;
 use tweeze::source::{Sources, Span};
 use tweeze::verify::microrobots::recorded::{RecordedRun, Tolerances, judge};
 use tweeze::verify::{Rule, Violation};
@@ -128,12 +129,9 @@ struct RecordingPilot<'a> {
 
 impl Pilot for RecordingPilot<'_> {
     fn observe(&mut self, measured: &[Option<Pose>], now_ns: u64) -> Command<'_> {
-        let seen = |Pose { x_um, y_um, heading_rad }: Pose| {
-            let heading_deg = heading_rad.to_degrees();
-            MeasuredPose { x_um, y_um, heading_deg }
-        };
         let robots = measured.iter().enumerate();
-        let robots = robots.map(|(robot, pose)| (self.order.robot(robot).name.clone(), pose.map(seen))).collect();
+        let robots =
+            robots.map(|(robot, pose)| (self.order.robot(robot).name.clone(), pose.map(RecordedPose::from))).collect();
         self.lines.push(ControlLine::Measured(MeasuredLine { t_ns: now_ns, robots }));
         self.controller.observe(measured, now_ns);
         let line = command_line(self.order, &self.text_lines, &self.controller, now_ns);

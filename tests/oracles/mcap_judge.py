@@ -225,7 +225,8 @@ def bed(topics, plan, _):
         if any(later["t_ns"] == t_ns for later in states[index + 1 :]):
             continue
         said = poses[max(t for t in poses if t <= t_ns)]
-        for name, (x, y, heading) in state["poses"].items():
+        for name, pose in state["poses"].items():
+            x, y, heading = pose["x_um"], pose["y_um"], math.radians(pose["heading_deg"])
             at, turn = said[name].position, said[name].orientation
             off = math.hypot(at.x - x, at.y - y)
             demand(off < 1e-5, f"{name} is {off} um from its place at {t_ns} ns")
@@ -242,8 +243,8 @@ def bed(topics, plan, _):
         demand(body.frame_id in frames, f"/tf lacks the robot {name}")
         way = dict(topics[f"/{device}/path/{name}"][1])[plan["start_ns"]].poses
         for pose, state in zip((way[0], way[-1]), (states[0], states[-1])):
-            at, (x, y, _) = pose.position, state["poses"][name]
-            demand(math.hypot(at.x - x, at.y - y) < 1e-5, f"the way of {name} is another")
+            at, due = pose.position, state["poses"][name]
+            demand(math.hypot(at.x - due["x_um"], at.y - due["y_um"]) < 1e-5, f"the way of {name} is another")
     demand(topics[f"/{device}/plan"][1] and topics[f"/{device}/state"][1], f"{device} shows no goals or no arms")
 
 

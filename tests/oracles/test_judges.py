@@ -219,11 +219,11 @@ def test_a_log_of_another_train_is_found(folder, change):
 
 
 def turned(states):
-    states[1]["poses"]["D1"][2] += 1e-6
+    states[1]["poses"]["D1"]["heading_deg"] += 1e-4
 
 
 def moved(states):
-    states[2]["poses"]["D2"][0] += 1e-4
+    states[2]["poses"]["D2"]["x_um"] += 1e-4
 
 
 def lowered(states):

@@ -71,7 +71,7 @@ def test_the_page_shows_the_states_of_the_schedule(page):
             if plan["kind"] == "microrobots":
                 facts = job["order"]["microrobots"]
                 names = [facts["facts"]["robots"][robot["row"]]["name"] for robot in facts["robots"]]
-                expected = [number for name in names for number in last[t_ns]["poses"][name][:2]]
+                expected = [last[t_ns]["poses"][name][key] for name in names for key in ("x_um", "y_um")]
             if found is None:
                 continue  # placed by a frame: in the coordinates of the scene
             assert math.dist(found, expected) < 1e-6, (plan["task"], t_ns)

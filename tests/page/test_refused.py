@@ -57,7 +57,7 @@ def elsewhere(schedule):
         state["parts"][name] = [place + 1 for place in state["parts"][name]]
     elif "poses" in state:
         name = sorted(state["poses"])[0]
-        state["poses"][name][0] += 5
+        state["poses"][name]["x_um"] += 5
     else:
         state["position_um"] = [place + 0.5 for place in state["position_um"]]
 

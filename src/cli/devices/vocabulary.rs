@@ -71,7 +71,7 @@ pub fn page(vocabulary: &'static Vocabulary) -> String {
         vocabulary
             .outcomes
             .iter()
-            .map(|outcome| (outcome.name.to_owned(), format!("{}: {}", outcome.dimension.name(), outcome.doc))),
+            .map(|outcome| (outcome.name.to_owned(), format!("{}: {}", outcome.unit.dimension().name(), outcome.doc))),
     );
     page.section("using", vocabulary.planners.iter().map(|planner| (planner.name.to_owned(), planner.doc.to_owned())));
     page.section("In a scene", vocabulary.nouns.iter().map(|noun| (noun.name.to_owned(), noun.doc.to_owned())));
@@ -203,7 +203,7 @@ fn common_settings(vocabulary: &Vocabulary) -> Vec<(String, String)> {
             "where the device stands (else where its last task left it, or its home)".to_owned(),
         ));
     }
-    let outcome = vocabulary.outcomes.iter().find(|outcome| outcome.dimension == Dimension::TIME);
+    let outcome = vocabulary.outcomes.iter().find(|outcome| outcome.unit.dimension() == Dimension::TIME);
     let outcome = outcome.map_or("cost", |outcome| outcome.name);
     settings.push((
         "require CONDITION".to_owned(),

@@ -3,7 +3,8 @@
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
 use crate::plan::microrobots::control::{Command, ControlPhase, Pilot, Segment, Stop, StopReason};
-use crate::schedule::control::{CommandLine, CommandWord, ControlLine, MeasuredLine, MeasuredPose, SegmentLine};
+use crate::schedule::control::{CommandLine, CommandWord, ControlLine, MeasuredLine, SegmentLine};
+use crate::schedule::microrobots::RecordedPose;
 use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Write};
 use std::net::{Shutdown, TcpStream};
@@ -67,11 +68,7 @@ impl<'a> RemotePilot<'a> {
     /// The line of a measurement.
     fn line(&self, measured: &[Option<Pose>], now_ns: u64) -> String {
         let pose = |(robot, pose): (usize, &Option<Pose>)| {
-            let measured = |Pose { x_um, y_um, heading_rad }: Pose| {
-                let heading_deg = heading_rad.to_degrees();
-                MeasuredPose { x_um, y_um, heading_deg }
-            };
-            (self.order.robot(robot).name.clone(), pose.map(measured))
+            (self.order.robot(robot).name.clone(), pose.map(RecordedPose::from))
         };
         let robots = measured.iter().enumerate().map(pose).collect();
         let line = ControlLine::Measured(MeasuredLine { t_ns: now_ns, robots });

@@ -268,7 +268,7 @@ fn reached<'a>(run: &'a ReportedRun) -> impl Iterator<Item = Note> + 'a {
 
 /// `20 channels, 9 actuations, 135 ms, 270 mJ`; the energy where a kind counts it.
 fn figures(schedule: &Schedule) -> String {
-    let energies: Vec<f64> = schedule.plans.iter().filter_map(|plan| plan.outcomes.get("energy")).copied().collect();
+    let energies: Vec<f64> = schedule.plans.iter().filter_map(|plan| plan.outcomes.get("energy_j")).copied().collect();
     let mut figures = format!(
         "{}, {}, {}",
         count(schedule.channels.len(), "channel"),

@@ -4,7 +4,7 @@ use super::MAX_MODULES;
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
-    Assay, Count, Frames, Need, Noun, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField,
+    Assay, Count, Frames, Need, Noun, OutcomeUnit, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField,
     VocabularyPhrase, expansions, outcome, planner,
 };
 use crate::quantity::Dimension;
@@ -211,10 +211,10 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     objectives: DimibotObjective::CHOICES,
     planners: PLANNERS,
     outcomes: &[
-        outcome(DimibotOutcome::Distance.choice(), Dimension::LENGTH),
-        outcome(DimibotOutcome::Switches.choice(), Dimension::NUMBER),
-        outcome(DimibotOutcome::Time.choice(), Dimension::TIME),
-        outcome(DimibotOutcome::Energy.choice(), Dimension::ENERGY),
+        outcome(DimibotOutcome::Distance.choice(), OutcomeUnit::Micrometre),
+        outcome(DimibotOutcome::Switches.choice(), OutcomeUnit::Count),
+        outcome(DimibotOutcome::Time.choice(), OutcomeUnit::Nanosecond),
+        outcome(DimibotOutcome::Energy.choice(), OutcomeUnit::Joule),
     ],
     channels: "<device>.bl<i>.set, <device>.bl<i>.reset, and br likewise: the voltage on the actuator that brings the module to 1 or to 0",
 };

@@ -4,7 +4,7 @@ use super::{MAX_APART, MAX_CHANNEL, MAX_SIDE};
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
-    Assay, Count, Frames, Need, Noun, Outcome, Planner, Sort, Together, Verb, Vocabulary, VocabularyField,
+    Assay, Count, Frames, Need, Noun, Outcome, OutcomeUnit, Planner, Sort, Together, Verb, Vocabulary, VocabularyField,
     VocabularyPhrase, WordChoice, expansions, not_negative, optional, outcome, planner, positive, required,
 };
 use crate::quantity::Dimension;
@@ -324,10 +324,10 @@ const PLANNERS: &[Planner] = &[
 ];
 
 const OUTCOMES: &[Outcome] = &[
-    outcome(ElectrodeArrayOutcome::Steps.choice(), Dimension::NUMBER),
-    outcome(ElectrodeArrayOutcome::SumOfCosts.choice(), Dimension::NUMBER),
-    outcome(ElectrodeArrayOutcome::Moves.choice(), Dimension::NUMBER),
-    outcome(ElectrodeArrayOutcome::Time.choice(), Dimension::TIME),
+    outcome(ElectrodeArrayOutcome::Steps.choice(), OutcomeUnit::Count),
+    outcome(ElectrodeArrayOutcome::SumOfCosts.choice(), OutcomeUnit::Count),
+    outcome(ElectrodeArrayOutcome::Moves.choice(), OutcomeUnit::Count),
+    outcome(ElectrodeArrayOutcome::Time.choice(), OutcomeUnit::Nanosecond),
 ];
 
 /// The words of the kind.

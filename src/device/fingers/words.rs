@@ -4,9 +4,9 @@ use super::{MAX_FINGERS, MAX_LOOKS, MIN_FINGERS};
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
-    Assay, Count, Frames, Noun, Outcome, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField,
-    VocabularyPhrase, WordChoice, any, budget, expansions, not_negative, optional, outcome, planner, positive,
-    required,
+    Assay, Count, Frames, Noun, Outcome, OutcomeUnit, Planner, Range, Sort, Together, Verb, Vocabulary,
+    VocabularyField, VocabularyPhrase, WordChoice, any, budget, expansions, not_negative, optional, outcome, planner,
+    positive, required,
 };
 use crate::quantity::Dimension;
 
@@ -189,9 +189,9 @@ const PLANNERS: &[Planner] = &[
 ];
 
 const OUTCOMES: &[Outcome] = &[
-    outcome(FingersOutcome::Effort.choice(), Dimension::ANGLE),
-    outcome(FingersOutcome::Reconfigurations.choice(), Dimension::NUMBER),
-    outcome(FingersOutcome::Time.choice(), Dimension::TIME),
+    outcome(FingersOutcome::Effort.choice(), OutcomeUnit::Degree),
+    outcome(FingersOutcome::Reconfigurations.choice(), OutcomeUnit::Count),
+    outcome(FingersOutcome::Time.choice(), OutcomeUnit::Nanosecond),
 ];
 
 /// The words of the kind.

@@ -4,8 +4,9 @@ use super::MAX_LEVELS;
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
-    Assay, Block, Count, Frames, Noun, Outcome, Planner, Sort, Together, Verb, Vocabulary, VocabularyField,
-    VocabularyPhrase, WordChoice, expansions, not_negative, optional, outcome, planner, positive, required,
+    Assay, Block, Count, Frames, Noun, Outcome, OutcomeUnit, Planner, Sort, Together, Verb, Vocabulary,
+    VocabularyField, VocabularyPhrase, WordChoice, expansions, not_negative, optional, outcome, planner, positive,
+    required,
 };
 use crate::quantity::Dimension;
 
@@ -187,9 +188,9 @@ const BUDGET: [VocabularyField; 1] =
 const PLANNERS: &[Planner] = &[planner(MicrorobotsPlanner::OneWayDubins.choice(), &BUDGET)];
 
 const OUTCOMES: &[Outcome] = &[
-    outcome(MicrorobotsOutcome::Time.choice(), Dimension::TIME),
-    outcome(MicrorobotsOutcome::Switches.choice(), Dimension::NUMBER),
-    outcome(MicrorobotsOutcome::Strokes.choice(), Dimension::NUMBER),
+    outcome(MicrorobotsOutcome::Time.choice(), OutcomeUnit::Nanosecond),
+    outcome(MicrorobotsOutcome::Switches.choice(), OutcomeUnit::Count),
+    outcome(MicrorobotsOutcome::Strokes.choice(), OutcomeUnit::Count),
 ];
 
 /// The words of the kind.

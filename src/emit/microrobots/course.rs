@@ -159,11 +159,10 @@ impl<'a> BedPlanCourse<'a> {
             let strokes = train.and_then(|train| Some(train.duration_ns / train.swing?.period_ns.max(1))).unwrap_or(0);
             let body = |robot: usize| {
                 let facts = order.robot(robot);
-                let &[x_um, y_um, heading_rad] = poses.get(&facts.name)?;
                 let is_docked = docked.contains(&facts.name);
                 let is_down = arms.get(order.robots[robot].row) == Some(&Arm::Down.digit());
                 Some(RobotInLeg {
-                    pose: Pose { x_um, y_um, heading_rad },
+                    pose: poses.get(&facts.name)?.pose(),
                     arm: if is_down { Arm::Down } else { Arm::Up },
                     way_um: if is_docked { 0.0 } else { facts.step_um * strokes as f64 },
                     is_docked,

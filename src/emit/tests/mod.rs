@@ -1,8 +1,10 @@
 use super::{EmitError, Format, Provenance, emit, fixture};
 use crate::device::instrument::Protocol;
+use crate::device::{Kind, Outcome};
 use crate::diagnostic::Code;
 use crate::schedule::{Actuation, ChannelUnit, json};
 use crate::verify::Verified;
+use std::collections::BTreeSet;
 
 pub(super) mod bench;
 mod positions;
@@ -185,7 +187,7 @@ fn judged_of(fixture: (Verified, Provenance), change: impl FnOnce(&mut serde_jso
 fn json_keeps_to_its_schema() {
     assert_eq!(judged(|_| ()), (true, true));
     let changes: &[fn(&mut serde_json::Value)] = &[
-        |value| value["version"] = 2.into(),
+        |value| value["version"] = 1.into(),
         |value| value["format"] = "schedule".into(),
         |value| value["duration_ns"] = (-1).into(),
         |value| value["duration_ns"] = u64::MAX.into(),
@@ -213,6 +215,32 @@ fn json_keeps_to_its_schema() {
     for (index, change) in stricter.iter().enumerate() {
         assert_eq!(judged(change), (false, true), "change {index}");
     }
+}
+
+#[test]
+fn numbers_of_json_have_one_unit_each_at_the_end_of_their_keys() {
+    const UNITS: [&str; 8] = ["um", "deg", "ns", "v", "hz", "v_per_um", "v_per_s", "j"];
+    /// A factor, and what stands beside a `unit`: that of the plan, or that of the channel.
+    const WITHOUT: [&str; 5] = ["gain", "cost", "bound", "from", "to"];
+    let schema: serde_json::Value =
+        serde_json::from_str(include_str!("../../../schema/schedule.schema.json")).expect("the schema is JSON");
+    let (mut keys, mut rest) = (Vec::new(), vec![&schema]);
+    while let Some(part) = rest.pop() {
+        if let Some(properties) = part.get("properties").and_then(|properties| properties.as_object()) {
+            let is_number = |kind: &serde_json::Value| kind == "number" || kind[0] == "number";
+            keys.extend(properties.iter().filter(|(_, sort)| is_number(&sort["type"])).map(|(key, _)| key.as_str()));
+        }
+        rest.extend(part.as_object().into_iter().flat_map(|object| object.values()));
+        rest.extend(part.as_array().into_iter().flatten());
+    }
+    assert!(keys.len() > 20, "{keys:?}");
+    let has_unit = |key: &str| UNITS.iter().any(|unit| key.ends_with(&format!("_{unit}")));
+    let bare: Vec<&str> = keys.into_iter().filter(|key| !has_unit(key) && !WITHOUT.contains(key)).collect();
+    assert_eq!(bare, [""; 0]);
+    // Outcomes have theirs from the vocabulary.
+    let outcomes = Kind::ALL.iter().flat_map(|kind| kind.vocabulary().outcomes).map(Outcome::key);
+    let listed = schema["$defs"]["outcomes"]["properties"].as_object().expect("outcomes by key");
+    assert_eq!(outcomes.collect::<BTreeSet<String>>(), listed.keys().cloned().collect());
 }
 
 #[test]

@@ -9,10 +9,9 @@ use super::Lowered;
 use super::clock::{LoweredRun, RunActuation};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, CHANNEL};
-use crate::geometry::Pose;
 use crate::plan::Planned;
 use crate::plan::microrobots::{Crew, Leg, MicrorobotsMotion, MicrorobotsStepMotion, RobotDocking};
-use crate::schedule::microrobots::MicrorobotsState;
+use crate::schedule::microrobots::{MicrorobotsState, RecordedPose};
 use crate::schedule::{ChannelUnit, State, Swing, TimedState};
 
 impl Lowered for Planned<'_, MicrorobotsOrder, MicrorobotsMotion> {
@@ -79,11 +78,11 @@ impl LoweringBed<'_> {
     fn record(&mut self, control: usize) {
         let arms: Vec<u8> = self.order.states[control].arms.iter().map(|arm| arm.digit()).collect();
         let name = |robot: usize| self.order.robot(robot).name.clone();
-        let place = |pose: &Pose| [pose.x_um, pose.y_um, pose.heading_rad];
         let mut docked: Vec<String> =
             (0..self.crew.docked.len()).filter(|robot| self.crew.docked[*robot]).map(name).collect();
         docked.sort_unstable();
-        let poses = self.crew.poses.iter().enumerate().map(|(robot, pose)| (name(robot), place(pose))).collect();
+        let poses =
+            self.crew.poses.iter().enumerate().map(|(robot, pose)| (name(robot), RecordedPose::from(*pose))).collect();
         let state = State::Microrobots(MicrorobotsState { control, arms, docked, poses });
         self.run.states.push(TimedState { t_ns: self.run.duration_ns, state });
     }

@@ -7,11 +7,12 @@ use crate::claims::microrobots::{
 use crate::claims::{Claims, Job, Order, Timeline};
 use crate::device::microrobots::{ControlState, Docking as Meeting, Fine, MicrorobotsFacts, Robot, Turning};
 use crate::diagnostic::Sink;
+use crate::geometry::Pose;
 use crate::geometry::Shape;
 use crate::lower::lower;
 use crate::plan::{Motion, Optimality, Plan, Planned};
 use crate::schedule::Schedule;
-use crate::schedule::microrobots::MicrorobotsState;
+use crate::schedule::microrobots::{MicrorobotsState, RecordedPose};
 use crate::source::{Sources, Span};
 use std::sync::Arc;
 
@@ -121,7 +122,7 @@ pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
     let schedule = lower(&claims, &[plan], &sources, &mut Sink::default()).expect("a short schedule");
     let last = schedule.plans[0].states.last().expect("the state at the end");
     let State::Microrobots(MicrorobotsState { poses, .. }) = &last.state else { panic!("a state of microrobots") };
-    let ends: Vec<Pose> = poses.values().map(|&[x_um, y_um, heading_rad]| Pose { x_um, y_um, heading_rad }).collect();
+    let ends: Vec<Pose> = poses.values().map(RecordedPose::pose).collect();
     if let Order::Microrobots(order) = &mut claims.jobs[0].order {
         order.steps.iter_mut().for_each(|step| aim(step, &ends));
     }

@@ -176,5 +176,5 @@ fn shown(order: &ElectrodeArrayOrder, requirement: &Requirement, figure: u64) ->
 
 fn dimension(outcome: &str) -> Dimension {
     let known = Kind::ElectrodeArray.vocabulary().outcomes.iter().find(|known| known.name == outcome);
-    known.map_or(Dimension::NUMBER, |known| known.dimension)
+    known.map_or(Dimension::NUMBER, |known| known.unit.dimension())
 }

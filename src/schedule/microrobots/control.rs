@@ -3,6 +3,7 @@
 //! Described for people in `docs/control.md`, for programs in `schema/control.schema.json`. `tweeze control` exchanges them, a recording
 //! holds them, and the verifier judges them. Times are integer nanoseconds of the measurements' own clock.
 
+use super::RecordedPose;
 use crate::device::microrobots::control::{ControlPhase, StopReason};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -13,17 +14,7 @@ use std::collections::BTreeMap;
 pub struct MeasuredLine {
     pub t_ns: u64,
     /// By the names of the scene; `None`, like a missing one, was not seen.
-    pub robots: BTreeMap<String, Option<MeasuredPose>>,
-}
-
-/// A measured pose, in the coordinates of the scene.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MeasuredPose {
-    pub x_um: f64,
-    pub y_um: f64,
-    /// From +x, counter-clockwise.
-    pub heading_deg: f64,
+    pub robots: BTreeMap<String, Option<RecordedPose>>,
 }
 
 /// A command with what belongs to every one of them.

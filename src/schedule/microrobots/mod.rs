@@ -23,13 +23,39 @@ pub struct MicrorobotsState {
     /// The robots that stick in a structure and move no more, by name in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub docked: Vec<String>,
-    /// Place in micrometres and heading in radians, as in `pose(…)`, of each robot on the bed, by its name.
-    pub poses: BTreeMap<String, [f64; 3]>,
+    /// Each robot on the bed, by its name.
+    pub poses: BTreeMap<String, RecordedPose>,
+}
+
+/// Where a robot is, measured or planned, in the coordinates of the scene: the middle of its body.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordedPose {
+    pub x_um: f64,
+    pub y_um: f64,
+    /// From +x, counter-clockwise, as in `pose(…)`.
+    pub heading_deg: f64,
+}
+
+impl RecordedPose {
+    pub fn heading_rad(&self) -> f64 {
+        self.heading_deg.to_radians()
+    }
+
+    pub fn pose(&self) -> Pose {
+        Pose { x_um: self.x_um, y_um: self.y_um, heading_rad: self.heading_rad() }
+    }
+}
+
+impl From<Pose> for RecordedPose {
+    fn from(Pose { x_um, y_um, heading_rad }: Pose) -> RecordedPose {
+        RecordedPose { x_um, y_um, heading_deg: heading_rad.to_degrees() }
+    }
 }
 
 impl KindState for MicrorobotsState {
     fn floats(&self) -> Vec<f64> {
-        self.poses.values().flatten().copied().collect()
+        self.poses.values().flat_map(|pose| [pose.x_um, pose.y_um, pose.heading_deg]).collect()
     }
 }
 
@@ -47,7 +73,7 @@ impl Reaching for MicrorobotsOrder {
         let State::Microrobots(MicrorobotsState { poses, .. }) = end else { return Vec::new() };
         let pose = |(robot, goal): (usize, &Pose)| {
             let robot = self.robot(robot).name.clone();
-            let [x_um, y_um, heading_rad] = *poses.get(&robot)?;
+            let Pose { x_um, y_um, heading_rad } = poses.get(&robot)?.pose();
             let off_rad = (heading_rad - goal.heading_rad + PI).rem_euclid(TAU) - PI;
             Some(Reached::Pose {
                 robot,
@@ -69,7 +95,7 @@ impl Costed for MicrorobotsOrder {
     fn cost(&self, plan: &PlanRecord) -> String {
         let seconds = |seconds: f64| format!("{} s", rounded(seconds));
         let switches = |number: f64| count(number as usize, "switch");
-        let time = seconds(figure_of(plan, MicrorobotsOutcome::Time.name()));
+        let time = seconds(plan.duration_ns as f64 / 1e9);
         let switched = switches(figure_of(plan, MicrorobotsOutcome::Switches.name()));
         match self.objective {
             MicrorobotsObjective::Time => format!("{time} in {switched}, {}", proof(plan, seconds)),

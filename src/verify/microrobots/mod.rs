@@ -28,7 +28,7 @@ use crate::device::microrobots::{
 use crate::geometry::Pose;
 use crate::quantity::digits;
 use crate::real::Real;
-use crate::schedule::microrobots::MicrorobotsState;
+use crate::schedule::microrobots::{MicrorobotsState, RecordedPose};
 use crate::schedule::{ChannelUnit, State, TimedState};
 use motion::{Ride, RobotPlace, turn_between};
 use std::borrow::Cow;
@@ -146,8 +146,8 @@ impl JudgedState for MicrorobotsState {
 
     fn shown(&self) -> String {
         let MicrorobotsState { control, docked, poses, .. } = self;
-        let pose = |(name, [x_um, y_um, heading_rad]): (&String, &[f64; 3])| {
-            let (x, y, heading) = (digits(*x_um), digits(*y_um), digits(heading_rad.to_degrees()));
+        let pose = |(name, pose): (&String, &RecordedPose)| {
+            let (x, y, heading) = (digits(pose.x_um), digits(pose.y_um), digits(pose.heading_deg));
             let stuck = if docked.contains(name) { ", docked" } else { "" };
             format!("`{name}` at ({x} um, {y} um, {heading} deg{stuck})")
         };
@@ -161,9 +161,10 @@ impl JudgedState for MicrorobotsState {
 }
 
 /// Whether a recorded pose is the replayed one, but for rounding.
-fn near(recorded: &[f64; 3], replayed: &[f64; 3]) -> bool {
-    let off_um = (recorded[0] - replayed[0]).hypotenuse(recorded[1] - replayed[1]);
-    off_um <= PLACE_TOLERANCE_UM && turn_between(recorded[2], replayed[2]).abs() <= HEADING_TOLERANCE_RAD
+fn near(recorded: &RecordedPose, replayed: &RecordedPose) -> bool {
+    let off_um = (recorded.x_um - replayed.x_um).hypotenuse(recorded.y_um - replayed.y_um);
+    let off_rad = turn_between(recorded.heading_rad(), replayed.heading_rad());
+    off_um <= PLACE_TOLERANCE_UM && off_rad.abs() <= HEADING_TOLERANCE_RAD
 }
 
 /// The strokes of a leg, with the motion of every robot.
@@ -205,7 +206,8 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
             Some(State::Dimibot(_) | State::ElectrodeArray(_) | State::Fingers(_)) | None => None,
         };
         let names = || (0..order.robots.len()).map(|robot| &order.robot(robot).name);
-        let stands = |name: &String| left.and_then(|(poses, _)| poses.get(name)).map(|pose| RobotPlace::new(*pose));
+        let stands =
+            |name: &String| left.and_then(|(poses, _)| poses.get(name)).map(|pose| RobotPlace::of(&pose.pose()));
         let sticks = |name: &String| left.is_some_and(|(_, docked)| docked.contains(name)).then_some(0);
         let places = names().zip(order.robots.iter());
         JudgedBed {
@@ -390,7 +392,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         let mut docked: Vec<String> =
             robots.clone().filter(|r| self.docked[*r].is_some()).map(|r| self.name(r).to_owned()).collect();
         docked.sort_unstable();
-        let poses = robots.map(|robot| (self.name(robot).to_owned(), self.places[robot].told())).collect();
+        let poses = robots.map(|robot| (self.name(robot).to_owned(), self.places[robot].recorded())).collect();
         State::Microrobots(MicrorobotsState { control, arms, docked, poses })
     }
 

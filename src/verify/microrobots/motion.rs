@@ -6,6 +6,7 @@
 use super::bodies::JudgedBody;
 use crate::geometry::Pose;
 use crate::real::Real;
+use crate::schedule::microrobots::RecordedPose;
 use nalgebra::{Point2, Vector2};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -18,17 +19,14 @@ pub(super) struct RobotPlace {
 }
 
 impl RobotPlace {
-    pub fn new([x_um, y_um, heading_rad]: [f64; 3]) -> RobotPlace {
-        RobotPlace { at: Point2::new(x_um, y_um), theta_rad: FRAC_PI_2 - heading_rad }
-    }
-
     pub fn of(pose: &Pose) -> RobotPlace {
-        RobotPlace::new([pose.x_um, pose.y_um, pose.heading_rad])
+        RobotPlace { at: Point2::new(pose.x_um, pose.y_um), theta_rad: FRAC_PI_2 - pose.heading_rad }
     }
 
     /// As in states: x, y and the heading from +x, counter-clockwise, between -180 and 180 degrees.
-    pub fn told(self) -> [f64; 3] {
-        [self.at.x, self.at.y, turn_between(0.0, FRAC_PI_2 - self.theta_rad)]
+    pub fn recorded(self) -> RecordedPose {
+        let heading_rad = turn_between(0.0, FRAC_PI_2 - self.theta_rad);
+        RecordedPose::from(Pose { x_um: self.at.x, y_um: self.at.y, heading_rad })
     }
 
     /// After a path length, on a curve or straight on.

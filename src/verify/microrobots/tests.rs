@@ -8,6 +8,7 @@ use crate::device::microrobots::{Arm, Docking, Fine, MicrorobotsFacts, Robot, Tu
 use crate::geometry::Pose;
 use crate::geometry::distance::quadrilateral_core;
 use crate::geometry::shape::Core;
+use crate::schedule::microrobots::RecordedPose;
 use nalgebra::{Point2, Vector2};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
@@ -91,7 +92,7 @@ proptest! {
         let (arm, curve_um) = if is_down { (Arm::Down, Some(super::curve_um(&robot))) } else { (Arm::Up, None) };
         let moved = RobotPlace::of(&pose).driven(curve_um, way_um);
         let expected = robot.moved(pose, arm, way_um);
-        prop_assert!(super::near(&moved.told(), &[expected.x_um, expected.y_um, expected.heading_rad]));
+        prop_assert!(super::near(&moved.recorded(), &RecordedPose::from(expected)));
         let [off_um, off_rad] = moved.off(&expected);
         prop_assert!(off_um < 1e-9 && off_rad < 1e-9, "{off_um} {off_rad}");
         let centre = RobotPlace::of(&pose).centre(super::curve_um(&robot));

@@ -270,8 +270,12 @@ fn record_run(schedule: &mut Schedule, index: usize, order: &DimibotOrder, start
     let plan = &mut schedule.plans[index];
     let seconds = plan.duration_ns as f64 / 1e9;
     let energy_j = actuations.len() as f64 * facts.switch_energy_j();
-    let outcomes =
-        [("distance", distance_um * 1e-6), ("switches", f64::from(switches)), ("time", seconds), ("energy", energy_j)];
+    let outcomes = [
+        ("distance_um", distance_um),
+        ("switches", f64::from(switches)),
+        ("time_ns", seconds * 1e9),
+        ("energy_j", energy_j),
+    ];
     plan.outcomes = outcomes.map(|(name, value)| (name.to_owned(), value)).into();
     plan.cost = match order.objective {
         DimibotObjective::Distance => distance_um,

@@ -76,7 +76,7 @@ fn spoiled(schedule: &mut Schedule, spoil: &Spoil) {
         Spoil::Number(what, at, value) => match what {
             0 => write(plans, at, |plan| plan.cost = value),
             1 => write(plans, at, |plan| plan.bound = value),
-            2 => write(plans, at, |plan| plan.outcomes.extend([("time".to_owned(), value)])),
+            2 => write(plans, at, |plan| plan.outcomes.extend([("time_ns".to_owned(), value)])),
             3 => write(plans, at, |plan| {
                 write(&mut plan.states, at, |timed| {
                     let State::Dimibot(DimibotState { word, cell, position_um }) = &mut timed.state else { return };

@@ -46,7 +46,7 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
     ("an endless voltage", Rule::Number, |s| s.actuations[0].from = f64::INFINITY),
     ("a cost that is none", Rule::Number, |s| s.plans[0].cost = f64::NAN),
     ("a negative bound", Rule::Number, |s| s.plans[0].bound = -1.0),
-    ("an endless outcome", Rule::Number, |s| *s.plans[0].outcomes.get_mut("time").unwrap() = f64::INFINITY),
+    ("an endless outcome", Rule::Number, |s| *s.plans[0].outcomes.get_mut("time_ns").unwrap() = f64::INFINITY),
     ("a place that is none", Rule::Number, |s| {
         let State::Dimibot(DimibotState { position_um, .. }) = &mut s.plans[0].states[1].state else {
             panic!("a state of a DiMiBot")
@@ -107,11 +107,11 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
         (s.plans[0].bound, s.plans[0].optimal) = (s.plans[0].cost * 1.000_001, false);
     }),
     ("an optimum without proof", Rule::Figure, |s| s.plans[0].bound *= 0.999_999),
-    ("a shorter time", Rule::Figure, |s| *s.plans[0].outcomes.get_mut("time").unwrap() -= 1e-6),
+    ("a shorter time", Rule::Figure, |s| *s.plans[0].outcomes.get_mut("time_ns").unwrap() -= 1e3),
     ("a switch less", Rule::Figure, |s| *s.plans[0].outcomes.get_mut("switches").unwrap() -= 1.0),
-    ("less energy", Rule::Figure, |s| *s.plans[0].outcomes.get_mut("energy").unwrap() -= 1e-6),
-    ("another distance", Rule::Figure, |s| *s.plans[0].outcomes.get_mut("distance").unwrap() *= 1.000_001),
-    ("an outcome less", Rule::Figure, |s| s.plans[0].outcomes.retain(|name, _| name != "energy")),
+    ("less energy", Rule::Figure, |s| *s.plans[0].outcomes.get_mut("energy_j").unwrap() -= 1e-6),
+    ("another distance", Rule::Figure, |s| *s.plans[0].outcomes.get_mut("distance_um").unwrap() *= 1.000_001),
+    ("an outcome less", Rule::Figure, |s| s.plans[0].outcomes.retain(|name, _| name != "energy_j")),
     ("an outcome more", Rule::Figure, |s| s.plans[0].outcomes.extend([("steps".into(), 3.0)])),
     ("a state too early", Rule::State, |s| s.plans[0].states[1].t_ns -= 1),
     ("a start too late", Rule::State, |s| s.plans[0].states[0].t_ns += 1),

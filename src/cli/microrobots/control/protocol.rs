@@ -2,7 +2,8 @@
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
-use crate::schedule::control::{MeasuredLine, MeasuredPose};
+use crate::schedule::control::MeasuredLine;
+use crate::schedule::microrobots::RecordedPose;
 use serde::Serialize;
 
 /// A measurement: its time, and a pose for each robot of an order that was seen.
@@ -22,10 +23,7 @@ pub fn measured(order: &MicrorobotsOrder, line: &str) -> Result<Measured, String
     if let Some(unknown) = robots.keys().find(|name| !names.contains(&name.as_str())) {
         return Err(format!("`{unknown}` is no robot of the scene, which has {}", names.join(", ")));
     }
-    let pose = |name: &&str| {
-        let MeasuredPose { x_um, y_um, heading_deg } = robots.get(*name)?.as_ref()?;
-        Some(Pose { x_um: *x_um, y_um: *y_um, heading_rad: heading_deg.to_radians() })
-    };
+    let pose = |name: &&str| robots.get(*name)?.as_ref().map(RecordedPose::pose);
     Ok(Measured { t_ns, poses: names.iter().map(pose).collect() })
 }
 

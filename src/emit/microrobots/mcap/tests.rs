@@ -6,7 +6,7 @@ use crate::emit::mcap::foxglove::{FrameTransforms, SceneUpdate};
 use crate::emit::mcap::tests::device_topics;
 use crate::emit::microrobots::course::MAX_POSES;
 use crate::schedule::State;
-use crate::schedule::microrobots::MicrorobotsState;
+use crate::schedule::microrobots::{MicrorobotsState, RecordedPose};
 use prost::Message as _;
 
 fn topic<'a>(topics: &'a [LogTopic], name: &str) -> &'a LogTopic {
@@ -35,7 +35,7 @@ fn poses_are_those_of_the_states_and_follow_circles_between_them() {
     for timed in &bed.schedule().plans[0].states {
         let State::Microrobots(MicrorobotsState { poses, .. }) = &timed.state else { panic!("a state of microrobots") };
         let (_, last) = said.iter().rfind(|(t_ns, _)| *t_ns <= timed.t_ns).unwrap();
-        for (place, [x_um, y_um, _]) in last.iter().zip(poses.values()) {
+        for (place, RecordedPose { x_um, y_um, .. }) in last.iter().zip(poses.values()) {
             assert!((place[0] - x_um).abs() < 1e-6 && (place[1] - y_um).abs() < 1e-6, "{place:?} {x_um} {y_um}");
         }
     }
@@ -124,11 +124,12 @@ fn robots_have_bodies_in_frames_that_turn() {
     let last = FrameTransforms::decode(tf.messages.last().unwrap().1.as_slice()).unwrap();
     let state = bed.schedule().plans[0].states.last().unwrap();
     let State::Microrobots(MicrorobotsState { poses, .. }) = &state.state else { panic!("a state of microrobots") };
-    for (name, [_, _, heading_rad]) in poses {
+    for (name, pose) in poses {
         let frame = last.transforms.iter().find(|frame| frame.child_frame_id == format!("m/{name}")).unwrap();
         let turn = frame.rotation.unwrap();
         let found_rad = 2.0 * turn.z.atan2(turn.w);
-        assert!((found_rad - heading_rad).sin().abs() < 1e-8 && (found_rad - heading_rad).cos() > 0.0);
+        let off_rad = found_rad - pose.heading_rad();
+        assert!(off_rad.sin().abs() < 1e-8 && off_rad.cos() > 0.0);
     }
     let bench = &bench::PictureBench::all(&bed)[0];
     assert!(bench.stand.place[0] > 400.0, "what lies left of the origin has its room");

@@ -304,7 +304,7 @@ impl<'r, 'a> Walk<'r, 'a> {
         }
         let place = |robot: usize| {
             let pose = measured.robots.get(self.run.name(robot))?.as_ref()?;
-            Some(RobotPlace::new([pose.x_um, pose.y_um, pose.heading_deg.to_radians()]))
+            Some(RobotPlace::of(&pose.pose()))
         };
         Ok((0..self.run.order.robots.len()).map(place).collect())
     }

@@ -265,7 +265,7 @@ impl Writer {
     ) -> PlanRecord {
         let duration_ns = self.at_ns - start_ns;
         let figures = [("steps", steps as f64), ("sum_of_costs", costs as f64), ("moves", moves as f64)];
-        let outcomes = figures.into_iter().chain([("time", duration_ns as f64 / 1e9)]);
+        let outcomes = figures.into_iter().chain([("time_ns", duration_ns as f64)]);
         let (objective, cost) = match order.objective {
             ElectrodeArrayObjective::Makespan => ("makespan", steps as f64),
             ElectrodeArrayObjective::SumOfCosts => ("sum_of_costs", costs as f64),

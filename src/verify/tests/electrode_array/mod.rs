@@ -92,7 +92,7 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
     }),
     ("no states", Rule::State, |s| s.plans[0].states.clear()),
     ("another cost", Rule::Figure, |s| (s.plans[0].cost, s.plans[0].bound) = (6.0, 6.0)),
-    ("an unknown outcome", Rule::Figure, |s| s.plans[0].outcomes.extend([("energy".to_owned(), 1.0)])),
+    ("an unknown outcome", Rule::Figure, |s| s.plans[0].outcomes.extend([("energy_j".to_owned(), 1.0)])),
     ("a channel that the board does not have", Rule::Channel, |s| s.channels[0].name = "board.e21_4".into()),
     ("a channel written otherwise", Rule::Channel, |s| s.channels[0].name = "board.e07_4".into()),
 ];

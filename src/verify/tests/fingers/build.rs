@@ -357,7 +357,7 @@ fn run(schedule: &mut Schedule, job: &Job, index: usize, day: &Day) {
     }
     let seconds = (at_ns - start_ns) as f64 / 1e9;
     let (effort_deg, reconfigurations) = (day.effort_deg, f64::from(day.reconfigurations));
-    let outcomes = [("effort", effort_deg.to_radians()), ("reconfigurations", reconfigurations), ("time", seconds)];
+    let outcomes = [("effort_deg", effort_deg), ("reconfigurations", reconfigurations), ("time_ns", seconds * 1e9)];
     schedule.plans.push(PlanRecord {
         task: job.task.clone(),
         device: job.device.clone(),

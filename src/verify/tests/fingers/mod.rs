@@ -141,7 +141,7 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
         s.steps[3].reached = std::mem::take(&mut s.steps[1].reached);
     }),
     ("a turn to no number", Rule::Number, |s| told_turn(s, f64::NAN)),
-    ("another effort", Rule::Figure, |s| figure(s, "effort", 1.0)),
+    ("another effort", Rule::Figure, |s| figure(s, "effort_deg", 1.0)),
     ("another number of changes", Rule::Figure, |s| figure(s, "reconfigurations", 3.0)),
     ("another cost", Rule::Figure, |s| s.plans[0].cost += 1e-3),
     ("another planner", Rule::Figure, |s| s.plans[0].planner = "greedy_decomposition".into()),

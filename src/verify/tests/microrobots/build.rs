@@ -8,7 +8,7 @@ use crate::claims::{Claims, Job, Order};
 use crate::device::Kind;
 use crate::device::microrobots::{Arm, ControlState, Docking, Fine, MicrorobotsFacts, Robot, Turning};
 use crate::geometry::{Pose, Shape};
-use crate::schedule::microrobots::MicrorobotsState;
+use crate::schedule::microrobots::{MicrorobotsState, RecordedPose};
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, Swing, TimedState};
 use crate::source::Span;
 use crate::verify::tests::{bare, build, step_of};
@@ -270,7 +270,8 @@ impl Writer {
         states.push(self.state(order, 0));
         let seconds = (self.at_ns - start_ns) as f64 / 1e9;
         let strokes: u64 = legs.iter().flatten().map(|leg| leg.strokes).sum();
-        let outcomes = [("time", seconds), ("switches", legs.concat().len() as f64), ("strokes", strokes as f64)];
+        let outcomes =
+            [("time_ns", seconds * 1e9), ("switches", legs.concat().len() as f64), ("strokes", strokes as f64)];
         self.schedule.plans.push(PlanRecord {
             task: job.task.clone(),
             device: job.device.clone(),
@@ -295,7 +296,7 @@ impl Writer {
         let arms = (0..4).map(|row| u8::from(row < control)).collect();
         let mut docked: Vec<String> = self.docked.iter().map(|robot| name(*robot)).collect();
         docked.sort();
-        let place = |(robot, pose): (usize, &Pose)| (name(robot), [pose.x_um, pose.y_um, pose.heading_rad]);
+        let place = |(robot, pose): (usize, &Pose)| (name(robot), RecordedPose::from(*pose));
         let poses = self.poses.iter().enumerate().map(place).collect();
         TimedState { t_ns: self.at_ns, state: State::Microrobots(MicrorobotsState { control, arms, docked, poses }) }
     }

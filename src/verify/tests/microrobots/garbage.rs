@@ -3,7 +3,7 @@
 use super::*;
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{MAX_ROBOTS, MicrorobotsFacts};
-use crate::geometry::Shape;
+use crate::geometry::{Pose, Shape};
 use crate::schedule::microrobots::MicrorobotsState;
 use proptest::prelude::*;
 
@@ -68,7 +68,7 @@ fn spoiled(schedule: &mut Schedule, (what, at): (u8, usize), value: u64, small: 
             };
             (*control, arms[0]) = (small as usize, small as u8);
             docked.push(format!("D{small}"));
-            poses.insert(format!("D{small}"), [number, 0.0, 0.0]);
+            poses.insert(format!("D{small}"), Pose::at(number, 0.0).into());
         })),
     }
 }

@@ -61,7 +61,7 @@ fn with_pose(schedule: &mut Schedule, at: usize, [x_um, heading_rad]: [f64; 2]) 
         panic!("a bed's state")
     };
     let pose = poses.get_mut("D1").expect("a robot");
-    (pose[0], pose[2]) = (pose[0] + x_um, pose[2] + heading_rad);
+    (pose.x_um, pose.heading_deg) = (pose.x_um + x_um, pose.heading_deg + heading_rad.to_degrees());
 }
 
 fn figure(schedule: &mut Schedule, name: &str, value: f64) {
@@ -178,9 +178,9 @@ fn levels_may_last_longer_and_no_time_is_lost_between_them() {
     long.plans[0].duration_ns += 1;
     long.plans[0].states.last_mut().expect("an end").t_ns += 1;
     long.steps[3].duration_ns += 1;
-    let seconds = long.plans[0].duration_ns as f64 / 1e9;
-    long.plans[0].outcomes.insert("time".into(), seconds);
-    long.plans[0].cost = seconds;
+    let duration_ns = long.plans[0].duration_ns as f64;
+    long.plans[0].outcomes.insert("time_ns".into(), duration_ns);
+    long.plans[0].cost = duration_ns / 1e9;
     only(Rule::Idle, &long, &claims);
 }
 
