@@ -88,7 +88,7 @@ impl<'a> Checker<'a> {
         let sorts = [DeclarationSort::Program, DeclarationSort::Task];
         let unrun: Vec<(DeclarationPlace, Declaration)> =
             sorts.into_iter().flat_map(|sort| self.own_places(sort)).collect();
-        let mut told = Vec::new();
+        let mut own = Vec::new();
         for (place, declaration) in unrun {
             if self.run.contains(&place) {
                 continue;
@@ -96,12 +96,12 @@ impl<'a> Checker<'a> {
             let unknown = |parameter: &tree::Parameter| Spanned::new(Value::Unknown, parameter.span);
             let arguments: Vec<Spanned<Value>> = self.parameters(place).iter().map(unknown).collect();
             if place.module == 0 {
-                told.push((place, declaration));
+                own.push((place, declaration));
             }
             self.run(place, arguments, declaration.span, &mut Draft::default());
         }
         if self.sink.errors() == 0 {
-            told.into_iter().for_each(|(place, declaration)| self.warn_of_unrun(place, declaration));
+            own.into_iter().for_each(|(place, declaration)| self.warn_of_unrun(place, declaration));
         }
     }
 

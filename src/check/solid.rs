@@ -81,7 +81,7 @@ pub fn of(shape: &ShapeValue, span: Span) -> Told<HandSolid> {
         | ShapeForm::Image => field("axes"),
     };
     for outline in std::iter::once(&solid.xy).chain(&solid.xz) {
-        Curve::of(outline).map_err(|fault| Box::new(told(&fault, outline, size)))?;
+        Curve::of(outline).map_err(|fault| Box::new(outline_fault(&fault, outline, size)))?;
     }
     Ok(HandSolid { density_kg_per_m3: density, ..solid })
 }
@@ -290,7 +290,7 @@ fn sections(shape: &ShapeValue, span: Span) -> Told<HandSolid> {
         Some(field) => match &field.value {
             Value::Shape(shape) => {
                 let outline = profile(shape, plane, field.span)?;
-                Curve::of(&outline).map_err(|fault| Box::new(told(&fault, &outline, field.span)))?;
+                Curve::of(&outline).map_err(|fault| Box::new(outline_fault(&fault, &outline, field.span)))?;
                 Ok(outline)
             }
             _ => Err(Box::new(errors::mesh_file_not_plain(field.span))),
@@ -356,7 +356,7 @@ fn too_many(count: usize, span: Span) -> Diagnostic {
 }
 
 /// Diagnostic for an outline that cannot be sampled.
-fn told(fault: &OutlineError, outline: &Outline, span: Span) -> Diagnostic {
+fn outline_fault(fault: &OutlineError, outline: &Outline, span: Span) -> Diagnostic {
     let point = |[x, y]: [f64; 2]| format!("({} um, {} um)", digits(x), digits(y));
     let place = |index: usize| match outline {
         Outline::Spline { points_um } => {

@@ -55,7 +55,7 @@ fn one(file: &Path, arguments: &FmtArguments) -> Exit {
         return exit;
     }
     let is_json = arguments.report.format == ReportFormat::Json;
-    let told = match (arguments.diff, arguments.check) {
+    let answered = match (arguments.diff, arguments.check) {
         (true, _) => terminal::answer(&difference(&name, &text, &formatted)),
         (false, true) => terminal::answer(&match is_json {
             true => format!("{}\n", json!({ "not_canonical": name })),
@@ -70,7 +70,7 @@ fn one(file: &Path, arguments: &FmtArguments) -> Exit {
         },
     };
     let status = if arguments.check { Exit::Errors } else { Exit::Done };
-    exit.max(told).max(status)
+    exit.max(answered).max(status)
 }
 
 /// What formatting changes, as a unified diff.

@@ -98,12 +98,12 @@ fn show(bar: &ProgressBar, part: Option<&WorkPart>, news: &SearchNews) {
     let Some(part) = part else { return };
     bar.set_length(part.count as u64);
     bar.set_position(part.index as u64);
-    bar.set_message(said(&part.name, news));
+    bar.set_message(progress_text(&part.name, news));
     bar.tick();
 }
 
 /// `fetch: 12.3 M steps of search, best so far 41 steps, least 39`.
-fn said(name: &str, news: &SearchNews) -> String {
+fn progress_text(name: &str, news: &SearchNews) -> String {
     let searched = match news.steps {
         0 => String::new(),
         steps => format!(": {} of search", steps_in_short(steps)),
@@ -142,9 +142,9 @@ mod tests {
     #[test]
     fn the_line_says_how_far_the_search_came() {
         let news = |steps, best: Option<&str>| SearchNews { steps, best: best.map(str::to_owned) };
-        assert_eq!(said("fetch", &news(0, None)), "fetch");
-        assert_eq!(said("fetch", &news(61_440, None)), "fetch: 61 k steps of search");
+        assert_eq!(progress_text("fetch", &news(0, None)), "fetch");
+        assert_eq!(progress_text("fetch", &news(61_440, None)), "fetch: 61 k steps of search");
         let best = news(12_345_678, Some("41 steps, least 39"));
-        assert_eq!(said("fetch", &best), "fetch: 12.3 M steps of search, best so far 41 steps, least 39");
+        assert_eq!(progress_text("fetch", &best), "fetch: 12.3 M steps of search, best so far 41 steps, least 39");
     }
 }

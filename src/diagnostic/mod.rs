@@ -75,8 +75,8 @@ impl Diagnostic {
 
     /// Adds a place unless it is labelled already, as happens in a `for`.
     #[must_use]
-    pub fn label_elsewhere(self, span: Span, said: Span, text: impl Into<String>) -> Self {
-        if span == said { self } else { self.label(span, text) }
+    pub fn label_elsewhere(self, span: Span, labelled: Span, text: impl Into<String>) -> Self {
+        if span == labelled { self } else { self.label(span, text) }
     }
 
     /// Sets the help.

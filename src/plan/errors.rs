@@ -52,11 +52,11 @@ pub fn impossible(ends: StepEnds, proof: &str, blamed: &[(&str, Span)], removal:
     let StepEnds { step, from, to } = ends;
     let mut diagnostic =
         Diagnostic::new(Code::E0601, format!("no plan leads from {from} to {to}")).label(step, proof.to_owned());
-    let mut said: Vec<Span> = vec![step];
+    let mut labelled: Vec<Span> = vec![step];
     for (_, span) in blamed {
-        if !said.contains(span) && said.len() <= MAX_LABELS {
+        if !labelled.contains(span) && labelled.len() <= MAX_LABELS {
             diagnostic = diagnostic.label(*span, "in the way");
-            said.push(*span);
+            labelled.push(*span);
         }
     }
     diagnostic.help_if(removal_help(blamed, removal))
@@ -134,14 +134,14 @@ pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)]) -> Diagnostic 
     let names: Vec<&str> = parts.iter().map(|(name, _)| *name).collect();
     let title = format!("no plan: {} cannot pass one another", all_of(&names));
     let mut diagnostic = Diagnostic::new(Code::E0601, title);
-    let mut said: Vec<Span> = Vec::new();
+    let mut labelled: Vec<Span> = Vec::new();
     for (name, span) in parts.iter().take(MAX_LABELS) {
-        if !said.contains(span) {
+        if !labelled.contains(span) {
             diagnostic = diagnostic.label(*span, format!("`{name}` is in the way of {others}"));
-            said.push(*span);
+            labelled.push(*span);
         }
     }
-    let diagnostic = if said.is_empty() { diagnostic.label(step, "this step") } else { diagnostic };
+    let diagnostic = if labelled.is_empty() { diagnostic.label(step, "this step") } else { diagnostic };
     diagnostic.help(
         "there is no room for them to pass, whatever the other parts do: give one of them a goal on its own \
          side, or move an obstacle",
@@ -199,7 +199,7 @@ pub fn start_covered(begins: Span, task: &str, at: &str, obstacles: &[(&str, Spa
     let labelled = obstacles
         .iter()
         .take(MAX_LABELS)
-        .fold(diagnostic, |told, (_, span)| told.label_elsewhere(*span, begins, "the obstacle"));
+        .fold(diagnostic, |diagnostic, (_, span)| diagnostic.label_elsewhere(*span, begins, "the obstacle"));
     labelled.help("say where it begins with `start at`, or give the device another `home`")
 }
 

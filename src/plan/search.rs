@@ -56,13 +56,13 @@ pub struct Meter {
     /// Up to here a step asks neither the budget nor the watch.
     free: u64,
     /// Steps that the watch knows of, or that were taken on meters of their own.
-    told: u64,
+    reported: u64,
 }
 
 impl Meter {
     /// A meter that has spent nothing.
     pub const fn new(budget: SearchBudget) -> Self {
-        Meter { budget, spent: 0, free: 0, told: 0 }
+        Meter { budget, spent: 0, free: 0, reported: 0 }
     }
 
     /// Takes one step, or reports that none is left.
@@ -87,8 +87,8 @@ impl Meter {
 
     /// Tells the watch of the steps that it does not know of. If it has seen enough, no step is left.
     fn is_wanted(&mut self) -> bool {
-        watch::tell(self.spent - self.told);
-        self.told = self.spent;
+        watch::tell(self.spent - self.reported);
+        self.reported = self.spent;
         let goes_on = watch::goes_on();
         if !goes_on {
             self.budget = SearchBudget::of(self.spent);
@@ -109,7 +109,7 @@ impl Meter {
     /// Takes the steps of a search that had a meter of its own.
     pub fn charge_metered(&mut self, steps: u64) {
         self.spent = self.spent.saturating_add(steps);
-        self.told = self.told.saturating_add(steps);
+        self.reported = self.reported.saturating_add(steps);
         self.is_wanted();
     }
 
@@ -139,7 +139,7 @@ impl Meter {
 
 impl Drop for Meter {
     fn drop(&mut self) {
-        watch::tell(self.spent - self.told);
+        watch::tell(self.spent - self.reported);
     }
 }
 

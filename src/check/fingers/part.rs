@@ -67,8 +67,8 @@ impl PartReader<'_> {
             HandPart { name: object.name.clone(), xy, xz, centre_um: solid.centre_um, position_um, span: object.span };
         if let Some(wrong) = out_of_range(&part, position_um, self.facts) {
             let at = object.at.as_ref().map_or(object.span, |at| at.span);
-            let told = errors::part_out_of_range(at, &part.name, &wrong);
-            self.sink.push(told.label(self.device.span, "of this device"));
+            let diagnostic = errors::part_out_of_range(at, &part.name, &wrong);
+            self.sink.push(diagnostic.label(self.device.span, "of this device"));
             return None;
         }
         let weight_un = weight_un(&solid);

@@ -24,7 +24,7 @@ impl ReportedOrder for DimibotOrder {
 }
 
 impl ReportedDevice for DimibotFacts {
-    fn told(&self, name: &str, _claims: &[Claims]) -> String {
+    fn describe(&self, name: &str, _claims: &[Claims]) -> String {
         let [left, right] = Side::BOTH.map(|side| self.modules(side));
         let [left_um, right_um] = Side::BOTH.map(|side| super::length(self.pitch_um(side)));
         format!("{name}: dimibot, {left} modules of {left_um} left, {right} of {right_um} right\n")

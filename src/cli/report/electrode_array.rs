@@ -8,7 +8,7 @@ use crate::device::electrode_array::ElectrodeArrayFacts;
 impl ReportedOrder for ElectrodeArrayOrder {}
 
 impl ReportedDevice for ElectrodeArrayFacts {
-    fn told(&self, name: &str, _claims: &[Claims]) -> String {
+    fn describe(&self, name: &str, _claims: &[Claims]) -> String {
         let (columns, rows, pitch) = (self.columns, self.rows, length(self.pitch_um()));
         format!("{name}: electrode_array, {columns} x {rows} electrodes {pitch} apart\n")
     }

@@ -19,7 +19,7 @@ impl ReportedOrder for FingersOrder {
 
 impl ReportedDevice for FingersFacts {
     /// A line for the hand, and one for each part.
-    fn told(&self, name: &str, claims: &[Claims]) -> String {
+    fn describe(&self, name: &str, claims: &[Claims]) -> String {
         let (fingers, tip) = (self.fingers, length(self.tip_radius_um));
         let step = digits(360.0 / f64::from(self.steps_per_turn));
         let sticking = match self.adhesion {

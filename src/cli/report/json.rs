@@ -63,13 +63,13 @@ fn planned_schedule(verified: &Verified) -> Value {
 /// What each step takes and reaches, and each operation where several take place at the same time, by the places where they are written.
 fn steps(verified: &Verified) -> Value {
     let (schedule, claims) = (verified.schedule(), verified.claims());
-    let mut told = Vec::new();
+    let mut entries = Vec::new();
     for step in &schedule.steps {
         let nth = step.plan as usize;
         let (Some(plan), Some(job)) = (schedule.plans.get(nth), claims.jobs.get(nth)) else { continue };
-        let mut tell = |(line, column): (u32, u32), start_ns: u64, duration_ns: u64, reached: &[Reached]| {
+        let mut enter = |(line, column): (u32, u32), start_ns: u64, duration_ns: u64, reached: &[Reached]| {
             let value = |reached: &Reached| json!({ "value": reached.value(), "text": reached.to_string() });
-            told.push(json!({
+            entries.push(json!({
                 "task": step.task,
                 "file": step.file,
                 "line": line,
@@ -80,12 +80,12 @@ fn steps(verified: &Verified) -> Value {
                 "reached": reached.iter().filter(|reached| reached.is_off()).map(value).collect::<Value>(),
             }));
         };
-        tell((step.line, step.column), step.start_ns, step.duration_ns, &step.reached);
+        enter((step.line, step.column), step.start_ns, step.duration_ns, &step.reached);
         for operation in &step.operations {
-            tell((operation.line, operation.column), operation.start_ns, operation.duration_ns, &[]);
+            enter((operation.line, operation.column), operation.start_ns, operation.duration_ns, &[]);
         }
     }
-    Value::Array(told)
+    Value::Array(entries)
 }
 
 fn verified_schedule(schedule: &Schedule) -> Value {

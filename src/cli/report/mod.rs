@@ -120,7 +120,7 @@ trait ReportedOrder {
 /// What a kind has to say of a device, on its facts.
 trait ReportedDevice {
     /// The device's lines, with what follows from its figures and the tasks that use it.
-    fn told(&self, name: &str, claims: &[Claims]) -> String;
+    fn describe(&self, name: &str, claims: &[Claims]) -> String;
 }
 
 fn reported(order: &Order) -> &dyn ReportedOrder {
@@ -129,7 +129,7 @@ fn reported(order: &Order) -> &dyn ReportedOrder {
 
 /// The lines of a device of a checked program.
 pub fn device(name: &str, facts: &KindFacts, claims: &[Claims]) -> String {
-    each_kind!(KindFacts, facts, facts => facts.told(name, claims))
+    each_kind!(KindFacts, facts, facts => facts.describe(name, claims))
 }
 
 /// What became of a schedule on the disk.
@@ -236,8 +236,8 @@ fn planned(schedule: &Schedule, claims: &Claims, width: usize, detail: Detail) -
 }
 
 fn runs<'a>(schedule: &'a Schedule, claims: &'a Claims) -> Vec<ReportedRun<'a>> {
-    let told = |(plan, job)| ReportedRun { job, plan, steps: Vec::new() };
-    let mut runs: Vec<ReportedRun> = schedule.plans.iter().zip(&claims.jobs).map(told).collect();
+    let run = |(plan, job)| ReportedRun { job, plan, steps: Vec::new() };
+    let mut runs: Vec<ReportedRun> = schedule.plans.iter().zip(&claims.jobs).map(run).collect();
     for step in &schedule.steps {
         runs[step.plan as usize].steps.push(step);
     }

@@ -122,7 +122,7 @@ fn edited_attachments_are_found() {
     );
     assert_eq!(found(same, replace("schedule.json", "\"line\": 3", "\"line\": 4")), "the attached schedule is another");
     let broken = found(same, replace("schedule.json", "tweeze-schedule", "breeze-schedule"));
-    assert!(broken.contains("format `breeze-schedule` version 1"), "{broken}");
+    assert!(broken.contains("format `breeze-schedule` version 2"), "{broken}");
 }
 
 #[test]

@@ -6,7 +6,7 @@
 //! `/bot/voltages.bl4_set`; beyond that they are one list, `/plate/voltages.volts[7]`. The topic's metadata map each field to its
 //! channel and wire. Every message contains all channels, since a missing field reads as 0 V. Just before a
 //! jump, 1 ns earlier, the old values are repeated, so that lines between messages are the signal itself. All values are repeated at
-//! [`BEATS`] besides: viewers draw a few points for each pixel only, and would join the levels of a signal that is told rarely by slopes.
+//! [`BEATS`] besides: viewers draw a few points for each pixel only, and would join the levels of a signal that is logged rarely by slopes.
 //!
 //! A channel with drive trains would need a message for every edge, so it has two fields, `/bed/voltages.bed_low` and `…bed_high`:
 //! the lower and the higher level of the current train, the same value twice outside of trains. The topic's metadata name
@@ -36,11 +36,11 @@ pub fn beats(duration_ns: u64) -> impl Iterator<Item = u64> {
 }
 
 /// Adds the beats to values that hold until the next ones.
-pub fn repeat_held(told: &mut BTreeMap<u64, Vec<f64>>, duration_ns: u64) {
+pub fn repeat_held(levels: &mut BTreeMap<u64, Vec<f64>>, duration_ns: u64) {
     for t_ns in beats(duration_ns) {
-        if let Some((_, values)) = told.range(..=t_ns).next_back() {
+        if let Some((_, values)) = levels.range(..=t_ns).next_back() {
             let values = values.clone();
-            told.entry(t_ns).or_insert(values);
+            levels.entry(t_ns).or_insert(values);
         }
     }
 }

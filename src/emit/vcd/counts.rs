@@ -47,11 +47,11 @@ impl Iterator for Counts<'_> {
     type Item = (u64, f64);
 
     fn next(&mut self) -> Option<(u64, f64)> {
-        if let Some((actuation, told)) = self.line {
+        if let Some((actuation, written)) = self.line {
             let [from, to] = [actuation.from, actuation.to].map(count);
-            if told < (to - from).abs() {
-                self.line = Some((actuation, told + 1.0));
-                return Some(change(actuation, from + told * (to - from).signum(), (to - from).signum()));
+            if written < (to - from).abs() {
+                self.line = Some((actuation, written + 1.0));
+                return Some(change(actuation, from + written * (to - from).signum(), (to - from).signum()));
             }
             self.line = None;
         }

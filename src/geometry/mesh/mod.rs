@@ -7,7 +7,7 @@
 //! Volume and centre come from the divergence theorem. A section counts a vertex on the plane as being in front of it, as
 //! though the plane lay a little behind (symbolic perturbation); so each triangle is cut on two edges or on none.
 
-mod said;
+mod message;
 mod section;
 mod stl;
 mod surface;

@@ -230,11 +230,11 @@ mod tests {
     /// Beyond the cap the routes that turn most are left out, and it is known how little they turn.
     #[test]
     fn what_is_left_out_is_counted() {
-        let told = |routes: &Routes| (routes.routes.len(), routes.left_out);
-        assert_eq!(told(&asked([8, 8, 4], false)), (256, None));
+        let counts = |routes: &Routes| (routes.routes.len(), routes.left_out);
+        assert_eq!(counts(&asked([8, 8, 4], false)), (256, None));
         // Of 8 x 8 x 5 the 64 that turn 500 steps in the last.
-        assert_eq!(told(&asked([8, 8, 5], false)), (256, Some(511)));
-        assert_eq!(told(&asked([4, 4, 4], true)), (64, None));
-        assert_eq!(told(&asked([4, 4, 5], true)), (64, Some(511)));
+        assert_eq!(counts(&asked([8, 8, 5], false)), (256, Some(511)));
+        assert_eq!(counts(&asked([4, 4, 4], true)), (64, None));
+        assert_eq!(counts(&asked([4, 4, 5], true)), (64, Some(511)));
     }
 }

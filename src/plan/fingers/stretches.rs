@@ -256,8 +256,8 @@ impl<'a> HandTally<'a> {
         let is_free = |step: usize| matches!(self.order.steps[step].action, FingersAction::Orient { .. });
         self.may_differ |= planned.routes.len() > 1;
         if route.iter().any(|turning| is_free(turning.step)) {
-            let said: Vec<String> = route.iter().map(|turning| said(sections, turning.turn)).collect();
-            self.sums.remarks.push(Remark { subject: "turns".to_owned(), text: said.join(", ") });
+            let turns: Vec<String> = route.iter().map(|turning| turn_text(sections, turning.turn)).collect();
+            self.sums.remarks.push(Remark { subject: "turns".to_owned(), text: turns.join(", ") });
         }
         for turning in route {
             self.orientation = sections.turned(self.orientation, turning.turn);
@@ -401,7 +401,7 @@ fn step_of(planned: &Routes, route: usize, leg: usize) -> usize {
 }
 
 /// A turn as text, by the angle of its whole steps: `79.99 deg about z`.
-fn said(sections: &Sections, turn: FingersTurn) -> String {
+fn turn_text(sections: &Sections, turn: FingersTurn) -> String {
     let axis = match turn.plane {
         Plane::Xy => "z",
         Plane::Xz => "y",

@@ -170,7 +170,7 @@ impl HandReasons<'_> {
             }
         };
         Diagnostic::new(Code::E0601, title)
-            .label(self.span(), format!("{}{}", self.told(blocked, leg, next), self.kept_back()))
+            .label(self.span(), format!("{}{}", self.where_blocked(blocked, leg, next), self.kept_back()))
             .help_if(self.openings(&trials))
             .reached(self.reach(blocked, leg))
     }
@@ -237,7 +237,7 @@ impl HandReasons<'_> {
     }
 
     /// How far the fingers get.
-    fn told(&self, blocked: &FarthestRoute, leg: RouteTurn, next: Option<&RouteTurn>) -> String {
+    fn where_blocked(&self, blocked: &FarthestRoute, leg: RouteTurn, next: Option<&RouteTurn>) -> String {
         let degrees = |steps: i32| digits(self.degrees(steps));
         let [i, j] = [1, self.order.part.section(leg.turn.plane).and_then(|section| section.opposite).unwrap_or(1)];
         let junction = next.map(|next| {
@@ -270,36 +270,36 @@ impl HandReasons<'_> {
         let order = self.order;
         let with = |change: &dyn Fn(&mut FingersFacts)| changed(order, change);
         let is_there = |changed: &FingersOrder| trials.try_with(changed) == Known::There;
-        let mut said = Vec::new();
+        let mut changes = Vec::new();
         if order.facts.adhesion == Adhesion::Absent && order.facts.pull_off_un > 0.0 {
             let sticking = with(&|facts| facts.adhesion = Adhesion::Sticking);
-            said.extend(is_there(&sticking).then(|| "`adhesion: true`".to_owned()));
+            changes.extend(is_there(&sticking).then(|| "`adhesion: true`".to_owned()));
         }
         if kept_back(order).is_some() && is_there(&with(&|facts| facts.rolling_reserve = 0.0)) {
-            said.push("`rolling_reserve: 0`".to_owned());
+            changes.push("`rolling_reserve: 0`".to_owned());
         }
         let friction = |value: f64| with(&|facts| facts.friction = value);
         let least = nearest([order.facts.friction, MOST_FRICTION], &|value| is_there(&friction(value)));
-        said.extend(least.map(|value| format!("`friction: {}`", digits(value))));
+        changes.extend(least.map(|value| format!("`friction: {}`", digits(value))));
         if order.facts.adhesion == Adhesion::Sticking {
             let safety = |value: f64| with(&|facts| facts.removal_safety = value);
             let most = nearest([order.facts.removal_safety, 0.0], &|value| is_there(&safety(value)));
-            said.extend(most.map(|value| format!("`removal_safety: {}`", digits(value))));
+            changes.extend(most.map(|value| format!("`removal_safety: {}`", digits(value))));
         }
         if trials.begins.0.is_none()
             && let Some((halved, step)) = halved(order)
         {
-            said.extend(is_there(&halved).then(|| format!("`step: {step} deg`")));
+            changes.extend(is_there(&halved).then(|| format!("`step: {step} deg`")));
         }
         let ended = "the search for other changes reached its limit";
-        match (said.as_slice(), trials.looks.are_spent()) {
+        match (changes.as_slice(), trials.looks.are_spent()) {
             ([], true) => Some(format!("{ended} without a result")),
             ([], false) => Some(format!(
                 "neither friction up to {MOST_FRICTION}, nor a weaker `removal_safety`, nor half the step opens it: \
                  turn it otherwise, or take another object or other tips"
             )),
-            (said, true) => Some(format!("there is a plan with {}; {ended}", said.join(", or with "))),
-            (said, false) => Some(format!("there is a plan with {}", said.join(", or with "))),
+            (changes, true) => Some(format!("there is a plan with {}; {ended}", changes.join(", or with "))),
+            (changes, false) => Some(format!("there is a plan with {}", changes.join(", or with "))),
         }
     }
 

@@ -451,7 +451,7 @@ fn simultaneous(task: &DimibotRun, findings: &mut Findings) {
 fn standing_clear(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) {
     findings.asked(Rule::Sweep, 1);
     if let Some(touch) = scene.touch(task.start, task.start) {
-        let title = format!("the tip is at cell {} at the start, {}", task.start, touch.told(task.order));
+        let title = format!("the tip is at cell {} at the start, {}", task.start, touch.describe(task.order));
         let violation = Violation::new(Rule::Sweep, task.run.plan.start_ns, title);
         findings.push(touched(task, violation, &touch).label(task.run.job.run_span, "in this run"));
     }
@@ -464,8 +464,8 @@ fn sweeps(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) 
         findings.asked(Rule::Sweep, 1);
         let [low, high] = pulse.extremes();
         if let Some(touch) = scene.touch(low, high) {
-            let (name, at, told) = (stroke.name(), ms(pulse.start_ns), touch.told(task.order));
-            let title = format!("`{name}` at {at} moves the tip from {} to {}, {told}", pulse.before, pulse.after);
+            let (name, at, touch) = (stroke.name(), ms(pulse.start_ns), touch.describe(task.order));
+            let title = format!("`{name}` at {at} moves the tip from {} to {}, {touch}", pulse.before, pulse.after);
             findings.push(touched(task, task.at(Rule::Sweep, pulse, title), &touch));
         }
     }
@@ -477,8 +477,8 @@ fn mixtures(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings
         findings.asked(Rule::Mixture, 1);
         let [low, high] = pulse.extremes();
         if let Some(touch) = scene.touch(low, high) {
-            let (count, at, told) = (pulse.strokes.len(), ms(pulse.start_ns), touch.told(task.order));
-            let title = format!("{count} modules switched together at {at} may move the tip, {told}");
+            let (count, at, touch) = (pulse.strokes.len(), ms(pulse.start_ns), touch.describe(task.order));
+            let title = format!("{count} modules switched together at {at} may move the tip, {touch}");
             findings.push(touched(task, task.at(Rule::Mixture, pulse, title), &touch));
         }
     }

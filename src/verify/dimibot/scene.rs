@@ -129,7 +129,7 @@ pub(super) struct NearestSolid {
 
 impl TipTouch {
     /// The end of a title.
-    pub fn told(&self, order: &DimibotOrder) -> String {
+    pub fn describe(&self, order: &DimibotOrder) -> String {
         let name = &order.obstacles[self.obstacle].name;
         let others = match self.others {
             0 => String::new(),

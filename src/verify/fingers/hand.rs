@@ -65,7 +65,7 @@ pub(super) struct JudgedHand<'r, 'a> {
     /// The last step in which a tip was called too fast.
     pub(super) hurried: Option<usize>,
     held: Held,
-    told: ReportedGrip,
+    reported: ReportedGrip,
     /// Turn of the grip when the step of the task began or the plane was changed, and the steps turned since.
     pub(super) leg_rad: f64,
     pub(super) leg_steps: i64,
@@ -117,7 +117,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
             hurried: None,
             tips_um,
             held,
-            told: ReportedGrip::Nothing,
+            reported: ReportedGrip::Nothing,
             leg_steps: 0,
             before_steps,
             carried_ns: run.plan.start_ns,
@@ -299,10 +299,10 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
     pub(super) fn check_hold(&mut self, nth: usize, time_ns: u64, findings: &mut Findings) {
         findings.asked(Rule::Equilibrium, 1);
         let touches: Vec<ContactPoint> = self.touches().into_iter().map(|(_, touch)| touch).collect();
-        if self.told == ReportedGrip::Weak || self.statics().holds(&touches) {
+        if self.reported == ReportedGrip::Weak || self.statics().holds(&touches) {
             return;
         }
-        self.told = ReportedGrip::Weak;
+        self.reported = ReportedGrip::Weak;
         let title = format!("{} are not in equilibrium at {}", self.holding(), ms(time_ns));
         findings.push(self.violation(Rule::Equilibrium, nth, time_ns, title));
     }
@@ -318,7 +318,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         self.grip.remove(finger);
         self.flights[finger] = Flight::from(stretch.from_um[finger]);
         self.paces[finger] = Pace::from(stretch.from_um[finger]);
-        self.told = ReportedGrip::Nothing;
+        self.reported = ReportedGrip::Nothing;
         if self.is_release(nth) || self.held == Held::Supported {
             return self.let_go(nth, stretch, findings);
         }
@@ -328,7 +328,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
             return Err(self.violation(Rule::Contact, nth, time_ns, title).into());
         }
         self.check_hold(nth, time_ns, findings);
-        if let Some((_, leaving)) = leaving.filter(|_| self.told == ReportedGrip::Nothing) {
+        if let Some((_, leaving)) = leaving.filter(|_| self.reported == ReportedGrip::Nothing) {
             self.check_removal(nth, (finger, &leaving), time_ns, findings);
         }
         self.count_change();
@@ -369,8 +369,8 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         let pull_un = pull_off_un(facts) * facts.removal_safety;
         findings.asked(Rule::Support, 1);
         let is_enough = pull_un <= facts.support_un * (1.0 + super::statics::TOLERANCE);
-        if !is_enough && self.told == ReportedGrip::Nothing {
-            self.told = ReportedGrip::Weak;
+        if !is_enough && self.reported == ReportedGrip::Nothing {
+            self.reported = ReportedGrip::Weak;
             let (pull, support) = (digits(pull_un), digits(facts.support_un));
             let title =
                 format!("the last fingers pull with {pull} uN, but the support holds the part with {support} uN");
@@ -452,7 +452,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         let surface = surface_of(&self.body, plane)?;
         self.grip.add(surface, finger, &tip_um);
         self.check_contacts(nth, time_ns, findings);
-        self.told = ReportedGrip::Nothing;
+        self.reported = ReportedGrip::Nothing;
         let due = match self.held {
             Held::Supported => Due::Perhaps,
             Held::ByFingers => {

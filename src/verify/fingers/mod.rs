@@ -161,21 +161,23 @@ fn orientation_of([w, x, y, z]: &[f64; 4]) -> Option<UnitQuaternion<f64>> {
 /// Many forces balance a grasp: these are deepest inside the friction cones while their normal parts sum to a tenth of the fingers'
 /// capacity, or as nearly as possible. `None` if the state is none of the order's, or no forces balance.
 pub fn forces(order: &FingersOrder, state: &State) -> Option<Vec<Option<[f64; 3]>>> {
-    let State::Fingers(told) = state else { return None };
+    let State::Fingers(recorded) = state else { return None };
     let body = PartOutlines::of(&order.part, order.facts.tip_radius_um)?;
-    let surface = body.surface(told.plane)?;
-    let pose =
-        ObjectPose { position_um: Point::from(told.position_um), orientation: orientation_of(&told.orientation)? };
-    let holding = told.grasp.iter().filter(|contact| **contact > 0);
+    let surface = body.surface(recorded.plane)?;
+    let pose = ObjectPose {
+        position_um: Point::from(recorded.position_um),
+        orientation: orientation_of(&recorded.orientation)?,
+    };
+    let holding = recorded.grasp.iter().filter(|contact| **contact > 0);
     let feet: Option<Vec<Foot>> = holding.map(|contact| surface.contact_place(*contact)).collect();
     let touches: Vec<ContactPoint> = feet?.iter().map(ContactPoint::at).collect();
     let sum_un = SHOWN_FORCE * order.facts.max_force_un * touches.len() as f64;
-    let statics = Statics::of(order, told.plane, &pose, body.reach_um);
+    let statics = Statics::of(order, recorded.plane, &pose, body.reach_um);
     let mut forces_un = statics.forces_un(&touches, sum_un)?.into_iter();
-    let [first, second, normal] = pose.axes(told.plane);
+    let [first, second, normal] = pose.axes(recorded.plane);
     let force = |contact: &u32| {
         let [x_un, y_un, across_un] = if *contact > 0 { forces_un.next()? } else { return None };
         Some((first * x_un + second * y_un + normal * across_un).into())
     };
-    Some(told.grasp.iter().map(force).collect())
+    Some(recorded.grasp.iter().map(force).collect())
 }

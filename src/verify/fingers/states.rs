@@ -66,10 +66,10 @@ impl Spans {
                 continue;
             }
             let t_ns = found.map_or(span.from_ns, |timed| timed.t_ns);
-            let told = TimedState { t_ns, state: chosen(span.views, found.map(|timed| &timed.state)) };
+            let due = TimedState { t_ns, state: chosen(span.views, found.map(|timed| &timed.state)) };
             states.push(match found {
-                Some(timed) if agrees(timed, &told) => Cow::Borrowed(timed),
-                Some(_) | None => Cow::Owned(told),
+                Some(timed) if agrees(timed, &due) => Cow::Borrowed(timed),
+                Some(_) | None => Cow::Owned(due),
             });
         }
         states

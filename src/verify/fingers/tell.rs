@@ -77,9 +77,9 @@ impl JudgedHand<'_, '_> {
         let angle_index = self.leg_steps.saturating_add(1);
         let going_on = angle_index.saturating_add(self.before_steps);
         let others = self.body.planes().filter(|plane| *plane != self.grip.plane);
-        let told = others.flat_map(|plane| [(plane, 1), (plane, going_on)]);
+        let elsewhere = others.flat_map(|plane| [(plane, 1), (plane, going_on)]);
         let own = [(self.grip.plane, angle_index), (self.grip.plane, going_on)];
-        own.into_iter().chain(told).filter_map(|(plane, angle_index)| self.view(plane, angle_index)).collect()
+        own.into_iter().chain(elsewhere).filter_map(|(plane, angle_index)| self.view(plane, angle_index)).collect()
     }
 
     fn view(&self, plane: Plane, angle_index: i64) -> Option<State> {

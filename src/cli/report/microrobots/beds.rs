@@ -12,7 +12,7 @@ use crate::quantity::{Dimension, Quantity, digits};
 use std::fmt::Write;
 
 /// The table of a bed, and the control states that its voltage can reach.
-pub fn told(name: &str, bed: &CheckedBed) -> String {
+pub fn describe(name: &str, bed: &CheckedBed) -> String {
     let facts = &bed.facts;
     let count = facts.robots.len();
     let plural = if count == 1 { "" } else { "s" };

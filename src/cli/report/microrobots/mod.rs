@@ -23,8 +23,8 @@ impl ReportedOrder for MicrorobotsOrder {
 }
 
 impl ReportedDevice for CheckedBed {
-    fn told(&self, name: &str, _claims: &[Claims]) -> String {
-        beds::told(name, self)
+    fn describe(&self, name: &str, _claims: &[Claims]) -> String {
+        beds::describe(name, self)
     }
 }
 

@@ -70,7 +70,7 @@ fn pose(course: &HandCourse, device: &str) -> LogTopic {
         let pose = place.and_then(|stand| stand.pose());
         (t_ns, foxglove::encode(&PoseInFrame { timestamp, frame_id, pose }))
     };
-    let places = told(course, |moment| stand(&moment.part));
+    let places = placed(course, |moment| stand(&moment.part));
     LogTopic::new::<PoseInFrame>(format!("/{device}/pose"), places.into_iter().map(message).collect())
 }
 
@@ -78,13 +78,13 @@ fn movers(course: &HandCourse, device: &str) -> Vec<Mover> {
     let tips = (0..course.fingers).map(|finger| Mover {
         frame: tip_frame(device, finger),
         device: device.to_owned(),
-        places: told(course, |moment| StandingPose::at(moment.tips_um[finger].map(drawing::snapped))),
+        places: placed(course, |moment| StandingPose::at(moment.tips_um[finger].map(drawing::snapped))),
         outline: course.plans.first().map_or_else(Vec::new, |plan| scene::tip_outline(plan.order, finger)),
     });
     let part = course.part().map(|part| Mover {
         frame: part_frame(device, part),
         device: device.to_owned(),
-        places: told(course, |moment| stand(&moment.part)),
+        places: placed(course, |moment| stand(&moment.part)),
         // In the points of the scene.
         outline: Vec::new(),
     });
@@ -92,7 +92,7 @@ fn movers(course: &HandCourse, device: &str) -> Vec<Mover> {
 }
 
 /// Where something is at each moment at which it has moved, or from which on it moves.
-fn told(course: &HandCourse, of: impl Fn(&HandMoment) -> StandingPose) -> Vec<(u64, FramePlace)> {
+fn placed(course: &HandCourse, of: impl Fn(&HandMoment) -> StandingPose) -> Vec<(u64, FramePlace)> {
     let moments = course.plans.iter().flat_map(|plan| &plan.moments);
     let places: Vec<(u64, StandingPose)> = moments.map(|moment| (moment.t_ns, of(moment))).collect();
     let moved = |a: usize, b: usize| places[a].1 != places[b].1;
