@@ -107,10 +107,11 @@ const SHARED: &[(&str, &str)] = &[
     ("objective", "names of the vocabulary: what `minimize` takes"),
     ("watchdog_ns", "a figure of the device, or five of its intervals where it states none"),
     ("outcome", "names of the vocabulary: what `require` compares"),
+    ("dimension", "whether an outcome is a length, a time or a count"),
 ];
 
 /// Names that the language's own types have too, or that say nothing of whose they are; and `quantity::digits`.
-const COMMON: &[&str] = &["digits", "find", "name", "new", "of", "round", "vocabulary"];
+const COMMON: &[&str] = &["digits", "find", "key", "name", "new", "of", "round", "vocabulary"];
 
 /// All code of a room, tests left out.
 fn room_code(wanted: &str) -> String {

@@ -464,8 +464,8 @@ fn sweeps(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) 
         findings.asked(Rule::Sweep, 1);
         let [low, high] = pulse.extremes();
         if let Some(touch) = scene.touch(low, high) {
-            let (name, at, touch) = (stroke.name(), ms(pulse.start_ns), touch.describe(task.order));
-            let title = format!("`{name}` at {at} moves the tip from {} to {}, {touch}", pulse.before, pulse.after);
+            let (name, at, meeting) = (stroke.name(), ms(pulse.start_ns), touch.describe(task.order));
+            let title = format!("`{name}` at {at} moves the tip from {} to {}, {meeting}", pulse.before, pulse.after);
             findings.push(touched(task, task.at(Rule::Sweep, pulse, title), &touch));
         }
     }
@@ -477,8 +477,8 @@ fn mixtures(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings
         findings.asked(Rule::Mixture, 1);
         let [low, high] = pulse.extremes();
         if let Some(touch) = scene.touch(low, high) {
-            let (count, at, touch) = (pulse.strokes.len(), ms(pulse.start_ns), touch.describe(task.order));
-            let title = format!("{count} modules switched together at {at} may move the tip, {touch}");
+            let (count, at, meeting) = (pulse.strokes.len(), ms(pulse.start_ns), touch.describe(task.order));
+            let title = format!("{count} modules switched together at {at} may move the tip, {meeting}");
             findings.push(touched(task, task.at(Rule::Mixture, pulse, title), &touch));
         }
     }
