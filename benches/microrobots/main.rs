@@ -4,6 +4,7 @@
 //! `cargo bench --bench microrobots` prints all tables, `-- states` one of them, `-- fastest 8` with so many programs of each kind.
 //! Instances come from fixed seeds.
 
+mod answers;
 mod assemblies;
 #[path = "../electrode_array/clock.rs"]
 mod clock;
@@ -15,10 +16,11 @@ mod simple;
 
 fn main() {
     let filter = std::env::args().skip(1).find(|argument| !argument.starts_with('-')).unwrap_or_default();
-    let tables: [(&str, fn()); 6] = [
+    let tables: [(&str, fn()); 7] = [
         ("check", relays::check),
         ("states", relays::states),
         ("assemblies", assemblies::table),
+        ("answers", answers::table),
         ("fastest", goals::fastest),
         ("safest", goals::safest),
         ("drives", goals::drives),

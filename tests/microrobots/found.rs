@@ -97,7 +97,14 @@ fn robots_in_the_way_move_away_first() {
         let found = codes(&format!("microrobots-{name}"));
         assert!(found == NONE || found == ["W0511"], "{name}: {found:?}");
     }
-    for name in ["e0538-goal-moved-first", "e0538-orbits-moved-first", "plan-that-never-succeeds"] {
+    for name in [
+        "e0538-goal-moved-first",
+        "e0538-orbits-moved-first",
+        "e0602-orbit-moved-first",
+        "e0602-untimely-moved-first",
+        "e0602-applied",
+        "plan-that-never-succeeds",
+    ] {
         let found = codes(&format!("microrobots-{name}"));
         assert!(found == NONE || found == ["W0511"], "{name}: {found:?}");
     }

@@ -3,9 +3,11 @@
 // The expected figures come from the platform's own mathematics.
 #![allow(clippy::disallowed_methods)]
 
+mod allocations;
 mod bounds;
 mod control;
 mod found;
+mod guaranteed;
 #[path = "../support/random.rs"]
 mod random;
 mod recorded;

@@ -15,6 +15,7 @@ use tweeze::device::microrobots::control::ControlPhase;
 use tweeze::diagnostic::Sink;
 use tweeze::geometry::{Pose, Shape};
 use tweeze::lower::microrobots::command::command_line;
+use tweeze::plan::microrobots::MicrorobotsMotion;
 use tweeze::plan::microrobots::control::{Command, Controller, Pilot};
 use tweeze::plan::microrobots::simulation::{Disturbances, SimulatedBed};
 use tweeze::plan::{self, Motion};
@@ -49,7 +50,7 @@ task joined on fleet in field {{
     )
 }
 
-const TRIO: &str = "  apply state 0 for 1 s
+pub const TRIO: &str = "  apply state 0 for 1 s
   wait 300 ms
   assemble {
     D3 to pose(1.60 mm, 1.20 mm, 90 deg)
@@ -57,20 +58,20 @@ const TRIO: &str = "  apply state 0 for 1 s
     D1 to pose(1.76 mm, 1.34 mm, 180 deg)
   }";
 
-const DRIVEN: &str = "  drive D1 to pose(5 mm, 0 mm, 90 deg) via pose(6 mm, 1 mm, 0 deg)
+pub const DRIVEN: &str = "  drive D1 to pose(5 mm, 0 mm, 90 deg) via pose(6 mm, 1 mm, 0 deg)
   assemble {
     D3 to pose(1.60 mm, 1.20 mm, 90 deg)
     D2 to pose(1.60 mm, 1.46 mm, 270 deg)
   }";
 
 /// A program with its plan.
-struct Bench {
+pub struct Bench {
     claims: Claims,
     sources: Sources,
 }
 
 impl Bench {
-    fn of(steps: &str) -> Bench {
+    pub fn of(steps: &str) -> Bench {
         let (mut sources, mut sink) = (Sources::default(), Sink::default());
         let (text, options) = (program(steps), Options::default());
         let request =
@@ -80,19 +81,28 @@ impl Bench {
         Bench { claims, sources }
     }
 
-    fn order(&self) -> &MicrorobotsOrder {
+    pub fn order(&self) -> &MicrorobotsOrder {
         MicrorobotsOrder::of(&self.claims.jobs[0].order).expect("an order of microrobots")
+    }
+
+    /// The plan, if one is found.
+    pub fn planned(&self) -> Option<MicrorobotsMotion> {
+        let plans = plan::plan(&self.claims, &mut Sink::default(), &mut |_, _, _| ())?;
+        let Motion::Microrobots(planned) = &plans.first()?.motion else { panic!("a motion of microrobots") };
+        Some(planned.motion.clone())
+    }
+
+    pub fn motion(&self) -> MicrorobotsMotion {
+        self.planned().expect("a plan")
     }
 
     /// The lines of trials, and whether they succeeded.
     fn trials(&self, disturbances: Disturbances, trials: u64) -> Vec<(Vec<ControlLine>, bool)> {
-        let order = self.order();
-        let plans = plan::plan(&self.claims, &mut Sink::default(), &mut |_, _, _| ()).expect("a plan");
-        let Motion::Microrobots(planned) = &plans[0].motion else { panic!("a motion of microrobots") };
-        let bed = SimulatedBed::new(order, &planned.motion, disturbances).expect("an assembly");
+        let (order, motion) = (self.order(), self.motion());
+        let bed = SimulatedBed::new(order, &motion, disturbances).expect("an assembly");
         let text_lines: Vec<u32> = order.steps.iter().map(|step| self.sources.position(step.span).line).collect();
         let trial = |index: u64| {
-            let controller = Controller::new(order, &planned.motion).expect("errors are stated");
+            let controller = Controller::new(order, &motion).expect("errors are stated");
             let mut recorder = RecordingPilot { order, controller, text_lines: text_lines.clone(), lines: Vec::new() };
             let ended = bed.trial(3, index, &mut recorder);
             (recorder.lines, ended.failure.is_none())

@@ -392,6 +392,11 @@ pub fn limits_exclude(outcome: &str, earlier: Span, later: Span) -> Diagnostic {
 
 pub fn unknown_outcome(span: Span, name: &str, near: Option<&str>, vocabulary: &Vocabulary) -> Diagnostic {
     let known = listed(vocabulary.outcomes.iter().map(|outcome| outcome.name));
+    if vocabulary.objectives.iter().any(|objective| objective.name == name) {
+        return Diagnostic::new(Code::E0516, format!("`{name}` can be minimized, but not required"))
+            .label(span, "not a figure that the verifier derives of a plan")
+            .help(format!("write `minimize {name}`, or require one of {known}"));
+    }
     Diagnostic::new(Code::E0516, format!("a plan of {} has no `{name}`", with_article(vocabulary.name)))
         .label(span, "unknown outcome")
         .near_or(near, format!("it has {known}"))

@@ -1,7 +1,7 @@
 //! One job of microrobots: the motion that is best by the objective, its figures, and what is guaranteed of it.
 
 use super::bound;
-use super::guarantee::{Assured, guarantees};
+use super::guarantee::{Assured, borne, guarantees, said};
 use super::safest;
 use super::steps::{BedRoute, FirstLegs, carried_out};
 use super::strategy::{driven, episodes};
@@ -14,6 +14,9 @@ use crate::diagnostic::{Remark, Sink};
 use crate::plan::requirements::{Kept, KnownLimit, require};
 use crate::plan::{KindPlanner, Optimality, Plan};
 use std::collections::BTreeMap;
+
+/// Subject of the remark on the errors that a whole plan bears.
+const ALL_ROBOTS: &str = "all robots";
 
 /// State that the plans of a schedule hand on to later jobs.
 #[derive(Default)]
@@ -70,16 +73,22 @@ fn planned(
     Some(((kept == Kept::Yes && are_guaranteed).then_some(plan), end))
 }
 
-/// Remarks for each stage of an assembly whether it is guaranteed; `false` if the task demands a guarantee that does not exist.
+/// Remarks for each stage of an assembly whether it is guaranteed, and up to which errors; `false` if the task demands a guarantee that
+/// does not exist.
 ///
-/// Without errors the plan is executed as written, and the verifier has checked the result. With errors nothing is guaranteed; the
-/// first containment that the estimates reject is named.
+/// With errors that the plan bears without any correction the controller carries it out as written, and the verifier has checked the
+/// result. With larger errors nothing is guaranteed; the first containment that the estimates reject is named.
 fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Vec<Remark>, sink: &mut Sink) -> bool {
-    let is_exact = order.facts.errors.is_some_and(|errors| errors.are_zero());
-    let estimates = if is_exact { Vec::new() } else { guarantees(order, motion).unwrap_or_default() };
-    let mut all_hold = true;
     let all = episodes(order, motion);
-    for (nth, episode) in all.iter().filter(|episode| !driven(episode.stage).is_empty()).enumerate() {
+    let mut docking = all.iter().filter(|episode| !driven(episode.stage).is_empty()).peekable();
+    if docking.peek().is_none() {
+        return true;
+    }
+    let is_exact = order.facts.errors.is_some_and(|errors| errors.are_zero());
+    let multiple = if is_exact { f64::INFINITY } else { borne(order, motion) };
+    let estimates = if multiple >= 1.0 { Vec::new() } else { guarantees(order, motion).unwrap_or_default() };
+    let mut all_hold = true;
+    for (nth, episode) in docking.enumerate() {
         let names = driven(episode.stage).into_iter().map(|(robot, _)| order.robot(robot).name.as_str());
         let subject = names.collect::<Vec<_>>().join(" and ");
         let why = match (order.facts.errors, estimates.get(nth).and_then(Assured::violated)) {
@@ -88,19 +97,28 @@ fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Ve
                 remarks.push(Remark { subject, text });
                 continue;
             }
+            (Some(_), None) if multiple >= 1.0 => {
+                let text = "guaranteed: with such errors the plan is carried out as it is written".to_owned();
+                remarks.push(Remark { subject, text });
+                continue;
+            }
             (Some(_), Some(violated)) => violated.said(order),
-            (Some(_), None) => "no sound bound is known for robots with errors".to_owned(),
+            (Some(_), None) => "no sound bound is known for errors so large".to_owned(),
             (None, _) => "the device does not say how far robots and measurements may be off".to_owned(),
         };
         if order.assurance == Assurance::Demanded {
             all_hold = false;
             let step = &order.steps[episode.step];
             let says = BedReasons { order, step, docked: &motion.start.docked, is_given: false };
-            sink.push(says.not_guaranteed(&subject, &why));
+            sink.push(says.not_guaranteed(&subject, &why, multiple));
         }
         if order.facts.errors.is_some() {
             remarks.push(Remark { subject, text: format!("not guaranteed: {why}") });
         }
+    }
+    if let Some(errors) = order.facts.errors.filter(|_| !is_exact && multiple > 0.0) {
+        let text = format!("the plan as written is guaranteed {}", said::limit(&errors, multiple));
+        remarks.push(Remark { subject: ALL_ROBOTS.to_owned(), text });
     }
     all_hold
 }

@@ -2,6 +2,7 @@
 
 use super::assembly::{RobotBlocker, StuckAssembly};
 use super::drive::{self, StuckReason, Thing};
+use super::guarantee::said;
 use super::world::{FirstMeeting, ForbiddenMeeting};
 use crate::claims::microrobots::{MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop};
 use crate::device::microrobots::MicrorobotsPlanner;
@@ -45,11 +46,18 @@ impl BedReasons<'_> {
         self.shown(diagnostic, hit).help("put `wait 1 ms` before this step: at 0 V all arms go up")
     }
 
-    /// Report of a stage whose success is not certain, though the task demands that.
-    pub fn not_guaranteed(&self, names: &str, why: &str) -> Diagnostic {
+    /// Report of a stage whose success is not certain, though the task demands that; the plan bears a multiple of the errors.
+    pub fn not_guaranteed(&self, names: &str, why: &str, multiple: f64) -> Diagnostic {
+        let help = match self.order.facts.errors.filter(|_| multiple > 0.0) {
+            Some(errors) => format!(
+                "leave `guaranteed` out and count with `tweeze simulate`; this plan is guaranteed up to {}",
+                said::fields(&errors, multiple)
+            ),
+            None => "leave `guaranteed` out and count with `tweeze simulate`; only with small errors is an assembly guaranteed".to_owned(),
+        };
         Diagnostic::new(Code::E0605, format!("the docking of {names} is not guaranteed: {why}"))
             .label(self.step.span, "with the errors of the device")
-            .help("leave `guaranteed` out and count with `tweeze simulate`; only without errors, all of them 0, is an assembly guaranteed")
+            .help(help)
     }
 
     /// Report of a robot that does not reach one of its stops.

@@ -69,8 +69,9 @@ pub enum Sighting {
 impl<'a> Belief<'a> {
     /// Before the first measurement; the poses are those that the plan begins with.
     pub fn new(order: &'a MicrorobotsOrder, errors: Errors, poses: &[Pose], docked: &[bool]) -> Self {
-        let base: Vec<(usize, Pose)> =
-            (0..poses.len()).filter(|robot| docked[*robot]).map(|robot| (robot, poses[robot])).collect();
+        // Room for the two that begin a structure, so that nothing is allocated when they dock.
+        let mut base = Vec::with_capacity(poses.len().max(2));
+        base.extend((0..poses.len()).filter(|robot| docked[*robot]).map(|robot| (robot, poses[robot])));
         Belief {
             order,
             errors,

@@ -1,6 +1,7 @@
-//! Estimates of what may prevent the closed-loop strategy from bringing robots to their goals, with the errors at their bounds.
+//! What errors a plan surely bears (`written`), and estimates of what may prevent the closed-loop strategy from bringing robots to their
+//! goals, with the errors at their bounds.
 //!
-//! Input: an order whose device states its errors, and a plan. Output: for each stage of an assembly the containments on which
+//! Of the estimates: input: an order whose device states its errors, and a plan. Output: for each stage of an assembly the containments on which
 //! success rests, each with the required and the available value. No promise: these are estimates. Of 76 tasks in which all
 //! containments held, trials of `simulate` failed in 14 (up to 4.5 % of the trials), so a stage is never called guaranteed because
 //! of them; they show what to examine first. A stage in which one does not hold may well succeed nearly always.
@@ -12,10 +13,16 @@
 //! deviations of the robots, must stay clear of everything (`room`); this test replaces the paper's C_O. Source: the paper's
 //! section 3.4, with the ranges of the three primitives assigned to the correct robots.
 
+mod dockings;
 mod fine;
 mod pair;
+mod passages;
 mod room;
-mod said;
+pub mod said;
+mod stray;
+mod written;
+
+pub use written::{borne, carried_out_as_written};
 
 use super::strategy::{Driver, Episode, GoalFrame, StrategySolid, edge_gap_um, episodes, obstacles};
 use super::{AssemblyStage, MicrorobotsMotion};

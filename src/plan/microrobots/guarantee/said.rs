@@ -1,7 +1,35 @@
-//! Containments as text.
+//! Containments as text, and errors that a plan surely bears.
 
+use super::written::scaled;
 use super::{Containment, ContainmentCheck};
 use crate::claims::microrobots::MicrorobotsOrder;
+use crate::device::microrobots::Errors;
+use crate::quantity::digits;
+
+/// Multiples of errors as the fields of a device, rounded down.
+pub fn fields(errors: &Errors, multiple: f64) -> String {
+    let Errors { speed_ratio, turning_rad_per_um, place_um, heading_rad, .. } = scaled(errors, multiple);
+    let [speed, turning, place, heading] =
+        [100.0 * speed_ratio, 1e3 * turning_rad_per_um.to_degrees(), place_um, heading_rad.to_degrees()]
+            .map(|value| digits(lowered(value)));
+    format!(
+        "`speed_error: {speed} %`, `turning_error: {turning} deg/mm`, `place_error: {place} um`, `heading_error: {heading} deg`"
+    )
+}
+
+/// What a plan bears of the errors of the device, as a clause that begins with the limit.
+pub fn limit(errors: &Errors, multiple: f64) -> String {
+    let turning = digits(lowered(multiple * 1e3 * errors.turning_rad_per_um.to_degrees()));
+    let share = digits(lowered(100.0 * multiple));
+    format!("up to {turning} deg/mm of turning error and {share} % of all errors of the device")
+}
+
+/// The first two digits of a positive number.
+fn lowered(value: f64) -> f64 {
+    let text = format!("{value:.17e}");
+    let cut = text.split_once('e').and_then(|(digits, exponent)| Some(format!("{}e{exponent}", digits.get(..3)?)));
+    cut.and_then(|text| text.parse().ok()).unwrap_or(0.0)
+}
 
 impl Containment {
     /// The required and the available value, as a clause that begins with the quantity.
@@ -43,6 +71,19 @@ impl Containment {
             ContainmentCheck::Meeting => format!(
                 "{name} and its partner may miss each other by {needs:.1} um of their ways, {has:.1} um can be made up for"
             ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_rounded_down() {
+        for (value, text) in [(0.004_199, "0.0041"), (0.0042, "0.0042"), (9.99, "9.9"), (123.4, "120"), (0.0, "0")] {
+            assert_eq!(digits(lowered(value)), text);
+            assert!(lowered(value) <= value);
         }
     }
 }

@@ -10,6 +10,7 @@ use super::belief::Belief;
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
 use crate::device::microrobots::Arm;
 use crate::device::microrobots::control::{ControlPhase, StopReason};
+use crate::plan::microrobots::guarantee::carried_out_as_written;
 use crate::plan::microrobots::strategy::{Episode, StrategyPiece, episodes};
 use crate::plan::microrobots::{AssemblyStage, MicrorobotsMotion, MicrorobotsStepMotion};
 use coarse::DriveStage;
@@ -96,6 +97,7 @@ impl ControlStage<'_> {
 /// The stages of a plan in order of time.
 pub fn stages<'a>(order: &'a MicrorobotsOrder, motion: &'a MicrorobotsMotion) -> Vec<StageOf<'a>> {
     let all = episodes(order, motion);
+    let pushed_um = carried_out_as_written(order, motion);
     let mut found = Vec::new();
     let mut crew = motion.start.clone();
     for (step, steps) in motion.steps.iter().enumerate() {
@@ -108,19 +110,27 @@ pub fn stages<'a>(order: &'a MicrorobotsOrder, motion: &'a MicrorobotsMotion) ->
             MicrorobotsStepMotion::Legs { legs, docks, .. } => (legs, docks),
         };
         let of_step = || all.iter().filter(|episode| episode.step == step);
-        of_step().filter_map(|episode| of_episode(order, episode)).for_each(&mut push);
+        of_step().filter_map(|episode| of_episode(order, episode, pushed_um.is_some())).for_each(&mut push);
         if of_step().next().is_none() {
             push(of_other(order, step, (&crew.poses, &crew.docked), legs));
         }
         legs.iter().enumerate().for_each(|leg| crew.follow(order, leg, docks));
     }
+    push_last(order, &mut found, pushed_um.unwrap_or(0.0));
     found
 }
 
-fn of_episode<'a>(order: &'a MicrorobotsOrder, episode: &Episode<'a>) -> Option<ControlStage<'a>> {
-    let is_exact = order.facts.errors.is_some_and(|errors| errors.are_zero());
+/// Lets the robots of a last stage that is carried out as written run on by so much, so that they touch what they dock with.
+fn push_last(order: &MicrorobotsOrder, stages: &mut [StageOf], pushed_um: f64) {
+    if let Some(StageOf { stage: ControlStage::Written(stage), .. }) = stages.last_mut() {
+        stage.push(order, pushed_um);
+    }
+}
+
+/// A stage of an assembly; as written if the errors are so small that this is sure to succeed.
+fn of_episode<'a>(order: &'a MicrorobotsOrder, episode: &Episode<'a>, is_written: bool) -> Option<ControlStage<'a>> {
     // Stages without legs are those of tests of the strategy alone.
-    if is_exact && !episode.legs.is_empty() {
+    if is_written && !episode.legs.is_empty() {
         return Some(ControlStage::Written(WrittenStage::of(order, episode)));
     }
     match *episode.stage {

@@ -21,6 +21,9 @@ pub struct WrittenStage<'a> {
     interval: u64,
     /// Robots that dock at the end, with their goals.
     docks: [Option<(usize, Pose)>; 2],
+    /// The state in which these run straight, and strokes in it after the legs.
+    straight: usize,
+    pushed: u64,
 }
 
 impl<'a> WrittenStage<'a> {
@@ -28,22 +31,31 @@ impl<'a> WrittenStage<'a> {
     pub fn new(order: &MicrorobotsOrder, legs: &'a [Leg]) -> Self {
         let replan_ns = order.facts.errors.map_or(0, |errors| errors.replan_ns);
         let interval = (replan_ns / order.facts.period_ns.max(1)).max(1);
-        WrittenStage { legs, at: 0, driven: 0, interval, docks: [None; 2] }
+        WrittenStage { legs, at: 0, driven: 0, interval, docks: [None; 2], straight: 0, pushed: 0 }
     }
 
     /// Of a stage of an assembly.
     pub fn of(order: &MicrorobotsOrder, episode: &Episode<'a>) -> Self {
-        let docks = match *episode.stage {
-            AssemblyStage::Pair { first, second, goals, .. } => [Some((first, goals[0])), Some((second, goals[1]))],
-            AssemblyStage::Single { robot, goal, .. } => [Some((robot, goal)), None],
-            AssemblyStage::Departure { .. } | AssemblyStage::Escort { .. } => [None; 2],
+        let (docks, straight) = match *episode.stage {
+            AssemblyStage::Pair { first, second, goals, states, .. } => {
+                ([Some((first, goals[0])), Some((second, goals[1]))], states[2])
+            }
+            AssemblyStage::Single { robot, goal, states, .. } => ([Some((robot, goal)), None], states[1]),
+            AssemblyStage::Departure { .. } | AssemblyStage::Escort { .. } => ([None; 2], 0),
         };
-        WrittenStage { docks, ..WrittenStage::new(order, episode.legs) }
+        WrittenStage { docks, straight, ..WrittenStage::new(order, episode.legs) }
+    }
+
+    /// Lets the robots that dock run straight after the legs, on a path of at least this length.
+    pub fn push(&mut self, order: &MicrorobotsOrder, way_um: f64) {
+        let steps_um = self.docks.iter().flatten().map(|(robot, _)| order.robot(*robot).step_um);
+        let least_um = steps_um.fold(f64::INFINITY, f64::min);
+        self.pushed = (way_um / least_um).ceil() as u64;
     }
 
     /// Segments of one interval: a leg has one stroke at least.
     pub fn most_segments(&self) -> usize {
-        self.legs.len().min(usize::try_from(self.interval).unwrap_or(usize::MAX)).saturating_add(1)
+        self.legs.len().min(usize::try_from(self.interval).unwrap_or(usize::MAX)).saturating_add(2)
     }
 
     pub fn proceed(&mut self, belief: &mut Belief, drive: &mut Drive) -> Progress {
@@ -56,6 +68,10 @@ impl<'a> WrittenStage<'a> {
             if self.driven >= leg.strokes {
                 (self.at, self.driven) = (self.at + 1, 0);
             }
+        }
+        if left == self.interval && self.pushed > 0 {
+            drive.add(self.straight, std::mem::take(&mut self.pushed));
+            return Progress::Driving;
         }
         if left < self.interval { Progress::Driving } else { self.judge(belief) }
     }
