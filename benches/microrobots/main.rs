@@ -15,10 +15,11 @@ mod simple;
 
 fn main() {
     let filter = std::env::args().skip(1).find(|argument| !argument.starts_with('-')).unwrap_or_default();
-    let tables: [(&str, fn()); 6] = [
+    let tables: [(&str, fn()); 7] = [
         ("check", relays::check),
         ("states", relays::states),
         ("assemblies", assemblies::table),
+        ("bounds", goals::bounds),
         ("fastest", goals::fastest),
         ("safest", goals::safest),
         ("drives", goals::drives),
