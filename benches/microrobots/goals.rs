@@ -4,7 +4,9 @@ use crate::fields::{self, checked};
 use crate::simple;
 use std::time::Instant;
 use tweeze::claims::Claims;
+use tweeze::claims::microrobots::MicrorobotsAction;
 use tweeze::diagnostic::{Code, Sink};
+use tweeze::plan::microrobots::bound::together::{self, RobotArrival};
 use tweeze::plan::{self, Motion, Plan};
 use tweeze::simulate::simulate;
 
@@ -114,6 +116,35 @@ fn assemblies(objective: &str, usual: u64) {
             whole.extend(found);
         }
         row(&format!("{count}"), &whole);
+    }
+}
+
+/// The bound of an assembly over that of its slowest robot alone.
+fn over_slowest(text: &str) -> f64 {
+    let claims = checked(text).unwrap_or_else(|| panic!("the program is right:\n{text}"));
+    let order = fields::order(&claims);
+    let arrivals: Vec<RobotArrival> = match order.steps.first().map(|step| &step.action) {
+        Some(MicrorobotsAction::Assemble(docks)) => docks
+            .iter()
+            .map(|dock| RobotArrival::of(order, dock.robot, order.robots[dock.robot].pose, dock.goal.pose))
+            .collect(),
+        Some(_) | None => panic!("it is an assembly"),
+    };
+    let alone = arrivals.iter().map(|arrival| together::least_strokes(order, vec![*arrival])).max();
+    together::least_strokes(order, arrivals) as f64 / alone.unwrap_or(1) as f64
+}
+
+/// What bounds gain from what robots have in common.
+pub fn bounds() {
+    println!("\nBound of assemblies on random fields, over that of the slowest robot alone.\n");
+    println!("| robots | fields | median | p90 |\n|---|---|---|---|");
+    for count in COUNTS {
+        let of_side = |side_um: f64| {
+            (0..programs(24)).map(move |seed| over_slowest(&fields::assembly((count, side_um), seed, "time")))
+        };
+        let gains: Vec<f64> = SIDES_UM.into_iter().flat_map(of_side).collect();
+        let [median, p90] = [0.5, 0.9].map(|share| quantile(gains.iter().copied(), share));
+        println!("| {count} | {} | {median:.2} | {p90:.2} |", gains.len());
     }
 }
 

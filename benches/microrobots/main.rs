@@ -21,6 +21,7 @@ fn main() {
         ("states", relays::states),
         ("assemblies", assemblies::table),
         ("answers", answers::table),
+        ("bounds", goals::bounds),
         ("fastest", goals::fastest),
         ("safest", goals::safest),
         ("drives", goals::drives),

@@ -76,6 +76,25 @@ fn extreme_figures_of_a_device_end_in_an_answer() {
     }
 }
 
+/// A drive of `D1` while `D2` stands before a disc, so far to its left.
+fn before_a_disc(aside_um: u32) -> Built {
+    build(&format!(
+        "use std.microrobots as m\ndevice fleet : m.bed {{ robots: table {{\n robot | snap_down [V] | release [V] | turning_radius [um]\n \
+         D1 | 110 | 20 | 165\n D2 | 122 | 33 | 165\n }}, margin: 2 V }}\nscene field {{\n robot D1 at pose(0 mm, 0 mm, 90 deg)\n \
+         robot D2 at pose(2 mm, 2 mm, 0 deg)\n obstacle stone : disc {{ radius: 100 um }} at (2255 um, {} um)\n}}\n\
+         task go on fleet in field {{ drive D1 to pose(1 mm, -1 mm, 0 deg) }}\n",
+        2000 + aside_um
+    ))
+}
+
+/// Nothing that a voltage does keeps a robot that stands by from an obstacle right before it; past one a little aside it turns or runs.
+#[test]
+fn a_bystander_before_an_obstacle_is_a_proof_and_one_beside_it_is_not() {
+    assert_eq!(before_a_disc(0).codes, ["E0601"]);
+    let beside = before_a_disc(200);
+    assert!(!beside.refused && beside.codes == NONE, "{:?}", beside.codes);
+}
+
 #[test]
 fn a_bound_is_no_more_than_any_plan_takes() {
     let (driven, applied) = (built("microrobots-bound-drive"), built("microrobots-bound-applied"));

@@ -5,6 +5,7 @@ pub mod assembly;
 pub mod bound;
 pub mod control;
 pub mod departure;
+pub mod doom;
 pub mod drive;
 pub mod fine;
 pub mod free;

@@ -5,7 +5,9 @@
 //! kept.
 
 use super::assembly::{self, Assembled, StuckAssembly};
+use super::bound::together::{self, RobotArrival};
 use super::departure::{Departure, Departures};
+use super::doom::{self, DoomedRobot};
 use super::drive::{self, Drive};
 use super::free;
 use super::gathering::Gathering;
@@ -130,7 +132,14 @@ impl<'a> BedStepPlanner<'a> {
                 sink.push(self.why().not_driven(robot, stuck, stops));
                 return None;
             }
-            Ok(_) | Err(_) => {}
+            Ok(_) => {}
+            Err(_) => {
+                let goals: Vec<(usize, Pose)> = poses.iter().map(|pose| (robot, *pose)).collect();
+                if let Some((doomed, strokes)) = self.doomed(&goals) {
+                    sink.push(self.why().doomed(&doomed, strokes));
+                    return None;
+                }
+            }
         }
         let best = direct.ok().map(|driven| driven.legs);
         let best = self.driven_after_legs(&request, best, self.share(DRIVE_SHARE));
@@ -147,6 +156,32 @@ impl<'a> BedStepPlanner<'a> {
                 found.map(plain)
             }
         }
+    }
+
+    /// A robot that meets an obstacle before the step can end, whatever states it is driven in, and the strokes that it would need: up to
+    /// its own goals, or, if it has none, until the others are at theirs. `None` if every plan is not known to begin here.
+    fn doomed(&self, goals: &[(usize, Pose)]) -> Option<(DoomedRobot, u64)> {
+        let BedPoses { poses, docked, .. } = self.bed;
+        let arrival = |(robot, goal): &(usize, Pose)| RobotArrival::of(self.order, *robot, poses[*robot], *goal);
+        let all = goals.iter().filter(|(robot, _)| !docked[*robot]);
+        let least = |of: Vec<RobotArrival>| together::least_strokes(self.order, of);
+        let step = match self.step.action {
+            MicrorobotsAction::Assemble(_) => least(all.clone().map(arrival).collect()),
+            // A robot does not stay at its stops.
+            MicrorobotsAction::Drive { .. } | MicrorobotsAction::Apply { .. } | MicrorobotsAction::Wait(_) => {
+                all.clone().map(|goal| least(vec![arrival(goal)])).max().unwrap_or(0)
+            }
+        };
+        let needed = |robot: usize| {
+            let own = all.clone().filter(|goal| goal.0 == robot).map(|goal| least(vec![arrival(goal)]));
+            own.max().unwrap_or(step)
+        };
+        let moving = (0..self.world.count()).filter(|robot| self.is_given && !docked[*robot]);
+        moving.into_iter().find_map(|robot| {
+            let strokes = needed(robot);
+            let doomed = doom::doomed(self.world, (robot, poses[robot]), self.world.way_um(robot, strokes));
+            doomed.map(|doomed| (doomed, strokes))
+        })
     }
 
     /// The best of drives after first legs, and of the given one.
@@ -226,6 +261,13 @@ impl<'a> BedStepPlanner<'a> {
         // Neither arms nor goals change with the robots' places.
         let is_in_vain =
             matches!(direct, Err(NoAssembly::Stuck(StuckAssembly::Unsteerable { .. } | StuckAssembly::Apart { .. })));
+        if let (Err(_), false) = (&direct, is_in_vain) {
+            let goals: Vec<(usize, Pose)> = docks.iter().map(|dock| (dock.robot, dock.goal.pose)).collect();
+            if let Some((doomed, strokes)) = self.doomed(&goals) {
+                sink.push(self.why().doomed(&doomed, strokes));
+                return None;
+            }
+        }
         let mut best = direct.as_ref().ok().cloned();
         let _held = best.as_ref().map(|best| HeldPlan::begin(|| self.told(best.legs())));
         if !is_in_vain && self.first_legs != FirstLegs::None {

@@ -1,6 +1,7 @@
 //! Explanation of a step of microrobots without a plan: which robot, which orbit, which obstacle.
 
 use super::assembly::{RobotBlocker, StuckAssembly};
+use super::doom::DoomedRobot;
 use super::drive::{self, StuckReason, Thing};
 use super::guarantee::said;
 use super::world::{FirstMeeting, ForbiddenMeeting};
@@ -118,6 +119,28 @@ impl BedReasons<'_> {
                     .help("make room for the robots that run along or turn, or drive them out of the way first")
             }
         }
+    }
+
+    /// Report of a robot that meets an obstacle before the step can end: a proof.
+    pub fn doomed(&self, doomed: &DoomedRobot, strokes: u64) -> Diagnostic {
+        let name = self.name(doomed.robot);
+        let obstacles = doomed.obstacles.iter().map(|index| format!("`{}`", self.order.obstacles[*index].name));
+        let obstacles = obstacles.collect::<Vec<_>>().join(" or ");
+        let needed_um = strokes as f64 * self.order.robot(doomed.robot).step_um;
+        let title = format!(
+            "{name} comes nearer than {} to {obstacles} within {} of its path, whatever control states are driven; this step takes at least {}",
+            length(self.order.facts.clearance_um),
+            length(doomed.way_um),
+            length(needed_um)
+        );
+        let robot = self.order.robots[doomed.robot].span;
+        let diagnostic = Diagnostic::new(Code::E0601, title)
+            .label(self.step.span, "every stroke moves all robots that have not docked")
+            .label_elsewhere(robot, self.step.span, "with its arm up or down, and by turns");
+        let in_the_way = doomed.obstacles.iter().map(|index| self.order.obstacles[*index].span);
+        let diagnostic = in_the_way
+            .fold(diagnostic, |diagnostic, span| diagnostic.label_elsewhere(span, self.step.span, "in the way"));
+        diagnostic.help("let it start elsewhere or turned otherwise, or make room before it")
     }
 
     /// Further condition on a control state, if anything has docked.

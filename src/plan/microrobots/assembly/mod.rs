@@ -19,9 +19,10 @@ mod roundabout;
 mod single;
 mod track;
 
+use super::bound::together::{self, RobotArrival};
 use super::world::FirstMeeting;
-use super::{AssemblyStage, Leg, RobotDocking, bound};
-use crate::claims::microrobots::{Dock, MicrorobotsOrder, Precision};
+use super::{AssemblyStage, Leg, RobotDocking};
+use crate::claims::microrobots::{Dock, MicrorobotsOrder};
 use crate::geometry::Pose;
 use crate::plan::search::Meter;
 use bed::{AssemblyState, StageAddition};
@@ -116,16 +117,17 @@ pub fn assemble(
     }
 }
 
-/// Lower bound on the duration of an assembly of these robots: the slowest one's shortest path to its goal, alone on the bed.
+/// Lower bound on the duration of an assembly of these robots: of all their ways at once, without obstacles.
 fn least_ns(bed: &AssemblyState, docks: &[Dock]) -> u64 {
     let facts = &bed.order.facts;
-    let least_ns = |dock: &Dock| {
-        let from = (bed.poses[dock.robot], Precision { place_um: 0.0, heading_rad: 0.0 });
-        let to = (dock.goal.pose, bed.order.precision);
-        facts.period_ns.saturating_mul(bound::least_strokes(bed.order, dock.robot, from, to))
-    };
     let open = docks.iter().filter(|dock| !bed.docked[dock.robot]);
-    open.map(least_ns).max().map_or(0, |way_ns| way_ns.saturating_add(facts.dwell_ns))
+    let arrivals: Vec<RobotArrival> =
+        open.map(|dock| RobotArrival::of(bed.order, dock.robot, bed.poses[dock.robot], dock.goal.pose)).collect();
+    if arrivals.is_empty() {
+        return 0;
+    }
+    let strokes = together::least_strokes(bed.order, arrivals);
+    facts.period_ns.saturating_mul(strokes).saturating_add(facts.dwell_ns)
 }
 
 /// Search over docking orders.

@@ -166,37 +166,67 @@ impl MirroredJourney {
     }
 }
 
+/// What every path from a pose within a slack of one to a pose within a slack of another has at least.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LeastWays {
+    /// Least and greatest turn without a full circle, in micrometres of the path; every path turns by an amount between them, or by whole
+    /// circles more. The least may be below 0: then there is a path that turns by nearly nothing.
+    pub turn_um: [f64; 2],
+    /// Path length of one full circle.
+    pub circle_um: f64,
+    /// Least straight travel of a path without a full circle more; infinite if there is none.
+    pub direct_um: f64,
+    /// Least straight travel of any path.
+    pub run_um: f64,
+}
+
+impl LeastWays {
+    /// Least length of a path that turns by this many full circles more than it needs; infinite if there is none.
+    pub fn length_um(&self, circles: u64) -> f64 {
+        let run_um = if circles == 0 { self.direct_um } else { self.run_um };
+        run_um + (self.turn_um[0] + self.circle_um * circles as f64).max(0.0)
+    }
+}
+
 /// Lower bound on the length of any path from a pose within a slack of the first to a pose within a slack of the second.
-///
+pub fn least_um(robot: &Robot, from: (Pose, Precision), to: (Pose, Precision)) -> f64 {
+    let ways = least_ways(robot, from, to);
+    ways.length_um(0).min(ways.length_um(1))
+}
+
 /// The optimum of the module's documentation with every quantity at its cheapest within the slacks: each centre lies within place +
 /// r × heading of the pose's own, and the frame of the first heading may be rotated by its slack.
-pub fn least_um(robot: &Robot, (from, before): (Pose, Precision), (to, after): (Pose, Precision)) -> f64 {
+pub fn least_ways(robot: &Robot, (from, before): (Pose, Precision), (to, after): (Pose, Precision)) -> LeastWays {
     let journey = MirroredJourney::new(robot, from, to);
     let off_rad = before.heading_rad + after.heading_rad + SLACK_RAD;
     let off_um = before.place_um + after.place_um + journey.radius_um * off_rad + SLACK_UM;
-    let turn_rad = journey.turn_rad;
-    let wraps = turn_rad <= off_rad || turn_rad >= TAU - off_rad;
-    let least_rad = if wraps { 0.0 } else { turn_rad - off_rad };
-    let near_um = (journey.distance_um - off_um).max(0.0);
-    let direct_um = near_um + journey.radius_um * least_rad;
-    if near_um == 0.0 {
-        return direct_um;
+    let is_nearly_round = journey.turn_rad >= TAU - off_rad;
+    let middle_rad = if is_nearly_round { journey.turn_rad - TAU } else { journey.turn_rad };
+    let run_um = (journey.distance_um - off_um).max(0.0);
+    let direct_um = if is_nearly_round { run_um } else { journey.direct_um((before, off_rad), off_um, run_um) };
+    LeastWays {
+        turn_um: [middle_rad - off_rad, middle_rad + off_rad].map(|turn_rad| journey.radius_um * turn_rad),
+        circle_um: TAU * journey.radius_um,
+        direct_um,
+        run_um,
     }
-    let spread_rad = (off_um / journey.distance_um).arc_sine() + before.heading_rad;
-    let ahead = journey.aim_rad - spread_rad <= turn_rad + off_rad || journey.aim_rad + spread_rad >= TAU;
-    if ahead {
-        return direct_um;
-    }
-    // With one more circle the turn is no shorter than this; it may be less than a full one.
-    let circled_um = near_um + journey.radius_um * (TAU + turn_rad - off_rad);
-    if turn_rad + off_rad <= PI {
-        return circled_um;
-    }
-    let chord_um = journey.chord_um(off_um, off_rad, before.heading_rad);
-    circled_um.min(chord_um.max(near_um) + journey.radius_um * least_rad)
 }
 
 impl MirroredJourney {
+    /// Least straight travel without a full circle more.
+    fn direct_um(&self, (before, off_rad): (Precision, f64), off_um: f64, run_um: f64) -> f64 {
+        if run_um == 0.0 {
+            return run_um;
+        }
+        let spread_rad = (off_um / self.distance_um).arc_sine() + before.heading_rad;
+        let is_ahead = self.aim_rad - spread_rad <= self.turn_rad + off_rad || self.aim_rad + spread_rad >= TAU;
+        match () {
+            () if is_ahead => run_um,
+            () if self.turn_rad + off_rad <= PI => f64::INFINITY,
+            () => self.chord_um(off_um, off_rad, before.heading_rad).max(run_um),
+        }
+    }
+
     /// Least sum of two edges along the first and the last heading, up to `off_um`, in a frame that may be rotated. The chord's
     /// normal bisects the gap between the two headings, and the sum is the component of d along it / the cosine of half the gap.
     fn chord_um(&self, off_um: f64, off_rad: f64, tilt_rad: f64) -> f64 {

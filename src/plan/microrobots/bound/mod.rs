@@ -5,16 +5,21 @@
 //! that stops short within the precision saves a part of its path, and of the next one. Method: all plans of a job agree on the
 //! poses of the robots at its start and after states that are applied before anything is driven, and, up to the precision, on the
 //! poses of a robot at its stops and docks. Between two such poses of one robot there are at least as many strokes as its shortest
-//! path has, summed over the steps between them. So the instants of the job are related by least differences, and the bound is the
-//! longest path through them.
+//! path has, and robots that come together hold one another up ([`together`]); summed over the steps between them. So the instants of the
+//! job are related by least differences, and the bound is the longest path through them.
 //!
-//! Promise: no schedule that keeps the claims is faster. Not promised: that the bound is attained; obstacles, other robots and
-//! rounding to whole strokes are ignored. Cost: `MAX_EARLIER` shortest paths for each stop and dock.
+//! Promise: no schedule that keeps the claims is faster. Not promised: that the bound is attained; obstacles, other robots in the way and
+//! rounding to whole strokes are ignored. Cost: `MAX_EARLIER` shortest paths for each stop and dock, and the square of the robots of an
+//! assembly.
+
+pub mod together;
 
 use super::free;
 use super::{Crew, Leg, leg_ns};
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop, Precision};
 use crate::geometry::Pose;
+use std::collections::BTreeSet;
+use together::RobotArrival;
 
 /// Number of earlier poses of its robot to which a stop is related: the latest ones.
 const MAX_EARLIER: usize = 8;
@@ -129,20 +134,28 @@ impl<'a> JobPrefix<'a> {
         }
     }
 
-    /// Robots reach stops at the same time.
+    /// Robots reach stops; if there are several, they stay there.
     fn arrive(&mut self, stops: &[(usize, &MicrorobotsStop)]) {
         let cycles_ns = stops.iter().map(|(robot, stop)| self.cycles_ns(*robot, stop)).max().unwrap_or(0);
         self.goes_by(cycles_ns, cycles_ns);
         let instant = self.latest();
-        for (robot, stop) in stops.iter().filter(|(robot, _)| !self.docked[*robot]) {
-            let (goal, slack) = (stop.pose, self.order.precision);
-            for known in self.known[*robot].iter().rev().take(MAX_EARLIER) {
-                let strokes = least_strokes(self.order, *robot, (known.pose, known.slack), (goal, slack));
-                let still_ns = self.still_ns[instant] - self.still_ns[known.instant];
-                let driven_ns = strokes.saturating_mul(self.order.facts.period_ns).saturating_add(still_ns);
-                self.at_ns[instant] = self.at_ns[instant].max(self.at_ns[known.instant].saturating_add(driven_ns));
-            }
-            self.known[*robot].push(KnownPlace { instant, pose: goal, slack });
+        let moving: Vec<&(usize, &MicrorobotsStop)> = stops.iter().filter(|(robot, _)| !self.docked[*robot]).collect();
+        let known = |robot: usize| self.known[robot].iter().rev().take(MAX_EARLIER);
+        let earlier: BTreeSet<usize> =
+            moving.iter().flat_map(|(robot, _)| known(*robot)).map(|known| known.instant).collect();
+        for earlier in earlier {
+            let arrivals = moving.iter().filter_map(|(robot, stop)| {
+                let from = known(*robot).find(|known| known.instant == earlier)?;
+                let to = (stop.pose, self.order.precision);
+                Some(RobotArrival { robot: *robot, from: (from.pose, from.slack), to })
+            });
+            let strokes = together::least_strokes(self.order, arrivals.collect());
+            let still_ns = self.still_ns[instant] - self.still_ns[earlier];
+            let driven_ns = strokes.saturating_mul(self.order.facts.period_ns).saturating_add(still_ns);
+            self.at_ns[instant] = self.at_ns[instant].max(self.at_ns[earlier].saturating_add(driven_ns));
+        }
+        for (robot, stop) in moving {
+            self.known[*robot].push(KnownPlace { instant, pose: stop.pose, slack: self.order.precision });
         }
     }
 
