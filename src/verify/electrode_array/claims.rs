@@ -8,7 +8,7 @@ use crate::claims::electrode_array::{
     ElectrodeArrayStop, OperationLag,
 };
 use crate::device::electrode_array::{
-    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_PARTS, MAX_SIDE, MAX_STAY_STEPS, Separation,
+    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_PARTS, MAX_SIDE, Separation,
 };
 use std::collections::BTreeSet;
 
@@ -133,7 +133,7 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
             gone.insert(operation.part);
         }
     }
-    demand(stays <= MAX_STAY_STEPS, "stay for too many steps")
+    demand(stays <= order.facts.most_stay_steps(order.parts.len()), "stay for too many steps")
 }
 
 /// A droplet is mixed for some time; or it is pulled apart, and both go to opposite sides.
