@@ -41,8 +41,9 @@ const FIELD_BOARD: &str = "use std.electrode_array as ea\n\
     device chip : ea.droplet_chip {\n\
     columns: 15, rows: 19, step_duration: 10 ms, settling: 8 ms, dispense_duration: 2 s, mixer: (4, 2)\n}\n";
 
-/// Levels of splits of the protein assays.
+/// Levels of splits of the protein assays, and of those with more leaves than places.
 const PROTEIN: [u32; 3] = [1, 2, 3];
+const DEEP_PROTEIN: [u32; 4] = [4, 5, 6, 7];
 
 pub fn field_table() {
     println!("\npublished assays on 15 x 19 electrodes at 100 Hz; planned, lowered and verified");
@@ -50,36 +51,45 @@ pub fn field_table() {
     let in_vitro = IN_VITRO.iter().zip(1..).map(|(size, number)| (format!("in-vitro {number}"), in_vitro(*size)));
     let protein = PROTEIN.iter().map(|levels| (format!("protein {levels}"), protein(*levels)));
     for (name, program) in std::iter::once(("PCR".to_owned(), pcr())).chain(in_vitro).chain(protein) {
-        let (time, plan) = clock::timed(|| planned(&program.text("assay {\n", "}\n")));
-        println!(
-            "{name:10}  {:8}  {:10}  {:5.0}  {:6}  {:5}  {:5.3} | {}",
-            program.droplets,
-            program.operations.len(),
-            1e3 * time.as_secs_f64(),
-            plan.cost,
-            plan.bound,
-            plan.cost / plan.bound,
-            program.one_after_the_other().map_or("none".to_owned(), |steps| steps.to_string())
-        );
+        row(&name, &program, program.one_after_the_other());
+    }
+    println!("more leaves than places; beside the bound that of eight places with no way between them, in any order");
+    for levels in DEEP_PROTEIN {
+        let program = super::protein::protein(levels);
+        row(&format!("protein {levels}"), &program, Some(f64::from(50 * (1 << levels) - 5) * 100.0 / 8.0));
     }
 }
 
+fn row(name: &str, program: &FieldAssay, beside: Option<f64>) {
+    let (time, plan) = clock::timed(|| planned(&program.text("assay {\n", "}\n")));
+    println!(
+        "{name:10}  {:8}  {:10}  {:5.0}  {:6}  {:5}  {:5.3} | {}",
+        program.droplets,
+        program.operations.len(),
+        1e3 * time.as_secs_f64(),
+        plan.cost,
+        plan.bound,
+        plan.cost / plan.bound,
+        beside.map_or("none".to_owned(), |steps| format!("{steps:.0}"))
+    );
+}
+
 /// The corner of a mixer, from 0 to 7: droplets pass between them, and to the ports.
-fn place(number: u32) -> (u32, u32) {
+pub fn place(number: u32) -> (u32, u32) {
     (4 + 5 * (number % 2), 3 + 5 * (number / 2))
 }
 
 /// A published assay.
 #[derive(Default)]
-struct FieldAssay {
-    droplets: u32,
+pub struct FieldAssay {
+    pub droplets: u32,
     /// Reservoirs and parts.
-    scene: Vec<String>,
-    operations: Vec<String>,
+    pub scene: Vec<String>,
+    pub operations: Vec<String>,
 }
 
 impl FieldAssay {
-    fn reservoir(&mut self, name: &str, at: (u32, u32)) {
+    pub fn reservoir(&mut self, name: &str, at: (u32, u32)) {
         self.scene.push(format!("reservoir {name} at {at:?}"));
     }
 

@@ -11,6 +11,7 @@ mod clock;
 mod large;
 #[path = "../../tests/electrode_array/programs.rs"]
 mod programs;
+mod protein;
 mod rival;
 mod sample;
 #[path = "../../tests/electrode_array/scenes.rs"]

@@ -16,7 +16,7 @@ mod simple;
 
 fn main() {
     let filter = std::env::args().skip(1).find(|argument| !argument.starts_with('-')).unwrap_or_default();
-    let tables: [(&str, fn()); 7] = [
+    let tables: [(&str, fn()); 8] = [
         ("check", relays::check),
         ("states", relays::states),
         ("assemblies", assemblies::table),

@@ -18,9 +18,7 @@ use crate::claims::electrode_array::{
     ElectrodeArrayMove, ElectrodeArrayObjective, ElectrodeArrayOrder, ElectrodeArrayPlanner, ElectrodeArrayStep,
     ElectrodeArrayStop, OperationLag, SplitDroplet, ZoneSort,
 };
-use crate::device::electrode_array::{
-    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_STAY_STEPS, SPLIT_APART, Separation,
-};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, SPLIT_APART, Separation};
 use crate::diagnostic::{Code, Sink};
 use crate::source::Span;
 use std::collections::BTreeMap;
@@ -229,10 +227,11 @@ impl BoardStepJudge<'_> {
         let mut stays = 0;
         for (operation, call) in operations.iter().zip(calls) {
             stays += operation.stay_steps(self.facts);
-            if stays > MAX_STAY_STEPS {
+            let most = self.facts.most_stay_steps(self.tray.parts.len());
+            if stays > most {
                 let time = phrases(call, "for").next();
                 let span = time.map_or(call.span, |time| time.span);
-                let wrong = errors::stays_too_long(span, stays, self.facts.step_ns);
+                let wrong = errors::stays_too_long(span, [stays, most], self.facts.step_ns);
                 self.sink.push(match time {
                     Some(time) => errors::given_at(wrong, time),
                     None => wrong,

@@ -39,8 +39,11 @@ pub const DEFAULT_MIXER: [u32; 2] = [2, 2];
 /// Columns between the two droplets that come out of one: the electrodes on both sides of it pull, its own is off.
 pub const SPLIT_APART: u32 = 2;
 
-/// Most steps of the board for which the operations of one assay stay, all together.
-pub const MAX_STAY_STEPS: u64 = 100_000;
+/// Most steps of the board for which the operations of one assay stay, all together, on any board, and on one that holds few droplets.
+pub const MAX_STAY_STEPS: [u64; 2] = [100_000, 1_000_000];
+
+/// Most steps of all droplets together in between: what a schedule says of each droplet in each step.
+const MAX_DROPLET_STEPS: u64 = 100_000_000;
 
 /// An electrode, and so a place for the centre of a part: column and row, both from 1, rows upward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -256,6 +259,14 @@ impl ElectrodeArrayFacts {
     pub fn mixing_steps(&self, time_ns: u64) -> u64 {
         let round = u64::from(2 * (self.mixer[0] + self.mixer[1]) - 4);
         time_ns.div_ceil(self.step_ns).div_ceil(round).saturating_mul(round)
+    }
+
+    /// Most steps for which the operations of one assay stay, all together: fewer the more of some parts find room on the board at once.
+    pub fn most_stay_steps(&self, parts: usize) -> u64 {
+        let apart = self.separation.apart().max(1);
+        let room = u64::from(self.columns.div_ceil(apart)) * u64::from(self.rows.div_ceil(apart));
+        let [least, most] = MAX_STAY_STEPS;
+        (MAX_DROPLET_STEPS / room.min(parts as u64).max(1)).clamp(least, most)
     }
 
     /// The middle of an electrode; the middle of electrode (1, 1) is the origin.

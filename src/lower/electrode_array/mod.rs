@@ -68,12 +68,13 @@ impl LoweringBoard<'_> {
     /// All parts through their cells, one step of the board after the other; in an assay the courses tell who comes and who goes.
     fn follow(&mut self, paths: &[&[ElectrodeCell]], courses: &[PartCourse], step: usize) -> Option<()> {
         let facts = &self.order.facts;
-        let instants = paths.iter().map(|path| path.len().saturating_sub(1)).max().unwrap_or(0);
+        let since = |part: usize| courses.get(part).map_or(0, |course| course.since);
+        let until = |(part, path): (usize, &&[ElectrodeCell])| (since(part) + path.len()).saturating_sub(1);
+        let instants = paths.iter().enumerate().map(until).max().unwrap_or(0);
         // Electrodes that are on, with the instant since when.
         let mut on: BTreeMap<ElectrodeCell, u64> = BTreeMap::new();
         let gone_after = |cells: &mut [Option<ElectrodeCell>], instant: usize| {
-            let done =
-                courses.iter().zip(cells).filter(|(course, _)| course.is_gone && course.cells.len() <= instant + 1);
+            let done = courses.iter().zip(cells).filter(|(course, _)| course.is_gone && course.until() <= instant + 1);
             done.for_each(|(_, cell)| *cell = None);
         };
         gone_after(&mut self.cells, 0);
@@ -86,16 +87,17 @@ impl LoweringBoard<'_> {
                 match course.parent {
                     // What another gives off in this step of the board is where that one is.
                     Some(parent) if course.since == instant + 1 => self.cells[part] = self.cells[parent],
-                    None if course.since == instant && course.cells.len() > instant + 1 => {
-                        self.cells[part] = course.cells.get(instant).copied();
+                    None if course.since == instant && course.until() > instant + 1 => {
+                        self.cells[part] = course.at(instant);
                     }
                     Some(_) | None => (),
                 }
             }
-            let next: Vec<Option<ElectrodeCell>> =
-                paths.iter().map(|path| path.get(instant + 1).or(path.last()).copied()).collect();
-            let next: Vec<Option<ElectrodeCell>> =
-                next.into_iter().zip(&self.cells).map(|(next, here)| here.and(next)).collect();
+            let next = |(part, path): (usize, &&[ElectrodeCell])| {
+                self.cells[part]?;
+                path.get((instant + 1).saturating_sub(since(part))).or(path.last()).copied()
+            };
+            let next: Vec<Option<ElectrodeCell>> = paths.iter().enumerate().map(next).collect();
             let wanted = self.wanted(&next);
             self.switch(&mut on, &wanted, start_ns, step);
             self.run.duration_ns = start_ns.checked_add(facts.step_ns)?;

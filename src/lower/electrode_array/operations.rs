@@ -1,7 +1,7 @@
 //! The operations of an assay on the clock, from the courses of its parts.
 
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayOrder};
-use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
+use crate::device::electrode_array::ElectrodeArrayFacts;
 use crate::lower::clock::LoweredOperation;
 use crate::plan::electrode_array::PartCourse;
 
@@ -46,15 +46,10 @@ pub fn timed(
     lowered
 }
 
-/// The cell of a part at an instant.
-fn at(course: &PartCourse, instant: usize) -> Option<ElectrodeCell> {
-    course.cells.get(instant).or(course.cells.last()).copied()
-}
-
 /// The instant, from one on, since which a part has been where it is pulled apart, which ends at another instant.
 fn pulled_apart(course: &PartCourse, from: usize, end: usize) -> Option<usize> {
     let last = end.checked_sub(1)?;
-    (from..=last).rev().take_while(|instant| at(course, *instant) == at(course, last)).last()
+    (from..=last).rev().take_while(|instant| course.at(*instant) == course.at(last)).last()
 }
 
 /// The first instant, from one on, from which on all parts of an operation stay at its last stop, or are mixed from there on, after they
@@ -65,15 +60,15 @@ fn arrival(
     (free, begins): (&[usize], usize),
     courses: &[PartCourse],
 ) -> Option<usize> {
-    let longest = courses.iter().map(|course| course.cells.len()).max()?;
+    let longest = courses.iter().map(PartCourse::until).max()?;
     let stay = operation.stay_steps(facts) as usize;
     let mut from = begins;
     let mut goal = None;
     for part in operation.parts() {
         let mut instant = free[part];
-        goal = at(&courses[part], instant);
+        goal = courses[part].at(instant);
         for stop in &operation.stops {
-            instant = (instant..longest).find(|instant| at(&courses[part], *instant) == Some(stop.cell))?;
+            instant = (instant..longest).find(|instant| courses[part].at(*instant) == Some(stop.cell))?;
             goal = Some(stop.cell);
         }
         from = from.max(instant);
@@ -82,14 +77,14 @@ fn arrival(
         let (course, around) = (&courses[operation.part], facts.mixing_loop(goal?));
         let is_mixed = |since: &usize| {
             let instants = 0..=stay;
-            let mut steps = instants.map(|step| (at(course, since + step), Some(around[step % around.len()])));
+            let mut steps = instants.map(|step| (course.at(since + step), Some(around[step % around.len()])));
             steps.all(|(is, due)| is == due)
         };
         return (from..longest).find(is_mixed);
     }
     let mut since = from;
     for instant in from..longest + stay {
-        if operation.parts().any(|part| at(&courses[part], instant) != goal) {
+        if operation.parts().any(|part| courses[part].at(instant) != goal) {
             since = instant + 1;
         } else if instant - since == stay {
             return Some(since);

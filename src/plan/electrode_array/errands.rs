@@ -18,18 +18,28 @@ pub struct PartCourse {
     pub since: usize,
     /// The part that has given it off in the step of the board before, if it comes by a split.
     pub parent: Option<usize>,
-    /// At the instants 0, 1, … of the step until its last operation is done; afterwards it stays. Before `since` where it comes. Empty
-    /// if it was gone before, or has not come yet.
+    /// From that instant of the step on, one for each, until its last operation is done; afterwards it stays. Empty if it was gone before,
+    /// or has not come yet.
     pub cells: Vec<ElectrodeCell>,
     /// Whether it merges with another part or leaves the board, and is gone after the last cell.
     pub is_gone: bool,
 }
 
 impl PartCourse {
+    /// Its cell at an instant; before it is there, the first one, after its end, the last one.
+    pub fn at(&self, instant: usize) -> Option<ElectrodeCell> {
+        self.cells.get(instant.saturating_sub(self.since)).or(self.cells.last()).copied()
+    }
+
+    /// The instant after its last one.
+    pub fn until(&self) -> usize {
+        self.since + self.cells.len()
+    }
+
     /// The instant at which it comes to its last cell.
     pub fn last_arrival(&self) -> usize {
         let last = self.cells.last();
-        self.cells.iter().rposition(|cell| Some(cell) != last).map_or(0, |before| before + 1)
+        self.cells.iter().rposition(|cell| Some(cell) != last).map_or(0, |before| self.since + before + 1)
     }
 }
 

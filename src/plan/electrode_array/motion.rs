@@ -34,7 +34,7 @@ impl ElectrodeArrayStepMotion {
                 [arrivals.clone().max().unwrap_or(0), arrivals.sum(), moves]
             }
             ElectrodeArrayStepMotion::Courses(courses) => {
-                let ends = courses.iter().map(|course| course.cells.len().saturating_sub(1));
+                let ends = courses.iter().map(|course| course.until().saturating_sub(1));
                 let moves = courses.iter().map(|course| moves(&course.cells)).sum();
                 [ends.max().unwrap_or(0), courses.iter().map(PartCourse::last_arrival).sum(), moves]
             }

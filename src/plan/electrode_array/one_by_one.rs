@@ -1,7 +1,7 @@
 //! The operations of an assay one after the other, which is what they would be as steps of their own: a plan where [`super::assay`] finds
 //! none.
 
-use super::assay::{AgentCourse, AssayPlan, AssayProblem, all_done_at, are_kept};
+use super::assay::{AgentCourse, AssayPlan, AssayProblem, are_kept, done_by};
 use super::board::{BoardAnswer, BoardCosts, BoardObjective, CellIndex};
 use super::errands::depart;
 use super::portfolio;
@@ -25,16 +25,13 @@ pub fn one_by_one(
         stage,
         objective,
         now: cells.to_vec(),
-        since: vec![0; agents.len()],
-        courses: agents.iter().map(|agent| vec![agent.start]).collect(),
+        courses: agents.iter().map(|agent| AgentCourse { since: 0, cells: vec![agent.start] }).collect(),
     };
     for operation in operations {
         turns.operate(operation)?;
     }
-    let Turns { since, mut courses, .. } = turns;
-    trim(problem, &since, &mut courses);
-    let courses: Vec<AgentCourse> =
-        since.into_iter().zip(courses).map(|(since, cells)| AgentCourse { since, cells }).collect();
+    let Turns { mut courses, .. } = turns;
+    trim(problem, &mut courses);
     let is_clean = problem.traces.as_ref().is_none_or(|traces| traces.harmed(problem, &courses).is_none());
     (is_clean && are_kept(problem, &courses)).then_some(AssayPlan { courses, bounds })
 }
@@ -48,8 +45,7 @@ struct Turns<'a> {
     objective: BoardObjective,
     /// The current cells of all parts.
     now: Vec<Option<ElectrodeCell>>,
-    since: Vec<u32>,
-    courses: Vec<Vec<CellIndex>>,
+    courses: Vec<AgentCourse>,
 }
 
 impl Turns<'_> {
@@ -57,8 +53,8 @@ impl Turns<'_> {
         self.stage.agents.iter().position(|actor| actor.part == part)
     }
 
-    fn instants(&self) -> usize {
-        self.courses.iter().map(Vec::len).max().unwrap_or(1)
+    fn instants(&self) -> u32 {
+        self.courses.iter().map(AgentCourse::until).max().unwrap_or(1)
     }
 
     fn operate(&mut self, operation: &AssayOperation) -> Option<()> {
@@ -74,7 +70,7 @@ impl Turns<'_> {
         if let Some(goes) = last {
             self.split(operation, goes)?;
         }
-        let stay = usize::try_from(operation.stay_steps(&self.order.facts)).ok()?;
+        let stay = u32::try_from(operation.stay_steps(&self.order.facts)).ok()?;
         match self.agent_of(operation.part).filter(|_| operation.mixes) {
             Some(agent) => self.mix(agent, stay)?,
             None => self.rest(self.instants() + stay),
@@ -85,9 +81,12 @@ impl Turns<'_> {
     }
 
     /// All parts that are on the board stay where they are until they have some number of instants.
-    fn rest(&mut self, instants: usize) {
+    fn rest(&mut self, instants: u32) {
         let there = self.courses.iter_mut().zip(&self.stage.agents).filter(|(_, actor)| self.now[actor.part].is_some());
-        there.for_each(|(course, _)| course.resize(instants.max(course.len()), course[course.len() - 1]));
+        for (course, _) in there {
+            let more = instants.saturating_sub(course.until()) as usize;
+            course.cells.extend(course.cells.last().copied().into_iter().cycle().take(more));
+        }
     }
 
     /// Whether a cell is clear of all parts but one.
@@ -101,8 +100,7 @@ impl Turns<'_> {
         let (part, outlet) = operation.new_part()?;
         self.is_clear(outlet, part).then_some(())?;
         let (instants, agent) = (self.instants(), self.agent_of(part)?);
-        self.since[agent] = instants as u32 - 1;
-        self.courses[agent].resize(instants, self.problem.instance.agents[agent].start);
+        self.courses[agent].since = instants - 1;
         self.now[part] = Some(outlet);
         Some(())
     }
@@ -118,9 +116,9 @@ impl Turns<'_> {
         let longest = plan.paths.iter().map(Vec::len).max().unwrap_or(1);
         for (actor, path) in step.agents.iter().zip(&plan.paths) {
             let Some(course) = self.agent_of(actor.part).map(|agent| &mut self.courses[agent]) else { continue };
-            course.extend(&path[1..]);
-            let (length, last) = (course.len() + longest - path.len(), path[path.len() - 1]);
-            course.resize(length, last);
+            course.cells.extend(&path[1..]);
+            let (length, last) = (course.cells.len() + longest - path.len(), path[path.len() - 1]);
+            course.cells.resize(length, last);
         }
         self.now[part] = stops.last().map(|stop| stop.cell);
         self.rest(self.instants());
@@ -133,23 +131,22 @@ impl Turns<'_> {
         [goes, comes].into_iter().all(|cell| self.is_clear(cell, part)).then_some(())?;
         let instants = self.instants();
         let (parent, child) = (self.agent_of(part)?, self.agent_of(new)?);
-        self.courses[parent].push(stage::flat(self.order, goes));
-        self.since[child] = instants as u32;
-        self.courses[child].resize(instants + 1, self.problem.instance.agents[child].start);
+        self.courses[parent].cells.push(stage::flat(self.order, goes));
+        self.courses[child].since = instants;
         (self.now[part], self.now[new]) = (Some(goes), Some(comes));
         self.rest(instants + 1);
         Some(())
     }
 
     /// An agent goes round its loop for some steps, from the corner on.
-    fn mix(&mut self, agent: usize, steps: usize) -> Option<()> {
-        let corner = *self.courses[agent].last()?;
+    fn mix(&mut self, agent: usize, steps: u32) -> Option<()> {
+        let corner = *self.courses[agent].cells.last()?;
         let around = self.problem.loops.iter().find(|around| around[0] == corner)?;
         let part = self.stage.agents[agent].part;
         let is_clear = |cell: &CellIndex| self.is_clear(stage::cell(self.order, *cell), part);
         let is_open = |cell: &CellIndex| !self.problem.instance.board.is_blocked(*cell);
         around.iter().all(|cell| is_clear(cell) && is_open(cell)).then_some(())?;
-        self.courses[agent].extend((1..=steps).map(|step| around[step % around.len()]));
+        self.courses[agent].cells.extend((1..=steps as usize).map(|step| around[step % around.len()]));
         self.rest(self.instants());
         Some(())
     }
@@ -157,12 +154,9 @@ impl Turns<'_> {
 
 /// Cuts courses after the instant at which all errands are done and nothing moves any more: while others were at work, a part may
 /// have done an operation that comes later.
-fn trim(problem: &AssayProblem, since: &[u32], courses: &mut [Vec<CellIndex>]) {
-    let cells: Vec<&[CellIndex]> = courses.iter().map(Vec::as_slice).collect();
-    let done_at = all_done_at(problem, since, &cells);
+fn trim(problem: &AssayProblem, courses: &mut [AgentCourse]) {
+    let done_at = done_by(problem, courses);
     for (course, done_at) in courses.iter_mut().zip(done_at) {
-        let end = done_at.last().copied().unwrap_or(0) as usize;
-        let moved = course.windows(2).rposition(|pair| pair[0] != pair[1]).map_or(0, |before| before + 1);
-        course.truncate(end.max(moved) + 1);
+        course.end_at(done_at.last().copied().unwrap_or(0));
     }
 }

@@ -10,7 +10,7 @@ use super::mixing::{Loop, Mixing};
 use super::stage::Meetings;
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayStop};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What a part is to do next.
 #[derive(Debug)]
@@ -103,6 +103,8 @@ pub(super) struct MissedOperation<'o> {
 pub(super) struct JudgedAssay<'o> {
     pub meetings: Meetings,
     turns: BTreeMap<usize, PartTurn<'o>>,
+    /// Where droplets come.
+    outlets: BTreeSet<ElectrodeCell>,
     /// For each operation, once it is done.
     pub beats: Vec<Option<OperationBeats>>,
     /// Where the parts without an operation stood that have moved, and when they did so last.
@@ -163,14 +165,22 @@ impl<'o> JudgedAssay<'o> {
             }
         }
         let meetings = Meetings::new(operations.iter().flat_map(AssayOperation::all_parts));
-        JudgedAssay { meetings, turns, beats: vec![None; operations.len()], homes: BTreeMap::new() }
+        let coming = operations.iter().filter(|operation| operation.comes);
+        let outlets = coming.filter_map(|operation| Some(operation.stops.first()?.cell)).collect();
+        JudgedAssay { meetings, turns, outlets, beats: vec![None; operations.len()], homes: BTreeMap::new() }
     }
 
-    /// The parts that are next to be dispensed, by the cell of the outlet.
-    pub fn due_from_outlets(&self, cells: &[Option<ElectrodeCell>]) -> BTreeMap<ElectrodeCell, Vec<usize>> {
+    /// The parts that are next to be dispensed out of those outlets that are open, by the cell of the outlet.
+    pub fn due_from_outlets(
+        &self,
+        cells: &[Option<ElectrodeCell>],
+        is_open: impl Fn(ElectrodeCell) -> bool,
+    ) -> BTreeMap<ElectrodeCell, Vec<usize>> {
+        let open: Vec<ElectrodeCell> = self.outlets.iter().copied().filter(|outlet| is_open(*outlet)).collect();
         let mut due: BTreeMap<ElectrodeCell, Vec<usize>> = BTreeMap::new();
-        for (part, turn) in &self.turns {
+        for (part, turn) in self.turns.iter().filter(|_| !open.is_empty()) {
             let next = turn.next().filter(|next| next.operation.comes && cells[*part].is_none());
+            let next = next.filter(|next| open.contains(&next.cell));
             let next = next.filter(|next| self.begins(next).is_some());
             if let Some(next) = next {
                 due.entry(next.cell).or_default().push(*part);
@@ -186,13 +196,13 @@ impl<'o> JudgedAssay<'o> {
 
     /// The droplets that are next to be split and are where that takes place.
     pub fn due_to_split(&self, cells: &[Option<ElectrodeCell>]) -> Vec<JudgedSplit> {
-        let due = |(part, turn): (&usize, &PartTurn)| {
+        let due = |(part, turn): (usize, &PartTurn)| {
             let next = turn.next().filter(|next| matches!(next.work, DueWork::Split) && self.begins(next).is_some())?;
             let (half, at) = (next.operation.splits?, next.operation.stops.first()?.cell);
-            let is_due = cells[*part] == Some(at) && cells[half.part].is_none() && !turn.is_spoilt;
-            is_due.then_some(JudgedSplit { part: *part, at, to: next.cell, half: half.part, comes: half.cell })
+            let is_due = cells[part] == Some(at) && cells[half.part].is_none() && !turn.is_spoilt;
+            is_due.then_some(JudgedSplit { part, at, to: next.cell, half: half.part, comes: half.cell })
         };
-        self.turns.iter().filter_map(due).collect()
+        self.there(cells).filter_map(due).collect()
     }
 
     /// Notes that a droplet was split in the beat before this one.
@@ -217,23 +227,33 @@ impl<'o> JudgedAssay<'o> {
         }
     }
 
+    /// The turns of the parts that are on the board. Nothing is done by others.
+    fn there(&self, cells: &[Option<ElectrodeCell>]) -> impl Iterator<Item = (usize, &PartTurn<'o>)> {
+        let there = cells.iter().enumerate().filter(|(_, cell)| cell.is_some());
+        there.filter_map(|(part, _)| Some((part, self.turns.get(&part)?)))
+    }
+
     /// What is done after some beats, with the parts at these cells; those that have merged are taken from them.
     pub fn settle(&mut self, beat: u64, cells: &mut [Option<ElectrodeCell>]) {
-        let parts: Vec<usize> = self.turns.keys().copied().collect();
+        let parts: Vec<usize> = self.there(cells).map(|(part, _)| part).collect();
+        let done = |assay: &JudgedAssay| -> usize {
+            parts.iter().filter_map(|part| assay.turns.get(part)).map(|turn| turn.done).sum()
+        };
         loop {
-            let before: usize = self.turns.values().map(|turn| turn.done).sum();
+            let before = done(self);
             for part in &parts {
                 self.settle_one(*part, beat, cells);
             }
-            if self.turns.values().map(|turn| turn.done).sum::<usize>() == before {
+            if done(self) == before {
                 break;
             }
         }
-        let pairs = self.turns.iter().filter_map(|(part, turn)| {
+        let pairs = self.there(cells).filter_map(|(part, turn)| {
             let due = turn.next().filter(|due| self.begins(due).is_some())?;
-            self.is_next(due.with?, due).then_some((*part, (due.with?, due.cell)))
+            self.is_next(due.with?, due).then_some((part, (due.with?, due.cell)))
         });
-        self.meetings.pairs = pairs.collect();
+        let pairs = pairs.collect();
+        self.meetings.pairs = pairs;
     }
 
     /// The beat after which all that an operation comes after was done; `None` while it is not.

@@ -8,7 +8,7 @@ use crate::claims::electrode_array::{
     ElectrodeArrayOrder, ElectrodeArrayStop, OperationLag, ZoneSort, ZoneStay,
 };
 use crate::device::electrode_array::{
-    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_PARTS, MAX_SIDE, MAX_STAY_STEPS, MAX_ZONES, Separation,
+    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_PARTS, MAX_SIDE, MAX_ZONES, Separation,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -173,7 +173,7 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
             gone.insert(operation.part);
         }
     }
-    demand(stays <= MAX_STAY_STEPS, "stay for too many steps")
+    demand(stays <= order.facts.most_stay_steps(order.parts.len()), "stay for too many steps")
 }
 
 /// A droplet is mixed for some time; or it is pulled apart, and both go to opposite sides.

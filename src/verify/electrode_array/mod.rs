@@ -282,7 +282,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 self.record(at_ns)?;
             }
             switching.advance(beat);
-            for (part, outlet) in self.dispensed((nth, at_ns), &assay.due_from_outlets(&self.cells), &switching.on) {
+            for (part, outlet) in self.dispensed((nth, at_ns), &assay, &switching.on) {
                 self.cells[part] = Some(outlet);
                 assay.come(part, beat);
                 self.traces.iter_mut().for_each(|traces| traces.dispense(part, operations));
@@ -345,11 +345,12 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     fn dispensed(
         &self,
         (nth, at_ns): (usize, u64),
-        due: &BTreeMap<ElectrodeCell, Vec<usize>>,
+        assay: &JudgedAssay,
         on: &FxHashSet<ElectrodeCell>,
     ) -> Vec<(usize, ElectrodeCell)> {
         let range = pull::range(self.order.facts.layout.electrodes) as u32;
         let acts = |outlet: ElectrodeCell| self.cells.iter().flatten().any(|cell| cell.apart(outlet) <= range);
+        let due = assay.due_from_outlets(&self.cells, |outlet| on.contains(&outlet) && !acts(outlet));
         let next = self.run.plan.states.get(self.states.len()).map(|next| &next.state);
         let is_in_state = |name: &str| matches!(next, Some(State::ElectrodeArray(ElectrodeArrayState { parts })) if parts.contains_key(name));
         let is_recorded = |name: &str| {
@@ -362,8 +363,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             };
             find(&is_in_state).or_else(|| find(&is_recorded)).or(parts.first().copied())
         };
-        let begun = due.iter().filter(|(outlet, _)| on.contains(outlet) && !acts(**outlet));
-        begun.filter_map(|(outlet, parts)| Some((named(parts)?, *outlet))).collect()
+        due.iter().filter_map(|(outlet, parts)| Some((named(parts)?, *outlet))).collect()
     }
 
     /// The operations of a step on the clock.

@@ -3,6 +3,7 @@
 //! The truth is found without the planner and the verifier: instant by instant, all joint positions with what each part has done by
 //! then, until all is done. `TWEEZE_ORACLE_CASES=1000` runs 1000 assays.
 
+mod crowds;
 mod program;
 mod traces;
 

@@ -5,18 +5,18 @@ use crate::check::scope::nearest as nearest_name;
 use crate::check::value::Value;
 use crate::claims::Relation;
 use crate::claims::electrode_array::{AssayOperation, DropletContent, DropletShare};
-use crate::device::electrode_array::{ElectrodeCell, MAX_STAY_STEPS, SPLIT_APART, droplets};
+use crate::device::electrode_array::{ElectrodeCell, SPLIT_APART, droplets};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity, fraction};
 use crate::source::Span;
 use std::collections::BTreeSet;
 
 /// The operations of an assay stay for more steps than a plan may have.
-pub fn stays_too_long(span: Span, steps: u64, step_ns: u64) -> Diagnostic {
-    let most = Quantity::new(MAX_STAY_STEPS as f64 * step_ns as f64 / 1e9, Dimension::TIME);
+pub fn stays_too_long(span: Span, [steps, most_steps]: [u64; 2], step_ns: u64) -> Diagnostic {
+    let most = Quantity::new(most_steps as f64 * step_ns as f64 / 1e9, Dimension::TIME);
     let one = Quantity::new(step_ns as f64 / 1e9, Dimension::TIME);
     let title =
-        format!("the operations up to here stay for {steps} steps of the board; at most {MAX_STAY_STEPS} are planned");
+        format!("the operations up to here stay for {steps} steps of the board; at most {most_steps} are planned");
     Diagnostic::new(Code::E0554, title)
         .label(span, format!("steps of {one}"))
         .help(format!("stays of one `assay` may take {most} together: split it, with `wait` where all droplets rest"))

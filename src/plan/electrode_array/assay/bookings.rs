@@ -3,6 +3,7 @@
 //! A position at instant `t` forbids the cells nearer than the separation at `t - 1`, `t` and `t + 1` ([`super::super::board`]).
 
 use super::super::board::{BoardGrid, CellIndex};
+use super::AgentCourse;
 use super::traces::{Touch, Traces};
 
 /// The instant after all others.
@@ -28,6 +29,50 @@ struct Booking {
     doing: Doing,
 }
 
+/// The bookings of one cell.
+#[derive(Debug, Clone, Default)]
+struct CellBookings {
+    /// In order of `from`.
+    all: Vec<Booking>,
+    /// For each of them, the latest end of it and of all before it.
+    latest: Vec<u32>,
+}
+
+impl CellBookings {
+    fn insert(&mut self, booking: Booking) {
+        let place = self.all.partition_point(|known| known.from <= booking.from);
+        let before = place.checked_sub(1).map_or(0, |before| self.latest[before]);
+        self.all.insert(place, booking);
+        self.latest.insert(place, before.max(booking.to));
+        let later = self.latest[place + 1..].iter_mut();
+        later.take_while(|latest| **latest < booking.to).for_each(|latest| *latest = booking.to);
+    }
+
+    /// Removes the bookings of an agent, which has none that begins before an instant.
+    fn remove(&mut self, agent: usize, from: u32) {
+        let first = self.all.partition_point(|booking| booking.from < from);
+        let mut kept = first;
+        for index in first..self.all.len() {
+            if self.all[index].agent as usize != agent {
+                self.all[kept] = self.all[index];
+                kept += 1;
+            }
+        }
+        self.all.truncate(kept);
+        self.latest.truncate(first);
+        let mut latest = first.checked_sub(1).map_or(0, |before| self.latest[before]);
+        for booking in &self.all[first..] {
+            latest = latest.max(booking.to);
+            self.latest.push(latest);
+        }
+    }
+
+    /// All that end after an instant, and some before.
+    fn since(&self, instant: u32) -> &[Booking] {
+        &self.all[self.latest.partition_point(|latest| *latest <= instant)..]
+    }
+}
+
 /// Instants `from..to` in which a cell is free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct FreeSpan {
@@ -38,9 +83,7 @@ pub(super) struct FreeSpan {
 /// The course of an agent.
 #[derive(Debug, Clone, Default)]
 pub(super) struct BookedCourse {
-    /// The instant from which on it is there; before, the cells mean nothing.
-    pub since: u32,
-    pub cells: Vec<CellIndex>,
+    pub own: AgentCourse,
     /// The instant from which on it only goes to the agent that it meets next.
     pub ready: Option<u32>,
     /// Whether it is gone after the last cell.
@@ -56,25 +99,40 @@ pub(super) struct BookedCourse {
 pub(super) struct Bookings<'a> {
     board: &'a BoardGrid,
     separation: u32,
-    /// By cell, in order of `from`.
-    bookings: Vec<Vec<Booking>>,
-    /// By agent: the cells with a booking of it.
+    /// By cell.
+    bookings: Vec<CellBookings>,
+    /// By agent: the cells with a booking of it, in the order of these, some of them several times.
     touched: Vec<Vec<CellIndex>>,
+    /// By agent.
+    firm: Vec<FirmPart>,
     traces: Option<&'a Traces>,
     /// By cell, where traces matter: who comes there, in order of `from`; and by agent its cells.
     touches: Vec<Vec<Touch>>,
     trodden: Vec<Vec<CellIndex>>,
 }
 
+/// The part of an agent's bookings that no longer course changes: all before the last cell, and before it is ready for another.
+#[derive(Debug, Clone, Copy, Default)]
+struct FirmPart {
+    /// Number of cells touched.
+    touched: usize,
+    /// The instant at which it comes to the first cell that is not a part of it.
+    until: u32,
+}
+
 /// Who asks where it may go.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Asking<'q> {
+    /// It is in nobody's way but that of others.
+    pub agent: usize,
     /// Those that it has merged with.
     pub past: &'q [usize],
     /// Those that it meets, each with where.
     pub met: &'q [(usize, CellIndex)],
     /// What it contains by then, where traces matter.
     pub content: Option<usize>,
+    /// What was before that instant is of no use to it.
+    pub since: u32,
 }
 
 impl Bookings<'_> {
@@ -83,19 +141,37 @@ impl Bookings<'_> {
         separation: u32,
         (agents, traces): (usize, Option<&'b Traces>),
     ) -> Bookings<'b> {
-        let (bookings, touched) = (vec![Vec::new(); board.cells()], vec![Vec::new(); agents]);
+        let bookings = vec![CellBookings::default(); board.cells()];
+        let (touched, firm) = (vec![Vec::new(); agents], vec![FirmPart::default(); agents]);
         let (cells, treading) = traces.map_or((0, 0), |_| (board.cells(), agents));
         let (touches, trodden) = (vec![Vec::new(); cells], vec![Vec::new(); treading]);
-        Bookings { board, separation, bookings, touched, traces, touches, trodden }
+        Bookings { board, separation, bookings, touched, firm, traces, touches, trodden }
+    }
+
+    /// Removes what hinders an agent itself: its traces; its own bookings do not.
+    pub(super) fn lift(&mut self, agent: usize) {
+        if self.traces.is_some() {
+            self.clear(agent);
+        }
     }
 
     /// Removes all bookings of an agent.
-    pub(super) fn clear(&mut self, agent: usize) {
-        for cell in std::mem::take(&mut self.touched[agent]) {
-            self.bookings[cell as usize].retain(|booking| booking.agent as usize != agent);
-        }
+    fn clear(&mut self, agent: usize) {
+        self.firm[agent] = FirmPart::default();
+        self.loosen(agent);
         for cell in self.trodden.get_mut(agent).map(std::mem::take).into_iter().flatten() {
             self.touches[cell as usize].retain(|touch| touch.agent != agent);
+        }
+    }
+
+    /// Removes the bookings of an agent that are not firm.
+    fn loosen(&mut self, agent: usize) {
+        let FirmPart { touched, until } = self.firm[agent];
+        let mut loose = self.touched[agent].split_off(touched);
+        loose.sort_unstable();
+        loose.dedup();
+        for cell in loose {
+            self.bookings[cell as usize].remove(agent, until.saturating_sub(1));
         }
     }
 
@@ -110,7 +186,7 @@ impl Bookings<'_> {
     }
 
     /// Notes the cells to which an agent comes, and with which contents.
-    fn tread(&mut self, agent: usize, course: (u32, &[CellIndex]), done_at: &[u32]) {
+    fn tread(&mut self, agent: usize, course: &AgentCourse, done_at: &[u32]) {
         let Some(traces) = self.traces else { return };
         for (cell, touch) in traces.touches(agent, course, done_at) {
             self.touch(cell, touch);
@@ -126,21 +202,24 @@ impl Bookings<'_> {
 
     /// Replaces the bookings of an agent by those of a course.
     pub(super) fn enter(&mut self, agent: usize, course: &BookedCourse, done_at: &[u32]) {
-        self.clear(agent);
-        self.tread(agent, (course.since, &course.cells), done_at);
-        let cells = &course.cells;
-        let ready = course.ready.map_or(usize::MAX, |ready| ready as usize);
-        let first = course.since as usize;
-        let mut from = first;
-        for next in first + 1..=cells.len() {
-            let (is_last, gets_ready) = (next == cells.len(), next - 1 == ready);
+        match self.traces {
+            Some(_) => self.clear(agent),
+            None => self.loosen(agent),
+        }
+        self.tread(agent, &course.own, done_at);
+        let AgentCourse { since: first, ref cells } = course.own;
+        let ready = course.ready.unwrap_or(NEVER);
+        let mut from = first.max(self.firm[agent].until);
+        for next in from + 1..=course.own.until() {
+            let (is_last, gets_ready) = (next == course.own.until(), next - 1 == ready);
+            let cell = cells[(from - first) as usize];
             // Positions on one cell are one booking, except where what the agent does changes.
-            if !is_last && cells[next] == cells[from] && !gets_ready {
+            if !is_last && cells[(next - first) as usize] == cell && !gets_ready {
                 continue;
             }
             // What has just been dispensed was nowhere in the step before; what was given off then was on its way.
-            let since = if from == first && !course.is_split_off { from } else { from.saturating_sub(1) } as u32;
-            let (cell, until) = (cells[from], next as u32 + 1);
+            let since = if from == first && !course.is_split_off { from } else { from.saturating_sub(1) };
+            let until = next + 1;
             // What is gone is nowhere in the step after its last instant. From where an agent is pulled apart two go on, whose
             // own cells keep others away in that step.
             let is_split = course.splits.binary_search(&(until - 2)).is_ok();
@@ -162,23 +241,26 @@ impl Bookings<'_> {
                 (false, false) => self.book(agent, cell, (since, to), Doing::Busy),
             }
             from = next;
+            // Who has just come may have been booked from the same instant on as on the next cell.
+            if !is_last && from <= ready && from > first + 1 {
+                self.firm[agent] = FirmPart { touched: self.touched[agent].len(), until: from };
+            }
         }
     }
 
     fn book(&mut self, agent: usize, cell: CellIndex, (from, to): (u32, u32), doing: Doing) {
         for near in self.board.around(cell, self.separation) {
-            let here = &mut self.bookings[near as usize];
-            let place = here.partition_point(|booking| booking.from <= from);
-            here.insert(place, Booking { from, to, agent: agent as u32, doing });
+            self.bookings[near as usize].insert(Booking { from, to, agent: agent as u32, doing });
             self.touched[agent].push(near);
         }
     }
 
-    /// Appends the free spans of a cell, in order.
+    /// Appends the free spans of a cell, in order; those that end before the instant that matters may be missing, or reach too far back.
     pub(super) fn free(&self, cell: CellIndex, asking: Asking, out: &mut Vec<FreeSpan>) {
-        let Asking { past, met, content } = asking;
+        let Asking { agent, past, met, content, since } = asking;
         let is_met = |booking: &Booking| {
-            past.contains(&(booking.agent as usize))
+            booking.agent as usize == agent
+                || past.contains(&(booking.agent as usize))
                 || met.iter().any(|(agent, at)| {
                     *agent == booking.agent as usize
                         && match booking.doing {
@@ -188,7 +270,7 @@ impl Bookings<'_> {
                         }
                 })
         };
-        let booked = self.bookings[cell as usize].iter().filter(|booking| !is_met(booking));
+        let booked = self.bookings[cell as usize].since(since).iter().filter(|booking| !is_met(booking));
         let booked = booked.map(|booking| (booking.from, booking.to));
         let Some((traces, content)) = self.traces.zip(content) else { return between(booked, out) };
         let here = &self.touches[cell as usize];

@@ -27,6 +27,8 @@ pub(super) struct AssayBounds {
     pub costs: BoardCosts,
     /// By agent and errand: least steps from the end of it to the end of all that must come after it.
     pub after: Vec<Vec<u32>>,
+    /// By agent and errand: the earliest instant at which it can begin.
+    pub heads: Vec<Vec<u32>>,
 }
 
 pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> AssayBounds {
@@ -47,8 +49,11 @@ pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> AssayBounds {
     let turns = turns.max(firsts(problem, ahead, &stays, &drops));
     let arrivals = timed.iter().enumerate().map(|(agent, errands)| last_arrival(problem, agent, errands));
     let costs = BoardCosts { makespan: alone.max(turns), sum_of_costs: arrivals.sum() };
-    let steps = |one: &TimedErrand| u32::try_from(one.tail).unwrap_or(u32::MAX);
-    AssayBounds { costs, after: timed.iter().map(|errands| errands.iter().map(steps).collect()).collect() }
+    let each = |of: &dyn Fn(&TimedErrand) -> u64| {
+        let steps = |one: &TimedErrand| u32::try_from(of(one)).unwrap_or(u32::MAX);
+        timed.iter().map(|errands| errands.iter().map(steps).collect()).collect()
+    };
+    AssayBounds { costs, after: each(&|one| one.tail), heads: each(&|one| one.head) }
 }
 
 /// The earliest start of each errand, with those that meet at the same instant.

@@ -375,22 +375,20 @@ impl JointSearch<'_> {
 
     fn course(&self, chain: &[&JointNode], agent: usize) -> AgentCourse {
         let since = chain.iter().take_while(|node| node.position.stands[agent] == JointStand::Due).count();
-        let mut cells = vec![self.problem.instance.agents[agent].start; since];
         let there = chain[since..].iter().map_while(|node| node.position.stands[agent].there());
-        cells.extend(there.map(|stand| stand.cell));
-        let since = since as u32;
-        if cells.len() < chain.len() {
+        let mut cells: Vec<CellIndex> = there.map(|stand| stand.cell).collect();
+        if since + cells.len() < chain.len() {
             // It is gone as soon as it comes to its last stop.
             cells.extend(self.problem.errands[agent].last().map(|last| last.stop));
-            return AgentCourse { since, cells };
+            return AgentCourse { since: since as u32, cells };
         }
         // After its last errand it rests where it came to last.
         let due = self.problem.errands[agent].len() as u32;
         let is_done = |node: &&JointNode| node.position.stands[agent].there().is_some_and(|stand| stand.done == due);
         let done = chain.iter().position(is_done).unwrap_or(0);
-        let moved = cells.windows(2).rposition(|pair| pair[0] != pair[1]).map_or(0, |before| before + 1);
-        cells.truncate(done.max(moved) + 1);
-        AgentCourse { since, cells }
+        let mut course = AgentCourse { since: since as u32, cells };
+        course.end_at(done as u32);
+        course
     }
 }
 

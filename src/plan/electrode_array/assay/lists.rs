@@ -3,13 +3,15 @@
 //! Method: an agent's course goes on until its last errand, or until it waits for an agent that comes later in the list. The first
 //! list begins with the agent whose errands take longest. Where an agent finds no course, it and those that meet on the way to it
 //! come first in the next list. Once there is a plan, its list is changed: one agent goes to another place, or all agents of one
-//! droplet, every other time of one that is done last, go further to the front. The new list is kept if it is no worse.
+//! droplet, every other time of one that is done last, go further to the front. The new list is kept if it is no worse. The agents of a
+//! first list also take their turns by time ([`Turns`]): of both plans the better one counts. Of many agents that is mostly the only one.
 
 use super::super::board::{BoardCosts, BoardObjective, CellIndex, HeldBoardPlan};
 use super::bookings::{BookedCourse, Bookings, NEVER};
 use super::bound::AssayBounds;
 use super::replay::done_at;
-use super::route::{Ahead, RouteQuery, Router};
+use super::route::{Ahead, Course, RouteQuery, Router};
+use super::turns::Turns;
 use super::{AgentCourse, AssayPlan, AssayProblem, Errand, ErrandPlace, bound};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
@@ -20,6 +22,12 @@ const LISTS: usize = 200;
 
 /// Searches for better lists, of which the best one counts.
 const ROUNDS: usize = 4;
+
+/// Most agents whose lists are gone through eagerly at first, and whose courses cost nothing but their search.
+const MAX_EAGER: usize = 64;
+
+/// Steps of the budget for each instant of a course in lists of more agents, of which keeping the courses takes most of the time.
+const STEPS_PER_INSTANT: u64 = 8;
 
 /// Seed of the changes.
 const SEED: u64 = 1;
@@ -40,40 +48,74 @@ pub(super) fn best(
     (objective, bounds): (BoardObjective, &AssayBounds),
     meter: &mut Meter,
 ) -> Option<Vec<AgentCourse>> {
-    let (router, after) = (Router::new(problem, ahead), bounds.after.as_slice());
-    let mut planner = ListPlanner { problem, router, after, limit: NEVER, meter };
+    let (router, heads, after) = (Router::new(problem, ahead), bounds.heads.as_slice(), bounds.after.as_slice());
+    let mut planner = ListPlanner { problem, ahead, router, heads, after, limit: NEVER, meter };
     let mut list: Vec<usize> = (0..problem.errands.len()).collect();
     let lengths = lengths(problem, ahead);
     list.sort_by_key(|agent| std::cmp::Reverse(lengths[*agent]));
     let mut random = SplitMix64::new(SEED);
-    let (mut best, mut worst_list) = (None, 0);
-    while best.is_none() && worst_list < LISTS && planner.meter.left().steps > 0 {
-        match planner.courses(&list, KEPT_SEPARATIONS[worst_list % KEPT_SEPARATIONS.len()]) {
-            Ok(courses) => best = Some((courses, KEPT_SEPARATIONS[worst_list % KEPT_SEPARATIONS.len()])),
+    let is_crowd = list.len() > MAX_EAGER;
+    let early = if is_crowd { first_patient(&mut planner, &list) } else { None };
+    // Of many agents an eager list fails late.
+    let tries = if early.is_some() { 1 } else { LISTS };
+    let eager = first_eager(&mut planner, (list.clone(), tries), &mut random);
+    let patient = if is_crowd { early } else { first_patient(&mut planner, &list) };
+    let Some(first) = eager else { return patient };
+    let improvement = Improvement { first, objective, least: bounds.costs };
+    let best = improvement.best(&mut planner, &mut random);
+    let key = |courses: &[AgentCourse]| AssayPlan::costs(courses).key(objective);
+    patient.filter(|patient| key(patient) < key(&best)).or(Some(best))
+}
+
+/// A list that leads to a plan.
+struct FirstList {
+    courses: Vec<AgentCourse>,
+    list: Vec<usize>,
+    terms: ListTerms,
+}
+
+/// The first of some lists that leads to a plan; where one does not, those that kept an agent from its course are changed.
+fn first_eager(
+    planner: &mut ListPlanner,
+    (mut list, tries): (Vec<usize>, usize),
+    random: &mut SplitMix64,
+) -> Option<FirstList> {
+    let problem = planner.problem;
+    for nth in 0..tries {
+        if planner.meter.left().steps == 0 {
+            break;
+        }
+        let terms = ListTerms { kept_separations: KEPT_SEPARATIONS[nth % KEPT_SEPARATIONS.len()], turns: Turns::Eager };
+        match planner.courses(&list, terms) {
+            Ok(courses) => return Some(FirstList { courses, list, terms }),
             Err(failed) => {
                 let mut first = vec![failed];
                 first.extend(problem.errands[failed].iter().filter_map(|errand| errand.meets));
                 first.extend(problem.parents[failed]);
                 first.dedup();
                 // The same order again and again would fail again.
-                if worst_list % 2 == 1 {
-                    list = moved(&list, &mut random);
+                if nth % 2 == 1 {
+                    list = moved(&list, random);
                 }
                 list.retain(|agent| !first.contains(agent));
                 list.splice(0..0, first);
             }
         }
-        worst_list += 1;
     }
-    let (first, kept) = best?;
-    let improvement = Improvement { first: (first, list), kept, objective, least: bounds.costs };
-    Some(improvement.best(&mut planner, &mut random))
+    None
+}
+
+/// The courses of a list whose agents take their turns by time. Other lists hardly change them.
+fn first_patient(planner: &mut ListPlanner, list: &[usize]) -> Option<Vec<AgentCourse>> {
+    KEPT_SEPARATIONS.iter().find_map(|kept_separations| {
+        let terms = ListTerms { kept_separations: *kept_separations, turns: Turns::Patient };
+        planner.courses(list, terms).ok()
+    })
 }
 
 /// Better lists than a first one.
 struct Improvement {
-    first: (Vec<AgentCourse>, Vec<usize>),
-    kept: u32,
+    first: FirstList,
     objective: BoardObjective,
     /// No plan is below them.
     least: BoardCosts,
@@ -82,7 +124,7 @@ struct Improvement {
 impl Improvement {
     /// The best courses of several rounds, each from the first list on.
     fn best(self, planner: &mut ListPlanner, random: &mut SplitMix64) -> Vec<AgentCourse> {
-        let mut best = self.first.0.clone();
+        let mut best = self.first.courses.clone();
         let costs = AssayPlan::costs(&best);
         let mut held = HeldBoardPlan::begin(self.objective, costs, self.least);
         for _ in 0..ROUNDS {
@@ -107,7 +149,7 @@ impl Improvement {
 
     /// The courses of the last list of which no change is better.
     fn round(&self, planner: &mut ListPlanner, random: &mut SplitMix64, held: &mut HeldBoardPlan) -> Vec<AgentCourse> {
-        let (mut courses, mut list) = self.first.clone();
+        let (mut courses, mut list) = (self.first.courses.clone(), self.first.list.clone());
         let drops = bound::drops(planner.problem);
         let mut idle = 0;
         while !self.is_least(&courses) && idle < LISTS && list.len() > 1 && planner.meter.left().steps > 0 {
@@ -121,7 +163,7 @@ impl Improvement {
                 _ => advanced(&list, &drops, &last_done(&courses), random),
             };
             idle += 1;
-            let Ok(found) = planner.courses(&other, self.kept) else { continue };
+            let Ok(found) = planner.courses(&other, self.first.terms) else { continue };
             if self.key(&found) < self.key(&courses) {
                 idle = 0;
                 held.offer(AssayPlan::costs(&found), self.least);
@@ -181,7 +223,7 @@ fn advanced(list: &[usize], drops: &[usize], some: &[usize], random: &mut SplitM
 
 /// The agents whose courses are the longest.
 fn last_done(courses: &[AgentCourse]) -> Vec<usize> {
-    let length = |agent: &usize| courses[*agent].cells.len();
+    let length = |agent: &usize| courses[*agent].until();
     let longest = (0..courses.len()).map(|agent| length(&agent)).max();
     (0..courses.len()).filter(|agent| Some(length(agent)) == longest).collect()
 }
@@ -191,10 +233,21 @@ fn below(random: &mut SplitMix64, count: usize) -> usize {
     (random.next_u64() % count.max(1) as u64) as usize
 }
 
-struct ListPlanner<'a, 'm> {
-    problem: &'a AssayProblem<'a>,
+/// How a list is gone through.
+#[derive(Debug, Clone, Copy)]
+struct ListTerms {
+    /// For how many instants, in separations, the start of an agent without a course is kept for it.
+    kept_separations: u32,
+    turns: Turns,
+}
+
+pub(super) struct ListPlanner<'a, 'm> {
+    pub problem: &'a AssayProblem<'a>,
+    pub ahead: &'a Ahead,
     router: Router<'a>,
-    /// By agent and errand: least steps to the end of all that comes after it.
+    /// By agent and errand: the earliest instant at which it can begin,
+    pub heads: &'a [Vec<u32>],
+    /// and least steps to the end of all that comes after it.
     after: &'a [Vec<u32>],
     /// Latest end of all courses.
     limit: u32,
@@ -202,11 +255,11 @@ struct ListPlanner<'a, 'm> {
 }
 
 /// The courses while they are planned.
-struct Progress<'a> {
+pub(super) struct Progress<'a> {
     bookings: Bookings<'a>,
-    courses: Vec<BookedCourse>,
+    pub courses: Vec<BookedCourse>,
     /// By agent: errands done.
-    done: Vec<usize>,
+    pub done: Vec<usize>,
     /// By agent: when each of them was, but for the last one of an agent that waits for another.
     done_at: Vec<Vec<u32>>,
     /// By agent: those that it has merged with.
@@ -224,7 +277,7 @@ impl Progress<'_> {
         (since, begins, waits): (u32, &[u32], &[Option<u32>]),
     ) -> Option<()> {
         let course = &self.courses[agent];
-        let first = since.max(course.since);
+        let first = since.max(course.own.since);
         let mut last = first;
         let mut splits = course.splits.iter().filter(|before| **before >= first);
         for (begins, waits) in begins.iter().zip(waits) {
@@ -236,7 +289,7 @@ impl Progress<'_> {
             let from = last.max(*begins).max(waits.unwrap_or(0));
             last = match split {
                 Some(_) => splits.next()? + 1,
-                None => done_at(problem, ErrandPlace { agent, errand }, &course.cells, from)?,
+                None => done_at(problem, ErrandPlace { agent, errand }, &course.own, from)?,
             };
             self.done_at[agent].push(last);
         }
@@ -252,7 +305,7 @@ impl Progress<'_> {
     }
 
     /// The instant at which all is done that an errand comes after; `None` if that is not known yet.
-    fn begins(&self, problem: &AssayProblem, agent: usize, errand: usize) -> Option<u32> {
+    pub(super) fn begins(&self, problem: &AssayProblem, agent: usize, errand: usize) -> Option<u32> {
         let mut last = problem.releases.get(agent).and_then(|own| own.get(errand)).copied().unwrap_or(0);
         for before in problem.afters[agent].get(errand).into_iter().flatten() {
             last = last.max(*self.done_at[before.agent].get(before.errand)?);
@@ -261,17 +314,17 @@ impl Progress<'_> {
     }
 
     /// The instant since which an agent waits for another one at the end of its course.
-    fn waits(&self, problem: &AssayProblem, other: usize, agent: usize) -> Option<u32> {
+    pub(super) fn waits(&self, problem: &AssayProblem, other: usize, agent: usize) -> Option<u32> {
         let waiting = self.done[other].checked_sub(1).map(|last| problem.errands[other][last]);
         let course = &self.courses[other];
         let is_there = waiting.is_some_and(|errand| errand.meets == Some(agent)) && course.ready.is_some();
-        is_there.then(|| course.cells.len() as u32 - 1)
+        is_there.then(|| course.own.until() - 1)
     }
 }
 
 impl ListPlanner<'_, '_> {
     /// The courses of all agents; an error is an agent that found none.
-    fn courses(&mut self, list: &[usize], kept_separations: u32) -> Result<Vec<AgentCourse>, usize> {
+    fn courses(&mut self, list: &[usize], terms: ListTerms) -> Result<Vec<AgentCourse>, usize> {
         let (problem, separation) = (self.problem, self.problem.instance.separation);
         let count = problem.errands.len();
         let mut progress = Progress {
@@ -282,27 +335,27 @@ impl ListPlanner<'_, '_> {
             past: vec![Vec::new(); count],
             given_off: VecDeque::new(),
         };
-        let until = separation.saturating_mul(kept_separations);
+        let until = separation.saturating_mul(terms.kept_separations);
         for (agent, asked) in problem.instance.agents.iter().enumerate() {
             if !problem.comes[agent] && problem.parents[agent].is_none() {
                 progress.bookings.keep(agent, asked.start, (0, (0, until)));
             }
         }
         loop {
-            // Those that were given off, since they are there already; else the first of the list that can go on, and of these one whose
-            // turn it is where it goes to meet another, if there is one.
+            // Those that were given off come first, since they are there already.
             let given_off = progress.given_off.pop_front().map(|(agent, _)| agent);
-            let can_go_on = || list.iter().copied().filter(|agent| self.can_go_on(&progress, *agent));
-            let in_turn = || can_go_on().find(|agent| self.is_in_turn(&progress, *agent));
-            let Some(agent) = given_off.or_else(in_turn).or_else(|| can_go_on().next()) else { break };
-            self.go_on(&mut progress, agent)?;
+            let Some(agent) = given_off.or_else(|| self.next(&progress, list, terms.turns)) else { break };
+            self.go_on(&mut progress, agent, terms.turns)?;
             progress.keep_given_off(problem, until);
         }
         if let Some(agent) = (0..count).find(|agent| progress.done[*agent] < problem.errands[*agent].len()) {
             return Err(agent);
         }
-        let found = |BookedCourse { since, cells, .. }: BookedCourse| AgentCourse { since, cells };
-        let courses: Vec<AgentCourse> = progress.courses.into_iter().map(found).collect();
+        let courses: Vec<AgentCourse> = progress.courses.into_iter().map(|course| course.own).collect();
+        if count > MAX_EAGER {
+            let instants: u64 = courses.iter().map(|course| course.cells.len() as u64).sum();
+            self.meter.charge(STEPS_PER_INSTANT * instants);
+        }
         // An agent may have come to where it merges before the other one, which was not planned then, left its traces there.
         match problem.traces.as_ref().and_then(|traces| traces.harmed(problem, &courses)) {
             Some(agent) => Err(agent),
@@ -310,26 +363,8 @@ impl ListPlanner<'_, '_> {
         }
     }
 
-    /// Whether an agent has errands left and waits for none.
-    fn can_go_on(&self, progress: &Progress, agent: usize) -> bool {
-        progress.done[agent] < self.problem.errands[agent].len()
-            && progress.courses[agent].ready.is_none()
-            && progress.begins(self.problem, agent, progress.done[agent]).is_some()
-            && (self.problem.parents[agent].is_none() || !progress.courses[agent].cells.is_empty())
-    }
-
-    /// Whether the agent that another one meets next meets no third one before.
-    fn is_in_turn(&self, progress: &Progress, agent: usize) -> bool {
-        let next_meeting = |agent: usize| {
-            let waiting = usize::from(progress.courses[agent].ready.is_some());
-            let left = &self.problem.errands[agent][progress.done[agent] - waiting.min(progress.done[agent])..];
-            left.iter().find_map(|errand| errand.meets)
-        };
-        next_meeting(agent).is_none_or(|other| next_meeting(other) == Some(agent))
-    }
-
     /// Plans the course of an agent to its end, or to where it waits for another one.
-    fn go_on(&mut self, progress: &mut Progress, agent: usize) -> Result<(), usize> {
+    fn go_on(&mut self, progress: &mut Progress, agent: usize, turns: Turns) -> Result<(), usize> {
         let problem = self.problem;
         let first = progress.done[agent];
         let errands = &problem.errands[agent][first..];
@@ -348,9 +383,10 @@ impl ListPlanner<'_, '_> {
         let must_wait = last.meets.is_some() && waits.last().is_some_and(Option::is_none);
         let is_gone = is_last && problem.is_gone[agent] && !must_wait;
         let start = problem.instance.agents[agent].start;
-        let (start, since) = match progress.courses[agent].cells.as_slice() {
-            [] => (start, if problem.comes[agent] { begins[0] } else { 0 }),
-            cells => (cells[cells.len() - 1], cells.len() as u32 - 1),
+        let own = &progress.courses[agent].own;
+        let (start, since) = match own.cells.last() {
+            None => (start, if problem.comes[agent] { begins[0] } else { 0 }),
+            Some(last) => (*last, own.until() - 1),
         };
         let query = RouteQuery {
             agent,
@@ -361,22 +397,25 @@ impl ListPlanner<'_, '_> {
             begins: &begins,
             past: &progress.past[agent],
             is_gone,
-            comes: problem.comes[agent] && progress.courses[agent].cells.is_empty(),
+            comes: problem.comes[agent] && own.cells.is_empty(),
             // What comes after the last of these errands must be done within the limit, too.
             limit: match self.limit {
                 NEVER => NEVER,
                 limit => limit.saturating_sub(self.after[agent][first + waits.len() - 1]),
             },
         };
-        let cells = problem.instance.board.cells() as u64;
-        let allowed = COURSE_STEPS + STEPS_PER_CELL * cells * waits.len() as u64;
-        progress.bookings.clear(agent);
-        let (router, bookings) = (&mut self.router, &progress.bookings);
-        let course = self.meter.share(allowed, |meter| router.course(&query, bookings, meter)).ok_or(agent)?;
+        progress.bookings.lift(agent);
+        let course = match turns {
+            Turns::Eager => self.course(&query, &progress.bookings),
+            Turns::Patient => self.late_course(query, &progress.bookings),
+        };
+        let course = course.ok_or(agent)?;
         let own = &mut progress.courses[agent];
-        own.since = if query.comes { course.since } else { own.since };
-        own.cells.resize(since as usize, start);
-        own.cells.extend(&course.cells);
+        match own.own.cells.pop() {
+            None => own.own = AgentCourse { since: course.since, cells: course.cells },
+            // It goes on from its last cell.
+            Some(_) => own.own.cells.extend(&course.cells),
+        }
         own.ready = must_wait.then_some(course.ready);
         own.splits.extend(course.splits.iter().map(|(_, at)| at - 1));
         own.is_gone = is_gone;
@@ -386,8 +425,8 @@ impl ListPlanner<'_, '_> {
         for (child, since) in course.splits {
             // Its course begins where it comes.
             let start = problem.instance.agents[child].start;
-            let cells = vec![start; since as usize + 1];
-            progress.courses[child] = BookedCourse { since, cells, is_split_off: true, ..BookedCourse::default() };
+            let own = AgentCourse { since, cells: vec![start] };
+            progress.courses[child] = BookedCourse { own, is_split_off: true, ..BookedCourse::default() };
             progress.given_off.push_back((child, since));
         }
         for (errand, waited) in errands.iter().zip(&waits) {
@@ -398,13 +437,22 @@ impl ListPlanner<'_, '_> {
         Ok(())
     }
 
+    /// The course of a query, within its share of the budget.
+    pub(super) fn course(&mut self, query: &RouteQuery, bookings: &Bookings) -> Option<Course> {
+        let cells = self.problem.instance.board.cells() as u64;
+        let allowed = COURSE_STEPS + STEPS_PER_CELL * cells * query.waits.len() as u64;
+        let router = &mut self.router;
+        self.meter.share(allowed, |meter| router.course(query, bookings, meter))
+    }
+
     /// An agent that waited has been met: it is gone, or can go on from that instant.
     fn met(&self, progress: &mut Progress, other: usize, (agent, stop): (usize, CellIndex)) {
-        let since = progress.courses[other].cells.len() - 1;
-        let came = progress.courses[agent].cells.iter().skip(since).position(|cell| *cell == stop).unwrap_or(0);
-        progress.done_at[other].push((since + came) as u32);
+        let since = progress.courses[other].own.until() - 1;
+        let course = &progress.courses[agent].own;
+        let came = (since..course.until()).find(|instant| course.at(*instant) == Some(stop)).unwrap_or(since);
+        progress.done_at[other].push(came);
         let course = &mut progress.courses[other];
-        course.cells.resize(since + came + 1, stop);
+        course.own.cells.resize((came + 1 - course.own.since) as usize, stop);
         course.ready = None;
         course.is_gone = self.problem.is_gone[other] && progress.done[other] == self.problem.errands[other].len();
         progress.bookings.enter(other, &progress.courses[other], &progress.done_at[other]);

@@ -3,13 +3,14 @@
 //! Problem: agents on a grid with separation kept ([`super::board`]); each visits its stops in order, stays at some of them, and
 //! meets others, with which it merges: one of the two is gone from then on. Some errands wait for those of other agents. Method: list scheduling. The course of one agent after the
 //! other, up to the next agent that it meets and that has no course yet (`route`), is planned around the courses of the others
-//! (`bookings`); an agent that finds none comes earlier in the next list. Then lists with two agents exchanged, as long as they
-//! are no worse (`lists`). Where no list leads to a plan, or to one that may have too many steps, a few agents are planned all at once
+//! (`bookings`); an agent that finds none comes earlier in the next list. Beside the order of the list there is that of time, in which
+//! nobody comes before it is of use (`turns`). Then lists with two agents exchanged, as long as they are no worse (`lists`). Where no list leads to a plan, or to one that may have too many steps, a few agents are planned all at once
 //! (`joint`).
 //!
 //! Guaranteed: a plan is legal; `bound` holds for every plan; the same input and budget give the same plan. For few agents, while the
 //! budget lasts, a plan is found where there is one, with the fewest steps where these are minimized. Else neither is guaranteed.
-//! Cost: one step of the budget is one expanded node of the search of one course, or one joint position of several agents.
+//! Cost: one step of the budget is one expanded node of the search of one course, or one joint position of several agents; of many agents
+//! their courses cost some, too.
 
 mod bookings;
 mod bound;
@@ -19,12 +20,13 @@ mod lists;
 mod replay;
 mod route;
 mod traces;
+mod turns;
 
 use super::board::{BoardCosts, BoardObjective, CellIndex, HeldBoardPlan, Instance, NoBoardPlan};
 use super::fast;
 use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
 pub use lags::are_kept;
-pub use replay::all_done_at;
+pub use replay::done_by;
 pub use traces::Traces;
 
 /// One thing that an agent does.
@@ -109,8 +111,33 @@ pub struct AssayProblem<'a> {
 pub struct AgentCourse {
     /// The instant from which on it is there.
     pub since: u32,
-    /// Its cell at each instant from 0 until its last errand is done; afterwards it stays there, or is gone. Before `since` its start.
+    /// Its cell at each instant from that on until its last errand is done; afterwards it stays there, or is gone. Empty before it is planned.
     pub cells: Vec<CellIndex>,
+}
+
+impl AgentCourse {
+    /// Its cell at an instant; before it is there, the first one, after its end, the last one.
+    pub fn at(&self, instant: u32) -> Option<CellIndex> {
+        self.cells.get(instant.saturating_sub(self.since) as usize).or(self.cells.last()).copied()
+    }
+
+    /// The instant after its last one.
+    pub fn until(&self) -> u32 {
+        self.since + self.cells.len() as u32
+    }
+
+    /// Cuts it after an instant and its last move.
+    pub fn end_at(&mut self, instant: u32) {
+        let last = instant.max(self.last_arrival()).max(self.since);
+        self.cells.truncate((last + 1 - self.since) as usize);
+    }
+
+    /// The instant at which it comes to its last cell.
+    pub fn last_arrival(&self) -> u32 {
+        let last = self.cells.last();
+        let before = self.cells.iter().rposition(|cell| Some(cell) != last);
+        before.map_or(0, |before| self.since + before as u32 + 1)
+    }
 }
 
 /// The courses of all agents.
@@ -132,16 +159,10 @@ impl AssayPlan {
     /// The instant at which the last errand is done, and the sum of the instants of the last arrivals.
     pub fn costs(courses: &[AgentCourse]) -> BoardCosts {
         BoardCosts {
-            makespan: courses.iter().map(|course| course.cells.len() as u64 - 1).max().unwrap_or(0),
-            sum_of_costs: courses.iter().map(|course| last_arrival(&course.cells)).sum(),
+            makespan: courses.iter().map(|course| u64::from(course.until()) - 1).max().unwrap_or(0),
+            sum_of_costs: courses.iter().map(|course| u64::from(course.last_arrival())).sum(),
         }
     }
-}
-
-/// The instant at which an agent comes to its last cell.
-pub fn last_arrival(course: &[CellIndex]) -> u64 {
-    let last = course.last();
-    course.iter().rposition(|cell| Some(cell) != last).map_or(0, |before| before as u64 + 1)
 }
 
 /// Why an assay has no plan.

@@ -1,14 +1,13 @@
 //! When courses do their errands, as whoever replays them sees it.
 
-use super::super::board::CellIndex;
 use super::{AgentCourse, AssayProblem, ErrandPlace};
 
 /// The first instant, from one on, at which an errand is done by a course, which stays at its last cell; where agents meet, that at which
 /// this one is there. `None` if it does not do it.
-pub fn done_at(problem: &AssayProblem, of: ErrandPlace, cells: &[CellIndex], from: u32) -> Option<u32> {
+pub fn done_at(problem: &AssayProblem, of: ErrandPlace, course: &AgentCourse, from: u32) -> Option<u32> {
     let errand = problem.errands[of.agent].get(of.errand)?;
-    let at = |instant: u32| cells.get(instant as usize).or(cells.last()).copied();
-    let length = u32::try_from(cells.len()).ok()?;
+    let at = |instant: u32| course.at(instant);
+    let length = course.until();
     if let Some(around) = errand.mixes {
         let around = &problem.loops[around];
         let due = |step: u32| Some(around[step as usize % around.len()]);
@@ -25,10 +24,9 @@ pub fn done_at(problem: &AssayProblem, of: ErrandPlace, cells: &[CellIndex], fro
     since.map(|since| since + errand.stay)
 }
 
-/// For each agent, when each of its errands is done by courses, each with the instant from which on it is there; fewer than all of them
-/// where they do not do them.
-pub fn all_done_at(problem: &AssayProblem, since: &[u32], courses: &[&[CellIndex]]) -> Vec<Vec<u32>> {
-    let mut replay = Replay { problem, since, courses, done_at: vec![Vec::new(); courses.len()] };
+/// For each agent, when each of its errands is done by courses; fewer than all of them where they do not do them.
+pub fn done_by(problem: &AssayProblem, courses: &[AgentCourse]) -> Vec<Vec<u32>> {
+    let mut replay = Replay { problem, courses, done_at: vec![Vec::new(); courses.len()] };
     let mut done = 0;
     loop {
         (0..courses.len()).for_each(|agent| replay.go_on(agent));
@@ -39,17 +37,9 @@ pub fn all_done_at(problem: &AssayProblem, since: &[u32], courses: &[&[CellIndex
     }
 }
 
-/// As [`all_done_at`], of courses that have that instant with them.
-pub fn done_by(problem: &AssayProblem, courses: &[AgentCourse]) -> Vec<Vec<u32>> {
-    let since: Vec<u32> = courses.iter().map(|course| course.since).collect();
-    let cells: Vec<&[CellIndex]> = courses.iter().map(|course| course.cells.as_slice()).collect();
-    all_done_at(problem, &since, &cells)
-}
-
 struct Replay<'a> {
     problem: &'a AssayProblem<'a>,
-    since: &'a [u32],
-    courses: &'a [&'a [CellIndex]],
+    courses: &'a [AgentCourse],
     /// By agent, of the errands done so far.
     done_at: Vec<Vec<u32>>,
 }
@@ -59,13 +49,13 @@ impl Replay<'_> {
     fn is_ready(&self, agent: usize) -> Option<u32> {
         let errand = self.done_at[agent].len();
         let due = self.problem.errands[agent].get(errand)?;
-        let mut from = self.done_at[agent].last().copied().unwrap_or(self.since[agent]);
+        let mut from = self.done_at[agent].last().copied().unwrap_or(self.courses[agent].since);
         for before in &self.problem.afters[agent][errand] {
             from = from.max(*self.done_at[before.agent].get(before.errand)?);
         }
         match due.splits {
-            Some(split) => Some(self.since[split.child]),
-            None => done_at(self.problem, ErrandPlace { agent, errand }, self.courses[agent], from),
+            Some(split) => Some(self.courses[split.child].since),
+            None => done_at(self.problem, ErrandPlace { agent, errand }, &self.courses[agent], from),
         }
     }
 

@@ -41,6 +41,7 @@ impl Ahead {
 }
 
 /// What is asked.
+#[derive(Clone, Copy)]
 pub(super) struct RouteQuery<'q> {
     pub agent: usize,
     pub start: CellIndex,
@@ -65,13 +66,19 @@ pub(super) struct RouteQuery<'q> {
 
 /// A course, and the instant at which the errand before the last one was done.
 pub(super) struct Course {
-    /// The instant from which on it is there.
+    /// The instant from which on it is there, at its first cell.
     pub since: u32,
-    /// From the instant of the query on.
     pub cells: Vec<CellIndex>,
     pub ready: u32,
     /// The agents that it gives off, each with the instant at which it comes, in order.
     pub splits: Vec<(usize, u32)>,
+}
+
+impl Course {
+    /// Its last instant.
+    pub(super) fn end(&self) -> u32 {
+        self.since + self.cells.len() as u32 - 1
+    }
 }
 
 /// Estimated end, time in the way and steps ahead of a node, and its index.
@@ -403,13 +410,13 @@ impl<'a> Router<'a> {
         };
         let splits = pairs.filter_map(split).collect();
         for node in chain.iter().rev() {
-            let before = cells.last().copied().unwrap_or(node.cell);
-            cells.resize((node.entered - since) as usize, before);
+            let before = cells.last().copied().unwrap_or(search.query.start);
+            cells.resize(node.entered.saturating_sub(came) as usize, before);
             if let Some(around) = self.problem.loops.get(node.mixing as usize) {
                 let steps = node.mixed + 1 - node.entered;
                 cells.extend((1..=steps as usize).map(|step| around[step % around.len()]));
             }
-            cells.resize((node.at - since) as usize + 1, node.cell);
+            cells.resize((node.at + 1).saturating_sub(came) as usize, node.cell);
         }
         Course { since: came, cells, ready, splits }
     }
@@ -468,7 +475,13 @@ impl<'q> RouteSearch<'q> {
     /// As whom it asks for free spans.
     fn asking(&self, problem: &AssayProblem, done: u32) -> Asking<'_> {
         let content = self.content(problem, done as usize);
-        Asking { past: self.query.past, met: &self.meetings[..self.met[done as usize]], content }
+        Asking {
+            agent: self.query.agent,
+            past: self.query.past,
+            met: &self.meetings[..self.met[done as usize]],
+            content,
+            since: self.query.since,
+        }
     }
 
     fn last(&self) -> u32 {

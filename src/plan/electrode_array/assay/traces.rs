@@ -27,12 +27,11 @@ pub struct Touch {
 
 impl Traces {
     /// The cells to which a course comes, each with how long it is there, in their order. `done_at` has the errands done so far.
-    pub fn touches(&self, agent: usize, course: (u32, &[CellIndex]), done_at: &[u32]) -> Vec<(CellIndex, Touch)> {
-        let (since, cells) = course;
+    pub fn touches(&self, agent: usize, course: &AgentCourse, done_at: &[u32]) -> Vec<(CellIndex, Touch)> {
         let contents = &self.contents[agent];
         let mut touches: Vec<(CellIndex, Touch)> = Vec::new();
         let mut done = 0;
-        for (instant, cell) in (0..).zip(cells).skip(since as usize) {
+        for (instant, cell) in (course.since..).zip(&course.cells) {
             while done_at.get(done).is_some_and(|at| *at <= instant) {
                 done += 1;
             }
@@ -66,7 +65,7 @@ impl Traces {
         let done_at = replay::done_by(problem, courses);
         let mut touches: Vec<(CellIndex, Touch)> = Vec::new();
         for (agent, (course, done_at)) in courses.iter().zip(&done_at).enumerate() {
-            touches.extend(self.touches(agent, (course.since, &course.cells), done_at));
+            touches.extend(self.touches(agent, course, done_at));
         }
         touches.sort_by_key(|(cell, touch)| (*cell, touch.from, touch.agent));
         let mut cells = touches.chunk_by(|(one, _), (other, _)| one == other);

@@ -1,0 +1,51 @@
+//! Assays of more droplets than are on the board at once: every plan passes the verifier, and none beats its bound.
+
+use crate::programs::{Answered, answered};
+use crate::scenes::Random;
+
+/// Where droplets meet: corners of loops of 4 × 2 electrodes, with lanes between them.
+const PLACES: [(u32, u32); 8] = [(4, 3), (9, 3), (4, 8), (9, 8), (4, 13), (9, 13), (4, 18), (9, 18)];
+
+/// Reservoirs on both sides.
+const PORTS: [(u32, u32); 4] = [(1, 6), (1, 11), (15, 6), (15, 11)];
+
+/// Pairs of droplets that meet, are mixed and rest at the places in turn, each pair after the one before it there.
+fn panel(chance: &mut Random) -> String {
+    let pairs = 34 + chance.below(8);
+    let mut lines = vec![
+        "use std.electrode_array as ea".to_owned(),
+        "device chip : ea.droplet_chip { columns: 15, rows: 19, dispense_duration: 300 ms, mixer: (4, 2) }".to_owned(),
+        "scene bench {".to_owned(),
+    ];
+    lines.extend(PORTS.iter().enumerate().map(|(port, at)| format!("reservoir r{port} at {at:?}")));
+    lines.extend((0..pairs).flat_map(|pair| ["a", "b"].map(|name| format!("part {name}{pair} : ea.droplet"))));
+    lines.push("}\ntask run on chip in bench {\nassay {".to_owned());
+    for pair in 0..pairs {
+        let place = chance.below(8);
+        let before = (0..pair).rev().find(|before| lines.iter().any(|line| line == &format!("// {before} at {place}")));
+        let after = before.map(|before| format!(" after a{before}")).unwrap_or_default();
+        let at = PLACES[place as usize];
+        let [one, other] = [0, 1].map(|_| chance.below(4));
+        lines.push(format!("dispense a{pair} from r{one}"));
+        lines.push(format!("dispense b{pair} from r{other}"));
+        lines.push(format!("merge a{pair} with b{pair} at {at:?}{after}"));
+        lines.push(format!("// {pair} at {place}"));
+        lines.push(format!("mix a{pair} for {} ms", 60 * (1 + chance.below(40))));
+        lines.push(format!("incubate a{pair} for {} ms", 60 * (1 + chance.below(60))));
+        lines.push(format!("discard a{pair} at (15, 1)"));
+    }
+    lines.push("}\n}".to_owned());
+    lines.join("\n")
+}
+
+#[test]
+fn assays_of_many_droplets_are_planned() {
+    let cases = std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(3);
+    let mut chance = Random(1_507);
+    for _ in 0..cases {
+        let text = panel(&mut chance);
+        // Each plan has passed the verifier.
+        let Answered::Plan(plan) = answered(&text) else { panic!("no plan of\n{text}") };
+        assert!(plan.bound <= plan.cost && plan.cost <= 2.0 * plan.bound, "{} and {}", plan.cost, plan.bound);
+    }
+}
