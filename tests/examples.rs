@@ -53,6 +53,7 @@ fn every_example_builds_without_a_word_and_is_written_in_every_format() {
                     let goes_on = |hold: &&ScheduledHold| hold.end_ns() < schedule.duration_ns;
                     2 + schedule.holds.iter().filter(goes_on).count()
                 }
+                InstrumentFacts::StageController(_) => 2,
                 InstrumentFacts::ElectrodeDriver(facts) => 2 + usize::from(facts.protocol == Protocol::Opendrop),
             });
             files.sum()

@@ -22,9 +22,12 @@ fn main() -> ExitCode {
         let formats = if waits { "mcap,json,svg" } else { "mcap,json,csv,vcd,pwl,svg" };
         let mut built = build(&example, formats, &folder);
         let written: Vec<Value> = schedules(&folder).iter().map(|path| document(path)).collect();
-        for (family, format) in
-            [("waveform_generator", "scpi"), ("data_acquisition", "nidaqmx"), ("electrode_driver", "frames")]
-        {
+        for (family, format) in [
+            ("waveform_generator", "scpi"),
+            ("data_acquisition", "nidaqmx"),
+            ("electrode_driver", "frames"),
+            ("stage_controller", "stages"),
+        ] {
             if !written.is_empty() && written.iter().all(|schedule| has_instrument(schedule, family)) {
                 built = built.and_then(|()| build(&example, format, &folder));
             }

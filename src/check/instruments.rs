@@ -3,10 +3,11 @@
 use super::devices::CheckedInstrument;
 use super::figures::Figures;
 use super::scope::{DeclarationPlace, DeclarationSort, path_text};
+use super::value::Accepted;
 use super::{Checker, errors};
 use crate::device::instrument::{
-    DataAcquisitionFacts, ElectrodeDriverFacts, Family, Instrument, InstrumentFacts, Protocol, Start, VoltageOutput,
-    WaveformGeneratorFacts,
+    DataAcquisitionFacts, ElectrodeDriverFacts, Family, Instrument, InstrumentFacts, Protocol, StageControllerFacts,
+    StageProtocol, Start, VoltageOutput, WaveformGeneratorFacts,
 };
 use crate::syntax::tree::Item;
 use std::collections::BTreeSet;
@@ -67,31 +68,8 @@ impl Checker<'_> {
                 }
                 Some(InstrumentFacts::WaveformGenerator(facts))
             }
-            Family::ElectrodeDriver => {
-                let facts = ElectrodeDriverFacts {
-                    protocol: Protocol::find(fields.word("protocol")?)?,
-                    channels: fields.count("channels")?,
-                    least_v: fields.si("least_potential").unwrap_or(0.0),
-                    most_v: fields.si("most_potential")?,
-                    least_frame_ns: fields.clock_ns("least_frame", self.sink)?,
-                    start,
-                };
-                let most = facts.protocol.channels();
-                let wrong = if facts.channels > most {
-                    Some(("channels", errors::too_many_driver_channels(facts.protocol.name(), facts.channels, most)))
-                } else if facts.least_v > facts.most_v {
-                    let text = |name: &str| fields.text(name);
-                    let finding = errors::no_driver_voltage(&text("least_potential"), &text("most_potential"));
-                    Some(("least_potential", finding))
-                } else {
-                    None
-                };
-                if let Some((field, finding)) = wrong {
-                    self.sink.push(finding.label(fields.get(field)?.span, "here"));
-                    return None;
-                }
-                Some(InstrumentFacts::ElectrodeDriver(facts))
-            }
+            Family::ElectrodeDriver => self.facts_of_driver(fields, start),
+            Family::StageController => self.facts_of_controller(fields, start),
             Family::DataAcquisition => {
                 let facts = DataAcquisitionFacts {
                     ports: fields.count("ports")?,
@@ -113,5 +91,47 @@ impl Checker<'_> {
                 Some(InstrumentFacts::DataAcquisition(facts))
             }
         }
+    }
+
+    fn facts_of_driver(&mut self, fields: &Accepted, start: Start) -> Option<InstrumentFacts> {
+        let facts = ElectrodeDriverFacts {
+            protocol: Protocol::find(fields.word("protocol")?)?,
+            channels: fields.count("channels")?,
+            least_v: fields.si("least_potential").unwrap_or(0.0),
+            most_v: fields.si("most_potential")?,
+            least_frame_ns: fields.clock_ns("least_frame", self.sink)?,
+            start,
+        };
+        let most = facts.protocol.channels();
+        let wrong = if facts.channels > most {
+            Some(("channels", errors::too_many_driver_channels(facts.protocol.name(), facts.channels, most)))
+        } else if facts.least_v > facts.most_v {
+            let text = |name: &str| fields.text(name);
+            let finding = errors::no_driver_voltage(&text("least_potential"), &text("most_potential"));
+            Some(("least_potential", finding))
+        } else {
+            None
+        };
+        if let Some((field, finding)) = wrong {
+            self.sink.push(finding.label(fields.get(field)?.span, "here"));
+            return None;
+        }
+        Some(InstrumentFacts::ElectrodeDriver(facts))
+    }
+
+    fn facts_of_controller(&mut self, fields: &Accepted, start: Start) -> Option<InstrumentFacts> {
+        let facts = StageControllerFacts {
+            protocol: StageProtocol::find(fields.word("protocol")?)?,
+            axes: fields.count("axes")?,
+            rate_hz: fields.si("rate")?,
+            most_points: fields.count("most_points"),
+            start,
+        };
+        if let Some(rates) = facts.protocol.refuses_rate(facts.rate_hz) {
+            let finding = errors::no_stream_rate(facts.protocol.name(), &fields.text("rate"), rates);
+            self.sink.push(finding.label(fields.get("rate")?.span, "here"));
+            return None;
+        }
+        Some(InstrumentFacts::StageController(facts))
     }
 }

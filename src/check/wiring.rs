@@ -7,8 +7,12 @@ use super::fields::{Given, Owner};
 use super::figures::Figures;
 use super::scope::{DeclarationPlace, DeclarationSort, Scope};
 use super::value::Accepted;
-use crate::device::instrument::{ANY_WIRE, AuxiliarySort, Bench, Drive, Family, Instrument, Link, LinkSort, Start};
+use crate::device::instrument::{
+    ANY_WIRE, AuxiliarySort, Bench, Direction, Drive, Family, Instrument, Link, LinkSort, OutputSort, StageLimits,
+    Start,
+};
 use crate::diagnostic::Diagnostic;
+use crate::quantity::{Dimension, Quantity};
 use crate::source::Span;
 use crate::syntax::tree::{self, Field, Item, WireOutput, WiringEntry};
 use std::collections::BTreeMap;
@@ -215,9 +219,9 @@ impl<'a> Checker<'a> {
             WireOutput::Instrument(path) => {
                 let named = self.output_of_instrument(path, scope, is_stage, outputs)?;
                 let name = format!("{}.{}", named.instrument, named.output);
-                let link = self.link(&name, &wire.fields, scope, (named.link, wire.span), &panel.defaults)?;
+                let (link, limits) = self.link(&name, &wire.fields, scope, (named.link, wire.span), &panel.defaults)?;
                 let NamedOutput { instrument, output, .. } = named;
-                (path.span, name, Some(Drive { instrument, output, link, span: wire.span }))
+                (path.span, name, Some(Drive { instrument, output, link, limits, span: wire.span }))
             }
         };
         let channel = channel?;
@@ -256,7 +260,10 @@ impl<'a> Checker<'a> {
             return None;
         };
         let Some(link) = sort.link(is_stage) else {
-            self.sink.push(errors::line_for_a_stage(path.span));
+            self.sink.push(match sort {
+                OutputSort::Digital | OutputSort::Voltage => errors::line_for_a_stage(path.span),
+                OutputSort::Position => errors::stage_for_a_voltage(path.span, (name, declared)),
+            });
             return None;
         };
         let name = name.to_owned();
@@ -328,7 +335,8 @@ impl<'a> Checker<'a> {
         for (channel, number) in &board.channels {
             let output = format!("c{number}");
             let link = Link::Switch { on_v: board.on_v };
-            let drive = Drive { instrument: name.clone(), output: output.clone(), link, span: wire.span };
+            let limits = StageLimits::default();
+            let drive = Drive { instrument: name.clone(), output: output.clone(), link, limits, span: wire.span };
             let output = format!("{name}.{output}");
             if let Some(earlier) = panel.wired.get(channel) {
                 self.sink.push(errors::channel_wired_twice(channel, wire.channel.span, earlier.span));
@@ -361,7 +369,7 @@ impl<'a> Checker<'a> {
         scope: &Scope,
         (sort, span): (LinkSort, Span),
         defaults: &Accepted,
-    ) -> Option<Link> {
+    ) -> Option<(Link, StageLimits)> {
         let owner = Owner { name: format!("the wire to `{output}`"), declared: None };
         let given: Vec<Given> = fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
         let mut accepted = self.read_fields(&owner, &given, sort.fields());
@@ -375,7 +383,11 @@ impl<'a> Checker<'a> {
             self.sink.push(errors::missing_fields(span, &owner.name, &missing, None));
             return None;
         }
-        Some(match sort {
+        let limits = StageLimits {
+            speed_um_per_s: accepted.quantity("speed").map(|most| most.in_unit("um/s")),
+            acceleration_um_per_s2: accepted.quantity("acceleration").map(|most| most.in_unit("um/s^2")),
+        };
+        let link = match sort {
             LinkSort::Amplifier => Link::Amplifier {
                 gain: accepted.si("gain").unwrap_or(1.0),
                 limit_v: accepted.si("limit"),
@@ -386,7 +398,23 @@ impl<'a> Checker<'a> {
                 scale_v_per_um: accepted.quantity("scale")?.in_unit("V/um"),
             },
             LinkSort::Switch => Link::Switch { on_v: accepted.si("switches")? },
-        })
+            LinkSort::Axis => self.axis(&accepted, span)?,
+        };
+        Some((link, limits))
+    }
+
+    /// The axis of a controller; `None` after an error.
+    fn axis(&mut self, accepted: &Accepted, span: Span) -> Option<Link> {
+        let length = |name: &str| accepted.quantity(name).unwrap_or(Quantity::new(0.0, Dimension::LENGTH));
+        let um = |name: &str| length(name).in_unit("um");
+        let (least_um, most_um) = (um("travel_from"), um("travel_to"));
+        if least_um >= most_um {
+            let place = accepted.get("travel_to").map_or(span, |field| field.span);
+            self.sink.push(errors::no_travel(place, length("travel_from"), length("travel_to")));
+            return None;
+        }
+        let direction = accepted.word("direction").and_then(Direction::find).unwrap_or_default();
+        Some(Link::Axis { origin_um: um("origin"), direction, least_um, most_um })
     }
 
     /// `bl[i].set` with i = 3 is `bl3.set`.

@@ -65,6 +65,12 @@ impl Claims {
         self.shared.iter().any(|scene| scene.frames.contains_key(device))
     }
 
+    /// How far a device may be off its ways, in micrometres: the least figure of its jobs, if its kind has one.
+    pub fn tolerance_um(&self, device: &str) -> Option<f64> {
+        let own = self.jobs.iter().filter(|job| job.device == device);
+        own.filter_map(|job| job.order.asked().tolerance_um()).reduce(f64::min)
+    }
+
     /// Where a device stands in pictures and beside others: the same in every scene of a program that places it.
     pub fn frame(&self, device: &str) -> Option<Pose> {
         let shared = self.shared.iter().find_map(|scene| scene.frames.get(device));

@@ -29,6 +29,8 @@ pub enum EmitError {
     },
     /// More frames than the program that comes with the driver loads.
     TooManyFrames { instrument: String, frames: u64, limit: u64, period_ns: u64 },
+    /// The table of a stage's controller is too short for the schedule, where its points lie no further apart than the hand bears.
+    TooLongForTable { instrument: String, points: u64, limit: u64, period_ns: f64 },
     /// Electrodes are wired to a driver, but to none that the format is for.
     OtherProtocol { format: Format, name: String },
     /// Digital lines of a card that has no sample clock for them.
@@ -78,6 +80,7 @@ impl EmitError {
             | EmitError::TooLarge { .. }
             | EmitError::TooManyPoints { .. }
             | EmitError::TooManyFrames { .. }
+            | EmitError::TooLongForTable { .. }
             | EmitError::OtherProtocol { .. }
             | EmitError::NoSampleClock { .. }
             | EmitError::NotWired { .. }
@@ -125,6 +128,9 @@ impl EmitError {
             EmitError::TooManyFrames { instrument, frames, limit, period_ns } => {
                 too_many_frames(instrument, [*frames, *limit], *period_ns)
             }
+            EmitError::TooLongForTable { instrument, points, limit, period_ns } => {
+                too_long_for_table(instrument, [*points, *limit], *period_ns)
+            }
             EmitError::OtherProtocol { format, name } => {
                 let title = format!("no electrode of `{name}` is wired to a driver of the protocol `{}`", format.name());
                 Diagnostic::new(Code::E0824, title).help("write `--emit frames`, which every electrode driver has")
@@ -168,6 +174,14 @@ fn too_many_frames(instrument: &str, [frames, limit]: [u64; 2], period_ns: u64) 
         .help("write `--emit frames`, whose sender has no limit, or build the tasks one at a time with `--task`")
 }
 
+fn too_long_for_table(instrument: &str, [points, limit]: [u64; 2], period_ns: f64) -> Diagnostic {
+    let period = Quantity::new(period_ns / 1e9, Dimension::TIME);
+    let title = format!("{points} points of {period} for each axis of `{instrument}`, its tables hold {limit}");
+    Diagnostic::new(Code::E0823, title).help(
+        "build the tasks one at a time with `--task`, or lower the speeds of the device: points may then lie further apart",
+    )
+}
+
 fn not_positions(format: Format, channel: Option<&str>) -> Diagnostic {
     let what = match channel {
         Some(channel) => format!("`{channel}` takes voltages"),
@@ -180,7 +194,7 @@ fn not_positions(format: Format, channel: Option<&str>) -> Diagnostic {
 fn not_wired(format: Format, name: &str, family: Family) -> Diagnostic {
     let wires = match family {
         Family::ElectrodeDriver => "electrodes -> NAME",
-        Family::WaveformGenerator | Family::DataAcquisition => "…",
+        Family::WaveformGenerator | Family::DataAcquisition | Family::StageController => "…",
     };
     let (family, (file, instrument)) = (family.name(), family.library());
     let title =

@@ -11,13 +11,15 @@
 //!
 //! `G64 P` lets the controller round corners by at most half of the hand's `tolerance`: planned ways use the other half. Under G61,
 //! exact path, it would stop at every corner, and the program would take longer than its schedule. Numbers are whole nanometres.
-//! The machine's accelerations are not considered, and may add to the time of its moves.
+//! The machine's accelerations are not considered, and may add to the time of its moves. A line that is slower than the interpreter's
+//! least feed is refused.
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::{Format, Signals};
 use crate::claims::Claims;
 use crate::device::instrument::{Awaited, Level};
+use crate::quantity::{Dimension, Quantity};
 use crate::schedule::{Channel, ChannelUnit, Schedule, ScheduledHold};
 use std::fmt::Write as _;
 
@@ -35,6 +37,10 @@ const WORD_BYTES: u64 = 11;
 const LINE_BYTES: u64 = 24;
 
 const NS_PER_MINUTE: f64 = 60e9;
+
+/// The slowest feed of LinuxCNC, in millimetres a minute: its interpreter raises every feed of G93 to this, and a slower line would
+/// be over before its time.
+const LEAST_FEED_MM_PER_MINUTE: f64 = 0.1;
 
 /// What the names of the digital pins begin with that a program can wait for.
 const PIN: &str = "motion.digital-in-";
@@ -61,7 +67,7 @@ pub(super) fn write(signals: &Signals, claims: &Claims) -> Result<Vec<(String, V
                 1 => device.to_owned(),
                 _ => format!("{device}.f{}-f{}", index * FINGERS + 1, index * FINGERS + group.len().div_ceil(AXES)),
             };
-            files.push((name, program(signals, device, group, (rounding_nm, &waits)).into_bytes()));
+            files.push((name, program(signals, device, group, (rounding_nm, &waits))?.into_bytes()));
         }
     }
     Ok(files)
@@ -82,9 +88,7 @@ fn refuse_what_is_no_stage(signals: &Signals) -> Result<(), EmitError> {
 
 /// How far the controller may leave a way of a device, in nanometres: half of the least tolerance of its jobs.
 pub(super) fn rounding_nm(claims: &Claims, device: &str) -> u64 {
-    let own = claims.jobs.iter().filter(|job| job.device == device);
-    let tolerances_um = own.filter_map(|job| job.order.asked().tolerance_um());
-    (tolerances_um.reduce(f64::min).unwrap_or(0.0) / 2.0 * 1000.0).floor() as u64
+    (claims.tolerance_um(device).unwrap_or(0.0) / 2.0 * 1000.0).floor() as u64
 }
 
 /// A wait as G-code: when it begins and ends on the schedule's clock, and its lines.
@@ -154,7 +158,15 @@ fn message(text: &str) -> String {
 }
 
 /// The program that moves some channels of a device, at most one for each axis letter.
-fn program(signals: &Signals, device: &str, channels: &[usize], (rounding_nm, waits): (u64, &[WaitLines])) -> String {
+///
+/// # Errors
+/// [`EmitError::Unsayable`] for a line that is too slow.
+fn program(
+    signals: &Signals,
+    device: &str,
+    channels: &[usize],
+    (rounding_nm, waits): (u64, &[WaitLines]),
+) -> Result<String, EmitError> {
     let mut text = header(signals, device, channels, rounding_nm);
     let mut at_nm = places_nm(signals, channels, 0);
     let _ = writeln!(text, "G0{}\nM0 ; going on is the instant 0 of the schedule", words(&at_nm, |_| true));
@@ -180,6 +192,7 @@ fn program(signals: &Signals, device: &str, channels: &[usize], (rounding_nm, wa
             true => {
                 dwell(&mut text, std::mem::take(&mut still_ns));
                 let feed = NS_PER_MINUTE / (t_ns - last_ns) as f64;
+                refuse_crawling(&at_nm, &next_nm, feed)?;
                 let _ = writeln!(text, "G1{} F{feed}", words(&next_nm, moves));
             }
         }
@@ -187,7 +200,27 @@ fn program(signals: &Signals, device: &str, channels: &[usize], (rounding_nm, wa
     }
     dwell(&mut text, still_ns);
     text.push_str("M2\n");
-    text
+    Ok(text)
+}
+
+/// An error for a line that LinuxCNC would play too fast. A line's feed is that of the first finger that moves in it.
+fn refuse_crawling(at_nm: &[i64], next_nm: &[i64], per_minute: f64) -> Result<(), EmitError> {
+    let way_mm = |(at, next): (&[i64], &[i64])| {
+        let ways_mm = at.iter().zip(next).map(|(at, next)| (next - at) as f64 / 1e6);
+        ways_mm.map(|way| way * way).sum::<f64>().sqrt()
+    };
+    let fingers = at_nm.chunks(AXES).zip(next_nm.chunks(AXES));
+    let feed = fingers.map(way_mm).find(|way| *way > 0.0).map_or(f64::INFINITY, |way| way * per_minute);
+    if feed >= LEAST_FEED_MM_PER_MINUTE {
+        return Ok(());
+    }
+    let [speed, least] = [feed, LEAST_FEED_MM_PER_MINUTE].map(|feed| Quantity::new(feed / 60e3, Dimension::SPEED));
+    let times = (LEAST_FEED_MM_PER_MINUTE / feed * 10.0).ceil() / 10.0;
+    Err(EmitError::Unsayable {
+        format: Format::Gcode,
+        what: format!("a finger at {speed}: LinuxCNC plays every line at {least} or more"),
+        help: format!("give the device speeds {times} times as high, or write `--emit csv` or `stages`"),
+    })
 }
 
 /// Instructions for the operator; comments extend from `;` to the end of their line.

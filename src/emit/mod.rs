@@ -24,6 +24,7 @@ mod sampling;
 mod scpi;
 mod sheet;
 mod signal;
+mod stages;
 mod svg;
 pub mod vcd;
 mod wired;
@@ -56,6 +57,8 @@ pub enum Format {
     Frames,
     /// Frames for the program that comes with an OpenDrop.
     Opendrop,
+    /// Places of translation stages, for controllers of PI and SmarAct.
+    Stages,
     /// Moves of translation stages, for LinuxCNC.
     Gcode,
     /// A page that plays the schedule in any browser.
@@ -78,6 +81,7 @@ impl Format {
         Format::Nidaqmx,
         Format::Frames,
         Format::Opendrop,
+        Format::Stages,
         Format::Gcode,
         Format::Html,
         Format::Svg,
@@ -96,6 +100,7 @@ impl Format {
             Format::Nidaqmx => "nidaqmx",
             Format::Frames => "frames",
             Format::Opendrop => "opendrop",
+            Format::Stages => "stages",
             Format::Gcode => "gcode",
             Format::Html => "html",
             Format::Svg => "svg",
@@ -114,6 +119,7 @@ impl Format {
             Format::Scpi => &["scpi.py"],
             Format::Nidaqmx => &["nidaqmx.py"],
             Format::Frames => &["frames.py"],
+            Format::Stages => &["stages.py"],
             Format::Opendrop | Format::Gcode => &[],
             Format::Html => &["html"],
             Format::Svg => &["svg"],
@@ -177,6 +183,10 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
         }
         Format::Opendrop => {
             Ok(frames::write_opendrop(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
+        }
+        Format::Stages => {
+            let files = stages::write(schedule, verified.claims())?;
+            Ok(files.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
         }
         Format::Scpi => Ok(scpi::write(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect()),
         Format::Gcode => {

@@ -118,9 +118,9 @@ pub fn refuse_holds(format: Format, schedule: &Schedule) -> Result<(), EmitError
         Format::Mcap | Format::Json | Format::Html | Format::Svg | Format::Sheet => Ok(()),
         Format::Csv | Format::Vcd | Format::Pwl | Format::Opendrop => unsayable(
             format!("the wait for {}: it has one clock", hold.terms.awaited.shown()),
-            "write `--emit scpi`, `nidaqmx`, `frames` or `gcode`, which wait, or `mcap`, `json` and `html`, which show the longest wait",
+            "write `--emit scpi`, `nidaqmx`, `frames`, `stages` or `gcode`, which wait, or `mcap`, `json` and `html`, which show the longest wait",
         ),
-        Format::Scpi | Format::Nidaqmx | Format::Frames => refuse_two_senders(format, schedule),
+        Format::Scpi | Format::Nidaqmx | Format::Frames | Format::Stages => refuse_two_senders(format, schedule),
         Format::Gcode => Ok(()),
     }
 }

@@ -3,8 +3,9 @@
 //! Input: a schedule and the claims with the program's bench. Promise: of a schedule that passes, every level lies within the
 //! range of the output that plays it and of the amplifier behind it, a switched channel has no level but the two of its switch,
 //! no amplifier needs longer for a change than the new level lasts, and every edge falls on a sample of its
-//! instrument's clock. What is wrong is pointed out at the wire, with the step that asks for it.
+//! instrument's clock; stages can follow their channels ([`super::stages`]). What is wrong is pointed out at the wire, with the step that asks for it.
 
+use super::stages;
 use crate::claims::Claims;
 use crate::device::instrument::{Drive, Instrument, InstrumentFacts, Link, OutputSort};
 use crate::diagnostic::{Code, Diagnostic, Sink};
@@ -20,12 +21,11 @@ pub fn holds(schedule: &Schedule, claims: &Claims, sink: &mut Sink) -> bool {
     let before = sink.errors();
     for (index, channel) in schedule.channels.iter().enumerate() {
         let Some((drive, instrument)) = claims.bench.drive(&channel.name) else { continue };
-        let mut actuations: Vec<&Actuation> =
-            schedule.actuations.iter().filter(|actuation| actuation.channel as usize == index).collect();
-        actuations.sort_by_key(|actuation| actuation.start_ns);
+        let actuations = schedule.actuations_of(index);
         let wired = WiredChannel { schedule, channel, drive, instrument, actuations };
         let finding = wired.beyond_range().or_else(|| wired.unswitched()).or_else(|| wired.beyond_driver());
         let finding = finding.or_else(|| wired.rests_beyond()).or_else(|| wired.too_fast());
+        let finding = finding.or_else(|| stages::beyond_stage(schedule, index, claims, (drive, instrument)));
         finding.into_iter().for_each(|finding| sink.push(finding));
     }
     finer_than_a_sample(schedule, claims).into_iter().for_each(|finding| sink.push(finding));
@@ -105,9 +105,9 @@ impl WiredChannel<'_> {
     /// The position that lies furthest beyond the voltages of the output.
     fn beyond_stage_driver(&self) -> Option<Diagnostic> {
         let Link::StageDriver { zero_v, scale_v_per_um } = self.drive.link else { return None };
-        let (value, actuation) = self.largest(|value| self.drive.link.output_v(value).abs())?;
+        let (value, actuation) = self.largest(|value| self.drive.link.at_output(value).abs())?;
         let peak_v = self.instrument.facts.voltage()?.peak_v;
-        let needed_v = self.drive.link.output_v(value);
+        let needed_v = self.drive.link.at_output(value);
         (needed_v.abs() > peak_v * ROUNDING).then(|| {
             let (name, position) = (&self.channel.name, self.shown(value));
             let title = format!("`{name}` at {position} needs {}, the output gives {}", volts(needed_v), volts(peak_v));
@@ -131,7 +131,7 @@ impl WiredChannel<'_> {
             Link::Switch { on_v } => {
                 (rest_v != 0.0 && rest_v != on_v).then(|| (Code::E0621, format!("0 V or {}", volts(on_v))))?
             }
-            Link::StageDriver { .. } => return None,
+            Link::StageDriver { .. } | Link::Axis { .. } => return None,
         };
         let title = format!("`{}` rests at {}, its output gives {given}", self.channel.name, volts(rest_v));
         let diagnostic = Diagnostic::new(code, title).label(self.drive.span, given);

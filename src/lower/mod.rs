@@ -11,6 +11,7 @@ pub(crate) mod fingers;
 mod holds;
 pub mod microrobots;
 mod outputs;
+mod stages;
 pub mod timeline;
 
 pub use clock::lower;

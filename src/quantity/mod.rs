@@ -32,6 +32,7 @@ impl Dimension {
     pub const ANGLE: Dimension = dimension(0, 0, 0, 0, 0, 1);
     pub const FREQUENCY: Dimension = dimension(0, 0, -1, 0, 0, 0);
     pub const SPEED: Dimension = dimension(1, 0, -1, 0, 0, 0);
+    pub const ACCELERATION: Dimension = dimension(1, 0, -2, 0, 0, 0);
     pub const FORCE: Dimension = dimension(1, 1, -2, 0, 0, 0);
     pub const PRESSURE: Dimension = dimension(-1, 1, -2, 0, 0, 0);
     pub const ENERGY: Dimension = dimension(2, 1, -2, 0, 0, 0);
@@ -154,6 +155,7 @@ const NAMED: &[Named] = &[
     named(Dimension::ANGLE, "an angle", "", "deg"),
     named(Dimension::FREQUENCY, "a frequency", "Hz", "kHz"),
     named(Dimension::SPEED, "a speed", "m/s", "um/s"),
+    named(Dimension::ACCELERATION, "an acceleration", "m/s^2", "mm/s^2"),
     named(Dimension::FORCE, "a force", "N", "uN"),
     named(Dimension::PRESSURE, "a pressure", "Pa", "kPa"),
     named(Dimension::ENERGY, "an energy", "J", "mJ"),

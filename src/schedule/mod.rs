@@ -11,9 +11,11 @@ pub mod fingers;
 pub mod json;
 pub mod microrobots;
 pub mod reached;
+mod turns;
 
 pub use microrobots::control;
 pub use reached::Reached;
+pub use turns::Turn;
 
 use crate::device::each_kind;
 use crate::device::instrument::{self, Bench, HoldTerms};

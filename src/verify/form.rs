@@ -6,7 +6,7 @@
 use super::judge_of;
 use super::rule::{Findings, Rule, Violation, ms};
 use crate::claims::{Claims, Order};
-use crate::device::instrument::{AuxiliarySort, Link};
+use crate::device::instrument::{AuxiliarySort, Direction, Link};
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Reached, Schedule, Swing};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,6 +22,7 @@ pub(super) fn check(schedule: &Schedule, claims: &Claims, findings: &mut Finding
     rests(schedule, claims, findings);
     wires(schedule, claims, findings);
     bench(schedule, claims, findings);
+    stage_speeds(schedule, claims, findings);
     if findings.is_empty() {
         order(schedule, findings);
         overlaps(schedule, findings);
@@ -213,6 +214,13 @@ fn bench(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
                 (zero_v + scale_v_per_um * value).abs() <= peak_v * BENCH_ROUNDING
             }
             Link::Switch { on_v } => value == 0.0 || value == on_v,
+            Link::Axis { origin_um, direction, least_um, most_um } => {
+                let own_um = match direction {
+                    Direction::Forward => origin_um + value,
+                    Direction::Backward => origin_um - value,
+                };
+                least_um <= own_um && own_um <= most_um
+            }
         };
         if let Some(value) = levels.into_iter().find(|value| !is_played(*value)) {
             let (name, unit, output) = (&channel.name, channel.unit.symbol(), &drive.output);
@@ -221,6 +229,23 @@ fn bench(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
                 drive.instrument
             );
             findings.push(Violation::new(Rule::Wire, time_ns, title));
+            return;
+        }
+    }
+}
+
+/// No stage moves faster than the program says that it can.
+fn stage_speeds(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
+    for actuation in &schedule.actuations {
+        let Some(channel) = schedule.channels.get(actuation.channel as usize) else { continue };
+        let Some((drive, _)) = claims.bench.drive(&channel.name) else { continue };
+        let Some(most) = drive.limits.speed_um_per_s else { continue };
+        findings.asked(Rule::Wire, 1);
+        let way_um = (actuation.to - actuation.from).abs();
+        if way_um > most * (actuation.duration_ns as f64 / 1e9) * BENCH_ROUNDING {
+            let (name, lasts) = (&channel.name, ms(actuation.duration_ns));
+            let title = format!("`{name}` moves by {way_um} um in {lasts}, its stage by {most} um in a second");
+            findings.push(Violation::new(Rule::Wire, actuation.start_ns, title));
             return;
         }
     }

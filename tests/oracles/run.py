@@ -1,4 +1,4 @@
-"""Judges a folder of files that `tweeze build --emit mcap,json,csv,vcd,pwl,scpi,nidaqmx,frames,gcode,svg` wrote, by programs that are not Tweeze's.
+"""Judges a folder of files that `tweeze build --emit mcap,json,csv,vcd,pwl,scpi,nidaqmx,frames,stages,gcode,svg` wrote, by programs that are not Tweeze's.
 
     python tests/oracles/run.py DIR
 
@@ -27,18 +27,19 @@ JUDGES = {
     ".scpi": "scpi_judge",
     ".daq": "daq_judge",
     ".frames.py": "frames_judge",
+    ".stages.py": "stages_judge",
     ".ngc": "gcode_judge",
     ".svg": "svg_judge",
 }
 
 # Formats of instruments, with the family that a channel must be wired to.
-PLAYED_BY = {".scpi": "waveform_generator", ".daq": "data_acquisition", ".frames.py": "electrode_driver"}
+PLAYED_BY = {".scpi": "waveform_generator", ".daq": "data_acquisition", ".frames.py": "electrode_driver", ".stages.py": "stage_controller"}
 
 # Formats with one clock, in which no wait for an input or a person can stand.
 ONE_CLOCK = {".csv", ".vcd", ".gtkw", ".cir"}
 
 # Second judges of some files.
-SECOND = {".vcd": "sigrok_judge", ".mcap": "plot_judge"}
+SECOND = [(".vcd", "sigrok_judge"), (".mcap", "plot_judge"), (".mcap", "rerun_judge"), (".ngc", "linuxcnc_judge")]
 
 
 def judge(path, module, schedule):
@@ -71,7 +72,7 @@ def judge_folder(folder):
         except Exception as error:
             verdicts.append((path.name, "WRONG", f"{type(error).__name__}: {error}"))
             continue
-        for ending, module in (*JUDGES.items(), *SECOND.items()):
+        for ending, module in (*JUDGES.items(), *SECOND):
             if ending == ".ngc" and not all(map(schedule.is_stage, schedule.channels)):
                 continue
             if ending in PLAYED_BY and not schedule.instruments(PLAYED_BY[ending]):

@@ -13,9 +13,11 @@ from pathlib import Path
 import pytest
 
 import daq_judge
+import linuxcnc_judge
 import run
 import scpi_judge
 from schedule import Schedule
+from verdict import Skipped, Wrong
 
 FIXTURES = Path(os.environ.get("TWEEZE_FIXTURES", "/nonexistent"))
 
@@ -24,7 +26,7 @@ pytestmark = pytest.mark.skipif(not FIXTURES.exists(), reason="TWEEZE_FIXTURES n
 
 def verdict(folder, ending, stem="Pair"):
     """Of the file of an ending; `sigrok` is the second judge of VCD."""
-    ending, judge = (".vcd", run.SECOND[".vcd"]) if ending == "sigrok" else (ending, run.JUDGES[ending])
+    ending, judge = (".vcd", "sigrok_judge") if ending == "sigrok" else (ending, run.JUDGES[ending])
     return run.judge(folder / f"{stem}{ending}", judge, Schedule(folder / f"{stem}.json"))
 
 
@@ -42,7 +44,11 @@ def replace(path, old, new):
     path.write_bytes(data.replace(old, new, 1))
 
 
-@pytest.mark.parametrize("stem,ending", [*(("Pair", ending) for ending in run.JUDGES if ending not in (".ngc", ".daq", ".frames.py")), *(("turn", ending) for ending in run.JUDGES if ending not in (".daq", ".frames.py")), *(("mixed", ending) for ending in run.JUDGES if ending not in (".ngc", ".daq", ".frames.py"))])
+# Formats of instruments that these fixtures are not wired to.
+PLAYED = (".daq", ".frames.py", ".stages.py")
+
+
+@pytest.mark.parametrize("stem,ending", [*(("Pair", ending) for ending in run.JUDGES if ending not in (".ngc", *PLAYED)), *(("turn", ending) for ending in run.JUDGES if ending not in PLAYED), *(("mixed", ending) for ending in run.JUDGES if ending not in (".ngc", *PLAYED))])
 def test_a_good_file_is_right(folder, stem, ending):
     outcome, reason = verdict(folder, ending, stem)
     assert outcome in ("right", "SKIPPED"), reason
@@ -381,3 +387,61 @@ def test_a_fault_of_frames_is_found(tmp_path, stem, broken, old, new):
     replace(tmp_path / f"{stem}{broken}", old, new)
     outcome, reason = verdict(tmp_path, ".frames.py", stem)
     assert outcome == "WRONG", reason
+
+# Of places of stages, with the instruments of PI and SmarAct.
+STAGE_FAULTS = [
+    ("pi", ".pi1.stages.csv", b"\n0,78.5", b"\n0,79.5"),
+    ("pi", ".pi2.stages.csv", b"point,axis1 [um],axis2 [um]", b"point,axis2 [um],axis1 [um]"),
+    ("pi", ".stages.py", b"{controller['every']} 1", b"1 1"),
+    ("pi", ".stages.py", b"BY_TRIGGER if self.waits else AT_ONCE", b"AT_ONCE"),
+    ("pi", ".stages.py", b'"TWS 1 1 1"', b'"TWS 1 2 1"'),
+    ("pi", ".stages.py", b"self.go(rows[0][1])", b"self.each(\"MOV\", [0] * len(self.axes))"),
+    ("pi", ".stages.py", b"[1] * len(self.axes))\n        self.go", b"[0] * len(self.axes))\n        self.go"),
+    ("pi", ".json", b'"origin_um": 50', b'"origin_um": 51'),
+    ("smaract", ".json", b'"direction": "backward"', b'"direction": "forward"'),
+    ("smaract", ".stages.py", b"self.ctl.CloseStream(self.handle, self.stream)", b"pass"),
+    ("smaract", ".stages.py", b"PM_OF_UM = 1_000_000", b"PM_OF_UM = 1_000"),
+    ("smaract", ".stages.py", b"[axis - 1 for axis", b"[axis for axis"),
+    ("smaract", ".stages.py", b"SensorPowerMode.ENABLED", b"SensorPowerMode.POWER_SAVE"),
+]
+
+
+@pytest.mark.parametrize("stem", ["pi", "smaract"])
+def test_a_controller_moves_stages_as_the_schedule_says(stem):
+    outcome, reason = verdict(FIXTURES / "controllers", ".stages.py", stem)
+    assert outcome == "right", reason
+
+
+@pytest.mark.parametrize("stem,broken,old,new", STAGE_FAULTS)
+def test_a_fault_of_stages_is_found(tmp_path, stem, broken, old, new):
+    for file in (FIXTURES / "controllers").glob(f"{stem}.*"):
+        shutil.copy(file, tmp_path)
+    replace(tmp_path / f"{stem}{broken}", old, new)
+    outcome, reason = verdict(tmp_path, ".stages.py", stem)
+    assert outcome == "WRONG", reason
+
+
+@pytest.mark.parametrize("old,new", [(b"G1 X0.018500 F600\n", b"G1 X0.018503 F600\n"), (b"G1 X0.018500 F600\n", b"G1 X0.018500 F601\n"), (b"G4 P0.007", b"G4 P0.008"), (b"G93\n", b"G94\n"), (b"G21\n", b"G20\n"), (b"G1 X0.018500 F600\n", b"G1 X0.018500 F600\nG1 X0.018501 F50\nG1 X0.018500 F50\n")])
+def test_linuxcnc_finds_a_fault_of_positions(folder, old, new):
+    path, schedule = folder / "turn.ngc", Schedule(folder / "turn.json")
+    outcome, reason = run.judge(path, "linuxcnc_judge", schedule)
+    if outcome == "SKIPPED":
+        pytest.skip(reason)
+    assert outcome == "right", reason
+    replace(folder / "turn.hand.ngc", old, new)
+    outcome, reason = run.judge(path, "linuxcnc_judge", schedule)
+    assert outcome == "WRONG", reason
+
+
+def test_linuxcnc_knows_the_words_of_waits(tmp_path):
+    """A wait for an input, as it stands in G-code, is taken; what follows one that was too long breaks the program off."""
+    program = tmp_path / "wait.ngc"
+    wait = "M66 P3 L3 Q5.000000000 ; motion.digital-in-03 high\no1 if [#5399 LT 0]\n(ABORT, it has not come)\no1 endif\n"
+    program.write_text(f"G21\nG90\nG93\nG0 X0\n{wait}G1 X0.001 F600\nM2\n")
+    try:
+        assert [call[0] for call in linuxcnc_judge.calls(program)].count("straight_feed") == 1
+    except Skipped as error:
+        pytest.skip(str(error))
+    program.write_text(f"G21\nG90\nG93\nG0 X0\n#5399 = -1\n{wait[wait.index('o1'):]}G1 X0.001 F600\nM2\n")
+    with pytest.raises(Wrong, match="it has not come"):
+        linuxcnc_judge.calls(program)

@@ -72,7 +72,9 @@ impl Built {
             let families: Vec<Family> = instruments.map(|instrument| instrument.facts.family()).collect();
             let drivers = verified.schedule().bench.instruments.values().filter_map(|driver| match &driver.facts {
                 InstrumentFacts::ElectrodeDriver(facts) => Some(facts.protocol),
-                InstrumentFacts::WaveformGenerator(_) | InstrumentFacts::DataAcquisition(_) => None,
+                InstrumentFacts::WaveformGenerator(_)
+                | InstrumentFacts::DataAcquisition(_)
+                | InstrumentFacts::StageController(_) => None,
             });
             let protocols: Vec<Protocol> = drivers.collect();
             let is_played = |format: &&Format| match format {
@@ -80,6 +82,7 @@ impl Built {
                 Format::Scpi => families.contains(&Family::WaveformGenerator),
                 Format::Nidaqmx => families.contains(&Family::DataAcquisition),
                 Format::Frames => families.contains(&Family::ElectrodeDriver),
+                Format::Stages => families.contains(&Family::StageController),
                 Format::Opendrop => protocols.contains(&Protocol::Opendrop),
                 Format::Sheet => carries_droplets(verified),
                 // These have one clock, and cannot wait.

@@ -2,6 +2,7 @@
 
 use crate::device::VocabularyField;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::Quantity;
 use crate::source::Span;
 use crate::syntax::tree::Ident;
 
@@ -111,6 +112,21 @@ pub fn line_for_a_stage(span: Span) -> Diagnostic {
         .help("wire positions to outputs of voltage, with `scale` for what the stage's driver takes")
 }
 
+/// A channel of voltages wired to a controller of stages.
+pub fn stage_for_a_voltage(span: Span, (name, declared): (&str, Span)) -> Diagnostic {
+    Diagnostic::new(Code::E0427, format!("`{name}` moves stages, and gives no voltage"))
+        .label(span, "places a stage")
+        .label_elsewhere(declared, span, "declared here")
+        .help("wire voltages to a `waveform_generator` or to `data_acquisition`, and the stages of a hand to this one")
+}
+
+/// A stage that ends where it begins, or before.
+pub fn no_travel(span: Span, least: Quantity, most: Quantity) -> Diagnostic {
+    Diagnostic::new(Code::E0403, format!("a stage that travels from {least} to {most}"))
+        .label(span, "ends here")
+        .help("give `travel_from` and `travel_to` as the stage's own positions, the lower one first")
+}
+
 /// A field of a wire to an output of which nothing is known.
 pub fn wire_without_instrument(field: &Ident, output: Span) -> Diagnostic {
     Diagnostic::new(Code::E0427, format!("`{}` of a wire without an instrument", field.text))
@@ -150,6 +166,12 @@ pub fn no_number_of_points(least: Span, most: Span, least_points: u32, most_poin
 pub fn too_many_driver_channels(protocol: &str, channels: u32, most: u32) -> Diagnostic {
     Diagnostic::new(Code::E0403, format!("{channels} channels, a frame of `{protocol}` has room for {most}"))
         .help(format!("give the driver at most {most} channels"))
+}
+
+/// A rate at which a controller of stages takes no places.
+pub fn no_stream_rate(protocol: &str, rate: &str, rates: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0403, format!("a `rate` of {rate}, `{protocol}` takes {rates}"))
+        .help("give the controller such a rate: the higher it is, the less are corners cut")
 }
 
 pub fn no_driver_voltage(least: &str, most: &str) -> Diagnostic {

@@ -5,10 +5,12 @@
 //! them from a program, `lower` holds a schedule against them, `emit` writes the files that they play.
 
 mod auxiliary;
+mod stages;
 mod words;
 
 pub(crate) use auxiliary::is_zero;
 pub use auxiliary::{AuxiliaryOutput, AuxiliarySort, Awaited, HoldTerms};
+pub use stages::{Direction, StageControllerFacts, StageLimits, StageProtocol, cut_um};
 pub use words::ANY_WIRE;
 
 use crate::device::{VocabularyField, WordChoice, words::words};
@@ -25,11 +27,13 @@ pub enum Family {
     WaveformGenerator,
     DataAcquisition,
     ElectrodeDriver,
+    StageController,
 }
 
 impl Family {
     /// Every family, in the order of the handbook.
-    pub const ALL: &'static [Family] = &[Family::WaveformGenerator, Family::DataAcquisition, Family::ElectrodeDriver];
+    pub const ALL: &'static [Family] =
+        &[Family::WaveformGenerator, Family::DataAcquisition, Family::ElectrodeDriver, Family::StageController];
 
     /// The family's word in the language with its meaning.
     pub fn choice(self) -> WordChoice {
@@ -45,6 +49,10 @@ impl Family {
             Family::ElectrodeDriver => (
                 "electrode_driver",
                 "the driver of a board of electrodes, which takes frame after frame of those that are on: OpenDrop, PurpleDrop",
+            ),
+            Family::StageController => (
+                "stage_controller",
+                "a controller that moves stages along a table of places: of PI by its commands GCS, of SmarAct by the streams of an MCS2",
             ),
         };
         WordChoice { name, doc }
@@ -66,6 +74,7 @@ impl Family {
             Family::WaveformGenerator => "instruments.keysight_33500b",
             Family::DataAcquisition => "instruments.ni_usb_6343",
             Family::ElectrodeDriver => "instruments.opendrop_v4",
+            Family::StageController => "instruments.pi_e727",
         };
         ("std.instruments", name)
     }
@@ -76,6 +85,7 @@ impl Family {
             Family::WaveformGenerator => words::WAVEFORM_GENERATOR,
             Family::DataAcquisition => words::DATA_ACQUISITION,
             Family::ElectrodeDriver => words::ELECTRODE_DRIVER,
+            Family::StageController => words::STAGE_CONTROLLER,
         }
     }
 
@@ -87,6 +97,7 @@ impl Family {
             Family::ElectrodeDriver => {
                 "`c0`, `c1`, …: an electrode each; `electrodes -> NAME` wires all that the `channels` of a board number"
             }
+            Family::StageController => "`axis1`, `axis2`, …: a stage each",
         }
     }
 
@@ -96,6 +107,7 @@ impl Family {
             Family::WaveformGenerator => &[AMPLIFIED, PLACED],
             Family::DataAcquisition => &[SWITCHED, AMPLIFIED, PLACED],
             Family::ElectrodeDriver => &[SWITCHED],
+            Family::StageController => &[MOVED],
         }
     }
 
@@ -105,6 +117,7 @@ impl Family {
             Family::WaveformGenerator => "scpi",
             Family::DataAcquisition => "nidaqmx",
             Family::ElectrodeDriver => "frames",
+            Family::StageController => "stages",
         }
     }
 }
@@ -124,6 +137,7 @@ pub enum InstrumentFacts {
     WaveformGenerator(WaveformGeneratorFacts),
     DataAcquisition(DataAcquisitionFacts),
     ElectrodeDriver(ElectrodeDriverFacts),
+    StageController(StageControllerFacts),
 }
 
 words! {
@@ -217,6 +231,7 @@ pub struct VoltageOutput {
 pub enum OutputSort {
     Voltage,
     Digital,
+    Position,
 }
 
 impl OutputSort {
@@ -226,7 +241,8 @@ impl OutputSort {
             (OutputSort::Voltage, false) => Some(LinkSort::Amplifier),
             (OutputSort::Voltage, true) => Some(LinkSort::StageDriver),
             (OutputSort::Digital, false) => Some(LinkSort::Switch),
-            (OutputSort::Digital, true) => None,
+            (OutputSort::Position, true) => Some(LinkSort::Axis),
+            (OutputSort::Digital, true) | (OutputSort::Position, false) => None,
         }
     }
 }
@@ -235,6 +251,7 @@ impl OutputSort {
 const AMPLIFIED: (LinkSort, &str) = (LinkSort::Amplifier, "a channel of voltages, behind an amplifier");
 const PLACED: (LinkSort, &str) = (LinkSort::StageDriver, "the position of a stage, behind its driver");
 const SWITCHED: (LinkSort, &str) = (LinkSort::Switch, "a digital line, which closes a switch");
+const MOVED: (LinkSort, &str) = (LinkSort::Axis, "the position of a stage, which the controller moves");
 
 /// Sort of a [`Link`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -242,6 +259,7 @@ pub enum LinkSort {
     Amplifier,
     StageDriver,
     Switch,
+    Axis,
 }
 
 impl LinkSort {
@@ -251,6 +269,7 @@ impl LinkSort {
             LinkSort::Amplifier => words::AMPLIFIER,
             LinkSort::StageDriver => words::STAGE_DRIVER,
             LinkSort::Switch => words::SWITCH,
+            LinkSort::Axis => words::AXIS,
         }
     }
 }
@@ -272,6 +291,7 @@ impl InstrumentFacts {
             InstrumentFacts::WaveformGenerator(_) => Family::WaveformGenerator,
             InstrumentFacts::DataAcquisition(_) => Family::DataAcquisition,
             InstrumentFacts::ElectrodeDriver(_) => Family::ElectrodeDriver,
+            InstrumentFacts::StageController(_) => Family::StageController,
         }
     }
 
@@ -289,6 +309,10 @@ impl InstrumentFacts {
             InstrumentFacts::ElectrodeDriver(facts) => {
                 number_after("c", name).filter(|number| *number < facts.channels).map(|_| OutputSort::Digital)
             }
+            InstrumentFacts::StageController(facts) => {
+                let number = number_after("axis", name)?;
+                (1..=facts.axes).contains(&number).then_some(OutputSort::Position)
+            }
         }
     }
 
@@ -302,6 +326,7 @@ impl InstrumentFacts {
             InstrumentFacts::ElectrodeDriver(facts) => {
                 range("c0".to_owned(), format!("c{}", facts.channels.saturating_sub(1)))
             }
+            InstrumentFacts::StageController(facts) => range("axis1".to_owned(), format!("axis{}", facts.axes)),
             InstrumentFacts::DataAcquisition(facts) => {
                 let last = |count: u32| count.saturating_sub(1);
                 let lines =
@@ -321,6 +346,7 @@ impl InstrumentFacts {
             InstrumentFacts::WaveformGenerator(facts) => facts.start,
             InstrumentFacts::DataAcquisition(facts) => facts.start,
             InstrumentFacts::ElectrodeDriver(facts) => facts.start,
+            InstrumentFacts::StageController(facts) => facts.start,
         }
     }
 
@@ -329,7 +355,7 @@ impl InstrumentFacts {
         match self {
             InstrumentFacts::WaveformGenerator(facts) => Some(facts.voltage),
             InstrumentFacts::DataAcquisition(facts) => facts.voltage,
-            InstrumentFacts::ElectrodeDriver(_) => None,
+            InstrumentFacts::ElectrodeDriver(_) | InstrumentFacts::StageController(_) => None,
         }
     }
 }
@@ -364,7 +390,7 @@ impl Bench {
 
     /// Whether another bench has the same instruments and drives, wherever they are written.
     pub fn is_same(&self, other: &Bench) -> bool {
-        let parts = |drive: &Drive| (drive.instrument.clone(), drive.output.clone(), drive.link);
+        let parts = |drive: &Drive| (drive.instrument.clone(), drive.output.clone(), drive.link, drive.limits);
         let drives = |bench: &Bench| bench.drives.iter().map(|(name, drive)| (name.clone(), parts(drive))).collect();
         let [own, others]: [Vec<_>; 2] = [drives(self), drives(other)];
         self.instruments == other.instruments && own == others
@@ -379,6 +405,9 @@ pub struct Drive {
     /// The output's name on the instrument.
     pub output: String,
     pub link: Link,
+    /// Of the stage behind it.
+    #[serde(default, skip_serializing_if = "StageLimits::is_empty")]
+    pub limits: StageLimits,
     /// The wire in the program.
     #[serde(skip)]
     pub span: Span,
@@ -401,16 +430,20 @@ pub enum Link {
     StageDriver { zero_v: f64, scale_v_per_um: f64 },
     /// A switch that a digital line closes: on, the channel has this voltage.
     Switch { on_v: f64 },
+    /// A stage that its controller moves: it is at `origin_um` of its own travel where the channel is at 0, and counts on from there
+    /// or back.
+    Axis { origin_um: f64, direction: Direction, least_um: f64, most_um: f64 },
 }
 
 impl Link {
     /// Voltage of the instrument's output at a value of the channel, in volts or micrometres; for a switch the level of
-    /// its line, 0 or 1.
-    pub fn output_v(self, value: f64) -> f64 {
+    /// its line, 0 or 1; for an axis the place of the stage, in micrometres.
+    pub fn at_output(self, value: f64) -> f64 {
         match self {
             Link::Amplifier { gain, .. } => value / gain,
             Link::StageDriver { zero_v, scale_v_per_um } => zero_v + value * scale_v_per_um,
             Link::Switch { .. } => f64::from(u8::from(value != 0.0)),
+            Link::Axis { origin_um, direction, .. } => origin_um + direction.sign() * value,
         }
     }
 
@@ -420,6 +453,7 @@ impl Link {
             Link::Amplifier { gain, .. } => output_v * gain,
             Link::StageDriver { zero_v, scale_v_per_um } => (output_v - zero_v) / scale_v_per_um,
             Link::Switch { on_v } => output_v * on_v,
+            Link::Axis { origin_um, direction, .. } => direction.sign() * (output_v - origin_um),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The vocabulary of instruments and of the wires that lead to them.
 
-use super::{Level, MAX_OUTPUTS, Protocol, Start};
+use super::{Direction, Level, MAX_OUTPUTS, Protocol, StageProtocol, Start};
 use crate::device::{Need, Range, Sort, VocabularyField, optional, positive, required};
 use crate::quantity::Dimension;
 
@@ -81,6 +81,19 @@ pub const ELECTRODE_DRIVER: &[VocabularyField] = &[
     START,
 ];
 
+pub const STAGE_CONTROLLER: &[VocabularyField] = &[
+    required("protocol", Sort::Word(StageProtocol::CHOICES), "how it is spoken to"),
+    count("axes", 1, MAX_OUTPUTS, "stages that it moves at the same time, `axis1`, `axis2`, …"),
+    required("rate", positive(Dimension::FREQUENCY), "places in a second, between which it moves on straight lines"),
+    VocabularyField {
+        name: "most_points",
+        sort: Sort::Count { least: 2, most: MAX_POINTS },
+        need: Need::Optional("no table: places are sent while they are played"),
+        doc: "most points in the table of an axis",
+    },
+    START,
+];
+
 const HIGH: VocabularyField =
     optional("voltage", positive(Dimension::VOLTAGE), "5 V", "voltage of the high level; low is 0 V");
 
@@ -131,9 +144,31 @@ const SWITCHES: VocabularyField = required(
     "voltage that the driver behind the line switches to the channel",
 );
 
+const ORIGIN: VocabularyField =
+    optional("origin", length(Range::Any), "0 um", "where the stage itself is at position 0");
+const TRAVEL_FROM: VocabularyField =
+    optional("travel_from", length(Range::Any), "0 um", "where the stage's own travel begins");
+const TRAVEL_TO: VocabularyField = required("travel_to", length(Range::Any), "where the stage's own travel ends");
+const DIRECTION: VocabularyField =
+    optional("direction", Sort::Word(Direction::CHOICES), "forward", "which way the stage counts");
+const SPEED: VocabularyField =
+    optional("speed", positive(Dimension::SPEED), "not held", "greatest speed that the stage can follow");
+const ACCELERATION: VocabularyField = optional(
+    "acceleration",
+    positive(Dimension::ACCELERATION),
+    "not held",
+    "greatest acceleration of the stage, which rounds the corners of its way",
+);
+
+const fn length(range: Range) -> Sort {
+    Sort::Quantity { dimension: Dimension::LENGTH, range }
+}
+
 pub const AMPLIFIER: &[VocabularyField] = &[GAIN, LIMIT, SLEW];
-pub const STAGE_DRIVER: &[VocabularyField] = &[SCALE, ZERO];
+pub const STAGE_DRIVER: &[VocabularyField] = &[SCALE, ZERO, SPEED, ACCELERATION];
 pub const SWITCH: &[VocabularyField] = &[SWITCHES];
+pub const AXIS: &[VocabularyField] = &[ORIGIN, TRAVEL_FROM, TRAVEL_TO, DIRECTION, SPEED, ACCELERATION];
 
 /// The fields of all wires, each once.
-pub const ANY_WIRE: &[VocabularyField] = &[GAIN, LIMIT, SLEW, SCALE, ZERO, SWITCHES];
+pub const ANY_WIRE: &[VocabularyField] =
+    &[GAIN, LIMIT, SLEW, SCALE, ZERO, SWITCHES, ORIGIN, TRAVEL_FROM, TRAVEL_TO, DIRECTION, SPEED, ACCELERATION];

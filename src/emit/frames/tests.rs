@@ -1,6 +1,6 @@
 use super::*;
 use crate::device::electrode_array::Electrodes;
-use crate::device::instrument::{Bench, Drive, Instrument, Link, Start};
+use crate::device::instrument::{Bench, Drive, Instrument, Link, StageLimits, Start};
 use crate::diagnostic::Code;
 use crate::emit::{Provenance, emit, fixture};
 use crate::lower::electrode_array::tests::{carried, facts};
@@ -28,6 +28,7 @@ pub fn on_driver((verified, provenance): (Verified, Provenance), protocol: Proto
                 instrument: "driver".to_owned(),
                 output: format!("c{number}"),
                 link: Link::Switch { on_v: 20.0 },
+                limits: StageLimits::default(),
                 span: Span::default(),
             };
             bench.drives.insert(name.clone(), drive);

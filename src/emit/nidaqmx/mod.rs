@@ -116,14 +116,14 @@ impl<'a> Card<'a> {
     /// The levels at a sample; after the schedule, of rest.
     fn levels(&self, sample: u64) -> Levels {
         let t_ns = (sample * self.period_ns).min(self.signals.schedule.duration_ns);
-        let output_v = |channel: usize| self.wired.drives[channel].link.output_v(self.signals.value(channel, t_ns));
+        let at_output = |channel: usize| self.wired.drives[channel].link.at_output(self.signals.value(channel, t_ns));
         let mut words: BTreeMap<u32, u32> = self.lines.keys().map(|(port, _)| (*port, 0)).collect();
         for ((port, line), channel) in &self.lines {
-            if let Some(word) = words.get_mut(port).filter(|_| output_v(*channel) != 0.0) {
+            if let Some(word) = words.get_mut(port).filter(|_| at_output(*channel) != 0.0) {
                 *word |= 1 << line;
             }
         }
-        (words, self.analog.values().map(|channel| output_v(*channel)).collect())
+        (words, self.analog.values().map(|channel| at_output(*channel)).collect())
     }
 
     /// The first sample of each stretch of equal ones: where something changes, or every one while a stage moves.
@@ -197,7 +197,7 @@ impl<'a> Card<'a> {
             .map(|(output, channel)| {
                 // A stage stays where it is: to send it elsewhere at once could harm what it holds.
                 let rest_v =
-                    self.signals.rest_v(*channel).map(|rest_v| self.wired.drives[*channel].link.output_v(rest_v));
+                    self.signals.rest_v(*channel).map(|rest_v| self.wired.drives[*channel].link.at_output(rest_v));
                 serde_json::json!({ "output": format!("ao{output}"), "rest_v": rest_v })
             })
             .collect();

@@ -1,5 +1,5 @@
 use super::*;
-use crate::device::instrument::{Bench, Drive, Instrument, Link, VoltageOutput};
+use crate::device::instrument::{Bench, Drive, Instrument, Link, StageLimits, VoltageOutput};
 use crate::diagnostic::Code;
 use crate::emit::{Provenance, emit, fixture};
 use crate::schedule::{Channel, ChannelUnit};
@@ -22,9 +22,8 @@ pub fn on_card((verified, provenance): (Verified, Provenance), digital_rate_hz: 
                     (format!("ao{index}"), Link::StageDriver { zero_v: 0.0, scale_v_per_um: 0.1 })
                 }
             };
-            bench
-                .drives
-                .insert(name.clone(), Drive { instrument: "card".to_owned(), output, link, span: Span::default() });
+            let (instrument, limits) = ("card".to_owned(), StageLimits::default());
+            bench.drives.insert(name.clone(), Drive { instrument, output, link, limits, span: Span::default() });
         }
         schedule.bench = bench;
     });

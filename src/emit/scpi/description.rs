@@ -62,7 +62,7 @@ impl Generator<'_> {
         let off: Vec<String> = off
             .map(|(channel, output)| match self.signals.rest_v(channel).unwrap_or_default() {
                 0.0 => numbered(SWITCH_OFF, output.number),
-                rest_v => numbered(REST, output.number).replace("{rest}", &output.link.output_v(rest_v).to_string()),
+                rest_v => numbered(REST, output.number).replace("{rest}", &output.link.at_output(rest_v).to_string()),
             })
             .collect();
         match off.is_empty() {
@@ -123,6 +123,7 @@ fn behind(link: Link) -> String {
             format!("stage driver, {scale_v_per_um} V/um from {zero_v} V on")
         }
         Link::Switch { on_v } => format!("switch of {on_v} V"),
+        Link::Axis { .. } => "stage".to_owned(),
     }
 }
 

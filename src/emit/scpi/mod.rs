@@ -174,7 +174,7 @@ impl GeneratorOutput {
         let rest = signals.rest_v(channel);
         let (mut low_v, mut high_v) = (f64::INFINITY, f64::NEG_INFINITY);
         for value in levels.chain(ends).chain(rest) {
-            let output_v = link.output_v(value);
+            let output_v = link.at_output(value);
             (low_v, high_v) = (low_v.min(output_v), high_v.max(output_v));
         }
         GeneratorOutput { number, link, low_v, high_v, playing: Playing::Constant }
@@ -192,7 +192,7 @@ impl GeneratorOutput {
 
     /// The code of a value of the channel.
     fn code(&self, value: f64) -> i16 {
-        let share = (self.link.output_v(value) - self.middle_v()) / (self.span_v() / 2.0);
+        let share = (self.link.at_output(value) - self.middle_v()) / (self.span_v() / 2.0);
         (share * f64::from(FULL_SCALE)).round() as i16
     }
 }
@@ -344,7 +344,7 @@ impl<'a> Generator<'a> {
             .filter_map(|(channel, output)| {
                 Some((output, self.signals.rest_v(channel).filter(|rest_v| *rest_v != 0.0)?))
             })
-            .map(|(output, rest_v)| (output.number.to_string(), output.link.output_v(rest_v)))
+            .map(|(output, rest_v)| (output.number.to_string(), output.link.at_output(rest_v)))
             .collect();
         serde_json::json!({
             "name": self.wired.name,

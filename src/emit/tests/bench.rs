@@ -1,7 +1,7 @@
 //! Fixtures with instruments behind their channels.
 
 use crate::device::instrument::{
-    Bench, Drive, Instrument, InstrumentFacts, Link, Start, VoltageOutput, WaveformGeneratorFacts,
+    Bench, Drive, Instrument, InstrumentFacts, Link, StageLimits, Start, VoltageOutput, WaveformGeneratorFacts,
 };
 use crate::emit::{Provenance, fixture};
 use crate::schedule::ChannelUnit;
@@ -37,7 +37,8 @@ pub fn on((verified, provenance): (Verified, Provenance), facts: WaveformGenerat
                 ChannelUnit::Micrometre => Link::StageDriver { zero_v: -1.0, scale_v_per_um: 0.1 },
             };
             let output = format!("ch{}", index + 1);
-            let drive = Drive { instrument: "awg".to_owned(), output, link, span: Span::default() };
+            let (instrument, limits) = ("awg".to_owned(), StageLimits::default());
+            let drive = Drive { instrument, output, link, limits, span: Span::default() };
             bench.drives.insert(channel.name.clone(), drive);
         }
         schedule.bench = bench;

@@ -30,7 +30,7 @@ fn formats(verified: &Verified) -> impl Iterator<Item = Format> {
     Format::ALL.iter().copied().filter(move |format| match format {
         Format::Gcode => all_stages,
         Format::Scpi => is_wired,
-        Format::Nidaqmx | Format::Frames | Format::Opendrop | Format::Sheet => false,
+        Format::Nidaqmx | Format::Frames | Format::Opendrop | Format::Stages | Format::Sheet => false,
         Format::Mcap | Format::Json | Format::Csv | Format::Vcd | Format::Pwl | Format::Html | Format::Svg => true,
     })
 }
@@ -158,6 +158,15 @@ fn write_fixtures() {
         let named = fixture::changed(&fixture.0, |schedule| schedule.name = name.to_owned());
         for format in [Format::Json, Format::Frames] {
             write(&drivers, format, (named.clone(), fixture.1.clone()));
+        }
+    }
+    let controllers = folder.join("controllers");
+    std::fs::create_dir_all(&controllers).unwrap();
+    for (name, facts) in [("pi", super::stages::tests::gcs(9000)), ("smaract", super::stages::tests::mcs2())] {
+        let fixture = super::stages::tests::on_controllers(fixture::hand(), &facts);
+        let named = fixture::changed(&fixture.0, |schedule| schedule.name = name.to_owned());
+        for format in [Format::Json, Format::Stages] {
+            write(&controllers, format, (named.clone(), fixture.1.clone()));
         }
     }
     for format in [Format::Mcap, Format::Json, Format::Pwl, Format::Svg] {

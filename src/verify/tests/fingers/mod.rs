@@ -13,6 +13,7 @@ mod garbage;
 mod grasps;
 mod motion;
 mod pace;
+mod stages;
 
 /// Two fingers take the bead and roll it, the third one takes the place of the second, and it is carried and released.
 fn day() -> Day {

@@ -1,0 +1,211 @@
+//! Holds the way of a stage against what the stage can follow: its travel, its greatest speed, and its acceleration.
+//!
+//! A way of straight lines changes its speed at once where two of them meet. A stage rounds such a corner, and a controller that knows a
+//! way by points in time cuts it. Both together stay within half of the tolerance of the hand: planned ways use the other half.
+
+use crate::claims::Claims;
+use crate::device::instrument::{Direction, Drive, Instrument, InstrumentFacts, Link, StageLimits, cut_um};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::{Dimension, Quantity};
+use crate::schedule::{Actuation, Channel, ChannelUnit, Schedule, Turn};
+
+/// Room for the rounding of a quotient of two figures of the program.
+const ROUNDING: f64 = 1.0 + 1e-12;
+
+/// What a stage cannot follow of its channel, if it is one of positions.
+pub fn beyond_stage(
+    schedule: &Schedule,
+    index: usize,
+    claims: &Claims,
+    (drive, instrument): (&Drive, &Instrument),
+) -> Option<Diagnostic> {
+    let channel = &schedule.channels[index];
+    let stage = FollowingStage { schedule, channel, index, drive, actuations: schedule.actuations_of(index) };
+    match channel.unit {
+        ChannelUnit::Volt => None,
+        ChannelUnit::Micrometre => {
+            let period_s = match &instrument.facts {
+                InstrumentFacts::StageController(facts) => 1.0 / facts.rate_hz,
+                // The sampling of voltages is chosen where they are written.
+                InstrumentFacts::WaveformGenerator(_)
+                | InstrumentFacts::DataAcquisition(_)
+                | InstrumentFacts::ElectrodeDriver(_) => 0.0,
+            };
+            let finding = stage.beyond_travel().or_else(|| stage.too_fast());
+            finding.or_else(|| stage.turns_too_sharply(spare_um(claims, &channel.device)?, period_s))
+        }
+    }
+}
+
+/// How far a stage may be off a way of a device, in micrometres: half of the least tolerance of its tasks.
+fn spare_um(claims: &Claims, device: &str) -> Option<f64> {
+    Some(claims.tolerance_um(device)? / 2.0)
+}
+
+/// A channel of positions with the stage that follows it.
+struct FollowingStage<'a> {
+    schedule: &'a Schedule,
+    channel: &'a Channel,
+    index: usize,
+    drive: &'a Drive,
+    /// In order of time.
+    actuations: Vec<&'a Actuation>,
+}
+
+fn micrometres(value_um: f64) -> Quantity {
+    Quantity::new(value_um / 1e6, Dimension::LENGTH)
+}
+
+fn speed(um_per_s: f64) -> Quantity {
+    Quantity::new(um_per_s / 1e6, Dimension::SPEED)
+}
+
+fn acceleration(um_per_s2: f64) -> Quantity {
+    Quantity::new(um_per_s2 / 1e6, Dimension::ACCELERATION)
+}
+
+fn seconds(s: f64) -> Quantity {
+    Quantity::new(s, Dimension::TIME)
+}
+
+impl FollowingStage<'_> {
+    fn finding(&self, title: String, at_wire: String, step: u32) -> Diagnostic {
+        let step = &self.schedule.steps[step as usize];
+        let begin = seconds(step.start_ns as f64 / 1e9);
+        Diagnostic::new(Code::E0624, title).label(self.drive.span, at_wire).label_elsewhere(
+            step.span,
+            self.drive.span,
+            format!("asked for by this step, from {begin} on"),
+        )
+    }
+
+    /// A place that lies beyond the travel of the stage.
+    fn beyond_travel(&self) -> Option<Diagnostic> {
+        let Link::Axis { origin_um, direction, least_um, most_um } = self.drive.link else { return None };
+        let places = || self.actuations.iter().flat_map(|one| [one.from, one.to].map(|value| (value, *one)));
+        let beyond_um = |value: f64| {
+            let own_um = self.drive.link.at_output(value);
+            (least_um - own_um).max(own_um - most_um)
+        };
+        let furthest = places().reduce(|best, next| if beyond_um(next.0) > beyond_um(best.0) { next } else { best });
+        let (value, actuation) = furthest.filter(|(value, _)| beyond_um(*value) > 0.0)?;
+        let (name, at, own) = (&self.channel.name, micrometres(value), micrometres(self.drive.link.at_output(value)));
+        let [least, most] = [least_um, most_um].map(micrometres);
+        let title = format!("`{name}` at {at} is {own} of its stage, which travels from {least} to {most}");
+        let at_wire = format!("`origin` of {}", micrometres(origin_um));
+        let values = || places().map(|(value, _)| value);
+        let ends_um = [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)];
+        let help = origin_help(ends_um, [least_um, most_um], direction);
+        Some(self.finding(title, at_wire, actuation.step).help(help))
+    }
+
+    /// A speed beyond that of the stage.
+    fn too_fast(&self) -> Option<Diagnostic> {
+        let most = self.drive.limits.speed_um_per_s?;
+        let size = |one: &&Actuation| one.speed_um_per_s().abs();
+        let fastest =
+            self.actuations.iter().copied().reduce(|best, next| if size(&next) > size(&best) { next } else { best });
+        let actuation = fastest.filter(|one| size(one) > most * ROUNDING)?;
+        let asked = size(&actuation);
+        let title =
+            format!("`{}` moves at {}, its stage at {} at the most", self.channel.name, speed(asked), speed(most));
+        Some(self.finding(title, format!("`speed` of {}", speed(most)), actuation.step).help(slower(most / asked)))
+    }
+
+    /// A corner that takes the stage too far off its way, with the points of the controller `period_s` apart.
+    fn turns_too_sharply(&self, spare_um: f64, period_s: f64) -> Option<Diagnostic> {
+        let limits = self.drive.limits;
+        let share = |turn: &Turn| slowed(limits, turn, period_s, spare_um);
+        let turns = self.schedule.turns(self.index).into_iter();
+        let turn = turns.reduce(|worst, next| if share(&next) < share(&worst) { next } else { worst })?;
+        if share(&turn) * ROUNDING >= 1.0 {
+            return None;
+        }
+        let (name, change) = (&self.channel.name, speed(turn.change_um_per_s));
+        let takes_s = limits.acceleration_um_per_s2.map_or(0.0, |most| turn.change_um_per_s / most);
+        let room_s = turn.room_ns as f64 / 1e9;
+        let rounding_um = limits.rounding_um(turn.change_um_per_s);
+        let title = if takes_s > room_s {
+            let [room, takes] = [room_s, takes_s].map(seconds);
+            format!("`{name}` changes its speed by {change} and keeps it for {room}, its stage takes {takes} for that")
+        } else {
+            let off = micrometres(rounding_um + cut_um(turn.change_um_per_s, period_s));
+            format!("`{name}` changes its speed by {change}, its stage is {off} off its way there")
+        };
+        let by_stage = limits
+            .acceleration_um_per_s2
+            .map(|most| format!("{} off by its `acceleration` of {}, ", micrometres(rounding_um), acceleration(most)));
+        let by_places = Some(format!("places {} apart, ", seconds(period_s))).filter(|_| period_s > 0.0);
+        let at_wire: String = by_stage.into_iter().chain(by_places).collect();
+        let at_wire = format!("{at_wire}half of the tolerance is {}", micrometres(spare_um));
+        Some(self.finding(title, at_wire, turn.step).help(slower(share(&turn))))
+    }
+}
+
+/// What to do about speeds that are too high: of which this share is not.
+fn slower(share: f64) -> String {
+    match (share * 100.0).floor() {
+        percent if percent >= 1.0 => format!("lower the speeds of the device to {percent} % of what they are"),
+        _ => "choose another stage or controller: it could not follow a hundredth of the speeds".to_owned(),
+    }
+}
+
+/// The share of its speed at which a stage can follow a turn: it then leaves its way by no more than what is spared, a quadratic
+/// equation, and has the time for the change, which takes less then and has more. Above 1 where it can follow.
+fn slowed(limits: StageLimits, turn: &Turn, period_s: f64, spare_um: f64) -> f64 {
+    let (rounding, cut) = (limits.rounding_um(turn.change_um_per_s), cut_um(turn.change_um_per_s, period_s));
+    let within = match rounding > 0.0 {
+        true => ((cut * cut + 4.0 * rounding * spare_um).sqrt() - cut) / (2.0 * rounding),
+        false => spare_um / cut,
+    };
+    let takes_ns = limits.acceleration_um_per_s2.map_or(0.0, |most| turn.change_um_per_s / most * 1e9);
+    within.min((turn.room_ns as f64 / takes_ns).sqrt())
+}
+
+/// Where the origin may lie for a way between two places to lie within a travel.
+fn origin_help([low_um, high_um]: [f64; 2], [least_um, most_um]: [f64; 2], direction: Direction) -> String {
+    let [low_um, high_um] = match direction {
+        Direction::Forward => [low_um, high_um],
+        Direction::Backward => [-high_um, -low_um],
+    };
+    let [first_um, last_um] = [least_um - low_um, most_um - high_um];
+    if first_um > last_um {
+        let way = micrometres(high_um - low_um);
+        return format!("the way is {way} long: take a stage that travels as far, or keep the hand in less room");
+    }
+    let middle_um = (first_um + last_um) / 2.0;
+    let round_um = middle_um.round();
+    let nanometres_um = (middle_um * 1e3).round() / 1e3;
+    let origin_um = if (first_um..=last_um).contains(&round_um) { round_um } else { nanometres_um };
+    format!("position 0 may lie elsewhere on the stage: `origin: {origin_um} um`")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_origin_is_where_the_whole_way_has_room() {
+        let help = |ends_um, direction| origin_help(ends_um, [0.0, 100.0], direction);
+        assert!(help([-30.0, 50.0], Direction::Forward).ends_with("`origin: 40 um`"));
+        assert!(help([-30.0, 50.0], Direction::Backward).ends_with("`origin: 60 um`"));
+        assert!(
+            help([-0.1, 99.7], Direction::Forward).ends_with("`origin: 0.2 um`"),
+            "{}",
+            help([-0.1, 99.7], Direction::Forward)
+        );
+        assert!(help([-30.0, 71.0], Direction::Forward).starts_with("the way is 101 um long"));
+    }
+
+    #[test]
+    fn a_speed_that_is_advised_is_slow_enough() {
+        let limits = StageLimits { speed_um_per_s: None, acceleration_um_per_s2: Some(500.0) };
+        for (change_um_per_s, period_s) in [(20.0, 0.0), (20.0, 1e-3), (300.0, 1e-3), (300.0, 5e-5)] {
+            let turn = Turn { t_ns: 0, change_um_per_s, room_ns: u64::MAX, step: 0 };
+            let share = slowed(limits, &turn, period_s, 0.025);
+            let off_um =
+                |share: f64| limits.rounding_um(share * change_um_per_s) + cut_um(share * change_um_per_s, period_s);
+            assert!((off_um(share) - 0.025).abs() < 1e-12, "{share}");
+        }
+    }
+}

@@ -1,0 +1,91 @@
+"""What LinuxCNC's own interpreter makes of G-code: where each axis is sent, and how long each line takes by the feed that it derives.
+
+The interpreter is the module `gcode` of the package linuxcnc-uspace, which `.ci/run` unpacks into the folder `linuxcnc` beside the judges'
+Python; the package itself, with its desktop, is not installed.
+"""
+
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy
+
+from gcode_judge import compare
+from verdict import Skipped, demand
+
+FOLDER = Path(os.environ.get("TWEEZE_LINUXCNC", Path(sys.prefix) / "linuxcnc"))
+READER = Path(__file__).resolve().parent / "linuxcnc_reader.py"
+# In the order of the interpreter's calls. Lengths are inches there, but A, B and C are counted as degrees.
+AXES = "XYZABCUVW"
+MM_OF_INCH = 25.4
+# What the lines of a program may add up to, for their feeds are doubles.
+DRIFT_NS = 50.0
+
+
+def calls(program):
+    """The calls of the interpreter for a program."""
+    if not any(FOLDER.glob("usr/lib/python3/dist-packages/gcode.*.so")):
+        raise Skipped(f"LinuxCNC's interpreter is not in {FOLDER}")
+    libraries = [str(FOLDER / "usr/lib"), *map(str, FOLDER.glob("usr/lib/*-linux-gnu"))]
+    environment = os.environ | {"LD_LIBRARY_PATH": ":".join(libraries)}
+    run = subprocess.run([sys.executable, READER, FOLDER, program], env=environment, capture_output=True, text=True, timeout=300)
+    demand(run.returncode == 0, f"the interpreter ends with {run.returncode}: {run.stderr[-300:]}")
+    read = json.loads(run.stdout)
+    demand(read["error"] is None, f"line {read['line']}: {read['error']}")
+    return read["calls"]
+
+
+def in_mm(places):
+    return {axis: place if axis in "ABC" else place * MM_OF_INCH for axis, place in zip(AXES, places)}
+
+
+def line_ns(before, after, feed):
+    """How long a straight line takes. The feed is that of the first group of axes that moves, in inches whatever they count."""
+    ways = {axis: after[axis] - before[axis] for axis in AXES}
+    lengths = [math.hypot(*(ways[axis] for axis in group)) for group in ("XYZ", "UVW", "ABC")]
+    moving = [index for index, length in enumerate(lengths) if length > 0]
+    demand(moving, "a line that moves nothing")
+    return lengths[moving[0]] / (feed * MM_OF_INCH) * 60e9
+
+
+def played(program):
+    """Where each axis is, in millimetres, whenever a line has ended, and the instants of that in nanoseconds."""
+    at, t_ns, feed, times, places = None, 0.0, None, [], []
+    for name, *arguments in calls(program):
+        match name:
+            case "straight_traverse":
+                demand(at is None, "it goes somewhere at its own speed, later than at the beginning")
+                at = in_mm(arguments)
+            case "set_feed_rate":
+                (feed,) = arguments
+                continue
+            case "straight_feed":
+                after = in_mm(arguments)
+                t_ns += line_ns(at, after, feed)
+                at = after
+            case "dwell":
+                t_ns += arguments[0] * 1e9
+            case _:
+                # Offsets, comments, the tool: nothing of these moves.
+                continue
+        times.append(t_ns)
+        places.append(at)
+    return times, places
+
+
+def judge(path, schedule):
+    if schedule.document.get("holds"):
+        return "it waits for inputs or people, which this interpreter passes by"
+    files, moves = sorted(path.parent.glob(f"{path.stem}.*{path.suffix}")), 0
+    for file in files:
+        axes = dict(re.findall(r"^; ([A-Z]) is ([^\s,]+)", file.read_text(encoding="ascii"), re.MULTILINE))
+        times, places = played(file)
+        demand(abs(times[-1] - schedule.duration_ns) <= DRIFT_NS, f"it lasts {times[-1]} ns, not {schedule.duration_ns} ns")
+        for axis, channel in axes.items():
+            compare(numpy.array(times), numpy.array([1000 * place[axis] for place in places]), channel, schedule)
+        moves += len(times)
+    return f"{moves} places of {len(schedule.channels)} axes are the schedule for LinuxCNC's interpreter, which takes its time for them"
