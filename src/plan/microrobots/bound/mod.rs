@@ -19,19 +19,10 @@ use super::{Crew, Leg, leg_ns};
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop, Precision};
 use crate::geometry::Pose;
 use std::collections::BTreeSet;
-use together::RobotArrival;
+use together::{EXACT, RobotArrival};
 
 /// Number of earlier poses of its robot to which a stop is related: the latest ones.
 const MAX_EARLIER: usize = 8;
-
-/// Rounding allowance of a number of strokes.
-const ROUNDING_STROKES: f64 = 1e-3;
-
-/// Rounding allowances of a path: absolute, and as a share of the turning radius.
-const ROUNDING_UM: f64 = 1e-6;
-const ROUNDING_SHARE: f64 = 1e-8;
-
-const EXACT: Precision = Precision { place_um: 0.0, heading_rad: 0.0 };
 
 /// Lower bound on the duration of any plan of these steps, from the current state of the robots.
 pub fn least_ns(order: &MicrorobotsOrder, start: &Crew) -> u64 {
@@ -41,10 +32,8 @@ pub fn least_ns(order: &MicrorobotsOrder, start: &Crew) -> u64 {
 }
 
 /// Least number of strokes of any path of a robot from near one pose to near another.
-pub fn least_strokes(order: &MicrorobotsOrder, robot: usize, from: (Pose, Precision), to: (Pose, Precision)) -> u64 {
-    let facts = order.robot(robot);
-    let least_um = free::least_um(facts, from, to) - ROUNDING_UM - ROUNDING_SHARE * facts.turning_radius_um;
-    (least_um / facts.step_um - ROUNDING_STROKES).ceil().max(0.0) as u64
+fn least_strokes(order: &MicrorobotsOrder, robot: usize, from: (Pose, Precision), to: (Pose, Precision)) -> u64 {
+    together::least_strokes(order, vec![RobotArrival { robot, from, to }])
 }
 
 /// Pose of a robot at an instant that every plan shares.

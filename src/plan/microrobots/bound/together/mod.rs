@@ -18,11 +18,20 @@
 //! caller. Not used: where the straight ways of all robots must point, obstacles, and the order in which they touch; so the bound need not
 //! be attained. Cost: the square of the number of robots.
 
-use super::{EXACT, ROUNDING_SHARE, ROUNDING_STROKES, ROUNDING_UM};
 use crate::claims::microrobots::{MicrorobotsOrder, Precision};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::plan::microrobots::free::{self, LeastWays};
+
+/// Rounding allowance of a number of strokes.
+const ROUNDING_STROKES: f64 = 1e-3;
+
+/// Rounding allowances of a path: absolute, and as a share of the turning radius.
+const ROUNDING_UM: f64 = 1e-6;
+const ROUNDING_SHARE: f64 = 1e-8;
+
+/// A pose that is known exactly.
+pub const EXACT: Precision = Precision { place_um: 0.0, heading_rad: 0.0 };
 
 /// A robot on its way to where it stays.
 #[derive(Debug, Clone, Copy)]
