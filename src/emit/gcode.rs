@@ -209,8 +209,8 @@ fn refuse_crawling(at_nm: &[i64], next_nm: &[i64], per_minute: f64) -> Result<()
         let ways_mm = at.iter().zip(next).map(|(at, next)| (next - at) as f64 / 1e6);
         ways_mm.map(|way| way * way).sum::<f64>().sqrt()
     };
-    let fingers = at_nm.chunks(AXES).zip(next_nm.chunks(AXES));
-    let feed = fingers.map(way_mm).find(|way| *way > 0.0).map_or(f64::INFINITY, |way| way * per_minute);
+    let groups = at_nm.chunks(AXES).zip(next_nm.chunks(AXES));
+    let feed = groups.map(way_mm).find(|way| *way > 0.0).map_or(f64::INFINITY, |way| way * per_minute);
     if feed >= LEAST_FEED_MM_PER_MINUTE {
         return Ok(());
     }

@@ -49,7 +49,7 @@ pub(super) fn write(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String,
         let mut plays = Vec::new();
         for wired in wired(Format::Stages, part, Family::StageController)? {
             let InstrumentFacts::StageController(facts) = &wired.instrument.facts else { continue };
-            let controller = Controller::new(&wired, facts, claims)?;
+            let controller = StageTables::new(&wired, facts, claims)?;
             let ending = format!("{}{number}.stages.csv", wired.name);
             plays.push(controller.listing(&ending));
             files.push((ending, controller.text()?.into_bytes()));
@@ -62,7 +62,7 @@ pub(super) fn write(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String,
 }
 
 /// A controller with what it plays.
-struct Controller<'a> {
+struct StageTables<'a> {
     wired: &'a WiredInstrument<'a>,
     facts: &'a StageControllerFacts,
     signals: Signals<'a>,
@@ -72,18 +72,18 @@ struct Controller<'a> {
     every: u64,
 }
 
-impl<'a> Controller<'a> {
+impl<'a> StageTables<'a> {
     fn new(
         wired: &'a WiredInstrument<'a>,
         facts: &'a StageControllerFacts,
         claims: &Claims,
-    ) -> Result<Controller<'a>, EmitError> {
+    ) -> Result<StageTables<'a>, EmitError> {
         refuse_several(wired, facts)?;
         let signals = Signals::new(&wired.schedule);
         EmitError::refuse_leaps(Format::Stages, &signals)?;
         let numbers = wired.drives.iter().map(|drive| number_after("axis", &drive.output));
         let axes = numbers.enumerate().filter_map(|(channel, number)| Some((number?, channel))).collect();
-        let mut controller = Controller { wired, facts, signals, axes, every: 1 };
+        let mut controller = StageTables { wired, facts, signals, axes, every: 1 };
         if let Some(most_points) = facts.most_points.map(u64::from) {
             let points = controller.last_point();
             controller.every = points.div_ceil(most_points).max(1);
