@@ -4,7 +4,7 @@
 /** Colours of the canvases, from the style sheet, so that light and dark stay in one place. */
 function themeOf() {
   const style = getComputedStyle(document.documentElement);
-  const names = ["paper", "panel", "ink", "soft", "faint", "rule", "dots", "obstacle", "grown", "lit", "stop", "ahead", "board", "electrode", "live", "liveEdge", "section", "alarm", "reached", "reachedEdge", "ruler", "now", "block", "blockNow", "wave"];
+  const names = ["paper", "panel", "ink", "soft", "faint", "rule", "dots", "obstacle", "grown", "heater", "detector", "magnet", "lit", "stop", "ahead", "board", "electrode", "live", "liveEdge", "section", "alarm", "reached", "reachedEdge", "ruler", "now", "block", "blockNow", "wave"];
   return Object.fromEntries(names.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
 }
 

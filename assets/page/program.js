@@ -2,7 +2,7 @@
 "use strict";
 
 const WORDS = new Set(("use let device instrument output scene task program wiring table for in on as to from by about after at via with within true false " +
-  "obstacle part reservoir robot frame state any minimize require avoid wash using start run wait prompt pulse set together assay move visit merge split mix discard dispense incubate " +
+  "obstacle part reservoir heater detector magnet robot frame state any minimize require avoid wash using start run wait prompt pulse set together assay move visit merge split mix discard dispense incubate heat detect hold " +
   "apply assemble drive grasp orient release rotate translate simultaneous precision").split(" "));
 
 /** Pieces of a line: [class, text] each; names of the scene get their own class. */

@@ -197,7 +197,7 @@ function arrayView(device) {
     unit_um: 2 * facts.radius_um * (1 + facts.pitch_ratio),
     extent: [[0.3, 0.3], [facts.columns + 0.7, facts.rows + 0.7]],
   };
-  view.things = () => [...new Set(device.runs.flatMap(({ order }) => [...order.parts, ...order.obstacles].map((thing) => thing.name)))];
+  view.things = () => [...new Set(device.runs.flatMap(({ order }) => [...order.parts, ...order.obstacles, ...zonesOf(order)].map((thing) => thing.name)))];
   view.hit = ([x, y], t_ns) => {
     for (const [name, place] of Object.entries(partsAt(device, t_ns))) {
       if (Math.hypot(x - place[0], y - place[1]) < facts.layout.half_width_pitches) return name;
@@ -205,21 +205,47 @@ function arrayView(device) {
     for (const { name, body } of runAt(device, t_ns).order.obstacles) {
       if (!body.electrodes) continue;
       const { from, to } = body.electrodes;
-      if (x > from.column - 0.5 && x < to.column + 0.5 && y > from.row - 0.5 && y < to.row + 0.5) return name;
+      if (isWithin([x, y], from, to)) return name;
     }
-    return null;
+    const zone = zonesOf(runAt(device, t_ns).order).find(({ from, to }) => isWithin([x, y], from, to));
+    return zone ? zone.name : null;
   };
   view.spot = ({ unit, at }) => (unit === "cells" ? at : null);
   if (device.fluids.length) view.legend = ["left on electrodes:", device.fluids.map(({ name, part }) => [name, `${colorOf(part)}59`])];
   view.draw = (pen, t_ns, lights) => {
-    drawBoard(pen, device, t_ns);
+    drawBoard(pen, device, t_ns, lights);
     drawReaches(pen, device, (cell) => cell);
     drawParts(pen, device, t_ns, lights);
   };
   return view;
 }
 
-function drawBoard(pen, device, t_ns) {
+/** The heaters, detectors and magnets of a board. */
+function zonesOf(order) {
+  return order.zones || [];
+}
+
+function isWithin([x, y], from, to) {
+  return x > from.column - 0.5 && x < to.column + 0.5 && y > from.row - 0.5 && y < to.row + 0.5;
+}
+
+/** The squares of zones, under the electrodes. */
+function drawZones(pen, order, lights) {
+  const { theme } = pen;
+  for (const { name, sort, from, to } of zonesOf(order)) {
+    const [low, high] = [[from.column - 0.5, from.row - 0.5], [to.column + 0.5, to.row + 0.5]];
+    pen.shape([low, [high[0], low[1]], high, [low[0], high[1]]], { fill: theme[sort], stroke: isLit(lights, name) ? theme.lit : undefined, width: 2 });
+  }
+}
+
+/** Their names, over the electrodes and at the rim, where droplets that stay there do not cover them. */
+function nameZones(pen, order) {
+  for (const { name, from, to } of zonesOf(order)) {
+    pen.text([(from.column + to.column) / 2, to.row + 0.5], name, pen.theme.ink, { align: "center", dy: -4, size: 11 });
+  }
+}
+
+function drawBoard(pen, device, t_ns, lights) {
   const { theme, g } = pen;
   const { order } = runAt(device, t_ns);
   const { facts } = order;
@@ -237,6 +263,7 @@ function drawBoard(pen, device, t_ns) {
       if (isGap(column, row)) g.fillRect(...pen.at([column - 0.5, row + 0.5]), pen.scale, pen.scale);
     }
   }
+  drawZones(pen, order, lights);
   g.fillStyle = theme.electrode;
   if (!isCoarse) {
     g.beginPath();
@@ -250,6 +277,7 @@ function drawBoard(pen, device, t_ns) {
     }
     g.fill();
   }
+  nameZones(pen, order);
   drawTraces(pen, device, t_ns);
   for (const { column, row } of facts.map?.disabled ?? []) pen.disc([column, row], radius, { stroke: theme.faint, least: 1.5 });
   for (const channel of device.channels) {

@@ -30,7 +30,13 @@ impl Checker<'_> {
             ExprKind::Tuple(parts) => self.tuple(expr.span, parts, scope),
             ExprKind::List(parts) => self.list(parts, expr.span, scope),
             ExprKind::Range { from, to } => self.range(from, to, scope),
-            ExprKind::Negative(inner) => self.negative(inner, expr.span, scope),
+            ExprKind::Negative(inner) => {
+                // The zero of a unit may not be that of its dimension: `-5 degC` is a little less than `0 degC`.
+                if let ExprKind::Quantity { number, unit } = &inner.kind {
+                    return self.quantity(&format!("-{number}"), Some(unit), expr.span);
+                }
+                self.negative(inner, expr.span, scope)
+            }
             ExprKind::Binary { left, operator, operator_span, right } => {
                 self.binary(left, (*operator, *operator_span), right, scope)
             }

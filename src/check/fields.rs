@@ -134,6 +134,13 @@ impl Checker<'_> {
         if let Sort::Object(noun) = sort {
             return self.accept_object(noun, expr, scope, wanted);
         }
+        if let Sort::Site(noun) = sort
+            && let ExprKind::Path(path) = &expr.kind
+            && path.segments.len() == 1
+            && !self.names_value(path, scope)
+        {
+            return self.accept_object(noun, expr, scope, wanted);
+        }
         let value = self.evaluate(expr, scope);
         if value.is_unknown() || !self.spend(value.elements() as u64, expr.span) {
             return None;
@@ -213,6 +220,7 @@ impl Checker<'_> {
             | Sort::Shape(_)
             | Sort::Table(_)
             | Sort::Object(_)
+            | Sort::Site(_)
             | Sort::Name
             | Sort::Pose
             | Sort::Control
@@ -340,6 +348,8 @@ pub fn judge(
             _ => wrong("a word", choices.first().map_or("", |choice| choice.name)),
         },
         Sort::Object(_) => Ok(()),
+        Sort::Site(_) if is_point(value, Dimension::NUMBER) || matches!(value, Value::Object(_)) => Ok(()),
+        Sort::Site(noun) => wrong(&format!("a cell, or the name of a {noun}"), "(20, 23)"),
         Sort::Name if matches!(value, Value::Text(text) if is_name(text)) => Ok(()),
         Sort::Name => wrong("a name", "D1"),
         Sort::Pose if matches!(value, Value::Pose(_)) => Ok(()),
@@ -452,6 +462,7 @@ fn is_of_scene(sort: Sort) -> bool {
         | Sort::Shape(_)
         | Sort::Table(_)
         | Sort::Object(_)
+        | Sort::Site(_)
         | Sort::Name
         | Sort::Control
         | Sort::Vector { .. }

@@ -3,7 +3,7 @@
 use super::{KindOrder, Order, Relation, ValueOrigin};
 use crate::device::Kind;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
-pub use crate::device::electrode_array::{ElectrodeArrayMethod, ElectrodeArrayObjective};
+pub use crate::device::electrode_array::{ElectrodeArrayMethod, ElectrodeArrayObjective, ZoneSort};
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -17,6 +17,9 @@ pub struct ElectrodeArrayOrder {
     pub obstacles: Arc<Vec<ElectrodeArrayObstacle>>,
     /// The parts of the scene, in the order of writing. All tasks of one device in one schedule have parts of the same names.
     pub parts: Arc<Vec<BoardPart>>,
+    /// The heaters, detectors and magnets of the scene, in the order of writing; no two of one sort share an electrode.
+    #[serde(default, skip_serializing_if = "has_no_zones")]
+    pub zones: Arc<Vec<BoardZone>>,
     pub objective: ElectrodeArrayObjective,
     pub planner: ElectrodeArrayPlanner,
     /// Whether parts without a goal may move.
@@ -27,6 +30,10 @@ pub struct ElectrodeArrayOrder {
     #[serde(default, skip_serializing_if = "Contamination::is_unheeded")]
     pub contamination: Contamination,
     pub steps: Vec<ElectrodeArrayStep>,
+}
+
+fn has_no_zones(zones: &Arc<Vec<BoardZone>>) -> bool {
+    zones.is_empty()
 }
 
 impl KindOrder for ElectrodeArrayOrder {
@@ -169,6 +176,36 @@ pub struct BoardPart {
     pub span: Span,
 }
 
+/// What lies under or over some electrodes: a block, corners included; `from` is the lower corner in both axes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BoardZone {
+    /// The name in the scene.
+    pub name: String,
+    pub sort: ZoneSort,
+    pub from: ElectrodeCell,
+    pub to: ElectrodeCell,
+    #[serde(skip)]
+    pub span: Span,
+}
+
+impl BoardZone {
+    /// The cell for which its name stands: in the middle, or left of it and below where none is.
+    pub fn middle(&self) -> ElectrodeCell {
+        let between = |low: u32, high: u32| low + high.saturating_sub(low) / 2;
+        ElectrodeCell::new(between(self.from.column, self.to.column), between(self.from.row, self.to.row))
+    }
+}
+
+/// In which zone a part stays.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ZoneStay {
+    /// Index of the order's zones.
+    pub zone: usize,
+    /// Of a heater; the same wherever the program names it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature_k: Option<f64>,
+}
+
 impl BoardPart {
     /// The name before its index: `m` of `m3`, which is `m[3]`, and of `m3_12`; `None` for a part without an index.
     pub fn family(&self) -> Option<&str> {
@@ -256,6 +293,9 @@ pub struct AssayOperation {
     pub stops: Vec<ElectrodeArrayStop>,
     /// The least time for which it stays at the last stop, or is mixed there, in nanoseconds.
     pub stay_ns: u64,
+    /// The heater, detector or magnet in which it stays meanwhile.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub zone: Option<ZoneStay>,
     /// Whether it is moved round the mixing loop meanwhile whose corner the last stop is.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub mixes: bool,
@@ -318,6 +358,7 @@ impl AssayOperation {
             with: None,
             stops,
             stay_ns: 0,
+            zone: None,
             mixes: false,
             splits: None,
             comes: false,

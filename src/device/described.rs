@@ -35,6 +35,7 @@ impl Sort {
                 format!("table of {}", columns.join(" | "))
             }
             Sort::Object(noun) => noun.to_owned(),
+            Sort::Site(noun) => format!("{noun} or cell"),
             Sort::Name => "name".to_owned(),
             Sort::Pose => "pose".to_owned(),
             Sort::Control => "number, or word of arms".to_owned(),

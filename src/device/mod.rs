@@ -300,6 +300,8 @@ pub enum Sort {
     Table(&'static [VocabularyField]),
     /// Something of the task's scene, by this noun.
     Object(&'static str),
+    /// A cell, or something of the task's scene that lies there, by this noun.
+    Site(&'static str),
     /// A bare word that names something, as in the first column of a table.
     Name,
     /// A place and a heading.

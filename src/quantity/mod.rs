@@ -150,7 +150,7 @@ const NAMED: &[Named] = &[
     named(Dimension::MASS, "a mass", "g", "ug"),
     named(Dimension::TIME, "a time", "s", "ms"),
     named(Dimension::CURRENT, "a current", "A", "mA"),
-    named(Dimension::TEMPERATURE, "a temperature", "K", "K"),
+    named(Dimension::TEMPERATURE, "a temperature", CELSIUS, CELSIUS),
     named(Dimension::ANGLE, "an angle", "", "deg"),
     named(Dimension::FREQUENCY, "a frequency", "Hz", "kHz"),
     named(Dimension::SPEED, "a speed", "m/s", "um/s"),
@@ -175,13 +175,21 @@ const fn named(dimension: Dimension, with_article: &'static str, symbol: &'stati
     Named { dimension, with_article, symbol, example }
 }
 
-/// A unit as a power of ten, a further factor (1 but for `deg`, `turn`, `min`, `h`), and a dimension.
+/// A unit as a power of ten, a further factor (1 but for `deg`, `turn`, `min`, `h`), and a dimension; its zero lies at so many base units
+/// (0 but for `degC`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
     ten: i32,
     factor: f64,
+    zero: f64,
     pub dimension: Dimension,
 }
+
+/// The zero of the Celsius scale, in kelvin.
+const CELSIUS_ZERO_K: f64 = 273.15;
+
+/// The unit of temperatures whose zero is not that of its base unit; it stands alone, and not in products.
+const CELSIUS: &str = "degC";
 
 /// The units that take the prefixes of [`PREFIXES`]: name, power of ten of the unit itself in base units, dimension.
 pub(crate) const PREFIXED: &[(&str, i32, Dimension)] = &[
@@ -224,6 +232,7 @@ pub(crate) const PLAIN: &[(&str, i32, f64, Dimension)] = &[
     ("px", 0, 1.0, Dimension::PIXELS),
     ("min", 0, 60.0, Dimension::TIME),
     ("h", 0, 3600.0, Dimension::TIME),
+    (CELSIUS, 0, 1.0, Dimension::TEMPERATURE),
     ("%", -2, 1.0, Dimension::NUMBER),
 ];
 
@@ -238,10 +247,13 @@ pub enum UnitError {
 
 impl Unit {
     /// The unit of a plain number.
-    pub const ONE: Unit = Unit { ten: 0, factor: 1.0, dimension: Dimension::NUMBER };
+    pub const ONE: Unit = Unit { ten: 0, factor: 1.0, zero: 0.0, dimension: Dimension::NUMBER };
 
     /// Reads a unit without blanks: factors joined by `*` and `/` from left to right, each with a whole power after `^`.
     pub fn parse(text: &str) -> Result<Unit, UnitError> {
+        if text == CELSIUS {
+            return Ok(Unit { ten: 0, factor: 1.0, zero: CELSIUS_ZERO_K, dimension: Dimension::TEMPERATURE });
+        }
         let mut unit = Unit::ONE;
         let mut sign = 1;
         let mut rest = text;
@@ -262,6 +274,7 @@ impl Unit {
         Some(Unit {
             ten: self.ten + other.ten * exponent,
             factor: self.factor * other.factor.whole_power(exponent),
+            zero: 0.0,
             dimension: self.dimension.times(other.dimension.power(exponent)?)?,
         })
     }
@@ -276,7 +289,7 @@ impl Unit {
         };
         let ten = exponent.checked_add(self.ten)?;
         let scaled: f64 = format!("{mantissa}e{ten}").parse().ok()?;
-        let si = scaled * self.factor;
+        let si = scaled * self.factor + self.zero;
         si.is_finite().then_some(Quantity { si, dimension: self.dimension })
     }
 
@@ -304,20 +317,24 @@ fn power(text: &str) -> Result<(Unit, i32), UnitError> {
 }
 
 fn single(name: &str) -> Option<Unit> {
-    if let Some(&(_, ten, factor, dimension)) = PLAIN.iter().find(|unit| unit.0 == name) {
-        return Some(Unit { ten, factor, dimension });
+    let is_factor = |unit: &&(&str, i32, f64, Dimension)| unit.0 == name && name != CELSIUS;
+    if let Some(&(_, ten, factor, dimension)) = PLAIN.iter().find(is_factor) {
+        return Some(Unit { ten, factor, zero: 0.0, dimension });
     }
     let prefixes = std::iter::once(("", 0)).chain(PREFIXES.iter().copied());
     for (prefix, prefix_ten) in prefixes {
         let Some(rest) = name.strip_prefix(prefix) else { continue };
         if let Some(&(_, ten, dimension)) = PREFIXED.iter().find(|unit| unit.0 == rest) {
-            return Some(Unit { ten: ten + prefix_ten, factor: 1.0, dimension });
+            return Some(Unit { ten: ten + prefix_ten, factor: 1.0, zero: 0.0, dimension });
         }
     }
     None
 }
 
 fn unknown(part: &str) -> UnitError {
+    if part == CELSIUS {
+        return UnitError::Unknown { part: part.to_owned(), nearest: Some("K".to_owned()) };
+    }
     let nearest = common_units()
         .into_iter()
         .map(|unit| (strsim::osa_distance(&unit.to_lowercase(), &part.to_lowercase()), unit))
@@ -358,7 +375,7 @@ impl Quantity {
     pub fn in_unit(self, unit: &str) -> f64 {
         let unit = Unit::parse(unit).expect("only units of the closed list are named in the compiler");
         debug_assert_eq!(unit.dimension, self.dimension);
-        shift(self.si / unit.factor, -unit.ten)
+        shift((self.si - unit.zero) / unit.factor, -unit.ten)
     }
 }
 
@@ -382,6 +399,7 @@ impl fmt::Display for Quantity {
             // Nobody counts in kilopixels.
             Some("px") => write!(f, "{} px", digits(self.si)),
             Some("um/px") => write!(f, "{} um/px", digits(self.in_unit("um/px"))),
+            Some(CELSIUS) => write!(f, "{} {CELSIUS}", digits(self.in_unit(CELSIUS))),
             // It has its prefix.
             Some(symbol) if symbol.starts_with("kg") => write!(f, "{} {symbol}", digits(self.si)),
             Some(symbol) => prefixed(f, self.si, symbol),

@@ -79,3 +79,17 @@ fn compound_quantities_print_in_the_units_that_people_write() {
     assert_eq!(quantity("3.7", "deg/mm").to_string(), "3.7 deg/mm");
     assert!(["kg/m^3", "Pa*s", "uN*s/m"].into_iter().all(|unit| Unit::parse(unit).is_ok()));
 }
+
+#[test]
+fn degrees_celsius_count_from_a_zero_of_their_own() {
+    let of = |digits: &str, unit: &str| Unit::parse(unit).unwrap().of(digits).unwrap();
+    assert_eq!(of("60", "degC"), Quantity::new(333.15, Dimension::TEMPERATURE));
+    assert_eq!(of("-5", "degC"), Quantity::new(268.15, Dimension::TEMPERATURE));
+    assert_eq!(of("95", "degC").to_string(), "95 degC");
+    assert_eq!(of("300", "K").to_string(), "26.85 degC");
+    assert_eq!(of("37", "degC").in_unit("degC"), 37.0);
+    // In products a difference is meant, which has one zero.
+    let unknown =
+        |text: &str| matches!(Unit::parse(text), Err(UnitError::Unknown { nearest: Some(near), .. }) if near == "K");
+    assert!(unknown("degC/s") && unknown("W/degC") && unknown("degC^2"));
+}

@@ -90,6 +90,7 @@ fn value(field: &VocabularyField, random: &mut Random) -> String {
         | Sort::Shape(_)
         | Sort::Table(_)
         | Sort::Object(_)
+        | Sort::Site(_)
         | Sort::Name
         | Sort::Pose
         | Sort::Control
@@ -173,6 +174,7 @@ fn electrode_array(random: &mut Random) -> String {
     for at in 0..random.below(3) {
         let _ = writeln!(text, "  reservoir r{at} at {}", cell(random));
     }
+    let _ = writeln!(text, "  heater z0 at {}\n  detector z1 at {}", cell(random), cell(random));
     if random.below(3) == 0 {
         let _ = writeln!(text, "  obstacle o : cells {{ from: {}, to: {} }}", cell(random), cell(random));
     }
@@ -201,7 +203,9 @@ fn operations(parts: u32, cell: &impl Fn(&mut Random) -> String, random: &mut Ra
     let count = whole(random, 1, 6);
     let operation = |_| {
         let part = format!("p{}", random.below(parts));
-        match random.below(11) {
+        match random.below(13) {
+            12 => format!("heat {part} at z0 to {} degC for {} ms", whole(random, 20, 120), random.below(700)),
+            11 => format!("detect {part} at z1 for {} ms", random.below(700)),
             10 => format!("dispense {part} from r{}", random.below(2)),
             9 => format!("mix {part} for {} ms", random.below(700)),
             8 => format!("mix {part} at {} for {} ms", cell(random), random.below(700)),

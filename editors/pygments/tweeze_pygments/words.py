@@ -27,7 +27,10 @@ FUNCTIONS = (
     "sqrt",
 )
 NOUNS = (
+    "detector",
     "frame",
+    "heater",
+    "magnet",
     "obstacle",
     "part",
     "reservoir",
@@ -127,10 +130,13 @@ STEPS = (
     "assay",
     "assemble",
     "avoid",
+    "detect",
     "discard",
     "dispense",
     "drive",
     "grasp",
+    "heat",
+    "hold",
     "incubate",
     "merge",
     "minimize",
@@ -160,6 +166,7 @@ TRUTHS = (
 UNITS = (
     "%",
     "deg",
+    "degC",
     "h",
     "min",
     "px",

@@ -32,6 +32,8 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFa
         mixer: mixer(device, sink)?,
         least_volume: fields.si("least_volume"),
         most_volume: fields.si("most_volume"),
+        least_temperature_k: fields.si("least_temperature"),
+        most_temperature_k: fields.si("most_temperature"),
         separation: separation(fields)?,
         clearance: fields.count("clearance")?,
         map: None,

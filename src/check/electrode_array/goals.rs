@@ -16,7 +16,7 @@ use crate::check::{Checker, clock_ns};
 use crate::claims::electrode_array::{
     AssayOperation, Bystanders, DropletContent, DropletShare, ElectrodeArrayAction, ElectrodeArrayMethod,
     ElectrodeArrayMove, ElectrodeArrayObjective, ElectrodeArrayOrder, ElectrodeArrayPlanner, ElectrodeArrayStep,
-    ElectrodeArrayStop, OperationLag, SplitDroplet,
+    ElectrodeArrayStop, OperationLag, SplitDroplet, ZoneSort,
 };
 use crate::device::electrode_array::{
     ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_STAY_STEPS, SPLIT_APART, Separation,
@@ -49,6 +49,7 @@ impl Checker<'_> {
             facts: facts.clone(),
             obstacles: Arc::clone(&tray.obstacles),
             parts: Arc::clone(&tray.parts),
+            zones: Arc::clone(&tray.zones),
             objective,
             planner: planner?,
             bystanders,
@@ -136,7 +137,7 @@ fn calls(action: &tasks::VocabularyAction) -> &[Call] {
 }
 
 /// Verbs that do more to a part than bring it to a place.
-const OPERATIONS: [&str; 5] = ["dispense", "split", "mix", "incubate", "discard"];
+const OPERATIONS: [&str; 8] = ["dispense", "split", "mix", "incubate", "heat", "detect", "hold", "discard"];
 
 /// Whether a step is made of operations and not of goals.
 pub(super) fn is_assay(action: &tasks::VocabularyAction) -> bool {
@@ -151,7 +152,7 @@ pub(super) struct BoardStepJudge<'a> {
     /// Where the task's scene is declared.
     pub scene: Option<Span>,
     /// The name of the device.
-    device: &'a str,
+    pub(super) device: &'a str,
     /// The field that sets whether the device holds its parts, if there is one.
     hold: Option<Span>,
     pub sink: &'a mut Sink,
@@ -294,6 +295,9 @@ impl BoardStepJudge<'_> {
             return Some(AssayOperation { with, ..AssayOperation::passing(part, stops, span) });
         }
         let part = self.part(call.object.as_ref()?);
+        if let Some(sort) = ZoneSort::of_verb(call.verb.name) {
+            return self.in_zone(call, part, sort);
+        }
         match call.verb.name {
             "dispense" => return self.dispensed(call, part),
             "split" => return self.split(call, part),
@@ -380,7 +384,7 @@ impl BoardStepJudge<'_> {
         Some(AssayOperation { stay_ns: self.facts.dispense_ns?, comes: true, fluid: Some(name.clone()), ..passing })
     }
 
-    fn stay_ns(&mut self, time: &Argument, what: &str) -> Option<u64> {
+    pub(super) fn stay_ns(&mut self, time: &Argument, what: &str) -> Option<u64> {
         let Value::Quantity(quantity) = time.value else { return None };
         clock_ns(quantity, time.span, what, self.sink)
     }

@@ -11,9 +11,11 @@ mod map;
 mod motion;
 mod physics;
 mod places;
+mod stays;
 mod teams;
 mod traces;
 mod tray;
+mod zones;
 
 use super::devices::CheckedDevice;
 use super::tasks::{Parts, TaskSite};
@@ -74,6 +76,7 @@ impl KindChecks for ElectrodeArrayChecks {
     fn agree(&self, jobs: &mut [Job], sink: &mut Sink) {
         let before = places::places_agree(jobs, sink);
         traces::agree(jobs, before, sink);
+        zones::agree(jobs, sink);
     }
 }
 

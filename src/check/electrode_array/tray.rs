@@ -4,6 +4,7 @@ use super::board;
 use super::cells::{on_board, whole_cell};
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
 use super::errors;
+use super::zones::misplaced;
 use crate::check::Checker;
 use crate::check::devices::CheckedDevice;
 use crate::check::figures::Figures;
@@ -13,9 +14,11 @@ use crate::check::scenes::{CheckedScene, SceneObject};
 use crate::check::tasks::TaskSite;
 use crate::check::value::Accepted;
 use crate::check::value::{ShapeValue, Value};
-use crate::claims::electrode_array::{BoardPart, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody};
+use crate::claims::electrode_array::{
+    BoardPart, BoardZone, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ZoneSort,
+};
 use crate::device::electrode_array::{
-    ElectrodeArrayFacts, ElectrodeCell, Electrodes, MAX_OBSTACLES, MAX_PARTS, VOCABULARY,
+    ElectrodeArrayFacts, ElectrodeCell, Electrodes, MAX_OBSTACLES, MAX_PARTS, MAX_ZONES, VOCABULARY,
 };
 use crate::device::shape::ShapeForm;
 use crate::diagnostic::{Code, Diagnostic, Sink};
@@ -33,6 +36,9 @@ pub struct BoardScene {
     pub outlets: Vec<Outlet>,
     /// The reservoirs by name, as indices of `outlets`.
     pub reservoirs: ObjectNames,
+    pub zones: Arc<Vec<BoardZone>>,
+    /// The zones by name, as indices of `zones`.
+    pub sites: ObjectNames,
     pub cover: ObstacleCells,
     /// Whether none of its objects is impossible.
     pub is_whole: bool,
@@ -62,7 +68,10 @@ fn judged_scene(
     facts: &ElectrodeArrayFacts,
     sink: &mut Sink,
 ) -> BoardScene {
-    if let Some(crowd) = scene.crowd(&[("part", MAX_PARTS), ("obstacle", MAX_OBSTACLES)]) {
+    let zones = ZoneSort::ALL.iter().map(|sort| (sort.name(), MAX_ZONES));
+    let most: Vec<(&str, usize)> =
+        [("part", MAX_PARTS), ("obstacle", MAX_OBSTACLES)].into_iter().chain(zones).collect();
+    if let Some(crowd) = scene.crowd(&most) {
         sink.push(crowd);
         return BoardScene { is_whole: false, ..judged(&[], device, facts, sink) };
     }
@@ -89,12 +98,23 @@ fn judged(
     sink: &mut Sink,
 ) -> BoardScene {
     let before = sink.errors();
-    let (mut obstacles, mut standing, mut outlets) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut obstacles, mut standing, mut outlets, mut zones) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let (mut names, mut reservoirs) = (ObjectNames::default(), ObjectNames::default());
+    let mut sites = ObjectNames::default();
     let is_droplet = facts.layout.electrodes == Electrodes::Single;
     let may_come = is_droplet || objects.iter().any(|object| object.noun == "reservoir");
     for object in objects {
         let mut reader = TrayReader { object, device, facts, sink };
+        if let Some(sort) = ZoneSort::find(&object.noun) {
+            let zone = reader.zone(sort, &zones);
+            sites.insert(&object.name, zone.as_ref().map(|_| zones.len()));
+            names.insert_other(&object.name, sort.name(), object.span);
+            reservoirs.insert_other(&object.name, sort.name(), object.span);
+            zones.extend(zone);
+            continue;
+        }
+        let noun = VOCABULARY.nouns.iter().map(|noun| noun.name).find(|noun| *noun == object.noun);
+        noun.into_iter().for_each(|noun| sites.insert_other(&object.name, noun, object.span));
         match object.noun.as_str() {
             "part" => {
                 let part = reader.part(may_come);
@@ -132,6 +152,8 @@ fn judged(
         names,
         outlets,
         reservoirs,
+        zones: Arc::new(zones),
+        sites,
         cover,
         is_whole: sink.errors() == before,
     }
@@ -244,6 +266,30 @@ impl TrayReader<'_> {
             self.sink.push(errors::given_at(wrong, at));
         }
         cell
+    }
+
+    /// The electrodes of a heater, a detector or a magnet, apart from those of others of its sort.
+    fn zone(&mut self, sort: ZoneSort, before: &[BoardZone]) -> Option<BoardZone> {
+        let (name, span) = (self.object.name.clone(), self.object.span);
+        let (from, to) = match &self.object.shape {
+            None => {
+                let at = self.place()?;
+                let cell = self.cell(&at)?;
+                (cell, cell)
+            }
+            Some(shape) if shape.value.form == ShapeForm::Cells => match self.block(&shape.value.fields)? {
+                ElectrodeArrayObstacleBody::Electrodes { from, to } => (from, to),
+                ElectrodeArrayObstacleBody::Fixed(cell) => (cell, cell),
+            },
+            Some(shape) => {
+                let (form, known) = (shape.value.form.name(), [ShapeForm::Cells.name()]);
+                self.sink.push(errors::shape_of_other_kind(shape.span, form, sort.name(), VOCABULARY.name, &known));
+                return None;
+            }
+        };
+        let zone = BoardZone { name, sort, from, to, span };
+        self.sink.unless(misplaced(&zone, before, self.facts))?;
+        Some(zone)
     }
 
     fn obstacle(&mut self) -> Option<ElectrodeArrayObstacle> {

@@ -13,7 +13,7 @@ mod map;
 mod words;
 
 pub use map::{ElectrodeMap, MAX_CHANNEL};
-pub use words::{ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayOutcome, VOCABULARY};
+pub use words::{ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayOutcome, VOCABULARY, ZoneSort};
 
 /// Greatest number of columns, and of rows, of a board.
 pub const MAX_SIDE: u32 = 1_000;
@@ -26,6 +26,9 @@ pub const MAX_TEAM: usize = 400;
 
 /// Greatest number of obstacles in one scene.
 pub const MAX_OBSTACLES: usize = 100_000;
+
+/// Greatest number of zones of one sort in one scene.
+pub const MAX_ZONES: usize = 1_000;
 
 /// Greatest configurable distance of parts from each other or from obstacles, in electrodes.
 pub const MAX_APART: u32 = 100;
@@ -177,6 +180,11 @@ pub struct ElectrodeArrayFacts {
     pub least_volume: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub most_volume: Option<f64>,
+    /// The lowest and the highest temperature of its heaters; `None` where none is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub least_temperature_k: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub most_temperature_k: Option<f64>,
     pub separation: Separation,
     /// The least Chebyshev distance from a part's centre to an electrode that an obstacle covers, in electrodes; at least 1.
     pub clearance: u32,

@@ -36,6 +36,35 @@ words! {
     }
 }
 
+words! {
+    /// What lies under or over some electrodes of a board, by its noun.
+    pub enum ZoneSort {
+        Heater = "heater": "electrodes that a heater keeps at one temperature; `at` or a shape of `cells` gives them",
+        Detector = "detector": "electrodes under a reader, which reads one part at a time; `at` or a shape of `cells` gives them",
+        Magnet = "magnet": "electrodes in the field of a magnet; `at` or a shape of `cells` gives them",
+    }
+}
+
+impl ZoneSort {
+    /// The step that stays there.
+    pub const fn verb(self) -> &'static str {
+        match self {
+            ZoneSort::Heater => "heat",
+            ZoneSort::Detector => "detect",
+            ZoneSort::Magnet => "hold",
+        }
+    }
+
+    /// The sort at which a step of this verb stays.
+    pub fn of_verb(verb: &str) -> Option<ZoneSort> {
+        ZoneSort::ALL.iter().copied().find(|sort| sort.verb() == verb)
+    }
+
+    const fn noun(self) -> Noun {
+        Noun { name: self.name(), doc: self.choice().doc, shapes: &[ShapeForm::Cells] }
+    }
+}
+
 impl ElectrodeArrayObjective {
     /// The figure of a plan that it brings down.
     pub fn outcome(self) -> ElectrodeArrayOutcome {
@@ -134,6 +163,18 @@ const FIELDS: &[VocabularyField] = &[
         "no limit",
         "the largest droplet that one electrode can hold, in droplets as reservoirs dispense them",
     ),
+    optional(
+        "least_temperature",
+        positive(Dimension::TEMPERATURE),
+        "no limit",
+        "the lowest temperature of its heaters",
+    ),
+    optional(
+        "most_temperature",
+        positive(Dimension::TEMPERATURE),
+        "no limit",
+        "the highest temperature of its heaters",
+    ),
     required(
         "separation",
         Sort::CountOrWord { least: 1, most: MAX_APART, words: &SEPARATION },
@@ -191,6 +232,20 @@ const WITHIN: VocabularyPhrase =
 /// Where the part is, or at a cell, for at least so long.
 const FOR_A_TIME: [VocabularyPhrase; 4] = [
     VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::AtMostOnce },
+    VocabularyPhrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once },
+    AFTER,
+    WITHIN,
+];
+
+/// In a zone for at least so long, without more to say.
+const IN_DETECTOR: [VocabularyPhrase; 4] = [
+    VocabularyPhrase { preposition: "at", sort: Sort::Site(ZoneSort::Detector.name()), count: Count::Once },
+    VocabularyPhrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once },
+    AFTER,
+    WITHIN,
+];
+const IN_MAGNET: [VocabularyPhrase; 4] = [
+    VocabularyPhrase { preposition: "at", sort: Sort::Site(ZoneSort::Magnet.name()), count: Count::Once },
     VocabularyPhrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once },
     AFTER,
     WITHIN,
@@ -281,6 +336,39 @@ const VERBS: &[Verb] = &[
         example: "incubate sample at (8, 5) for 30 s",
     },
     Verb {
+        name: "heat",
+        noun: None,
+        object: Some(Sort::Object("part")),
+        phrases: &[
+            VocabularyPhrase { preposition: "at", sort: Sort::Site(ZoneSort::Heater.name()), count: Count::Once },
+            VocabularyPhrase { preposition: "to", sort: positive(Dimension::TEMPERATURE), count: Count::Once },
+            VocabularyPhrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once },
+            AFTER,
+            WITHIN,
+        ],
+        block: None,
+        doc: "keeps a part at a heater, at its middle or at one of its cells, for at least so long; the heater has that temperature in the whole program",
+        example: "heat sample at oven to 95 degC for 30 s",
+    },
+    Verb {
+        name: "detect",
+        noun: None,
+        object: Some(Sort::Object("part")),
+        phrases: &IN_DETECTOR,
+        block: None,
+        doc: "keeps a part at a detector, at its middle or at one of its cells, for at least so long, with no other part there meanwhile",
+        example: "detect sample at reader for 5 s",
+    },
+    Verb {
+        name: "hold",
+        noun: None,
+        object: Some(Sort::Object("part")),
+        phrases: &IN_MAGNET,
+        block: None,
+        doc: "keeps a part at a magnet, at its middle or at one of its cells, for at least so long, until it holds the beads in it",
+        example: "hold beads at pull for 3 s",
+    },
+    Verb {
         name: "discard",
         noun: None,
         object: Some(Sort::Object("part")),
@@ -348,6 +436,9 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
             shapes: &[ShapeForm::Layout],
         },
         Noun { name: "reservoir", doc: "a store of liquid; `at` gives the electrode at its outlet", shapes: &[] },
+        ZoneSort::Heater.noun(),
+        ZoneSort::Detector.noun(),
+        ZoneSort::Magnet.noun(),
     ],
     settings: SETTINGS,
     state: None,

@@ -3,8 +3,8 @@
 //! One unit is one pitch of the board; electrode (1, 1) is the origin.
 
 use crate::claims::electrode_array::{
-    ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
-    ElectrodeArrayStep, ElectrodeArrayStop,
+    BoardZone, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody,
+    ElectrodeArrayOrder, ElectrodeArrayStep, ElectrodeArrayStop,
 };
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::emit::course;
@@ -99,6 +99,12 @@ pub fn body(facts: &ElectrodeArrayFacts, obstacle: &ElectrodeArrayObstacle) -> [
         ElectrodeArrayObstacleBody::Fixed(cell) => (place(cell), place(cell), facts.layout.half_width_pitches),
     };
     [low.map(|value| value - half), high.map(|value| value + half)]
+}
+
+/// The corners of a heater, a detector or a magnet: the whole squares of its electrodes.
+pub fn zone_body(zone: &BoardZone) -> [[f64; 2]; 2] {
+    let (low, high) = (place(zone.from), place(zone.to));
+    [low.map(|value| value - 0.5), high.map(|value| value + 0.5)]
 }
 
 /// The goals of every step of a task: the part's index, if one part in particular goes there, and the cell.

@@ -1,9 +1,9 @@
 //! Pictures of electrode arrays: the board with its obstacles, the parts at their start and end, and their routes.
 
-use crate::claims::electrode_array::{ElectrodeArrayObstacle, ElectrodeArrayOrder};
+use crate::claims::electrode_array::{BoardZone, ElectrodeArrayObstacle, ElectrodeArrayOrder, ZoneSort};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes};
 use crate::emit::course;
-use crate::emit::electrode_array::course::{PartsMoment, asked, body, moments, outline, place};
+use crate::emit::electrode_array::course::{PartsMoment, asked, body, moments, outline, place, zone_body};
 use crate::emit::svg::drawing::{
     Drawing, HAIR_PT, Ink, Letters, PaperBox, PaperView, PlacedLabel, THIN_PT, WAY_PT, color, decimal,
 };
@@ -15,6 +15,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Least distance of electrodes on paper; of a finer board only the outline is drawn.
 const ELECTRODE_PT: f64 = 2.0;
+
+/// Opacity of heaters, detectors and magnets over the electrodes.
+const ZONE_VEIL: f64 = 0.7;
 
 /// Greatest number of corners of all routes.
 const MAX_ROUTE_CORNERS: usize = 20_000;
@@ -137,6 +140,7 @@ impl Panel for BoardPanel<'_> {
     fn draw(&self, view: &PaperView, to: &mut Drawing) -> PanelKey {
         let mut key = PanelKey::default();
         draw_board(self, view, to, &mut key);
+        draw_zones(self, view, to, &mut key);
         draw_obstacles(self, view, to, &mut key);
         match self.subject.moment_ns {
             Some(t_ns) => draw_moment(self, t_ns, view, to, &mut key),
@@ -192,6 +196,34 @@ fn draw_board(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut 
         );
     }
     key.add(KeyForm::Disc, ink, "electrode that is on");
+}
+
+fn draw_zones(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+    let all: BTreeMap<(&str, ZoneSort), &BoardZone> = panel
+        .orders
+        .iter()
+        .flat_map(|order| order.zones.iter())
+        .map(|zone| ((zone.name.as_str(), zone.sort), zone))
+        .collect();
+    for zone in all.values() {
+        let [[x0, y0], [x1, y1]] = zone_body(zone);
+        let [low, high] = [view.at([x0, y0]), view.at([x1, y1])];
+        let room = PaperBox { left: low[0], top: high[1], right: high[0], bottom: low[1] };
+        let ink = Ink::filled(color_of_zone(zone.sort)).veiled(ZONE_VEIL);
+        to.rect(room, ink, &[(zone.sort.name(), zone.name.clone())]);
+        if all.len() <= scenery::MAX_NAMES {
+            to.label(scenery::name(&zone.name, room.middle()));
+        }
+        key.add(KeyForm::Box, ink, zone.sort.name());
+    }
+}
+
+fn color_of_zone(sort: ZoneSort) -> &'static str {
+    match sort {
+        ZoneSort::Heater => color::HEATER,
+        ZoneSort::Detector => color::DETECTOR,
+        ZoneSort::Magnet => color::MAGNET,
+    }
 }
 
 fn draw_obstacles(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {

@@ -3,10 +3,11 @@
 use super::{Sheet, time};
 use crate::claims::Job;
 use crate::claims::electrode_array::{
-    AssayOperation, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayOrder, ElectrodeArrayStop,
+    AssayOperation, BoardZone, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayOrder, ElectrodeArrayStop,
+    ZoneSort, ZoneStay,
 };
 use crate::device::electrode_array::{ElectrodeCell, Electrodes, droplets};
-use crate::quantity::fraction;
+use crate::quantity::{Dimension, Quantity, fraction};
 use crate::schedule::ScheduledStep;
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{Schedule, State};
@@ -64,6 +65,14 @@ impl SheetBoard<'_> {
         for (fluid, (cell, count)) in self.reservoirs() {
             rows.push(row(format!("reservoir `{fluid}`"), format!("outlet {cell}"), droplets(count as f64)));
         }
+        for (name, (zone, stay)) in self.zones() {
+            let place = match zone.from == zone.to {
+                true => format!("electrode {}", zone.from),
+                false => format!("electrodes {} to {}", zone.from, zone.to),
+            };
+            let needed = stay.temperature_k.map_or("on".to_owned(), temperature);
+            rows.push(row(format!("{} `{name}`", zone.sort.name()), place, needed));
+        }
         let mut placed = BTreeSet::new();
         for part in self.runs.iter().flat_map(|(_, order)| order.parts.iter()) {
             if let Some(cell) = part.cell.filter(|_| placed.insert(&part.name)) {
@@ -90,6 +99,17 @@ impl SheetBoard<'_> {
             }
         }
         reservoirs
+    }
+
+    /// The heaters, detectors and magnets in use, each with a stay there.
+    fn zones(&self) -> BTreeMap<&str, (&BoardZone, ZoneStay)> {
+        let mut zones = BTreeMap::new();
+        for (_, order) in &self.runs {
+            for stay in operations_of(order).filter_map(|operation| operation.zone) {
+                zones.extend(order.zones.get(stay.zone).map(|zone| (zone.name.as_str(), (zone, stay))));
+            }
+        }
+        zones
     }
 
     /// What happens on the board, with its times.
@@ -139,6 +159,10 @@ impl SheetBoard<'_> {
         let shares: Vec<String> = shares.iter().map(text).collect();
         format!("`{name}`, {}: {}", droplets(*volume), shares.join(", "))
     }
+}
+
+fn temperature(temperature_k: f64) -> String {
+    Quantity::new(temperature_k, Dimension::TEMPERATURE).to_string()
 }
 
 fn row(what: String, place: String, needed: String) -> [String; 4] {
@@ -203,6 +227,17 @@ fn done(order: &ElectrodeArrayOrder, operation: &AssayOperation, stay_ns: u64) -
         return format!("{part} is split{first}: {} comes to {}", name(order, half.part), half.cell);
     }
     let stay = time(stay_ns);
+    if let Some((in_zone, zone)) = operation.zone.and_then(|stay| Some((stay, order.zones.get(stay.zone)?))) {
+        let name = &zone.name;
+        return match zone.sort {
+            ZoneSort::Heater => {
+                let to = in_zone.temperature_k.map_or(String::new(), |k| format!(" to {}", temperature(k)));
+                format!("{part} is heated{last} by `{name}`{to} for {stay}")
+            }
+            ZoneSort::Detector => format!("{part} is read{last} by `{name}` for {stay}"),
+            ZoneSort::Magnet => format!("{part} is held{last} by `{name}` for {stay}"),
+        };
+    }
     match &operation.fluid {
         Some(fluid) => format!("reservoir `{fluid}` dispenses {part}{last}"),
         None if operation.leaves => format!("{part} leaves{last}"),

@@ -38,6 +38,9 @@ pub mod color {
     pub const ELECTRODE: &str = "#d5dbe2";
     pub const LIVE: &str = "#ffe066";
     pub const LIVE_EDGE: &str = "#b08800";
+    pub const HEATER: &str = "#f6bfa0";
+    pub const DETECTOR: &str = "#a5dcc8";
+    pub const MAGNET: &str = "#c9b8e8";
     pub const ALARM: &str = "#d00000";
 
     /// The colours that things of one sort take turns in.

@@ -4,13 +4,13 @@
 
 use super::super::Unfit;
 use crate::claims::electrode_array::{
-    AssayOperation, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
-    ElectrodeArrayStop, OperationLag,
+    AssayOperation, BoardZone, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacleBody,
+    ElectrodeArrayOrder, ElectrodeArrayStop, OperationLag, ZoneSort, ZoneStay,
 };
 use crate::device::electrode_array::{
-    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_PARTS, MAX_SIDE, MAX_STAY_STEPS, Separation,
+    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_PARTS, MAX_SIDE, MAX_STAY_STEPS, MAX_ZONES, Separation,
 };
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The largest separation, in electrodes.
 const MAX_SEPARATION: u32 = MAX_SIDE;
@@ -23,6 +23,7 @@ pub(super) fn check_claims(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
     facts(&order.facts)?;
     parts(order)?;
     obstacles(order)?;
+    zones(order)?;
     demand(
         order.contents.iter().all(|content| content.part < order.parts.len()),
         "ask for a part that they do not have",
@@ -100,6 +101,42 @@ fn obstacles(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
     demand(order.obstacles.iter().all(|obstacle| is_block(&obstacle.body)), "hold an obstacle of no electrodes")
 }
 
+/// Zones lie on the board, and each has one temperature at most, a heater.
+fn zones(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
+    let is_block = |zone: &BoardZone| {
+        let [low, high] = [zone.from, zone.to].map(ElectrodeCell::pair);
+        (1..=high[0]).contains(&low[0])
+            && (1..=high[1]).contains(&low[1])
+            && high[0] <= order.facts.columns
+            && high[1] <= order.facts.rows
+    };
+    demand(order.zones.len() <= ZoneSort::ALL.len() * MAX_ZONES, "hold too many zones")?;
+    demand(order.zones.iter().all(is_block), "hold a zone of no electrodes, or off the board")?;
+    let limits = [order.facts.least_temperature_k, order.facts.most_temperature_k];
+    demand(limits.iter().flatten().all(|limit| limit.is_finite()), "hold a temperature that is not finite")?;
+    let mut temperatures: BTreeMap<usize, u64> = BTreeMap::new();
+    for step in &order.steps {
+        let ElectrodeArrayAction::Assay(operations) = &step.action else { continue };
+        for ZoneStay { zone, temperature_k } in operations.iter().filter_map(|operation| operation.zone) {
+            let is_heater = order.zones.get(zone).is_some_and(|zone| zone.sort == ZoneSort::Heater);
+            demand(is_heater == temperature_k.is_some(), "heat where no heater is, or without a temperature")?;
+            let Some(asked_k) = temperature_k else { continue };
+            demand(asked_k.is_finite() && asked_k > 0.0, "hold a temperature that none can be")?;
+            let known = *temperatures.entry(zone).or_insert(asked_k.to_bits());
+            demand(known == asked_k.to_bits(), "give a heater two temperatures")?;
+        }
+    }
+    Ok(())
+}
+
+/// An operation in a zone only stays there.
+fn in_zone(order: &ElectrodeArrayOrder, operation: &AssayOperation, stay: ZoneStay) -> Result<(), Unfit> {
+    demand(stay.zone < order.zones.len(), "name a zone that they do not have")?;
+    let is_plain = operation.with.is_none() && operation.splits.is_none() && !operation.mixes;
+    let is_there = !operation.comes && !operation.leaves && operation.stops.len() == 1 && operation.stay_ns > 0;
+    demand(is_plain && is_there, "stay in a zone with more to do, or for no time")
+}
+
 fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Result<(), Unfit> {
     let mut gone = BTreeSet::new();
     let mut stays: u64 = 0;
@@ -109,6 +146,9 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
         for part in operation.all_parts() {
             demand(part < order.parts.len(), "move a part that they do not have")?;
             demand(!gone.contains(&part), "move a part that is gone before")?;
+        }
+        if let Some(stay) = operation.zone {
+            in_zone(order, operation, stay)?;
         }
         if operation.mixes || operation.splits.is_some() {
             mix_or_split(order, operation)?;

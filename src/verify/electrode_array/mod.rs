@@ -12,12 +12,14 @@ mod bodies;
 mod claims;
 mod contents;
 mod lags;
+mod missed;
 mod mixing;
 mod nearest;
 mod pull;
 mod stage;
 mod switching;
 mod traces;
+mod zones;
 
 pub(crate) use contents::{DropletAfter, droplets_after};
 
@@ -30,7 +32,7 @@ use crate::claims::{Claims, Order};
 use crate::device::electrode_array::{ElectrodeArrayOutcome, ElectrodeCell};
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{Actuation, ChannelUnit, State, TimedState};
-use assay::{JudgedAssay, JudgedSplit, MissedOperation, OperationBeats};
+use assay::{JudgedAssay, JudgedSplit, OperationBeats};
 use beat::{Pulls, StepBeat};
 use bodies::BoardObstacles;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -39,6 +41,7 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use switching::{ElectrodePulse, Switching};
 use traces::JudgedTraces;
+use zones::JudgedZones;
 
 impl Judge for ElectrodeArrayOrder {
     fn unit(&self, channel: &str) -> Option<ChannelUnit> {
@@ -268,6 +271,8 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let beats = self.whole_beats(nth)?;
         let mut switching = self.switching(nth, step_ns)?;
         let mut assay = JudgedAssay::new(operations, &self.order.facts, &self.cells);
+        let mut zones = JudgedZones::new(self.order, operations);
+        zones.look(0, &self.cells);
         let there = self.there();
         assay.settle(0, &mut self.cells);
         self.tread((nth, step.start_ns), (operations, &assay), there, findings);
@@ -298,8 +303,10 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                     self.moves += 1;
                 }
             }
+            zones.look(beat + 1, &self.cells);
             let there = self.there();
             assay.settle(beat + 1, &mut self.cells);
+            self.stays((nth, at_ns + step_ns), (operations, &assay), &mut zones, findings);
             self.tread((nth, at_ns + step_ns), (operations, &assay), there, findings);
         }
         self.beats = self.beats.saturating_add(beats);
@@ -375,51 +382,6 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 span: operation.span,
             })
             .collect()
-    }
-
-    /// An operation that was not done, or a part that does not end where it should.
-    fn not_done(&self, nth: usize, missed: &MissedOperation) -> Violation {
-        let step = self.run.step(nth);
-        let MissedOperation { part, cell, beats, with, .. } = *missed;
-        let (name, end_ns) = (&self.order.parts[part].name, step.start_ns + step.duration_ns);
-        let ends = match self.cells[part] {
-            Some(end) => format!("it ends at {end}"),
-            None if missed.operation.comes || missed.operation.splits.is_some() => "it never comes".to_owned(),
-            None => "it is gone before".to_owned(),
-        };
-        let title = match with {
-            None if missed.operation.comes => {
-                let due = ms(beats.saturating_mul(self.order.facts.step_ns));
-                format!("`{name}` is to be dispensed at {cell} in {due} without a pause, but is not; {ends}")
-            }
-            Some(other) => {
-                let other = &self.order.parts[other].name;
-                format!("`{name}` and `{other}` are to merge at {cell}, but do not")
-            }
-            None if missed.operation.mixes => {
-                let due = ms(beats.saturating_mul(self.order.facts.step_ns));
-                format!("`{name}` is to be mixed from {cell} on for {due}, but is not in its turn; {ends}")
-            }
-            None if missed.is_split => {
-                let half = missed.operation.splits.map_or("", |half| self.order.parts[half.part].name.as_str());
-                format!("`{half}` is to come out of `{name}`, which goes to {cell}, but does not; {ends}")
-            }
-            None if beats > 0 => {
-                let due = ms(beats.saturating_mul(self.order.facts.step_ns));
-                format!("`{name}` is to stay at {cell} for {due}, but does not in its turn; {ends}")
-            }
-            None => format!("`{name}` is to come to {cell}, but does not in its turn; {ends}"),
-        };
-        let span = missed.stop.map_or(missed.operation.span, |stop| stop.span);
-        self.within(Rule::Goal, nth, end_ns, title).label(span, "this operation")
-    }
-
-    /// An assay ends with its last operation.
-    fn idle_assay(&self, nth: usize, beats: u64) -> Violation {
-        let step = self.run.step(nth);
-        let (done_ns, end_ns) = (step.start_ns + beats * self.order.facts.step_ns, step.start_ns + step.duration_ns);
-        let title = format!("all operations are done at {}, but the step ends at {}", ms(done_ns), ms(end_ns));
-        self.within(Rule::Idle, nth, done_ns, title)
     }
 
     /// A step of parts lasts for a whole number of beats.

@@ -4,10 +4,12 @@
 
 mod droplets;
 mod teams;
+mod zones;
 
 pub use crate::check::errors::*;
 pub use droplets::*;
 pub use teams::*;
+pub use zones::*;
 
 use crate::check::value::Value;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};

@@ -4,10 +4,10 @@
 //! plan (`plan`), and the electrodes that are on (`active`). The first two are repeated as points for viewers that show no scenes.
 
 use super::{frame, place_um};
-use crate::claims::electrode_array::ElectrodeArrayOrder;
+use crate::claims::electrode_array::{ElectrodeArrayOrder, ZoneSort};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes};
 use crate::emit::course;
-use crate::emit::electrode_array::course::{asked, body, outline};
+use crate::emit::electrode_array::course::{asked, body, outline, zone_body};
 use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, rectangle, spaced_cloud};
 use crate::emit::mcap::drawing::{self, Slab, color};
@@ -21,6 +21,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Heights above the board, in pitches.
 const ELECTRODE_HEIGHT: f64 = 0.05;
+const ZONE_HEIGHT: f64 = 0.03;
 const ACTIVE_HEIGHT: f64 = 0.12;
 const PART_HEIGHT: f64 = 0.6;
 const OBSTACLE_HEIGHT: f64 = 0.8;
@@ -52,7 +53,8 @@ pub fn topics(verified: &Verified, device: &str) -> Vec<LogTopic> {
     let mut shown: BTreeSet<String> = BTreeSet::new();
     for (index, (order, plan)) in jobs.iter().enumerate() {
         // The scenery is written at the beginning, and again when a job brings other obstacles.
-        let is_new = index == 0 || jobs[index - 1].0.obstacles != order.obstacles;
+        let is_new =
+            index == 0 || jobs[index - 1].0.obstacles != order.obstacles || jobs[index - 1].0.zones != order.zones;
         if is_new {
             let t_ns = if index == 0 { 0 } else { plan.start_ns };
             let entities = scenery(order, device, t_ns);
@@ -95,6 +97,7 @@ fn color_of_stop(part: Option<usize>) -> Color {
 fn scenery(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> Vec<SceneEntity> {
     let facts = &order.facts;
     let mut entities = vec![board(facts, device, t_ns), obstacles(order, device, t_ns)];
+    entities.extend((!order.zones.is_empty()).then(|| zones(order, device, t_ns)));
     for (index, part) in order.parts.iter().enumerate() {
         let mut entity = drawing::entity(format!("{device}/part/{}", part.name), &frame(device, &part.name), t_ns);
         let (half, pitch_um) = (facts.layout.half_width_pitches * facts.pitch_um(), facts.pitch_um());
@@ -165,6 +168,29 @@ fn obstacles(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> SceneEntit
     entity
 }
 
+fn zones(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> SceneEntity {
+    let mut entity = drawing::entity(format!("{device}/zones"), device, t_ns);
+    let pitch_um = order.facts.pitch_um();
+    for (index, zone) in order.zones.iter().enumerate() {
+        let [low, high] = scaled(&order.facts, zone_body(zone));
+        let color = color_of_zone(zone.sort);
+        drawing::cuboid(&mut entity, low, high, Slab { bottom_um: 0.0, height_um: ZONE_HEIGHT * pitch_um, color });
+        if index < MAX_LABELS {
+            let middle = [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0, LABEL_HEIGHT * pitch_um];
+            drawing::text(&mut entity, middle, zone.name.clone(), color);
+        }
+    }
+    entity
+}
+
+fn color_of_zone(sort: ZoneSort) -> Color {
+    match sort {
+        ZoneSort::Heater => color::OBSTACLE,
+        ZoneSort::Detector => color::STOP,
+        ZoneSort::Magnet => color::START,
+    }
+}
+
 /// The index of each part that moves, and its cells one after the other without repetitions.
 fn ways(order: &ElectrodeArrayOrder, plan: &PlanRecord) -> Vec<(usize, Vec<ElectrodeCell>)> {
     let mut ways: BTreeMap<&str, Vec<ElectrodeCell>> = BTreeMap::new();
@@ -221,7 +247,11 @@ fn scene_strokes(order: &ElectrodeArrayOrder) -> Vec<Stroke> {
         let [low, high] = scaled(&order.facts, body(&order.facts, obstacle));
         Stroke { corners: rectangle(low, high), color: color::OBSTACLE }
     });
-    std::iter::once(board).chain(obstacles).collect()
+    let zones = order.zones.iter().map(|zone| {
+        let [low, high] = scaled(&order.facts, zone_body(zone));
+        Stroke { corners: rectangle(low, high), color: color_of_zone(zone.sort) }
+    });
+    std::iter::once(board).chain(obstacles).chain(zones).collect()
 }
 
 fn way_strokes(order: &ElectrodeArrayOrder, ways: &[(usize, Vec<ElectrodeCell>)]) -> Vec<Stroke> {

@@ -22,6 +22,7 @@ mod pairs;
 mod random;
 mod teams;
 mod traces;
+mod zones;
 
 /// Three microparts: `a` goes right and `b` up, then all wait, then `b` comes back by a detour; `c` stays.
 fn day() -> Claims {

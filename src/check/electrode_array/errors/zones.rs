@@ -1,0 +1,86 @@
+//! Diagnostics of heaters, detectors and magnets, and of who stays there.
+
+use crate::claims::electrode_array::{BoardZone, ZoneSort};
+use crate::device::electrode_array::ElectrodeCell;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::{Dimension, Quantity};
+use crate::source::Span;
+
+/// Most zones that a message names.
+const SHOWN_ZONES: usize = 6;
+
+/// Two zones of one sort with a common electrode.
+pub fn zones_overlap(zone: &BoardZone, other: &BoardZone, shared: ElectrodeCell) -> Diagnostic {
+    let (noun, one, two) = (zone.sort.name(), &zone.name, &other.name);
+    Diagnostic::new(Code::E0574, format!("{noun}s `{one}` and `{two}` share electrode {shared}"))
+        .label(zone.span, "covers it, too")
+        .label_elsewhere(other.span, zone.span, "the other one")
+        .help(format!("give each {noun} electrodes of its own, or make them one"))
+}
+
+/// A detector under which two parts have room.
+pub fn detector_too_large(zone: &BoardZone, [columns, rows]: [u32; 2], apart: u32) -> Diagnostic {
+    let title = format!(
+        "two parts have room under detector `{}`, {columns} × {rows} electrodes: parts keep {apart} apart",
+        zone.name
+    );
+    Diagnostic::new(Code::E0574, title)
+        .label(zone.span, "reads one part at a time")
+        .help(format!("make it at most {apart} × {apart} electrodes, or declare two detectors"))
+}
+
+/// A zone where steps of a sort do not stay; `others` are those where they do.
+pub fn zone_of_other_sort<'n>(
+    span: Span,
+    zone: &BoardZone,
+    sort: ZoneSort,
+    others: impl Iterator<Item = &'n str>,
+) -> Diagnostic {
+    let (name, is) = (&zone.name, zone.sort);
+    let others: Vec<String> = others.take(SHOWN_ZONES).map(|name| format!("`{name}`")).collect();
+    let help = match others.as_slice() {
+        [] => format!("at a {} parts stay with `{}`; or declare a {}", is.name(), is.verb(), sort.name()),
+        some => format!("{}s of this scene: {}", sort.name(), some.join(", ")),
+    };
+    Diagnostic::new(Code::E0574, format!("`{name}` is a {}, but `{}` takes a {}", is.name(), sort.verb(), sort.name()))
+        .label(span, format!("a {}", is.name()))
+        .label_elsewhere(zone.span, span, "declared here")
+        .help(help)
+}
+
+/// A cell without a zone of a sort; `near` is the nearest one with one.
+pub fn no_zone_here(span: Span, cell: ElectrodeCell, sort: ZoneSort, near: Option<ElectrodeCell>) -> Diagnostic {
+    let noun = sort.name();
+    let help = match near {
+        Some(near) => format!("the nearest cell with a {noun} is {near}"),
+        None => format!("declare one in the scene, as `{noun} NAME at {cell}`"),
+    };
+    Diagnostic::new(Code::E0574, format!("there is no {noun} at {cell}"))
+        .label(span, format!("`{}` takes a {noun}, or a cell of one", sort.verb()))
+        .help(help)
+}
+
+/// A temperature beyond what the heaters of a device reach, which a field says.
+pub fn temperature_out_of_range(
+    span: Span,
+    asked: Quantity,
+    device: &str,
+    (field, limit_k): (&str, f64),
+) -> Diagnostic {
+    let limit = Quantity::new(limit_k, Dimension::TEMPERATURE);
+    let word = if asked.si < limit_k { "lowest" } else { "highest" };
+    let title = format!("the heaters of `{device}` do not come to {asked}; their {word} temperature is {limit}");
+    Diagnostic::new(Code::E0575, title)
+        .label(span, "out of their range")
+        .help(format!("write {limit}, or correct `{field}` of the device"))
+}
+
+/// A heater that is to have two temperatures.
+pub fn two_temperatures(name: &str, (asked_k, span): (f64, Span), (first_k, first): (f64, Span)) -> Diagnostic {
+    let text = |si: f64| Quantity::new(si, Dimension::TEMPERATURE).to_string();
+    let (asked, before) = (text(asked_k), text(first_k));
+    Diagnostic::new(Code::E0575, format!("heater `{name}` is to be at {asked}, but also at {before}"))
+        .label(span, asked)
+        .label_elsewhere(first, span, before)
+        .help("a heater keeps one temperature for the whole program: declare another heater for the other one")
+}

@@ -1,0 +1,63 @@
+//! Parts that are heated, read or held: in which zone, and where there.
+
+use super::cover::nearest_cell;
+use super::errors;
+use super::goals::{BoardStepJudge, phrases};
+use super::zones::is_in;
+use crate::check::lets::Argument;
+use crate::check::value::Value;
+use crate::check::verbs::Call;
+use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayStop, ZoneSort, ZoneStay};
+use crate::quantity::Quantity;
+
+impl BoardStepJudge<'_> {
+    /// A part stays in a zone of a sort.
+    pub(super) fn in_zone(&mut self, call: &Call, part: Option<usize>, sort: ZoneSort) -> Option<AssayOperation> {
+        let (zone, stop) = self.zone_stop(phrases(call, "at").next()?, sort)?;
+        let temperature = match phrases(call, "to").next() {
+            Some(asked) => Some(self.temperature_k(asked)?),
+            None => None,
+        };
+        let stay_ns = self.stay_ns(phrases(call, "for").next()?, sort.verb())?;
+        let zone = Some(ZoneStay { zone, temperature_k: temperature });
+        Some(AssayOperation { stay_ns, zone, ..AssayOperation::passing(part?, vec![stop], call.span) })
+    }
+
+    /// The zone that an argument names, with its middle; or the one of a sort at a cell.
+    fn zone_stop(&mut self, target: &Argument, sort: ZoneSort) -> Option<(usize, ElectrodeArrayStop)> {
+        if let Value::Object(_) = &target.value {
+            let found = self.tray.sites.index(target, self.scene, self.tray.is_whole, self.sink)?;
+            let zone = self.tray.zones.get(found)?;
+            let others = || self.tray.zones.iter().filter(|zone| zone.sort == sort).map(|zone| zone.name.as_str());
+            let wrong = (zone.sort != sort).then(|| errors::zone_of_other_sort(target.span, zone, sort, others()));
+            target.unless(wrong, self.sink)?;
+            let pair = zone.middle().pair().map(|number| Quantity::number(f64::from(number)));
+            let middle = Argument { value: Value::Point(pair.to_vec()), ..target.clone() };
+            return Some((found, self.stop(&middle)?));
+        }
+        let stop = self.stop(target)?;
+        let of_sort = || self.tray.zones.iter().enumerate().filter(|(_, zone)| zone.sort == sort);
+        if let Some((found, _)) = of_sort().find(|(_, zone)| is_in(zone, stop.cell)) {
+            return Some((found, stop));
+        }
+        let cover = &self.tray.cover;
+        let is_one = |cell| of_sort().any(|(_, zone)| is_in(zone, cell)) && cover.covering(cell).is_none();
+        let near = nearest_cell(stop.cell, self.facts, is_one);
+        target.unless(Some(errors::no_zone_here(target.span, stop.cell, sort, near)), self.sink)?;
+        None
+    }
+
+    /// A temperature that the heaters of the device reach.
+    fn temperature_k(&mut self, asked: &Argument) -> Option<f64> {
+        let Value::Quantity(temperature) = asked.value else { return None };
+        let beyond = |field: &'static str, limit_k: Option<f64>, is_beyond: fn(f64, f64) -> bool| {
+            limit_k.filter(|limit_k| is_beyond(temperature.si, *limit_k)).map(|limit_k| (field, limit_k))
+        };
+        let low = beyond("least_temperature", self.facts.least_temperature_k, |asked_k, least_k| asked_k < least_k);
+        let high = || beyond("most_temperature", self.facts.most_temperature_k, |asked_k, most_k| asked_k > most_k);
+        let wrong = low.or_else(high);
+        let wrong = wrong.map(|limit| errors::temperature_out_of_range(asked.span, temperature, self.device, limit));
+        asked.unless(wrong, self.sink)?;
+        Some(temperature.si)
+    }
+}

@@ -1,0 +1,96 @@
+//! Who is within which zone for how long: a part that is heated, read or held is within it all that time, and alone where it is read.
+
+use super::assay::JudgedAssay;
+use super::{Findings, JudgedBoard, Rule, ms};
+use crate::claims::electrode_array::{AssayOperation, BoardZone, ElectrodeArrayOrder, ZoneSort};
+use crate::device::electrode_array::ElectrodeCell;
+use std::collections::{BTreeMap, VecDeque};
+
+/// The zones of a board in the course of an assay; those only in which something stays.
+pub(super) struct JudgedZones<'c> {
+    zones: &'c [BoardZone],
+    /// By zone: the parts within it, each with the beat since which it is there without a pause.
+    within: BTreeMap<usize, BTreeMap<usize, u64>>,
+    /// By zone: the last beat after which several parts were within it.
+    crowded: BTreeMap<usize, u64>,
+    /// By part: its operations in zones that are not done, the next one first.
+    due: BTreeMap<usize, VecDeque<usize>>,
+}
+
+impl<'c> JudgedZones<'c> {
+    /// Before the first beat.
+    pub fn new(order: &'c ElectrodeArrayOrder, operations: &[AssayOperation]) -> JudgedZones<'c> {
+        let (mut within, mut due) = (BTreeMap::new(), BTreeMap::new());
+        for (place, operation) in operations.iter().enumerate() {
+            let Some(stay) = operation.zone else { continue };
+            within.entry(stay.zone).or_insert_with(BTreeMap::new);
+            due.entry(operation.part).or_insert_with(VecDeque::new).push_back(place);
+        }
+        JudgedZones { zones: &order.zones, within, crowded: BTreeMap::new(), due }
+    }
+
+    /// Notes where the parts are after some beats.
+    pub fn look(&mut self, beat: u64, cells: &[Option<ElectrodeCell>]) {
+        for (zone, within) in &mut self.within {
+            let Some(zone_body) = self.zones.get(*zone) else { continue };
+            for (part, cell) in cells.iter().enumerate() {
+                match cell.filter(|cell| covers(zone_body, *cell)) {
+                    Some(_) => drop(within.entry(part).or_insert(beat)),
+                    None => drop(within.remove(&part)),
+                }
+            }
+            if within.len() > 1 {
+                self.crowded.insert(*zone, beat);
+            }
+        }
+    }
+}
+
+/// Whether a zone has an electrode.
+fn covers(zone: &BoardZone, cell: ElectrodeCell) -> bool {
+    let [low, at, high] = [zone.from, cell, zone.to].map(ElectrodeCell::pair);
+    (0..2).all(|axis| low[axis] <= at[axis] && at[axis] <= high[axis])
+}
+
+impl JudgedBoard<'_, '_> {
+    /// Operations in zones that are done by now: for all their time the part was within.
+    pub(super) fn stays(
+        &self,
+        (nth, now_ns): (usize, u64),
+        (operations, assay): (&[AssayOperation], &JudgedAssay),
+        zones: &mut JudgedZones,
+        findings: &mut Findings,
+    ) {
+        let JudgedZones { zones, within, crowded, due } = zones;
+        let step_ns = self.order.facts.step_ns;
+        for (part, due) in due {
+            let Some((operation, zone)) = due.front().and_then(|place| in_zone(operations, *place)) else { continue };
+            let Some(beats) = due.front().and_then(|place| assay.beats[*place]) else { continue };
+            due.pop_front();
+            findings.asked(Rule::Zone, 1);
+            let needed = operation.stay_ns.div_ceil(step_ns);
+            let since = within.get(&zone).and_then(|within| within.get(part));
+            let stayed = since.map_or(0, |since| beats.done.saturating_sub(*since));
+            let alone = crowded.get(&zone).map_or(u64::MAX, |last| beats.done.saturating_sub(*last).saturating_sub(1));
+            let Some(zone) = zones.get(zone) else { continue };
+            let (name, noun) = (&self.order.parts[*part].name, zone.sort.name());
+            let wanted = ms(operation.stay_ns);
+            let title = if stayed < needed {
+                let stayed = ms(stayed.saturating_mul(step_ns));
+                format!("`{name}` is to be at {noun} `{}` for {wanted}, but is there for {stayed} only", zone.name)
+            } else if zone.sort == ZoneSort::Detector && alone < needed {
+                format!("`{name}` is to be read by `{}` for {wanted}, but another part is there meanwhile", zone.name)
+            } else {
+                continue;
+            };
+            let wrong = self.within(Rule::Zone, nth, now_ns, title);
+            findings.push(wrong.label(operation.span, "this operation").label(zone.span, "this zone"));
+        }
+    }
+}
+
+/// An operation with the index of the zone in which it stays.
+fn in_zone(operations: &[AssayOperation], place: usize) -> Option<(&AssayOperation, usize)> {
+    let operation = operations.get(place)?;
+    Some((operation, operation.zone?.zone))
+}
