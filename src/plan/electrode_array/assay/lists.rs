@@ -4,14 +4,13 @@
 //! list begins with the agent whose errands take longest. Where an agent finds no course, it and those that meet on the way to it
 //! come first in the next list. Once there is a plan, its list is changed: one agent goes to another place, or all agents of one
 //! droplet, every other time of one that is done last, go further to the front. The new list is kept if it is no worse. The agents of a
-//! first list also take their turns by time ([`Turns`]): of both plans the better one counts. Of many agents that is mostly the only one.
+//! first list also take their turns by time ([`TurnOrder`]): of both plans the better one counts. Of many agents that is mostly the only one.
 
 use super::super::board::{BoardCosts, BoardObjective, CellIndex, HeldBoardPlan};
 use super::bookings::{BookedCourse, Bookings, NEVER};
 use super::bound::AssayBounds;
 use super::replay::done_at;
 use super::route::{Ahead, Course, RouteQuery, Router};
-use super::turns::Turns;
 use super::{AgentCourse, AssayPlan, AssayProblem, Errand, ErrandPlace, bound};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
@@ -85,7 +84,8 @@ fn first_eager(
         if planner.meter.left().steps == 0 {
             break;
         }
-        let terms = ListTerms { kept_separations: KEPT_SEPARATIONS[nth % KEPT_SEPARATIONS.len()], turns: Turns::Eager };
+        let terms =
+            ListTerms { kept_separations: KEPT_SEPARATIONS[nth % KEPT_SEPARATIONS.len()], turns: TurnOrder::Eager };
         match planner.courses(&list, terms) {
             Ok(courses) => return Some(FirstList { courses, list, terms }),
             Err(failed) => {
@@ -108,7 +108,7 @@ fn first_eager(
 /// The courses of a list whose agents take their turns by time. Other lists hardly change them.
 fn first_patient(planner: &mut ListPlanner, list: &[usize]) -> Option<Vec<AgentCourse>> {
     KEPT_SEPARATIONS.iter().find_map(|kept_separations| {
-        let terms = ListTerms { kept_separations: *kept_separations, turns: Turns::Patient };
+        let terms = ListTerms { kept_separations: *kept_separations, turns: TurnOrder::Patient };
         planner.courses(list, terms).ok()
     })
 }
@@ -233,12 +233,21 @@ fn below(random: &mut SplitMix64, count: usize) -> usize {
     (random.next_u64() % count.max(1) as u64) as usize
 }
 
+/// In which order agents take their turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum TurnOrder {
+    /// That of the list.
+    Eager,
+    /// That of time.
+    Patient,
+}
+
 /// How a list is gone through.
 #[derive(Debug, Clone, Copy)]
 struct ListTerms {
     /// For how many instants, in separations, the start of an agent without a course is kept for it.
     kept_separations: u32,
-    turns: Turns,
+    turns: TurnOrder,
 }
 
 pub(super) struct ListPlanner<'a, 'm> {
@@ -364,7 +373,7 @@ impl ListPlanner<'_, '_> {
     }
 
     /// Plans the course of an agent to its end, or to where it waits for another one.
-    fn go_on(&mut self, progress: &mut Progress, agent: usize, turns: Turns) -> Result<(), usize> {
+    fn go_on(&mut self, progress: &mut Progress, agent: usize, turns: TurnOrder) -> Result<(), usize> {
         let problem = self.problem;
         let first = progress.done[agent];
         let errands = &problem.errands[agent][first..];
@@ -406,8 +415,8 @@ impl ListPlanner<'_, '_> {
         };
         progress.bookings.lift(agent);
         let course = match turns {
-            Turns::Eager => self.course(&query, &progress.bookings),
-            Turns::Patient => self.late_course(query, &progress.bookings),
+            TurnOrder::Eager => self.course(&query, &progress.bookings),
+            TurnOrder::Patient => self.late_course(query, &progress.bookings),
         };
         let course = course.ok_or(agent)?;
         let own = &mut progress.courses[agent];

@@ -5,15 +5,8 @@
 //! does so when another waits for it, and who has to wait stays where it is until shortly before.
 
 use super::bookings::Bookings;
-use super::lists::{ListPlanner, Progress};
+use super::lists::{ListPlanner, Progress, TurnOrder};
 use super::route::{Course, RouteQuery};
-
-/// The order of turns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Turns {
-    Eager,
-    Patient,
-}
 
 /// How long before its time, in steps beyond those that it needs, who waits sets off or comes: if it is late with the first, with the other.
 const EARLY: [u32; 2] = [100, 800];
@@ -26,12 +19,12 @@ const SHORT_WAIT: u32 = 200;
 
 impl ListPlanner<'_, '_> {
     /// The agent that goes on next: of those that can, one whose turn it is where it goes to meet another, if there is one.
-    pub(super) fn next(&self, progress: &Progress, list: &[usize], turns: Turns) -> Option<usize> {
+    pub(super) fn next(&self, progress: &Progress, list: &[usize], turns: TurnOrder) -> Option<usize> {
         let can_go_on = || list.iter().copied().filter(|agent| self.can_go_on(progress, *agent));
         let mut in_turn = can_go_on().filter(|agent| self.is_in_turn(progress, *agent));
         let next = match turns {
-            Turns::Eager => in_turn.next(),
-            Turns::Patient => in_turn.min_by_key(|agent| self.goes_on_at(progress, *agent)),
+            TurnOrder::Eager => in_turn.next(),
+            TurnOrder::Patient => in_turn.min_by_key(|agent| self.goes_on_at(progress, *agent)),
         };
         next.or_else(|| can_go_on().next())
     }
