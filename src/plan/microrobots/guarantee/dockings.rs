@@ -1,8 +1,8 @@
 //! Robots that dock in a plan that is carried out as written: when they touch, and whether they then stick in their places.
 
-use super::passages::{Looks, NearStretch, apart_um};
-use super::stray::Stray;
-use super::written::WrittenPlan;
+use super::outline::WrittenPlan;
+use super::passages::{DistanceLooks, NearStretch, apart_um};
+use super::stray::StrayBound;
 use crate::device::microrobots::{Errors, wrapped_rad};
 use crate::geometry::Pose;
 use crate::plan::microrobots::AssemblyStage;
@@ -68,21 +68,19 @@ impl StructureOffset {
     }
 }
 
-impl WrittenPlan<'_> {
-    /// Whether two robots come together in a docking that this leg belongs to.
-    pub fn are_docking(&self, robots: [usize; 2], leg: usize) -> bool {
-        self.dockings.iter().any(|docking| {
-            let docks = |robot: usize| docking.robots.iter().any(|(other, _)| *other == robot);
-            let is_in = |robot: usize| docks(robot) || docking.partners.contains(&robot);
-            let is_time = docking.first_leg <= leg && leg <= docking.leg;
-            is_time && robots.into_iter().all(is_in) && robots.into_iter().any(docks)
-        })
+impl PlannedDocking {
+    /// Whether two robots come together in it, and this leg belongs to it.
+    pub fn brings_together(&self, robots: [usize; 2], leg: usize) -> bool {
+        let docks = |robot: usize| self.robots.iter().any(|(other, _)| *other == robot);
+        let is_in = |robot: usize| docks(robot) || self.partners.contains(&robot);
+        let is_time = self.first_leg <= leg && leg <= self.leg;
+        is_time && robots.into_iter().all(is_in) && robots.into_iter().any(docks)
     }
 }
 
 /// The dockings of a plan in order of time; `None` if a robot docks where nothing surely stops it.
 pub fn dockings(plan: &WrittenPlan, stages: &[&AssemblyStage]) -> Option<Vec<PlannedDocking>> {
-    let mut looks = Looks::new();
+    let mut looks = DistanceLooks::new();
     let mut found = Vec::new();
     for stage in stages {
         let robots = match **stage {
@@ -95,7 +93,7 @@ pub fn dockings(plan: &WrittenPlan, stages: &[&AssemblyStage]) -> Option<Vec<Pla
     Some(found)
 }
 
-fn docking(plan: &WrittenPlan, robots: Vec<(usize, Pose)>, looks: &mut Looks) -> Option<PlannedDocking> {
+fn docking(plan: &WrittenPlan, robots: Vec<(usize, Pose)>, looks: &mut DistanceLooks) -> Option<PlannedDocking> {
     let leg = plan.docks[robots.first()?.0]?;
     if robots.iter().any(|(robot, _)| plan.docks[*robot] != Some(leg)) {
         return None;
@@ -180,7 +178,7 @@ fn off_goal(length_um: f64, pose: Pose, goal: Pose) -> [f64; 2] {
 }
 
 /// How far from their places the robots of a docking are once they touch, and the structure with them.
-struct Contact {
+struct DockingContact {
     early_um: f64,
     late_um: f64,
     from_leg: usize,
@@ -196,7 +194,7 @@ struct Contact {
 pub fn displaced(
     plan: &WrittenPlan,
     docking: &PlannedDocking,
-    (strays, errors): (&[Stray], &Errors),
+    (strays, errors): (&[StrayBound], &Errors),
     (standing, structure): (&mut [Option<Docked>], &mut Option<StructureOffset>),
 ) -> Option<()> {
     let robots: Vec<usize> = docking.robots.iter().map(|(robot, _)| *robot).collect();
@@ -233,9 +231,9 @@ pub fn displaced(
 fn contact(
     plan: &WrittenPlan,
     docking: &PlannedDocking,
-    (strays, errors): (&[Stray], &Errors),
+    (strays, errors): (&[StrayBound], &Errors),
     needs_um: f64,
-) -> Option<Contact> {
+) -> Option<DockingContact> {
     let off_um = SECOND_ORDER * needs_um;
     if !docking.is_met(plan, off_um) {
         return None;
@@ -243,7 +241,7 @@ fn contact(
     let late_um = SECOND_ORDER * (3.0 * off_um + docking.gap_um);
     let bent_rad = errors.turning_rad_per_um * late_um * (1.0 + errors.speed_ratio);
     let touching = || docking.touching(needs_um);
-    let mut contact = Contact {
+    let mut contact = DockingContact {
         early_um: touching().map(|stretch| stretch.left_um).fold(0.0, f64::max),
         late_um,
         from_leg: touching().map(|stretch| stretch.leg).min()?,
@@ -269,7 +267,7 @@ fn contact(
 fn single(
     plan: &WrittenPlan,
     docking: &PlannedDocking,
-    contact: &Contact,
+    contact: &DockingContact,
     (structure, partner_um): (StructureOffset, f64),
 ) -> Option<f64> {
     let (robot, goal) = docking.robots[0];
@@ -283,7 +281,7 @@ fn single(
 }
 
 /// The structure of two robots that align themselves.
-fn pair(plan: &WrittenPlan, docking: &PlannedDocking, contact: &Contact) -> Option<StructureOffset> {
+fn pair(plan: &WrittenPlan, docking: &PlannedDocking, contact: &DockingContact) -> Option<StructureOffset> {
     let limits = plan.order.facts.docking;
     let facts = plan.order.robot(docking.robots[0].0);
     let between_rad = contact.tilt_rad[0] + contact.tilt_rad[1];

@@ -15,6 +15,7 @@
 
 mod dockings;
 mod fine;
+mod outline;
 mod pair;
 mod passages;
 mod room;

@@ -2,7 +2,7 @@
 //!
 //! Method: conservative advancement. Between two looks no body moves farther than the distance that is taken off at the first one.
 
-use super::written::WrittenPlan;
+use super::outline::WrittenPlan;
 use crate::device::microrobots::Arm;
 use crate::geometry::distance::quadrilateral_core;
 use crate::geometry::{Core, Pose};
@@ -38,11 +38,11 @@ pub struct NearStretch {
 }
 
 /// Budget of looks.
-pub struct Looks(u32);
+pub struct DistanceLooks(u32);
 
-impl Looks {
+impl DistanceLooks {
     pub fn new() -> Self {
-        Looks(MAX_LOOKS)
+        DistanceLooks(MAX_LOOKS)
     }
 
     /// The stretches of a leg in which two bodies are nearer than [`FAR_UM`]; `None` when the budget runs out. The distance is taken
@@ -101,7 +101,7 @@ impl WrittenPlan<'_> {
     }
 
     /// The stretches of a leg in which two robots are near to one another.
-    pub fn near(&self, looks: &mut Looks, [robot, other]: [usize; 2], leg: usize) -> Option<Vec<NearStretch>> {
+    pub fn near(&self, looks: &mut DistanceLooks, [robot, other]: [usize; 2], leg: usize) -> Option<Vec<NearStretch>> {
         let rate_um = self.rate_um(robot, leg) + self.rate_um(other, leg);
         looks.stretches(self.legs[leg].strokes, rate_um, |strokes| {
             apart_um(&self.body(robot, leg, strokes), &self.body(other, leg, strokes))
@@ -118,14 +118,14 @@ pub fn apart_um(one: &BodyCorners, other: &BodyCorners) -> f64 {
 }
 
 /// All passages of a plan, apart from those of robots and the partners with which they dock; `None` when there is too much to look at.
-pub fn passages(plan: &WrittenPlan) -> Option<Vec<Passage>> {
-    let (solids, mut looks, mut found) = (obstacles(plan.order), Looks::new(), Vec::new());
+pub fn passages(plan: &WrittenPlan, are_docking: impl Fn([usize; 2], usize) -> bool) -> Option<Vec<Passage>> {
+    let (solids, mut looks, mut found) = (obstacles(plan.order), DistanceLooks::new(), Vec::new());
     let least_um =
         |stretches: Vec<NearStretch>| stretches.iter().map(|stretch| stretch.least_um).min_by(f64::total_cmp);
     for leg in 0..plan.legs.len() {
         for robot in 0..plan.docks.len() {
             for other in (0..robot).filter(|other| plan.moves(robot, leg) || plan.moves(*other, leg)) {
-                if plan.are_docking([robot, other], leg) {
+                if are_docking([robot, other], leg) {
                     continue;
                 }
                 let near = least_um(plan.near(&mut looks, [robot, other], leg)?);

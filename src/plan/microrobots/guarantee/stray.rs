@@ -6,16 +6,16 @@ use crate::real::Real;
 /// Bounds on the distance of the centre of a robot's orbit from that of the plan, and on the difference of headings. With both, a
 /// point of the body is off by at most the first plus its own distance from the centre times the second.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stray {
+pub struct StrayBound {
     pub centre_um: f64,
     pub heading_rad: f64,
 }
 
-impl Stray {
+impl StrayBound {
     /// A robot that was measured where the plan begins.
     pub fn measured(robot: &Robot, errors: &Errors) -> Self {
         let heading_rad = errors.heading_rad;
-        Stray { centre_um: errors.place_um + robot.turning_radius_um * heading_rad, heading_rad }
+        StrayBound { centre_um: errors.place_um + robot.turning_radius_um * heading_rad, heading_rad }
     }
 
     /// After a nominal path with the arm down or up.
@@ -29,13 +29,13 @@ impl Stray {
         let longer_um = errors.speed_ratio * way_um;
         let creep_um = radius_um * bent_rad;
         match arm {
-            Arm::Down => Stray {
+            Arm::Down => StrayBound {
                 centre_um: self.centre_um + creep_um,
                 heading_rad: self.heading_rad + longer_um / radius_um + bent_rad,
             },
             Arm::Up => {
                 let heading_rad = self.heading_rad + bent_rad;
-                Stray { centre_um: self.centre_um + longer_um + way_um * heading_rad + creep_um, heading_rad }
+                StrayBound { centre_um: self.centre_um + longer_um + way_um * heading_rad + creep_um, heading_rad }
             }
         }
     }

@@ -12,12 +12,11 @@
 //! (`dockings`); then they must be within the limits of sticking and self-alignment, and the structure is displaced by as much.
 
 use super::dockings::{Docked, PlannedDocking, displaced, dockings};
+use super::outline::WrittenPlan;
 use super::passages::{FAR_UM, Passage, passages};
-use super::stray::Stray;
-use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep};
+use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::Errors;
-use crate::geometry::Pose;
-use crate::plan::microrobots::{Leg, MicrorobotsMotion, MicrorobotsStepMotion};
+use crate::plan::microrobots::{MicrorobotsMotion, MicrorobotsStepMotion};
 
 /// Largest multiple of the errors that is looked for.
 const MAX_MULTIPLE: f64 = 1024.0;
@@ -25,105 +24,39 @@ const MAX_MULTIPLE: f64 = 1024.0;
 /// Halvings of the interval in which the largest multiple lies.
 const HALVINGS: usize = 40;
 
-/// Most legs of a plan that is looked at.
-const MAX_LEGS: usize = 20_000;
-
-/// A plan as it is carried out without corrections.
-pub struct WrittenPlan<'a> {
-    pub order: &'a MicrorobotsOrder,
-    /// Legs of all steps in order of time.
-    pub legs: Vec<Leg>,
-    /// Nominal poses of all robots before each leg, and after the last one.
-    pub poses: Vec<Vec<Pose>>,
-    /// By robot: the leg after which it stands, if it docks.
-    pub docks: Vec<Option<usize>>,
+/// A plan with all that may touch in it.
+struct InspectedPlan<'a> {
+    plan: WrittenPlan<'a>,
     passages: Vec<Passage>,
-    pub dockings: Vec<PlannedDocking>,
+    dockings: Vec<PlannedDocking>,
 }
 
-impl<'a> WrittenPlan<'a> {
-    /// Without its passages and dockings. `None` where robots are driven in closed loop, where they do not begin where the scene has
-    /// them, but where an earlier task left them, or where the plan is too long to be looked at.
-    fn outline(order: &'a MicrorobotsOrder, motion: &MicrorobotsMotion) -> Option<Self> {
-        let is_driven = |step: &MicrorobotsStep| matches!(step.action, MicrorobotsAction::Drive { .. });
-        let is_at_start = |(robot, pose): (usize, &Pose)| order.robots[robot].pose == *pose;
-        let is_measured = motion.start.poses.iter().enumerate().all(is_at_start);
-        if order.steps.iter().any(is_driven) || motion.start.docked.contains(&true) || !is_measured {
-            return None;
-        }
-        let mut crew = motion.start.clone();
-        let docks = vec![None; crew.poses.len()];
-        let poses = vec![crew.poses.clone()];
-        let (passages, dockings) = (Vec::new(), Vec::new());
-        let mut plan = WrittenPlan { order, legs: Vec::new(), poses, docks, passages, dockings };
-        for step in &motion.steps {
-            let MicrorobotsStepMotion::Legs { legs, docks, .. } = step else { continue };
-            if docks.iter().any(|dock| dock.leg >= legs.len()) || plan.legs.len() + legs.len() > MAX_LEGS {
-                return None;
-            }
-            docks.iter().for_each(|dock| plan.docks[dock.robot] = Some(plan.legs.len() + dock.leg));
-            for (index, leg) in legs.iter().enumerate() {
-                crew.follow(order, (index, leg), docks);
-                plan.legs.push(*leg);
-                plan.poses.push(crew.poses.clone());
-            }
-        }
-        Some(plan)
-    }
-
-    /// Looks at all that may touch; `None` where that is too much, or where a robot docks with nothing that surely stops it.
-    fn looked_at(mut self, motion: &MicrorobotsMotion) -> Option<Self> {
+impl<'a> InspectedPlan<'a> {
+    /// `None` where that is too much, or where a robot docks with nothing that surely stops it.
+    fn of(plan: WrittenPlan<'a>, motion: &MicrorobotsMotion) -> Option<Self> {
         let stages: Vec<_> = motion.steps.iter().flat_map(MicrorobotsStepMotion::stages).collect();
-        self.dockings = dockings(&self, &stages)?;
-        self.passages = passages(&self)?;
-        (!self.dockings.is_empty()).then_some(self)
-    }
-
-    /// Whether a robot moves in a leg.
-    pub fn moves(&self, robot: usize, leg: usize) -> bool {
-        self.docks[robot].is_none_or(|last| leg <= last)
-    }
-
-    /// Bounds on how far each robot is from the plan before each leg, and after the last one, with errors.
-    pub fn strays(&self, errors: &Errors) -> Vec<Vec<Stray>> {
-        let begin = |robot: usize| Stray::measured(self.order.robot(robot), errors);
-        let mut now: Vec<Stray> = (0..self.docks.len()).map(begin).collect();
-        let mut all = vec![now.clone()];
-        for (at, leg) in self.legs.iter().enumerate() {
-            for (robot, stray) in now.iter_mut().enumerate().filter(|(robot, _)| self.moves(*robot, at)) {
-                let (facts, row) = (self.order.robot(robot), self.order.robots[robot].row);
-                let arm = self.order.states[leg.state].arms[row];
-                *stray = stray.after(facts, arm, facts.step_um * leg.strokes as f64, errors);
-            }
-            all.push(now.clone());
-        }
-        all
-    }
-
-    /// Whether a robot that docks is at the end of its legs farther from its place than the controller accepts, without any look.
-    fn is_hopeless(&self, errors: &Errors) -> bool {
-        let most_um = self.order.facts.docking.tolerance_um.max(self.order.precision.place_um);
-        let strays = self.strays(errors);
-        let off_um = |robot: usize, leg: usize| strays[leg + 1][robot].place_um(self.order.robot(robot));
-        (0..self.docks.len()).any(|robot| self.docks[robot].is_some_and(|leg| off_um(robot, leg) > most_um))
+        let dockings = dockings(&plan, &stages)?;
+        let are_docking = |robots, leg| dockings.iter().any(|docking| docking.brings_together(robots, leg));
+        let passages = passages(&plan, are_docking)?;
+        (!dockings.is_empty()).then_some(InspectedPlan { plan, passages, dockings })
     }
 
     /// Path on which the last robots are pushed on, so that they surely touch, with errors; `None` where success is not certain.
     fn pushed_um(&self, errors: &Errors) -> Option<f64> {
-        let strays = self.strays(errors);
-        let mut standing: Vec<Option<Docked>> = vec![None; self.docks.len()];
+        let strays = self.plan.strays(errors);
+        let mut standing: Vec<Option<Docked>> = vec![None; self.plan.docks.len()];
         let mut structure = None;
         for docking in &self.dockings {
-            displaced(self, docking, (&strays[docking.leg + 1], errors), (&mut standing, &mut structure))?;
+            displaced(&self.plan, docking, (&strays[docking.leg + 1], errors), (&mut standing, &mut structure))?;
         }
         let pushed_um = self.last_push_um(&standing)?;
         let strays_um = |robot: usize, leg: usize| {
-            let body_um = strays[leg + 1][robot].body_um(self.order.robot(robot));
+            let body_um = strays[leg + 1][robot].body_um(self.plan.order.robot(robot));
             match standing[robot] {
-                Some(docked) if !self.moves(robot, leg) => docked.body_um,
+                Some(docked) if !self.plan.moves(robot, leg) => docked.body_um,
                 // It may be stopped already.
                 Some(docked) if leg >= docked.from_leg => body_um + docked.early_um,
-                None if leg + 1 == self.legs.len() => body_um + self.swung(robot) * pushed_um,
+                None if leg + 1 == self.plan.legs.len() => body_um + self.swung(robot) * pushed_um,
                 Some(_) | None => body_um,
             }
         };
@@ -131,15 +64,15 @@ impl<'a> WrittenPlan<'a> {
             let other_um = passage.other.map_or(0.0, |other| strays_um(other, passage.leg));
             strays_um(passage.robot, passage.leg) + other_um < passage.least_um
         };
-        let is_near = |robot: usize| (0..self.legs.len()).all(|leg| strays_um(robot, leg) < FAR_UM / 2.0);
-        let is_sure = (0..self.docks.len()).all(is_near) && self.passages.iter().all(is_clear);
+        let is_near = |robot: usize| (0..self.plan.legs.len()).all(|leg| strays_um(robot, leg) < FAR_UM / 2.0);
+        let is_sure = (0..self.plan.docks.len()).all(is_near) && self.passages.iter().all(is_clear);
         is_sure.then_some(pushed_um)
     }
 
     /// Most by which a point of a robot that is not docked moves for each micrometre on which others are pushed.
     fn swung(&self, robot: usize) -> f64 {
-        let facts = self.order.robot(robot);
-        let steps_um = (0..self.docks.len()).map(|other| self.order.robot(other).step_um);
+        let facts = self.plan.order.robot(robot);
+        let steps_um = (0..self.plan.docks.len()).map(|other| self.plan.order.robot(other).step_um);
         let faster = facts.step_um / steps_um.fold(f64::INFINITY, f64::min);
         faster * (facts.orbit_reach_um() / facts.turning_radius_um).max(1.0)
     }
@@ -148,14 +81,14 @@ impl<'a> WrittenPlan<'a> {
     fn last_push_um(&self, standing: &[Option<Docked>]) -> Option<f64> {
         for (at, docking) in self.dockings.iter().enumerate() {
             let docked = standing[docking.robots.first()?.0]?;
-            let facts = self.order.robot(docking.robots[0].0);
+            let facts = self.plan.order.robot(docking.robots[0].0);
             let next = self.dockings.get(at + 1);
-            if next.is_none() && docking.leg + 1 == self.legs.len() {
+            if next.is_none() && docking.leg + 1 == self.plan.legs.len() {
                 return Some(docked.late_um);
             }
-            let last = next.map_or(self.legs.len(), |next| next.leg + 1);
+            let last = next.map_or(self.plan.legs.len(), |next| next.leg + 1);
             let early_um = next.and_then(|next| standing[next.robots.first()?.0]).map_or(0.0, |next| next.early_um);
-            let strokes: u64 = self.legs[docking.leg + 1..last].iter().map(|leg| leg.strokes).sum();
+            let strokes: u64 = self.plan.legs[docking.leg + 1..last].iter().map(|leg| leg.strokes).sum();
             if facts.step_um * strokes as f64 - early_um < docked.late_um {
                 return None;
             }
@@ -167,7 +100,7 @@ impl<'a> WrittenPlan<'a> {
 /// By how much the errors of the device may be multiplied so that the plan as written surely succeeds: 0 where nothing is known, at
 /// most [`MAX_MULTIPLE`].
 pub fn borne(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> f64 {
-    let plan = WrittenPlan::outline(order, motion).and_then(|plan| plan.looked_at(motion));
+    let plan = WrittenPlan::of(order, motion).and_then(|plan| InspectedPlan::of(plan, motion));
     let Some((plan, errors)) = plan.zip(order.facts.errors) else { return 0.0 };
     let is_sure = |multiple: f64| plan.pushed_um(&scaled(&errors, multiple)).is_some();
     let (mut low, mut high) = (0.0, 1.0);
@@ -190,11 +123,11 @@ pub fn carried_out_as_written(order: &MicrorobotsOrder, motion: &MicrorobotsMoti
     if errors.are_zero() {
         return Some(0.0);
     }
-    let plan = WrittenPlan::outline(order, motion)?;
+    let plan = WrittenPlan::of(order, motion)?;
     if plan.is_hopeless(&errors) {
         return None;
     }
-    plan.looked_at(motion)?.pushed_um(&errors)
+    InspectedPlan::of(plan, motion)?.pushed_um(&errors)
 }
 
 /// Errors multiplied.
