@@ -191,7 +191,7 @@ pub struct Unit {
 const CELSIUS_ZERO_K: f64 = 273.15;
 
 /// The unit of temperatures whose zero is not that of its base unit; it stands alone, and not in products.
-const CELSIUS: &str = "degC";
+pub const CELSIUS: &str = "degC";
 
 /// The units that take the prefixes of [`PREFIXES`]: name, power of ten of the unit itself in base units, dimension.
 pub(crate) const PREFIXED: &[(&str, i32, Dimension)] = &[

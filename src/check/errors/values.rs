@@ -5,7 +5,7 @@ use crate::check::scope::function_form;
 use crate::check::value::Value;
 use crate::device;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::{Dimension, Quantity, Unit, digits};
+use crate::quantity::{self, Dimension, Quantity, Unit, digits};
 use crate::source::Span;
 use crate::syntax::tree::{Expr, ExprKind, Ident};
 
@@ -235,7 +235,8 @@ const SPELT_OUT: [(&str, &str); 24] = [
 ];
 
 pub fn unknown_unit(span: Span, part: &str, near: Option<&str>) -> Diagnostic {
-    let list = "units are m s V A N J W Hz g F C Pa K with prefixes f p n u m c d k M G T, and deg rad turn min h %";
+    let list =
+        "units are m s V A N J W Hz g F C Pa K with prefixes f p n u m c d k M G T, and deg rad turn min h % degC";
     let spelt_out = SPELT_OUT.iter().find(|(word, _)| *word == part.to_lowercase()).map(|(_, unit)| *unit);
     let pair =
         part.strip_prefix(['x', 'X']).filter(|rest| !rest.is_empty() && rest.bytes().all(|b| b.is_ascii_digit()));
@@ -243,6 +244,11 @@ pub fn unknown_unit(span: Span, part: &str, near: Option<&str>) -> Diagnostic {
         return Diagnostic::new(Code::E0303, format!("no unit is called `{part}`"))
             .label(span, "not a unit")
             .help(format!("write two numbers in brackets, as `(2, {second})`"));
+    }
+    if part == quantity::CELSIUS {
+        return Diagnostic::new(Code::E0303, "`degC` stands in no product of units")
+            .label(span, "its zero is not that of a product")
+            .help("write `degC` alone, as in `60 degC`, and `K` for a difference of temperatures");
     }
     Diagnostic::new(Code::E0303, format!("no unit is called `{part}`"))
         .label(span, "unknown unit")

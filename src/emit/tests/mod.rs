@@ -228,7 +228,7 @@ fn json_keeps_to_its_schema() {
 
 #[test]
 fn numbers_of_json_have_one_unit_each_at_the_end_of_their_keys() {
-    const UNITS: [&str; 8] = ["um", "deg", "ns", "v", "hz", "v_per_um", "v_per_s", "j"];
+    const UNITS: [&str; 10] = ["um", "deg", "ns", "v", "hz", "v_per_um", "v_per_s", "um_per_s", "um_per_s2", "j"];
     /// A factor, and what stands beside a `unit`: that of the plan, or that of the channel.
     const WITHOUT: [&str; 5] = ["gain", "cost", "bound", "from", "to"];
     let schema: serde_json::Value =

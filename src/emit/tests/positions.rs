@@ -105,6 +105,25 @@ fn gcode_says_where_all_axes_are_at_their_common_instants() {
 }
 
 #[test]
+fn gcode_is_refused_below_the_least_feed_of_its_interpreter() {
+    // The first move is 10 um in 0.1 s: 6 mm a minute.
+    let slowed = |times: u64| {
+        fixture::changed(&fixture::hand().0, |schedule| {
+            schedule.duration_ns *= times;
+            for actuation in &mut schedule.actuations {
+                (actuation.start_ns, actuation.duration_ns) =
+                    (times * actuation.start_ns, times * actuation.duration_ns);
+            }
+        })
+    };
+    assert!(emit(Format::Gcode, &slowed(50), &Provenance::default()).is_ok());
+    let error = emit(Format::Gcode, &slowed(100), &Provenance::default()).unwrap_err().diagnostic();
+    assert_eq!(error.code, Code::E0831);
+    let help = error.help.expect("a mend");
+    assert!(help.contains("speeds 1.7 times as high"), "{help}");
+}
+
+#[test]
 fn gcode_has_a_file_for_every_three_fingers_and_none_for_voltages() {
     let (hand, _) = fixture::hand();
     let many = fixture::changed(&hand, |schedule| {

@@ -24,11 +24,12 @@ pub fn limit(errors: &Errors, multiple: f64) -> String {
     format!("up to {turning} deg/mm of turning error and {share} % of all errors of the device")
 }
 
-/// The first two digits of a positive number.
+/// A positive number down to its first two digits.
 fn lowered(value: f64) -> f64 {
-    let text = format!("{value:.17e}");
-    let cut = text.split_once('e').and_then(|(digits, exponent)| Some(format!("{}e{exponent}", digits.get(..3)?)));
-    cut.and_then(|text| text.parse().ok()).unwrap_or(0.0)
+    // The shortest decimal that is this number: its digits are cut, not those of the binary fraction.
+    let text = format!("{value:e}");
+    let Some((digits, exponent)) = text.split_once('e') else { return 0.0 };
+    format!("{}e{exponent}", digits.get(..3).unwrap_or(digits)).parse().unwrap_or(0.0)
 }
 
 impl Containment {

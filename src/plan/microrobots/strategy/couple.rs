@@ -1,6 +1,6 @@
 //! The first two robots: making their paths end at the same time, and steering both with one cycle.
 
-use super::{Driver, GoalFrame, Phase, Pursuit, angle, bent, steered};
+use super::{Driver, GoalFrame, Phase, Pursuit, steered};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
 use crate::real::Real;
@@ -21,20 +21,8 @@ const SLIDE_SHARE: f64 = 0.5;
 /// Largest single slide of the intermediate pose.
 const SLIDE_STEP_UM: f64 = 30.0;
 
-/// Errors of a heading that a robot may turn on a straight run from which its curvature is learned.
-const SURE_RUN: f64 = 4.0;
-
 /// Least effect per micrometre for a slide to be useful.
 const LEAST_EFFECT: f64 = 0.2;
-
-/// Errors that a run of the first robot has shown.
-#[derive(Debug, Clone, Copy, Default)]
-struct RunLesson {
-    /// Curvature of its path while its arm is up, counter-clockwise.
-    turn_per_um: f64,
-    /// By how much it comes later than it seemed when it began to run.
-    late_um: f64,
-}
 
 /// Two robots that must meet.
 #[derive(Debug, Clone)]
@@ -50,9 +38,6 @@ pub struct Couple<'a> {
     /// Shift back by whole circles of the second robot, where it would otherwise have too little time.
     back_um: f64,
     slid_um: f64,
-    /// Pose at which the first robot began its run, and how late it seemed to be.
-    begun: (Pose, f64),
-    lesson: RunLesson,
 }
 
 impl<'a> Couple<'a> {
@@ -66,8 +51,7 @@ impl<'a> Couple<'a> {
         let drivers = [Driver::new(order, first)?, Driver::new(order, second)?];
         let ratio = drivers[1].robot.step_um / drivers[0].robot.step_um;
         let missed_um = MISSED_SHARE * order.facts.fine.length_um;
-        let (begun, lesson) = ((intermediate, 0.0), RunLesson::default());
-        Some(Couple { drivers, ratio, approach, missed_um, intermediate, back_um: 0.0, slid_um: 0.0, begun, lesson })
+        Some(Couple { drivers, ratio, approach, missed_um, intermediate, back_um: 0.0, slid_um: 0.0 })
     }
 
     /// Most that the intermediate pose slides.
@@ -75,13 +59,8 @@ impl<'a> Couple<'a> {
         SLIDE_SHARE * self.drivers[0].robot.turning_radius_um
     }
 
-    /// Pose at which the first robot's own drive should end, moved back by its slide; off the line by as much as its last run led it
-    /// astray.
+    /// Pose at which the first robot's own drive should end, moved back by its slide.
     pub fn intermediate(&self) -> Pose {
-        if self.lesson.turn_per_um != 0.0 {
-            let run_um = self.run_um(self.intermediate) + self.slid_um + self.back_um;
-            return bent(self.approach[0], self.lesson.turn_per_um, -run_um);
-        }
         let (sin, cos) = self.approach[0].heading_rad.sine_cosine();
         let at = self.intermediate;
         let off_um = self.slid_um + self.back_um;
@@ -120,33 +99,6 @@ impl<'a> Couple<'a> {
         (self.approach[0].x_um - from.x_um) * cos + (self.approach[0].y_um - from.y_um) * sin
     }
 
-    /// The first robot begins its run from here, and seems to be late by so much.
-    pub fn begin_run(&mut self, measured: Pose, late_um: f64) {
-        self.begun = (measured, late_um);
-    }
-
-    /// Learns from a run at whose end the two were too far from each other: errors that stay would lead the next one astray as well.
-    pub fn learn(&mut self, second: &Pursuit, measured: [Pose; 2]) {
-        let (from, late_um) = self.begun;
-        let errors = self.drivers[0].errors;
-        let run_um = (measured[0].x_um - from.x_um).hypotenuse(measured[0].y_um - from.y_um);
-        // On a shorter run the measured headings say less than half of what is unknown.
-        if SURE_RUN * errors.heading_rad <= errors.turning_rad_per_um * run_um && run_um > 0.0 {
-            let most_per_um = errors.turning_rad_per_um * (1.0 + errors.speed_ratio);
-            let turned_rad = angle(measured[0].heading_rad - from.heading_rad);
-            self.lesson.turn_per_um = (turned_rad / run_um).clamp(-most_per_um, most_per_um);
-        }
-        let left_um = self.run_um(measured[0]) - second.left_um(&self.drivers[1], measured[1]) / self.ratio;
-        self.lesson.late_um = self.within_circle(self.lesson.late_um + left_um - late_um);
-    }
-
-    /// A distance of the first robot's path, reduced by whole circles of the second to half of one at most, to either side.
-    fn within_circle(&self, way_um: f64) -> f64 {
-        let circle_um = self.circle_um();
-        let reduced_um = way_um.rem_euclid(circle_um);
-        if reduced_um > circle_um / 2.0 { reduced_um - circle_um } else { reduced_um }
-    }
-
     /// Delay of the first robot, as a distance, if both were driven to their approaches, the first via the intermediate pose;
     /// between minus and plus half of the second one's circle.
     pub fn late_um(&self, pursuits: [&Pursuit; 2], measured: [Pose; 2]) -> f64 {
@@ -157,7 +109,9 @@ impl<'a> Couple<'a> {
             }
         };
         let second_um = pursuits[1].left_um(&self.drivers[1], measured[1]) / self.ratio;
-        self.within_circle(first_um - second_um + self.lesson.late_um)
+        let circle_um = self.circle_um();
+        let late_um = (first_um - second_um).rem_euclid(circle_um);
+        if late_um > circle_um / 2.0 { late_um - circle_um } else { late_um }
     }
 
     /// Slides the intermediate pose so that both arrive at the same time, as far as that helps.

@@ -24,8 +24,7 @@
 //! the second is driven. They arrive simultaneously if the first has as far to run along its line as the second has to its
 //! approach; a delay of the first is compensated by sliding the pose at which its own drive ends along its line, and, where that
 //! does not help, by a racetrack. If they still miss each other by too much of the fine motion, everything restarts from the
-//! measured poses, with the curvature of the first one's run and its delay as the last round showed them: errors that stay would make
-//! every round miss in the same way. In the fine motion the first turns for at most, the second for at least half of a cycle, so that each can be
+//! measured poses. In the fine motion the first turns for at most, the second for at least half of a cycle, so that each can be
 //! steered independently; they stick together where they meet.
 
 mod approach;

@@ -171,7 +171,6 @@ impl<'a> PairStage<'a> {
             let late_um = couple.late_um([&*pursuit, &*second], measured);
             let is_there = couple.drivers[0].accepted().holds(pursuit.approach, measured[0]);
             if is_there && late_um.abs() <= couple.begun_um() {
-                couple.begin_run(measured[0], late_um);
                 (self.doing, self.intervals) = (PairState::Meeting, 0);
                 return Progress::Done;
             }
@@ -200,9 +199,6 @@ impl<'a> PairStage<'a> {
         let is_there = pursuit.phase == Phase::Arrived && driver.accepted().holds(pursuit.approach, measured[1]);
         if is_there || is_passed {
             self.doing = if self.is_within_reach(belief, measured) { PairState::Fine } else { PairState::Begin };
-            if self.doing == PairState::Begin {
-                self.couple.learn(&self.pursuits[1], measured);
-            }
             return Progress::Done;
         }
         if pursuit.phase == Phase::Arrived {
