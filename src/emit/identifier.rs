@@ -8,15 +8,30 @@ pub fn distinct<'a>(words: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     distinct_by(words, plain)
 }
 
+/// As [`distinct`], for the fields of one message: they also differ without `_`, which readers of protobuf leave out of the names of
+/// JSON (`e1_13` and `e11_3` are `e113` there, and such a message is refused).
+pub fn distinct_fields<'a>(words: impl IntoIterator<Item = &'a str>) -> Vec<String> {
+    distinct_in(words, plain, |name| name.to_ascii_lowercase().replace('_', ""))
+}
+
 /// As [`distinct`], in a wider grammar: `plain` gives each word in it.
 pub fn distinct_by<'a>(words: impl IntoIterator<Item = &'a str>, plain: impl Fn(&str) -> String) -> Vec<String> {
+    distinct_in(words, plain, str::to_ascii_lowercase)
+}
+
+/// No two names have the same `key`.
+fn distinct_in<'a>(
+    words: impl IntoIterator<Item = &'a str>,
+    plain: impl Fn(&str) -> String,
+    key: impl Fn(&str) -> String,
+) -> Vec<String> {
     let mut taken = BTreeSet::new();
     let mut names = Vec::new();
     for word in words {
         let plain = plain(word);
         let mut name = plain.clone();
         let mut number = 2;
-        while !taken.insert(name.to_ascii_lowercase()) {
+        while !taken.insert(key(&name)) {
             name = format!("{plain}_{number}");
             number += 1;
         }
@@ -41,5 +56,10 @@ mod tests {
     fn identifiers_differ_where_their_words_do() {
         let names = distinct(["bl4.set", "bl4_set", "BL4.set", "4µ", "", "bl4_set_2"]);
         assert_eq!(names, ["bl4_set", "bl4_set_2", "BL4_set_3", "_4_", "_", "bl4_set_2_2"]);
+    }
+
+    #[test]
+    fn fields_differ_without_their_underscores() {
+        assert_eq!(distinct_fields(["e1_13", "e11_3", "e11_32"]), ["e1_13", "e11_3_2", "e11_32_2"]);
     }
 }

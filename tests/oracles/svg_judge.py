@@ -99,9 +99,10 @@ def held_against(plans, schedule, scene, t_ns, mark):
             near(cell, state["parts"][mark.get("data-part")], what)
             on_paper(scene, mark, [number - 1 for number in cell], what)
         case "microrobots":
-            x, y, heading = state["poses"][mark.get("data-robot")]
+            pose = state["poses"][mark.get("data-robot")]
+            x, y = pose["x_um"], pose["y_um"]
             near(numbers(mark, "x-um", "y-um"), [x, y], what)
-            turn = numbers(mark, "heading-deg")[0] - heading * 180 / 3.141592653589793
+            turn = numbers(mark, "heading-deg")[0] - pose["heading_deg"]
             demand(abs((turn + 180) % 360 - 180) < WITHIN_UM, f"{what} is turned by {turn} deg more")
             on_paper(scene, mark, [x, y], what)
         case "fingers":

@@ -89,7 +89,7 @@ pub fn topic(signals: &Signals, device: &str, unit: ChannelUnit, channels: &[usi
         bound.name().map_or_else(|| name.to_owned(), |bound| format!("{name}_{bound}"))
     });
     let short: Vec<String> = short.collect();
-    let names = identifier::distinct(short.iter().map(String::as_str));
+    let names = identifier::distinct_fields(short.iter().map(String::as_str));
     let fields = names.len() <= MAX_FIELDS && names.iter().map(String::len).sum::<usize>() <= MAX_NAME_BYTES;
     let paths = names
         .iter()

@@ -92,7 +92,7 @@ fn cells(device: &str, moments: &[PartsMoment], duration_ns: u64) -> Option<LogT
         return None;
     }
     let words: Vec<String> = names.iter().flat_map(|name| [format!("{name}_column"), format!("{name}_row")]).collect();
-    let fields = identifier::distinct(words.iter().map(String::as_str));
+    let fields = identifier::distinct_fields(words.iter().map(String::as_str));
     let numbers = |moment: &PartsMoment| {
         let cell = |name: &&String| moment.parts.get(*name).map(|cell| [cell.column, cell.row].map(f64::from));
         names.iter().flat_map(|name| cell(name).unwrap_or([f64::NAN; 2])).collect::<Vec<f64>>()

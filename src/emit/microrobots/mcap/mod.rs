@@ -83,7 +83,7 @@ fn path(course: &BedCourse, device: &str, robot: usize) -> LogTopic {
 fn arms(course: &BedCourse, device: &str, duration_ns: u64) -> Option<LogTopic> {
     let facts = &course.plans.first()?.order.facts;
     let rows = facts.robots.iter().map(|robot| robot.name.as_str());
-    let names = identifier::distinct(std::iter::once(CONTROL).chain(rows.clone()));
+    let names = identifier::distinct_fields(std::iter::once(CONTROL).chain(rows.clone()));
     let mut said: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
     for leg in course.plans.iter().flat_map(|plan| &plan.legs) {
         let before =
