@@ -13,7 +13,7 @@
 //! clearance by more than any pose of the square is off. A plan is a path in the plane to the right and up, and it is stopped by closed
 //! squares. What can be reached without entering one is searched depth first; if none of it is as far as the step needs, there is no plan.
 //!
-//! Promise: a proof for every schedule that the verifier accepts, since it is looser than the collision rules by [`LOOSE_UM`]. Not
+//! Promise: a proof for every schedule that the verifier accepts, since it is looser than the collision rules by `LOOSE_UM`. Not
 //! promised: that one is found where there is one; other robots are ignored, and so is room that only differs by where a robot has run
 //! straight. Cost: at most `MAX_SQUARES` squares along each axis, each with a look at all obstacles near.
 

@@ -98,7 +98,7 @@ impl<'a> InspectedPlan<'a> {
 }
 
 /// By how much the errors of the device may be multiplied so that the plan as written surely succeeds: 0 where nothing is known, at
-/// most [`MAX_MULTIPLE`].
+/// most `MAX_MULTIPLE`.
 pub fn borne(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> f64 {
     let plan = WrittenPlan::of(order, motion).and_then(|plan| InspectedPlan::of(plan, motion));
     let Some((plan, errors)) = plan.zip(order.facts.errors) else { return 0.0 };
