@@ -40,8 +40,8 @@ fn case(path: &Path) -> Case {
 
 fn report(case: &Case) -> String {
     let (sources, sink) = case.compile();
-    let told: String = sink.sorted().into_iter().map(|diagnostic| human(diagnostic, &sources, LOOK)).collect();
-    told + &page(case, &sources, &sink)
+    let reported: String = sink.sorted().into_iter().map(|diagnostic| human(diagnostic, &sources, LOOK)).collect();
+    reported + &page(case, &sources, &sink)
 }
 
 /// What the page of a failed build shows: the steps that could be built, and the places that are marked.
@@ -90,13 +90,13 @@ fn hold(stage: &str, least: usize) {
     let update = std::env::var_os("TWEEZE_UPDATE").is_some();
     let mut wrong = String::new();
     for path in programs {
-        let (told, kept) = (report(&case(&path)), path.with_extension("txt"));
+        let (reported, kept) = (report(&case(&path)), path.with_extension("txt"));
         if update {
-            fs::write(&kept, &told).expect("the corpus can be written");
+            fs::write(&kept, &reported).expect("the corpus can be written");
         }
         let expected = fs::read_to_string(&kept).unwrap_or_default();
-        if told != expected {
-            wrong.push_str(&format!("{}: expected\n{expected}\nbut told\n{told}\n", path.display()));
+        if reported != expected {
+            wrong.push_str(&format!("{}: expected\n{expected}\nbut told\n{reported}\n", path.display()));
         }
     }
     assert!(wrong.is_empty(), "{wrong}");
@@ -138,8 +138,8 @@ fn what_is_said_of_the_habits_of_other_languages() {
         let found = sink.sorted();
         assert!(sink.errors() > 0, "{} is no mistake", case.name);
         single += usize::from(sink.errors() == 1);
-        let told: String = found.into_iter().map(|diagnostic| human(diagnostic, &sources, LOOK)).collect();
-        text.push_str(&format!("#### {}\n{}----\n{told}", case.name, case.text));
+        let reported: String = found.into_iter().map(|diagnostic| human(diagnostic, &sources, LOOK)).collect();
+        text.push_str(&format!("#### {}\n{}----\n{reported}", case.name, case.text));
     }
     if std::env::var_os("TWEEZE_UPDATE").is_some() {
         fs::write(Path::new(env!("CARGO_MANIFEST_DIR")).join(HABITS), &text).expect("the file can be written");
@@ -151,11 +151,11 @@ fn what_is_said_of_the_habits_of_other_languages() {
 }
 
 /// Compares reports line by line, so that a difference is found.
-fn assert_same_lines(expected: &str, told: &str) {
-    for (nth, (expected, told)) in expected.lines().zip(told.lines()).enumerate() {
-        assert_eq!(expected, told, "line {} of {HABITS}", nth + 1);
+fn assert_same_lines(expected: &str, reported: &str) {
+    for (nth, (expected, reported)) in expected.lines().zip(reported.lines()).enumerate() {
+        assert_eq!(expected, reported, "line {} of {HABITS}", nth + 1);
     }
-    assert_eq!(expected.len(), told.len());
+    assert_eq!(expected.len(), reported.len());
 }
 
 /// The edits of each diagnostic are made, those of one at a time: it is gone then, and nothing else is wrong that was not wrong before.

@@ -68,14 +68,14 @@ fn the_programs_do_what_their_page_says() {
     for code in Code::ALL.iter().copied() {
         for (promise, case) in examples(code) {
             let (sources, sink) = case.compile();
-            let told = sink.sorted();
+            let reported = sink.sorted();
             let is_kept = match promise {
-                Promise::Fails => !told.is_empty() && told.iter().all(|diagnostic| diagnostic.code == code),
-                Promise::Mended => told.is_empty(),
+                Promise::Fails => !reported.is_empty() && reported.iter().all(|diagnostic| diagnostic.code == code),
+                Promise::Mended => reported.is_empty(),
             };
             if !is_kept {
                 let reports: Vec<String> =
-                    told.iter().map(|diagnostic: &&Diagnostic| human(diagnostic, &sources, look)).collect();
+                    reported.iter().map(|diagnostic: &&Diagnostic| human(diagnostic, &sources, look)).collect();
                 wrong.push_str(&format!("\n{code} {promise:?}:\n{}", reports.concat()));
             }
         }
@@ -97,7 +97,7 @@ fn every_code_is_told_somewhere() {
     read_all(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut text);
     // A rule of the verifier names its code in the row of its sentence.
     for code in Code::ALL.iter() {
-        let is_told = [format!("Code::{code}"), format!(" {code} \"")].iter().any(|told| text.contains(told));
+        let is_told = [format!("Code::{code}"), format!(" {code} \"")].iter().any(|reported| text.contains(reported));
         assert!(is_told, "nobody tells {code}");
     }
 }

@@ -3,19 +3,16 @@
 use super::errors;
 use super::orientation;
 use super::value::{PoseValue, Value, whole};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::Diagnosed;
 use crate::quantity::{Dimension, Quantity};
 use crate::real::Real;
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::Operator;
 
-/// A value, or the diagnostic of the call.
-pub type CallResult = Result<Value, Box<Diagnostic>>;
-
 type Operand<'a> = (Span, &'a Value);
 
 /// Applies a binary operator.
-pub fn apply_operator((operator, span): (Operator, Span), a: &Spanned<Value>, b: &Spanned<Value>) -> CallResult {
+pub fn apply_operator((operator, span): (Operator, Span), a: &Spanned<Value>, b: &Spanned<Value>) -> Diagnosed<Value> {
     if a.value.is_unknown() || b.value.is_unknown() {
         return Ok(Value::Unknown);
     }
@@ -36,7 +33,7 @@ pub fn apply_operator((operator, span): (Operator, Span), a: &Spanned<Value>, b:
     finite(value, span)
 }
 
-fn finite(value: Value, span: Span) -> CallResult {
+fn finite(value: Value, span: Span) -> Diagnosed<Value> {
     let is_finite = match &value {
         Value::Quantity(quantity) => quantity.si.is_finite(),
         Value::Point(coordinates) => coordinates.iter().all(|coordinate| coordinate.si.is_finite()),
@@ -45,7 +42,7 @@ fn finite(value: Value, span: Span) -> CallResult {
     if is_finite { Ok(value) } else { Err(Box::new(errors::not_finite(span))) }
 }
 
-fn sum(symbol: &str, left: Operand, right: Operand, join: impl Fn(f64, f64) -> f64) -> CallResult {
+fn sum(symbol: &str, left: Operand, right: Operand, join: impl Fn(f64, f64) -> f64) -> Diagnosed<Value> {
     let join = |a: Quantity, b: Quantity| Quantity { si: join(a.si, b.si), ..a };
     match (left.1, right.1) {
         (Value::Quantity(a), Value::Quantity(b)) if a.dimension == b.dimension => Ok(Value::Quantity(join(*a, *b))),
@@ -56,7 +53,7 @@ fn sum(symbol: &str, left: Operand, right: Operand, join: impl Fn(f64, f64) -> f
     }
 }
 
-fn product(span: Span, left: Operand, right: Operand) -> CallResult {
+fn product(span: Span, left: Operand, right: Operand) -> Diagnosed<Value> {
     let times = |a: Quantity, b: Quantity| {
         let dimension = a.dimension.times(b.dimension).ok_or_else(|| Box::new(errors::exponent_too_large(span)))?;
         Ok(Quantity { si: a.si * b.si, dimension })
@@ -71,7 +68,7 @@ fn product(span: Span, left: Operand, right: Operand) -> CallResult {
     }
 }
 
-fn quotient(span: Span, left: Operand, right: Operand) -> CallResult {
+fn quotient(span: Span, left: Operand, right: Operand) -> Diagnosed<Value> {
     let Value::Quantity(divisor) = right.1 else {
         return Err(Box::new(errors::unlike_operands("/", left, right)));
     };
@@ -93,7 +90,7 @@ fn quotient(span: Span, left: Operand, right: Operand) -> CallResult {
     }
 }
 
-fn power(span: Span, left: Operand, right: Operand) -> CallResult {
+fn power(span: Span, left: Operand, right: Operand) -> Diagnosed<Value> {
     let (Value::Quantity(base), Value::Quantity(exponent)) = (left.1, right.1) else {
         return Err(Box::new(errors::unlike_operands("^", left, right)));
     };
@@ -107,7 +104,7 @@ fn power(span: Span, left: Operand, right: Operand) -> CallResult {
     Ok(Value::Quantity(Quantity { si: base.si.whole_power(whole), dimension }))
 }
 
-fn comparison(operator: Operator, left: Operand, right: Operand) -> CallResult {
+fn comparison(operator: Operator, left: Operand, right: Operand) -> Diagnosed<Value> {
     let unlike = || Box::new(errors::unlike_operands(operator.symbol(), left, right));
     let ordering = match (left.1, right.1) {
         (Value::Quantity(a), Value::Quantity(b)) if a.dimension == b.dimension => a.si.partial_cmp(&b.si),
@@ -136,7 +133,7 @@ pub fn is_equality(operator: Operator, a: &Value, b: &Value) -> bool {
 }
 
 /// Applies one of [`super::scope::FUNCTIONS`]; `span` is the whole call.
-pub fn apply_function(name: &str, span: Span, arguments: &[Spanned<Value>]) -> CallResult {
+pub fn apply_function(name: &str, span: Span, arguments: &[Spanned<Value>]) -> Diagnosed<Value> {
     if arguments.iter().any(|argument| argument.value.is_unknown()) {
         return Ok(Value::Unknown);
     }
@@ -158,7 +155,7 @@ pub fn apply_function(name: &str, span: Span, arguments: &[Spanned<Value>]) -> C
     }
 }
 
-fn on_quantity(name: &str, a: &Spanned<Value>, change: impl Fn(Quantity) -> Option<Quantity>) -> CallResult {
+fn on_quantity(name: &str, a: &Spanned<Value>, change: impl Fn(Quantity) -> Option<Quantity>) -> Diagnosed<Value> {
     let refused = || Box::new(errors::bad_argument(a.span, name, &a.value));
     match &a.value {
         Value::Quantity(quantity) => change(*quantity).map(Value::Quantity).ok_or_else(refused),
@@ -166,22 +163,22 @@ fn on_quantity(name: &str, a: &Spanned<Value>, change: impl Fn(Quantity) -> Opti
     }
 }
 
-fn on_number(name: &str, a: &Spanned<Value>, change: impl Fn(f64) -> f64) -> CallResult {
+fn on_number(name: &str, a: &Spanned<Value>, change: impl Fn(f64) -> f64) -> Diagnosed<Value> {
     on_quantity(name, a, |q| (q.dimension == Dimension::NUMBER).then(|| Quantity::number(change(q.si))))
 }
 
-fn on_angle(name: &str, a: &Spanned<Value>, change: impl Fn(f64) -> f64) -> CallResult {
+fn on_angle(name: &str, a: &Spanned<Value>, change: impl Fn(f64) -> f64) -> Diagnosed<Value> {
     on_quantity(name, a, |q| (q.dimension == Dimension::ANGLE).then(|| Quantity::number(change(q.si))))
 }
 
-fn square_root(a: &Spanned<Value>) -> CallResult {
+fn square_root(a: &Spanned<Value>) -> Diagnosed<Value> {
     on_quantity("sqrt", a, |q| {
         let dimension = q.dimension.square_root()?;
         (q.si >= 0.0).then(|| Quantity { si: q.si.sqrt(), dimension })
     })
 }
 
-fn arc_tangent(y: &Spanned<Value>, x: &Spanned<Value>) -> CallResult {
+fn arc_tangent(y: &Spanned<Value>, x: &Spanned<Value>) -> Diagnosed<Value> {
     match (&y.value, &x.value) {
         (Value::Quantity(a), Value::Quantity(b)) if a.dimension == b.dimension => {
             Ok(Value::Quantity(Quantity::new(a.si.arc_tangent_over(b.si), Dimension::ANGLE)))
@@ -190,7 +187,7 @@ fn arc_tangent(y: &Spanned<Value>, x: &Spanned<Value>) -> CallResult {
     }
 }
 
-fn count(a: &Spanned<Value>) -> CallResult {
+fn count(a: &Spanned<Value>) -> Diagnosed<Value> {
     let number = match &a.value {
         Value::List(list) => list.len() as i64,
         Value::Range { from, to } => (to - from).max(0),
@@ -201,7 +198,7 @@ fn count(a: &Spanned<Value>) -> CallResult {
 }
 
 /// The least or greatest of the arguments, or of the one list that is given.
-fn extreme(name: &str, span: Span, arguments: &[Spanned<Value>]) -> CallResult {
+fn extreme(name: &str, span: Span, arguments: &[Spanned<Value>]) -> Diagnosed<Value> {
     let list = match arguments {
         [Spanned { value: Value::List(list), .. }] => list,
         _ => arguments,
@@ -230,7 +227,7 @@ fn extreme(name: &str, span: Span, arguments: &[Spanned<Value>]) -> CallResult {
     Ok(best.map_or(Value::Unknown, Value::Quantity))
 }
 
-fn pose(x: &Spanned<Value>, y: &Spanned<Value>, heading: Option<&Spanned<Value>>) -> CallResult {
+fn pose(x: &Spanned<Value>, y: &Spanned<Value>, heading: Option<&Spanned<Value>>) -> Diagnosed<Value> {
     let coordinate = |a: &Spanned<Value>, dimension| match &a.value {
         Value::Quantity(quantity) if quantity.dimension == dimension => Ok(*quantity),
         other => Err(Box::new(errors::bad_pose(a.span, other, dimension))),
@@ -246,7 +243,7 @@ fn pose(x: &Spanned<Value>, y: &Spanned<Value>, heading: Option<&Spanned<Value>>
 }
 
 /// Turns about z, y and z again, each about the axis as the turns before have left it.
-fn euler(angles: [&Spanned<Value>; 3]) -> CallResult {
+fn euler(angles: [&Spanned<Value>; 3]) -> Diagnosed<Value> {
     let mut rad = [0.0; 3];
     for (slot, angle) in rad.iter_mut().zip(angles) {
         match &angle.value {
@@ -258,7 +255,7 @@ fn euler(angles: [&Spanned<Value>; 3]) -> CallResult {
 }
 
 /// A unit quaternion; a rounding error of its length is normalised away, but no more.
-fn quaternion(span: Span, parts: [&Spanned<Value>; 4]) -> CallResult {
+fn quaternion(span: Span, parts: [&Spanned<Value>; 4]) -> Diagnosed<Value> {
     let mut numbers = [0.0; 4];
     for (slot, part) in numbers.iter_mut().zip(parts) {
         match &part.value {

@@ -3,7 +3,7 @@
 use super::errors;
 use crate::check::value::{ShapeValue, Value};
 use crate::device::shape::{Plane, ShapeForm};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnosed, Diagnostic};
 use crate::geometry::mesh::Mesh;
 use crate::geometry::outline::{Curve, EXPONENTS, MAX_POINTS, MIN_POINTS, MIN_UM, Outline, OutlineError};
 use crate::quantity::digits;
@@ -34,13 +34,11 @@ const SAME_SHARE: f64 = 1e-6;
 /// The radius of the corners of a rectangle of a mesh, as a share of half its lesser width: a tip stands in them by 0.2 % of that.
 const CORNER_SHARE: f64 = 0.005;
 
-type Told<T> = Result<T, Box<Diagnostic>>;
-
 /// The solid of a shape that hands know; `span` is the whole shape.
 ///
 /// # Errors
 /// Why it is impossible.
-pub fn of(shape: &ShapeValue, span: Span) -> Told<HandSolid> {
+pub fn of(shape: &ShapeValue, span: Span) -> Diagnosed<HandSolid> {
     let density = shape.fields.get("material").and_then(|field| match &field.value {
         Value::Quantity(density) => Some(density.si),
         _ => None,
@@ -118,7 +116,7 @@ fn ellipsoid(shape: &ShapeValue) -> HandSolid {
     }
 }
 
-fn superellipsoid(shape: &ShapeValue) -> Told<HandSolid> {
+fn superellipsoid(shape: &ShapeValue) -> Diagnosed<HandSolid> {
     let [a, b, c] = vector_um(shape, "axes");
     let given = shape.fields.get("exponent");
     let exponent = match given.map(|field| &field.value) {
@@ -175,7 +173,7 @@ pub(super) fn super_reach(axes: [f64; 3], n: f64) -> f64 {
     greatest * axes.iter().map(|axis| (axis / greatest).power(power)).sum::<f64>().power(1.0 / power)
 }
 
-fn rounded_box(shape: &ShapeValue) -> Told<HandSolid> {
+fn rounded_box(shape: &ShapeValue) -> Diagnosed<HandSolid> {
     let half = vector_um(shape, "size").map(|side| side / 2.0);
     let least = half.into_iter().fold(f64::INFINITY, f64::min);
     let given = shape.fields.get("radius");
@@ -213,7 +211,7 @@ fn rounded_box(shape: &ShapeValue) -> Told<HandSolid> {
 }
 
 /// A mesh with its two sections, smoothed.
-fn mesh(shape: &ShapeValue, span: Span) -> Told<HandSolid> {
+fn mesh(shape: &ShapeValue, span: Span) -> Diagnosed<HandSolid> {
     let field = |name: &str| shape.fields.get(name).map_or(span, |field| field.span);
     let unit_um = match shape.fields.get("unit").map(|field| &field.value) {
         Some(Value::Quantity(length)) => length.in_unit("um"),
@@ -229,9 +227,9 @@ fn mesh(shape: &ShapeValue, span: Span) -> Told<HandSolid> {
         let polygon = surface.section(plane.axes()).map_err(|fault| at(format!("it {fault}")))?;
         let outline = match rectangle(&polygon) {
             Some(outline) => outline,
-            None => Outline::from_polygon(&polygon).map_err(|fault| told_of_polygon(&fault, &at))?,
+            None => Outline::from_polygon(&polygon).map_err(|fault| outline_error(&fault, &at))?,
         };
-        Curve::of(&outline).map_err(|fault| told_of_polygon(&fault, &at))?;
+        Curve::of(&outline).map_err(|fault| outline_error(&fault, &at))?;
         Ok::<Outline, Box<Diagnostic>>(outline)
     };
     let reach_um = surface.corners().flatten().map(|[x, y, z]| x.hypotenuse(y).hypotenuse(z)).fold(0.0, f64::max);
@@ -269,7 +267,7 @@ fn rectangle(polygon: &[[f64; 2]]) -> Option<Outline> {
 }
 
 /// Diagnostic for a section whose outline cannot be sampled.
-fn told_of_polygon(fault: &OutlineError, at: &dyn Fn(String) -> Box<Diagnostic>) -> Box<Diagnostic> {
+fn outline_error(fault: &OutlineError, at: &dyn Fn(String) -> Box<Diagnostic>) -> Box<Diagnostic> {
     let point = |[x, y]: [f64; 2]| format!("({} um, {} um)", digits(x), digits(y));
     at(match fault {
         OutlineError::Number => "it is too large or too small; check `unit`".to_owned(),
@@ -285,7 +283,7 @@ fn told_of_polygon(fault: &OutlineError, at: &dyn Fn(String) -> Box<Diagnostic>)
 }
 
 /// Two profiles, that of the plane xz written by x and z.
-fn sections(shape: &ShapeValue, span: Span) -> Told<HandSolid> {
+fn sections(shape: &ShapeValue, span: Span) -> Diagnosed<HandSolid> {
     let plane = |name: &str, plane: Plane| match shape.fields.get(name) {
         Some(field) => match &field.value {
             Value::Shape(shape) => {
@@ -302,7 +300,7 @@ fn sections(shape: &ShapeValue, span: Span) -> Told<HandSolid> {
 }
 
 /// The outline of a profile, counter-clockwise in the coordinates of a plane.
-fn profile(shape: &ShapeValue, plane: Plane, span: Span) -> Told<Outline> {
+fn profile(shape: &ShapeValue, plane: Plane, span: Span) -> Diagnosed<Outline> {
     let points_um = match (shape.fields.get("points"), shape.fields.get("x"), shape.fields.get("y")) {
         (Some(points), None, None) => match &points.value {
             Value::List(list) if list.len() > MAX_POINTS => return Err(Box::new(too_many(list.len(), points.span))),

@@ -104,8 +104,11 @@ fn a_table_takes_the_unit_of_its_header() {
         assert_codes(&table(cell), &[]);
     }
     for cell in ["3 V", "(3, 4)"] {
-        let told = bot(&table(cell));
-        assert!(told.iter().all(|code| code == "E0301") && (cell != "3 V" || told.len() == 1), "{cell}: {told:?}");
+        let reported = bot(&table(cell));
+        assert!(
+            reported.iter().all(|code| code == "E0301") && (cell != "3 V" || reported.len() == 1),
+            "{cell}: {reported:?}"
+        );
     }
 }
 
@@ -161,8 +164,8 @@ fn a_program_that_runs_itself_is_said_once() {
 #[test]
 fn programs_that_double_each_other_end_at_the_limit() {
     let programs: String = (0..60).map(|i| format!("program p{i} {{ run p{}, run p{} }}\n", i + 1, i + 1)).collect();
-    let told = bot(&format!("{GO}{programs}program p60 {{ wait 1 ms }}"));
-    assert!(!told.is_empty() && told.iter().all(|code| code == "E0512" || code == "W0502"), "{told:?}");
+    let reported = bot(&format!("{GO}{programs}program p60 {{ wait 1 ms }}"));
+    assert!(!reported.is_empty() && reported.iter().all(|code| code == "E0512" || code == "W0502"), "{reported:?}");
 }
 
 #[test]

@@ -240,8 +240,8 @@ impl Checker<'_> {
         // An object where there should be none stands for the missing phrase, as a wrong phrase does, and was already reported.
         let lacks_preposition =
             step.object.as_ref().is_some_and(|expr| self.without_preposition(expr, verb, scope).is_some());
-        let is_told = !is_whole || (step.object.is_some() && verb.object.is_none()) || lacks_preposition;
-        let needed = known.iter().filter(|entry| entry.count == Count::Once && !is_told);
+        let is_reported = !is_whole || (step.object.is_some() && verb.object.is_none()) || lacks_preposition;
+        let needed = known.iter().filter(|entry| entry.count == Count::Once && !is_reported);
         for entry in needed.filter(|entry| !seen.contains_key(entry.preposition)) {
             self.sink.push(errors::missing_part(step.span, verb, &format!("`{}`", entry.preposition)));
             is_whole = false;

@@ -86,7 +86,7 @@ pub struct Precision {
 #[serde(rename_all = "snake_case")]
 pub enum Assurance {
     /// It is reported.
-    Told,
+    Reported,
     /// It is an error.
     Demanded,
 }

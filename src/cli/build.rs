@@ -86,7 +86,7 @@ pub fn built(file: &Path, arguments: &BuildArguments, needed: &mut Glances) -> R
         settings: &loaded.options.settings,
         output: &arguments.output,
         formats: &chosen.formats,
-        is_told: !arguments.quiet.is_quiet && format != ReportFormat::Json,
+        is_printed: !arguments.quiet.is_quiet && format != ReportFormat::Json,
         detail: if arguments.verbose { Detail::Full } else { Detail::Usual },
     });
     let disk = loaded.disk();

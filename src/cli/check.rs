@@ -97,7 +97,7 @@ fn planned(
         settings: &loaded.options.settings,
         output: Path::new(""),
         formats: &formats,
-        is_told: has_lines && !arguments.quiet.is_quiet,
+        is_printed: has_lines && !arguments.quiet.is_quiet,
         detail: Detail::Usual,
     });
     let outcome = live.search().over(|| compile::compile(program, sources, sink, &mut live));

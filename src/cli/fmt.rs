@@ -2,7 +2,7 @@
 
 use super::arguments::{FmtArguments, ReportFormat};
 use super::{Exit, disk, errors, terminal};
-use crate::diagnostic::{Diagnostic, Sink};
+use crate::diagnostic::{Diagnosed, Diagnostic, Sink};
 use crate::format;
 use crate::source::Sources;
 use serde_json::json;
@@ -27,7 +27,7 @@ fn unreadable(diagnostic: Diagnostic, arguments: &FmtArguments) -> Exit {
 }
 
 /// The files that an argument stands for.
-fn programs(argument: &Path) -> Result<Vec<PathBuf>, Box<Diagnostic>> {
+fn programs(argument: &Path) -> Diagnosed<Vec<PathBuf>> {
     if !argument.is_dir() {
         return Ok(vec![argument.to_owned()]);
     }

@@ -6,7 +6,7 @@ use super::library::Disk;
 use super::{Exit, terminal};
 use crate::check::Options;
 use crate::compile::ProgramSource;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::Diagnosed;
 use std::path::{Path, PathBuf};
 
 /// A program as a command was given it.
@@ -34,7 +34,7 @@ impl Loaded {
     ///
     /// # Errors
     /// A diagnostic: it cannot be read.
-    pub fn open(file: &Path, options: Options) -> Result<Loaded, Box<Diagnostic>> {
+    pub fn open(file: &Path, options: Options) -> Diagnosed<Loaded> {
         let (path, text) = disk::read_argument(file)?;
         Ok(Loaded { name: Disk::round(&path).program_name(), path, text, options })
     }

@@ -200,7 +200,7 @@ ledger! {
     E0567 "a least time of a task that waits for what comes"
     E0570 "a place in pixels without an image"
     E0571 "more than one image in a scene"
-    E0572 "goals that are not told apart"
+    E0572 "interchangeable goals"
     E0573 "a time that counts from nothing"
     E0574 "a heater, detector or magnet where none can be"
     E0575 "a temperature that a heater does not have"

@@ -45,6 +45,9 @@ pub struct Diagnostic {
     pub reaches: Vec<Reach>,
 }
 
+/// A result, or the one mistake that prevents it; boxed, since a diagnostic is far larger than most results.
+pub type Diagnosed<T = ()> = Result<T, Box<Diagnostic>>;
+
 /// A text for what stands at a place; an empty place is one where nothing stands yet.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourceEdit {

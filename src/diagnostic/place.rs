@@ -67,8 +67,8 @@ mod tests {
     #[test]
     fn neighbours_of_a_row_are_one_run() {
         let runs = CellRun::all([(3, 1), (1, 1), (2, 1), (5, 1), (2, 2), (u32::MAX, 0), (3, 1)]);
-        let told: Vec<(u32, [u32; 2])> = runs.iter().map(|run| (run.row, run.columns)).collect();
-        assert_eq!(told, [(0, [u32::MAX; 2]), (1, [1, 3]), (1, [5, 5]), (2, [2, 2])]);
+        let rows: Vec<(u32, [u32; 2])> = runs.iter().map(|run| (run.row, run.columns)).collect();
+        assert_eq!(rows, [(0, [u32::MAX; 2]), (1, [1, 3]), (1, [5, 5]), (2, [2, 2])]);
         assert_eq!(CellRun::all([]), []);
     }
 }

@@ -266,9 +266,9 @@ fn places_nm(signals: &Signals, channels: &[usize], t_ns: u64) -> Vec<i64> {
 }
 
 /// The words of the axes that move, in millimetres.
-fn words(places_nm: &[i64], is_said: impl Fn(usize) -> bool) -> String {
+fn words(places_nm: &[i64], is_written: impl Fn(usize) -> bool) -> String {
     let mut text = String::new();
-    for (axis, letter) in LETTERS.into_iter().enumerate().take(places_nm.len()).filter(|(axis, _)| is_said(*axis)) {
+    for (axis, letter) in LETTERS.into_iter().enumerate().take(places_nm.len()).filter(|(axis, _)| is_written(*axis)) {
         let place_nm = places_nm[axis];
         let sign = if place_nm < 0 { "-" } else { "" };
         let _ = write!(text, " {letter}{sign}{}", millimetres(place_nm.unsigned_abs()));

@@ -148,7 +148,7 @@ pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)]) -> Diagnostic 
     )
 }
 
-/// A step of which what is proven depends on where an earlier one has brought parts whose goals are not told apart.
+/// A step of which what is proven depends on where an earlier one has brought parts whose goals are interchangeable.
 pub fn not_from_here(step: Span) -> Diagnostic {
     Diagnostic::new(Code::E0602, "no plan was found for this step from where `any` has brought the parts before")
         .label(step, "who stands where before it is the plan's choice; others were not tried")

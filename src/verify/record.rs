@@ -177,11 +177,11 @@ fn operations(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
             [recorded.start_ns, recorded.arrival_ns, recorded.end_ns()] != due.times_ns || recorded.parts != due.parts
         };
         for (recorded, due) in step.operations.iter().zip(due).filter(differs) {
-            let told = |parts: &[String], [start, arrival, end]: [u64; 3]| {
+            let described = |parts: &[String], [start, arrival, end]: [u64; 3]| {
                 format!("{} from {} to {}, there at {}", parts.join(" with "), ms(start), ms(end), ms(arrival))
             };
             let times_ns = [recorded.start_ns, recorded.arrival_ns, recorded.end_ns()];
-            let (recorded, replayed) = (told(&recorded.parts, times_ns), told(&due.parts, due.times_ns));
+            let (recorded, replayed) = (described(&recorded.parts, times_ns), described(&due.parts, due.times_ns));
             let title = format!("an operation is recorded as {recorded}, but the replay gives {replayed}");
             findings.push(figure(run, title).step(run.steps[nth]).label(due.span, "this operation"));
         }

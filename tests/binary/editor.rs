@@ -321,8 +321,8 @@ fn what_is_no_message_ends_the_server_with_a_sentence() {
         String::from_utf8_lossy(&ended.stderr).into_owned()
     };
     for length in ["99999999999999", "18446744073709551615", "99999999999999999999999", "-1", "268435457"] {
-        let told = says_of(format!("Content-Length: {length}\r\n\r\n{{}}").as_bytes());
-        assert!(told.starts_with("tweeze lsp: a message of ") && told.lines().count() == 1, "{told}");
+        let reported = says_of(format!("Content-Length: {length}\r\n\r\n{{}}").as_bytes());
+        assert!(reported.starts_with("tweeze lsp: a message of ") && reported.lines().count() == 1, "{reported}");
     }
     let endless = [b'a'; 10_000];
     for bytes in [
@@ -333,8 +333,8 @@ fn what_is_no_message_ends_the_server_with_a_sentence() {
         &endless,
         b"Content-Length: 2\r\n\r\n7}",
     ] {
-        let told = says_of(bytes);
-        assert!(told.starts_with("tweeze lsp: ") && told.lines().count() == 1, "{told}");
+        let reported = says_of(bytes);
+        assert!(reported.starts_with("tweeze lsp: ") && reported.lines().count() == 1, "{reported}");
     }
 }
 

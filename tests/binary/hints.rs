@@ -99,7 +99,7 @@ fn hints_tell_pitches_and_the_cells_of_places() {
                 task go on bot { move to (3, 3), move to (3.2 um, 5.9 um), for i in 1..9 { move to (i * 1 um, 2 um) }, move to shelf }\n";
     editor.open(uri, text);
     let hints = editor.hints(uri);
-    let told: Vec<(u64, &str)> =
+    let reported: Vec<(u64, &str)> =
         hints.iter().map(|(at, label)| (at["line"].as_u64().expect("a line"), label.as_str())).collect();
     let expected = [
         (1, "cells of 426.916 nm by 3.41533 um"),
@@ -108,7 +108,7 @@ fn hints_tell_pitches_and_the_cells_of_places() {
         (4, "cell (12, 1), 1.4207 um off; cell (14, 1), 1.4155 um off; cell (16, 1), 1.4254 um off …"),
         (4, "cell (4, 1), 1.3293 um off"),
     ];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
     // They follow the text, also in the message in which it changes, and go with an error.
     editor.change(uri, json!({ "range": { "start": place(1, 38), "end": place(1, 39) }, "text": "7" }));
     let changed = editor.hints(uri);
@@ -157,7 +157,7 @@ fn lenses_build_and_show_a_task() {
     editor.open(&uri, text);
     let lenses = editor.ask("textDocument/codeLens", json!({ "textDocument": { "uri": &uri } })).expect("it answers");
     let lenses = lenses.as_array().expect("a list");
-    let told: Vec<(&Value, &Value, &Value)> = lenses
+    let reported: Vec<(&Value, &Value, &Value)> = lenses
         .iter()
         .map(|lens| (&lens["range"]["start"], &lens["command"]["title"], &lens["command"]["command"]))
         .collect();
@@ -165,7 +165,7 @@ fn lenses_build_and_show_a_task() {
     let [go, day] = [place(2, 5), place(4, 8)];
     let expected =
         [(&go, &build.0, &build.1), (&go, &view.0, &view.1), (&day, &build.0, &build.1), (&day, &view.0, &view.1)];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
     assert_eq!(lenses[0]["command"]["arguments"], json!([&uri, "go"]));
     // What the command stands for builds that task alone.
     let arguments = &lenses[2]["command"]["arguments"];

@@ -59,16 +59,16 @@ fn a_verbose_build_tells_every_line_and_what_was_searched() {
     let runs: String = (0..25).map(|nth| format!("  run go{nth}\n")).collect();
     let bot = "use std.dimibot\ndevice bot : dimibot.femto_st\n";
     let bench = Bench::with(format!("{bot}{program}program all {{\n{runs}}}\n"));
-    let told = |arguments: &[&str]| out(&bench.run(arguments).code(DONE));
+    let reported = |arguments: &[&str]| out(&bench.run(arguments).code(DONE));
     let lines = |text: &str, word: &str| text.lines().filter(|line| line.trim_start().starts_with(word)).count();
-    let usual = told(&["build", "a.twz", "--task", "all"]);
+    let usual = reported(&["build", "a.twz", "--task", "all"]);
     assert_eq!((lines(&usual, "Planned"), lines(&usual, "Searched")), (20, 0), "{usual}");
     says(&usual, &["and 5 runs more"]);
-    let all = told(&["build", "a.twz", "--task", "all", "-v"]);
+    let all = reported(&["build", "a.twz", "--task", "all", "-v"]);
     assert_eq!((lines(&all, "Planned"), lines(&all, "Searched")), (25, 25), "{all}");
     says(&all, &["Searched  all: go24"]);
     // The same bytes again: no time is told where no terminal is.
-    assert_eq!(told(&["build", "a.twz", "--task", "all", "--verbose"]), all);
+    assert_eq!(reported(&["build", "a.twz", "--task", "all", "--verbose"]), all);
     bench.run(&["build", "a.twz", "-v", "-q"]).code(crate::USAGE);
 }
 

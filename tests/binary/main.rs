@@ -561,9 +561,9 @@ fn a_suggested_table_is_a_program_that_checks_and_tells_its_states() {
     let wanted = ["devices", "--suggest", "microrobots", "--robots", "6", "--margin", "4V", "--max", "200V"];
     let table = out(&bench.run(&wanted).code(DONE));
     fs::write(bench.path("a.twz"), &table).expect("a program is written");
-    let told = out(&bench.run(&["devices", "a.twz"]).code(DONE));
-    says(&told, &["bed: microrobots, 6 robots", "D6", "slack"]);
-    assert_eq!(told.lines().filter(|line| line.ends_with(" V")).count(), 6 + 1 + 1, "{told}");
+    let reported = out(&bench.run(&["devices", "a.twz"]).code(DONE));
+    says(&reported, &["bed: microrobots, 6 robots", "D6", "slack"]);
+    assert_eq!(reported.lines().filter(|line| line.ends_with(" V")).count(), 6 + 1 + 1, "{reported}");
     let many = ["devices", "--suggest", "microrobots", "--robots", "60", "--margin", "4V", "--max", "200V"];
     says(&err(&bench.run(&many).code(ERRORS)), &["60 robots do not fit", "at most "]);
     bench.run(&["devices", "--robots", "6"]).code(USAGE);
@@ -577,10 +577,10 @@ fn a_simulation_is_the_same_for_the_same_seed() {
         let four = four.to_string_lossy();
         out(&bench.run(&["simulate", &four, "--trials", "100", "--seed", seed]).code(DONE))
     };
-    let told = simulated("7");
-    says(&told, &["of 100 trials succeeded", "95 % confidence (seed 7)", "area of the goal", "D1", "incidence"]);
-    assert_eq!(told, simulated("7"));
-    assert_ne!(told, simulated("8"));
+    let reported = simulated("7");
+    says(&reported, &["of 100 trials succeeded", "95 % confidence (seed 7)", "area of the goal", "D1", "incidence"]);
+    assert_eq!(reported, simulated("7"));
+    assert_ne!(reported, simulated("8"));
     let fetch = example("dimibot_fetch.twz");
     says(&err(&bench.run(&["simulate", &fetch.to_string_lossy()]).code(USAGE)), &["nothing to simulate"]);
 }

@@ -66,16 +66,16 @@ fn whatever_is_wrong_is_shown() {
     for text in texts {
         fs::write(bench.path("a.twz"), text).expect("written");
         let answered = bench.run(&["build", "a.twz", "-o", "out", "--emit", "html"]);
-        let told = err(&answered);
+        let reported = err(&answered);
         let is_page =
             fs::read_to_string(bench.path("out/a.failed.html")).is_ok_and(|page| page.contains("\"schedule\":null"));
-        assert!(answered.get_output().status.code() == Some(ERRORS) && is_page, "{text:?}: {told}");
+        assert!(answered.get_output().status.code() == Some(ERRORS) && is_page, "{text:?}: {reported}");
     }
     let piped = bench.command(&["build", "-", "-o", "piped", "--emit", "html"]).write_stdin(OFF).assert().code(ERRORS);
     says(&out(&piped), &["Wrote  piped/stdin.failed.html"]);
     fs::write(bench.path("a.twz"), OFF).expect("written");
-    let told = out(&bench.run(&["build", "a.twz", "-o", "out", "--emit", "html", "--format", "json"]).code(ERRORS));
-    let report: serde_json::Value = serde_json::from_str(&told).expect("one JSON document");
+    let reported = out(&bench.run(&["build", "a.twz", "-o", "out", "--emit", "html", "--format", "json"]).code(ERRORS));
+    let report: serde_json::Value = serde_json::from_str(&reported).expect("one JSON document");
     assert_eq!(report, serde_json::json!({ "failed": "a.twz", "files": ["out/a.failed.html"] }));
     let viewed = bench.run(&["view", "a.twz", "-o", "out", "--no-open"]).code(ERRORS);
     says(&out(&viewed), &["Wrote  out/a.failed.html"]);

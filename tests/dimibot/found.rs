@@ -21,7 +21,7 @@ fn two_limits_are_kept_where_a_plan_keeps_them() {
     let text = program("dimibot_limits_not_searched");
     for objective in ["distance", "switches", "time", "energy"] {
         let plan = answer(&text.replace("minimize time", &format!("minimize {objective}")));
-        let plan = plan.unwrap_or_else(|told| panic!("{objective}: {told:?}"));
+        let plan = plan.unwrap_or_else(|reported| panic!("{objective}: {reported:?}"));
         assert_eq!(plan.outcomes["switches"], 7.0);
         assert!((plan.outcomes["distance_um"] - 18.784).abs() < 1e-2 && plan.optimal, "{plan:?}");
     }
@@ -31,7 +31,7 @@ fn two_limits_are_kept_where_a_plan_keeps_them() {
 fn of_the_plans_with_the_fewest_switches_the_shortest_is_taken() {
     for objective in ["switches", "time", "energy"] {
         let text = program("dimibot_ties_broken_badly").replace("minimize switches", &format!("minimize {objective}"));
-        let plan = answer(&text).unwrap_or_else(|told| panic!("{objective}: {told:?}"));
+        let plan = answer(&text).unwrap_or_else(|reported| panic!("{objective}: {reported:?}"));
         assert_eq!(plan.outcomes["switches"], 7.0);
         assert!((plan.outcomes["distance_um"] - 23.054).abs() < 1e-2 && plan.optimal, "{plan:?}");
     }
@@ -39,9 +39,9 @@ fn of_the_plans_with_the_fewest_switches_the_shortest_is_taken() {
 
 #[test]
 fn the_blame_for_a_way_that_is_shut_has_its_own_budget() {
-    let told = answer(&program("dimibot_slow_no_plan")).expect_err("there is no way");
-    assert_eq!(told.len(), 1);
-    assert_eq!(told[0].code.name(), "E0601");
+    let reported = answer(&program("dimibot_slow_no_plan")).expect_err("there is no way");
+    assert_eq!(reported.len(), 1);
+    assert_eq!(reported[0].code.name(), "E0601");
     // The budget ends before the smallest set is known, and the report says so.
-    assert!(told[0].help.as_ref().is_some_and(|help| help.contains("were not found")), "{told:?}");
+    assert!(reported[0].help.as_ref().is_some_and(|help| help.contains("were not found")), "{reported:?}");
 }

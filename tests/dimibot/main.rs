@@ -41,7 +41,9 @@ fn schedules(text: &str) -> Result<Vec<Schedule>, Vec<Diagnostic>> {
         CompileOutcome::Compiled(compiled) => {
             Ok(compiled.schedules.iter().map(|verified| verified.schedule().clone()).collect())
         }
-        CompileOutcome::Errors => Err(sink.sorted().into_iter().filter(|told| told.is_error()).cloned().collect()),
+        CompileOutcome::Errors => {
+            Err(sink.sorted().into_iter().filter(|reported| reported.is_error()).cloned().collect())
+        }
         CompileOutcome::Refused => panic!("the verifier refuses it: {:?}\n{text}", sink.sorted()),
     }
 }
@@ -82,8 +84,8 @@ fn judge(
         front.iter().filter(|figures| keeps(figures, limits)).min_by_key(|figures| scene.key(objective, **figures));
     let has_lower = limits.iter().any(|limit| !limit.is_upper());
     let answer = answer(text);
-    let of_both = |told: &Diagnostic| told.title.starts_with("no plan keeps both limits of");
-    let contradicts = answer.as_ref().is_err_and(|told| told.iter().any(of_both));
+    let of_both = |reported: &Diagnostic| reported.title.starts_with("no plan keeps both limits of");
+    let contradicts = answer.as_ref().is_err_and(|reported| reported.iter().any(of_both));
     assert_eq!(contradicts, Limit::contradict(limits), "{answer:?}\n{text}");
     if contradicts {
         seen.contradictions += 1;
@@ -96,8 +98,8 @@ fn judge(
                 assert!(limit.holds(value), "{limit:?} {value}\n{text}");
             }
             for (outcome, name) in OUTCOMES.iter().enumerate() {
-                let (told, truth) = (plan.outcomes[KEYS[outcome]] * UNITS[outcome], scene.outcome(outcome, *best));
-                assert!(close(told, truth), "{name}: {told} for {truth}\n{text}");
+                let (reported, truth) = (plan.outcomes[KEYS[outcome]] * UNITS[outcome], scene.outcome(outcome, *best));
+                assert!(close(reported, truth), "{name}: {reported} for {truth}\n{text}");
             }
             let cost = scene.outcome(objective, *best);
             assert!(close(plan.cost, cost) && close(plan.bound, cost) && plan.optimal, "{plan:?}\n{text}");
@@ -105,33 +107,33 @@ fn judge(
             seen.limited += usize::from(best != front.iter().min_by_key(|f| scene.key(objective, **f)).unwrap_or(best));
         }
         (Ok(plan), None) => panic!("there is no plan: {plan:?}\n{text}"),
-        (Err(told), _) if front.is_empty() => {
-            assert!(told.iter().any(|told| told.code.name() == "E0601"), "{told:?}\n{text}");
+        (Err(reported), _) if front.is_empty() => {
+            assert!(reported.iter().any(|reported| reported.code.name() == "E0601"), "{reported:?}\n{text}");
             seen.shut += 1;
         }
-        (Err(told), best) => {
-            assert!(told.iter().all(|told| told.code.name() == "E0603"), "{told:?}\n{text}");
-            let proven = told.iter().any(|told| told.title.starts_with("no plan keeps"));
-            assert!(!proven || best.is_none(), "there is a plan {best:?}: {told:?}\n{text}");
+        (Err(reported), best) => {
+            assert!(reported.iter().all(|reported| reported.code.name() == "E0603"), "{reported:?}\n{text}");
+            let proven = reported.iter().any(|reported| reported.title.starts_with("no plan keeps"));
+            assert!(!proven || best.is_none(), "there is a plan {best:?}: {reported:?}\n{text}");
             if let Some(best) = best.filter(|_| searches) {
                 // Limits from below are only held against the plan that was found.
                 let misses = |limit: &Limit| !limit.holds(scene.outcome(limit.outcome, *best));
-                assert!(limits.iter().any(misses), "a plan was missed: {best:?} {told:?}\n{text}");
+                assert!(limits.iter().any(misses), "a plan was missed: {best:?} {reported:?}\n{text}");
             }
             if searches && best.is_none() && !has_lower {
-                assert!(proven, "{told:?}\n{text}");
+                assert!(proven, "{reported:?}\n{text}");
                 seen.impossible += 1;
             }
-            for told in &told {
-                seen.advised += usize::from(advice_holds(scene, front, limits, told, text));
+            for reported in &reported {
+                seen.advised += usize::from(advice_holds(scene, front, limits, reported, text));
             }
         }
     }
 }
 
 /// Where a report names the least value, a limit of it would do, and nothing less.
-fn advice_holds(scene: &Scene, front: &[Figures], limits: &[Limit], told: &Diagnostic, text: &str) -> bool {
-    let label = &told.labels[0];
+fn advice_holds(scene: &Scene, front: &[Figures], limits: &[Limit], reported: &Diagnostic, text: &str) -> bool {
+    let label = &reported.labels[0];
     let Some(value) = label.text.strip_prefix("proven: the least is ") else { return false };
     let line = text[label.span.start as usize..].split_whitespace().next().expect("a limit begins with an outcome");
     let outcome = OUTCOMES.iter().position(|name| *name == line).expect("the label stands at an outcome");
@@ -143,7 +145,7 @@ fn advice_holds(scene: &Scene, front: &[Figures], limits: &[Limit], told: &Diagn
     };
     let least =
         front.iter().filter(others).map(|figures| scene.outcome(outcome, *figures)).fold(f64::INFINITY, f64::min);
-    let told: f64 = {
+    let reported: f64 = {
         let (number, unit) = value.split_once(' ').unwrap_or((value, ""));
         let scale = match unit {
             "s" | "mm" | "J" => 1e3,
@@ -152,7 +154,10 @@ fn advice_holds(scene: &Scene, front: &[Figures], limits: &[Limit], told: &Diagn
         };
         number.parse::<f64>().expect("a number") * scale
     };
-    assert!(told >= least * (1.0 - 1e-9) && told <= least * 1.000_02, "{told} for {least}: {label:?}\n{text}");
+    assert!(
+        reported >= least * (1.0 - 1e-9) && reported <= least * 1.000_02,
+        "{reported} for {least}: {label:?}\n{text}"
+    );
     true
 }
 
@@ -243,13 +248,16 @@ fn long_visits_agree_with_brute_force() {
                 assert!(places > 12 || plan.optimal, "{plan:?}\n{text}");
                 assert!(!plan.optimal || close(plan.cost, cost), "{plan:?} {cost}\n{text}");
                 for (outcome, name) in OUTCOMES.iter().enumerate().filter(|_| places <= 12) {
-                    let (told, truth) = (plan.outcomes[KEYS[outcome]] * UNITS[outcome], scene.outcome(outcome, best));
-                    assert!(close(told, truth), "{name}: {told} for {truth}\n{text}");
+                    let (reported, truth) =
+                        (plan.outcomes[KEYS[outcome]] * UNITS[outcome], scene.outcome(outcome, best));
+                    assert!(close(reported, truth), "{name}: {reported} for {truth}\n{text}");
                 }
                 proven += usize::from(plan.optimal);
                 open += usize::from(!plan.optimal);
             }
-            (Err(told), None) => assert!(told.iter().any(|told| told.code.name() == "E0601"), "{told:?}\n{text}"),
+            (Err(reported), None) => {
+                assert!(reported.iter().any(|reported| reported.code.name() == "E0601"), "{reported:?}\n{text}")
+            }
             (answer, best) => panic!("{answer:?} for {best:?}\n{text}"),
         }
     }

@@ -110,8 +110,8 @@ fn judge(works: &[Work], plans: &[&PlanRecord], text: &str) {
         assert_eq!(cell(&states[0].state), at, "{}\n{text}", plan.task);
         let (best, ends) = work.best(at).unwrap_or_else(|| panic!("{} has no plan: {plan:?}\n{text}", plan.task));
         for (outcome, name) in OUTCOMES.iter().enumerate() {
-            let (told, truth) = (plan.outcomes[KEYS[outcome]] * UNITS[outcome], work.scene.outcome(outcome, best));
-            assert!(close(told, truth), "{} {name}: {told} for {truth}\n{text}", plan.task);
+            let (reported, truth) = (plan.outcomes[KEYS[outcome]] * UNITS[outcome], work.scene.outcome(outcome, best));
+            assert!(close(reported, truth), "{} {name}: {reported} for {truth}\n{text}", plan.task);
         }
         assert!(work.holds(best), "{}: {best:?}\n{text}", plan.task);
         assert!(plan.optimal && close(plan.bound, plan.cost), "{plan:?}\n{text}");
@@ -156,10 +156,10 @@ fn programs_of_several_tasks_agree_with_brute_force() {
                     *planned.entry(plans.len()).or_insert(0) += 1;
                 }
             }
-            Err(told) => {
+            Err(reported) => {
                 let known = |code: &str| ["E0601", "E0603"].contains(&code);
-                assert!(told.iter().all(|told| known(told.code.name())), "{told:?}\n{text}");
-                assert!(works.iter().any(|works| may_fail(works)), "{told:?}\n{text}");
+                assert!(reported.iter().all(|reported| known(reported.code.name())), "{reported:?}\n{text}");
+                assert!(works.iter().any(|works| may_fail(works)), "{reported:?}\n{text}");
                 refused += 1;
             }
         }

@@ -65,15 +65,15 @@ fn a_limit_in_time_is_one_in_steps() {
 
 #[test]
 fn a_help_does_not_name_what_is_written() {
-    let told = refused(&text("ea_help_names_what_is_written"));
-    assert!(told.contains("no plan keeps `steps <= 40` and `sum_of_costs <= 110`"), "{told}");
-    assert!(!told.contains("minimize") && told.contains("raise"), "{told}");
+    let reported = refused(&text("ea_help_names_what_is_written"));
+    assert!(reported.contains("no plan keeps `steps <= 40` and `sum_of_costs <= 110`"), "{reported}");
+    assert!(!reported.contains("minimize") && reported.contains("raise"), "{reported}");
 }
 
 #[test]
 fn a_droplet_is_not_split_beside_the_one_that_its_half_meets() {
-    let told = refused(&text("ea_split_beside_another"));
-    assert!(told.starts_with("E0601"), "{told}");
+    let reported = refused(&text("ea_split_beside_another"));
+    assert!(reported.starts_with("E0601"), "{reported}");
 }
 
 #[test]

@@ -45,7 +45,9 @@ pub fn answered(text: &str) -> Answered {
         None => Answered::Errors(
             sink.sorted()
                 .into_iter()
-                .map(|told| format!("{:?}: {}; {}", told.code, told.title, told.help.as_deref().unwrap_or("")))
+                .map(|reported| {
+                    format!("{:?}: {}; {}", reported.code, reported.title, reported.help.as_deref().unwrap_or(""))
+                })
                 .collect(),
         ),
     }

@@ -486,17 +486,20 @@ fn compare(task: &Task, all: &BTreeSet<Figures>, seen: &mut Seen) {
             }
         }
         Answered::Errors(errors) => {
-            let told = errors.join("\n");
-            if told.contains("E0601") {
-                assert!(all.is_empty(), "{told}\n{text}");
-                seen.remedies += usize::from(remedied(task, &told));
+            let reported = errors.join("\n");
+            if reported.contains("E0601") {
+                assert!(all.is_empty(), "{reported}\n{text}");
+                seen.remedies += usize::from(remedied(task, &reported));
                 seen.refuted += 1;
-            } else if told.contains("E0603: no plan keeps") {
-                assert!(kept.is_empty(), "{told}\n{kept:?}\n{text}");
-                advice(task, &told);
+            } else if reported.contains("E0603: no plan keeps") {
+                assert!(kept.is_empty(), "{reported}\n{kept:?}\n{text}");
+                advice(task, &reported);
                 seen.refuted += 1;
             } else {
-                assert!(told.contains("E0603: no plan was found") || told.contains("E0602"), "{told}\n{text}");
+                assert!(
+                    reported.contains("E0603: no plan was found") || reported.contains("E0602"),
+                    "{reported}\n{text}"
+                );
                 seen.none += 1;
             }
         }
@@ -504,13 +507,13 @@ fn compare(task: &Task, all: &BTreeSet<Figures>, seen: &mut Seen) {
 }
 
 /// Follows what is said of the task without some obstacles or with parts that yield; whether anything is.
-fn remedied(task: &Task, told: &str) -> bool {
-    let is_plan = told.contains("there is a plan");
-    let is_none = told.contains("the task has no plan either");
+fn remedied(task: &Task, reported: &str) -> bool {
+    let is_plan = reported.contains("there is a plan");
+    let is_none = reported.contains("the task has no plan either");
     if !is_plan && !is_none {
         return false;
     }
-    let (_, help) = told.split_once("; ").expect("a report has a help");
+    let (_, help) = reported.split_once("; ").expect("a report has a help");
     let named: Vec<&str> = help.split('`').skip(1).step_by(2).collect();
     let obstacle = |index: usize| named.contains(&format!("o{index}").as_str());
     let kept = task.obstacles.iter().enumerate().filter(|(index, _)| !obstacle(*index));
@@ -519,24 +522,24 @@ fn remedied(task: &Task, told: &str) -> bool {
     let may_yield = task.may_yield || has_part;
     let changed = Task { obstacles, may_yield, ..task.clone() };
     if is_plan {
-        assert!(matches!(answered(&changed.text()), Answered::Plan(_)), "{told}\n{}", changed.text());
+        assert!(matches!(answered(&changed.text()), Answered::Plan(_)), "{reported}\n{}", changed.text());
     } else {
-        assert!(changed.all().is_empty(), "{told}\n{}", changed.text());
+        assert!(changed.all().is_empty(), "{reported}\n{}", changed.text());
     }
     true
 }
 
 /// Follows the advice to raise a limit.
-fn advice(task: &Task, told: &str) {
+fn advice(task: &Task, reported: &str) {
     let [(outcome, "<=", _)] = task.limits.as_slice() else { return };
-    let Some((_, advice)) = told.split_once("raise the limit to ") else { return };
+    let Some((_, advice)) = reported.split_once("raise the limit to ") else { return };
     let number: String = advice.chars().take_while(|c| c.is_ascii_digit()).collect();
     if *outcome == "time" {
         return;
     }
     let limit = number.parse().expect("a number");
     let raised = Task { limits: vec![(*outcome, "<=", limit)], ..task.clone() };
-    assert!(matches!(answered(&raised.text()), Answered::Plan(_)), "{told}\n{}", raised.text());
+    assert!(matches!(answered(&raised.text()), Answered::Plan(_)), "{reported}\n{}", raised.text());
 }
 
 #[test]

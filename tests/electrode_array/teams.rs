@@ -1,4 +1,4 @@
-//! Goals that are not told apart against brute force: random programs with `move any` on tiny boards, before and beside other moves.
+//! Interchangeable goals against brute force: random programs with `move any` on tiny boards, before and beside other moves.
 //!
 //! The truth is found without the planner: Dijkstra's algorithm over the joint positions of all parts, where a part of a team may arrive at
 //! any goal of its team; once for each figure, to every arrangement in which a step can end. `TWEEZE_ORACLE_CASES=2000` runs 2000
@@ -315,15 +315,18 @@ fn compare(case: &Case, truth: [Option<u64>; 3], (by_sum, limit): (bool, Option<
             }
         }
         Answered::Errors(errors) => {
-            let told = errors.join("\n");
-            if told.contains("E0601") {
-                assert_eq!(truth, [None; 3], "{told}\n{text}");
+            let reported = errors.join("\n");
+            if reported.contains("E0601") {
+                assert_eq!(truth, [None; 3], "{reported}\n{text}");
                 seen.refuted += 1;
-            } else if told.contains("E0603: no plan keeps") || told.contains("E0603: no plan has") {
-                assert!(!can_keep, "{told}\n{truth:?}\n{text}");
+            } else if reported.contains("E0603: no plan keeps") || reported.contains("E0603: no plan has") {
+                assert!(!can_keep, "{reported}\n{truth:?}\n{text}");
                 seen.refuted += 1;
             } else {
-                assert!(told.contains("E0603: no plan was found") || told.contains("E0602"), "{told}\n{text}");
+                assert!(
+                    reported.contains("E0603: no plan was found") || reported.contains("E0602"),
+                    "{reported}\n{text}"
+                );
                 seen.none += 1;
             }
         }

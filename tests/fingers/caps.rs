@@ -4,7 +4,7 @@
 
 use super::brute::Brute;
 use super::case::{Case, Step};
-use super::mechanics::said;
+use super::mechanics::reported;
 use super::support::build;
 
 /// The most ways of a step that are searched.
@@ -58,7 +58,7 @@ fn no_plan_is_proven_only_where_all_ways_were_searched() {
         let steps = vec![Step::Grasp([1, 7, 0]), Step::Orient([60, 120, 180])];
         let case = Case { adhesion: false, friction: 0.02, precision_deg, ..case(steps) };
         let count = Brute::of(&case, 0.0).count();
-        (count, said(&case.text()))
+        (count, reported(&case.text()))
     };
     let (few, proven) = slippery(15);
     assert!(few <= SEARCHED && proven[0].contains("E0601"), "{few} ways: {proven:?}");

@@ -22,7 +22,7 @@ impl Library for NoFiles {
 }
 
 /// Everything that is said of a program: code, title, labels and help of each report.
-pub fn said(text: &str) -> Vec<String> {
+pub fn reported(text: &str) -> Vec<String> {
     let options = Options::default();
     let program = ProgramSource { name: "test.twz", text, library: &NoFiles, options: &options };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
@@ -64,10 +64,10 @@ fn more_friction_never_finds_less() {
 fn a_search_that_ends_says_what_ended() {
     let text = found("fingers-optimal-but-reserve");
     let little = text.replace("  rotate bead by 160", "  using joint_astar { expansions: 10 }\n  rotate bead by 160");
-    let said = said(&little);
-    assert_eq!(said.len(), 1, "{said:?}");
-    assert!(said[0].contains("E0602") && said[0].contains("after 10 expansions"), "{said:?}");
-    assert!(said[0].contains("expansions: 80") && !said[0].contains("via"), "{said:?}");
+    let reported = reported(&little);
+    assert_eq!(reported.len(), 1, "{reported:?}");
+    assert!(reported[0].contains("E0602") && reported[0].contains("after 10 expansions"), "{reported:?}");
+    assert!(reported[0].contains("expansions: 80") && !reported[0].contains("via"), "{reported:?}");
 }
 
 #[test]
@@ -76,8 +76,8 @@ fn a_proof_says_what_is_kept_back() {
                 scene cell { part bead : ellipsoid { axes: (16 um, 11.845 um, 11.845 um) } }\n\
                 task flip on hand in cell {\n  rotate bead by 80 deg about z\n  rotate bead by 220 deg about y\n  \
                 rotate bead by 100 deg about z\n}\n";
-    let said = said(text);
-    assert!(said[0].contains("E0601") && said[0].contains("2 % of friction"), "{said:?}");
+    let reported = reported(text);
+    assert!(reported[0].contains("E0601") && reported[0].contains("2 % of friction"), "{reported:?}");
 }
 
 #[test]
@@ -88,12 +88,15 @@ fn what_cannot_be_planned_with_is_refused_by_the_check() {
         ("slow-64-profiles", "E0514", "corner"),
         ("fingers-load-too-large", "E0403", "at most 1 N"),
     ] {
-        let said = said(&found(name));
-        assert!(said.iter().any(|said| said.contains(code) && said.contains(word)), "{name}: {said:?}");
+        let reported = reported(&found(name));
+        assert!(
+            reported.iter().any(|reported| reported.contains(code) && reported.contains(word)),
+            "{name}: {reported:?}"
+        );
     }
     // What the help suggests is taken.
     let coarser = found("fingers-many-grasps").replace("step: 5 deg", "step: 8 deg");
-    assert!(!said(&coarser).iter().any(|said| said.contains("E0541")));
+    assert!(!reported(&coarser).iter().any(|reported| reported.contains("E0541")));
 }
 
 /// The contacts of a grasp are counted in the plane of the task's next turn, else in that of its last one, whatever is released between.
@@ -149,17 +152,20 @@ fn curves_and_solids_have_a_budget() {
     let scenes: String = (0..12).map(scene).collect();
     let text = format!("use std.fingers\ndevice hand : fingers.three_fingers {{ tip_radius: 20 um }}\n{scenes}");
     let task = "task t on hand in cell0 { rotate bean[0] by 80 deg about z }\n";
-    let said = said(&format!("{text}{task}"));
-    let of_budget = said.iter().filter(|said| said.contains("E0308")).count();
-    assert!(of_budget == 1 && said.iter().any(|said| said.contains("more curves and solids")), "{said:?}");
+    let reported = reported(&format!("{text}{task}"));
+    let of_budget = reported.iter().filter(|reported| reported.contains("E0308")).count();
+    assert!(
+        of_budget == 1 && reported.iter().any(|reported| reported.contains("more curves and solids")),
+        "{reported:?}"
+    );
 }
 
 #[test]
 fn a_torque_that_no_contact_bears_is_named() {
     let text = found("fingers-load-across");
-    let said = said(&text);
-    assert!(said.len() == 1 && said[0].contains("E0601"), "{said:?}");
-    assert!(said[0].contains("contacts 1 and 9") && said[0].contains("uN um"), "{said:?}");
+    let reported = reported(&text);
+    assert!(reported.len() == 1 && reported[0].contains("E0601"), "{reported:?}");
+    assert!(reported[0].contains("contacts 1 and 9") && reported[0].contains("uN um"), "{reported:?}");
     // The same load in the plane was refused before, a small one is borne, and three fingers bear the whole.
     assert_eq!(build(&text.replace("(0 uN, 0 uN, -0.8 uN)", "(0 uN, -0.8 uN, 0 uN)")).codes, ["E0601"]);
     assert_eq!(cost(&text.replace("-0.8 uN", "-0.1 nN"))[0], 40.0);
@@ -178,13 +184,13 @@ fn a_limit_of_reconfigurations_is_searched_for() {
     // It is missed by the cheapest plan, and kept by another.
     assert_eq!(cost(&limited("1")), [1960.0; 2]);
     assert_eq!(cost(&limited("0")), [2280.0; 2]);
-    let effort = said(&text.replacen("  rotate", "  require effort <= 1900 deg\n  rotate", 1));
+    let effort = reported(&text.replacen("  rotate", "  require effort <= 1900 deg\n  rotate", 1));
     assert!(effort.len() == 1 && effort[0].contains("E0603") && effort[0].contains("1960 deg"), "{effort:?}");
     let paper = "use std.fingers as f\ndevice hand : f.three_fingers {}\n\
                  scene cell { part bead : ellipsoid { axes: (16 um, 11.845 um, 11.845 um) } }\n\
                  task flip on hand in cell {\n  require reconfigurations <= 6\n  rotate bead by 80 deg about z\n  \
                  rotate bead by 220 deg about y\n  rotate bead by 100 deg about z\n}\n";
-    let fewest = said(paper);
+    let fewest = reported(paper);
     assert!(fewest.len() == 1 && fewest[0].contains("E0603") && fewest[0].contains("the least is 8"), "{fewest:?}");
 }
 
@@ -194,12 +200,12 @@ fn large_parts_and_loads_are_planned_with_few_looks() {
     assert_eq!(cost(&found("fingers-loaded-slow")), [280.0; 2]);
     // More looks find what few do not, and the help says so.
     let weighed = found("fingers-weighed-slow");
-    let given_up = said(&weighed);
+    let given_up = reported(&weighed);
     let more = "`using published_astar { looks: 600000000 }`";
     assert!(given_up.len() == 1 && given_up[0].contains("E0602") && given_up[0].contains(more), "{given_up:?}");
     // The work of bounds and estimates is counted too.
     assert_eq!(cost(&found("fingers-decomposed-slow")), [2600.0, 440.0]);
-    let given_up = said(&found("fingers-published-slow"));
+    let given_up = reported(&found("fingers-published-slow"));
     assert!(given_up.len() == 1 && given_up[0].contains("E0602") && given_up[0].contains("looks"), "{given_up:?}");
 }
 
@@ -215,12 +221,12 @@ fn a_limit_of_time_is_searched_for_with_fewer_reconfigurations() {
     let between = limited(&format!("{} s", (least_s + most_s) / 2.0));
     assert_eq!(cost(&between), [2280.0, 1960.0]);
     // What is below every plan is proven; what is between is not known.
-    let known = said(&limited("1 ms"));
+    let known = reported(&limited("1 ms"));
     assert!(
         known.len() == 1 && known[0].contains("E0603") && known[0].contains("proven: no plan has less than"),
         "{known:?}"
     );
-    let open = said(&limited(&format!("{} s", least_s * 0.99)));
+    let open = reported(&limited(&format!("{} s", least_s * 0.99)));
     assert!(open.len() == 1 && open[0].contains("no plan was found") && !open[0].contains("proven"), "{open:?}");
 }
 
@@ -230,10 +236,10 @@ fn the_greedy_planner_says_what_the_other_one_finds() {
     let greedy = |text: &str| text.replacen("  rotate", "  using greedy_decomposition\n  rotate", 1);
     // What has no plan at all is not said to have one.
     let slippery = text.replace("friction: 0.511", "friction: 0.01");
-    let said = said(&greedy(&slippery));
+    let reported = reported(&greedy(&slippery));
     assert!(
-        said.len() == 1 && said[0].contains("E0602") && said[0].contains("proves that there is no plan"),
-        "{said:?}"
+        reported.len() == 1 && reported[0].contains("E0602") && reported[0].contains("proves that there is no plan"),
+        "{reported:?}"
     );
 }
 

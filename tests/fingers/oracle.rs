@@ -2,7 +2,7 @@
 
 use super::brute::Brute;
 use super::case::{Case, Step};
-use super::mechanics::said;
+use super::mechanics::reported;
 use super::random::Random;
 use super::support::{Built, build};
 
@@ -226,9 +226,9 @@ fn limited(case: &Case, plan: Planned, text: &str, tally: &mut Tally) {
             text,
             &format!("  require effort < {} deg\n  require reconfigurations <= {}\n", best.cost_deg, best.gaits),
         );
-        let said = said(&effort);
-        let is_proven = said.len() == 1 && said[0].contains("E0603") && said[0].contains("proven");
-        assert!(is_proven, "{said:?}\n{effort}");
+        let reported = reported(&effort);
+        let is_proven = reported.len() == 1 && reported[0].contains("E0603") && reported[0].contains("proven");
+        assert!(is_proven, "{reported:?}\n{effort}");
         tally.limits_proven_too_low += 1;
         let Some(fewer) = best.gaits.checked_sub(1) else { return };
         let limit = with_limits(text, &format!("  require reconfigurations <= {fewer}\n"));
@@ -262,15 +262,15 @@ fn timed(case: &Case, plan: Planned, text: &str, tally: &mut Tally) {
     let within = |limit_s: f64| with_limits(text, &format!("  require time <= {} ns\n", (limit_s * 1e9).round()));
     let built = build(&within(plan.time_s));
     assert!(planned(&built).is_some_and(|kept| kept.time_s <= plan.time_s + 1e-9), "{plan:?}\n{text}");
-    let said = said(&within(plan.time_s.midpoint(soonest_s)));
-    assert!(said.iter().all(|report| !report.contains("proven: ")), "{said:?}\n{text}");
+    let reported = reported(&within(plan.time_s.midpoint(soonest_s)));
+    assert!(reported.iter().all(|report| !report.contains("proven: ")), "{reported:?}\n{text}");
     tally.timed += 1;
 }
 
 /// The time below which there is said to be no plan, in seconds.
 fn time_bound_s(text: &str) -> f64 {
-    let said = said(&with_limits(text, "  require time <= 1 ns\n"));
-    let (_, rest) = said[0].split_once("proven: no plan has less than ").expect("a bound");
+    let reported = reported(&with_limits(text, "  require time <= 1 ns\n"));
+    let (_, rest) = reported[0].split_once("proven: no plan has less than ").expect("a bound");
     let mut words = rest.split([' ', '"']);
     let number: f64 = words.next().and_then(|number| number.parse().ok()).expect("a number");
     let unit =
@@ -280,11 +280,11 @@ fn time_bound_s(text: &str) -> f64 {
 
 /// What is said of a limit of reconfigurations that is too low is so.
 fn least_is_said(case: &Case, limit: &str) {
-    let said = said(limit);
+    let reported = reported(limit);
     let fewest = |slack: f64| Brute::of(case, slack).fewest();
-    let said_least = |fewest: u32| said[0].contains(&format!("proven: the least is {fewest}"));
+    let said_least = |fewest: u32| reported[0].contains(&format!("proven: the least is {fewest}"));
     let is_so = [0.0, SLACK, -SLACK].into_iter().filter_map(fewest).any(said_least);
-    assert!(said.len() == 1 && said[0].contains("E0603") && is_so, "{said:?}\n{limit}");
+    assert!(reported.len() == 1 && reported[0].contains("E0603") && is_so, "{reported:?}\n{limit}");
 }
 
 /// So many cases of a kind, or those of a long run.

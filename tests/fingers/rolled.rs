@@ -162,7 +162,7 @@ fn swept(
 fn off(schedule: &Schedule, plan: &PlanRecord, outlines: &BTreeMap<Plane, Outline>) -> [f64; 2] {
     let stages = Stages::of(schedule);
     type Recorded<'a> = (u64, &'a Vec<u32>, Plane, Vector3<f64>, UnitQuaternion<f64>);
-    let told: Vec<Recorded> = plan
+    let reported: Vec<Recorded> = plan
         .states
         .iter()
         .map(|timed| match &timed.state {
@@ -173,10 +173,10 @@ fn off(schedule: &Schedule, plan: &PlanRecord, outlines: &BTreeMap<Plane, Outlin
             other => panic!("a state of a hand: {other:?}"),
         })
         .collect();
-    let (_, _, _, place, turn) = told[0];
+    let (_, _, _, place, turn) = reported[0];
     let mut pose = Pose { place, turn: turn.to_rotation_matrix() };
     let (mut worst, mut rolled_rad) = ([0.0_f64; 2], 0.0);
-    for pair in told.windows(2) {
+    for pair in reported.windows(2) {
         let (from_ns, before, ..) = pair[0];
         let (to_ns, after, plane, place, turn) = pair[1];
         let holding = |grasp: &[u32]| (0..grasp.len()).filter(|finger| grasp[*finger] > 0).collect::<Vec<usize>>();
@@ -311,8 +311,11 @@ fn a_coarse_turn_says_where_it_ends() {
     let found = turns(text);
     let reached = 4.0 * ellipse_step_deg([16.0, 11.845], 4.5, 74.0);
     assert_eq!(found.len(), 1);
-    let [asked, told, off] = found[0];
-    assert!((asked - 90.0).abs() < 1e-9 && (told - reached).abs() < 1e-6, "{told} deg, {reached} deg by formula");
+    let [asked, reported, off] = found[0];
+    assert!(
+        (asked - 90.0).abs() < 1e-9 && (reported - reached).abs() < 1e-6,
+        "{reported} deg, {reached} deg by formula"
+    );
     assert!((off - (reached - 90.0)).abs() < 1e-6 && off < -9.9, "{off} deg");
 }
 

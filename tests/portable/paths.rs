@@ -56,13 +56,13 @@ fn messages_show_the_path_as_it_was_typed() {
     fs::write(bench.path().join("rooms.twz"), "scene hall { obstacle post at (99, 3 V) }\n").expect("written");
     for (path, shown) in [("day/go.twz", "day/../rooms.twz:1:"), ("./day/go.twz", "./day/../rooms.twz:1:")] {
         let output = tweeze(bench.path()).args(["check", path]).output().expect("the program starts");
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(told.contains(shown), "{told}");
+        let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(reported.contains(shown), "{reported}");
     }
     fs::write(bench.path().join("day/go.twz"), "let a = 1 um + 1 V\n").expect("written");
     for path in ["day/go.twz", "./day/go.twz"] {
         let output = tweeze(bench.path()).args(["check", path, "--format", "json"]).output().expect("it starts");
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(told.contains(&format!("\"file\":\"{path}\"")), "{told}");
+        let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(reported.contains(&format!("\"file\":\"{path}\"")), "{reported}");
     }
 }

@@ -36,7 +36,7 @@ fn packed(log: &[u8], metadata: impl Fn(&mut BTreeMap<String, String>), claims: 
 }
 
 /// The exit status and what is told of the log of [`PROGRAM`] with some of it replaced.
-fn told(metadata: &[(&str, Option<&str>)], claims: impl Fn(String) -> String) -> (Option<i32>, String) {
+fn reported(metadata: &[(&str, Option<&str>)], claims: impl Fn(String) -> String) -> (Option<i32>, String) {
     let bench = tempfile::tempdir().expect("a folder");
     std::fs::write(bench.path().join("go.twz"), PROGRAM).expect("written");
     done(tweeze(bench.path()).args(["build", "go.twz"]));
@@ -56,14 +56,14 @@ fn told(metadata: &[(&str, Option<&str>)], claims: impl Fn(String) -> String) ->
 
 #[test]
 fn a_log_of_another_schema_is_not_judged() {
-    for (schema, version, said) in [
+    for (schema, version, reported) in [
         (None, Some("0.1.0"), "written by tweeze 0.1.0 in schema 1;"),
         (Some("1"), Some("0.1.0"), "written by tweeze 0.1.0 in schema 1;"),
         (Some("4"), Some("7.1.0"), "written by tweeze 7.1.0 in schema 4;"),
         (Some("x\u{1b}[2J"), None, "a tweeze that does not name itself in schema x[2J;"),
     ] {
-        let (code, text) = told(&[("schema", schema), ("version", version)], |claims| claims);
-        assert!(code == Some(4) && text.contains("E0848") && text.contains(said), "{text}");
+        let (code, text) = reported(&[("schema", schema), ("version", version)], |claims| claims);
+        assert!(code == Some(4) && text.contains("E0848") && text.contains(reported), "{text}");
         assert!(text.contains("verify it with ") && !text.contains("edited") && !text.contains('\u{1b}'), "{text}");
     }
 }
@@ -72,12 +72,12 @@ fn a_log_of_another_schema_is_not_judged() {
 fn what_another_version_of_the_same_schema_derives_is_no_edit() {
     let other = [("version", Some("0.0.9"))];
     let changed = |claims: String| claims.replace("0.138", "0.139");
-    for text in [told(&other, |claims| claims), told(&other, changed)] {
+    for text in [reported(&other, |claims| claims), reported(&other, changed)] {
         assert!(text.0 == Some(4) && text.1.contains("E0848") && text.1.contains("tweeze 0.0.9"), "{text:?}");
     }
     // The same edit of a log that names this version is one.
-    let (code, text) = told(&[], changed);
+    let (code, text) = reported(&[], changed);
     assert!(code == Some(3) && text.contains("E0741") && text.contains("edited"), "{text}");
-    let (code, text) = told(&[], |claims| claims.replace("tweeze-claims", "breeze-claims"));
+    let (code, text) = reported(&[], |claims| claims.replace("tweeze-claims", "breeze-claims"));
     assert!(code == Some(4) && text.contains("E0845"), "{text}");
 }

@@ -59,9 +59,9 @@ fn what_was_not_derived_again_is_called_so() {
     let bench = Bench::new();
     bench.write("a.twz", "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n");
     bench.run(&["build", "a.twz"]).code(DONE);
-    let told = bench.run(&["verify", "go.mcap", "--against", "a.twz"]).code(DONE).out;
+    let reported = bench.run(&["verify", "go.mcap", "--against", "a.twz"]).code(DONE).out;
     says(
-        &told,
+        &reported,
         &[
             "Unchecked",
             "the planner's bounds and estimates, and that the plan is optimal: recorded, and not derived again",

@@ -82,9 +82,9 @@ fn a_wait_lasts_as_long_as_it_says() {
 #[test]
 fn names_have_an_end() {
     let long = "n".repeat(5_000_000);
-    let told = check(&format!("let {long} = 1\n")).code(ERRORS).err;
-    says(&told, &["E0129", "a name of 5000000 bytes; the limit is 200"]);
-    assert!(told.len() < 10_000, "{} bytes", told.len());
+    let reported = check(&format!("let {long} = 1\n")).code(ERRORS).err;
+    says(&reported, &["E0129", "a name of 5000000 bytes; the limit is 200"]);
+    assert!(reported.len() < 10_000, "{} bytes", reported.len());
     let digits = check(&format!("let a = 1{long}\n")).code(ERRORS).err;
     assert!(digits.len() < 20_000, "{} bytes", digits.len());
 }

@@ -85,7 +85,7 @@ fn potential(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &Chec
         Some((forces, net_n)) if net_n <= 0.0 => forces.balance_v().map(|balance_v| balance_v * 1.001).map(rounded_up),
         _ => Some(rounded_up(needed_v)),
     };
-    let told_forces = forces.map(|forces| errors::Balance {
+    let balance = forces.map(|forces| errors::Balance {
         lateral: force(forces.lateral_n(potential_v)),
         friction: force(forces.friction_n(potential_v)),
         net: force(forces.net_n(potential_v)),
@@ -100,7 +100,7 @@ fn potential(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &Chec
     let (asked, least) = (voltage(potential_v), least_v.map(voltage));
     let most_friction =
         forces.map(|forces| rounded_down(forces.balance_friction(potential_v) * 0.999)).filter(|_| least_v.is_none());
-    let wrong = errors::potential_too_low(&asked, &radius, least.as_deref(), told_forces.as_ref(), most_friction);
+    let wrong = errors::potential_too_low(&asked, &radius, least.as_deref(), balance.as_ref(), most_friction);
     let mut labels = vec![DeviceLabel::field("potential", "too low")];
     if measured_v.is_some() {
         labels.push(DeviceLabel::field("least_potential", "the least that moves a part"));

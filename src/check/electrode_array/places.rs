@@ -25,7 +25,7 @@ use std::sync::Arc;
 pub fn places_agree(jobs: &[Job], sink: &mut Sink) -> Vec<(usize, Vec<Fluids>)> {
     let mut before = Vec::new();
     let mut boards: BTreeMap<&str, BoardWalk> = BTreeMap::new();
-    let mut walk = PartsWalk { told: BTreeSet::new(), covers: BTreeMap::new() };
+    let mut walk = PartsWalk { reported: BTreeSet::new(), covers: BTreeMap::new() };
     for (nth, job) in jobs.iter().enumerate() {
         let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
         let board = boards.entry(&job.device).or_insert_with(|| BoardWalk::of(order));
@@ -52,14 +52,14 @@ pub fn places_agree(jobs: &[Job], sink: &mut Sink) -> Vec<(usize, Vec<Fluids>)> 
             found.into_iter().for_each(|wrong| sink.push(wrong.label_elsewhere(run, step.span, "run here")));
         }
         let others = board.liquids.judge(order).into_iter();
-        others.filter(|(span, _)| walk.told.insert((*span, None))).for_each(|(_, wrong)| sink.push(wrong));
+        others.filter(|(span, _)| walk.reported.insert((*span, None))).for_each(|(_, wrong)| sink.push(wrong));
     }
     before
 }
 
 /// State of the walk through the runs of a schedule.
 struct PartsWalk {
-    told: BTreeSet<Finding>,
+    reported: BTreeSet<Finding>,
     /// By the list of obstacles that is painted.
     covers: BTreeMap<*const Vec<ElectrodeArrayObstacle>, Rc<ObstacleCells>>,
 }
@@ -198,7 +198,7 @@ impl BoardWalk {
         for (part, stand) in self.stands.iter().enumerate() {
             let PartStand::At(cell, since) = *stand else { continue };
             let Some(obstacle) = cover.covering(cell).map(|index| &order.obstacles[index]) else { continue };
-            if walk.told.insert((job.run_span, Some(cell))) {
+            if walk.reported.insert((job.run_span, Some(cell))) {
                 let distance = distance_to(obstacle, cell, &order.facts);
                 let place = errors::PartPlace { name: self.name_of(part), cell, span: since };
                 let obstacle = (obstacle.name.as_str(), obstacle.span);
@@ -215,7 +215,7 @@ impl BoardWalk {
         order: &ElectrodeArrayOrder,
         walk: &mut PartsWalk,
     ) -> Vec<Diagnostic> {
-        let mut found = self.not_there(moves, &mut walk.told);
+        let mut found = self.not_there(moves, &mut walk.reported);
         self.set_out(moves);
         for step in moves {
             let stops = match order.bystanders {
@@ -225,7 +225,7 @@ impl BoardWalk {
             };
             let near = stops.iter().find_map(|stop| Some((stop, self.spread.near(stop.cell)?)));
             if let Some((stop, (_, other))) = near
-                && walk.told.insert((stop.span, Some(stop.cell)))
+                && walk.reported.insert((stop.span, Some(stop.cell)))
             {
                 let wrong = self.too_near((step, stop), other, (moves, order), &walk.cover(order));
                 found.push(errors::given_from(wrong, stop.span, stop.origin.as_ref()));
@@ -260,7 +260,7 @@ impl BoardWalk {
                 all.iter().filter_map(|one| Some((one.span, liquids.operate(of, one)?))).collect()
             }
         };
-        found.into_iter().filter(|(span, _)| walk.told.insert((*span, None))).map(|(_, wrong)| wrong).collect()
+        found.into_iter().filter(|(span, _)| walk.reported.insert((*span, None))).map(|(_, wrong)| wrong).collect()
     }
 
     /// Checks an assay as the moves of its parts to all their stops, and moves them to the last ones.
@@ -274,11 +274,11 @@ impl BoardWalk {
         let mut moves: BTreeMap<usize, ElectrodeArrayMove> = BTreeMap::new();
         for operation in operations {
             if operation.comes {
-                found.extend(self.comes(operation, &mut walk.told));
+                found.extend(self.comes(operation, &mut walk.reported));
             }
             for part in operation.parts() {
                 if let PartStand::Due = self.stands[part]
-                    && walk.told.insert((operation.span, None))
+                    && walk.reported.insert((operation.span, None))
                 {
                     found.push(errors::not_there_yet(operation.span, self.named(part)));
                 }
@@ -286,14 +286,14 @@ impl BoardWalk {
                 moves.entry(part).or_insert_with(fresh).stops.extend(operation.stops.iter().cloned());
             }
             if let Some(half) = operation.splits {
-                found.extend(self.comes(operation, &mut walk.told));
+                found.extend(self.comes(operation, &mut walk.reported));
                 let stops = vec![half.stop(operation)];
                 moves.insert(half.part, ElectrodeArrayMove::alone(half.part, stops, operation.span));
             }
         }
         let rests: Vec<usize> = moves.values().filter(|one| one.stops.is_empty()).map(|one| one.part).collect();
         let mut moves: Vec<ElectrodeArrayMove> = moves.into_values().collect();
-        found.extend(self.not_there(&moves, &mut walk.told));
+        found.extend(self.not_there(&moves, &mut walk.reported));
         if !found.is_empty() {
             return found;
         }
@@ -328,7 +328,7 @@ impl BoardWalk {
         self.enter(part);
         let (at, other) = near?;
         let PartStand::At(_, span) = self.stands[other] else { return None };
-        if !walk.told.insert((span, Some(at))) {
+        if !walk.reported.insert((span, Some(at))) {
             return None;
         }
         let cover = walk.cover(order);
@@ -381,7 +381,7 @@ impl BoardWalk {
                     Some(errors::loop_near_part(place, corner, other, apart))
                 })
             };
-            let wrong = wrong.filter(|_| walk.told.insert((place.1, Some(corner))));
+            let wrong = wrong.filter(|_| walk.reported.insert((place.1, Some(corner))));
             found.extend(wrong.map(|wrong| match at {
                 Some(stop) => errors::given_from(wrong, stop.span, stop.origin.as_ref()),
                 None => wrong,
@@ -391,7 +391,7 @@ impl BoardWalk {
     }
 
     /// A droplet is dispensed, or given off by another, once.
-    fn comes(&mut self, operation: &AssayOperation, told: &mut BTreeSet<Finding>) -> Option<Diagnostic> {
+    fn comes(&mut self, operation: &AssayOperation, reported: &mut BTreeSet<Finding>) -> Option<Diagnostic> {
         let (part, cell) = operation.new_part()?;
         let name = &self.parts[part].name;
         let wrong = match self.stands[part] {
@@ -402,11 +402,11 @@ impl BoardWalk {
             PartStand::At(_, since) | PartStand::Somewhere(since) => errors::there_already(operation.span, name, since),
             PartStand::Gone(departure) => errors::gone_before(operation.span, name, departure),
         };
-        told.insert((operation.span, None)).then_some(wrong)
+        reported.insert((operation.span, None)).then_some(wrong)
     }
 
     /// Parts that are gone, or that are not there yet.
-    fn not_there(&self, moves: &[ElectrodeArrayMove], told: &mut BTreeSet<Finding>) -> Vec<Diagnostic> {
+    fn not_there(&self, moves: &[ElectrodeArrayMove], reported: &mut BTreeSet<Finding>) -> Vec<Diagnostic> {
         let mut found = Vec::new();
         for step in moves {
             for part in of_move(step) {
@@ -416,7 +416,7 @@ impl BoardWalk {
                     PartStand::Due => errors::not_there_yet(step.span, self.named(part)),
                     PartStand::Gone(departure) => errors::gone_before(step.span, name, departure),
                 };
-                if told.insert((step.span, None)) {
+                if reported.insert((step.span, None)) {
                     found.push(wrong);
                 }
             }

@@ -1,4 +1,4 @@
-//! Goals that are not told apart: `any m` stands for all parts of the scene with the name `m` and an index.
+//! Interchangeable goals: `any m` stands for all parts of the scene with the name `m` and an index.
 
 use super::errors;
 use super::goals::{BoardStepJudge, phrases};

@@ -66,14 +66,14 @@ impl BoardStepJudge<'_> {
 /// Enters what the parts of each order contain before it, by the places of the jobs, and reports operations at one place that harm each
 /// other.
 pub fn agree(jobs: &mut [Job], before: Vec<(usize, Vec<Fluids>)>, sink: &mut Sink) {
-    let mut told: BTreeSet<Span> = BTreeSet::new();
+    let mut reported: BTreeSet<Span> = BTreeSet::new();
     for (nth, before) in before {
         let Order::ElectrodeArray(order) = &mut jobs[nth].order else { continue };
         if order.contamination.is_unheeded() {
             continue;
         }
         order.contamination.before = before;
-        if let Some((span, wrong)) = harmed_at_one_place(order).filter(|(span, _)| told.insert(*span)) {
+        if let Some((span, wrong)) = harmed_at_one_place(order).filter(|(span, _)| reported.insert(*span)) {
             sink.push(wrong.label_elsewhere(order.contamination.avoided[0].span, span, "avoided here"));
         }
     }

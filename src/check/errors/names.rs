@@ -197,8 +197,9 @@ pub fn import_cycle((span, name): (Span, &str), uses: &[(Span, &str)]) -> Diagno
     let chain: Vec<&str> = std::iter::once(name).chain(names).chain([name]).collect();
     let diagnostic = Diagnostic::new(Code::E0205, format!("`{name}` uses itself: {}", chain.join(" → ")))
         .label(span, "this closes the circle");
-    let labelled =
-        uses.iter().fold(diagnostic, |told, (span, name)| told.label(*span, format!("`{name}` is used here")));
+    let labelled = uses
+        .iter()
+        .fold(diagnostic, |diagnostic, (span, name)| diagnostic.label(*span, format!("`{name}` is used here")));
     labelled.help("move what the files need of each other into one that uses none of them")
 }
 

@@ -10,7 +10,7 @@ use super::step;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersTurn, HandPart};
 use crate::claims::{Job, Order};
 use crate::device::fingers::{MAX_GRASPS, Plane};
-use crate::diagnostic::{Diagnostic, Sink};
+use crate::diagnostic::{Diagnosed, Sink};
 use crate::source::Span;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -81,8 +81,6 @@ struct HandWalk {
     junction_fault: Option<String>,
 }
 
-type Told = Result<(), Box<Diagnostic>>;
-
 /// The decompositions of an orientation, and the fewest steps of those that were left out, if any.
 type Ways = (Vec<Vec<FingersTurn>>, Option<u32>);
 
@@ -104,7 +102,7 @@ impl HandWalk {
         Arc::ptr_eq(own, part) || (own.name == part.name && own.xy == part.xy && own.xz == part.xz)
     }
 
-    fn advance(&mut self, action: &mut FingersAction, at: Span, order: &FingersOrder) -> Told {
+    fn advance(&mut self, action: &mut FingersAction, at: Span, order: &FingersOrder) -> Diagnosed {
         match action {
             FingersAction::Wait(_) => {}
             FingersAction::Grasp(_) => self.hold = PartHold::Held,
@@ -135,7 +133,7 @@ impl HandWalk {
     }
 
     /// Whether the grasps of a turn are few enough to be searched: under a load in the plane they differ from angle to angle.
-    fn looks_at_few(&self, plane: Plane, at: Span, order: &FingersOrder) -> Told {
+    fn looks_at_few(&self, plane: Plane, at: Span, order: &FingersOrder) -> Diagnosed {
         let Some(section) = self.part.section(plane) else { return Ok(()) };
         let load_un = Vector3::from(order.load_un);
         let axis = Vector3::from(plane.normal());
@@ -150,7 +148,7 @@ impl HandWalk {
         Err(Box::new(errors::too_many_grasps(at, &self.part.name, [contacts, angles], order.facts.steps_per_turn)))
     }
 
-    fn rotate(&mut self, turn: FingersTurn, at: Span) -> Told {
+    fn rotate(&mut self, turn: FingersTurn, at: Span) -> Diagnosed {
         if let Some(why) = &self.junction_fault
             && self.planes.iter().any(|plane| *plane != turn.plane)
         {
@@ -170,7 +168,7 @@ impl HandWalk {
         (asked, goal): (errors::AskedTurn, &Orientation),
         at: Span,
         order: &FingersOrder,
-    ) -> Result<Ways, Box<Diagnostic>> {
+    ) -> Diagnosed<Ways> {
         let precision_rad = order.precision_rad;
         let mut ways = orientation::ways(&(self.reached[0].inverse() * goal), &self.part);
         if ways.is_empty() {
@@ -244,7 +242,7 @@ impl HandWalk {
         self.hold = PartHold::Held;
     }
 
-    fn translate(&mut self, by_um: [f64; 3], at: Span, order: &FingersOrder) -> Told {
+    fn translate(&mut self, by_um: [f64; 3], at: Span, order: &FingersOrder) -> Diagnosed {
         if let PartHold::Free(released) = self.hold {
             return Err(Box::new(errors::nothing_held(at, "translate", released)));
         }

@@ -170,7 +170,13 @@ pub fn mended(one: &Docked, other: &Docked, accepts: impl Fn(&Docked) -> bool) -
 }
 
 /// Diagnostic for a goal that does not fit.
-pub fn told(one: &Docked, before: &[Docked], partner: Partner, misfit: &GoalMisfit, docking: &Docking) -> Diagnostic {
+pub fn misfit_diagnostic(
+    one: &Docked,
+    before: &[Docked],
+    partner: Partner,
+    misfit: &GoalMisfit,
+    docking: &Docking,
+) -> Diagnostic {
     let place = |docked: &Docked| errors::GoalPlace { robot: docked.facts.name.clone(), span: docked.span };
     let fits = |moved: &Docked| self::misfit(moved, before, partner, docking).is_none();
     let head_on = || match partner {

@@ -78,7 +78,7 @@ impl Checker<'_> {
 }
 
 fn assurance(settings: &Accepted) -> Assurance {
-    if settings.is_set("guaranteed") { Assurance::Demanded } else { Assurance::Told }
+    if settings.is_set("guaranteed") { Assurance::Demanded } else { Assurance::Reported }
 }
 
 /// Tolerance of goals; a robot ends no nearer than half a stroke.

@@ -20,7 +20,7 @@ impl Library for Nothing {
 }
 
 /// The checked program, the codes, and each help.
-fn told(text: &str) -> (Option<Checked>, Vec<String>, Vec<String>) {
+fn reported(text: &str) -> (Option<Checked>, Vec<String>, Vec<String>) {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let text = format!("use std.microrobots as m\n{text}");
     let modules = imports::load(&mut sources, "main.twz", &text, &Nothing, &mut sink);
@@ -31,7 +31,7 @@ fn told(text: &str) -> (Option<Checked>, Vec<String>, Vec<String>) {
 }
 
 fn assert_codes(text: &str, expected: &[&str]) {
-    assert_eq!(told(text).1, expected, "{text}");
+    assert_eq!(reported(text).1, expected, "{text}");
 }
 
 fn device(fields: &str, expected: &[&str]) {
@@ -74,7 +74,7 @@ fn assembly(goals: &str, expected: &[&str]) {
 }
 
 fn orders(text: &str) -> Vec<MicrorobotsOrder> {
-    let (checked, codes, _) = told(text);
+    let (checked, codes, _) = reported(text);
     let checked = checked.unwrap_or_else(|| panic!("{codes:?}: {text}"));
     let jobs = checked.claims.iter().flat_map(|claims| &claims.jobs);
     jobs.filter_map(|job| MicrorobotsOrder::of(&job.order).cloned()).collect()
@@ -192,12 +192,12 @@ fn rows_are_told_apart() {
 
 #[test]
 fn a_mended_table_is_a_table() {
-    let help = told(&table(&[[150.0, 20.0], [140.0, 35.0]], "")).2.remove(0);
+    let help = reported(&table(&[[150.0, 20.0], [140.0, 35.0]], "")).2.remove(0);
     let (change, other) = help.split_once("; or ").expect("two mends");
     assert_eq!(other, "give the device `non_string: true`");
     assert_eq!(change, "lower `snap_down` of `D1` from 150 V to 143.9 V");
     rows(&[[143.9, 20.0], [140.0, 35.0]], &[]);
-    let help = told(&table(&[[110.0, 55.0]], "relax: 58 V")).2.remove(0);
+    let help = reported(&table(&[[110.0, 55.0]], "relax: 58 V")).2.remove(0);
     assert_eq!(help, "lower `release` of `D1` from 55 V to 54 V; or raise `relax` to 59 V");
     assert_codes(&table(&[[110.0, 54.0]], "relax: 58 V"), &[]);
     assert_codes(&table(&[[110.0, 55.0]], "relax: 59 V"), &[]);
@@ -316,7 +316,8 @@ fn goals_are_clear_of_obstacles() {
     steps(FOUR, "drive D1 to pose(1 mm, 1.1 m, 90 deg)", &["E0501"]);
     steps(FOUR, "precision: 5 nm, drive D1 to pose(1 mm, 2 mm, 90 deg)", &[]);
     steps(FOUR, "precision: 4.9 nm, drive D1 to pose(1 mm, 2 mm, 90 deg)", &["E0506"]);
-    let help = told(&program(&wall, "task t on fleet in field { drive D1 to pose(80 um, 2 mm, 90 deg) }")).2.remove(0);
+    let help =
+        reported(&program(&wall, "task t on fleet in field { drive D1 to pose(80 um, 2 mm, 90 deg) }")).2.remove(0);
     assert_eq!(help, "the nearest place that is free is pose(90 um, 2 mm, 90 deg)");
 }
 

@@ -30,7 +30,8 @@ pub fn states(
     (0..facts.robots.len()).filter_map(|row| judge.upside_down(row)).for_each(|wrong| sink.push(wrong));
     (sink.errors() == errors).then_some(())?;
     let analysis = relays::analyse(&rows(facts), source(facts, device), gaps(device));
-    let faults: Vec<Diagnostic> = analysis.faults.iter().map(|fault| judge.told_fault(fault, &analysis)).collect();
+    let faults: Vec<Diagnostic> =
+        analysis.faults.iter().map(|fault| judge.fault_diagnostic(fault, &analysis)).collect();
     let rest = faults.last().filter(|_| analysis.more_faults > 0).map(|last| {
         let labels = [DeviceLabel::cell(table.span, "in this table")];
         device.labelled(errors::more_faults(last.code, analysis.more_faults), labels)
@@ -92,7 +93,7 @@ impl TableJudge<'_> {
         })
     }
 
-    fn told_fault(&self, fault: &TableFault, analysis: &Analysis) -> Diagnostic {
+    fn fault_diagnostic(&self, fault: &TableFault, analysis: &Analysis) -> Diagnostic {
         let (wrong, labels) = self.fault(&fault.problem, analysis);
         let mend = fault.mend.as_ref().map(|mend| self.mend(mend, &fault.problem));
         let mends: Vec<String> = mend.into_iter().chain(self.other_level(&fault.problem)).collect();
@@ -208,7 +209,7 @@ impl TableJudge<'_> {
         let least_v = SMALL_SLACK * self.facts.margin_v;
         let is_thin = |(_, state): &(usize, &ControlState)| state.slack_v < least_v;
         let thin: Vec<(usize, &ControlState)> = analysis.states.iter().enumerate().filter(is_thin).collect();
-        let told_of = thin.iter().take(MAX_WARNINGS).map(|(index, state)| {
+        let shown = thin.iter().take(MAX_WARNINGS).map(|(index, state)| {
             let wrong = errors::small_slack((*index, &state.digits()), state.slack_v, self.facts.margin_v);
             self.device.labelled(wrong, self.binding(state))
         });
@@ -216,7 +217,7 @@ impl TableJudge<'_> {
             let labels = [DeviceLabel::cell(self.table.span, "of this table")];
             self.device.labelled(errors::more_small_slacks(rest + 1), labels)
         });
-        told_of.chain(rest).collect()
+        shown.chain(rest).collect()
     }
 
     /// The cells that leave a state no more slack than it has.
@@ -225,8 +226,8 @@ impl TableJudge<'_> {
         let is_binding = |slack_v: f64| (slack_v - state.slack_v).abs() <= 1e-9 * facts.max_v;
         let rows = 0..facts.robots.len();
         let gaps = rows.clone().flat_map(|down| rows.clone().map(move |up| (down, up)));
-        let told_apart = gaps.filter(|(down, up)| state.arms[*down] == Arm::Down && state.arms[*up] == Arm::Up);
-        let gap = told_apart
+        let separate = gaps.filter(|(down, up)| state.arms[*down] == Arm::Down && state.arms[*up] == Arm::Up);
+        let gap = separate
             .flat_map(|(down, up)| {
                 [Transition::SnapDown, Transition::Release].map(|transition| {
                     let gap_v = self.voltage(up, transition) - self.voltage(down, transition);

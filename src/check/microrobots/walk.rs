@@ -32,8 +32,8 @@ pub fn beds_agree(jobs: &[Job], sink: &mut Sink) {
             let run = if job.run_span == job.span { step.span } else { job.run_span };
             for diagnostic in walk.advance(&step.action, step.span, order) {
                 let at = diagnostic.span().unwrap_or(step.span);
-                let told = errors::given_from(diagnostic, at, origin_of(&step.action, at));
-                sink.push(told.label_elsewhere(run, step.span, "run here"));
+                let diagnostic = errors::given_from(diagnostic, at, origin_of(&step.action, at));
+                sink.push(diagnostic.label_elsewhere(run, step.span, "run here"));
             }
         }
     }
@@ -168,7 +168,7 @@ fn in_this_order(structure: &[Docked], goals: &[Docked], docking: &Docking) -> O
     for (at, goal) in goals.iter().enumerate() {
         let partner = partner(structure, goals, at, docking);
         if let Some(misfit) = docking::misfit(goal, &before, partner, docking) {
-            return Some(docking::told(goal, &before, partner, &misfit, docking));
+            return Some(docking::diagnostic(goal, &before, partner, &misfit, docking));
         }
         before.push(*goal);
     }

@@ -2,7 +2,7 @@
 //! otherwise replace one another's files in silence.
 
 use super::{Destination, errors};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::Diagnosed;
 use crate::emit::OutputFile;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -31,7 +31,7 @@ struct ProgramId {
 
 impl Manifest {
     /// The manifest of a folder; an empty one where there is none.
-    pub fn read(folder: &Path) -> Result<Manifest, Box<Diagnostic>> {
+    pub fn read(folder: &Path) -> Diagnosed<Manifest> {
         let path = folder.join(NAME);
         let unreadable = |error: io::Error| Box::new(errors::bad_manifest(&path, &error.to_string()));
         match fs::read(&path) {
@@ -45,7 +45,7 @@ impl Manifest {
     ///
     /// # Errors
     /// A file stands there that was built from another program, and it is not to be replaced.
-    pub fn enter(&mut self, to: &Destination, files: &[OutputFile]) -> Result<bool, Box<Diagnostic>> {
+    pub fn enter(&mut self, to: &Destination, files: &[OutputFile]) -> Diagnosed<bool> {
         let before = self.files.clone();
         let origin = ProgramId::of(to.folder, to.program);
         for file in files {

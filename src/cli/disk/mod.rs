@@ -4,7 +4,7 @@ mod commit;
 mod manifest;
 
 use super::{errors, signals};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::Diagnosed;
 use crate::emit::OutputFile;
 use crate::source::MAX_FILE_BYTES;
 use commit::{DiskFault, Folder, JOURNAL, RealDisk};
@@ -20,7 +20,7 @@ pub const MAX_LOG_BYTES: usize = 1024 * 1024 * 1024;
 ///
 /// # Errors
 /// A diagnostic: the file cannot be read, is too large, or is not UTF-8.
-pub fn read_program(path: &Path) -> Result<String, Box<Diagnostic>> {
+pub fn read_program(path: &Path) -> Diagnosed<String> {
     let bytes = read_bytes(path, MAX_FILE_BYTES)?;
     String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
@@ -32,7 +32,7 @@ pub fn read_program(path: &Path) -> Result<String, Box<Diagnostic>> {
 ///
 /// # Errors
 /// A diagnostic: the file cannot be read or is too large.
-pub fn read_bytes(path: &Path, limit: usize) -> Result<Vec<u8>, Box<Diagnostic>> {
+pub fn read_bytes(path: &Path, limit: usize) -> Diagnosed<Vec<u8>> {
     let unreadable = |error: io::Error| Box::new(errors::unreadable(path, &error));
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(unreadable)?;
@@ -59,14 +59,14 @@ pub fn is_standard_input(argument: &Path) -> bool {
 ///
 /// # Errors
 /// A diagnostic: it cannot be read, is too large, or is not UTF-8.
-pub fn read_argument(argument: &Path) -> Result<(PathBuf, String), Box<Diagnostic>> {
+pub fn read_argument(argument: &Path) -> Diagnosed<(PathBuf, String)> {
     match is_standard_input(argument) {
         true => read_standard_input().map(|text| (PathBuf::from(STANDARD_INPUT_NAME), text)),
         false => read_program(argument).map(|text| (argument.to_owned(), text)),
     }
 }
 
-fn read_standard_input() -> Result<String, Box<Diagnostic>> {
+fn read_standard_input() -> Diagnosed<String> {
     let name = Path::new(STANDARD_INPUT_NAME);
     let mut bytes = Vec::new();
     let read = io::stdin().lock().take(MAX_FILE_BYTES as u64 + 1).read_to_end(&mut bytes);
@@ -84,7 +84,7 @@ fn read_standard_input() -> Result<String, Box<Diagnostic>> {
 ///
 /// # Errors
 /// A diagnostic: a folder cannot be read.
-pub fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Box<Diagnostic>> {
+pub fn programs_in(folder: &Path) -> Diagnosed<Vec<PathBuf>> {
     let mut found = Vec::new();
     let mut open = vec![folder.to_owned()];
     while let Some(folder) = open.pop() {
@@ -108,7 +108,7 @@ pub fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Box<Diagnostic>> {
 ///
 /// # Errors
 /// A diagnostic: the file is read-only, or its folder cannot be written to.
-pub fn replace(path: &Path, text: &str) -> Result<(), Box<Diagnostic>> {
+pub fn replace(path: &Path, text: &str) -> Diagnosed {
     replaced(path, text).map_err(|error| Box::new(errors::not_replaced(path, &error)))
 }
 
@@ -145,7 +145,7 @@ pub fn shown(folder: &Path, name: &str) -> PathBuf {
 ///
 /// # Errors
 /// A diagnostic that names the file or folder and why.
-pub fn write_all(to: &Destination, files: &[OutputFile]) -> Result<(), Box<Diagnostic>> {
+pub fn write_all(to: &Destination, files: &[OutputFile]) -> Diagnosed {
     let folder = to.folder;
     let fail = |path: &Path| {
         let path = path.to_owned();
@@ -177,7 +177,7 @@ pub fn write_all(to: &Destination, files: &[OutputFile]) -> Result<(), Box<Diagn
 ///
 /// # Errors
 /// A diagnostic that names the file or folder and why.
-pub fn remove_own(to: &Destination, name: &str) -> Result<(), Box<Diagnostic>> {
+pub fn remove_own(to: &Destination, name: &str) -> Diagnosed {
     let path = to.folder.join(name);
     if path.symlink_metadata().is_err() || !Manifest::read(to.folder)?.is_own(to, name) {
         return Ok(());
@@ -189,7 +189,7 @@ pub fn remove_own(to: &Destination, name: &str) -> Result<(), Box<Diagnostic>> {
 ///
 /// # Errors
 /// A diagnostic that names the folder and why.
-pub fn try_folder(folder: &Path) -> Result<(), Box<Diagnostic>> {
+pub fn try_folder(folder: &Path) -> Diagnosed {
     let is_there = |folder: &&Path| !folder.as_os_str().is_empty() && folder.symlink_metadata().is_ok();
     let existing = folder.ancestors().find(is_there).unwrap_or(Path::new("."));
     let tried = if existing.is_file() { Err(no_folder()) } else { tempfile::tempfile_in(existing).map(drop) };
@@ -204,7 +204,7 @@ fn no_folder() -> io::Error {
 ///
 /// # Errors
 /// A diagnostic: something of that name exists, or it cannot be written.
-pub fn make_folder(folder: &Path, files: &[(&str, String)]) -> Result<(), Box<Diagnostic>> {
+pub fn make_folder(folder: &Path, files: &[(&str, String)]) -> Diagnosed {
     made(folder, files).map_err(|error| Box::new(errors::not_made(folder, &error)))
 }
 
@@ -226,7 +226,7 @@ fn made(folder: &Path, files: &[(&str, String)]) -> io::Result<()> {
 ///
 /// # Errors
 /// A diagnostic: the build cannot be finished, or is not of this folder.
-pub fn settle(file: &Path) -> Result<(), Box<Diagnostic>> {
+pub fn settle(file: &Path) -> Diagnosed {
     let folder = file.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
     if folder.join(JOURNAL).symlink_metadata().is_err() {
         return Ok(());
@@ -239,7 +239,7 @@ pub fn settle(file: &Path) -> Result<(), Box<Diagnostic>> {
     Folder::open(folder, &RealDisk).map(drop).map_err(|fault| unfinished(&fault.error))
 }
 
-fn write_set(to: &Destination, files: &[OutputFile]) -> Result<(), Box<Diagnostic>> {
+fn write_set(to: &Destination, files: &[OutputFile]) -> Diagnosed {
     let fail = |fault: DiskFault| {
         let is_foreign = fault.path.ends_with(JOURNAL) && fault.error.kind() == io::ErrorKind::InvalidData;
         Box::new(match is_foreign {

@@ -150,21 +150,21 @@ fn end(child: &mut Child) {
 
 /// The connection to a controller, after its greeting.
 fn connected(child: &mut Child) -> Result<BufReader<TcpStream>, String> {
-    let told = child.stderr.take().ok_or("the controller has no standard error")?;
-    let mut told = BufReader::new(told);
-    let mut said = String::new();
+    let stderr = child.stderr.take().ok_or("the controller has no standard error")?;
+    let mut stderr = BufReader::new(stderr);
+    let mut before = String::new();
     let address = loop {
         let mut line = String::new();
-        match told.read_line(&mut line) {
+        match stderr.read_line(&mut line) {
             Ok(0) | Err(_) => return Err(format!("the controller ended before it listened:\n{said}")),
             Ok(_) => match line.split_once(LISTENING) {
                 Some((_, address)) => break address.trim().to_owned(),
-                None => said.push_str(&line),
+                None => before.push_str(&line),
             },
         }
     };
     // What else it says must not stop it by a full pipe.
-    std::thread::spawn(move || std::io::copy(&mut told, &mut std::io::sink()));
+    std::thread::spawn(move || std::io::copy(&mut stderr, &mut std::io::sink()));
     let failed = |error: std::io::Error| format!("the controller cannot be reached at {address}: {error}");
     let stream = TcpStream::connect(&address).map_err(failed)?;
     stream.set_nodelay(true).map_err(failed)?;

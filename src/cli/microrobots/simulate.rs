@@ -30,43 +30,43 @@ pub fn run(arguments: &SimulateArguments) -> Exit {
         Err(exit) => return exit,
     };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let told = told(&loaded.program(&loaded.disk()), arguments, &mut sources, &mut sink);
+    let lines = simulated(&loaded.program(&loaded.disk()), arguments, &mut sources, &mut sink);
     terminal::report(&sink, &sources, arguments.report.format);
-    let told = match told {
-        Ok(told) => told,
+    let lines = match lines {
+        Ok(lines) => lines,
         Err(why) => return terminal::fault(&why),
     };
-    match told {
+    match lines {
         None => Exit::Errors,
-        Some(told) if told.is_empty() => {
+        Some(lines) if lines.is_empty() => {
             eprintln!("{} has no assembly on a device with all error bounds: nothing to simulate", loaded.shown());
             Exit::Usage
         }
-        Some(told) => terminal::answer(&told.join("\n")),
+        Some(lines) => terminal::answer(&lines.join("\n")),
     }
 }
 
 /// Outcomes of each assembly; `None` after an error of the program. The error is that of a controller that could not be asked.
-fn told(
+fn simulated(
     program: &ProgramSource,
     arguments: &SimulateArguments,
     sources: &mut Sources,
     sink: &mut Sink,
 ) -> Result<Option<Vec<String>>, String> {
     let Some(checked) = compile::check_program(program, sources, sink) else { return Ok(None) };
-    let mut told = Vec::new();
+    let mut lines = Vec::new();
     let mut is_whole = true;
     for claims in &checked.claims {
         match plan::plan(claims, sink, &mut |_, _, _| ()) {
             Some(plans) => {
                 let jobs = claims.jobs.iter().zip(&plans);
                 let outcomes = jobs.filter_map(|(job, plan)| one((&claims.name, job), plan, arguments, sources));
-                told.extend(outcomes.collect::<Result<Vec<String>, String>>()?);
+                lines.extend(outcomes.collect::<Result<Vec<String>, String>>()?);
             }
             None => is_whole = false,
         }
     }
-    Ok(is_whole.then_some(told))
+    Ok(is_whole.then_some(lines))
 }
 
 /// Outcomes of one assembly of the schedule of a name; `None` if there is none, or if the device does not bound its errors.

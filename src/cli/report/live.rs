@@ -26,7 +26,7 @@ pub struct ReportedBuild<'a> {
     pub output: &'a Path,
     pub formats: &'a BTreeSet<Format>,
     /// Whether its lines are wanted at all.
-    pub is_told: bool,
+    pub is_printed: bool,
     /// Whether all of them are, and what was searched.
     pub detail: Detail,
 }
@@ -78,13 +78,13 @@ impl<'a> LiveReport<'a> {
     }
 
     fn tell(&mut self, text: &str) {
-        if !self.build.is_told {
+        if !self.build.is_printed {
             return;
         }
-        let told = || terminal::answer(text);
+        let print = || terminal::answer(text);
         let exit = match &self.waiting {
-            Some(waiting) => waiting.beside(told),
-            None => told(),
+            Some(waiting) => waiting.beside(print),
+            None => print(),
         };
         self.exit = self.exit.max(exit);
     }
@@ -112,9 +112,9 @@ impl<'a> LiveReport<'a> {
         let shown = |name: &str, ending: &str| disk::shown(self.build.output, &format!("{name}.{ending}"));
         let files = claims.iter().flat_map(|claims| endings().map(|ending| shown(&claims.name, ending)));
         let settings = self.build.settings.iter().map(|setting| format!("--set {setting}"));
-        let told = |claims| subjects(claims).take(self.build.detail.most_lines());
+        let shown_subjects = |claims| subjects(claims).take(self.build.detail.most_lines());
         let names = files.map(|path| path.to_string_lossy().into_owned());
-        width(claims.iter().flat_map(told).chain(names).chain(settings).chain([self.file()]))
+        width(claims.iter().flat_map(shown_subjects).chain(names).chain(settings).chain([self.file()]))
     }
 }
 

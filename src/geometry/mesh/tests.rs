@@ -171,10 +171,10 @@ fn distances_are_those_of_brute_force() {
                 }
             }
         }
-        let told = mesh.distance_um(point);
-        assert!(told <= brute + 1e-12 && told > brute - 0.1, "{point:?}: {told} {brute}");
+        let reported = mesh.distance_um(point);
+        assert!(reported <= brute + 1e-12 && reported > brute - 0.1, "{point:?}: {reported} {brute}");
         let each = mesh.corners().map(|corners| surface::square(corners, point)).fold(f64::INFINITY, f64::min);
-        assert_eq!(told, each.sqrt());
+        assert_eq!(reported, each.sqrt());
     }
 }
 
@@ -202,8 +202,8 @@ fn what_is_no_surface_is_refused() {
         let mut corners = icosphere(1);
         corners[3][1][2] = odd;
         assert_eq!(Mesh::of(&corners), Err(MeshError::Number { triangle: 3 }));
-        let told = Mesh::read(&binary(&corners, b"made here"));
-        assert_eq!(told, Err(MeshError::Number { triangle: 3 }));
+        let reported = Mesh::read(&binary(&corners, b"made here"));
+        assert_eq!(reported, Err(MeshError::Number { triangle: 3 }));
     }
     let mut corners = icosphere(1);
     corners[9][1] = corners[9][0];
@@ -317,7 +317,7 @@ fn damaged_bytes_never_panic() {
     };
     let binary = binary(&icosphere(1), b"");
     let text = Mesh::read(&binary).unwrap().to_text().into_bytes();
-    let mut told = BTreeMap::new();
+    let mut reported = BTreeMap::new();
     for _ in 0..3000 {
         for whole in [&binary, &text] {
             let mut bytes = whole.clone();
@@ -333,11 +333,11 @@ fn damaged_bytes_never_panic() {
                 |error| format!("{error:?}").split([' ', '(']).next().unwrap().to_owned(),
                 |_| "fine".into(),
             );
-            *told.entry(name).or_insert(0) += 1;
+            *reported.entry(name).or_insert(0) += 1;
         }
         let noise: Vec<u8> = (0..dice() % 300).map(|_| dice() as u8).collect();
         drop(Mesh::read(&noise));
     }
     // The damage was of many kinds.
-    assert!(told.len() >= 4, "{told:?}");
+    assert!(reported.len() >= 4, "{reported:?}");
 }

@@ -79,7 +79,7 @@ pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
         expansions: 1,
         objective: crate::device::microrobots::MicrorobotsObjective::Time,
         precision: Precision { place_um: 0.5, heading_rad: 0.01 },
-        assurance: Assurance::Told,
+        assurance: Assurance::Reported,
         steps: steps.iter().map(asked).collect(),
     };
     let plan = Plan {
@@ -171,7 +171,7 @@ pub(crate) fn bed() -> (Claims, Schedule) {
 #[test]
 fn a_leg_is_its_control_cycle_and_one_swing() {
     let (_, schedule) = bed();
-    let said: Vec<_> = schedule
+    let reported: Vec<_> = schedule
         .actuations
         .iter()
         .map(|actuation| {
@@ -180,10 +180,10 @@ fn a_leg_is_its_control_cycle_and_one_swing() {
         .collect();
     let first =
         [(0, 1000, 0.0, false), (1000, 1000, 170.0, false), (2000, 30_000, 130.0, true), (32_000, 1000, 0.0, false)];
-    assert_eq!(said[..4], first);
+    assert_eq!(reported[..4], first);
     let swing = Swing { period_ns: 50_000, levels: [130.0, 115.0] };
     assert!(schedule.actuations.iter().filter_map(|actuation| actuation.swing).all(|found| found == swing));
-    assert_eq!(schedule.duration_ns, said.iter().map(|said| said.1 * 1000).sum::<u64>() + 5_000_000);
+    assert_eq!(schedule.duration_ns, reported.iter().map(|reported| reported.1 * 1000).sum::<u64>() + 5_000_000);
 }
 
 #[test]

@@ -214,7 +214,7 @@ pub struct HeldBoardPlan {
 impl HeldBoardPlan {
     /// A first plan; no plan is below the bounds.
     pub fn begin(objective: BoardObjective, costs: BoardCosts, bounds: BoardCosts) -> HeldBoardPlan {
-        HeldBoardPlan { objective, costs, bounds, held: HeldPlan::begin(|| told(objective, costs, bounds)) }
+        HeldBoardPlan { objective, costs, bounds, held: HeldPlan::begin(|| summary(objective, costs, bounds)) }
     }
 
     /// Another plan, which may be better, and the bounds that are known by now.
@@ -223,11 +223,11 @@ impl HeldBoardPlan {
             self.costs = costs;
         }
         self.bounds = bounds;
-        self.held.improve(|| told(self.objective, self.costs, self.bounds));
+        self.held.improve(|| summary(self.objective, self.costs, self.bounds));
     }
 }
 
-fn told(objective: BoardObjective, costs: BoardCosts, bounds: BoardCosts) -> String {
+fn summary(objective: BoardObjective, costs: BoardCosts, bounds: BoardCosts) -> String {
     let (cost, bound) = (costs.key(objective).0, bounds.key(objective).0);
     match objective {
         BoardObjective::Makespan => format!("{cost} steps, least {bound}"),

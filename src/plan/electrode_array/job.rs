@@ -232,7 +232,7 @@ struct Tasks<'a> {
     loose: LooseParts,
     /// The plans of the steps with moves, and their bounds.
     known: Vec<(Paths, BoardCosts)>,
-    /// The bounds of the assays, and of the steps with goals that are not told apart.
+    /// The bounds of the assays, and of the steps with interchangeable goals.
     assays: Vec<BoardCosts>,
     /// Whether a remedy may still be tried, once per job, since each try costs as much as planning.
     may_remedy: bool,
@@ -279,14 +279,14 @@ impl Tasks<'_> {
             }
             SearchAnswer::Impossible(NoAssayPlan::Excluded { reached }) => {
                 let parts: Vec<&str> = (0..reached.len()).map(|agent| self.part_name(&stage, agent)).collect();
-                let told = errors::operations_exclude_one_another(step.span, &parts);
+                let diagnostic = errors::operations_exclude_one_another(step.span, &parts);
                 let reaches = parts.iter().zip(reached).map(|(part, cells)| reach(self.order, part, cells));
-                self.sink.push(self.with_avoided(told.reached(reaches), step));
+                self.sink.push(self.with_avoided(diagnostic.reached(reaches), step));
                 return None;
             }
             SearchAnswer::Impossible(NoAssayPlan::TooLate { agent }) => {
-                let told = errors::too_far_in_time(step.span, self.part_name(&stage, agent));
-                self.sink.push(self.with_avoided(told, step));
+                let diagnostic = errors::too_far_in_time(step.span, self.part_name(&stage, agent));
+                self.sink.push(self.with_avoided(diagnostic, step));
                 return None;
             }
             SearchAnswer::Impossible(NoAssayPlan::Alone(why)) => {
@@ -340,7 +340,7 @@ impl Tasks<'_> {
         }
     }
 
-    /// The paths of a step with goals that are not told apart.
+    /// The paths of a step with interchangeable goals.
     fn by_teams(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage) -> Option<Paths> {
         let budget = SearchBudget::of(self.order.planner.expansions);
         match shared::solve(self.order, step.span, stage, (objective(self.order.objective), budget)) {
@@ -349,11 +349,11 @@ impl Tasks<'_> {
                 return Some(paths);
             }
             SharedGoals::GaveUp(bounds) => self.gave_up(step, &goals(stage), bounds, budget),
-            SharedGoals::Alone(_) | SharedGoals::Told(_) if !self.loose.is_fixed_in(&step.action) => {
+            SharedGoals::Alone(_) | SharedGoals::Refused(_) if !self.loose.is_fixed_in(&step.action) => {
                 self.sink.push(errors::not_from_here(step.span));
             }
             SharedGoals::Alone(why) => self.impossible(step.span, stage, &why),
-            SharedGoals::Told(told) => self.sink.push(told),
+            SharedGoals::Refused(diagnostic) => self.sink.push(diagnostic),
         }
         None
     }
@@ -366,20 +366,21 @@ impl Tasks<'_> {
 
     fn gave_up(&mut self, step: &ElectrodeArrayStep, to: &str, bounds: BoardCosts, budget: SearchBudget) {
         let (what, steps) = ("the search for a plan", format!("{} steps", bounds.makespan));
-        let told = errors::gave_up(step.span, to, what, budget.steps, &steps, ElectrodeArrayMethod::Portfolio.name());
-        self.sink.push(self.with_avoided(told.help(more_may_do(budget.steps)), step));
+        let diagnostic =
+            errors::gave_up(step.span, to, what, budget.steps, &steps, ElectrodeArrayMethod::Portfolio.name());
+        self.sink.push(self.with_avoided(diagnostic.help(more_may_do(budget.steps)), step));
     }
 
     /// A message about a step that has no plan, with where the task avoids traces and how soon operations begin, if it says so.
-    fn with_avoided(&self, told: Diagnostic, step: &ElectrodeArrayStep) -> Diagnostic {
-        let told = match self.order.contamination.avoided.first() {
-            Some(avoided) => told.label_elsewhere(avoided.span, step.span, "with these traces avoided"),
-            None => told,
+    fn with_avoided(&self, diagnostic: Diagnostic, step: &ElectrodeArrayStep) -> Diagnostic {
+        let diagnostic = match self.order.contamination.avoided.first() {
+            Some(avoided) => diagnostic.label_elsewhere(avoided.span, step.span, "with these traces avoided"),
+            None => diagnostic,
         };
-        let ElectrodeArrayAction::Assay(operations) = &step.action else { return told };
+        let ElectrodeArrayAction::Assay(operations) = &step.action else { return diagnostic };
         match operations.iter().find_map(|operation| operation.within.as_ref()) {
-            Some(within) => told.label_elsewhere(within.span, step.span, "within this time"),
-            None => told,
+            Some(within) => diagnostic.label_elsewhere(within.span, step.span, "within this time"),
+            None => diagnostic,
         }
     }
 
@@ -450,10 +451,10 @@ impl Tasks<'_> {
                         (part.name.as_str(), actor.asked.map_or(part.span, |action| action.span))
                     })
                     .collect();
-                let told = errors::blocked_by_one_another(step, &parts);
+                let diagnostic = errors::blocked_by_one_another(step, &parts);
                 let reached = exact::reached(&stage.instance, agents).unwrap_or_default();
                 let reaches = parts.iter().zip(reached).map(|((name, _), cells)| reach(self.order, name, cells));
-                self.sink.push(told.reached(reaches));
+                self.sink.push(diagnostic.reached(reaches));
             }
             // Cannot occur without a limit; limits are checked after the plans without them are known.
             NoBoardPlan::TooFewSteps { least } => self.sink.push(errors::too_few_steps(step, 0, *least)),
@@ -481,16 +482,16 @@ impl Tasks<'_> {
             (true, Some(_)) => format!("electrodes that work do not lead `{name}` from {} to {}", text(from), text(to)),
             (true, None) => format!("no cell that `{name}` can come to lies beside {}", text(to)),
         };
-        let told = errors::impossible(
+        let diagnostic = errors::impossible(
             errors::StepEnds { step: span, from: &text(from), to: &text(to) },
             &proof,
             &blamed,
             Removal::Unknown,
         );
-        let told = told.reached(why::reached(stage, from).map(|cells| reach(self.order, name, cells)));
+        let diagnostic = diagnostic.reached(why::reached(stage, from).map(|cells| reach(self.order, name, cells)));
         self.sink.push(match help {
-            Some(help) => told.help(help),
-            None => told,
+            Some(help) => diagnostic.help(help),
+            None => diagnostic,
         });
     }
 
@@ -502,7 +503,7 @@ impl Tasks<'_> {
         if planned(self.job, &order, self.start.to_vec(), false, &mut sink).0.is_some() {
             return Tried::Planned;
         }
-        let is_proven = sink.sorted().iter().any(|told| told.code == Code::E0601);
+        let is_proven = sink.sorted().iter().any(|diagnostic| diagnostic.code == Code::E0601);
         if is_proven { Tried::Impossible } else { Tried::NotFound(order.planner.expansions) }
     }
 

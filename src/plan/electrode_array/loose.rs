@@ -1,4 +1,4 @@
-//! Which cells the program leaves open: after a step with goals that are not told apart, the plan has chosen who stands where.
+//! Which cells the program leaves open: after a step with interchangeable goals, the plan has chosen who stands where.
 //!
 //! As long as a team stays together, its parts stand on the same cells whoever is where, and what is proven of a later step holds for
 //! every plan of the task. Once some of its parts are sent elsewhere alone, that depends on the plan: then only the bounds of [`least`]

@@ -3,7 +3,7 @@
 //! Input: a job, and the cells of the parts. Output: a plan, or an error that explains why there is none. Reading order: `job` (a
 //! task, step by step), `stage` (one step on flat cell indices, [`board`]), `portfolio` (the default planner: [`fast`] finds plans,
 //! [`exact`] and [`joint`] prove them optimal or impossible), `limited` (plans of all steps within limits), [`published`] (the
-//! paper's own), [`assay`] and `errands` (operations that depend on each other only by their parts), [`teams`], `shared` and `loose` (goals that are not told apart), `why` (blocking obstacles), `remedy` (changes that would help).
+//! paper's own), [`assay`] and `errands` (operations that depend on each other only by their parts), [`teams`], `shared` and `loose` (interchangeable goals), `why` (blocking obstacles), `remedy` (changes that would help).
 
 mod alone;
 pub mod assay;

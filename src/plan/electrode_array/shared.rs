@@ -1,4 +1,4 @@
-//! Steps with goals that are not told apart, in the terms of a task.
+//! Steps with interchangeable goals, in the terms of a task.
 
 use super::board::{BoardCosts, BoardObjective, BoardPlan, NoBoardPlan};
 use super::stage::{self, BoardStage};
@@ -19,7 +19,7 @@ pub enum SharedGoals {
     /// There is none, since a part in no team cannot reach a stop.
     Alone(NoBoardPlan),
     /// There is none, and why.
-    Told(Diagnostic),
+    Refused(Diagnostic),
 }
 
 /// Plans a step in which some moves are those of teams.
@@ -42,14 +42,14 @@ pub fn solve(
         SearchAnswer::Impossible(NoTeamPlan::Alone(why)) => SharedGoals::Alone(why),
         SearchAnswer::Impossible(NoTeamPlan::Blocked) => {
             let all = stage.agents.iter().map(|actor| order.parts[actor.part].name.as_str());
-            SharedGoals::Told(errors::blocked_with_any_goals(step, &all.collect::<Vec<_>>()))
+            SharedGoals::Refused(errors::blocked_with_any_goals(step, &all.collect::<Vec<_>>()))
         }
         SearchAnswer::Impossible(NoTeamPlan::Cut { team, goal, goals, agents }) => {
             let first = &stage.agents[teams[team][0]];
             let span = first.asked.map_or(step, |one| one.span);
             let part = &order.parts[first.part];
             let (name, goal) = (part.family().unwrap_or(&part.name), stage::cell(order, goal).to_string());
-            SharedGoals::Told(errors::goals_out_of_reach(span, name, [goals, agents], &goal))
+            SharedGoals::Refused(errors::goals_out_of_reach(span, name, [goals, agents], &goal))
         }
     }
 }

@@ -115,19 +115,19 @@ fn planned(job: &Job, standing: &mut Standings) -> (Option<Plan<ElectrodeArrayMo
     let Order::ElectrodeArray(order) = &job.order else { panic!("an order of an electrode array") };
     let mut sink = Sink::default();
     let plan = plan(job, order, standing, &mut sink);
-    (plan, sink.sorted().into_iter().map(|told| (told.code, format!("{told:?}"))).collect())
+    (plan, sink.sorted().into_iter().map(|reported| (reported.code, format!("{reported:?}"))).collect())
 }
 
 fn found(order: ElectrodeArrayOrder) -> Plan<ElectrodeArrayMotion> {
-    let (plan, told) = planned(&job(order, Vec::new()), &mut Standings::default());
-    plan.unwrap_or_else(|| panic!("{told:?}"))
+    let (plan, reported) = planned(&job(order, Vec::new()), &mut Standings::default());
+    plan.unwrap_or_else(|| panic!("{reported:?}"))
 }
 
 fn refused(order: ElectrodeArrayOrder) -> (Code, String) {
-    let (plan, mut told) = planned(&job(order, Vec::new()), &mut Standings::default());
+    let (plan, mut reported) = planned(&job(order, Vec::new()), &mut Standings::default());
     assert!(plan.is_none());
-    assert_eq!(told.len(), 1, "{told:?}");
-    told.remove(0)
+    assert_eq!(reported.len(), 1, "{reported:?}");
+    reported.remove(0)
 }
 
 fn paths(plan: &Plan<ElectrodeArrayMotion>, step: usize) -> &[Vec<ElectrodeCell>] {
@@ -184,12 +184,15 @@ fn a_part_in_a_corridor_yields_only_where_it_may() {
     order.obstacles =
         Arc::new(vec![wall("low", (1, 1), (9, 1)), wall("left", (1, 3), (3, 3)), wall("right", (7, 3), (9, 3))]);
     order.steps = vec![together(vec![go(0, &[(9, 2)])])];
-    let (code, told) = refused(order.clone());
+    let (code, reported) = refused(order.clone());
     assert_eq!(code, Code::E0601);
-    assert!(told.contains("without `m2 at (5, 2)` `m1` has a way; but then the task has no plan either"), "{told}");
+    assert!(
+        reported.contains("without `m2 at (5, 2)` `m1` has a way; but then the task has no plan either"),
+        "{reported}"
+    );
     order.bystanders = Bystanders::Yield;
-    let (code, told) = refused(order.clone());
-    assert_eq!(code, Code::E0601, "the bay is too low for two droplets: {told}");
+    let (code, reported) = refused(order.clone());
+    assert_eq!(code, Code::E0601, "the bay is too low for two droplets: {reported}");
     order.facts.rows = 5;
     order.obstacles =
         Arc::new(vec![wall("low", (1, 1), (9, 1)), wall("left", (1, 3), (4, 5)), wall("right", (6, 3), (9, 5))]);
@@ -204,9 +207,9 @@ fn the_wall_that_closes_the_way_is_named_and_no_other() {
     let mut order = order(microparts(20, 20), &[(3, 3)]);
     order.obstacles = Arc::new(vec![wall("fence", (10, 1), (10, 20)), wall("dust", (5, 15), (5, 15))]);
     order.steps = vec![together(vec![go(0, &[(17, 3)])])];
-    let (code, told) = refused(order);
+    let (code, reported) = refused(order);
     assert_eq!(code, Code::E0601);
-    assert!(told.contains("without `fence` there is a plan") && !told.contains("dust"), "{told}");
+    assert!(reported.contains("without `fence` there is a plan") && !reported.contains("dust"), "{reported}");
 }
 
 #[test]
@@ -215,16 +218,16 @@ fn a_help_is_tried_on_the_whole_task() {
     let mut order = order(droplets(11, 1), &[(1, 1), (11, 1)]);
     order.obstacles = Arc::new(vec![wall("fence", (6, 1), (6, 1))]);
     order.steps = vec![together(vec![go(0, &[(11, 1)]), go(1, &[(1, 1)])])];
-    let (code, told) = refused(order.clone());
+    let (code, reported) = refused(order.clone());
     assert_eq!(code, Code::E0601);
-    assert!(told.contains("without `fence` `m1` has a way; but then the task has no plan either"), "{told}");
+    assert!(reported.contains("without `fence` `m1` has a way; but then the task has no plan either"), "{reported}");
     order.facts.rows = 3;
     order.obstacles = Arc::new(vec![wall("fence", (6, 1), (6, 3))]);
-    let (_, told) = refused(order.clone());
-    assert!(told.contains("without `fence` there is a plan"), "{told}");
+    let (_, reported) = refused(order.clone());
+    assert!(reported.contains("without `fence` there is a plan"), "{reported}");
     order.planner.expansions = 4;
-    let (_, told) = refused(order);
-    assert!(told.contains("no plan of the task was found then within 1 expansions a step"), "{told}");
+    let (_, reported) = refused(order);
+    assert!(reported.contains("no plan of the task was found then within 1 expansions a step"), "{reported}");
 }
 
 #[test]
@@ -233,9 +236,9 @@ fn a_part_that_stays_in_the_way_may_be_told_to_yield() {
     order.obstacles =
         Arc::new(vec![wall("low", (1, 1), (9, 1)), wall("left", (1, 3), (4, 5)), wall("right", (6, 3), (9, 5))]);
     order.steps = vec![together(vec![go(0, &[(9, 2)])])];
-    let (code, told) = refused(order);
+    let (code, reported) = refused(order);
     assert_eq!(code, Code::E0601);
-    assert!(told.contains("with `may_yield: true` there is a plan"), "{told}");
+    assert!(reported.contains("with `may_yield: true` there is a plan"), "{reported}");
 }
 
 #[test]
@@ -243,9 +246,9 @@ fn two_parts_that_cannot_pass_one_another_are_both_named() {
     let mut order = order(droplets(9, 1), &[(1, 1), (9, 1), (5, 1)]);
     order.steps = vec![together(vec![go(0, &[(9, 1)]), go(1, &[(1, 1)])])];
     order.bystanders = Bystanders::Yield;
-    let (code, told) = refused(order);
+    let (code, reported) = refused(order);
     assert_eq!(code, Code::E0601);
-    assert!(told.contains("cannot pass one another"), "{told}");
+    assert!(reported.contains("cannot pass one another"), "{reported}");
 }
 
 #[test]
@@ -257,14 +260,14 @@ fn a_limit_on_the_steps_is_kept_or_the_least_that_would_do_is_said() {
         job(order, vec![limit("steps", steps)])
     };
     for objective in [ElectrodeArrayObjective::Makespan, ElectrodeArrayObjective::SumOfCosts] {
-        let (plan, told) = planned(&task(objective, 100.0), &mut Standings::default());
-        let least = plan.unwrap_or_else(|| panic!("{told:?}")).outcomes["steps"];
-        let (plan, told) = planned(&task(objective, 5.0), &mut Standings::default());
+        let (plan, reported) = planned(&task(objective, 100.0), &mut Standings::default());
+        let least = plan.unwrap_or_else(|| panic!("{reported:?}")).outcomes["steps"];
+        let (plan, reported) = planned(&task(objective, 5.0), &mut Standings::default());
         assert!(plan.is_none());
-        assert_eq!(told[0].0, Code::E0603, "{told:?}");
+        assert_eq!(reported[0].0, Code::E0603, "{reported:?}");
         assert!(least >= 11.0, "two parts of four electrodes go round each other: {least}");
         if objective == ElectrodeArrayObjective::Makespan {
-            assert!(told[0].1.contains(&format!("raise the limit to {least}")), "{told:?}");
+            assert!(reported[0].1.contains(&format!("raise the limit to {least}")), "{reported:?}");
         }
     }
 }
@@ -275,8 +278,8 @@ fn a_search_that_may_not_go_on_says_so_and_proves_nothing() {
     order.planner.expansions = 3;
     let swaps = [(0, (9, 9)), (3, (1, 1)), (1, (1, 9)), (2, (9, 1))];
     order.steps = vec![together(swaps.map(|(part, goal)| go(part, &[goal])).to_vec())];
-    let (code, told) = refused(order);
-    assert_eq!(code, Code::E0602, "{told}");
+    let (code, reported) = refused(order);
+    assert_eq!(code, Code::E0602, "{reported}");
 }
 
 #[test]
@@ -284,10 +287,10 @@ fn the_published_planner_says_that_it_is_greedy_when_it_finds_nothing() {
     let mut order = order(microparts(20, 20), &[(3, 10), (16, 10)]);
     order.planner.method = ElectrodeArrayMethod::PlainCooperativeAstar;
     order.steps = vec![together(vec![go(0, &[(16, 10)]), go(1, &[(3, 10)])])];
-    let (plan, told) = planned(&job(order.clone(), Vec::new()), &mut Standings::default());
+    let (plan, reported) = planned(&job(order.clone(), Vec::new()), &mut Standings::default());
     match plan {
         Some(plan) => assert!(plan.cost >= plan.bound),
-        None => assert!(told.iter().all(|(code, _)| *code == Code::E0602), "{told:?}"),
+        None => assert!(reported.iter().all(|(code, _)| *code == Code::E0602), "{reported:?}"),
     }
     order.planner.method = ElectrodeArrayMethod::Portfolio;
     assert_eq!(found(order).proof, Optimality::Proven);

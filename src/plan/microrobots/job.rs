@@ -1,7 +1,7 @@
 //! One job of microrobots: the motion that is best by the objective, its figures, and what is guaranteed of it.
 
 use super::bound;
-use super::guarantee::{Assured, borne, guarantees, said};
+use super::guarantee::{Assured, borne, guarantees, message};
 use super::safest;
 use super::steps::{BedRoute, FirstLegs, carried_out};
 use super::strategy::{driven, episodes};
@@ -102,7 +102,7 @@ fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Ve
                 remarks.push(Remark { subject, text });
                 continue;
             }
-            (Some(_), Some(violated)) => violated.said(order),
+            (Some(_), Some(violated)) => violated.message(order),
             (Some(_), None) => "no sound bound is known for errors so large".to_owned(),
             (None, _) => "the device does not say how far robots and measurements may be off".to_owned(),
         };
@@ -117,7 +117,7 @@ fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Ve
         }
     }
     if let Some(errors) = order.facts.errors.filter(|_| !is_exact && multiple > 0.0) {
-        let text = format!("the plan as written is guaranteed {}", said::limit(&errors, multiple));
+        let text = format!("the plan as written is guaranteed {}", message::limit(&errors, multiple));
         remarks.push(Remark { subject: ALL_ROBOTS.to_owned(), text });
     }
     all_hold

@@ -246,7 +246,7 @@ impl<'a> BedStepPlanner<'a> {
     }
 
     /// What legs cost, for who watches the search.
-    fn told(&self, legs: &[Leg]) -> String {
+    fn summary(&self, legs: &[Leg]) -> String {
         format!("{:.1} s in {} legs", legs_ns(self.order, legs) as f64 / 1e9, legs.len())
     }
 
@@ -269,7 +269,7 @@ impl<'a> BedStepPlanner<'a> {
             }
         }
         let mut best = direct.as_ref().ok().cloned();
-        let _held = best.as_ref().map(|best| HeldPlan::begin(|| self.told(best.legs())));
+        let _held = best.as_ref().map(|best| HeldPlan::begin(|| self.summary(best.legs())));
         if !is_in_vain && self.first_legs != FirstLegs::None {
             best = self.gathered((gathering.as_ref(), &mut Meter::new(budget)), docks, best);
         }

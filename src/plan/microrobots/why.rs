@@ -3,7 +3,7 @@
 use super::assembly::{RobotBlocker, StuckAssembly};
 use super::doom::DoomedRobot;
 use super::drive::{self, StuckReason, Thing};
-use super::guarantee::said;
+use super::guarantee::message;
 use super::world::{FirstMeeting, ForbiddenMeeting};
 use crate::claims::microrobots::{MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop};
 use crate::device::microrobots::MicrorobotsPlanner;
@@ -52,7 +52,7 @@ impl BedReasons<'_> {
         let help = match self.order.facts.errors.filter(|_| multiple > 0.0) {
             Some(errors) => format!(
                 "leave `guaranteed` out and count with `tweeze simulate`; this plan is guaranteed up to {}",
-                said::fields(&errors, multiple)
+                message::fields(&errors, multiple)
             ),
             None => "leave `guaranteed` out and count with `tweeze simulate`; only with small errors is an assembly guaranteed".to_owned(),
         };
@@ -156,12 +156,12 @@ impl BedReasons<'_> {
         }
     }
 
-    fn near(&self, diagnostic: Diagnostic, thing: Thing, said: Span) -> Diagnostic {
+    fn near(&self, diagnostic: Diagnostic, thing: Thing, named_at: Span) -> Diagnostic {
         let span = match thing {
             Thing::Obstacle(index) => self.order.obstacles[index].span,
             Thing::Robot(robot) | Thing::Orbit(robot) => self.order.robots[robot].span,
         };
-        diagnostic.label_elsewhere(span, said, "in the way")
+        diagnostic.label_elsewhere(span, named_at, "in the way")
     }
 
     /// Report of an assembly without a plan.

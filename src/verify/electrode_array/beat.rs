@@ -255,19 +255,19 @@ impl JudgedBoard<'_, '_> {
         let ways: Vec<SweptCells> = pulls.iter().map(|(_, pull)| SweptCells::new(pull.from, pull.to)).collect();
         let apart = |one: usize, other: usize| self.apart(moment, [&pulls[one], &pulls[other]]);
         let time = ms(at_ns);
-        let told = |(part, pull): &(usize, PartPull)| match pull.moves() {
+        let described = |(part, pull): &(usize, PartPull)| match pull.moves() {
             true => format!("`{}` on its way from {} to {}", self.name(*part), pull.from, pull.to),
             false => format!("`{}` at {}", self.name(*part), pull.from),
         };
         if let Some((one, other, near)) = first_touch(&ways, needed, apart) {
-            let (first, second) = (told(&pulls[one]), told(&pulls[other]));
+            let (first, second) = (described(&pulls[one]), described(&pulls[other]));
             let title =
                 format!("{first} and {second} come as near as {near} at {time}; {needed} electrodes are needed");
             return Some((Rule::Touch, title, vec![pulls[one].0, pulls[other].0]));
         }
         let near_stuck = |(pull, way): (&(usize, PartPull), &SweptCells)| Some((pull.clone(), self.scene.stuck(way)?));
         let (pull, (stuck, near)) = pulls.iter().zip(&ways).find_map(near_stuck)?;
-        let (first, stuck) = (told(&pull), &self.order.obstacles[stuck].name);
+        let (first, stuck) = (described(&pull), &self.order.obstacles[stuck].name);
         let title = format!("{first} comes as near as {near} to `{stuck}` at {time}; {needed} electrodes are needed");
         Some((Rule::Touch, title, vec![pull.0]))
     }

@@ -28,7 +28,7 @@ pub(super) struct JudgedTraces<'c> {
     /// Merges that have been done.
     done: BTreeSet<usize>,
     /// What was found, once for a part at a cell.
-    told: BTreeSet<(usize, ElectrodeCell)>,
+    reported: BTreeSet<(usize, ElectrodeCell)>,
 }
 
 impl<'c> JudgedTraces<'c> {
@@ -40,7 +40,7 @@ impl<'c> JudgedTraces<'c> {
         }
         let mut before = contents::fluids_before(claims, job);
         let fluids = order.parts.iter().map(|part| before.remove(part.name.as_str()).unwrap_or_default()).collect();
-        Some(JudgedTraces { rules, fluids, left: BTreeMap::new(), done: BTreeSet::new(), told: BTreeSet::new() })
+        Some(JudgedTraces { rules, fluids, left: BTreeMap::new(), done: BTreeSet::new(), reported: BTreeSet::new() })
     }
 
     /// Notes what a reservoir dispenses.
@@ -76,7 +76,7 @@ impl<'c> JudgedTraces<'c> {
             let left = self.left.entry(cell).or_default();
             let (is_left, is_own) = (|fluid: &str| left.contains(fluid), |fluid: &str| own.contains(fluid));
             let harm = |trace: &&AvoidedTrace| is_left(&trace.of) && is_own(&trace.within) && !is_own(&trace.of);
-            let harmed = self.rules.avoided.iter().find(harm).filter(|_| self.told.insert((part, cell)));
+            let harmed = self.rules.avoided.iter().find(harm).filter(|_| self.reported.insert((part, cell)));
             found.extend(harmed.map(|avoided| Contaminated { part, cell, avoided }));
             left.extend(own);
         }

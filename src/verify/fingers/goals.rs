@@ -40,11 +40,11 @@ impl JudgedHand<'_, '_> {
             | FingersAction::Wait(_) => Point::zeros(),
         };
         self.tell(fault.or_else(|| self.place_fault(by_um)), nth, findings);
-        self.check_told_turn(nth, findings);
+        self.check_reported_turn(nth, findings);
     }
 
     /// A recorded turn is the one by which the part has turned.
-    fn check_told_turn(&self, nth: usize, findings: &mut Findings) {
+    fn check_reported_turn(&self, nth: usize, findings: &mut Findings) {
         let FingersAction::Rotate { plane, .. } = &self.order.steps[nth].action else { return };
         let turned_deg = self.since.turn_rad(*plane).to_degrees();
         for reached in &self.run.step(nth).reached {

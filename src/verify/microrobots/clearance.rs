@@ -85,7 +85,7 @@ pub(super) struct Watch<'b, 'r, 'a, 'f> {
     pub solids: Vec<Solid>,
     boxes: GroupedBoxes,
     looks: Looks,
-    told: FxHashSet<ReportedMeeting>,
+    reported: FxHashSet<ReportedMeeting>,
 }
 
 impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
@@ -93,7 +93,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         let placed = bed.order.obstacles.iter().map(|obstacle| Solid::of(&obstacle.shape, &obstacle.pose));
         let solids: Vec<Solid> = placed.map(|body| body.expect("the premise knows every shape")).collect();
         let boxes = GroupedBoxes::new(solids.iter().map(Solid::extent));
-        Watch { bed, findings, solids, boxes, looks: Looks::default(), told: FxHashSet::default() }
+        Watch { bed, findings, solids, boxes, looks: Looks::default(), reported: FxHashSet::default() }
     }
 
     fn train(&mut self, index: usize, train: &JudgedTrain, orbits: &[(usize, TakenDisc)]) -> Result<(), Endless> {
@@ -128,11 +128,11 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         let (round, part) = ride.once_round();
         self.findings.asked(Rule::Graze, self.solids.len());
         for obstacle in self.about(centre, radius_um + needed_um) {
-            let told = (Rule::Graze, robot, obstacle);
+            let meeting = (Rule::Graze, robot, obstacle);
             let solid = &self.solids[obstacle];
             let gap_um = |body: JudgedBody| solid.gap_um(&body.vertices());
             let swept = ride.curve_um.is_none().then(|| ride.body(0.0).stretched(ride.way_um));
-            if self.told.contains(&told) || swept.is_some_and(|swept| gap_um(swept) >= needed_um) {
+            if self.reported.contains(&meeting) || swept.is_some_and(|swept| gap_um(swept) >= needed_um) {
                 continue;
             }
             let at = |share| gap_um(round.body(share));
@@ -147,9 +147,9 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
                         self.bed.name(robot)
                     )
                 };
-                let violation = self.violation(told.0, train, touch.share, title);
+                let violation = self.violation(meeting.0, train, touch.share, title);
                 let violation = violation.label(self.bed.order.obstacles[obstacle].span, "this obstacle");
-                self.tell(told, violation);
+                self.report(meeting, violation);
             }
         }
         Ok(())
@@ -158,9 +158,9 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     /// Two bodies of which one moves keep their clearance, but on the last stretch before a docking.
     fn pair(&mut self, index: usize, train: &JudgedTrain, robots: [usize; 2]) -> Result<(), Endless> {
         let rides = robots.map(|robot| &train.rides[robot]);
-        let told = (Rule::Meet, robots[0], robots[1]);
+        let meeting = (Rule::Meet, robots[0], robots[1]);
         self.findings.asked(Rule::Meet, 1);
-        if rides.iter().all(|ride| ride.way_um == 0.0) || self.told.contains(&told) {
+        if rides.iter().all(|ride| ride.way_um == 0.0) || self.reported.contains(&meeting) {
             return Ok(());
         }
         let facts = &self.bed.order.facts;
@@ -181,8 +181,8 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
                         )
                     }
                 };
-                let violation = self.violation(told.0, train, touch.share, title);
-                self.tell(told, violation);
+                let violation = self.violation(meeting.0, train, touch.share, title);
+                self.report(meeting, violation);
                 return Ok(());
             }
         }
@@ -214,12 +214,12 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
             let solid = &self.solids[obstacle];
             let gap_um = solid.gap_um(&[disc.centre]) - disc.reach_um;
             // Indices of obstacles follow those of robots, so that the two are distinct.
-            let told = (Rule::Orbit, robot, train.rides.len() + obstacle);
-            if gap_um < needed_um - ROUNDING_UM && !self.told.contains(&told) {
+            let meeting = (Rule::Orbit, robot, train.rides.len() + obstacle);
+            if gap_um < needed_um - ROUNDING_UM && !self.reported.contains(&meeting) {
                 let name = format!("`{}`", self.bed.order.obstacles[obstacle].name);
                 let violation = self.orbit(train, robot, &name, SweptTouch { share: 0.0, gap_um });
                 let violation = violation.label(self.bed.order.obstacles[obstacle].span, "this obstacle");
-                self.tell(told, violation);
+                self.report(meeting, violation);
             }
         }
     }
@@ -228,20 +228,20 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     fn orbits(&mut self, train: &JudgedTrain, (robot, disc): (usize, &TakenDisc), (other, guest): &(usize, TakenDisc)) {
         let needed_um = self.bed.order.facts.orbit_clearance_um;
         let gap_um = (disc.centre - guest.centre).norm() - disc.reach_um - guest.reach_um;
-        let told = (Rule::Orbit, robot, *other);
+        let meeting = (Rule::Orbit, robot, *other);
         self.findings.asked(Rule::Orbit, 1);
-        if gap_um < needed_um - ROUNDING_UM && !self.told.contains(&told) {
+        if gap_um < needed_um - ROUNDING_UM && !self.reported.contains(&meeting) {
             let name = format!("that of `{}`", self.bed.name(*other));
             let violation = self.orbit(train, robot, &name, SweptTouch { share: 0.0, gap_um });
-            self.tell(told, violation);
+            self.report(meeting, violation);
         }
     }
 
     /// A robot that does not orbit keeps clear of an orbit, whether it moves or not.
     fn guest(&mut self, train: &JudgedTrain, (robot, disc): (usize, &TakenDisc), other: usize) -> Result<(), Endless> {
-        let told = (Rule::Orbit, robot, other);
+        let meeting = (Rule::Orbit, robot, other);
         self.findings.asked(Rule::Orbit, 1);
-        if self.told.contains(&told) {
+        if self.reported.contains(&meeting) {
             return Ok(());
         }
         let ride = &train.rides[other];
@@ -256,7 +256,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         if let Some(touch) = gap.below([0.0, 1.0], self.bed.order.facts.orbit_clearance_um, &mut self.looks)? {
             let name = format!("`{}`", self.bed.name(other));
             let violation = self.orbit(train, robot, &name, touch);
-            self.tell(told, violation);
+            self.report(meeting, violation);
         }
         Ok(())
     }
@@ -281,8 +281,8 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         self.bed.within(rule, train.nth, time_ns, title(&ms(time_ns)))
     }
 
-    fn tell(&mut self, told: ReportedMeeting, violation: Violation) {
-        self.told.insert(told);
+    fn report(&mut self, meeting: ReportedMeeting, violation: Violation) {
+        self.reported.insert(meeting);
         self.findings.push(violation);
     }
 }

@@ -1,4 +1,4 @@
-//! Goals that are not told apart: E0572.
+//! Interchangeable goals: E0572.
 
 use super::{PartPlace, electrodes, nearest};
 use crate::device::electrode_array::{ElectrodeCell, MAX_TEAM};
@@ -21,12 +21,12 @@ pub fn no_team((span, name): (Span, &str), families: &BTreeSet<&str>, scene: Opt
             "`any {name}` moves the parts `{name}[0]`, `{name}[1]` and on of the scene; one part alone is moved without `any`"
         ),
     };
-    let told = Diagnostic::new(Code::E0572, title).label(span, "stands for no part");
-    let told = match scene {
-        Some(scene) => told.label_elsewhere(scene, span, "in this scene"),
-        None => told,
+    let diagnostic = Diagnostic::new(Code::E0572, title).label(span, "stands for no part");
+    let diagnostic = match scene {
+        Some(scene) => diagnostic.label_elsewhere(scene, span, "in this scene"),
+        None => diagnostic,
     };
-    told.help(mend)
+    diagnostic.help(mend)
 }
 
 pub fn goals_of_team((step, to): (Span, Span), name: &str, parts: &[&str], goals: usize) -> Diagnostic {

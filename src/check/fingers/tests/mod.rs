@@ -48,7 +48,7 @@ fn ball(radius: f64, count: usize) -> String {
 const BEAD: &str = "ellipsoid { axes: (16 um, 11.845 um, 11.845 um), material: f.silicon }";
 
 /// The checked program, and the codes.
-fn told(text: &str) -> (Option<Checked>, Vec<String>) {
+fn reported(text: &str) -> (Option<Checked>, Vec<String>) {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let text = format!("use std.fingers as f\n{text}");
     let modules = imports::load(&mut sources, "main.twz", &text, &Nothing, &mut sink);
@@ -65,7 +65,7 @@ fn program(fields: &str, shape: &str, steps: &str) -> String {
 }
 
 fn assert_codes(text: &str, expected: &[&str]) {
-    assert_eq!(told(text).1, expected, "{text}");
+    assert_eq!(reported(text).1, expected, "{text}");
 }
 
 fn shape(shape: &str, expected: &[&str]) {
@@ -81,7 +81,7 @@ fn orders(claims: &Claims) -> Vec<&FingersOrder> {
 }
 
 fn order(fields: &str, shape: &str, steps: &str) -> FingersOrder {
-    let (checked, codes) = told(&program(fields, shape, steps));
+    let (checked, codes) = reported(&program(fields, shape, steps));
     let checked = checked.unwrap_or_else(|| panic!("{codes:?}"));
     orders(&checked.claims[0])[0].clone()
 }
@@ -317,7 +317,7 @@ fn a_release_needs_its_support() {
 #[test]
 fn loops_of_shapes_have_their_end() {
     let text = "let row = [1, 2]\nscene cell { for i in 0..1000 { part p[i] : profile { x: 9 um * cos(t), y: 7 um * sin(t) } } }";
-    assert!(told(text).1.contains(&"E0308".to_owned()));
+    assert!(reported(text).1.contains(&"E0308".to_owned()));
 }
 
 #[test]
@@ -327,7 +327,7 @@ fn reaches_agree_with_samples() {
         "superellipsoid { axes: (16 um, 12 um, 11 um), exponent: 5 }",
         "grasp bead",
     );
-    assert!(told(&text).0.is_some());
+    assert!(reported(&text).0.is_some());
     let reach = solid::super_reach([16.0, 12.0, 11.0], 5.0);
     let mut most: f64 = 0.0;
     for i in 0..=400 {

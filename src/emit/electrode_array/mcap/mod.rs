@@ -97,23 +97,23 @@ fn cells(device: &str, moments: &[PartsMoment], duration_ns: u64) -> Option<LogT
         let cell = |name: &&String| moment.parts.get(*name).map(|cell| [cell.column, cell.row].map(f64::from));
         names.iter().flat_map(|name| cell(name).unwrap_or([f64::NAN; 2])).collect::<Vec<f64>>()
     };
-    let mut told: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
+    let mut held: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
     for moment in moments {
         // Just before a part arrives it is still where it was.
-        let before = told.values().next_back().cloned();
+        let before = held.values().next_back().cloned();
         if let (Some(before_ns), Some(values)) = (moment.t_ns.checked_sub(1), before) {
-            told.entry(before_ns).or_insert(values);
+            held.entry(before_ns).or_insert(values);
         }
-        told.insert(moment.t_ns, numbers(moment));
+        held.insert(moment.t_ns, numbers(moment));
     }
-    repeat_held(&mut told, duration_ns);
+    repeat_held(&mut held, duration_ns);
     let package = format!("tweeze.{}", identifier::distinct([device])[0]);
     let whole = names.iter().flat_map(|name| [format!("column of {name}, from 1"), format!("row of {name}, from 1")]);
     Some(LogTopic {
         name: format!("/{device}/cells"),
         schema: schema(&package, "Cells", MessageShape::Fields(&fields)),
         metadata: fields.iter().cloned().zip(whole).collect(),
-        messages: told.into_iter().map(|(t_ns, values)| (t_ns, encode_fields(&values))).collect(),
+        messages: held.into_iter().map(|(t_ns, values)| (t_ns, encode_fields(&values))).collect(),
     })
 }
 

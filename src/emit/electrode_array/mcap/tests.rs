@@ -33,9 +33,11 @@ fn a_part_rests_where_it_is_until_its_step_begins() {
     let cells = topic(&topics, "/plate/cells");
     assert_eq!(cells.metadata["b_row"], "row of b, from 1");
     let row = |data: &[u8]| f64::from_le_bytes(data[28..36].try_into().unwrap());
-    let told: Vec<(u64, f64)> = cells.messages.iter().map(|(t_ns, data)| (*t_ns, row(data))).collect();
-    assert!(told.contains(&(0, 5.0)) && told.contains(&(10_999_999, 5.0)) && told.contains(&(11_000_000, 6.0)));
-    assert!(told.len() > 1000, "told again at each beat");
+    let reported: Vec<(u64, f64)> = cells.messages.iter().map(|(t_ns, data)| (*t_ns, row(data))).collect();
+    assert!(
+        reported.contains(&(0, 5.0)) && reported.contains(&(10_999_999, 5.0)) && reported.contains(&(11_000_000, 6.0))
+    );
+    assert!(reported.len() > 1000, "told again at each beat");
 }
 
 #[test]

@@ -96,8 +96,8 @@ fn placed(course: &HandCourse, of: impl Fn(&HandMoment) -> StandingPose) -> Vec<
     let moments = course.plans.iter().flat_map(|plan| &plan.moments);
     let places: Vec<(u64, StandingPose)> = moments.map(|moment| (moment.t_ns, of(moment))).collect();
     let moved = |a: usize, b: usize| places[a].1 != places[b].1;
-    let is_told = |at: &usize| *at == 0 || moved(at - 1, *at) || (at + 1 < places.len() && moved(*at, at + 1));
-    (0..places.len()).filter(is_told).map(|at| (places[at].0, Some(places[at].1))).collect()
+    let is_kept = |at: &usize| *at == 0 || moved(at - 1, *at) || (at + 1 < places.len() && moved(*at, at + 1));
+    (0..places.len()).filter(is_kept).map(|at| (places[at].0, Some(places[at].1))).collect()
 }
 
 #[cfg(test)]

@@ -20,12 +20,12 @@ fn the_part_is_where_the_states_say_and_turns_steadily_between_them() {
     let (hand, _) = fixture::hand();
     let (topics, movers) = device_topics(&hand, "hand");
     let poses = topic(&topics, "/hand/pose");
-    let said: Vec<(u64, foxglove::Pose)> = poses
+    let held: Vec<(u64, foxglove::Pose)> = poses
         .messages
         .iter()
         .map(|(t_ns, data)| (*t_ns, PoseInFrame::decode(data.as_slice()).unwrap().pose.unwrap()))
         .collect();
-    let at = |t_ns: u64| said.iter().rfind(|(said_ns, _)| *said_ns <= t_ns).unwrap().1;
+    let at = |t_ns: u64| held.iter().rfind(|(held_ns, _)| *held_ns <= t_ns).unwrap().1;
     for timed in &hand.schedule().plans[0].states {
         let State::Fingers(FingersState { position_um, orientation, .. }) = &timed.state else {
             panic!("a state of a hand")
@@ -36,7 +36,7 @@ fn the_part_is_where_the_states_say_and_turns_steadily_between_them() {
         assert!((pose.position.unwrap().z - position_um[2]).abs() < 1e-6);
     }
     // The first step is rolled from 287 to 387 ms.
-    assert_eq!(said[1].0, 287_000_000, "told once more before it moves");
+    assert_eq!(held[1].0, 287_000_000, "told once more before it moves");
     let half_way = at(337_000_000).orientation.unwrap();
     let turned_rad = 2.0 * half_way.z.atan2(half_way.w);
     assert!((turned_rad.to_degrees() - 10.0).abs() < 0.01, "{turned_rad}");
@@ -129,8 +129,8 @@ fn a_long_way_is_a_bounded_number_of_moments() {
     });
     let signals = Signals::new(far.schedule());
     let course = HandCourse::new(&far, &signals, "hand");
-    let told = course.plans[0].moments.len();
-    assert!(told <= MAX_MOMENTS + 100 && told > MAX_MOMENTS / 2, "{told} moments");
+    let reported = course.plans[0].moments.len();
+    assert!(reported <= MAX_MOMENTS + 100 && reported > MAX_MOMENTS / 2, "{reported} moments");
 }
 
 #[test]

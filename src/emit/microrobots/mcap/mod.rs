@@ -84,17 +84,17 @@ fn arms(course: &BedCourse, device: &str, duration_ns: u64) -> Option<LogTopic> 
     let facts = &course.plans.first()?.order.facts;
     let rows = facts.robots.iter().map(|robot| robot.name.as_str());
     let names = identifier::distinct_fields(std::iter::once(CONTROL).chain(rows.clone()));
-    let mut said: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
+    let mut held: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
     for leg in course.plans.iter().flat_map(|plan| &plan.legs) {
         let before =
-            leg.start_ns.checked_sub(1).and_then(|before_ns| Some((before_ns, said.values().next_back()?.clone())));
+            leg.start_ns.checked_sub(1).and_then(|before_ns| Some((before_ns, held.values().next_back()?.clone())));
         if let Some((before_ns, last)) = before {
-            said.entry(before_ns).or_insert(last);
+            held.entry(before_ns).or_insert(last);
         }
         let arms = leg.arms.iter().map(|arm| f64::from(*arm));
-        said.insert(leg.start_ns, std::iter::once(leg.control as f64).chain(arms).collect());
+        held.insert(leg.start_ns, std::iter::once(leg.control as f64).chain(arms).collect());
     }
-    repeat_held(&mut said, duration_ns);
+    repeat_held(&mut held, duration_ns);
     let package = format!("tweeze.{}", identifier::distinct([device])[0]);
     let metadata = names.iter().cloned().zip(
         std::iter::once("index of the control state".to_owned())
@@ -104,7 +104,7 @@ fn arms(course: &BedCourse, device: &str, duration_ns: u64) -> Option<LogTopic> 
         name: format!("/{device}/arms"),
         schema: schema(&package, "Arms", MessageShape::Fields(&names)),
         metadata: metadata.collect(),
-        messages: said.into_iter().map(|(t_ns, values)| (t_ns, encode_fields(&values))).collect(),
+        messages: held.into_iter().map(|(t_ns, values)| (t_ns, encode_fields(&values))).collect(),
     })
 }
 
@@ -113,8 +113,8 @@ fn movers(course: &BedCourse, device: &str) -> Vec<Mover> {
     let moments: Vec<&BedMoment> = course.plans.iter().flat_map(|plan| &plan.moments).collect();
     let of_robot = |(robot, name): (usize, &String)| {
         let moved = |a: usize, b: usize| moments[a].poses[robot] != moments[b].poses[robot];
-        let told = |at: &usize| *at == 0 || moved(at - 1, *at) || (at + 1 < moments.len() && moved(*at, at + 1));
-        let places = (0..moments.len()).filter(told);
+        let is_kept = |at: &usize| *at == 0 || moved(at - 1, *at) || (at + 1 < moments.len() && moved(*at, at + 1));
+        let places = (0..moments.len()).filter(is_kept);
         let places = places.map(|at| (moments[at].t_ns, Some(stand(&moments[at].poses[robot])))).collect();
         let facts = course.plans.first().map(|plan| plan.order.robot(robot));
         let outline = facts.map_or_else(Vec::new, |facts| scene::outline(facts, robot));

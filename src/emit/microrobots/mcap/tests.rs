@@ -23,7 +23,7 @@ fn poses_are_those_of_the_states_and_follow_circles_between_them() {
     let (topics, _) = device_topics(&bed, "m");
     let poses = topic(&topics, "/m/poses");
     assert_eq!(poses.metadata["robots"], "D1 D2 D3");
-    let said: Vec<(u64, Vec<[f64; 2]>)> = poses
+    let held: Vec<(u64, Vec<[f64; 2]>)> = poses
         .messages
         .iter()
         .map(|(t_ns, data)| {
@@ -34,13 +34,13 @@ fn poses_are_those_of_the_states_and_follow_circles_between_them() {
         .collect();
     for timed in &bed.schedule().plans[0].states {
         let State::Microrobots(MicrorobotsState { poses, .. }) = &timed.state else { panic!("a state of microrobots") };
-        let (_, last) = said.iter().rfind(|(t_ns, _)| *t_ns <= timed.t_ns).unwrap();
+        let (_, last) = held.iter().rfind(|(t_ns, _)| *t_ns <= timed.t_ns).unwrap();
         for (place, RecordedPose { x_um, y_um, .. }) in last.iter().zip(poses.values()) {
             assert!((place[0] - x_um).abs() < 1e-6 && (place[1] - y_um).abs() < 1e-6, "{place:?} {x_um} {y_um}");
         }
     }
     // D1 turns clockwise about (0, -150) in the first train, which lasts from 2 to 32 ms.
-    let first: Vec<_> = said.iter().filter(|(t_ns, _)| (2_000_000..=32_000_000).contains(t_ns)).collect();
+    let first: Vec<_> = held.iter().filter(|(t_ns, _)| (2_000_000..=32_000_000).contains(t_ns)).collect();
     assert!(first.len() > 90, "a pose each 5 degrees of 458");
     assert!(first.iter().all(|(_, places)| (places[0][0].hypot(places[0][1] + 150.0) - 150.0).abs() < 1e-5));
 }
@@ -51,15 +51,15 @@ fn arms_are_numbers_that_jump() {
     let (topics, _) = device_topics(&bed, "m");
     let arms = topic(&topics, "/m/arms");
     let values = |data: &[u8]| data.chunks(9).map(|chunk| f64::from_le_bytes(chunk[1..].try_into().unwrap())).collect();
-    let said: Vec<(u64, Vec<f64>)> = arms.messages.iter().map(|(t_ns, data)| (*t_ns, values(data))).collect();
-    assert!(said.len() > 1000, "told again at each beat");
-    let mut said = said;
-    said.dedup_by(|next, last| next.1 == last.1 && next.0 != 31_999_999 && next.0 != bed.schedule().duration_ns);
-    assert_eq!(said[0], (0, vec![2.0, 1.0, 1.0, 0.0]));
-    assert_eq!(said[1], (31_999_999, vec![2.0, 1.0, 1.0, 0.0]));
-    assert_eq!(said[2], (32_000_000, vec![0.0; 4]));
+    let held: Vec<(u64, Vec<f64>)> = arms.messages.iter().map(|(t_ns, data)| (*t_ns, values(data))).collect();
+    assert!(held.len() > 1000, "told again at each beat");
+    let mut held = held;
+    held.dedup_by(|next, last| next.1 == last.1 && next.0 != 31_999_999 && next.0 != bed.schedule().duration_ns);
+    assert_eq!(held[0], (0, vec![2.0, 1.0, 1.0, 0.0]));
+    assert_eq!(held[1], (31_999_999, vec![2.0, 1.0, 1.0, 0.0]));
+    assert_eq!(held[2], (32_000_000, vec![0.0; 4]));
     assert_eq!(arms.metadata["D3"], "steering arm of D3: 0 up, 1 down");
-    assert_eq!(said.last().unwrap(), &(bed.schedule().duration_ns, vec![0.0; 4]));
+    assert_eq!(held.last().unwrap(), &(bed.schedule().duration_ns, vec![0.0; 4]));
 }
 
 #[test]
@@ -159,6 +159,6 @@ fn an_hour_of_motion_is_a_bounded_number_of_poses() {
         schedule.plans[0].duration_ns = schedule.duration_ns;
     });
     let course = BedCourse::new(&hour, "m");
-    let told = course.plans[0].moments.len() * 3;
-    assert!(told <= MAX_POSES + 9 && told > MAX_POSES / 2, "{told} poses");
+    let reported = course.plans[0].moments.len() * 3;
+    assert!(reported <= MAX_POSES + 9 && reported > MAX_POSES / 2, "{reported} poses");
 }

@@ -80,8 +80,8 @@ impl LacamSearch<'_> {
             meter.charge(agents as u64);
             let order = self.order(state);
             self.refine(state, constraint, &order);
-            let told = self.told(constraint);
-            let Some(next) = step.make(self.states.words(state), &order, &told, &mut self.random) else { continue };
+            let fixed = self.fixed(constraint);
+            let Some(next) = step.make(self.states.words(state), &order, &fixed, &mut self.random) else { continue };
             match self.states.find_known(&next) {
                 Some(known) => stack.push(known),
                 None => stack.push(self.enter(&next, state)?),
@@ -128,13 +128,13 @@ impl LacamSearch<'_> {
     }
 
     /// All agents that a constraint covers, with their next nodes.
-    fn told(&self, mut constraint: u32) -> Vec<(usize, StagedCell)> {
-        let mut told = vec![];
+    fn fixed(&self, mut constraint: u32) -> Vec<(usize, StagedCell)> {
+        let mut fixed = vec![];
         while let Some(one) = self.constraints.get(constraint as usize) {
-            told.push((one.agent as usize, one.to));
+            fixed.push((one.agent as usize, one.to));
             constraint = one.before;
         }
-        told
+        fixed
     }
 
     fn paths(&self, mut state: u32) -> Paths {

@@ -67,13 +67,13 @@ impl<'a> ConfigurationGenerator<'a> {
         &mut self,
         from: &[StagedCell],
         order: &[usize],
-        told: &[(usize, StagedCell)],
+        fixed: &[(usize, StagedCell)],
         random: &mut SplitMix64,
     ) -> Option<Vec<StagedCell>> {
         for (agent, node) in from.iter().enumerate() {
             put(&mut self.here, self.field.cell(*node), agent);
         }
-        let fits = told.iter().all(|(agent, node)| {
+        let fits = fixed.iter().all(|(agent, node)| {
             let clear = self.is_clear(&self.here, *agent, *node) && self.is_clear(&self.next, *agent, *node);
             self.go(*agent, *node);
             clear

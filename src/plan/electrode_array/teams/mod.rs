@@ -1,4 +1,4 @@
-//! Plans of a stage in which some goals are not told apart: teams of agents, each with as many goals as agents.
+//! Plans of a stage in which some goals are interchangeable: teams of agents, each with as many goals as agents.
 //!
 //! Problem: target assignment and path finding (H. Ma, S. Koenig, "Optimal target assignment and path finding for teams of agents", AAMAS
 //! 2016), with separation. Method: an assignment of goals by the distances of the agents alone (`assignment`), and the stage with these

@@ -86,7 +86,7 @@ fn order(starts: &[Pose], states: Vec<ControlState>, obstacles: Vec<MicrorobotsO
         expansions: 100_000,
         objective: crate::device::microrobots::MicrorobotsObjective::Time,
         precision: Precision { place_um: 0.5, heading_rad: 0.5_f64.to_radians() },
-        assurance: Assurance::Told,
+        assurance: Assurance::Reported,
         steps: Vec::new(),
     }
 }

@@ -15,11 +15,11 @@
 
 mod dockings;
 mod fine;
+pub mod message;
 mod outline;
 mod pair;
 mod passages;
 mod room;
-pub mod said;
 mod stray;
 mod written;
 

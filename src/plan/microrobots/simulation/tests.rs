@@ -74,7 +74,7 @@ pub fn order(count: usize, turning: Turning, errors: Errors, poses: &[Pose]) -> 
         expansions: 1000,
         objective: crate::device::microrobots::MicrorobotsObjective::Time,
         precision: Precision { place_um: 0.5, heading_rad: 0.01 },
-        assurance: Assurance::Told,
+        assurance: Assurance::Reported,
         steps: Vec::new(),
     }
 }

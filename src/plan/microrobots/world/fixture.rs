@@ -44,7 +44,7 @@ pub fn bed(robots: Vec<(Robot, Pose)>, obstacles: Vec<MicrorobotsObstacle>) -> M
         expansions: 16_000_000,
         objective: crate::device::microrobots::MicrorobotsObjective::Time,
         precision: Precision { place_um: 0.5, heading_rad: 0.5_f64.to_radians() },
-        assurance: Assurance::Told,
+        assurance: Assurance::Reported,
         steps: Vec::new(),
         facts: Arc::new(facts(robots.into_iter().map(|(robot, _)| robot).collect())),
     }

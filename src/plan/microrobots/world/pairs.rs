@@ -8,20 +8,20 @@ impl LegCursor<'_> {
     /// The first forbidden meeting of the leg whose tracks are set.
     pub(super) fn meeting(&self, leg: usize) -> Option<FirstMeeting> {
         let mut first: Option<(f64, ForbiddenMeeting)> = None;
-        let mut told = |at: Option<f64>, meeting: ForbiddenMeeting| {
+        let mut record = |at: Option<f64>, meeting: ForbiddenMeeting| {
             if let Some(at) = at.filter(|at| first.is_none_or(|(earlier, _)| *at < earlier)) {
                 first = Some((at, meeting));
             }
         };
         for (robot, track) in self.tracks.iter().enumerate() {
             if track.kind != MotionKind::Rests {
-                self.obstacles_of(robot, &mut told);
+                self.obstacles_of(robot, &mut record);
             }
             for other in robot + 1..self.tracks.len() {
-                told(self.bodies(robot, other), ForbiddenMeeting::Robots { robot, other });
+                record(self.bodies(robot, other), ForbiddenMeeting::Robots { robot, other });
             }
             if self.orbits[leg * self.tracks.len() + robot] {
-                self.orbit_of(leg, robot, &mut told);
+                self.orbit_of(leg, robot, &mut record);
             }
         }
         let (strokes, meeting) = first?;
@@ -30,30 +30,30 @@ impl LegCursor<'_> {
         Some(FirstMeeting { meeting, leg, strokes, at, with })
     }
 
-    fn obstacles_of(&self, robot: usize, told: &mut impl FnMut(Option<f64>, ForbiddenMeeting)) {
+    fn obstacles_of(&self, robot: usize, record: &mut impl FnMut(Option<f64>, ForbiddenMeeting)) {
         let track = &self.tracks[robot];
         for (obstacle, body) in self.world.obstacles.iter().enumerate() {
             let asked = Nearness::first(self.world.keep_um);
-            told(statics::meets_obstacle(track, body, asked), ForbiddenMeeting::Obstacle { robot, obstacle });
+            record(statics::meets_obstacle(track, body, asked), ForbiddenMeeting::Obstacle { robot, obstacle });
         }
     }
 
     /// Checks the disc of an orbiting robot against everything else.
-    fn orbit_of(&self, leg: usize, robot: usize, told: &mut impl FnMut(Option<f64>, ForbiddenMeeting)) {
+    fn orbit_of(&self, leg: usize, robot: usize, record: &mut impl FnMut(Option<f64>, ForbiddenMeeting)) {
         let RobotTrack { centre_um, reach_um, .. } = self.tracks[robot];
         let disc = OrbitDisc { centre_um, radius_um: reach_um };
         let keep_um = self.world.orbit_keep_um;
         for (obstacle, WorldObstacle { body, .. }) in self.world.obstacles.iter().enumerate() {
             let near = disc.to_rounded_um(body) < keep_um + MARGIN_UM;
-            told(near.then_some(0.0), ForbiddenMeeting::OrbitObstacle { robot, obstacle });
+            record(near.then_some(0.0), ForbiddenMeeting::OrbitObstacle { robot, obstacle });
         }
         for (other, track) in self.tracks.iter().enumerate().filter(|(other, _)| *other != robot) {
             let met = statics::meets_disc(track, &disc, Nearness::first(keep_um));
-            told(met, ForbiddenMeeting::OrbitRobot { robot, other });
+            record(met, ForbiddenMeeting::OrbitRobot { robot, other });
             if other > robot && self.orbits[leg * self.tracks.len() + other] {
                 let theirs = OrbitDisc { centre_um: track.centre_um, radius_um: track.reach_um };
                 let near = disc.to_disc_um(&theirs) < keep_um + MARGIN_UM;
-                told(near.then_some(0.0), ForbiddenMeeting::Orbits { robot, other });
+                record(near.then_some(0.0), ForbiddenMeeting::Orbits { robot, other });
             }
         }
     }

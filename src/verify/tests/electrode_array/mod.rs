@@ -140,19 +140,19 @@ fn the_cost_is_that_of_the_objective() {
 
 #[test]
 fn messages_name_cells_parts_times_and_limits() {
-    let told = |edit: Edit| {
+    let reported = |edit: Edit| {
         let mut broken = schedule(&day(), DAY);
         edit(&mut broken);
         let Verdict::Rejected(found) = verify(broken, &day()) else { panic!("a broken schedule") };
         found[0].title.clone()
     };
-    let stray = told(|s| switch_on(s, (13, 13), 0, 1, 1));
+    let stray = reported(|s| switch_on(s, (13, 13), 0, 1, 1));
     assert_eq!(stray, "electrodes (13, 13) at 2.2 ms carry `c` from (15, 15) to no neighbour");
-    let late = told(|s| switch_on(s, (8, 7), 0, 0, 1));
+    let late = reported(|s| switch_on(s, (8, 7), 0, 0, 1));
     assert_eq!(late, "electrode (8, 7) pulls `a` at (6, 5) too, at 0 ms");
-    let unused = told(|s| switch_on(s, (12, 15), 0, 2, 1));
+    let unused = reported(|s| switch_on(s, (12, 15), 0, 2, 1));
     assert_eq!(unused, "electrode (12, 15) is on at 4.4 ms and pulls no part");
-    let weak = told(|s| s.actuations[0].to = 50.0);
+    let weak = reported(|s| s.actuations[0].to = 50.0);
     assert_eq!(weak, "electrode (4, 14) goes from 100 V to 50 V at 0 ms, 100 V is needed");
 }
 

@@ -1,4 +1,4 @@
-//! Goals that are not told apart: at each is one of the parts, whichever.
+//! Interchangeable goals: at each is one of the parts, whichever.
 
 use super::build::{chip, go};
 use super::{judged, moving};

@@ -179,8 +179,8 @@ fn what_lies_within_the_tolerances_passes() {
         ("what is reached, rounded", |s| told_turn(s, 0.004)),
         ("a place", |s| with_state(s, 2, |state| state.3[1] += 9e-4)),
         ("an orientation", |s| with_state(s, 2, |state| state.4[1] += 4e-5)),
-        ("a removal told when the finger is home", |s| s.plans[0].states[6].t_ns -= 100 * MS),
-        ("a place told later", |s| s.plans[0].states[7].t_ns += 5 * MS),
+        ("a removal reported when the finger is home", |s| s.plans[0].states[6].t_ns -= 100 * MS),
+        ("a place reported later", |s| s.plans[0].states[7].t_ns += 5 * MS),
         ("another angle where none turns", |s| with_state(s, 8, |state| *state.1 = 1)),
         ("another plane where nothing holds", |s| with_state(s, 0, |state| *state.2 = Plane::Xz)),
     ];

@@ -89,7 +89,7 @@ pub fn order(robots: &[(usize, f64, f64, f64)]) -> MicrorobotsOrder {
         expansions: 1000,
         objective: crate::device::microrobots::MicrorobotsObjective::Time,
         precision: Precision { place_um: 0.5, heading_rad: 0.01 },
-        assurance: Assurance::Told,
+        assurance: Assurance::Reported,
         steps: Vec::new(),
     }
 }

@@ -215,7 +215,7 @@ fn strokes_leave_every_arm_alone() {
 /// the margin.
 #[test]
 fn arms_surely_go_up_without_voltage() {
-    let told = |release_v: f64, waits: usize| {
+    let reported = |release_v: f64, waits: usize| {
         let start = Day::new(order(&[(1, 0.0, 0.0, 90.0)]));
         let mut day = (0..waits).fold(start, |day, _| day.wait(5)).apply(0, 10);
         Arc::make_mut(&mut day.order.facts).robots[0].release_v = release_v;
@@ -225,10 +225,10 @@ fn arms_surely_go_up_without_voltage() {
             Verdict::Accepted(_) | Verdict::Inconclusive { .. } => String::new(),
         }
     };
-    assert_eq!(told(11.0, 0), "");
-    assert_eq!(told(10.999, 0), "the arm of `D1` may be up or down when strokes begin at 5 ms");
-    assert_eq!(told(2.0, 1), "");
-    assert_eq!(told(1.999, 1), "the arm of `D1` may stay down at 0 V, at 0 ms");
+    assert_eq!(reported(11.0, 0), "");
+    assert_eq!(reported(10.999, 0), "the arm of `D1` may be up or down when strokes begin at 5 ms");
+    assert_eq!(reported(2.0, 1), "");
+    assert_eq!(reported(1.999, 1), "the arm of `D1` may stay down at 0 V, at 0 ms");
 }
 
 #[test]
@@ -341,23 +341,23 @@ fn robots_stand_where_the_last_run_left_them() {
 #[test]
 fn messages_name_robots_voltages_times_and_limits() {
     let (schedule, claims) = day().both();
-    let told = |edit: Edit| {
+    let reported = |edit: Edit| {
         let mut broken = schedule.clone();
         edit(&mut broken);
         let Verdict::Rejected(found) = verify(broken, &claims) else { panic!("a broken schedule") };
         found[0].title.clone()
     };
     assert_eq!(
-        told(|s| level(s, 2, [250.0; 2])),
+        reported(|s| level(s, 2, [250.0; 2])),
         "actuation 2 on `fleet.bed` swings between 100 V and 60 V, but is recorded as going from 250 V to 250 V"
     );
-    assert_eq!(told(|s| level(s, 0, [250.0; 2])), "the bed is at 250 V at 0 ms, the source gives 0 V to 200 V");
-    assert_eq!(told(|s| level(s, 0, [60.0; 2])), "the arm of `D3` may be up or down when strokes begin at 10 ms");
-    let fast = told(|s| swings(s, 0, PERIOD / 2, [100.0, 60.0]));
+    assert_eq!(reported(|s| level(s, 0, [250.0; 2])), "the bed is at 250 V at 0 ms, the source gives 0 V to 200 V");
+    assert_eq!(reported(|s| level(s, 0, [60.0; 2])), "the arm of `D3` may be up or down when strokes begin at 10 ms");
+    let fast = reported(|s| swings(s, 0, PERIOD / 2, [100.0, 60.0]));
     assert_eq!(
         fast,
         "the bed swings between 100 V and 60 V every 0.05 ms at 10 ms, 100 V and 60 V every 0.1 ms is needed"
     );
-    let far = told(|s| with_pose(s, 0, [1.0, 0.0]));
+    let far = reported(|s| with_pose(s, 0, [1.0, 0.0]));
     assert!(far.ends_with("but starts at control state 2 with `D1` at (0 um, 0 um, 90 deg), `D2` at (1000 um, 0 um, 0 deg), `D4` at (2500 um, 500 um, 0 deg)"), "{far}");
 }

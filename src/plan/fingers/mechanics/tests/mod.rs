@@ -118,11 +118,13 @@ fn assert_told_by_single_grasps(facts: &FingersFacts, part: &(Section, Curve), l
     let firm = grip.with_reserve();
     let is_single = tables.layers.len() == 1;
     for (at, layer) in tables.layers.iter().enumerate() {
-        let told = |hand, part: usize, of: usize| Told::at(hand, &contacts, load, [at as f64, part as f64 / of as f64]);
-        let now = told(&grip, 0, 1);
-        let next = told(&grip, 1, 1);
-        let between: Vec<Told> = (1..PARTS_OF_STEP).map(|part| told(&firm, part, PARTS_OF_STEP)).collect();
-        let passing: Vec<Told> = (1..PARTS_OF_ROLLING).map(|part| told(&grip, part, PARTS_OF_ROLLING)).collect();
+        let loaded =
+            |hand, part: usize, of: usize| LoadedGrip::at(hand, &contacts, load, [at as f64, part as f64 / of as f64]);
+        let now = loaded(&grip, 0, 1);
+        let next = loaded(&grip, 1, 1);
+        let between: Vec<LoadedGrip> = (1..PARTS_OF_STEP).map(|part| loaded(&firm, part, PARTS_OF_STEP)).collect();
+        let passing: Vec<LoadedGrip> =
+            (1..PARTS_OF_ROLLING).map(|part| loaded(&grip, part, PARTS_OF_ROLLING)).collect();
         let on = |grasp: &[usize]| {
             (is_single || at + 1 < angles)
                 && next.holds(grasp)
@@ -148,16 +150,16 @@ fn assert_told_by_single_grasps(facts: &FingersFacts, part: &(Section, Curve), l
 }
 
 /// Contacts and load a part of a step after an angle.
-struct Told<'a> {
+struct LoadedGrip<'a> {
     grip: &'a GripModel,
     contacts: Vec<Contact>,
     load: Load,
 }
 
-impl<'a> Told<'a> {
-    fn at(grip: &'a GripModel, contacts: &Contacts, load: Load, [angle, part]: [f64; 2]) -> Told<'a> {
+impl<'a> LoadedGrip<'a> {
+    fn at(grip: &'a GripModel, contacts: &Contacts, load: Load, [angle, part]: [f64; 2]) -> LoadedGrip<'a> {
         let load = load.after_turn((angle + part) * contacts.step_rad());
-        Told { grip, contacts: contacts.after(part), load }
+        LoadedGrip { grip, contacts: contacts.after(part), load }
     }
 
     fn held(&self, grasp: &[usize]) -> Vec<Contact> {

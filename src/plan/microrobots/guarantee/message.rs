@@ -34,7 +34,7 @@ fn lowered(value: f64) -> f64 {
 
 impl Containment {
     /// The required and the available value, as a clause that begins with the quantity.
-    pub fn said(&self, order: &MicrorobotsOrder) -> String {
+    pub fn message(&self, order: &MicrorobotsOrder) -> String {
         let name = &order.robot(self.robot).name;
         let (needs, has) = (self.needs, self.has);
         if !needs.is_finite() {
