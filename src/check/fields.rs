@@ -125,6 +125,9 @@ impl Checker<'_> {
         if let Sort::CountRows { most } = sort {
             return self.accept_rows(most, expr, scope, wanted);
         }
+        if let Sort::CountTables { most } = sort {
+            return self.accept_count_tables(most, expr, scope, wanted);
+        }
         if let Sort::Curve = sort {
             return self.accept_curve(expr, scope, wanted);
         }
@@ -214,6 +217,7 @@ impl Checker<'_> {
             | Sort::Cell
             | Sort::Cells
             | Sort::CountRows { .. }
+            | Sort::CountTables { .. }
             | Sort::Size
             | Sort::Pixel
             | Sort::Places
@@ -383,6 +387,7 @@ pub fn judge(
             _ => wrong("a list of cells", "[(3, 9), (12, 4)]"),
         },
         Sort::CountRows { .. } => wrong("a list for each row", "[[4, 5, none], [1, 2, 3]]"),
+        Sort::CountTables { .. } => wrong("a list of lists of lists", "[[[3], [3, 2], [0, 9]]]"),
         Sort::Size if is_point(value, Dimension::LENGTH) => Ok(()),
         Sort::Size => wrong("a width and a height", "(4 um, 0.5 um)"),
         Sort::Pixel if is_point(value, Dimension::PIXELS) => Ok(()),
@@ -455,6 +460,7 @@ fn is_of_scene(sort: Sort) -> bool {
         | Sort::Cell
         | Sort::Cells
         | Sort::CountRows { .. }
+        | Sort::CountTables { .. }
         | Sort::Size
         | Sort::Pixel
         | Sort::CountOrWord { .. }

@@ -21,6 +21,7 @@ impl Sort {
             Sort::Cell => "cell".to_owned(),
             Sort::Cells => "list of cells".to_owned(),
             Sort::CountRows { most } => format!("list of rows, each a list of 0 to {most} | {NONE}"),
+            Sort::CountTables { most } => format!("list of lists, each of lists of 0 to {most}"),
             Sort::Size => "(length, length)".to_owned(),
             Sort::Pixel => "(x, y) [px]".to_owned(),
             Sort::Places => "list of places".to_owned(),

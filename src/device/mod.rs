@@ -284,6 +284,8 @@ pub enum Sort {
     Cells,
     /// Lists of whole numbers from 0, one for each row of a board, the top row first, with the word `none` where nothing is.
     CountRows { most: u32 },
+    /// Lists of lists of whole numbers from 0.
+    CountTables { most: u32 },
     /// A width and a height.
     Size,
     /// A place in an image.

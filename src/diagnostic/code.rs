@@ -295,6 +295,7 @@ ledger! {
     E0775 "a droplet comes onto traces that it must not touch"
     E0776 "a wait in which something changes"
     E0777 "a part is not where it is to be heated, read or held"
+    E0778 "a reservoir is not switched as its frames have it"
     E0785 "an operation begins too late after another"
     E0801 "a file that cannot be read"
     E0802 "a file that is too large"

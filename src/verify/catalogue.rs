@@ -63,6 +63,7 @@ rules! {
     Bystander E0736 "A part without a goal stays, or comes back"
     Trace E0775 "A droplet comes onto no electrode with traces that are avoided in it"
     Zone E0777 "A part that is heated, read or held is within its zone all that time, and alone where it is read"
+    Reservoir E0778 "Pads of a reservoir and the electrode at its outlet are on as in the frames that make a droplet, and pads at no other time"
     Lag E0785 "An operation begins no later after others than the program says"
     Level E0737 "A control cycle visits steady levels that the source gives, each for the dwell time"
     Train E0738 "Strokes are those of the device, after a control cycle"

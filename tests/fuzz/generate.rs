@@ -85,6 +85,7 @@ fn value(field: &VocabularyField, random: &mut Random) -> String {
         | Sort::Cell
         | Sort::Cells
         | Sort::CountRows { .. }
+        | Sort::CountTables { .. }
         | Sort::Size
         | Sort::Places
         | Sort::Shape(_)

@@ -2,7 +2,7 @@
 
 use super::cells::whole_cell;
 use super::physics::{self, rounded_up};
-use super::{errors, map};
+use super::{errors, map, reservoirs};
 use crate::check::devices::CheckedDevice;
 use crate::check::figures::Figures;
 use crate::check::labels::DeviceLabel;
@@ -37,8 +37,10 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFa
         separation: separation(fields)?,
         clearance: fields.count("clearance")?,
         map: None,
+        reservoirs: None,
     };
     facts.map = map::of(&facts, device, sink)?;
+    facts.reservoirs = reservoirs::of(&facts, device, sink)?;
     let errors = sink.errors();
     covers_electrodes(&facts, device, sink);
     keeps_apart(&facts, device, sink);

@@ -371,16 +371,17 @@ impl BoardStepJudge<'_> {
             Some(errors::parts_are_not_dispensed(call.span))
         } else if self.facts.hold == Hold::Off {
             Some(errors::dispenses_without_hold(call.span, self.hold))
-        } else if self.facts.dispense_ns.is_none() {
+        } else if self.facts.dispense_ns.is_none() && self.facts.reservoirs.is_none() {
             Some(errors::dispenses_in_no_time(call.span, self.device))
         } else {
             None
         };
         self.sink.unless(wrong)?;
         let Outlet { name, cell, .. } = self.tray.outlets.get(outlet?)?;
+        let stay_ns = self.facts.dispense_ns_at(*cell)?;
         let stop = ElectrodeArrayStop { cell: *cell, span: from.span, origin: from.origin.clone() };
         let passing = AssayOperation::passing(part?, vec![stop], call.span);
-        Some(AssayOperation { stay_ns: self.facts.dispense_ns?, comes: true, fluid: Some(name.clone()), ..passing })
+        Some(AssayOperation { stay_ns, comes: true, fluid: Some(name.clone()), ..passing })
     }
 
     pub(super) fn stay_ns(&mut self, time: &Argument, what: &str) -> Option<u64> {

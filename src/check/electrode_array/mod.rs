@@ -11,6 +11,7 @@ mod map;
 mod motion;
 mod physics;
 mod places;
+mod reservoirs;
 mod stays;
 mod teams;
 mod traces;
@@ -49,13 +50,15 @@ impl CheckedFacts for Rc<ElectrodeArrayFacts> {
     }
 
     fn has_channel(&self, name: &str) -> bool {
-        self.electrode(name).is_some()
+        self.electrode(name).is_some() || self.pad(name).is_some()
     }
 
     fn numbered_channels(&self) -> Option<NumberedChannels> {
         let numbered = self.map.iter().flat_map(|map| map.numbered());
         let named = numbered.map(|(cell, number)| (ElectrodeArrayFacts::channel(cell), number));
-        Some(NumberedChannels { on_v: self.potential_v, channels: named.collect() })
+        let pads = self.reservoirs.iter().flat_map(|reservoirs| reservoirs.pads());
+        let pads = pads.map(|pad| (ElectrodeArrayFacts::pad_channel(pad), pad));
+        Some(NumberedChannels { on_v: self.potential_v, channels: named.chain(pads).collect() })
     }
 
     fn order(&self, checker: &mut Checker, site: &TaskSite, parts: Parts) -> Option<Order> {

@@ -105,6 +105,7 @@ fn the_example_of_the_language_becomes_an_order() {
         separation: Separation::Apart(4),
         clearance: 3,
         map: None,
+        reservoirs: None,
     };
     assert_eq!(order.facts, facts);
     assert_eq!(
@@ -479,6 +480,7 @@ fn board(columns: u32, rows: u32) -> ElectrodeArrayFacts {
         separation: Separation::Apart(4),
         clearance: 3,
         map: None,
+        reservoirs: None,
     }
 }
 

@@ -193,6 +193,14 @@ impl TrayReader<'_> {
             self.sink.push(errors::given_at(wrong, &at));
             return None;
         }
+        if let Some(pads) = &self.facts.reservoirs
+            && pads.at(cell).is_none()
+        {
+            let outlets: Vec<ElectrodeCell> = pads.sequences.iter().map(|sequence| sequence.outlet).collect();
+            let wrong = errors::no_reservoir_there(&self.object.name, cell, span, &outlets);
+            self.sink.push(errors::given_at(wrong, &at));
+            return None;
+        }
         Some(Outlet { name: self.object.name.clone(), cell, span })
     }
 

@@ -10,9 +10,11 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 mod map;
+mod reservoirs;
 mod words;
 
 pub use map::{ElectrodeMap, MAX_CHANNEL};
+pub use reservoirs::{DispenseFrame, DispenseSequence, MAX_DISPENSE_FRAMES, ReservoirPads};
 pub use words::{ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayOutcome, VOCABULARY, ZoneSort};
 
 /// Greatest number of columns, and of rows, of a board.
@@ -194,6 +196,9 @@ pub struct ElectrodeArrayFacts {
     /// `None` where every place has an electrode that works and needs no number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<Arc<ElectrodeMap>>,
+    /// `None` where it is not known how reservoirs make droplets.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reservoirs: Option<Arc<ReservoirPads>>,
 }
 
 fn default_mixer() -> [u32; 2] {
@@ -277,6 +282,25 @@ impl ElectrodeArrayFacts {
     /// The channel of an electrode, without the device's name.
     pub fn channel(cell: ElectrodeCell) -> String {
         format!("e{}_{}", cell.column, cell.row)
+    }
+
+    /// The name of a pad's channel, without the device's.
+    pub fn pad_channel(pad: u32) -> String {
+        format!("pad{pad}")
+    }
+
+    /// The pad of a channel's name, without the device's; `None` if no reservoir of the board has one of that name.
+    pub fn pad(&self, channel: &str) -> Option<u32> {
+        let pad: u32 = channel.strip_prefix("pad")?.parse().ok()?;
+        let is_own =
+            self.reservoirs.as_ref()?.pads().contains(&pad) && ElectrodeArrayFacts::pad_channel(pad) == channel;
+        is_own.then_some(pad)
+    }
+
+    /// Time in which the reservoir at an outlet makes a droplet; `None` where that is not known.
+    pub fn dispense_ns_at(&self, outlet: ElectrodeCell) -> Option<u64> {
+        let own = self.reservoirs.as_ref().and_then(|pads| Some(pads.duration_ns(pads.at(outlet)?)));
+        own.or(self.dispense_ns)
     }
 
     /// The electrode of a channel's name, without the device's; `None` if the board has none of that name.

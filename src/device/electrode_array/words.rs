@@ -143,7 +143,20 @@ const FIELDS: &[VocabularyField] = &[
         "dispense_duration",
         positive(Dimension::TIME),
         "it has no reservoirs",
-        "time in which a reservoir makes one droplet on the electrode at its outlet, which is on meanwhile",
+        "time in which a reservoir without `dispense_frames` makes one droplet on the electrode at its outlet, which is on meanwhile",
+    ),
+    optional("outlets", Sort::Cells, "reservoirs may be anywhere", "the electrodes at the outlets of its reservoirs"),
+    optional(
+        "dispense_frames",
+        Sort::CountTables { most: MAX_CHANNEL },
+        "reservoirs work without the board",
+        "for each outlet the frames that make a droplet, each a list of the driver's channels that are on: pads of the reservoir, and the electrode at the outlet",
+    ),
+    optional(
+        "dispense_frame_duration",
+        positive(Dimension::TIME),
+        "none; needed with `dispense_frames`",
+        "time from one of these frames to the next; whole steps of the board that are not shorter are taken",
     ),
     optional(
         "mixer",
@@ -285,7 +298,7 @@ const VERBS: &[Verb] = &[
             WITHIN,
         ],
         block: None,
-        doc: "makes a droplet on the electrode at a reservoir's outlet; it takes the device's `dispense_duration`",
+        doc: "makes a droplet on the electrode at a reservoir's outlet, by the device's `dispense_frames` or in its `dispense_duration`",
         example: "dispense sample from serum",
     },
     Verb {

@@ -4,8 +4,8 @@
 //! `<name>.<driver>.frames.csv` has a row for each frame: its number from 1, when it begins and how long it lasts in milliseconds, and
 //! the numbers of the channels that are on, with blanks between them. Frames follow each other without a gap from 0 to the end of the
 //! schedule; two neighbours differ. `<name>.frames.py` plays them on an OpenDrop (frames of 32 bytes over USB serial) or a PurpleDrop
-//! (JSON-RPC calls), and switches all electrodes off at the end, on an error and on Ctrl-C, but what rests on. The electrodes of reservoirs are not among
-//! those of a board: it says when a droplet is due at which outlet. Where the schedule waits for an input or a person, frames have the longest
+//! (JSON-RPC calls), and switches all electrodes off at the end, on an error and on Ctrl-C, but what rests on. Where the pads of reservoirs are not among
+//! the channels of a board, it says when a droplet is due at which outlet. Where the schedule waits for an input or a person, frames have the longest
 //! wait; the sender goes on from its end as soon as what is waited for has come.
 //!
 //! `<name>.<driver>.opendrop.json`, a format of its own, is for the program that comes with an OpenDrop. It has no times, so that each
@@ -84,10 +84,15 @@ pub(super) fn write_opendrop(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>
     if files.is_empty() { Err(none()) } else { Ok(files) }
 }
 
-/// The droplets that come onto a board, each with the instant from which on the electrode at its outlet is on.
+/// The droplets that come onto boards without pads, each with the instant from which on the electrode at its outlet is on.
 fn dispensed(schedule: &Schedule) -> Vec<serde_json::Value> {
     let mut found: Vec<(u64, &str, [u32; 2])> = Vec::new();
-    for pair in schedule.plans.iter().flat_map(|plan| plan.states.windows(2)) {
+    let has_pads = |device: &str| {
+        let is_pad = |name: &str| Some(name.strip_prefix(device)?.strip_prefix('.')?.starts_with("pad"));
+        schedule.channels.iter().any(|channel| is_pad(&channel.name) == Some(true))
+    };
+    let by_hand = schedule.plans.iter().filter(|plan| !has_pads(&plan.device));
+    for pair in by_hand.flat_map(|plan| plan.states.windows(2)) {
         let (Some(before), Some(after)) = (pair[0].state.cells(), pair[1].state.cells()) else { continue };
         let come = after.iter().filter(|(name, _)| !before.contains_key(*name));
         found.extend(come.map(|(name, cell)| (pair[0].t_ns, name.as_str(), *cell)));

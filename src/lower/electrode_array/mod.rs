@@ -3,14 +3,16 @@
 //! Each step of the board lasts as long as the device's step does, and the electrodes of Table 2 of the paper are on for all of
 //! it: two before a micropart that moves, the target itself for a droplet. Where the device holds its parts, the electrodes
 //! that brought one to its cell stay on while it rests. An electrode that is on in one step and in the next is not switched
-//! between them.
+//! between them. While a reservoir makes a droplet, its pads and the electrode at its outlet are on in the frames of the device.
 
 mod operations;
 
 use super::Lowered;
 use super::clock::{LoweredRun, RunActuation};
 use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayOrder};
-use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold};
+use crate::device::electrode_array::{
+    DispenseFrame, DispenseSequence, ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold,
+};
 use crate::plan::Planned;
 use crate::plan::electrode_array::{ElectrodeArrayMotion, ElectrodeArrayStepMotion, PartCourse};
 use crate::schedule::electrode_array::ElectrodeArrayState;
@@ -49,10 +51,29 @@ impl Lowered for Planned<'_, ElectrodeArrayOrder, ElectrodeArrayMotion> {
 
     fn channels(&self, own: &mut dyn Iterator<Item = &LoweredRun>) -> Vec<(String, ChannelUnit)> {
         let names: BTreeSet<&str> = own.flat_map(|run| &run.actuations).map(|(name, _)| name.as_str()).collect();
-        let mut cells: Vec<ElectrodeCell> =
-            names.into_iter().filter_map(|name| self.order.facts.electrode(name)).collect();
+        let facts = &self.order.facts;
+        let mut cells: Vec<ElectrodeCell> = names.iter().filter_map(|name| facts.electrode(name)).collect();
         cells.sort_by_key(|cell| (cell.row, cell.column));
-        cells.into_iter().map(|cell| (ElectrodeArrayFacts::channel(cell), ChannelUnit::Volt)).collect()
+        let pads: BTreeSet<u32> = names.iter().filter_map(|name| facts.pad(name)).collect();
+        let cells = cells.into_iter().map(ElectrodeArrayFacts::channel);
+        let all = cells.chain(pads.into_iter().map(ElectrodeArrayFacts::pad_channel));
+        all.map(|name| (name, ChannelUnit::Volt)).collect()
+    }
+}
+
+/// What is switched, in the order in which it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum BoardSwitch {
+    Electrode(ElectrodeCell),
+    Pad(u32),
+}
+
+impl BoardSwitch {
+    fn channel(self) -> String {
+        match self {
+            BoardSwitch::Electrode(cell) => ElectrodeArrayFacts::channel(cell),
+            BoardSwitch::Pad(pad) => ElectrodeArrayFacts::pad_channel(pad),
+        }
     }
 }
 
@@ -71,8 +92,8 @@ impl LoweringBoard<'_> {
         let since = |part: usize| courses.get(part).map_or(0, |course| course.since);
         let until = |(part, path): (usize, &&[ElectrodeCell])| (since(part) + path.len()).saturating_sub(1);
         let instants = paths.iter().enumerate().map(until).max().unwrap_or(0);
-        // Electrodes that are on, with the instant since when.
-        let mut on: BTreeMap<ElectrodeCell, u64> = BTreeMap::new();
+        // What is on, with the instant since when.
+        let mut on: BTreeMap<BoardSwitch, u64> = BTreeMap::new();
         let gone_after = |cells: &mut [Option<ElectrodeCell>], instant: usize| {
             let done = courses.iter().zip(cells).filter(|(course, _)| course.is_gone && course.until() <= instant + 1);
             done.for_each(|(_, cell)| *cell = None);
@@ -98,7 +119,8 @@ impl LoweringBoard<'_> {
                 path.get((instant + 1).saturating_sub(since(part))).or(path.last()).copied()
             };
             let next: Vec<Option<ElectrodeCell>> = paths.iter().enumerate().map(next).collect();
-            let wanted = self.wanted(&next);
+            let frames = self.frames(instant, courses, step);
+            let wanted = self.wanted(&next, &frames);
             self.switch(&mut on, &wanted, start_ns, step);
             self.run.duration_ns = start_ns.checked_add(facts.step_ns)?;
             self.cells = next;
@@ -114,39 +136,68 @@ impl LoweringBoard<'_> {
         let start_ns = self.run.duration_ns;
         self.run.duration_ns = start_ns.checked_add(duration_ns)?;
         if duration_ns > 0 {
-            let mut on = self.wanted(&self.cells).into_iter().map(|cell| (cell, start_ns)).collect();
+            let mut on = self.wanted(&self.cells, &BTreeMap::new()).into_iter().map(|one| (one, start_ns)).collect();
             self.switch(&mut on, &BTreeSet::new(), self.run.duration_ns, step);
         }
         Some(())
     }
 
-    /// The electrodes that bring the parts to their next cells, and hold those that rest there.
-    fn wanted(&self, next: &[Option<ElectrodeCell>]) -> BTreeSet<ElectrodeCell> {
+    /// The frames of reservoirs at an instant of a step, by the parts that they make.
+    fn frames(&self, instant: usize, courses: &[PartCourse], step: usize) -> BTreeMap<usize, &DispenseFrame> {
+        let (Some(reservoirs), Some(ElectrodeArrayAction::Assay(operations))) =
+            (&self.order.facts.reservoirs, self.order.steps.get(step).map(|step| &step.action))
+        else {
+            return BTreeMap::new();
+        };
+        let frame_steps = (reservoirs.frame_ns / self.order.facts.step_ns).max(1) as usize;
+        let frame = |part: usize, sequence: &'_ DispenseSequence| {
+            let since = instant.checked_sub(courses.get(part)?.since)?;
+            (since / frame_steps < sequence.frames.len()).then_some(since / frame_steps)
+        };
+        let coming = operations.iter().filter(|operation| operation.comes);
+        coming
+            .filter_map(|operation| {
+                let sequence = reservoirs.at(operation.stops.first()?.cell)?;
+                Some((operation.part, &sequence.frames[frame(operation.part, sequence)?]))
+            })
+            .collect()
+    }
+
+    /// The electrodes that bring the parts to their next cells, and hold those that rest there; for what a reservoir makes, its frame.
+    fn wanted(
+        &self,
+        next: &[Option<ElectrodeCell>],
+        frames: &BTreeMap<usize, &DispenseFrame>,
+    ) -> BTreeSet<BoardSwitch> {
         let facts = &self.order.facts;
-        let both = self.cells.iter().zip(next).filter_map(|(from, to)| Some(((*from)?, (*to)?)));
-        both.flat_map(|(from, to)| electrodes(facts, from, to)).collect()
+        let both = self.cells.iter().zip(next).enumerate();
+        let both = both.filter_map(|(part, (from, to))| Some((part, (*from)?, (*to)?)));
+        let is_held = |part: usize| frames.get(&part).is_none_or(|frame| frame.outlet);
+        let held = both.filter(|(part, ..)| is_held(*part)).flat_map(|(_, from, to)| electrodes(facts, from, to));
+        let pads = frames.values().flat_map(|frame| frame.pads.iter().copied().map(BoardSwitch::Pad));
+        held.map(BoardSwitch::Electrode).chain(pads).collect()
     }
 
     /// Ends the electrodes that are no longer needed and begins the new ones.
     fn switch(
         &mut self,
-        on: &mut BTreeMap<ElectrodeCell, u64>,
-        wanted: &BTreeSet<ElectrodeCell>,
+        on: &mut BTreeMap<BoardSwitch, u64>,
+        wanted: &BTreeSet<BoardSwitch>,
         now_ns: u64,
         step: usize,
     ) {
         let volts = self.order.facts.potential_v;
-        on.retain(|cell, since_ns| {
-            let stays = wanted.contains(cell);
+        on.retain(|switch, since_ns| {
+            let stays = wanted.contains(switch);
             if !stays {
                 let (start_ns, duration_ns) = (*since_ns, now_ns - *since_ns);
                 let actuation = RunActuation { start_ns, duration_ns, from: volts, to: volts, swing: None, step };
-                self.run.actuations.push((ElectrodeArrayFacts::channel(*cell), actuation));
+                self.run.actuations.push((switch.channel(), actuation));
             }
             stays
         });
-        for cell in wanted {
-            on.entry(*cell).or_insert(now_ns);
+        for switch in wanted {
+            on.entry(*switch).or_insert(now_ns);
         }
     }
 

@@ -39,6 +39,7 @@ pub(crate) fn facts(electrodes: Electrodes) -> ElectrodeArrayFacts {
         separation: Separation::Apart(separation),
         clearance: 1,
         map: None,
+        reservoirs: None,
     }
 }
 

@@ -40,6 +40,7 @@ fn facts(columns: u32, rows: u32, electrodes: Electrodes, separation: u32, clear
         separation: Separation::Apart(separation),
         clearance,
         map: None,
+        reservoirs: None,
     }
 }
 

@@ -25,6 +25,8 @@ pub(super) struct StepBeat<'m> {
     pub on: &'m FxHashSet<ElectrodeCell>,
     /// The droplets that are pulled apart in it, both of which are there at its start.
     pub splits: &'m [JudgedSplit],
+    /// Parts in the making whose electrode their reservoir has off.
+    pub unheld: &'m [usize],
 }
 
 impl StepBeat<'_> {
@@ -154,7 +156,7 @@ impl JudgedBoard<'_, '_> {
             Electrodes::Single => (),
         }
         self.run.tally.asked(Rule::Hold, pulls.iter().filter(|(_, pull)| !pull.moves()).count());
-        for (part, pull) in pulls.iter().filter(|(_, pull)| !pull.moves()) {
+        for (part, pull) in pulls.iter().filter(|(part, pull)| !pull.moves() && !moment.unheld.contains(part)) {
             let joined = moment.stage.partner(*part).is_some_and(|(other, goal)| {
                 goal == pull.from && pulls.iter().any(|(part, pull)| *part == other && pull.moves() && pull.to == goal)
             });
@@ -212,7 +214,7 @@ impl JudgedBoard<'_, '_> {
         };
         let pulls: Pulls = self.cells.iter().enumerate().filter_map(rests).collect();
         let (stage, on) = (Meetings::default(), FxHashSet::default());
-        let moment = StepBeat { nth: 0, at_ns, stage: &stage, on: &on, splits: &[] };
+        let moment = StepBeat { nth: 0, at_ns, stage: &stage, on: &on, splits: &[], unheld: &[] };
         self.nearest(&moment, &pulls);
         let broken = self.touches(&moment, &pulls).or_else(|| self.clearances(at_ns, &pulls));
         match broken {

@@ -8,7 +8,8 @@ use crate::claims::electrode_array::{
     ElectrodeArrayOrder, ElectrodeArrayStop, OperationLag, ZoneSort, ZoneStay,
 };
 use crate::device::electrode_array::{
-    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_PARTS, MAX_SIDE, MAX_ZONES, Separation,
+    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_DISPENSE_FRAMES, MAX_PARTS, MAX_SIDE, MAX_ZONES,
+    ReservoirPads, Separation,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -64,10 +65,33 @@ fn facts(facts: &ElectrodeArrayFacts) -> Result<(), Unfit> {
         let fits = map.columns == facts.columns && [0, places].contains(&map.channels.len());
         demand(fits, "hold a map of another board")?;
     }
+    facts.reservoirs.as_ref().map_or(Ok(()), |pads| reservoirs(pads, facts))?;
     match facts.separation {
         Separation::Apart(cells) => demand((1..=MAX_SEPARATION).contains(&cells), "hold a separation out of its range"),
         Separation::AsPublished => Ok(()),
     }
+}
+
+/// Frames are whole steps of the board; each sequence begins with a pad of its own and ends with the outlet.
+fn reservoirs(pads: &ReservoirPads, facts: &ElectrodeArrayFacts) -> Result<(), Unfit> {
+    let is_whole = pads.frame_ns > 0 && pads.frame_ns.is_multiple_of(facts.step_ns);
+    demand(is_whole, "hold frames of reservoirs that are no steps of the board")?;
+    let mut outlets = BTreeSet::new();
+    let mut owners: BTreeMap<u32, usize> = BTreeMap::new();
+    for (nth, sequence) in pads.sequences.iter().enumerate() {
+        let outlet = sequence.outlet.pair().map(i64::from);
+        demand(
+            is_on_board(facts, outlet) && outlets.insert(sequence.outlet),
+            "hold an outlet off the board, or two at once",
+        )?;
+        let begins = sequence.frames.first().is_some_and(|first| !first.pads.is_empty());
+        let ends = sequence.frames.last().is_some_and(|last| last.outlet);
+        demand(begins && ends && sequence.frames.len() <= MAX_DISPENSE_FRAMES, "hold frames that make no droplet")?;
+        let all = sequence.frames.iter().flat_map(|frame| &frame.pads);
+        let is_own = all.map(|pad| *owners.entry(*pad).or_insert(nth) == nth).fold(true, |all, one| all && one);
+        demand(is_own, "give two reservoirs one pad")?;
+    }
+    Ok(())
 }
 
 fn parts(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
@@ -166,6 +190,13 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
             demand(is_plain && operation.stay_ns > 0, "dispense a part that has more to do, or in no time")?;
             let is_held = order.facts.hold == Hold::On && order.facts.layout.electrodes == Electrodes::Single;
             demand(is_held, "dispense parts that are no droplets, or not held")?;
+            let outlet = operation.stops.first().map(|stop| stop.cell);
+            let sequence =
+                order.facts.reservoirs.as_ref().zip(outlet).and_then(|(pads, outlet)| Some((pads, pads.at(outlet)?)));
+            let is_whole = sequence.is_none_or(|(pads, sequence)| {
+                operation.stay_ns == pads.frame_ns.saturating_mul(sequence.frames.len() as u64)
+            });
+            demand(is_whole, "dispense a part in another time than its frames take")?;
         }
         if operation.leaves {
             let is_plain = operation.with.is_none() && operation.stops.len() == 1 && operation.stay_ns == 0;

@@ -16,6 +16,7 @@ mod missed;
 mod mixing;
 mod nearest;
 mod pull;
+mod reservoirs;
 mod stage;
 mod switching;
 mod traces;
@@ -35,17 +36,19 @@ use crate::schedule::{Actuation, ChannelUnit, State, TimedState};
 use assay::{JudgedAssay, JudgedSplit, OperationBeats};
 use beat::{Pulls, StepBeat};
 use bodies::BoardObstacles;
-use rustc_hash::{FxHashMap, FxHashSet};
+use reservoirs::JudgedReservoirs;
+use rustc_hash::FxHashSet;
 use stage::{JudgedStage, Meetings};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
-use switching::{ElectrodePulse, Switching};
+use switching::{SwitchPulse, Switching, pulses};
 use traces::JudgedTraces;
 use zones::JudgedZones;
 
 impl Judge for ElectrodeArrayOrder {
     fn unit(&self, channel: &str) -> Option<ChannelUnit> {
-        self.facts.electrode(channel).map(|_| ChannelUnit::Volt)
+        let is_own = self.facts.electrode(channel).is_some() || self.facts.pad(channel).is_some();
+        is_own.then_some(ChannelUnit::Volt)
     }
 
     fn premise(&self) -> Result<(), Unfit> {
@@ -94,6 +97,9 @@ impl Judge for ElectrodeArrayOrder {
         board.record(run.plan.start_ns)?;
         board.stands_clear()?;
         for (nth, step) in self.steps.iter().enumerate() {
+            if !matches!(step.action, ElectrodeArrayAction::Assay(_)) {
+                board.pads_rest(nth)?;
+            }
             match &step.action {
                 ElectrodeArrayAction::Wait(duration_ns) => board.wait(nth, *duration_ns, findings)?,
                 ElectrodeArrayAction::Move(moves) => board.follow(nth, moves, findings)?,
@@ -127,8 +133,9 @@ struct JudgedBoard<'r, 'a> {
     run: &'r JudgedRun<'a>,
     order: &'r ElectrodeArrayOrder,
     scene: BoardObstacles,
-    /// The actuations of each step of the run, with their electrodes.
+    /// The actuations of each step of the run, with their electrodes, and those with their pads.
     pulses: Vec<Vec<(ElectrodeCell, &'a Actuation)>>,
+    pads: Vec<Vec<(u32, &'a Actuation)>>,
     /// Indices of the parts, by name.
     by_name: Vec<usize>,
     /// Where each part is; `None` for one that has merged with another.
@@ -147,11 +154,13 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     fn new(run: &'r JudgedRun<'a>, order: &'r ElectrodeArrayOrder, standing: &Standing) -> Result<Self, Halt> {
         let mut by_name: Vec<usize> = (0..order.parts.len()).collect();
         by_name.sort_unstable_by_key(|part| &order.parts[*part].name);
+        let (pulses, pads) = pulses(run, order)?;
         Ok(JudgedBoard {
             run,
             order,
             scene: BoardObstacles::new(order),
-            pulses: pulses(run, order)?,
+            pulses,
+            pads,
             by_name,
             cells: start(run, order, standing),
             states: Vec::new(),
@@ -177,6 +186,14 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             for (cell, part) in pulses.iter().filter(|(_, part)| part.from != volts || part.to != volts) {
                 let (from, to, at) = (part.from, part.to, ms(part.start_ns));
                 let title = format!("electrode {cell} goes from {from} V to {to} V at {at}, {volts} V is needed");
+                findings.push(self.within(Rule::Potential, nth, part.start_ns, title));
+            }
+        }
+        findings.asked(Rule::Potential, self.pads.iter().map(Vec::len).sum());
+        for (nth, pads) in self.pads.iter().enumerate() {
+            for (pad, part) in pads.iter().filter(|(_, part)| part.from != volts || part.to != volts) {
+                let (from, to, at) = (part.from, part.to, ms(part.start_ns));
+                let title = format!("pad {pad} goes from {from} V to {to} V at {at}, {volts} V is needed");
                 findings.push(self.within(Rule::Potential, nth, part.start_ns, title));
             }
         }
@@ -208,8 +225,14 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         }
         let mut switching = self.switching(nth, step.duration_ns)?;
         switching.advance(0);
-        let moment =
-            StepBeat { nth, at_ns: step.start_ns, stage: &Meetings::default(), on: &switching.on, splits: &[] };
+        let moment = StepBeat {
+            nth,
+            at_ns: step.start_ns,
+            stage: &Meetings::default(),
+            on: &switching.on,
+            splits: &[],
+            unheld: &[],
+        };
         let pulls = self.pulled(&moment)?;
         if let Some((part, pull)) = pulls.iter().find(|(_, pull)| pull.moves()) {
             let (name, at) = (&self.order.parts[*part].name, ms(step.start_ns));
@@ -233,7 +256,14 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 self.record(at_ns)?;
             }
             switching.advance(beat);
-            let pulls = self.beat(&StepBeat { nth, at_ns, stage: &stage.meetings, on: &switching.on, splits: &[] })?;
+            let pulls = self.beat(&StepBeat {
+                nth,
+                at_ns,
+                stage: &stage.meetings,
+                on: &switching.on,
+                splits: &[],
+                unheld: &[],
+            })?;
             moved = 0;
             for (part, pull) in pulls.iter().filter(|(_, pull)| pull.moves()) {
                 self.cells[*part] = Some(pull.to);
@@ -272,6 +302,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let mut switching = self.switching(nth, step_ns)?;
         let mut assay = JudgedAssay::new(operations, &self.order.facts, &self.cells);
         let mut zones = JudgedZones::new(self.order, operations);
+        let mut reservoirs = self.reservoirs(nth)?;
         zones.look(0, &self.cells);
         let there = self.there();
         assay.settle(0, &mut self.cells);
@@ -282,9 +313,11 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 self.record(at_ns)?;
             }
             switching.advance(beat);
-            for (part, outlet) in self.dispensed((nth, at_ns), &assay, &switching.on) {
+            reservoirs.iter_mut().for_each(|reservoirs| reservoirs.advance(beat));
+            for (part, outlet) in self.dispensed((nth, at_ns), &assay, &switching.on, reservoirs.as_ref()) {
                 self.cells[part] = Some(outlet);
                 assay.come(part, beat);
+                reservoirs.iter_mut().for_each(|reservoirs| reservoirs.begin(part, outlet, beat));
                 self.traces.iter_mut().for_each(|traces| traces.dispense(part, operations));
                 self.tread((nth, at_ns), (operations, &assay), vec![(part, outlet)], findings);
             }
@@ -293,8 +326,9 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 self.cells[split.half] = Some(split.at);
                 self.traces.iter_mut().for_each(|traces| traces.split(split.part, split.half));
             }
-            let pulls =
-                self.beat(&StepBeat { nth, at_ns, stage: &assay.meetings, on: &switching.on, splits: &splits })?;
+            let unheld = self.unheld((nth, at_ns, beat), reservoirs.as_ref(), &switching.on)?;
+            let (stage, on) = (&assay.meetings, &switching.on);
+            let pulls = self.beat(&StepBeat { nth, at_ns, stage, on, splits: &splits, unheld: &unheld })?;
             splits.iter().for_each(|split| assay.split(split, beat + 1));
             for (part, pull) in pulls.iter().filter(|(_, pull)| pull.moves()) {
                 self.cells[*part] = Some(pull.to);
@@ -339,7 +373,8 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         due
     }
 
-    /// The droplets that reservoirs begin to dispense in a beat: an outlet's electrode that is on and acts on no droplet brings one out.
+    /// The droplets that reservoirs begin to dispense in a beat: the pads of their first frame are on and no droplet is near, or without
+    /// pads an outlet's electrode that is on and acts on no droplet brings one out.
     /// Which of those that are due it is has no effect on the board; the record names it, by its next state or, where it is gone by then,
     /// by its operation.
     fn dispensed(
@@ -347,10 +382,15 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         (nth, at_ns): (usize, u64),
         assay: &JudgedAssay,
         on: &FxHashSet<ElectrodeCell>,
+        reservoirs: Option<&JudgedReservoirs>,
     ) -> Vec<(usize, ElectrodeCell)> {
         let range = pull::range(self.order.facts.layout.electrodes) as u32;
         let acts = |outlet: ElectrodeCell| self.cells.iter().flatten().any(|cell| cell.apart(outlet) <= range);
-        let due = assay.due_from_outlets(&self.cells, |outlet| on.contains(&outlet) && !acts(outlet));
+        let begins = |outlet: ElectrodeCell| {
+            let by_pads = reservoirs.and_then(|reservoirs| reservoirs.begins_at(outlet));
+            by_pads.unwrap_or_else(|| on.contains(&outlet))
+        };
+        let due = assay.due_from_outlets(&self.cells, |outlet| begins(outlet) && !acts(outlet));
         let next = self.run.plan.states.get(self.states.len()).map(|next| &next.state);
         let is_in_state = |name: &str| matches!(next, Some(State::ElectrodeArray(ElectrodeArrayState { parts })) if parts.contains_key(name));
         let is_recorded = |name: &str| {
@@ -397,25 +437,34 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     }
 
     /// Changes of electrodes in a step, provided that they are between beats and pull no stuck part.
-    fn switching(&self, nth: usize, beat_ns: u64) -> Result<Switching, Violation> {
-        let step = self.run.step(nth);
-        self.run.tally.asked(Rule::Beat, self.pulses[nth].len());
+    fn switching(&self, nth: usize, beat_ns: u64) -> Result<Switching<ElectrodeCell>, Violation> {
         let mut pulses = Vec::with_capacity(self.pulses[nth].len());
         for (cell, part) in &self.pulses[nth] {
-            let after_ns = part.start_ns - step.start_ns;
-            if !after_ns.is_multiple_of(beat_ns) || !part.duration_ns.is_multiple_of(beat_ns) {
-                let (from, to, beat) = (ms(part.start_ns), ms(part.end_ns()), ms(beat_ns));
-                let begins = ms(step.start_ns);
-                let title = format!(
-                    "electrode {cell} is on from {from} to {to}; whole steps of {beat} from {begins} on are needed"
-                );
-                return Err(self.within(Rule::Beat, nth, part.start_ns, title));
-            }
+            pulses.push(self.in_beats(nth, (*cell, part), beat_ns, || format!("electrode {cell}"))?);
             self.leaves_stuck_parts(nth, *cell, part.start_ns)?;
-            let (from, beats) = (after_ns / beat_ns, part.duration_ns / beat_ns);
-            pulses.push(ElectrodePulse { cell: *cell, from, to: from + beats });
         }
         Ok(Switching::new(&pulses))
+    }
+
+    /// What is on in a step, in beats; it is switched only between them.
+    fn in_beats<E>(
+        &self,
+        nth: usize,
+        (switch, part): (E, &Actuation),
+        beat_ns: u64,
+        name: impl Fn() -> String,
+    ) -> Result<SwitchPulse<E>, Violation> {
+        let step = self.run.step(nth);
+        self.run.tally.asked(Rule::Beat, 1);
+        let after_ns = part.start_ns - step.start_ns;
+        if !after_ns.is_multiple_of(beat_ns) || !part.duration_ns.is_multiple_of(beat_ns) {
+            let (from, to, beat) = (ms(part.start_ns), ms(part.end_ns()), ms(beat_ns));
+            let (name, begins) = (name(), ms(step.start_ns));
+            let title = format!("{name} is on from {from} to {to}; whole steps of {beat} from {begins} on are needed");
+            return Err(self.within(Rule::Beat, nth, part.start_ns, title));
+        }
+        let (from, beats) = (after_ns / beat_ns, part.duration_ns / beat_ns);
+        Ok(SwitchPulse { switch, from, to: from + beats })
     }
 
     /// A step of parts ends with the last arrival.
@@ -528,32 +577,4 @@ fn start(run: &JudgedRun, order: &ElectrodeArrayOrder, standing: &Standing) -> V
     let cell = |[column, row]: [u32; 2]| ElectrodeCell::new(column, row);
     let place = |parts: &BTreeMap<String, [u32; 2]>, name: &String| parts.get(name).copied().map(cell);
     order.parts.iter().map(|part| stands.map_or(part.cell, |stands| place(stands, &part.name))).collect()
-}
-
-/// The actuations of each step of a run, with their electrodes.
-fn pulses<'a>(
-    run: &JudgedRun<'a>,
-    order: &ElectrodeArrayOrder,
-) -> Result<Vec<Vec<(ElectrodeCell, &'a Actuation)>>, Violation> {
-    let mut electrodes: FxHashMap<u32, ElectrodeCell> = FxHashMap::default();
-    let mut pulses = vec![Vec::new(); run.steps.len()];
-    for actuation in &run.actuations {
-        let cell = match electrodes.get(&actuation.channel) {
-            Some(cell) => *cell,
-            None => {
-                let name = &run.schedule.channels[actuation.channel as usize].name;
-                let own = name.strip_prefix(&run.job.device).and_then(|name| name.strip_prefix('.'));
-                let cell = own.and_then(|name| order.facts.electrode(name)).ok_or_else(|| {
-                    let title = format!("channel `{name}` is none of the device `{}`", run.job.device);
-                    Violation::new(Rule::Channel, actuation.start_ns, title)
-                })?;
-                electrodes.insert(actuation.channel, cell);
-                cell
-            }
-        };
-        if let Ok(nth) = run.steps.binary_search(&(actuation.step as usize)) {
-            pulses[nth].push((cell, *actuation));
-        }
-    }
-    Ok(pulses)
 }

@@ -1,38 +1,44 @@
-//! Which electrodes are on in each step of the board.
+//! Which electrodes, or which pads of reservoirs, are on in each step of the board.
 //!
-//! Input: from which step of the board to which each electrode is on. Output: the set of those that are on, step by step. Cost: n log n
+//! Input: from which step of the board to which each is on. Output: the set of those that are on, step by step. Cost: n log n
 //! for n actuations.
 
+use crate::claims::electrode_array::ElectrodeArrayOrder;
 use crate::device::electrode_array::ElectrodeCell;
-use rustc_hash::FxHashSet;
+use crate::schedule::Actuation;
+use crate::verify::clock::JudgedRun;
+use crate::verify::rule::{Rule, Violation};
+use rustc_hash::{FxHashMap, FxHashSet};
+use std::hash::Hash;
 
-/// An electrode that is on from the beginning of a step of the board to the beginning of another.
+/// An electrode or a pad that is on from the beginning of a step of the board to the beginning of another.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ElectrodePulse {
-    pub cell: ElectrodeCell,
+pub(super) struct SwitchPulse<E> {
+    pub switch: E,
     pub from: u64,
     pub to: u64,
 }
 
-/// An electrode switched at the beginning of a step of the board; off is ordered before on.
+/// One switched at the beginning of a step of the board; off is ordered before on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Change {
     Off,
     On,
 }
 
-/// The electrodes that are on in the course of a step of the task.
-#[derive(Debug, Default)]
-pub(super) struct Switching {
+/// Those that are on in the course of a step of the task.
+#[derive(Debug)]
+pub(super) struct Switching<E> {
     /// By step of the board, from the last to the first.
-    changes: Vec<(u64, Change, ElectrodeCell)>,
-    pub on: FxHashSet<ElectrodeCell>,
+    changes: Vec<(u64, Change, E)>,
+    pub on: FxHashSet<E>,
 }
 
-impl Switching {
+impl<E: Copy + Ord + Hash> Switching<E> {
     /// Before the first step of the board.
-    pub fn new(pulses: &[ElectrodePulse]) -> Switching {
-        let both = |pulse: &ElectrodePulse| [(pulse.from, Change::On, pulse.cell), (pulse.to, Change::Off, pulse.cell)];
+    pub fn new(pulses: &[SwitchPulse<E>]) -> Switching<E> {
+        let both =
+            |pulse: &SwitchPulse<E>| [(pulse.from, Change::On, pulse.switch), (pulse.to, Change::Off, pulse.switch)];
         let mut changes: Vec<_> = pulses.iter().flat_map(both).collect();
         changes.sort_unstable_by(|one, other| other.cmp(one));
         Switching { changes, on: FxHashSet::default() }
@@ -40,11 +46,54 @@ impl Switching {
 
     /// Goes on to a step of the board, never back.
     pub fn advance(&mut self, beat: u64) {
-        while let Some((_, change, cell)) = self.changes.pop_if(|(at, ..)| *at <= beat) {
+        while let Some((_, change, switch)) = self.changes.pop_if(|(at, ..)| *at <= beat) {
             match change {
-                Change::On => self.on.insert(cell),
-                Change::Off => self.on.remove(&cell),
+                Change::On => self.on.insert(switch),
+                Change::Off => self.on.remove(&switch),
             };
         }
     }
+}
+
+/// Some switches of each step of a run, with their actuations.
+pub(super) type StepPulses<'a, E> = Vec<Vec<(E, &'a Actuation)>>;
+
+/// What a channel of a board switches.
+#[derive(Clone, Copy)]
+enum JudgedSwitch {
+    Electrode(ElectrodeCell),
+    Pad(u32),
+}
+
+/// The actuations of each step of a run: those of electrodes, and those of pads.
+pub(super) fn pulses<'a>(
+    run: &JudgedRun<'a>,
+    order: &ElectrodeArrayOrder,
+) -> Result<(StepPulses<'a, ElectrodeCell>, StepPulses<'a, u32>), Violation> {
+    let mut switches: FxHashMap<u32, JudgedSwitch> = FxHashMap::default();
+    let (mut electrodes, mut pads) = (vec![Vec::new(); run.steps.len()], vec![Vec::new(); run.steps.len()]);
+    for actuation in &run.actuations {
+        let switch = match switches.get(&actuation.channel) {
+            Some(switch) => *switch,
+            None => {
+                let name = &run.schedule.channels[actuation.channel as usize].name;
+                let own = name.strip_prefix(&run.job.device).and_then(|name| name.strip_prefix('.'));
+                let electrode = |name: &str| order.facts.electrode(name).map(JudgedSwitch::Electrode);
+                let pad = |name: &str| order.facts.pad(name).map(JudgedSwitch::Pad);
+                let switch = own.and_then(|name| electrode(name).or_else(|| pad(name))).ok_or_else(|| {
+                    let title = format!("channel `{name}` is none of the device `{}`", run.job.device);
+                    Violation::new(Rule::Channel, actuation.start_ns, title)
+                })?;
+                switches.insert(actuation.channel, switch);
+                switch
+            }
+        };
+        if let Ok(nth) = run.steps.binary_search(&(actuation.step as usize)) {
+            match switch {
+                JudgedSwitch::Electrode(cell) => electrodes[nth].push((cell, *actuation)),
+                JudgedSwitch::Pad(pad) => pads[nth].push((pad, *actuation)),
+            }
+        }
+    }
+    Ok((electrodes, pads))
 }

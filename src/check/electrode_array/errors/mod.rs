@@ -3,11 +3,13 @@
 //! Faults of a device come without labels: the caller puts them on the fields, of whichever file they are.
 
 mod droplets;
+mod reservoirs;
 mod teams;
 mod zones;
 
 pub use crate::check::errors::*;
 pub use droplets::*;
+pub use reservoirs::*;
 pub use teams::*;
 pub use zones::*;
 

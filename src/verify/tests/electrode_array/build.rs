@@ -43,6 +43,7 @@ pub fn platform(columns: u32, rows: u32) -> ElectrodeArrayFacts {
         separation: Separation::Apart(4),
         clearance: 3,
         map: None,
+        reservoirs: None,
     }
 }
 

@@ -20,6 +20,7 @@ mod lags;
 mod merging;
 mod pairs;
 mod random;
+mod reservoirs;
 mod teams;
 mod traces;
 mod zones;

@@ -1,0 +1,153 @@
+//! Pads of reservoirs: on in the frames that make a droplet, and at no other time.
+//!
+//! Input: the pads that are on, beat by beat, and the droplets that are due. A droplet is in the making from the beat on in which the pads
+//! of its reservoir's first frame are on, until its last frame is over; all that time it counts as one on the electrode at the outlet,
+//! since nobody knows from which frame on liquid is there. Output: which electrodes at outlets are to be off, and the first pad or outlet
+//! that is not as the frames have it.
+
+use super::JudgedBoard;
+use super::switching::{SwitchPulse, Switching};
+use crate::device::electrode_array::{DispenseFrame, DispenseSequence, ElectrodeCell, ReservoirPads};
+use crate::schedule::Actuation;
+use crate::verify::rule::{Rule, Violation, ms};
+use rustc_hash::FxHashSet;
+use std::collections::BTreeSet;
+
+/// A droplet in the making.
+struct Making<'o> {
+    part: usize,
+    sequence: &'o DispenseSequence,
+    since: u64,
+}
+
+/// What is on against the frames.
+pub(super) enum PadFault {
+    /// A pad that no droplet in the making needs.
+    Needless(u32),
+    /// A pad that is off in a frame that has it on; the part, and the number of the frame from 1.
+    Missing { pad: u32, part: usize, frame: u64 },
+    /// An electrode at an outlet that is on in a frame that has it off.
+    Outlet { outlet: ElectrodeCell, part: usize, frame: u64 },
+}
+
+/// The reservoirs of a board in the course of an assay.
+pub(super) struct JudgedReservoirs<'o> {
+    pads: &'o ReservoirPads,
+    switching: Switching<u32>,
+    beat_ns: u64,
+    making: Vec<Making<'o>>,
+}
+
+impl<'o> JudgedReservoirs<'o> {
+    /// Before the first beat.
+    pub fn new(pads: &'o ReservoirPads, pulses: &[SwitchPulse<u32>], beat_ns: u64) -> JudgedReservoirs<'o> {
+        JudgedReservoirs { pads, switching: Switching::new(pulses), beat_ns, making: Vec::new() }
+    }
+
+    /// Goes on to a beat; what is made by then is no longer in the making.
+    pub fn advance(&mut self, beat: u64) {
+        self.switching.advance(beat);
+        let (pads, beat_ns) = (self.pads, self.beat_ns);
+        let lasts = |making: &Making| pads.frame_ns.saturating_mul(making.sequence.frames.len() as u64);
+        self.making.retain(|making| (beat - making.since) * beat_ns < lasts(making));
+    }
+
+    /// Whether the pads of the first frame at an outlet are on; `None` for an outlet without pads.
+    pub fn begins_at(&self, outlet: ElectrodeCell) -> Option<bool> {
+        let first = self.pads.at(outlet)?.frames.first()?;
+        Some(first.pads.iter().all(|pad| self.switching.on.contains(pad)))
+    }
+
+    /// Notes that a part is in the making from a beat on.
+    pub fn begin(&mut self, part: usize, outlet: ElectrodeCell, beat: u64) {
+        let sequence = self.pads.at(outlet);
+        self.making.extend(sequence.map(|sequence| Making { part, sequence, since: beat }));
+    }
+
+    /// The frame of what is in the making in a beat, with its number from 1.
+    fn frame(&self, making: &Making<'o>, beat: u64) -> Option<(u64, &'o DispenseFrame)> {
+        let passed = (beat - making.since) * self.beat_ns / self.pads.frame_ns;
+        Some((passed + 1, making.sequence.frames.get(usize::try_from(passed).ok()?)?))
+    }
+
+    fn frames(&self, beat: u64) -> impl Iterator<Item = (&Making<'o>, u64, &'o DispenseFrame)> {
+        self.making.iter().filter_map(move |making| {
+            let (number, frame) = self.frame(making, beat)?;
+            Some((making, number, frame))
+        })
+    }
+
+    /// The parts whose electrode is off in a beat because their frame has it off.
+    pub fn unheld(&self, beat: u64) -> Vec<usize> {
+        self.frames(beat).filter(|(_, _, frame)| !frame.outlet).map(|(making, ..)| making.part).collect()
+    }
+
+    /// The first fault of a beat, with the electrodes that are on in it.
+    pub fn fault(&self, beat: u64, on: &FxHashSet<ElectrodeCell>) -> Option<PadFault> {
+        let mut needed = BTreeSet::new();
+        for (Making { part, sequence, .. }, frame, due) in self.frames(beat) {
+            let (part, outlet) = (*part, sequence.outlet);
+            if let Some(pad) = due.pads.iter().find(|pad| !self.switching.on.contains(pad)) {
+                return Some(PadFault::Missing { pad: *pad, part, frame });
+            }
+            if !due.outlet && on.contains(&outlet) {
+                return Some(PadFault::Outlet { outlet, part, frame });
+            }
+            needed.extend(due.pads.iter().copied());
+        }
+        let needless = self.switching.on.iter().filter(|pad| !needed.contains(*pad)).min();
+        needless.map(|pad| PadFault::Needless(*pad))
+    }
+}
+
+impl<'r> JudgedBoard<'r, '_> {
+    /// The reservoirs of a step of an assay; `None` for a board whose reservoirs have no pads.
+    pub(super) fn reservoirs(&self, nth: usize) -> Result<Option<JudgedReservoirs<'r>>, Violation> {
+        let Some(pads) = &self.order.facts.reservoirs else { return Ok(None) };
+        let beat_ns = self.order.facts.step_ns;
+        let pulse =
+            |(pad, part): &(u32, &Actuation)| self.in_beats(nth, (*pad, part), beat_ns, || format!("pad {pad}"));
+        let pulses: Result<Vec<SwitchPulse<u32>>, Violation> = self.pads[nth].iter().map(pulse).collect();
+        Ok(Some(JudgedReservoirs::new(pads, &pulses?, beat_ns)))
+    }
+
+    /// Outside of assays no reservoir makes a droplet.
+    pub(super) fn pads_rest(&self, nth: usize) -> Result<(), Violation> {
+        self.run.tally.asked(Rule::Reservoir, self.pads[nth].len());
+        match self.pads[nth].first() {
+            Some((pad, part)) => Err(self.pad_fault((nth, part.start_ns), &PadFault::Needless(*pad))),
+            None => Ok(()),
+        }
+    }
+
+    /// The parts that lie on an electrode that is off since their reservoirs have it so; pads and outlets are as the frames have them.
+    pub(super) fn unheld(
+        &self,
+        (nth, at_ns, beat): (usize, u64, u64),
+        reservoirs: Option<&JudgedReservoirs>,
+        on: &FxHashSet<ElectrodeCell>,
+    ) -> Result<Vec<usize>, Violation> {
+        let Some(reservoirs) = reservoirs else { return Ok(Vec::new()) };
+        self.run.tally.asked(Rule::Reservoir, 1);
+        match reservoirs.fault(beat, on) {
+            Some(fault) => Err(self.pad_fault((nth, at_ns), &fault)),
+            None => Ok(reservoirs.unheld(beat)),
+        }
+    }
+
+    fn pad_fault(&self, (nth, at_ns): (usize, u64), fault: &PadFault) -> Violation {
+        let (at, name) = (ms(at_ns), |part: usize| self.order.parts[part].name.as_str());
+        let title = match fault {
+            PadFault::Needless(pad) => {
+                format!("pad {pad} is on at {at}, though no reservoir makes a droplet with it then")
+            }
+            PadFault::Missing { pad, part, frame } => {
+                format!("pad {pad} is off at {at}, but is on in frame {frame} of what makes `{}`", name(*part))
+            }
+            PadFault::Outlet { outlet, part, frame } => {
+                format!("electrode {outlet} is on at {at}, but is off in frame {frame} of what makes `{}`", name(*part))
+            }
+        };
+        self.within(Rule::Reservoir, nth, at_ns, title)
+    }
+}
