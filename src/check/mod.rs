@@ -147,6 +147,11 @@ trait CheckedFacts {
     /// The names of its channels, for a message: of very many only the first and the last.
     fn channel_examples(&self) -> Vec<String>;
 
+    /// The names of all its channels, in their order.
+    fn all_channels(&self) -> Vec<String> {
+        self.channel_examples()
+    }
+
     /// Whether its channels are the positions of stages, and not voltages.
     fn moves_stages(&self) -> bool {
         false

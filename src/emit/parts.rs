@@ -1,5 +1,6 @@
 //! A schedule cut where it waits for an input or a person: each part is played on a clock of its own.
 
+use super::wired::{WiredInstrument, wired};
 use super::{EmitError, Format, Signals};
 use crate::device::instrument::{Awaited, Family};
 use crate::schedule::{Actuation, ChannelUnit, Schedule, ScheduledHold};
@@ -8,11 +9,11 @@ use std::borrow::Cow;
 /// The line of a sender that stands for what it plays.
 pub const PLAYS: &str = "PLAYS = {}";
 
-/// The line of a sender that stands for [`WAITING`].
-const WAITS: &str = "# WAITS\n";
+/// The line of a sender that stands for [`SENDERS_SHARE`].
+const SHARED_PLACE: &str = "# SHARED\n";
 
-/// How a sender waits for inputs and people.
-const WAITING: &str = include_str!("waiting.py");
+/// How senders wait for inputs and people, read what is given to them, and end.
+const SENDERS_SHARE: &str = include_str!("sender.py");
 
 /// How long a part is that only holds what a wait at its beginning finds, in nanoseconds.
 const LEAST_NS: u64 = 1_000_000;
@@ -80,6 +81,40 @@ fn part(whole: &Signals, start_ns: u64, hold: Option<&ScheduledHold>) -> Schedul
     }
 }
 
+/// What one instrument plays of a part: how the sender knows it, and its file with the ending.
+pub type PlayedFile = (serde_json::Value, (String, Vec<u8>));
+
+/// A file for each part of a schedule and each instrument of a family, and the sender that plays them, all with their endings. `one` makes
+/// a file from what is wired to an instrument and from the number of the part, which is empty if there is one part; `noun` is the
+/// sender's word for the instruments.
+///
+/// # Errors
+/// [`EmitError::NotWired`], and those of `one`.
+pub fn played(
+    schedule: &Schedule,
+    (format, family): (Format, Family),
+    (noun, template): (&str, &str),
+    one: impl Fn(&WiredInstrument, &str) -> Result<Option<PlayedFile>, EmitError>,
+) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
+    let mut files = Vec::new();
+    let mut listings = Vec::new();
+    let all = parts(schedule);
+    for (index, part) in all.iter().enumerate() {
+        let number = if all.len() > 1 { format!(".{}", index + 1) } else { String::new() };
+        let mut plays = Vec::new();
+        for wired in wired(format, part, family)? {
+            if let Some((known, file)) = one(&wired, &number)? {
+                plays.push(known);
+                files.push(file);
+            }
+        }
+        listings.push(serde_json::json!({ "duration_s": part.duration_ns as f64 / 1e9, (noun): plays }));
+    }
+    let whole = serde_json::json!({ "name": schedule.name, "holds": listing(schedule), "parts": listings });
+    files.push((format!("{}.py", format.name()), sender(template, &whole).into_bytes()));
+    Ok(files)
+}
+
 /// The waits for a sender: what is asked or read, and for how long at most.
 pub fn listing(schedule: &Schedule) -> Vec<serde_json::Value> {
     let of_hold = |hold: &ScheduledHold| {
@@ -107,7 +142,7 @@ pub fn listing(schedule: &Schedule) -> Vec<serde_json::Value> {
 pub fn sender(template: &str, listing: &serde_json::Value) -> String {
     let text = format!("{listing:#}").replace('\'', "\\u0027");
     let plays = format!("PLAYS = json.loads(r'''{text}''')");
-    template.replacen(PLAYS, &plays, 1).replacen(WAITS, WAITING, 1)
+    template.replacen(PLAYS, &plays, 1).replacen(SHARED_PLACE, SENDERS_SHARE, 1)
 }
 
 /// An error if a schedule waits and the format has no form for that.

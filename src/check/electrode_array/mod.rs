@@ -45,6 +45,14 @@ impl CheckedFacts for Rc<ElectrodeArrayFacts> {
         [ElectrodeCell::new(1, 1), last].map(ElectrodeArrayFacts::channel).to_vec()
     }
 
+    fn all_channels(&self) -> Vec<String> {
+        let cells =
+            (1..=self.rows).flat_map(|row| (1..=self.columns).map(move |column| ElectrodeCell::new(column, row)));
+        let electrodes = cells.filter(|cell| self.has_electrode(*cell)).map(ElectrodeArrayFacts::channel);
+        let pads = self.reservoirs.iter().flat_map(|reservoirs| reservoirs.pads());
+        electrodes.chain(pads.map(ElectrodeArrayFacts::pad_channel)).collect()
+    }
+
     fn pitch(&self) -> Option<String> {
         Some(format!("cells of {}", Quantity::new(self.pitch_um() / 1e6, Dimension::LENGTH)))
     }

@@ -20,7 +20,7 @@ const FIELDS: [&str; 3] = ["outlets", "dispense_frames", "dispense_frame_duratio
 
 /// The pads of a device with fields for them; `facts` are its facts without them. `None` after an error.
 pub fn of(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) -> Option<Option<Arc<ReservoirPads>>> {
-    let (given, missing): (Vec<&str>, Vec<&str>) = FIELDS.iter().partition(|name| device.fields.get(**name).is_some());
+    let (given, missing): (Vec<&str>, Vec<&str>) = FIELDS.iter().partition(|name| device.fields.contains_key(**name));
     if given.iter().any(|name| device.fields.get(*name).is_some_and(|field| field.value.is_unknown())) {
         return None;
     }

@@ -214,6 +214,42 @@ pub fn channel_beyond_driver(
         .help("compare `channels` of the device with the driver that the board is for")
 }
 
+/// All channels to an output of which nothing is known.
+pub fn all_to_a_name(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0427, "`all` to a name")
+        .label(span, "one output, and nothing is known of others")
+        .help("declare the instrument, `instrument card : instruments.ni_usb_6343`, and write `all -> card`")
+}
+
+/// All channels to one output.
+pub fn all_to_one_output(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0427, "`all` to one output")
+        .label(span, "carries one channel")
+        .help(format!("write `all -> {name}`: each channel goes to the next free output"))
+}
+
+/// An instrument without an output for any channel.
+pub fn nothing_free(span: Span, (name, declared): (&str, Span), by_lines: bool) -> Diagnostic {
+    let (what, other) = match by_lines {
+        true => ("digital line", "leave `switches` out for outputs of voltage"),
+        false => {
+            ("output of voltage or position", "for digital lines give the voltage that they switch, `switches: 5 V`")
+        }
+    };
+    Diagnostic::new(Code::E0426, format!("`{name}` has no {what} that is free"))
+        .label(span, "nothing to wire to")
+        .label_elsewhere(declared, span, "declared here")
+        .help(format!("take another instrument, or {other}"))
+}
+
+/// More channels than free outputs.
+pub fn channels_left_over(span: Span, device: &str, first: &str, [left, total]: [usize; 2]) -> Diagnostic {
+    let title = format!("{left} of {total} channels of `{device}` find no free output, `{first}` the first of them");
+    Diagnostic::new(Code::E0426, title).label(span, "the last instrument is full").help(
+        "declare another instrument with `start: trigger`, and write one more `all -> NAME`: it takes what is left",
+    )
+}
+
 /// Two instruments of a program, each with a wire that leads to it, that begin when the sender says so.
 pub fn starts_apart((first, first_wire): (&str, Span), (second, second_wire): (&str, Span)) -> Diagnostic {
     Diagnostic::new(Code::E0428, format!("`{first}` and `{second}` are started by the sender, one after the other"))

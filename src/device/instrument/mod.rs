@@ -316,6 +316,20 @@ impl InstrumentFacts {
         }
     }
 
+    /// The names of all its outputs, in their order.
+    pub fn output_names(&self) -> Vec<String> {
+        match self {
+            InstrumentFacts::WaveformGenerator(facts) => (1..=facts.outputs).map(|n| format!("ch{n}")).collect(),
+            InstrumentFacts::ElectrodeDriver(facts) => (0..facts.channels).map(|n| format!("c{n}")).collect(),
+            InstrumentFacts::StageController(facts) => (1..=facts.axes).map(|n| format!("axis{n}")).collect(),
+            InstrumentFacts::DataAcquisition(facts) => {
+                let lines = |port: u32| (0..facts.lines).map(move |line| format!("port{port}.line{line}"));
+                let analog = (0..facts.analog_outputs).map(|n| format!("ao{n}"));
+                (0..facts.ports).flat_map(lines).chain(analog).collect()
+            }
+        }
+    }
+
     /// The names of its outputs, for a message.
     pub fn outputs(&self) -> String {
         let range = |first: String, last: String| {

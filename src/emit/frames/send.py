@@ -33,7 +33,7 @@ USB_ID = (0x239A, 0x800B)
 CALL_S = 5.0
 
 
-# WAITS
+# SHARED
 
 
 class Opendrop:
@@ -186,25 +186,10 @@ def main(given):
     add_inputs(parser, named)
     arguments = parser.parse_args(given)
     commands = commands_of(parser, arguments, named)
-    unknown = [pair for pair in arguments.addresses if "=" not in pair or pair.split("=", 1)[0] not in names]
-    if unknown:
-        parser.error(f"not a driver of the program: {', '.join(unknown)}")
+    addresses = pairs_of(parser, arguments.addresses, names, "a driver")
     folder = Path(__file__).resolve().parent
-    try:
-        if arguments.list or arguments.dry_run:
-            show(folder)
-        else:
-            play(dict(pair.split("=", 1) for pair in arguments.addresses), folder, commands)
-        return 0
-    except KeyboardInterrupt:
-        print("stopped", file=sys.stderr)
-        return 130
-    except ImportError:
-        print("the package is not installed: pip install pyserial", file=sys.stderr)
-        return 1
-    except Exception as error:  # whatever a driver or its connection raises
-        print(f"{type(error).__name__}: {error}", file=sys.stderr)
-        return 1
+    work = (lambda: show(folder)) if arguments.list or arguments.dry_run else (lambda: play(addresses, folder, commands))
+    return status_of(work, "pip install pyserial")
 
 
 if __name__ == "__main__":

@@ -15,9 +15,9 @@
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
-use super::parts::{listing as holds_listing, parts, sender};
+use super::parts::played;
 use super::sampling::Sampling;
-use super::wired::{WiredInstrument, wired};
+use super::wired::WiredInstrument;
 use super::{Format, Signals};
 use crate::device::instrument::{DataAcquisitionFacts, Family, InstrumentFacts, Start};
 use crate::schedule::Schedule;
@@ -39,24 +39,13 @@ const SENDER: &str = include_str!("send.py");
 /// [`EmitError::NotWired`], [`EmitError::NoSampleClock`], [`EmitError::Ramp`], [`EmitError::TooManyPoints`],
 /// [`EmitError::TooLarge`].
 pub(super) fn write(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
-    let mut files = Vec::new();
-    let mut played = Vec::new();
-    let all = parts(schedule);
-    for (index, part) in all.iter().enumerate() {
-        let number = if all.len() > 1 { format!(".{}", index + 1) } else { String::new() };
-        let mut plays = Vec::new();
-        for wired in wired(Format::Nidaqmx, part, Family::DataAcquisition)? {
-            let InstrumentFacts::DataAcquisition(facts) = &wired.instrument.facts else { continue };
-            let card = Card::new(&wired, facts)?;
-            let ending = format!("{}{number}.daq", wired.name);
-            plays.push(card.listing(&ending));
-            files.push((ending, card.text()?.into_bytes()));
-        }
-        played.push(serde_json::json!({ "duration_s": part.duration_ns as f64 / 1e9, "cards": plays }));
-    }
-    let listing = serde_json::json!({ "name": schedule.name, "holds": holds_listing(schedule), "parts": played });
-    files.push(("nidaqmx.py".to_owned(), sender(SENDER, &listing).into_bytes()));
-    Ok(files)
+    let of = (Format::Nidaqmx, Family::DataAcquisition);
+    played(schedule, of, ("cards", SENDER), |wired, number| {
+        let InstrumentFacts::DataAcquisition(facts) = &wired.instrument.facts else { return Ok(None) };
+        let card = Card::new(wired, facts)?;
+        let ending = format!("{}{number}.daq", wired.name);
+        Ok(Some((card.listing(&ending), (ending, card.text()?.into_bytes()))))
+    })
 }
 
 /// A card with what it plays.

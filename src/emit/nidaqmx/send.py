@@ -26,7 +26,7 @@ PLAYS = {}
 MARGIN_S = 5.0
 
 
-# WAITS
+# SHARED
 
 
 def read(path):
@@ -208,6 +208,21 @@ def play(ni, devices, arguments):
         print("; ".join(lost) or at_rest(), flush=True)
 
 
+def connect(devices, arguments):
+    """Plays the cards with the maker's package, or lists them."""
+    import nidaqmx as ni
+    import nidaqmx.constants
+    import nidaqmx.system
+
+    if not arguments.list:
+        play(ni, devices, arguments)
+        return
+    for card in (card for part in PLAYS["parts"] for card in part["cards"]):
+        print(f"{card['name']}: {card['file']}, {card['model']}, {', '.join(card['lines'] + [output['output'] for output in card['analog']])}")
+    found = [device.name for device in ni.system.System.local().devices]
+    print("devices:", ", ".join(found) or "none")
+
+
 def main(given):
     names = [card["name"] for card in PLAYS["parts"][0]["cards"]] if PLAYS else []
     named = [hold for hold in PLAYS.get("holds", []) if "input" in hold]
@@ -222,32 +237,8 @@ def main(given):
     add_inputs(parser, named)
     arguments = parser.parse_args(given)
     arguments.commands = commands_of(parser, arguments, [])
-    unknown = [pair for pair in arguments.devices if "=" not in pair or pair.split("=", 1)[0] not in names]
-    if unknown:
-        parser.error(f"not a card of the program: {', '.join(unknown)}")
-    devices = {name: name for name in names} | dict(pair.split("=", 1) for pair in arguments.devices)
-    try:
-        import nidaqmx as ni
-        import nidaqmx.constants
-        import nidaqmx.system
-    except ImportError:
-        print("the package is not installed: pip install nidaqmx", file=sys.stderr)
-        return 1
-    try:
-        if arguments.list:
-            for card in (card for part in PLAYS["parts"] for card in part["cards"]):
-                print(f"{card['name']}: {card['file']}, {card['model']}, {', '.join(card['lines'] + [output['output'] for output in card['analog']])}")
-            found = [device.name for device in ni.system.System.local().devices]
-            print("devices:", ", ".join(found) or "none")
-            return 0
-        play(ni, devices, arguments)
-        return 0
-    except KeyboardInterrupt:
-        print("stopped", file=sys.stderr)
-        return 130
-    except Exception as error:  # whatever the driver raises
-        print(f"{type(error).__name__}: {error}", file=sys.stderr)
-        return 1
+    devices = {name: name for name in names} | pairs_of(parser, arguments.devices, names, "a card")
+    return status_of(lambda: connect(devices, arguments), "pip install nidaqmx")
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ PLAYS = {}
 MARGIN_S = 0.1
 
 
-# WAITS
+# SHARED
 
 
 class Refused(Exception):
@@ -139,6 +139,20 @@ def play(manager, addresses, arguments, says):
             device.close()
 
 
+def connect(addresses, arguments):
+    """Plays the instruments by VISA, or lists them."""
+    import pyvisa
+
+    says = lambda text: print(text, flush=True) if arguments.verbose or "<-" not in text else None
+    manager = pyvisa.ResourceManager(arguments.visa)
+    if not arguments.list:
+        play(manager, addresses, arguments, says)
+        return
+    for one in PLAYS["instruments"]:
+        print(f"{one['name']}: {one['file']}, {one['model']}, outputs {one['outputs']}")
+    print("resources:", ", ".join(manager.list_resources()) or "none")
+
+
 def main(given):
     names = [one["name"] for one in PLAYS.get("instruments", [])]
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -151,32 +165,11 @@ def main(given):
     add_inputs(parser, named)
     arguments = parser.parse_args(given)
     arguments.commands = commands_of(parser, arguments, named)
-    addresses = dict(pair.split("=", 1) for pair in arguments.addresses if "=" in pair)
-    unknown = [pair for pair in arguments.addresses if pair.split("=", 1)[0] not in names or "=" not in pair]
+    addresses = pairs_of(parser, arguments.addresses, names, "an instrument")
     missing = [name for name in names if name not in addresses]
-    if unknown or (missing and not arguments.list):
-        parser.error(f"not an instrument of the program: {', '.join(unknown)}" if unknown else f"no address for {', '.join(missing)}")
-    try:
-        import pyvisa
-    except ImportError:
-        print("PyVISA is not installed: pip install pyvisa pyvisa-py", file=sys.stderr)
-        return 1
-    says = lambda text: print(text, flush=True) if arguments.verbose or "<-" not in text else None
-    try:
-        manager = pyvisa.ResourceManager(arguments.visa)
-        if arguments.list:
-            for one in PLAYS["instruments"]:
-                print(f"{one['name']}: {one['file']}, {one['model']}, outputs {one['outputs']}")
-            print("resources:", ", ".join(manager.list_resources()) or "none")
-            return 0
-        play(manager, addresses, arguments, says)
-        return 0
-    except KeyboardInterrupt:
-        print("stopped", file=sys.stderr)
-        return 130
-    except Exception as error:  # whatever the library raises is a lost instrument
-        print(f"{type(error).__name__}: {error}", file=sys.stderr)
-        return 1
+    if missing and not arguments.list:
+        parser.error(f"no address for {', '.join(missing)}")
+    return status_of(lambda: connect(addresses, arguments), "pip install pyvisa pyvisa-py")
 
 
 if __name__ == "__main__":

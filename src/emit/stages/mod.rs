@@ -13,9 +13,9 @@
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
-use super::parts::{listing as holds_listing, parts, sender};
+use super::parts::played;
 use super::sampling::SAMPLE_UM;
-use super::wired::{WiredInstrument, wired};
+use super::wired::WiredInstrument;
 use super::{Format, Signals};
 use crate::claims::Claims;
 use crate::device::instrument::{
@@ -41,24 +41,13 @@ const PARTS_OF_UM: f64 = 1e6;
 /// # Errors
 /// [`EmitError::NotWired`], [`EmitError::Leap`], [`EmitError::Unsayable`], [`EmitError::TooLongForTable`], [`EmitError::TooLarge`].
 pub(super) fn write(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
-    let mut files = Vec::new();
-    let mut played = Vec::new();
-    let all = parts(schedule);
-    for (index, part) in all.iter().enumerate() {
-        let number = if all.len() > 1 { format!(".{}", index + 1) } else { String::new() };
-        let mut plays = Vec::new();
-        for wired in wired(Format::Stages, part, Family::StageController)? {
-            let InstrumentFacts::StageController(facts) = &wired.instrument.facts else { continue };
-            let controller = StageTables::new(&wired, facts, claims)?;
-            let ending = format!("{}{number}.stages.csv", wired.name);
-            plays.push(controller.listing(&ending));
-            files.push((ending, controller.text()?.into_bytes()));
-        }
-        played.push(json!({ "duration_s": part.duration_ns as f64 / 1e9, "controllers": plays }));
-    }
-    let listing = json!({ "name": schedule.name, "holds": holds_listing(schedule), "parts": played });
-    files.push(("stages.py".to_owned(), sender(SENDER, &listing).into_bytes()));
-    Ok(files)
+    let of = (Format::Stages, Family::StageController);
+    played(schedule, of, ("controllers", SENDER), |wired, number| {
+        let InstrumentFacts::StageController(facts) = &wired.instrument.facts else { return Ok(None) };
+        let controller = StageTables::new(wired, facts, claims)?;
+        let ending = format!("{}{number}.stages.csv", wired.name);
+        Ok(Some((controller.listing(&ending), (ending, controller.text()?.into_bytes()))))
+    })
 }
 
 /// A controller with what it plays.

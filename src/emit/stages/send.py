@@ -36,7 +36,7 @@ APPROACH_PM_S, APPROACH_PM_S2 = 100_000_000, 1_000_000_000
 PM_OF_UM = 1_000_000
 
 
-# WAITS
+# SHARED
 
 
 class Gcs:
@@ -303,29 +303,13 @@ def main(given):
     add_inputs(parser, named)
     arguments = parser.parse_args(given)
     commands = commands_of(parser, arguments, named)
-    unknown = [pair for pair in arguments.addresses if "=" not in pair or pair.split("=", 1)[0] not in names]
-    if unknown:
-        parser.error(f"not a controller of the program: {', '.join(unknown)}")
-    addresses = dict(pair.split("=", 1) for pair in arguments.addresses)
+    addresses = pairs_of(parser, arguments.addresses, names, "a controller")
     missing = [name for name in names if name not in addresses]
+    if missing and not (arguments.list or arguments.dry_run):
+        parser.error(f"no address of {', '.join(missing)}: `{missing[0]}=192.168.0.10`")
     folder = Path(__file__).resolve().parent
-    try:
-        if arguments.list or arguments.dry_run:
-            show(folder)
-        elif missing:
-            parser.error(f"no address of {', '.join(missing)}: `{missing[0]}=192.168.0.10`")
-        else:
-            play(addresses, folder, commands)
-        return 0
-    except KeyboardInterrupt:
-        print("stopped", file=sys.stderr)
-        return 130
-    except ImportError as error:
-        print(f"the package is not installed: {error.name} (pyserial for serial lines, the maker's `smaract.ctl` for an MCS2)", file=sys.stderr)
-        return 1
-    except Exception as error:  # whatever a controller or its connection raises
-        print(f"{type(error).__name__}: {error}", file=sys.stderr)
-        return 1
+    work = (lambda: show(folder)) if arguments.list or arguments.dry_run else (lambda: play(addresses, folder, commands))
+    return status_of(work, "pyserial for serial lines, the maker's `smaract.ctl` for an MCS2")
 
 
 if __name__ == "__main__":

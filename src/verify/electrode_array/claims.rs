@@ -87,9 +87,8 @@ fn reservoirs(pads: &ReservoirPads, facts: &ElectrodeArrayFacts) -> Result<(), U
         let begins = sequence.frames.first().is_some_and(|first| !first.pads.is_empty());
         let ends = sequence.frames.last().is_some_and(|last| last.outlet);
         demand(begins && ends && sequence.frames.len() <= MAX_DISPENSE_FRAMES, "hold frames that make no droplet")?;
-        let all = sequence.frames.iter().flat_map(|frame| &frame.pads);
-        let is_own = all.map(|pad| *owners.entry(*pad).or_insert(nth) == nth).fold(true, |all, one| all && one);
-        demand(is_own, "give two reservoirs one pad")?;
+        let mut pads = sequence.frames.iter().flat_map(|frame| &frame.pads);
+        demand(pads.all(|pad| *owners.entry(*pad).or_insert(nth) == nth), "give two reservoirs one pad")?;
     }
     Ok(())
 }

@@ -322,14 +322,38 @@ impl Assay {
         (0..40).map(|_| self.cell(chance)).find(|cell| self.is_free(*cell) && keeps(*cell))
     }
 
+    /// How reservoirs make droplets: in a time, or in one or three steps by frames of their pads, which takes no other time.
+    fn dispenses(&self) -> String {
+        let (columns, rows) = self.size;
+        if self.dispensing == 2 || self.reservoirs.is_empty() {
+            return format!("dispense_duration: {} ms", self.dispensing * STEP_MS);
+        }
+        let number = |(column, row): Cell| 100 + (row - 1) * columns + column;
+        let row = |row: i32| (1..=columns).map(move |column| number((column, row))).collect::<Vec<i32>>();
+        let channels: Vec<Vec<i32>> = (1..=rows).rev().map(row).collect();
+        let frames = |(reservoir, outlet): (usize, &Cell)| -> Vec<Vec<i32>> {
+            let pad = 10 * reservoir as i32;
+            match self.dispensing {
+                1 => vec![vec![pad, number(*outlet)]],
+                _ => vec![vec![pad], vec![pad, pad + 1], vec![number(*outlet), pad]],
+            }
+        };
+        let frames: Vec<Vec<Vec<i32>>> = self.reservoirs.iter().enumerate().map(frames).collect();
+        format!(
+            "channels: {channels:?}, outlets: {:?}, dispense_frames: {frames:?}, dispense_frame_duration: {} ms",
+            self.reservoirs,
+            STEP_MS - 5
+        )
+    }
+
     pub fn text(&self) -> String {
         let ((columns, rows), separation) = (self.size, self.separation);
         let mut lines = vec![
             "use std.electrode_array as ea".to_owned(),
             format!(
-                "device chip : ea.droplet_chip {{ columns: {columns}, rows: {rows}, separation: {separation}, clearance: 1, dispense_duration: {} ms, mixer: {:?} }}",
-                self.dispensing * STEP_MS,
-                self.mixer
+                "device chip : ea.droplet_chip {{ columns: {columns}, rows: {rows}, separation: {separation}, clearance: 1, mixer: {:?}, {} }}",
+                self.mixer,
+                self.dispenses()
             ),
             "scene tray {".to_owned(),
         ];

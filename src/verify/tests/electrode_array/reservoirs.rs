@@ -78,7 +78,7 @@ fn a_droplet_is_made_by_its_frames() {
     found(&["__o.......R", "..........."], 4, &[("pad500", 2, 6), ("pad501", 4, 8)], &[]);
     // Without the first frame nothing comes.
     found(&WORDS, 4, &[], &[Rule::State]);
-    found(&WORDS, 4, &[("pad501", 2, 6)], &[Rule::Reservoir]);
+    found(&WORDS, 4, &[("pad501", 2, 6)], &[Rule::State]);
 }
 
 #[test]

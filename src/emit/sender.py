@@ -48,3 +48,27 @@ def commands_of(parser, arguments, needed):
     if missing and not (arguments.list or arguments.dry_run):
         parser.error(f"no command for the input {', '.join(missing)}: --input '{missing[0]}=COMMAND'")
     return commands
+
+
+def pairs_of(parser, pairs, names, noun):
+    """What is given for each name, as NAME=VALUE; a name that the program does not have ends the sender."""
+    unknown = [pair for pair in pairs if "=" not in pair or pair.split("=", 1)[0] not in names]
+    if unknown:
+        parser.error(f"not {noun} of the program: {', '.join(unknown)}")
+    return dict(pair.split("=", 1) for pair in pairs)
+
+
+def status_of(work, packages):
+    """Does the work, with its error on standard error: the exit status of the sender."""
+    try:
+        work()
+        return 0
+    except KeyboardInterrupt:
+        print("stopped", file=sys.stderr)
+        return 130
+    except ImportError as error:
+        print(f"the package {error.name} is not installed: {packages}", file=sys.stderr)
+        return 1
+    except Exception as error:  # whatever an instrument, its library or its connection raises
+        print(f"{type(error).__name__}: {error}", file=sys.stderr)
+        return 1

@@ -1,5 +1,7 @@
 //! Wirings: which physical output drives which channel, and what stands between them.
 
+mod spread;
+
 use super::Checker;
 use super::KindFacts;
 use super::errors;
@@ -98,6 +100,13 @@ impl WiredOwner {
         }
     }
 
+    fn channels(&self) -> Vec<String> {
+        match self {
+            WiredOwner::Device(facts) => facts.asked().all_channels(),
+            WiredOwner::AuxiliaryOutput => self.channel_examples(),
+        }
+    }
+
     fn moves_stages(&self) -> bool {
         matches!(self, WiredOwner::Device(facts) if facts.asked().moves_stages())
     }
@@ -145,6 +154,7 @@ impl<'a> Checker<'a> {
                     self.sink.push(errors::wired_twice(&panel.name, item.device.span, earlier));
                 }
                 self.wiring_entries(&item.entries, &mut scope, &mut panel, &mut outputs);
+                self.spread_channels(&item.entries, &scope, &mut panel, &mut outputs);
                 let named =
                     panel.wired.into_iter().map(|(channel, wired)| (format!("{}.{channel}", panel.name), wired));
                 wiring.wires.entry(panel.place).or_default().extend(named);
@@ -186,6 +196,8 @@ impl<'a> Checker<'a> {
     fn wiring_entries(&mut self, entries: &[WiringEntry], scope: &mut Scope, panel: &mut Panel, outputs: &mut Outputs) {
         for entry in entries {
             match entry {
+                // These take what all others leave.
+                WiringEntry::Wire(wire) if scope.is_top() && spread::is_of_all(wire) => {}
                 WiringEntry::Wire(wire) => {
                     self.wire(wire, scope, panel, outputs);
                 }

@@ -1,0 +1,98 @@
+//! `all -> card`: every channel that has no wire of its own, to the next free outputs of one instrument after the other.
+
+use super::{Outputs, Panel, Wired};
+use crate::check::Checker;
+use crate::check::errors;
+use crate::check::scope::Scope;
+use crate::device::instrument::{Drive, LinkSort};
+use crate::syntax::tree::{self, WireOutput, WiringEntry};
+
+/// The word that stands for all channels without a wire of their own.
+const ALL: &str = "all";
+
+/// The field that says that lines are to be taken, and not outputs of voltage.
+const SWITCHES: &str = "switches";
+
+/// Whether a wire is one of all channels.
+pub fn is_of_all(wire: &tree::Wire) -> bool {
+    matches!(wire.channel.segments.as_slice(), [only] if only.name.text == ALL && only.indices.is_empty())
+}
+
+impl Checker<'_> {
+    /// Carries out the wires of all channels at the top of a wiring, in their order.
+    pub(super) fn spread_channels(
+        &mut self,
+        entries: &[WiringEntry],
+        scope: &Scope,
+        panel: &mut Panel,
+        outputs: &mut Outputs,
+    ) {
+        let wires = entries.iter().filter_map(|entry| match entry {
+            WiringEntry::Wire(wire) if is_of_all(wire) => Some(wire),
+            WiringEntry::Wire(_) | WiringEntry::For(_) | WiringEntry::Field(_) | WiringEntry::Error(_) => None,
+        });
+        let wires: Vec<&tree::Wire> = wires.collect();
+        let (Some(last), Some(owner)) = (wires.last(), &panel.owner) else { return };
+        let mut left = owner.channels();
+        left.retain(|channel| !panel.wired.contains_key(channel));
+        let total = left.len();
+        for wire in &wires {
+            if self.fill(wire, scope, (panel, &mut left), outputs).is_none() {
+                return;
+            }
+        }
+        if let Some(first) = left.first() {
+            self.sink.push(errors::channels_left_over(last.span, &panel.name, first, [left.len(), total]));
+        }
+    }
+
+    /// The first of the channels that are left to the free outputs of an instrument; `None` after an error.
+    fn fill(
+        &mut self,
+        wire: &tree::Wire,
+        scope: &Scope,
+        (panel, left): (&mut Panel, &mut Vec<String>),
+        outputs: &mut Outputs,
+    ) -> Option<()> {
+        let path = match &wire.output {
+            WireOutput::Instrument(path) => path,
+            WireOutput::Named(text) => {
+                self.sink.push(errors::all_to_a_name(text.span));
+                return None;
+            }
+        };
+        let (place, words) = self.instrument_of(path, scope)?;
+        let instrument = self.instrument(place)?;
+        let (name, declared) = self.named(place);
+        let name = name.to_owned();
+        if words < path.segments.len() {
+            self.sink.push(errors::all_to_one_output(path.span, &name));
+            return None;
+        }
+        let is_stage = panel.owner.as_ref()?.moves_stages();
+        let has_field = wire.fields.iter().any(|field| field.name.text == SWITCHES);
+        let by_lines = has_field || panel.defaults.contains_key(SWITCHES);
+        let facts = &instrument.facts;
+        let fits = |output: &String| {
+            let link = facts.output(output)?.link(is_stage)?;
+            let is_free = !outputs.used.contains_key(&format!("{name}.{output}"));
+            (is_free && (link == LinkSort::Switch) == by_lines).then_some(link)
+        };
+        let mut fitting = facts.output_names();
+        let sort = fitting.iter().find_map(fits);
+        fitting.retain(|output| fits(output).is_some());
+        let Some(sort) = sort else {
+            self.sink.push(errors::nothing_free(path.span, (&name, declared), by_lines));
+            return None;
+        };
+        let (link, limits) = self.link(&name, &wire.fields, scope, (sort, wire.span), &panel.defaults)?;
+        self.enlist(place, instrument, outputs)?;
+        for (channel, output) in left.drain(..left.len().min(fitting.len())).zip(fitting) {
+            let shown = format!("{name}.{output}");
+            outputs.used.insert(shown.clone(), path.span);
+            let drive = Drive { instrument: name.clone(), output, link, limits, span: wire.span };
+            panel.wired.insert(channel, Wired { output: shown, drive: Some(drive), span: wire.channel.span });
+        }
+        Some(())
+    }
+}
