@@ -56,14 +56,14 @@ fn reported(metadata: &[(&str, Option<&str>)], claims: impl Fn(String) -> String
 
 #[test]
 fn a_log_of_another_schema_is_not_judged() {
-    for (schema, version, reported) in [
+    for (schema, version, message) in [
         (None, Some("0.1.0"), "written by tweeze 0.1.0 in schema 1;"),
         (Some("1"), Some("0.1.0"), "written by tweeze 0.1.0 in schema 1;"),
         (Some("4"), Some("7.1.0"), "written by tweeze 7.1.0 in schema 4;"),
         (Some("x\u{1b}[2J"), None, "a tweeze that does not name itself in schema x[2J;"),
     ] {
         let (code, text) = reported(&[("schema", schema), ("version", version)], |claims| claims);
-        assert!(code == Some(4) && text.contains("E0848") && text.contains(reported), "{text}");
+        assert!(code == Some(4) && text.contains("E0848") && text.contains(message), "{text}");
         assert!(text.contains("verify it with ") && !text.contains("edited") && !text.contains('\u{1b}'), "{text}");
     }
 }

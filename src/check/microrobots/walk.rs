@@ -168,7 +168,7 @@ fn in_this_order(structure: &[Docked], goals: &[Docked], docking: &Docking) -> O
     for (at, goal) in goals.iter().enumerate() {
         let partner = partner(structure, goals, at, docking);
         if let Some(misfit) = docking::misfit(goal, &before, partner, docking) {
-            return Some(docking::diagnostic(goal, &before, partner, &misfit, docking));
+            return Some(docking::misfit_diagnostic(goal, &before, partner, &misfit, docking));
         }
         before.push(*goal);
     }
