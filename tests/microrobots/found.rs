@@ -13,7 +13,7 @@ fn built(name: &str) -> Built {
 }
 
 /// What the tool says to standard output of a command on a program.
-fn reported(command: &[&str], name: &str) -> String {
+fn output_of(command: &[&str], name: &str) -> String {
     let mut tool = Command::new(env!("CARGO_BIN_EXE_tweeze"));
     tool.args(command).arg(path(name)).current_dir(env!("CARGO_TARGET_TMPDIR"));
     let output = tool.output().expect("the tool runs");
@@ -132,7 +132,7 @@ fn robots_in_the_way_move_away_first() {
 #[test]
 fn a_plan_that_is_likely_to_fail_is_warned_of_and_another_chosen_on_demand() {
     let text = std::fs::read_to_string(path("microrobots-e0538-goal-moved-first")).expect("the program is there");
-    let reported = |text: &str| {
+    let printed = |text: &str| {
         let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("likely-to-fail.twz");
         std::fs::write(&file, text).expect("a file");
         let mut tool = Command::new(env!("CARGO_BIN_EXE_tweeze"));
@@ -141,14 +141,14 @@ fn a_plan_that_is_likely_to_fail_is_warned_of_and_another_chosen_on_demand() {
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         [output.stdout, output.stderr].map(|stream| String::from_utf8_lossy(&stream).into_owned())
     };
-    let [reported, warned] = reported(&text);
+    let [reported, warned] = printed(&text);
     assert!(
         reported.contains("Expected  ") && warned.contains("W0511") && warned.contains("minimize failures"),
         "{warned}"
     );
     let chosen = text.replacen("  precision: 0.5 um", "  minimize failures\n  precision: 0.5 um", 1);
     assert_ne!(chosen, text);
-    let [reported, warned] = reported(&chosen);
+    let [reported, warned] = printed(&chosen);
     assert!(reported.contains("% of simulated trials fail") && !warned.contains("W0511"), "{reported}{warned}");
 }
 
@@ -172,14 +172,14 @@ fn nothing_is_guaranteed_with_errors_and_everything_without() {
     for name in ["a", "b", "c"] {
         assert_eq!(codes(&format!("microrobots-false-guarantee-{name}")), ["E0605"]);
     }
-    let reported = reported(&["build"], "microrobots-no-errors-not-guaranteed");
+    let reported = output_of(&["build"], "microrobots-no-errors-not-guaranteed");
     assert!(reported.contains("D1: guaranteed") && !reported.contains("not guaranteed"), "{reported}");
 }
 
 #[test]
 fn without_errors_every_trial_carries_out_the_plan() {
-    let reported = reported(&["simulate", "--trials", "20"], "microrobots-no-errors-simulate-fails");
+    let reported = output_of(&["simulate", "--trials", "20"], "microrobots-no-errors-simulate-fails");
     assert!(reported.contains("20 of 20 trials succeeded"), "{reported}");
-    let reported = reported(&["simulate", "--trials", "20"], "microrobots-no-errors-not-guaranteed");
+    let reported = output_of(&["simulate", "--trials", "20"], "microrobots-no-errors-not-guaranteed");
     assert!(reported.contains("20 of 20 trials succeeded"), "{reported}");
 }
