@@ -131,6 +131,9 @@ impl Checker<'_> {
         if let Sort::Text = sort {
             return self.accept_mesh(expr, scope);
         }
+        if let Sort::Board(limits) = sort {
+            return self.accept_board(limits, expr, scope);
+        }
         if let Sort::Object(noun) = sort {
             return self.accept_object(noun, expr, scope, wanted);
         }
@@ -228,7 +231,8 @@ impl Checker<'_> {
             | Sort::Contacts
             | Sort::Orientation
             | Sort::Curve
-            | Sort::Text => None,
+            | Sort::Text
+            | Sort::Board(_) => None,
         }
     }
 
@@ -402,6 +406,7 @@ pub fn judge(
         Sort::Orientation => wrong("an orientation", "euler(80 deg, 220 deg, 100 deg)"),
         Sort::Curve => wrong("a curve", "16 um * cos(t)"),
         Sort::Text => wrong("the name of a file", "\"bead.stl\""),
+        Sort::Board(_) => wrong("the name of a file", "\"board.json\""),
     }
 }
 
@@ -469,7 +474,8 @@ fn is_of_scene(sort: Sort) -> bool {
         | Sort::Contacts
         | Sort::Orientation
         | Sort::Curve
-        | Sort::Text => false,
+        | Sort::Text
+        | Sort::Board(_) => false,
     }
 }
 
