@@ -54,7 +54,10 @@ fn every_example_builds_without_a_word_and_is_written_in_every_format() {
                     2 + schedule.holds.iter().filter(goes_on).count()
                 }
                 InstrumentFacts::StageController(_) => 2,
-                InstrumentFacts::ElectrodeDriver(facts) => 2 + usize::from(facts.protocol == Protocol::Opendrop),
+                InstrumentFacts::ElectrodeDriver(facts) => {
+                    2 + usize::from(facts.protocol == Protocol::Opendrop)
+                        + 2 * usize::from(facts.protocol.has_microdrop())
+                }
             });
             files.sum()
         };

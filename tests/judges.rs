@@ -32,6 +32,9 @@ fn main() -> ExitCode {
                 built = built.and_then(|()| build(&example, format, &folder));
             }
         }
+        if !written.is_empty() && written.iter().all(is_of_microdrop) {
+            built = built.and_then(|()| build(&example, "microdrop", &folder));
+        }
         if !written.is_empty() && written.iter().all(is_of_stages) {
             built = built.and_then(|()| build(&example, "gcode", &folder));
         }
@@ -67,7 +70,7 @@ fn schedules(folder: &Path) -> BTreeSet<PathBuf> {
     let paths = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let is_schedule = |path: &PathBuf| {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let is_other = name.starts_with('.') || name.ends_with(".lichtblick.json");
+        let is_other = name.starts_with('.') || name.ends_with(".lichtblick.json") || name.ends_with(".microdrop.json");
         !is_other && path.extension().is_some_and(|ending| ending == "json")
     };
     paths.filter(is_schedule).collect()
@@ -80,6 +83,16 @@ fn document(path: &Path) -> Value {
 /// Whether all channels of a schedule are positions, so that it can be written as G-code.
 fn is_of_stages(schedule: &Value) -> bool {
     schedule["channels"].as_array().is_some_and(|channels| channels.iter().all(|channel| channel["unit"] == "um"))
+}
+
+/// Whether MicroDrop drives a board of a schedule; the examples wait for people only, and wire electrodes only.
+fn is_of_microdrop(schedule: &Value) -> bool {
+    let instruments = schedule["bench"]["instruments"].as_object();
+    let is_driven = |one: &Value| {
+        let protocol = &one["facts"]["electrode_driver"]["protocol"];
+        protocol == "opendrop" || protocol == "dropbot"
+    };
+    instruments.is_some_and(|instruments| instruments.values().any(is_driven))
 }
 
 /// Whether channels of a schedule are wired to an instrument of a family.

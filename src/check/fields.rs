@@ -134,6 +134,9 @@ impl Checker<'_> {
         if let Sort::Text = sort {
             return self.accept_mesh(expr, scope);
         }
+        if let Sort::Board(limits) = sort {
+            return self.accept_board(limits, expr, scope);
+        }
         if let Sort::Object(noun) = sort {
             return self.accept_object(noun, expr, scope, wanted);
         }
@@ -232,7 +235,8 @@ impl Checker<'_> {
             | Sort::Contacts
             | Sort::Orientation
             | Sort::Curve
-            | Sort::Text => None,
+            | Sort::Text
+            | Sort::Board(_) => None,
         }
     }
 
@@ -407,6 +411,7 @@ pub fn judge(
         Sort::Orientation => wrong("an orientation", "euler(80 deg, 220 deg, 100 deg)"),
         Sort::Curve => wrong("a curve", "16 um * cos(t)"),
         Sort::Text => wrong("the name of a file", "\"bead.stl\""),
+        Sort::Board(_) => wrong("the name of a file", "\"board.json\""),
     }
 }
 
@@ -475,7 +480,8 @@ fn is_of_scene(sort: Sort) -> bool {
         | Sort::Contacts
         | Sort::Orientation
         | Sort::Curve
-        | Sort::Text => false,
+        | Sort::Text
+        | Sort::Board(_) => false,
     }
 }
 

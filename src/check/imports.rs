@@ -1,7 +1,7 @@
 //! The files of a program: its own, those it uses, those they use.
 
 use super::scope::{Import, Module};
-use super::{errors, meshes};
+use super::{boards, errors, meshes};
 use crate::diagnostic::Sink;
 use crate::source::{FileId, Origin, Sources, Span};
 use crate::stdlib;
@@ -50,7 +50,7 @@ struct Loader<'a> {
     /// A module is `None` while the files that it uses are being read.
     modules: Vec<Option<Module>>,
     known: BTreeMap<(Origin, String), usize>,
-    /// The files of triangles, by name.
+    /// The files of triangles and of boards, by name.
     texts: BTreeMap<String, Arc<str>>,
     /// The files being read, by name, the outermost first, with the `use` that named each.
     open: Vec<(String, Span)>,
@@ -65,7 +65,7 @@ impl Loader<'_> {
         let file = self.sources.add_as(name.to_owned(), self.shown(name, origin), origin, text);
         let tree = syntax::parse(file, text, self.sink);
         let imports = self.imports(&tree);
-        let meshes = self.meshes(&tree, name);
+        let meshes = self.named_files(&tree, name);
         self.open.pop();
         let mut module = Module::new(tree, imports, origin, self.sink);
         module.meshes = meshes;
@@ -81,13 +81,20 @@ impl Loader<'_> {
         }
     }
 
-    /// The files of triangles that the shapes of a file name; they become sources like any other, so that logs carry them.
-    fn meshes(&mut self, tree: &tree::Tree, from: &str) -> BTreeMap<String, Arc<str>> {
+    /// The files of triangles and of boards that shapes and devices of a file name; they become sources like any other, so that logs carry
+    /// them.
+    fn named_files(&mut self, tree: &tree::Tree, from: &str) -> BTreeMap<String, Arc<str>> {
         let mut meshes = BTreeMap::new();
-        for text in meshes::named(tree) {
+        let boards: Vec<&tree::Text> = boards::named(tree);
+        let of_triangles = meshes::named(tree).into_iter().map(|text| (text, true));
+        for (text, is_mesh) in of_triangles.chain(boards.into_iter().map(|text| (text, false))) {
             let Some(path) = text.plain().filter(|path| !meshes.contains_key(path)) else { continue };
             let is_full = self.modules.len() + self.texts.len() >= MAX_FILES;
-            match self.library.read_mesh(from, &path) {
+            let read = match is_mesh {
+                true => self.library.read_mesh(from, &path),
+                false => self.library.read(from, &path),
+            };
+            match read {
                 Ok((name, _)) if is_full && !self.texts.contains_key(&name) => {
                     self.sink.push(errors::too_many_files(text.span, MAX_FILES));
                 }

@@ -100,6 +100,7 @@ impl Checker<'_> {
             least_v: fields.si("least_potential").unwrap_or(0.0),
             most_v: fields.si("most_potential")?,
             least_frame_ns: fields.clock_ns("least_frame", self.sink)?,
+            frequency_hz: fields.si("frequency"),
             start,
         };
         let most = facts.protocol.channels();
@@ -109,6 +110,8 @@ impl Checker<'_> {
             let text = |name: &str| fields.text(name);
             let finding = errors::no_driver_voltage(&text("least_potential"), &text("most_potential"));
             Some(("least_potential", finding))
+        } else if facts.frequency_hz.is_some() && !facts.protocol.sets_voltage() {
+            Some(("frequency", errors::no_driver_frequency(facts.protocol.name())))
         } else {
             None
         };

@@ -4,6 +4,7 @@
 //! that is wrong is reported, each thing once; a checked program comes back exactly if no error was pushed, so later stages
 //! meet no unresolved name and no bare number.
 
+mod boards;
 mod budget;
 mod camera;
 mod curve;
@@ -235,6 +236,8 @@ pub(crate) struct Checker<'a> {
     judged: objects::JudgedScenes,
     /// Files of triangles that were read, by the module and the name written there; `None` after an error.
     meshes: BTreeMap<(usize, String), Option<Rc<value::MeshFile>>>,
+    /// Files of boards in the same way.
+    boards: BTreeMap<(usize, String), Option<Rc<value::BoardFile>>>,
     repetitions: usize,
     /// What each name stands for, where an editor asks.
     links: Option<FxHashSet<links::NameLink>>,
@@ -279,6 +282,7 @@ impl<'a> Checker<'a> {
             jobs: BTreeMap::new(),
             judged: objects::JudgedScenes::new(),
             meshes: BTreeMap::new(),
+            boards: BTreeMap::new(),
             repetitions: 0,
             links: None,
             budget: budget::CheckBudget::default(),

@@ -69,7 +69,7 @@ pub struct Module {
     /// The files behind `dimibot.` and `lab.`: their index, and where the `use` stands.
     pub imports: BTreeMap<String, Import>,
     pub names: BTreeMap<String, Declaration>,
-    /// The texts of the files of triangles that its shapes name, by the names written there.
+    /// The texts of the files of triangles and of boards that its shapes and devices name, by the names written there.
     pub meshes: BTreeMap<String, Arc<str>>,
     origin: Origin,
 }

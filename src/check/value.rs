@@ -29,6 +29,7 @@ pub enum Value {
     /// Lengths in micrometres at equal steps of the angle `t`, which goes once round.
     Curve(Rc<Vec<f64>>),
     Mesh(Rc<MeshFile>),
+    Board(Rc<BoardFile>),
     Shape(ShapeValue),
     Table(Rc<TableValue>),
     Object(ObjectName),
@@ -70,6 +71,27 @@ pub struct MeshFile {
     /// The path as written in the program.
     pub path: String,
     pub mesh: Mesh,
+}
+
+/// A board that a file describes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoardFile {
+    /// The path as written in the program.
+    pub path: String,
+    pub columns: u32,
+    pub rows: u32,
+    /// The number of the channel under each place, row by row from the lowest; `None` without an electrode.
+    pub channels: Vec<Option<u32>>,
+    pub left_out: LeftOut,
+}
+
+/// Electrodes of a file that are no cells of the board, by their names, in the order of the file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct LeftOut {
+    /// On one channel with others.
+    pub sharing: Vec<String>,
+    /// Of another size than most, between the places of the others, or away from all of them.
+    pub off_lattice: Vec<String>,
 }
 
 /// Values in their order, which may be lists themselves.
@@ -136,6 +158,7 @@ impl Value {
             Value::Orientation(_) => "an orientation".to_owned(),
             Value::Curve(_) => "a curve".to_owned(),
             Value::Mesh(_) => "a file of triangles".to_owned(),
+            Value::Board(_) => "a file of electrodes".to_owned(),
             Value::Shape(shape) => shape.form.with_article(),
             Value::Table(_) => "a table".to_owned(),
             Value::Object(object) => format!("the {} `{}`", object.noun, object.name),
@@ -160,6 +183,7 @@ impl Value {
             | Value::Orientation(_)
             | Value::Curve(_)
             | Value::Mesh(_)
+            | Value::Board(_)
             | Value::Shape(_)
             | Value::Table(_)
             | Value::Object(_)

@@ -47,7 +47,7 @@ impl Sort {
             Sort::Contacts => "(contact, contact, …)".to_owned(),
             Sort::Orientation => "euler(…) or quaternion(…)".to_owned(),
             Sort::Curve => "length, of the angle t".to_owned(),
-            Sort::Text => "string".to_owned(),
+            Sort::Text | Sort::Board(_) => "string".to_owned(),
         }
     }
 }

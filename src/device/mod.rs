@@ -320,6 +320,17 @@ pub enum Sort {
     Curve,
     /// A string, as the name of a file.
     Text,
+    /// The name of a file that describes a board of electrodes.
+    Board(BoardLimits),
+}
+
+/// What a board of a file may have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BoardLimits {
+    /// Greatest number of a channel.
+    pub most_channel: u32,
+    /// Most columns, and rows.
+    pub most_side: u32,
 }
 
 /// The word for a place of a board where nothing is.

@@ -132,7 +132,7 @@ impl EmitError {
                 too_long_for_table(instrument, [*points, *limit], *period_ns)
             }
             EmitError::OtherProtocol { format, name } => {
-                let title = format!("no electrode of `{name}` is wired to a driver of the protocol `{}`", format.name());
+                let title = format!("no electrode of `{name}` is wired to a driver that `{}` is for", format.name());
                 Diagnostic::new(Code::E0824, title).help("write `--emit frames`, which every electrode driver has")
             }
             EmitError::NoSampleClock { instrument } => {

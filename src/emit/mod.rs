@@ -53,10 +53,12 @@ pub enum Format {
     Scpi,
     /// Digital lines and analog outputs for cards of National Instruments.
     Nidaqmx,
-    /// Frames of electrodes that are on, for OpenDrop and PurpleDrop.
+    /// Frames of electrodes that are on, for OpenDrop, PurpleDrop and DropBot.
     Frames,
     /// Frames for the program that comes with an OpenDrop.
     Opendrop,
+    /// Steps and the device for MicroDrop, which drives DropBot and OpenDrop.
+    Microdrop,
     /// Places of translation stages, for controllers of PI and SmarAct.
     Stages,
     /// Moves of translation stages, for LinuxCNC.
@@ -81,6 +83,7 @@ impl Format {
         Format::Nidaqmx,
         Format::Frames,
         Format::Opendrop,
+        Format::Microdrop,
         Format::Stages,
         Format::Gcode,
         Format::Html,
@@ -100,6 +103,7 @@ impl Format {
             Format::Nidaqmx => "nidaqmx",
             Format::Frames => "frames",
             Format::Opendrop => "opendrop",
+            Format::Microdrop => "microdrop",
             Format::Stages => "stages",
             Format::Gcode => "gcode",
             Format::Html => "html",
@@ -120,7 +124,7 @@ impl Format {
             Format::Nidaqmx => &["nidaqmx.py"],
             Format::Frames => &["frames.py"],
             Format::Stages => &["stages.py"],
-            Format::Opendrop | Format::Gcode => &[],
+            Format::Opendrop | Format::Microdrop | Format::Gcode => &[],
             Format::Html => &["html"],
             Format::Svg => &["svg"],
             Format::Sheet => &["sheet.md"],
@@ -183,6 +187,10 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
         }
         Format::Opendrop => {
             Ok(frames::write_opendrop(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
+        }
+        Format::Microdrop => {
+            let files = electrode_array::write_microdrop(verified)?;
+            Ok(files.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
         }
         Format::Stages => {
             let files = stages::write(schedule, verified.claims())?;

@@ -156,8 +156,22 @@ pub fn refuse_holds(format: Format, schedule: &Schedule) -> Result<(), EmitError
             "write `--emit scpi`, `nidaqmx`, `frames`, `stages` or `gcode`, which wait, or `mcap`, `json` and `html`, which show the longest wait",
         ),
         Format::Scpi | Format::Nidaqmx | Format::Frames | Format::Stages => refuse_two_senders(format, schedule),
+        Format::Microdrop => refuse_all_but_prompts(schedule),
         Format::Gcode => Ok(()),
     }
+}
+
+/// An error if a schedule waits for an input, or for a person no longer than some time: MicroDrop has prompts without an end.
+fn refuse_all_but_prompts(schedule: &Schedule) -> Result<(), EmitError> {
+    let is_prompt = |hold: &&ScheduledHold| match hold.terms.awaited {
+        Awaited::Person { .. } => !hold.terms.is_bounded,
+        Awaited::Input { .. } => false,
+    };
+    let Some(hold) = schedule.holds.iter().find(|hold| !is_prompt(hold)) else { return Ok(()) };
+    let bound = if hold.terms.is_bounded { ", with a longest time" } else { "" };
+    let what = format!("the wait for {}{bound}: it has prompts without one", hold.terms.awaited.shown());
+    let help = "write `--emit frames`, whose sender waits for both, or `prompt` without `for at most`".to_owned();
+    Err(EmitError::Unsayable { format: Format::Microdrop, what, help })
 }
 
 /// An error if the instruments of a schedule that waits are not all played by one sender.

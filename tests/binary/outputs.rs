@@ -200,3 +200,30 @@ fn a_generator_rests_at_a_voltage() {
     says(&text("go.scpi.py"), &["\"rest_v\": {\n        \"1\": 1.5\n      }"]);
     says(&text("go.awg.scpi.txt"), &[":SOUR1:APPL:DC DEF,DEF,1.5 when all is played", "ch1\t1.5\t3\t"]);
 }
+
+/// A device for MicroDrop, as it was written, is a board that gives the same device; the log carries it.
+#[test]
+fn a_device_for_microdrop_is_read_back_as_a_board() {
+    let program = |board: &str| {
+        format!(
+            "use std.electrode_array as ea\nuse std.instruments\ninstrument db : instruments.dropbot_db3_120\n\
+             device chip : {board}\nwiring chip {{ electrodes -> db }}\nscene s {{ part a : ea.droplet at (1, 19) }}\n\
+             task go on chip in s {{ move a to (4, 2) }}\n"
+        )
+    };
+    let bench = Bench::with(program("ea.dropbot_120 { }"));
+    bench.run(&["build", "a.twz", "-o", "out", "--emit", "microdrop"]).code(DONE);
+    let sizes = "radius: 0.86 mm, pitch_ratio: 1.746 mm / 0.86 mm - 2, potential: 100 V, settling: 20 ms";
+    let board = format!("ea.droplet_chip {{ map: \"out/go.db.microdrop.svg\", {sizes} }}");
+    fs::write(bench.path("b.twz"), program(&board)).expect("written");
+    bench.run(&["build", "b.twz", "-o", "again", "--emit", "microdrop,mcap"]).code(DONE);
+    let read = |name: &str| fs::read_to_string(bench.path(name)).expect("it is there");
+    let device = read("out/go.db.microdrop.svg");
+    assert_eq!(device.matches("<path ").count(), 80);
+    assert_eq!(read("again/go.db.microdrop.svg"), device);
+    // Without the files beside it.
+    fs::remove_file(bench.path("out/go.db.microdrop.svg")).expect("removed");
+    bench.run(&["verify", "again/go.mcap"]).code(DONE);
+    let refused = bench.run(&["build", "b.twz", "-o", "third", "--emit", "json"]);
+    says(&err(&refused.code(ERRORS)), &["E0204", "out/go.db.microdrop.svg"]);
+}

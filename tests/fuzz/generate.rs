@@ -98,7 +98,8 @@ fn value(field: &VocabularyField, random: &mut Random) -> String {
         | Sort::Contacts
         | Sort::Orientation
         | Sort::Curve
-        | Sort::Text => one_of(random, &["1", "(1, 1)", "true"]).to_owned(),
+        | Sort::Text
+        | Sort::Board(_) => one_of(random, &["1", "(1, 1)", "true"]).to_owned(),
     }
 }
 

@@ -1,4 +1,4 @@
-"""Judges a folder of files that `tweeze build --emit mcap,json,csv,vcd,pwl,scpi,nidaqmx,frames,stages,gcode,svg` wrote, by programs that are not Tweeze's.
+"""Judges a folder of files that `tweeze build --emit mcap,json,csv,vcd,pwl,scpi,nidaqmx,frames,microdrop,stages,gcode,svg` wrote, by programs that are not Tweeze's.
 
     python tests/oracles/run.py DIR
 
@@ -9,6 +9,7 @@ format that is not there. G-code is asked for where all channels are stages, and
 
 import importlib
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -27,13 +28,14 @@ JUDGES = {
     ".scpi": "scpi_judge",
     ".daq": "daq_judge",
     ".frames.py": "frames_judge",
+    ".microdrop": "microdrop_judge",
     ".stages.py": "stages_judge",
     ".ngc": "gcode_judge",
     ".svg": "svg_judge",
 }
 
 # Formats of instruments, with the family that a channel must be wired to.
-PLAYED_BY = {".scpi": "waveform_generator", ".daq": "data_acquisition", ".frames.py": "electrode_driver", ".stages.py": "stage_controller"}
+PLAYED_BY = {".scpi": "waveform_generator", ".daq": "data_acquisition", ".frames.py": "electrode_driver", ".microdrop": "electrode_driver", ".stages.py": "stage_controller"}
 
 # Formats with one clock, in which no wait for an input or a person can stand.
 ONE_CLOCK = {".csv", ".vcd", ".gtkw", ".cir"}
@@ -44,7 +46,7 @@ SECOND = [(".vcd", "sigrok_judge"), (".mcap", "plot_judge"), (".mcap", "rerun_ju
 
 def judge(path, module, schedule):
     """What is said of one file: a word for the outcome, and the reason."""
-    if not path.exists() and not any(path.parent.glob(f"{path.stem}.*{path.suffix}")):
+    if not path.exists() and not any(path.parent.glob(f"{path.stem}.*{path.suffix}")) and not any(path.parent.glob(f"{path.stem}.*{path.suffix}.*")):
         return "MISSING", "was not written"
     try:
         return "right", importlib.import_module(module).judge(path, schedule)
@@ -58,6 +60,14 @@ def judge(path, module, schedule):
         return "WRONG", f"{type(error).__name__}: {error}"
 
 
+def is_of_microdrop(schedule):
+    """Whether MicroDrop has a form for it: it drives some boards, knows electrodes only, and waits for people without an end."""
+    drivers = schedule.instruments("electrode_driver")
+    are_electrodes = all(re.search(r"\.e\d+_\d+$", channel) for name in drivers for channel in schedule.drives(name))
+    are_prompts = all("person" in hold["awaited"] and not hold["is_bounded"] for hold in schedule.document.get("holds", []))
+    return are_electrodes and are_prompts and any(facts["protocol"] != "purpledrop" for facts in drivers.values())
+
+
 def judge_folder(folder):
     """All verdicts: file name, outcome, reason."""
     from schedule import Schedule
@@ -65,7 +75,7 @@ def judge_folder(folder):
     verdicts = []
     # A folder for each program; what begins with a dot is the tool's own, and a layout of a log is no schedule.
     paths = Path(folder).rglob("*.json")
-    paths = [path for path in paths if not path.name.startswith(".") and not path.name.endswith((".lichtblick.json", ".opendrop.json"))]
+    paths = [path for path in paths if not path.name.startswith(".") and not path.name.endswith((".lichtblick.json", ".opendrop.json", ".microdrop.json"))]
     for path in sorted(paths):
         try:
             schedule = Schedule(path)
@@ -76,6 +86,8 @@ def judge_folder(folder):
             if ending == ".ngc" and not all(map(schedule.is_stage, schedule.channels)):
                 continue
             if ending in PLAYED_BY and not schedule.instruments(PLAYED_BY[ending]):
+                continue
+            if ending == ".microdrop" and not is_of_microdrop(schedule):
                 continue
             if ending in ONE_CLOCK and schedule.document.get("holds"):
                 continue

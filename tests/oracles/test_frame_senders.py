@@ -1,7 +1,7 @@
-"""The sender of frames, on an OpenDrop and a PurpleDrop that are played here: what reaches them, when, and in what state they are left.
+"""The sender of frames, on boards that are played here: what reaches them, when, and in what state they are left.
 
 The OpenDrop is a pseudo-terminal behind which a thread does what the board's firmware does with its bytes; the PurpleDrop is a server of
-JSON-RPC calls. Times of the fixtures are stretched, so that a busy machine keeps them.
+JSON-RPC calls; the DropBot stands behind a package of its own. Times of the fixtures are stretched, so that a busy machine keeps them.
 """
 
 import csv
@@ -161,3 +161,46 @@ def test_a_sender_of_frames_says_what_it_would_do(tmp_path):
     assert run(program, "drivre=/dev/null")[0] == 2
     status, words = run(program, "driver=/dev/tweeze-is-not-there")
     assert status == 1 and "Traceback" not in words, words
+
+
+STAND_IN = Path(__file__).resolve().parent / "standins"
+
+
+def run_dropbot(program, log, *arguments, **environment):
+    environment = {**os.environ, "PYTHONPATH": str(STAND_IN), "STANDIN_LOG": str(log), **environment}
+    ended = subprocess.run([sys.executable, str(program), *arguments], capture_output=True, text=True, timeout=60, env=environment)
+    calls = [json.loads(line) for line in log.read_text().splitlines()] if log.exists() else []
+    return ended.returncode, ended.stdout + ended.stderr, calls
+
+
+def test_a_dropbot_is_set_and_shows_each_frame_when_it_is_due(tmp_path):
+    pytest.importorskip("numpy")
+    program, due = stretched(tmp_path, "db")
+    status, words, calls = run_dropbot(program, tmp_path / "log", "driver=/dev/board")
+    assert status == 0 and "all electrodes are off" in words, words
+    names = [name for _, name, _ in calls]
+    assert calls[0][1:] == ["port", "/dev/board"] and names[-1] == "terminate" and calls[-2][1:] == ["hv_output_enabled", False]
+    # Nothing is on when the voltage comes.
+    first = names.index("hv_output_enabled")
+    assert [call[1:] for call in calls[1:first + 1]] == [
+        ["state_of_channels", []], ["voltage", 100.0], ["frequency", 10000.0], ["hv_output_selected", True], ["hv_output_enabled", True],
+    ]
+    shown = [(at, set(on)) for at, name, on in calls[first:] if name == "state_of_channels"]
+    assert [on for _, on in shown] == [set(), *(on for _, on in due), set()]
+    late = [at - shown[1][0] + due[0][0] - start for (at, _), (start, _) in zip(shown[1:-1], due, strict=True)]
+    assert max(map(abs, late)) < 0.1, late
+
+
+def test_a_dropbot_that_does_not_answer_is_switched_off(tmp_path):
+    pytest.importorskip("numpy")
+    program, _ = stretched(tmp_path, "db")
+    status, words, calls = run_dropbot(program, tmp_path / "log", STANDIN_FAULT="4")
+    assert status == 1 and "does not answer" in words and "Traceback" not in words, words
+    assert calls[0][2] is None, "its package looks for the port"
+    assert [call[1:] for call in calls[-3:]] == [["state_of_channels", []], ["hv_output_enabled", False], ["terminate", None]]
+
+
+def test_without_the_package_of_the_dropbot_the_sender_says_so(tmp_path):
+    program, _ = stretched(tmp_path, "db")
+    status, words = run(program)
+    assert status == 1 and "`dropbot` is not installed" in words and "Traceback" not in words, words

@@ -45,7 +45,7 @@ def replace(path, old, new):
 
 
 # Formats of instruments that these fixtures are not wired to.
-PLAYED = (".daq", ".frames.py", ".stages.py")
+PLAYED = (".daq", ".frames.py", ".microdrop", ".stages.py")
 
 
 @pytest.mark.parametrize("stem,ending", [*(("Pair", ending) for ending in run.JUDGES if ending not in (".ngc", *PLAYED)), *(("turn", ending) for ending in run.JUDGES if ending not in PLAYED), *(("mixed", ending) for ending in run.JUDGES if ending not in (".ngc", *PLAYED))])
@@ -371,10 +371,11 @@ FRAME_FAULTS = [
     ("od", ".frames.py", b"data[COLUMNS + place] = ROOM_DEGREES", b"data[COLUMNS + place] = 90"),
     ("od", ".json", b'"output": "c8"', b'"output": "c80"'),
     ("pd", ".json", b'"least_frame_ns": 1', b'"least_frame_ns": 50000000'),
+    ("db", ".driver.frames.csv", b",8 35\n", b",8 36\n"),
 ]
 
 
-@pytest.mark.parametrize("stem", ["od", "pd"])
+@pytest.mark.parametrize("stem", ["od", "pd", "db", "ob"])
 def test_a_driver_switches_what_the_schedule_says(stem):
     outcome, reason = verdict(FIXTURES / "drivers", ".frames.py", stem)
     assert outcome == "right", reason
@@ -387,6 +388,42 @@ def test_a_fault_of_frames_is_found(tmp_path, stem, broken, old, new):
     replace(tmp_path / f"{stem}{broken}", old, new)
     outcome, reason = verdict(tmp_path, ".frames.py", stem)
     assert outcome == "WRONG", reason
+
+# Of the files for MicroDrop.
+MICRODROP_FAULTS = [
+    ("db", ".driver.microdrop.json", b"0.006,", b"0.0061,"),
+    ("db", ".driver.microdrop.json", b'["electrode008"', b'["electrode009"'),
+    ("db", ".driver.microdrop.json", b'"electrode008":8', b'"electrode008":9'),
+    ("db", ".driver.microdrop.json", b",100,10000]", b",101,10000]"),
+    ("db", ".driver.microdrop.json", b",100,10000]", b",100,1000]"),
+    ("db", ".driver.microdrop.json", b'"uuid","type"', b'"type","uuid"'),
+    ("ob", ".driver.microdrop.json", b"duration_column", b"durations_column"),
+    ("ob", ".driver.microdrop.svg", b'data-channels="12"', b'data-channels="13"'),
+    ("ob", ".driver.microdrop.svg", b'id="electrode012"', b'id="electrode112"'),
+    ("ob", ".driver.microdrop.svg", b'"M 0', b'"M 1'),
+    ("ob", ".driver.microdrop.svg", b"    <line", b"    <rect"),
+    ("ob", ".driver.microdrop.svg", b'label="Device"', b'label="device layer"'),
+    ("ob", ".driver.microdrop.svg", b' xmlns=""', b""),
+    ("ask", ".driver.microdrop.json", b'"fill the board"', b'""'),
+    ("ask", ".driver.microdrop.json", b"done?", b"done"),
+    ("ask", ".driver.microdrop.json", b",0.001,", b",0.002,"),
+]
+
+
+@pytest.mark.parametrize("stem", ["db", "ob", "ask"])
+def test_microdrop_switches_what_the_schedule_says(stem):
+    outcome, reason = verdict(FIXTURES / "drivers", ".microdrop", stem)
+    assert outcome == "right", reason
+
+
+@pytest.mark.parametrize("stem,broken,old,new", MICRODROP_FAULTS)
+def test_a_fault_for_microdrop_is_found(tmp_path, stem, broken, old, new):
+    for file in (FIXTURES / "drivers").glob(f"{stem}.*"):
+        shutil.copy(file, tmp_path)
+    replace(tmp_path / f"{stem}{broken}", old, new)
+    outcome, reason = verdict(tmp_path, ".microdrop", stem)
+    assert outcome == "WRONG", reason
+
 
 # Of places of stages, with the instruments of PI and SmarAct.
 STAGE_FAULTS = [

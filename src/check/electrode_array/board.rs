@@ -16,9 +16,10 @@ use crate::diagnostic::Sink;
 /// The facts of a complete device; `None` where parts cannot even be placed.
 pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFacts> {
     let fields = &device.fields;
+    let [columns, rows] = map::sides(device, sink)?;
     let mut facts = ElectrodeArrayFacts {
-        columns: fields.count("columns")?,
-        rows: fields.count("rows")?,
+        columns,
+        rows,
         radius_um: fields.length_um("radius")?,
         pitch_ratio: fields.si("pitch_ratio")?,
         potential_v: fields.si("potential")?,

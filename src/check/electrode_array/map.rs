@@ -3,8 +3,9 @@
 use super::cells::{on_board, whole_cell};
 use super::errors;
 use crate::check::devices::CheckedDevice;
+use crate::check::figures::Figures;
 use crate::check::labels::DeviceLabel;
-use crate::check::value::{ListValue, Value, whole};
+use crate::check::value::{BoardFile, LeftOut, ListValue, Value, whole};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, ElectrodeMap, Electrodes};
 use crate::diagnostic::Sink;
 use crate::source::Span;
@@ -12,18 +13,65 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
+/// The board of a file that the device names.
+fn board_file(device: &CheckedDevice) -> Option<&BoardFile> {
+    match &device.fields.get("map")?.value {
+        Value::Board(board) => Some(board),
+        _ => None,
+    }
+}
+
+/// Whether a field stands in the file in which the board is named: one of a base elsewhere gives way to the board.
+fn stands_beside_map(name: &str, device: &CheckedDevice) -> bool {
+    let file = |name: &str| device.fields.get(name).map(|field| field.span.file);
+    file(name).is_some() && file(name) == file("map")
+}
+
+/// Columns and rows: those of the file that the device names, else its own; `None` after an error.
+pub fn sides(device: &CheckedDevice, sink: &mut Sink) -> Option<[u32; 2]> {
+    let given = |name: &str| device.fields.count(name);
+    let Some(board) = board_file(device) else { return Some([given("columns")?, given("rows")?]) };
+    for (name, side) in [("columns", board.columns), ("rows", board.rows)] {
+        let other = given(name).filter(|given| *given != side && stands_beside_map(name, device));
+        if let Some(given) = other {
+            let labels = [DeviceLabel::field(name, "another number"), DeviceLabel::field("map", "than in this file")];
+            sink.push(device.labelled(errors::side_of_map(name, given, board), labels));
+            return None;
+        }
+    }
+    Some([board.columns, board.rows])
+}
+
+/// The numbers of the file that the device names; `None` after an error.
+fn numbers(board: &BoardFile, device: &CheckedDevice, sink: &mut Sink) -> Option<Vec<Option<u32>>> {
+    if stands_beside_map("channels", device) {
+        let labels = [DeviceLabel::field("map", "here"), DeviceLabel::field("channels", "and here")];
+        sink.push(device.labelled(errors::two_maps(), labels));
+        return None;
+    }
+    if board.left_out != LeftOut::default() {
+        let label = DeviceLabel::field("map", errors::names_left_out(&board.left_out));
+        sink.push(device.labelled(errors::left_out(board), [label]));
+    }
+    Some(board.channels.clone())
+}
+
 /// The map of a device with fields for one; `facts` are its facts without it. `None` after an error.
 pub fn of(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) -> Option<Option<Arc<ElectrodeMap>>> {
     let list = |name: &str| match device.fields.get(name).map(|field| &field.value) {
         Some(Value::List(list)) => Some(Rc::clone(list)),
         _ => None,
     };
-    if ["channels", "disabled"].iter().any(|name| device.fields.get(*name).is_some_and(|f| f.value.is_unknown())) {
+    if ["channels", "disabled", "map"].iter().any(|name| device.fields.get(*name).is_some_and(|f| f.value.is_unknown()))
+    {
         return None;
     }
     let mut map = ElectrodeMap { columns: facts.columns, ..ElectrodeMap::default() };
     let (rows, disabled) = (list("channels"), list("disabled"));
-    if let Some(rows) = &rows {
+    let board = board_file(device);
+    if let Some(board) = board {
+        map.channels = numbers(board, device, sink)?;
+    } else if let Some(rows) = &rows {
         map.channels = channels(facts, rows, device, sink)?;
     }
     if let Some(disabled) = &disabled {
@@ -31,12 +79,13 @@ pub fn of(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) 
     }
     let has_gaps = map.channels.iter().any(Option::is_none) || !map.disabled.is_empty();
     if facts.layout.electrodes == Electrodes::Quad && has_gaps {
-        let field = if map.disabled.is_empty() { "channels" } else { "disabled" };
+        let gaps = if board.is_some() { "map" } else { "channels" };
+        let field = if map.disabled.is_empty() { gaps } else { "disabled" };
         let label = DeviceLabel::field(field, "leaves electrodes out");
         sink.push(device.labelled(errors::microparts_need_all(), [label]));
         return None;
     }
-    Some((rows.is_some() || !map.disabled.is_empty()).then(|| Arc::new(map)))
+    Some((board.is_some() || rows.is_some() || !map.disabled.is_empty()).then(|| Arc::new(map)))
 }
 
 /// The number at each place, from row 1.

@@ -179,6 +179,12 @@ pub fn no_driver_voltage(least: &str, most: &str) -> Diagnostic {
         .help("exchange the two")
 }
 
+/// A frequency for a driver that is set by hand.
+pub fn no_driver_frequency(protocol: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0403, format!("a `frequency` for `{protocol}`, whose voltage is set on the driver itself"))
+        .help("leave `frequency` out, and set it on the driver; a DropBot takes it from here, `protocol: dropbot`")
+}
+
 /// All electrodes of a board wired to an instrument that has no channel for each.
 pub fn electrodes_to_other_instrument(span: Span, (name, declared): (&str, Span)) -> Diagnostic {
     Diagnostic::new(Code::E0427, format!("`electrodes` to `{name}`, which drives no board of electrodes"))

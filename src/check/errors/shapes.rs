@@ -34,6 +34,20 @@ pub fn mesh_file_not_plain(span: Span) -> Diagnostic {
         .help("write the name itself, in a `let` or in a scene: `mesh { file: \"bead.stl\", unit: 1 um }`")
 }
 
+pub fn board_file_not_plain(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0430, "the name of a file of electrodes must be a string in quotes in the device itself")
+        .label(span, "not such a name")
+        .help("write the name itself: `map: \"board.json\"`")
+}
+
+/// A file that describes no board.
+pub fn bad_board(span: Span, path: &str, why: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0430, format!("`{path}` {why}")).label(span, "used here").help(
+        "name a board definition of PurpleDrop, the electrodes.json of OpenDrop's program, or a device file of MicroDrop; other boards are \
+         written out as `channels`",
+    )
+}
+
 /// A file of triangles that is no closed surface.
 pub fn bad_mesh(span: Span, path: &str, why: &str) -> Diagnostic {
     Diagnostic::new(Code::E0553, format!("`{path}` {why}"))

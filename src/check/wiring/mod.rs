@@ -220,6 +220,10 @@ impl<'a> Checker<'a> {
         {
             return self.board_wire(wire, (path, scope), &board, panel, outputs);
         }
+        // A board without facts was reported.
+        if channel.as_deref() == Some(ALL_ELECTRODES) && panel.owner.is_none() {
+            return None;
+        }
         let is_stage = panel.owner.as_ref().is_some_and(WiredOwner::moves_stages);
         let (span, output, drive) = match &wire.output {
             WireOutput::Named(text) => {

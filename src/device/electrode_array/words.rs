@@ -4,8 +4,9 @@ use super::{MAX_APART, MAX_CHANNEL, MAX_SIDE};
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
-    Assay, Count, Frames, Need, Noun, Outcome, OutcomeUnit, Planner, Sort, Together, Verb, Vocabulary, VocabularyField,
-    VocabularyPhrase, WordChoice, expansions, not_negative, optional, outcome, planner, positive, required,
+    Assay, BoardLimits, Count, Frames, Need, Noun, Outcome, OutcomeUnit, Planner, Sort, Together, Verb, Vocabulary,
+    VocabularyField, VocabularyPhrase, WordChoice, expansions, not_negative, optional, outcome, planner, positive,
+    required,
 };
 use crate::quantity::Dimension;
 
@@ -108,6 +109,12 @@ const FIELDS: &[VocabularyField] = &[
         Sort::CountRows { most: MAX_CHANNEL },
         "every place has an electrode, without a number",
         "number of each electrode's channel on the driver, a list for each row, the top row first; `none` where the board has no electrode",
+    ),
+    optional(
+        "map",
+        Sort::Board(BoardLimits { most_channel: MAX_CHANNEL, most_side: MAX_SIDE }),
+        "no file",
+        "file with the electrodes of the board, in place of `channels`, `columns` and `rows`: of PurpleDrop or OpenDrop (JSON), or of MicroDrop (SVG)",
     ),
     optional("disabled", Sort::Cells, "all electrodes work", "electrodes that do not work"),
     required("radius", positive(Dimension::LENGTH), "radius of an electrode"),

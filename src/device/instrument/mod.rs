@@ -48,7 +48,7 @@ impl Family {
             ),
             Family::ElectrodeDriver => (
                 "electrode_driver",
-                "the driver of a board of electrodes, which takes frame after frame of those that are on: OpenDrop, PurpleDrop",
+                "the driver of a board of electrodes, which takes frame after frame of those that are on: OpenDrop, PurpleDrop, DropBot",
             ),
             Family::StageController => (
                 "stage_controller",
@@ -161,6 +161,7 @@ words! {
     pub enum Protocol {
         Opendrop = "opendrop": "OpenDrop 4: a frame of 32 bytes over USB, a bit for each of 128 channels",
         Purpledrop = "purpledrop": "PurpleDrop: JSON-RPC calls to its server, with the pins that are on",
+        Dropbot = "dropbot": "DropBot 3: its Python package `dropbot`, with a state for each of 120 channels",
     }
 }
 
@@ -203,6 +204,9 @@ pub struct ElectrodeDriverFacts {
     pub most_v: f64,
     /// Shortest time from one frame to the next, in nanoseconds.
     pub least_frame_ns: u64,
+    /// Frequency of its voltage, in hertz; `None` where it stays as it is set on the driver.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frequency_hz: Option<f64>,
     pub start: Start,
 }
 
@@ -211,6 +215,23 @@ impl Protocol {
     pub fn channels(self) -> u32 {
         match self {
             Protocol::Opendrop | Protocol::Purpledrop => 128,
+            Protocol::Dropbot => 120,
+        }
+    }
+
+    /// Whether voltage and frequency are set by who plays frames, and not on the driver itself.
+    pub fn sets_voltage(self) -> bool {
+        match self {
+            Protocol::Dropbot => true,
+            Protocol::Opendrop | Protocol::Purpledrop => false,
+        }
+    }
+
+    /// Whether MicroDrop drives it.
+    pub fn has_microdrop(self) -> bool {
+        match self {
+            Protocol::Opendrop | Protocol::Dropbot => true,
+            Protocol::Purpledrop => false,
         }
     }
 }

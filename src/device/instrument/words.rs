@@ -78,6 +78,12 @@ pub const ELECTRODE_DRIVER: &[VocabularyField] = &[
     optional("least_potential", positive(Dimension::VOLTAGE), "0 V", "the least voltage that it can be set to"),
     required("most_potential", positive(Dimension::VOLTAGE), "the greatest voltage that it can be set to"),
     required("least_frame", positive(Dimension::TIME), "shortest time from one frame to the next"),
+    optional(
+        "frequency",
+        positive(Dimension::FREQUENCY),
+        "as set on the driver",
+        "frequency of its voltage, to which a DropBot is set",
+    ),
     START,
 ];
 

@@ -2,4 +2,7 @@
 
 pub mod course;
 pub mod mcap;
+mod microdrop;
 pub mod svg;
+
+pub use microdrop::write as write_microdrop;

@@ -3,9 +3,10 @@
 //!
 //! `<name>.<driver>.frames.csv` has a row for each frame: its number from 1, when it begins and how long it lasts in milliseconds, and
 //! the numbers of the channels that are on, with blanks between them. Frames follow each other without a gap from 0 to the end of the
-//! schedule; two neighbours differ. `<name>.frames.py` plays them on an OpenDrop (frames of 32 bytes over USB serial) or a PurpleDrop
-//! (JSON-RPC calls), and switches all electrodes off at the end, on an error and on Ctrl-C, but what rests on. Where the pads of reservoirs are not among
-//! the channels of a board, it says when a droplet is due at which outlet. Where the schedule waits for an input or a person, frames have the longest
+//! schedule; two neighbours differ. `<name>.frames.py` plays them on an OpenDrop (frames of 32 bytes over USB serial), a PurpleDrop
+//! (JSON-RPC calls) or a DropBot (calls of its Python package), and switches all electrodes off at the end, on an error and on Ctrl-C, but what
+//! rests on. Where the pads of reservoirs are not among the channels of a board, it says when a droplet is due at which outlet. Where the schedule
+//! waits for an input or a person, frames have the longest
 //! wait; the sender goes on from its end as soon as what is waited for has come.
 //!
 //! `<name>.<driver>.opendrop.json`, a format of its own, is for the program that comes with an OpenDrop. It has no times, so that each
@@ -16,7 +17,7 @@ use super::parts::{listing as holds_listing, sender};
 use super::sampling::gcd;
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
-use crate::device::instrument::{ElectrodeDriverFacts, Family, InstrumentFacts, Protocol, number_after};
+use crate::device::instrument::{ElectrodeDriverFacts, Family, InstrumentFacts, Link, Protocol, number_after};
 use crate::schedule::Schedule;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
@@ -41,7 +42,7 @@ const OPENDROP_CHARACTERS: u32 = 18;
 /// The files, each with its ending.
 ///
 /// # Errors
-/// [`EmitError::NotWired`], [`EmitError::Ramp`], [`EmitError::TooLarge`].
+/// [`EmitError::NotWired`], [`EmitError::Ramp`], [`EmitError::Unsayable`], [`EmitError::TooLarge`].
 pub(super) fn write(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     let mut files = Vec::new();
     let mut plays = Vec::new();
@@ -49,7 +50,7 @@ pub(super) fn write(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitE
         let InstrumentFacts::ElectrodeDriver(facts) = &wired.instrument.facts else { continue };
         let board = FramedBoard::new(&wired, facts)?;
         files.push((format!("{}.frames.csv", wired.name), board.text()?.into_bytes()));
-        plays.push(board.listing());
+        plays.push(board.listing()?);
     }
     let listing = json!({
         "name": schedule.name,
@@ -73,11 +74,11 @@ pub(super) fn write_opendrop(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>
         match facts.protocol {
             Protocol::Opendrop => {
                 let board = FramedBoard::new(&wired, facts)?;
-                board.refuse_rest()?;
+                board.refuse_rest(Format::Opendrop)?;
                 let text = board.controller_file()?;
                 files.push((format!("{}.opendrop.json", wired.name), text.into_bytes()));
             }
-            Protocol::Purpledrop => {}
+            Protocol::Purpledrop | Protocol::Dropbot => {}
         }
     }
     let none = || EmitError::OtherProtocol { format: Format::Opendrop, name: schedule.name.clone() };
@@ -85,7 +86,7 @@ pub(super) fn write_opendrop(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>
 }
 
 /// The droplets that come onto boards without pads, each with the instant from which on the electrode at its outlet is on.
-fn dispensed(schedule: &Schedule) -> Vec<serde_json::Value> {
+pub(super) fn dispensed(schedule: &Schedule) -> Vec<serde_json::Value> {
     let mut found: Vec<(u64, &str, [u32; 2])> = Vec::new();
     let has_pads = |device: &str| {
         let is_pad = |name: &str| Some(name.strip_prefix(device)?.strip_prefix('.')?.starts_with("pad"));
@@ -105,24 +106,27 @@ fn dispensed(schedule: &Schedule) -> Vec<serde_json::Value> {
 }
 
 /// The electrodes of a driver that are on for some time.
-struct Frame {
-    start_ns: u64,
-    end_ns: u64,
+pub(super) struct Frame {
+    pub(super) start_ns: u64,
+    pub(super) end_ns: u64,
     /// Numbers of channels, in order.
-    on: BTreeSet<u32>,
+    pub(super) on: BTreeSet<u32>,
 }
 
 /// A driver with what it plays.
-struct FramedBoard<'a> {
-    wired: &'a WiredInstrument<'a>,
-    facts: &'a ElectrodeDriverFacts,
-    frames: Vec<Frame>,
+pub(super) struct FramedBoard<'a> {
+    pub(super) wired: &'a WiredInstrument<'a>,
+    pub(super) facts: &'a ElectrodeDriverFacts,
+    pub(super) frames: Vec<Frame>,
     /// Channels that are on before and after.
     rest: BTreeSet<u32>,
 }
 
 impl<'a> FramedBoard<'a> {
-    fn new(wired: &'a WiredInstrument<'a>, facts: &'a ElectrodeDriverFacts) -> Result<FramedBoard<'a>, EmitError> {
+    pub(super) fn new(
+        wired: &'a WiredInstrument<'a>,
+        facts: &'a ElectrodeDriverFacts,
+    ) -> Result<FramedBoard<'a>, EmitError> {
         EmitError::refuse_ramps(Format::Frames, &Signals::new(&wired.schedule))?;
         let numbers: Vec<Option<u32>> = wired.drives.iter().map(|drive| number_after("c", &drive.output)).collect();
         let channels = wired.schedule.channels.iter();
@@ -174,12 +178,32 @@ impl<'a> FramedBoard<'a> {
     }
 
     /// An error if a channel rests on: the file says nothing of what is on once its frames are over.
-    fn refuse_rest(&self) -> Result<(), EmitError> {
+    pub(super) fn refuse_rest(&self, format: Format) -> Result<(), EmitError> {
         let Some(number) = self.rest.first() else { return Ok(()) };
         let output = format!("{}.c{number}", self.wired.name);
         let what = format!("`{output}`, which rests on: its file says nothing of what is on after the last frame");
         let help = "write `--emit frames`, whose sender leaves it on".to_owned();
-        Err(EmitError::Unsayable { format: Format::Opendrop, what, help })
+        Err(EmitError::Unsayable { format, what, help })
+    }
+
+    /// The voltage of all electrodes that the driver switches, in volts.
+    ///
+    /// # Errors
+    /// [`EmitError::Unsayable`] where there are two.
+    pub(super) fn voltage_v(&self, format: Format) -> Result<f64, EmitError> {
+        let links = self.wired.drives.iter().map(|drive| (&drive.output, drive.link));
+        let volts = links.filter_map(|(output, link)| match link {
+            Link::Switch { on_v } => Some((output, on_v)),
+            Link::Amplifier { .. } | Link::StageDriver { .. } | Link::Axis { .. } => None,
+        });
+        let mut volts = volts.peekable();
+        let Some((first, voltage_v)) = volts.peek().copied() else { return Ok(0.0) };
+        let Some((other, other_v)) = volts.find(|(_, on_v)| *on_v != voltage_v) else { return Ok(voltage_v) };
+        let name = self.wired.name;
+        let what =
+            format!("{voltage_v} V at `{name}.{first}` beside {other_v} V at `{name}.{other}`: it has one for all");
+        let help = "give all boards of the driver the same `potential`".to_owned();
+        Err(EmitError::Unsayable { format, what, help })
     }
 
     /// The time that each frame of OpenDrop's file stands for, in nanoseconds.
@@ -210,12 +234,12 @@ impl<'a> FramedBoard<'a> {
     }
 
     /// What the sender must know.
-    fn listing(&self) -> serde_json::Value {
+    fn listing(&self) -> Result<serde_json::Value, EmitError> {
         let electrodes: BTreeMap<u32, &str> = (self.wired.drives.iter().zip(&self.wired.schedule.channels))
             .filter_map(|(drive, channel)| Some((number_after("c", &drive.output)?, channel.name.as_str())))
             .collect();
         let name = &self.wired.schedule.name;
-        json!({
+        let mut listing = json!({
             "name": self.wired.name,
             "model": self.wired.instrument.model,
             "protocol": self.facts.protocol.name(),
@@ -223,7 +247,12 @@ impl<'a> FramedBoard<'a> {
             "frames": self.frames.len(),
             "rest": self.rest,
             "electrodes": electrodes.iter().map(|(number, name)| format!("c{number} {name}")).collect::<Vec<_>>(),
-        })
+        });
+        if self.facts.protocol.sets_voltage() {
+            listing["voltage_v"] = json!(self.voltage_v(Format::Frames)?);
+            listing["frequency_hz"] = json!(self.facts.frequency_hz);
+        }
+        Ok(listing)
     }
 }
 

@@ -5,9 +5,10 @@
     python NAME.frames.py --dry-run              read and check the frames, send nothing
     python NAME.frames.py od=/dev/ttyACM0        the serial port of an OpenDrop; without it the one that is found on USB
     python NAME.frames.py pd=192.168.7.2:7000    the server of a PurpleDrop; without it 127.0.0.1:7000
+    python NAME.frames.py db=/dev/ttyACM0        the serial port of a DropBot; without it the one that its package finds
 
-An OpenDrop needs the package pyserial (`pip install pyserial`); a PurpleDrop needs its server `pdserver` only. Voltage and frequency
-are set on the device. All electrodes are switched off before the start, at the end, on an error and on Ctrl-C, but outputs that rest on. A frame that cannot be sent within its own
+An OpenDrop needs the package pyserial (`pip install pyserial`); a PurpleDrop needs its server `pdserver` only; a DropBot needs the
+package `dropbot`. Voltage and frequency are set on the device, but a DropBot is set to those of the program. All electrodes are switched off before the start, at the end, on an error and on Ctrl-C, but outputs that rest on. A frame that cannot be sent within its own
 time is an error. Where the program waits, the frame that is on stays so; the frames after it are due from the end of the wait, and a wait
 that is too long ends like an error. The electrodes of reservoirs are not played: droplets that are dispensed are named when they are due, each at the
 electrode of its outlet, which is on by then. Exit status: 0 played, 1 a driver refused or was late, 2 wrong usage, 130 Ctrl-C.
@@ -94,7 +95,46 @@ class Purpledrop:
         pass
 
 
-PROTOCOLS = {"opendrop": Opendrop, "purpledrop": Purpledrop}
+class Dropbot:
+    """States of all channels, an array of 0 and 1; its high voltage is on from the start to the end."""
+
+    made = 0
+
+    def __init__(self, address):
+        try:
+            import dropbot
+        except ImportError as error:
+            raise RuntimeError(f"the package `dropbot` is not installed ({error})") from error
+        # Boards are made in the order of the drivers.
+        driver = [driver for driver in PLAYS["drivers"] if driver["protocol"] == "dropbot"][Dropbot.made]
+        Dropbot.made += 1
+        self.rest = driver["rest"]
+        self.proxy = dropbot.SerialProxy(**({"port": address} if address else {}))
+        self.address = address or "DropBot"
+        self.channels = self.proxy.number_of_channels
+        self.send([])
+        self.proxy.voltage = driver["voltage_v"]
+        if driver["frequency_hz"]:
+            self.proxy.frequency = driver["frequency_hz"]
+        self.proxy.hv_output_selected = True
+        self.proxy.hv_output_enabled = True
+
+    def send(self, on):
+        import numpy
+
+        states = numpy.zeros(self.channels, dtype=int)
+        states[sorted(on)] = 1
+        self.proxy.state_of_channels = states
+
+    def close(self):
+        try:
+            if not self.rest:
+                self.proxy.hv_output_enabled = False
+        finally:
+            self.proxy.terminate()
+
+
+PROTOCOLS = {"opendrop": Opendrop, "purpledrop": Purpledrop, "dropbot": Dropbot}
 
 
 def read(driver, folder):

@@ -1,27 +1,83 @@
 use super::*;
-use crate::device::electrode_array::Electrodes;
-use crate::device::instrument::{Bench, Drive, Instrument, Link, StageLimits, Start};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, ElectrodeMap, Electrodes};
+use crate::device::instrument::{Awaited, Bench, Drive, HoldTerms, Instrument, Link, StageLimits, Start};
 use crate::diagnostic::Code;
 use crate::emit::{Provenance, emit, fixture};
 use crate::lower::electrode_array::tests::{carried, facts};
-use crate::schedule::{Channel, ChannelUnit, State};
+use crate::schedule::{Channel, ChannelUnit, ScheduledHold, State};
 use crate::source::Span;
 use crate::verify::Verified;
 
-/// All voltages of a fixture on a driver, from channel 8 on.
-pub fn on_driver((verified, provenance): (Verified, Provenance), protocol: Protocol) -> (Verified, Provenance) {
+/// A bench with a driver alone.
+fn bench_of(protocol: Protocol) -> Bench {
     let facts = ElectrodeDriverFacts {
         protocol,
-        channels: 128,
+        channels: protocol.channels(),
         least_v: 0.0,
         most_v: 300.0,
         least_frame_ns: 1,
+        frequency_hz: protocol.sets_voltage().then_some(1e4),
         start: Start::Sender,
     };
+    let mut bench = Bench::default();
+    let instrument = Instrument { model: "a.driver".to_owned(), facts: InstrumentFacts::ElectrodeDriver(facts) };
+    bench.instruments.insert("driver".to_owned(), instrument);
+    bench
+}
+
+/// Two droplets on a board of 8 x 5 electrodes without its corner, which has number 5 c + r less 6; both go on, rest 1 ms, and go back.
+pub fn board_on_driver(protocol: Protocol) -> (Verified, Provenance) {
+    let cells = (1..=5).flat_map(|row| (1..=8).map(move |column| ElectrodeCell::new(column, row)));
+    let number = |cell: ElectrodeCell| (5 * cell.column + cell.row).checked_sub(7);
+    let map = ElectrodeMap { columns: 8, channels: cells.map(number).collect(), disabled: Vec::new() };
+    let facts = ElectrodeArrayFacts { columns: 8, rows: 5, map: Some(map.clone().into()), ..facts(Electrodes::Single) };
+    let there = vec![vec![(1, 5), (2, 5), (3, 5)], vec![(8, 1), (8, 2), (8, 3)]];
+    let back = there.iter().map(|way| way.iter().rev().copied().collect()).collect();
+    let (claims, mut schedule) = carried(&facts, &[there, Vec::new(), back]);
+    schedule.bench = bench_of(protocol);
+    for (cell, number) in map.numbered() {
+        let drive = Drive {
+            instrument: "driver".to_owned(),
+            output: format!("c{number}"),
+            link: Link::Switch { on_v: facts.potential_v },
+            limits: StageLimits::default(),
+            span: Span::default(),
+        };
+        schedule.bench.drives.insert(format!("plate.{}", ElectrodeArrayFacts::channel(cell)), drive);
+    }
+    (Verified::assume(schedule, claims), Provenance::default())
+}
+
+/// The same with waits for a person, each for 1 ms: before the first step, where nothing moves, and at the end.
+pub fn prompting_board(protocol: Protocol) -> (Verified, Provenance) {
+    let (verified, provenance) = board_on_driver(protocol);
+    let waiting = fixture::changed(&verified, |schedule| {
+        let rest_ns = schedule.steps[0].start_ns + schedule.steps[0].duration_ns;
+        let shift = |t_ns: u64| t_ns + 1_000_000 + if t_ns > rest_ns { 1_000_000 } else { 0 };
+        let over_ns = shift(schedule.duration_ns);
+        for actuation in &mut schedule.actuations {
+            let end_ns = shift(actuation.end_ns());
+            actuation.start_ns = if actuation.start_ns == 0 { 0 } else { shift(actuation.start_ns) };
+            // What is on at the end stays so while the last question waits.
+            let end_ns = if end_ns == over_ns { end_ns + 1_000_000 } else { end_ns };
+            actuation.duration_ns = end_ns - actuation.start_ns;
+        }
+        let asked = [(0, "fill the board"), (rest_ns + 1_000_000, "add \"oil\""), (over_ns, "done?")];
+        schedule.duration_ns = over_ns + 1_000_000;
+        schedule.holds = asked.map(|(start_ns, prompt)| hold(start_ns, prompt, false)).to_vec();
+    });
+    (waiting, provenance)
+}
+
+fn hold(start_ns: u64, prompt: &str, is_bounded: bool) -> ScheduledHold {
+    let awaited = Awaited::Person { prompt: prompt.to_owned() };
+    ScheduledHold { step: 0, start_ns, terms: HoldTerms { awaited, duration_ns: 1_000_000, is_bounded } }
+}
+
+/// All voltages of a fixture on a driver, from channel 8 on.
+pub fn on_driver((verified, provenance): (Verified, Provenance), protocol: Protocol) -> (Verified, Provenance) {
     let wired = fixture::changed(&verified, |schedule| {
-        let mut bench = Bench::default();
-        let instrument = Instrument { model: "a.driver".to_owned(), facts: InstrumentFacts::ElectrodeDriver(facts) };
-        bench.instruments.insert("driver".to_owned(), instrument);
+        let mut bench = bench_of(protocol);
         let volts = schedule.channels.iter().filter(|channel| channel.unit == ChannelUnit::Volt);
         for (Channel { name, .. }, number) in volts.zip(8..) {
             let drive = Drive {
@@ -126,4 +182,102 @@ fn what_cannot_be_written_says_why() {
         schedule.actuations[0].duration_ns -= 1;
     });
     assert_eq!(code(Format::Opendrop, (long, Provenance::default())), Err(Code::E0823), "frames of 1 ns");
+}
+
+/// What MicroDrop reads: the steps of a protocol without their names.
+fn microdrop_steps(fixture: &(Verified, Provenance)) -> Vec<serde_json::Value> {
+    let text = file(Format::Microdrop, fixture, "driver.microdrop.json");
+    let protocol: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let rows = protocol["rows"].as_array().expect("rows").iter();
+    rows.map(|row| row.as_array().expect("a row")[4..].to_vec().into()).collect()
+}
+
+/// Both droplets hold their electrodes, and the one before them is on while they move on; numbers are 5 c + r - 7.
+#[test]
+fn a_step_of_microdrop_stands_for_each_frame() {
+    let steps = microdrop_steps(&board_on_driver(Protocol::Dropbot));
+    let on = |channels: [u32; 2]| channels.map(|number| format!("electrode{number:03}"));
+    let frames = [(0.005, [8, 35]), (0.006, [13, 36]), (0.005, [8, 35]), (0.005, [3, 34])];
+    let expected = frames.map(|(seconds, channels)| json!([seconds, on(channels), 100, 10_000]));
+    assert_eq!(steps, expected);
+    let steps = microdrop_steps(&board_on_driver(Protocol::Opendrop));
+    assert_eq!(steps, frames.map(|(seconds, channels)| json!([seconds, on(channels)])), "nothing to set");
+}
+
+/// A prompt is shown before its step, with what was on before.
+#[test]
+fn prompts_are_messages_of_the_steps_behind_them() {
+    let steps = microdrop_steps(&prompting_board(Protocol::Opendrop));
+    let asked: Vec<(f64, &str)> =
+        steps.iter().map(|step| (step[0].as_f64().expect("seconds"), step[2].as_str().expect("a message"))).collect();
+    let expected = [
+        (0.0, ""),
+        (0.005, "fill the board"),
+        (0.005, ""),
+        (0.001, "add \"oil\""),
+        (0.005, ""),
+        (0.005, ""),
+        (0.0, "done?"),
+    ];
+    assert_eq!(asked, expected);
+    for before in [0, 2, 5] {
+        assert_eq!(steps[before][1], steps[before + 1][1], "what is on stays so");
+    }
+}
+
+/// Electrodes are squares of twice the radius, 70 um, on a pitch of 94.5 um, and a pixel is 1/96 of an inch.
+#[test]
+fn the_device_of_microdrop_has_the_sizes_of_the_board() {
+    let text = file(Format::Microdrop, &board_on_driver(Protocol::Opendrop), "driver.microdrop.svg");
+    let px = |um: f64| {
+        let text = format!("{:.5}", um * 96.0 / 25_400.0);
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    };
+    assert!(text.contains(&format!("width=\"{}\" height=\"{}\"", px(8.0 * 94.5), px(5.0 * 94.5))), "{text}");
+    // (3, 4) lies in the second row from the top.
+    let [left, right, top, bottom] = [236.25 - 35.0, 236.25 + 35.0, 141.75 - 35.0, 141.75 + 35.0].map(px);
+    let path = format!("d=\"M {left},{top} H {right} V {bottom} H {left} Z\"");
+    let line = text.lines().find(|line| line.contains("id=\"electrode012\"")).expect("its electrode");
+    assert!(line.contains("data-channels=\"12\"") && line.contains(&path), "{line}");
+    // Of 40 places one is empty: 8 x 4 and 7 x 5 pairs without its two.
+    assert_eq!([text.matches("<path ").count(), text.matches("<line ").count()], [39, 32 + 35 - 2]);
+}
+
+#[test]
+fn what_microdrop_has_no_form_for_is_refused() {
+    let refused = |fixture: (Verified, Provenance)| {
+        let error = emit(Format::Microdrop, &fixture.0, &fixture.1).expect_err("it has no form").diagnostic();
+        (error.code, error.title)
+    };
+    let changed = |change: &dyn Fn(&mut Schedule)| {
+        let (verified, provenance) = board_on_driver(Protocol::Dropbot);
+        refused((fixture::changed(&verified, |schedule| change(schedule)), provenance))
+    };
+    assert_eq!(refused(fixture::fetch()).0, Code::E0824, "no driver");
+    assert_eq!(refused(board_on_driver(Protocol::Purpledrop)).0, Code::E0824, "it does not drive it");
+    let lamp = refused(on_driver(fixture::fetch(), Protocol::Dropbot));
+    assert!(lamp.0 == Code::E0831 && lamp.1.contains("no electrode of a board"), "{lamp:?}");
+    let volts = |on_v: f64| {
+        changed(&|schedule| {
+            for drive in schedule.bench.drives.values_mut() {
+                drive.link = Link::Switch { on_v };
+            }
+        })
+    };
+    assert!(volts(82.5).1.contains("82.5 V"), "{:?}", volts(82.5));
+    let two = changed(&|schedule| {
+        let drive = schedule.bench.drives.get_mut("plate.e2_5").expect("its wire");
+        drive.link = Link::Switch { on_v: 90.0 };
+    });
+    assert!(two.0 == Code::E0831 && two.1.contains("one for all"), "{two:?}");
+    assert!(changed(&|schedule| schedule.channels[0].rest_v = 100.0).1.contains("rests on"));
+    let bounded = changed(&|schedule| schedule.holds = vec![hold(0, "now", true)]);
+    assert!(bounded.0 == Code::E0831 && bounded.1.contains("longest time"), "{bounded:?}");
+    let input = changed(&|schedule| {
+        let mut wait = hold(0, "", false);
+        wait.terms.awaited =
+            Awaited::Input { name: "ready".to_owned(), place: None, level: crate::device::instrument::Level::High };
+        schedule.holds = vec![wait];
+    });
+    assert!(input.0 == Code::E0831 && input.1.contains("`ready`"), "{input:?}");
 }

@@ -30,7 +30,9 @@ fn formats(verified: &Verified) -> impl Iterator<Item = Format> {
     Format::ALL.iter().copied().filter(move |format| match format {
         Format::Gcode => all_stages,
         Format::Scpi => is_wired,
-        Format::Nidaqmx | Format::Frames | Format::Opendrop | Format::Stages | Format::Sheet => false,
+        Format::Nidaqmx | Format::Frames | Format::Opendrop | Format::Microdrop | Format::Stages | Format::Sheet => {
+            false
+        }
         Format::Mcap | Format::Json | Format::Csv | Format::Vcd | Format::Pwl | Format::Html | Format::Svg => true,
     })
 }
@@ -157,6 +159,19 @@ fn write_fixtures() {
         let fixture = super::frames::tests::on_driver(fixture::fetch(), protocol);
         let named = fixture::changed(&fixture.0, |schedule| schedule.name = name.to_owned());
         for format in [Format::Json, Format::Frames] {
+            write(&drivers, format, (named.clone(), fixture.1.clone()));
+        }
+    }
+    type Make = fn(Protocol) -> (Verified, Provenance);
+    let boards: [(&str, Protocol, Make); 3] = [
+        ("db", Protocol::Dropbot, super::frames::tests::board_on_driver),
+        ("ob", Protocol::Opendrop, super::frames::tests::board_on_driver),
+        ("ask", Protocol::Dropbot, super::frames::tests::prompting_board),
+    ];
+    for (name, protocol, make) in boards {
+        let fixture = make(protocol);
+        let named = fixture::changed(&fixture.0, |schedule| schedule.name = name.to_owned());
+        for format in [Format::Json, Format::Frames, Format::Microdrop] {
             write(&drivers, format, (named.clone(), fixture.1.clone()));
         }
     }

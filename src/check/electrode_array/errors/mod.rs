@@ -13,7 +13,7 @@ pub use reservoirs::*;
 pub use teams::*;
 pub use zones::*;
 
-use crate::check::value::Value;
+use crate::check::value::{BoardFile, LeftOut, Value};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, digits};
@@ -136,6 +136,54 @@ pub fn channel_shared(channel: u32) -> Diagnostic {
 pub fn no_electrode() -> Diagnostic {
     Diagnostic::new(Code::E0429, "a board without an electrode")
         .help("write the number of the driver's channel at each place that has an electrode")
+}
+
+/// Two fields of one file that give channels.
+pub fn two_maps() -> Diagnostic {
+    Diagnostic::new(Code::E0429, "`map` and `channels` both have the channels of the electrodes")
+        .help("leave one of them out: `map` takes all from its file")
+}
+
+/// A number of columns or rows beside a file that has another one.
+pub fn side_of_map(name: &str, given: u32, board: &BoardFile) -> Diagnostic {
+    let (side, path) = (if name == "columns" { board.columns } else { board.rows }, &board.path);
+    let title = format!("`{name}` is {given}, but the electrodes of `{path}` have {side} {name}");
+    let title = if side == 1 { title.trim_end_matches('s').to_owned() } else { title };
+    Diagnostic::new(Code::E0429, title)
+        .help(format!("leave `{name}` out, `map` takes it from the file, or write {side}"))
+}
+
+/// Most names of electrodes in a label.
+const MOST_NAMES: usize = 12;
+
+/// Electrodes of a file that are no places for droplets.
+pub fn left_out(board: &BoardFile) -> Diagnostic {
+    let LeftOut { sharing, off_lattice } = &board.left_out;
+    let kept = board.channels.iter().flatten().count();
+    let count = sharing.len() + off_lattice.len();
+    let title = format!("{count} of the {} electrodes of `{}` are left out", kept + count, board.path);
+    let title = if count == 1 { title.replace("are left out", "is left out") } else { title };
+    Diagnostic::new(Code::W0405, title).help(
+        "droplets are not sent there; switch them by hand or by your own program, or write the board out as `channels` with other places",
+    )
+}
+
+/// What a label says of electrodes that are left out.
+pub fn names_left_out(LeftOut { sharing, off_lattice }: &LeftOut) -> String {
+    let named = |names: &[String], why: &str| {
+        let mut distinct: Vec<&str> = Vec::new();
+        for name in names {
+            if !distinct.contains(&name.as_str()) {
+                distinct.push(name);
+            }
+        }
+        let shown = distinct.iter().take(MOST_NAMES).copied().collect::<Vec<_>>().join(", ");
+        let more = distinct.len().saturating_sub(MOST_NAMES);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        (!names.is_empty()).then(|| format!("{why}: {shown}{more}"))
+    };
+    let parts = [named(sharing, "on a channel with others"), named(off_lattice, "off the lattice")];
+    parts.into_iter().flatten().collect::<Vec<_>>().join("; ")
 }
 
 pub fn microparts_need_all() -> Diagnostic {

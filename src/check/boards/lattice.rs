@@ -1,0 +1,121 @@
+//! The lattice on which most electrodes of a drawing lie.
+//!
+//! The pitch is the median of the distances from each electrode to its nearest. Two electrodes are neighbours if one lies a pitch beside or
+//! above the other, within a share of it; the largest set that hangs together is the board. Places are counted from neighbour to neighbour,
+//! so that an error of the pitch does not grow. Cost grows with the square of the number of electrodes.
+
+use super::DrawnElectrode;
+use crate::check::value::{BoardFile, LeftOut};
+use crate::device::BoardLimits;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
+/// How far an electrode may lie off its place, in pitches: teeth of electrodes that reach into each other move their middles.
+const OFF_PLACE: f64 = 0.2;
+
+/// The least and the greatest side of an electrode of the lattice, in pitches.
+const SIDES: [f64; 2] = [0.5, 1.3];
+
+/// A column and a row, downwards, counted from an electrode.
+type LatticePlace = [i64; 2];
+
+/// The board of a drawing.
+///
+/// # Errors
+/// Why it is none, as the rest of a sentence.
+pub(super) fn board(path: &str, electrodes: Vec<DrawnElectrode>, limits: BoardLimits) -> Result<BoardFile, String> {
+    let BoardLimits { most_side, .. } = limits;
+    let mut uses: BTreeMap<u32, u32> = BTreeMap::new();
+    electrodes.iter().for_each(|electrode| *uses.entry(electrode.channel).or_default() += 1);
+    let is_shared = |electrode: &DrawnElectrode| uses.get(&electrode.channel).is_some_and(|count| *count > 1);
+    let (shared, own): (Vec<_>, Vec<_>) = electrodes.into_iter().partition(is_shared);
+    let places = places(&own).ok_or("has no electrode of its own channel on a lattice")?;
+    let axis = |axis: usize| {
+        let values = || places.values().map(|place| place[axis]);
+        values().min().zip(values().max()).unwrap_or_default()
+    };
+    let [(left, right), (top, bottom)] = [0, 1].map(axis);
+    let sides = [right - left + 1, bottom - top + 1];
+    let [columns, rows] = sides.map(|side| u32::try_from(side).ok().filter(|side| *side <= most_side));
+    let (Some(columns), Some(rows)) = (columns, rows) else {
+        return Err(format!("has {} columns and {} rows, at most {most_side} are planned with", sides[0], sides[1]));
+    };
+    let mut channels = vec![None; columns as usize * rows as usize];
+    let mut left_out =
+        LeftOut { sharing: shared.into_iter().map(|electrode| electrode.name).collect(), ..LeftOut::default() };
+    for (index, electrode) in own.into_iter().enumerate() {
+        let cell = places.get(&index).map(|[x, y]| ((bottom - y) * i64::from(columns) + (x - left)) as usize);
+        match cell.and_then(|cell| channels.get_mut(cell)) {
+            Some(place @ None) => *place = Some(electrode.channel),
+            Some(Some(_)) | None => left_out.off_lattice.push(electrode.name),
+        }
+    }
+    Ok(BoardFile { path: path.to_owned(), columns, rows, channels, left_out })
+}
+
+/// The places of the largest set of electrodes that hang together, by their index; `None` without an electrode that has bounds.
+fn places(electrodes: &[DrawnElectrode]) -> Option<BTreeMap<usize, LatticePlace>> {
+    let drawn = || electrodes.iter().enumerate().filter_map(|(index, electrode)| Some((index, electrode.bounds?)));
+    let middles: Vec<(usize, [f64; 2])> = drawn().map(|(index, bounds)| (index, middle(bounds))).collect();
+    let Some(spacing) = spacing(&middles) else {
+        let (alone, _) = middles.first()?;
+        return Some(BTreeMap::from([(*alone, [0, 0])]));
+    };
+    let fits = |side: f64| (SIDES[0] * spacing..=SIDES[1] * spacing).contains(&side);
+    let mut open: BTreeMap<usize, [f64; 2]> = drawn()
+        .filter(|(_, [left, top, right, bottom])| fits(right - left) && fits(bottom - top))
+        .map(|(index, bounds)| (index, middle(bounds)))
+        .collect();
+    let mut largest: BTreeMap<usize, LatticePlace> = BTreeMap::new();
+    while let Some((index, at)) = open.pop_first() {
+        let found = hanging_together((index, at), &mut open, spacing);
+        if found.len() > largest.len() {
+            largest = found;
+        }
+    }
+    (!largest.is_empty()).then_some(largest)
+}
+
+/// The electrodes that can be reached from one, each with its place; they are taken from those that are open.
+fn hanging_together(
+    first: (usize, [f64; 2]),
+    open: &mut BTreeMap<usize, [f64; 2]>,
+    spacing: f64,
+) -> BTreeMap<usize, LatticePlace> {
+    let mut places = BTreeMap::from([(first.0, [0, 0])]);
+    let mut taken: BTreeSet<LatticePlace> = BTreeSet::from([[0, 0]]);
+    let mut queue = VecDeque::from([(first.1, [0, 0])]);
+    while let Some((at, place)) = queue.pop_front() {
+        for step in [[1, 0], [-1, 0], [0, 1], [0, -1]] {
+            let next = [place[0] + step[0], place[1] + step[1]];
+            let goal = [at[0] + step[0] as f64 * spacing, at[1] + step[1] as f64 * spacing];
+            let off = |other: &[f64; 2]| (other[0] - goal[0]).abs().max((other[1] - goal[1]).abs());
+            let near = open.iter().filter(|(_, other)| off(other) <= OFF_PLACE * spacing);
+            let Some((index, other)) = near.min_by(|a, b| off(a.1).total_cmp(&off(b.1))) else { continue };
+            if !taken.insert(next) {
+                continue;
+            }
+            let (index, other) = (*index, *other);
+            open.remove(&index);
+            places.insert(index, next);
+            queue.push_back((other, next));
+        }
+    }
+    places
+}
+
+fn middle([left, top, right, bottom]: [f64; 4]) -> [f64; 2] {
+    [(left + right) / 2.0, (top + bottom) / 2.0]
+}
+
+/// The median of the distances to the nearest; `None` for less than two electrodes.
+fn spacing(middles: &[(usize, [f64; 2])]) -> Option<f64> {
+    let nearest = |(index, at): &(usize, [f64; 2])| {
+        let others = middles.iter().filter(|(other, _)| other != index);
+        let apart = others.map(|(_, other)| [other[0] - at[0], other[1] - at[1]]);
+        let squares = apart.map(|[x, y]| x * x + y * y);
+        squares.filter(|square| *square > 0.0).min_by(f64::total_cmp)
+    };
+    let mut squares: Vec<f64> = middles.iter().filter_map(nearest).collect();
+    squares.sort_by(f64::total_cmp);
+    squares.get(squares.len() / 2).map(|square| square.sqrt())
+}

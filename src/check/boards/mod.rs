@@ -1,0 +1,100 @@
+//! Files of boards: which of them a program names, and their electrodes as cells, each file read once.
+//!
+//! Three forms are known by what is in them: board definitions of PurpleDrop, the list of electrodes of OpenDrop's program, and device
+//! files of MicroDrop. Electrodes on one lattice, from each of which a droplet can go to the next, become cells; electrodes that share
+//! a channel, and those off the lattice, are left out.
+
+mod lattice;
+mod lists;
+mod paths;
+mod pictures;
+
+use super::scope::Scope;
+use super::value::{BoardFile, Value};
+use super::{Checker, errors};
+use crate::device::BoardLimits;
+use crate::syntax::tree::{self, Expr, ExprKind, Item, Text};
+use std::rc::Rc;
+
+/// The name of the field that names such a file.
+const FIELD: &str = "map";
+
+/// Most electrodes of a file, shared channels included.
+const MAX_ELECTRODES: usize = 8192;
+
+/// An electrode as a file draws it.
+#[derive(Debug, Clone, PartialEq)]
+struct DrawnElectrode {
+    name: String,
+    channel: u32,
+    /// Left, top, right and bottom in a unit of the file, downwards; `None` where the file places it apart from its lattice.
+    bounds: Option<[f64; 4]>,
+}
+
+/// The strings of a file that name boards: those after `map:` in its devices.
+pub fn named(tree: &tree::Tree) -> Vec<&Text> {
+    let devices = tree.items.iter().filter_map(|item| match item {
+        Item::Device(device) => Some(device),
+        Item::Use(_)
+        | Item::Let(_)
+        | Item::Scene(_)
+        | Item::Instrument(_)
+        | Item::Output(_)
+        | Item::Task(_)
+        | Item::Program(_)
+        | Item::Wiring(_)
+        | Item::Error(_) => None,
+    });
+    let fields = devices.flat_map(|device| &device.fields).filter(|field| field.name.text == FIELD);
+    fields
+        .filter_map(|field| match &field.value.kind {
+            ExprKind::Text(text) => Some(text),
+            _ => None,
+        })
+        .collect()
+}
+
+/// The board of a file.
+///
+/// # Errors
+/// What is wrong with the file, as the rest of a sentence that begins with its name.
+fn read(path: &str, text: &str, limits: BoardLimits) -> Result<BoardFile, String> {
+    let is_picture = text.trim_start_matches('\u{feff}').trim_start().starts_with('<');
+    let electrodes = if is_picture { pictures::read(text, limits)? } else { lists::read(text, limits)? };
+    if electrodes.is_empty() {
+        return Err("has no electrode with a channel".to_owned());
+    }
+    lattice::board(path, electrodes, limits)
+}
+
+impl Checker<'_> {
+    /// The board of a file that was read with the program; `None` after an error.
+    pub fn accept_board(&mut self, limits: BoardLimits, expr: &Expr, scope: &Scope) -> Option<Value> {
+        let path = match &expr.kind {
+            ExprKind::Text(text) => text.plain(),
+            ExprKind::Error => return None,
+            _ => None,
+        };
+        let Some(path) = path else {
+            self.sink.push(errors::board_file_not_plain(expr.span));
+            return None;
+        };
+        let key = (scope.module, path);
+        if !self.boards.contains_key(&key) {
+            // A file that could not be read was reported where the program was loaded.
+            let text = self.modules[scope.module].meshes.get(&key.1)?;
+            let board = match read(&key.1, text, limits) {
+                Ok(board) => Some(Rc::new(board)),
+                Err(fault) => {
+                    self.sink.push(errors::bad_board(expr.span, &key.1, &fault));
+                    None
+                }
+            };
+            self.boards.insert(key.clone(), board);
+        }
+        self.boards.get(&key).cloned().flatten().map(Value::Board)
+    }
+}
+
+#[cfg(test)]
+mod tests;

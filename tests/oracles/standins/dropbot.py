@@ -1,0 +1,39 @@
+"""A stand-in for the package of the DropBot, for tests of the sender: a proxy with the attributes that its page shows.
+
+Each state of the channels that takes effect, and each setting, goes into the file that STANDIN_LOG names, with its time. STANDIN_FAULT
+is the number of the state at which the connection breaks for once.
+"""
+
+import json
+import os
+import time
+
+CHANNELS = 120
+
+
+class SerialProxy:
+    number_of_channels = CHANNELS
+
+    def __init__(self, port=None):
+        self.states = 0
+        self.log("port", port)
+
+    @staticmethod
+    def log(name, value):
+        with open(os.environ["STANDIN_LOG"], "a", encoding="utf-8") as log:
+            log.write(json.dumps([time.monotonic(), name, value]) + "\n")
+
+    def __setattr__(self, name, value):
+        if name in ("voltage", "frequency", "hv_output_enabled", "hv_output_selected"):
+            self.log(name, value)
+        elif name == "state_of_channels":
+            self.states += 1
+            if os.environ.get("STANDIN_FAULT") == str(self.states):
+                raise OSError("the board does not answer")
+            # It takes one state for each channel, no list of numbers.
+            assert value.shape == (CHANNELS,) and set(value.tolist()) <= {0, 1}
+            self.log(name, [number for number, state in enumerate(value.tolist()) if state])
+        super().__setattr__(name, value)
+
+    def terminate(self):
+        self.log("terminate", None)
