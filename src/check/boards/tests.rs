@@ -105,7 +105,7 @@ fn what_is_no_board_says_where() {
         ),
         ("{}", "missing field `layout`"),
         ("{ \"layout\": {} }", "no electrode with a channel"),
-        ("[{\"x\":0,\"y\":0,\"h\":1,\"v\":1}]", "is not OpenDrop's electrodes, line 1, column 27: missing field `e`"),
+        ("[{\"x\":0,\"y\":0,\"h\":1,\"v\":1}]", "is not OpenDrop's electrodes, line 1, column 26: missing field `e`"),
         ("[{\"x\":0,\"y\":0,\"h\":0,\"v\":1,\"e\":4}]", "without an area, channel 4"),
         ("[{\"x\":0,\"y\":0,\"h\":1,\"v\":1,\"e\":5000}]", "a channel 5000"),
         ("[{\"x\":1e308,\"y\":0,\"h\":1e308,\"v\":1,\"e\":5}]", "without an area"),
