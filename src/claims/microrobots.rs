@@ -85,7 +85,8 @@ pub struct Precision {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Assurance {
-    /// It is reported.
+    /// It is reported. Logs have had another word for it.
+    #[serde(rename = "told")]
     Reported,
     /// It is an error.
     Demanded,
