@@ -65,10 +65,10 @@ impl Loader<'_> {
         let file = self.sources.add_as(name.to_owned(), self.shown(name, origin), origin, text);
         let tree = syntax::parse(file, text, self.sink);
         let imports = self.imports(&tree);
-        let meshes = self.named_files(&tree, name);
+        let named_files = self.named_files(&tree, name);
         self.open.pop();
         let mut module = Module::new(tree, imports, origin, self.sink);
-        module.meshes = meshes;
+        module.named_files = named_files;
         self.modules[index] = Some(module);
         index
     }
@@ -84,11 +84,11 @@ impl Loader<'_> {
     /// The files of triangles and of boards that shapes and devices of a file name; they become sources like any other, so that logs carry
     /// them.
     fn named_files(&mut self, tree: &tree::Tree, from: &str) -> BTreeMap<String, Arc<str>> {
-        let mut meshes = BTreeMap::new();
+        let mut files = BTreeMap::new();
         let boards: Vec<&tree::Text> = boards::named(tree);
         let of_triangles = meshes::named(tree).into_iter().map(|text| (text, true));
         for (text, is_mesh) in of_triangles.chain(boards.into_iter().map(|text| (text, false))) {
-            let Some(path) = text.plain().filter(|path| !meshes.contains_key(path)) else { continue };
+            let Some(path) = text.plain().filter(|path| !files.contains_key(path)) else { continue };
             let is_full = self.modules.len() + self.texts.len() >= MAX_FILES;
             let read = match is_mesh {
                 true => self.library.read_mesh(from, &path),
@@ -106,12 +106,12 @@ impl Loader<'_> {
                         self.sources.add_as(name.clone(), shown, Origin::User, Arc::clone(&text));
                         text
                     });
-                    meshes.insert(path, Arc::clone(known));
+                    files.insert(path, Arc::clone(known));
                 }
                 Err(why) => self.sink.push(errors::missing_file(text.span, &format!("`{path}`"), &why, &[])),
             }
         }
-        meshes
+        files
     }
 
     fn imports(&mut self, tree: &tree::Tree) -> BTreeMap<String, Import> {

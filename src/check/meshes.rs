@@ -86,7 +86,7 @@ impl Checker<'_> {
         let key = (scope.module, path);
         if !self.meshes.contains_key(&key) {
             // A file that could not be read was reported where the program was loaded.
-            let text = self.modules[scope.module].meshes.get(&key.1)?;
+            let text = self.modules[scope.module].named_files.get(&key.1)?;
             let mesh = match Mesh::read(text.as_bytes()) {
                 Ok(mesh) => Some(Rc::new(MeshFile { path: key.1.clone(), mesh })),
                 Err(fault) => {

@@ -70,7 +70,7 @@ pub struct Module {
     pub imports: BTreeMap<String, Import>,
     pub names: BTreeMap<String, Declaration>,
     /// The texts of the files of triangles and of boards that its shapes and devices name, by the names written there.
-    pub meshes: BTreeMap<String, Arc<str>>,
+    pub named_files: BTreeMap<String, Arc<str>>,
     origin: Origin,
 }
 
@@ -156,7 +156,7 @@ impl Module {
                 }
             }
         }
-        Module { tree, imports, names, meshes: BTreeMap::new(), origin }
+        Module { tree, imports, names, named_files: BTreeMap::new(), origin }
     }
 
     /// Whether a part that could not be read may declare a name here: reporting it as missing would repeat one mistake.

@@ -82,7 +82,7 @@ impl Checker<'_> {
         let key = (scope.module, path);
         if !self.boards.contains_key(&key) {
             // A file that could not be read was reported where the program was loaded.
-            let text = self.modules[scope.module].meshes.get(&key.1)?;
+            let text = self.modules[scope.module].named_files.get(&key.1)?;
             let board = match read(&key.1, text, limits) {
                 Ok(board) => Some(Rc::new(board)),
                 Err(fault) => {

@@ -78,16 +78,15 @@ impl Checker<'_> {
             let is_free = !outputs.used.contains_key(&format!("{name}.{output}"));
             (is_free && (link == LinkSort::Switch) == by_lines).then_some(link)
         };
-        let mut fitting = facts.output_names();
-        let sort = fitting.iter().find_map(fits);
-        fitting.retain(|output| fits(output).is_some());
-        let Some(sort) = sort else {
+        let fitting = facts.output_names().into_iter().filter_map(|output| Some((fits(&output)?, output)));
+        let fitting: Vec<(LinkSort, String)> = fitting.collect();
+        let Some(sort) = fitting.first().map(|(sort, _)| *sort) else {
             self.sink.push(errors::nothing_free(path.span, (&name, declared), by_lines));
             return None;
         };
         let (link, limits) = self.link(&name, &wire.fields, scope, (sort, wire.span), &panel.defaults)?;
         self.enlist(place, instrument, outputs)?;
-        for (channel, output) in left.drain(..left.len().min(fitting.len())).zip(fitting) {
+        for (channel, (_, output)) in left.drain(..left.len().min(fitting.len())).zip(fitting) {
             let shown = format!("{name}.{output}");
             outputs.used.insert(shown.clone(), path.span);
             let drive = Drive { instrument: name.clone(), output, link, limits, span: wire.span };

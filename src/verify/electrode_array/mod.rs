@@ -181,21 +181,17 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     /// Every electrode is on at the potential of the device.
     fn potentials(&self, findings: &mut Findings) {
         let volts = self.order.facts.potential_v;
-        findings.asked(Rule::Potential, self.pulses.iter().map(Vec::len).sum());
-        for (nth, pulses) in self.pulses.iter().enumerate() {
-            for (cell, part) in pulses.iter().filter(|(_, part)| part.from != volts || part.to != volts) {
-                let (from, to, at) = (part.from, part.to, ms(part.start_ns));
-                let title = format!("electrode {cell} goes from {from} V to {to} V at {at}, {volts} V is needed");
+        let mut hold = |nth: usize, name: &dyn Fn() -> String, part: &Actuation| {
+            findings.asked(Rule::Potential, 1);
+            if part.from != volts || part.to != volts {
+                let (name, from, to, at) = (name(), part.from, part.to, ms(part.start_ns));
+                let title = format!("{name} goes from {from} V to {to} V at {at}, {volts} V is needed");
                 findings.push(self.within(Rule::Potential, nth, part.start_ns, title));
             }
-        }
-        findings.asked(Rule::Potential, self.pads.iter().map(Vec::len).sum());
-        for (nth, pads) in self.pads.iter().enumerate() {
-            for (pad, part) in pads.iter().filter(|(_, part)| part.from != volts || part.to != volts) {
-                let (from, to, at) = (part.from, part.to, ms(part.start_ns));
-                let title = format!("pad {pad} goes from {from} V to {to} V at {at}, {volts} V is needed");
-                findings.push(self.within(Rule::Potential, nth, part.start_ns, title));
-            }
+        };
+        for (nth, (pulses, pads)) in self.pulses.iter().zip(&self.pads).enumerate() {
+            pulses.iter().for_each(|(cell, part)| hold(nth, &|| format!("electrode {cell}"), part));
+            pads.iter().for_each(|(pad, part)| hold(nth, &|| format!("pad {pad}"), part));
         }
     }
 

@@ -18,6 +18,7 @@ use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, digits};
 use crate::source::Span;
+use std::collections::BTreeSet;
 
 /// A part with a cell and where that stands in the source.
 #[derive(Clone, Copy)]
@@ -171,12 +172,8 @@ pub fn left_out(board: &BoardFile) -> Diagnostic {
 /// What a label says of electrodes that are left out.
 pub fn names_left_out(LeftOut { sharing, off_lattice }: &LeftOut) -> String {
     let named = |names: &[String], why: &str| {
-        let mut distinct: Vec<&str> = Vec::new();
-        for name in names {
-            if !distinct.contains(&name.as_str()) {
-                distinct.push(name);
-            }
-        }
+        let mut seen = BTreeSet::new();
+        let distinct: Vec<&str> = names.iter().map(String::as_str).filter(|name| seen.insert(*name)).collect();
         let shown = distinct.iter().take(MOST_NAMES).copied().collect::<Vec<_>>().join(", ");
         let more = distinct.len().saturating_sub(MOST_NAMES);
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
