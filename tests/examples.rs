@@ -54,6 +54,8 @@ fn every_example_builds_without_a_word_and_is_written_in_every_format() {
                     2 + schedule.holds.iter().filter(goes_on).count()
                 }
                 InstrumentFacts::StageController(_) => 2,
+                // Its G-code is counted with that of all schedules of stages.
+                InstrumentFacts::MachineController(_) => 0,
                 InstrumentFacts::ElectrodeDriver(facts) => {
                     2 + usize::from(facts.protocol == Protocol::Opendrop)
                         + 2 * usize::from(facts.protocol.has_microdrop())

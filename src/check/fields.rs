@@ -4,6 +4,7 @@ use super::Checker;
 use super::errors::{self, WantedName};
 use super::scope::{STEP_WORDS, Scope, nearest, path_text};
 use super::value::{Accepted, ObjectName, ShapeValue, TableValue, Value, whole};
+use crate::device::instrument::Family;
 use crate::device::shape::ShapeForm;
 use crate::device::{self, Need, Sort};
 use crate::diagnostic::Diagnostic;
@@ -88,7 +89,10 @@ impl Checker<'_> {
         table: &'static [device::VocabularyField],
     ) -> Option<&'static device::VocabularyField> {
         let word = field.name.text.as_str();
-        if STEP_WORDS.contains(&word) || device::condition_of_any_kind(word).is_some() {
+        // `start` is also a field of some instruments.
+        let is_of_instruments = Family::ALL.iter().any(|family| std::ptr::eq(family.fields(), table));
+        let is_setting = STEP_WORDS.contains(&word) || device::condition_of_any_kind(word).is_some();
+        if is_setting && !is_of_instruments {
             self.sink.push(errors::setting_with_colon(&field.name));
             return None;
         }

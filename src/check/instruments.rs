@@ -6,8 +6,8 @@ use super::scope::{DeclarationPlace, DeclarationSort, path_text};
 use super::value::Accepted;
 use super::{Checker, errors};
 use crate::device::instrument::{
-    DataAcquisitionFacts, ElectrodeDriverFacts, Family, Instrument, InstrumentFacts, Protocol, StageControllerFacts,
-    StageProtocol, Start, VoltageOutput, WaveformGeneratorFacts,
+    DataAcquisitionFacts, ElectrodeDriverFacts, Family, Instrument, InstrumentFacts, MachineControllerFacts, Protocol,
+    StageControllerFacts, StageProtocol, Start, VoltageOutput, WaveformGeneratorFacts,
 };
 use crate::syntax::tree::Item;
 use std::collections::BTreeSet;
@@ -70,6 +70,10 @@ impl Checker<'_> {
             }
             Family::ElectrodeDriver => self.facts_of_driver(fields, start),
             Family::StageController => self.facts_of_controller(fields, start),
+            Family::MachineController => {
+                let facts = MachineControllerFacts { axes: fields.count("axes")?, rate_hz: fields.si("rate")? };
+                Some(InstrumentFacts::MachineController(facts))
+            }
             Family::DataAcquisition => {
                 let facts = DataAcquisitionFacts {
                     ports: fields.count("ports")?,

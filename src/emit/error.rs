@@ -194,7 +194,9 @@ fn not_positions(format: Format, channel: Option<&str>) -> Diagnostic {
 fn not_wired(format: Format, name: &str, family: Family) -> Diagnostic {
     let wires = match family {
         Family::ElectrodeDriver => "electrodes -> NAME",
-        Family::WaveformGenerator | Family::DataAcquisition | Family::StageController => "…",
+        Family::WaveformGenerator | Family::DataAcquisition | Family::StageController | Family::MachineController => {
+            "…"
+        }
     };
     let (family, (file, instrument)) = (family.name(), family.library());
     let title =

@@ -1,36 +1,38 @@
 //! G-code in the dialect of LinuxCNC: positions of the stages of a hand, on the schedule's clock.
 //!
-//! `<name>.<device>.ngc` moves up to three fingers: X Y Z are the axes of the first, U V W of the second, A B C of the third, all nine
-//! of them linear and in millimetres. A hand with more fingers has a file for every three, `<name>.<device>.f1-f3.ngc` and so on,
-//! which must be started together. After a rapid move to the start of the schedule, the program pauses (M0); resuming is the
-//! schedule's instant 0. Each line then gives the positions of the moving axes at the next common instant. In G93 the feed is one over
-//! the minutes that a line takes, so that all axes arrive together and in time; G4 waits while nothing moves.
+//! Wired to a `machine_controller`, channels move the axes that their wires name, in `<name>.<instrument>.ngc`: places of the stages'
+//! own travel. Without such an instrument `<name>.<device>.ngc` moves up to three fingers: X Y Z are the axes of the first, U V W of the
+//! second, A B C of the third, and places are those of the channels. A hand with more fingers has a file for every three,
+//! `<name>.<device>.f1-f3.ngc` and so on, which must be started together. All nine axes are linear and in millimetres. After a rapid
+//! move to the start of the schedule, the program pauses (M0); resuming is the schedule's instant 0. Each line then gives the places of
+//! the moving axes at the next common instant. In G93 the feed is one over the minutes that a line takes, so that all axes arrive
+//! together and in time; G4 waits while nothing moves.
 //!
 //! A wait for a person is a pause (M0) with its message. One for an input is `M66` on the pin that the program names, as
 //! `"motion.digital-in-00"`, with its longest time; when that is over, the program is broken off, and the stages stay where they are.
 //!
-//! `G64 P` lets the controller round corners by at most half of the hand's `tolerance`: planned ways use the other half. Under G61,
-//! exact path, it would stop at every corner, and the program would take longer than its schedule. Numbers are whole nanometres.
-//! The machine's accelerations are not considered, and may add to the time of its moves. A line that is slower than the interpreter's
-//! least feed is refused.
+//! `G64 P` lets the controller round corners by at most half of the hand's `tolerance`, less what the servo cycles of a declared
+//! controller cut: planned ways use the other half. Under G61, exact path, it would stop at every corner, and the program would take
+//! longer than its schedule. Numbers are whole nanometres. Without wires the machine's accelerations are not considered, and may add to
+//! the time of its moves. A line that is slower than the interpreter's least feed is refused.
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
+use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
 use crate::claims::Claims;
-use crate::device::instrument::{Awaited, Level};
+use crate::device::instrument::{
+    AXIS_LETTERS, Awaited, Family, InstrumentFacts, Level, Link, MachineControllerFacts, cut_um,
+};
 use crate::quantity::{Dimension, Quantity};
 use crate::schedule::{Channel, ChannelUnit, Schedule, ScheduledHold};
 use std::fmt::Write as _;
 
-/// The letters of a machine's axes: three for each finger.
-const LETTERS: [char; 9] = ['X', 'Y', 'Z', 'U', 'V', 'W', 'A', 'B', 'C'];
-
 /// Fingers that one file moves.
 const FINGERS: usize = 3;
 
-/// Axes of a finger.
-const AXES: usize = LETTERS.len() / FINGERS;
+/// Axes of a finger, and those whose way a feed is the speed of.
+const AXES: usize = AXIS_LETTERS.len() / FINGERS;
 
 /// Estimated bytes of a line for each axis, and for the rest.
 const WORD_BYTES: u64 = 11;
@@ -49,25 +51,64 @@ const PIN: &str = "motion.digital-in-";
 ///
 /// # Errors
 /// [`EmitError::NotPositions`] where some channel is no stage's, or there is none; [`EmitError::Leap`] for a position that jumps;
-/// [`EmitError::Unsayable`] for a wait that the controller has no words for;
+/// [`EmitError::Unsayable`] for a wait that the controller has no words for, and for a controller beside other instruments;
 /// [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
 pub(super) fn write(signals: &Signals, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
+    let mut instruments = signals.schedule.bench.instruments.values();
+    match instruments.any(|instrument| instrument.facts.family() == Family::MachineController) {
+        true => by_wires(signals.schedule, claims),
+        false => by_fingers(signals, claims),
+    }
+}
+
+/// A file for each machine that channels are wired to.
+fn by_wires(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
+    let mut files = Vec::new();
+    for wired in wired(Format::Gcode, schedule, Family::MachineController)? {
+        let InstrumentFacts::MachineController(facts) = &wired.instrument.facts else { continue };
+        refuse_company(&wired)?;
+        let signals = Signals::new(&wired.schedule);
+        let letter = |output: &str| AXIS_LETTERS.iter().position(|letter| letter.to_string() == output);
+        let axes = wired.drives.iter().enumerate().filter_map(|(channel, drive)| {
+            Some(MovedAxis { letter: letter(&drive.output)?, channel, link: Some(drive.link) })
+        });
+        let mut axes: Vec<MovedAxis> = axes.collect();
+        axes.sort_by_key(|axis| axis.letter);
+        let rounding_nm = wired_rounding_nm(&signals, facts, claims);
+        let program = GcodeProgram { signals: &signals, name: wired.name, axes, rounding_nm, machine: Some(facts) };
+        files.push((wired.name.to_owned(), program.text()?.into_bytes()));
+    }
+    Ok(files)
+}
+
+/// An error for a machine with other instruments: nothing but its operator starts it.
+fn refuse_company(wired: &WiredInstrument) -> Result<(), EmitError> {
+    if wired.is_alone {
+        return Ok(());
+    }
+    Err(EmitError::Unsayable {
+        format: Format::Gcode,
+        what: format!("`{}` with other instruments: its program begins when the operator goes on", wired.name),
+        help: "wire all channels of the program to it, or its stages to controllers with a trigger".to_owned(),
+    })
+}
+
+/// A file for every three fingers of a device.
+fn by_fingers(signals: &Signals, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     refuse_what_is_no_stage(signals)?;
-    let waits = waits(signals.schedule)?;
-    EmitError::refuse_leaps(Format::Gcode, signals)?;
     let mut files = Vec::new();
     for (device, _, channels) in signals.devices() {
         let rounding_nm = rounding_nm(claims, device);
-        let groups: Vec<&[usize]> = channels.chunks(LETTERS.len()).collect();
+        let groups: Vec<&[usize]> = channels.chunks(AXIS_LETTERS.len()).collect();
         for (index, group) in groups.iter().enumerate() {
-            let lines = signals.breaks(group.iter().copied()).len() as u64;
-            let bytes = lines.saturating_mul(group.len() as u64 * WORD_BYTES + LINE_BYTES);
-            EmitError::refuse_size(Format::Gcode, bytes, MAX_TEXT_BYTES)?;
             let name = match groups.len() {
                 1 => device.to_owned(),
                 _ => format!("{device}.f{}-f{}", index * FINGERS + 1, index * FINGERS + group.len().div_ceil(AXES)),
             };
-            files.push((name, program(signals, device, group, (rounding_nm, &waits))?.into_bytes()));
+            let axes = group.iter().enumerate();
+            let axes = axes.map(|(letter, channel)| MovedAxis { letter, channel: *channel, link: None }).collect();
+            let program = GcodeProgram { signals, name: device, axes, rounding_nm, machine: None };
+            files.push((name, program.text()?.into_bytes()));
         }
     }
     Ok(files)
@@ -89,6 +130,17 @@ fn refuse_what_is_no_stage(signals: &Signals) -> Result<(), EmitError> {
 /// How far the controller may leave a way of a device, in nanometres: half of the least tolerance of its jobs.
 pub(super) fn rounding_nm(claims: &Claims, device: &str) -> u64 {
     (claims.tolerance_um(device).unwrap_or(0.0) / 2.0 * 1000.0).floor() as u64
+}
+
+/// The same for the channels of a machine, less the corners that the straight lines between its servo cycles cut.
+fn wired_rounding_nm(signals: &Signals, facts: &MachineControllerFacts, claims: &Claims) -> u64 {
+    let of_channel = |(index, channel): (usize, &Channel)| {
+        let turns = signals.schedule.turns(index).into_iter();
+        let cut_um = turns.map(|turn| cut_um(turn.change_um_per_s, 1.0 / facts.rate_hz)).fold(0.0, f64::max);
+        let spare_um = claims.tolerance_um(&channel.device).unwrap_or(0.0) / 2.0;
+        ((spare_um - cut_um) * 1000.0).floor().max(0.0) as u64
+    };
+    signals.schedule.channels.iter().enumerate().map(of_channel).min().unwrap_or(0)
 }
 
 /// A wait as G-code: when it begins and ends on the schedule's clock, and its lines.
@@ -157,123 +209,165 @@ fn message(text: &str) -> String {
     ascii(text).replace(['(', ')'], "_")
 }
 
-/// The program that moves some channels of a device, at most one for each axis letter.
-///
-/// # Errors
-/// [`EmitError::Unsayable`] for a line that is too slow.
-fn program(
-    signals: &Signals,
-    device: &str,
-    channels: &[usize],
-    (rounding_nm, waits): (u64, &[WaitLines]),
-) -> Result<String, EmitError> {
-    let mut text = header(signals, device, channels, rounding_nm);
-    let mut at_nm = places_nm(signals, channels, 0);
-    let _ = writeln!(text, "G0{}\nM0 ; going on is the instant 0 of the schedule", words(&at_nm, |_| true));
-    let duration_ns = signals.schedule.duration_ns;
-    let ends = waits.iter().flat_map(|wait| [wait.start_ns, wait.end_ns]);
-    let mut instants = signals.breaks(channels.iter().copied());
-    instants.extend(ends);
-    let (mut last_ns, mut still_ns) = (0, 0);
-    let inner = instants.into_iter().filter(|t_ns| *t_ns > 0 && *t_ns < duration_ns);
-    for t_ns in inner.chain([duration_ns]) {
-        if let Some(wait) = waits.iter().find(|wait| wait.start_ns <= last_ns && last_ns < wait.end_ns) {
-            if wait.start_ns == last_ns {
-                dwell(&mut text, std::mem::take(&mut still_ns));
-                text.push_str(&wait.lines);
-            }
-            last_ns = t_ns;
-            continue;
-        }
-        let next_nm = places_nm(signals, channels, t_ns);
-        let moves = |axis: usize| next_nm[axis] != at_nm[axis];
-        match (0..channels.len()).any(moves) {
-            false => still_ns += t_ns - last_ns,
-            true => {
-                dwell(&mut text, std::mem::take(&mut still_ns));
-                let feed = NS_PER_MINUTE / (t_ns - last_ns) as f64;
-                refuse_crawling(&at_nm, &next_nm, feed)?;
-                let _ = writeln!(text, "G1{} F{feed}", words(&next_nm, moves));
-            }
-        }
-        (at_nm, last_ns) = (next_nm, t_ns);
-    }
-    dwell(&mut text, still_ns);
-    text.push_str("M2\n");
-    Ok(text)
+/// An axis of a machine, and what moves on it.
+struct MovedAxis {
+    /// Its place in [`AXIS_LETTERS`].
+    letter: usize,
+    channel: usize,
+    /// `None` where the axis is where its channel is.
+    link: Option<Link>,
 }
 
-/// An error for a line that LinuxCNC would play too fast. A line's feed is that of the first finger that moves in it.
-fn refuse_crawling(at_nm: &[i64], next_nm: &[i64], per_minute: f64) -> Result<(), EmitError> {
-    let way_mm = |(at, next): (&[i64], &[i64])| {
-        let ways_mm = at.iter().zip(next).map(|(at, next)| (next - at) as f64 / 1e6);
-        ways_mm.map(|way| way * way).sum::<f64>().sqrt()
-    };
-    let groups = at_nm.chunks(AXES).zip(next_nm.chunks(AXES));
-    let feed = groups.map(way_mm).find(|way| *way > 0.0).map_or(f64::INFINITY, |way| way * per_minute);
-    if feed >= LEAST_FEED_MM_PER_MINUTE {
-        return Ok(());
-    }
-    let [speed, least] = [feed, LEAST_FEED_MM_PER_MINUTE].map(|feed| Quantity::new(feed / 60e3, Dimension::SPEED));
-    let times = (LEAST_FEED_MM_PER_MINUTE / feed * 10.0).ceil() / 10.0;
-    Err(EmitError::Unsayable {
-        format: Format::Gcode,
-        what: format!("a finger at {speed}: LinuxCNC plays every line at {least} or more"),
-        help: format!("give the device speeds {times} times as high, or write `--emit csv` or `stages`"),
-    })
+/// What one file moves.
+struct GcodeProgram<'a> {
+    signals: &'a Signals<'a>,
+    /// The device or the instrument.
+    name: &'a str,
+    /// In the order of their letters.
+    axes: Vec<MovedAxis>,
+    /// How far the controller may leave a way.
+    rounding_nm: u64,
+    /// `None` for one that no wire leads to.
+    machine: Option<&'a MachineControllerFacts>,
 }
 
-/// Instructions for the operator; comments extend from `;` to the end of their line.
-fn header(signals: &Signals, device: &str, channels: &[usize], rounding_nm: u64) -> String {
-    let schedule = signals.schedule;
-    let mut text = String::new();
-    let mut say = |line: String| {
-        let _ = writeln!(text, "; {}", ascii(&line));
-    };
-    say(format!("{}: stages of {device}, written by tweeze {}", schedule.name, env!("CARGO_PKG_VERSION")));
-    say(format!("from {}, SHA-256 {}", schedule.source.file, schedule.source.sha256));
-    for (channel, letter) in channels.iter().zip(LETTERS) {
-        let Channel { name, wire, .. } = &schedule.channels[*channel];
-        let wire = wire.as_ref().map_or_else(String::new, |wire| format!(", wire {wire}"));
-        say(format!("{letter} is {name}{wire}"));
+impl GcodeProgram<'_> {
+    /// The whole file.
+    fn text(&self) -> Result<String, EmitError> {
+        EmitError::refuse_leaps(Format::Gcode, self.signals)?;
+        let waits = waits(self.signals.schedule)?;
+        let mut instants = self.signals.breaks(self.axes.iter().map(|axis| axis.channel));
+        let bytes = (instants.len() as u64).saturating_mul(self.axes.len() as u64 * WORD_BYTES + LINE_BYTES);
+        EmitError::refuse_size(Format::Gcode, bytes, MAX_TEXT_BYTES)?;
+        let mut text = self.header();
+        let mut at_nm = self.places_nm(0);
+        let _ = writeln!(text, "G0{}\nM0 ; going on is the instant 0 of the schedule", self.words(&at_nm, |_| true));
+        let duration_ns = self.signals.schedule.duration_ns;
+        instants.extend(waits.iter().flat_map(|wait| [wait.start_ns, wait.end_ns]));
+        let (mut last_ns, mut still_ns) = (0, 0);
+        let inner = instants.into_iter().filter(|t_ns| *t_ns > 0 && *t_ns < duration_ns);
+        for t_ns in inner.chain([duration_ns]) {
+            if let Some(wait) = waits.iter().find(|wait| wait.start_ns <= last_ns && last_ns < wait.end_ns) {
+                if wait.start_ns == last_ns {
+                    dwell(&mut text, std::mem::take(&mut still_ns));
+                    text.push_str(&wait.lines);
+                }
+                last_ns = t_ns;
+                continue;
+            }
+            let next_nm = self.places_nm(t_ns);
+            let moves = |axis: usize| next_nm[axis] != at_nm[axis];
+            match (0..self.axes.len()).any(moves) {
+                false => still_ns += t_ns - last_ns,
+                true => {
+                    dwell(&mut text, std::mem::take(&mut still_ns));
+                    let feed = NS_PER_MINUTE / (t_ns - last_ns) as f64;
+                    self.refuse_crawling(&at_nm, &next_nm, feed)?;
+                    let _ = writeln!(text, "G1{} F{feed}", self.words(&next_nm, moves));
+                }
+            }
+            (at_nm, last_ns) = (next_nm, t_ns);
+        }
+        dwell(&mut text, still_ns);
+        text.push_str("M2\n");
+        Ok(text)
     }
-    for line in [
-        "all axes are linear and in millimetres, A, B and C too; set the machine up so",
-        "G93: F is one over the minutes that a line takes, so all axes arrive at the same instant; G4 waits P seconds",
-        "the controller needs a command for every axis at least every millisecond, a resolution of a nanometre, and accelerations that",
-        "reach each speed within a small part of its line: what it takes longer is late from there on, so watch its lag",
-        "the first line is a rapid move to where the schedule begins: see that the way is free",
-    ] {
-        say(line.to_owned());
+
+    /// An error for a line that LinuxCNC would play too fast. A line's feed is that of the first three letters of which one moves.
+    fn refuse_crawling(&self, at_nm: &[i64], next_nm: &[i64], per_minute: f64) -> Result<(), EmitError> {
+        let mut squares = [0.0; FINGERS];
+        for (axis, (at, next)) in self.axes.iter().zip(at_nm.iter().zip(next_nm)) {
+            let way_mm = (next - at) as f64 / 1e6;
+            squares[axis.letter / AXES] += way_mm * way_mm;
+        }
+        let way_mm = squares.into_iter().map(f64::sqrt).find(|way| *way > 0.0);
+        let feed = way_mm.map_or(f64::INFINITY, |way| way * per_minute);
+        if feed >= LEAST_FEED_MM_PER_MINUTE {
+            return Ok(());
+        }
+        let [speed, least] = [feed, LEAST_FEED_MM_PER_MINUTE].map(|feed| Quantity::new(feed / 60e3, Dimension::SPEED));
+        let times = (LEAST_FEED_MM_PER_MINUTE / feed * 10.0).ceil() / 10.0;
+        Err(EmitError::Unsayable {
+            format: Format::Gcode,
+            what: format!("a finger at {speed}: LinuxCNC plays every line at {least} or more"),
+            help: format!("give the device speeds {times} times as high, or write `--emit csv` or `stages`"),
+        })
     }
-    let corners = match rounding_nm {
-        0 => "G61 ; exact path: the tolerance of the hand leaves no nanometre for rounding corners".to_owned(),
-        _ => format!("G64 P{} ; corners may be rounded by half of the tolerance of the hand", millimetres(rounding_nm)),
-    };
-    let _ = writeln!(text, "G21\nG90\n{corners}\nG93");
-    text
+
+    /// Instructions for the operator; comments extend from `;` to the end of their line.
+    fn header(&self) -> String {
+        let schedule = self.signals.schedule;
+        let mut text = String::new();
+        let mut say = |line: String| {
+            let _ = writeln!(text, "; {}", ascii(&line));
+        };
+        say(format!("{}: stages of {}, written by tweeze {}", schedule.name, self.name, env!("CARGO_PKG_VERSION")));
+        say(format!("from {}, SHA-256 {}", schedule.source.file, schedule.source.sha256));
+        for axis in &self.axes {
+            let Channel { name, wire, .. } = &schedule.channels[axis.channel];
+            let behind = match (axis.link, wire) {
+                (Some(Link::Axis { origin_um, direction, .. }), _) => {
+                    format!(", whose 0 is at {origin_um} um, {}", direction.name())
+                }
+                (_, Some(wire)) => format!(", wire {wire}"),
+                (_, None) => String::new(),
+            };
+            say(format!("{} is {name}{behind}", AXIS_LETTERS[axis.letter]));
+        }
+        let period =
+            self.machine.map_or_else(|| "millisecond".to_owned(), |facts| format!("{} ms", 1e3 / facts.rate_hz));
+        for line in [
+            "all axes are linear and in millimetres, A, B and C too; set the machine up so",
+            "G93: F is one over the minutes that a line takes, so all axes arrive at the same instant; G4 waits P seconds",
+            &format!(
+                "the controller needs a command for every axis at least every {period}, a resolution of a nanometre, and accelerations that"
+            ),
+            "reach each speed within a small part of its line: what it takes longer is late from there on, so watch its lag",
+            "the first line is a rapid move to where the schedule begins: see that the way is free",
+        ] {
+            say(line.to_owned());
+        }
+        let corners = match (self.rounding_nm, self.machine) {
+            (0, _) => "G61 ; exact path: the tolerance of the hand leaves no nanometre for rounding corners".to_owned(),
+            (nm, None) => {
+                format!("G64 P{} ; corners may be rounded by half of the tolerance of the hand", millimetres(nm))
+            }
+            (nm, Some(_)) => format!(
+                "G64 P{} ; corners may be rounded by half of the tolerance of the hand, less what servo cycles cut",
+                millimetres(nm)
+            ),
+        };
+        let _ = writeln!(text, "G21\nG90\n{corners}\nG93");
+        text
+    }
+
+    /// Where the axes are at an instant, in whole nanometres.
+    fn places_nm(&self, t_ns: u64) -> Vec<i64> {
+        let place_um = |axis: &MovedAxis| {
+            let value_um = self.signals.value(axis.channel, t_ns);
+            axis.link.map_or(value_um, |link| link.at_output(value_um))
+        };
+        self.axes.iter().map(|axis| (place_um(axis) * 1000.0).round() as i64).collect()
+    }
+
+    /// The words of the axes that move, in millimetres.
+    fn words(&self, places_nm: &[i64], is_written: impl Fn(usize) -> bool) -> String {
+        let mut text = String::new();
+        for (index, (axis, place_nm)) in self.axes.iter().zip(places_nm).enumerate() {
+            if !is_written(index) {
+                continue;
+            }
+            let sign = if *place_nm < 0 { "-" } else { "" };
+            let _ = write!(text, " {}{sign}{}", AXIS_LETTERS[axis.letter], millimetres(place_nm.unsigned_abs()));
+        }
+        text
+    }
 }
 
 fn dwell(text: &mut String, still_ns: u64) {
     if still_ns > 0 {
         let _ = writeln!(text, "G4 P{}.{:09}", still_ns / 1_000_000_000, still_ns % 1_000_000_000);
     }
-}
-
-/// Where channels are at an instant, in whole nanometres.
-fn places_nm(signals: &Signals, channels: &[usize], t_ns: u64) -> Vec<i64> {
-    channels.iter().map(|channel| (signals.value(*channel, t_ns) * 1000.0).round() as i64).collect()
-}
-
-/// The words of the axes that move, in millimetres.
-fn words(places_nm: &[i64], is_written: impl Fn(usize) -> bool) -> String {
-    let mut text = String::new();
-    for (axis, letter) in LETTERS.into_iter().enumerate().take(places_nm.len()).filter(|(axis, _)| is_written(*axis)) {
-        let place_nm = places_nm[axis];
-        let sign = if place_nm < 0 { "-" } else { "" };
-        let _ = write!(text, " {letter}{sign}{}", millimetres(place_nm.unsigned_abs()));
-    }
-    text
 }
 
 /// Whole nanometres as decimal millimetres.

@@ -26,6 +26,7 @@ pub fn beyond_stage(
         ChannelUnit::Micrometre => {
             let period_s = match &instrument.facts {
                 InstrumentFacts::StageController(facts) => 1.0 / facts.rate_hz,
+                InstrumentFacts::MachineController(facts) => 1.0 / facts.rate_hz,
                 // The sampling of voltages is chosen where they are written.
                 InstrumentFacts::WaveformGenerator(_)
                 | InstrumentFacts::DataAcquisition(_)

@@ -24,10 +24,11 @@ def judge(path, schedule):
         letters += axes.values()
         times, places = played(text, axes, schedule)
         by_pygcode(text, axes, places)
+        machine = machine_of(file, path, axes, schedule)
         for letter, channel in axes.items():
-            compare(times, 1000 * places[letter], channel, schedule)
+            compare(times, of_channel(1000 * places[letter], machine, letter, channel, schedule), channel, schedule)
         moves += len(times)
-        rounding(text, path.with_suffix(".mcap"), next(iter(axes.values())).split(".")[0])
+        rounding(text, path.with_suffix(".mcap"), axes.values(), machine, schedule)
     demand(sorted(letters) == sorted(schedule.channels), "some axis is in no file, or in two")
     return f"{len(files)} files, {moves} places of {len(letters)} axes are the schedule for gcodeparser and pygcode"
 
@@ -72,17 +73,54 @@ def played(text, axes, schedule):
     demand(False, "it has no end")
 
 
-def rounding(text, log, device):
-    """Corners are rounded by at most half of the hand's tolerance, which the claims in the log beside tell."""
+def machine_of(file, path, axes, schedule):
+    """The instrument that plays a file, if the program has machines: all that is wired to it is in its file."""
+    machines = schedule.instruments("machine_controller")
+    if not machines:
+        return None
+    name = file.name.removeprefix(f"{path.stem}.").removesuffix(path.suffix)
+    demand(name in machines, f"{file.name} is of no machine of {list(machines)}")
+    wired = {output: channel for channel, (output, _) in schedule.drives(name).items()}
+    demand(axes == wired, f"it moves {axes}, wired are {wired}")
+    return name
+
+
+def of_channel(places_um, machine, letter, channel, schedule):
+    """Where the channel is, for the places of its axis."""
+    if machine is None:
+        return places_um
+    output, link = schedule.drives(machine)[channel]
+    stage = link["axis"]
+    demand(output == letter, f"{channel} is on {letter}, wired to {output}")
+    demand(stage["least_um"] - TOLERANCE_UM <= min(places_um) and max(places_um) <= stage["most_um"] + TOLERANCE_UM, f"{letter} leaves its travel")
+    return {"forward": 1, "backward": -1}[stage["direction"]] * (places_um - stage["origin_um"])
+
+
+def cut_um(channel, period_ns, schedule):
+    """How far a line between two servo cycles is off the sharpest corner of a channel, which lies in the middle."""
+    lines = [(start, end, (last - first) / (end - start)) for start, end, first, last, _ in schedule.pulses[channel]]
+    lines = [(0, 0, 0.0), *lines, (schedule.duration_ns, schedule.duration_ns, 0.0)]
+    changes = [0.0]
+    for (_, end, slope), (start, _, after) in zip(lines, lines[1:]):
+        changes += [abs(after - slope)] if start == end else [abs(slope), abs(after)]
+    return max(changes) * period_ns / 4
+
+
+def rounding(text, log, channels, machine, schedule):
+    """Corners are rounded by at most half of the hand's tolerance, which the claims in the log beside tell, less what servo cycles cut."""
     found = re.findall(r"^G64 P(\S+)", text, re.MULTILINE)
     demand(len(found) == 1 and float(found[0]) > 0, f"it says G64 with {found}")
     if not log.exists():
         return
     with open(log, "rb") as file:
         claims = next(json.loads(a.data) for a in make_reader(file).iter_attachments() if a.name == "claims.json")
-    own = [job["order"]["fingers"]["facts"]["tolerance_um"] for job in claims["jobs"] if job["device"] == device]
-    spare_um = min(own) / 2 - float(found[0]) * 1e3
-    demand(-1e-9 <= spare_um < 1e-3, f"corners are rounded by {found[0]} mm, half the tolerance is {min(own) / 2} um")
+    period_ns = 1e9 / schedule.instruments("machine_controller")[machine]["rate_hz"] if machine else 0.0
+    left = []
+    for channel in channels:
+        own = [job["order"]["fingers"]["facts"]["tolerance_um"] for job in claims["jobs"] if job["device"] == channel.split(".")[0]]
+        left.append(min(own) / 2 - cut_um(channel, period_ns, schedule))
+    spare_um = min(left) - float(found[0]) * 1e3
+    demand(-1e-9 <= spare_um < 1e-3, f"corners are rounded by {found[0]} mm, {min(left)} um are left for it")
 
 
 def tell(times, places, t_ns, at):

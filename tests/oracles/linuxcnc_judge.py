@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy
 
-from gcode_judge import compare
+from gcode_judge import compare, machine_of, of_channel
 from verdict import Skipped, demand
 
 FOLDER = Path(os.environ.get("TWEEZE_LINUXCNC", Path(sys.prefix) / "linuxcnc"))
@@ -85,7 +85,9 @@ def judge(path, schedule):
         axes = dict(re.findall(r"^; ([A-Z]) is ([^\s,]+)", file.read_text(encoding="ascii"), re.MULTILINE))
         times, places = played(file)
         demand(abs(times[-1] - schedule.duration_ns) <= DRIFT_NS, f"it lasts {times[-1]} ns, not {schedule.duration_ns} ns")
+        machine = machine_of(file, path, axes, schedule)
         for axis, channel in axes.items():
-            compare(numpy.array(times), numpy.array([1000 * place[axis] for place in places]), channel, schedule)
+            places_um = of_channel(numpy.array([1000 * place[axis] for place in places]), machine, axis, channel, schedule)
+            compare(numpy.array(times), places_um, channel, schedule)
         moves += len(times)
     return f"{moves} places of {len(schedule.channels)} axes are the schedule for LinuxCNC's interpreter, which takes its time for them"

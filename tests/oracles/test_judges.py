@@ -458,6 +458,31 @@ def test_a_fault_of_stages_is_found(tmp_path, stem, broken, old, new):
     assert outcome == "WRONG", reason
 
 
+MACHINE_FAULTS = [
+    (".mill.ngc", b"G1 C0.518500 F600\n", b"G1 C0.518503 F600\n"),
+    (".mill.ngc", b"; C is hand.f1.x", b"; C is hand.f1.y"),
+    (".mill.ngc", b"G64 P0.000020", b"G64 P0.000025"),
+    (".json", b'"origin_um": 500', b'"origin_um": 501'),
+    (".json", b'"direction": "backward"', b'"direction": "forward"'),
+    (".json", b'"most_um": 1000', b'"most_um": 510'),
+]
+
+
+@pytest.mark.parametrize("judge", ["gcode_judge", "linuxcnc_judge"])
+@pytest.mark.parametrize("broken,old,new", [("", b"", b""), *MACHINE_FAULTS])
+def test_a_machine_moves_stages_as_their_wires_say(tmp_path, judge, broken, old, new):
+    for file in (FIXTURES / "controllers").glob("mill.*"):
+        shutil.copy(file, tmp_path)
+    if broken:
+        replace(tmp_path / f"mill{broken}", old, new)
+    outcome, reason = run.judge(tmp_path / "mill.ngc", judge, Schedule(tmp_path / "mill.json"))
+    if outcome == "SKIPPED":
+        pytest.skip(reason)
+    # How far corners may be rounded is not asked of the interpreter.
+    is_good = not broken or (judge == "linuxcnc_judge" and old.startswith(b"G64"))
+    assert outcome == ("right" if is_good else "WRONG"), reason
+
+
 @pytest.mark.parametrize("old,new", [(b"G1 X0.018500 F600\n", b"G1 X0.018503 F600\n"), (b"G1 X0.018500 F600\n", b"G1 X0.018500 F601\n"), (b"G4 P0.007", b"G4 P0.008"), (b"G93\n", b"G94\n"), (b"G21\n", b"G20\n"), (b"G1 X0.018500 F600\n", b"G1 X0.018500 F600\nG1 X0.018501 F50\nG1 X0.018500 F50\n")])
 def test_linuxcnc_finds_a_fault_of_positions(folder, old, new):
     path, schedule = folder / "turn.ngc", Schedule(folder / "turn.json")

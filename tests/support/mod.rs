@@ -74,7 +74,8 @@ impl Built {
                 InstrumentFacts::ElectrodeDriver(facts) => Some(facts.protocol),
                 InstrumentFacts::WaveformGenerator(_)
                 | InstrumentFacts::DataAcquisition(_)
-                | InstrumentFacts::StageController(_) => None,
+                | InstrumentFacts::StageController(_)
+                | InstrumentFacts::MachineController(_) => None,
             });
             let protocols: Vec<Protocol> = drivers.collect();
             let is_played = |format: &&Format| match format {

@@ -5,11 +5,13 @@
 //! them from a program, `lower` holds a schedule against them, `emit` writes the files that they play.
 
 mod auxiliary;
+mod machine;
 mod stages;
 mod words;
 
 pub(crate) use auxiliary::is_zero;
 pub use auxiliary::{AuxiliaryOutput, AuxiliarySort, Awaited, HoldTerms};
+pub use machine::{AXIS_LETTERS, MachineControllerFacts};
 pub use stages::{Direction, StageControllerFacts, StageLimits, StageProtocol, cut_um};
 pub use words::ANY_WIRE;
 
@@ -28,12 +30,18 @@ pub enum Family {
     DataAcquisition,
     ElectrodeDriver,
     StageController,
+    MachineController,
 }
 
 impl Family {
     /// Every family, in the order of the handbook.
-    pub const ALL: &'static [Family] =
-        &[Family::WaveformGenerator, Family::DataAcquisition, Family::ElectrodeDriver, Family::StageController];
+    pub const ALL: &'static [Family] = &[
+        Family::WaveformGenerator,
+        Family::DataAcquisition,
+        Family::ElectrodeDriver,
+        Family::StageController,
+        Family::MachineController,
+    ];
 
     /// The family's word in the language with its meaning.
     pub fn choice(self) -> WordChoice {
@@ -54,6 +62,9 @@ impl Family {
                 "stage_controller",
                 "a controller that moves stages along a table of places: of PI by its commands GCS, of SmarAct by the streams of an MCS2",
             ),
+            Family::MachineController => {
+                ("machine_controller", "a controller whose stages are the axes of a machine that runs G-code: LinuxCNC")
+            }
         };
         WordChoice { name, doc }
     }
@@ -75,6 +86,7 @@ impl Family {
             Family::DataAcquisition => "instruments.ni_usb_6343",
             Family::ElectrodeDriver => "instruments.opendrop_v4",
             Family::StageController => "instruments.pi_e727",
+            Family::MachineController => "instruments.linuxcnc",
         };
         ("std.instruments", name)
     }
@@ -86,6 +98,7 @@ impl Family {
             Family::DataAcquisition => words::DATA_ACQUISITION,
             Family::ElectrodeDriver => words::ELECTRODE_DRIVER,
             Family::StageController => words::STAGE_CONTROLLER,
+            Family::MachineController => words::MACHINE_CONTROLLER,
         }
     }
 
@@ -98,6 +111,7 @@ impl Family {
                 "`c0`, `c1`, …: an electrode each; `electrodes -> NAME` wires all that the `channels` of a board number"
             }
             Family::StageController => "`axis1`, `axis2`, …: a stage each",
+            Family::MachineController => "`X`, `Y`, `Z`, `U`, `V`, `W`, `A`, `B`, `C`: a stage each",
         }
     }
 
@@ -107,7 +121,7 @@ impl Family {
             Family::WaveformGenerator => &[AMPLIFIED, PLACED],
             Family::DataAcquisition => &[SWITCHED, AMPLIFIED, PLACED],
             Family::ElectrodeDriver => &[SWITCHED],
-            Family::StageController => &[MOVED],
+            Family::StageController | Family::MachineController => &[MOVED],
         }
     }
 
@@ -118,6 +132,7 @@ impl Family {
             Family::DataAcquisition => "nidaqmx",
             Family::ElectrodeDriver => "frames",
             Family::StageController => "stages",
+            Family::MachineController => "gcode",
         }
     }
 }
@@ -138,6 +153,7 @@ pub enum InstrumentFacts {
     DataAcquisition(DataAcquisitionFacts),
     ElectrodeDriver(ElectrodeDriverFacts),
     StageController(StageControllerFacts),
+    MachineController(MachineControllerFacts),
 }
 
 words! {
@@ -313,6 +329,7 @@ impl InstrumentFacts {
             InstrumentFacts::DataAcquisition(_) => Family::DataAcquisition,
             InstrumentFacts::ElectrodeDriver(_) => Family::ElectrodeDriver,
             InstrumentFacts::StageController(_) => Family::StageController,
+            InstrumentFacts::MachineController(_) => Family::MachineController,
         }
     }
 
@@ -334,6 +351,9 @@ impl InstrumentFacts {
                 let number = number_after("axis", name)?;
                 (1..=facts.axes).contains(&number).then_some(OutputSort::Position)
             }
+            InstrumentFacts::MachineController(facts) => {
+                facts.letters().any(|letter| letter.to_string() == name).then_some(OutputSort::Position)
+            }
         }
     }
 
@@ -343,6 +363,7 @@ impl InstrumentFacts {
             InstrumentFacts::WaveformGenerator(facts) => (1..=facts.outputs).map(|n| format!("ch{n}")).collect(),
             InstrumentFacts::ElectrodeDriver(facts) => (0..facts.channels).map(|n| format!("c{n}")).collect(),
             InstrumentFacts::StageController(facts) => (1..=facts.axes).map(|n| format!("axis{n}")).collect(),
+            InstrumentFacts::MachineController(facts) => facts.letters().map(String::from).collect(),
             InstrumentFacts::DataAcquisition(facts) => {
                 let lines = |port: u32| (0..facts.lines).map(move |line| format!("port{port}.line{line}"));
                 let analog = (0..facts.analog_outputs).map(|n| format!("ao{n}"));
@@ -362,6 +383,9 @@ impl InstrumentFacts {
                 range("c0".to_owned(), format!("c{}", facts.channels.saturating_sub(1)))
             }
             InstrumentFacts::StageController(facts) => range("axis1".to_owned(), format!("axis{}", facts.axes)),
+            InstrumentFacts::MachineController(facts) => {
+                facts.letters().map(|letter| format!("`{letter}`")).collect::<Vec<_>>().join(", ")
+            }
             InstrumentFacts::DataAcquisition(facts) => {
                 let last = |count: u32| count.saturating_sub(1);
                 let lines =
@@ -382,6 +406,7 @@ impl InstrumentFacts {
             InstrumentFacts::DataAcquisition(facts) => facts.start,
             InstrumentFacts::ElectrodeDriver(facts) => facts.start,
             InstrumentFacts::StageController(facts) => facts.start,
+            InstrumentFacts::MachineController(_) => Start::Sender,
         }
     }
 
@@ -390,7 +415,9 @@ impl InstrumentFacts {
         match self {
             InstrumentFacts::WaveformGenerator(facts) => Some(facts.voltage),
             InstrumentFacts::DataAcquisition(facts) => facts.voltage,
-            InstrumentFacts::ElectrodeDriver(_) | InstrumentFacts::StageController(_) => None,
+            InstrumentFacts::ElectrodeDriver(_)
+            | InstrumentFacts::StageController(_)
+            | InstrumentFacts::MachineController(_) => None,
         }
     }
 }

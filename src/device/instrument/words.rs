@@ -1,6 +1,6 @@
 //! The vocabulary of instruments and of the wires that lead to them.
 
-use super::{Direction, Level, MAX_OUTPUTS, Protocol, StageProtocol, Start};
+use super::{AXIS_LETTERS, Direction, Level, MAX_OUTPUTS, Protocol, StageProtocol, Start};
 use crate::device::{Need, Range, Sort, VocabularyField, optional, positive, required};
 use crate::quantity::Dimension;
 
@@ -98,6 +98,15 @@ pub const STAGE_CONTROLLER: &[VocabularyField] = &[
         doc: "most points in the table of an axis",
     },
     START,
+];
+
+pub const MACHINE_CONTROLLER: &[VocabularyField] = &[
+    count("axes", 1, AXIS_LETTERS.len() as u32, "its axes, the first of `X`, `Y`, `Z`, `U`, `V`, `W`, `A`, `B`, `C`"),
+    required(
+        "rate",
+        positive(Dimension::FREQUENCY),
+        "servo cycles in a second, between which axes move on straight lines",
+    ),
 ];
 
 const HIGH: VocabularyField =

@@ -1,7 +1,8 @@
 //! Fixtures with instruments behind their channels.
 
 use crate::device::instrument::{
-    Bench, Drive, Instrument, InstrumentFacts, Link, StageLimits, Start, VoltageOutput, WaveformGeneratorFacts,
+    AXIS_LETTERS, Bench, Direction, Drive, Instrument, InstrumentFacts, Link, MachineControllerFacts, StageLimits,
+    Start, VoltageOutput, WaveformGeneratorFacts,
 };
 use crate::emit::{Provenance, fixture};
 use crate::schedule::ChannelUnit;
@@ -38,6 +39,26 @@ pub fn on((verified, provenance): (Verified, Provenance), facts: WaveformGenerat
             };
             let output = format!("ch{}", index + 1);
             let (instrument, limits) = ("awg".to_owned(), StageLimits::default());
+            let drive = Drive { instrument, output, link, limits, span: Span::default() };
+            bench.drives.insert(channel.name.clone(), drive);
+        }
+        schedule.bench = bench;
+    });
+    (wired, provenance)
+}
+
+/// The nine stages of a hand as the axes of a machine, the first channel on the last letter; every other stage counts backwards from
+/// the middle of its travel of 1 mm.
+pub fn on_machine((verified, provenance): (Verified, Provenance)) -> (Verified, Provenance) {
+    let wired = fixture::changed(&verified, |schedule| {
+        let facts = InstrumentFacts::MachineController(MachineControllerFacts { axes: 9, rate_hz: 20e3 });
+        let mut bench = Bench::default();
+        bench.instruments.insert("mill".to_owned(), Instrument { model: "a.machine".to_owned(), facts });
+        for (index, channel) in schedule.channels.iter().enumerate() {
+            let link =
+                Link::Axis { origin_um: 500.0, direction: Direction::ALL[index % 2], least_um: 0.0, most_um: 1000.0 };
+            let output = AXIS_LETTERS[AXIS_LETTERS.len() - 1 - index].to_string();
+            let (instrument, limits) = ("mill".to_owned(), StageLimits::default());
             let drive = Drive { instrument, output, link, limits, span: Span::default() };
             bench.drives.insert(channel.name.clone(), drive);
         }

@@ -123,11 +123,6 @@ fn write_fixtures() {
     let (slopes, trains) = (folder.join("slopes"), folder.join("trains"));
     std::fs::create_dir_all(&trains).unwrap();
     std::fs::create_dir_all(&slopes).unwrap();
-    let write = |folder: &std::path::Path, format: Format, (verified, provenance): (Verified, Provenance)| {
-        for file in emit(format, &verified, &provenance).unwrap() {
-            std::fs::write(folder.join(file.name), file.bytes).unwrap();
-        }
-    };
     for make in [
         fixture::fetch,
         fixture::pair,
@@ -175,17 +170,33 @@ fn write_fixtures() {
             write(&drivers, format, (named.clone(), fixture.1.clone()));
         }
     }
-    let controllers = folder.join("controllers");
-    std::fs::create_dir_all(&controllers).unwrap();
+    write_controllers(&folder.join("controllers"));
+    for format in [Format::Mcap, Format::Json, Format::Pwl, Format::Svg] {
+        write(&slopes, format, fixture::crowd());
+    }
+}
+
+/// Hands on controllers of PI and SmarAct, and on a machine.
+fn write_controllers(folder: &std::path::Path) {
+    std::fs::create_dir_all(folder).unwrap();
     for (name, facts) in [("pi", super::stages::tests::gcs(9000)), ("smaract", super::stages::tests::mcs2())] {
         let fixture = super::stages::tests::on_controllers(fixture::hand(), &facts);
         let named = fixture::changed(&fixture.0, |schedule| schedule.name = name.to_owned());
         for format in [Format::Json, Format::Stages] {
-            write(&controllers, format, (named.clone(), fixture.1.clone()));
+            write(folder, format, (named.clone(), fixture.1.clone()));
         }
     }
-    for format in [Format::Mcap, Format::Json, Format::Pwl, Format::Svg] {
-        write(&slopes, format, fixture::crowd());
+    let (verified, provenance) = bench::on_machine(fixture::hand());
+    let machine = fixture::changed(&verified, |schedule| schedule.name = "mill".to_owned());
+    for format in [Format::Mcap, Format::Json, Format::Gcode] {
+        write(folder, format, (machine.clone(), provenance.clone()));
+    }
+}
+
+/// Writes the files of a format into a folder.
+fn write(folder: &std::path::Path, format: Format, (verified, provenance): (Verified, Provenance)) {
+    for file in emit(format, &verified, &provenance).unwrap() {
+        std::fs::write(folder.join(file.name), file.bytes).unwrap();
     }
 }
 

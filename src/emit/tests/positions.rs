@@ -1,6 +1,6 @@
 //! Positions of stages in every format.
 
-use super::{Edit, code, judged_of, text};
+use super::{Edit, bench, code, judged_of, text};
 use crate::diagnostic::Code;
 use crate::emit::{Format, Provenance, Signals, emit, fixture};
 use crate::schedule::Channel;
@@ -102,6 +102,40 @@ fn gcode_says_where_all_axes_are_at_their_common_instants() {
     assert!(lines[4].starts_with("G0 X0.028500 Y0.000000 Z0.000000 U-0.014250 V0.024682 "), "{}", lines[4]);
     assert_eq!(lines[6..8], ["G4 P0.007000000", "G1 X0.018500 F600"]);
     assert_eq!(lines[lines.len() - 3..], ["G1 Z0.005000 W0.005000 C0.005000 F1200", "G4 P0.053000000", "M2"]);
+}
+
+#[test]
+fn gcode_moves_the_axes_that_wires_name_in_places_of_their_own_travel() {
+    let (hand, provenance) = bench::on_machine(fixture::hand());
+    let files = emit(Format::Gcode, &hand, &provenance).unwrap();
+    assert_eq!(files.iter().map(|file| file.name.as_str()).collect::<Vec<_>>(), ["turn.mill.ngc"]);
+    let text = String::from_utf8(files[0].bytes.clone()).unwrap();
+    assert!(text.contains("; X is hand.f3.z, whose 0 is at 500 um, forward\n"), "{text}");
+    assert!(
+        text.contains("; B is hand.f1.y, whose 0 is at 500 um, backward\n; C is hand.f1.x, whose 0 is at"),
+        "{text}"
+    );
+    let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with(';')).collect();
+    // Of half of the tolerance of 50 nm, a cycle of 50 us cuts less than 5 nm at the sharpest turn.
+    assert!(lines[2].starts_with("G64 P0.000020 ; "), "{}", lines[2]);
+    assert!(lines[4].ends_with(" B0.500000 C0.528500"), "{}", lines[4]);
+    assert_eq!(lines[6..8], ["G4 P0.007000000", "G1 C0.518500 F600"]);
+    let beside = fixture::changed(&hand, |schedule| {
+        let other = schedule.bench.instruments["mill"].clone();
+        schedule.bench.instruments.insert("other".to_owned(), other);
+    });
+    assert_eq!(code(Format::Gcode, &beside), Code::E0831);
+    let idle = fixture::changed(&hand, |schedule| schedule.bench.drives.clear());
+    assert_eq!(code(Format::Gcode, &idle), Code::E0824);
+    assert_eq!(code(Format::Stages, &hand), Code::E0824);
+    assert_eq!(judged_of(bench::on_machine(fixture::hand()), |_| ()), (true, true));
+    let changes: [fn(&mut serde_json::Value); 2] = [
+        |value| value["bench"]["instruments"]["mill"]["facts"]["machine_controller"]["axes"] = 10.into(),
+        |value| value["bench"]["instruments"]["mill"]["facts"]["machine_controller"]["rate_hz"] = 0.into(),
+    ];
+    for change in changes {
+        assert!(!judged_of(bench::on_machine(fixture::hand()), change).0);
+    }
 }
 
 #[test]
