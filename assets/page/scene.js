@@ -284,8 +284,20 @@ function drawBoard(pen, device, t_ns, lights) {
     const actuation = actuationAt(channel, t_ns);
     if (!actuation || actuation.from === 0) continue;
     const place = /\.e(\d+)_(\d+)$/.exec(channel.name);
-    if (place) pen.disc([Number(place[1]), Number(place[2])], radius * 1.15, { fill: theme.live, stroke: theme.liveEdge, least: 1.5 });
+    if (!place) continue;
+    for (const cell of electrodesOn(facts, Number(place[1]), Number(place[2]))) {
+      if (!isDisabled(...cell)) pen.disc(cell, radius * 1.15, { fill: theme.live, stroke: theme.liveEdge, least: 1.5 });
+    }
   }
+}
+
+/** The electrodes on the channel that the first of them gives its name: one, or several that share it. */
+function electrodesOn(facts, column, row) {
+  const channels = facts.map?.channels ?? [];
+  const number = channels[(row - 1) * facts.columns + column - 1];
+  if (number === undefined || number === null) return [[column, row]];
+  const cells = channels.map((other, index) => (other === number ? [(index % facts.columns) + 1, Math.floor(index / facts.columns) + 1] : null));
+  return cells.filter((cell) => cell !== null);
 }
 
 /** What droplets have left on electrodes: a field in the colour of the fluid, or one stripe for each of several. */

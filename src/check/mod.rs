@@ -168,6 +168,11 @@ trait CheckedFacts {
         self.channel_examples().iter().any(|channel| channel == name)
     }
 
+    /// The channel that switches an electrode which gives its name to none, since it shares one.
+    fn shared_channel(&self, _name: &str) -> Option<String> {
+        None
+    }
+
     /// The channels that an electrode driver has by their numbers; `None` for a kind without electrodes.
     fn numbered_channels(&self) -> Option<wiring::NumberedChannels> {
         None

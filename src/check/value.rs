@@ -88,7 +88,7 @@ pub struct BoardFile {
 /// Electrodes of a file that are no cells of the board, by their names, in the order of the file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LeftOut {
-    /// On one channel with others.
+    /// On one channel with others, some of which are off the lattice.
     pub sharing: Vec<String>,
     /// Of another size than most, between the places of the others, or away from all of them.
     pub off_lattice: Vec<String>,

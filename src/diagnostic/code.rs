@@ -299,6 +299,7 @@ ledger! {
     E0777 "a part is not where it is to be heated, read or held"
     E0778 "a reservoir is not switched as its frames have it"
     E0785 "an operation begins too late after another"
+    E0786 "a shared channel pulls a droplet that it must not"
     E0801 "a file that cannot be read"
     E0802 "a file that is too large"
     E0803 "a file that is not UTF-8"

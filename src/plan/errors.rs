@@ -148,6 +148,52 @@ pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)]) -> Diagnostic 
     )
 }
 
+/// A part that electrodes on shared channels keep from its goal.
+pub fn torn_by_channels(ends: StepEnds, part: &str) -> Diagnostic {
+    let StepEnds { step, from, to } = ends;
+    Diagnostic::new(
+        Code::E0601,
+        format!("no plan leads from {from} to {to}: shared channels let `{part}` through on no way"),
+    )
+    .label(step, format!("with the electrode of a next cell others are on that pull `{part}`, or a part that stays"))
+    .help("give electrodes on the way channels of their own, or other numbers in `channels`")
+}
+
+/// Parts that could pass one another if each electrode had a channel of its own.
+pub fn excluded_by_channels(step: Span, parts: &[(&str, Span)]) -> Diagnostic {
+    let names: Vec<&str> = parts.iter().map(|(name, _)| *name).collect();
+    let title = format!("no plan: shared channels do not let {} come to their goals", all_of(&names));
+    let title = if parts.len() == 1 { title.replace("their goals", "its goal") } else { title };
+    let mut labelled: Vec<Span> = Vec::new();
+    let mut diagnostic = Diagnostic::new(Code::E0601, title);
+    for (name, span) in parts.iter().take(MAX_LABELS) {
+        if !labelled.contains(span) {
+            diagnostic = diagnostic.label(*span, format!("what moves or holds `{name}` pulls others"));
+            labelled.push(*span);
+        }
+    }
+    let diagnostic = if labelled.is_empty() { diagnostic.label(step, "this step") } else { diagnostic };
+    diagnostic.help("with a channel for each electrode they would: give some electrodes channels of their own, or parts other goals")
+}
+
+/// Parts that the electrodes under them do not hold, but pull apart.
+pub fn restless_by_channels(step: Span, [one, other]: [String; 2]) -> Diagnostic {
+    let (title, whom) = match one == other {
+        true => (format!("no plan: a part cannot be held at {one}"), "it"),
+        false => (format!("no plan: parts cannot be held at {one} and {other} together"), "one of them"),
+    };
+    Diagnostic::new(Code::E0601, title)
+        .label(step, format!("an electrode on a shared channel is on beside {whom} meanwhile"))
+        .help("let the step before end on electrodes of other channels")
+}
+
+/// A plan of a planner that knows nothing of shared channels.
+pub fn heedless_of_channels(step: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0602, "the greedy planner has no regard to shared channels, and its plan breaks their rule")
+        .label(step, "neither planned nor disproved")
+        .help("leave `using` out: Tweeze's own planner moves parts as the channels allow")
+}
+
 /// A step of which what is proven depends on where an earlier one has brought parts whose goals are interchangeable.
 pub fn not_from_here(step: Span) -> Diagnostic {
     Diagnostic::new(Code::E0602, "no plan was found for this step from where `any` has brought the parts before")

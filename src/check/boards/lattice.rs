@@ -15,6 +15,9 @@ const OFF_PLACE: f64 = 0.2;
 /// The least and the greatest side of an electrode of the lattice, in pitches.
 const SIDES: [f64; 2] = [0.5, 1.3];
 
+/// Turns after which every shared channel is left out.
+const MOST_TURNS: usize = 8;
+
 /// A column and a row, downwards, counted from an electrode.
 type LatticePlace = [i64; 2];
 
@@ -24,11 +27,7 @@ type LatticePlace = [i64; 2];
 /// Why it is none, as the rest of a sentence.
 pub(super) fn board(path: &str, electrodes: Vec<DrawnElectrode>, limits: BoardLimits) -> Result<BoardFile, String> {
     let BoardLimits { most_side, .. } = limits;
-    let mut uses: BTreeMap<u32, u32> = BTreeMap::new();
-    electrodes.iter().for_each(|electrode| *uses.entry(electrode.channel).or_default() += 1);
-    let is_shared = |electrode: &DrawnElectrode| uses.get(&electrode.channel).is_some_and(|count| *count > 1);
-    let (shared, own): (Vec<_>, Vec<_>) = electrodes.into_iter().partition(is_shared);
-    let places = places(&own).ok_or("has no electrode of its own channel on a lattice")?;
+    let (places, sharing) = whole_channels(&electrodes).ok_or("has no electrode with a channel on a lattice")?;
     let axis = |axis: usize| {
         let values = || places.values().map(|place| place[axis]);
         values().min().zip(values().max()).unwrap_or_default()
@@ -40,16 +39,41 @@ pub(super) fn board(path: &str, electrodes: Vec<DrawnElectrode>, limits: BoardLi
         return Err(format!("has {} columns and {} rows, at most {most_side} are planned with", sides[0], sides[1]));
     };
     let mut channels = vec![None; columns as usize * rows as usize];
-    let mut left_out =
-        LeftOut { sharing: shared.into_iter().map(|electrode| electrode.name).collect(), ..LeftOut::default() };
-    for (index, electrode) in own.into_iter().enumerate() {
+    let mut left_out = LeftOut::default();
+    for (index, electrode) in electrodes.into_iter().enumerate() {
         let cell = places.get(&index).map(|[x, y]| ((bottom - y) * i64::from(columns) + (x - left)) as usize);
         match cell.and_then(|cell| channels.get_mut(cell)) {
             Some(place @ None) => *place = Some(electrode.channel),
+            Some(Some(_)) | None if sharing.contains(&electrode.channel) => left_out.sharing.push(electrode.name),
             Some(Some(_)) | None => left_out.off_lattice.push(electrode.name),
         }
     }
     Ok(BoardFile { path: path.to_owned(), columns, rows, channels, left_out })
+}
+
+/// The places of the electrodes whose channels switch none off the lattice, and the shared channels that do: what those electrodes pull
+/// is not known. Each turn leaves out some more channels.
+fn whole_channels(electrodes: &[DrawnElectrode]) -> Option<(BTreeMap<usize, LatticePlace>, BTreeSet<u32>)> {
+    let mut uses: BTreeMap<u32, u32> = BTreeMap::new();
+    electrodes.iter().for_each(|electrode| *uses.entry(electrode.channel).or_default() += 1);
+    let is_shared = |channel: u32| uses.get(&channel).is_some_and(|count| *count > 1);
+    let mut left_out: BTreeSet<u32> = BTreeSet::new();
+    for turn in 0.. {
+        if turn == MOST_TURNS {
+            left_out.extend(uses.keys().copied().filter(|channel| is_shared(*channel)));
+        }
+        let kept: Vec<usize> =
+            (0..electrodes.len()).filter(|index| !left_out.contains(&electrodes[*index].channel)).collect();
+        let own: Vec<DrawnElectrode> = kept.iter().map(|index| electrodes[*index].clone()).collect();
+        let places = places(&own)?;
+        let off = (0..own.len()).filter(|index| !places.contains_key(index)).map(|index| own[index].channel);
+        let torn: BTreeSet<u32> = off.filter(|channel| is_shared(*channel)).collect();
+        if torn.is_empty() {
+            return Some((places.into_iter().map(|(index, place)| (kept[index], place)).collect(), left_out));
+        }
+        left_out.extend(torn);
+    }
+    None
 }
 
 /// The places of the largest set of electrodes that hang together, by their index; `None` without an electrode that has bounds.

@@ -1,8 +1,8 @@
 //! Files of boards: which of them a program names, and their electrodes as cells, each file read once.
 //!
 //! Three forms are known by what is in them: board definitions of PurpleDrop, the list of electrodes of OpenDrop's program, and device
-//! files of MicroDrop. Electrodes on one lattice, from each of which a droplet can go to the next, become cells; electrodes that share
-//! a channel, and those off the lattice, are left out.
+//! files of MicroDrop. Electrodes on one lattice, from each of which a droplet can go to the next, become cells; those off the lattice, and
+//! all that share a channel with such, are left out.
 
 mod lattice;
 mod lists;

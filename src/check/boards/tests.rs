@@ -110,8 +110,8 @@ fn what_is_no_board_says_where() {
         ("[{\"x\":0,\"y\":0,\"h\":1,\"v\":1,\"e\":5000}]", "a channel 5000"),
         ("[{\"x\":1e308,\"y\":0,\"h\":1e308,\"v\":1,\"e\":5}]", "without an area"),
         (
-            "[{\"x\":0,\"y\":0,\"h\":1,\"v\":1,\"e\":5},{\"x\":1,\"y\":0,\"h\":1,\"v\":1,\"e\":5}]",
-            "no electrode of its own channel",
+            "[{\"x\":0,\"y\":0,\"h\":1,\"v\":1,\"e\":5},{\"x\":7,\"y\":0,\"h\":1,\"v\":1,\"e\":5}]",
+            "no electrode with a channel on a lattice",
         ),
         ("", "EOF while parsing"),
         ("<svg>\n<path></svg>", "is not a picture, line 2"),

@@ -6,10 +6,9 @@ use crate::check::devices::CheckedDevice;
 use crate::check::figures::Figures;
 use crate::check::labels::DeviceLabel;
 use crate::check::value::{BoardFile, LeftOut, ListValue, Value, whole};
-use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, ElectrodeMap, Electrodes};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, ElectrodeMap, Electrodes, MAX_SHARING};
 use crate::diagnostic::Sink;
-use crate::source::Span;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -78,6 +77,7 @@ pub fn of(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) 
         map.disabled = dead(facts, &map, disabled, device, sink)?;
     }
     let has_gaps = map.channels.iter().any(Option::is_none) || !map.disabled.is_empty();
+    sharing(facts, &map, device, sink)?;
     if facts.layout.electrodes == Electrodes::Quad && has_gaps {
         let gaps = if board.is_some() { "map" } else { "channels" };
         let field = if map.disabled.is_empty() { gaps } else { "disabled" };
@@ -86,6 +86,26 @@ pub fn of(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) 
         return None;
     }
     Some((board.is_some() || rows.is_some() || !map.disabled.is_empty()).then(|| Arc::new(map)))
+}
+
+/// Shared channels are for droplets, since a pair of electrodes moves a micropart, and for so many electrodes.
+fn sharing(facts: &ElectrodeArrayFacts, map: &ElectrodeMap, device: &CheckedDevice, sink: &mut Sink) -> Option<()> {
+    let field = if board_file(device).is_some() { "map" } else { "channels" };
+    let shared = || map.by_channel().into_iter().filter(|(_, cells)| cells.len() > 1);
+    if facts.layout.electrodes == Electrodes::Quad
+        && let Some((channel, cells)) = shared().next()
+    {
+        let label = DeviceLabel::field(field, format!("channel {channel} at {} and {}", cells[0], cells[1]));
+        sink.push(device.labelled(errors::microparts_on_shared_channel(channel), [label]));
+        return None;
+    }
+    let electrodes = shared().map(|(_, cells)| cells.len()).sum();
+    if electrodes > MAX_SHARING {
+        let label = DeviceLabel::field(field, format!("{electrodes} electrodes"));
+        sink.push(device.labelled(errors::too_many_sharing(electrodes), [label]));
+        return None;
+    }
+    Some(())
 }
 
 /// The number at each place, from row 1.
@@ -102,7 +122,6 @@ fn channels(
         return None;
     }
     let mut numbers = Vec::with_capacity(facts.columns as usize * facts.rows as usize);
-    let mut used: BTreeMap<u32, Span> = BTreeMap::new();
     // The top row is written first.
     for (row, number) in rows.iter().rev().zip(1..) {
         let Value::List(cells) = &row.value else { return None };
@@ -119,14 +138,6 @@ fn channels(
                 Value::Quantity(count) => Some(u32::try_from(whole(*count)?).ok()?),
                 _ => None,
             };
-            if let Some(channel) = channel
-                && let Some(earlier) = used.insert(channel, cell.span)
-            {
-                let finding = errors::channel_shared(channel);
-                let labels = [DeviceLabel::cell(cell.span, "here"), DeviceLabel::cell(earlier, "and here")];
-                sink.push(device.labelled(finding, labels));
-                return None;
-            }
             numbers.push(channel);
         }
     }

@@ -23,9 +23,10 @@ use super::tasks::{Parts, TaskSite};
 use super::wiring::NumberedChannels;
 use super::{CheckedFacts, Checker, KindChecks, KindFacts};
 use crate::claims::{Job, Order};
-use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, ElectrodeMap};
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity};
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
 /// Greatest default of the limit of expanded states.
@@ -42,13 +43,15 @@ pub fn default_expansions(facts: &ElectrodeArrayFacts, parts: usize) -> u64 {
 impl CheckedFacts for Rc<ElectrodeArrayFacts> {
     fn channel_examples(&self) -> Vec<String> {
         let last = ElectrodeCell::new(self.columns, self.rows);
-        [ElectrodeCell::new(1, 1), last].map(ElectrodeArrayFacts::channel).to_vec()
+        [ElectrodeCell::new(1, 1), last].map(|cell| ElectrodeArrayFacts::channel(self.first_on_with(cell))).to_vec()
     }
 
     fn all_channels(&self) -> Vec<String> {
         let cells =
             (1..=self.rows).flat_map(|row| (1..=self.columns).map(move |column| ElectrodeCell::new(column, row)));
-        let electrodes = cells.filter(|cell| self.has_electrode(*cell)).map(ElectrodeArrayFacts::channel);
+        let firsts = self.map.as_ref().map(|map| first_of_channels(map)).filter(|firsts| !firsts.is_empty());
+        let names = |cell: &ElectrodeCell| firsts.as_ref().is_none_or(|firsts| firsts.contains(cell));
+        let electrodes = cells.filter(names).map(ElectrodeArrayFacts::channel);
         let pads = self.reservoirs.iter().flat_map(|reservoirs| reservoirs.pads());
         electrodes.chain(pads.map(ElectrodeArrayFacts::pad_channel)).collect()
     }
@@ -61,8 +64,16 @@ impl CheckedFacts for Rc<ElectrodeArrayFacts> {
         self.electrode(name).is_some() || self.pad(name).is_some()
     }
 
+    fn shared_channel(&self, name: &str) -> Option<String> {
+        let first = self.first_on_with(self.named_electrode(name)?);
+        Some(ElectrodeArrayFacts::channel(first)).filter(|channel| channel != name)
+    }
+
     fn numbered_channels(&self) -> Option<NumberedChannels> {
-        let numbered = self.map.iter().flat_map(|map| map.numbered());
+        let numbered = self.map.iter().flat_map(|map| {
+            let firsts = first_of_channels(map);
+            map.numbered().filter(move |(cell, _)| firsts.contains(cell))
+        });
         let named = numbered.map(|(cell, number)| (ElectrodeArrayFacts::channel(cell), number));
         let pads = self.reservoirs.iter().flat_map(|reservoirs| reservoirs.pads());
         let pads = pads.map(|pad| (ElectrodeArrayFacts::pad_channel(pad), pad));
@@ -72,6 +83,11 @@ impl CheckedFacts for Rc<ElectrodeArrayFacts> {
     fn order(&self, checker: &mut Checker, site: &TaskSite, parts: Parts) -> Option<Order> {
         checker.electrode_array_order(site, self, parts).map(Order::ElectrodeArray)
     }
+}
+
+/// The electrodes that give the numbered channels of a board their names.
+fn first_of_channels(map: &ElectrodeMap) -> BTreeSet<ElectrodeCell> {
+    map.by_channel().values().filter_map(|cells| cells.first().copied()).collect()
 }
 
 /// The checks of the kind.

@@ -72,6 +72,11 @@ impl PadReader<'_> {
             self.sink.push(self.device.labelled(errors::outlet_without_number(&at.value), [label]));
             return None;
         };
+        if self.facts.on_with(outlet).len() > 1 {
+            let label = DeviceLabel::cell(at.span, "on a shared channel");
+            self.sink.push(self.device.labelled(errors::outlet_shares_channel(outlet, own), [label]));
+            return None;
+        }
         let Value::List(list) = &frames.value else { return None };
         let read: Option<Vec<DispenseFrame>> = list.iter().map(|frame| self.frame(frame, (outlet, own))).collect();
         let read = read?;

@@ -201,6 +201,12 @@ impl TrayReader<'_> {
             self.sink.push(errors::given_at(wrong, &at));
             return None;
         }
+        if let [one, other, ..] = self.facts.on_with(cell)[..] {
+            let sibling = if one == cell { other } else { one };
+            let wrong = errors::outlet_on_shared_channel(&self.object.name, cell, sibling, span);
+            self.sink.push(errors::given_at(wrong, &at));
+            return None;
+        }
         Some(Outlet { name: self.object.name.clone(), cell, span })
     }
 

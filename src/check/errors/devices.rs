@@ -65,6 +65,15 @@ pub fn unknown_channel(span: Span, owner: &str, channel: &str, known: &[String])
         .help(help)
 }
 
+/// A wire of an electrode that shares its channel with an earlier one, which gives the channel its name.
+pub fn wire_of_shared_channel(span: Span, channel: &str, first: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0406, format!("electrode `{channel}` is on a shared channel, which has the name `{first}`"))
+        .label(span, "no channel of its own")
+        .help(format!(
+            "wire `{first}`: a shared channel has the name of the first of its electrodes, row by row from row 1"
+        ))
+}
+
 pub fn channel_wired_twice(channel: &str, span: Span, earlier: Span) -> Diagnostic {
     Diagnostic::new(Code::E0407, format!("channel `{channel}` is wired twice"))
         .label(span, "wired again here")

@@ -93,6 +93,13 @@ impl WiredOwner {
         }
     }
 
+    fn shared_channel(&self, name: &str) -> Option<String> {
+        match self {
+            WiredOwner::Device(facts) => facts.asked().shared_channel(name),
+            WiredOwner::AuxiliaryOutput => None,
+        }
+    }
+
     fn channel_examples(&self) -> Vec<String> {
         match self {
             WiredOwner::Device(facts) => facts.asked().channel_examples(),
@@ -243,6 +250,10 @@ impl<'a> Checker<'a> {
         let channel = channel?;
         let owner = panel.owner.as_ref()?;
         if !owner.has_channel(&channel) {
+            if let Some(first) = owner.shared_channel(&channel) {
+                self.sink.push(errors::wire_of_shared_channel(wire.channel.span, &channel, &first));
+                return None;
+            }
             let (known, name) = (owner.channel_examples(), format!("{} `{}`", owner.sort().name(), panel.name));
             self.sink.push(errors::unknown_channel(wire.channel.span, &name, &channel, &known));
             return None;

@@ -2,9 +2,13 @@
 
 use super::ElectrodeCell;
 use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Greatest number of a driver's channel.
 pub const MAX_CHANNEL: u32 = 4095;
+
+/// Most electrodes of a board that share their channels.
+pub const MAX_SHARING: usize = 10_000;
 
 /// Electrodes of a board that is no plain rectangle of nameless electrodes.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -12,7 +16,8 @@ pub struct ElectrodeMap {
     /// Columns of the board: the length of a row in `channels`.
     pub columns: u32,
     /// The number of each electrode's channel on the driver, 0 to [`MAX_CHANNEL`], row by row from row 1; `None` at a place without an
-    /// electrode. Each number at most once. Empty where the electrodes have no numbers: then every place has one.
+    /// electrode. A number at several places is a shared channel: one switch for all of them. Empty where the electrodes have no numbers:
+    /// then every place has one, with a channel of its own.
     pub channels: Vec<Option<u32>>,
     /// Electrodes that do not work, in order, each once.
     pub disabled: Vec<ElectrodeCell>,
@@ -33,6 +38,33 @@ impl ElectrodeMap {
     pub fn channel(&self, cell: ElectrodeCell) -> Option<u32> {
         let row = cell.row.checked_sub(1)? as usize * self.columns as usize;
         *self.channels.get(row + cell.column.checked_sub(1)? as usize)?
+    }
+
+    /// The electrodes on the channel of one, itself among them, row by row from row 1.
+    pub fn on_channel_of(&self, cell: ElectrodeCell) -> Vec<ElectrodeCell> {
+        match self.channel(cell) {
+            Some(own) => self.numbered().filter(|(_, number)| *number == own).map(|(cell, _)| cell).collect(),
+            None => vec![cell],
+        }
+    }
+
+    /// The first of them.
+    pub fn first_on_channel_of(&self, cell: ElectrodeCell) -> ElectrodeCell {
+        let own = self.channel(cell);
+        self.numbered().find(|(_, number)| Some(*number) == own).map_or(cell, |(first, _)| first)
+    }
+
+    /// Whether some channel switches several electrodes.
+    pub fn is_shared(&self) -> bool {
+        let mut known = BTreeSet::new();
+        self.channels.iter().flatten().any(|number| !known.insert(*number))
+    }
+
+    /// The channels with their electrodes, each row by row from row 1; none where the electrodes have no numbers.
+    pub fn by_channel(&self) -> BTreeMap<u32, Vec<ElectrodeCell>> {
+        let mut channels: BTreeMap<u32, Vec<ElectrodeCell>> = BTreeMap::new();
+        self.numbered().for_each(|(cell, number)| channels.entry(number).or_default().push(cell));
+        channels
     }
 
     /// Every numbered electrode with its number, row by row from row 1.

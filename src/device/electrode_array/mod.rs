@@ -13,7 +13,7 @@ mod map;
 mod reservoirs;
 mod words;
 
-pub use map::{ElectrodeMap, MAX_CHANNEL};
+pub use map::{ElectrodeMap, MAX_CHANNEL, MAX_SHARING};
 pub use reservoirs::{DispenseFrame, DispenseSequence, MAX_DISPENSE_FRAMES, ReservoirPads};
 pub use words::{ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayOutcome, VOCABULARY, ZoneSort};
 
@@ -279,9 +279,25 @@ impl ElectrodeArrayFacts {
         [f64::from(cell.column) - 1.0, f64::from(cell.row) - 1.0].map(|pitches| pitches * self.pitch_um())
     }
 
-    /// The channel of an electrode, without the device's name.
+    /// The channel of an electrode that shares it with none, without the device's name; a shared one has the name of the first of its
+    /// electrodes.
     pub fn channel(cell: ElectrodeCell) -> String {
         format!("e{}_{}", cell.column, cell.row)
+    }
+
+    /// The electrodes that are on with one, itself among them, row by row from row 1.
+    pub fn on_with(&self, cell: ElectrodeCell) -> Vec<ElectrodeCell> {
+        self.map.as_ref().map_or_else(|| vec![cell], |map| map.on_channel_of(cell))
+    }
+
+    /// Those of them that work.
+    pub fn lit_with(&self, cell: ElectrodeCell) -> Vec<ElectrodeCell> {
+        self.on_with(cell).into_iter().filter(|cell| !self.is_disabled(*cell)).collect()
+    }
+
+    /// The first of the electrodes that are on with one, row by row from row 1: the one that gives their channel its name.
+    pub fn first_on_with(&self, cell: ElectrodeCell) -> ElectrodeCell {
+        self.map.as_ref().map_or(cell, |map| map.first_on_channel_of(cell))
     }
 
     /// The name of a pad's channel, without the device's.
@@ -303,8 +319,14 @@ impl ElectrodeArrayFacts {
         own.or(self.dispense_ns)
     }
 
-    /// The electrode of a channel's name, without the device's; `None` if the board has none of that name.
+    /// The electrode of a channel's name, without the device's, the first one of a shared channel; `None` if the board has none of that name.
     pub fn electrode(&self, channel: &str) -> Option<ElectrodeCell> {
+        let cell = self.named_electrode(channel)?;
+        (self.first_on_with(cell) == cell).then_some(cell)
+    }
+
+    /// The electrode that a name is made of, whether it gives its channel the name or not.
+    pub fn named_electrode(&self, channel: &str) -> Option<ElectrodeCell> {
         let (column, row) = channel.strip_prefix('e')?.split_once('_')?;
         let cell = ElectrodeCell::new(column.parse().ok()?, row.parse().ok()?);
         (self.has_electrode(cell) && ElectrodeArrayFacts::channel(cell) == channel).then_some(cell)

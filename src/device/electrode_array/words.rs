@@ -108,7 +108,7 @@ const FIELDS: &[VocabularyField] = &[
         "channels",
         Sort::CountRows { most: MAX_CHANNEL },
         "every place has an electrode, without a number",
-        "number of each electrode's channel on the driver, a list for each row, the top row first; `none` where the board has no electrode",
+        "number of each electrode's channel on the driver, a list for each row, the top row first; `none` where the board has no electrode; several electrodes may share one",
     ),
     optional(
         "map",
@@ -470,5 +470,5 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     objectives: ElectrodeArrayObjective::CHOICES,
     planners: PLANNERS,
     outcomes: OUTCOMES,
-    channels: "<device>.e<column>_<row>: the voltage on an electrode",
+    channels: "<device>.e<column>_<row>: the voltage on an electrode, or on all that share its channel",
 };

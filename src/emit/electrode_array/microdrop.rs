@@ -5,7 +5,7 @@
 //! and keeps the electrodes of the step before on. Where a schedule begins or ends with a prompt, a step of 0 s stands on its free side.
 //!
 //! `<name>.<driver>.microdrop.svg` is the device: a path for each electrode that is wired to the driver, named by the number of its
-//! channel, and a line for each pair of neighbours. Pads of reservoirs, whose places a device does not have, stand in a row below the board and are
+//! channel, with another number where it shares it, and a line for each pair of neighbours. Pads of reservoirs, whose places a device does not have, stand in a row below the board and are
 //! neighbours of none. Its unit is the pixel of 96 to the inch; sizes are those of the board.
 
 use super::super::error::{EmitError, MAX_TEXT_BYTES};
@@ -75,6 +75,18 @@ impl WiredChip<'_> {
         self.numbers.values().chain(&self.pads).copied()
     }
 
+    /// The electrodes, each with the name that it has in the files.
+    fn named(&self) -> impl Iterator<Item = (ElectrodeCell, u32, String)> {
+        let mut cells: Vec<(ElectrodeCell, u32)> = self.numbers.iter().map(|(cell, number)| (*cell, *number)).collect();
+        cells.sort_by_key(|(cell, number)| (*number, cell.row, cell.column));
+        let mut met: BTreeMap<u32, usize> = BTreeMap::new();
+        cells.into_iter().map(move |(cell, number)| {
+            let nth = met.entry(number).or_default();
+            *nth += 1;
+            (cell, number, shared_id(number, *nth))
+        })
+    }
+
     /// Columns and rows that it takes in the picture: pads stand in the second row below the board.
     fn size(&self) -> [u32; 2] {
         let (columns, rows) = (self.facts.columns, self.facts.rows);
@@ -106,7 +118,7 @@ fn chips<'a>(
         let new = || WiredChip { facts, numbers: BTreeMap::new(), pads: BTreeSet::new() };
         let chip = chips.entry(device).or_insert_with(new);
         match cell {
-            Some(cell) => drop(chip.numbers.insert(cell, number)),
+            Some(cell) => chip.numbers.extend(facts.on_with(cell).into_iter().map(|cell| (cell, number))),
             None => drop(chip.pads.insert(number)),
         }
     }
@@ -116,6 +128,18 @@ fn chips<'a>(
 /// Identifier of an electrode by the number of its channel: `electrode012`.
 fn electrode_id(number: u32) -> String {
     format!("electrode{number:03}")
+}
+
+/// Identifier of the electrodes on a channel after the first: `electrode012_2`.
+fn shared_id(number: u32, nth: usize) -> String {
+    if nth == 1 { electrode_id(number) } else { format!("{}_{nth}", electrode_id(number)) }
+}
+
+/// The names of the electrodes and pads on each channel.
+fn names_by_channel(chips: &[WiredChip]) -> BTreeMap<u32, Vec<String>> {
+    let mut uses: BTreeMap<u32, usize> = BTreeMap::new();
+    chips.iter().flat_map(WiredChip::channels).for_each(|number| *uses.entry(number).or_default() += 1);
+    uses.into_iter().map(|(number, count)| (number, (1..=count).map(|nth| shared_id(number, nth)).collect())).collect()
 }
 
 /// A step of the protocol.
@@ -196,8 +220,9 @@ fn protocol(board: &FramedBoard, chips: &[WiredChip], schedule: &Schedule) -> Re
         columns.push(("message_prompt", (BUILT_IN, "message_prompt_column.MsgPromptColumnModel")));
     }
     let names = step_names(&steps, schedule);
+    let electrodes = names_by_channel(chips);
     let rows = steps.iter().zip(&names).zip(1..).map(|((step, name), number)| {
-        let on: Vec<String> = step.on.iter().map(|number| electrode_id(*number)).collect();
+        let on: Vec<&String> = step.on.iter().filter_map(|number| electrodes.get(number)).flatten().collect();
         let mut row = vec![json!(0), json!(own_name(board, schedule, number)), json!("step"), json!(name)];
         row.extend([json!(step.duration_ns as f64 / 1e9), json!(on)]);
         row.extend(settings.iter().cloned());
@@ -209,8 +234,9 @@ fn protocol(board: &FramedBoard, chips: &[WiredChip], schedule: &Schedule) -> Re
 
 /// The text of the file, a line for each step.
 fn document(columns: &[ColumnClass], chips: &[WiredChip], rows: Vec<Value>) -> String {
+    let names = names_by_channel(chips).into_iter();
     let channels: BTreeMap<String, u32> =
-        chips.iter().flat_map(WiredChip::channels).map(|number| (electrode_id(number), number)).collect();
+        names.flat_map(|(number, names)| names.into_iter().map(move |name| (name, number))).collect();
     let classes = columns.iter().map(|(id, (package, class))| json!({ "id": id, "cls": format!("{package}.{class}") }));
     let fields = ["depth", "uuid", "type", "name"].into_iter().chain(columns.iter().map(|(id, _)| *id));
     let mut text = format!("{{\n  \"schema_version\": {SCHEMA_VERSION},\n");
@@ -264,16 +290,17 @@ fn device(chips: &[WiredChip]) -> String {
         };
         // The middle of an electrode; rows of a picture go downwards.
         let middle = |cell: ElectrodeCell| place([cell.column - 1, facts.rows - cell.row]);
-        let electrodes = chip.numbers.iter().map(|(cell, number)| (*number, middle(*cell)));
-        let pads = chip.pads.iter().zip(0..).map(|(pad, column)| (*pad, place([column, facts.rows + 1])));
-        let by_number: BTreeMap<u32, [f64; 2]> = electrodes.chain(pads).collect();
-        for (number, [x, y]) in by_number {
+        let electrodes = chip.named().map(|(cell, number, name)| (number, name, middle(cell)));
+        let pads = chip.pads.iter().zip(0..);
+        let pads = pads.map(|(pad, column)| (*pad, electrode_id(*pad), place([column, facts.rows + 1])));
+        let mut by_number: Vec<(u32, String, [f64; 2])> = electrodes.chain(pads).collect();
+        by_number.sort_by_key(|(number, ..)| *number);
+        for (number, name, [x, y]) in by_number {
             let [left, right] = [x - facts.radius_um, x + facts.radius_um].map(px);
             let [top, bottom] = [y - facts.radius_um, y + facts.radius_um].map(px);
             let _ = writeln!(
                 paths,
-                "    <path id=\"{}\" data-channels=\"{number}\" style=\"fill:#000000\" d=\"M {left},{top} H {right} V {bottom} H {left} Z\"/>",
-                electrode_id(number)
+                "    <path id=\"{name}\" data-channels=\"{number}\" style=\"fill:#000000\" d=\"M {left},{top} H {right} V {bottom} H {left} Z\"/>",
             );
         }
         for cell in chip.numbers.keys() {

@@ -27,8 +27,12 @@ fn bench_of(protocol: Protocol) -> Bench {
 
 /// Two droplets on a board of 8 x 5 electrodes without its corner, which has number 5 c + r less 6; both go on, rest 1 ms, and go back.
 pub fn board_on_driver(protocol: Protocol) -> (Verified, Provenance) {
+    numbered_board(protocol, |cell| (5 * cell.column + cell.row).checked_sub(7))
+}
+
+/// The same with other numbers under the electrodes.
+fn numbered_board(protocol: Protocol, number: fn(ElectrodeCell) -> Option<u32>) -> (Verified, Provenance) {
     let cells = (1..=5).flat_map(|row| (1..=8).map(move |column| ElectrodeCell::new(column, row)));
-    let number = |cell: ElectrodeCell| (5 * cell.column + cell.row).checked_sub(7);
     let map = ElectrodeMap { columns: 8, channels: cells.map(number).collect(), disabled: Vec::new() };
     let facts = ElectrodeArrayFacts { columns: 8, rows: 5, map: Some(map.clone().into()), ..facts(Electrodes::Single) };
     let there = vec![vec![(1, 5), (2, 5), (3, 5)], vec![(8, 1), (8, 2), (8, 3)]];
@@ -43,7 +47,8 @@ pub fn board_on_driver(protocol: Protocol) -> (Verified, Provenance) {
             limits: StageLimits::default(),
             span: Span::default(),
         };
-        schedule.bench.drives.insert(format!("plate.{}", ElectrodeArrayFacts::channel(cell)), drive);
+        let first = ElectrodeArrayFacts::channel(facts.first_on_with(cell));
+        schedule.bench.drives.insert(format!("plate.{first}"), drive);
     }
     (Verified::assume(schedule, claims), Provenance::default())
 }
@@ -202,6 +207,30 @@ fn a_step_of_microdrop_stands_for_each_frame() {
     assert_eq!(steps, expected);
     let steps = microdrop_steps(&board_on_driver(Protocol::Opendrop));
     assert_eq!(steps, frames.map(|(seconds, channels)| json!([seconds, on(channels)])), "nothing to set");
+}
+
+/// The electrode at (1, 5) shares its channel with those at (4, 1) and (4, 3): one number in the frames, and one name for each in
+/// MicroDrop. The channel has the name of the first, row by row.
+#[test]
+fn a_shared_channel_is_one_channel_and_all_its_electrodes() {
+    let number = |cell: ElectrodeCell| match cell.pair() {
+        [4, 1] | [4, 3] => Some(3),
+        _ => (5 * cell.column + cell.row).checked_sub(7),
+    };
+    let board = numbered_board(Protocol::Dropbot, number);
+    let names: Vec<&str> = board.0.schedule().channels.iter().map(|own| own.name.as_str()).collect();
+    assert_eq!(names, ["plate.e4_1", "plate.e8_1", "plate.e8_2", "plate.e8_3", "plate.e2_5", "plate.e3_5"]);
+    let text = file(Format::Frames, &board, "driver.frames.csv");
+    let last = text.lines().last().expect("a row");
+    assert!(last.ends_with(",3 34"), "{text}");
+    let steps = microdrop_steps(&board);
+    let on = ["electrode003", "electrode003_2", "electrode003_3", "electrode034"];
+    assert_eq!(steps.last().expect("a step")[1], json!(on));
+    let device = file(Format::Microdrop, &board, "driver.microdrop.svg");
+    assert_eq!(device.matches("data-channels=\"3\"").count(), 3);
+    assert_eq!(device.matches("<path ").count(), 39);
+    let protocol = file(Format::Microdrop, &board, "driver.microdrop.json");
+    assert!(protocol.contains("\"electrode003_3\":3"), "{protocol}");
 }
 
 /// A prompt is shown before its step, with what was on before.

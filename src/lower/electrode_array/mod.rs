@@ -3,7 +3,7 @@
 //! Each step of the board lasts as long as the device's step does, and the electrodes of Table 2 of the paper are on for all of
 //! it: two before a micropart that moves, the target itself for a droplet. Where the device holds its parts, the electrodes
 //! that brought one to its cell stay on while it rests. An electrode that is on in one step and in the next is not switched
-//! between them. While a reservoir makes a droplet, its pads and the electrode at its outlet are on in the frames of the device.
+//! between them. A shared channel is one switch with the name of its first electrode, on while a part needs any of them. While a reservoir makes a droplet, its pads and the electrode at its outlet are on in the frames of the device.
 
 mod operations;
 
@@ -22,7 +22,8 @@ use std::collections::{BTreeMap, BTreeSet};
 impl Lowered for Planned<'_, ElectrodeArrayOrder, ElectrodeArrayMotion> {
     fn run(&self) -> Option<LoweredRun> {
         let Planned { order, motion } = self;
-        let mut board = LoweringBoard { order, run: LoweredRun::default(), cells: motion.start.clone() };
+        let (run, cells, firsts) = (LoweredRun::default(), motion.start.clone(), firsts(&order.facts));
+        let mut board = LoweringBoard { order, run, cells, firsts };
         board.record(0);
         for (index, (step, motion)) in order.steps.iter().zip(&motion.steps).enumerate() {
             let start_ns = board.run.duration_ns;
@@ -83,6 +84,18 @@ struct LoweringBoard<'a> {
     run: LoweredRun,
     /// Where each part stands; `None` for one that has merged, left, or not come yet.
     cells: Vec<Option<ElectrodeCell>>,
+    /// By electrode, the first one of its channel, where it is another.
+    firsts: BTreeMap<ElectrodeCell, ElectrodeCell>,
+}
+
+/// Of each electrode that is not the first of its channel, the one that is.
+fn firsts(facts: &ElectrodeArrayFacts) -> BTreeMap<ElectrodeCell, ElectrodeCell> {
+    let channels = facts.map.iter().flat_map(|map| map.by_channel().into_values());
+    let named = |cells: Vec<ElectrodeCell>| {
+        let first = cells.first().copied();
+        cells.into_iter().skip(1).filter_map(move |cell| Some((cell, first?)))
+    };
+    channels.flat_map(named).collect()
 }
 
 impl LoweringBoard<'_> {
@@ -175,7 +188,8 @@ impl LoweringBoard<'_> {
         let is_held = |part: usize| frames.get(&part).is_none_or(|frame| frame.outlet);
         let held = both.filter(|(part, ..)| is_held(*part)).flat_map(|(_, from, to)| electrodes(facts, from, to));
         let pads = frames.values().flat_map(|frame| frame.pads.iter().copied().map(BoardSwitch::Pad));
-        held.map(BoardSwitch::Electrode).chain(pads).collect()
+        let first = |cell: ElectrodeCell| self.firsts.get(&cell).copied().unwrap_or(cell);
+        held.map(|cell| BoardSwitch::Electrode(first(cell))).chain(pads).collect()
     }
 
     /// Ends the electrodes that are no longer needed and begins the new ones.

@@ -6,6 +6,7 @@
 //! four combinations of the starts and ends of two parts", split into single positions: a path is legal exactly if none of its
 //! positions is too near to any of three positions of another; pairs of moves need no check.
 
+use super::broadcast::SharedChannels;
 use crate::plan::search::SearchAnswer;
 use crate::plan::watch::HeldPlan;
 use fixedbitset::FixedBitSet;
@@ -20,13 +21,32 @@ pub struct BoardGrid {
     height: u32,
     /// One bit per cell, row by row; set where no centre may be.
     blocked: FixedBitSet,
+    /// `None` where each electrode has a channel of its own.
+    channels: Option<Box<SharedChannels>>,
 }
 
 impl BoardGrid {
     /// A board without a blocked cell; at most `u32::MAX` cells.
     pub fn new(width: u32, height: u32) -> BoardGrid {
         let cells = width as usize * height as usize;
-        BoardGrid { width, height, blocked: FixedBitSet::with_capacity(cells) }
+        BoardGrid { width, height, blocked: FixedBitSet::with_capacity(cells), channels: None }
+    }
+
+    /// Gives the board shared channels.
+    pub fn share(&mut self, channels: SharedChannels) {
+        self.channels = Some(Box::new(channels));
+    }
+
+    /// The same board with a channel for each electrode.
+    #[must_use]
+    pub fn unshared(self) -> BoardGrid {
+        BoardGrid { channels: None, ..self }
+    }
+
+    /// Its shared channels, if it has any.
+    #[inline]
+    pub fn channels(&self) -> Option<&SharedChannels> {
+        self.channels.as_deref()
     }
 
     /// Number of columns.
@@ -274,6 +294,8 @@ impl MetCells {
 pub enum NoBoardPlan {
     /// Blocked cells cut this agent off from this of its stops, even when it is alone.
     Closed { agent: usize, stop: usize },
+    /// Other electrodes of the channels on its way keep this agent from this of its stops, even when it is alone.
+    Torn { agent: usize, stop: usize },
     /// These agents cannot pass one another, whatever the others do; the smallest such set found.
     Blocked { agents: Vec<usize> },
     /// A plan exists or may exist, but none within the limit on steps; `least` is a lower bound on the steps.

@@ -18,7 +18,7 @@ use super::published::{self, Heuristic, PairCheck, PaperReading, PublishedOutcom
 use super::remedy::{Shut, Tried};
 use super::shared::{self, SharedGoals};
 use super::stage::{self, BoardGround, BoardStage, CellBlocker};
-use super::{portfolio, why};
+use super::{channels, portfolio, torn, why};
 use crate::claims::electrode_array::{
     AssayOperation, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective,
     ElectrodeArrayOrder, ElectrodeArrayStep,
@@ -243,7 +243,15 @@ impl Tasks<'_> {
     /// The motion of one step. If it has none, planning continues from the goals, so that later steps are reported too.
     fn step(&mut self, step: &ElectrodeArrayStep) -> Option<ElectrodeArrayStepMotion> {
         match &step.action {
-            ElectrodeArrayAction::Wait(duration_ns) => Some(ElectrodeArrayStepMotion::Wait(*duration_ns)),
+            ElectrodeArrayAction::Wait(duration_ns) => {
+                let stage = BoardStage::new(self.order, self.ground, &self.cells, &[]);
+                let restless = torn::restless(self.order, &stage, step.span).filter(|_| *duration_ns > 0);
+                let is_fixed = self.loose.is_fixed_in(&step.action);
+                let wrong = restless.map(|wrong| if is_fixed { wrong } else { errors::not_from_here(step.span) });
+                let is_possible = wrong.is_none();
+                wrong.into_iter().for_each(|wrong| self.sink.push(wrong));
+                is_possible.then_some(ElectrodeArrayStepMotion::Wait(*duration_ns))
+            }
             ElectrodeArrayAction::Move(moves) => {
                 let stage = BoardStage::new(self.order, self.ground, &self.cells, moves);
                 let paths = self.paths(step, &stage);
@@ -417,6 +425,10 @@ impl Tasks<'_> {
         if paths.len() < stage.agents.len() {
             return None;
         }
+        if !channels::are_kept_by_paths(&stage.instance, &paths) {
+            self.sink.push(errors::heedless_of_channels(step.span));
+            return None;
+        }
         self.add(&paths, bounds);
         Some(paths)
     }
@@ -443,7 +455,14 @@ impl Tasks<'_> {
     fn impossible(&mut self, step: Span, stage: &BoardStage, reason: &NoBoardPlan) {
         match reason {
             NoBoardPlan::Closed { agent, stop } => self.closed(stage, *agent, *stop),
+            NoBoardPlan::Torn { agent, stop } => {
+                self.sink.push(torn::torn(self.order, stage, (*agent, *stop)));
+            }
             NoBoardPlan::Blocked { agents } => {
+                if let Some(diagnostic) = torn::excluded(self.order, step, stage, agents) {
+                    self.sink.push(diagnostic);
+                    return;
+                }
                 let actors = agents.iter().map(|agent| &stage.agents[*agent]);
                 let parts: Vec<(&str, Span)> = actors
                     .map(|actor| {
@@ -550,7 +569,7 @@ fn finished(
     bounds: BoardCosts,
     bound: Option<u64>,
 ) -> Plan<ElectrodeArrayMotion> {
-    let outcomes = outcomes(order, &motion);
+    let outcomes = limits::outcomes(order, &motion);
     let (least, other) = match order.objective {
         ElectrodeArrayObjective::Makespan => {
             (bounds.makespan, (ElectrodeArrayOutcome::SumOfCosts.name().to_owned(), bounds.sum_of_costs as f64))
@@ -573,19 +592,4 @@ fn finished(
         remarks: Vec::new(),
         motion,
     }
-}
-
-fn outcomes(order: &ElectrodeArrayOrder, motion: &ElectrodeArrayMotion) -> BTreeMap<String, f64> {
-    let sum = |sum: [usize; 3], step: &ElectrodeArrayStepMotion| {
-        let own = step.figures();
-        [0, 1, 2].map(|figure: usize| sum[figure] + own[figure])
-    };
-    let [steps, sum_of_costs, moves] = motion.steps.iter().fold([0; 3], sum);
-    let figures = [
-        (ElectrodeArrayOutcome::Steps, steps as f64),
-        (ElectrodeArrayOutcome::SumOfCosts, sum_of_costs as f64),
-        (ElectrodeArrayOutcome::Moves, moves as f64),
-        (ElectrodeArrayOutcome::Time, limits::seconds(order, steps as u64)),
-    ];
-    figures.into_iter().map(|(word, value)| (word.name().to_owned(), value)).collect()
 }

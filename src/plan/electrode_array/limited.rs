@@ -64,7 +64,8 @@ pub fn front(instance: &Instance, known: (&Paths, BoardFigures), asked: AskedSte
         return PlanFront { choices, bounds, is_whole: true, reaches: false };
     }
     let mut meter = Meter::new(SearchBudget::of(asked.expansions / LABELS_SHARE));
-    if let Some(choices) = labels::front(instance, asked.limits, &mut meter) {
+    let is_shared = instance.board.channels().is_some();
+    if !is_shared && let Some(choices) = labels::front(instance, asked.limits, &mut meter) {
         return PlanFront { choices, bounds, is_whole: true, reaches: true };
     }
     let front = PlanFront { choices, bounds, is_whole: true, reaches: false };
@@ -142,7 +143,7 @@ impl LimitedTaskSearch<'_> {
     fn raise_steps(&mut self, why: &NoBoardPlan) {
         match why {
             NoBoardPlan::TooFewSteps { least } => self.front.bounds[0] = self.front.bounds[0].max(*least),
-            NoBoardPlan::Closed { .. } | NoBoardPlan::Blocked { .. } => {}
+            NoBoardPlan::Closed { .. } | NoBoardPlan::Torn { .. } | NoBoardPlan::Blocked { .. } => {}
         }
     }
 

@@ -3,6 +3,7 @@
 use super::board::{BoardCosts, Paths};
 use super::labels::{BoardFigures, PlanLimits};
 use super::limited::{self, PlanFront, UNLIMITED, exceeds};
+use super::motion::{ElectrodeArrayMotion, ElectrodeArrayStepMotion};
 use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayOrder};
 use crate::claims::{Relation, Requirement};
 use crate::device::Kind;
@@ -10,6 +11,7 @@ use crate::device::electrode_array::ElectrodeArrayOutcome;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::plan::requirements::{Kept, enough, keeps};
 use crate::quantity::{Dimension, Quantity};
+use std::collections::BTreeMap;
 
 /// Counts saturate here.
 const MOST_COUNTED: u64 = 1 << 40;
@@ -177,4 +179,20 @@ fn shown(order: &ElectrodeArrayOrder, requirement: &Requirement, figure: u64) ->
 fn dimension(outcome: &str) -> Dimension {
     let known = Kind::ElectrodeArray.vocabulary().outcomes.iter().find(|known| known.name == outcome);
     known.map_or(Dimension::NUMBER, |known| known.unit.dimension())
+}
+
+/// The figures of a plan, by their names.
+pub fn outcomes(order: &ElectrodeArrayOrder, motion: &ElectrodeArrayMotion) -> BTreeMap<String, f64> {
+    let sum = |sum: [usize; 3], step: &ElectrodeArrayStepMotion| {
+        let own = step.figures();
+        [0, 1, 2].map(|figure: usize| sum[figure] + own[figure])
+    };
+    let [steps, sum_of_costs, moves] = motion.steps.iter().fold([0; 3], sum);
+    let figures = [
+        (ElectrodeArrayOutcome::Steps, steps as f64),
+        (ElectrodeArrayOutcome::SumOfCosts, sum_of_costs as f64),
+        (ElectrodeArrayOutcome::Moves, moves as f64),
+        (ElectrodeArrayOutcome::Time, seconds(order, steps as u64)),
+    ];
+    figures.into_iter().map(|(word, value)| (word.name().to_owned(), value)).collect()
 }

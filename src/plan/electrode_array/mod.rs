@@ -2,12 +2,14 @@
 //!
 //! Input: a job, and the cells of the parts. Output: a plan, or an error that explains why there is none. Reading order: `job` (a
 //! task, step by step), `stage` (one step on flat cell indices, [`board`]), `portfolio` (the default planner: [`fast`] finds plans,
-//! [`exact`] and [`joint`] prove them optimal or impossible), `limited` (plans of all steps within limits), [`published`] (the
+//! [`exact`] and [`joint`] prove them optimal or impossible), [`broadcast`] and [`channels`] (boards on which a channel switches several electrodes), `torn` (where such have no plan), `limited` (plans of all steps within limits), [`published`] (the
 //! paper's own), [`assay`] and `errands` (operations that depend on each other only by their parts), [`teams`], `shared` and `loose` (interchangeable goals), `why` (blocking obstacles), `remedy` (changes that would help).
 
 mod alone;
 pub mod assay;
 pub mod board;
+pub mod broadcast;
+pub mod channels;
 mod errands;
 pub mod exact;
 pub mod fast;
@@ -27,6 +29,7 @@ mod shared;
 mod stage;
 pub mod teams;
 mod timing;
+mod torn;
 mod why;
 
 pub use errands::PartCourse;

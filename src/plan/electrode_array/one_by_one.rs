@@ -1,7 +1,7 @@
 //! The operations of an assay one after the other, which is what they would be as steps of their own: a plan where [`super::assay`] finds
 //! none.
 
-use super::assay::{AgentCourse, AssayPlan, AssayProblem, are_kept, done_by};
+use super::assay::{AgentCourse, AssayPlan, AssayProblem, are_kept, are_kept_by_courses, done_by};
 use super::board::{BoardAnswer, BoardCosts, BoardObjective, CellIndex};
 use super::errands::depart;
 use super::portfolio;
@@ -33,7 +33,8 @@ pub fn one_by_one(
     let Turns { mut courses, .. } = turns;
     trim(problem, &mut courses);
     let is_clean = problem.traces.as_ref().is_none_or(|traces| traces.harmed(problem, &courses).is_none());
-    (is_clean && are_kept(problem, &courses)).then_some(AssayPlan { courses, bounds })
+    let is_sound = is_clean && are_kept(problem, &courses) && are_kept_by_courses(problem, &courses);
+    is_sound.then_some(AssayPlan { courses, bounds })
 }
 
 /// The courses of the agents while their operations take turns.

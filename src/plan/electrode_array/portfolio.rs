@@ -1,7 +1,7 @@
 //! The default planner: a plan quickly, then better ones, then the proof.
 //!
 //! Problem: one stage, many parts to their goals at the same time. A single part takes its shortest path ([`alone`]). Method for
-//! several, in this order:
+//! several, in this order (where channels are shared, [`channels`] has another):
 //! - In rounds of increasing length, [`fast::first`] searches for a plan, then [`lacam::first`] and, one part moving at a time,
 //!   [`joint`]; then [`exact::prove`] for a reason why there is none (small joint spaces, parts that block each other), until one
 //!   of them succeeds.
@@ -19,7 +19,7 @@
 use super::board::{BoardAnswer, BoardCosts, BoardObjective, BoardPlan, HeldBoardPlan, Instance, NoBoardPlan, Paths};
 use super::exact::field::ExactTables;
 use super::joint::{self, JointAim};
-use super::{alone, exact, fast, lacam, timing};
+use super::{alone, channels, exact, fast, lacam, timing};
 use crate::plan::search::{Meter, SearchBudget};
 
 /// Steps of the first round, or as many for each step of the parts: nearly all instances that are not crowded need fewer.
@@ -86,6 +86,9 @@ pub fn solve_metered(
     limit: Option<u64>,
     meter: &mut Meter,
 ) -> BoardAnswer {
+    if let Some(channels) = instance.board.channels() {
+        return channels::solve((instance, channels), objective, limit, meter);
+    }
     if instance.agents.len() == 1 {
         return by_itself(instance, limit);
     }
@@ -377,5 +380,7 @@ fn in_turns(instance: &Instance, aim: JointAim, meter: &mut Meter) -> Option<Pat
 
 /// A plan of fewest moves for a group that is not too large, if the meter suffices.
 pub fn fewest_moves(instance: &Instance, meter: &mut Meter) -> Option<Paths> {
+    // With shared channels the moves of one step may not be made one after the other.
+    instance.board.channels().is_none().then_some(())?;
     in_turns(instance, JointAim::Moves, meter)
 }

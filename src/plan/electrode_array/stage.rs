@@ -5,6 +5,7 @@
 //! to the model, or a part that stays.
 
 use super::board::{self, Agent, BoardGrid, Instance};
+use super::broadcast::SharedChannels;
 use crate::claims::electrode_array::{
     Bystanders, ElectrodeArrayMove, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
 };
@@ -39,6 +40,11 @@ impl<'a> BoardGround<'a> {
         let bare = bare(order);
         let mut board = bare.clone();
         cover(&mut board, &obstacles);
+        let stuck = order.obstacles.iter().filter_map(|obstacle| match obstacle.body {
+            ElectrodeArrayObstacleBody::Fixed(cell) => Some(cell),
+            ElectrodeArrayObstacleBody::Electrodes { .. } => None,
+        });
+        SharedChannels::of(&order.facts, stuck).into_iter().for_each(|channels| board.share(channels));
         BoardGround { obstacles, bare, board }
     }
 
@@ -168,9 +174,18 @@ impl<'a> BoardStage<'a> {
         for blocker in &standing {
             blocker.cells(&ground.bare).for_each(|cell| board.block(cell));
         }
+        if let Some(channels) = ground.board.channels() {
+            let stay = standing.iter().filter_map(|blocker| blocker.at).map(|at| flat(order, at));
+            board.share(channels.with_standing(&stay.collect::<Vec<_>>()));
+        }
         let merges = merges(&actors);
         let instance = Instance { board, separation: order.facts.separation.apart(), agents, merges };
         BoardStage { instance, agents: actors, ground, standing }
+    }
+
+    /// The cells of the parts that stay.
+    pub fn standing_cells(&self, order: &ElectrodeArrayOrder) -> impl Iterator<Item = board::CellIndex> {
+        self.standing.iter().filter_map(|blocker| blocker.at).map(|at| flat(order, at))
     }
 
     /// All blockers, obstacles first.

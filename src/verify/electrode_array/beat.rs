@@ -58,6 +58,7 @@ impl JudgedBoard<'_, '_> {
         let tally = &self.run.tally;
         tally.asked(Rule::Pull, self.cells.iter().flatten().count());
         tally.asked(Rule::Unused, moment.on.len());
+        tally.asked(Rule::Broadcast, moment.on.iter().filter(|cell| self.channels.is_shared(**cell)).count());
         let pulls = self.pulls(moment)?;
         let owners = self.owners(moment, &pulls)?;
         self.strays(moment, &pulls, &owners)?;
@@ -78,9 +79,10 @@ impl JudgedBoard<'_, '_> {
             };
             pull.map(|pull| (part, pull)).ok_or_else(|| {
                 let (name, time) = (self.name(part), ms(moment.at_ns));
-                let on = listed(&acting(moment.on, electrodes, at));
+                let acting = acting(moment.on, electrodes, at);
+                let on = listed(&acting);
                 let title = format!("electrodes {on} at {time} carry `{name}` from {at} to no neighbour");
-                self.broken(Rule::Pull, moment, title, &[part])
+                self.broken(self.channels.blamed(&acting), moment, title, &[part])
             })
         };
         here.map(pull).collect()
@@ -115,7 +117,9 @@ impl JudgedBoard<'_, '_> {
             let meant = |electrode: &ElectrodeCell| {
                 let of_partner = partner.is_some_and(|(other, goal)| {
                     let stands = pull.from == goal || pull.to == goal;
-                    *electrode == goal || (stands && owners.get(electrode) == Some(&other))
+                    // The goal is on for one of the two, and not for another electrode of its channel.
+                    let is_for_them = !self.channels.is_shared(goal) || owners.contains_key(&goal);
+                    (*electrode == goal && is_for_them) || (stands && owners.get(electrode) == Some(&other))
                 });
                 pull.by.contains(electrode) || of_partner
             };
@@ -129,18 +133,22 @@ impl JudgedBoard<'_, '_> {
                 let owner =
                     owners.get(&stray).map_or(String::new(), |other| format!(", on for `{}`,", self.name(*other)));
                 let title = format!("electrode {stray}{owner} pulls `{name}` at {at} too, at {time}");
-                return Err(self.broken(Rule::Pull, moment, title, &[*part]));
+                return Err(self.broken(self.channels.blamed(&[stray]), moment, title, &[*part]));
             }
         }
         Ok(())
     }
 
-    /// An electrode that is on carries or holds a part.
+    /// An electrode that is on carries or holds a part, or another one of its channel does.
     fn unused(&self, moment: &StepBeat, owners: &FxHashMap<ElectrodeCell, usize>) -> Result<(), Violation> {
         if owners.len() == moment.on.len() {
             return Ok(());
         }
-        match moment.on.iter().filter(|cell| !owners.contains_key(cell)).min() {
+        let used = self.channels.all_shared(owners.keys());
+        let is_of_use = |cell: &ElectrodeCell| {
+            owners.contains_key(cell) || self.channels.shared(*cell).is_some_and(|channel| used.contains(&channel))
+        };
+        match moment.on.iter().filter(|cell| !is_of_use(cell)).min() {
             None => Ok(()),
             Some(cell) => {
                 let title = format!("electrode {cell} is on at {} and pulls no part", ms(moment.at_ns));
@@ -156,10 +164,14 @@ impl JudgedBoard<'_, '_> {
             Electrodes::Single => (),
         }
         self.run.tally.asked(Rule::Hold, pulls.iter().filter(|(_, pull)| !pull.moves()).count());
+        // Where droplets are not held, one may rest on an electrode that is on with another that moves a droplet.
+        let moving = pulls.iter().filter(|(_, pull)| pull.moves()).flat_map(|(_, pull)| &pull.by);
+        let carrying = self.channels.all_shared(moving);
         for (part, pull) in pulls.iter().filter(|(part, pull)| !pull.moves() && !moment.unheld.contains(part)) {
             let joined = moment.stage.partner(*part).is_some_and(|(other, goal)| {
                 goal == pull.from && pulls.iter().any(|(part, pull)| *part == other && pull.moves() && pull.to == goal)
             });
+            let joined = joined || self.channels.shared(pull.from).is_some_and(|channel| carrying.contains(&channel));
             let fault = match (self.order.facts.hold, moment.on.contains(&pull.from)) {
                 (Hold::On, false) => "off",
                 (Hold::Off, true) if !joined => "on, though the device does not hold its parts",
@@ -174,13 +186,14 @@ impl JudgedBoard<'_, '_> {
 
     /// An electrode that is on acts on no part that is stuck.
     pub(super) fn leaves_stuck_parts(&self, nth: usize, electrode: ElectrodeCell, at_ns: u64) -> Result<(), Violation> {
-        self.run.tally.asked(Rule::Pull, 1);
+        let rule = self.channels.blamed(&[electrode]);
+        self.run.tally.asked(rule, 1);
         let Some(stuck) = self.scene.pulled(electrode, range(self.order.facts.layout.electrodes)) else {
             return Ok(());
         };
         let stuck = &self.order.obstacles[stuck];
         let title = format!("electrode {electrode} at {} pulls the stuck part `{}`", ms(at_ns), stuck.name);
-        Err(self.within(Rule::Pull, nth, at_ns, title).label(stuck.span, "this obstacle"))
+        Err(self.within(rule, nth, at_ns, title).label(stuck.span, "this obstacle"))
     }
 
     /// A part without a goal moves only where such parts may yield.

@@ -3,13 +3,14 @@
 //! Input: an order. Output: nothing, or why no run can be checked against it. Claims of the checker always pass.
 
 use super::super::Unfit;
+use super::broadcast::JudgedChannels;
 use crate::claims::electrode_array::{
     AssayOperation, BoardZone, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacleBody,
     ElectrodeArrayOrder, ElectrodeArrayStop, OperationLag, ZoneSort, ZoneStay,
 };
 use crate::device::electrode_array::{
-    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_DISPENSE_FRAMES, MAX_PARTS, MAX_SIDE, MAX_ZONES,
-    ReservoirPads, Separation,
+    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_DISPENSE_FRAMES, MAX_PARTS, MAX_SHARING, MAX_SIDE,
+    MAX_ZONES, ReservoirPads, Separation,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -64,6 +65,10 @@ fn facts(facts: &ElectrodeArrayFacts) -> Result<(), Unfit> {
         let places = facts.columns as usize * facts.rows as usize;
         let fits = map.columns == facts.columns && [0, places].contains(&map.channels.len());
         demand(fits, "hold a map of another board")?;
+        let sharing = JudgedChannels::new(facts).electrodes();
+        let is_alone = facts.layout.electrodes == Electrodes::Single || sharing == 0;
+        demand(is_alone, "share channels on a board of microparts")?;
+        demand(sharing <= MAX_SHARING, "let too many electrodes share their channels")?;
     }
     facts.reservoirs.as_ref().map_or(Ok(()), |pads| reservoirs(pads, facts))?;
     match facts.separation {
@@ -190,6 +195,8 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
             let is_held = order.facts.hold == Hold::On && order.facts.layout.electrodes == Electrodes::Single;
             demand(is_held, "dispense parts that are no droplets, or not held")?;
             let outlet = operation.stops.first().map(|stop| stop.cell);
+            let is_own = outlet.is_none_or(|outlet| !JudgedChannels::new(&order.facts).is_shared(outlet));
+            demand(is_own, "dispense a part where a shared channel switches the electrode")?;
             let sequence =
                 order.facts.reservoirs.as_ref().zip(outlet).and_then(|(pads, outlet)| Some((pads, pads.at(outlet)?)));
             let is_whole = sequence.is_none_or(|(pads, sequence)| {

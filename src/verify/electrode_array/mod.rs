@@ -9,6 +9,7 @@
 mod assay;
 mod beat;
 mod bodies;
+mod broadcast;
 mod claims;
 mod contents;
 mod lags;
@@ -36,6 +37,7 @@ use crate::schedule::{Actuation, ChannelUnit, State, TimedState};
 use assay::{JudgedAssay, JudgedSplit, OperationBeats};
 use beat::{Pulls, StepBeat};
 use bodies::BoardObstacles;
+use broadcast::JudgedChannels;
 use reservoirs::JudgedReservoirs;
 use rustc_hash::FxHashSet;
 use stage::{JudgedStage, Meetings};
@@ -133,7 +135,8 @@ struct JudgedBoard<'r, 'a> {
     run: &'r JudgedRun<'a>,
     order: &'r ElectrodeArrayOrder,
     scene: BoardObstacles,
-    /// The actuations of each step of the run, with their electrodes, and those with their pads.
+    channels: JudgedChannels,
+    /// The actuations of each step of the run, with the first electrodes of their channels, and those with their pads.
     pulses: Vec<Vec<(ElectrodeCell, &'a Actuation)>>,
     pads: Vec<Vec<(u32, &'a Actuation)>>,
     /// Indices of the parts, by name.
@@ -159,6 +162,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             run,
             order,
             scene: BoardObstacles::new(order),
+            channels: JudgedChannels::new(&order.facts),
             pulses,
             pads,
             by_name,
@@ -195,12 +199,14 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         }
     }
 
-    /// No electrode is on that does not work: it would pull nothing.
+    /// No electrode is on that does not work, nor a channel none of whose electrodes does: it would pull nothing.
     fn disabled(&self, findings: &mut Findings) {
         let Some(map) = &self.order.facts.map else { return };
         findings.asked(Rule::Disabled, self.pulses.iter().map(Vec::len).sum());
         for (nth, pulses) in self.pulses.iter().enumerate() {
-            for (cell, part) in pulses.iter().filter(|(cell, _)| map.disabled.contains(cell)) {
+            let is_dead =
+                |cell: &ElectrodeCell| self.channels.switches(*cell).iter().all(|one| map.disabled.contains(one));
+            for (cell, part) in pulses.iter().filter(|(cell, _)| is_dead(cell)) {
                 let at = ms(part.start_ns);
                 let title = format!("electrode {cell} is on at {at}, but does not work");
                 findings.push(self.within(Rule::Disabled, nth, part.start_ns, title));
@@ -435,9 +441,12 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     /// Changes of electrodes in a step, provided that they are between beats and pull no stuck part.
     fn switching(&self, nth: usize, beat_ns: u64) -> Result<Switching<ElectrodeCell>, Violation> {
         let mut pulses = Vec::with_capacity(self.pulses[nth].len());
-        for (cell, part) in &self.pulses[nth] {
-            pulses.push(self.in_beats(nth, (*cell, part), beat_ns, || format!("electrode {cell}"))?);
-            self.leaves_stuck_parts(nth, *cell, part.start_ns)?;
+        for (first, part) in &self.pulses[nth] {
+            let pulse = self.in_beats(nth, (*first, part), beat_ns, || format!("electrode {first}"))?;
+            for cell in self.channels.lights(*first) {
+                pulses.push(SwitchPulse { switch: cell, ..pulse });
+                self.leaves_stuck_parts(nth, cell, part.start_ns)?;
+            }
         }
         Ok(Switching::new(&pulses))
     }

@@ -7,6 +7,7 @@ mod crowds;
 mod program;
 mod traces;
 
+use crate::pins::Droplet;
 use crate::programs::{Answered, answered};
 use crate::scenes::Random;
 use program::{Assay, Cell, NOWHERE, Operation, apart};
@@ -276,7 +277,34 @@ impl Assay {
             }
             all = grown;
         }
-        all.into_iter().filter_map(|(after, splits)| self.with_halves(stands, after, &splits)).collect()
+        let allowed = |(after, splits): (Vec<Stand>, Vec<Pulled>)| {
+            let after = self.with_halves(stands, after, &splits)?;
+            let droplets = self.pins.as_ref().map(|pins| (pins, self.droplets(dues, (stands, &after), &splits)));
+            droplets.is_none_or(|(pins, droplets)| pins.allow(&droplets, |_| true)).then_some(after)
+        };
+        all.into_iter().filter_map(allowed).collect()
+    }
+
+    /// All droplets on the board in a step, as shared channels see them.
+    fn droplets(&self, dues: &[Vec<Due>], (stands, after): (&[Stand], &[Stand]), splits: &[Pulled]) -> Vec<Droplet> {
+        let end = |part: usize| after[part].map(|(cell, ..)| cell);
+        let meet = |part: usize| {
+            let due = dues[part].get(stands[part]?.1).filter(|due| due.may_begin(stands))?;
+            due.merge
+        };
+        let of_part = |part: usize| {
+            let to = end(part).filter(|cell| *cell != NOWHERE)?;
+            if let Some((own, _, [from, _])) = splits.iter().find(|(_, half, _)| *half == part) {
+                return Some(Droplet { from: *from, to, partner: end(*own), is_split: true });
+            }
+            let from = stands[part].map(|(cell, ..)| cell).filter(|cell| *cell != NOWHERE)?;
+            if let Some((_, half, _)) = splits.iter().find(|(own, ..)| *own == part) {
+                return Some(Droplet { from, to, partner: end(*half), is_split: true });
+            }
+            let other = meet(part).filter(|(number, other)| meet(*other).is_some_and(|theirs| theirs.0 == *number));
+            Some(Droplet { from, to, partner: other.and_then(|(_, other)| end(other)), is_split: false })
+        };
+        (0..after.len()).filter_map(of_part).collect()
     }
 
     /// The places after a step in which parts come out of others, if those keep apart from all the rest wherever they are in it.
@@ -435,6 +463,12 @@ fn no_plan_of_an_assay_beats_its_bound() {
 #[test]
 fn assays_in_a_hurry_agree_with_brute_force() {
     agree(Random(11), |chance, assay| assay.hurried(chance));
+}
+
+/// As above, on boards on which channels switch several electrodes.
+#[test]
+fn assays_on_shared_channels_agree_with_brute_force() {
+    agree(Random(17), |chance, assay| assay.pinned(chance));
 }
 
 /// The plans found, and those of them with splits, with mixing, and with traces that are avoided.

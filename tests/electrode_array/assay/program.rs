@@ -1,5 +1,6 @@
 //! Random assays on tiny boards, and their programs.
 
+use crate::pins::Pins;
 use crate::scenes::Random;
 
 pub type Cell = (i32, i32);
@@ -96,6 +97,8 @@ pub struct Assay {
     pub afters: Vec<Option<usize>>,
     /// For each operation a part, and the most steps from the end of all that it does above to the beginning of this one.
     pub withins: Vec<Option<(usize, u64)>>,
+    /// Channels that switch several electrodes, which no reservoir's outlet has.
+    pub pins: Option<Pins>,
 }
 
 pub fn apart(one: Cell, other: Cell) -> i32 {
@@ -126,6 +129,7 @@ impl Assay {
             washes: vec![],
             afters: vec![],
             withins: vec![],
+            pins: None,
         };
         assay.furnish(chance)?;
         (assay.parts.len() >= 2).then_some(())?;
@@ -254,6 +258,13 @@ impl Assay {
         self
     }
 
+    /// On a board with shared channels, sometimes few of them.
+    pub fn pinned(mut self, chance: &mut Random) -> Assay {
+        let few = Pins::random(self.size, &self.reservoirs, chance);
+        self.pins = Some(few);
+        self
+    }
+
     /// Has some fluids leave no traces in others.
     fn avoiding(mut self, chance: &mut Random) -> Assay {
         let placed = (0..self.parts.len()).filter(|part| self.parts[*part] != NOWHERE).map(Fluid::Part);
@@ -326,9 +337,11 @@ impl Assay {
     fn dispenses(&self) -> String {
         let (columns, rows) = self.size;
         if self.dispensing == 2 || self.reservoirs.is_empty() {
-            return format!("dispense_duration: {} ms", self.dispensing * STEP_MS);
+            let channels = self.pins.as_ref().map(|pins| format!(", channels: [{}]", pins.rows(|_| true)));
+            return format!("dispense_duration: {} ms{}", self.dispensing * STEP_MS, channels.unwrap_or_default());
         }
-        let number = |(column, row): Cell| 100 + (row - 1) * columns + column;
+        let own = |(column, row): Cell| 100 + (row - 1) * columns + column;
+        let number = |cell: Cell| self.pins.as_ref().map_or(own(cell), |pins| pins.number(cell) as i32);
         let row = |row: i32| (1..=columns).map(move |column| number((column, row))).collect::<Vec<i32>>();
         let channels: Vec<Vec<i32>> = (1..=rows).rev().map(row).collect();
         let frames = |(reservoir, outlet): (usize, &Cell)| -> Vec<Vec<i32>> {

@@ -14,7 +14,7 @@ pub use teams::*;
 pub use zones::*;
 
 use crate::check::value::{BoardFile, LeftOut, Value};
-use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, MAX_SHARING};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, digits};
 use crate::source::Span;
@@ -129,9 +129,16 @@ pub fn row_of_map(row: u32, found: usize, columns: u32) -> Diagnostic {
         .help("write a number or `none` for each column, from the left")
 }
 
-pub fn channel_shared(channel: u32) -> Diagnostic {
-    Diagnostic::new(Code::E0429, format!("channel {channel} is under two electrodes"))
-        .help("a droplet at either would be pulled by both: write `none` at both places, no droplet is sent there then")
+/// A board of microparts with a channel under several electrodes.
+pub fn microparts_on_shared_channel(channel: u32) -> Diagnostic {
+    Diagnostic::new(Code::E0429, format!("channel {channel} is under several electrodes of a board that carries microparts"))
+        .help("write a number of its own at each place: a pair of electrodes moves a micropart; droplets alone are moved on shared channels")
+}
+
+/// More electrodes on shared channels than are replayed.
+pub fn too_many_sharing(electrodes: usize) -> Diagnostic {
+    Diagnostic::new(Code::E0429, format!("{electrodes} electrodes share their channels, at most {MAX_SHARING} may"))
+        .help("give some of them channels of their own, or write `none` where no droplet goes")
 }
 
 pub fn no_electrode() -> Diagnostic {
@@ -179,7 +186,7 @@ pub fn names_left_out(LeftOut { sharing, off_lattice }: &LeftOut) -> String {
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         (!names.is_empty()).then(|| format!("{why}: {shown}{more}"))
     };
-    let parts = [named(sharing, "on a channel with others"), named(off_lattice, "off the lattice")];
+    let parts = [named(sharing, "on a channel with others off the lattice"), named(off_lattice, "off the lattice")];
     parts.into_iter().flatten().collect::<Vec<_>>().join("; ")
 }
 

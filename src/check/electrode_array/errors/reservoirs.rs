@@ -51,6 +51,20 @@ pub fn pad_of_two(channel: u32, [one, other]: [ElectrodeCell; 2]) -> Diagnostic 
     Diagnostic::new(Code::E0429, title).help("each reservoir has pads of its own: one frame would act on both")
 }
 
+/// A reservoir whose outlet is switched together with other electrodes.
+pub fn outlet_on_shared_channel(name: &str, cell: ElectrodeCell, other: ElectrodeCell, span: Span) -> Diagnostic {
+    let title = format!("reservoir `{name}` has its outlet at {cell}, which shares its channel with {other}");
+    Diagnostic::new(Code::E0555, title).label(span, "no channel of its own").help(
+        "a droplet would come out whenever the other electrode is on: put the outlet on an electrode with a channel of its own",
+    )
+}
+
+/// An outlet of the device on a shared channel.
+pub fn outlet_shares_channel(cell: ElectrodeCell, channel: u32) -> Diagnostic {
+    Diagnostic::new(Code::E0429, format!("{cell} is no outlet: its channel {channel} switches other electrodes too"))
+        .help("a droplet would come out whenever they are on: an outlet has a channel of its own")
+}
+
 /// A reservoir where the board has none.
 pub fn no_reservoir_there(name: &str, cell: ElectrodeCell, span: Span, outlets: &[ElectrodeCell]) -> Diagnostic {
     let known: Vec<String> = outlets.iter().map(ElectrodeCell::to_string).collect();

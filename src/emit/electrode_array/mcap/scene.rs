@@ -14,7 +14,7 @@ use crate::emit::mcap::drawing::{self, Slab, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, line_primitive};
 use crate::quantity::{Dimension, Quantity};
 use crate::schedule::electrode_array::ElectrodeArrayState;
-use crate::schedule::{PlanRecord, State};
+use crate::schedule::{Channel, PlanRecord, State};
 use crate::verify::Verified;
 use nalgebra::Point2;
 use std::collections::{BTreeMap, BTreeSet};
@@ -308,16 +308,24 @@ fn switched_on<'a>(
     facts: &'a ElectrodeArrayFacts,
 ) -> Vec<(u64, BTreeSet<ElectrodeCell>, &'a ElectrodeArrayFacts)> {
     let schedule = verified.schedule();
-    let cell = |channel: u32| {
-        let channel = schedule.channels.get(channel as usize).filter(|channel| channel.device == device)?;
-        facts.electrode(channel.name.strip_prefix(device)?.strip_prefix('.')?)
+    let cells = |channel: &Channel| {
+        let name = channel.name.strip_prefix(device).filter(|_| channel.device == device)?.strip_prefix('.')?;
+        facts.electrode(name).map(|first| facts.lit_with(first))
     };
+    let of_channel: Vec<Vec<ElectrodeCell>> =
+        schedule.channels.iter().map(|channel| cells(channel).unwrap_or_default()).collect();
     // For each instant the electrodes that are switched there, and whether on or off.
     let mut switched: BTreeMap<u64, Vec<(ElectrodeCell, Switched)>> = BTreeMap::from([(0, Vec::new())]);
     for actuation in &schedule.actuations {
-        let Some(cell) = cell(actuation.channel) else { continue };
-        switched.entry(actuation.start_ns).or_default().push((cell, Switched::On));
-        switched.entry(actuation.end_ns()).or_default().push((cell, Switched::Off));
+        let cells = of_channel.get(actuation.channel as usize).map_or(&[][..], Vec::as_slice);
+        let mut note = |t_ns: u64, change: Switched| {
+            let changes = cells.iter().map(|cell| (*cell, change));
+            if !cells.is_empty() {
+                switched.entry(t_ns).or_default().extend(changes);
+            }
+        };
+        note(actuation.start_ns, Switched::On);
+        note(actuation.end_ns(), Switched::Off);
     }
     let mut on: BTreeSet<ElectrodeCell> = BTreeSet::new();
     let from = |(t_ns, mut changes): (u64, Vec<(ElectrodeCell, Switched)>)| {

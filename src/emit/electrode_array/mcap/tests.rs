@@ -1,5 +1,5 @@
 use super::*;
-use crate::device::electrode_array::Electrodes;
+use crate::device::electrode_array::{ElectrodeMap, Electrodes};
 use crate::emit::mcap::bench;
 use crate::emit::mcap::foxglove::{FrameTransforms, SceneUpdate};
 use crate::emit::mcap::tests::device_topics;
@@ -53,6 +53,26 @@ fn the_electrodes_that_are_on_are_drawn_and_no_others() {
         })
         .collect();
     assert_eq!(drawn, [(0, 2), (5_000_000, 0), (6_000_000, 2), (11_000_000, 0)]);
+}
+
+/// A droplet goes over an electrode that shares its channel with two others, one of which does not work.
+#[test]
+fn of_a_shared_channel_all_electrodes_that_work_are_drawn() {
+    let cells = (1..=12).flat_map(|row| (1..=20).map(move |column| ElectrodeCell::new(column, row)));
+    let number = |cell: ElectrodeCell| match cell.pair() {
+        [6, 5] | [12, 9] | [18, 9] => 1,
+        [column, row] => 100 * row + column,
+    };
+    let channels = cells.map(|cell| Some(number(cell))).collect();
+    let map = ElectrodeMap { columns: 20, channels, disabled: vec![ElectrodeCell::new(18, 9)] };
+    let facts = ElectrodeArrayFacts { map: Some(map.into()), ..facts(Electrodes::Single) };
+    let (claims, schedule) = carried(&facts, &[vec![vec![(5, 5), (6, 5), (7, 5)]]]);
+    let (topics, _) = device_topics(&Verified::assume(schedule, claims), "plate");
+    let drawn = topic(&topics, "/plate/active").messages.iter().map(|(t_ns, data)| {
+        let update = SceneUpdate::decode(data.as_slice()).unwrap();
+        (*t_ns, update.entities[0].cylinders.len())
+    });
+    assert_eq!(drawn.collect::<Vec<_>>(), [(0, 2), (5_000_000, 1), (10_000_000, 0)]);
 }
 
 #[test]

@@ -6,6 +6,7 @@
 //! [`MAX_POSITIONS`] are kept.
 
 use super::super::board::{CellIndex, MetCells};
+use super::super::broadcast::{AgentStep, SharedChannels};
 use super::super::fast::UNREACHABLE;
 use super::route::Ahead;
 use super::{AgentCourse, AssayProblem, Errand, ErrandLag, ErrandPlace, SplitErrand};
@@ -254,12 +255,32 @@ impl JointSearch<'_> {
             return;
         };
         for stand in self.steps_of(from, (agent, *own)) {
+            if self.is_torn(from, (agent, *own), stand) {
+                continue;
+            }
             if (0..agent).all(|other| self.keeps_apart(from, (agent, stand.cell), (other, next[other]))) {
                 next.push(JointStand::There(stand));
                 self.extend(from, next, found);
                 next.pop();
             }
         }
+    }
+
+    fn channels(&self) -> Option<&SharedChannels> {
+        self.problem.instance.board.channels()
+    }
+
+    /// Whether shared channels tear an agent in a step, or what it gives off in it.
+    fn is_torn(&self, from: &[JointStand], (agent, own): (usize, AgentStand), next: AgentStand) -> bool {
+        let Some(channels) = self.channels() else { return false };
+        let step = AgentStep { from: own.cell, to: next.cell };
+        let split = due(self.problem, from, agent).and_then(|due| due.splits).filter(|_| next.done > own.done);
+        let Some(split) = split else { return channels.tears(step) };
+        let comes = self.problem.instance.agents[split.child].start;
+        let half = AgentStep { from: split.from, to: comes };
+        channels.tears_besides(step, Some(comes))
+            || channels.tears_besides(half, Some(next.cell))
+            || channels.clash(step, half)
     }
 
     /// All steps of an agent, whatever the others do.
@@ -313,7 +334,12 @@ impl JointSearch<'_> {
                 let before = from_split.or(from[other].there().map(|stand| stand.cell));
                 let after = all[other].there().map(|stand| stand.cell);
                 let mut theirs = before.into_iter().chain(after);
-                theirs.all(|theirs| ours.iter().all(|own| instance.board.apart(*own, theirs) >= instance.separation))
+                let half = AgentStep { from: ours[0], to: ours[1] };
+                let step = before.zip(after).map(|(from, to)| AgentStep { from, to });
+                let clashes = self.channels().zip(step).is_some_and(|(channels, step)| channels.clash(half, step));
+                !clashes
+                    && theirs
+                        .all(|theirs| ours.iter().all(|own| instance.board.apart(*own, theirs) >= instance.separation))
             })
         };
         given.iter().all(is_clear).then_some(all)
@@ -354,6 +380,10 @@ impl JointSearch<'_> {
         let counts = |cell: &&CellIndex| Some(**cell) != stop;
         let (ours, others) = ([own.cell, to], [theirs.cell, next.cell]);
         let instance = self.problem.instance;
+        let step = |[from, to]: [CellIndex; 2]| AgentStep { from, to };
+        if self.channels().is_some_and(|channels| channels.clash(step(ours), step(others))) {
+            return false;
+        }
         ours.iter().filter(counts).all(|one| {
             others.iter().filter(counts).all(|other| instance.board.apart(*one, *other) >= instance.separation)
         })

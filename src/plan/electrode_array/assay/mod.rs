@@ -14,6 +14,7 @@
 
 mod bookings;
 mod bound;
+mod channels;
 mod joint;
 mod lags;
 mod lists;
@@ -25,6 +26,7 @@ mod turns;
 use super::board::{BoardCosts, BoardObjective, CellIndex, HeldBoardPlan, Instance, NoBoardPlan};
 use super::fast;
 use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
+pub use channels::are_kept_by_courses;
 pub use lags::are_kept;
 pub use replay::done_by;
 pub use traces::Traces;
@@ -192,7 +194,9 @@ pub fn solve(
     if let Some(agent) = lags::hopeless(problem, &ahead) {
         return SearchAnswer::Impossible(NoAssayPlan::TooLate { agent });
     }
-    let by_lists = lags::by_lists(problem, &ahead, (objective, &least), &mut meter);
+    // Lists pay no regard to shared channels.
+    let by_lists = lags::by_lists(problem, &ahead, (objective, &least), &mut meter)
+        .filter(|courses| are_kept_by_courses(problem, courses));
     let bounds = least.costs;
     let steps = by_lists.as_ref().map(|courses| AssayPlan::costs(courses).makespan);
     if steps.is_some_and(|steps| steps == bounds.makespan || objective != BoardObjective::Makespan) {

@@ -1,9 +1,11 @@
 //! Tables that the exact searches share: the moves of each agent, and its distance to its goal through its stops.
 //!
 //! A single agent walks over nodes: a node is a cell and the number of stops visited, in one number, `stage * cells + cell`. The
-//! distances respect blocked cells and are exact for an agent that is alone.
+//! distances respect blocked cells and, where channels are shared, the steps that tear an agent; they are exact for an agent that is alone.
 
 use super::super::board::{CellIndex, Instance};
+use super::super::broadcast::AgentStep;
+use fixedbitset::FixedBitSet;
 use std::collections::VecDeque;
 
 /// A cell and the number of stops visited: `stage * cells + cell`.
@@ -22,6 +24,8 @@ pub struct ExactTables<'a> {
     places: Vec<(i32, i32)>,
     /// The free neighbours of each cell, itself first; unused entries repeat the cell.
     steps: Vec<[CellIndex; 5]>,
+    /// The cells where no agent can rest, since their shared channels tear it.
+    restless: FixedBitSet,
     ways: Vec<AgentDistances>,
     /// For each pair, at `one * agents + other`: whether they merge.
     merged: Vec<bool>,
@@ -56,28 +60,37 @@ impl<'a> ExactTables<'a> {
         let cells = board.cells() as u32;
         let places =
             (0..cells).map(|cell| board.place(cell)).map(|(column, row)| (column as i32, row as i32)).collect();
-        let steps = (0..cells).map(|cell| steps_from(instance, cell)).collect();
+        let is_torn = |from: CellIndex, to: CellIndex| {
+            board.channels().is_some_and(|channels| channels.tears(AgentStep { from, to }))
+        };
+        let steps = (0..cells).map(|cell| steps_at(instance, cell, |to| !is_torn(cell, to))).collect();
+        let back: Vec<[CellIndex; 5]> =
+            (0..cells).map(|cell| steps_at(instance, cell, |from| !is_torn(from, cell))).collect();
+        let mut restless = FixedBitSet::with_capacity(cells as usize);
+        (0..cells).filter(|cell| is_torn(*cell, *cell)).for_each(|cell| restless.insert(cell as usize));
         let count = instance.agents.len();
         let mut merged = vec![false; count * count];
         for [one, other] in &instance.merges {
             merged[one * count + other] = true;
             merged[other * count + one] = true;
         }
-        let mut field = ExactTables { instance, cells, places, steps, ways: Vec::with_capacity(count), merged };
+        let mut field =
+            ExactTables { instance, cells, places, steps, restless, ways: Vec::with_capacity(count), merged };
         for agent in 0..count {
-            let way = field.way(agent)?;
+            let way = field.way(agent, &back)?;
             field.ways.push(way);
         }
         Ok(field)
     }
 
-    fn way(&self, agent: usize) -> Result<AgentDistances, Closed> {
+    /// `back` has the cells from which an agent comes to each.
+    fn way(&self, agent: usize, back: &[[CellIndex; 5]]) -> Result<AgentDistances, Closed> {
         let stops = &self.instance.agents[agent].stops;
         let mut distances = vec![FAR; stops.len() * self.cells as usize];
         let mut onward = 0;
         for (stage, stop) in stops.iter().enumerate().rev() {
             let layer = &mut distances[stage * self.cells as usize..][..self.cells as usize];
-            flood(&self.steps, *stop, onward, layer);
+            flood(back, *stop, onward, layer);
             let before = if stage == 0 { self.instance.agents[agent].start } else { stops[stage - 1] };
             onward = layer[before as usize];
             if onward == FAR {
@@ -166,8 +179,21 @@ impl<'a> ExactTables<'a> {
         moves
             .iter()
             .enumerate()
-            .filter(move |(k, to)| *k == 0 || **to != cell)
+            .filter(move |(k, to)| if *k == 0 { !self.restless.contains(cell as usize) } else { **to != cell })
             .map(move |(_, to)| self.advanced(agent, stage, *to))
+    }
+
+    /// Whether it can rest at a node.
+    #[inline]
+    pub fn may_rest(&self, node: StagedCell) -> bool {
+        !self.restless.contains(self.cell(node) as usize)
+    }
+
+    /// Whether two steps exclude each other since their channels are shared.
+    #[inline]
+    pub fn clash(&self, one: [CellIndex; 2], other: [CellIndex; 2]) -> bool {
+        let step = |[from, to]: [CellIndex; 2]| AgentStep { from, to };
+        self.instance.board.channels().is_some_and(|channels| channels.clash(step(one), step(other)))
     }
 
     #[inline]
@@ -187,10 +213,11 @@ impl<'a> ExactTables<'a> {
     }
 }
 
-/// A cell and its free neighbours; unused entries repeat the cell.
-fn steps_from(instance: &Instance, cell: CellIndex) -> [CellIndex; 5] {
+/// A cell and those of its free neighbours that are taken; unused entries repeat the cell.
+fn steps_at(instance: &Instance, cell: CellIndex, is_taken: impl Fn(CellIndex) -> bool) -> [CellIndex; 5] {
     let mut steps = [cell; 5];
-    for (place, to) in steps[1..].iter_mut().zip(instance.board.neighbours(cell)) {
+    let taken = instance.board.neighbours(cell).filter(|beside| is_taken(*beside));
+    for (place, to) in steps[1..].iter_mut().zip(taken) {
         *place = to;
     }
     steps

@@ -8,7 +8,7 @@
 //!
 //! Where only the moves matter, or only whether there is a plan, one agent moves at a time: a move never comes near a place that is
 //! being left, so the moves of one step may equally be made one after the other, and the fewest moves in turns are the fewest of
-//! all. For any plan, the distances are weighted by `HURRY` and the moves of the result are made as early as possible.
+//! all. With shared channels that is not so, and neither is asked for. For any plan, the distances are weighted by `HURRY` and the moves of the result are made as early as possible.
 //!
 //! Guaranteed, while the budget lasts: a plan of least cost, or the proof that there is none; under a limit on the steps, none
 //! within it. Not guaranteed: good tie-breaking between plans of the same cost. The number of joint nodes is the product of the
@@ -318,7 +318,10 @@ impl<'a> JointSearch<'a> {
             let near = |at: CellIndex, other_at: CellIndex| {
                 self.field.too_near(self.group[member], at, self.group[other], other_at)
             };
-            !near(to, other_to) && !near(to, other_from) && !near(from, other_to)
+            !near(to, other_to)
+                && !near(to, other_from)
+                && !near(from, other_to)
+                && !self.field.clash([from, to], [other_from, other_to])
         })
     }
 
@@ -353,7 +356,7 @@ impl Ply {
     fn fill(&mut self, field: &ExactTables, agent: usize, member: usize, word: AgentWord) {
         let moves = &mut self.moves[member];
         if word & PARKED != 0 {
-            moves.push(word);
+            moves.extend(field.may_rest(word >> 1).then_some(word));
             return;
         }
         moves.extend(field.next(agent, word >> 1).map(|node: StagedCell| node * 2));

@@ -6,8 +6,16 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Cells, number of stops visited, and which agents have arrived for good.
 type Joint = (Vec<CellIndex>, Vec<usize>, Vec<bool>);
 
+/// Whether agents can step from some cells to others, by a rule besides that of separation.
+pub type StepRule<'a> = &'a dyn Fn(&[CellIndex], &[CellIndex]) -> bool;
+
 /// The least makespan or sum of costs; `None` if there is no plan.
 pub fn least(instance: &Instance, objective: BoardObjective) -> Option<u64> {
+    least_by(instance, objective, &|_, _| true)
+}
+
+/// The same under one more rule.
+pub fn least_by(instance: &Instance, objective: BoardObjective, rule: StepRule) -> Option<u64> {
     let cells: Vec<CellIndex> = instance.agents.iter().map(|agent| agent.start).collect();
     let done = cells.iter().enumerate().map(|(agent, cell)| passed(instance, agent, 0, *cell)).collect();
     let first: Joint = (cells, done, vec![false; instance.agents.len()]);
@@ -20,7 +28,7 @@ pub fn least(instance: &Instance, objective: BoardObjective) -> Option<u64> {
         if joint.2.iter().all(|settled| *settled) {
             return Some(cost);
         }
-        for (more, next) in followers(instance, objective, &joint) {
+        for (more, next) in followers(instance, objective, &joint, rule) {
             if costs.get(&next).is_none_or(|known| *known > cost + more) {
                 costs.insert(next.clone(), cost + more);
                 open.insert((cost + more, next));
@@ -38,7 +46,7 @@ fn passed(instance: &Instance, agent: usize, mut done: usize, at: CellIndex) -> 
 }
 
 /// Successors: one agent arrives for good at no cost, or all make a step.
-fn followers(instance: &Instance, objective: BoardObjective, joint: &Joint) -> Vec<(u64, Joint)> {
+fn followers(instance: &Instance, objective: BoardObjective, joint: &Joint, rule: StepRule) -> Vec<(u64, Joint)> {
     let (cells, done, settled) = joint;
     let mut found = vec![];
     for (agent, asked) in instance.agents.iter().enumerate() {
@@ -61,7 +69,7 @@ fn followers(instance: &Instance, objective: BoardObjective, joint: &Joint) -> V
         partial =
             partial.iter().flat_map(|head| to.iter().map(move |cell| [head.clone(), vec![*cell]].concat())).collect();
     }
-    for next in partial.into_iter().filter(|next| keeps_rule(instance, cells, next)) {
+    for next in partial.into_iter().filter(|next| keeps_rule(instance, cells, next) && rule(cells, next)) {
         let done = (0..next.len()).map(|agent| passed(instance, agent, done[agent], next[agent])).collect();
         found.push((cost, (next, done, settled.clone())));
     }
@@ -78,6 +86,11 @@ fn keeps_rule(instance: &Instance, from: &[CellIndex], to: &[CellIndex]) -> bool
 
 /// The first violation of a plan, if any.
 pub fn fault(instance: &Instance, paths: &Paths) -> Option<String> {
+    fault_by(instance, paths, &|_, _| true)
+}
+
+/// The same under one more rule.
+pub fn fault_by(instance: &Instance, paths: &Paths, rule: StepRule) -> Option<String> {
     if paths.len() != instance.agents.len() {
         return Some("not one path for each agent".into());
     }
@@ -104,6 +117,9 @@ pub fn fault(instance: &Instance, paths: &Paths) -> Option<String> {
         let at = |instant: usize| -> Vec<CellIndex> { paths.iter().map(|path| position(path, instant)).collect() };
         if !keeps_rule(instance, &at(instant), &at(instant)) || !keeps_rule(instance, &at(instant), &at(instant + 1)) {
             return Some(format!("the rule after instant {instant}"));
+        }
+        if instant + 1 < end && !rule(&at(instant), &at(instant + 1)) {
+            return Some(format!("the other rule after instant {instant}"));
         }
     }
     None

@@ -254,7 +254,9 @@ impl TeamSearch<'_> {
                     lower(bounds.key(self.terms.objective).0.max(choice.key.0));
                 }
                 BoardAnswer::Impossible(NoBoardPlan::TooFewSteps { least }) => lower(least.max(choice.key.0)),
-                BoardAnswer::Impossible(NoBoardPlan::Closed { .. } | NoBoardPlan::Blocked { .. }) => {}
+                BoardAnswer::Impossible(
+                    NoBoardPlan::Closed { .. } | NoBoardPlan::Torn { .. } | NoBoardPlan::Blocked { .. },
+                ) => {}
             }
         }
         match (floor, self.cost()) {

@@ -198,6 +198,15 @@ pub fn electrodes(facts: &ElectrodeArrayFacts, at: ElectrodeCell, letter: char) 
     }
 }
 
+/// The first electrode with the number of another, which gives the channel its name.
+fn first_on_channel(facts: &ElectrodeArrayFacts, own: ElectrodeCell) -> ElectrodeCell {
+    let Some(map) = facts.map.as_ref().filter(|map| !map.channels.is_empty()) else { return own };
+    let place = |cell: ElectrodeCell| ((cell.row - 1) * facts.columns + cell.column - 1) as usize;
+    let number = map.channels[place(own)];
+    let first = map.channels.iter().position(|other| *other == number && number.is_some()).unwrap_or(place(own)) as u32;
+    cell(first % facts.columns + 1, first / facts.columns + 1)
+}
+
 /// A board while its schedule is written.
 struct Writer {
     schedule: Schedule,
@@ -303,7 +312,8 @@ impl Writer {
 
     fn rest(&mut self, order: &ElectrodeArrayOrder, duration_ns: u64) {
         if order.facts.layout.electrodes == Electrodes::Single && order.facts.hold == Hold::On && duration_ns > 0 {
-            let held: Vec<ElectrodeCell> = self.cells.iter().flatten().copied().collect();
+            let held = self.cells.iter().flatten().map(|cell| first_on_channel(&order.facts, *cell));
+            let held: BTreeSet<ElectrodeCell> = held.collect();
             held.into_iter().for_each(|cell| self.on(order, cell, self.at_ns, duration_ns));
         }
         self.at_ns += duration_ns;
@@ -318,7 +328,8 @@ impl Writer {
                 let letter = words.get(part).and_then(|word| word.chars().nth(beat)).unwrap_or('.');
                 let comes = self.outlets.get(&part).copied().filter(|_| letter == 'o');
                 let Some(from) = at.or(comes) else { continue };
-                wanted.extend(electrodes(&order.facts, from, letter));
+                let own = electrodes(&order.facts, from, letter).into_iter();
+                wanted.extend(own.map(|cell| first_on_channel(&order.facts, cell)));
                 let is_gone = words.get(part).and_then(|word| word.chars().nth(beat + 1)) == Some('x');
                 *at = Some(moved(from, letter)).filter(|_| !is_gone);
             }

@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 mod after;
 mod assay;
+mod broadcast;
 mod build;
 mod garbage;
 mod lags;

@@ -4,8 +4,14 @@
 //! up to [`MOST_STEPS`] for each step of the task. `TWEEZE_ORACLE_CASES=1000` runs 1000 tasks for each objective, each
 //! without limits and with three sets of limits.
 
+mod advice;
+mod counted;
+mod pins;
+
+use crate::pins::{Droplet, Pins};
 use crate::programs::{Answered, answered};
 use crate::scenes::Random;
+use advice::{advice, remedied};
 use std::collections::{BTreeSet, HashSet};
 use tweeze::plan::{Optimality, Plan};
 
@@ -98,6 +104,8 @@ struct Task {
     steps: Vec<Step>,
     /// Outcome, relation, limit.
     limits: Vec<(&'static str, &'static str, u64)>,
+    /// Channels that switch several electrodes.
+    pins: Option<Pins>,
 }
 
 fn apart(one: (i32, i32), other: (i32, i32)) -> i32 {
@@ -122,6 +130,7 @@ impl Task {
             by_sum: false,
             steps: vec![],
             limits: vec![],
+            pins: None,
         };
         for _ in 0..chance.below(4) {
             let obstacle = task.obstacle(chance);
@@ -197,11 +206,19 @@ impl Task {
         (!step.moves.is_empty()).then_some(step)
     }
 
+    fn has_electrode(&self, cell: (i32, i32)) -> bool {
+        !self.obstacles.iter().any(|other| matches!(other, Obstacle::Gap(at) if *at == cell))
+    }
+
+    /// Whether shared channels allow some steps at the same time.
+    fn allows(&self, droplets: &[Droplet]) -> bool {
+        self.pins.as_ref().is_none_or(|pins| pins.allow(droplets, |cell| self.has_electrode(cell)))
+    }
+
     /// The fields of the device that say where no electrode is, and where one does not work.
     fn map(&self) -> String {
         let (columns, rows) = self.size;
-        let gap =
-            |cell: (i32, i32)| self.obstacles.iter().any(|other| matches!(other, Obstacle::Gap(at) if *at == cell));
+        let gap = |cell: (i32, i32)| !self.has_electrode(cell);
         let number = |column: i32, row: i32| match gap((column, row)) {
             true => "none".to_owned(),
             false => (columns * row + column).to_string(),
@@ -213,6 +230,10 @@ impl Task {
             _ => None,
         });
         let dead: Vec<String> = dead.collect();
+        if let Some(pins) = &self.pins {
+            let rows = pins.rows(|cell| self.has_electrode(cell));
+            return format!(", channels: [{rows}], disabled: [{}], hold: {}", dead.join(", "), pins.is_held);
+        }
         match self.obstacles.iter().any(|obstacle| matches!(obstacle, Obstacle::Gap(_))) {
             true => format!(", channels: [{}], disabled: [{}]", channels.join(", "), dead.join(", ")),
             false if dead.is_empty() => String::new(),
@@ -276,6 +297,10 @@ impl Task {
         let mut at: Vec<Option<(i32, i32)>> = self.parts.iter().copied().map(Some).collect();
         let mut all = BTreeSet::from([[0; 3]]);
         for step in &self.steps {
+            let rest = |at: (i32, i32)| Droplet { from: at, to: at, partner: None, is_split: false };
+            if step.wait_ms > 0 && !self.allows(&at.iter().flatten().copied().map(rest).collect::<Vec<_>>()) {
+                return BTreeSet::new();
+            }
             let own = Stage::new(self, step, &at).all();
             all = all.iter().flat_map(|sum| own.iter().map(|own| [0, 1, 2].map(|k: usize| sum[k] + own[k]))).collect();
             for (part, stops) in &step.moves {
@@ -391,7 +416,19 @@ impl<'a> Stage<'a> {
             }
             heads = longer;
         }
+        heads.retain(|to| self.task.allows(&self.droplets(from, to)));
         heads
+    }
+
+    /// All parts in a step, those that stay too.
+    fn droplets(&self, from: &[At], to: &[At]) -> Vec<Droplet> {
+        let of_part = |part: usize| {
+            let others = (0..to.len()).filter(|other| *other != part && self.parts[*other].merges);
+            let partner = others.map(|other| (to[other].0, to[other].1)).next().filter(|_| self.parts[part].merges);
+            Droplet { from: (from[part].0, from[part].1), to: (to[part].0, to[part].1), partner, is_split: false }
+        };
+        let still = self.still.iter().map(|at| Droplet { from: *at, to: *at, partner: None, is_split: false });
+        (0..to.len()).map(of_part).chain(still).collect()
     }
 
     fn all(&self) -> BTreeSet<Figures> {
@@ -506,42 +543,6 @@ fn compare(task: &Task, all: &BTreeSet<Figures>, seen: &mut Seen) {
     }
 }
 
-/// Follows what is said of the task without some obstacles or with parts that yield; whether anything is.
-fn remedied(task: &Task, reported: &str) -> bool {
-    let is_plan = reported.contains("there is a plan");
-    let is_none = reported.contains("the task has no plan either");
-    if !is_plan && !is_none {
-        return false;
-    }
-    let (_, help) = reported.split_once("; ").expect("a report has a help");
-    let named: Vec<&str> = help.split('`').skip(1).step_by(2).collect();
-    let obstacle = |index: usize| named.contains(&format!("o{index}").as_str());
-    let kept = task.obstacles.iter().enumerate().filter(|(index, _)| !obstacle(*index));
-    let obstacles = kept.map(|(_, obstacle)| *obstacle).collect();
-    let has_part = named.iter().any(|name| name.contains(" at (") || *name == "may_yield: true");
-    let may_yield = task.may_yield || has_part;
-    let changed = Task { obstacles, may_yield, ..task.clone() };
-    if is_plan {
-        assert!(matches!(answered(&changed.text()), Answered::Plan(_)), "{reported}\n{}", changed.text());
-    } else {
-        assert!(changed.all().is_empty(), "{reported}\n{}", changed.text());
-    }
-    true
-}
-
-/// Follows the advice to raise a limit.
-fn advice(task: &Task, reported: &str) {
-    let [(outcome, "<=", _)] = task.limits.as_slice() else { return };
-    let Some((_, advice)) = reported.split_once("raise the limit to ") else { return };
-    let number: String = advice.chars().take_while(|c| c.is_ascii_digit()).collect();
-    if *outcome == "time" {
-        return;
-    }
-    let limit = number.parse().expect("a number");
-    let raised = Task { limits: vec![(*outcome, "<=", limit)], ..task.clone() };
-    assert!(matches!(answered(&raised.text()), Answered::Plan(_)), "{reported}\n{}", raised.text());
-}
-
 #[test]
 fn tasks_agree_with_all_their_plans() {
     let cases = std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(30);
@@ -569,29 +570,4 @@ fn tasks_agree_with_all_their_plans() {
     println!("{seen:?}, by separation {kinds:?}, {yields} with yielding, {merges} with merges");
     assert!(seen.proven >= done && seen.refuted >= done / 4, "{seen:?}");
     assert!(seen.none + seen.open <= done, "{seen:?}");
-}
-
-/// The truth itself, where it can be counted by hand.
-#[test]
-fn all_plans_of_one_part_are_counted_by_hand() {
-    let go = Step { moves: vec![(0, vec![(4, 1)])], ..Step::default() };
-    let task = Task {
-        kind: DROPLETS,
-        size: (6, 1),
-        obstacles: vec![],
-        parts: vec![(1, 1)],
-        may_yield: false,
-        by_sum: false,
-        steps: vec![go],
-        limits: vec![],
-    };
-    let all = task.all();
-    // Three cells away: each step is a move or a wait, and moves back come in pairs with moves forth.
-    let expected = |steps: u64| (3..=steps).filter(|moves| moves % 2 == 1).map(move |moves| [steps, steps, moves]);
-    assert_eq!(all, (3..=MOST_STEPS).flat_map(expected).collect());
-    let past = Step { moves: vec![(0, vec![(5, 1)])], ..Step::default() };
-    let still = Task { parts: vec![(1, 1), (3, 1)], steps: vec![past], ..task };
-    assert!(still.all().is_empty(), "nobody passes in one row");
-    let room = Task { size: (6, 3), ..still };
-    assert_eq!(room.all().first(), Some(&[8, 8, 8]), "round the other, two rows up and down");
 }

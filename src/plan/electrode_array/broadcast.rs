@@ -1,0 +1,157 @@
+//! Shared channels: what the electrodes that a step of one agent switches on do to it and to others.
+//!
+//! On a pin-constrained board a channel switches several electrodes. A step of an agent, a move or a rest that is held, needs the electrode
+//! of the cell at its end; all other electrodes of that channel that work are on with it. An electrode acts on an agent that stands on it or on one of
+//! the eight cells around it, before the step and after it. A step is possible if nothing that is on acts on its agent but the electrode at
+//! its end, and two steps go together if the same holds of both with the electrodes of both on. So there is a predicate of one step ([`SharedChannels::tears`])
+//! and one of two ([`SharedChannels::clash`]), and no more is needed for any number of agents. Droplets only; separation, which is 2 at
+//! least, sees to the electrodes at the ends themselves. Cost: a look at the twelve cells around a step, or at eighteen.
+
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Hold};
+use fixedbitset::FixedBitSet;
+use std::sync::Arc;
+
+/// The flat index of an electrode, which is that of its cell.
+type ElectrodeIndex = u32;
+
+/// Where an agent is before and after a step of the board.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AgentStep {
+    pub from: ElectrodeIndex,
+    pub to: ElectrodeIndex,
+}
+
+impl AgentStep {
+    /// A rest.
+    pub fn rest(at: ElectrodeIndex) -> AgentStep {
+        AgentStep { from: at, to: at }
+    }
+}
+
+/// The shared channels of a board, and what the parts do to them that do not move.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SharedChannels {
+    width: u32,
+    /// By cell, the number of its shared channel, from 0; `None` where an electrode has its own or does not work.
+    numbers: Arc<Vec<Option<u32>>>,
+    /// Whether the electrode under a resting agent is on.
+    is_held: bool,
+    /// Parts that must not be pulled at all.
+    stuck: Vec<ElectrodeIndex>,
+    /// By channel: whether it must stay off, since it acts on a part that is stuck or stays.
+    barred: FixedBitSet,
+    /// By channel: whether it is on all the time, since it holds a part that stays.
+    held: FixedBitSet,
+    /// Those act on what is stuck or stays, so that the board can make no step at all.
+    is_torn: bool,
+}
+
+impl SharedChannels {
+    /// The channels of a board with parts that are stuck; `None` where each electrode has its own.
+    pub fn of(facts: &ElectrodeArrayFacts, stuck: impl Iterator<Item = ElectrodeCell>) -> Option<SharedChannels> {
+        let map = facts.map.as_ref().filter(|map| map.is_shared())?;
+        let flat = |cell: ElectrodeCell| (cell.row - 1) * facts.columns + cell.column - 1;
+        let mut numbers = vec![None; facts.columns as usize * facts.rows as usize];
+        let shared = map.by_channel().into_values().filter(|cells| cells.len() > 1);
+        for (number, cells) in (0..).zip(shared) {
+            for cell in cells.into_iter().filter(|cell| map.works(*cell)) {
+                numbers[flat(cell) as usize] = Some(number);
+            }
+        }
+        let stuck = stuck.map(flat).collect();
+        Some(SharedChannels { stuck, ..SharedChannels::new(facts.columns, numbers, facts.hold) }.with_standing(&[]))
+    }
+
+    /// The channels of a board of some columns; by cell, the number of its shared channel.
+    pub fn new(width: u32, numbers: Vec<Option<u32>>, hold: Hold) -> SharedChannels {
+        let channels = numbers.iter().flatten().max().map_or(0, |most| *most as usize + 1);
+        SharedChannels {
+            width,
+            numbers: Arc::new(numbers),
+            is_held: hold == Hold::On,
+            stuck: Vec::new(),
+            barred: FixedBitSet::with_capacity(channels),
+            held: FixedBitSet::with_capacity(channels),
+            is_torn: false,
+        }
+    }
+
+    /// The same with parts that stay at some cells.
+    #[must_use]
+    pub fn with_standing(&self, standing: &[ElectrodeIndex]) -> SharedChannels {
+        let mut same = self.clone();
+        same.barred.clear();
+        same.held.clear();
+        for at in standing.iter().filter(|_| self.is_held) {
+            self.number(*at).into_iter().for_each(|own| same.held.insert(own));
+        }
+        let beside = |at: ElectrodeIndex| self.reach(at).filter(move |cell| *cell != at);
+        let near = standing.iter().flat_map(|at| beside(*at)).chain(self.stuck.iter().flat_map(|at| self.reach(*at)));
+        near.filter_map(|cell| self.number(cell)).for_each(|number| same.barred.insert(number));
+        same.is_torn = same.held.intersection(&same.barred).next().is_some();
+        same
+    }
+
+    /// Whether parts can rest at some cells together, and nothing else goes on.
+    pub fn may_rest(&self, cells: &[ElectrodeIndex]) -> bool {
+        !self.with_standing(cells).is_torn
+    }
+
+    fn number(&self, cell: ElectrodeIndex) -> Option<usize> {
+        self.numbers.get(cell as usize).copied().flatten().map(|number| number as usize)
+    }
+
+    /// The electrodes that act on what is at a cell.
+    fn reach(&self, at: ElectrodeIndex) -> impl Iterator<Item = ElectrodeIndex> + use<> {
+        let (column, row, width) = (at % self.width, at / self.width, self.width);
+        let height = self.numbers.len() as u32 / width;
+        let columns = column.saturating_sub(1)..=(column + 1).min(width - 1);
+        let rows = row.saturating_sub(1)..=(row + 1).min(height - 1);
+        rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
+    }
+
+    /// Whether some channels act on an agent in a step by an electrode other than that to which it goes and, if there is one, the one
+    /// that is meant besides.
+    fn acts(&self, step: AgentStep, meant: Option<ElectrodeIndex>, is_on: impl Fn(usize) -> bool) -> bool {
+        let mut reach = self.reach(step.from).chain(self.reach(step.to));
+        reach.any(|cell| cell != step.to && Some(cell) != meant && self.number(cell).is_some_and(&is_on))
+    }
+
+    /// The shared channel that a step has on.
+    fn on_in(&self, step: AgentStep) -> Option<usize> {
+        let is_on = self.is_held || step.from != step.to;
+        self.number(step.to).filter(|_| is_on)
+    }
+
+    /// Whether a step is impossible even for an agent alone.
+    pub fn tears(&self, step: AgentStep) -> bool {
+        self.tears_besides(step, None)
+    }
+
+    /// The same, where the electrode at a cell is on and acts on the agent by intent: it is pulled apart.
+    pub fn tears_besides(&self, step: AgentStep, meant: Option<ElectrodeIndex>) -> bool {
+        let own = self.on_in(step);
+        self.is_torn
+            || own.is_some_and(|own| self.barred.contains(own))
+            || self.acts(step, meant, |number| Some(number) == own || self.held.contains(number))
+    }
+
+    /// Whether two steps at the same time exclude each other: what is on for one acts on the agent of the other.
+    pub fn clash(&self, one: AgentStep, other: AgentStep) -> bool {
+        let disturbs = |one: AgentStep, other: AgentStep| {
+            let own = self.on_in(one);
+            // The electrode to which the first goes itself is for the separation to keep away.
+            own.is_some() && self.acts(other, Some(one.to), |number| Some(number) == own)
+        };
+        disturbs(one, other) || disturbs(other, one)
+    }
+
+    /// Whether some steps go together, each with the electrode that acts on its agent by intent besides.
+    pub fn go_together(&self, steps: &[(AgentStep, Option<ElectrodeIndex>)]) -> bool {
+        let is_possible = |nth: usize| {
+            let (step, meant) = steps[nth];
+            !self.tears_besides(step, meant) && steps[..nth].iter().all(|(other, _)| !self.clash(step, *other))
+        };
+        (0..steps.len()).all(is_possible)
+    }
+}

@@ -1,0 +1,16 @@
+//! Whether paths that were made without regard to shared channels keep their rule.
+
+use super::super::board::{CellIndex, Instance, Paths, position};
+use super::super::broadcast::AgentStep;
+
+/// Whether the paths of a stage keep the rule until the last arrival.
+pub fn are_kept_by_paths(instance: &Instance, paths: &Paths) -> bool {
+    let Some(channels) = instance.board.channels() else { return true };
+    let end = paths.iter().map(Vec::len).max().unwrap_or(1) - 1;
+    (0..end).all(|instant| {
+        let step = |path: &Vec<CellIndex>| {
+            (AgentStep { from: position(path, instant), to: position(path, instant + 1) }, None)
+        };
+        channels.go_together(&paths.iter().map(step).collect::<Vec<_>>())
+    })
+}

@@ -1,0 +1,56 @@
+//! Why a step has no plan on a board with shared channels.
+
+use super::board::{BoardAnswer, BoardObjective, Instance};
+use super::portfolio;
+use super::stage::{self, BoardStage};
+use crate::claims::electrode_array::ElectrodeArrayOrder;
+use crate::device::electrode_array::ElectrodeCell;
+use crate::diagnostic::Diagnostic;
+use crate::plan::errors;
+use crate::plan::search::SearchBudget;
+use crate::source::Span;
+
+/// Steps of the search for a plan with channels of their own.
+const OWN_BUDGET: u64 = 2_000_000;
+
+/// An agent that other electrodes of the channels on its way keep from a stop.
+pub fn torn(order: &ElectrodeArrayOrder, stage: &BoardStage, (agent, stop): (usize, usize)) -> Diagnostic {
+    let (actor, asked) = (&stage.agents[agent], &stage.instance.agents[agent]);
+    let from = if stop == 0 { asked.start } else { asked.stops[stop - 1] };
+    let [from, to] = [from, asked.stops[stop]].map(|cell| stage::cell(order, cell).to_string());
+    let part = &order.parts[actor.part];
+    let span = actor.asked.map_or(part.span, |action| action.span);
+    errors::torn_by_channels(errors::StepEnds { step: span, from: &from, to: &to }, &part.name)
+}
+
+/// Agents that have a plan if every electrode has a channel of its own; `None` where that is not known.
+pub fn excluded(order: &ElectrodeArrayOrder, step: Span, stage: &BoardStage, agents: &[usize]) -> Option<Diagnostic> {
+    stage.instance.board.channels()?;
+    let Instance { board, separation, agents: all, merges } = stage.instance.clone();
+    let place = |agent: &usize| agents.iter().position(|own| own == agent);
+    let merges = merges.iter().filter_map(|[one, other]| Some([place(one)?, place(other)?])).collect();
+    let own = agents.iter().map(|agent| all[*agent].clone()).collect();
+    let unshared = Instance { board: board.unshared(), separation, agents: own, merges };
+    let answer = portfolio::solve(&unshared, BoardObjective::Makespan, None, SearchBudget::of(OWN_BUDGET));
+    let parts: Vec<(&str, Span)> = (agents.iter().map(|agent| &stage.agents[*agent]))
+        .map(|actor| {
+            let part = &order.parts[actor.part];
+            (part.name.as_str(), actor.asked.map_or(part.span, |action| action.span))
+        })
+        .collect();
+    matches!(answer, BoardAnswer::Found(_)).then(|| errors::excluded_by_channels(step, &parts))
+}
+
+/// Parts that cannot rest together, since the electrodes that hold them hold others on.
+pub fn restless(order: &ElectrodeArrayOrder, stage: &BoardStage, step: Span) -> Option<Diagnostic> {
+    let channels = stage.instance.board.channels()?;
+    let all = stage.instance.agents.iter().map(|agent| agent.start).chain(stage.standing_cells(order));
+    let all: Vec<u32> = all.collect();
+    if channels.may_rest(&all) {
+        return None;
+    }
+    let pairs = all.iter().enumerate().flat_map(|(nth, one)| all[..=nth].iter().map(move |other| [*one, *other]));
+    let [one, other] = pairs.into_iter().find(|pair| !channels.may_rest(pair))?;
+    let cells: [ElectrodeCell; 2] = [one, other].map(|cell| stage::cell(order, cell));
+    Some(errors::restless_by_channels(step, cells.map(|cell| cell.to_string())))
+}

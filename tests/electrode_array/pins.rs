@@ -1,0 +1,76 @@
+//! Boards whose channels switch several electrodes, by the definition: what is on is the union of the channels of all droplets that move or
+//! are held, and in the reach of a droplet only the electrode to which it goes is on, or the one to which its partner does.
+
+use crate::scenes::Random;
+use std::collections::BTreeSet;
+
+pub type Cell = (i32, i32);
+
+/// The channels of a board.
+#[derive(Clone, Debug)]
+pub struct Pins {
+    pub size: Cell,
+    /// Row by row from row 1.
+    pub numbers: Vec<u32>,
+    pub is_held: bool,
+    /// Electrodes that do not work.
+    pub dead: Vec<Cell>,
+    /// Parts that nothing may pull.
+    pub stuck: Vec<Cell>,
+}
+
+/// A droplet in a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Droplet {
+    pub from: Cell,
+    pub to: Cell,
+    /// Where the droplet goes with which it is about to merge, or that is pulled from it.
+    pub partner: Option<Cell>,
+    /// It is pulled apart: what pulls the other half acts on it even if its channel is on for its own.
+    pub is_split: bool,
+}
+
+impl Pins {
+    /// Random channels; some electrodes have one of their own.
+    pub fn random(size: Cell, own: &[Cell], chance: &mut Random) -> Pins {
+        let (pool, percent) = (2 + chance.below(5), 20 + chance.below(60));
+        let cells = (1..=size.1).flat_map(|row| (1..=size.0).map(move |column| (column, row)));
+        let numbers =
+            cells.enumerate().map(|(place, cell)| match chance.below(100) < percent && !own.contains(&cell) {
+                true => 1000 + chance.below(pool),
+                false => 2000 + place as u32,
+            });
+        let numbers = numbers.collect();
+        Pins { size, numbers, is_held: true, dead: Vec::new(), stuck: Vec::new() }
+    }
+
+    pub fn number(&self, (column, row): Cell) -> u32 {
+        self.numbers[((row - 1) * self.size.0 + column - 1) as usize]
+    }
+
+    /// The rows of the device's field, the top one first; `none` where there is no electrode.
+    pub fn rows(&self, has_electrode: impl Fn(Cell) -> bool) -> String {
+        let number = |cell: Cell| if has_electrode(cell) { self.number(cell).to_string() } else { "none".to_owned() };
+        let row = |row: i32| (1..=self.size.0).map(|column| number((column, row))).collect::<Vec<_>>().join(", ");
+        (1..=self.size.1).rev().map(|at| format!("[{}]", row(at))).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Whether droplets can make some steps at the same time. `has_electrode` is the outline of the board.
+    pub fn allow(&self, droplets: &[Droplet], has_electrode: impl Fn(Cell) -> bool) -> bool {
+        let cells = || (1..=self.size.1).flat_map(|row| (1..=self.size.0).map(move |column| (column, row)));
+        let near = |one: Cell, other: Cell| (one.0 - other.0).abs().max((one.1 - other.1).abs()) <= 1;
+        let (mut meant, mut besides) = (BTreeSet::new(), BTreeSet::new());
+        for droplet in droplets.iter().filter(|droplet| self.is_held || droplet.from != droplet.to) {
+            meant.insert(droplet.to);
+            let on = cells().filter(|cell| self.number(*cell) == self.number(droplet.to) && *cell != droplet.to);
+            let on = on.filter(|cell| has_electrode(*cell) && !self.dead.contains(cell));
+            besides.extend(on.filter(|cell| !(droplet.is_split && droplet.partner == Some(*cell))));
+        }
+        let on: Vec<Cell> = meant.union(&besides).copied().collect();
+        let holds_together = |droplet: &Droplet| {
+            let acting = on.iter().filter(|on| near(**on, droplet.from) || near(**on, droplet.to));
+            { acting }.all(|on| *on == droplet.to || (droplet.partner == Some(*on) && !besides.contains(on)))
+        };
+        droplets.iter().all(holds_together) && !self.stuck.iter().any(|stuck| on.iter().any(|on| near(*on, *stuck)))
+    }
+}
