@@ -7,7 +7,7 @@ import os
 import subprocess
 from pathlib import Path
 
-TWEEZE = Path(os.environ.get("TWEEZE", "target/release/tweeze")).resolve()
+TWEEZE = Path(os.environ.get("TWEEZE", "target/debug/tweeze")).resolve()
 GOOD = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n"
 
 

@@ -12,7 +12,7 @@ import pytest
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 
-TWEEZE = Path(os.environ.get("TWEEZE", "target/release/tweeze")).resolve()
+TWEEZE = Path(os.environ.get("TWEEZE", "target/debug/tweeze")).resolve()
 ROOT = Path(__file__).parents[2]
 REFUSED = 3
 
