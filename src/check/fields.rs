@@ -90,13 +90,15 @@ impl Checker<'_> {
     ) -> Option<&'static device::VocabularyField> {
         let word = field.name.text.as_str();
         // `start` is also a field of some instruments.
-        let is_of_instruments = Family::ALL.iter().any(|family| std::ptr::eq(family.fields(), table));
+        let names = || table.iter().map(|entry| entry.name);
+        let is_of_instruments =
+            Family::ALL.iter().any(|family| family.fields().iter().map(|entry| entry.name).eq(names()));
         let is_setting = STEP_WORDS.contains(&word) || device::condition_of_any_kind(word).is_some();
         if is_setting && !is_of_instruments {
             self.sink.push(errors::setting_with_colon(&field.name));
             return None;
         }
-        let known: Vec<&str> = table.iter().map(|entry| entry.name).collect();
+        let known: Vec<&str> = names().collect();
         let near = nearest(&field.name.text, known.iter().copied());
         self.sink.push(errors::unknown_field(&field.name, &owner.name, near, &known));
         let is_free = |name: &str| !given.iter().any(|other| other.field.name.text == name);

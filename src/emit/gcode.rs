@@ -68,6 +68,8 @@ fn by_wires(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String, Vec<u8>
         let InstrumentFacts::MachineController(facts) = &wired.instrument.facts else { continue };
         refuse_company(&wired)?;
         let signals = Signals::new(&wired.schedule);
+        let waits = &waits(signals.schedule)?;
+        EmitError::refuse_leaps(Format::Gcode, &signals)?;
         let letter = |output: &str| AXIS_LETTERS.iter().position(|letter| letter.to_string() == output);
         let axes = wired.drives.iter().enumerate().filter_map(|(channel, drive)| {
             Some(MovedAxis { letter: letter(&drive.output)?, channel, link: Some(drive.link) })
@@ -75,7 +77,8 @@ fn by_wires(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String, Vec<u8>
         let mut axes: Vec<MovedAxis> = axes.collect();
         axes.sort_by_key(|axis| axis.letter);
         let rounding_nm = wired_rounding_nm(&signals, facts, claims);
-        let program = GcodeProgram { signals: &signals, name: wired.name, axes, rounding_nm, machine: Some(facts) };
+        let (signals, name, machine) = (&signals, wired.name, Some(facts));
+        let program = GcodeProgram { signals, name, axes, rounding_nm, machine, waits };
         files.push((wired.name.to_owned(), program.text()?.into_bytes()));
     }
     Ok(files)
@@ -96,6 +99,8 @@ fn refuse_company(wired: &WiredInstrument) -> Result<(), EmitError> {
 /// A file for every three fingers of a device.
 fn by_fingers(signals: &Signals, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     refuse_what_is_no_stage(signals)?;
+    let waits = &waits(signals.schedule)?;
+    EmitError::refuse_leaps(Format::Gcode, signals)?;
     let mut files = Vec::new();
     for (device, _, channels) in signals.devices() {
         let rounding_nm = rounding_nm(claims, device);
@@ -107,7 +112,7 @@ fn by_fingers(signals: &Signals, claims: &Claims) -> Result<Vec<(String, Vec<u8>
             };
             let axes = group.iter().enumerate();
             let axes = axes.map(|(letter, channel)| MovedAxis { letter, channel: *channel, link: None }).collect();
-            let program = GcodeProgram { signals, name: device, axes, rounding_nm, machine: None };
+            let program = GcodeProgram { signals, name: device, axes, rounding_nm, machine: None, waits };
             files.push((name, program.text()?.into_bytes()));
         }
     }
@@ -229,13 +234,12 @@ struct GcodeProgram<'a> {
     rounding_nm: u64,
     /// `None` for one that no wire leads to.
     machine: Option<&'a MachineControllerFacts>,
+    waits: &'a [WaitLines],
 }
 
 impl GcodeProgram<'_> {
     /// The whole file.
     fn text(&self) -> Result<String, EmitError> {
-        EmitError::refuse_leaps(Format::Gcode, self.signals)?;
-        let waits = waits(self.signals.schedule)?;
         let mut instants = self.signals.breaks(self.axes.iter().map(|axis| axis.channel));
         let bytes = (instants.len() as u64).saturating_mul(self.axes.len() as u64 * WORD_BYTES + LINE_BYTES);
         EmitError::refuse_size(Format::Gcode, bytes, MAX_TEXT_BYTES)?;
@@ -243,11 +247,11 @@ impl GcodeProgram<'_> {
         let mut at_nm = self.places_nm(0);
         let _ = writeln!(text, "G0{}\nM0 ; going on is the instant 0 of the schedule", self.words(&at_nm, |_| true));
         let duration_ns = self.signals.schedule.duration_ns;
-        instants.extend(waits.iter().flat_map(|wait| [wait.start_ns, wait.end_ns]));
+        instants.extend(self.waits.iter().flat_map(|wait| [wait.start_ns, wait.end_ns]));
         let (mut last_ns, mut still_ns) = (0, 0);
         let inner = instants.into_iter().filter(|t_ns| *t_ns > 0 && *t_ns < duration_ns);
         for t_ns in inner.chain([duration_ns]) {
-            if let Some(wait) = waits.iter().find(|wait| wait.start_ns <= last_ns && last_ns < wait.end_ns) {
+            if let Some(wait) = self.waits.iter().find(|wait| wait.start_ns <= last_ns && last_ns < wait.end_ns) {
                 if wait.start_ns == last_ns {
                     dwell(&mut text, std::mem::take(&mut still_ns));
                     text.push_str(&wait.lines);

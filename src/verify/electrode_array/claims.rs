@@ -166,6 +166,7 @@ fn in_zone(order: &ElectrodeArrayOrder, operation: &AssayOperation, stay: ZoneSt
 }
 
 fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Result<(), Unfit> {
+    let channels = JudgedChannels::new(&order.facts);
     let mut gone = BTreeSet::new();
     let mut stays: u64 = 0;
     for (nth, operation) in operations.iter().enumerate() {
@@ -195,7 +196,7 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
             let is_held = order.facts.hold == Hold::On && order.facts.layout.electrodes == Electrodes::Single;
             demand(is_held, "dispense parts that are no droplets, or not held")?;
             let outlet = operation.stops.first().map(|stop| stop.cell);
-            let is_own = outlet.is_none_or(|outlet| !JudgedChannels::new(&order.facts).is_shared(outlet));
+            let is_own = outlet.is_none_or(|outlet| !channels.is_shared(outlet));
             demand(is_own, "dispense a part where a shared channel switches the electrode")?;
             let sequence =
                 order.facts.reservoirs.as_ref().zip(outlet).and_then(|(pads, outlet)| Some((pads, pads.at(outlet)?)));
