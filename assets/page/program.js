@@ -1,7 +1,7 @@
 // The program's text: highlighted, with the lines at work lit.
 "use strict";
 
-const WORDS = new Set(("use let device instrument output scene task program wiring table for in on as to from by about after at via with within true false " +
+const WORDS = new Set(("use let device instrument output scene task program wiring table for in on as to from by about after at among via with within true false " +
   "obstacle part reservoir heater detector magnet robot frame state any minimize require avoid wash using start run wait prompt pulse set together assay move visit merge split mix discard dispense incubate heat detect hold " +
   "apply assemble drive grasp orient release rotate translate simultaneous precision").split(" "));
 

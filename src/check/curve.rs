@@ -3,7 +3,7 @@
 use super::errors::{self, WantedName};
 use crate::check::scope::{ANGLE_NAME, DeclarationSort, Scope};
 use crate::check::value::Value;
-use crate::check::{Checker, fields};
+use crate::check::{Checker, sorts};
 use crate::device::{Range, Sort};
 use crate::quantity::{Dimension, Quantity};
 use crate::source::Spanned;
@@ -36,7 +36,7 @@ impl Checker<'_> {
             let angle = Spanned::new(Value::Quantity(angle), expr.span);
             let value = scope.with(&name, angle, |scope| self.evaluate(expr, scope));
             let sort = Sort::Quantity { dimension: Dimension::LENGTH, range: Range::Any };
-            match fields::judge(sort, &value, expr.span, wanted) {
+            match sorts::judge(sort, &value, expr.span, wanted) {
                 Ok(()) => {}
                 Err(_) if value.is_unknown() => return None,
                 Err(wrong) => {

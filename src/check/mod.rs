@@ -40,6 +40,7 @@ pub mod scope;
 mod settings;
 mod shapes;
 mod solid;
+mod sorts;
 mod tasks;
 mod unused;
 pub mod value;

@@ -2,8 +2,8 @@
 
 use super::Checker;
 use super::errors::{self, WantedName};
-use super::fields::judge;
 use super::scope::{Scope, path_text};
+use super::sorts::judge;
 use super::value::{ListValue, Value};
 use crate::device::{NONE, Sort};
 use crate::quantity::{Dimension, Quantity};

@@ -177,7 +177,7 @@ impl Checker<'_> {
             (Some(Expr { kind: ExprKind::Error, .. }), None) => None,
             (Some(expr), None) => {
                 let lacking = verb.phrases.iter().find(|entry| {
-                    entry.count == Count::Once && step.phrases.iter().all(|p| p.preposition.text != entry.preposition)
+                    entry.count.is_needed() && step.phrases.iter().all(|p| p.preposition.text != entry.preposition)
                 });
                 self.sink.push(match lacking {
                     Some(lacking) => errors::missing_preposition(expr.span, verb, lacking.preposition),
@@ -241,8 +241,12 @@ impl Checker<'_> {
         let lacks_preposition =
             step.object.as_ref().is_some_and(|expr| self.without_preposition(expr, verb, scope).is_some());
         let is_reported = !is_whole || (step.object.is_some() && verb.object.is_none()) || lacks_preposition;
-        let needed = known.iter().filter(|entry| entry.count == Count::Once && !is_reported);
-        for entry in needed.filter(|entry| !seen.contains_key(entry.preposition)) {
+        let is_lacking = |entry: &&device::VocabularyPhrase| match entry.count {
+            Count::Once => !seen.contains_key(entry.preposition),
+            Count::OnceUnless(other) => !seen.contains_key(entry.preposition) && !seen.contains_key(other),
+            Count::AtMostOnce | Count::AnyNumber => false,
+        };
+        for entry in known.iter().filter(|entry| !is_reported && is_lacking(entry)) {
             self.sink.push(errors::missing_part(step.span, verb, &format!("`{}`", entry.preposition)));
             is_whole = false;
         }
@@ -264,7 +268,7 @@ fn preposition_before(is_amount: bool, verb: &'static device::Verb) -> Option<&'
     let fits = |phrase: &&device::VocabularyPhrase| {
         matches!(phrase.sort, device::Sort::Quantity { .. } | device::Sort::Count { .. }) == is_amount
     };
-    let is_needed = |phrase: &&device::VocabularyPhrase| phrase.count == Count::Once;
+    let is_needed = |phrase: &&device::VocabularyPhrase| phrase.count.is_needed();
     let mut fitting = verb.phrases.iter().filter(fits);
     let found = fitting.clone().find(is_needed).or(fitting.next()).or(verb.phrases.first());
     found.map(|phrase| phrase.preposition)

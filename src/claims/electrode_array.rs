@@ -291,6 +291,10 @@ pub struct AssayOperation {
     pub with: Option<usize>,
     /// Its stops, in order; one where parts merge. None: it stays where its last operation left it.
     pub stops: Vec<ElectrodeArrayStop>,
+    /// The places of which the plan chooses its one stop, at least two; until then that is the first of them. None where the program names
+    /// the stop.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub among: Vec<OperationPlace>,
     /// The least time for which it stays at the last stop, or is mixed there, in nanoseconds.
     pub stay_ns: u64,
     /// The heater, detector or magnet in which it stays meanwhile.
@@ -320,6 +324,15 @@ pub struct AssayOperation {
     pub within: Option<OperationLag>,
     #[serde(skip)]
     pub span: Span,
+}
+
+/// A place at which an operation may take place.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OperationPlace {
+    pub stop: ElectrodeArrayStop,
+    /// Index of the order's zones, for what takes place in one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub zone: Option<usize>,
 }
 
 /// The longest time from the end of some operations to the beginning of another one: the instant from which on it stays, is mixed or is
@@ -357,6 +370,7 @@ impl AssayOperation {
             part,
             with: None,
             stops,
+            among: Vec::new(),
             stay_ns: 0,
             zone: None,
             mixes: false,
@@ -368,6 +382,27 @@ impl AssayOperation {
             within: None,
             span,
         }
+    }
+
+    /// It at one of the places of which the plan chooses, by its index among them.
+    pub fn at_place(&self, place: usize) -> AssayOperation {
+        let Some(OperationPlace { stop, zone }) = self.among.get(place) else { return self.clone() };
+        let zone = zone.and_then(|zone| Some(ZoneStay { zone, ..self.zone? }));
+        AssayOperation { stops: vec![stop.clone()], among: Vec::new(), zone, ..self.clone() }
+    }
+
+    /// It at that of its places which is a cell, if there is one.
+    pub fn at_cell(&self, cell: [u32; 2]) -> Option<AssayOperation> {
+        let place = self.among.iter().position(|place| place.stop.cell.pair() == cell)?;
+        Some(self.at_place(place))
+    }
+
+    /// The zones in which its part may stay: several where the plan chooses.
+    pub fn zone_stays(&self) -> impl Iterator<Item = ZoneStay> + '_ {
+        let others = self.among.iter().skip(1).filter_map(|place| place.zone);
+        self.zone.into_iter().flat_map(move |stay| {
+            std::iter::once(stay).chain(others.clone().map(move |zone| ZoneStay { zone, ..stay }))
+        })
     }
 
     /// What its part contains, of all parts, as soon as it begins.

@@ -37,6 +37,7 @@ impl Sort {
             }
             Sort::Object(noun) => noun.to_owned(),
             Sort::Site(noun) => format!("{noun} or cell"),
+            Sort::Sites(noun) => format!("list of {noun}s and cells"),
             Sort::Name => "name".to_owned(),
             Sort::Pose => "pose".to_owned(),
             Sort::Control => "number, or word of arms".to_owned(),
@@ -72,9 +73,10 @@ impl Verb {
     pub fn meaning(&self) -> String {
         let phrases = self.phrases.iter().map(|phrase| {
             let often = match phrase.count {
-                Count::Once => "once",
-                Count::AtMostOnce => "at most once",
-                Count::AnyNumber => "any number of times",
+                Count::Once => "once".to_owned(),
+                Count::OnceUnless(other) => format!("once, unless `{other}` stands there"),
+                Count::AtMostOnce => "at most once".to_owned(),
+                Count::AnyNumber => "any number of times".to_owned(),
             };
             format!("`{}` {} {often}", phrase.preposition, phrase.sort.text())
         });

@@ -304,6 +304,8 @@ pub enum Sort {
     Object(&'static str),
     /// A cell, or something of the task's scene that lies there, by this noun.
     Site(&'static str),
+    /// A list of such.
+    Sites(&'static str),
     /// A bare word that names something, as in the first column of a table.
     Name,
     /// A place and a heading.
@@ -417,9 +419,18 @@ pub struct VocabularyPhrase {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Count {
     Once,
+    /// Once, or not at all beside this other one.
+    OnceUnless(&'static str),
     AtMostOnce,
     /// In the order of writing.
     AnyNumber,
+}
+
+impl Count {
+    /// Whether a step without it lacks something.
+    pub const fn is_needed(self) -> bool {
+        matches!(self, Count::Once | Count::OnceUnless(_))
+    }
 }
 
 /// A planner.

@@ -42,6 +42,8 @@ pub struct LoweredOperation {
     pub step: usize,
     pub span: Span,
     pub parts: Vec<String>,
+    /// The cell that the plan has chosen for it, where the program names several.
+    pub at: Option<[u32; 2]>,
     pub start_ns: u64,
     pub arrival_ns: u64,
     pub end_ns: u64,
@@ -177,13 +179,14 @@ impl<'a> ScheduleBuilder<'a> {
     }
 
     fn operation(&self, operation: &LoweredOperation, run_ns: u64) -> ScheduledOperation {
-        let LoweredOperation { span, ref parts, start_ns, arrival_ns, end_ns, .. } = *operation;
+        let LoweredOperation { span, ref parts, at, start_ns, arrival_ns, end_ns, .. } = *operation;
         let position = self.sources.position(span);
         ScheduledOperation {
             parts: parts.clone(),
             text: self.text(span),
             line: position.line,
             column: position.column,
+            at,
             start_ns: run_ns + start_ns,
             arrival_ns: run_ns + arrival_ns,
             duration_ns: end_ns - start_ns,

@@ -116,6 +116,23 @@ pub fn too_far_in_time(step: Span, part: &str) -> Diagnostic {
         .help("allow more time, or choose places that are nearer to each other")
 }
 
+/// A part that is to be mixed where the loop has no room.
+pub fn loop_off_board(step: Span, part: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0601, format!("no plan: the loop in which `{part}` is to be mixed leaves the board"))
+        .label(step, "from where the part is by then")
+        .help("name the cell from which it is mixed: `mix PART at (5, 3) for 3 s`")
+}
+
+/// A reason that holds for the first of several choices of places.
+pub fn of_first_arrangement(diagnostic: Diagnostic, count: usize) -> Diagnostic {
+    if count == 1 {
+        return diagnostic;
+    }
+    let all = format!("of the {count} choices of places none has a plan, and this is why the first has none");
+    let help = diagnostic.help.as_ref().map_or(all.clone(), |own| format!("{own}; {all}"));
+    diagnostic.help(help)
+}
+
 /// Parts that keep one another from their operations, whatever the order.
 pub fn operations_exclude_one_another(step: Span, parts: &[&str]) -> Diagnostic {
     let title = match parts {
@@ -196,9 +213,9 @@ pub fn heedless_of_channels(step: Span) -> Diagnostic {
 
 /// A step of which what is proven depends on where an earlier one has brought parts whose goals are interchangeable.
 pub fn not_from_here(step: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0602, "no plan was found for this step from where `any` has brought the parts before")
+    Diagnostic::new(Code::E0602, "no plan was found for this step from where the plan has brought the parts before")
         .label(step, "who stands where before it is the plan's choice; others were not tried")
-        .help("send the parts that this step moves to goals of their own before, instead of with `any`")
+        .help("send the parts that this step moves to goals of their own before, instead of with `any` or `among`")
 }
 
 /// More goals of `any` lie somewhere than its parts can come there.

@@ -181,6 +181,9 @@ pub struct ScheduledOperation {
     pub text: String,
     pub line: u32,
     pub column: u32,
+    /// Column and row of the cell that the plan has chosen for it, where the program names several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<[u32; 2]>,
     /// When the first of its parts is free for it.
     pub start_ns: u64,
     /// When the last of its parts has come to where it takes place; the rest of it is a stay.

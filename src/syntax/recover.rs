@@ -27,8 +27,8 @@ const ITEMS: [(&str, Rule); 9] = [
     ("wiring", Rule::wiring_rest),
 ];
 
-const PREPOSITIONS: [&str; 12] =
-    ["to", "from", "by", "about", "after", "for", "at", "via", "with", "within", "in", "on"];
+const PREPOSITIONS: [&str; 13] =
+    ["to", "from", "by", "about", "after", "for", "at", "among", "via", "with", "within", "in", "on"];
 
 /// Steps that every kind of device knows: a second one of them on a line is a second step.
 const COMMON_HEADS: [&str; 10] =

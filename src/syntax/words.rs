@@ -1,7 +1,7 @@
 //! Words: which characters make a name, which names the language reserves, and which words begin a declaration.
 
 /// The words that cannot be names.
-pub const RESERVED: [&str; 25] = [
+pub const RESERVED: [&str; 26] = [
     "use",
     "as",
     "let",
@@ -22,6 +22,7 @@ pub const RESERVED: [&str; 25] = [
     "after",
     "for",
     "at",
+    "among",
     "via",
     "with",
     "within",

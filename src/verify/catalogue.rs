@@ -66,6 +66,7 @@ rules! {
     Reservoir E0778 "Pads of a reservoir and the electrode at its outlet are on as in the frames that make a droplet, and pads at no other time"
     Lag E0785 "An operation begins no later after others than the program says"
     Broadcast E0786 "Of the electrodes that a shared channel switches on, none acts on a droplet but where that goes"
+    Choice E0787 "An operation takes place at one of the places that the program names for it"
     Level E0737 "A control cycle visits steady levels that the source gives, each for the dwell time"
     Train E0738 "Strokes are those of the device, after a control cycle"
     Arm E0739 "An arm is up or down for certain, and no stroke moves it"

@@ -92,6 +92,7 @@ fn value(field: &VocabularyField, random: &mut Random) -> String {
         | Sort::Table(_)
         | Sort::Object(_)
         | Sort::Site(_)
+        | Sort::Sites(_)
         | Sort::Name
         | Sort::Pose
         | Sort::Control
@@ -205,7 +206,13 @@ fn operations(parts: u32, cell: &impl Fn(&mut Random) -> String, random: &mut Ra
     let count = whole(random, 1, 6);
     let operation = |_| {
         let part = format!("p{}", random.below(parts));
-        match random.below(13) {
+        match random.below(15) {
+            14 => format!("detect {part} among [z1, {}] for {} ms", cell(random), random.below(700)),
+            13 => {
+                let verb = ["incubate", "mix"][random.below(2) as usize];
+                let places: Vec<String> = (0..whole(random, 1, 4)).map(|_| cell(random)).collect();
+                format!("{verb} {part} among [{}] for {} ms", places.join(", "), random.below(700))
+            }
             12 => format!("heat {part} at z0 to {} degC for {} ms", whole(random, 20, 120), random.below(700)),
             11 => format!("detect {part} at z1 for {} ms", random.below(700)),
             10 => format!("dispense {part} from r{}", random.below(2)),

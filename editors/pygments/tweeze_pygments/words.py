@@ -83,6 +83,7 @@ PREFIXES = (
 PREPOSITIONS = (
     "about",
     "after",
+    "among",
     "at",
     "by",
     "for",
@@ -97,6 +98,7 @@ PREPOSITIONS = (
 RESERVED = (
     "about",
     "after",
+    "among",
     "as",
     "at",
     "by",

@@ -193,6 +193,8 @@ impl BoardStepJudge<'_> {
     /// Goals at the same time: each part has one, and they are apart.
     fn moves(&mut self, calls: &[Call]) -> Option<Vec<ElectrodeArrayMove>> {
         self.nothing_after(calls)?;
+        let open = calls.iter().flat_map(|call| phrases(call, "among")).next();
+        self.sink.unless(open.map(|open| errors::among_outside_assay(open.span)))?;
         let moves: Vec<Option<Vec<ElectrodeArrayMove>>> =
             calls.iter().enumerate().map(|(nth, call)| self.moves_of(call, nth)).collect();
         let each = calls.iter().zip(&moves);
@@ -290,8 +292,7 @@ impl BoardStepJudge<'_> {
     fn operation(&mut self, call: &Call) -> Option<AssayOperation> {
         self.sink.unless(call.verb.noun.map(|_| errors::team_in_assay(call.span)))?;
         if !OPERATIONS.contains(&call.verb.name) {
-            let ElectrodeArrayMove { part, with, stops, span, .. } = self.one_move(call)?;
-            return Some(AssayOperation { with, ..AssayOperation::passing(part, stops, span) });
+            return self.passing(call);
         }
         let part = self.part(call.object.as_ref()?);
         if let Some(sort) = ZoneSort::of_verb(call.verb.name) {
@@ -302,15 +303,29 @@ impl BoardStepJudge<'_> {
             "split" => return self.split(call, part),
             _ => (),
         }
-        let stops: Vec<Option<ElectrodeArrayStop>> = phrases(call, "at").map(|target| self.stop(target)).collect();
+        let places = self.places(call, None);
         let what = if call.verb.name == "mix" { "`mix`" } else { "`incubate`" };
         let (leaves, mixes) = (call.verb.name == "discard", call.verb.name == "mix");
         let stay_ns = if leaves { Some(0) } else { self.stay_ns(phrases(call, "for").next()?, what) };
-        let stops = stops.into_iter().collect::<Option<Vec<ElectrodeArrayStop>>>()?;
+        let places = places?;
         let no_droplet = mixes && self.facts.layout.electrodes != Electrodes::Single;
         self.sink.unless(no_droplet.then(|| errors::parts_do_not_mix(call.span)))?;
-        let passing = AssayOperation::passing(part?, stops, call.span);
-        Some(AssayOperation { stay_ns: stay_ns?, mixes, leaves, ..passing })
+        let passing = AssayOperation::passing(part?, Vec::new(), call.span);
+        Some(AssayOperation { stay_ns: stay_ns?, mixes, leaves, ..Self::at_one_of(passing, places) })
+    }
+
+    /// A goal among operations: of a part that goes on its way, or of two that merge.
+    fn passing(&mut self, call: &Call) -> Option<AssayOperation> {
+        if phrases(call, "among").next().is_none() {
+            let ElectrodeArrayMove { part, with, stops, span, .. } = self.one_move(call)?;
+            return Some(AssayOperation { with, ..AssayOperation::passing(part, stops, span) });
+        }
+        let part = self.part(call.object.as_ref()?);
+        let with = self.part(phrases(call, "with").next()?);
+        let places = self.places(call, None);
+        self.may_merge(call, part, with)?;
+        let passing = AssayOperation { with: Some(with?), ..AssayOperation::passing(part?, Vec::new(), call.span) };
+        Some(Self::at_one_of(passing, places?))
     }
 
     /// A droplet that is pulled out of another one, which goes the other way.
@@ -406,6 +421,10 @@ impl BoardStepJudge<'_> {
         let apart = self.facts.separation.apart();
         let mut ends: BTreeMap<usize, ElectrodeArrayStop> = BTreeMap::new();
         for operation in operations {
+            if !operation.among.is_empty() {
+                ends.remove(&operation.part);
+                continue;
+            }
             ends.extend(operation.stops.last().map(|stop| (operation.part, stop.clone())));
             let half = operation.splits.map(|half| (half.part, half.stop(operation)));
             ends.extend(half);

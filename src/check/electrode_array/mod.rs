@@ -1,5 +1,6 @@
 //! Is this electrode array possible, is this scene possible for it, are these goals?
 
+mod among;
 mod board;
 mod cells;
 mod cover;

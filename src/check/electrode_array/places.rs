@@ -86,7 +86,7 @@ fn odd_part<'p>(before: &'p [BoardPart], now: &'p [BoardPart]) -> Option<&'p str
 enum PartStand {
     /// There, since it was put or sent there.
     At(ElectrodeCell, Span),
-    /// On one of the cells to which a step has sent its team, but not known on which.
+    /// On one of the cells to which a step has sent its team, or of which the plan chooses, but not known on which.
     Somewhere(Span),
     /// No reservoir has dispensed it yet.
     Due,
@@ -283,7 +283,8 @@ impl BoardWalk {
                     found.push(errors::not_there_yet(operation.span, self.named(part)));
                 }
                 let fresh = || ElectrodeArrayMove::alone(part, Vec::new(), operation.span);
-                moves.entry(part).or_insert_with(fresh).stops.extend(operation.stops.iter().cloned());
+                let stops = operation.stops.iter().filter(|_| operation.among.is_empty());
+                moves.entry(part).or_insert_with(fresh).stops.extend(stops.cloned());
             }
             if let Some(half) = operation.splits {
                 found.extend(self.comes(operation, &mut walk.reported));
@@ -291,7 +292,12 @@ impl BoardWalk {
                 moves.insert(half.part, ElectrodeArrayMove::alone(half.part, stops, operation.span));
             }
         }
-        let rests: Vec<usize> = moves.values().filter(|one| one.stops.is_empty()).map(|one| one.part).collect();
+        let open = open_ends(operations);
+        let chosen = operations.iter().filter(|operation| !operation.among.is_empty());
+        let chosen: BTreeMap<usize, Span> =
+            chosen.flat_map(|operation| operation.parts().map(|part| (part, operation.span))).collect();
+        let still = moves.values().filter(|one| one.stops.is_empty()).map(|one| one.part);
+        let (led, rests): (Vec<usize>, Vec<usize>) = still.partition(|part| chosen.contains_key(part));
         let mut moves: Vec<ElectrodeArrayMove> = moves.into_values().collect();
         found.extend(self.not_there(&moves, &mut walk.reported));
         if !found.is_empty() {
@@ -299,7 +305,7 @@ impl BoardWalk {
         }
         for one in &mut moves {
             if let PartStand::At(cell, span) = self.stands[one.part]
-                && one.stops.is_empty()
+                && rests.contains(&one.part)
             {
                 one.stops.push(ElectrodeArrayStop { cell, span, origin: None });
             }
@@ -307,7 +313,9 @@ impl BoardWalk {
         // Of who stays where that is not known, nothing can be judged.
         moves.retain(|one| !one.stops.is_empty());
         found.extend(self.loops(operations, order, walk));
+        self.lead(led.into_iter().map(|part| (part, chosen[&part])));
         found.extend(self.advance(&moves, order, walk));
+        self.lead(open);
         for operation in operations {
             if let Some((part, departure)) = Departure::of(operation) {
                 self.leave(part);
@@ -318,6 +326,14 @@ impl BoardWalk {
             found.extend(self.rests_apart(part, order, walk));
         }
         found
+    }
+
+    /// Parts go where the plan chooses, each since an operation.
+    fn lead(&mut self, parts: impl IntoIterator<Item = (usize, Span)>) {
+        for (part, since) in parts {
+            self.leave(part);
+            self.stands[part] = PartStand::Somewhere(since);
+        }
     }
 
     /// A part that stays where it is has no other near it at the end.
@@ -347,47 +363,67 @@ impl BoardWalk {
         order: &ElectrodeArrayOrder,
         walk: &mut PartsWalk,
     ) -> Vec<Diagnostic> {
-        let (facts, apart) = (&order.facts, order.facts.separation.apart());
         // Where operations have left their parts; what comes stands where it does already.
-        let mut here: BTreeMap<usize, ElectrodeCell> = BTreeMap::new();
+        let mut here: BTreeMap<usize, Option<ElectrodeCell>> = BTreeMap::new();
         let mut found = Vec::new();
         for operation in operations {
             let part = operation.part;
-            here.extend(operation.stops.last().map(|stop| (part, stop.cell)));
+            let at = operation.stops.last();
+            if !operation.among.is_empty() {
+                here.insert(part, None);
+            } else if let Some(stop) = at {
+                here.insert(part, Some(stop.cell));
+            }
+            if !operation.mixes {
+                continue;
+            }
+            let name = self.parts[part].name.as_str();
+            let mut wrong: Vec<(ElectrodeCell, Option<&ElectrodeArrayStop>, Diagnostic)> = Vec::new();
+            for place in &operation.among {
+                let stop = &place.stop;
+                let blocked = blocked_loop((name, stop.span), stop.cell, order, &walk.cover(order));
+                wrong.extend(blocked.map(|blocked| (stop.cell, Some(stop), blocked)));
+            }
             let stands = match self.stands[part] {
                 PartStand::At(cell, _) => Some(cell),
                 PartStand::Due | PartStand::Somewhere(_) | PartStand::Gone(_) => None,
             };
-            let known = here.get(&part).copied().or(stands);
-            let Some(corner) = known.filter(|_| operation.mixes) else { continue };
-            let cover = walk.cover(order);
-            let is_free = |cell: &ElectrodeCell| facts.reaches(*cell) && cover.covering(*cell).is_none();
-            let name = self.parts[part].name.as_str();
-            let at = operation.stops.last();
-            let place = (name, at.map_or(operation.span, |stop| stop.span));
-            let stays = |other: &usize| {
-                let is_moved = operations.iter().any(|own| own.all_parts().any(|part| part == *other));
-                !is_moved && order.bystanders == Bystanders::Stay
-            };
-            let around = facts.mixing_loop(corner);
-            let wrong = if let Some(cell) = around.iter().find(|cell| !is_free(cell)) {
-                let free = nearest_cell(corner, facts, |cell| facts.mixing_loop(cell).iter().all(is_free));
-                Some(errors::loop_blocked(place, (corner, facts.mixer), *cell, free))
-            } else {
-                let near = around.iter().find_map(|cell| self.spread.near(*cell).filter(|(_, other)| stays(other)));
-                near.and_then(|(cell, other)| {
-                    let PartStand::At(_, span) = self.stands[other] else { return None };
-                    let other = errors::PartPlace { name: &self.parts[other].name, cell, span };
-                    Some(errors::loop_near_part(place, corner, other, apart))
-                })
-            };
-            let wrong = wrong.filter(|_| walk.reported.insert((place.1, Some(corner))));
-            found.extend(wrong.map(|wrong| match at {
-                Some(stop) => errors::given_from(wrong, stop.span, stop.origin.as_ref()),
-                None => wrong,
-            }));
+            if let Some(corner) = here.get(&part).copied().unwrap_or(stands) {
+                let place = (name, at.map_or(operation.span, |stop| stop.span));
+                let blocked = blocked_loop(place, corner, order, &walk.cover(order));
+                let blocked = blocked.or_else(|| self.loop_near_part(place, corner, operations, order));
+                wrong.extend(blocked.map(|blocked| (corner, at, blocked)));
+            }
+            for (corner, at, wrong) in wrong {
+                if walk.reported.insert((at.map_or(operation.span, |stop| stop.span), Some(corner))) {
+                    found.push(match at {
+                        Some(stop) => errors::given_from(wrong, stop.span, stop.origin.as_ref()),
+                        None => wrong,
+                    });
+                }
+            }
         }
         found
+    }
+
+    /// A part that stays too near to a loop.
+    fn loop_near_part(
+        &self,
+        place: (&str, Span),
+        corner: ElectrodeCell,
+        operations: &[AssayOperation],
+        order: &ElectrodeArrayOrder,
+    ) -> Option<Diagnostic> {
+        let stays = |other: &usize| {
+            let is_moved = operations.iter().any(|own| own.all_parts().any(|part| part == *other));
+            !is_moved && order.bystanders == Bystanders::Stay
+        };
+        let around = order.facts.mixing_loop(corner);
+        let near = around.iter().find_map(|cell| self.spread.near(*cell).filter(|(_, other)| stays(other)));
+        let (cell, other) = near?;
+        let PartStand::At(_, span) = self.stands[other] else { return None };
+        let other = errors::PartPlace { name: &self.parts[other].name, cell, span };
+        Some(errors::loop_near_part(place, corner, other, order.facts.separation.apart()))
     }
 
     /// A droplet is dispensed, or given off by another, once.
@@ -446,6 +482,37 @@ impl BoardWalk {
         let stays = errors::PartPlace { name: self.name_of(other), cell, span: since };
         errors::near_standing_part(moved, stays, apart, free)
     }
+}
+
+/// A loop that leaves the board, or in which an obstacle lies.
+fn blocked_loop(
+    place: (&str, Span),
+    corner: ElectrodeCell,
+    order: &ElectrodeArrayOrder,
+    cover: &ObstacleCells,
+) -> Option<Diagnostic> {
+    let facts = &order.facts;
+    let is_free = |cell: &ElectrodeCell| facts.reaches(*cell) && cover.covering(*cell).is_none();
+    let cell = facts.mixing_loop(corner).into_iter().find(|cell| !is_free(cell))?;
+    let free = nearest_cell(corner, facts, |cell| facts.mixing_loop(cell).iter().all(is_free));
+    Some(errors::loop_blocked(place, (corner, facts.mixer), cell, free))
+}
+
+/// Parts that an assay leaves where its plan has chosen, with the operations that bring them there.
+fn open_ends(operations: &[AssayOperation]) -> BTreeMap<usize, Span> {
+    let mut open = BTreeMap::new();
+    for operation in operations {
+        if !operation.stops.is_empty() {
+            open.remove(&operation.part);
+        }
+        if !operation.among.is_empty() {
+            open.insert(operation.part, operation.span);
+        }
+        if let Some(gone) = operation.gone() {
+            open.remove(&gone);
+        }
+    }
+    open
 }
 
 /// The parts that a move takes from their cells.

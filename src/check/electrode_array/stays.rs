@@ -13,18 +13,20 @@ use crate::quantity::Quantity;
 impl BoardStepJudge<'_> {
     /// A part stays in a zone of a sort.
     pub(super) fn in_zone(&mut self, call: &Call, part: Option<usize>, sort: ZoneSort) -> Option<AssayOperation> {
-        let (zone, stop) = self.zone_stop(phrases(call, "at").next()?, sort)?;
+        let places = self.places(call, Some(sort))?;
         let temperature = match phrases(call, "to").next() {
             Some(asked) => Some(self.temperature_k(asked)?),
             None => None,
         };
         let stay_ns = self.stay_ns(phrases(call, "for").next()?, sort.verb())?;
-        let zone = Some(ZoneStay { zone, temperature_k: temperature });
-        Some(AssayOperation { stay_ns, zone, ..AssayOperation::passing(part?, vec![stop], call.span) })
+        let zone = places.first().and_then(|place| place.zone);
+        let zone = zone.map(|zone| ZoneStay { zone, temperature_k: temperature });
+        let passing = AssayOperation::passing(part?, Vec::new(), call.span);
+        Some(AssayOperation { stay_ns, zone, ..Self::at_one_of(passing, places) })
     }
 
     /// The zone that an argument names, with its middle; or the one of a sort at a cell.
-    fn zone_stop(&mut self, target: &Argument, sort: ZoneSort) -> Option<(usize, ElectrodeArrayStop)> {
+    pub(super) fn zone_stop(&mut self, target: &Argument, sort: ZoneSort) -> Option<(usize, ElectrodeArrayStop)> {
         if let Value::Object(_) = &target.value {
             let found = self.tray.sites.index(target, self.scene, self.tray.is_whole, self.sink)?;
             let zone = self.tray.zones.get(found)?;

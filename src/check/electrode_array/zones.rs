@@ -37,8 +37,9 @@ pub fn agree(jobs: &[Job], sink: &mut Sink) {
     let mut temperatures: BTreeMap<(&str, &str), (f64, Span)> = BTreeMap::new();
     for job in jobs {
         let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
-        for operation in order.steps.iter().flat_map(|step| operations_of(&step.action)) {
-            let Some(ZoneStay { zone, temperature_k: Some(asked_k) }) = operation.zone else { continue };
+        let operations = order.steps.iter().flat_map(|step| operations_of(&step.action));
+        for (operation, stay) in operations.flat_map(|one| one.zone_stays().map(move |stay| (one, stay))) {
+            let ZoneStay { zone, temperature_k: Some(asked_k) } = stay else { continue };
             let Some(zone) = order.zones.get(zone) else { continue };
             let key = (job.device.as_str(), zone.name.as_str());
             let (first_k, first) = *temperatures.entry(key).or_insert((asked_k, operation.span));

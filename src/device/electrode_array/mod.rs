@@ -26,6 +26,9 @@ pub const MAX_PARTS: usize = 1_000;
 /// Most parts that share their goals in one step.
 pub const MAX_TEAM: usize = 400;
 
+/// Most places of which the plan chooses that of an operation.
+pub const MAX_PLACES: usize = 16;
+
 /// Greatest number of obstacles in one scene.
 pub const MAX_OBSTACLES: usize = 100_000;
 

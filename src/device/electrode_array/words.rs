@@ -249,23 +249,43 @@ const AFTER: VocabularyPhrase =
 const WITHIN: VocabularyPhrase =
     VocabularyPhrase { preposition: "within", sort: positive(Dimension::TIME), count: Count::AtMostOnce };
 
+/// At a cell,
+const AT: VocabularyPhrase =
+    VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::OnceUnless("among") };
+
+/// or at the one of several that the plan chooses.
+const AMONG: VocabularyPhrase = VocabularyPhrase { preposition: "among", sort: Sort::Cells, count: Count::AtMostOnce };
+
+/// In a zone of a sort,
+const fn at_site(sort: ZoneSort) -> VocabularyPhrase {
+    VocabularyPhrase { preposition: "at", sort: Sort::Site(sort.name()), count: Count::OnceUnless("among") }
+}
+
+/// or in the one of several that the plan chooses.
+const fn among_sites(sort: ZoneSort) -> VocabularyPhrase {
+    VocabularyPhrase { preposition: "among", sort: Sort::Sites(sort.name()), count: Count::AtMostOnce }
+}
+
 /// Where the part is, or at a cell, for at least so long.
-const FOR_A_TIME: [VocabularyPhrase; 4] = [
+const FOR_A_TIME: [VocabularyPhrase; 5] = [
     VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::AtMostOnce },
+    AMONG,
     VocabularyPhrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once },
     AFTER,
     WITHIN,
 ];
 
 /// In a zone for at least so long, without more to say.
-const IN_DETECTOR: [VocabularyPhrase; 4] = [
-    VocabularyPhrase { preposition: "at", sort: Sort::Site(ZoneSort::Detector.name()), count: Count::Once },
+const IN_DETECTOR: [VocabularyPhrase; 5] = [
+    at_site(ZoneSort::Detector),
+    among_sites(ZoneSort::Detector),
     VocabularyPhrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once },
     AFTER,
     WITHIN,
 ];
-const IN_MAGNET: [VocabularyPhrase; 4] = [
-    VocabularyPhrase { preposition: "at", sort: Sort::Site(ZoneSort::Magnet.name()), count: Count::Once },
+const IN_MAGNET: [VocabularyPhrase; 5] = [
+    at_site(ZoneSort::Magnet),
+    among_sites(ZoneSort::Magnet),
     VocabularyPhrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once },
     AFTER,
     WITHIN,
@@ -314,7 +334,8 @@ const VERBS: &[Verb] = &[
         object: Some(Sort::Object("part")),
         phrases: &[
             VocabularyPhrase { preposition: "with", sort: Sort::Object("part"), count: Count::Once },
-            VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::Once },
+            AT,
+            AMONG,
             AFTER,
             WITHIN,
         ],
@@ -360,7 +381,8 @@ const VERBS: &[Verb] = &[
         noun: None,
         object: Some(Sort::Object("part")),
         phrases: &[
-            VocabularyPhrase { preposition: "at", sort: Sort::Site(ZoneSort::Heater.name()), count: Count::Once },
+            at_site(ZoneSort::Heater),
+            among_sites(ZoneSort::Heater),
             VocabularyPhrase { preposition: "to", sort: positive(Dimension::TEMPERATURE), count: Count::Once },
             VocabularyPhrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once },
             AFTER,
@@ -392,7 +414,7 @@ const VERBS: &[Verb] = &[
         name: "discard",
         noun: None,
         object: Some(Sort::Object("part")),
-        phrases: &[VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::Once }, AFTER, WITHIN],
+        phrases: &[AT, AMONG, AFTER, WITHIN],
         block: None,
         doc: "takes a part off the board at a cell, as a port or an open rim; its name means nothing from then on",
         example: "discard sample at (16, 1)",

@@ -3,14 +3,15 @@
 //! One unit is one pitch of the board; electrode (1, 1) is the origin.
 
 use crate::claims::electrode_array::{
-    BoardZone, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody,
-    ElectrodeArrayOrder, ElectrodeArrayStep, ElectrodeArrayStop,
+    AssayOperation, BoardZone, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle,
+    ElectrodeArrayObstacleBody, ElectrodeArrayOrder, ElectrodeArrayStep, ElectrodeArrayStop,
 };
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::emit::course;
-use crate::schedule::State;
 use crate::schedule::electrode_array::ElectrodeArrayState;
+use crate::schedule::{ScheduledOperation, ScheduledStep, State};
 use crate::verify::Verified;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Part of an electrode's square that an obstacle on it fills.
@@ -36,22 +37,34 @@ impl PartsMoment {
     }
 }
 
-/// Where parts merge with others, or leave the board, after which they are gone.
-fn departures(order: &ElectrodeArrayOrder) -> BTreeMap<&str, ElectrodeCell> {
-    let of_step = |step: &ElectrodeArrayStep| -> Vec<(usize, Option<ElectrodeCell>)> {
+/// An operation at the place that the plan has chosen for it.
+pub fn placed<'o>(operation: &'o AssayOperation, on: Option<&ScheduledOperation>) -> Cow<'o, AssayOperation> {
+    let chosen = on.and_then(|on| on.at).and_then(|cell| operation.at_cell(cell));
+    chosen.map_or(Cow::Borrowed(operation), Cow::Owned)
+}
+
+/// Where parts merge with others, or leave the board, after which they are gone; `steps` are those of the plan.
+fn departures<'o>(
+    order: &'o ElectrodeArrayOrder,
+    steps: impl Iterator<Item = &'o ScheduledStep>,
+) -> BTreeMap<&'o str, ElectrodeCell> {
+    let of_step = |(step, on): (&ElectrodeArrayStep, &ScheduledStep)| -> Vec<(usize, Option<ElectrodeCell>)> {
         let last = |stops: &[ElectrodeArrayStop]| stops.last().map(|stop| stop.cell);
         match &step.action {
             ElectrodeArrayAction::Move(moves) => {
                 moves.iter().filter_map(|one| Some((one.with?, last(&one.stops)))).collect()
             }
             ElectrodeArrayAction::Assay(all) => {
-                all.iter().filter_map(|one| Some((one.gone()?, last(&one.stops)))).collect()
+                let of_operation = |(nth, one): (usize, &AssayOperation)| {
+                    Some((one.gone()?, last(&placed(one, on.operations.get(nth)).stops)))
+                };
+                all.iter().enumerate().filter_map(of_operation).collect()
             }
             ElectrodeArrayAction::Wait(_) => Vec::new(),
         }
     };
     let named = |(part, cell): (usize, Option<ElectrodeCell>)| Some((order.parts.get(part)?.name.as_str(), cell?));
-    order.steps.iter().flat_map(of_step).filter_map(named).collect()
+    order.steps.iter().zip(steps).flat_map(of_step).filter_map(named).collect()
 }
 
 /// Every place of every part: the states of all plans, and before each step of the board the old places once more, so that a
@@ -60,7 +73,10 @@ pub fn moments(verified: &Verified, device: &str) -> Vec<PartsMoment> {
     let mut moments: Vec<PartsMoment> = Vec::new();
     for (job, plan) in course::jobs(verified, device) {
         let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
-        let departures = departures(order);
+        let schedule = verified.schedule();
+        let own =
+            |step: &&ScheduledStep| schedule.plans.get(step.plan as usize).is_some_and(|own| std::ptr::eq(own, plan));
+        let departures = departures(order, schedule.steps.iter().filter(own));
         for timed in &plan.states {
             let State::ElectrodeArray(ElectrodeArrayState { parts }) = &timed.state else { continue };
             let parts: BTreeMap<String, ElectrodeCell> =
@@ -107,7 +123,8 @@ pub fn zone_body(zone: &BoardZone) -> [[f64; 2]; 2] {
     [low.map(|value| value - 0.5), high.map(|value| value + 0.5)]
 }
 
-/// The goals of every step of a task: the part's index, if one part in particular goes there, and the cell.
+/// The goals of every step of a task: the part's index, if one part in particular goes there, and the cell; of an operation whose place
+/// the plan chooses, all of its places.
 pub fn asked(order: &ElectrodeArrayOrder) -> impl Iterator<Item = (Option<usize>, ElectrodeCell)> + '_ {
     let stops = |part: Option<usize>, stops: &[ElectrodeArrayStop]| -> Vec<(Option<usize>, ElectrodeCell)> {
         stops.iter().map(|stop| (part, stop.cell)).collect()
@@ -115,7 +132,13 @@ pub fn asked(order: &ElectrodeArrayOrder) -> impl Iterator<Item = (Option<usize>
     let of_move = move |one: &ElectrodeArrayMove| stops(Some(one.part).filter(|_| one.team.is_none()), &one.stops);
     order.steps.iter().flat_map(move |step| match &step.action {
         ElectrodeArrayAction::Move(moves) => moves.iter().flat_map(of_move).collect(),
-        ElectrodeArrayAction::Assay(all) => all.iter().flat_map(|one| stops(Some(one.part), &one.stops)).collect(),
+        ElectrodeArrayAction::Assay(all) => {
+            let named = |one: &AssayOperation| match one.among.is_empty() {
+                true => stops(Some(one.part), &one.stops),
+                false => one.among.iter().map(|place| (Some(one.part), place.stop.cell)).collect(),
+            };
+            all.iter().flat_map(named).collect()
+        }
         ElectrodeArrayAction::Wait(_) => Vec::new(),
     })
 }

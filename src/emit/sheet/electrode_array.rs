@@ -7,12 +7,13 @@ use crate::claims::electrode_array::{
     ZoneSort, ZoneStay,
 };
 use crate::device::electrode_array::{ElectrodeCell, Electrodes, droplets};
+use crate::emit::electrode_array::course::placed;
 use crate::quantity::{Dimension, Quantity, fraction};
-use crate::schedule::ScheduledStep;
 use crate::schedule::electrode_array::ElectrodeArrayState;
-use crate::schedule::{Schedule, State};
+use crate::schedule::{Schedule, ScheduledStep, State};
 use crate::verify::Verified;
 use crate::verify::electrode_array::{DropletAfter, droplets_after};
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A board with its runs, in their order.
@@ -90,6 +91,16 @@ impl SheetBoard<'_> {
         }
     }
 
+    /// The operations of a run at the places where the plan has them.
+    fn placed<'o>(&self, plan: usize, order: &'o ElectrodeArrayOrder) -> impl Iterator<Item = Cow<'o, AssayOperation>> {
+        let steps = self.schedule.steps.iter().filter(move |step| step.plan as usize == plan);
+        let both = order.steps.iter().zip(steps);
+        both.flat_map(|(asked, step)| {
+            let all = operations_at(&asked.action).iter().enumerate();
+            all.map(|(nth, operation)| placed(operation, step.operations.get(nth)))
+        })
+    }
+
     /// The reservoirs in use, with their outlets and the droplets that they dispense.
     fn reservoirs(&self) -> BTreeMap<&str, (ElectrodeCell, usize)> {
         let mut reservoirs = BTreeMap::new();
@@ -104,8 +115,8 @@ impl SheetBoard<'_> {
     /// The heaters, detectors and magnets in use, each with a stay there.
     fn zones(&self) -> BTreeMap<&str, (&BoardZone, ZoneStay)> {
         let mut zones = BTreeMap::new();
-        for (_, order) in &self.runs {
-            for stay in operations_of(order).filter_map(|operation| operation.zone) {
+        for (plan, order) in &self.runs {
+            for stay in self.placed(*plan, order).filter_map(|operation| operation.zone) {
                 zones.extend(order.zones.get(stay.zone).map(|zone| (zone.name.as_str(), (zone, stay))));
             }
         }
@@ -124,8 +135,8 @@ impl SheetBoard<'_> {
     pub(super) fn leave(&self, sheet: &mut Sheet) {
         sheet.line(&format!("\n## Afterwards on `{}`", self.device));
         let mut ports: BTreeMap<ElectrodeCell, Vec<String>> = BTreeMap::new();
-        for (_, order) in &self.runs {
-            for operation in operations_of(order).filter(|operation| operation.leaves) {
+        for (plan, order) in &self.runs {
+            for operation in self.placed(*plan, order).filter(|operation| operation.leaves) {
                 let name = order.parts[operation.part].name.as_str();
                 if let Some(port) = operation.stops.last() {
                     ports.entry(port.cell).or_default().push(self.content(name));
@@ -170,10 +181,14 @@ fn row(what: String, place: String, needed: String) -> [String; 4] {
 }
 
 fn operations_of(order: &ElectrodeArrayOrder) -> impl Iterator<Item = &AssayOperation> {
-    order.steps.iter().flat_map(|step| match &step.action {
-        ElectrodeArrayAction::Assay(operations) => operations.as_slice(),
+    order.steps.iter().flat_map(|step| operations_at(&step.action))
+}
+
+fn operations_at(action: &ElectrodeArrayAction) -> &[AssayOperation] {
+    match action {
+        ElectrodeArrayAction::Assay(operations) => operations,
         ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_) => &[],
-    })
+    }
 }
 
 /// What a step does, with the times of its operations where they overlap.
@@ -191,7 +206,8 @@ fn rows_of(
             let timed = operations.iter().zip(&step.operations);
             timed
                 .map(|(operation, on)| {
-                    ([on.start_ns, on.end_ns()], done(order, operation, on.end_ns() - on.arrival_ns))
+                    let text = done(order, &placed(operation, Some(on)), on.end_ns() - on.arrival_ns);
+                    ([on.start_ns, on.end_ns()], text)
                 })
                 .collect()
         }

@@ -29,11 +29,11 @@ impl Lowered for Planned<'_, ElectrodeArrayOrder, ElectrodeArrayMotion> {
             let start_ns = board.run.duration_ns;
             match motion {
                 ElectrodeArrayStepMotion::Wait(duration_ns) => board.wait(*duration_ns, index)?,
-                ElectrodeArrayStepMotion::Courses(courses) => {
+                ElectrodeArrayStepMotion::Assay { operations, courses } => {
                     let paths: Vec<&[ElectrodeCell]> = courses.iter().map(|course| course.cells.as_slice()).collect();
                     board.follow(&paths, courses, index)?;
-                    if let ElectrodeArrayAction::Assay(all) = &step.action {
-                        let timed = operations::timed(order, (index, start_ns), all, courses);
+                    if let ElectrodeArrayAction::Assay(asked) = &step.action {
+                        let timed = operations::timed(order, (index, start_ns), (asked, operations), courses);
                         board.run.operations.extend(timed);
                     }
                 }

@@ -5,11 +5,12 @@ use crate::device::electrode_array::ElectrodeArrayFacts;
 use crate::lower::clock::LoweredOperation;
 use crate::plan::electrode_array::PartCourse;
 
-/// The operations of the step with an index and a start, each as early as the courses have it.
+/// The operations of the step with an index and a start, each as early as the courses have it: as they are asked for, and at the places
+/// that the plan has chosen.
 pub fn timed(
     order: &ElectrodeArrayOrder,
     (step, step_start_ns): (usize, u64),
-    operations: &[AssayOperation],
+    (asked, placed): (&[AssayOperation], &[AssayOperation]),
     courses: &[PartCourse],
 ) -> Vec<LoweredOperation> {
     let facts = &order.facts;
@@ -17,8 +18,8 @@ pub fn timed(
     let mut free: Vec<usize> = courses.iter().map(|course| course.since).collect();
     let mut lowered = Vec::new();
     // The instant at which each operation so far is done.
-    let mut ends: Vec<usize> = Vec::with_capacity(operations.len());
-    for operation in operations {
+    let mut ends: Vec<usize> = Vec::with_capacity(placed.len());
+    for (asked, operation) in asked.iter().zip(placed) {
         let parts: Vec<usize> = operation.all_parts().filter(|part| !courses[*part].cells.is_empty()).collect();
         let begins = operation.parts().filter(|part| parts.contains(part)).map(|part| free[part]).min().unwrap_or(0);
         let times = match operation.splits.map(|half| courses[half.part].since) {
@@ -38,6 +39,7 @@ pub fn timed(
             step,
             span: operation.span,
             parts: parts.iter().map(|part| order.parts[*part].name.clone()).collect(),
+            at: operation.stops.last().filter(|_| !asked.among.is_empty()).map(|stop| stop.cell.pair()),
             start_ns: at_ns(begins),
             arrival_ns: at_ns(arrival),
             end_ns: at_ns(end),

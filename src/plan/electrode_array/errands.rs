@@ -5,11 +5,20 @@
 
 use super::assay::{AgentCourse, AssayProblem, Errand, ErrandLag, ErrandPlace, SplitErrand, Traces};
 use super::board::CellIndex;
-use super::stage::{self, Actor, BoardStage};
+use super::stage::{self, Actor, BoardGround, BoardStage};
 use crate::claims::electrode_array::{
     AssayOperation, ElectrodeArrayMove, ElectrodeArrayOrder, ElectrodeArrayStop, Fluids,
 };
 use crate::device::electrode_array::ElectrodeCell;
+
+/// What an assay is planned on.
+#[derive(Clone, Copy)]
+pub struct AssaySite<'a> {
+    pub order: &'a ElectrodeArrayOrder,
+    pub ground: &'a BoardGround<'a>,
+    /// The current cells of the parts.
+    pub cells: &'a [Option<ElectrodeCell>],
+}
 
 /// The cells of a part in an assay.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -126,6 +135,19 @@ impl PartErrands {
             self.parents.push(None);
             self.moves.len() - 1
         })
+    }
+
+    /// A part that is to be mixed round a loop which leaves the board.
+    pub fn off_board(&self, order: &ElectrodeArrayOrder) -> Option<usize> {
+        let [columns, rows] = order.facts.mixer.map(|side| side - 1);
+        let leaves = |cell: ElectrodeCell| {
+            cell.column.saturating_add(columns) > order.facts.columns
+                || cell.row.saturating_add(rows) > order.facts.rows
+        };
+        let is_off = |(one, works): &(&ElectrodeArrayMove, &Vec<StopWork>)| {
+            one.stops.iter().zip(*works).any(|(stop, work)| work.mixes && leaves(stop.cell))
+        };
+        self.moves.iter().zip(&self.works).find(is_off).map(|(one, _)| one.part)
     }
 
     /// The problem of a stage that was made of the moves of these operations.

@@ -4,24 +4,24 @@
 //! form the optimal plan of the job, and its bounds are the sums of theirs. Only limits couple the steps; where the best plan
 //! breaks one, [`limited`] chooses among the plans of each step.
 
-use super::assay::{self, NoAssayPlan};
+use super::arranged::{self, NoArrangement, PlacedPlan};
+use super::assay::NoAssayPlan;
 use super::board::{self, BoardAnswer, BoardCosts, BoardPlan, NoBoardPlan, Paths};
-use super::errands::{self, PartCourse, PartErrands};
+use super::errands::{self, AssaySite};
 use super::exact;
 use super::labels::{BoardFigures, PlanLimits};
 use super::limited::{self, AskedStep, PlanFront, UNLIMITED};
 use super::limits;
 use super::loose::LooseParts;
 use super::motion::{ElectrodeArrayMotion, ElectrodeArrayStepMotion};
-use super::one_by_one::one_by_one;
 use super::published::{self, Heuristic, PairCheck, PaperReading, PublishedOutcome, Ties, Zero};
 use super::remedy::{Shut, Tried};
 use super::shared::{self, SharedGoals};
 use super::stage::{self, BoardGround, BoardStage, CellBlocker};
 use super::{channels, portfolio, torn, why};
 use crate::claims::electrode_array::{
-    AssayOperation, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective,
-    ElectrodeArrayOrder, ElectrodeArrayStep,
+    AssayOperation, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayOrder,
+    ElectrodeArrayStep,
 };
 use crate::claims::{Job, Requirement};
 use crate::device::MAX_EXPANSIONS;
@@ -122,9 +122,9 @@ fn within_limits(
     match limited::choose(&fronts, limits, objective) {
         limited::Chosen::Kept { paths, bound } => {
             let mut moved = paths.iter();
-            each_stage(order, ground, &motion.start.clone(), |index, stage, cells| {
+            stage::each_stage(order, ground, &motion.start.clone(), |index, stage, cells| {
                 if let Some(paths) = moved.next() {
-                    motion.steps[index] = ElectrodeArrayStepMotion::Paths(moves_of(order, stage, cells, paths));
+                    motion.steps[index] = ElectrodeArrayStepMotion::Paths(stage::moves_of(order, stage, cells, paths));
                 }
             });
             Some(finished(order, motion, bounds, Some(bound)))
@@ -146,13 +146,13 @@ fn fronts(
     is_only: bool,
 ) -> Vec<PlanFront> {
     let mut moves = Vec::with_capacity(known.len());
-    each_stage(order, ground, start, |_, stage, _| {
+    stage::each_stage(order, ground, start, |_, stage, _| {
         moves.push(super::fast::bounds(&stage.instance).map_or(0, |bounds| bounds.sum_of_costs));
     });
     let bounds: Vec<BoardFigures> =
         known.iter().zip(moves).map(|((_, bounds), moves)| [bounds.makespan, bounds.sum_of_costs, moves]).collect();
     let mut fronts: Vec<PlanFront> = Vec::with_capacity(known.len());
-    each_stage(order, ground, start, |_, stage, _| {
+    stage::each_stage(order, ground, start, |_, stage, _| {
         let turn = fronts.len();
         let rest = bounds.iter().enumerate().filter(|(other, _)| *other != turn);
         let rest = rest.fold([0; 3], |sum, (_, own)| [0, 1, 2].map(|figure: usize| sum[figure] + own[figure]));
@@ -169,46 +169,6 @@ fn fronts(
         fronts.push(limited::front(&stage.instance, (&known[turn].0, bounds[turn]), asked));
     });
     fronts
-}
-
-/// Visits the stages of all steps with moves: the index of the step, its stage, and the cells before it.
-fn each_stage(
-    order: &ElectrodeArrayOrder,
-    ground: &BoardGround,
-    start: &[Option<ElectrodeCell>],
-    mut look: impl FnMut(usize, &BoardStage, &[Option<ElectrodeCell>]),
-) {
-    let mut cells = start.to_vec();
-    for (index, step) in order.steps.iter().enumerate() {
-        if let ElectrodeArrayAction::Move(moves) = &step.action {
-            look(index, &BoardStage::new(order, ground, &cells, moves), &cells);
-            arrive(&mut cells, moves);
-        }
-    }
-}
-
-/// The cells of every part of the order, from the paths of the agents.
-fn moves_of(
-    order: &ElectrodeArrayOrder,
-    stage: &BoardStage,
-    cells: &[Option<ElectrodeCell>],
-    paths: &Paths,
-) -> Vec<Vec<ElectrodeCell>> {
-    let mut motion: Vec<Vec<ElectrodeCell>> = cells.iter().map(|cell| cell.iter().copied().collect()).collect();
-    for (actor, path) in stage.agents.iter().zip(paths) {
-        motion[actor.part] = path.iter().map(|cell| stage::cell(order, *cell)).collect();
-    }
-    motion
-}
-
-/// Updates the cells of the parts after moves.
-fn arrive(cells: &mut [Option<ElectrodeCell>], moves: &[ElectrodeArrayMove]) {
-    for action in moves {
-        cells[action.part] = Some(action.goal().cell);
-        if let Some(gone) = action.with {
-            cells[gone] = None;
-        }
-    }
 }
 
 /// Sum of the costs.
@@ -255,8 +215,8 @@ impl Tasks<'_> {
             ElectrodeArrayAction::Move(moves) => {
                 let stage = BoardStage::new(self.order, self.ground, &self.cells, moves);
                 let paths = self.paths(step, &stage);
-                let motion = paths.map(|paths| moves_of(self.order, &stage, &self.cells, &paths));
-                arrive(&mut self.cells, moves);
+                let motion = paths.map(|paths| stage::moves_of(self.order, &stage, &self.cells, &paths));
+                stage::arrive(&mut self.cells, moves);
                 if let Some(motion) = &motion {
                     shared::arrive(&mut self.cells, moves, motion);
                 }
@@ -264,55 +224,69 @@ impl Tasks<'_> {
                 motion.map(ElectrodeArrayStepMotion::Paths)
             }
             ElectrodeArrayAction::Assay(operations) => {
-                let courses = self.courses(step, operations);
-                errands::depart(&mut self.cells, operations);
+                let motion = self.operated(step, operations);
+                let placed = match &motion {
+                    Some(ElectrodeArrayStepMotion::Assay { operations, .. }) => operations,
+                    Some(_) | None => operations,
+                };
+                errands::depart(&mut self.cells, placed);
                 self.loose.follow(&step.action);
-                courses.map(ElectrodeArrayStepMotion::Courses)
+                motion
             }
         }
     }
 
-    /// The courses of all parts in an assay.
-    fn courses(&mut self, step: &ElectrodeArrayStep, operations: &[AssayOperation]) -> Option<Vec<PartCourse>> {
-        let cells = errands::with_new_parts(&self.cells, operations);
-        let asked = PartErrands::new(self.order, &cells, operations);
-        let stage = BoardStage::new(self.order, self.ground, &cells, &asked.moves);
-        let problem = asked.problem(self.order, &stage, operations);
+    /// The motion of all parts in an assay.
+    fn operated(
+        &mut self,
+        step: &ElectrodeArrayStep,
+        operations: &[AssayOperation],
+    ) -> Option<ElectrodeArrayStepMotion> {
         let (objective, budget) = (objective(self.order.objective), SearchBudget::of(self.order.planner.expansions));
-        let plan = match assay::solve(&problem, objective, budget) {
-            SearchAnswer::Found(plan) => plan,
+        let cells = self.cells.clone();
+        let site = AssaySite { order: self.order, ground: self.ground, cells: &cells };
+        match arranged::solve(&site, operations, objective, budget) {
+            SearchAnswer::Found(PlacedPlan { operations, courses, bounds }) => {
+                self.assays.push(self.least_of(step, bounds));
+                return Some(ElectrodeArrayStepMotion::Assay { operations, courses });
+            }
             SearchAnswer::Impossible(_) if !self.loose.is_fixed_in(&step.action) => {
                 self.sink.push(errors::not_from_here(step.span));
-                return None;
             }
-            SearchAnswer::Impossible(NoAssayPlan::Excluded { reached }) => {
-                let parts: Vec<&str> = (0..reached.len()).map(|agent| self.part_name(&stage, agent)).collect();
-                let diagnostic = errors::operations_exclude_one_another(step.span, &parts);
-                let reaches = parts.iter().zip(reached).map(|(part, cells)| reach(self.order, part, cells));
-                self.sink.push(self.with_avoided(diagnostic.reached(reaches), step));
-                return None;
-            }
-            SearchAnswer::Impossible(NoAssayPlan::TooLate { agent }) => {
-                let diagnostic = errors::too_far_in_time(step.span, self.part_name(&stage, agent));
-                self.sink.push(self.with_avoided(diagnostic, step));
-                return None;
-            }
-            SearchAnswer::Impossible(NoAssayPlan::Alone(why)) => {
-                self.impossible(step.span, &stage, &why);
-                return None;
+            SearchAnswer::Impossible(why) => {
+                arranged::with_problem(&site, &why.operations, |stage, _| self.no_courses(step, stage, &why));
             }
             SearchAnswer::GaveUp(bounds) => {
-                let in_turn = (operations, &problem, &stage);
-                let found = one_by_one((self.order, self.ground), &self.cells, in_turn, (objective, bounds));
-                let Some(plan) = found else {
-                    self.gave_up(step, &goals(&stage), bounds, budget);
-                    return None;
-                };
-                plan
+                let goals = arranged::with_problem(&site, operations, |stage, _| goals(stage));
+                self.gave_up(step, &goals, bounds, budget);
             }
-        };
-        self.assays.push(self.least_of(step, plan.bounds));
-        Some(errands::courses_of(self.order, &stage, &self.cells, (&problem, &plan.courses)))
+        }
+        None
+    }
+
+    /// Why an assay has no plan.
+    fn no_courses(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage, none: &NoArrangement) {
+        let before = std::mem::take(&mut *self.sink);
+        match &none.why {
+            NoAssayPlan::Excluded { reached } => {
+                let parts: Vec<&str> = (0..reached.len()).map(|agent| self.part_name(stage, agent)).collect();
+                let diagnostic = errors::operations_exclude_one_another(step.span, &parts);
+                let reaches = parts.iter().zip(reached).map(|(part, cells)| reach(self.order, part, cells.clone()));
+                self.sink.push(self.with_avoided(diagnostic.reached(reaches), step));
+            }
+            NoAssayPlan::TooLate { agent } => {
+                let diagnostic = errors::too_far_in_time(step.span, self.part_name(stage, *agent));
+                self.sink.push(self.with_avoided(diagnostic, step));
+            }
+            NoAssayPlan::LoopOffBoard { agent } => {
+                self.sink.push(errors::loop_off_board(step.span, self.part_name(stage, *agent)));
+            }
+            NoAssayPlan::Alone(why) => self.impossible(step.span, stage, why),
+        }
+        let found = std::mem::replace(&mut *self.sink, before);
+        for diagnostic in found.sorted() {
+            self.sink.push(errors::of_first_arrangement(diagnostic.clone(), none.count));
+        }
     }
 
     fn paths(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage) -> Option<Paths> {

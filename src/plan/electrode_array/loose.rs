@@ -1,4 +1,5 @@
-//! Which cells the program leaves open: after a step with interchangeable goals, the plan has chosen who stands where.
+//! Which cells the program leaves open: after a step with interchangeable goals, or an assay that chooses places, the plan has chosen who
+//! stands where.
 //!
 //! As long as a team stays together, its parts stand on the same cells whoever is where, and what is proven of a later step holds for
 //! every plan of the task. Once some of its parts are sent elsewhere alone, that depends on the plan: then only the bounds of [`least`]
@@ -7,14 +8,14 @@
 use super::board::{Agent, BoardCosts, Instance};
 use super::fast;
 use super::stage::{self, BoardGround};
-use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayOrder};
+use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayOrder};
 use crate::device::electrode_array::ElectrodeCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The parts whose cells the program leaves open.
 #[derive(Debug, Default)]
 pub struct LooseParts {
-    /// Parts that stand on the cells of one list, each on another.
+    /// Parts that stand on the cells of one list, each on another; of a part that an assay has left at one of several, it alone.
     teams: Vec<(BTreeSet<usize>, Vec<ElectrodeCell>)>,
     /// Whether cells are taken or free by what the plan chose.
     is_open: bool,
@@ -40,6 +41,12 @@ impl LooseParts {
         self.is_open |= !is_fixed && !all;
         self.teams.iter_mut().for_each(|(team, _)| team.retain(|part| !moved.contains(part)));
         self.teams.retain(|(team, _)| !team.is_empty());
+        if let ElectrodeArrayAction::Assay(operations) = action {
+            for (part, cells) in open_ends(operations) {
+                self.teams.push((BTreeSet::from([part]), cells));
+                self.is_open = true;
+            }
+        }
         if let ElectrodeArrayAction::Move(moves) = action {
             for (number, team) in movers.teams {
                 let own = moves.iter().filter(|one| one.team == Some(number));
@@ -77,6 +84,23 @@ impl LooseParts {
         }
         Some(bounds)
     }
+}
+
+/// Parts that an assay leaves at one of several places, with these.
+fn open_ends(operations: &[AssayOperation]) -> BTreeMap<usize, Vec<ElectrodeCell>> {
+    let mut open = BTreeMap::new();
+    for operation in operations {
+        if !operation.stops.is_empty() {
+            open.remove(&operation.part);
+        }
+        if !operation.among.is_empty() {
+            open.insert(operation.part, operation.among.iter().map(|place| place.stop.cell).collect());
+        }
+        if let Some(gone) = operation.gone() {
+            open.remove(&gone);
+        }
+    }
+    open
 }
 
 /// The steps of a part from a cell by the stops of a move, if it can come there.

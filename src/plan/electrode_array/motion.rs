@@ -1,10 +1,11 @@
 //! What a plan has the parts of a board do.
 
 use super::errands::PartCourse;
+use crate::claims::electrode_array::AssayOperation;
 use crate::device::electrode_array::ElectrodeCell;
 
 /// Motion of the parts of a board.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ElectrodeArrayMotion {
     /// Start cell of each part of the order; `None` for one that has already merged with another, or has not come yet.
     pub start: Vec<Option<ElectrodeCell>>,
@@ -13,12 +14,16 @@ pub struct ElectrodeArrayMotion {
 }
 
 /// Motion of the parts in one step of the task.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum ElectrodeArrayStepMotion {
     /// For each part its cells at the instants 0, 1, … of the step, until it stays; empty for a part that has already merged.
     Paths(Vec<Vec<ElectrodeCell>>),
-    /// One for each part.
-    Courses(Vec<PartCourse>),
+    /// Operations at the places that the plan has chosen for them.
+    Assay {
+        operations: Vec<AssayOperation>,
+        /// One for each part.
+        courses: Vec<PartCourse>,
+    },
     /// In nanoseconds.
     Wait(u64),
 }
@@ -33,7 +38,7 @@ impl ElectrodeArrayStepMotion {
                 let moves = paths.iter().map(|path| moves(path)).sum();
                 [arrivals.clone().max().unwrap_or(0), arrivals.sum(), moves]
             }
-            ElectrodeArrayStepMotion::Courses(courses) => {
+            ElectrodeArrayStepMotion::Assay { courses, .. } => {
                 let ends = courses.iter().map(|course| course.until().saturating_sub(1));
                 let moves = courses.iter().map(|course| moves(&course.cells)).sum();
                 [ends.max().unwrap_or(0), courses.iter().map(PartCourse::last_arrival).sum(), moves]

@@ -7,7 +7,8 @@
 use super::board::{self, Agent, BoardGrid, Instance};
 use super::broadcast::SharedChannels;
 use crate::claims::electrode_array::{
-    Bystanders, ElectrodeArrayMove, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
+    Bystanders, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody,
+    ElectrodeArrayOrder,
 };
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::source::Span;
@@ -241,4 +242,44 @@ fn square<'a>((name, span): (&'a str, Span), cell: ElectrodeCell, distance: u32)
     let reach = i64::from(distance) - 1;
     let around = |at: u32| [i64::from(at) - 1 - reach, i64::from(at) - 1 + reach];
     CellBlocker { name, at: None, span, columns: around(cell.column), rows: around(cell.row) }
+}
+
+/// Visits the stages of all steps with moves: the index of the step, its stage, and the cells before it.
+pub fn each_stage(
+    order: &ElectrodeArrayOrder,
+    ground: &BoardGround,
+    start: &[Option<ElectrodeCell>],
+    mut look: impl FnMut(usize, &BoardStage, &[Option<ElectrodeCell>]),
+) {
+    let mut cells = start.to_vec();
+    for (index, step) in order.steps.iter().enumerate() {
+        if let ElectrodeArrayAction::Move(moves) = &step.action {
+            look(index, &BoardStage::new(order, ground, &cells, moves), &cells);
+            arrive(&mut cells, moves);
+        }
+    }
+}
+
+/// The cells of every part of the order, from the paths of the agents.
+pub fn moves_of(
+    order: &ElectrodeArrayOrder,
+    stage: &BoardStage,
+    cells: &[Option<ElectrodeCell>],
+    paths: &board::Paths,
+) -> Vec<Vec<ElectrodeCell>> {
+    let mut motion: Vec<Vec<ElectrodeCell>> = cells.iter().map(|cell| cell.iter().copied().collect()).collect();
+    for (actor, path) in stage.agents.iter().zip(paths) {
+        motion[actor.part] = path.iter().map(|flat| cell(order, *flat)).collect();
+    }
+    motion
+}
+
+/// Updates the cells of the parts after moves.
+pub fn arrive(cells: &mut [Option<ElectrodeCell>], moves: &[ElectrodeArrayMove]) {
+    for action in moves {
+        cells[action.part] = Some(action.goal().cell);
+        if let Some(gone) = action.with {
+            cells[gone] = None;
+        }
+    }
 }

@@ -9,8 +9,8 @@ use crate::claims::electrode_array::{
     ElectrodeArrayOrder, ElectrodeArrayStop, OperationLag, ZoneSort, ZoneStay,
 };
 use crate::device::electrode_array::{
-    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_DISPENSE_FRAMES, MAX_PARTS, MAX_SHARING, MAX_SIDE,
-    MAX_ZONES, ReservoirPads, Separation,
+    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_DISPENSE_FRAMES, MAX_PARTS, MAX_PLACES, MAX_SHARING,
+    MAX_SIDE, MAX_ZONES, ReservoirPads, Separation,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -145,7 +145,7 @@ fn zones(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
     let mut temperatures: BTreeMap<usize, u64> = BTreeMap::new();
     for step in &order.steps {
         let ElectrodeArrayAction::Assay(operations) = &step.action else { continue };
-        for ZoneStay { zone, temperature_k } in operations.iter().filter_map(|operation| operation.zone) {
+        for ZoneStay { zone, temperature_k } in operations.iter().flat_map(AssayOperation::zone_stays) {
             let is_heater = order.zones.get(zone).is_some_and(|zone| zone.sort == ZoneSort::Heater);
             demand(is_heater == temperature_k.is_some(), "heat where no heater is, or without a temperature")?;
             let Some(asked_k) = temperature_k else { continue };
@@ -155,6 +155,24 @@ fn zones(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
         }
     }
     Ok(())
+}
+
+/// Of several places the plan chooses the one stop of an operation, which does the same at each.
+fn among(order: &ElectrodeArrayOrder, operation: &AssayOperation) -> Result<(), Unfit> {
+    let cells: Vec<ElectrodeCell> = operation.among.iter().map(|place| place.stop.cell).collect();
+    let distinct: BTreeSet<[u32; 2]> = cells.iter().map(|cell| cell.pair()).collect();
+    let is_choice = (2..=MAX_PLACES).contains(&cells.len()) && distinct.len() == cells.len();
+    let is_first = operation.stops.len() == 1 && operation.stops[0].cell == cells[0];
+    demand(is_choice && is_first, "choose a place among none, one, too many, or twice the same")?;
+    let is_plain = !operation.comes && operation.splits.is_none();
+    demand(is_plain, "choose where a part comes or is split")?;
+    for place in &operation.among {
+        stops(order, std::slice::from_ref(&place.stop))?;
+        demand(place.zone.is_some() == operation.zone.is_some(), "choose a place within a zone and one without")?;
+    }
+    let sort = |stay: ZoneStay| order.zones.get(stay.zone).map(|zone| zone.sort);
+    let sorts: BTreeSet<Option<ZoneSort>> = operation.zone_stays().map(sort).collect();
+    demand(sorts.len() <= 1, "choose a place among zones of several sorts")
 }
 
 /// An operation in a zone only stays there.
@@ -176,7 +194,10 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
             demand(part < order.parts.len(), "move a part that they do not have")?;
             demand(!gone.contains(&part), "move a part that is gone before")?;
         }
-        if let Some(stay) = operation.zone {
+        if !operation.among.is_empty() {
+            among(order, operation)?;
+        }
+        for stay in operation.zone_stays() {
             in_zone(order, operation, stay)?;
         }
         if operation.mixes || operation.splits.is_some() {

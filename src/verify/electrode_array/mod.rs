@@ -16,6 +16,7 @@ mod lags;
 mod missed;
 mod mixing;
 mod nearest;
+mod placed;
 mod pull;
 mod reservoirs;
 mod stage;
@@ -297,7 +298,9 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     }
 
     /// Parts do their operations, beat by beat.
-    fn operate(&mut self, nth: usize, operations: &'r [AssayOperation], findings: &mut Findings) -> Result<(), Halt> {
+    fn operate(&mut self, nth: usize, asked: &'r [AssayOperation], findings: &mut Findings) -> Result<(), Halt> {
+        let placed = self.placed(nth, asked, findings)?;
+        let operations = placed.as_ref();
         let step = self.run.step(nth);
         let step_ns = self.order.facts.step_ns;
         let beats = self.whole_beats(nth)?;
@@ -320,7 +323,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 self.cells[part] = Some(outlet);
                 assay.come(part, beat);
                 reservoirs.iter_mut().for_each(|reservoirs| reservoirs.begin(part, outlet, beat));
-                self.traces.iter_mut().for_each(|traces| traces.dispense(part, operations));
+                self.traces.iter_mut().for_each(|traces| traces.dispense(part, asked));
                 self.tread((nth, at_ns), (operations, &assay), vec![(part, outlet)], findings);
             }
             let splits = self.pulled_apart(&assay, &switching.on);

@@ -61,6 +61,26 @@ impl Operation {
 }
 
 impl Operation {
+    /// Where it takes place, if that can be left open.
+    fn place(&self) -> Option<Cell> {
+        match self {
+            Operation::Merge(_, _, at) | Operation::Discard(_, at) => Some(*at),
+            Operation::Incubate(_, at, _) | Operation::Mix(_, at, _) => *at,
+            Operation::Move(..) | Operation::Dispense(..) | Operation::Split(..) => None,
+        }
+    }
+
+    /// It at another place.
+    fn at(&self, at: Cell) -> Operation {
+        match *self {
+            Operation::Merge(part, with, _) => Operation::Merge(part, with, at),
+            Operation::Discard(part, _) => Operation::Discard(part, at),
+            Operation::Incubate(part, _, steps) => Operation::Incubate(part, Some(at), steps),
+            Operation::Mix(part, _, steps) => Operation::Mix(part, Some(at), steps),
+            Operation::Move(..) | Operation::Dispense(..) | Operation::Split(..) => self.clone(),
+        }
+    }
+
     /// The parts whose operation it is, and the one that it makes.
     fn all_parts(&self) -> Vec<usize> {
         match self {
@@ -97,6 +117,8 @@ pub struct Assay {
     pub afters: Vec<Option<usize>>,
     /// For each operation a part, and the most steps from the end of all that it does above to the beginning of this one.
     pub withins: Vec<Option<(usize, u64)>>,
+    /// For each operation further cells of which its place is chosen.
+    pub among: Vec<Vec<Cell>>,
     /// Channels that switch several electrodes, which no reservoir's outlet has.
     pub pins: Option<Pins>,
 }
@@ -129,6 +151,7 @@ impl Assay {
             washes: vec![],
             afters: vec![],
             withins: vec![],
+            among: vec![],
             pins: None,
         };
         assay.furnish(chance)?;
@@ -258,6 +281,41 @@ impl Assay {
         self
     }
 
+    /// Leaves open where some operations take place, few enough to look at all arrangements.
+    pub fn opened(mut self, chance: &mut Random) -> Assay {
+        for place in 0..self.operations.len() {
+            let (operation, mut others) = (self.operations[place].clone(), Vec::new());
+            let open = self.among.iter().filter(|others| !others.is_empty()).count();
+            if let Some(own) = operation.place().filter(|_| open < 2 && chance.below(2) == 0) {
+                for _ in 0..1 + chance.below(2) {
+                    let may_be = |cell: &Cell| match operation {
+                        Operation::Mix(..) => self.is_loop_free(*cell),
+                        _ => self.is_free(*cell),
+                    };
+                    let other = (0..40).map(|_| self.cell(chance)).find(may_be);
+                    others.extend(other.filter(|other| *other != own && !others.contains(other)));
+                }
+            }
+            self.among.push(others);
+        }
+        self
+    }
+
+    /// The assays that it can be, with a place for each operation.
+    pub fn arrangements(&self) -> Vec<Assay> {
+        let mut all = vec![Assay { among: vec![], ..self.clone() }];
+        for (place, others) in self.among.iter().enumerate() {
+            let at = |one: &Assay, cell: Cell| {
+                let mut one = one.clone();
+                one.operations[place] = one.operations[place].at(cell);
+                one
+            };
+            let more: Vec<Assay> = others.iter().flat_map(|cell| all.iter().map(move |one| at(one, *cell))).collect();
+            all.extend(more);
+        }
+        all
+    }
+
     /// On a board with shared channels, sometimes few of them.
     pub fn pinned(mut self, chance: &mut Random) -> Assay {
         let few = Pins::random(self.size, &self.reservoirs, chance);
@@ -385,7 +443,13 @@ impl Assay {
         lines.extend(self.washes.iter().map(|fluid| format!("wash with {}", fluid.name())));
         lines.push("assay {".to_owned());
         let withins = self.withins.iter().copied().chain(std::iter::repeat(None));
-        for ((operation, after), within) in self.operations.iter().zip(&self.afters).zip(withins) {
+        let none = Vec::new();
+        let among = self.among.iter().chain(std::iter::repeat(&none));
+        for (((operation, after), within), among) in self.operations.iter().zip(&self.afters).zip(withins).zip(among) {
+            let place = |at: Cell| match among.is_empty() {
+                true => format!(" at {at:?}"),
+                false => format!(" among {:?}", std::iter::once(&at).chain(among).collect::<Vec<_>>()),
+            };
             let after = match within {
                 // A time of less than a step is as good as none.
                 Some((part, steps)) => format!(" after d{part} within {} ms", steps * STEP_MS + STEP_MS / 2),
@@ -396,16 +460,16 @@ impl Assay {
                     let vias: String = stops[..stops.len() - 1].iter().map(|stop| format!(" via {stop:?}")).collect();
                     format!("move d{part} to {:?}{vias}", stops[stops.len() - 1])
                 }
-                Operation::Merge(part, with, at) => format!("merge d{part} with d{with} at {at:?}"),
-                Operation::Discard(part, at) => format!("discard d{part} at {at:?}"),
+                Operation::Merge(part, with, at) => format!("merge d{part} with d{with}{}", place(*at)),
+                Operation::Discard(part, at) => format!("discard d{part}{}", place(*at)),
                 Operation::Dispense(part, reservoir) => format!("dispense d{part} from r{reservoir}"),
                 Operation::Mix(part, at, steps) => {
-                    let place = at.map(|at| format!(" at {at:?}")).unwrap_or_default();
+                    let place = at.map(place).unwrap_or_default();
                     format!("mix d{part}{place} for {} ms", steps * STEP_MS)
                 }
                 Operation::Split(half, part, at, to) => format!("split d{half} from d{part} at {at:?} to {to:?}"),
                 Operation::Incubate(part, at, stay) => {
-                    let place = at.map(|at| format!(" at {at:?}")).unwrap_or_default();
+                    let place = at.map(place).unwrap_or_default();
                     format!("incubate d{part}{place} for {} ms", stay * STEP_MS)
                 }
             };

@@ -4,8 +4,9 @@ use super::{PartPlace, nearest, written};
 use crate::check::scope::nearest as nearest_name;
 use crate::check::value::Value;
 use crate::claims::Relation;
-use crate::claims::electrode_array::{AssayOperation, DropletContent, DropletShare};
-use crate::device::electrode_array::{ElectrodeCell, SPLIT_APART, droplets};
+use crate::claims::electrode_array::{AssayOperation, DropletContent, DropletShare, ElectrodeArrayStop};
+use crate::device::Verb;
+use crate::device::electrode_array::{ElectrodeCell, MAX_PLACES, SPLIT_APART, droplets};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity, fraction};
 use crate::source::Span;
@@ -84,6 +85,40 @@ pub fn within_of_nothing(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0573, "`within` says how soon after something else, and nothing is named")
         .label(span, "counts from nothing")
         .help("write `after PART within 20 s`; `after` the part itself counts from the end of its own operation above")
+}
+
+/// A choice of places in a step that has one goal for each part.
+pub fn among_outside_assay(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0576, "`among` stands in an `assay`")
+        .label(span, "no `assay` around it")
+        .help("`assay { … }` plans operations and chooses their places; to let the plan choose which part comes to which goal, write `move any m to […]`")
+}
+
+/// A place that is given, and others to choose from.
+pub fn at_and_among(verb: &Verb, at: Span, among: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0509, format!("`at` and `among` stand in one `{}`", verb.name))
+        .label(among, "the plan chooses one of these")
+        .label(at, "this is the place")
+        .help("leave one of them out")
+}
+
+pub fn among_nothing(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0576, "`among` names no place")
+        .label(span, "nothing to choose from")
+        .help("write at least two cells, as `among [(2, 2), (7, 2)]`, or one after `at`")
+}
+
+pub fn among_too_many(span: Span, count: usize) -> Diagnostic {
+    Diagnostic::new(Code::E0576, format!("`among` names {count} places, {MAX_PLACES} at most"))
+        .label(span, "too many to choose from")
+        .help("leave out those that no good plan would use")
+}
+
+pub fn among_one_twice(stop: &ElectrodeArrayStop, first: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0576, format!("`among` names {} twice", stop.cell))
+        .label(stop.span, "again here")
+        .label(first, "first here")
+        .help("leave one of them out")
 }
 
 /// An order of operations among steps that have one anyway.

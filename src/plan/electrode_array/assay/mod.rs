@@ -25,7 +25,7 @@ mod turns;
 
 use super::board::{BoardCosts, BoardObjective, CellIndex, HeldBoardPlan, Instance, NoBoardPlan};
 use super::fast;
-use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
+use crate::plan::search::{Meter, SearchAnswer};
 pub use channels::are_kept_by_courses;
 pub use lags::are_kept;
 pub use replay::done_by;
@@ -174,44 +174,72 @@ pub enum NoAssayPlan {
     Alone(NoBoardPlan),
     /// This agent cannot come from one of its errands to another in time, even alone.
     TooLate { agent: usize },
+    /// The loop round which this agent is to be mixed leaves the board.
+    LoopOffBoard { agent: usize },
     /// The agents keep one another from their operations, in every order; by agent, the cells that it came to.
     Excluded { reached: Vec<Vec<CellIndex>> },
 }
 
-/// A plan of an assay; where the search gave up, lower bounds on every plan.
+/// Lower bounds on every plan of an assay, or why it is known at once that there is none.
+pub fn bounds(problem: &AssayProblem, meter: &mut Meter) -> Result<BoardCosts, NoAssayPlan> {
+    Ok(looked_ahead(problem, meter)?.1.costs)
+}
+
+/// The distances to all stops, with the bounds that follow from them.
+fn looked_ahead(problem: &AssayProblem, meter: &mut Meter) -> Result<(route::Ahead, bound::AssayBounds), NoAssayPlan> {
+    fast::bounds(problem.instance).map_err(NoAssayPlan::Alone)?;
+    let mut distances = fast::Distances::of(&problem.instance.board);
+    let ahead = route::Ahead::new(problem, &mut distances, meter);
+    let least = bound::least(problem, &ahead);
+    match lags::hopeless(problem, &ahead) {
+        Some(agent) => Err(NoAssayPlan::TooLate { agent }),
+        None => Ok((ahead, least)),
+    }
+}
+
+/// How far a plan is looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AssayEffort {
+    /// By lists, and where they do not end in the fewest steps by all positions.
+    Whole,
+    Lists,
+    /// By all positions, with fewer steps than these.
+    Below(u64),
+}
+
+/// A plan of an assay; where the search gave up, or no plan has so few steps, lower bounds on every plan.
 pub fn solve(
     problem: &AssayProblem,
-    objective: BoardObjective,
-    budget: SearchBudget,
+    (objective, effort): (BoardObjective, AssayEffort),
+    meter: &mut Meter,
 ) -> SearchAnswer<AssayPlan, NoAssayPlan, BoardCosts> {
-    if let Err(why) = fast::bounds(problem.instance) {
-        return SearchAnswer::Impossible(NoAssayPlan::Alone(why));
-    }
-    let mut meter = Meter::new(budget);
-    let mut distances = fast::Distances::of(&problem.instance.board);
-    let ahead = route::Ahead::new(problem, &mut distances, &mut meter);
-    let least = bound::least(problem, &ahead);
-    if let Some(agent) = lags::hopeless(problem, &ahead) {
-        return SearchAnswer::Impossible(NoAssayPlan::TooLate { agent });
-    }
-    // Lists pay no regard to shared channels.
-    let by_lists = lags::by_lists(problem, &ahead, (objective, &least), &mut meter)
-        .filter(|courses| are_kept_by_courses(problem, courses));
+    let (ahead, least) = match looked_ahead(problem, meter) {
+        Ok(looked) => looked,
+        Err(why) => return SearchAnswer::Impossible(why),
+    };
+    let by_lists = match effort {
+        AssayEffort::Below(_) => None,
+        // Lists pay no regard to shared channels.
+        AssayEffort::Whole | AssayEffort::Lists => lags::by_lists(problem, &ahead, (objective, &least), meter)
+            .filter(|courses| are_kept_by_courses(problem, courses)),
+    };
     let bounds = least.costs;
     let steps = by_lists.as_ref().map(|courses| AssayPlan::costs(courses).makespan);
-    if steps.is_some_and(|steps| steps == bounds.makespan || objective != BoardObjective::Makespan) {
+    let is_enough = steps.is_some_and(|steps| steps == bounds.makespan || objective != BoardObjective::Makespan);
+    if is_enough || effort == AssayEffort::Lists {
         return found(by_lists, bounds);
     }
     let begin = |courses: &Vec<AgentCourse>| HeldBoardPlan::begin(objective, AssayPlan::costs(courses), bounds);
     let _held = by_lists.as_ref().map(begin);
-    // Only fewer steps than those of the lists are of use.
-    let limit = steps.and_then(|steps| u32::try_from(steps - 1).ok()).unwrap_or(u32::MAX);
-    match joint::fewest_steps(problem, &ahead, limit, &mut meter) {
+    // Only fewer steps than those at hand are of use.
+    let below = if let AssayEffort::Below(steps) = effort { Some(steps) } else { steps };
+    let limit = below.and_then(|steps| u32::try_from(steps.checked_sub(1)?).ok()).unwrap_or(u32::MAX);
+    match joint::fewest_steps(problem, &ahead, limit, meter) {
         SearchAnswer::Found(courses) => {
             let makespan = AssayPlan::costs(&courses).makespan;
             found(Some(courses), BoardCosts { makespan, ..bounds })
         }
-        SearchAnswer::Impossible(reached) if by_lists.is_none() => {
+        SearchAnswer::Impossible(reached) if below.is_none() => {
             SearchAnswer::Impossible(NoAssayPlan::Excluded { reached })
         }
         SearchAnswer::Impossible(_) => found(by_lists, BoardCosts { makespan: u64::from(limit) + 1, ..bounds }),

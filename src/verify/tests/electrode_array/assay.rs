@@ -383,6 +383,7 @@ pub(super) fn recorded(parts: &[&str], [start, arrival, end]: [u64; 3]) -> Sched
         text: "operation".into(),
         line: 1,
         column: 1,
+        at: None,
         start_ns: start * BEAT,
         arrival_ns: arrival * BEAT,
         duration_ns: (end - start) * BEAT,

@@ -20,6 +20,7 @@ mod garbage;
 mod lags;
 mod merging;
 mod pairs;
+mod placed;
 mod random;
 mod reservoirs;
 mod teams;
