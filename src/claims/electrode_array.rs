@@ -6,7 +6,7 @@ use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 pub use crate::device::electrode_array::{ElectrodeArrayMethod, ElectrodeArrayObjective, ZoneSort};
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// A task of an electrode array.
@@ -395,6 +395,23 @@ impl AssayOperation {
     pub fn at_cell(&self, cell: [u32; 2]) -> Option<AssayOperation> {
         let place = self.among.iter().position(|place| place.stop.cell.pair() == cell)?;
         Some(self.at_place(place))
+    }
+
+    /// The parts that some operations of an assay leave where the plan chooses, with those that bring them there.
+    pub fn left_open(operations: &[AssayOperation]) -> BTreeMap<usize, &AssayOperation> {
+        let mut open = BTreeMap::new();
+        for operation in operations {
+            if !operation.stops.is_empty() {
+                open.remove(&operation.part);
+            }
+            if !operation.among.is_empty() {
+                open.insert(operation.part, operation);
+            }
+            if let Some(gone) = operation.gone() {
+                open.remove(&gone);
+            }
+        }
+        open
     }
 
     /// The zones in which its part may stay: several where the plan chooses.

@@ -292,7 +292,6 @@ impl BoardWalk {
                 moves.insert(half.part, ElectrodeArrayMove::alone(half.part, stops, operation.span));
             }
         }
-        let open = open_ends(operations);
         let chosen = operations.iter().filter(|operation| !operation.among.is_empty());
         let chosen: BTreeMap<usize, Span> =
             chosen.flat_map(|operation| operation.parts().map(|part| (part, operation.span))).collect();
@@ -315,7 +314,8 @@ impl BoardWalk {
         found.extend(self.loops(operations, order, walk));
         self.lead(led.into_iter().map(|part| (part, chosen[&part])));
         found.extend(self.advance(&moves, order, walk));
-        self.lead(open);
+        let open = AssayOperation::left_open(operations).into_iter();
+        self.lead(open.map(|(part, operation)| (part, operation.span)));
         for operation in operations {
             if let Some((part, departure)) = Departure::of(operation) {
                 self.leave(part);
@@ -496,23 +496,6 @@ fn blocked_loop(
     let cell = facts.mixing_loop(corner).into_iter().find(|cell| !is_free(cell))?;
     let free = nearest_cell(corner, facts, |cell| facts.mixing_loop(cell).iter().all(is_free));
     Some(errors::loop_blocked(place, (corner, facts.mixer), cell, free))
-}
-
-/// Parts that an assay leaves where its plan has chosen, with the operations that bring them there.
-fn open_ends(operations: &[AssayOperation]) -> BTreeMap<usize, Span> {
-    let mut open = BTreeMap::new();
-    for operation in operations {
-        if !operation.stops.is_empty() {
-            open.remove(&operation.part);
-        }
-        if !operation.among.is_empty() {
-            open.insert(operation.part, operation.span);
-        }
-        if let Some(gone) = operation.gone() {
-            open.remove(&gone);
-        }
-    }
-    open
 }
 
 /// The parts that a move takes from their cells.

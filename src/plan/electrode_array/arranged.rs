@@ -54,9 +54,19 @@ pub fn solve(
     objective: BoardObjective,
     budget: SearchBudget,
 ) -> PlacedAnswer {
+    solve_each(site, operations, (objective, MAX_ARRANGEMENTS), budget)
+}
+
+/// As [`solve`], with a bound of its own for each of so many arrangements at most.
+pub(super) fn solve_each(
+    site: &AssaySite,
+    operations: &[AssayOperation],
+    (objective, most): (BoardObjective, usize),
+    budget: SearchBudget,
+) -> PlacedAnswer {
     let choices = Choices::of(operations);
     let mut meter = Meter::new(budget);
-    match choices.count() {
+    match choices.count().filter(|count| *count <= most) {
         Some(1) => only(site, operations, objective, &mut meter),
         Some(count) => of_few(site, &choices, count, objective, &mut meter),
         None => of_many(site, &choices, objective, &mut meter),

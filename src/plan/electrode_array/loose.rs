@@ -42,7 +42,8 @@ impl LooseParts {
         self.teams.iter_mut().for_each(|(team, _)| team.retain(|part| !moved.contains(part)));
         self.teams.retain(|(team, _)| !team.is_empty());
         if let ElectrodeArrayAction::Assay(operations) = action {
-            for (part, cells) in open_ends(operations) {
+            for (part, operation) in AssayOperation::left_open(operations) {
+                let cells = operation.among.iter().map(|place| place.stop.cell).collect();
                 self.teams.push((BTreeSet::from([part]), cells));
                 self.is_open = true;
             }
@@ -84,23 +85,6 @@ impl LooseParts {
         }
         Some(bounds)
     }
-}
-
-/// Parts that an assay leaves at one of several places, with these.
-fn open_ends(operations: &[AssayOperation]) -> BTreeMap<usize, Vec<ElectrodeCell>> {
-    let mut open = BTreeMap::new();
-    for operation in operations {
-        if !operation.stops.is_empty() {
-            open.remove(&operation.part);
-        }
-        if !operation.among.is_empty() {
-            open.insert(operation.part, operation.among.iter().map(|place| place.stop.cell).collect());
-        }
-        if let Some(gone) = operation.gone() {
-            open.remove(&gone);
-        }
-    }
-    open
 }
 
 /// The steps of a part from a cell by the stops of a move, if it can come there.

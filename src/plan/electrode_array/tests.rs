@@ -1,18 +1,21 @@
 //! Whole jobs: blocking obstacles, parts that yield, and the reports where there is no plan.
 
 use super::ElectrodeArrayMotion;
+use super::board::BoardObjective;
 use super::*;
 use crate::claims::electrode_array::{
-    BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective,
-    ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder, ElectrodeArrayPlanner, ElectrodeArrayStep,
-    ElectrodeArrayStop,
+    AssayOperation, BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove,
+    ElectrodeArrayObjective, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
+    ElectrodeArrayPlanner, ElectrodeArrayStep, ElectrodeArrayStop, OperationPlace,
 };
 use crate::claims::{Job, Order, Relation, Requirement};
 use crate::device::electrode_array::{
     DEFAULT_MIXER, ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, Separation,
 };
 use crate::diagnostic::{Code, Sink};
+use crate::plan::search::{SearchAnswer, SearchBudget};
 use crate::plan::{Optimality, Plan};
+use crate::random::SplitMix64;
 use crate::source::{FileId, Span};
 use std::sync::Arc;
 
@@ -331,4 +334,99 @@ fn pairs_of_moves_are_safe_or_not_as_derived_by_hand() {
     for (i, one, other, expected) in golden {
         assert_eq!(may(i, one, other), expected, "{i:?} {one} and (2, 2) {other}");
     }
+}
+
+/// An operation at one of some cells.
+fn stay(part: usize, cells: &[ElectrodeCell], steps: u64) -> AssayOperation {
+    let stop = |cell: &ElectrodeCell| ElectrodeArrayStop { cell: *cell, span: span(7), origin: None };
+    let places = cells.iter().map(|cell| OperationPlace { stop: stop(cell), zone: None });
+    let among = if cells.len() > 1 { places.collect() } else { Vec::new() };
+    let passing = AssayOperation::passing(part, cells.iter().take(1).map(stop).collect(), span(8));
+    AssayOperation { among, stay_ns: steps * 5_000_000, ..passing }
+}
+
+/// A few droplets, and operations at places of choice: they stay, are mixed, merge, come after others, and leave.
+fn chosen_at_random(random: &mut SplitMix64) -> (ElectrodeArrayOrder, Vec<AssayOperation>) {
+    let cell = |random: &mut SplitMix64| ElectrodeCell::new(1 + random.below(5) as u32, 1 + random.below(4) as u32);
+    let cells = |random: &mut SplitMix64| -> Vec<ElectrodeCell> {
+        let mut cells: Vec<ElectrodeCell> = Vec::new();
+        for _ in 0..1 + random.below(3) {
+            let one = cell(random);
+            if !cells.contains(&one) {
+                cells.push(one);
+            }
+        }
+        cells
+    };
+    let mut board = order(droplets(6, 5), &[(1, 1), (6, 5), (6, 1)][..2 + random.below(2)]);
+    if random.below(2) == 0 {
+        let at = (2 + random.below(3) as u32, 2 + random.below(3) as u32);
+        board.obstacles = Arc::new(vec![wall("w", at, at)]);
+    }
+    let is_free = |at: &ElectrodeCell| {
+        board.obstacles.iter().all(|obstacle| match obstacle.body {
+            ElectrodeArrayObstacleBody::Electrodes { from, .. } => from != *at,
+            ElectrodeArrayObstacleBody::Fixed(_) => true,
+        })
+    };
+    let mut left: Vec<usize> = (0..board.parts.len()).collect();
+    let mut operations: Vec<AssayOperation> = Vec::new();
+    for _ in 0..2 + random.below(4) {
+        let Some(part) = left.get(random.below(left.len().max(1))).copied() else { break };
+        let places: Vec<ElectrodeCell> = cells(random).into_iter().filter(is_free).collect();
+        if places.is_empty() {
+            continue;
+        }
+        let one = stay(part, &places, random.below(9) as u64);
+        let other = left.iter().copied().find(|other| *other != part);
+        let after = (0..operations.len()).filter(|_| random.below(6) == 0).collect();
+        operations.push(match (random.below(6), other) {
+            (0, _) => AssayOperation { mixes: true, stay_ns: 5_000_000 * (1 + random.below(6) as u64), after, ..one },
+            (1, Some(with)) => {
+                left.retain(|part| *part != with);
+                AssayOperation { with: Some(with), stay_ns: 0, ..one }
+            }
+            (2, _) => {
+                left.retain(|left| *left != part);
+                AssayOperation { leaves: true, stay_ns: 0, ..one }
+            }
+            _ => AssayOperation { after, ..one },
+        });
+    }
+    (board, operations)
+}
+
+/// What is proven of all arrangements at once holds for the best of them, which is found by looking at each; that one's own proofs are
+/// held against brute force elsewhere.
+#[test]
+fn bounds_of_many_arrangements_hold_for_the_best_of_them() {
+    let mut random = SplitMix64::new(3);
+    let (mut compared, mut equal) = (0, 0);
+    for _ in 0..60 {
+        let (board, operations) = chosen_at_random(&mut random);
+        if operations.iter().all(|operation| operation.among.is_empty()) {
+            continue;
+        }
+        let ground = stage::BoardGround::new(&board);
+        let cells: Vec<Option<ElectrodeCell>> = board.parts.iter().map(|part| part.cell).collect();
+        let site = errands::AssaySite { order: &board, ground: &ground, cells: &cells };
+        let budget = SearchBudget::of(300_000);
+        for objective in [BoardObjective::Makespan, BoardObjective::SumOfCosts] {
+            let solved = |most| arranged::solve_each(&site, &operations, (objective, most), budget);
+            let (SearchAnswer::Found(best), SearchAnswer::Found(many)) = (solved(1_000), solved(1)) else { continue };
+            let ends = |plan: &arranged::PlacedPlan| plan.courses.iter().map(|course| course.until() as u64 - 1).max();
+            let sums = |plan: &arranged::PlacedPlan| -> u64 {
+                plan.courses.iter().map(|course| course.last_arrival() as u64).sum()
+            };
+            let steps = ends(&best).unwrap_or(0);
+            assert!(many.bounds.makespan <= steps, "{:?} of {steps}: {operations:?}", many.bounds);
+            assert!(many.bounds.sum_of_costs <= sums(&best), "{:?}: {operations:?}", many.bounds);
+            let is_proven = objective == BoardObjective::Makespan && best.bounds.makespan == steps;
+            assert!(!is_proven || ends(&many) >= Some(steps), "{operations:?}");
+            compared += 1;
+            equal += usize::from(ends(&many) == Some(steps));
+        }
+    }
+    assert!(compared > 40, "{compared}");
+    assert!(equal * 4 > compared * 3, "{equal} of {compared} as good as the best");
 }
