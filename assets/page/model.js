@@ -21,7 +21,7 @@ function buildModel(page) {
       device = { name: plan.device, kind: plan.kind, runs: [], channels: channels.filter((c) => c.device === plan.device) };
       devices.push(device);
     }
-    const order = claims.jobs[index].order[plan.kind];
+    const order = atChosenPlaces(claims.jobs[index].order[plan.kind], schedule.steps.filter((step) => step.plan === index));
     device.runs.push({ plan, order, requirements: claims.jobs[index].requirements, index });
   });
   for (const device of devices) device.runs.sort((a, b) => a.plan.start_ns - b.plan.start_ns);
@@ -186,6 +186,18 @@ function tipAt(device, t_ns) {
 /** What the parts are to do in a task, one after the other. */
 function movesOf(order) {
   return order.steps.flatMap(({ action }) => action.move || action.assay || []);
+}
+
+/** An order with its operations at the places that its plan has chosen; the steps are those of the plan. */
+function atChosenPlaces(order, steps) {
+  if (!steps.some(({ operations = [] }) => operations.some(({ at }) => at))) return order;
+  const chosen = (one, at) => (at ? { ...one, stops: [{ cell: { column: at[0], row: at[1] } }] } : one);
+  const placedStep = (step, { operations = [] }) => {
+    if (!operations.some(({ at }) => at)) return step;
+    const assay = step.action.assay.map((one, place) => chosen(one, operations[place]?.at));
+    return { ...step, action: { assay } };
+  };
+  return { ...order, steps: order.steps.map((step, nth) => placedStep(step, steps[nth])) };
 }
 
 /** Where a part merges with another, or leaves the board, after which it is gone. */

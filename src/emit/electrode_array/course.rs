@@ -2,14 +2,15 @@
 //!
 //! One unit is one pitch of the board; electrode (1, 1) is the origin.
 
+use crate::claims::Job;
 use crate::claims::electrode_array::{
-    AssayOperation, BoardZone, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle,
-    ElectrodeArrayObstacleBody, ElectrodeArrayOrder, ElectrodeArrayStep, ElectrodeArrayStop,
+    BoardZone, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody,
+    ElectrodeArrayOrder, ElectrodeArrayStep, ElectrodeArrayStop,
 };
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::emit::course;
 use crate::schedule::electrode_array::ElectrodeArrayState;
-use crate::schedule::{ScheduledOperation, ScheduledStep, State};
+use crate::schedule::{PlanRecord, ScheduledStep, State};
 use crate::verify::Verified;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -37,46 +38,61 @@ impl PartsMoment {
     }
 }
 
-/// An operation at the place that the plan has chosen for it.
-pub fn placed<'o>(operation: &'o AssayOperation, on: Option<&ScheduledOperation>) -> Cow<'o, AssayOperation> {
-    let chosen = on.and_then(|on| on.at).and_then(|cell| operation.at_cell(cell));
-    chosen.map_or(Cow::Borrowed(operation), Cow::Owned)
+/// The orders of a board's runs with their plans, in order of time: operations take place where the plan has chosen.
+pub fn runs<'a>(verified: &'a Verified, device: &str) -> Vec<(Cow<'a, ElectrodeArrayOrder>, &'a PlanRecord)> {
+    let schedule = verified.schedule();
+    let placed = |(job, plan): (&'a Job, &'a PlanRecord)| {
+        let order = ElectrodeArrayOrder::of(&job.order)?;
+        let own =
+            |step: &&ScheduledStep| schedule.plans.get(step.plan as usize).is_some_and(|own| std::ptr::eq(own, plan));
+        Some((at_chosen_places(order, schedule.steps.iter().filter(own)), plan))
+    };
+    course::jobs(verified, device).into_iter().filter_map(placed).collect()
 }
 
-/// Where parts merge with others, or leave the board, after which they are gone; `steps` are those of the plan.
-fn departures<'o>(
+/// An order with its operations at the places that its plan has chosen; `steps` are those of the plan.
+pub fn at_chosen_places<'o, 's>(
     order: &'o ElectrodeArrayOrder,
-    steps: impl Iterator<Item = &'o ScheduledStep>,
-) -> BTreeMap<&'o str, ElectrodeCell> {
-    let of_step = |(step, on): (&ElectrodeArrayStep, &ScheduledStep)| -> Vec<(usize, Option<ElectrodeCell>)> {
+    steps: impl Iterator<Item = &'s ScheduledStep>,
+) -> Cow<'o, ElectrodeArrayOrder> {
+    let mut placed = Cow::Borrowed(order);
+    for (nth, step) in steps.enumerate() {
+        for (place, on) in step.operations.iter().enumerate() {
+            let asked = order.steps.get(nth).map(|step| &step.action);
+            let (Some(cell), Some(ElectrodeArrayAction::Assay(all))) = (on.at, asked) else { continue };
+            let Some(chosen) = all.get(place).and_then(|one| one.at_cell(cell)) else { continue };
+            if let ElectrodeArrayAction::Assay(all) = &mut placed.to_mut().steps[nth].action {
+                all[place] = chosen;
+            }
+        }
+    }
+    placed
+}
+
+/// Where parts merge with others, or leave the board, after which they are gone.
+fn departures(order: &ElectrodeArrayOrder) -> BTreeMap<&str, ElectrodeCell> {
+    let of_step = |step: &ElectrodeArrayStep| -> Vec<(usize, Option<ElectrodeCell>)> {
         let last = |stops: &[ElectrodeArrayStop]| stops.last().map(|stop| stop.cell);
         match &step.action {
             ElectrodeArrayAction::Move(moves) => {
                 moves.iter().filter_map(|one| Some((one.with?, last(&one.stops)))).collect()
             }
             ElectrodeArrayAction::Assay(all) => {
-                let of_operation = |(nth, one): (usize, &AssayOperation)| {
-                    Some((one.gone()?, last(&placed(one, on.operations.get(nth)).stops)))
-                };
-                all.iter().enumerate().filter_map(of_operation).collect()
+                all.iter().filter_map(|one| Some((one.gone()?, last(&one.stops)))).collect()
             }
             ElectrodeArrayAction::Wait(_) => Vec::new(),
         }
     };
     let named = |(part, cell): (usize, Option<ElectrodeCell>)| Some((order.parts.get(part)?.name.as_str(), cell?));
-    order.steps.iter().zip(steps).flat_map(of_step).filter_map(named).collect()
+    order.steps.iter().flat_map(of_step).filter_map(named).collect()
 }
 
 /// Every place of every part: the states of all plans, and before each step of the board the old places once more, so that a
 /// part that rests between steps is not drawn as if it crept.
 pub fn moments(verified: &Verified, device: &str) -> Vec<PartsMoment> {
     let mut moments: Vec<PartsMoment> = Vec::new();
-    for (job, plan) in course::jobs(verified, device) {
-        let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
-        let schedule = verified.schedule();
-        let own =
-            |step: &&ScheduledStep| schedule.plans.get(step.plan as usize).is_some_and(|own| std::ptr::eq(own, plan));
-        let departures = departures(order, schedule.steps.iter().filter(own));
+    for (order, plan) in runs(verified, device) {
+        let departures = departures(&order);
         for timed in &plan.states {
             let State::ElectrodeArray(ElectrodeArrayState { parts }) = &timed.state else { continue };
             let parts: BTreeMap<String, ElectrodeCell> =
@@ -123,8 +139,7 @@ pub fn zone_body(zone: &BoardZone) -> [[f64; 2]; 2] {
     [low.map(|value| value - 0.5), high.map(|value| value + 0.5)]
 }
 
-/// The goals of every step of a task: the part's index, if one part in particular goes there, and the cell; of an operation whose place
-/// the plan chooses, all of its places.
+/// The goals of every step of a task: the part's index, if one part in particular goes there, and the cell.
 pub fn asked(order: &ElectrodeArrayOrder) -> impl Iterator<Item = (Option<usize>, ElectrodeCell)> + '_ {
     let stops = |part: Option<usize>, stops: &[ElectrodeArrayStop]| -> Vec<(Option<usize>, ElectrodeCell)> {
         stops.iter().map(|stop| (part, stop.cell)).collect()
@@ -132,13 +147,7 @@ pub fn asked(order: &ElectrodeArrayOrder) -> impl Iterator<Item = (Option<usize>
     let of_move = move |one: &ElectrodeArrayMove| stops(Some(one.part).filter(|_| one.team.is_none()), &one.stops);
     order.steps.iter().flat_map(move |step| match &step.action {
         ElectrodeArrayAction::Move(moves) => moves.iter().flat_map(of_move).collect(),
-        ElectrodeArrayAction::Assay(all) => {
-            let named = |one: &AssayOperation| match one.among.is_empty() {
-                true => stops(Some(one.part), &one.stops),
-                false => one.among.iter().map(|place| (Some(one.part), place.stop.cell)).collect(),
-            };
-            all.iter().flat_map(named).collect()
-        }
+        ElectrodeArrayAction::Assay(all) => all.iter().flat_map(|one| stops(Some(one.part), &one.stops)).collect(),
         ElectrodeArrayAction::Wait(_) => Vec::new(),
     })
 }

@@ -2,8 +2,7 @@
 
 use crate::claims::electrode_array::{BoardZone, ElectrodeArrayObstacle, ElectrodeArrayOrder, ZoneSort};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes};
-use crate::emit::course;
-use crate::emit::electrode_array::course::{PartsMoment, asked, body, moments, outline, place, zone_body};
+use crate::emit::electrode_array::course::{PartsMoment, asked, body, moments, outline, place, runs, zone_body};
 use crate::emit::svg::drawing::{
     Drawing, HAIR_PT, Ink, Letters, PaperBox, PaperView, PlacedLabel, THIN_PT, WAY_PT, color, decimal,
 };
@@ -11,6 +10,7 @@ use crate::emit::svg::legend::{KeyForm, PanelKey};
 use crate::emit::svg::scenery::{self, simplified};
 use crate::emit::svg::strobe::{MAX_NUMBERS, MAX_STROBES, StrobedPlace, Strobes, length, ranges};
 use crate::emit::svg::{Panel, Pictured, Subject};
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Least distance of electrodes on paper; of a finer board only the outline is drawn.
@@ -24,7 +24,7 @@ const MAX_ROUTE_CORNERS: usize = 20_000;
 
 struct BoardPanel<'a> {
     subject: Subject<'a>,
-    orders: Vec<&'a ElectrodeArrayOrder>,
+    orders: Vec<Cow<'a, ElectrodeArrayOrder>>,
     moments: Vec<PartsMoment>,
     /// The names of all parts, in the order of writing.
     parts: Vec<&'a str>,
@@ -35,9 +35,8 @@ struct BoardPanel<'a> {
 
 impl Pictured for ElectrodeArrayOrder {
     fn panels<'a>(&'a self, subject: Subject<'a>) -> Vec<Box<dyn Panel + 'a>> {
-        let jobs = course::jobs(subject.verified, subject.device).into_iter();
-        let orders: Vec<&ElectrodeArrayOrder> =
-            jobs.filter_map(|(job, _)| ElectrodeArrayOrder::of(&job.order)).collect();
+        let runs = runs(subject.verified, subject.device).into_iter();
+        let orders: Vec<Cow<ElectrodeArrayOrder>> = runs.map(|(order, _)| order).collect();
         let moments = moments(subject.verified, subject.device);
         let parts: Vec<&str> = self.parts.iter().map(|part| part.name.as_str()).collect();
         let moving = parts.iter().filter(|part| way(&moments, part).len() > 1).count();
@@ -53,7 +52,7 @@ fn way(moments: &[PartsMoment], part: &str) -> Vec<[f64; 2]> {
 }
 
 /// The instants at which a part has come to another cell, with those at which one comes to a stop.
-fn strobes(orders: &[&ElectrodeArrayOrder], moments: &[PartsMoment], parts: &[&str], most: usize) -> Strobes {
+fn strobes(orders: &[Cow<ElectrodeArrayOrder>], moments: &[PartsMoment], parts: &[&str], most: usize) -> Strobes {
     let mut all: BTreeSet<u64> = moments.first().map(|moment| moment.t_ns).into_iter().collect();
     for pair in moments.windows(2).filter(|pair| pair[0].parts != pair[1].parts) {
         all.insert(pair[1].t_ns);

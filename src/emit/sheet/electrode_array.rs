@@ -7,10 +7,11 @@ use crate::claims::electrode_array::{
     ZoneSort, ZoneStay,
 };
 use crate::device::electrode_array::{ElectrodeCell, Electrodes, droplets};
-use crate::emit::electrode_array::course::placed;
+use crate::emit::electrode_array::course::at_chosen_places;
 use crate::quantity::{Dimension, Quantity, fraction};
+use crate::schedule::ScheduledStep;
 use crate::schedule::electrode_array::ElectrodeArrayState;
-use crate::schedule::{Schedule, ScheduledStep, State};
+use crate::schedule::{Schedule, State};
 use crate::verify::Verified;
 use crate::verify::electrode_array::{DropletAfter, droplets_after};
 use std::borrow::Cow;
@@ -21,7 +22,7 @@ pub(super) struct SheetBoard<'v> {
     device: &'v str,
     schedule: &'v Schedule,
     /// By the index of the plan.
-    runs: Vec<(usize, &'v ElectrodeArrayOrder)>,
+    runs: Vec<(usize, Cow<'v, ElectrodeArrayOrder>)>,
     /// What its droplets contain in the end, or when they were last there.
     droplets: BTreeMap<&'v str, DropletAfter<'v>>,
 }
@@ -31,6 +32,8 @@ pub(super) fn boards(verified: &Verified) -> Vec<SheetBoard<'_>> {
     let mut boards: Vec<SheetBoard> = Vec::new();
     for (plan, job) in verified.claims().jobs.iter().enumerate() {
         let Some(order) = order_of_droplets(job) else { continue };
+        let steps = verified.schedule().steps.iter().filter(|step| step.plan as usize == plan);
+        let order = at_chosen_places(order, steps);
         match boards.iter_mut().find(|board| board.device == job.device) {
             Some(board) => board.runs.push((plan, order)),
             None => boards.push(SheetBoard {
@@ -91,16 +94,6 @@ impl SheetBoard<'_> {
         }
     }
 
-    /// The operations of a run at the places where the plan has them.
-    fn placed<'o>(&self, plan: usize, order: &'o ElectrodeArrayOrder) -> impl Iterator<Item = Cow<'o, AssayOperation>> {
-        let steps = self.schedule.steps.iter().filter(move |step| step.plan as usize == plan);
-        let both = order.steps.iter().zip(steps);
-        both.flat_map(|(asked, step)| {
-            let all = operations_at(&asked.action).iter().enumerate();
-            all.map(|(nth, operation)| placed(operation, step.operations.get(nth)))
-        })
-    }
-
     /// The reservoirs in use, with their outlets and the droplets that they dispense.
     fn reservoirs(&self) -> BTreeMap<&str, (ElectrodeCell, usize)> {
         let mut reservoirs = BTreeMap::new();
@@ -115,8 +108,8 @@ impl SheetBoard<'_> {
     /// The heaters, detectors and magnets in use, each with a stay there.
     fn zones(&self) -> BTreeMap<&str, (&BoardZone, ZoneStay)> {
         let mut zones = BTreeMap::new();
-        for (plan, order) in &self.runs {
-            for stay in self.placed(*plan, order).filter_map(|operation| operation.zone) {
+        for (_, order) in &self.runs {
+            for stay in operations_of(order).filter_map(|operation| operation.zone) {
                 zones.extend(order.zones.get(stay.zone).map(|zone| (zone.name.as_str(), (zone, stay))));
             }
         }
@@ -135,8 +128,8 @@ impl SheetBoard<'_> {
     pub(super) fn leave(&self, sheet: &mut Sheet) {
         sheet.line(&format!("\n## Afterwards on `{}`", self.device));
         let mut ports: BTreeMap<ElectrodeCell, Vec<String>> = BTreeMap::new();
-        for (plan, order) in &self.runs {
-            for operation in self.placed(*plan, order).filter(|operation| operation.leaves) {
+        for (_, order) in &self.runs {
+            for operation in operations_of(order).filter(|operation| operation.leaves) {
                 let name = order.parts[operation.part].name.as_str();
                 if let Some(port) = operation.stops.last() {
                     ports.entry(port.cell).or_default().push(self.content(name));
@@ -181,14 +174,10 @@ fn row(what: String, place: String, needed: String) -> [String; 4] {
 }
 
 fn operations_of(order: &ElectrodeArrayOrder) -> impl Iterator<Item = &AssayOperation> {
-    order.steps.iter().flat_map(|step| operations_at(&step.action))
-}
-
-fn operations_at(action: &ElectrodeArrayAction) -> &[AssayOperation] {
-    match action {
-        ElectrodeArrayAction::Assay(operations) => operations,
+    order.steps.iter().flat_map(|step| match &step.action {
+        ElectrodeArrayAction::Assay(operations) => operations.as_slice(),
         ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_) => &[],
-    }
+    })
 }
 
 /// What a step does, with the times of its operations where they overlap.
@@ -206,8 +195,7 @@ fn rows_of(
             let timed = operations.iter().zip(&step.operations);
             timed
                 .map(|(operation, on)| {
-                    let text = done(order, &placed(operation, Some(on)), on.end_ns() - on.arrival_ns);
-                    ([on.start_ns, on.end_ns()], text)
+                    ([on.start_ns, on.end_ns()], done(order, operation, on.end_ns() - on.arrival_ns))
                 })
                 .collect()
         }

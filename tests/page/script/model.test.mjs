@@ -54,6 +54,17 @@ test("a tip is on its way while a pulse lasts", () => {
   assert.ok(Math.hypot(x - 4, y - 23) < 1e-9);
 });
 
+test("a part comes to where its plan has chosen, and is gone there", () => {
+  const states = [{ t_ns: 0, parts: { a: [1, 1] } }, { t_ns: 10, parts: {} }];
+  const cell = (column) => ({ cell: { column, row: 1 } });
+  const leave = { part: 0, leaves: true, stops: [cell(0)], among: [{ stop: cell(0) }, { stop: cell(2) }] };
+  const order = { facts: { step_ns: 10 }, parts: [{ name: "a" }], steps: [{ action: { assay: [leave] } }] };
+  const steps = [{ plan: 0, start_ns: 0, duration_ns: 10, operations: [{ start_ns: 0, duration_ns: 10, at: [2, 1] }] }];
+  const device = buildModel(page({ steps, plans: [plan("electrode_array", { states })] }, { electrode_array: order })).devices[0];
+  assert.deepEqual(plain(device.runs[0].order.steps[0].action.assay[0].stops), [cell(2)]);
+  assert.deepEqual(plain(partsAt(device, 5)), { a: [1.5, 1] });
+});
+
 test("a part that is gone comes to where it merges", () => {
   const states = [{ t_ns: 0, parts: { a: [1, 1], b: [3, 1] } }, { t_ns: 10, parts: { a: [2, 1] } }];
   const move = { part: 0, with: 1, stops: [{ cell: { column: 2, row: 1 } }] };

@@ -6,8 +6,7 @@
 use super::{frame, place_um};
 use crate::claims::electrode_array::{ElectrodeArrayOrder, ZoneSort};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes};
-use crate::emit::course;
-use crate::emit::electrode_array::course::{asked, body, outline, zone_body};
+use crate::emit::electrode_array::course::{asked, body, outline, runs, zone_body};
 use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, rectangle, spaced_cloud};
 use crate::emit::mcap::drawing::{self, Slab, color};
@@ -44,10 +43,7 @@ const ACTIVE: Color = Color { r: 1.0, g: 0.95, b: 0.4, a: 1.0 };
 
 /// `/<device>/scene`, `/<device>/plan`, `/<device>/active` and the first two as points.
 pub fn topics(verified: &Verified, device: &str) -> Vec<LogTopic> {
-    let jobs: Vec<(&ElectrodeArrayOrder, &PlanRecord)> = course::jobs(verified, device)
-        .into_iter()
-        .filter_map(|(job, plan)| Some((ElectrodeArrayOrder::of(&job.order)?, plan)))
-        .collect();
+    let jobs = runs(verified, device);
     let (mut scenes, mut plans) = (Vec::new(), Vec::new());
     let (mut scene_points, mut plan_points) = (Vec::new(), Vec::new());
     let mut shown: BTreeSet<String> = BTreeSet::new();
