@@ -18,8 +18,10 @@ use crate::claims::electrode_array::AssayOperation;
 use crate::device::electrode_array::ElectrodeCell;
 use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
 
-/// Most arrangements of which each has its own bound.
+/// Most arrangements of which each has its own bound, and most operations of all arrangements whose bounds are looked at: in a long
+/// assay each bound takes its time.
 const MAX_ARRANGEMENTS: usize = 1_000;
+const MAX_LOOKED: usize = 100_000;
 
 /// One part in this many of the budget that is left goes to one arrangement of several, by lists, and by all positions.
 const LISTS_SHARE: u64 = 64;
@@ -54,7 +56,12 @@ pub fn solve(
     objective: BoardObjective,
     budget: SearchBudget,
 ) -> PlacedAnswer {
-    solve_each(site, operations, (objective, MAX_ARRANGEMENTS), budget)
+    solve_each(site, operations, (objective, MAX_ARRANGEMENTS.min(looks(operations))), budget)
+}
+
+/// How many arrangements have their bounds looked at, one at least.
+fn looks(operations: &[AssayOperation]) -> usize {
+    (MAX_LOOKED / operations.len().max(1)).max(1)
 }
 
 /// As [`solve`], with a bound of its own for each of so many arrangements at most.
@@ -348,14 +355,17 @@ fn of_many(site: &AssaySite, choices: &Choices, objective: BoardObjective, meter
     let Some(mut best) = found.or_else(|| in_turn(site, first, (objective, bounds))) else {
         return SearchAnswer::GaveUp(bounds);
     };
-    let (mut tried, mut is_better) = (0, true);
+    let (mut looked, mut tried, mut is_better) = (0, 0, true);
+    let looks = looks(choices.operations);
     while std::mem::take(&mut is_better) {
         for open in 0..places.len() {
             for place in 0..choices.operations[choices.open[open]].among.len() {
                 let is_least = cost(objective, &best)[0] <= ordered(objective, bounds)[0];
-                if place == places[open] || tried >= MAX_TRIED || is_least || meter.left().steps == 0 {
+                let is_over = looked >= looks || tried >= MAX_TRIED || meter.left().steps == 0;
+                if place == places[open] || is_least || is_over {
                     continue;
                 }
+                looked += 1;
                 let mut others = places.clone();
                 others[open] = place;
                 let operations = choices.at(&others);
