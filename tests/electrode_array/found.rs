@@ -88,3 +88,15 @@ fn a_droplet_does_not_merge_on_traces_that_its_partner_left_before() {
     let plan = planned(&text("ea_merge_on_own_outlet"));
     assert_eq!(plan.outcomes["steps"], 19.0);
 }
+
+#[test]
+fn a_loop_that_leaves_the_board_is_no_plan_from_there() {
+    let reported = refused(&text("ea_mixed_at_the_rim"));
+    assert!(reported.starts_with("E0602"), "{reported}");
+}
+
+#[test]
+fn droplets_that_harm_each_other_are_given_places_of_their_own() {
+    let plan = planned(&text("ea_traces_at_places_of_choice"));
+    assert_eq!((plan.outcomes["steps"], plan.bound), (11.0, 11.0));
+}

@@ -95,7 +95,8 @@ fn harmed_at_one_place(order: &ElectrodeArrayOrder) -> Option<(Span, Diagnostic)
         operation.begin_fluids(&mut fluids);
         operation.end_fluids(&mut fluids);
         let own = &fluids[operation.part];
-        for stop in &operation.stops {
+        // Where the plan chooses, it may keep them apart.
+        for stop in operation.stops.iter().filter(|_| operation.among.is_empty()) {
             let there = stops.entry((stop.cell.column, stop.cell.row)).or_default();
             let harms_both = |left: &Fluids| contamination.does_harm(left, own) && contamination.does_harm(own, left);
             if let Some((other, _)) = there.iter().find(|(_, left)| harms_both(left)) {
