@@ -231,7 +231,9 @@ fn missing_comma(span: Span, at: usize, open: char, source: &str) -> Option<Diag
     }
     let before = around::code_end_before(source, at);
     let close = if open == '(' { ')' } else { ']' };
-    let start = source[span.start as usize..before].rfind(open).map(|start| span.start as usize + start);
+    // Behind a comment there may be nothing of the place that is blamed.
+    let own = source.get(span.start as usize..before).unwrap_or_default();
+    let start = own.rfind(open).map(|start| span.start as usize + start);
     let end = rest.find(['\n', close]).filter(|end| rest[*end..].starts_with(close));
     let written = start.zip(end).map(|(start, end)| (&source[start..before], &rest[..=end]));
     let help = match written.filter(|(first, second)| !first.contains('\n') && !second.contains(['(', '['])) {
