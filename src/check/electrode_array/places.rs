@@ -304,7 +304,8 @@ impl BoardWalk {
         }
         for one in &mut moves {
             if let PartStand::At(cell, span) = self.stands[one.part]
-                && rests.contains(&one.part)
+                && one.stops.is_empty()
+                && !chosen.contains_key(&one.part)
             {
                 one.stops.push(ElectrodeArrayStop { cell, span, origin: None });
             }

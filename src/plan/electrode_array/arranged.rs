@@ -35,6 +35,7 @@ pub struct PlacedPlan {
     pub operations: Vec<AssayOperation>,
     /// One for each part of the order.
     pub courses: Vec<PartCourse>,
+    costs: BoardCosts,
     /// Lower bounds on every plan, wherever operations take place.
     pub bounds: BoardCosts,
 }
@@ -175,7 +176,9 @@ fn planned(
         }
     });
     match found {
-        SearchAnswer::Found((courses, bounds)) => SearchAnswer::Found(PlacedPlan { operations, courses, bounds }),
+        SearchAnswer::Found((courses, costs, bounds)) => {
+            SearchAnswer::Found(PlacedPlan { operations, courses, costs, bounds })
+        }
         SearchAnswer::Impossible(why) => {
             SearchAnswer::Impossible(Box::new(NoArrangement { operations, why, count: 1 }))
         }
@@ -189,22 +192,23 @@ fn in_turn(
     operations: Vec<AssayOperation>,
     (objective, bounds): (BoardObjective, BoardCosts),
 ) -> Option<PlacedPlan> {
-    let (courses, bounds) = with_problem(site, &operations, |stage, problem| {
+    let (courses, costs, bounds) = with_problem(site, &operations, |stage, problem| {
         let problem = problem.ok()?;
         let turns = (operations.as_slice(), problem, stage);
         let plan = one_by_one((site.order, site.ground), site.cells, turns, (objective, bounds))?;
         Some(placed(site, (stage, problem), plan))
     })?;
-    Some(PlacedPlan { operations, courses, bounds })
+    Some(PlacedPlan { operations, courses, costs, bounds })
 }
 
-/// The courses of all parts, and the bounds.
+/// The courses of all parts, their costs, and the bounds.
 fn placed(
     site: &AssaySite,
     (stage, problem): (&BoardStage, &AssayProblem),
     plan: AssayPlan,
-) -> (Vec<PartCourse>, BoardCosts) {
-    (errands::courses_of(site.order, stage, site.cells, (problem, &plan.courses)), plan.bounds)
+) -> (Vec<PartCourse>, BoardCosts, BoardCosts) {
+    let courses = errands::courses_of(site.order, stage, site.cells, (problem, &plan.courses));
+    (courses, AssayPlan::costs(&plan.courses), plan.bounds)
 }
 
 /// The plan of the only arrangement.
@@ -220,9 +224,7 @@ fn only(site: &AssaySite, operations: &[AssayOperation], objective: BoardObjecti
 
 /// What a plan costs, the objective first.
 fn cost(objective: BoardObjective, plan: &PlacedPlan) -> [u64; 2] {
-    let ends = plan.courses.iter().map(|course| course.until().saturating_sub(1) as u64);
-    let arrivals = plan.courses.iter().map(|course| course.last_arrival() as u64);
-    ordered(objective, BoardCosts { makespan: ends.max().unwrap_or(0), sum_of_costs: arrivals.sum() })
+    ordered(objective, plan.costs)
 }
 
 fn ordered(objective: BoardObjective, costs: BoardCosts) -> [u64; 2] {
@@ -277,7 +279,7 @@ impl FewArrangements<'_> {
         for Arrangement { number, bounds } in std::mem::take(&mut self.due) {
             let mut own = Arrangement { number, bounds };
             if self.is_hopeful(bounds) && meter.left().steps > 0 {
-                let makespan = self.best.as_ref().map(makespan);
+                let makespan = self.best.as_ref().map(|plan| plan.costs.makespan);
                 let effort = match (by_lists, makespan) {
                     (true, _) => AssayEffort::Lists,
                     (false, None) => AssayEffort::Whole,
@@ -302,11 +304,6 @@ impl FewArrangements<'_> {
             self.due.push(own);
         }
     }
-}
-
-/// The number of steps of a plan.
-fn makespan(plan: &PlacedPlan) -> u64 {
-    plan.courses.iter().map(|course| course.until().saturating_sub(1) as u64).max().unwrap_or(0)
 }
 
 /// The arrangements in the order of their bounds: first by lists, and then by all positions where fewer steps are not ruled out.

@@ -246,7 +246,7 @@ impl Tasks<'_> {
         let cells = self.cells.clone();
         let site = AssaySite { order: self.order, ground: self.ground, cells: &cells };
         match arranged::solve(&site, operations, objective, budget) {
-            SearchAnswer::Found(PlacedPlan { operations, courses, bounds }) => {
+            SearchAnswer::Found(PlacedPlan { operations, courses, bounds, .. }) => {
                 self.assays.push(self.least_of(step, bounds));
                 return Some(ElectrodeArrayStepMotion::Assay { operations, courses });
             }

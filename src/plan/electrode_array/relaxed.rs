@@ -6,7 +6,7 @@
 
 use super::board::{BoardCosts, CellIndex};
 use super::errands::AssaySite;
-use super::fast::{DistanceField, Distances, UNREACHABLE};
+use super::fast::{Distances, UNREACHABLE};
 use super::stage;
 use crate::claims::electrode_array::AssayOperation;
 use crate::device::electrode_array::ElectrodeCell;
@@ -20,7 +20,7 @@ type Reached = Vec<(CellIndex, u64)>;
 pub(super) fn bounds(site: &AssaySite, operations: &[AssayOperation], meter: &mut Meter) -> BoardCosts {
     let order = site.order;
     let flat = |cell: ElectrodeCell| stage::flat(order, cell);
-    let mut ways = Ways { site, distances: Distances::of(site.ground.board()), fields: BTreeMap::new() };
+    let mut ways = Ways { site, distances: Distances::of(site.ground.board()) };
     let mut starts: Vec<Option<CellIndex>> = site.cells.iter().map(|cell| cell.map(flat)).collect();
     let mut at: Vec<Reached> = starts.iter().map(|start| start.iter().map(|cell| (*cell, 0)).collect()).collect();
     let mut done: Vec<u64> = Vec::with_capacity(operations.len());
@@ -105,7 +105,6 @@ impl ServedPlaces {
 struct Ways<'a> {
     site: &'a AssaySite<'a>,
     distances: Distances,
-    fields: BTreeMap<CellIndex, DistanceField>,
 }
 
 impl Ways<'_> {
@@ -114,8 +113,7 @@ impl Ways<'_> {
         let board = self.site.ground.board();
         let mut reached = Vec::with_capacity(to.len());
         for cell in to {
-            let distances = &mut self.distances;
-            let field = self.fields.entry(*cell).or_insert_with(|| distances.to(board, *cell, meter));
+            let field = self.distances.to(board, *cell, meter);
             let steps = |(start, since): &(CellIndex, u64)| {
                 let steps = field.from(*start);
                 (steps != UNREACHABLE).then(|| since + u64::from(steps))
