@@ -297,6 +297,15 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         Ok(pulls)
     }
 
+    /// What is done after some beats; answers with the parts that were there until then.
+    fn settle(&mut self, beat: u64, assay: &mut JudgedAssay, zones: &mut JudgedZones) -> Vec<(usize, ElectrodeCell)> {
+        zones.look(beat, &self.cells);
+        let there = self.there();
+        assay.settle(beat, &mut self.cells);
+        zones.count(beat, &self.cells);
+        there
+    }
+
     /// Parts do their operations, beat by beat.
     fn operate(&mut self, nth: usize, asked: &'r [AssayOperation], findings: &mut Findings) -> Result<(), Halt> {
         let placed = self.placed(nth, asked, findings)?;
@@ -308,9 +317,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let mut assay = JudgedAssay::new(operations, &self.order.facts, &self.cells);
         let mut zones = JudgedZones::new(self.order, operations);
         let mut reservoirs = self.reservoirs(nth)?;
-        zones.look(0, &self.cells);
-        let there = self.there();
-        assay.settle(0, &mut self.cells);
+        let there = self.settle(0, &mut assay, &mut zones);
         self.tread((nth, step.start_ns), (operations, &assay), there, findings);
         for beat in 0..beats {
             let at_ns = step.start_ns + beat * step_ns;
@@ -342,9 +349,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                     self.moves += 1;
                 }
             }
-            zones.look(beat + 1, &self.cells);
-            let there = self.there();
-            assay.settle(beat + 1, &mut self.cells);
+            let there = self.settle(beat + 1, &mut assay, &mut zones);
             self.stays((nth, at_ns + step_ns), (operations, &assay), &mut zones, findings);
             self.tread((nth, at_ns + step_ns), (operations, &assay), there, findings);
         }

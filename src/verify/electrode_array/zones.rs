@@ -4,7 +4,7 @@ use super::assay::JudgedAssay;
 use super::{Findings, JudgedBoard, Rule, ms};
 use crate::claims::electrode_array::{AssayOperation, BoardZone, ElectrodeArrayOrder, ZoneSort};
 use crate::device::electrode_array::ElectrodeCell;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// The zones of a board in the course of an assay; those only in which something stays.
 pub(super) struct JudgedZones<'c> {
@@ -15,6 +15,8 @@ pub(super) struct JudgedZones<'c> {
     crowded: BTreeMap<usize, u64>,
     /// By part: its operations in zones that are not done, the next one first.
     due: BTreeMap<usize, VecDeque<usize>>,
+    /// The parts that become one with another.
+    merging: BTreeSet<usize>,
 }
 
 impl<'c> JudgedZones<'c> {
@@ -26,10 +28,11 @@ impl<'c> JudgedZones<'c> {
             within.entry(stay.zone).or_insert_with(BTreeMap::new);
             due.entry(operation.part).or_insert_with(VecDeque::new).push_back(place);
         }
-        JudgedZones { zones: &order.zones, within, crowded: BTreeMap::new(), due }
+        let merging = operations.iter().filter_map(|operation| operation.with).collect();
+        JudgedZones { zones: &order.zones, within, crowded: BTreeMap::new(), due, merging }
     }
 
-    /// Notes where the parts are after some beats.
+    /// Notes where the parts are after some beats, before anything is settled: what leaves the board in that instant was there.
     pub fn look(&mut self, beat: u64, cells: &[Option<ElectrodeCell>]) {
         for (zone, within) in &mut self.within {
             let Some(zone_body) = self.zones.get(*zone) else { continue };
@@ -39,7 +42,14 @@ impl<'c> JudgedZones<'c> {
                     None => drop(within.remove(&part)),
                 }
             }
-            if within.len() > 1 {
+        }
+    }
+
+    /// Notes where several parts are after some beats: two that have merged are one from that instant on.
+    pub fn count(&mut self, beat: u64, settled: &[Option<ElectrodeCell>]) {
+        for (zone, within) in &self.within {
+            let is_there = |part: &&usize| settled[**part].is_some() || !self.merging.contains(*part);
+            if within.keys().filter(is_there).count() > 1 {
                 self.crowded.insert(*zone, beat);
             }
         }
@@ -61,7 +71,7 @@ impl JudgedBoard<'_, '_> {
         zones: &mut JudgedZones,
         findings: &mut Findings,
     ) {
-        let JudgedZones { zones, within, crowded, due } = zones;
+        let JudgedZones { zones, within, crowded, due, .. } = zones;
         let step_ns = self.order.facts.step_ns;
         for (part, due) in due {
             let Some((operation, zone)) = due.front().and_then(|place| in_zone(operations, *place)) else { continue };
