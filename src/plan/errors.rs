@@ -134,15 +134,20 @@ pub fn of_first_arrangement(diagnostic: Diagnostic, count: usize) -> Diagnostic 
 }
 
 /// Parts that keep one another from their operations, whatever the order.
-pub fn operations_exclude_one_another(step: Span, parts: &[&str]) -> Diagnostic {
+pub fn operations_exclude_one_another(step: Span, parts: &[&str], merge: Option<Span>) -> Diagnostic {
     let title = match parts {
         [one] => format!("no plan: `{one}` cannot do these operations, in whatever order"),
         _ => format!("no plan: {} keep one another from these operations, in every order", all_of(parts)),
     };
-    Diagnostic::new(Code::E0601, title).label(step, "all positions of all parts together were searched").help(
-        "`discard` a part that is done, let one wait for another by an assay or a `move` of its own before this one, \
-             or give goals more room",
-    )
+    let none = Diagnostic::new(Code::E0601, title).label(step, "all positions of all parts together were searched");
+    let help = "`discard` a part that is done, let one wait for another by an assay or a `move` of its own before this one, \
+                or give goals more room";
+    match merge {
+        Some(merge) => none.label(merge, "each of the two stays here from its first arrival on").help(format!(
+            "{help}; a droplet that has to pass the cell at which it merges later needs a `move` across it before that"
+        )),
+        None => none.help(help),
+    }
 }
 
 /// Parts that block one another on the way to their goals.

@@ -270,7 +270,8 @@ impl Tasks<'_> {
         match &none.why {
             NoAssayPlan::Excluded { reached } => {
                 let parts: Vec<&str> = (0..reached.len()).map(|agent| self.part_name(stage, agent)).collect();
-                let diagnostic = errors::operations_exclude_one_another(step.span, &parts);
+                let merge = none.operations.iter().find(|operation| operation.with.is_some()).map(|merge| merge.span);
+                let diagnostic = errors::operations_exclude_one_another(step.span, &parts, merge);
                 let reaches = parts.iter().zip(reached).map(|(part, cells)| reach(self.order, part, cells.clone()));
                 self.sink.push(self.with_avoided(diagnostic.reached(reaches), step));
             }
