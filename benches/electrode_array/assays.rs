@@ -48,10 +48,17 @@ const DEEP_PROTEIN: [u32; 4] = [4, 5, 6, 7];
 pub fn field_table() {
     println!("\npublished assays on 15 x 19 electrodes at 100 Hz; planned, lowered and verified");
     println!("assay       droplets  operations     ms   steps  bound  ratio | one after the other");
-    let in_vitro = IN_VITRO.iter().zip(1..).map(|(size, number)| (format!("in-vitro {number}"), in_vitro(*size)));
+    let in_vitro = IN_VITRO
+        .iter()
+        .zip(1..)
+        .map(|(size, number)| (format!("in-vitro {number}"), in_vitro(*size, MixingPlace::InTurn)));
     let protein = PROTEIN.iter().map(|levels| (format!("protein {levels}"), protein(*levels)));
     for (name, program) in std::iter::once(("PCR".to_owned(), pcr())).chain(in_vitro).chain(protein) {
         row(&name, &program, program.one_after_the_other());
+    }
+    println!("the same in-vitro assays, at those of the eight places that the plan chooses");
+    for (size, number) in IN_VITRO.iter().zip(1..) {
+        row(&format!("in-vitro {number}"), &in_vitro(*size, MixingPlace::Open), None);
     }
     println!("more leaves than places; beside the bound that of eight places with no way between them, in any order");
     for levels in DEEP_PROTEIN {
@@ -172,8 +179,17 @@ fn protein(levels: u32) -> FieldAssay {
     assay
 }
 
-/// Every sample with every reagent, at eight places in turn.
-fn in_vitro((samples, reagents): (u32, u32)) -> FieldAssay {
+/// Who says where droplets are mixed.
+#[derive(Clone, Copy)]
+enum MixingPlace {
+    /// The program: at the eight places in turn.
+    InTurn,
+    /// The plan.
+    Open,
+}
+
+/// Every sample with every reagent.
+fn in_vitro((samples, reagents): (u32, u32), mixing: MixingPlace) -> FieldAssay {
     let mut assay = FieldAssay::default();
     (0..samples).for_each(|sample| assay.reservoir(&format!("s{sample}"), (1, 3 + 4 * sample)));
     (0..reagents).for_each(|reagent| assay.reservoir(&format!("r{reagent}"), (15, 3 + 4 * reagent)));
@@ -184,7 +200,14 @@ fn in_vitro((samples, reagents): (u32, u32)) -> FieldAssay {
             assay.dispense(&own, &format!("s{sample}"));
             assay.dispense(&other, &format!("r{reagent}"));
             let time_s = SAMPLE_S[sample as usize];
-            assay.mix(&own, &other, self::place(place), time_s);
+            match mixing {
+                MixingPlace::InTurn => assay.mix(&own, &other, self::place(place), time_s),
+                MixingPlace::Open => {
+                    let places: Vec<String> = (0..8).map(|place| format!("{:?}", self::place(place))).collect();
+                    assay.operations.push(format!("merge {own} with {other} among [{}]", places.join(", ")));
+                    assay.operations.push(format!("mix {own} for {time_s} s"));
+                }
+            }
             assay.operations.push(format!("incubate {own} for {time_s} s"));
             assay.operations.push(format!("discard {own} at (15, 1)"));
         }

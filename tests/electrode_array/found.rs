@@ -100,3 +100,29 @@ fn droplets_that_harm_each_other_are_given_places_of_their_own() {
     let plan = planned(&text("ea_traces_at_places_of_choice"));
     assert_eq!((plan.outcomes["steps"], plan.bound), (11.0, 11.0));
 }
+
+#[test]
+fn droplets_that_merge_at_a_detector_are_read_there() {
+    // 4 steps of the later one to the detector, and 84 of 60 ms there.
+    let plan = planned(&text("ea_read_where_merged"));
+    assert_eq!((plan.cost, plan.bound), (88.0, 88.0));
+}
+
+/// Six droplets of one reservoir and four mixers: 4,096 ways to choose. What takes its turns at the reservoir and at the mixers,
+/// whichever those are, proves that the plan is the shortest.
+#[test]
+fn turns_at_places_of_choice_are_proven() {
+    let mut scene = String::from("reservoir r at (1, 5)\n");
+    let mut operations = String::new();
+    for nth in 0..6 {
+        scene += &format!("part d{nth} : ea.droplet\n");
+        operations += &format!(
+            "dispense d{nth} from r\nmix d{nth} among [(4, 2), (4, 7), (9, 2), (9, 7)] for 600 ms\ndiscard d{nth} at (14, 5)\n"
+        );
+    }
+    let device = "device chip : ea.droplet_chip { columns: 14, rows: 9, dispense_duration: 3 s, mixer: (3, 2) }";
+    let plan = planned(&format!(
+        "use std.electrode_array as ea\n{device}\nscene s {{\n{scene}}}\ntask go on chip in s {{\nassay {{\n{operations}}}\n}}\n"
+    ));
+    assert_eq!((plan.cost, plan.bound), (339.0, 339.0));
+}

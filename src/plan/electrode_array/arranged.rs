@@ -2,7 +2,7 @@
 //!
 //! An arrangement has one place for each of them, and is an assay without a choice. Method: as long as there are few arrangements, in
 //! the order of their lower bounds, until no bound is below the plan at hand: all by lists, and then by all positions of the parts. Of
-//! more, one in which the places share the work, and then others that differ from the best one in one place, as long as plans become
+//! more, those of some schedules on paper ([`placement`]), and then others that differ from the best one in one place, as long as plans become
 //! better; beside the bound of [`relaxed`].
 //!
 //! Guaranteed: a plan is legal; `bounds` hold for the plans of every arrangement, and none is called impossible but where there were few
@@ -10,12 +10,13 @@
 
 use super::assay::{self, AssayEffort, AssayPlan, AssayProblem, NoAssayPlan};
 use super::board::{BoardCosts, BoardObjective};
+use super::critical_path::{self, Ways};
 use super::errands::{self, AssaySite, PartCourse, PartErrands};
 use super::one_by_one::one_by_one;
+use super::placement::{self, PaperSchedule};
 use super::relaxed;
-use super::stage::BoardStage;
-use crate::claims::electrode_array::AssayOperation;
-use crate::device::electrode_array::ElectrodeCell;
+use super::stage::{self, BoardStage};
+use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayOrder};
 use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
 
 /// Most arrangements of which each has its own bound, and most operations of all arrangements whose bounds are looked at: in a long
@@ -27,8 +28,12 @@ const MAX_LOOKED: usize = 100_000;
 const LISTS_SHARE: u64 = 64;
 const SHARE: u64 = 4;
 
-/// Of more arrangements, how many are planned after the first.
+/// Of more arrangements, how many are planned that differ in one place from the best one,
 const MAX_TRIED: usize = 200;
+
+/// after those of so many schedules on paper, with so many operations all together.
+const PAPERS: usize = 8;
+const MAX_PAPER_OPERATIONS: usize = 10_000;
 
 /// A plan with the places that it has chosen.
 pub struct PlacedPlan {
@@ -119,23 +124,13 @@ impl Choices<'_> {
         operations
     }
 
-    /// Places that share the work: each operation, in the order of the program, where least was done before it.
-    fn shared(&self) -> Vec<usize> {
-        let mut busy: Vec<(ElectrodeCell, u64)> = Vec::new();
-        let mut places = Vec::with_capacity(self.open.len());
-        for nth in &self.open {
-            let operation = &self.operations[*nth];
-            let work = |cell: ElectrodeCell| busy.iter().find(|(at, _)| *at == cell).map_or(0, |(_, work)| *work);
-            let cells = operation.among.iter().map(|place| place.stop.cell);
-            let Some((place, cell)) = cells.enumerate().min_by_key(|(_, cell)| work(*cell)) else { continue };
-            let more = operation.stay_ns.max(1);
-            match busy.iter_mut().find(|(at, _)| *at == cell) {
-                Some((_, work)) => *work = work.saturating_add(more),
-                None => busy.push((cell, more)),
-            }
-            places.push(place);
-        }
-        places
+    /// The places that operations have on paper.
+    fn on_paper(&self, order: &ElectrodeArrayOrder, paper: &PaperSchedule) -> Vec<usize> {
+        let place = |nth: &usize| {
+            let cell = paper.cells[*nth]?;
+            self.operations[*nth].among.iter().position(|place| stage::flat(order, place.stop.cell) == cell)
+        };
+        self.open.iter().map(|nth| place(nth).unwrap_or(0)).collect()
     }
 }
 
@@ -143,7 +138,7 @@ impl Choices<'_> {
 pub fn with_problem<T>(
     site: &AssaySite,
     operations: &[AssayOperation],
-    look: impl FnOnce(&BoardStage, Result<&AssayProblem, NoAssayPlan>) -> T,
+    look: impl FnOnce(&BoardStage, Result<AssayProblem, NoAssayPlan>) -> T,
 ) -> T {
     let cells = errands::with_new_parts(site.cells, operations);
     let asked = PartErrands::new(site.order, &cells, operations);
@@ -153,24 +148,36 @@ pub fn with_problem<T>(
             let agent = stage.agents.iter().position(|actor| actor.part == part).unwrap_or(0);
             look(&stage, Err(NoAssayPlan::LoopOffBoard { agent }))
         }
-        None => look(&stage, Ok(&asked.problem(site.order, &stage, operations))),
+        None => look(&stage, Ok(asked.problem(site.order, &stage, operations))),
     }
+}
+
+/// How an arrangement is planned.
+#[derive(Clone, Copy)]
+struct ArrangementTerms<'a> {
+    objective: BoardObjective,
+    effort: AssayEffort,
+    /// A schedule of the operations, in whose order parts may have their turns.
+    paper: Option<&'a PaperSchedule>,
 }
 
 /// The plan of an arrangement.
 fn planned(
     site: &AssaySite,
     operations: Vec<AssayOperation>,
-    (objective, effort): (BoardObjective, AssayEffort),
+    terms: ArrangementTerms,
     meter: &mut Meter,
 ) -> PlacedAnswer {
     let found = with_problem(site, &operations, |stage, problem| {
-        let problem = match problem {
+        let mut problem = match problem {
             Ok(problem) => problem,
             Err(why) => return SearchAnswer::Impossible(why),
         };
-        match assay::solve(problem, (objective, effort), meter) {
-            SearchAnswer::Found(plan) => SearchAnswer::Found(placed(site, (stage, problem), plan)),
+        if let Some(paper) = terms.paper {
+            problem.paper = paper.of(&problem.operations);
+        }
+        match assay::solve(&problem, (terms.objective, terms.effort), meter) {
+            SearchAnswer::Found(plan) => SearchAnswer::Found(placed(site, (stage, &problem), plan)),
             SearchAnswer::Impossible(why) => SearchAnswer::Impossible(why),
             SearchAnswer::GaveUp(bounds) => SearchAnswer::GaveUp(bounds),
         }
@@ -194,9 +201,9 @@ fn in_turn(
 ) -> Option<PlacedPlan> {
     let (courses, costs, bounds) = with_problem(site, &operations, |stage, problem| {
         let problem = problem.ok()?;
-        let turns = (operations.as_slice(), problem, stage);
+        let turns = (operations.as_slice(), &problem, stage);
         let plan = one_by_one((site.order, site.ground), site.cells, turns, (objective, bounds))?;
-        Some(placed(site, (stage, problem), plan))
+        Some(placed(site, (stage, &problem), plan))
     })?;
     Some(PlacedPlan { operations, courses, costs, bounds })
 }
@@ -213,7 +220,8 @@ fn placed(
 
 /// The plan of the only arrangement.
 fn only(site: &AssaySite, operations: &[AssayOperation], objective: BoardObjective, meter: &mut Meter) -> PlacedAnswer {
-    match planned(site, operations.to_vec(), (objective, AssayEffort::Whole), meter) {
+    let terms = ArrangementTerms { objective, effort: AssayEffort::Whole, paper: None };
+    match planned(site, operations.to_vec(), terms, meter) {
         SearchAnswer::GaveUp(bounds) => {
             let plan = in_turn(site, operations.to_vec(), (objective, bounds));
             plan.map_or(SearchAnswer::GaveUp(bounds), SearchAnswer::Found)
@@ -286,7 +294,8 @@ impl FewArrangements<'_> {
                     (false, Some(steps)) => AssayEffort::Below(steps),
                 };
                 let operations = self.choices.at(&self.choices.places(number));
-                let (site, terms) = (self.site, (self.objective, effort));
+                let (site, objective) = (self.site, self.objective);
+                let terms = ArrangementTerms { objective, effort, paper: None };
                 match meter.share(meter.left().steps / share, |part| planned(site, operations, terms, part)) {
                     SearchAnswer::Found(plan) => {
                         own.bounds = plan.bounds;
@@ -317,7 +326,7 @@ fn of_few(
     let mut few = FewArrangements { site, choices, objective, due: Vec::new(), best: None, why: None };
     for number in 0..count {
         let operations = choices.at(&choices.places(number));
-        match with_problem(site, &operations, |_, problem| assay::bounds(problem?, meter)) {
+        match with_problem(site, &operations, |_, problem| assay::bounds(&problem?, meter)) {
             Ok(bounds) => few.due.push(Arrangement { number, bounds }),
             Err(why) => few.refuse(number, Box::new(NoArrangement { operations, why, count })),
         }
@@ -341,46 +350,105 @@ fn of_few(
     }
 }
 
-/// An arrangement in which the places share the work, and better ones from there on.
+/// The best of the arrangements of some schedules on paper, and better ones from there on.
 fn of_many(site: &AssaySite, choices: &Choices, objective: BoardObjective, meter: &mut Meter) -> PlacedAnswer {
-    let bounds = relaxed::bounds(site, choices.operations, meter);
-    let mut places = choices.shared();
-    let first = choices.at(&places);
-    let share = meter.left().steps / SHARE;
-    let answer = meter.share(share, |part| planned(site, first.clone(), (objective, AssayEffort::Whole), part));
-    let found = if let SearchAnswer::Found(plan) = answer { Some(plan) } else { None };
-    let Some(mut best) = found.or_else(|| in_turn(site, first, (objective, bounds))) else {
-        return SearchAnswer::GaveUp(bounds);
-    };
-    let (mut looked, mut tried, mut is_better) = (0, 0, true);
-    let looks = looks(choices.operations);
-    while std::mem::take(&mut is_better) {
-        for open in 0..places.len() {
-            for place in 0..choices.operations[choices.open[open]].among.len() {
-                let is_least = cost(objective, &best)[0] <= ordered(objective, bounds)[0];
-                let is_over = looked >= looks || tried >= MAX_TRIED || meter.left().steps == 0;
-                if place == places[open] || is_least || is_over {
-                    continue;
-                }
-                looked += 1;
-                let mut others = places.clone();
-                others[open] = place;
-                let operations = choices.at(&others);
-                let limits = with_problem(site, &operations, |_, problem| assay::bounds(problem?, meter));
-                if !limits.is_ok_and(|limits| ordered(objective, limits)[0] < cost(objective, &best)[0]) {
-                    continue;
-                }
-                tried += 1;
-                let share = meter.left().steps / LISTS_SHARE;
-                let terms = (objective, AssayEffort::Lists);
-                let answer = meter.share(share, |part| planned(site, operations, terms, part));
-                if let SearchAnswer::Found(plan) = answer
-                    && cost(objective, &plan) < cost(objective, &best)
-                {
-                    (best, places, is_better) = (plan, others, true);
+    let timed = critical_path::timed(choices.operations, &mut Ways::new(site, meter));
+    let bounds = relaxed::bounds(choices.operations, &timed, &mut Ways::new(site, meter));
+    let mut many = ManyArrangements { site, choices, objective, bounds, best: None, places: Vec::new() };
+    let papers = (MAX_PAPER_OPERATIONS / choices.operations.len().max(1)).clamp(1, PAPERS) as u64;
+    for seed in 0..papers {
+        if many.is_least() {
+            break;
+        }
+        let mut ways = Ways::new(site, meter);
+        let paper = placement::schedule(choices.operations, &timed, &mut ways, (seed, bounds.makespan));
+        many.realise(&paper, meter);
+    }
+    many.improve(meter);
+    many.best.map_or(SearchAnswer::GaveUp(bounds), |best| SearchAnswer::Found(PlacedPlan { bounds, ..best }))
+}
+
+/// More arrangements than have a bound each.
+struct ManyArrangements<'a> {
+    site: &'a AssaySite<'a>,
+    choices: &'a Choices<'a>,
+    objective: BoardObjective,
+    bounds: BoardCosts,
+    best: Option<PlacedPlan>,
+    /// Of the best plan.
+    places: Vec<usize>,
+}
+
+impl ManyArrangements<'_> {
+    fn cost(&self) -> Option<[u64; 2]> {
+        self.best.as_ref().map(|plan| cost(self.objective, plan))
+    }
+
+    fn is_least(&self) -> bool {
+        self.cost().is_some_and(|[best, _]| best <= ordered(self.objective, self.bounds)[0])
+    }
+
+    /// Keeps a plan if it is better than the best.
+    fn offer(&mut self, plan: PlacedPlan, places: Vec<usize>) -> bool {
+        let is_better = self.cost().is_none_or(|best| cost(self.objective, &plan) < best);
+        if is_better {
+            (self.best, self.places) = (Some(plan), places);
+        }
+        is_better
+    }
+
+    /// Plans those of schedules on paper; the first one by all means.
+    fn realise(&mut self, paper: &PaperSchedule, meter: &mut Meter) {
+        let places = self.choices.on_paper(self.site.order, paper);
+        let operations = self.choices.at(&places);
+        let (effort, share) = match self.best {
+            None => (AssayEffort::Whole, SHARE),
+            Some(_) => (AssayEffort::Lists, LISTS_SHARE),
+        };
+        let (site, terms) = (self.site, ArrangementTerms { objective: self.objective, effort, paper: Some(paper) });
+        let answer = meter.share(meter.left().steps / share, |part| planned(site, operations.clone(), terms, part));
+        let found = if let SearchAnswer::Found(plan) = answer { Some(plan) } else { None };
+        let one_by_one = || in_turn(site, operations, (self.objective, self.bounds)).filter(|_| self.best.is_none());
+        if let Some(plan) = found.or_else(one_by_one) {
+            self.offer(plan, places);
+        }
+    }
+
+    /// Plans arrangements that differ from the best one in one place, as long as plans become better.
+    fn improve(&mut self, meter: &mut Meter) {
+        let (mut looked, mut tried, mut is_better) = (0, 0, self.best.is_some());
+        let looks = looks(self.choices.operations);
+        while std::mem::take(&mut is_better) {
+            for open in 0..self.places.len() {
+                for place in 0..self.choices.operations[self.choices.open[open]].among.len() {
+                    let is_over = looked >= looks || tried >= MAX_TRIED || meter.left().steps == 0;
+                    if place == self.places[open] || self.is_least() || is_over {
+                        continue;
+                    }
+                    looked += 1;
+                    let mut others = self.places.clone();
+                    others[open] = place;
+                    let operations = self.choices.at(&others);
+                    if !self.is_hopeful(&operations, meter) {
+                        continue;
+                    }
+                    tried += 1;
+                    let (site, effort) = (self.site, AssayEffort::Lists);
+                    let terms = ArrangementTerms { objective: self.objective, effort, paper: None };
+                    let share = meter.left().steps / LISTS_SHARE;
+                    let answer = meter.share(share, |part| planned(site, operations, terms, part));
+                    if let SearchAnswer::Found(plan) = answer {
+                        is_better |= self.offer(plan, others);
+                    }
                 }
             }
         }
     }
-    SearchAnswer::Found(PlacedPlan { bounds, ..best })
+
+    /// Whether the plans of an arrangement may be better than the best.
+    fn is_hopeful(&self, operations: &[AssayOperation], meter: &mut Meter) -> bool {
+        let limits = with_problem(self.site, operations, |_, problem| assay::bounds(&problem?, meter));
+        let Some([best, _]) = self.cost() else { return true };
+        limits.is_ok_and(|limits| ordered(self.objective, limits)[0] < best)
+    }
 }

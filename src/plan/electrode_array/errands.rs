@@ -79,6 +79,8 @@ struct StopWork {
     splits: Option<usize>,
     /// The operations that are done before.
     after: Vec<usize>,
+    /// The operation; none where it only passes, or is where it has come out of another one.
+    operation: Option<usize>,
 }
 
 impl PartErrands {
@@ -109,6 +111,7 @@ impl PartErrands {
                     with: operation.parts().find(|other| *other != part),
                     splits: operation.splits.map(|half| half.part),
                     after: operation.after.clone(),
+                    operation: Some(nth),
                 };
                 errands.works[index].resize(own.len() - 1, StopWork::default());
                 errands.works[index].push(work);
@@ -201,7 +204,26 @@ impl PartErrands {
             Some(ErrandLag { of: self.ends[nth]?, after: after?, most })
         };
         let lags = operations.iter().enumerate().filter_map(lag).collect();
-        AssayProblem { instance, comes, parents, errands, afters, lags, releases: Vec::new(), loops, is_gone, traces }
+        let own = |agent: usize| {
+            let works = self.works.get(agent).map_or(none.as_slice(), Vec::as_slice);
+            works.iter().map(|work| work.operation).collect()
+        };
+        let operations = (0..instance.agents.len()).map(own).collect();
+        let (releases, paper) = (Vec::new(), Vec::new());
+        AssayProblem {
+            instance,
+            comes,
+            parents,
+            errands,
+            operations,
+            afters,
+            lags,
+            releases,
+            loops,
+            paper,
+            is_gone,
+            traces,
+        }
     }
 }
 

@@ -1,125 +1,213 @@
 //! Lower bounds of an assay that hold wherever its operations take place.
 //!
-//! Each part goes from place to place as if it were alone, to whichever is best for what it does next; parts that merge wait for each
-//! other, and what comes after something waits for the earliest end of it. Where several operations stay at the same places, none
-//! takes place while another one is there, so that all of them take as long as their stays, divided among the places.
+//! Each part alone takes as long as its way and its stays at the best places ([`super::critical_path`]). Where several operations stay at
+//! the same places, none takes place while another one is there ([`super::place_queue`]); so it is with droplets that come out of one
+//! reservoir, and with the loops round which droplets are mixed.
 
+use super::assay::LoopRoom;
 use super::board::{BoardCosts, CellIndex};
+use super::critical_path::{Reached, TimedOperation, Ways};
 use super::errands::AssaySite;
-use super::fast::{Distances, UNREACHABLE};
+use super::place_queue::{DropletSource, PlaceQueue, ServedOperation};
 use super::stage;
 use crate::claims::electrode_array::AssayOperation;
 use crate::device::electrode_array::ElectrodeCell;
-use crate::plan::search::Meter;
-use std::collections::BTreeMap;
-
-/// Where a part may be after its last operation, with the first instant at which it can be done there.
-type Reached = Vec<(CellIndex, u64)>;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Bounds on the plans of all arrangements.
-pub(super) fn bounds(site: &AssaySite, operations: &[AssayOperation], meter: &mut Meter) -> BoardCosts {
-    let order = site.order;
-    let flat = |cell: ElectrodeCell| stage::flat(order, cell);
-    let mut ways = Ways { site, distances: Distances::of(site.ground.board()) };
-    let mut starts: Vec<Option<CellIndex>> = site.cells.iter().map(|cell| cell.map(flat)).collect();
-    let mut at: Vec<Reached> = starts.iter().map(|start| start.iter().map(|cell| (*cell, 0)).collect()).collect();
-    let mut done: Vec<u64> = Vec::with_capacity(operations.len());
-    let mut queues: BTreeMap<Vec<CellIndex>, ServedPlaces> = BTreeMap::new();
+pub(super) fn bounds(operations: &[AssayOperation], timed: &[TimedOperation], ways: &mut Ways) -> BoardCosts {
+    let alone = timed.iter().map(|one| one.head() + one.stay).max().unwrap_or(0);
+    let queued = queues(operations, timed, ways).values().map(PlaceQueue::end).max().unwrap_or(0);
+    BoardCosts { makespan: alone.max(queued), sum_of_costs: sum_of_costs(operations, timed, ways) }
+}
+
+/// Least steps of all parts from where each begins to where its last stop may be.
+fn sum_of_costs(operations: &[AssayOperation], timed: &[TimedOperation], ways: &mut Ways) -> u64 {
+    let flat = |cell| stage::flat(ways.site.order, cell);
+    let mut starts: Vec<Option<CellIndex>> = ways.site.cells.iter().map(|cell| cell.map(flat)).collect();
     let mut lasts: BTreeMap<usize, Vec<CellIndex>> = BTreeMap::new();
-    for operation in operations {
-        let stay = operation.stay_steps(&order.facts);
-        let begins = operation.after.iter().filter_map(|earlier| done.get(*earlier)).max().copied().unwrap_or(0);
+    for (operation, timed) in operations.iter().zip(timed) {
         if let Some(stop) = operation.stops.first().filter(|_| operation.comes) {
-            at[operation.part] = vec![(flat(stop.cell), 0)];
             starts[operation.part] = Some(flat(stop.cell));
         }
-        let stops = places(operation, flat);
-        let mut ends: Option<BTreeMap<CellIndex, u64>> = None;
-        for part in operation.parts() {
-            let arrivals = stops.iter().fold(at[part].clone(), |from, to| ways.reach(&from, to, meter));
-            let own: BTreeMap<CellIndex, u64> = arrivals.into_iter().collect();
-            ends = Some(match ends {
-                None => own,
-                Some(other) => {
-                    let both = |(cell, one): (CellIndex, u64)| Some((cell, one.max(*own.get(&cell)?)));
-                    other.into_iter().filter_map(both).collect()
-                }
+        if !operation.stops.is_empty() {
+            lasts.insert(operation.part, timed.cells().collect());
+        }
+    }
+    let away = |(part, last): (&usize, &Vec<CellIndex>)| {
+        ways.reach(&[(starts[*part]?, 0)], last).iter().map(|(_, steps)| *steps).min()
+    };
+    lasts.iter().filter_map(away).sum()
+}
+
+/// What an operation has to itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum TurnKind {
+    /// The cell at which it stays.
+    Stay,
+    /// The mixing loop from there on.
+    Loop,
+    /// The outlet at which it comes.
+    Outlet,
+}
+
+/// The operations by what they have to themselves, and where.
+fn queues(
+    operations: &[AssayOperation],
+    timed: &[TimedOperation],
+    ways: &mut Ways,
+) -> BTreeMap<(TurnKind, Vec<CellIndex>), PlaceQueue> {
+    let (room, changes) = (MixerRoom::of(ways.site), Changes::of(ways.site, operations, timed));
+    let (families, sources) = (families(ways.site, operations), sources(operations, timed, ways));
+    let mut blocks: Vec<usize> = Vec::with_capacity(timed.len());
+    let mut queues: BTreeMap<(TurnKind, Vec<CellIndex>), PlaceQueue> = BTreeMap::new();
+    for (nth, (operation, one)) in operations.iter().zip(timed).enumerate() {
+        let before = one.before.first().filter(|before| one.stops.is_empty() && before.at.is_none());
+        blocks.push(before.and_then(|before| before.operation).map_or(nth, |before| blocks[before]));
+        if one.stay == 0 || one.places.is_empty() {
+            continue;
+        }
+        let mut cells: Vec<CellIndex> = one.cells().collect();
+        cells.sort_unstable();
+        for kind in turns(operation, one.stay, room.as_ref()) {
+            // Each droplet needs the outlet for itself, whatever it merges with later.
+            let family = if kind == TurnKind::Outlet { operation.part } else { families[operation.part] };
+            let empty = || PlaceQueue::new(cells.len() as u64, changes.between(&cells), changes.turns.clone());
+            queues.entry((kind, cells.clone())).or_insert_with(empty).served.push(ServedOperation {
+                head: one.head(),
+                stay: one.stay,
+                tail: one.tail(),
+                family,
+                block: blocks[nth],
+                source: sources[nth],
             });
         }
-        let ends = ends.unwrap_or_default();
-        let heads = ends.values().map(|arrival| (*arrival).max(begins)).min();
-        let reached: Reached = ends.into_iter().map(|(cell, arrival)| (cell, arrival.max(begins) + stay)).collect();
-        done.push(heads.map_or(0, |head| head + stay));
-        if let (Some(head), true) = (heads, stay > 0 && !operation.mixes && !operation.comes) {
-            let mut there: Vec<CellIndex> = reached.iter().map(|(cell, _)| *cell).collect();
-            there.sort_unstable();
-            queues.entry(there).or_default().add(head, stay);
-        }
-        if !stops.is_empty() {
-            lasts.insert(operation.part, reached.iter().map(|(cell, _)| *cell).collect());
-        }
-        if let Some(half) = operation.splits {
-            let end = done.last().copied().unwrap_or(0);
-            at[half.part] = vec![(flat(half.cell), end)];
-        }
-        at[operation.part] = reached;
     }
-    let queued = queues.iter().map(|(places, served)| served.end(places.len() as u64));
-    let makespan = done.iter().copied().chain(queued).max().unwrap_or(0);
-    let away = |(part, last): (&usize, &Vec<CellIndex>)| {
-        let start = starts[*part]?;
-        ways.reach(&vec![(start, 0)], last, meter).iter().map(|(_, steps)| *steps).min()
+    queues
+}
+
+/// What an operation has to itself for its stay.
+fn turns(operation: &AssayOperation, stay: u64, room: Option<&MixerRoom>) -> Vec<TurnKind> {
+    let mut kinds = Vec::new();
+    match room.filter(|_| operation.mixes).map(|mixer| mixer.room) {
+        None | Some(LoopRoom::Cell) => kinds.push(TurnKind::Stay),
+        Some(LoopRoom::One) => kinds.push(TurnKind::Loop),
+        Some(LoopRoom::Two) => {}
+    }
+    // Who stays at a corner for less than a round may do so while another one is at the far end.
+    let fills = |mixer: &MixerRoom| mixer.room == LoopRoom::One && stay >= mixer.cells;
+    if !operation.mixes && room.is_some_and(fills) {
+        kinds.push(TurnKind::Loop);
+    }
+    if operation.comes {
+        kinds.push(TurnKind::Outlet);
+    }
+    kinds
+}
+
+/// The mixing loop of the device.
+struct MixerRoom {
+    room: LoopRoom,
+    cells: u64,
+}
+
+impl MixerRoom {
+    /// `None` where it is larger than the board.
+    fn of(site: &AssaySite) -> Option<MixerRoom> {
+        let facts = &site.order.facts;
+        let around = facts.mixing_loop(ElectrodeCell::new(1, 1));
+        let is_on_board = |cell: &ElectrodeCell| cell.column <= facts.columns && cell.row <= facts.rows;
+        if around.is_empty() || !around.iter().all(is_on_board) {
+            return None;
+        }
+        let around: Vec<CellIndex> = around.into_iter().map(|cell| stage::flat(site.order, cell)).collect();
+        let room = LoopRoom::of(site.ground.board(), facts.separation.apart(), &around);
+        Some(MixerRoom { room, cells: around.len() as u64 })
+    }
+}
+
+/// How long droplets take to make room for the next one.
+struct Changes {
+    separation: u64,
+    /// Where droplets may leave the board,
+    exits: BTreeSet<CellIndex>,
+    /// and where they come.
+    outlets: BTreeSet<CellIndex>,
+    /// By outlet: least steps from the coming of one droplet to that of the next.
+    turns: BTreeMap<CellIndex, u64>,
+}
+
+impl Changes {
+    fn of(site: &AssaySite, operations: &[AssayOperation], timed: &[TimedOperation]) -> Changes {
+        let all = || operations.iter().zip(timed);
+        let exits = all().filter(|(operation, _)| operation.leaves).flat_map(|(_, one)| one.cells()).collect();
+        let coming = || all().filter(|(operation, _)| operation.comes).flat_map(|(_, one)| one.cells());
+        let separation = u64::from(site.order.facts.separation.apart());
+        let mut changes = Changes { separation, exits, outlets: coming().collect(), turns: BTreeMap::new() };
+        for (_, one) in all().filter(|(operation, _)| operation.comes) {
+            for cell in one.cells() {
+                let turn = one.stay + changes.between(&[cell]);
+                changes.turns.entry(cell).and_modify(|least| *least = turn.min(*least)).or_insert(turn);
+            }
+        }
+        changes
+    }
+
+    /// Least steps between the stays of two droplets at one of some places.
+    fn between(&self, cells: &[CellIndex]) -> u64 {
+        let least = |cell: &CellIndex| match (self.exits.contains(cell), self.outlets.contains(cell)) {
+            // One is gone at the instant at which the other comes.
+            (true, true) => 0,
+            (true, false) | (false, true) => self.separation,
+            (false, false) => self.separation + 1,
+        };
+        cells.iter().map(least).min().unwrap_or(0)
+    }
+}
+
+/// For each part a number that it has in common with those with which it ever merges, and those that come out of it.
+fn families(site: &AssaySite, operations: &[AssayOperation]) -> Vec<usize> {
+    let mut heads: Vec<usize> = (0..site.cells.len()).collect();
+    let head = |heads: &[usize], mut part: usize| {
+        while heads[part] != part {
+            part = heads[part];
+        }
+        part
     };
-    let sum_of_costs = lasts.iter().filter_map(away).sum();
-    BoardCosts { makespan, sum_of_costs }
-}
-
-/// The cells of each stop of an operation; of the last one, of which the plan chooses.
-fn places(operation: &AssayOperation, flat: impl Fn(ElectrodeCell) -> CellIndex) -> Vec<Vec<CellIndex>> {
-    if operation.among.is_empty() {
-        return operation.stops.iter().map(|stop| vec![flat(stop.cell)]).collect();
-    }
-    vec![operation.among.iter().map(|place| flat(place.stop.cell)).collect()]
-}
-
-/// Operations that stay at the same places.
-#[derive(Default)]
-struct ServedPlaces {
-    head: Option<u64>,
-    work: u64,
-}
-
-impl ServedPlaces {
-    fn add(&mut self, head: u64, stay: u64) {
-        self.head = Some(self.head.map_or(head, |known| known.min(head)));
-        self.work = self.work.saturating_add(stay);
-    }
-
-    /// The earliest end of all of them at some number of places.
-    fn end(&self, places: u64) -> u64 {
-        self.head.unwrap_or(0).saturating_add(self.work.div_ceil(places.max(1)))
-    }
-}
-
-/// Distances on the board with nothing but its obstacles.
-struct Ways<'a> {
-    site: &'a AssaySite<'a>,
-    distances: Distances,
-}
-
-impl Ways<'_> {
-    /// The first instants at some cells, from others with their instants; cells that cannot be reached are left out.
-    fn reach(&mut self, from: &Reached, to: &[CellIndex], meter: &mut Meter) -> Reached {
-        let board = self.site.ground.board();
-        let mut reached = Vec::with_capacity(to.len());
-        for cell in to {
-            let field = self.distances.to(board, *cell, meter);
-            let steps = |(start, since): &(CellIndex, u64)| {
-                let steps = field.from(*start);
-                (steps != UNREACHABLE).then(|| since + u64::from(steps))
-            };
-            reached.extend(from.iter().filter_map(steps).min().map(|instant| (*cell, instant)));
+    for operation in operations {
+        for other in operation.all_parts() {
+            let (one, other) = (head(&heads, operation.part), head(&heads, other));
+            heads[one.max(other)] = one.min(other);
         }
-        reached
     }
+    (0..heads.len()).map(|part| head(&heads, part)).collect()
+}
+
+/// For each operation how its droplet came: that of its first part, if it came out of a reservoir.
+fn sources(operations: &[AssayOperation], timed: &[TimedOperation], ways: &mut Ways) -> Vec<Option<DropletSource>> {
+    // By part: where it may be, with the steps since it came.
+    let mut since: Vec<Option<(DropletSource, Reached)>> = vec![None; ways.site.cells.len()];
+    let mut sources = Vec::with_capacity(operations.len());
+    for (operation, one) in operations.iter().zip(timed) {
+        if let (true, Some(place)) = (operation.comes, one.places.first()) {
+            let source = DropletSource { outlet: place.cell, droplet: operation.part, steps: 0 };
+            since[operation.part] = Some((source, vec![(place.cell, 0)]));
+        }
+        let source = operation.parts().find_map(|part| since[part].take());
+        let half = operation.splits.map(|half| (half.part, vec![(stage::flat(ways.site.order, half.cell), 0)]));
+        let moved = source.map(|(source, from)| (source, ways.through(&from, &one.stops)));
+        let least = |reached: &Reached| reached.iter().map(|(_, steps)| *steps).min();
+        let steps = moved.as_ref().and_then(|(_, reached)| least(reached));
+        sources.push(moved.as_ref().zip(steps).map(|((source, _), steps)| DropletSource { steps, ..*source }));
+        let stayed = |(source, reached): (DropletSource, Reached)| {
+            (source, reached.into_iter().map(|(cell, steps)| (cell, steps + one.stay)).collect::<Reached>())
+        };
+        let stayed = moved.map(stayed);
+        if let (Some((part, reached)), Some((source, _)), Some(steps)) = (half, &stayed, steps) {
+            let reached = reached.into_iter().map(|(cell, _)| (cell, steps + one.stay)).collect();
+            since[part] = Some((*source, reached));
+        }
+        since[operation.part] = stayed;
+    }
+    sources
 }

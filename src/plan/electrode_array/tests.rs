@@ -371,6 +371,13 @@ fn chosen_at_random(random: &mut SplitMix64) -> (ElectrodeArrayOrder, Vec<AssayO
     };
     let mut left: Vec<usize> = (0..board.parts.len()).collect();
     let mut operations: Vec<AssayOperation> = Vec::new();
+    // Some of them, or all, come out of one reservoir.
+    let outlet = board.parts[0].cell;
+    for part in 0..random.below(board.parts.len() + 1) {
+        Arc::make_mut(&mut board.parts)[part].cell = None;
+        let dispensed = stay(part, outlet.as_slice(), 1 + random.below(4) as u64);
+        operations.push(AssayOperation { comes: true, ..dispensed });
+    }
     for _ in 0..2 + random.below(4) {
         let Some(part) = left.get(random.below(left.len().max(1))).copied() else { break };
         let places: Vec<ElectrodeCell> = cells(random).into_iter().filter(is_free).collect();

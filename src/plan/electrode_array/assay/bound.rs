@@ -5,7 +5,7 @@
 //! So do those that are moved round a loop in which two are always in each other's way before the round is over, also with those that
 //! stay at its corner for as long as that. And of several stops whose agents come at few places, one has to wait for its first.
 
-use super::super::board::{BoardCosts, CellIndex};
+use super::super::board::{BoardCosts, BoardGrid, CellIndex};
 use super::route::Ahead;
 use super::{AssayProblem, Errand, ErrandPlace};
 use std::collections::{BTreeMap, BTreeSet};
@@ -34,7 +34,8 @@ pub(super) struct AssayBounds {
 pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> AssayBounds {
     let timed = timed(problem, ahead);
     let alone = timed.iter().flatten().map(|one| one.head + u64::from(one.errand.stay)).max().unwrap_or(0);
-    let rooms: Vec<LoopRoom> = problem.loops.iter().map(|around| LoopRoom::of(problem, around)).collect();
+    let room = |around: &Vec<CellIndex>| LoopRoom::of(&problem.instance.board, problem.instance.separation, around);
+    let rooms: Vec<LoopRoom> = problem.loops.iter().map(room).collect();
     let mut stays: BTreeMap<TurnPlace, Vec<(usize, TimedErrand)>> = BTreeMap::new();
     for (agent, errands) in timed.iter().enumerate() {
         for one in errands.iter().filter(|one| one.errand.stay > 0) {
@@ -180,7 +181,7 @@ struct TurnPlace {
 
 /// Whether two agents can be in a loop at the same time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum LoopRoom {
+pub enum LoopRoom {
     /// All of its cells are as near to each other as if it were one.
     Cell,
     /// Whenever one begins, it gets in the way of the other before that one is back at the corner.
@@ -189,11 +190,12 @@ enum LoopRoom {
 }
 
 impl LoopRoom {
-    fn of(problem: &AssayProblem, around: &[CellIndex]) -> LoopRoom {
-        let (instance, cells) = (problem.instance, around.len());
+    /// By the cells of the loop, from the corner on.
+    pub fn of(board: &BoardGrid, separation: u32, around: &[CellIndex]) -> LoopRoom {
+        let cells = around.len();
         let keep_apart = |one: usize, other: usize| {
             let [one, other] = [one, other].map(|place| around[place % cells]);
-            instance.board.apart(one, other) >= instance.separation
+            board.apart(one, other) >= separation
         };
         if !(0..cells).any(|one| (0..cells).any(|other| keep_apart(one, other))) {
             return LoopRoom::Cell;

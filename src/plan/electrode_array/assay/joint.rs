@@ -538,6 +538,8 @@ mod tests {
             errands,
             lags: Vec::new(),
             releases: Vec::new(),
+            paper: Vec::new(),
+            operations: Vec::new(),
             is_gone: vec![false; 3],
             traces: None,
         };

@@ -47,8 +47,7 @@ pub(super) fn best(
     (objective, bounds): (BoardObjective, &AssayBounds),
     meter: &mut Meter,
 ) -> Option<Vec<AgentCourse>> {
-    let (router, heads, after) = (Router::new(problem, ahead), bounds.heads.as_slice(), bounds.after.as_slice());
-    let mut planner = ListPlanner { problem, ahead, router, heads, after, limit: NEVER, meter };
+    let mut planner = ListPlanner::new(problem, (ahead, bounds), meter);
     let mut list: Vec<usize> = (0..problem.errands.len()).collect();
     let lengths = lengths(problem, ahead);
     list.sort_by_key(|agent| std::cmp::Reverse(lengths[*agent]));
@@ -58,12 +57,15 @@ pub(super) fn best(
     // Of many agents an eager list fails late.
     let tries = if early.is_some() { 1 } else { LISTS };
     let eager = first_eager(&mut planner, (list.clone(), tries), &mut random);
+    let key = |courses: &[AgentCourse]| AssayPlan::costs(courses).key(objective);
+    let is_better = |first: &FirstList| eager.as_ref().is_none_or(|eager| key(&first.courses) < key(&eager.courses));
+    let (paper_eager, paper_patient) = first_on_paper(problem, (ahead, bounds), planner.meter);
+    let eager = paper_eager.filter(is_better).or(eager);
     let patient = if is_crowd { early } else { first_patient(&mut planner, &list) };
-    let Some(first) = eager else { return patient };
+    let Some(first) = eager else { return patient.or(paper_patient) };
     let improvement = Improvement { first, objective, least: bounds.costs };
     let best = improvement.best(&mut planner, &mut random);
-    let key = |courses: &[AgentCourse]| AssayPlan::costs(courses).key(objective);
-    patient.filter(|patient| key(patient) < key(&best)).or(Some(best))
+    [patient, paper_patient].into_iter().flatten().chain([best]).min_by_key(|courses| key(courses))
 }
 
 /// A list that leads to a plan.
@@ -103,6 +105,30 @@ fn first_eager(
         }
     }
     None
+}
+
+/// The list in the order of a schedule on paper, and courses in which no errand begins before it does there, if there is one.
+fn first_on_paper(
+    problem: &AssayProblem,
+    (ahead, bounds): (&Ahead, &AssayBounds),
+    meter: &mut Meter,
+) -> (Option<FirstList>, Option<Vec<AgentCourse>>) {
+    if problem.paper.is_empty() || !problem.releases.is_empty() {
+        return (None, None);
+    }
+    let on_paper = AssayProblem { releases: problem.paper.clone(), ..problem.clone() };
+    let begin = |agent: &usize| {
+        let first = usize::from(problem.comes[*agent]);
+        problem.paper[*agent].get(first).copied().unwrap_or(0)
+    };
+    let mut list: Vec<usize> = (0..problem.errands.len()).collect();
+    list.sort_by_key(begin);
+    let mut random = SplitMix64::new(SEED);
+    let mut planner = ListPlanner::new(problem, (ahead, bounds), meter);
+    let eager = first_eager(&mut planner, (list.clone(), KEPT_SEPARATIONS.len()), &mut random);
+    let mut planner = ListPlanner::new(&on_paper, (ahead, bounds), meter);
+    let patient = first_patient(&mut planner, &list);
+    (eager, patient)
 }
 
 /// The courses of a list whose agents take their turns by time. Other lists hardly change them.
@@ -331,7 +357,16 @@ impl Progress<'_> {
     }
 }
 
-impl ListPlanner<'_, '_> {
+impl<'a, 'm> ListPlanner<'a, 'm> {
+    fn new(
+        problem: &'a AssayProblem<'a>,
+        (ahead, bounds): (&'a Ahead, &'a AssayBounds),
+        meter: &'m mut Meter,
+    ) -> ListPlanner<'a, 'm> {
+        let (router, heads, after) = (Router::new(problem, ahead), bounds.heads.as_slice(), bounds.after.as_slice());
+        ListPlanner { problem, ahead, router, heads, after, limit: NEVER, meter }
+    }
+
     /// The courses of all agents; an error is an agent that found none.
     fn courses(&mut self, list: &[usize], terms: ListTerms) -> Result<Vec<AgentCourse>, usize> {
         let (problem, separation) = (self.problem, self.problem.instance.separation);

@@ -26,6 +26,7 @@ mod turns;
 use super::board::{BoardCosts, BoardObjective, CellIndex, HeldBoardPlan, Instance, NoBoardPlan};
 use super::fast;
 use crate::plan::search::{Meter, SearchAnswer};
+pub use bound::LoopRoom;
 pub use channels::are_kept_by_courses;
 pub use lags::are_kept;
 pub use replay::done_by;
@@ -95,6 +96,8 @@ pub struct AssayProblem<'a> {
     pub loops: Vec<Vec<CellIndex>>,
     /// For each agent, at least one. Where two meet, the one with further errands, else the one of the smaller index, remains.
     pub errands: Vec<Vec<Errand>>,
+    /// By agent and errand: the index of the operation, if it is for one.
+    pub operations: Vec<Vec<Option<usize>>>,
     /// By agent and errand: the errands of others that are done before it begins: before its agent stays, is mixed or pulled apart, comes,
     /// leaves, or meets another that is there already.
     pub afters: Vec<Vec<Vec<ErrandPlace>>>,
@@ -102,6 +105,9 @@ pub struct AssayProblem<'a> {
     pub lags: Vec<ErrandLag>,
     /// By agent and errand: the first instant at which it may begin, as what comes after others may; empty where nothing waits.
     pub releases: Vec<Vec<u32>>,
+    /// By agent and errand: the instant at which it begins in a schedule on paper, in which nobody is in another's way; empty where there is
+    /// none.
+    pub paper: Vec<Vec<u32>>,
     /// For each agent, whether it is gone after its last errand: the other one of those that meet there remains, or it leaves the board.
     pub is_gone: Vec<bool>,
     /// What they leave behind, if that does harm to any.

@@ -1,0 +1,349 @@
+//! Places for the operations of which the program leaves them open, by a schedule on paper.
+//!
+//! List scheduling with left-edge placement: of the operations whose parts are free the first that can begin comes next, or the most urgent
+//! one, at the place at which it can begin first, of equals the nearest. A part keeps its place until it leaves for another one, and a
+//! reservoir gives a droplet as late as it can. Ways take as long as they do alone: whether they lead past each other is left to the
+//! planner. Method: what has most to come after it is urgent at first; then the urgency of one part after the other is changed at random,
+//! and kept where the schedule is no longer than before.
+
+use super::board::CellIndex;
+use super::critical_path::{TimedOperation, Ways};
+use super::stage;
+use crate::claims::electrode_array::AssayOperation;
+use crate::random::SplitMix64;
+use std::collections::BTreeMap;
+
+/// Of how many operations that could come next one is taken: the most urgent ones.
+const MAX_NEXT: usize = 200;
+
+/// Looks for the place of an operation that all draws of one schedule together take, about.
+const MAX_PAPER_LOOKS: usize = 400_000;
+
+/// A schedule on paper.
+#[derive(Debug, Clone)]
+pub(super) struct PaperSchedule {
+    /// By operation: the cell that it has got, of those that it leaves open,
+    pub cells: Vec<Option<CellIndex>>,
+    /// and when it begins.
+    pub begins: Vec<u64>,
+    /// The end of the last operation.
+    pub end: u64,
+    /// How many places of operations were looked for.
+    looks: usize,
+}
+
+impl PaperSchedule {
+    /// When operations begin; 0 where there is none.
+    pub fn of(&self, operations: &[Vec<Option<usize>>]) -> Vec<Vec<u32>> {
+        let begin = |nth: &Option<usize>| nth.map_or(0, |nth| u32::try_from(self.begins[nth]).unwrap_or(u32::MAX));
+        operations.iter().map(|own| own.iter().map(begin).collect()).collect()
+    }
+}
+
+/// In which order operations come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum PaperOrder {
+    /// By their beginning.
+    EarliestBegin,
+    /// Of those that can begin before the first of their places would be free again, the most urgent one.
+    MostUrgent,
+}
+
+/// Places for all operations, by the changes of a seed; none are looked for with which they take less than `least`.
+pub(super) fn schedule(
+    operations: &[AssayOperation],
+    timed: &[TimedOperation],
+    ways: &mut Ways,
+    (seed, least): (u64, u64),
+) -> PaperSchedule {
+    let mut urgency: Vec<u64> = timed.iter().map(|one| one.tail() + one.stay).collect();
+    let occupied = occupied(timed);
+    let mut draw = |urgency: &[u64], order| Paper::new(operations, timed, ways, (urgency, &occupied)).drawn(order);
+    let mut order = PaperOrder::EarliestBegin;
+    let mut best = draw(&urgency, order);
+    let other = draw(&urgency, PaperOrder::MostUrgent);
+    let mut looks = best.looks + other.looks;
+    if other.end < best.end {
+        (best, order) = (other, PaperOrder::MostUrgent);
+    }
+    let most = urgency.iter().max().copied().unwrap_or(0);
+    let mut random = SplitMix64::new(seed);
+    while best.end > least && looks < MAX_PAPER_LOOKS {
+        let (part, now) = (operations[random.below(operations.len())].part, random.below(most as usize + 1) as u64);
+        let mut changed = urgency.clone();
+        for (own, _) in changed.iter_mut().zip(operations).filter(|(_, operation)| operation.part == part) {
+            *own = now;
+        }
+        let orders = [order, PaperOrder::MostUrgent, PaperOrder::EarliestBegin];
+        let order_now = orders[random.below(orders.len())];
+        let found = draw(&changed, order_now);
+        looks += found.looks;
+        if found.end <= best.end {
+            (best, urgency, order) = (found, changed, order_now);
+        }
+    }
+    best
+}
+
+/// For each operation the steps for which it and those after it keep a place.
+fn occupied(timed: &[TimedOperation]) -> Vec<u64> {
+    let mut occupied: Vec<u64> = timed.iter().map(|one| one.stay).collect();
+    for (nth, one) in timed.iter().enumerate().rev() {
+        let before = one.before.first().filter(|before| one.stops.is_empty() && before.at.is_none());
+        if let Some(earlier) = before.and_then(|before| before.operation) {
+            occupied[earlier] += occupied[nth];
+        }
+    }
+    occupied
+}
+
+/// Where a part is from an instant on.
+#[derive(Debug, Clone, Copy)]
+struct PaperPart {
+    at: CellIndex,
+    since: u64,
+    /// The dispensing by which it comes there, that has not begun.
+    comes: Option<usize>,
+}
+
+/// A place in use.
+#[derive(Debug, Clone, Copy, Default)]
+struct PaperPlace {
+    /// By a part that is there until it leaves.
+    by: Option<usize>,
+    /// When the next one can be there, once nobody is.
+    free: u64,
+}
+
+/// Where and when an operation can begin.
+#[derive(Debug, Clone, Copy)]
+struct PaperBegin {
+    cell: CellIndex,
+    begin: u64,
+    /// The steps of its parts on their way.
+    way: u64,
+    /// Whether another part is there that would have to leave.
+    is_taken: bool,
+}
+
+struct Paper<'a, 'w, 'm> {
+    operations: &'a [AssayOperation],
+    timed: &'a [TimedOperation],
+    urgency: &'a [u64],
+    /// By operation: the steps for which it and those after it keep a place.
+    occupied: &'a [u64],
+    ways: &'a mut Ways<'w, 'm>,
+    /// By operation: how many others it waits for, and those that wait for it.
+    waits: Vec<usize>,
+    followers: Vec<Vec<usize>>,
+    /// Those that wait for none, the most urgent first.
+    due: Vec<usize>,
+    parts: Vec<Option<PaperPart>>,
+    places: BTreeMap<CellIndex, PaperPlace>,
+    ends: Vec<Option<u64>>,
+    cells: Vec<Option<CellIndex>>,
+    /// Steps between two droplets at a place.
+    change: u64,
+}
+
+impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
+    fn new(
+        operations: &'a [AssayOperation],
+        timed: &'a [TimedOperation],
+        ways: &'a mut Ways<'w, 'm>,
+        (urgency, occupied): (&'a [u64], &'a [u64]),
+    ) -> Paper<'a, 'w, 'm> {
+        let (order, count) = (ways.site.order, operations.len());
+        let (mut waits, mut followers) = (vec![0; count], vec![Vec::new(); count]);
+        for (nth, (operation, one)) in operations.iter().zip(timed).enumerate() {
+            let before = one.before.iter().filter_map(|before| before.operation);
+            for earlier in before.chain(operation.after.iter().copied()) {
+                waits[nth] += 1;
+                followers[earlier].push(nth);
+            }
+        }
+        let flat = |cell| stage::flat(order, cell);
+        let part = |cell| PaperPart { at: flat(cell), since: 0, comes: None };
+        let parts: Vec<Option<PaperPart>> = ways.site.cells.iter().map(|cell| cell.map(part)).collect();
+        let there =
+            |(nth, part): (usize, &Option<PaperPart>)| Some((part.as_ref()?.at, PaperPlace { by: Some(nth), free: 0 }));
+        let places = parts.iter().enumerate().filter_map(there).collect();
+        let change = u64::from(order.facts.separation.apart()) + 1;
+        let (due, ends, cells) = (Vec::new(), vec![None; count], vec![None; count]);
+        let mut paper = Paper {
+            operations,
+            timed,
+            urgency,
+            occupied,
+            ways,
+            waits,
+            followers,
+            due,
+            parts,
+            places,
+            ends,
+            cells,
+            change,
+        };
+        (0..count)
+            .filter(|nth| paper.waits[*nth] == 0)
+            .collect::<Vec<usize>>()
+            .into_iter()
+            .for_each(|nth| paper.ready(nth));
+        paper
+    }
+
+    /// The whole schedule.
+    fn drawn(mut self, order: PaperOrder) -> PaperSchedule {
+        let mut looks = 0;
+        loop {
+            looks += self.due.len().clamp(1, MAX_NEXT);
+            match self.next(order) {
+                Some((nth, place)) => self.take(nth, place),
+                None if self.dispense() => {}
+                None => break,
+            }
+        }
+        let begin = |(end, one): (&Option<u64>, &TimedOperation)| end.unwrap_or(0).saturating_sub(one.stay);
+        let begins = self.ends.iter().zip(self.timed).map(begin).collect();
+        let end = self.ends.iter().flatten().copied().max().unwrap_or(0);
+        PaperSchedule { cells: self.cells, begins, end, looks }
+    }
+
+    /// An operation waits for no other. A droplet is dispensed when it is of use.
+    fn ready(&mut self, nth: usize) {
+        let operation = &self.operations[nth];
+        let next = self.followers[nth]
+            .iter()
+            .position(|next| self.operations[*next].parts().any(|part| part == operation.part));
+        if let (true, Some(stop), Some(next)) = (operation.comes, operation.stops.first(), next) {
+            let at = stage::flat(self.ways.site.order, stop.cell);
+            self.parts[operation.part] = Some(PaperPart { at, since: 0, comes: Some(nth) });
+            let next = self.followers[nth].swap_remove(next);
+            self.is_done_for(next);
+            return;
+        }
+        let to = self.due.partition_point(|other| self.urgency[*other] >= self.urgency[nth]);
+        self.due.insert(to, nth);
+    }
+
+    /// One that an operation waits for is done.
+    fn is_done_for(&mut self, nth: usize) {
+        self.waits[nth] -= 1;
+        if self.waits[nth] == 0 {
+            self.ready(nth);
+        }
+    }
+
+    /// The operation that comes next, with its place; `None` when none is left.
+    fn next(&mut self, order: PaperOrder) -> Option<(usize, PaperBegin)> {
+        let due: Vec<usize> = self.due.iter().take(MAX_NEXT).copied().collect();
+        let mut begins: Vec<(usize, PaperBegin)> =
+            due.into_iter().filter_map(|nth| Some((nth, self.begin(nth)?))).collect();
+        if begins.iter().any(|(_, begin)| !begin.is_taken) {
+            begins.retain(|(_, begin)| !begin.is_taken);
+        }
+        let before = begins.iter().map(|(nth, begin)| begin.begin + self.occupied[*nth]).min()?;
+        match order {
+            PaperOrder::EarliestBegin => begins.into_iter().min_by_key(|(_, begin)| begin.begin),
+            PaperOrder::MostUrgent => begins.into_iter().find(|(_, begin)| begin.begin <= before),
+        }
+    }
+
+    /// The first instant at which an operation can begin, and where.
+    fn begin(&mut self, nth: usize) -> Option<PaperBegin> {
+        let (operation, one) = (&self.operations[nth], &self.timed[nth]);
+        let after = operation.after.iter().filter_map(|earlier| self.ends[*earlier]).max().unwrap_or(0);
+        let mut best: Option<PaperBegin> = None;
+        let from: Vec<PaperPart> = operation.parts().filter_map(|part| self.there(part)).collect();
+        let outlet = operation
+            .stops
+            .first()
+            .filter(|_| operation.comes)
+            .map(|stop| stage::flat(self.ways.site.order, stop.cell));
+        let arrivals: Vec<(u64, Vec<(CellIndex, u64)>)> =
+            from.iter().map(|part| (part.since, self.ways.through(&[(part.at, 0)], &one.stops))).collect();
+        let cells: Vec<CellIndex> = match arrivals.first() {
+            Some((_, reached)) => reached.iter().map(|(cell, _)| *cell).collect(),
+            None => outlet.into_iter().collect(),
+        };
+        for cell in cells {
+            let (mut begin, mut way) = (after, 0);
+            for (since, reached) in &arrivals {
+                let Some((_, steps)) = reached.iter().find(|(at, _)| *at == cell) else { continue };
+                begin = begin.max(since + steps);
+                way += steps;
+            }
+            let place = self.places.get(&cell).copied().unwrap_or_default();
+            let is_taken = place.by.is_some_and(|by| !operation.parts().any(|part| part == by));
+            if place.by.is_none() || is_taken {
+                begin = begin.max(place.free);
+            }
+            let own = PaperBegin { cell, begin, way, is_taken };
+            let key = |one: &PaperBegin| (one.is_taken, one.begin, one.way);
+            if best.is_none_or(|best| key(&own) < key(&best)) {
+                best = Some(own);
+            }
+        }
+        best
+    }
+
+    /// Where a part can leave for an operation; of one that is to come, when it has.
+    fn there(&self, part: usize) -> Option<PaperPart> {
+        let own = self.parts[part]?;
+        let Some(comes) = own.comes else { return Some(own) };
+        let after = self.operations[comes].after.iter().filter_map(|earlier| self.ends[*earlier]).max().unwrap_or(0);
+        let free = self.places.get(&own.at).map_or(0, |place| place.free);
+        Some(PaperPart { since: free.max(after) + self.timed[comes].stay, ..own })
+    }
+
+    /// Dispenses the first droplet that is to come: others wait for that, and nothing for the droplet itself.
+    fn dispense(&mut self) -> bool {
+        let Some(part) = self.parts.iter().position(|part| part.is_some_and(|part| part.comes.is_some())) else {
+            return false;
+        };
+        let Some(own) = self.there(part) else { return false };
+        self.put(part, own.at, own.since);
+        own.comes.into_iter().for_each(|comes| self.done(comes, own.since));
+        true
+    }
+
+    /// Notes that an operation takes place.
+    fn take(&mut self, nth: usize, place: PaperBegin) {
+        let (operation, stay) = (&self.operations[nth], self.timed[nth].stay);
+        self.due.retain(|other| *other != nth);
+        let end = place.begin + stay;
+        for part in operation.parts() {
+            let Some(own) = self.parts[part].take() else { continue };
+            let to = self.ways.through(&[(own.at, 0)], &self.timed[nth].stops);
+            let steps = to.iter().find(|(cell, _)| *cell == place.cell).map_or(0, |(_, steps)| *steps);
+            let left = place.begin.saturating_sub(steps);
+            if let Some(comes) = own.comes {
+                self.done(comes, left);
+            }
+            self.places.insert(own.at, PaperPlace { by: None, free: left + self.change });
+        }
+        self.cells[nth] = (!operation.among.is_empty()).then_some(place.cell);
+        if operation.leaves {
+            self.places.insert(place.cell, PaperPlace { by: None, free: end + self.change });
+        } else {
+            self.put(operation.part, place.cell, end);
+        }
+        if let Some(half) = operation.splits {
+            self.put(half.part, stage::flat(self.ways.site.order, half.cell), end);
+        }
+        self.done(nth, end);
+    }
+
+    fn put(&mut self, part: usize, at: CellIndex, since: u64) {
+        self.parts[part] = Some(PaperPart { at, since, comes: None });
+        self.places.insert(at, PaperPlace { by: Some(part), free: since + self.change });
+    }
+
+    fn done(&mut self, nth: usize, end: u64) {
+        self.ends[nth] = Some(end);
+        for next in std::mem::take(&mut self.followers[nth]) {
+            self.is_done_for(next);
+        }
+    }
+}
