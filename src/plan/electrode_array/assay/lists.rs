@@ -65,7 +65,7 @@ pub(super) fn best(
     let Some(first) = eager else { return patient.or(paper_patient) };
     let improvement = Improvement { first, objective, least: bounds.costs };
     let best = improvement.best(&mut planner, &mut random);
-    [patient, paper_patient].into_iter().flatten().chain([best]).min_by_key(|courses| key(courses))
+    std::iter::once(best).chain(patient).chain(paper_patient).min_by_key(|courses| key(courses))
 }
 
 /// A list that leads to a plan.
