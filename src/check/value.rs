@@ -207,6 +207,15 @@ impl Value {
 
     /// Whether nothing is known of it.
     pub fn is_unknown(&self) -> bool {
+    /// Whether it is a temperature on the Celsius scale, or has one among its coordinates.
+    pub fn is_celsius(&self) -> bool {
+        match self {
+            Value::Quantity(quantity) => quantity.is_celsius,
+            Value::Point(coordinates) => coordinates.iter().any(|coordinate| coordinate.is_celsius),
+            _ => false,
+        }
+    }
+
         matches!(self, Value::Unknown)
     }
 }
