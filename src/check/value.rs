@@ -90,6 +90,8 @@ pub struct BoardFile {
 pub struct LeftOut {
     /// On one channel with others, some of which are off the lattice.
     pub sharing: Vec<String>,
+    /// At places of the lattice from which there is no way to the others.
+    pub cut_off: Vec<String>,
     /// Of another size than most, between the places of the others, or away from all of them.
     pub off_lattice: Vec<String>,
 }
@@ -205,8 +207,6 @@ impl Value {
         }
     }
 
-    /// Whether nothing is known of it.
-    pub fn is_unknown(&self) -> bool {
     /// Whether it is a temperature on the Celsius scale, or has one among its coordinates.
     pub fn is_celsius(&self) -> bool {
         match self {
@@ -216,6 +216,8 @@ impl Value {
         }
     }
 
+    /// Whether nothing is known of it.
+    pub fn is_unknown(&self) -> bool {
         matches!(self, Value::Unknown)
     }
 }
