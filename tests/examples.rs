@@ -107,6 +107,19 @@ fn a_file_without_tasks_is_only_there_to_be_used() {
 }
 
 #[test]
+fn a_sheet_says_what_its_prompts_ask() {
+    let text = examples().into_iter().find(|(name, _)| name == "electrode_array_dropbot.twz").map(|(_, text)| text);
+    let files = build_in(&folder(), &text.expect("the example")).files();
+    let sheet = files.iter().find(|file| file.name == "dilute.sheet.md").expect("a sheet");
+    let sheet = String::from_utf8(sheet.bytes.clone()).expect("a text");
+    let row =
+        "| 3.5 s | 4.5 s at the answer | chip | **put the lid on, then start the camera**, until it is answered |\n";
+    assert!(sheet.contains(row) && sheet.contains("count on from the answer."), "{sheet}");
+    assert!(sheet.contains("| 4.5 s | 9.5 s | chip | nothing moves |\n"), "{sheet}");
+    assert_eq!(sheet.matches("nothing moves").count(), 2, "{sheet}");
+}
+
+#[test]
 fn a_sheet_says_what_to_load_and_what_is_left() {
     let text = examples().into_iter().find(|(name, _)| name == "electrode_array_dilute.twz").map(|(_, text)| text);
     let files = build_in(&folder(), &text.expect("the example")).files();
@@ -120,6 +133,7 @@ fn a_sheet_says_what_to_load_and_what_is_left() {
     has("`half0`, 1 droplet: 1/2 buffer, 1/2 dye; ");
     has("`half5`, 1 droplet: 63/64 buffer, 1/64 dye |\n");
     has("| left at (14, 1) | `sample`, 1 droplet: 63/64 buffer, 1/64 dye |\n");
+    assert!(!sheet.contains("prompt"), "it waits for nobody:\n{sheet}");
     // Every operation has its row, in the order of time.
     let run = sheet.split("## Run").nth(1).and_then(|rest| rest.split("## After").next()).expect("a table");
     assert_eq!(run.lines().filter(|line| line.contains("| chip |")).count(), 2 + 6 * 6);

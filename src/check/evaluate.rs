@@ -9,6 +9,7 @@ use crate::device::shape::ShapeForm;
 use crate::quantity::{Quantity, Unit, UnitError};
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{Expr, ExprKind, Field, Ident, Operator, Path, Table, Text, TextPart};
+use std::borrow::Cow;
 use std::rc::Rc;
 
 /// Greatest number of elements of a list, and the widest range.
@@ -31,8 +32,11 @@ impl Checker<'_> {
             ExprKind::List(parts) => self.list(parts, expr.span, scope),
             ExprKind::Range { from, to } => self.range(from, to, scope),
             ExprKind::Negative(inner) => {
-                // The zero of a unit may not be that of its dimension: `-5 degC` is a little less than `0 degC`.
-                if let ExprKind::Quantity { number, unit } = &inner.kind {
+                // The zero of a unit may not be that of its dimension: `-5 degC` is a little less than `0 degC`, and the sign is of the
+                // number. In brackets it is of the temperature.
+                if let ExprKind::Quantity { number, unit } = &inner.kind
+                    && inner.span.end == unit.span.end
+                {
                     return self.quantity(&format!("-{number}"), Some(unit), expr.span);
                 }
                 self.negative(inner, expr.span, scope)
@@ -238,6 +242,7 @@ impl Checker<'_> {
 
     fn negative(&mut self, inner: &Expr, span: Span, scope: &Scope) -> Value {
         match self.evaluate(inner, scope) {
+            value if value.is_celsius() => self.unknown(errors::celsius_operand(inner.span, "-", &value)),
             Value::Quantity(quantity) => Value::Quantity(Quantity { si: -quantity.si, ..quantity }),
             Value::Point(coordinates) => {
                 Value::Point(coordinates.into_iter().map(|c| Quantity { si: -c.si, ..c }).collect())
@@ -343,8 +348,8 @@ impl Checker<'_> {
     /// A table's cell: a bare number takes the unit of its column, a bare word is that word.
     fn cell(&mut self, cell: &Expr, unit: Option<Unit>, header: Option<&Ident>, scope: &Scope) -> Spanned<Value> {
         let value = match (bare_number(cell), unit) {
-            (Some((sign, digits)), Some(unit)) => match unit.of(digits) {
-                Some(quantity) => Value::Quantity(Quantity { si: sign * quantity.si, ..quantity }),
+            (Some(number), Some(unit)) => match unit.of(&number) {
+                Some(quantity) => Value::Quantity(quantity),
                 None => self.unknown(errors::not_finite(cell.span)),
             },
             _ => self.cell_value(cell, header, scope),
@@ -375,11 +380,14 @@ impl Checker<'_> {
     }
 }
 
-/// The sign and the digits of a number without a unit.
-fn bare_number(expr: &Expr) -> Option<(f64, &str)> {
+/// The digits of a number without a unit, with its sign.
+fn bare_number(expr: &Expr) -> Option<Cow<'_, str>> {
     match &expr.kind {
-        ExprKind::Number(digits) => Some((1.0, digits)),
-        ExprKind::Negative(inner) => bare_number(inner).map(|(sign, digits)| (-sign, digits)),
+        ExprKind::Number(digits) => Some(digits.into()),
+        ExprKind::Negative(inner) => {
+            let digits = bare_number(inner)?;
+            Some(digits.strip_prefix('-').map_or_else(|| format!("-{digits}"), str::to_owned).into())
+        }
         _ => None,
     }
 }

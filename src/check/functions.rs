@@ -18,8 +18,8 @@ pub fn apply_operator((operator, span): (Operator, Span), a: &Spanned<Value>, b:
     }
     let (left, right) = ((a.span, &a.value), (b.span, &b.value));
     let value = match operator {
-        Operator::Add => sum("+", left, right, |x, y| x + y)?,
-        Operator::Subtract => sum("-", left, right, |x, y| x - y)?,
+        Operator::Add => sum("+", left, right)?,
+        Operator::Subtract => sum("-", left, right)?,
         Operator::Multiply => product(span, left, right)?,
         Operator::Divide => quotient(span, left, right)?,
         Operator::Power => power(span, left, right)?,
@@ -42,21 +42,38 @@ fn finite(value: Value, span: Span) -> Diagnosed<Value> {
     if is_finite { Ok(value) } else { Err(Box::new(errors::not_finite(span))) }
 }
 
-fn sum(symbol: &str, left: Operand, right: Operand, join: impl Fn(f64, f64) -> f64) -> Diagnosed<Value> {
-    let join = |a: Quantity, b: Quantity| Quantity { si: join(a.si, b.si), ..a };
+/// A sum, or a difference for `-`. Of two temperatures on the Celsius scale there is a difference, on no scale of its own, and no sum.
+fn sum(symbol: &str, left: Operand, right: Operand) -> Diagnosed<Value> {
+    let is_sum = symbol == "+";
+    let join = |a: &Quantity, b: &Quantity| {
+        let is_celsius = if is_sum { a.is_celsius || b.is_celsius } else { a.is_celsius && !b.is_celsius };
+        Quantity { si: if is_sum { a.si + b.si } else { a.si - b.si }, dimension: a.dimension, is_celsius }
+    };
     match (left.1, right.1) {
-        (Value::Quantity(a), Value::Quantity(b)) if a.dimension == b.dimension => Ok(Value::Quantity(join(*a, *b))),
+        _ if is_sum && left.1.is_celsius() && right.1.is_celsius() => {
+            Err(Box::new(errors::sum_of_celsius(left, right)))
+        }
+        (Value::Quantity(a), Value::Quantity(b)) if a.dimension == b.dimension => Ok(Value::Quantity(join(a, b))),
         (Value::Point(a), Value::Point(b)) if a.len() == b.len() && a[0].dimension == b[0].dimension => {
-            Ok(Value::Point(a.iter().zip(b).map(|(a, b)| join(*a, *b)).collect()))
+            Ok(Value::Point(a.iter().zip(b).map(|(a, b)| join(a, b)).collect()))
         }
         _ => Err(Box::new(errors::unlike_operands(symbol, left, right))),
     }
 }
 
+/// Refuses an operand whose kelvins would be multiplied, where its degrees are meant.
+fn no_celsius(symbol: &str, operands: &[Operand]) -> Diagnosed<()> {
+    match operands.iter().find(|(_, value)| value.is_celsius()) {
+        Some((span, value)) => Err(Box::new(errors::celsius_operand(*span, symbol, value))),
+        None => Ok(()),
+    }
+}
+
 fn product(span: Span, left: Operand, right: Operand) -> Diagnosed<Value> {
+    no_celsius("*", &[left, right])?;
     let times = |a: Quantity, b: Quantity| {
         let dimension = a.dimension.times(b.dimension).ok_or_else(|| Box::new(errors::exponent_too_large(span)))?;
-        Ok(Quantity { si: a.si * b.si, dimension })
+        Ok(Quantity::new(a.si * b.si, dimension))
     };
     match (left.1, right.1) {
         (Value::Quantity(a), Value::Quantity(b)) => times(*a, *b).map(Value::Quantity),
@@ -69,6 +86,7 @@ fn product(span: Span, left: Operand, right: Operand) -> Diagnosed<Value> {
 }
 
 fn quotient(span: Span, left: Operand, right: Operand) -> Diagnosed<Value> {
+    no_celsius("/", &[left, right])?;
     let Value::Quantity(divisor) = right.1 else {
         return Err(Box::new(errors::unlike_operands("/", left, right)));
     };
@@ -78,7 +96,7 @@ fn quotient(span: Span, left: Operand, right: Operand) -> Diagnosed<Value> {
     let over = |a: Quantity| {
         let dimension =
             a.dimension.over(divisor.dimension).ok_or_else(|| Box::new(errors::exponent_too_large(span)))?;
-        Ok(Quantity { si: a.si / divisor.si, dimension })
+        Ok(Quantity::new(a.si / divisor.si, dimension))
     };
     match left.1 {
         Value::Quantity(a) => over(*a).map(Value::Quantity),
@@ -91,6 +109,7 @@ fn quotient(span: Span, left: Operand, right: Operand) -> Diagnosed<Value> {
 }
 
 fn power(span: Span, left: Operand, right: Operand) -> Diagnosed<Value> {
+    no_celsius("^", &[left, right])?;
     let (Value::Quantity(base), Value::Quantity(exponent)) = (left.1, right.1) else {
         return Err(Box::new(errors::unlike_operands("^", left, right)));
     };
@@ -101,7 +120,7 @@ fn power(span: Span, left: Operand, right: Operand) -> Diagnosed<Value> {
         return Err(Box::new(errors::bad_exponent(right.0, right.1)));
     };
     let dimension = base.dimension.power(whole).ok_or_else(|| Box::new(errors::exponent_too_large(span)))?;
-    Ok(Value::Quantity(Quantity { si: base.si.whole_power(whole), dimension }))
+    Ok(Value::Quantity(Quantity::new(base.si.whole_power(whole), dimension)))
 }
 
 fn comparison(operator: Operator, left: Operand, right: Operand) -> Diagnosed<Value> {
@@ -138,6 +157,7 @@ pub fn apply_function(name: &str, span: Span, arguments: &[Spanned<Value>]) -> D
         return Ok(Value::Unknown);
     }
     match (name, arguments) {
+        ("abs", [a]) if a.value.is_celsius() => Err(Box::new(errors::celsius_operand(a.span, name, &a.value))),
         ("abs", [a]) => on_quantity(name, a, |q| Some(Quantity { si: q.si.abs(), ..q })),
         ("round", [a]) => on_number(name, a, f64::round),
         ("floor", [a]) => on_number(name, a, f64::floor),
@@ -174,11 +194,12 @@ fn on_angle(name: &str, a: &Spanned<Value>, change: impl Fn(f64) -> f64) -> Diag
 fn square_root(a: &Spanned<Value>) -> Diagnosed<Value> {
     on_quantity("sqrt", a, |q| {
         let dimension = q.dimension.square_root()?;
-        (q.si >= 0.0).then(|| Quantity { si: q.si.sqrt(), dimension })
+        (q.si >= 0.0).then(|| Quantity::new(q.si.sqrt(), dimension))
     })
 }
 
 fn arc_tangent(y: &Spanned<Value>, x: &Spanned<Value>) -> Diagnosed<Value> {
+    no_celsius("atan2", &[(y.span, &y.value), (x.span, &x.value)])?;
     match (&y.value, &x.value) {
         (Value::Quantity(a), Value::Quantity(b)) if a.dimension == b.dimension => {
             Ok(Value::Quantity(Quantity::new(a.si.arc_tangent_over(b.si), Dimension::ANGLE)))
@@ -268,4 +289,53 @@ fn quaternion(span: Span, parts: [&Spanned<Value>; 4]) -> Diagnosed<Value> {
         return Err(Box::new(errors::no_unit_quaternion(span, numbers, norm)));
     }
     Ok(Value::Orientation(orientation::unit(numbers)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantity::Unit;
+
+    fn of(digits: &str, unit: &str) -> Spanned<Value> {
+        let quantity = Unit::parse(unit).expect("a unit").of(digits).expect("a number");
+        Spanned::new(Value::Quantity(quantity), Span::default())
+    }
+
+    fn joined(a: &Spanned<Value>, operator: Operator, b: &Spanned<Value>) -> Option<Spanned<Value>> {
+        let value = apply_operator((operator, Span::default()), a, b).ok()?;
+        Some(Spanned::new(value, Span::default()))
+    }
+
+    /// The scale goes with the value, not with the way in which it was written.
+    #[test]
+    fn celsius_temperatures_have_differences_and_no_multiples() {
+        use Operator::{Add, Divide, Multiply, Power, Subtract};
+        let (warm, cool, step) = (of("60", "degC"), of("25", "degC"), of("5", "K"));
+        let two = Spanned::new(Value::number(2.0), Span::default());
+        let shown = |value: &Spanned<Value>| match &value.value {
+            Value::Quantity(quantity) => (quantity.in_unit("K"), quantity.is_celsius),
+            other => panic!("{other:?}"),
+        };
+        for (a, operator, b, expected) in [
+            (&warm, Subtract, &cool, (35.0, false)),
+            (&warm, Subtract, &step, (328.15, true)),
+            (&warm, Add, &step, (338.15, true)),
+            (&step, Add, &warm, (338.15, true)),
+            (&step, Multiply, &two, (10.0, false)),
+        ] {
+            let value = joined(a, operator, b).expect("a value");
+            let ((kelvins, is_celsius), (right, scale)) = (shown(&value), expected);
+            assert!((kelvins - right).abs() < 1e-9 && is_celsius == scale, "{kelvins} {is_celsius}, not {expected:?}");
+        }
+        let warmer = joined(&warm, Add, &step).expect("a value");
+        let difference = joined(&warm, Subtract, &cool).expect("a value");
+        for value in [&warm, &warmer] {
+            for operator in [Multiply, Divide] {
+                assert!(joined(value, operator, &two).is_none() && joined(&two, operator, value).is_none());
+            }
+            assert!(joined(value, Add, &cool).is_none() && joined(value, Power, &two).is_none());
+            assert!(apply_function("abs", Span::default(), std::slice::from_ref(value)).is_err());
+        }
+        assert!(joined(&difference, Multiply, &two).is_some() && joined(&cool, Add, &difference).is_some());
+    }
 }

@@ -33,6 +33,10 @@ struct Draft {
     runs: Vec<RunSite>,
     /// The programs that are being read, the outermost first.
     open: Vec<DeclarationPlace>,
+    /// The `run`s that led here, the outermost first.
+    trail: Vec<Span>,
+    /// For each run of a task, the `run`s that led to it and its own.
+    trails: Vec<Vec<Span>>,
     /// Runs and waits counted.
     parts: usize,
     /// Steps of tasks counted.
@@ -54,6 +58,16 @@ enum DraftState {
 impl Draft {
     fn become_at_least(&mut self, state: DraftState) {
         self.state = self.state.max(state);
+    }
+
+    /// Where two runs of tasks are written; if that is one line of a program that is run twice, where that is run.
+    fn told_apart(&self, first: usize, second: usize) -> [Span; 2] {
+        let spans = [first, second].map(|run| self.runs[run].span);
+        let [one, other] = [first, second].map(|run| self.trails.get(run).into_iter().flatten().copied());
+        match one.zip(other).find(|(one, other)| one != other) {
+            Some((one, other)) if spans[0] == spans[1] => [one, other],
+            Some(_) | None => spans,
+        }
     }
 }
 
@@ -218,6 +232,7 @@ impl<'a> Checker<'a> {
             return Timeline::Sequence(Vec::new());
         };
         let scene = item.scene.as_ref().and_then(|path| self.find(path, &self.top(run.task)));
+        draft.trails.push(draft.trail.clone());
         draft.runs.push(RunSite { device, scene: scene.map(|(scene, _)| scene), span: run.span });
         let timeline = Timeline::Run(draft.runs.len() - 1);
         let Some(job) = job else {
@@ -343,7 +358,10 @@ impl<'a> Checker<'a> {
         };
         let place = self.resolve(path, scope, sort)?;
         let values = self.arguments(place, path.span, arguments, scope)?;
-        Some(self.run(place, values, step.span, draft))
+        draft.trail.push(step.span);
+        let timeline = self.run(place, values, step.span, draft);
+        draft.trail.pop();
+        Some(timeline)
     }
 
     fn arguments(
@@ -435,19 +453,20 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// A device in two runs at a time is an error at both places.
-    fn one_thing_at_a_time(&mut self, timeline: &Timeline, draft: &Draft) -> BTreeMap<DeclarationPlace, Span> {
+    /// A device in two runs at a time is an error at both places. Each device with a run of it, by its index.
+    fn one_thing_at_a_time(&mut self, timeline: &Timeline, draft: &Draft) -> BTreeMap<DeclarationPlace, usize> {
         match timeline {
-            Timeline::Run(job) => BTreeMap::from([(draft.runs[*job].device, draft.runs[*job].span)]),
+            Timeline::Run(run) => BTreeMap::from([(draft.runs[*run].device, *run)]),
             Timeline::Wait(_) => BTreeMap::new(),
             Timeline::Sequence(parts) => parts.iter().flat_map(|part| self.one_thing_at_a_time(part, draft)).collect(),
             Timeline::Together(parts) => {
-                let mut busy: BTreeMap<DeclarationPlace, Span> = BTreeMap::new();
+                let mut busy: BTreeMap<DeclarationPlace, usize> = BTreeMap::new();
                 for part in parts {
-                    for (device, span) in self.one_thing_at_a_time(part, draft) {
-                        if let Some(earlier) = busy.insert(device, span) {
+                    for (device, run) in self.one_thing_at_a_time(part, draft) {
+                        if let Some(earlier) = busy.insert(device, run) {
                             let (name, _) = self.named(device);
-                            self.sink.push(errors::two_things_at_once(name, earlier, span));
+                            let [first, second] = draft.told_apart(earlier, run);
+                            self.sink.push(errors::two_things_at_once(name, first, second));
                         }
                     }
                 }

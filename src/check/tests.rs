@@ -222,6 +222,25 @@ fn settings_replace_values_of_the_own_and_of_used_files() {
     }
 }
 
+/// A file that is there needs no advice about its folder.
+#[test]
+fn a_file_that_is_no_text_is_to_be_saved_as_one() {
+    struct Wide;
+    impl Library for Wide {
+        fn read(&self, _from: &str, path: &str) -> Result<(String, String), String> {
+            Err(if path == "wide.twz" { "`wide.twz` is not UTF-8 at byte 0, in line 1" } else { "there is none" }
+                .to_owned())
+        }
+    }
+    let help = |text: &str| {
+        let (mut sources, mut sink) = (Sources::default(), Sink::default());
+        imports::load(&mut sources, "main.twz", text, &Wide, &mut sink);
+        sink.sorted().first().and_then(|diagnostic| diagnostic.help.clone()).unwrap_or_default()
+    };
+    assert!(help("use \"wide.twz\"\n").contains("UTF-8"));
+    assert!(help("use \"other.twz\"\n").contains("folder"));
+}
+
 #[test]
 fn a_file_that_cannot_be_used_is_said_once() {
     let text = format!("use \"lab.twz\" as lab\n{HEAD}task t on bot in lab.s {{ move to lab.y }}");

@@ -90,6 +90,8 @@ pub struct BoardFile {
 pub struct LeftOut {
     /// On one channel with others, some of which are off the lattice.
     pub sharing: Vec<String>,
+    /// At places of the lattice from which there is no way to the others.
+    pub cut_off: Vec<String>,
     /// Of another size than most, between the places of the others, or away from all of them.
     pub off_lattice: Vec<String>,
 }
@@ -202,6 +204,15 @@ impl Value {
             Value::List(list) => list.len(),
             Value::Table(table) => table.rows.len() * table.columns.len(),
             _ => 0,
+        }
+    }
+
+    /// Whether it is a temperature on the Celsius scale, or has one among its coordinates.
+    pub fn is_celsius(&self) -> bool {
+        match self {
+            Value::Quantity(quantity) => quantity.is_celsius,
+            Value::Point(coordinates) => coordinates.iter().any(|coordinate| coordinate.is_celsius),
+            _ => false,
         }
     }
 

@@ -292,7 +292,7 @@ impl Unit {
         let ten = exponent.checked_add(self.ten)?;
         let scaled: f64 = format!("{mantissa}e{ten}").parse().ok()?;
         let si = scaled * self.factor + self.zero;
-        si.is_finite().then_some(Quantity { si, dimension: self.dimension })
+        si.is_finite().then_some(Quantity { si, dimension: self.dimension, is_celsius: self.zero != 0.0 })
     }
 
     /// How many base units one of this unit is.
@@ -356,21 +356,31 @@ pub fn common_units() -> Vec<String> {
 }
 
 /// A number in SI base units (radians for an angle) with its dimension; always finite.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Quantity {
     pub si: f64,
     pub dimension: Dimension,
+    /// Whether it is a place on the scale that begins at 0 degC. Such a place has differences, but neither multiples nor a sum with
+    /// another one: twice 30 degC would be 333.15 degC.
+    pub is_celsius: bool,
+}
+
+/// Equal temperatures are equal on whatever scale they were written.
+impl PartialEq for Quantity {
+    fn eq(&self, other: &Quantity) -> bool {
+        (self.si, self.dimension) == (other.si, other.dimension)
+    }
 }
 
 impl Quantity {
     /// A plain number.
     pub fn number(value: f64) -> Self {
-        Quantity { si: value, dimension: Dimension::NUMBER }
+        Quantity::new(value, Dimension::NUMBER)
     }
 
     /// So many base units of a dimension.
     pub fn new(si: f64, dimension: Dimension) -> Self {
-        Quantity { si, dimension }
+        Quantity { si, dimension, is_celsius: false }
     }
 
     /// The value in a unit of its own dimension, read off without the error of a product with a power of ten.

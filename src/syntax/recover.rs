@@ -235,6 +235,14 @@ impl Reader<'_> {
         {
             return slips::blank_in_name(span, text).unwrap_or_else(|| errors::missing_colon(span, name, text));
         }
+        if let Some((at, inner)) = value_without_colon(text) {
+            let start = span.start as usize + at;
+            return errors::missing_colon(
+                around::part(span, start, start + inner.len()),
+                around::token_at(inner, 0),
+                inner,
+            );
+        }
         let rule = match place {
             ListPlace::Fields => Rule::one_field,
             ListPlace::Scene => Rule::one_object,
@@ -328,6 +336,22 @@ fn field_without_colon(text: &str) -> Option<&str> {
     let value = rest.trim_start_matches([' ', '\t']);
     let is_value = value.starts_with(|c: char| is_word(c) || matches!(c, '(' | '[' | '"' | '-'));
     (name.starts_with(is_word) && value.len() < rest.len() && is_value).then_some(name)
+}
+
+/// The first field of a value such as `disc { radius 1 um }` in a text, where its colon is missing, and where it begins.
+fn value_without_colon(text: &str) -> Option<(usize, &str)> {
+    text.match_indices('{').find_map(|(brace, _)| {
+        let before = text[..brace].trim_end();
+        let head = before.trim_end_matches(|c| is_word(c) || c == '.');
+        // A brace has fields behind what something is, `a : disc {`, but steps, objects or rows elsewhere.
+        let has_fields = head.len() < before.len()
+            && head.trim_end().ends_with([':', '='])
+            && !matches!(&before[head.len()..], "table");
+        let inner = text[brace + 1..].trim_start();
+        let end = inner.find(['}', ',', '\n']).unwrap_or(inner.len());
+        let field = inner[..end].trim_end();
+        (has_fields && field_without_colon(field).is_some()).then(|| (text.len() - inner.len(), field))
+    })
 }
 
 /// The bracket that is open at the end of a text.

@@ -1,8 +1,9 @@
 //! The lattice on which most electrodes of a drawing lie.
 //!
-//! The pitch is the median of the distances from each electrode to its nearest. Two electrodes are neighbours if one lies a pitch beside or
-//! above the other, within a share of it; the largest set that hangs together is the board. Places are counted from neighbour to neighbour,
-//! so that an error of the pitch does not grow. Cost grows with the square of the number of electrodes.
+//! The pitch is the median of the distances from each electrode to its nearest, or their upper quartile where more electrodes hang together
+//! with that: electrodes over others make distances too small. Two electrodes are neighbours if one lies a pitch beside or above the other,
+//! within a share of it; the largest set that hangs together is the board. Places are counted from neighbour to neighbour, so that an error
+//! of the pitch does not grow. Cost grows with the square of the number of electrodes.
 
 use super::DrawnElectrode;
 use crate::check::value::{BoardFile, LeftOut};
@@ -15,11 +16,20 @@ const OFF_PLACE: f64 = 0.2;
 /// The least and the greatest side of an electrode of the lattice, in pitches.
 const SIDES: [f64; 2] = [0.5, 1.3];
 
+/// How much the sides of an electrode of the lattice that is cut off from the others may differ from theirs, as a share.
+const OTHER_SIDES: f64 = 0.25;
+
 /// Turns after which every shared channel is left out.
 const MOST_TURNS: usize = 8;
 
 /// A column and a row, downwards, counted from an electrode.
 type LatticePlace = [i64; 2];
+
+/// Electrodes that hang together, by their index, and the distance from one to the next; 0 for one alone.
+struct Lattice {
+    places: BTreeMap<usize, LatticePlace>,
+    spacing: f64,
+}
 
 /// The board of a drawing.
 ///
@@ -27,7 +37,8 @@ type LatticePlace = [i64; 2];
 /// Why it is none, as the rest of a sentence.
 pub(super) fn board(path: &str, electrodes: Vec<DrawnElectrode>, limits: BoardLimits) -> Result<BoardFile, String> {
     let BoardLimits { most_side, .. } = limits;
-    let (places, sharing) = whole_channels(&electrodes).ok_or("has no electrode with a channel on a lattice")?;
+    let (Lattice { places, spacing }, sharing) =
+        whole_channels(&electrodes).ok_or("has no electrode with a channel on a lattice")?;
     let axis = |axis: usize| {
         let values = || places.values().map(|place| place[axis]);
         values().min().zip(values().max()).unwrap_or_default()
@@ -38,6 +49,7 @@ pub(super) fn board(path: &str, electrodes: Vec<DrawnElectrode>, limits: BoardLi
     let (Some(columns), Some(rows)) = (columns, rows) else {
         return Err(format!("has {} columns and {} rows, at most {most_side} are planned with", sides[0], sides[1]));
     };
+    let cut_off = cut_off(&electrodes, &places, spacing);
     let mut channels = vec![None; columns as usize * rows as usize];
     let mut left_out = LeftOut::default();
     for (index, electrode) in electrodes.into_iter().enumerate() {
@@ -45,6 +57,7 @@ pub(super) fn board(path: &str, electrodes: Vec<DrawnElectrode>, limits: BoardLi
         match cell.and_then(|cell| channels.get_mut(cell)) {
             Some(place @ None) => *place = Some(electrode.channel),
             Some(Some(_)) | None if sharing.contains(&electrode.channel) => left_out.sharing.push(electrode.name),
+            Some(Some(_)) | None if cut_off.contains(&index) => left_out.cut_off.push(electrode.name),
             Some(Some(_)) | None => left_out.off_lattice.push(electrode.name),
         }
     }
@@ -53,7 +66,7 @@ pub(super) fn board(path: &str, electrodes: Vec<DrawnElectrode>, limits: BoardLi
 
 /// The places of the electrodes whose channels switch none off the lattice, and the shared channels that do: what those electrodes pull
 /// is not known. Each turn leaves out some more channels.
-fn whole_channels(electrodes: &[DrawnElectrode]) -> Option<(BTreeMap<usize, LatticePlace>, BTreeSet<u32>)> {
+fn whole_channels(electrodes: &[DrawnElectrode]) -> Option<(Lattice, BTreeSet<u32>)> {
     let mut uses: BTreeMap<u32, u32> = BTreeMap::new();
     electrodes.iter().for_each(|electrode| *uses.entry(electrode.channel).or_default() += 1);
     let is_shared = |channel: u32| uses.get(&channel).is_some_and(|count| *count > 1);
@@ -65,29 +78,45 @@ fn whole_channels(electrodes: &[DrawnElectrode]) -> Option<(BTreeMap<usize, Latt
         let kept: Vec<usize> =
             (0..electrodes.len()).filter(|index| !left_out.contains(&electrodes[*index].channel)).collect();
         let own: Vec<DrawnElectrode> = kept.iter().map(|index| electrodes[*index].clone()).collect();
-        let places = places(&own)?;
+        let Lattice { places, spacing } = lattice(&own)?;
         let off = (0..own.len()).filter(|index| !places.contains_key(index)).map(|index| own[index].channel);
         let torn: BTreeSet<u32> = off.filter(|channel| is_shared(*channel)).collect();
         if torn.is_empty() {
-            return Some((places.into_iter().map(|(index, place)| (kept[index], place)).collect(), left_out));
+            let places = places.into_iter().map(|(index, place)| (kept[index], place)).collect();
+            return Some((Lattice { places, spacing }, left_out));
         }
         left_out.extend(torn);
     }
     None
 }
 
-/// The places of the largest set of electrodes that hang together, by their index; `None` without an electrode that has bounds.
-fn places(electrodes: &[DrawnElectrode]) -> Option<BTreeMap<usize, LatticePlace>> {
-    let drawn = || electrodes.iter().enumerate().filter_map(|(index, electrode)| Some((index, electrode.bounds?)));
-    let middles: Vec<(usize, [f64; 2])> = drawn().map(|(index, bounds)| (index, middle(bounds))).collect();
-    let Some(spacing) = spacing(&middles) else {
+/// The largest set of electrodes that hang together; `None` without an electrode that has bounds.
+fn lattice(electrodes: &[DrawnElectrode]) -> Option<Lattice> {
+    let drawn = electrodes.iter().enumerate().filter_map(|(index, electrode)| Some((index, electrode.bounds?)));
+    let drawn: Vec<(usize, [f64; 4])> = drawn.collect();
+    let middles: Vec<(usize, [f64; 2])> = drawn.iter().map(|(index, bounds)| (*index, middle(*bounds))).collect();
+    let Some([median, upper]) = spacings(&middles) else {
         let (alone, _) = middles.first()?;
-        return Some(BTreeMap::from([(*alone, [0, 0])]));
+        return Some(Lattice { places: BTreeMap::from([(*alone, [0, 0])]), spacing: 0.0 });
     };
-    let fits = |side: f64| (SIDES[0] * spacing..=SIDES[1] * spacing).contains(&side);
-    let mut open: BTreeMap<usize, [f64; 2]> = drawn()
-        .filter(|(_, [left, top, right, bottom])| fits(right - left) && fits(bottom - top))
-        .map(|(index, bounds)| (index, middle(bounds)))
+    let mut largest = Lattice { places: places(&drawn, median), spacing: median };
+    if largest.places.len() < drawn.len() && upper > median {
+        let other = places(&drawn, upper);
+        if other.len() > largest.places.len() {
+            largest = Lattice { places: other, spacing: upper };
+        }
+    }
+    (!largest.places.is_empty()).then_some(largest)
+}
+
+/// The places of the largest set of electrodes that hang together at a distance, by their index.
+fn places(drawn: &[(usize, [f64; 4])], spacing: f64) -> BTreeMap<usize, LatticePlace> {
+    let mut open: BTreeMap<usize, [f64; 2]> = drawn
+        .iter()
+        .filter(|(_, bounds)| {
+            sides(*bounds).iter().all(|side| (SIDES[0] * spacing..=SIDES[1] * spacing).contains(side))
+        })
+        .map(|(index, bounds)| (*index, middle(*bounds)))
         .collect();
     let mut largest: BTreeMap<usize, LatticePlace> = BTreeMap::new();
     while let Some((index, at)) = open.pop_first() {
@@ -96,7 +125,34 @@ fn places(electrodes: &[DrawnElectrode]) -> Option<BTreeMap<usize, LatticePlace>
             largest = found;
         }
     }
-    (!largest.is_empty()).then_some(largest)
+    largest
+}
+
+/// The electrodes on free places of the lattice, to which no droplet comes from the others, by their index.
+fn cut_off(electrodes: &[DrawnElectrode], places: &BTreeMap<usize, LatticePlace>, spacing: f64) -> BTreeSet<usize> {
+    let placed: Vec<([f64; 4], LatticePlace)> =
+        places.iter().filter_map(|(index, place)| Some((electrodes.get(*index)?.bounds?, *place))).collect();
+    let taken: BTreeSet<LatticePlace> = places.values().copied().collect();
+    let is_cut_off = |bounds: [f64; 4]| {
+        let [x, y] = middle(bounds);
+        let steps_to = |other: [f64; 4]| {
+            let [from_x, from_y] = middle(other);
+            [(x - from_x) / spacing, (y - from_y) / spacing]
+        };
+        let far = |other: [f64; 4]| steps_to(other).map(|step| step * step).iter().sum::<f64>();
+        // Counted from the nearest, so that an error of the pitch stays small.
+        let Some((near, [column, row])) = placed.iter().min_by(|a, b| far(a.0).total_cmp(&far(b.0))) else {
+            return false;
+        };
+        let steps = steps_to(*near);
+        let place = [column + steps[0].round() as i64, row + steps[1].round() as i64];
+        let is_alike = |(side, other): (&f64, &f64)| (side - other).abs() <= OTHER_SIDES * other;
+        steps.iter().all(|step| (step - step.round()).abs() <= OFF_PLACE)
+            && sides(bounds).iter().zip(&sides(*near)).all(is_alike)
+            && !taken.contains(&place)
+    };
+    let others = electrodes.iter().enumerate().filter(|(index, _)| spacing > 0.0 && !places.contains_key(index));
+    others.filter(|(_, electrode)| electrode.bounds.is_some_and(is_cut_off)).map(|(index, _)| index).collect()
 }
 
 /// The electrodes that can be reached from one, each with its place; they are taken from those that are open.
@@ -131,8 +187,13 @@ fn middle([left, top, right, bottom]: [f64; 4]) -> [f64; 2] {
     [(left + right) / 2.0, (top + bottom) / 2.0]
 }
 
-/// The median of the distances to the nearest; `None` for less than two electrodes.
-fn spacing(middles: &[(usize, [f64; 2])]) -> Option<f64> {
+/// Width and height.
+fn sides([left, top, right, bottom]: [f64; 4]) -> [f64; 2] {
+    [right - left, bottom - top]
+}
+
+/// The median and the upper quartile of the distances to the nearest; `None` for less than two electrodes.
+fn spacings(middles: &[(usize, [f64; 2])]) -> Option<[f64; 2]> {
     let nearest = |(index, at): &(usize, [f64; 2])| {
         let others = middles.iter().filter(|(other, _)| other != index);
         let apart = others.map(|(_, other)| [other[0] - at[0], other[1] - at[1]]);
@@ -141,5 +202,6 @@ fn spacing(middles: &[(usize, [f64; 2])]) -> Option<f64> {
     };
     let mut squares: Vec<f64> = middles.iter().filter_map(nearest).collect();
     squares.sort_by(f64::total_cmp);
-    squares.get(squares.len() / 2).map(|square| square.sqrt())
+    let at = |index: usize| squares.get(index).map(|square| square.sqrt());
+    Some([at(squares.len() / 2)?, at(squares.len() * 3 / 4)?])
 }

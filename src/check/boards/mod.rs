@@ -1,8 +1,8 @@
 //! Files of boards: which of them a program names, and their electrodes as cells, each file read once.
 //!
 //! Three forms are known by what is in them: board definitions of PurpleDrop, the list of electrodes of OpenDrop's program, and device
-//! files of MicroDrop. Electrodes on one lattice, from each of which a droplet can go to the next, become cells; those off the lattice, and
-//! all that share a channel with such, are left out.
+//! files of MicroDrop. Electrodes on one lattice, from each of which a droplet can go to the next, become cells; those off the lattice or
+//! cut off from the rest, and all that share a channel with such, are left out.
 
 mod lattice;
 mod lists;
@@ -59,7 +59,11 @@ pub fn named(tree: &tree::Tree) -> Vec<&Text> {
 /// # Errors
 /// What is wrong with the file, as the rest of a sentence that begins with its name.
 fn read(path: &str, text: &str, limits: BoardLimits) -> Result<BoardFile, String> {
-    let is_picture = text.trim_start_matches('\u{feff}').trim_start().starts_with('<');
+    let written = text.trim_start_matches('\u{feff}').trim_start();
+    if written.is_empty() {
+        return Err("is empty".to_owned());
+    }
+    let is_picture = written.starts_with('<');
     let electrodes = if is_picture { pictures::read(text, limits)? } else { lists::read(text, limits)? };
     if electrodes.is_empty() {
         return Err("has no electrode with a channel".to_owned());

@@ -30,8 +30,11 @@ pub(super) fn read(text: &str, BoardLimits { most_channel, .. }: BoardLimits) ->
 }
 
 fn electrode(node: Node, most_channel: u32) -> Result<DrawnElectrode, String> {
-    let at = node.document().text_pos_at(node.range().start);
-    let here = |what: String| format!("has {what}, line {}, column {}", at.row, at.col);
+    let here = |what: String| {
+        // Lines are counted from the start of the file: for every electrode that would be its size times their number.
+        let at = node.document().text_pos_at(node.range().start);
+        format!("has {what}, line {}, column {}", at.row, at.col)
+    };
     let written = node.attribute(CHANNEL).unwrap_or_default();
     let channel = written.trim().parse().ok().filter(|channel| *channel <= most_channel);
     let channel = channel.ok_or_else(|| here(format!("a channel `{}`, not 0 to {most_channel}", plain(written))))?;

@@ -1,4 +1,5 @@
 use super::*;
+use crate::check::value::LeftOut;
 
 const LIMITS: BoardLimits = BoardLimits { most_channel: 4095, most_side: 1000 };
 
@@ -74,6 +75,39 @@ fn paths_with_channels_are_put_on_their_lattice() {
     assert_eq!(board.left_out.off_lattice, ["far"]);
 }
 
+/// Lines and columns are worked out for messages alone: for each electrode from the start of the file it would take many minutes.
+#[test]
+fn a_large_picture_is_read_in_a_moment() {
+    let square = |index: usize| {
+        let [x, y] = [index % 100, index / 100].map(|place| place * 3);
+        format!("<path d=\"m {x},{y} h 2 v 2 h -2 z\" data-channels=\"{}\"/>\n", index % 4_000)
+    };
+    let squares: String = (0..8_000).map(square).collect();
+    let text = format!("<svg><!-- {} -->\n{squares}</svg>", "x\n".repeat(30_000_000));
+    assert_eq!(board(&text).channels.iter().flatten().count(), 8_000);
+}
+
+/// A tail that overlaps its neighbours is left out, also where most distances are those to it.
+#[test]
+fn an_electrode_over_others_is_left_out() {
+    let square = |(x, y): (f64, f64), channel: u32| {
+        format!("<path id=\"p{channel}\" data-channels=\"{channel}\" d=\"M {x},{y} h 2 v 2 h -2 Z\"/>")
+    };
+    let squares = [((0.0, 0.0), 0), ((2.5, 0.0), 1), ((5.0, 0.0), 2), ((0.0, 2.5), 3), ((1.0, 0.0), 7)];
+    let text = format!("<svg>{}</svg>", squares.map(|(at, channel)| square(at, channel)).concat());
+    let board = board(&text);
+    assert_eq!(rows(&board), [[Some(0), Some(1), Some(2)], [Some(3), None, None]]);
+    assert_eq!(board.left_out, LeftOut { off_lattice: vec!["p7".to_owned()], ..LeftOut::default() });
+}
+
+/// Two columns with a gap between them: no droplet comes from one to the other.
+#[test]
+fn electrodes_of_the_lattice_that_are_cut_off_are_told_apart() {
+    let board = board(r#"{ "layout": { "grid": [[1, null, 2], [3, null, 4], [5, null, null]] } }"#);
+    assert_eq!(rows(&board), [[Some(1)], [Some(3)], [Some(5)]]);
+    assert_eq!(board.left_out, LeftOut { cut_off: vec!["pin 2".to_owned(), "pin 4".to_owned()], ..LeftOut::default() });
+}
+
 /// What `--emit microdrop` writes is read back in `tests/binary`.
 #[test]
 fn outlines_of_any_words_have_bounds() {
@@ -113,7 +147,8 @@ fn what_is_no_board_says_where() {
             "[{\"x\":0,\"y\":0,\"h\":1,\"v\":1,\"e\":5},{\"x\":7,\"y\":0,\"h\":1,\"v\":1,\"e\":5}]",
             "no electrode with a channel on a lattice",
         ),
-        ("", "EOF while parsing"),
+        ("", "is empty"),
+        ("\u{feff} \n", "is empty"),
         ("<svg>\n<path></svg>", "is not a picture, line 2"),
         ("<svg/>", "no electrode with a channel"),
         (

@@ -157,10 +157,13 @@ pub fn kept_name(name: &Ident, keeper: &str) -> Diagnostic {
 
 /// `chain` are the files that led here, the program's own first.
 pub fn missing_file(span: Span, what: &str, why: &str, chain: &[String]) -> Diagnostic {
-    let start = "the path starts at the folder of this file".to_owned();
-    Diagnostic::new(Code::E0204, format!("{what} cannot be used: {why}"))
-        .label(span, "used here")
-        .help(if chain.len() > 1 { format!("it is used by {}", chain.join(" → ")) } else { start })
+    let help = match chain {
+        // It was found, and the path is right.
+        _ if why.contains("is not UTF-8") => "save it as text in UTF-8".to_owned(),
+        [_, _, ..] => format!("it is used by {}", chain.join(" → ")),
+        [_] | [] => "the path starts at the folder of this file".to_owned(),
+    };
+    Diagnostic::new(Code::E0204, format!("{what} cannot be used: {why}")).label(span, "used here").help(help)
 }
 
 pub fn unknown_library(span: Span, name: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {

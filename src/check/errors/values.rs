@@ -200,6 +200,35 @@ pub fn bad_operand(span: Span, symbol: &str, operand: Span, found: &Value) -> Di
         .label(if span == operand { span } else { operand }, found.describe_fully())
 }
 
+/// A temperature on the Celsius scale where its kelvins would be counted with.
+pub fn celsius_operand(span: Span, symbol: &str, found: &Value) -> Diagnostic {
+    let degrees = match found {
+        Value::Quantity(quantity) => digits(quantity.in_unit(quantity::CELSIUS)),
+        _ => "60".to_owned(),
+    };
+    let help = match symbol {
+        "-" | "abs" => "write the sign before the number, `-5 degC`; a difference of temperatures is in `K`",
+        _ => {
+            "write `degC` with the number itself, `let t = 60 degC` or `[60 degC, 95 degC]`, or count in kelvins from a temperature, `25 degC + n * 5 K`"
+        }
+    };
+    Diagnostic::new(Code::E0302, format!("`{symbol}` of a temperature on the Celsius scale"))
+        .label(span, format!("{degrees} degC counts from a zero of its own"))
+        .help(help)
+}
+
+/// Two temperatures on the Celsius scale, added.
+pub fn sum_of_celsius(left: (Span, &Value), right: (Span, &Value)) -> Diagnostic {
+    let difference = match right.1 {
+        Value::Quantity(quantity) => digits(quantity.in_unit(quantity::CELSIUS)),
+        _ => "5".to_owned(),
+    };
+    Diagnostic::new(Code::E0302, "`+` between two temperatures on the Celsius scale")
+        .label(left.0, left.1.describe_fully())
+        .label(right.0, right.1.describe_fully())
+        .help(format!("a difference of temperatures is in `K`: add `{difference} K`"))
+}
+
 pub fn bad_exponent(span: Span, found: &Value) -> Diagnostic {
     Diagnostic::new(Code::E0302, format!("a power of {} with a unit must be a whole number", found.describe()))
         .label(span, found.describe_fully())

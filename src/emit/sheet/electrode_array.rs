@@ -1,6 +1,6 @@
 //! Boards of droplets on the sheet: reservoirs and droplets to load, operations by time, and where everything is in the end.
 
-use super::{Sheet, time};
+use super::{Sheet, SheetRow, holds, time};
 use crate::claims::Job;
 use crate::claims::electrode_array::{
     AssayOperation, BoardZone, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayOrder, ElectrodeArrayStop,
@@ -51,14 +51,15 @@ fn order_of_droplets(job: &Job) -> Option<&ElectrodeArrayOrder> {
     ElectrodeArrayOrder::of(&job.order).filter(|order| order.facts.layout.electrodes == Electrodes::Single)
 }
 
-/// What happens on all boards, by time.
-pub(super) fn run(boards: &[SheetBoard]) -> Vec<[String; 4]> {
-    let mut rows: Vec<([u64; 2], &str, String)> = Vec::new();
+/// What happens on all boards and what is waited for, by time.
+pub(super) fn run(verified: &Verified, boards: &[SheetBoard]) -> Vec<[String; 4]> {
+    let mut rows: Vec<SheetRow> = holds::rows(verified).collect();
     for board in boards {
-        rows.extend(board.rows().map(|(times, text)| (times, board.device, text)));
+        let device = board.device;
+        rows.extend(board.rows().map(|(times, text)| SheetRow { times, end: time(times[1]), device, text }));
     }
-    rows.sort_by_key(|(times, ..)| *times);
-    rows.into_iter().map(|([from, to], device, text)| [time(from), time(to), device.to_owned(), text]).collect()
+    rows.sort_by_key(|row| row.times);
+    rows.into_iter().map(|row| [time(row.times[0]), row.end, row.device.to_owned(), row.text]).collect()
 }
 
 impl SheetBoard<'_> {
@@ -116,11 +117,15 @@ impl SheetBoard<'_> {
         zones
     }
 
-    /// What happens on the board, with its times.
+    /// What happens on the board, with its times; but for its waits for an input or a person.
     fn rows(&self) -> impl Iterator<Item = ([u64; 2], String)> {
-        self.runs.iter().flat_map(|(plan, order)| {
-            let steps = self.schedule.steps.iter().filter(|step| step.plan as usize == *plan);
-            order.steps.iter().zip(steps).flat_map(|(asked, step)| rows_of(order, &asked.action, step))
+        let holds: BTreeSet<u32> = self.schedule.holds.iter().map(|hold| hold.step).collect();
+        let steps: Vec<(bool, &ScheduledStep)> =
+            (0..).zip(&self.schedule.steps).map(|(index, step)| (holds.contains(&index), step)).collect();
+        self.runs.iter().flat_map(move |(plan, order)| {
+            let own = steps.iter().filter(|(_, step)| step.plan as usize == *plan);
+            let asked = order.steps.iter().zip(own).filter(|(_, (is_hold, _))| !is_hold);
+            asked.flat_map(|(asked, (_, step))| rows_of(order, &asked.action, step)).collect::<Vec<_>>()
         })
     }
 

@@ -3,6 +3,7 @@
 //! `<name>.sheet.md` is for the person at the bench and for the notebook. It has no line that instruments read.
 
 mod electrode_array;
+mod holds;
 
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::{Format, Provenance};
@@ -31,12 +32,25 @@ pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<
         board.load(&mut sheet);
     }
     sheet.line("\n## Run");
-    sheet.table(["from", "to", "on", "what happens"], electrode_array::run(&boards));
+    if let Some(text) = holds::of_times(&schedule.holds) {
+        sheet.paragraph(&text);
+    }
+    sheet.table(["from", "to", "on", "what happens"], electrode_array::run(verified, &boards));
     for board in &boards {
         board.leave(&mut sheet);
     }
     EmitError::refuse_size(Format::Sheet, sheet.text.len() as u64, MAX_TEXT_BYTES)?;
     Ok(sheet.text.into_bytes())
+}
+
+/// Something that happens on a device.
+struct SheetRow<'v> {
+    /// Start and end on the clock, in nanoseconds.
+    times: [u64; 2],
+    /// The end as it is written.
+    end: String,
+    device: &'v str,
+    text: String,
 }
 
 /// A text in Markdown that is being written.

@@ -152,6 +152,7 @@ const FILES: &[(&str, &str, &str)] = &[
     ("let a := 3\n", "E0119", ":="),
     ("device a : b { left = 5 }\n", "E0119", "="),
     ("device a : b { left 5 }\n", "E0119", "left"),
+    ("scene s { obstacle a : disc { radius 1 um } at (3 um, 4 um) obstacle b at (1, 1) }\n", "E0119", "radius"),
     ("import std.dimibot\n", "E0122", "import"),
     ("def go(x) {\n  return x;\n}\n", "E0122", "def"),
     ("const a = 3;\n", "E0122", "const"),

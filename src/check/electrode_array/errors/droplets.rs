@@ -105,7 +105,7 @@ pub fn at_and_among(verb: &Verb, at: Span, among: Span) -> Diagnostic {
 pub fn among_nothing(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0576, "`among` names no place")
         .label(span, "nothing to choose from")
-        .help("write at least two cells, as `among [(2, 2), (7, 2)]`, or one after `at`")
+        .help("write the cells to choose from, as `among [(2, 2), (7, 2)]`, or one after `at`")
 }
 
 pub fn among_too_many(span: Span, count: usize) -> Diagnostic {

@@ -166,9 +166,9 @@ const MOST_NAMES: usize = 12;
 
 /// Electrodes of a file that are no places for droplets.
 pub fn left_out(board: &BoardFile) -> Diagnostic {
-    let LeftOut { sharing, off_lattice } = &board.left_out;
+    let LeftOut { sharing, cut_off, off_lattice } = &board.left_out;
     let kept = board.channels.iter().flatten().count();
-    let count = sharing.len() + off_lattice.len();
+    let count = sharing.len() + cut_off.len() + off_lattice.len();
     let title = format!("{count} of the {} electrodes of `{}` are left out", kept + count, board.path);
     let title = if count == 1 { title.replace("are left out", "is left out") } else { title };
     Diagnostic::new(Code::W0405, title).help(
@@ -177,7 +177,7 @@ pub fn left_out(board: &BoardFile) -> Diagnostic {
 }
 
 /// What a label says of electrodes that are left out.
-pub fn names_left_out(LeftOut { sharing, off_lattice }: &LeftOut) -> String {
+pub fn names_left_out(LeftOut { sharing, cut_off, off_lattice }: &LeftOut) -> String {
     let named = |names: &[String], why: &str| {
         let mut seen = BTreeSet::new();
         let distinct: Vec<&str> = names.iter().map(String::as_str).filter(|name| seen.insert(*name)).collect();
@@ -186,7 +186,11 @@ pub fn names_left_out(LeftOut { sharing, off_lattice }: &LeftOut) -> String {
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         (!names.is_empty()).then(|| format!("{why}: {shown}{more}"))
     };
-    let parts = [named(sharing, "on a channel with others off the lattice"), named(off_lattice, "off the lattice")];
+    let parts = [
+        named(sharing, "on a channel with others that are left out"),
+        named(cut_off, "cut off from the others"),
+        named(off_lattice, "off the lattice"),
+    ];
     parts.into_iter().flatten().collect::<Vec<_>>().join("; ")
 }
 
