@@ -204,3 +204,38 @@ fn only_this_machine_is_listened_at_and_one_task_controlled() {
     let run = tweeze(&["control", &other.to_string_lossy()]).assert().code(USAGE);
     assert!(text(&run.get_output().stderr).contains("cannot be controlled"));
 }
+
+/// A camera whose picture stands still is not driven by for long, and the recording says so.
+#[test]
+fn a_picture_that_does_not_change_stops_it() {
+    const VERIFICATION: i32 = 3;
+    let folder = folder();
+    let path = four(&folder);
+    let record = folder.path().join("frozen.mcap");
+    let (path, record) = (path.to_string_lossy(), record.to_string_lossy());
+    let frozen: String = (0..40).map(|nth| measured(nth * 500_000_000)).collect();
+    let run = tweeze(&["control", &path, "--record", &record]).write_stdin(frozen).assert().code(STOPPED);
+    let answers = answers(&run.get_output().stdout);
+    let last = answers.last().expect("answers");
+    assert_eq!((&last["command"], &last["reason"]), (&json!("stop"), &json!("astray")), "{last}");
+    assert!(last["message"].as_str().is_some_and(|why| why.contains("does not follow the commands")), "{last}");
+    assert!(answers.len() < 12, "{} answers", answers.len());
+    let verified = tweeze(&["verify", &record]).assert().code(VERIFICATION);
+    assert!(text(&verified.get_output().stderr).contains("does not follow the commands"), "{verified}");
+}
+
+/// Robots that never move fail their trials for that reason.
+#[test]
+fn robots_that_stand_still_fail_their_trials() {
+    let folder = folder();
+    let path = four(&folder);
+    let path = path.to_string_lossy();
+    for more in [&["--trials", "3"][..], &["--trials", "1", "--against-controller"]] {
+        let arguments = [&["simulate", &*path, "--format", "json", "--stalls", "1"], more].concat();
+        let out = tweeze(&arguments).assert().code(DONE).get_output().stdout.clone();
+        let report: Value = serde_json::from_slice(&out).expect("a report");
+        assert_eq!(report["successes"], 0, "{report}");
+        let failures = report["failures"].as_array().expect("failures");
+        assert!(failures.iter().all(|failure| failure["reason"] == "astray"), "{report}");
+    }
+}

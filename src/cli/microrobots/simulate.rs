@@ -232,6 +232,7 @@ fn reason(reason: &FailureReason) -> String {
         FailureReason::TimeLimit => "it took too long".to_owned(),
         FailureReason::NotDocked => "it was held for docked, and was not".to_owned(),
         FailureReason::Unmeasured => "it was not measured, or where it cannot be, too often".to_owned(),
+        FailureReason::Astray => "it did not follow the commands".to_owned(),
         FailureReason::Silence => "measurements failed to come".to_owned(),
     }
 }
