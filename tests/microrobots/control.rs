@@ -224,6 +224,21 @@ fn a_picture_that_does_not_change_stops_it() {
     assert!(text(&verified.get_output().stderr).contains("does not follow the commands"), "{verified}");
 }
 
+/// Measurements that have nothing to do with the scene are not acted upon.
+#[test]
+fn a_bed_that_is_another_one_is_not_driven() {
+    let folder = folder();
+    let path = four(&folder);
+    let path = path.to_string_lossy();
+    let swapped: String = (0..40).map(|nth| measured(nth * 500_000_000).replace("\"D2\"", "\"D0\"")).collect();
+    let swapped = swapped.replace("\"D3\"", "\"D2\"").replace("\"D0\"", "\"D3\"");
+    let run = tweeze(&["control", &path]).write_stdin(swapped).assert().code(STOPPED);
+    let answers = answers(&run.get_output().stdout);
+    let drives = |answer: &&Value| answer["segments"].as_array().is_some_and(|segments| !segments.is_empty());
+    assert_eq!(answers.iter().find(drives), None);
+    assert_eq!(answers.last().map(|last| &last["reason"]), Some(&json!("doubtful")), "{answers:?}");
+}
+
 /// Robots that never move fail their trials for that reason.
 #[test]
 fn robots_that_stand_still_fail_their_trials() {

@@ -10,8 +10,9 @@ use crate::device::microrobots::{Arm, Errors, wrapped_rad};
 use crate::geometry::Pose;
 use crate::plan::microrobots::control::Segment;
 use crate::plan::microrobots::strategy::body;
+use crate::plan::microrobots::world::OrientedRectangle;
 use crate::real::Real;
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_6, TAU};
 
 /// Distance and angle that are granted to every measurement besides the bounds on its errors.
 pub(super) const SLACK_UM: f64 = 0.1;
@@ -19,6 +20,10 @@ pub(super) const SLACK_RAD: f64 = 1e-3;
 
 /// A measured pose may be this many bounds of an error away from the last one: both may be off.
 pub(super) const GATE: f64 = 2.0;
+
+/// How far from its start a robot may be set down by hand, in lengths of its body, and how far it may be turned there.
+const PLACED_LENGTHS: f64 = 1.0;
+const PLACED_RAD: f64 = FRAC_PI_6;
 
 /// So many times in a row a robot may be measured where its commands cannot have brought it.
 pub const MAX_ASTRAY: u32 = 5;
@@ -102,7 +107,7 @@ impl<'a> Belief<'a> {
         if let Some(robot) = (0..self.poses.len()).find(|robot| at(measured, *robot).is_none()) {
             return Sighting::Unseen(robot);
         }
-        if let Some(robot) = self.doubtful(measured) {
+        if let Some(robot) = self.doubtful(measured).or_else(|| self.overlapping(measured)) {
             return Sighting::Doubtful(robot);
         }
         let astray = self.follow(measured, may_touch);
@@ -124,15 +129,53 @@ impl<'a> Belief<'a> {
         let mut doubtful = None;
         for robot in 0..self.poses.len() {
             let Some(pose) = at(measured, robot) else { continue };
-            let can_be = self.is_first
-                || self.can_reach(robot, self.poses[robot], pose, self.since[robot])
-                || self.suspects[robot].is_some_and(|suspect| self.can_reach(robot, suspect, pose, [0.0; 2]));
+            let can_be = match self.is_first {
+                true => self.is_at_start(robot, pose),
+                false => {
+                    self.can_reach(robot, self.poses[robot], pose, self.since[robot])
+                        || self.suspects[robot].is_some_and(|suspect| self.can_reach(robot, suspect, pose, [0.0; 2]))
+                }
+            };
             self.suspects[robot] = (!can_be).then_some(pose);
             if !can_be && doubtful.is_none() {
                 doubtful = Some(robot);
             }
         }
         doubtful
+    }
+
+    /// Whether a robot is where it was set down, as far as a hand can do that, and is not taken for another one.
+    fn is_at_start(&self, robot: usize, pose: Pose) -> bool {
+        let (start, errors) = (self.poses[robot], self.errors);
+        let off_um = |other: &Pose| (pose.x_um - other.x_um).hypotenuse(pose.y_um - other.y_um);
+        let own_um = off_um(&start);
+        let most_um = PLACED_LENGTHS * self.order.robot(robot).length_um + errors.place_um + SLACK_UM;
+        let most_rad = PLACED_RAD + errors.heading_rad + SLACK_RAD;
+        // Robots that start side by side are told apart by whose start is nearer.
+        let is_nearer = |other: &Pose| off_um(other) + GATE * errors.place_um + SLACK_UM < own_um;
+        own_um <= most_um
+            && wrapped_rad(pose.heading_rad - start.heading_rad).abs() <= most_rad
+            && !self.poses.iter().any(is_nearer)
+    }
+
+    /// A robot that is measured within the body of another one, by more than the errors of the measurement.
+    fn overlapping(&self, measured: &[Option<Pose>]) -> Option<usize> {
+        let rectangle = |robot: usize| {
+            let facts = self.order.robot(robot);
+            let half_um = [facts.length_um / 2.0, facts.width_um / 2.0];
+            at(measured, robot).map(|pose| OrientedRectangle::new(pose, half_um))
+        };
+        (0..self.poses.len()).find(|&robot| {
+            rectangle(robot).is_some_and(|own| {
+                (0..robot).any(|other| {
+                    let may_um = self.order.facts.docking.tolerance_um
+                        + self.doubt_um(self.reach_um(robot))
+                        + self.doubt_um(self.reach_um(other))
+                        + SLACK_UM;
+                    rectangle(other).is_some_and(|other| own.to_rectangle_um(&other) < -may_um)
+                })
+            })
+        })
     }
 
     /// Compares a measurement with where the commands bring each robot; the first one that was astray too often. Docked robots do not move.

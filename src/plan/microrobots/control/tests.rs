@@ -149,3 +149,43 @@ fn a_robot_that_stalls_for_a_while_is_driven_on() {
     assert_eq!(stalled(MAX_ASTRAY - 1).1, None);
     assert_eq!(stalled(MAX_ASTRAY).1.map(|stop| stop.reason), Some(StopReason::Astray));
 }
+
+/// Robots are set down by hand near their starts, each in its own place.
+#[test]
+fn a_first_measurement_is_not_believed_anywhere() {
+    let (order, motion) = single(pose(1500.0, 900.0, 30.0), turning(), errors(100));
+    let first = |poses: [Pose; 2], count: u32| {
+        let mut controller = Controller::new(&order, &motion).expect("the errors are known");
+        for nth in 0..count {
+            controller.observe(&poses.map(Some), u64::from(nth) * INTERVAL_NS);
+        }
+        match controller.last() {
+            Command::Drive { segments, .. } => Ok(segments.len()),
+            Command::Stop(stop) => Err(stop.reason),
+            Command::Rest { .. } | Command::Continue { .. } | Command::Finished => panic!("a drive or a stop"),
+        }
+    };
+    let [one, two] = [pose(1500.0, 900.0, 30.0), pose(0.0, 0.0, 0.0)];
+    for (what, poses) in [
+        ("swapped", [two, one]),
+        ("far", [pose(51_500.0, 900.0, 30.0), two]),
+        ("beyond all numbers", [pose(1e308, -1e308, 30.0), two]),
+        ("turned", [pose(1500.0, 900.0, 70.0), two]),
+    ] {
+        assert_eq!(first(poses, 1), Ok(0), "{what}");
+        assert_eq!(first(poses, MAX_UNUSABLE), Ok(0), "{what}");
+        assert_eq!(first(poses, MAX_UNUSABLE + 1), Err(StopReason::Doubtful), "{what}");
+    }
+    assert!(first([pose(1650.0, 1050.0, 50.0), pose(0.0, 0.0, 0.0)], 1).is_ok_and(|segments| segments > 0));
+    // Beside each other, so near that a hand could reach the other one's place.
+    let (order, motion) = single(pose(0.0, 120.0, 0.0), turning(), errors(100));
+    let mut controller = Controller::new(&order, &motion).expect("the errors are known");
+    for (what, poses) in [
+        ("swapped", [pose(0.0, 0.0, 0.0), pose(0.0, 120.0, 0.0)]),
+        ("one in the other", [pose(0.0, 70.0, 0.0), pose(0.0, 50.0, 0.0)]),
+    ] {
+        let held = controller.observe(&poses.map(Some), 0);
+        assert!(matches!(held, Command::Drive { segments: [], .. }), "{what}: {held:?}");
+        controller = Controller::new(&order, &motion).expect("the errors are known");
+    }
+}
