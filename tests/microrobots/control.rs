@@ -254,3 +254,21 @@ fn robots_that_stand_still_fail_their_trials() {
         assert!(failures.iter().all(|failure| failure["reason"] == "astray"), "{report}");
     }
 }
+
+/// A name that exists is a mistake of the user, not of the compiler.
+#[test]
+fn a_trial_is_not_recorded_over_a_file() {
+    let folder = folder();
+    let path = four(&folder);
+    let record = folder.path().join("run.mcap");
+    std::fs::write(&record, "kept").expect("a file");
+    let (path, run) = (path.to_string_lossy(), record.to_string_lossy());
+    let nowhere = folder.path().join("nowhere/run.mcap");
+    for (to, why) in [(&*run, "choose another name"), (&*nowhere.to_string_lossy(), "choose another folder")] {
+        let simulated = ["simulate", &*path, "--against-controller", "--trials", "1", "--record", to];
+        let run = tweeze(&simulated).assert().code(FILES);
+        let reported = text(&run.get_output().stderr);
+        assert!(reported.contains("E0804") && reported.contains(why), "{reported}");
+    }
+    assert_eq!(std::fs::read_to_string(&record).expect("the file"), "kept");
+}
