@@ -272,3 +272,21 @@ fn a_trial_is_not_recorded_over_a_file() {
     }
     assert_eq!(std::fs::read_to_string(&record).expect("the file"), "kept");
 }
+
+/// An address that cannot be listened at is reported before a plan is searched, here one that does not exist.
+#[cfg(unix)]
+#[test]
+fn a_bad_address_is_reported_before_a_plan_is_searched() {
+    let folder = folder();
+    let path = four(&folder);
+    let program = std::fs::read_to_string(&path).expect("the program");
+    let hopeless = program.replace("  minimize time", "  require time <= 1 s\n  minimize time");
+    assert_ne!(program, hopeless);
+    std::fs::write(&path, hopeless).expect("a program");
+    let run = tweeze(&["control", &path.to_string_lossy(), "--listen", "unix:/nonexistent/x"]).assert().code(FILES);
+    assert!(text(&run.get_output().stderr).contains("cannot listen there"), "{run}");
+    let socket = folder.path().join("bed.sock");
+    let address = format!("unix:{}", socket.display());
+    tweeze(&["control", &path.to_string_lossy(), "--listen", &address]).assert().code(1);
+    assert!(!socket.exists(), "it leaves nothing behind");
+}
