@@ -1,12 +1,20 @@
-//! Bounds of drives against all sequences of control states on small beds, and against shortcuts of real plans.
+//! Bounds on the time, the control cycles and the strokes of drives against all sequences of control states on small beds, and against shortcuts of real plans.
 //!
 //! The model of motion is independent: it shares nothing with the planner or the verifier. `TWEEZE_ORACLE_CASES=1000` runs more cases.
 
 use super::random::Random;
-use super::support::build;
+use super::support::{Folder, build};
 use std::f64::consts::TAU;
+use std::path::Path;
+use tweeze::check::Options;
+use tweeze::claims::microrobots::MicrorobotsOrder;
+use tweeze::compile::{self, ProgramSource};
+use tweeze::diagnostic::Sink;
+use tweeze::plan::microrobots::Crew;
+use tweeze::plan::microrobots::bound::{self, LeastFigures};
 use tweeze::schedule::microrobots::MicrorobotsState;
 use tweeze::schedule::{Schedule, State};
+use tweeze::source::Sources;
 
 /// A pose: x and y in micrometres, heading in radians.
 type Place = [f64; 3];
@@ -43,6 +51,28 @@ struct Small {
 const PERIOD_S: f64 = 0.1;
 const DWELL_S: f64 = 0.02;
 
+/// Counts for what is not looked for, so that a search ends all the same; all of it together is less than one of what is.
+const NEARLY_NOTHING: f64 = 1e-6;
+
+/// What is least.
+#[derive(Clone, Copy)]
+enum Figure {
+    Time,
+    Switches,
+    Strokes,
+}
+
+impl Figure {
+    /// What a stroke counts.
+    fn stroke(self) -> f64 {
+        match self {
+            Figure::Time => PERIOD_S,
+            Figure::Switches => NEARLY_NOTHING,
+            Figure::Strokes => 1.0,
+        }
+    }
+}
+
 #[derive(Clone, Copy)]
 enum Task {
     Apply {
@@ -72,9 +102,14 @@ impl Small {
         places.iter().enumerate().map(go).collect()
     }
 
-    /// The levels of a state's control cycle: one where all arms are up or down.
-    fn cycle_s(&self, state: usize) -> f64 {
-        if state == 0 || state == self.starts.len() { DWELL_S } else { 2.0 * DWELL_S }
+    /// What a control cycle counts: one level where all arms are up or down, otherwise two.
+    fn cycle(&self, state: usize, figure: Figure) -> f64 {
+        match figure {
+            Figure::Time if state == 0 || state == self.starts.len() => DWELL_S,
+            Figure::Time => 2.0 * DWELL_S,
+            Figure::Switches => 1.0,
+            Figure::Strokes => NEARLY_NOTHING,
+        }
     }
 
     fn text(&self, tasks: &[Task]) -> String {
@@ -115,41 +150,43 @@ impl Small {
         text + "}\n"
     }
 
-    /// The least time of all sequences of no more than so many strokes, applied ones not counted.
-    fn least_s(&self, tasks: &[Task], strokes: usize) -> f64 {
+    /// The least of all sequences of no more than so many strokes, applied ones not counted.
+    fn least(&self, tasks: &[Task], strokes: usize, figure: Figure) -> f64 {
         let mut best = f64::INFINITY;
-        self.search(tasks, &self.starts, (None, strokes, 0.0), &mut best);
+        self.search((tasks, figure), &self.starts, (None, strokes, 0.0), &mut best);
         best
     }
 
     fn search(
         &self,
-        tasks: &[Task],
+        (tasks, figure): (&[Task], Figure),
         places: &[Place],
-        (state, left, time_s): (Option<usize>, usize, f64),
+        (state, left, sum): (Option<usize>, usize, f64),
         best: &mut f64,
     ) {
-        if time_s >= *best {
+        if sum >= *best {
             return;
         }
         let Some((task, later)) = tasks.split_first() else {
-            *best = time_s;
+            *best = sum;
             return;
         };
         match *task {
             Task::Apply { state, strokes } => {
                 let places = (0..strokes).fold(places.to_vec(), |places, _| self.stroke(&places, state));
-                let time_s = time_s + self.cycle_s(state) + PERIOD_S * strokes as f64;
-                self.search(later, &places, (None, left, time_s), best);
+                let sum = sum + self.cycle(state, figure) + figure.stroke() * strokes as f64;
+                self.search((later, figure), &places, (None, left, sum), best);
             }
-            Task::Stop(robot, goal, _) => {
+            Task::Stop(robot, goal, is_via) => {
                 if is_within(places[robot], goal, self.precision) {
-                    self.search(later, places, (None, left, time_s), best);
+                    // A leg may go on through a stop of its step.
+                    let state = state.filter(|_| is_via && matches!(figure, Figure::Switches));
+                    self.search((later, figure), places, (state, left, sum), best);
                 }
                 for next in (0..=self.starts.len()).filter(|_| left > 0) {
-                    let cycle_s = if state == Some(next) { 0.0 } else { self.cycle_s(next) };
-                    let time_s = time_s + cycle_s + PERIOD_S;
-                    self.search(tasks, &self.stroke(places, next), (Some(next), left - 1, time_s), best);
+                    let cycle = if state == Some(next) { 0.0 } else { self.cycle(next, figure) };
+                    let sum = sum + cycle + figure.stroke();
+                    self.search((tasks, figure), &self.stroke(places, next), (Some(next), left - 1, sum), best);
                 }
             }
         }
@@ -170,6 +207,16 @@ impl Small {
     }
 }
 
+/// The bounds that the planner has for the first task of a program.
+fn proven(text: &str) -> LeastFigures {
+    let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
+    let request = ProgramSource { name: "test.twz", text, library: &Folder(Path::new(".")), options: &options };
+    let checked = compile::check_program(&request, &mut sources, &mut sink).expect("a program without errors");
+    let order = MicrorobotsOrder::of(&checked.claims[0].jobs[0].order).expect("an order of microrobots");
+    let poses = order.robots.iter().map(|placed| placed.pose).collect();
+    bound::least(order, &Crew { poses, docked: vec![false; order.robots.len()] })
+}
+
 /// Builds and compares; whether there was a plan.
 fn holds(small: &Small, tasks: &[Task], strokes: usize) -> bool {
     let text = small.text(tasks);
@@ -177,7 +224,11 @@ fn holds(small: &Small, tasks: &[Task], strokes: usize) -> bool {
     assert!(!built.refused, "{text}");
     let Some(verified) = built.schedules.first() else { return false };
     let plan = &verified.schedule().plans[0];
-    let least_s = small.least_s(tasks, strokes);
+    let least_s = small.least(tasks, strokes, Figure::Time);
+    let proven = proven(&text);
+    let [switches, all_strokes] = [Figure::Switches, Figure::Strokes].map(|figure| small.least(tasks, strokes, figure));
+    assert!(proven.switches as f64 <= switches, "{proven:?}, but {switches} cycles do\n{text}");
+    assert!(proven.strokes as f64 <= all_strokes, "{proven:?}, but {all_strokes} strokes do\n{text}");
     assert!(plan.bound <= plan.cost + 1e-9, "{text}");
     assert!(plan.bound <= least_s + 1e-9, "bound {}, but there is a plan of {least_s}\n{text}", plan.bound);
     assert!(!plan.optimal || plan.cost <= least_s + 1e-9, "said to be optimal\n{text}");

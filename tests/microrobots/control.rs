@@ -204,3 +204,89 @@ fn only_this_machine_is_listened_at_and_one_task_controlled() {
     let run = tweeze(&["control", &other.to_string_lossy()]).assert().code(USAGE);
     assert!(text(&run.get_output().stderr).contains("cannot be controlled"));
 }
+
+/// A camera whose picture stands still is not driven by for long, and the recording says so.
+#[test]
+fn a_picture_that_does_not_change_stops_it() {
+    const VERIFICATION: i32 = 3;
+    let folder = folder();
+    let path = four(&folder);
+    let record = folder.path().join("frozen.mcap");
+    let (path, record) = (path.to_string_lossy(), record.to_string_lossy());
+    let frozen: String = (0..40).map(|nth| measured(nth * 500_000_000)).collect();
+    let run = tweeze(&["control", &path, "--record", &record]).write_stdin(frozen).assert().code(STOPPED);
+    let answers = answers(&run.get_output().stdout);
+    let last = answers.last().expect("answers");
+    assert_eq!((&last["command"], &last["reason"]), (&json!("stop"), &json!("astray")), "{last}");
+    assert!(last["message"].as_str().is_some_and(|why| why.contains("does not follow the commands")), "{last}");
+    assert!(answers.len() < 12, "{} answers", answers.len());
+    let verified = tweeze(&["verify", &record]).assert().code(VERIFICATION);
+    assert!(text(&verified.get_output().stderr).contains("does not follow the commands"), "{verified}");
+}
+
+/// Measurements that have nothing to do with the scene are not acted upon.
+#[test]
+fn a_bed_that_is_another_one_is_not_driven() {
+    let folder = folder();
+    let path = four(&folder);
+    let path = path.to_string_lossy();
+    let swapped: String = (0..40).map(|nth| measured(nth * 500_000_000).replace("\"D2\"", "\"D0\"")).collect();
+    let swapped = swapped.replace("\"D3\"", "\"D2\"").replace("\"D0\"", "\"D3\"");
+    let run = tweeze(&["control", &path]).write_stdin(swapped).assert().code(STOPPED);
+    let answers = answers(&run.get_output().stdout);
+    let drives = |answer: &&Value| answer["segments"].as_array().is_some_and(|segments| !segments.is_empty());
+    assert_eq!(answers.iter().find(drives), None);
+    assert_eq!(answers.last().map(|last| &last["reason"]), Some(&json!("doubtful")), "{answers:?}");
+}
+
+/// Robots that never move fail their trials for that reason; trials are other ones than those of `build`.
+#[test]
+fn robots_that_stand_still_fail_their_trials() {
+    let folder = folder();
+    let path = four(&folder);
+    let path = path.to_string_lossy();
+    for more in [&["--trials", "3"][..], &["--trials", "1", "--against-controller"]] {
+        let arguments = [&["simulate", &*path, "--format", "json", "--stalls", "1"], more].concat();
+        let out = tweeze(&arguments).assert().code(DONE).get_output().stdout.clone();
+        let report: Value = serde_json::from_slice(&out).expect("a report");
+        assert_eq!((&report["successes"], &report["seed"]), (&json!(0), &json!(3)), "{report}");
+        let failures = report["failures"].as_array().expect("failures");
+        assert!(failures.iter().all(|failure| failure["reason"] == "astray"), "{report}");
+    }
+}
+
+/// A name that exists is a mistake of the user, not of the compiler.
+#[test]
+fn a_trial_is_not_recorded_over_a_file() {
+    let folder = folder();
+    let path = four(&folder);
+    let record = folder.path().join("run.mcap");
+    std::fs::write(&record, "kept").expect("a file");
+    let (path, run) = (path.to_string_lossy(), record.to_string_lossy());
+    let nowhere = folder.path().join("nowhere/run.mcap");
+    for (to, why) in [(&*run, "choose another name"), (&*nowhere.to_string_lossy(), "choose another folder")] {
+        let simulated = ["simulate", &*path, "--against-controller", "--trials", "1", "--record", to];
+        let run = tweeze(&simulated).assert().code(FILES);
+        let reported = text(&run.get_output().stderr);
+        assert!(reported.contains("E0804") && reported.contains(why), "{reported}");
+    }
+    assert_eq!(std::fs::read_to_string(&record).expect("the file"), "kept");
+}
+
+/// An address that cannot be listened at is reported before a plan is searched, here one that does not exist.
+#[cfg(unix)]
+#[test]
+fn a_bad_address_is_reported_before_a_plan_is_searched() {
+    let folder = folder();
+    let path = four(&folder);
+    let program = std::fs::read_to_string(&path).expect("the program");
+    let hopeless = program.replace("  minimize time", "  require time <= 1 s\n  minimize time");
+    assert_ne!(program, hopeless);
+    std::fs::write(&path, hopeless).expect("a program");
+    let run = tweeze(&["control", &path.to_string_lossy(), "--listen", "unix:/nonexistent/x"]).assert().code(FILES);
+    assert!(text(&run.get_output().stderr).contains("cannot listen there"), "{run}");
+    let socket = folder.path().join("bed.sock");
+    let address = format!("unix:{}", socket.display());
+    tweeze(&["control", &path.to_string_lossy(), "--listen", &address]).assert().code(1);
+    assert!(!socket.exists(), "it leaves nothing behind");
+}

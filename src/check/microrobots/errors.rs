@@ -96,6 +96,13 @@ pub fn some_error_bounds(missing: &[&str]) -> Diagnostic {
         .help(format!("add {list}, 0 where there is no such error, or leave the others out"))
 }
 
+pub fn guaranteed_drive(setting: Span, drive: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0605, "a task with `drive` on a device with errors is never guaranteed")
+        .label(setting, "demands that its goals are certain")
+        .label_elsewhere(drive, setting, "measured and corrected on the way, of which nothing is proven")
+        .help("leave `guaranteed` out, or leave `drive` out: the dockings of `assemble` from the poses of the scene can be guaranteed")
+}
+
 pub fn failures_in_vain(span: Span, why: &str) -> Diagnostic {
     Diagnostic::new(Code::W0504, "`minimize failures` changes nothing: no trial can be simulated")
         .label(span, why.to_owned())

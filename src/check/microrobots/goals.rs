@@ -39,6 +39,7 @@ impl Checker<'_> {
         let steps: Vec<Option<MicrorobotsStep>> = parts.steps.iter().map(|step| judge.step(step)).collect();
         let steps: Option<Vec<MicrorobotsStep>> = steps.into_iter().collect();
         let steps = steps?;
+        self.sink.unless(guaranteed_in_vain(&parts.settings, bed, &steps))?;
         let objective = self.bed_objective(&parts, bed, &steps)?;
         let order = MicrorobotsOrder {
             facts: Arc::clone(&bed.facts),
@@ -79,6 +80,14 @@ impl Checker<'_> {
 
 fn assurance(settings: &Accepted) -> Assurance {
     if settings.is_set("guaranteed") { Assurance::Demanded } else { Assurance::Reported }
+}
+
+/// Report of a guarantee that no plan can give: a robot with errors that is driven to a pose is corrected by measurements.
+fn guaranteed_in_vain(settings: &Accepted, bed: &CheckedBed, steps: &[MicrorobotsStep]) -> Option<Diagnostic> {
+    let setting = settings.get("guaranteed").filter(|_| settings.is_set("guaranteed"))?;
+    let drives = |step: &&MicrorobotsStep| matches!(step.action, MicrorobotsAction::Drive { .. });
+    let drive = steps.iter().find(drives).filter(|_| bed.facts.errors.is_none_or(|errors| !errors.are_zero()))?;
+    Some(errors::guaranteed_drive(setting.span, drive.span))
 }
 
 /// Tolerance of goals; a robot ends no nearer than half a stroke.

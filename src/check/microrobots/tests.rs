@@ -98,7 +98,6 @@ fn a_program_becomes_an_order() {
          }
          task t on fleet in field {
            precision: 2 um
-           guaranteed: true
            using one_way_dubins { expansions: 77 }
            apply state 0b010 for 3 s
            drive D3 to pose(0 um, 2 mm, 45 deg) via pose(2 mm, 2 mm, 0 deg)
@@ -125,7 +124,7 @@ fn a_program_becomes_an_order() {
     let digits: Vec<String> = order.states.iter().map(|state| state.digits()).collect();
     assert_eq!(digits, ["000", "010", "110", "111"]);
     assert_eq!(order.robots.iter().map(|placed| placed.row).collect::<Vec<_>>(), [1, 2]);
-    assert_eq!((order.expansions, order.precision.place_um, order.assurance), (77, 2.0, Assurance::Demanded));
+    assert_eq!((order.expansions, order.precision.place_um, order.assurance), (77, 2.0, Assurance::Reported));
     let [apply, drive, wait, assemble] = order.steps.as_slice() else { panic!("four steps") };
     assert_eq!(apply.action, MicrorobotsAction::Apply { state: 1, duration_ns: 3_000_000_000 });
     let MicrorobotsAction::Drive { robot: 1, stops } = &drive.action else { panic!("D3 is driven") };

@@ -6,7 +6,7 @@ use crate::claims::Job;
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::cli::arguments::{ReportFormat, SimulateArguments};
 use crate::cli::loaded::Loaded;
-use crate::cli::{Exit, terminal};
+use crate::cli::{Exit, errors, terminal};
 use crate::compile::{self, ProgramSource};
 use crate::diagnostic::Sink;
 use crate::plan::microrobots::simulation::{EndedTrial, SimulatedBed};
@@ -17,12 +17,18 @@ use crate::simulate::{
 };
 use crate::source::Sources;
 use serde_json::{Value, json};
+use std::io;
+use std::path::Path;
 
 /// Runs the assemblies of a program against robots and measurements with errors.
 pub fn run(arguments: &SimulateArguments) -> Exit {
     if arguments.record.is_some() && arguments.trials != 1 {
         terminal::to_stderr("tweeze: `--record` is of a single trial: add `--trials 1`\n");
         return Exit::Usage;
+    }
+    if let Some((path, error)) = arguments.record.as_deref().and_then(|path| Some((path, unrecordable(path)?))) {
+        terminal::report_one(errors::not_recorded(path, &error), arguments.report.format);
+        return Exit::Files;
     }
     let options = Options { settings: arguments.settings.set.clone(), only: arguments.task.clone() };
     let loaded = match Loaded::read(&arguments.file, options, &arguments.report) {
@@ -44,6 +50,15 @@ pub fn run(arguments: &SimulateArguments) -> Exit {
         }
         Some(lines) => terminal::answer(&lines.join("\n")),
     }
+}
+
+/// Why a recording cannot be begun at a path, as far as that can be told without writing: the controller creates the file.
+fn unrecordable(path: &Path) -> Option<io::Error> {
+    if path.symlink_metadata().is_ok() {
+        return Some(io::ErrorKind::AlreadyExists.into());
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty())?;
+    folder.metadata().err()
 }
 
 /// Outcomes of each assembly; `None` after an error of the program. The error is that of a controller that could not be asked.
@@ -232,6 +247,7 @@ fn reason(reason: &FailureReason) -> String {
         FailureReason::TimeLimit => "it took too long".to_owned(),
         FailureReason::NotDocked => "it was held for docked, and was not".to_owned(),
         FailureReason::Unmeasured => "it was not measured, or where it cannot be, too often".to_owned(),
+        FailureReason::Astray => "it did not follow the commands".to_owned(),
         FailureReason::Silence => "measurements failed to come".to_owned(),
     }
 }

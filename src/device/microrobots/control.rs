@@ -40,6 +40,8 @@ pub enum StopReason {
     Unseen,
     /// A robot was measured too many times in a row where it cannot have come to.
     Doubtful,
+    /// A robot was measured too many times in a row where its commands cannot have brought it.
+    Astray,
     /// No measurement came in time.
     Silence,
     /// The measurements ended.

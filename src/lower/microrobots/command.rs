@@ -49,6 +49,9 @@ pub fn stopped(order: &MicrorobotsOrder, stop: Stop) -> String {
         StopReason::TimeLimit => format!("`{robot}` took too long"),
         StopReason::Unseen => format!("`{robot}` was not seen in too many measurements in a row"),
         StopReason::Doubtful => format!("`{robot}` was measured too often where it cannot be"),
+        StopReason::Astray => format!(
+            "`{robot}` does not follow the commands: it was measured too often in a row where they cannot have brought it"
+        ),
         StopReason::Silence => {
             let watchdog_s = order.facts.watchdog_ns() as f64 / 1e9;
             format!("no measurement came for {} s after the end of the last command", digits(watchdog_s))

@@ -1,14 +1,14 @@
 //! One job of microrobots: the motion that is best by the objective, its figures, and what is guaranteed of it.
 
-use super::bound;
+use super::bound::{self, LeastFigures};
 use super::guarantee::{Assured, borne, guarantees, message};
 use super::safest;
 use super::steps::{BedRoute, FirstLegs, carried_out};
 use super::strategy::{driven, episodes};
 use super::why::BedReasons;
 use super::{Crew, MicrorobotsMotion};
-use crate::claims::Job;
-use crate::claims::microrobots::{Assurance, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep};
+use crate::claims::microrobots::{Assurance, MicrorobotsOrder};
+use crate::claims::{Job, Requirement};
 use crate::device::microrobots::{MicrorobotsObjective, MicrorobotsOutcome, MicrorobotsPlanner};
 use crate::diagnostic::{Remark, Sink};
 use crate::plan::requirements::{Kept, KnownLimit, require};
@@ -59,18 +59,34 @@ fn planned(
     (start, is_first): (Crew, bool),
     sink: &mut Sink,
 ) -> Option<(Option<Plan<MicrorobotsMotion>>, Crew)> {
-    let bound_ns = bound::least_ns(order, &start);
+    let least = bound::least(order, &start);
     let fastest = carried_out((order, order), (&start, is_first), FirstLegs::Best, sink)?;
     let BedRoute { motion, end } = match order.objective {
         MicrorobotsObjective::Time | MicrorobotsObjective::Switches => fastest,
         MicrorobotsObjective::Failures => safest::safest(order, (&start, is_first), fastest),
     };
-    let mut tally = BedTally::of(order, &motion, bound_ns);
+    let mut tally = BedTally::of(order, &motion, least);
     let are_guaranteed = assure(order, &motion, &mut tally.remarks, sink);
     tally.failing = safest::expected(job, order, &motion, &mut tally.remarks, sink);
     let plan = tally.plan(order.objective, motion);
-    let kept = require(job, &plan, &mut |_| KnownLimit::default(), sink);
+    let known =
+        &mut |limit: &Requirement| KnownLimit { least: least_of(&limit.outcome, least), ..KnownLimit::default() };
+    let kept = require(job, &plan, known, sink);
     Some(((kept == Kept::Yes && are_guaranteed).then_some(plan), end))
+}
+
+/// Lower bound on an outcome, in its SI unit.
+fn least_of(outcome: &str, least: LeastFigures) -> Option<f64> {
+    let bounds = [
+        (MicrorobotsOutcome::Time, seconds(least.time_ns)),
+        (MicrorobotsOutcome::Switches, least.switches as f64),
+        (MicrorobotsOutcome::Strokes, least.strokes as f64),
+    ];
+    bounds.into_iter().find(|(word, _)| word.name() == outcome).map(|(_, bound)| bound)
+}
+
+fn seconds(ns: u64) -> f64 {
+    ns as f64 / 1e9
 }
 
 /// Remarks for each stage of an assembly whether it is guaranteed, and up to which errors; `false` if the task demands a guarantee that
@@ -126,10 +142,8 @@ fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Ve
 /// Sums over the steps of a job.
 struct BedTally {
     time_ns: u64,
-    /// Lower bound on the duration of the job.
-    bound_ns: u64,
-    /// Lower bound on the number of control cycles: one for each state that is applied.
-    least_switches: u64,
+    /// Lower bounds for any plan of the job.
+    least: LeastFigures,
     switches: u64,
     strokes: u64,
     /// Share of simulated trials that fail, where they can be simulated.
@@ -138,13 +152,10 @@ struct BedTally {
 }
 
 impl BedTally {
-    fn of(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, bound_ns: u64) -> BedTally {
-        let is_applied = |step: &&MicrorobotsStep| matches!(step.action, MicrorobotsAction::Apply { .. });
-        let least_switches = order.steps.iter().filter(is_applied).count() as u64;
+    fn of(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, least: LeastFigures) -> BedTally {
         BedTally {
             time_ns: motion.duration_ns(order),
-            bound_ns,
-            least_switches,
+            least,
             switches: motion.steps.iter().map(|step| step.legs().len() as u64).sum(),
             strokes: motion.strokes(),
             failing: None,
@@ -153,16 +164,15 @@ impl BedTally {
     }
 
     fn plan(self, objective: MicrorobotsObjective, motion: MicrorobotsMotion) -> Plan<MicrorobotsMotion> {
-        let seconds = |ns: u64| ns as f64 / 1e9;
         let outcomes = [
             (MicrorobotsOutcome::Time, seconds(self.time_ns)),
             (MicrorobotsOutcome::Switches, self.switches as f64),
             (MicrorobotsOutcome::Strokes, self.strokes as f64),
         ];
-        let time_s = [self.time_ns, self.bound_ns].map(seconds);
+        let time_s = [self.time_ns, self.least.time_ns].map(seconds);
         let ([cost, bound], is_exact) = match objective {
             MicrorobotsObjective::Time => (time_s, true),
-            MicrorobotsObjective::Switches => ([self.switches, self.least_switches].map(|count| count as f64), true),
+            MicrorobotsObjective::Switches => ([self.switches, self.least.switches].map(|count| count as f64), true),
             // An estimate, which proves nothing; the worst where the plan is too long to be simulated.
             MicrorobotsObjective::Failures => ([self.failing.unwrap_or(1.0), 0.0], false),
         };

@@ -60,6 +60,21 @@ pub fn standard() -> Link {
     Link { lines: reader(io::stdin()), answers: Box::new(io::stdout()) }
 }
 
+/// Whether an address can be listened at, before work is done for a connection that nobody can make.
+///
+/// # Errors
+/// If it cannot.
+pub fn check(address: &Address) -> io::Result<()> {
+    match address {
+        Address::Tcp(address) => TcpListener::bind(address).map(drop),
+        #[cfg(unix)]
+        Address::Unix(path) => {
+            std::os::unix::net::UnixListener::bind(path)?;
+            std::fs::remove_file(path)
+        }
+    }
+}
+
 /// Waits for one connection; `ready` is called with the address once it can be made.
 ///
 /// # Errors

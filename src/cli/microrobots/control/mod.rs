@@ -61,6 +61,9 @@ pub fn run(arguments: &ControlArguments) -> Exit {
     if claims.jobs.iter().any(|job| !job.holds.is_empty()) {
         return waits(&claims.name);
     }
+    if let Some(Err(error)) = arguments.listen.as_ref().map(link::check) {
+        return not_listening(&error);
+    }
     let search = Arc::<SearchWatch>::default();
     let waiting = ProgressLine::begin(&search);
     let progress = &mut |index, count, task: &str| waiting.at(index, count, task);
@@ -111,6 +114,11 @@ fn not_one(shown: &str, all: &[Claims]) -> Exit {
     Exit::Usage
 }
 
+fn not_listening(error: &std::io::Error) -> Exit {
+    terminal::to_stderr(&format!("tweeze: cannot listen there: {error}\n"));
+    Exit::Files
+}
+
 /// Connects and controls.
 fn serve(
     arguments: &ControlArguments,
@@ -132,10 +140,7 @@ fn serve(
             let ready = |at: &str| terminal::to_stderr(&format!("tweeze: listening at {at}\n"));
             match link::accepted(address, ready) {
                 Ok(link) => link,
-                Err(error) => {
-                    terminal::to_stderr(&format!("tweeze: cannot listen there: {error}\n"));
-                    return Exit::Files;
-                }
+                Err(error) => return not_listening(&error),
             }
         }
     };

@@ -1,4 +1,4 @@
-//! Lower bound on the duration of any plan of a job, for all control states it may use and all stopping places within the
+//! Lower bounds on the duration, the strokes and the control cycles of any plan of a job, for all control states it may use and all stopping places within the
 //! precision.
 //!
 //! The problem: every robot moves with every stroke, so the pose of a robot when its turn comes depends on the plan; and a plan
@@ -6,9 +6,10 @@
 //! poses of the robots at its start and after states that are applied before anything is driven, and, up to the precision, on the
 //! poses of a robot at its stops and docks. Between two such poses of one robot there are at least as many strokes as its shortest
 //! path has, and robots that come together hold one another up ([`together`]); summed over the steps between them. So the instants of the
-//! job are related by least differences, and the bound is the longest path through them.
+//! job are related by least differences, and the bound is the longest path through them. Strokes are bounded by the longest path that counts them
+//! alone. Control cycles are counted where the pose before a step does not depend on the plan: one for each part of the shortest path.
 //!
-//! Promise: no schedule that keeps the claims is faster. Not promised: that the bound is attained; obstacles, other robots in the way and
+//! Promise: no schedule that keeps the claims is faster, or has fewer strokes or control cycles. Not promised: that the bound is attained; obstacles, other robots in the way and
 //! rounding to whole strokes are ignored. Cost: `MAX_EARLIER` shortest paths for each stop and dock, and the square of the robots of an
 //! assembly.
 
@@ -24,11 +25,21 @@ use together::{EXACT, RobotArrival};
 /// Number of earlier poses of its robot to which a stop is related: the latest ones.
 const MAX_EARLIER: usize = 8;
 
-/// Lower bound on the duration of any plan of these steps, from the current state of the robots.
-pub fn least_ns(order: &MicrorobotsOrder, start: &Crew) -> u64 {
+/// Lower bounds on the figures of any plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LeastFigures {
+    pub time_ns: u64,
+    pub strokes: u64,
+    /// Control cycles.
+    pub switches: u64,
+}
+
+/// Lower bounds on the figures of any plan of these steps, from the current state of the robots.
+pub fn least(order: &MicrorobotsOrder, start: &Crew) -> LeastFigures {
     let mut course = JobPrefix::new(order, start);
     order.steps.iter().for_each(|step| course.follow(&step.action));
-    course.at_ns[course.latest()]
+    let latest = course.latest();
+    LeastFigures { time_ns: course.at_ns[latest], strokes: course.strokes[latest], switches: course.switches }
 }
 
 /// Least number of strokes of any path of a robot from near one pose to near another.
@@ -51,6 +62,10 @@ struct JobPrefix<'a> {
     at_ns: Vec<u64>,
     /// Time without strokes up to each instant in every plan: waits and control cycles.
     still_ns: Vec<u64>,
+    /// Least number of strokes up to each instant.
+    strokes: Vec<u64>,
+    /// Least number of control cycles so far.
+    switches: u64,
     /// For each robot of the order, in order of time.
     known: Vec<Vec<KnownPlace>>,
     docked: Vec<bool>,
@@ -65,6 +80,8 @@ impl<'a> JobPrefix<'a> {
             order,
             at_ns: vec![0],
             still_ns: vec![0],
+            strokes: vec![0],
+            switches: 0,
             known: known.collect(),
             docked: start.docked.clone(),
             poses: Some(start.poses.clone()),
@@ -83,10 +100,14 @@ impl<'a> JobPrefix<'a> {
             }
             MicrorobotsAction::Apply { state, duration_ns } => self.apply(*state, *duration_ns),
             MicrorobotsAction::Drive { robot, stops } => {
+                let first = stops.first().map(|stop| self.known_legs(*robot, stop));
+                self.switches += first.unwrap_or(0) as u64;
                 self.poses = None;
                 stops.iter().for_each(|stop| self.arrive(&[(*robot, stop)]));
             }
             MicrorobotsAction::Assemble(docks) => {
+                let most = docks.iter().map(|dock| self.known_legs(dock.robot, &dock.goal)).max();
+                self.switches += most.unwrap_or(0) as u64;
                 self.poses = None;
                 let open: Vec<(usize, &MicrorobotsStop)> =
                     docks.iter().filter(|dock| !self.docked[dock.robot]).map(|dock| (dock.robot, &dock.goal)).collect();
@@ -101,6 +122,7 @@ impl<'a> JobPrefix<'a> {
         let latest = self.latest();
         self.at_ns.push(self.at_ns[latest].saturating_add(time_ns));
         self.still_ns.push(self.still_ns[latest].saturating_add(still_ns));
+        self.strokes.push(self.strokes[latest]);
     }
 
     fn apply(&mut self, state: usize, duration_ns: u64) {
@@ -108,6 +130,9 @@ impl<'a> JobPrefix<'a> {
         let leg = Leg { state, strokes: duration_ns.div_ceil(facts.period_ns) };
         let time_ns = leg_ns(self.order, leg);
         self.goes_by(time_ns, leg_ns(self.order, Leg { strokes: 0, ..leg }));
+        let latest = self.latest();
+        self.strokes[latest] = self.strokes[latest].saturating_add(leg.strokes);
+        self.switches += 1;
         let order = self.order;
         for (robot, pose) in self.poses.iter_mut().flatten().enumerate().filter(|(robot, _)| !self.docked[*robot]) {
             *pose = leg.carried(order, robot, *pose);
@@ -142,25 +167,35 @@ impl<'a> JobPrefix<'a> {
             let still_ns = self.still_ns[instant] - self.still_ns[earlier];
             let driven_ns = strokes.saturating_mul(self.order.facts.period_ns).saturating_add(still_ns);
             self.at_ns[instant] = self.at_ns[instant].max(self.at_ns[earlier].saturating_add(driven_ns));
+            self.strokes[instant] = self.strokes[instant].max(self.strokes[earlier].saturating_add(strokes));
         }
         for (robot, stop) in moving {
             self.known[*robot].push(KnownPlace { instant, pose: stop.pose, slack: self.order.precision });
         }
     }
 
-    /// Control cycles that a robot needs since the previous instant, if its pose then is known.
+    /// Duration of the control cycles that a robot needs since the previous instant, if its pose then is known.
     fn cycles_ns(&self, robot: usize, stop: &MicrorobotsStop) -> u64 {
+        let levels = self.order.states.iter().map(|state| state.levels_v.len()).min().unwrap_or(0);
+        (self.legs(robot, stop) * levels) as u64 * self.order.facts.dwell_ns
+    }
+
+    /// Legs that a robot needs since the previous instant, if its pose then is known.
+    fn legs(&self, robot: usize, stop: &MicrorobotsStop) -> usize {
         let (order, goal, slack) = (self.order, stop.pose, self.order.precision);
         let Some(known) = self.known[robot].last().filter(|known| known.instant == self.latest()) else { return 0 };
         if self.docked[robot] || least_strokes(order, robot, (known.pose, known.slack), (goal, slack)) == 0 {
             return 0;
         }
-        let legs = match known.slack == EXACT {
+        match known.slack == EXACT {
             true => free::fewest_segments(order.robot(robot), known.pose, goal, slack),
             false => 1,
-        };
-        let levels = order.states.iter().map(|state| state.levels_v.len()).min().unwrap_or(0);
-        (legs * levels) as u64 * order.facts.dwell_ns
+        }
+    }
+
+    /// Legs that a step needs until its first stop, if no plan is in another pose before it; 0 where that depends on the plan.
+    fn known_legs(&self, robot: usize, stop: &MicrorobotsStop) -> usize {
+        if self.poses.is_some() { self.legs(robot, stop) } else { 0 }
     }
 }
 

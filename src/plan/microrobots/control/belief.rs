@@ -4,20 +4,29 @@
 //! its first robots: a rotation by their measured headings and by the directions between them, each weighted by the bound on its error,
 //! and a shift of their middle.
 
+use super::follow::{Course, Following};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Errors, wrapped_rad};
 use crate::geometry::Pose;
 use crate::plan::microrobots::control::Segment;
 use crate::plan::microrobots::strategy::body;
+use crate::plan::microrobots::world::OrientedRectangle;
 use crate::real::Real;
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_6, TAU};
 
 /// Distance and angle that are granted to every measurement besides the bounds on its errors.
-const SLACK_UM: f64 = 0.1;
-const SLACK_RAD: f64 = 1e-3;
+pub(super) const SLACK_UM: f64 = 0.1;
+pub(super) const SLACK_RAD: f64 = 1e-3;
 
 /// A measured pose may be this many bounds of an error away from the last one: both may be off.
-const GATE: f64 = 2.0;
+pub(super) const GATE: f64 = 2.0;
+
+/// How far from its start a robot may be set down by hand, in lengths of its body, and how far it may be turned there.
+const PLACED_LENGTHS: f64 = 1.0;
+const PLACED_RAD: f64 = FRAC_PI_6;
+
+/// So many times in a row a robot may be measured where its commands cannot have brought it.
+pub const MAX_ASTRAY: u32 = 5;
 
 /// State of the bed as it is measured.
 #[derive(Debug, Clone)]
@@ -30,6 +39,8 @@ pub struct Belief<'a> {
     means: Vec<PoseMean>,
     /// Nominal path of each robot since the last measurement that was believed, and the part of it with the arm down.
     since: Vec<[f64; 2]>,
+    /// Where the commands bring each robot.
+    courses: Vec<Course>,
     /// A measurement that could not be true, and may be confirmed by the next one.
     suspects: Vec<Option<Pose>>,
     /// The robots whose places define that of the structure, with their planned poses.
@@ -64,6 +75,8 @@ pub enum Sighting {
     Unseen(usize),
     /// This robot cannot have come to where it was measured.
     Doubtful(usize),
+    /// This robot has not followed its commands too many times in a row.
+    Astray(usize),
 }
 
 impl<'a> Belief<'a> {
@@ -79,6 +92,7 @@ impl<'a> Belief<'a> {
             docked: docked.to_vec(),
             means: vec![PoseMean::NONE; poses.len()],
             since: vec![[0.0; 2]; poses.len()],
+            courses: poses.iter().map(|pose| Course::new(*pose, &errors)).collect(),
             suspects: vec![None; poses.len()],
             base,
             structure: Placement::default(),
@@ -86,40 +100,124 @@ impl<'a> Belief<'a> {
         }
     }
 
-    /// Takes a measurement over, made after some segments. Nothing is taken over unless all of it can be used.
-    pub fn see(&mut self, measured: &[Option<Pose>], driven: &[Segment]) -> Sighting {
+    /// Takes a measurement over, made after some segments. Nothing is taken over unless all of it can be used. The robots that may touch
+    /// were driven against others by the segments, and may have been stopped on their way.
+    pub fn see(&mut self, measured: &[Option<Pose>], driven: &[Segment], may_touch: [Option<usize>; 2]) -> Sighting {
         self.count(driven);
-        if let Some(robot) = (0..self.poses.len()).find(|robot| measured.get(*robot).copied().flatten().is_none()) {
+        if let Some(robot) = (0..self.poses.len()).find(|robot| at(measured, *robot).is_none()) {
             return Sighting::Unseen(robot);
         }
-        let mut doubtful = None;
-        for (robot, pose) in measured.iter().enumerate().filter_map(|(robot, pose)| Some((robot, (*pose)?))) {
-            let can_be = robot < self.poses.len()
-                && (self.is_first
-                    || self.can_reach(robot, self.poses[robot], pose, self.since[robot])
-                    || self.suspects[robot].is_some_and(|suspect| self.can_reach(robot, suspect, pose, [0.0; 2])));
-            let is_new = robot < self.poses.len() && !can_be;
-            if robot < self.poses.len() {
-                self.suspects[robot] = is_new.then_some(pose);
-            }
-            if is_new && doubtful.is_none() {
-                doubtful = Some(robot);
-            }
-        }
-        if let Some(robot) = doubtful {
+        if let Some(robot) = self.doubtful(measured).or_else(|| self.overlapping(measured)) {
             return Sighting::Doubtful(robot);
         }
+        let astray = self.follow(measured, may_touch);
         self.is_first = false;
         self.since.fill([0.0; 2]);
-        for (robot, pose) in measured.iter().enumerate().filter_map(|(robot, pose)| Some((robot, (*pose)?))) {
-            let Some(known) = self.poses.get_mut(robot) else { continue };
-            *known = match self.docked[robot] {
+        for robot in 0..self.poses.len() {
+            let Some(pose) = at(measured, robot) else { continue };
+            self.poses[robot] = match self.docked[robot] {
                 true => self.means[robot].with(pose),
                 false => pose,
             };
         }
         self.place_structure();
-        Sighting::Usable
+        astray.map_or(Sighting::Usable, Sighting::Astray)
+    }
+
+    /// The first robot that cannot be where it was measured; the measurement is kept, since the next one may confirm it.
+    fn doubtful(&mut self, measured: &[Option<Pose>]) -> Option<usize> {
+        let mut doubtful = None;
+        for robot in 0..self.poses.len() {
+            let Some(pose) = at(measured, robot) else { continue };
+            let can_be = match self.is_first {
+                true => self.is_at_start(robot, pose),
+                false => {
+                    self.can_reach(robot, self.poses[robot], pose, self.since[robot])
+                        || self.suspects[robot].is_some_and(|suspect| self.can_reach(robot, suspect, pose, [0.0; 2]))
+                }
+            };
+            self.suspects[robot] = (!can_be).then_some(pose);
+            if !can_be && doubtful.is_none() {
+                doubtful = Some(robot);
+            }
+        }
+        doubtful
+    }
+
+    /// Whether a robot is where it was set down, as far as a hand can do that, and is not taken for another one.
+    fn is_at_start(&self, robot: usize, pose: Pose) -> bool {
+        let (start, errors) = (self.poses[robot], self.errors);
+        let off_um = |other: &Pose| (pose.x_um - other.x_um).hypotenuse(pose.y_um - other.y_um);
+        let own_um = off_um(&start);
+        let most_um = PLACED_LENGTHS * self.order.robot(robot).length_um + errors.place_um + SLACK_UM;
+        let most_rad = PLACED_RAD + errors.heading_rad + SLACK_RAD;
+        // Robots that start side by side are told apart by whose start is nearer.
+        let is_nearer = |other: &Pose| off_um(other) + GATE * errors.place_um + SLACK_UM < own_um;
+        own_um <= most_um
+            && wrapped_rad(pose.heading_rad - start.heading_rad).abs() <= most_rad
+            && !self.poses.iter().any(is_nearer)
+    }
+
+    /// A robot that is measured within the body of another one, by more than the errors of the measurement.
+    fn overlapping(&self, measured: &[Option<Pose>]) -> Option<usize> {
+        let rectangle = |robot: usize| {
+            let facts = self.order.robot(robot);
+            let half_um = [facts.length_um / 2.0, facts.width_um / 2.0];
+            at(measured, robot).map(|pose| OrientedRectangle::new(pose, half_um))
+        };
+        (0..self.poses.len()).find(|&robot| {
+            rectangle(robot).is_some_and(|own| {
+                (0..robot).any(|other| {
+                    let may_um = self.order.facts.docking.tolerance_um
+                        + self.doubt_um(self.reach_um(robot))
+                        + self.doubt_um(self.reach_um(other))
+                        + SLACK_UM;
+                    rectangle(other).is_some_and(|other| own.to_rectangle_um(&other) < -may_um)
+                })
+            })
+        })
+    }
+
+    /// Compares a measurement with where the commands bring each robot; the first one that was astray too often. Docked robots do not move.
+    fn follow(&mut self, measured: &[Option<Pose>], may_touch: [Option<usize>; 2]) -> Option<usize> {
+        let mut astray = None;
+        for robot in (0..self.poses.len()).filter(|robot| !self.docked[*robot]) {
+            let Some(pose) = at(measured, robot) else { continue };
+            let was_stopped = may_touch.contains(&Some(robot)) && self.is_beside(robot, measured);
+            let course = &mut self.courses[robot];
+            if self.is_first {
+                *course = Course::new(pose, &self.errors);
+                continue;
+            }
+            let following = course.follow(&self.errors, pose);
+            if following == Following::Astray && !was_stopped {
+                course.astray += 1;
+            }
+            if course.astray > MAX_ASTRAY && astray.is_none() {
+                astray = Some(robot);
+            }
+        }
+        astray
+    }
+
+    /// Whether another robot is so near that it may touch this one.
+    fn is_beside(&self, robot: usize, measured: &[Option<Pose>]) -> bool {
+        let Some(own) = at(measured, robot) else { return false };
+        let (aligned_um, _) = self.alignment();
+        let near_um = |other: usize| {
+            let reach_um = self.reach_um(robot) + self.reach_um(other);
+            reach_um + aligned_um + self.order.facts.docking.tolerance_um + GATE * self.errors.place_um + SLACK_UM
+        };
+        (0..self.poses.len()).filter(|other| *other != robot).any(|other| {
+            at(measured, other)
+                .is_some_and(|pose| (pose.x_um - own.x_um).hypotenuse(pose.y_um - own.y_um) <= near_um(other))
+        })
+    }
+
+    /// Half of a body's diagonal.
+    fn reach_um(&self, robot: usize) -> f64 {
+        let facts = self.order.robot(robot);
+        facts.length_um.hypotenuse(facts.width_um) / 2.0
     }
 
     /// Adds what was driven to the paths since the last measurement that was believed.
@@ -128,8 +226,10 @@ impl<'a> Belief<'a> {
             let (step_um, row) = (self.order.robot(robot).step_um, self.order.robots[robot].row);
             for segment in driven {
                 let way_um = step_um * segment.strokes as f64;
+                let arm = self.order.states[segment.state].arms[row];
                 since[0] += way_um;
-                since[1] += if self.order.states[segment.state].arms[row] == Arm::Down { way_um } else { 0.0 };
+                since[1] += if arm == Arm::Down { way_um } else { 0.0 };
+                self.courses[robot].drive(self.order.robot(robot), &self.errors, arm, way_um);
             }
         }
     }
@@ -225,6 +325,11 @@ impl<'a> Belief<'a> {
             [found[0] - (planned[0] * cos - planned[1] * sin), found[1] - (planned[0] * sin + planned[1] * cos)];
         self.structure = Placement { turn_rad, shift_um };
     }
+}
+
+/// The measured pose of a robot, if it was seen.
+fn at(measured: &[Option<Pose>], robot: usize) -> Option<Pose> {
+    measured.get(robot).copied().flatten()
 }
 
 impl Placement {

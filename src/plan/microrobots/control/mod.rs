@@ -6,11 +6,13 @@
 //! judgement. It knows measurements only: a robot is held for docked when it was pushed against its structure and is measured in its place.
 //!
 //! A measurement that cannot be true is not acted upon: the bed rests for an interval, and the next one decides. After too many of these, or
-//! if no measurement comes for the time that the device states, it stops: at 0 V all arms go up and nothing moves.
+//! if no measurement comes for the time that the device states, it stops: at 0 V all arms go up and nothing moves. So it does when a robot is measured
+//! too many times in a row where its commands cannot have brought it: the robot does not move, or the picture does not change.
 //!
 //! Everything is allocated before the first measurement. Without errors (all bounds 0) the legs of the plan are carried out as written.
 
 mod belief;
+mod follow;
 mod stages;
 
 pub use crate::device::microrobots::control::{ControlPhase, StopReason};
@@ -18,6 +20,7 @@ pub use crate::device::microrobots::control::{ControlPhase, StopReason};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
 use crate::plan::microrobots::MicrorobotsMotion;
+pub use belief::MAX_ASTRAY;
 use belief::{Belief, Sighting};
 use stages::{Progress, StageOf};
 
@@ -74,6 +77,8 @@ pub struct Controller<'a> {
     until_ns: u64,
     last_ns: Option<u64>,
     unusable: u32,
+    /// Robots that the last command drives against others.
+    may_touch: [Option<usize>; 2],
     last: LastCommand,
 }
 
@@ -153,6 +158,7 @@ impl<'a> Controller<'a> {
             until_ns: 0,
             last_ns: None,
             unusable: 0,
+            may_touch: [None; 2],
             last: LastCommand::Rest,
         })
     }
@@ -194,7 +200,7 @@ impl<'a> Controller<'a> {
             }
         }
         self.last_ns = Some(now_ns);
-        let sighting = self.belief.see(measured, &self.drive.segments);
+        let sighting = self.belief.see(measured, &self.drive.segments, self.may_touch);
         self.drive.segments.clear();
         let (reason, robot) = match sighting {
             Sighting::Usable => {
@@ -203,6 +209,7 @@ impl<'a> Controller<'a> {
             }
             Sighting::Unseen(robot) => (StopReason::Unseen, robot),
             Sighting::Doubtful(robot) => (StopReason::Doubtful, robot),
+            Sighting::Astray(robot) => return self.stop(StopReason::Astray, Some(robot)),
         };
         self.unusable += 1;
         if self.unusable > MAX_UNUSABLE {
@@ -215,6 +222,15 @@ impl<'a> Controller<'a> {
         while let Some(stage) = self.stages.get_mut(self.at) {
             match stage.stage.proceed(&mut self.belief, &mut self.drive, now_ns) {
                 Progress::Driving => {
+                    self.may_touch = match self.phase() {
+                        ControlPhase::Fine | ControlPhase::Contact => self.driven(),
+                        ControlPhase::Legs
+                        | ControlPhase::Wait
+                        | ControlPhase::Approach
+                        | ControlPhase::Timing
+                        | ControlPhase::Meeting
+                        | ControlPhase::Over => [None; 2],
+                    };
                     (self.last, self.until_ns) = (LastCommand::Drive, now_ns.saturating_add(self.duration_ns()));
                     return;
                 }

@@ -96,3 +96,96 @@ fn silence_and_a_clock_that_goes_back_stop_it() {
     assert_eq!(reason(&controller, until_ns + INTERVAL_NS + 1), Some(StopReason::Silence));
     assert_eq!(reason(&controller, 9), Some(StopReason::Clock));
 }
+
+/// Measures one pose of the robot after the other, as long as it is driven; the number of answers, and why it was given up.
+fn answers(at: impl Fn(u32, Pose) -> Pose) -> (u32, Option<Stop>) {
+    let (order, motion) = single(pose(1500.0, 900.0, 30.0), turning(), errors(100));
+    let mut controller = Controller::new(&order, &motion).expect("the errors are known");
+    let mut driven = pose(1500.0, 900.0, 30.0);
+    let mut now_ns = 0;
+    for nth in 1..=40 {
+        driven = at(nth, driven);
+        match controller.observe(&[Some(driven), Some(pose(0.0, 0.0, 0.0))], now_ns) {
+            Command::Drive { segments, until_ns } => {
+                for segment in segments {
+                    let arm = order.states[segment.state].arms[0];
+                    driven = order.robot(0).moved(driven, arm, order.robot(0).step_um * segment.strokes as f64);
+                }
+                now_ns = until_ns;
+            }
+            Command::Stop(stop) => return (nth, Some(stop)),
+            Command::Rest { .. } | Command::Continue { .. } | Command::Finished => panic!("a drive"),
+        }
+    }
+    (40, None)
+}
+
+/// A picture that does not change is not driven by, and neither is a robot that stands.
+#[test]
+fn a_robot_that_does_not_follow_stops_it() {
+    let start = pose(1500.0, 900.0, 30.0);
+    let (count, stop) = answers(|_, _| start);
+    let stop = stop.expect("given up");
+    assert_eq!((count, stop.reason, stop.robot), (MAX_ASTRAY + 2, StopReason::Astray, Some(0)));
+    let (count, stop) = answers(|nth, driven| if nth <= 10 { driven } else { pose(1600.0, 900.0, 30.0) });
+    assert!(count < 20 && stop.is_some_and(|stop| stop.reason == StopReason::Astray), "{count} {stop:?}");
+    assert_eq!(answers(|_, driven| driven).1, None, "it follows");
+}
+
+/// A robot that stands for a while is driven on.
+#[test]
+fn a_robot_that_stalls_for_a_while_is_driven_on() {
+    use std::cell::Cell;
+    let stalled = |length: u32| {
+        let last = Cell::new(pose(1500.0, 900.0, 30.0));
+        answers(move |nth, driven| {
+            // It stalls in some intervals of ten.
+            if nth % 10 > length || nth < 10 {
+                last.set(driven);
+            }
+            last.get()
+        })
+    };
+    assert_eq!(stalled(MAX_ASTRAY - 1).1, None);
+    assert_eq!(stalled(MAX_ASTRAY).1.map(|stop| stop.reason), Some(StopReason::Astray));
+}
+
+/// Robots are set down by hand near their starts, each in its own place.
+#[test]
+fn a_first_measurement_is_not_believed_anywhere() {
+    let (order, motion) = single(pose(1500.0, 900.0, 30.0), turning(), errors(100));
+    let first = |poses: [Pose; 2], count: u32| {
+        let mut controller = Controller::new(&order, &motion).expect("the errors are known");
+        for nth in 0..count {
+            controller.observe(&poses.map(Some), u64::from(nth) * INTERVAL_NS);
+        }
+        match controller.last() {
+            Command::Drive { segments, .. } => Ok(segments.len()),
+            Command::Stop(stop) => Err(stop.reason),
+            Command::Rest { .. } | Command::Continue { .. } | Command::Finished => panic!("a drive or a stop"),
+        }
+    };
+    let [one, two] = [pose(1500.0, 900.0, 30.0), pose(0.0, 0.0, 0.0)];
+    for (what, poses) in [
+        ("swapped", [two, one]),
+        ("far", [pose(51_500.0, 900.0, 30.0), two]),
+        ("beyond all numbers", [pose(1e308, -1e308, 30.0), two]),
+        ("turned", [pose(1500.0, 900.0, 70.0), two]),
+    ] {
+        assert_eq!(first(poses, 1), Ok(0), "{what}");
+        assert_eq!(first(poses, MAX_UNUSABLE), Ok(0), "{what}");
+        assert_eq!(first(poses, MAX_UNUSABLE + 1), Err(StopReason::Doubtful), "{what}");
+    }
+    assert!(first([pose(1650.0, 1050.0, 50.0), pose(0.0, 0.0, 0.0)], 1).is_ok_and(|segments| segments > 0));
+    // Beside each other, so near that a hand could reach the other one's place.
+    let (order, motion) = single(pose(0.0, 120.0, 0.0), turning(), errors(100));
+    let mut controller = Controller::new(&order, &motion).expect("the errors are known");
+    for (what, poses) in [
+        ("swapped", [pose(0.0, 0.0, 0.0), pose(0.0, 120.0, 0.0)]),
+        ("one in the other", [pose(0.0, 70.0, 0.0), pose(0.0, 50.0, 0.0)]),
+    ] {
+        let held = controller.observe(&poses.map(Some), 0);
+        assert!(matches!(held, Command::Drive { segments: [], .. }), "{what}: {held:?}");
+        controller = Controller::new(&order, &motion).expect("the errors are known");
+    }
+}

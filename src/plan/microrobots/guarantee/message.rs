@@ -32,6 +32,15 @@ fn lowered(value: f64) -> f64 {
     format!("{}e{exponent}", digits.get(..3).unwrap_or(digits)).parse().unwrap_or(0.0)
 }
 
+/// An available and a larger required value to a tenth; where that is one text, to a hundredth, the first rounded down and the second up.
+fn told_apart(has: f64, needs: f64) -> (String, String) {
+    let (short, long) = (format!("{has:.1}"), format!("{needs:.1}"));
+    if short != long {
+        return (short, long);
+    }
+    (format!("{:.2}", (has * 100.0).floor() / 100.0), format!("{:.2}", (needs * 100.0).ceil() / 100.0))
+}
+
 impl Containment {
     /// The required and the available value, as a clause that begins with the quantity.
     pub fn message(&self, order: &MicrorobotsOrder) -> String {
@@ -66,9 +75,10 @@ impl Containment {
                 has.max(0.0)
             ),
             ContainmentCheck::Edge => format!("{name} faces no docked robot at its goal"),
-            ContainmentCheck::Turn => format!(
-                "a turn of {name} of {has_deg:.1} deg is too short to be sure of; {needs_deg:.1} deg are needed"
-            ),
+            ContainmentCheck::Turn => {
+                let (has, needs) = told_apart(has_deg, needs_deg);
+                format!("a turn of {name} of {has} deg is too short to be sure of; {needs} deg are needed")
+            }
             ContainmentCheck::Meeting => format!(
                 "{name} and its partner may miss each other by {needs:.1} um of their ways, {has:.1} um can be made up for"
             ),
@@ -79,6 +89,17 @@ impl Containment {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_turn_that_is_too_short_looks_shorter_than_what_is_needed() {
+        let apart = |has: f64, needs: f64| {
+            let (has, needs) = told_apart(has, needs);
+            format!("{has} {needs}")
+        };
+        assert_eq!(apart(0.54, 0.82), "0.5 0.8");
+        assert_eq!(apart(0.801, 0.803), "0.80 0.81");
+        assert_eq!(apart(0.761, 0.842), "0.76 0.85");
+    }
 
     #[test]
     fn limits_are_rounded_down() {

@@ -39,6 +39,8 @@ pub enum FailureReason {
     NotDocked,
     /// It was not seen, or measured where it cannot be, too many times in a row.
     Unmeasured,
+    /// It did not follow the commands too many times in a row.
+    Astray,
     /// The controller stopped for want of measurements.
     Silence,
 }
@@ -52,6 +54,7 @@ impl FailureReason {
             StopReason::Misplaced => FailureReason::Misplaced,
             StopReason::TimeLimit => FailureReason::TimeLimit,
             StopReason::Unseen | StopReason::Doubtful => FailureReason::Unmeasured,
+            StopReason::Astray => FailureReason::Astray,
             StopReason::Silence
             | StopReason::Closed
             | StopReason::Clock

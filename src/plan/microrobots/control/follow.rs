@@ -1,0 +1,77 @@
+//! Whether a robot is where its commands bring it.
+//!
+//! From a measured pose on, every stretch adds to how far the robot may be off its nominal path: with errors v of the speed, t of the turning
+//! for each unit of path, p of a measured place and h of a measured heading, a stretch of length w parts from the nominal one by at most
+//! (heading off so far) w + t w^2 / 2 + v w, and turns by at most t w (1 + v) + v w / R away from it, where it runs on a circle of radius R.
+//!
+//! A short stretch tells nothing: within the errors the robot may have followed it or stood still. So the nominal path goes on from one measurement
+//! to the next until a measurement is either astray, or where only a robot that moved can be.
+
+use super::belief::{GATE, SLACK_RAD, SLACK_UM};
+use crate::device::microrobots::{Arm, Errors, Robot, wrapped_rad};
+use crate::geometry::Pose;
+use crate::real::Real;
+
+/// The nominal path of a robot since a measurement.
+#[derive(Debug, Clone, Copy)]
+pub struct Course {
+    from: Pose,
+    nominal: Pose,
+    /// How far from the nominal pose it may be.
+    off_um: f64,
+    off_rad: f64,
+    way_um: f64,
+    /// So many times in a row it was not where its commands bring it.
+    pub astray: u32,
+}
+
+/// What a measurement tells of a robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Following {
+    Followed,
+    /// It may have followed, and may have stood still.
+    Unclear,
+    /// It is not where its commands can have brought it.
+    Astray,
+}
+
+impl Course {
+    /// Begins at a measured pose.
+    pub fn new(from: Pose, errors: &Errors) -> Self {
+        let (off_um, off_rad) = (errors.place_um, errors.heading_rad);
+        Course { from, nominal: from, off_um, off_rad, way_um: 0.0, astray: 0 }
+    }
+
+    /// The robot is driven on.
+    pub fn drive(&mut self, robot: &Robot, errors: &Errors, arm: Arm, way_um: f64) {
+        let turned_rad = errors.turning_rad_per_um * way_um;
+        let circle_rad = match arm {
+            Arm::Up => 0.0,
+            Arm::Down => errors.speed_ratio * way_um / robot.turning_radius_um,
+        };
+        self.nominal = robot.moved(self.nominal, arm, way_um);
+        self.off_um += (self.off_rad + turned_rad / 2.0 + errors.speed_ratio) * way_um;
+        self.off_rad += turned_rad * (1.0 + errors.speed_ratio) + circle_rad;
+        self.way_um += way_um;
+    }
+
+    /// Compares a measurement with it. It begins anew there, unless that measurement tells nothing.
+    pub fn follow(&mut self, errors: &Errors, measured: Pose) -> Following {
+        let is_within = |pose: Pose, off_um: f64, off_rad: f64| {
+            (measured.x_um - pose.x_um).hypotenuse(measured.y_um - pose.y_um) <= off_um + SLACK_UM
+                && wrapped_rad(measured.heading_rad - pose.heading_rad).abs() <= off_rad + SLACK_RAD
+        };
+        let is_there = is_within(self.nominal, self.off_um + errors.place_um, self.off_rad + errors.heading_rad);
+        let may_stand = is_within(self.from, GATE * errors.place_um, GATE * errors.heading_rad);
+        let following = match (is_there, may_stand) {
+            (true, true) => return Following::Unclear,
+            (true, false) => Following::Followed,
+            // What moves without a command has been moved, and tells nothing about commands.
+            (false, _) if self.way_um == 0.0 => Following::Unclear,
+            (false, _) => Following::Astray,
+        };
+        let astray = if following == Following::Followed { 0 } else { self.astray };
+        *self = Course { astray, ..Course::new(measured, errors) };
+        following
+    }
+}
