@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 pub struct FingersState {
     /// The contact that each finger holds, from 1; 0 for a free finger.
     pub grasp: Vec<u32>,
-    /// The angle of the turn that goes on, as steps from its beginning, from 1 as in the paper; below 1 for turns backwards.
+    /// The angle of the turn that goes on, as steps from its beginning, from 1 as in the paper; below 1 where the part is turned back.
     pub angle_index: i64,
     /// The plane in which the fingers hold.
     pub plane: Plane,

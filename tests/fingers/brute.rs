@@ -2,7 +2,7 @@
 //!
 //! It shares nothing with the planner: ellipses are integrated here, holding is decided by a linear program over forces and torques in
 //! space (`forces`), and all edges are examined. Taken from docs/language.md: the places of contacts, that a grasp holds at 63 instants of a step
-//! with the reserve kept back, which fingers may come and leave, the costs, and that a turn goes once round at most, in its own direction.
+//! with the reserve kept back, which fingers may come and leave, the costs, and that a turn goes at most once round beyond its start and its goal.
 
 use crate::case::{Case, FINGERS, Step, TRANSLATED_UM};
 use crate::forces::{self, Tip};
@@ -179,6 +179,16 @@ impl<'a> Brute<'a> {
             choices = choices.iter().flat_map(|choice| ways.iter().map(move |way| with(choice, way))).collect();
         }
         choices.iter().map(|turns| legs(&case.steps, turns)).collect()
+    }
+
+    /// How many contacts the section has about z.
+    pub fn contacts(&self) -> u32 {
+        self.sections[0].contacts as u32
+    }
+
+    /// By how many steps of its sections a task without orientations turns.
+    pub fn steps_turned(&self) -> i32 {
+        self.choices()[0].iter().map(|leg| leg.turn).sum()
     }
 
     /// How many choices there are among the ways to its orientations.
@@ -420,7 +430,7 @@ impl<'a> Brute<'a> {
             }
             let holding = holding(&node.held);
             let round = self.case.steps_per_turn;
-            let [low, high] = if turn < 0 { [turn.min(-round), 0] } else { [0, turn.max(round)] };
+            let [low, high] = [turn.min(0) - round, turn.max(0) + round];
             let count = self.section(node.leg).contacts;
             if i32::from(node.angle) < high && self.lasts(node.leg, node.angle, node.held) {
                 let held = self.turned(node.leg, node.held, count - 1);

@@ -13,6 +13,7 @@ mod orient;
 #[path = "../support/random.rs"]
 mod random;
 mod rolled;
+mod round;
 #[path = "../support/mod.rs"]
 mod support;
 

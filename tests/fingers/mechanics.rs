@@ -135,6 +135,22 @@ fn what_was_refused_by_the_verifier_is_built() {
     }
 }
 
+/// The part may turn back first: each was once said to have no plan, or a dearer plan was said to be optimal. The first four figures are also
+/// those of a search of its own, with one revolution beyond start and goal.
+#[test]
+fn a_turn_may_begin_the_other_way_round() {
+    let mirrored = |text: String| text.replace("(31, 46, 12)", "(17, 2, 36)").replace("(31, 0, 12)", "(17, 0, 36)");
+    assert_eq!(cost(&found("fingers-mirrored-no-plan")), [480.0; 2]);
+    assert_eq!(cost(&mirrored(found("fingers-mirrored-no-plan"))), [480.0; 2]);
+    assert_eq!(cost(&found("fingers-turned-back-no-plan")), [540.0; 2]);
+    assert_eq!(cost(&found("fingers-turned-back-dearer")), [1410.0; 2]);
+    // The same turns in two parts cost this much.
+    for (name, most_deg) in [("fingers-turned-back-pushing", 2400.0), ("fingers-turned-back-between-planes", 2340.0)] {
+        let [cost_deg, bound_deg] = cost(&found(name));
+        assert!(cost_deg == bound_deg && cost_deg <= most_deg, "{name}: {cost_deg} deg, bound {bound_deg} deg");
+    }
+}
+
 /// A part that is only carried does not roll: the replay stays in the plane of the last turn, as the plan does.
 #[test]
 fn a_part_is_carried_between_turns_about_two_axes() {

@@ -11,7 +11,7 @@ const SLACK: f64 = 1e-6;
 
 /// Kinds of cases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+pub enum Kind {
     /// Turns by tips that only push.
     Pushing,
     /// Turns by tips that stick.
@@ -24,7 +24,7 @@ enum Kind {
     Oriented,
 }
 
-fn random_case(chance: &mut Random, kind: Kind) -> Case {
+pub fn random_case(chance: &mut Random, kind: Kind) -> Case {
     let steps_per_turn = [6, 8, 9][chance.below(3) as usize];
     let long_um = chance.thousandths(9.0, 14.0);
     let round_um = |chance: &mut Random| (long_um * chance.thousandths(0.55, 1.0) * 1000.0).round() / 1000.0;
@@ -124,15 +124,15 @@ struct Tally {
 
 /// Cost and bound in degrees, reconfigurations, and whether it is said to be optimal.
 #[derive(Debug, Clone, Copy)]
-struct Planned {
-    cost_deg: f64,
+pub struct Planned {
+    pub cost_deg: f64,
     bound_deg: f64,
-    gaits: u32,
-    optimal: bool,
+    pub gaits: u32,
+    pub optimal: bool,
     time_s: f64,
 }
 
-fn planned(built: &Built) -> Option<Planned> {
+pub fn planned(built: &Built) -> Option<Planned> {
     let plan = &built.schedules.first()?.schedule().plans[0];
     let gaits = plan.outcomes["reconfigurations"] as u32;
     let time_s = plan.outcomes["time_ns"] / 1e9;
@@ -156,7 +156,7 @@ fn is_that(planned: Option<Planned>, least: Least) -> bool {
 }
 
 /// Holds a plan, or the proof that there is none, against all grasps; whether they agree without slack.
-fn agrees(case: &Case, planned: Option<Planned>, most: Option<u32>, text: &str) -> bool {
+pub fn agrees(case: &Case, planned: Option<Planned>, most: Option<u32>, text: &str) -> bool {
     let least = |slack: f64| Brute::of(case, slack).least_deg(most);
     if is_that(planned, least(0.0)) {
         return true;

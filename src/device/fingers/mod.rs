@@ -38,7 +38,7 @@ pub const MAX_RESERVE: f64 = 0.9;
 /// them differ.
 pub const MAX_GRASPS: usize = 1 << 29;
 
-/// Greatest limit of looks at grasps for planning one task: about half a minute, and some gigabytes of memory.
+/// Greatest limit of looks at grasps for planning one task: about a minute, over two in the slowest task measured, and some gigabytes of memory.
 pub const MAX_LOOKS: u32 = 1_000_000_000;
 
 /// The axes of a stage, in the order of coordinates.

@@ -1,4 +1,8 @@
 //! Planner of hands: grasps are nodes, rolling and finger gaiting are edges, and all turns of a task are one problem.
+//!
+//! **Guaranteed:** what is called optimal, a bound or impossible is so for all plans in which each turn goes at most one revolution
+//! beyond its start and its goal, either way. **Not:** plans that turn the part farther; in theory they may cost less, since contacts
+//! repeat only after (360 deg + perimeter / tip radius) / 360 deg revolutions.
 
 mod course;
 pub mod graph;

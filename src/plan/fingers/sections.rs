@@ -37,7 +37,7 @@ pub struct Sections<'a> {
     /// Number of lapses found in each layer.
     lapses: BTreeMap<(TableKey, usize), u32>,
     /// Lazily evaluated grasps under a load.
-    lazy: BTreeMap<TableKey, Rc<Lazy>>,
+    lazy: BTreeMap<LazyKey, Rc<Lazy>>,
     loaded: LoadedSections,
     looks: Rc<LooksBudget>,
 }
@@ -58,13 +58,16 @@ struct Ready<'a> {
     reach: ContactReach,
 }
 
-/// Key of tables: the plane and, under a load, the bits of the part's orientation at the start of the leg and the leg's lowest
-/// angle.
-type TableKey = (Plane, Option<([u64; 4], i32)>);
+/// Key of tables: the plane and, under a load, the bits of the part's orientation at the start of the leg, and the leg's lowest and
+/// highest angle.
+type TableKey = (Plane, Option<([u64; 4], [i32; 2])>);
+
+/// Key of a leg's lazy answers: the plane, and the bits of the part's orientation at the start of the leg.
+type LazyKey = (Plane, [u64; 4]);
 
 /// Key of a plane's tables without a load, in which fingers may leave wherever they may be placed.
 fn unloaded(plane: Plane) -> TableKey {
-    (plane, Some(([u64::MAX; 4], 0)))
+    (plane, Some(([u64::MAX; 4], [0; 2])))
 }
 
 impl<'a> Sections<'a> {
@@ -153,7 +156,7 @@ impl<'a> Sections<'a> {
                 Some(_) | None => Regrasp::Same,
             };
             let [lowest, highest] = self.angles(*turn);
-            let lazy = self.lazy(turn.plane, orientation, lowest);
+            let lazy = self.lazy(turn.plane, orientation);
             let tables = match &lazy {
                 Some(_) => self.loosest(turn.plane)?,
                 None => self.tables(turn.plane, orientation, [lowest, highest])?,
@@ -165,10 +168,13 @@ impl<'a> Sections<'a> {
         Ok(legs)
     }
 
-    /// The angles that a turn may visit: one revolution in its own sense, as in the paper.
+    /// The lowest and the highest angle that a turn may visit: one revolution beyond its start and its goal, either way.
+    ///
+    /// The paper's turns visit one revolution in their own sense. A plan may need less effort, or exist at all, where the part first
+    /// turns back; with this window, the mirror image of a task costs what the task does.
     fn angles(&self, turn: FingersTurn) -> [i32; 2] {
         let round = i32::try_from(self.order.facts.steps_per_turn).unwrap_or(i32::MAX);
-        if turn.steps < 0 { [turn.steps.min(-round), 0] } else { [0, turn.steps.max(round)] }
+        [turn.steps.min(0).saturating_sub(round), turn.steps.max(0).saturating_add(round)]
     }
 
     /// The orientation after a turn.
@@ -189,18 +195,18 @@ impl<'a> Sections<'a> {
         for (turning, nodes) in route.iter().zip(&way.legs) {
             let plane = turning.turn.plane;
             let load = Load::seen(plane, &orientation, self.order.load_un, self.order.part.centre_um);
-            let [lowest, _] = self.angles(turning.turn);
-            let key = key(plane, orientation, lowest, &load);
+            let angles = self.angles(turning.turn);
+            let key = key(plane, orientation, angles, &load);
             let ready = ready(&self.xy, self.xz.as_ref(), plane);
             let closer = Closer::of(&self.order.facts, ready.contacts(&self.order.facts), load);
             for (angle, grasp) in rolls(nodes).filter(|(angle, grasp)| !closer.lasts(*angle, &contacts_of(*grasp))) {
-                if let Some(lazy) = self.lazy.get(&lazy_key(plane, orientation, lowest)) {
+                if let Some(lazy) = self.lazy.get(&lazy_key(plane, orientation)) {
                     lazy.forbid(angle, &contacts_of(grasp));
                     sifted = Sifted::Lapsed;
                 }
                 let Some(tables) = self.known.get_mut(&key) else { continue };
                 let tables = Arc::make_mut(tables);
-                let layer = if tables.layers.len() == 1 { 0 } else { (angle - lowest) as usize };
+                let layer = if tables.layers.len() == 1 { 0 } else { (angle - angles[0]) as usize };
                 forbid(tables, layer, &contacts_of(grasp));
                 let lapses = self.lapses.entry((key, layer)).or_default();
                 *lapses += 1;
@@ -220,9 +226,9 @@ impl<'a> Sections<'a> {
     /// Of three fingers the first one leaves as in a turn; against the last two, the support holds the part.
     pub fn leaving(&mut self, holding: Holding, orientation: UnitQuaternion<f64>) -> Option<Vec<usize>> {
         let tables =
-            self.lazy(holding.plane, orientation, 0).is_none().then(|| self.tables(holding.plane, orientation, [0, 0]));
+            self.lazy(holding.plane, orientation).is_none().then(|| self.tables(holding.plane, orientation, [0, 0]));
         let tables = tables.transpose().ok()?;
-        let lazy = self.lazy(holding.plane, orientation, 0);
+        let lazy = self.lazy(holding.plane, orientation);
         let reach = &self.ready(holding.plane).reach;
         let held = |finger: &usize| Some((*finger, holding.grasp.contact(*finger)?));
         let mut stay: Vec<(usize, usize)> = (0..self.order.facts.fingers as usize).filter_map(|f| held(&f)).collect();
@@ -247,11 +253,11 @@ impl<'a> Sections<'a> {
     }
 
     /// Lazy evaluation under the load of a leg, unless it has tables of its own.
-    fn lazy(&mut self, plane: Plane, orientation: UnitQuaternion<f64>, lowest: i32) -> Option<Rc<Lazy>> {
+    fn lazy(&mut self, plane: Plane, orientation: UnitQuaternion<f64>) -> Option<Rc<Lazy>> {
         if self.order.load_un == [0.0; 3] || self.loaded == LoadedSections::Tabulated {
             return None;
         }
-        let key = lazy_key(plane, orientation, lowest);
+        let key = lazy_key(plane, orientation);
         if let Some(known) = self.lazy.get(&key) {
             return Some(Rc::clone(known));
         }
@@ -287,7 +293,7 @@ impl<'a> Sections<'a> {
         [lowest, highest]: [i32; 2],
     ) -> Result<Arc<Tables>, NoTables> {
         let load = Load::seen(plane, &orientation, self.order.load_un, self.order.part.centre_um);
-        let key = key(plane, orientation, lowest, &load);
+        let key = key(plane, orientation, [lowest, highest], &load);
         if let Some(known) = self.known.get(&key) {
             return Ok(Arc::clone(known));
         }
@@ -321,15 +327,15 @@ fn rolls(nodes: &[GraspNode]) -> impl Iterator<Item = (i32, Grasp)> {
 }
 
 /// Cache key of a leg's answers under a load.
-fn lazy_key(plane: Plane, orientation: UnitQuaternion<f64>, lowest: i32) -> TableKey {
+fn lazy_key(plane: Plane, orientation: UnitQuaternion<f64>) -> LazyKey {
     let [x, y, z, w]: [f64; 4] = orientation.coords.into();
-    (plane, Some(([x, y, z, w].map(f64::to_bits), lowest)))
+    (plane, [x, y, z, w].map(f64::to_bits))
 }
 
 /// Cache key of a leg's tables.
-fn key(plane: Plane, orientation: UnitQuaternion<f64>, lowest: i32, load: &Load) -> TableKey {
+fn key(plane: Plane, orientation: UnitQuaternion<f64>, angles: [i32; 2], load: &Load) -> TableKey {
     let [x, y, z, w]: [f64; 4] = orientation.coords.into();
-    (plane, (!load.is_across()).then_some(([x, y, z, w].map(f64::to_bits), lowest)))
+    (plane, (!load.is_across()).then_some(([x, y, z, w].map(f64::to_bits), angles)))
 }
 
 impl Ready<'_> {

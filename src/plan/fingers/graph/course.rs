@@ -1,6 +1,6 @@
 //! A prepared route: its legs with their strands, and the transitions of nodes from one leg to the next.
 
-use super::layout::{GraspChain, MAX_DIGIT, MAX_LEGS, NodeSpot, Sets, removed, wrapped};
+use super::layout::{GraspChain, MAX_ANGLES, MAX_DIGIT, MAX_LEGS, NodeSpot, Sets, removed, wrapped};
 use super::strands::{AngleMask, Strands, below};
 use super::{Grasp, GraspRequest, MAX_NODES, Regrasp, TurnLeg};
 use crate::device::fingers::MAX_FINGERS;
@@ -77,7 +77,7 @@ pub fn courses(request: &GraspRequest) -> Result<Vec<PreparedRoute>, u64> {
 /// Number of nodes of a route, or a number above the limit if its legs cannot be indexed.
 fn nodes(sets: &Sets, route: &[TurnLeg]) -> u64 {
     let leg = |leg: &TurnLeg| {
-        let fits = leg.tables.contacts <= MAX_DIGIT && leg.angles() <= MAX_DIGIT;
+        let fits = leg.tables.contacts <= MAX_DIGIT && leg.angles() <= MAX_ANGLES;
         if fits { sets.chains(leg.tables.contacts) * leg.angles() as u64 } else { u64::MAX }
     };
     if route.len() > MAX_LEGS { u64::MAX } else { route.iter().map(leg).fold(0, u64::saturating_add) }

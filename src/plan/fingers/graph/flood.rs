@@ -126,7 +126,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
 
     /// A flood without sources.
     fn dry(course: &'a PreparedRoute, direction: Direction) -> Self {
-        let chains = |leg: usize| course.sets.pairs() * course.sheets[leg].contacts.pow(2);
+        let chains = |leg: usize| course.sets.pairs() * course.sheets[leg].contacts.pow(2) * N;
         course.looks.take((0..course.sheets.len()).map(chains).sum::<usize>() as u64);
         let fields = (0..course.sheets.len()).map(|leg| ReachedPairs::of(course, leg, direction)).collect();
         let fronts = [Vec::new(), Vec::new(), Vec::new()];

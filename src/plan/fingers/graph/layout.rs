@@ -133,11 +133,20 @@ pub struct NodeSpot {
     pub chain: GraspChain,
 }
 
-/// Bits of a phase, and of an angle, in a packed spot.
+/// Bits of a phase in a packed spot.
 const DIGIT: u32 = 9;
 
-/// Limit on the contacts and angles of a leg.
+/// Bits of an angle in a packed spot.
+const ANGLE: u32 = 11;
+
+/// Limit on the contacts of a leg.
 pub const MAX_DIGIT: usize = 1 << DIGIT;
+
+/// Words of a mask of all angles that a leg may have: three revolutions of at most 360 steps make 1081.
+pub const MAX_WORDS: usize = 17;
+
+/// Limit on the angles of a leg.
+pub const MAX_ANGLES: usize = 64 * MAX_WORDS;
 
 /// Limit on the legs of a route.
 pub const MAX_LEGS: usize = 1 << 16;
@@ -148,16 +157,17 @@ impl NodeSpot {
     pub fn pack(self) -> u64 {
         let [a, b, c] = self.chain.phases.map(u64::from);
         let chain = (((u64::from(self.chain.set) << DIGIT | a) << DIGIT) | b) << DIGIT | c;
-        ((self.leg as u64) << (6 + 3 * DIGIT) | chain) << DIGIT | self.angle as u64
+        ((self.leg as u64) << (6 + 3 * DIGIT) | chain) << ANGLE | self.angle as u64
     }
 
     /// The node of a packed number.
     #[inline]
     pub fn unpack(number: u64) -> Self {
-        let digit = |place: u32| (number >> (place * DIGIT)) as usize & (MAX_DIGIT - 1);
-        let phases = [digit(3) as u16, digit(2) as u16, digit(1) as u16];
-        let set = (number >> (4 * DIGIT)) as u8 & 63;
-        NodeSpot { leg: (number >> (4 * DIGIT + 6)) as usize, angle: digit(0), chain: GraspChain { set, phases } }
+        let angle = number as usize & ((1 << ANGLE) - 1);
+        let chain = number >> ANGLE;
+        let phases = [2, 1, 0].map(|place| (chain >> (place * DIGIT)) as u16 & (MAX_DIGIT as u16 - 1));
+        let set = (chain >> (3 * DIGIT)) as u8 & 63;
+        NodeSpot { leg: (chain >> (3 * DIGIT + 6)) as usize, angle, chain: GraspChain { set, phases } }
     }
 }
 

@@ -5,9 +5,10 @@
 //! cheapest path over all of them. **Method.** A* (Hart, Nilsson and Raphael 1968) with partial expansion (Goldenberg et al. 2014)
 //! over implicit nodes; the heuristic is the paper's table of reconfigurations, as corrected ([`Estimator::Published`]), or the
 //! exact number of remaining reconfigurations, by a flood from the goals over chains of grasps that roll into one another
-//! ([`Estimator::Layers`]). **Guaranteed:** a returned path is cheapest, of equally cheap routes the first; the answer that there
-//! is none is a proof; of equally cheap paths one with the fewest reconfigurations is found; the same request has the same answer
-//! everywhere. **Not:** which of those is found (the one with the smaller estimate is expanded first, then the one found last).
+//! ([`Estimator::Layers`]). **Guaranteed**, within the angles that the legs may visit: a returned path is cheapest, of equally cheap
+//! routes the first; the answer that there is none is a proof; of equally cheap paths one with the fewest reconfigurations is found;
+//! the same request has the same answer everywhere. **Not:** which of those is found (the one with the smaller estimate is expanded
+//! first, then the one found last).
 //! **Cost:** a flood takes some nanoseconds for each of the C(F,2)·c² chains of pairs and each third contact, whatever the number
 //! of angles up to 64; the search, some tens for each contact of a pair that it expands. Where the path with the fewest
 //! reconfigurations must roll much farther than the turn requires, the estimate is far below the cost, and many nodes are expanded.
@@ -35,7 +36,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 /// Most nodes of one route: all conceivable grasps, times all angles, of all its legs.
-pub const MAX_NODES: u64 = 1 << 34;
+pub const MAX_NODES: u64 = 1 << 36;
 
 /// The contact of each finger, from 1; 0 for a free finger, or one that the device does not have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

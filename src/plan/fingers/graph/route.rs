@@ -2,7 +2,7 @@
 
 use super::course::{PreparedRoute, courses};
 use super::flood::{Direction, GraspFlood, TRIPLE_LOOKS};
-use super::layout::NodeSpot;
+use super::layout::{MAX_WORDS, NodeSpot};
 use super::published::Published;
 use super::strands::has;
 use super::walk::{Estimate, NEVER, RankedEntry, RouteWalk, WalkProgress, ranked, unranked};
@@ -50,7 +50,9 @@ pub fn cheapest(request: &GraspRequest, estimator: Estimator, bounds: RouteBound
     match angles(request) {
         0..=64 => search.run::<1>(estimator),
         65..=128 => search.run::<2>(estimator),
-        _ => search.run::<8>(estimator),
+        129..=256 => search.run::<4>(estimator),
+        257..=512 => search.run::<8>(estimator),
+        _ => search.run::<MAX_WORDS>(estimator),
     }
 }
 
@@ -67,7 +69,9 @@ pub fn bound(request: &GraspRequest) -> Option<u64> {
         let gaits = match angles(request) {
             0..=64 => gaits::<1>(course, request.start),
             65..=128 => gaits::<2>(course, request.start),
-            _ => gaits::<8>(course, request.start),
+            129..=256 => gaits::<4>(course, request.start),
+            257..=512 => gaits::<8>(course, request.start),
+            _ => gaits::<MAX_WORDS>(course, request.start),
         };
         let reconfiguring = u64::from(request.costs.gait) * u64::from(gaits);
         (gaits != NEVER).then(|| least(course, request.costs) + reconfiguring)

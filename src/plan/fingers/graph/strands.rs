@@ -33,20 +33,19 @@ impl Strand {
         self.words[from..from + self.stride].iter_mut().zip(words).for_each(|(word, bits)| *word = bits);
     }
 
-    /// Repeats the first `period` bits up to `bits`.
+    /// Repeats the first `period` bits, behind which there are none, up to `bits`; what is repeated doubles each time.
     fn repeat(&mut self, period: usize, bits: usize) {
         for strand in self.words.chunks_exact_mut(self.stride) {
-            if let [low, high, ..] = strand
-                && bits <= 128.min(2 * period)
-            {
-                let all = u128::from(*low) | u128::from(*high) << 64;
-                let all = all | all << period;
-                (*low, *high) = (all as u64, (all >> 64) as u64);
-                continue;
-            }
-            for bit in period..bits {
-                let from = bit - period;
-                strand[bit / 64] |= (strand[from / 64] >> (from % 64) & 1) << (bit % 64);
+            let mut filled = period;
+            while filled < bits {
+                let (words, shift) = (filled / 64, filled % 64);
+                // From the last word, so that each is read before it is written.
+                for at in (words..strand.len()).rev() {
+                    let low = |back: usize| at.checked_sub(words + back).map_or(0, |from| strand[from]);
+                    let moved = low(0) << shift | low(1) >> 1 >> (63 - shift);
+                    strand[at] |= moved;
+                }
+                filled *= 2;
             }
         }
     }

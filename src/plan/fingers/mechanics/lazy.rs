@@ -118,6 +118,6 @@ fn sorted(held: &[usize]) -> Vec<usize> {
 
 fn key(question: Question, angle: i32, held: &[usize]) -> u64 {
     let held = held.iter().fold(0, |key, contact| key << DIGIT | (*contact as u64 + 1));
-    // Angles lie between -512 and 511.
-    ((angle + 512) as u64) << (3 * DIGIT + 2) | (question as u64) << (3 * DIGIT) | held
+    // Angles lie between -1024 and 1023: two revolutions of at most 360 steps either way, and the step beyond.
+    ((angle + 1024) as u64) << (3 * DIGIT + 2) | (question as u64) << (3 * DIGIT) | held
 }

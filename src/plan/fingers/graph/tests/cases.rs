@@ -2,7 +2,7 @@
 
 use super::oracle::{dijkstra, judge};
 use super::random::{Random, case, circle};
-use crate::plan::fingers::graph::layout::{GraspChain, NodeSpot, Sets};
+use crate::plan::fingers::graph::layout::{GraspChain, MAX_ANGLES, NodeSpot, Sets};
 use crate::plan::fingers::graph::strands::{AngleMask, below, has, single, spread};
 use crate::plan::fingers::graph::{
     Estimator, FarthestRoute, Grasp, GraspAnswer, GraspCosts, GraspRequest, GraspSearchEnd, Regrasp, Start, TurnLeg,
@@ -108,8 +108,12 @@ fn too_many_nodes_are_refused() {
 /// More angles than a word has bits; contacts wrap around several times.
 #[test]
 fn long_turns_agree_with_the_plain_search() {
-    for (steps, goal) in [(100, [4, 0, 1]), (-130, [1, 7, 0]), (360, [5, 2, 9])] {
-        let asked = request(Start::At(grasp(&[1, 7, 0])), vec![vec![leg(circle(12, 2), steps, Some(&goal))]]);
+    for (steps, beyond, goal) in
+        [(100, 0, [4, 0, 1]), (-130, 40, [1, 7, 0]), (360, 0, [5, 2, 9]), (360, 100, [3, 8, 0]), (-1, 360, [2, 7, 12])]
+    {
+        let leg = leg(circle(12, 2), steps, Some(&goal));
+        let leg = TurnLeg { lowest: leg.lowest - beyond, highest: leg.highest + beyond, ..leg };
+        let asked = request(Start::At(grasp(&[1, 7, 0])), vec![vec![leg]]);
         let cost = dijkstra(&asked, &asked.routes[0]).0.map(|(cost, _)| cost);
         for estimator in BOTH {
             let GraspAnswer::Found(way) = solve(&asked, estimator, SearchBudget::DEFAULT) else {
@@ -176,6 +180,7 @@ fn masks_spread_like_single_steps() {
     spreads_like_steps::<1>(random);
     spreads_like_steps::<2>(random);
     spreads_like_steps::<8>(random);
+    spreads_like_steps::<17>(random);
 }
 
 #[test]
@@ -188,7 +193,7 @@ fn names_of_nodes_come_back() {
             let number = random.below(sets.chains(contacts) as usize);
             let chain: GraspChain = sets.chain(contacts, number);
             assert_eq!(sets.index(contacts, chain), number);
-            let spot = NodeSpot { leg: random.below(1 << 16), angle: random.below(512), chain };
+            let spot = NodeSpot { leg: random.below(1 << 16), angle: random.below(MAX_ANGLES), chain };
             assert_eq!(NodeSpot::unpack(spot.pack()), spot);
         }
     }

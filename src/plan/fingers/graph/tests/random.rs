@@ -168,8 +168,8 @@ fn route(random: &mut Random, fingers: usize, turn: usize, sections: &[Arc<Table
         }
         let half = |at: usize| [0, sections[at].contacts / 2];
         let entry = if crosses { Regrasp::Across { old: half(before), new: half(at) } } else { Regrasp::Same };
-        let (lowest, highest) = if random.chance(50) { (0, turn as i32) } else { (-(turn as i32), 0) };
-        let steps = random.below(turn + 1) as i32 * if lowest < 0 { -1 } else { 1 };
+        let lowest = -(random.pick(&[0, turn / 2, turn]) as i32);
+        let (highest, steps) = (lowest + turn as i32, lowest + random.below(turn + 1) as i32);
         let mut leg = TurnLeg { tables: sections[at].clone(), steps, lowest, highest, entry, end: None, lazy: None };
         if random.chance(30) {
             leg.end = Some(some(random, fingers, &leg, steps));
