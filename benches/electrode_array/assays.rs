@@ -48,17 +48,18 @@ const DEEP_PROTEIN: [u32; 4] = [4, 5, 6, 7];
 pub fn field_table() {
     println!("\npublished assays on 15 x 19 electrodes at 100 Hz; planned, lowered and verified");
     println!("assay       droplets  operations     ms   steps  bound  ratio | one after the other");
-    let in_vitro = IN_VITRO
-        .iter()
-        .zip(1..)
-        .map(|(size, number)| (format!("in-vitro {number}"), in_vitro(*size, MixingPlace::InTurn)));
+    let panels = |mixing: MixingPlace| {
+        let named = move |(size, number): (&(u32, u32), u32)| (format!("in-vitro {number}"), in_vitro(*size, mixing));
+        IN_VITRO.iter().zip(1..).map(named)
+    };
     let protein = PROTEIN.iter().map(|levels| (format!("protein {levels}"), protein(*levels)));
-    for (name, program) in std::iter::once(("PCR".to_owned(), pcr())).chain(in_vitro).chain(protein) {
+    for (name, program) in std::iter::once(("PCR".to_owned(), pcr())).chain(panels(MixingPlace::InTurn)).chain(protein)
+    {
         row(&name, &program, program.one_after_the_other());
     }
     println!("the same in-vitro assays, at those of the eight places that the plan chooses");
-    for (size, number) in IN_VITRO.iter().zip(1..) {
-        row(&format!("in-vitro {number}"), &in_vitro(*size, MixingPlace::Open), None);
+    for (name, program) in panels(MixingPlace::Open) {
+        row(&name, &program, None);
     }
     println!("more leaves than places; beside the bound that of eight places with no way between them, in any order");
     for levels in DEEP_PROTEIN {
