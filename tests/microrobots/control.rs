@@ -205,7 +205,7 @@ fn only_this_machine_is_listened_at_and_one_task_controlled() {
     assert!(text(&run.get_output().stderr).contains("cannot be controlled"));
 }
 
-/// A camera whose picture stands still is not driven by for long, and the recording says so.
+/// A camera whose picture stands still is not driven by for long, and the recording shows that the robots did not follow.
 #[test]
 fn a_picture_that_does_not_change_stops_it() {
     const VERIFICATION: i32 = 3;
@@ -221,7 +221,7 @@ fn a_picture_that_does_not_change_stops_it() {
     assert!(last["message"].as_str().is_some_and(|why| why.contains("does not follow the commands")), "{last}");
     assert!(answers.len() < 12, "{} answers", answers.len());
     let verified = tweeze(&["verify", &record]).assert().code(VERIFICATION);
-    assert!(text(&verified.get_output().stderr).contains("does not follow the commands"), "{verified}");
+    assert!(text(&verified.get_output().stderr).contains("from where the commands bring it"), "{verified}");
 }
 
 /// Measurements that have nothing to do with the scene are not acted upon.
