@@ -10,7 +10,7 @@
 
 use super::assay::{self, AssayEffort, AssayPlan, AssayProblem, NoAssayPlan};
 use super::board::{BoardCosts, BoardObjective};
-use super::critical_path::{self, Ways};
+use super::critical_path::{self, BoardWays};
 use super::errands::{self, AssaySite, PartCourse, PartErrands};
 use super::one_by_one::one_by_one;
 use super::placement::{self, PaperSchedule};
@@ -352,15 +352,15 @@ fn of_few(
 
 /// The best of the arrangements of some schedules on paper, and better ones from there on.
 fn of_many(site: &AssaySite, choices: &Choices, objective: BoardObjective, meter: &mut Meter) -> PlacedAnswer {
-    let timed = critical_path::timed(choices.operations, &mut Ways::new(site, meter));
-    let bounds = relaxed::bounds(choices.operations, &timed, &mut Ways::new(site, meter));
+    let timed = critical_path::timed(choices.operations, &mut BoardWays::new(site, meter));
+    let bounds = relaxed::bounds(choices.operations, &timed, &mut BoardWays::new(site, meter));
     let mut many = ManyArrangements { site, choices, objective, bounds, best: None, places: Vec::new() };
     let papers = (MAX_PAPER_OPERATIONS / choices.operations.len().max(1)).clamp(1, PAPERS) as u64;
     for seed in 0..papers {
         if many.is_least() {
             break;
         }
-        let mut ways = Ways::new(site, meter);
+        let mut ways = BoardWays::new(site, meter);
         let paper = placement::schedule(choices.operations, &timed, &mut ways, (seed, bounds.makespan));
         many.realise(&paper, meter);
     }

@@ -12,7 +12,7 @@ use crate::device::electrode_array::ElectrodeCell;
 use crate::plan::search::Meter;
 
 /// Cells where a part may be, each with an instant.
-pub(super) type Reached = Vec<(CellIndex, u64)>;
+pub(super) type ReachedCells = Vec<(CellIndex, u64)>;
 
 /// A place at which an operation may take place.
 #[derive(Debug, Clone, Copy)]
@@ -64,18 +64,18 @@ impl TimedOperation {
 }
 
 /// The operations with their places, in the order of the program.
-pub(super) fn timed(operations: &[AssayOperation], ways: &mut Ways) -> Vec<TimedOperation> {
+pub(super) fn timed(operations: &[AssayOperation], ways: &mut BoardWays) -> Vec<TimedOperation> {
     let mut timed = heads(operations, ways);
     tails(operations, &mut timed, ways);
     timed
 }
 
 /// The operations with the earliest instants, and without what comes after them.
-fn heads(operations: &[AssayOperation], ways: &mut Ways) -> Vec<TimedOperation> {
+fn heads(operations: &[AssayOperation], ways: &mut BoardWays) -> Vec<TimedOperation> {
     let site = ways.site;
     let flat = |cell: ElectrodeCell| stage::flat(site.order, cell);
     let start = |part: usize| site.cells[part].map(flat);
-    let mut at: Vec<Reached> =
+    let mut at: Vec<ReachedCells> =
         (0..site.cells.len()).map(|part| start(part).map(|cell| (cell, 0)).into_iter().collect()).collect();
     let mut before: Vec<PartBefore> =
         (0..at.len()).map(|part| PartBefore { operation: None, at: start(part) }).collect();
@@ -90,7 +90,7 @@ fn heads(operations: &[AssayOperation], ways: &mut Ways) -> Vec<TimedOperation> 
         }
         let stops = stops(operation, flat);
         let arrivals = operation.parts().map(|part| ways.through(&at[part], &stops));
-        let together = |one: Reached, other: Reached| {
+        let together = |one: ReachedCells, other: ReachedCells| {
             let both = |(cell, since): (CellIndex, u64)| {
                 let its = other.iter().find(|(at, _)| *at == cell)?.1;
                 Some((cell, since.max(its)))
@@ -115,7 +115,7 @@ fn heads(operations: &[AssayOperation], ways: &mut Ways) -> Vec<TimedOperation> 
 }
 
 /// Adds what comes after the operations.
-fn tails(operations: &[AssayOperation], timed: &mut [TimedOperation], ways: &mut Ways) {
+fn tails(operations: &[AssayOperation], timed: &mut [TimedOperation], ways: &mut BoardWays) {
     for nth in (0..timed.len()).rev() {
         let own = timed[nth].clone();
         let least = own.places.iter().map(|place| place.tail).min().unwrap_or(0) + own.stay;
@@ -146,24 +146,24 @@ fn stops(operation: &AssayOperation, flat: impl Fn(ElectrodeCell) -> CellIndex) 
 }
 
 /// Ways on the board with nothing but its obstacles.
-pub(super) struct Ways<'a, 'm> {
+pub(super) struct BoardWays<'a, 'm> {
     pub site: &'a AssaySite<'a>,
     distances: Distances,
     meter: &'m mut Meter,
 }
 
-impl<'a, 'm> Ways<'a, 'm> {
-    pub fn new(site: &'a AssaySite<'a>, meter: &'m mut Meter) -> Ways<'a, 'm> {
-        Ways { site, distances: Distances::of(site.ground.board()), meter }
+impl<'a, 'm> BoardWays<'a, 'm> {
+    pub fn new(site: &'a AssaySite<'a>, meter: &'m mut Meter) -> BoardWays<'a, 'm> {
+        BoardWays { site, distances: Distances::of(site.ground.board()), meter }
     }
 
     /// The first instants at the cells of the last of some stops, from cells with their instants; where there is no stop, these.
-    pub fn through(&mut self, from: &[(CellIndex, u64)], stops: &[Vec<CellIndex>]) -> Reached {
+    pub fn through(&mut self, from: &[(CellIndex, u64)], stops: &[Vec<CellIndex>]) -> ReachedCells {
         stops.iter().fold(from.to_vec(), |from, to| self.reach(&from, to))
     }
 
     /// The first instants at some cells; those that cannot be reached are left out.
-    pub fn reach(&mut self, from: &[(CellIndex, u64)], to: &[CellIndex]) -> Reached {
+    pub fn reach(&mut self, from: &[(CellIndex, u64)], to: &[CellIndex]) -> ReachedCells {
         let board = self.site.ground.board();
         let mut reached = Vec::with_capacity(to.len());
         for cell in to {

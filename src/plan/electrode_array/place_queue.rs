@@ -48,7 +48,7 @@ pub(super) struct PlaceQueue {
 
 /// The operations of one block that count.
 #[derive(Debug, Clone, Copy)]
-struct Block {
+struct ServedBlock {
     head: u64,
     tail: u64,
     source: Option<DropletSource>,
@@ -74,17 +74,17 @@ impl PlaceQueue {
 
     /// As [`PlaceQueue::end`], if only these had to be done.
     fn end_of(&self, served: &[&ServedOperation]) -> u64 {
-        let mut blocks: BTreeMap<usize, Block> = BTreeMap::new();
+        let mut blocks: BTreeMap<usize, ServedBlock> = BTreeMap::new();
         for one in served {
-            let own = Block { head: one.head, tail: one.tail, source: one.source };
+            let own = ServedBlock { head: one.head, tail: one.tail, source: one.source };
             let all = blocks.entry(one.block).or_insert(own);
-            *all = Block {
+            *all = ServedBlock {
                 head: all.head.min(one.head),
                 tail: all.tail.min(one.tail),
                 source: earliest(all.source, one.source),
             };
         }
-        let blocks: Vec<Block> = blocks.into_values().collect();
+        let blocks: Vec<ServedBlock> = blocks.into_values().collect();
         let used = self.places.min(blocks.len() as u64).max(1);
         let families = served.iter().map(|one| one.family).collect::<BTreeSet<usize>>().len() as u64;
         let work: u64 = served.iter().map(|one| one.stay).sum();
@@ -94,11 +94,11 @@ impl PlaceQueue {
     }
 
     /// The sum of the earliest heads, since droplets come one after the other. How they do is open: those with most blocks first.
-    fn heads_by_outlets(&self, blocks: &[Block], used: u64) -> u64 {
-        let mut outlets: BTreeMap<CellIndex, Outlet> = BTreeMap::new();
+    fn heads_by_outlets(&self, blocks: &[ServedBlock], used: u64) -> u64 {
+        let mut outlets: BTreeMap<CellIndex, CommonOutlet> = BTreeMap::new();
         for block in blocks {
             let Some(source) = block.source else { return 0 };
-            let outlet = outlets.entry(source.outlet).or_insert(Outlet {
+            let outlet = outlets.entry(source.outlet).or_insert(CommonOutlet {
                 head: block.head,
                 steps: source.steps,
                 blocks: BTreeMap::new(),
@@ -120,7 +120,7 @@ impl PlaceQueue {
 }
 
 /// What comes out of one reservoir.
-struct Outlet {
+struct CommonOutlet {
     head: u64,
     steps: u64,
     /// By droplet: its blocks.

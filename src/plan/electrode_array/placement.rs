@@ -7,7 +7,7 @@
 //! and kept where the schedule is no longer than before.
 
 use super::board::CellIndex;
-use super::critical_path::{TimedOperation, Ways};
+use super::critical_path::{BoardWays, TimedOperation};
 use super::stage;
 use crate::claims::electrode_array::AssayOperation;
 use crate::random::SplitMix64;
@@ -53,7 +53,7 @@ enum PaperOrder {
 pub(super) fn schedule(
     operations: &[AssayOperation],
     timed: &[TimedOperation],
-    ways: &mut Ways,
+    ways: &mut BoardWays,
     (seed, least): (u64, u64),
 ) -> PaperSchedule {
     let mut urgency: Vec<u64> = timed.iter().map(|one| one.tail() + one.stay).collect();
@@ -132,7 +132,7 @@ struct Paper<'a, 'w, 'm> {
     urgency: &'a [u64],
     /// By operation: the steps for which it and those after it keep a place.
     occupied: &'a [u64],
-    ways: &'a mut Ways<'w, 'm>,
+    ways: &'a mut BoardWays<'w, 'm>,
     /// By operation: how many others it waits for, and those that wait for it.
     waits: Vec<usize>,
     followers: Vec<Vec<usize>>,
@@ -150,7 +150,7 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
     fn new(
         operations: &'a [AssayOperation],
         timed: &'a [TimedOperation],
-        ways: &'a mut Ways<'w, 'm>,
+        ways: &'a mut BoardWays<'w, 'm>,
         (urgency, occupied): (&'a [u64], &'a [u64]),
     ) -> Paper<'a, 'w, 'm> {
         let (order, count) = (ways.site.order, operations.len());

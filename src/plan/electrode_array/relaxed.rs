@@ -6,7 +6,7 @@
 
 use super::assay::LoopRoom;
 use super::board::{BoardCosts, CellIndex};
-use super::critical_path::{Reached, TimedOperation, Ways};
+use super::critical_path::{BoardWays, ReachedCells, TimedOperation};
 use super::errands::AssaySite;
 use super::place_queue::{DropletSource, PlaceQueue, ServedOperation};
 use super::stage;
@@ -15,14 +15,14 @@ use crate::device::electrode_array::ElectrodeCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Bounds on the plans of all arrangements.
-pub(super) fn bounds(operations: &[AssayOperation], timed: &[TimedOperation], ways: &mut Ways) -> BoardCosts {
+pub(super) fn bounds(operations: &[AssayOperation], timed: &[TimedOperation], ways: &mut BoardWays) -> BoardCosts {
     let alone = timed.iter().map(|one| one.head() + one.stay).max().unwrap_or(0);
     let queued = queues(operations, timed, ways).values().map(PlaceQueue::end).max().unwrap_or(0);
     BoardCosts { makespan: alone.max(queued), sum_of_costs: sum_of_costs(operations, timed, ways) }
 }
 
 /// Least steps of all parts from where each begins to where its last stop may be.
-fn sum_of_costs(operations: &[AssayOperation], timed: &[TimedOperation], ways: &mut Ways) -> u64 {
+fn sum_of_costs(operations: &[AssayOperation], timed: &[TimedOperation], ways: &mut BoardWays) -> u64 {
     let flat = |cell| stage::flat(ways.site.order, cell);
     let mut starts: Vec<Option<CellIndex>> = ways.site.cells.iter().map(|cell| cell.map(flat)).collect();
     let mut lasts: BTreeMap<usize, Vec<CellIndex>> = BTreeMap::new();
@@ -55,7 +55,7 @@ enum TurnKind {
 fn queues(
     operations: &[AssayOperation],
     timed: &[TimedOperation],
-    ways: &mut Ways,
+    ways: &mut BoardWays,
 ) -> BTreeMap<(TurnKind, Vec<CellIndex>), PlaceQueue> {
     let (room, changes) = (MixerRoom::of(ways.site), Changes::of(ways.site, operations, timed));
     let (families, sources) = (families(ways.site, operations), sources(operations, timed, ways));
@@ -184,9 +184,13 @@ fn families(site: &AssaySite, operations: &[AssayOperation]) -> Vec<usize> {
 }
 
 /// For each operation how its droplet came: that of its first part, if it came out of a reservoir.
-fn sources(operations: &[AssayOperation], timed: &[TimedOperation], ways: &mut Ways) -> Vec<Option<DropletSource>> {
+fn sources(
+    operations: &[AssayOperation],
+    timed: &[TimedOperation],
+    ways: &mut BoardWays,
+) -> Vec<Option<DropletSource>> {
     // By part: where it may be, with the steps since it came.
-    let mut since: Vec<Option<(DropletSource, Reached)>> = vec![None; ways.site.cells.len()];
+    let mut since: Vec<Option<(DropletSource, ReachedCells)>> = vec![None; ways.site.cells.len()];
     let mut sources = Vec::with_capacity(operations.len());
     for (operation, one) in operations.iter().zip(timed) {
         if let (true, Some(place)) = (operation.comes, one.places.first()) {
@@ -196,11 +200,11 @@ fn sources(operations: &[AssayOperation], timed: &[TimedOperation], ways: &mut W
         let source = operation.parts().find_map(|part| since[part].take());
         let half = operation.splits.map(|half| (half.part, vec![(stage::flat(ways.site.order, half.cell), 0)]));
         let moved = source.map(|(source, from)| (source, ways.through(&from, &one.stops)));
-        let least = |reached: &Reached| reached.iter().map(|(_, steps)| *steps).min();
+        let least = |reached: &ReachedCells| reached.iter().map(|(_, steps)| *steps).min();
         let steps = moved.as_ref().and_then(|(_, reached)| least(reached));
         sources.push(moved.as_ref().zip(steps).map(|((source, _), steps)| DropletSource { steps, ..*source }));
-        let stayed = |(source, reached): (DropletSource, Reached)| {
-            (source, reached.into_iter().map(|(cell, steps)| (cell, steps + one.stay)).collect::<Reached>())
+        let stayed = |(source, reached): (DropletSource, ReachedCells)| {
+            (source, reached.into_iter().map(|(cell, steps)| (cell, steps + one.stay)).collect::<ReachedCells>())
         };
         let stayed = moved.map(stayed);
         if let (Some((part, reached)), Some((source, _)), Some(steps)) = (half, &stayed, steps) {

@@ -4,7 +4,7 @@
 //! its first robots: a rotation by their measured headings and by the directions between them, each weighted by the bound on its error,
 //! and a shift of their middle.
 
-use super::follow::{Course, Following};
+use super::follow::{CommandedCourse, Following, GATE, SLACK_RAD, SLACK_UM};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Errors, wrapped_rad};
 use crate::geometry::Pose;
@@ -13,13 +13,6 @@ use crate::plan::microrobots::strategy::body;
 use crate::plan::microrobots::world::OrientedRectangle;
 use crate::real::Real;
 use std::f64::consts::{FRAC_PI_6, TAU};
-
-/// Distance and angle that are granted to every measurement besides the bounds on its errors.
-pub(super) const SLACK_UM: f64 = 0.1;
-pub(super) const SLACK_RAD: f64 = 1e-3;
-
-/// A measured pose may be this many bounds of an error away from the last one: both may be off.
-pub(super) const GATE: f64 = 2.0;
 
 /// How far from its start a robot may be set down by hand, in lengths of its body, and how far it may be turned there.
 const PLACED_LENGTHS: f64 = 1.0;
@@ -40,7 +33,7 @@ pub struct Belief<'a> {
     /// Nominal path of each robot since the last measurement that was believed, and the part of it with the arm down.
     since: Vec<[f64; 2]>,
     /// Where the commands bring each robot.
-    courses: Vec<Course>,
+    courses: Vec<CommandedCourse>,
     /// A measurement that could not be true, and may be confirmed by the next one.
     suspects: Vec<Option<Pose>>,
     /// The robots whose places define that of the structure, with their planned poses.
@@ -92,7 +85,7 @@ impl<'a> Belief<'a> {
             docked: docked.to_vec(),
             means: vec![PoseMean::NONE; poses.len()],
             since: vec![[0.0; 2]; poses.len()],
-            courses: poses.iter().map(|pose| Course::new(*pose, &errors)).collect(),
+            courses: poses.iter().map(|pose| CommandedCourse::new(*pose, &errors)).collect(),
             suspects: vec![None; poses.len()],
             base,
             structure: Placement::default(),
@@ -186,7 +179,7 @@ impl<'a> Belief<'a> {
             let was_stopped = may_touch.contains(&Some(robot)) && self.is_beside(robot, measured);
             let course = &mut self.courses[robot];
             if self.is_first {
-                *course = Course::new(pose, &self.errors);
+                *course = CommandedCourse::new(pose, &self.errors);
                 continue;
             }
             let following = course.follow(&self.errors, pose);

@@ -7,14 +7,20 @@
 //! A short stretch tells nothing: within the errors the robot may have followed it or stood still. So the nominal path goes on from one measurement
 //! to the next until a measurement is either astray, or where only a robot that moved can be.
 
-use super::belief::{GATE, SLACK_RAD, SLACK_UM};
 use crate::device::microrobots::{Arm, Errors, Robot, wrapped_rad};
 use crate::geometry::Pose;
 use crate::real::Real;
 
+/// Distance and angle that are granted to every measurement besides the bounds on its errors.
+pub(super) const SLACK_UM: f64 = 0.1;
+pub(super) const SLACK_RAD: f64 = 1e-3;
+
+/// A measured pose may be this many bounds of an error away from the last one: both may be off.
+pub(super) const GATE: f64 = 2.0;
+
 /// The nominal path of a robot since a measurement.
 #[derive(Debug, Clone, Copy)]
-pub struct Course {
+pub struct CommandedCourse {
     from: Pose,
     nominal: Pose,
     /// How far from the nominal pose it may be.
@@ -35,11 +41,11 @@ pub enum Following {
     Astray,
 }
 
-impl Course {
+impl CommandedCourse {
     /// Begins at a measured pose.
     pub fn new(from: Pose, errors: &Errors) -> Self {
         let (off_um, off_rad) = (errors.place_um, errors.heading_rad);
-        Course { from, nominal: from, off_um, off_rad, way_um: 0.0, astray: 0 }
+        CommandedCourse { from, nominal: from, off_um, off_rad, way_um: 0.0, astray: 0 }
     }
 
     /// The robot is driven on.
@@ -71,7 +77,7 @@ impl Course {
             (false, _) => Following::Astray,
         };
         let astray = if following == Following::Followed { 0 } else { self.astray };
-        *self = Course { astray, ..Course::new(measured, errors) };
+        *self = CommandedCourse { astray, ..CommandedCourse::new(measured, errors) };
         following
     }
 }
