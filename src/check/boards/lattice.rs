@@ -1,7 +1,6 @@
 //! The lattice on which most electrodes of a drawing lie.
 //!
-//! The pitch is the median of the distances from each electrode to its nearest, or their upper quartile where more electrodes hang together
-//! with that: electrodes over others make distances too small. Two electrodes are neighbours if one lies a pitch beside or above the other,
+//! The pitch is the median of the distances from each electrode to the nearest one that does not lie over it. Two electrodes are neighbours if one lies a pitch beside or above the other,
 //! within a share of it; the largest set that hangs together is the board. Places are counted from neighbour to neighbour, so that an error
 //! of the pitch does not grow. Cost grows with the square of the number of electrodes.
 
@@ -18,6 +17,9 @@ const SIDES: [f64; 2] = [0.5, 1.3];
 
 /// How much the sides of an electrode of the lattice that is cut off from the others may differ from theirs, as a share.
 const OTHER_SIDES: f64 = 0.25;
+
+/// An electrode whose middle is nearer than this to that of another one, in sides of that one, lies over it.
+const OVER: f64 = 0.7;
 
 /// Turns after which every shared channel is left out.
 const MOST_TURNS: usize = 8;
@@ -94,19 +96,12 @@ fn whole_channels(electrodes: &[DrawnElectrode]) -> Option<(Lattice, BTreeSet<u3
 fn lattice(electrodes: &[DrawnElectrode]) -> Option<Lattice> {
     let drawn = electrodes.iter().enumerate().filter_map(|(index, electrode)| Some((index, electrode.bounds?)));
     let drawn: Vec<(usize, [f64; 4])> = drawn.collect();
-    let middles: Vec<(usize, [f64; 2])> = drawn.iter().map(|(index, bounds)| (*index, middle(*bounds))).collect();
-    let Some([median, upper]) = spacings(&middles) else {
-        let (alone, _) = middles.first()?;
+    let Some(spacing) = spacing(&drawn) else {
+        let (alone, _) = drawn.first()?;
         return Some(Lattice { places: BTreeMap::from([(*alone, [0, 0])]), spacing: 0.0 });
     };
-    let mut largest = Lattice { places: places(&drawn, median), spacing: median };
-    if largest.places.len() < drawn.len() && upper > median {
-        let other = places(&drawn, upper);
-        if other.len() > largest.places.len() {
-            largest = Lattice { places: other, spacing: upper };
-        }
-    }
-    (!largest.places.is_empty()).then_some(largest)
+    let places = places(&drawn, spacing);
+    (!places.is_empty()).then_some(Lattice { places, spacing })
 }
 
 /// The places of the largest set of electrodes that hang together at a distance, by their index.
@@ -192,16 +187,17 @@ fn sides([left, top, right, bottom]: [f64; 4]) -> [f64; 2] {
     [right - left, bottom - top]
 }
 
-/// The median and the upper quartile of the distances to the nearest; `None` for less than two electrodes.
-fn spacings(middles: &[(usize, [f64; 2])]) -> Option<[f64; 2]> {
-    let nearest = |(index, at): &(usize, [f64; 2])| {
-        let others = middles.iter().filter(|(other, _)| other != index);
-        let apart = others.map(|(_, other)| [other[0] - at[0], other[1] - at[1]]);
-        let squares = apart.map(|[x, y]| x * x + y * y);
-        squares.filter(|square| *square > 0.0).min_by(f64::total_cmp)
+/// The median of the distances to the nearest that does not lie over it; `None` where there is no such.
+fn spacing(drawn: &[(usize, [f64; 4])]) -> Option<f64> {
+    let nearest = |(index, bounds): &(usize, [f64; 4])| {
+        let (at, own) = (middle(*bounds), sides(*bounds));
+        let others = drawn.iter().filter(|(other, _)| other != index);
+        let apart = others.map(|(_, other)| [0, 1].map(|axis| middle(*other)[axis] - at[axis]));
+        let is_over = |[x, y]: &[f64; 2]| x.abs() < OVER * own[0] && y.abs() < OVER * own[1];
+        let squares = apart.filter(|step| !is_over(step)).map(|[x, y]| x * x + y * y).filter(|square| *square > 0.0);
+        squares.min_by(f64::total_cmp)
     };
-    let mut squares: Vec<f64> = middles.iter().filter_map(nearest).collect();
+    let mut squares: Vec<f64> = drawn.iter().filter_map(nearest).collect();
     squares.sort_by(f64::total_cmp);
-    let at = |index: usize| squares.get(index).map(|square| square.sqrt());
-    Some([at(squares.len() / 2)?, at(squares.len() * 3 / 4)?])
+    squares.get(squares.len() / 2).map(|square| square.sqrt())
 }

@@ -152,7 +152,6 @@ const FILES: &[(&str, &str, &str)] = &[
     ("let a := 3\n", "E0119", ":="),
     ("device a : b { left = 5 }\n", "E0119", "="),
     ("device a : b { left 5 }\n", "E0119", "left"),
-    ("scene s { obstacle a : disc { radius 1 um } at (3 um, 4 um) obstacle b at (1, 1) }\n", "E0119", "radius"),
     ("import std.dimibot\n", "E0122", "import"),
     ("def go(x) {\n  return x;\n}\n", "E0122", "def"),
     ("const a = 3;\n", "E0122", "const"),
@@ -195,6 +194,12 @@ fn a_mistake_in_a_file_is_found_once() {
         let expected = vec![(*code, (*place).to_owned())];
         assert_eq!(found(text), expected, "{text}");
     }
+}
+
+#[test]
+fn a_missing_colon_is_reported_beside_another_mistake_of_its_line() {
+    let text = "scene s { obstacle a : disc { radius 1 um } at (3 um, 4 um) obstacle b at (1, 1) }\n";
+    assert_eq!(found(text), [("E0119", "radius".to_owned()), ("E0103", "obstacle".to_owned())]);
 }
 
 /// Eleven mistakes of eleven sorts; a misspelt verb and an unknown unit are later stages' business.
