@@ -409,7 +409,7 @@ fn chosen_at_random(random: &mut SplitMix64) -> (ElectrodeArrayOrder, Vec<AssayO
 fn bounds_of_many_arrangements_hold_for_the_best_of_them() {
     let mut random = SplitMix64::new(3);
     let (mut compared, mut equal) = (0, 0);
-    for _ in 0..60 {
+    for _ in 0..24 {
         let (board, operations) = chosen_at_random(&mut random);
         if operations.iter().all(|operation| operation.among.is_empty()) {
             continue;
@@ -417,7 +417,7 @@ fn bounds_of_many_arrangements_hold_for_the_best_of_them() {
         let ground = stage::BoardGround::new(&board);
         let cells: Vec<Option<ElectrodeCell>> = board.parts.iter().map(|part| part.cell).collect();
         let site = errands::AssaySite { order: &board, ground: &ground, cells: &cells };
-        let budget = SearchBudget::of(300_000);
+        let budget = SearchBudget::of(200_000);
         for objective in [BoardObjective::Makespan, BoardObjective::SumOfCosts] {
             let solved = |most| arranged::solve_each(&site, &operations, (objective, most), budget);
             let (SearchAnswer::Found(best), SearchAnswer::Found(many)) = (solved(1_000), solved(1)) else { continue };
@@ -434,6 +434,6 @@ fn bounds_of_many_arrangements_hold_for_the_best_of_them() {
             equal += usize::from(ends(&many) == Some(steps));
         }
     }
-    assert!(compared > 40, "{compared}");
+    assert!(compared > 15, "{compared}");
     assert!(equal * 4 > compared * 3, "{equal} of {compared} as good as the best");
 }
