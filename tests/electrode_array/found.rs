@@ -126,3 +126,27 @@ fn turns_at_places_of_choice_are_proven() {
     ));
     assert_eq!((plan.cost, plan.bound), (339.0, 339.0));
 }
+
+/// 240 droplets of eight reservoirs, eight mixers and three exits: a plan that held droplets back at an exit was once refused by the
+/// verifier, which sees them leave as soon as they are there.
+#[test]
+fn many_droplets_share_mixers_and_exits() {
+    let (mut scene, mut operations) = (String::new(), String::new());
+    for nth in 0..8 {
+        scene += &format!("reservoir r{nth} at ({}, {})\n", if nth % 2 == 1 { 1 } else { 15 }, 2 + 4 * (nth / 2));
+    }
+    let mixers: Vec<String> = (0..8).map(|nth| format!("({}, {})", 4 + 5 * (nth % 2), 3 + 5 * (nth / 2))).collect();
+    for nth in 0..240 {
+        scene += &format!("part d{nth} : ea.droplet\n");
+        operations += &format!(
+            "dispense d{nth} from r{}\nmix d{nth} among [{}] for 2 s\ndiscard d{nth} among [(8, 1), (8, 19), (1, 18)]\n",
+            nth % 8,
+            mixers.join(", ")
+        );
+    }
+    let device = "device chip : ea.droplet_chip { columns: 15, rows: 19, mixer: (3, 2), dispense_duration: 1 s }";
+    let plan = planned(&format!(
+        "use std.electrode_array as ea\n{device}\nscene s {{\n{scene}}}\ntask go on chip in s {{\nassay {{\n{operations}}}\n}}\n"
+    ));
+    assert!(plan.bound >= 1_192.0 && plan.cost <= 1_900.0, "{} of {}", plan.cost, plan.bound);
+}

@@ -9,7 +9,7 @@
 use super::super::board::{BoardCosts, BoardObjective, CellIndex, HeldBoardPlan};
 use super::bookings::{BookedCourse, Bookings, NEVER};
 use super::bound::AssayBounds;
-use super::replay::done_at;
+use super::replay::{done_at, unheld};
 use super::route::{Ahead, Course, RouteQuery, Router};
 use super::{AgentCourse, AssayPlan, AssayProblem, Errand, ErrandPlace, bound};
 use crate::plan::search::Meter;
@@ -127,7 +127,7 @@ fn first_on_paper(
     let mut planner = ListPlanner::new(problem, (ahead, bounds), meter);
     let eager = first_eager(&mut planner, (list.clone(), KEPT_SEPARATIONS.len()), &mut random);
     let mut planner = ListPlanner::new(&on_paper, (ahead, bounds), meter);
-    let patient = first_patient(&mut planner, &list);
+    let patient = first_patient(&mut planner, &list).and_then(|courses| unheld(problem, courses));
     (eager, patient)
 }
 
