@@ -352,8 +352,9 @@ fn of_few(
 
 /// The best of the arrangements of some schedules on paper, and better ones from there on.
 fn of_many(site: &AssaySite, choices: &Choices, objective: BoardObjective, meter: &mut Meter) -> PlacedAnswer {
-    let timed = critical_path::timed(choices.operations, &mut BoardWays::new(site, meter));
-    let bounds = relaxed::bounds(choices.operations, &timed, &mut BoardWays::new(site, meter));
+    let mut ways = BoardWays::new(site, meter);
+    let timed = critical_path::timed(choices.operations, &mut ways);
+    let bounds = relaxed::bounds(choices.operations, &timed, &mut ways);
     let mut many = ManyArrangements { site, choices, objective, bounds, best: None, places: Vec::new() };
     let papers = (MAX_PAPER_OPERATIONS / choices.operations.len().max(1)).clamp(1, PAPERS) as u64;
     for seed in 0..papers {
@@ -408,7 +409,8 @@ impl ManyArrangements<'_> {
         let (site, terms) = (self.site, ArrangementTerms { objective: self.objective, effort, paper: Some(paper) });
         let answer = meter.share(meter.left().steps / share, |part| planned(site, operations.clone(), terms, part));
         let found = if let SearchAnswer::Found(plan) = answer { Some(plan) } else { None };
-        let one_by_one = || in_turn(site, operations, (self.objective, self.bounds)).filter(|_| self.best.is_none());
+        let is_first = self.best.is_none();
+        let one_by_one = || is_first.then(|| in_turn(site, operations, (self.objective, self.bounds))).flatten();
         if let Some(plan) = found.or_else(one_by_one) {
             self.offer(plan, places);
         }
@@ -447,8 +449,8 @@ impl ManyArrangements<'_> {
 
     /// Whether the plans of an arrangement may be better than the best.
     fn is_hopeful(&self, operations: &[AssayOperation], meter: &mut Meter) -> bool {
-        let limits = with_problem(self.site, operations, |_, problem| assay::bounds(&problem?, meter));
         let Some([best, _]) = self.cost() else { return true };
+        let limits = with_problem(self.site, operations, |_, problem| assay::bounds(&problem?, meter));
         limits.is_ok_and(|limits| ordered(self.objective, limits)[0] < best)
     }
 }

@@ -253,7 +253,7 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
     /// The first instant at which an operation can begin, and where.
     fn begin(&mut self, nth: usize) -> Option<PaperBegin> {
         let (operation, one) = (&self.operations[nth], &self.timed[nth]);
-        let after = operation.after.iter().filter_map(|earlier| self.ends[*earlier]).max().unwrap_or(0);
+        let after = self.after(nth);
         let mut best: Option<PaperBegin> = None;
         let from: Vec<PaperPart> = operation.parts().filter_map(|part| self.there(part)).collect();
         let outlet = operation
@@ -288,13 +288,17 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
         best
     }
 
+    /// When all is over that an operation comes after.
+    fn after(&self, nth: usize) -> u64 {
+        self.operations[nth].after.iter().filter_map(|earlier| self.ends[*earlier]).max().unwrap_or(0)
+    }
+
     /// Where a part can leave for an operation; of one that is to come, when it has.
     fn there(&self, part: usize) -> Option<PaperPart> {
         let own = self.parts[part]?;
         let Some(comes) = own.comes else { return Some(own) };
-        let after = self.operations[comes].after.iter().filter_map(|earlier| self.ends[*earlier]).max().unwrap_or(0);
         let free = self.places.get(&own.at).map_or(0, |place| place.free);
-        Some(PaperPart { since: free.max(after) + self.timed[comes].stay, ..own })
+        Some(PaperPart { since: free.max(self.after(comes)) + self.timed[comes].stay, ..own })
     }
 
     /// Dispenses the first droplet that is to come: others wait for that, and nothing for the droplet itself.

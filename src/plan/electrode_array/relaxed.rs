@@ -4,7 +4,7 @@
 //! the same places, none takes place while another one is there ([`super::place_queue`]); so it is with droplets that come out of one
 //! reservoir, and with the loops round which droplets are mixed.
 
-use super::assay::LoopRoom;
+use super::assay::{LoopRoom, families, steps_between};
 use super::board::{BoardCosts, CellIndex};
 use super::critical_path::{BoardWays, ReachedCells, TimedOperation};
 use super::errands::AssaySite;
@@ -58,7 +58,9 @@ fn queues(
     ways: &mut BoardWays,
 ) -> BTreeMap<(TurnKind, Vec<CellIndex>), PlaceQueue> {
     let (room, changes) = (MixerRoom::of(ways.site), Changes::of(ways.site, operations, timed));
-    let (families, sources) = (families(ways.site, operations), sources(operations, timed, ways));
+    // Droplets that merge, and those that come out of them, may follow each other as one.
+    let joined = operations.iter().flat_map(|one| one.all_parts().map(|other| (one.part, other)));
+    let (families, sources) = (families(ways.site.cells.len(), joined), sources(operations, timed, ways));
     let mut blocks: Vec<usize> = Vec::with_capacity(timed.len());
     let mut queues: BTreeMap<(TurnKind, Vec<CellIndex>), PlaceQueue> = BTreeMap::new();
     for (nth, (operation, one)) in operations.iter().zip(timed).enumerate() {
@@ -87,22 +89,13 @@ fn queues(
 }
 
 /// What an operation has to itself for its stay.
-fn turns(operation: &AssayOperation, stay: u64, room: Option<&MixerRoom>) -> Vec<TurnKind> {
-    let mut kinds = Vec::new();
-    match room.filter(|_| operation.mixes).map(|mixer| mixer.room) {
-        None | Some(LoopRoom::Cell) => kinds.push(TurnKind::Stay),
-        Some(LoopRoom::One) => kinds.push(TurnKind::Loop),
-        Some(LoopRoom::Two) => {}
-    }
+fn turns(operation: &AssayOperation, stay: u64, room: Option<&MixerRoom>) -> impl Iterator<Item = TurnKind> {
     // Who stays at a corner for less than a round may do so while another one is at the far end.
-    let fills = |mixer: &MixerRoom| mixer.room == LoopRoom::One && stay >= mixer.cells;
-    if !operation.mixes && room.is_some_and(fills) {
-        kinds.push(TurnKind::Loop);
-    }
-    if operation.comes {
-        kinds.push(TurnKind::Outlet);
-    }
-    kinds
+    let fills = || room.is_some_and(|mixer| mixer.room == LoopRoom::One && stay >= mixer.cells);
+    let mixes = room.filter(|_| operation.mixes).map(|mixer| mixer.room);
+    let (stays, turns) = LoopRoom::taken(mixes, || !operation.mixes && fills());
+    let kinds = [(stays, TurnKind::Stay), (turns, TurnKind::Loop), (operation.comes, TurnKind::Outlet)];
+    kinds.into_iter().filter_map(|(is_taken, kind)| is_taken.then_some(kind))
 }
 
 /// The mixing loop of the device.
@@ -128,7 +121,7 @@ impl MixerRoom {
 
 /// How long droplets take to make room for the next one.
 struct Changes {
-    separation: u64,
+    separation: u32,
     /// Where droplets may leave the board,
     exits: BTreeSet<CellIndex>,
     /// and where they come.
@@ -142,7 +135,7 @@ impl Changes {
         let all = || operations.iter().zip(timed);
         let exits = all().filter(|(operation, _)| operation.leaves).flat_map(|(_, one)| one.cells()).collect();
         let coming = || all().filter(|(operation, _)| operation.comes).flat_map(|(_, one)| one.cells());
-        let separation = u64::from(site.order.facts.separation.apart());
+        let separation = site.order.facts.separation.apart();
         let mut changes = Changes { separation, exits, outlets: coming().collect(), turns: BTreeMap::new() };
         for (_, one) in all().filter(|(operation, _)| operation.comes) {
             for cell in one.cells() {
@@ -155,32 +148,10 @@ impl Changes {
 
     /// Least steps between the stays of two droplets at one of some places.
     fn between(&self, cells: &[CellIndex]) -> u64 {
-        let least = |cell: &CellIndex| match (self.exits.contains(cell), self.outlets.contains(cell)) {
-            // One is gone at the instant at which the other comes.
-            (true, true) => 0,
-            (true, false) | (false, true) => self.separation,
-            (false, false) => self.separation + 1,
-        };
+        let least =
+            |cell: &CellIndex| steps_between(self.separation, self.exits.contains(cell), self.outlets.contains(cell));
         cells.iter().map(least).min().unwrap_or(0)
     }
-}
-
-/// For each part a number that it has in common with those with which it ever merges, and those that come out of it.
-fn families(site: &AssaySite, operations: &[AssayOperation]) -> Vec<usize> {
-    let mut heads: Vec<usize> = (0..site.cells.len()).collect();
-    let head = |heads: &[usize], mut part: usize| {
-        while heads[part] != part {
-            part = heads[part];
-        }
-        part
-    };
-    for operation in operations {
-        for other in operation.all_parts() {
-            let (one, other) = (head(&heads, operation.part), head(&heads, other));
-            heads[one.max(other)] = one.min(other);
-        }
-    }
-    (0..heads.len()).map(|part| head(&heads, part)).collect()
 }
 
 /// For each operation how its droplet came: that of its first part, if it came out of a reservoir.
@@ -198,20 +169,17 @@ fn sources(
             since[operation.part] = Some((source, vec![(place.cell, 0)]));
         }
         let source = operation.parts().find_map(|part| since[part].take());
-        let half = operation.splits.map(|half| (half.part, vec![(stage::flat(ways.site.order, half.cell), 0)]));
-        let moved = source.map(|(source, from)| (source, ways.through(&from, &one.stops)));
-        let least = |reached: &ReachedCells| reached.iter().map(|(_, steps)| *steps).min();
-        let steps = moved.as_ref().and_then(|(_, reached)| least(reached));
-        sources.push(moved.as_ref().zip(steps).map(|((source, _), steps)| DropletSource { steps, ..*source }));
-        let stayed = |(source, reached): (DropletSource, ReachedCells)| {
-            (source, reached.into_iter().map(|(cell, steps)| (cell, steps + one.stay)).collect::<ReachedCells>())
-        };
-        let stayed = moved.map(stayed);
-        if let (Some((part, reached)), Some((source, _)), Some(steps)) = (half, &stayed, steps) {
-            let reached = reached.into_iter().map(|(cell, _)| (cell, steps + one.stay)).collect();
-            since[part] = Some((*source, reached));
+        let arrived = source.map(|(source, from)| (source, ways.through(&from, &one.stops)));
+        let first = |(_, reached): &(DropletSource, ReachedCells)| reached.iter().map(|(_, steps)| *steps).min();
+        let steps = arrived.as_ref().and_then(first);
+        sources.push(arrived.as_ref().zip(steps).map(|((source, _), steps)| DropletSource { steps, ..*source }));
+        if let (Some(half), Some((source, _)), Some(steps)) = (operation.splits, &arrived, steps) {
+            let comes = stage::flat(ways.site.order, half.cell);
+            since[half.part] = Some((*source, vec![(comes, steps + one.stay)]));
         }
-        since[operation.part] = stayed;
+        since[operation.part] = arrived.map(|(source, reached)| {
+            (source, reached.into_iter().map(|(cell, steps)| (cell, steps + one.stay)).collect())
+        });
     }
     sources
 }

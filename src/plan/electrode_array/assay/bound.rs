@@ -209,6 +209,17 @@ impl LoopRoom {
         };
         if (1..cells).any(is_clear) { LoopRoom::Two } else { LoopRoom::One }
     }
+
+    /// What is taken for a stay, or for being mixed in a loop with this room: the stop, and the loop from there on. Who stays takes a loop
+    /// without room for two where the stay fills a round.
+    pub fn taken(mixes: Option<LoopRoom>, fills_loop: impl FnOnce() -> bool) -> (bool, bool) {
+        match mixes {
+            None => (true, fills_loop()),
+            Some(LoopRoom::Cell) => (true, false),
+            Some(LoopRoom::One) => (false, true),
+            Some(LoopRoom::Two) => (false, false),
+        }
+    }
 }
 
 impl TurnPlace {
@@ -217,12 +228,7 @@ impl TurnPlace {
         let fills = |around: &Vec<CellIndex>| around[0] == errand.stop && errand.stay as usize >= around.len();
         let fills_loop =
             || problem.loops.iter().zip(rooms).any(|(around, room)| *room == LoopRoom::One && fills(around));
-        let (stays, turns) = match errand.mixes.map(|around| rooms[around]) {
-            None => (true, fills_loop()),
-            Some(LoopRoom::Cell) => (true, false),
-            Some(LoopRoom::One) => (false, true),
-            Some(LoopRoom::Two) => (false, false),
-        };
+        let (stays, turns) = LoopRoom::taken(errand.mixes.map(|around| rooms[around]), fills_loop);
         let stop = errand.stop;
         [stays.then_some(false), turns.then_some(true)]
             .into_iter()
@@ -277,11 +283,16 @@ fn change(problem: &AssayProblem, stop: CellIndex) -> u64 {
     let leaves = problem.errands.iter().zip(&problem.is_gone).any(|(errands, gone)| leaves_here(errands, *gone));
     let mut agents = problem.instance.agents.iter().zip(&problem.comes);
     let comes = agents.any(|(agent, comes)| *comes && agent.start == stop);
+    steps_between(problem.instance.separation, leaves, comes)
+}
+
+/// Least steps between the stays of two agents at a stop, by whether any leave the board there, and whether any come there.
+pub fn steps_between(separation: u32, leaves: bool, comes: bool) -> u64 {
     match (leaves, comes) {
         // One is gone at the instant at which the other comes.
         (true, true) => 0,
-        (true, false) | (false, true) => u64::from(problem.instance.separation),
-        (false, false) => u64::from(problem.instance.separation) + 1,
+        (true, false) | (false, true) => u64::from(separation),
+        (false, false) => u64::from(separation) + 1,
     }
 }
 
@@ -365,15 +376,27 @@ fn alone(problem: &AssayProblem, ahead: &Ahead, agent: usize, stop: CellIndex) -
 
 /// For each agent a number that it has in common with those with which it ever merges, and those that it gives off, directly or by others.
 pub(super) fn drops(problem: &AssayProblem) -> Vec<usize> {
-    let mut drops: Vec<usize> = (0..problem.errands.len()).collect();
-    for (agent, errands) in problem.errands.iter().enumerate() {
+    let joined = problem.errands.iter().enumerate().flat_map(|(agent, errands)| {
         let given_off = errands.iter().filter_map(|errand| errand.splits).map(|split| split.child);
-        for other in errands.iter().filter_map(|errand| errand.meets).chain(given_off) {
-            let (one, both) = (drops[agent], drops[other]);
-            drops.iter_mut().filter(|drop| **drop == one).for_each(|drop| *drop = both);
+        errands.iter().filter_map(|errand| errand.meets).chain(given_off).map(move |other| (agent, other))
+    });
+    families(problem.errands.len(), joined)
+}
+
+/// For each of some things a number that it has in common with those that it is joined with, directly or by others.
+pub fn families(count: usize, joined: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
+    let mut heads: Vec<usize> = (0..count).collect();
+    let head = |heads: &[usize], mut one: usize| {
+        while heads[one] != one {
+            one = heads[one];
         }
+        one
+    };
+    for (one, other) in joined {
+        let (one, other) = (head(&heads, one), head(&heads, other));
+        heads[one.max(other)] = one.min(other);
     }
-    drops
+    (0..count).map(|one| head(&heads, one)).collect()
 }
 
 /// The earliest instant of an agent's last arrival: stays at the end count no more.

@@ -26,7 +26,7 @@ mod turns;
 use super::board::{BoardCosts, BoardObjective, CellIndex, HeldBoardPlan, Instance, NoBoardPlan};
 use super::fast;
 use crate::plan::search::{Meter, SearchAnswer};
-pub use bound::LoopRoom;
+pub use bound::{LoopRoom, families, steps_between};
 pub use channels::are_kept_by_courses;
 pub use lags::are_kept;
 pub use replay::done_by;
