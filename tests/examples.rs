@@ -106,12 +106,17 @@ fn a_file_without_tasks_is_only_there_to_be_used() {
     }
 }
 
-#[test]
-fn a_sheet_says_what_its_prompts_ask() {
-    let text = examples().into_iter().find(|(name, _)| name == "electrode_array_dropbot.twz").map(|(_, text)| text);
+/// The sheet for the bench of an example that dilutes.
+fn sheet_of(example: &str) -> String {
+    let text = examples().into_iter().find(|(name, _)| name == example).map(|(_, text)| text);
     let files = build_in(&folder(), &text.expect("the example")).files();
     let sheet = files.iter().find(|file| file.name == "dilute.sheet.md").expect("a sheet");
-    let sheet = String::from_utf8(sheet.bytes.clone()).expect("a text");
+    String::from_utf8(sheet.bytes.clone()).expect("a text")
+}
+
+#[test]
+fn a_sheet_says_what_its_prompts_ask() {
+    let sheet = sheet_of("electrode_array_dropbot.twz");
     let row =
         "| 3.5 s | 4.5 s at the answer | chip | **put the lid on, then start the camera**, until it is answered |\n";
     assert!(sheet.contains(row) && sheet.contains("count on from the answer."), "{sheet}");
@@ -121,10 +126,7 @@ fn a_sheet_says_what_its_prompts_ask() {
 
 #[test]
 fn a_sheet_says_what_to_load_and_what_is_left() {
-    let text = examples().into_iter().find(|(name, _)| name == "electrode_array_dilute.twz").map(|(_, text)| text);
-    let files = build_in(&folder(), &text.expect("the example")).files();
-    let sheet = files.iter().find(|file| file.name == "dilute.sheet.md").expect("a sheet");
-    let sheet = String::from_utf8(sheet.bytes.clone()).expect("a text");
+    let sheet = sheet_of("electrode_array_dilute.twz");
     let has = |line: &str| assert!(sheet.contains(line), "{line}\n{sheet}");
     has("| ☐ | reservoir `dye` | outlet (1, 2) | 1 droplet |\n");
     has("| ☐ | reservoir `buffer` | outlet (1, 8) | 6 droplets |\n");
