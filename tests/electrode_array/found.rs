@@ -150,3 +150,18 @@ fn many_droplets_share_mixers_and_exits() {
     ));
     assert!(plan.bound >= 1_192.0 && plan.cost <= 1_900.0, "{} of {}", plan.cost, plan.bound);
 }
+
+/// Who waits in the way of others steps aside, lets them take their turn, or goes away at the end and comes back.
+#[test]
+fn droplets_step_aside() {
+    for (name, most) in [("ea_waits_in_the_way", 85.0), ("ea_takes_turns", 75.0), ("ea_comes_back", 25.0)] {
+        let plan = planned(&text(name));
+        assert!(plan.outcomes["steps"] <= most, "{name}: {} of {}", plan.cost, plan.bound);
+    }
+}
+
+#[test]
+fn a_droplet_is_met_where_it_has_merged_before() {
+    let plan = planned(&text("ea_meets_where_it_waits"));
+    assert_eq!((plan.cost, plan.bound), (53.0, 53.0));
+}

@@ -6,12 +6,15 @@ use crate::check::lets::Argument;
 use crate::check::tasks::{VocabularyAction, VocabularyStep};
 use crate::check::value::{ObjectName, Value};
 use crate::check::verbs::Call;
-use crate::claims::electrode_array::{AvoidedTrace, Contamination, ElectrodeArrayAction, ElectrodeArrayOrder, Fluids};
+use crate::claims::electrode_array::{
+    AssayOperation, AvoidedTrace, Contamination, ElectrodeArrayAction, ElectrodeArrayOrder, ElectrodeArrayStop, Fluids,
+};
 use crate::claims::{Job, Order};
-use crate::device::electrode_array::Electrodes;
+use crate::device::electrode_array::{ElectrodeCell, Electrodes};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 impl BoardStepJudge<'_> {
     /// The traces that a task avoids, by the conditions that stand before its steps.
@@ -68,19 +71,80 @@ impl BoardStepJudge<'_> {
 pub fn agree(jobs: &mut [Job], before: Vec<(usize, Vec<Fluids>)>, sink: &mut Sink) {
     let mut reported: BTreeSet<Span> = BTreeSet::new();
     for (nth, before) in before {
-        let Order::ElectrodeArray(order) = &mut jobs[nth].order else { continue };
+        let (earlier, rest) = jobs.split_at_mut(nth);
+        let Some(Order::ElectrodeArray(order)) = rest.first_mut().map(|job| &mut job.order) else { continue };
+        let is_of_scene =
+            |job: &Job| matches!(&job.order, Order::ElectrodeArray(other) if Arc::ptr_eq(&other.parts, &order.parts));
+        let is_first = !earlier.iter().any(is_of_scene);
         if order.contamination.is_unheeded() {
             continue;
         }
         order.contamination.before = before;
-        if let Some((span, wrong)) = harmed_at_one_place(order).filter(|(span, _)| reported.insert(*span)) {
+        if let Some((span, wrong)) = harmed_at_one_place(order, is_first).filter(|(span, _)| reported.insert(*span)) {
             sink.push(wrong.label_elsewhere(order.contamination.avoided[0].span, span, "avoided here"));
         }
     }
 }
 
-/// Two operations at one cell, of which each does harm to the other in whatever order they come, where nothing is washed.
-fn harmed_at_one_place(order: &ElectrodeArrayOrder) -> Option<(Span, Diagnostic)> {
+/// A part that comes to a cell, as it is there.
+struct PlacedDroplet {
+    part: usize,
+    fluids: Fluids,
+    cell: ElectrodeCell,
+    span: Span,
+}
+
+/// Where the program says that droplets are, whatever the plan.
+#[derive(Default)]
+struct PlacedDroplets {
+    /// From the beginning on.
+    starts: Vec<PlacedDroplet>,
+    /// In operations, in their order.
+    stops: Vec<PlacedDroplet>,
+    /// By part, if it is on the board at the end.
+    ends: BTreeMap<usize, PlacedDroplet>,
+}
+
+impl PlacedDroplets {
+    /// Those of an assay; starts are only known of the first task of a device in a scene.
+    fn of(order: &ElectrodeArrayOrder, operations: &[AssayOperation], is_first: bool) -> PlacedDroplets {
+        let mut fluids = order.contamination.before.clone();
+        let mut placed = PlacedDroplets::default();
+        for (part, own) in order.parts.iter().enumerate().filter(|_| is_first) {
+            let Some(cell) = own.cell else { continue };
+            let here = || PlacedDroplet { part, fluids: fluids[part].clone(), cell, span: own.span };
+            placed.starts.push(here());
+            placed.ends.insert(part, here());
+        }
+        for operation in operations {
+            operation.begin_fluids(&mut fluids);
+            operation.end_fluids(&mut fluids);
+            let here = |part: usize, cell: ElectrodeCell| PlacedDroplet {
+                part,
+                fluids: fluids[part].clone(),
+                cell,
+                span: operation.span,
+            };
+            // Where the plan chooses, it may keep them apart.
+            let stops: &[ElectrodeArrayStop] = if operation.among.is_empty() { &operation.stops } else { &[] };
+            placed.stops.extend(stops.iter().map(|stop| here(operation.part, stop.cell)));
+            match stops.last() {
+                Some(last) => placed.ends.insert(operation.part, here(operation.part, last.cell)),
+                None if operation.among.is_empty() => None,
+                None => placed.ends.remove(&operation.part),
+            };
+            if let Some(half) = operation.splits {
+                placed.ends.insert(half.part, here(half.part, half.cell));
+            }
+            operation.gone().and_then(|gone| placed.ends.remove(&gone));
+        }
+        placed.ends.values_mut().for_each(|end| end.fluids = fluids[end.part].clone());
+        placed
+    }
+}
+
+/// Droplets of which one comes where another has left, or leaves later, what harms it, whatever the plan, where nothing is washed.
+fn harmed_at_one_place(order: &ElectrodeArrayOrder, is_first: bool) -> Option<(Span, Diagnostic)> {
     let contamination = &order.contamination;
     if !contamination.washes.is_empty() {
         return None;
@@ -89,22 +153,22 @@ fn harmed_at_one_place(order: &ElectrodeArrayOrder) -> Option<(Span, Diagnostic)
         ElectrodeArrayAction::Assay(operations) => Some(operations),
         ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_) => None,
     })?;
-    let mut fluids = contamination.before.clone();
-    let mut stops: BTreeMap<_, Vec<(usize, Fluids)>> = BTreeMap::new();
-    for operation in assay {
-        operation.begin_fluids(&mut fluids);
-        operation.end_fluids(&mut fluids);
-        let own = &fluids[operation.part];
-        // Where the plan chooses, it may keep them apart.
-        for stop in operation.stops.iter().filter(|_| operation.among.is_empty()) {
-            let there = stops.entry((stop.cell.column, stop.cell.row)).or_default();
-            let harms_both = |left: &Fluids| contamination.does_harm(left, own) && contamination.does_harm(own, left);
-            if let Some((other, _)) = there.iter().find(|(_, left)| harms_both(left)) {
-                let names = [*other, operation.part].map(|part| order.parts[part].name.as_str());
-                return Some((stop.span, errors::harms_at_one_place(operation.span, names, stop.cell)));
-            }
-            there.push((operation.part, own.clone()));
-        }
-    }
-    None
+    let placed = PlacedDroplets::of(order, assay, is_first);
+    let harms = |left: &PlacedDroplet, comes: &PlacedDroplet| {
+        left.cell == comes.cell && left.part != comes.part && contamination.does_harm(&left.fluids, &comes.fluids)
+    };
+    let name = |of: &PlacedDroplet| order.parts[of.part].name.as_str();
+    placed.stops.iter().enumerate().find_map(|(nth, stop)| {
+        let both = placed.stops[..nth].iter().find(|other| harms(other, stop) && harms(stop, other));
+        let wrong = both.map(|other| errors::harms_at_one_place(stop.span, [name(other), name(stop)], stop.cell));
+        let wrong = wrong.or_else(|| {
+            let start = placed.starts.iter().find(|start| harms(start, stop))?;
+            Some(errors::stops_where_another_starts((stop.span, start.span), [name(start), name(stop)], stop.cell))
+        });
+        let wrong = wrong.or_else(|| {
+            let end = placed.ends.values().find(|end| harms(stop, end))?;
+            Some(errors::ends_where_another_stops((stop.span, end.span), [name(stop), name(end)], stop.cell))
+        });
+        Some((stop.span, wrong?))
+    })
 }

@@ -244,7 +244,9 @@ pub fn unknown_verb((span, verb): (Span, &str), vocabulary: &Vocabulary, near: O
         (Together::No(_), _) => ["wait", "pulse", "set"].as_slice(),
     };
     let kind = with_article(vocabulary.name);
-    let known = vocabulary.verbs.iter().map(|verb| verb.name);
+    // A verb may have several forms.
+    let mut known: Vec<&str> = vocabulary.verbs.iter().map(|verb| verb.name).collect();
+    known.dedup();
     let besides = besides.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");
     let list = match vocabulary.nouns.iter().any(|noun| noun.name == verb) {
         true => format!("objects belong in a scene, `scene bench {{ {verb} … }}`, and the task runs `in bench`"),

@@ -115,7 +115,8 @@ impl PartErrands {
                 };
                 errands.works[index].resize(own.len() - 1, StopWork::default());
                 errands.works[index].push(work);
-                errands.ends[nth] = Some(ErrandPlace { agent: index, errand: errands.works[index].len() - 1 });
+                // Of two that merge, the one that remains.
+                errands.ends[nth].get_or_insert(ErrandPlace { agent: index, errand: errands.works[index].len() - 1 });
                 errands.comes[index] |= operation.comes;
                 errands.is_gone[index] |= operation.gone() == Some(part);
             }

@@ -330,6 +330,29 @@ pub fn harms_at_one_place(span: Span, [left, comes]: [&str; 2], cell: ElectrodeC
         .help("give each a place of its own, or write `wash with FLUID` and have a droplet of it pass there between the two")
 }
 
+/// A droplet that stops where one starts that harms it.
+pub fn stops_where_another_starts(
+    (stop, start): (Span, Span),
+    [left, comes]: [&str; 2],
+    cell: ElectrodeCell,
+) -> Diagnostic {
+    Diagnostic::new(Code::E0565, format!("`{comes}` stops at {cell}, where `{left}` starts and contaminates it"))
+        .label(stop, format!("the traces of `{left}` are there before"))
+        .label_elsewhere(start, stop, format!("`{left}` starts there"))
+        .help("give it another place, or write `wash with FLUID` and have a droplet of it pass there between the two")
+}
+
+/// A droplet that ends where another one stops that harms it.
+pub fn ends_where_another_stops((stop, end): (Span, Span), [left, ends]: [&str; 2], cell: ElectrodeCell) -> Diagnostic {
+    Diagnostic::new(Code::E0565, format!("`{ends}` ends at {cell}, where `{left}` stops and contaminates it"))
+        .label(stop, format!("`{left}` leaves its traces there, sooner or later"))
+        .label_elsewhere(end, stop, format!("`{ends}` stays there to the end"))
+        .help(format!(
+            "let it leave afterwards: `discard {ends} at CELL` or `move {ends} to CELL`; or write `wash with FLUID` and have a droplet of it pass \
+             there between the two"
+        ))
+}
+
 /// A droplet that does not contain what the program requires; `contains` has all that it contains, in words.
 pub fn other_content(
     content: &DropletContent,

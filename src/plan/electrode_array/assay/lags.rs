@@ -30,7 +30,7 @@ pub(super) fn by_lists(
         return Some(first);
     }
     let mut held = problem.clone();
-    held.releases = problem.errands.iter().map(|errands| vec![0; errands.len()]).collect();
+    held.releases = problem.unheld();
     let share = meter.left().steps / HELD_SHARE;
     meter.share(share, |meter| held_back(&mut held, ahead, (terms, first), meter))
 }
@@ -44,6 +44,7 @@ fn held_back(
 ) -> Option<Vec<AgentCourse>> {
     for _ in 0..ROUNDS {
         for (place, release) in late(held, &courses) {
+            let (place, release) = held.held_back_by(place, release)?;
             let own = &mut held.releases[place.agent][place.errand];
             *own = release.max(*own + 1);
         }

@@ -9,15 +9,23 @@
 use super::super::board::{BoardCosts, BoardObjective, CellIndex, HeldBoardPlan};
 use super::bookings::{BookedCourse, Bookings, NEVER};
 use super::bound::AssayBounds;
-use super::replay::{done_at, unheld};
+use super::replay::done_at;
 use super::route::{Ahead, Course, RouteQuery, Router};
 use super::{AgentCourse, AssayPlan, AssayProblem, Errand, ErrandPlace, bound};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
+use rustc_hash::FxHashSet;
 use std::collections::VecDeque;
+use std::ops::Range;
 
 /// Lists that are tried until there is a plan, and then without a better one.
 const LISTS: usize = 200;
+
+/// First lists, as long as there is no plan, in which no agent lets others take their turn before it has to wait.
+const LISTS_WITHOUT_PAUSE: usize = 100;
+
+/// Lists with such pauses where an agent gives off several others.
+const PAUSED_LISTS: usize = 4;
 
 /// Searches for better lists, of which the best one counts.
 const ROUNDS: usize = 4;
@@ -56,8 +64,14 @@ pub(super) fn best(
     let early = if is_crowd { first_patient(&mut planner, &list) } else { None };
     // Of many agents an eager list fails late.
     let tries = if early.is_some() { 1 } else { LISTS };
-    let eager = first_eager(&mut planner, (list.clone(), tries), &mut random);
+    let eager = first_eager(&mut planner, (list.clone(), 0..tries), &mut random);
+    // As long as those that are given off have no course, who gives them off keeps far away from where they come.
+    let paused =
+        planner.gives_off_several().then(|| (list.clone(), LISTS_WITHOUT_PAUSE..LISTS_WITHOUT_PAUSE + PAUSED_LISTS));
+    let paused = paused.and_then(|lists| first_eager(&mut planner, lists, &mut random));
     let key = |courses: &[AgentCourse]| AssayPlan::costs(courses).key(objective);
+    let is_better = |first: &FirstList| eager.as_ref().is_none_or(|eager| key(&first.courses) < key(&eager.courses));
+    let eager = paused.filter(is_better).or(eager);
     let is_better = |first: &FirstList| eager.as_ref().is_none_or(|eager| key(&first.courses) < key(&eager.courses));
     let (paper_eager, paper_patient) = first_on_paper(problem, (ahead, bounds), planner.meter);
     let eager = paper_eager.filter(is_better).or(eager);
@@ -78,16 +92,19 @@ struct FirstList {
 /// The first of some lists that leads to a plan; where one does not, those that kept an agent from its course are changed.
 fn first_eager(
     planner: &mut ListPlanner,
-    (mut list, tries): (Vec<usize>, usize),
+    (mut list, tries): (Vec<usize>, Range<usize>),
     random: &mut SplitMix64,
 ) -> Option<FirstList> {
     let problem = planner.problem;
-    for nth in 0..tries {
+    for nth in tries {
         if planner.meter.left().steps == 0 {
             break;
         }
-        let terms =
-            ListTerms { kept_separations: KEPT_SEPARATIONS[nth % KEPT_SEPARATIONS.len()], turns: TurnOrder::Eager };
+        let terms = ListTerms {
+            kept_separations: KEPT_SEPARATIONS[nth % KEPT_SEPARATIONS.len()],
+            turns: TurnOrder::Eager,
+            pauses: nth >= LISTS_WITHOUT_PAUSE,
+        };
         match planner.courses(&list, terms) {
             Ok(courses) => return Some(FirstList { courses, list, terms }),
             Err(failed) => {
@@ -116,7 +133,15 @@ fn first_on_paper(
     if problem.paper.is_empty() || !problem.releases.is_empty() {
         return (None, None);
     }
-    let on_paper = AssayProblem { releases: problem.paper.clone(), ..problem.clone() };
+    let mut on_paper = AssayProblem { releases: problem.unheld(), ..problem.clone() };
+    for (agent, own) in problem.paper.iter().enumerate() {
+        for (errand, begin) in own.iter().enumerate() {
+            if let Some((place, until)) = problem.held_back_by(ErrandPlace { agent, errand }, *begin) {
+                let release = &mut on_paper.releases[place.agent][place.errand];
+                *release = until.max(*release);
+            }
+        }
+    }
     let begin = |agent: &usize| {
         let first = usize::from(problem.comes[*agent]);
         problem.paper[*agent].get(first).copied().unwrap_or(0)
@@ -125,16 +150,16 @@ fn first_on_paper(
     list.sort_by_key(begin);
     let mut random = SplitMix64::new(SEED);
     let mut planner = ListPlanner::new(problem, (ahead, bounds), meter);
-    let eager = first_eager(&mut planner, (list.clone(), KEPT_SEPARATIONS.len()), &mut random);
+    let eager = first_eager(&mut planner, (list.clone(), 0..KEPT_SEPARATIONS.len()), &mut random);
     let mut planner = ListPlanner::new(&on_paper, (ahead, bounds), meter);
-    let patient = first_patient(&mut planner, &list).and_then(|courses| unheld(problem, courses));
+    let patient = first_patient(&mut planner, &list);
     (eager, patient)
 }
 
 /// The courses of a list whose agents take their turns by time. Other lists hardly change them.
 fn first_patient(planner: &mut ListPlanner, list: &[usize]) -> Option<Vec<AgentCourse>> {
     KEPT_SEPARATIONS.iter().find_map(|kept_separations| {
-        let terms = ListTerms { kept_separations: *kept_separations, turns: TurnOrder::Patient };
+        let terms = ListTerms { kept_separations: *kept_separations, turns: TurnOrder::Patient, pauses: false };
         planner.courses(list, terms).ok()
     })
 }
@@ -274,6 +299,16 @@ struct ListTerms {
     /// For how many instants, in separations, the start of an agent without a course is kept for it.
     kept_separations: u32,
     turns: TurnOrder,
+    /// Whether an agent lets others take their turn after each errand for which they wait, or by which it gives them off.
+    pauses: bool,
+}
+
+/// The errands that an agent can do next, as [`RouteQuery`] has them.
+#[derive(Default)]
+struct DueErrands {
+    waits: Vec<Option<u32>>,
+    begins: Vec<u32>,
+    held: Vec<u32>,
 }
 
 pub(super) struct ListPlanner<'a, 'm> {
@@ -284,6 +319,8 @@ pub(super) struct ListPlanner<'a, 'm> {
     pub heads: &'a [Vec<u32>],
     /// and least steps to the end of all that comes after it.
     after: &'a [Vec<u32>],
+    /// The errands, by agent and errand, for which others wait.
+    awaited: FxHashSet<(usize, usize)>,
     /// Latest end of all courses.
     limit: u32,
     meter: &'m mut Meter,
@@ -339,9 +376,14 @@ impl Progress<'_> {
         }
     }
 
-    /// The instant at which all is done that an errand comes after; `None` if that is not known yet.
+    /// The instant at which an errand may begin; `None` if that is not known yet.
     pub(super) fn begins(&self, problem: &AssayProblem, agent: usize, errand: usize) -> Option<u32> {
-        let mut last = problem.releases.get(agent).and_then(|own| own.get(errand)).copied().unwrap_or(0);
+        Some(self.after(problem, agent, errand)?.max(problem.release(agent, errand)))
+    }
+
+    /// The instant at which all is done that an errand comes after; `None` if that is not known yet.
+    fn after(&self, problem: &AssayProblem, agent: usize, errand: usize) -> Option<u32> {
+        let mut last = 0;
         for before in problem.afters[agent].get(errand).into_iter().flatten() {
             last = last.max(*self.done_at[before.agent].get(before.errand)?);
         }
@@ -364,7 +406,13 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         meter: &'m mut Meter,
     ) -> ListPlanner<'a, 'm> {
         let (router, heads, after) = (Router::new(problem, ahead), bounds.heads.as_slice(), bounds.after.as_slice());
-        ListPlanner { problem, ahead, router, heads, after, limit: NEVER, meter }
+        ListPlanner { problem, ahead, router, heads, after, awaited: problem.awaited(), limit: NEVER, meter }
+    }
+
+    /// Whether an agent gives off more than one other.
+    fn gives_off_several(&self) -> bool {
+        let splits = |errands: &Vec<Errand>| errands.iter().filter(|errand| errand.splits.is_some()).count();
+        self.problem.errands.iter().any(|errands| splits(errands) > 1)
     }
 
     /// The courses of all agents; an error is an agent that found none.
@@ -389,7 +437,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
             // Those that were given off come first, since they are there already.
             let given_off = progress.given_off.pop_front().map(|(agent, _)| agent);
             let Some(agent) = given_off.or_else(|| self.next(&progress, list, terms.turns)) else { break };
-            self.go_on(&mut progress, agent, terms.turns)?;
+            self.go_on(&mut progress, agent, terms)?;
             progress.keep_given_off(problem, until);
         }
         if let Some(agent) = (0..count).find(|agent| progress.done[*agent] < problem.errands[*agent].len()) {
@@ -407,21 +455,32 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         }
     }
 
-    /// Plans the course of an agent to its end, or to where it waits for another one.
-    fn go_on(&mut self, progress: &mut Progress, agent: usize, turns: TurnOrder) -> Result<(), usize> {
+    /// What an agent can do next: up to where it waits for another one, or lets others take their turn.
+    fn due_errands(&self, progress: &Progress, agent: usize, terms: ListTerms) -> DueErrands {
         let problem = self.problem;
-        let first = progress.done[agent];
-        let errands = &problem.errands[agent][first..];
-        let (mut waits, mut begins) = (Vec::<Option<u32>>::new(), Vec::new());
-        for (place, errand) in errands.iter().enumerate() {
-            let Some(after) = progress.begins(problem, agent, first + place) else { break };
+        let mut due = DueErrands::default();
+        for (place, errand) in problem.errands[agent].iter().enumerate().skip(progress.done[agent]) {
+            let Some(after) = progress.after(problem, agent, place) else { break };
             let since = errand.meets.and_then(|other| progress.waits(problem, other, agent));
-            waits.push(since);
-            begins.push(after);
-            if errand.meets.is_some() && since.is_none() {
+            let release = problem.release(agent, place);
+            let is_held = release > after && errand.mixes.is_none() && errand.splits.is_none();
+            due.waits.push(since);
+            due.begins.push(after.max(release));
+            due.held.push(if is_held { release } else { 0 });
+            let pauses = terms.pauses && (errand.splits.is_some() || self.awaited.contains(&(agent, place)));
+            if pauses || (errand.meets.is_some() && since.is_none()) {
                 break;
             }
         }
+        due
+    }
+
+    /// Plans the course of an agent to its end, or to where it waits for another one.
+    fn go_on(&mut self, progress: &mut Progress, agent: usize, terms: ListTerms) -> Result<(), usize> {
+        let problem = self.problem;
+        let first = progress.done[agent];
+        let errands = &problem.errands[agent][first..];
+        let DueErrands { waits, begins, held } = self.due_errands(progress, agent, terms);
         let last = errands[waits.len() - 1];
         let is_last = first + waits.len() == problem.errands[agent].len();
         let must_wait = last.meets.is_some() && waits.last().is_some_and(Option::is_none);
@@ -439,6 +498,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
             first,
             waits: &waits,
             begins: &begins,
+            held: &held,
             past: &progress.past[agent],
             is_gone,
             comes: problem.comes[agent] && own.cells.is_empty(),
@@ -449,7 +509,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
             },
         };
         progress.bookings.lift(agent);
-        let course = match turns {
+        let course = match terms.turns {
             TurnOrder::Eager => self.course(&query, &progress.bookings),
             TurnOrder::Patient => self.late_course(query, &progress.bookings),
         };

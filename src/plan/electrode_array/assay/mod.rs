@@ -1,17 +1,20 @@
 //! Plans of assays: every part does its errands one after the other, and none waits for a part that it does not meet.
 //!
 //! Problem: agents on a grid with separation kept ([`super::board`]); each visits its stops in order, stays at some of them, and
-//! meets others, with which it merges: one of the two is gone from then on. Some errands wait for those of other agents. Method: list scheduling. The course of one agent after the
-//! other, up to the next agent that it meets and that has no course yet (`route`), is planned around the courses of the others
-//! (`bookings`); an agent that finds none comes earlier in the next list. Beside the order of the list there is that of time, in which
-//! nobody comes before it is of use (`turns`). Then lists with two agents exchanged, as long as they are no worse (`lists`). Where no list leads to a plan, or to one that may have too many steps, a few agents are planned all at once
-//! (`joint`).
+//! meets others, with which it merges: one of the two is gone from then on. Some errands wait for those of other agents.
+//!
+//! Method: list scheduling. The course of one agent after the other, up to the next agent that it meets and that has no course yet (`route`),
+//! is planned around the courses of the others (`bookings`); an agent that finds none comes earlier in the next list. Beside the order of the
+//! list there is that of time, in which nobody comes before it is of use (`turns`). Then lists with two agents exchanged, as long as they are
+//! no worse (`lists`). Where no list leads to a plan, agents that would stay in the way step aside (`aside`); where that does not help, or the
+//! plan may have too many steps, a few agents are planned all at once (`joint`).
 //!
 //! Guaranteed: a plan is legal; `bound` holds for every plan; the same input and budget give the same plan. For few agents, while the
 //! budget lasts, a plan is found where there is one, with the fewest steps where these are minimized. Else neither is guaranteed.
 //! Cost: one step of the budget is one expanded node of the search of one course, or one joint position of several agents; of many agents
 //! their courses cost some, too.
 
+mod aside;
 mod bookings;
 mod bound;
 mod channels;
@@ -30,6 +33,7 @@ pub use bound::{LoopRoom, families, steps_between};
 pub use channels::are_kept_by_courses;
 pub use lags::are_kept;
 pub use replay::done_by;
+use rustc_hash::FxHashSet;
 pub use traces::Traces;
 
 /// One thing that an agent does.
@@ -103,7 +107,8 @@ pub struct AssayProblem<'a> {
     pub afters: Vec<Vec<Vec<ErrandPlace>>>,
     /// What must not be done too long after others.
     pub lags: Vec<ErrandLag>,
-    /// By agent and errand: the first instant at which it may begin, as what comes after others may; empty where nothing waits.
+    /// By agent and errand: the first instant at which it may begin; empty where nothing is held back. Whoever replays the courses does not
+    /// know them: unless what comes before lasts until then, the agent comes to the stop no earlier.
     pub releases: Vec<Vec<u32>>,
     /// By agent and errand: the instant at which it begins in a schedule on paper, in which nobody is in another's way; empty where there is
     /// none.
@@ -157,6 +162,49 @@ pub struct AssayPlan {
 }
 
 impl AssayProblem<'_> {
+    /// The errand that is held back, and until when, so that another one begins no earlier than an instant: that one or, where its agent
+    /// is there already, what it does there before. `None` where it is there from the start.
+    fn held_back_by(&self, place: ErrandPlace, until: u32) -> Option<(ErrandPlace, u32)> {
+        let (mut place, mut until) = (place, until);
+        loop {
+            let errand = self.errands[place.agent][place.errand];
+            if errand.mixes.is_some() || errand.splits.is_some() {
+                return Some((place, until));
+            }
+            place = match (place.errand.checked_sub(1), self.parents[place.agent]) {
+                (Some(before), _) if self.errands[place.agent][before].stop == errand.stop => {
+                    ErrandPlace { errand: before, ..place }
+                }
+                (None, Some(parent)) => {
+                    let gives_off = |errand: &Errand| errand.splits.is_some_and(|split| split.child == place.agent);
+                    ErrandPlace { agent: parent, errand: self.errands[parent].iter().position(gives_off)? }
+                }
+                (None, None) if !self.comes[place.agent] && self.instance.agents[place.agent].start == errand.stop => {
+                    return None;
+                }
+                _ => return Some((place, until)),
+            };
+            until = until.saturating_sub(self.errands[place.agent][place.errand].work());
+        }
+    }
+
+    /// The first instant at which an errand may begin by its release; 0 where it has none.
+    fn release(&self, agent: usize, errand: usize) -> u32 {
+        self.releases.get(agent).and_then(|own| own.get(errand)).copied().unwrap_or(0)
+    }
+
+    /// The errands, by agent and errand, for which errands of others wait.
+    fn awaited(&self) -> FxHashSet<(usize, usize)> {
+        let by_agent = self.afters.iter().enumerate();
+        let afters = by_agent.flat_map(|(agent, own)| own.iter().flatten().map(move |after| (agent, after)));
+        afters.filter(|(agent, after)| after.agent != *agent).map(|(_, after)| (after.agent, after.errand)).collect()
+    }
+
+    /// Releases that hold nothing back.
+    fn unheld(&self) -> Vec<Vec<u32>> {
+        self.errands.iter().map(|errands| vec![0; errands.len()]).collect()
+    }
+
     /// Most steps from the end of what a lag counts from to the end of its errand.
     fn most_to_end(&self, lag: &ErrandLag) -> u32 {
         lag.most.saturating_add(self.errands[lag.of.agent][lag.of.errand].work())
@@ -188,14 +236,18 @@ pub enum NoAssayPlan {
 
 /// Lower bounds on every plan of an assay, or why it is known at once that there is none.
 pub fn bounds(problem: &AssayProblem, meter: &mut Meter) -> Result<BoardCosts, NoAssayPlan> {
-    Ok(looked_ahead(problem, meter)?.1.costs)
+    let mut distances = fast::Distances::of(&problem.instance.board);
+    Ok(looked_ahead(problem, &mut distances, meter)?.1.costs)
 }
 
 /// The distances to all stops, with the bounds that follow from them.
-fn looked_ahead(problem: &AssayProblem, meter: &mut Meter) -> Result<(route::Ahead, bound::AssayBounds), NoAssayPlan> {
+fn looked_ahead(
+    problem: &AssayProblem,
+    distances: &mut fast::Distances,
+    meter: &mut Meter,
+) -> Result<(route::Ahead, bound::AssayBounds), NoAssayPlan> {
     fast::bounds(problem.instance).map_err(NoAssayPlan::Alone)?;
-    let mut distances = fast::Distances::of(&problem.instance.board);
-    let ahead = route::Ahead::new(problem, &mut distances, meter);
+    let ahead = route::Ahead::new(problem, distances, meter);
     let least = bound::least(problem, &ahead);
     match lags::hopeless(problem, &ahead) {
         Some(agent) => Err(NoAssayPlan::TooLate { agent }),
@@ -219,7 +271,8 @@ pub fn solve(
     (objective, effort): (BoardObjective, AssayEffort),
     meter: &mut Meter,
 ) -> SearchAnswer<AssayPlan, NoAssayPlan, BoardCosts> {
-    let (ahead, least) = match looked_ahead(problem, meter) {
+    let mut distances = fast::Distances::of(&problem.instance.board);
+    let (ahead, least) = match looked_ahead(problem, &mut distances, meter) {
         Ok(looked) => looked,
         Err(why) => return SearchAnswer::Impossible(why),
     };
@@ -227,6 +280,7 @@ pub fn solve(
         AssayEffort::Below(_) => None,
         // Lists pay no regard to shared channels.
         AssayEffort::Whole | AssayEffort::Lists => lags::by_lists(problem, &ahead, (objective, &least), meter)
+            .or_else(|| aside::by_lists(problem, (objective, &least), &mut distances, meter))
             .filter(|courses| are_kept_by_courses(problem, courses)),
     };
     let bounds = least.costs;

@@ -37,34 +37,6 @@ pub fn done_by(problem: &AssayProblem, courses: &[AgentCourse]) -> Vec<Vec<u32>>
     }
 }
 
-/// Courses that were planned with errands held back, cut as they end where nothing holds them back: who leaves the board does so as soon as it
-/// has done all it has to. `None` if they end otherwise than by that.
-pub fn unheld(problem: &AssayProblem, mut courses: Vec<AgentCourse>) -> Option<Vec<AgentCourse>> {
-    let gone = || (0..problem.errands.len()).filter(|agent| problem.is_gone[*agent]);
-    loop {
-        let done = done_by(problem, &courses);
-        let end = |agent: usize| {
-            let is_done = done[agent].len() == problem.errands[agent].len();
-            done[agent].last().copied().filter(|_| is_done)
-        };
-        let meets = |agent: usize| problem.errands[agent].last().is_some_and(|last| last.meets.is_some());
-        let is_over = |agent: &usize| end(*agent).is_some_and(|end| end + 1 == courses[*agent].until());
-        if gone().all(|agent| is_over(&agent)) {
-            return Some(courses);
-        }
-        let early: Vec<usize> = gone().filter(|agent| !meets(*agent) && !is_over(agent)).collect();
-        let before: usize = courses.iter().map(|course| course.cells.len()).sum();
-        for agent in early {
-            let end = done[agent].last().copied().filter(|_| done[agent].len() == problem.errands[agent].len())?;
-            let since = courses[agent].since;
-            courses[agent].cells.truncate((end + 1).saturating_sub(since) as usize);
-        }
-        if before == courses.iter().map(|course| course.cells.len()).sum::<usize>() {
-            return None;
-        }
-    }
-}
-
 struct Replay<'a> {
     problem: &'a AssayProblem<'a>,
     courses: &'a [AgentCourse],

@@ -54,6 +54,9 @@ pub(super) struct RouteQuery<'q> {
     pub waits: &'q [Option<u32>],
     /// One for each of these errands: the instant at which all that it comes after is done; 0 if there is nothing.
     pub begins: &'q [u32],
+    /// One for each of these errands: the instant before which the agent does not come to the stop, since nothing else keeps the errand from
+    /// its beginning.
+    pub held: &'q [u32],
     /// The agents with which it has merged before.
     pub past: &'q [usize],
     /// Whether the agent is gone where the course ends.
@@ -515,18 +518,16 @@ impl<'q> RouteSearch<'q> {
         self.query.begins.get(done as usize).copied().unwrap_or(0)
     }
 
-    /// The first instant at which an agent may come to a cell near where it meets another next: not before they may merge, since until then
-    /// they keep apart.
+    /// The first instant at which an agent may come to a cell: to its stop when it is no longer held back, and near where it meets another
+    /// next not before they may merge, since until then they keep apart.
     fn held_until(&self, problem: &AssayProblem, done: u32, cell: CellIndex) -> u32 {
-        let is_held = |errand: &Errand| {
-            let waits = self.query.waits[done as usize];
-            let is_near = || problem.instance.board.apart(cell, errand.stop) < problem.instance.separation;
-            errand.meets.is_some() && waits.is_some() && is_near()
-        };
+        let Some(errand) = self.errands.get(done as usize) else { return 0 };
+        let held = if cell == errand.stop { self.query.held[done as usize] } else { 0 };
+        let meets = || errand.meets.is_some() && self.query.waits[done as usize].is_some();
+        let is_near = || problem.instance.board.apart(cell, errand.stop) < problem.instance.separation;
         match self.begins(done) {
-            0 => 0,
-            begins if self.errands.get(done as usize).is_some_and(is_held) => begins + 1,
-            _ => 0,
+            begins if begins > 0 && meets() && is_near() => held.max(begins + 1),
+            _ => held,
         }
     }
 

@@ -37,14 +37,24 @@ impl ListPlanner<'_, '_> {
             && (self.problem.parents[agent].is_none() || !progress.courses[agent].own.cells.is_empty())
     }
 
-    /// Whether the agent that another one meets next meets no third one before.
+    /// Whether the agent that another one meets next meets no third one before, and is not there already: then that one goes on first.
     fn is_in_turn(&self, progress: &Progress, agent: usize) -> bool {
         let next_meeting = |agent: usize| {
             let waiting = usize::from(progress.courses[agent].ready.is_some());
             let left = &self.problem.errands[agent][progress.done[agent] - waiting.min(progress.done[agent])..];
             left.iter().find_map(|errand| errand.meets)
         };
-        next_meeting(agent).is_none_or(|other| next_meeting(other) == Some(agent))
+        next_meeting(agent)
+            .is_none_or(|other| next_meeting(other) == Some(agent) && !self.is_there_already(progress, other, agent))
+    }
+
+    /// Whether an agent that does not wait yet is where it meets another one next.
+    fn is_there_already(&self, progress: &Progress, agent: usize, other: usize) -> bool {
+        let next = self.problem.errands[agent].get(progress.done[agent]);
+        let start = Some(self.problem.instance.agents[agent].start).filter(|_| !self.problem.comes[agent]);
+        let here = progress.courses[agent].own.cells.last().copied().or(start);
+        next.is_some_and(|errand| errand.meets == Some(other) && Some(errand.stop) == here)
+            && self.can_go_on(progress, agent)
     }
 
     /// When an agent goes on, or another one waits for it; those that come and that nobody waits for yet are later.

@@ -1,0 +1,256 @@
+//! Agents that step aside while they wait.
+//!
+//! Who waits for others, lets them take their turn, or has done all it has to do stays where it did its last errand. Where it keeps just these
+//! from their stops there, no list leads to a plan.
+//!
+//! Method: each agent that would stay near where others have something to do is given one more errand, of no step, at the nearest cell that
+//! is in nobody's way, and another one, to come back, where it is to end. With traces, who does harm at a stop comes there after those to
+//! whom it would. Guaranteed: courses with these errands do all others, too.
+
+use super::super::board::CellIndex;
+use super::bound::{self, AssayBounds};
+use super::route::Ahead;
+use super::{AgentCourse, AssayProblem, Errand, ErrandPlace, Traces, lags};
+use crate::plan::electrode_array::board::BoardObjective;
+use crate::plan::electrode_array::fast::Distances;
+use crate::plan::search::Meter;
+use std::collections::VecDeque;
+
+/// In assays of more errands nobody steps aside: all pairs of errands are looked at.
+const MAX_ERRANDS: usize = 2_000;
+
+/// One part in this many of the remaining budget for each kind of lists with such errands: the search of all positions has the rest.
+const SHARE: u64 = 3;
+
+/// Courses by lists in which agents step aside, if any would be in the way and such lists lead to a plan.
+pub(super) fn by_lists(
+    problem: &AssayProblem,
+    (objective, least): (BoardObjective, &AssayBounds),
+    distances: &mut Distances,
+    meter: &mut Meter,
+) -> Option<Vec<AgentCourse>> {
+    if problem.errands.iter().map(Vec::len).sum::<usize>() > MAX_ERRANDS {
+        return None;
+    }
+    // Who goes away at the end and comes back moves more than most plans need.
+    [false, true].into_iter().find_map(|come_back| {
+        let aside = Some(StepsAside::of(problem, come_back)?.inserted(problem)).filter(can_be_ordered)?;
+        let ahead = Ahead::new(&aside, distances, meter);
+        let bounds = AssayBounds { costs: least.costs, ..bound::least(&aside, &ahead) };
+        let share = meter.left().steps / SHARE;
+        let courses = meter.share(share, |meter| lags::by_lists(&aside, &ahead, (objective, &bounds), meter))?;
+        lags::are_kept(problem, &courses).then_some(courses)
+    })
+}
+
+/// Where agents step aside.
+struct StepsAside {
+    /// By agent and errand: where it goes before it, if it would wait for it in the way of others.
+    before: Vec<Vec<Option<CellIndex>>>,
+    /// By agent: where it goes after its last errand, before it comes back.
+    after: Vec<Option<CellIndex>>,
+}
+
+/// Who has something to do near a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Wanted {
+    ByNobody,
+    By(usize),
+    BySeveral,
+}
+
+impl StepsAside {
+    /// `None` if no agent would be in the way.
+    fn of(problem: &AssayProblem, come_back: bool) -> Option<StepsAside> {
+        let mut wanted = wanted(problem);
+        let mut before: Vec<Vec<Option<CellIndex>>> =
+            problem.errands.iter().map(|errands| vec![None; errands.len()]).collect();
+        let mut after = vec![None; problem.errands.len()];
+        let awaited = problem.awaited();
+        for (agent, errands) in problem.errands.iter().enumerate() {
+            for (index, errand) in errands.iter().enumerate() {
+                let waits = problem.afters[agent].get(index).into_iter().flatten().any(|after| after.agent != agent);
+                let pauses = index.checked_sub(1).is_some_and(|errand| awaited.contains(&(agent, errand)));
+                let is_there = index > 0 || (!problem.comes[agent] && problem.parents[agent].is_none());
+                if !(waits || pauses) || !is_there || errand.splits.is_some() {
+                    continue;
+                }
+                let from = index.checked_sub(1).map_or(problem.instance.agents[agent].start, |last| errands[last].stop);
+                before[agent][index] = aside(problem, &mut wanted, (agent, from));
+            }
+            let has_operation = problem.operations[agent].iter().any(Option::is_some);
+            if let Some(last) = errands.last().filter(|_| come_back && has_operation && !problem.is_gone[agent]) {
+                after[agent] = aside(problem, &mut wanted, (agent, last.stop));
+            }
+        }
+        let is_any = before.iter().flatten().chain(&after).any(Option::is_some);
+        is_any.then_some(StepsAside { before, after })
+    }
+
+    /// The problem with these errands among the others.
+    fn inserted<'a>(&self, problem: &AssayProblem<'a>) -> AssayProblem<'a> {
+        let mut aside = problem.clone();
+        aside.afters =
+            problem.errands.iter().enumerate().map(|(agent, own)| self.afters(problem, agent, own)).collect();
+        for agent in 0..problem.errands.len() {
+            // From the last one on, so that the places before stay what they are.
+            for (index, cell) in self.before[agent].iter().enumerate().rev() {
+                cell.iter().for_each(|cell| insert(&mut aside, ErrandPlace { agent, errand: index }, *cell));
+            }
+            if let (Some(cell), Some(last)) = (self.after[agent], problem.errands[agent].last()) {
+                for cell in [cell, last.stop] {
+                    let end = ErrandPlace { agent, errand: aside.errands[agent].len() };
+                    insert(&mut aside, end, cell);
+                }
+                if let Some(afters) = aside.afters[agent].last_mut() {
+                    *afters = others_near(problem, (agent, last.stop));
+                }
+            }
+        }
+        let moved = |place: &mut ErrandPlace| {
+            place.errand += self.before[place.agent][..=place.errand].iter().flatten().count();
+        };
+        aside.afters.iter_mut().flatten().flatten().for_each(moved);
+        for lag in &mut aside.lags {
+            moved(&mut lag.of);
+            lag.after.iter_mut().for_each(moved);
+        }
+        aside
+    }
+
+    /// What the errands of an agent come after, with those to whom it would do harm.
+    fn afters(&self, problem: &AssayProblem, agent: usize, errands: &[Errand]) -> Vec<Vec<ErrandPlace>> {
+        let of_errand = |errand: usize| {
+            let mut afters = problem.afters[agent].get(errand).cloned().unwrap_or_default();
+            if let Some(traces) = &problem.traces {
+                afters.extend(harmed_later(problem, traces, ErrandPlace { agent, errand }));
+            }
+            afters
+        };
+        (0..errands.len()).map(of_errand).collect()
+    }
+}
+
+/// Gives an agent one more errand, of no step, before another one.
+fn insert(problem: &mut AssayProblem, ErrandPlace { agent, errand: index }: ErrandPlace, stop: CellIndex) {
+    let errand = Errand { stop, stay: 0, meets: None, mixes: None, splits: None };
+    problem.errands[agent].insert(index, errand);
+    problem.operations[agent].insert(index, None);
+    problem.afters[agent].insert(index, Vec::new());
+    for instants in [&mut problem.releases, &mut problem.paper] {
+        if let Some(own) = instants.get_mut(agent) {
+            own.insert(index, 0);
+        }
+    }
+    if let Some(contents) = problem.traces.as_mut().map(|traces| &mut traces.contents[agent]) {
+        contents.insert(index, contents[index]);
+    }
+}
+
+/// Whether no errand waits for itself.
+fn can_be_ordered(problem: &AssayProblem) -> bool {
+    let mut done = vec![0; problem.errands.len()];
+    let is_due = |done: &[usize], agent: usize| {
+        let afters = problem.afters[agent].get(done[agent]);
+        let gives_off = |errand: &Errand| errand.splits.is_some_and(|split| split.child == agent);
+        let is_there = problem.parents[agent].is_none_or(|parent| {
+            problem.errands[parent].iter().position(gives_off).is_some_and(|errand| errand < done[parent])
+        });
+        is_there && afters.into_iter().flatten().all(|after| after.errand < done[after.agent])
+    };
+    let mut is_stuck = false;
+    while !std::mem::replace(&mut is_stuck, true) {
+        for agent in 0..problem.errands.len() {
+            while let Some(errand) = problem.errands[agent].get(done[agent]).filter(|_| is_due(&done, agent)) {
+                if let Some(other) = errand.meets {
+                    let theirs = problem.errands[other].get(done[other]);
+                    if theirs.is_none_or(|theirs| theirs.meets != Some(agent)) || !is_due(&done, other) {
+                        break;
+                    }
+                    done[other] += 1;
+                }
+                done[agent] += 1;
+                is_stuck = false;
+            }
+        }
+    }
+    problem.errands.iter().zip(&done).all(|(errands, done)| errands.len() == *done)
+}
+
+/// The errands of others at the stop of one that must be done before it, since its agent leaves there what harms them.
+fn harmed_later(problem: &AssayProblem, traces: &Traces, place: ErrandPlace) -> Vec<ErrandPlace> {
+    if traces.washes.contains(&true) {
+        return Vec::new();
+    }
+    let errand = problem.errands[place.agent][place.errand];
+    let left = traces.contents[place.agent][place.errand];
+    let is_harmed = |other: &ErrandPlace| {
+        let own = problem.errands[other.agent][other.errand];
+        own.stop == errand.stop
+            && errand.meets != Some(other.agent)
+            && traces.harms[left][traces.contents[other.agent][other.errand]]
+    };
+    others(problem, place.agent).filter(is_harmed).collect()
+}
+
+/// The errands of others near a stop of an agent.
+fn others_near(problem: &AssayProblem, (agent, stop): (usize, CellIndex)) -> Vec<ErrandPlace> {
+    let is_near = |place: &ErrandPlace| {
+        let own = problem.errands[place.agent][place.errand].stop;
+        problem.instance.board.apart(own, stop) < problem.instance.separation
+    };
+    others(problem, agent).filter(is_near).collect()
+}
+
+/// All errands of other agents.
+fn others(problem: &AssayProblem, agent: usize) -> impl Iterator<Item = ErrandPlace> {
+    let others = problem.errands.iter().enumerate().filter(move |(other, _)| *other != agent);
+    others.flat_map(|(agent, errands)| (0..errands.len()).map(move |errand| ErrandPlace { agent, errand }))
+}
+
+/// Where an agent steps aside from a cell, if it would be in the way there and there is room: from then on that is its own.
+fn aside(problem: &AssayProblem, wanted: &mut [Wanted], (agent, from): (usize, CellIndex)) -> Option<CellIndex> {
+    let cell = nearest_unwanted(problem, wanted, (agent, from)).filter(|cell| *cell != from)?;
+    want(problem, wanted, (agent, cell));
+    Some(cell)
+}
+
+/// By cell: who starts, comes, stays or is mixed near it.
+fn wanted(problem: &AssayProblem) -> Vec<Wanted> {
+    let mut wanted = vec![Wanted::ByNobody; problem.instance.board.cells()];
+    for (agent, errands) in problem.errands.iter().enumerate() {
+        let around = errands.iter().filter_map(|errand| errand.mixes).flat_map(|around| &problem.loops[around]);
+        let stops = errands.iter().map(|errand| &errand.stop);
+        for cell in stops.chain(around).chain(std::iter::once(&problem.instance.agents[agent].start)) {
+            want(problem, &mut wanted, (agent, *cell));
+        }
+    }
+    wanted
+}
+
+/// Notes that an agent has something to do at a cell.
+fn want(problem: &AssayProblem, wanted: &mut [Wanted], (agent, cell): (usize, CellIndex)) {
+    for near in problem.instance.board.around(cell, problem.instance.separation) {
+        let by = &mut wanted[near as usize];
+        *by = if *by == Wanted::ByNobody || *by == Wanted::By(agent) { Wanted::By(agent) } else { Wanted::BySeveral };
+    }
+}
+
+/// The cell nearest to one at which an agent is in nobody's way.
+fn nearest_unwanted(problem: &AssayProblem, wanted: &[Wanted], (agent, from): (usize, CellIndex)) -> Option<CellIndex> {
+    let board = &problem.instance.board;
+    let mut is_seen = vec![false; board.cells()];
+    let mut queue = VecDeque::from([from]);
+    is_seen[from as usize] = true;
+    while let Some(cell) = queue.pop_front() {
+        if wanted[cell as usize] == Wanted::ByNobody || wanted[cell as usize] == Wanted::By(agent) {
+            return Some(cell);
+        }
+        for next in board.neighbours(cell) {
+            if !std::mem::replace(&mut is_seen[next as usize], true) {
+                queue.push_back(next);
+            }
+        }
+    }
+    None
+}
