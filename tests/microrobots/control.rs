@@ -10,12 +10,12 @@ const USAGE: i32 = 2;
 const FILES: i32 = 4;
 const STOPPED: i32 = 6;
 
-/// The example of four robots, planned for time, with a watchdog that a busy machine does not wake.
+/// The example of four robots, planned for few control cycles, with a watchdog that a busy machine does not wake.
 fn four(folder: &TempDir) -> PathBuf {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/microrobots_four.twz");
     let text = std::fs::read_to_string(example).expect("the example is there");
     let text =
-        text.replace("minimize failures", "minimize time").replace("margin: 2 V", "margin: 2 V\n  watchdog: 60 s");
+        text.replace("minimize failures", "minimize switches").replace("margin: 2 V", "margin: 2 V\n  watchdog: 60 s");
     let path = folder.path().join("four.twz");
     std::fs::write(&path, text).expect("a program is written");
     path
@@ -280,7 +280,7 @@ fn a_bad_address_is_reported_before_a_plan_is_searched() {
     let folder = folder();
     let path = four(&folder);
     let program = std::fs::read_to_string(&path).expect("the program");
-    let hopeless = program.replace("  minimize time", "  require time <= 1 s\n  minimize time");
+    let hopeless = program.replace("  minimize switches", "  require time <= 1 s\n  minimize switches");
     assert_ne!(program, hopeless);
     std::fs::write(&path, hopeless).expect("a program");
     let run = tweeze(&["control", &path.to_string_lossy(), "--listen", "unix:/nonexistent/x"]).assert().code(FILES);

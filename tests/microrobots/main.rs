@@ -13,6 +13,7 @@ mod random;
 mod recorded;
 #[path = "../support/mod.rs"]
 mod support;
+mod together;
 
 use random::Random;
 use std::f64::consts::TAU;

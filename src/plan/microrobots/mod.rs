@@ -24,6 +24,7 @@ pub mod world;
 pub use job::{BedStandings as Standings, plan};
 
 use crate::claims::microrobots::MicrorobotsOrder;
+use crate::device::microrobots::MicrorobotsObjective;
 use crate::geometry::Pose;
 
 /// Motion of the bed.
@@ -130,6 +131,16 @@ pub fn legs_ns(order: &MicrorobotsOrder, legs: &[Leg]) -> u64 {
     legs.iter().map(|leg| leg_ns(order, *leg)).fold(0, u64::saturating_add)
 }
 
+/// Cost of the legs of a step: by the objective, then by the other figure. Where failures are minimized, plans are searched by their
+/// duration.
+pub fn legs_cost(order: &MicrorobotsOrder, legs: &[Leg]) -> [u64; 2] {
+    let (time_ns, switches) = (legs_ns(order, legs), legs.len() as u64);
+    match order.objective {
+        MicrorobotsObjective::Time | MicrorobotsObjective::Failures => [time_ns, switches],
+        MicrorobotsObjective::Switches => [switches, time_ns],
+    }
+}
+
 /// Duration of a leg: its control cycle, then its strokes.
 pub fn leg_ns(order: &MicrorobotsOrder, leg: Leg) -> u64 {
     let cycle_ns = order.states[leg.state].levels_v.len() as u64 * order.facts.dwell_ns;
@@ -172,6 +183,9 @@ pub enum AssemblyStage {
         /// Poses at the start of the fine motion, `first` before `second`.
         approach: [Pose; 2],
         goals: [Pose; 2],
+        /// Legs from the start of the stage that drive them as the closed loop does, which takes its ways from them; none if those
+        /// of the stage do.
+        steered: Vec<Leg>,
     },
     /// One robot docks with the structure, while those that are not docked orbit.
     Single {

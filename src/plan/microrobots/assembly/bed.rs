@@ -4,7 +4,7 @@ use super::track::ArmTrack;
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::{Core, Pose, distance};
-use crate::plan::microrobots::{AssemblyStage, Leg, RobotDocking, legs_ns};
+use crate::plan::microrobots::{AssemblyStage, Leg, RobotDocking};
 use crate::real::Real;
 use nalgebra::Point2;
 
@@ -97,11 +97,6 @@ impl<'a> AssemblyState<'a> {
             }
         }
         poses
-    }
-
-    /// Duration of legs, including their control cycles.
-    pub fn duration_ns(&self, legs: &[Leg]) -> u64 {
-        legs_ns(self.order, legs)
     }
 
     /// The control state of the last leg, of the assembly or before it.

@@ -8,7 +8,7 @@
 
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
-use crate::plan::microrobots::free::{ArmSegment, length_um, turn_rad};
+use crate::plan::microrobots::free::{ArmSegment, joined, length_um, turn_rad, words};
 use crate::real::Real;
 use std::f64::consts::TAU;
 
@@ -75,6 +75,28 @@ pub fn stretches(robot: &Robot, count: usize) -> Vec<f64> {
 /// The sum of all turns of a path between two poses, with so many full circles beyond those that the headings require.
 pub fn turned_rad(robot: &Robot, [from, to]: [Pose; 2], circles: usize) -> f64 {
     turn_rad(robot, from.heading_rad, to.heading_rad) + TAU * circles as f64
+}
+
+/// The paths without a needless edge, with full circles at their start or without, whose length is the required one up to a slack. They
+/// are limits of [`closings`] in which segments are empty and no segment may be any longer.
+pub fn shortest_of_length(robot: &Robot, asked: &ClosingRequest, slack_um: f64) -> Vec<Vec<ArmSegment>> {
+    let circle_um = TAU * robot.turning_radius_um;
+    let with_circles = |way: &[ArmSegment], circles: usize| {
+        let circles = ArmSegment { arm: Arm::Down, way_um: circle_um * circles as f64 };
+        joined([circles].into_iter().chain(way.iter().copied()))
+    };
+    let last_um = |way: &[ArmSegment]| way.last().filter(|last| last.arm == Arm::Up).map_or(0.0, |last| last.way_um);
+    let fits = |way: &Vec<ArmSegment>| {
+        (length_um(way) - asked.length_um).abs() <= slack_um && last_um(way) >= asked.least_last_um - slack_um
+    };
+    let ways = words(robot, asked.from, asked.to).map(|word| word.segments(robot.turning_radius_um));
+    let mut found: Vec<Vec<ArmSegment>> = Vec::new();
+    for way in ways.iter().flat_map(|way| (0..CIRCLES).map(|circles| with_circles(way, circles))).filter(fits) {
+        if !found.contains(&way) {
+            found.push(way);
+        }
+    }
+    found
 }
 
 /// Paths of the required length: those without a first segment first, then those with few full circles.

@@ -3,7 +3,8 @@
 //! The problem: every robot moves with every stroke until it docks, and it docks only at a body that is docked or docks at the same
 //! time. Method (the paper's sections 2 and 3): two robots meet first (`pair`); then one robot after the other joins the structure
 //! (`single`); the remaining robots orbit all the while. Which robots go first, in which role and in which order, is searched depth
-//! first over what the control states allow, with branch and bound. Guaranteed: the result satisfies the collision rules
+//! first over what the control states allow, with branch and bound. Each stage ends with the paper's fine motion, or, where the caller
+//! prefers fast plans or such of few legs, without one ([`FineMotions`]). Guaranteed: the result satisfies the collision rules
 //! ([`super::world`]), and every robot ends within precision. Not guaranteed: the fastest assembly, or any where one exists. No
 //! [`StuckAssembly`] is a proof: only assemblies are searched in which robots that are neither docked nor steered orbit in place,
 //! whereas robots might move away first, or run along. Cost: one plan per stage where the table leaves one order, as STRING tables
@@ -21,8 +22,9 @@ mod track;
 
 use super::bound::together::{self, RobotArrival};
 use super::world::FirstMeeting;
-use super::{AssemblyStage, Leg, RobotDocking};
+use super::{AssemblyStage, Leg, RobotDocking, legs_cost};
 use crate::claims::microrobots::{Dock, MicrorobotsOrder};
+use crate::device::microrobots::MicrorobotsObjective;
 use crate::geometry::Pose;
 use crate::plan::search::Meter;
 use bed::{AssemblyState, StageAddition};
@@ -35,6 +37,43 @@ pub const MAX_PLANS: usize = 400;
 /// Stages planned after the first assembly was found, in search of a faster one.
 pub const MAX_MORE_PLANS: usize = 24;
 
+/// Fine motion with which a stage is planned to end. The controller makes its own from where it measures the robots.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FineMotion {
+    /// Cycles over one part in so many of the device's length.
+    OneIn(u64),
+    /// None: the paths of two robots lead to their goals, that of a single one to a straight run over one part in
+    /// [`STRAIGHT_PART`] of the device's length.
+    LeftOut,
+}
+
+/// Part of the device's length of fine motion over which a single robot runs straight where that is left out: its path ends before the
+/// structure.
+const STRAIGHT_PART: u64 = 2;
+
+/// Fine motions of the stages of an assembly, preferred first.
+#[derive(Debug, Clone, Copy)]
+pub struct FineMotions {
+    pub pair: &'static [FineMotion],
+    pub single: &'static [FineMotion],
+}
+
+/// A whole one, and shorter ones where that has no room.
+const WITH: [FineMotion; 3] = [FineMotion::OneIn(1), FineMotion::OneIn(2), FineMotion::OneIn(4)];
+
+/// None where that has room: most legs and some of the path are those of the fine motion.
+const WITHOUT: [FineMotion; 4] =
+    [FineMotion::LeftOut, FineMotion::OneIn(1), FineMotion::OneIn(2), FineMotion::OneIn(4)];
+
+/// Fine motions wherever robots dock.
+pub const CYCLES: FineMotions = FineMotions { pair: &WITH, single: &WITH };
+
+/// None where the first two robots meet: they may then move at once.
+pub const DIRECT_PAIR: FineMotions = FineMotions { pair: &WITHOUT, single: &WITH };
+
+/// None at all.
+pub const DIRECT: FineMotions = FineMotions { pair: &WITHOUT, single: &WITHOUT };
+
 /// A planned assembly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assembled {
@@ -42,8 +81,8 @@ pub struct Assembled {
     pub legs: Vec<Leg>,
     pub docks: Vec<RobotDocking>,
     pub stages: Vec<AssemblyStage>,
-    /// Stroke trains and control cycles.
-    pub duration_ns: u64,
+    /// By the objective, then by the other figure.
+    pub cost: [u64; 2],
 }
 
 /// Why no assembly was found. Robots are indices into the order's robots.
@@ -86,13 +125,14 @@ pub enum RobotBlocker {
 
 /// Plans an assembly. `poses` and `docked` describe its start, one entry per robot of the order, after a leg in control state `state`, if
 /// any: the first leg is in another one. `docks` are robots that are not docked. A step of the meter is a candidate checked against the
-/// collision rules, or a path search; at most `most_stages` stages are planned, over all orders.
+/// collision rules, or a path search; at most `most_stages` stages are planned, over all orders, each
+/// with the first of these fine motions that has room.
 pub fn assemble(
     order: &MicrorobotsOrder,
     (poses, docked, state): (&[Pose], &[bool], Option<usize>),
     docks: &[Dock],
     meter: &mut Meter,
-    most_stages: usize,
+    (fine, most_stages): (FineMotions, usize),
 ) -> Result<Assembled, StuckAssembly> {
     let bed = AssemblyState::new(order, poses, docked, state);
     let orders = Orders { docks };
@@ -103,15 +143,14 @@ pub fn assemble(
         orders,
         ground: AssemblyGround::new(&bed, docks),
         meter,
+        fine,
         best: None,
         stuck: None,
         plans: most_stages,
     };
     search.descend(&bed);
     match (search.best, search.stuck) {
-        (Some((duration_ns, bed)), _) => {
-            Ok(Assembled { legs: bed.legs, docks: bed.docks, stages: bed.stages, duration_ns })
-        }
+        (Some((cost, bed)), _) => Ok(Assembled { legs: bed.legs, docks: bed.docks, stages: bed.stages, cost }),
         (None, Some((_, stuck))) => Err(stuck),
         (None, None) => Err(StuckAssembly::GaveUp),
     }
@@ -135,8 +174,10 @@ struct AssemblySearch<'a, 'm> {
     orders: Orders<'a>,
     ground: AssemblyGround<'a>,
     meter: &'m mut Meter,
-    /// The fastest assembly so far, and its duration.
-    best: Option<(u64, AssemblyState<'a>)>,
+    /// Fine motions of a stage, preferred first.
+    fine: FineMotions,
+    /// The best assembly so far, and its cost.
+    best: Option<([u64; 2], AssemblyState<'a>)>,
     /// Among the failures, the first one with the most robots docked.
     stuck: Option<(usize, StuckAssembly)>,
     /// Remaining number of stages that may be planned.
@@ -146,16 +187,20 @@ struct AssemblySearch<'a, 'm> {
 impl<'a> AssemblySearch<'a, '_> {
     /// Tries all orders from here on. The depth is the number of robots to dock.
     fn descend(&mut self, bed: &AssemblyState<'a>) {
-        let duration_ns = bed.duration_ns(&bed.legs);
-        let least_ns = duration_ns.saturating_add(least_ns(bed, self.orders.docks));
-        if self.best.as_ref().is_some_and(|best| best.0 <= least_ns) {
+        let is_over = self.orders.open(bed).next().is_none();
+        let cost = legs_cost(bed.order, &bed.legs);
+        let least = match bed.order.objective {
+            MicrorobotsObjective::Time | MicrorobotsObjective::Failures => least_ns(bed, self.orders.docks),
+            MicrorobotsObjective::Switches => u64::from(!is_over),
+        };
+        if self.best.as_ref().is_some_and(|best| best.0 <= [cost[0].saturating_add(least), cost[1]]) {
             return;
         }
-        if self.orders.open(bed).next().is_none() {
+        if is_over {
             if let (Some(hit), Some(dock)) = (self.ground.any_hit(bed), bed.docks.last()) {
                 return self.note(bed.docks.len(), StuckAssembly::Blocked { robot: dock.robot, partner: None, hit });
             }
-            self.best = Some((duration_ns, bed.clone()));
+            self.best = Some((cost, bed.clone()));
             self.plans = self.plans.min(MAX_MORE_PLANS);
             return;
         }
@@ -176,10 +221,10 @@ impl<'a> AssemblySearch<'a, '_> {
         match step {
             AssemblyMove::Pair(roles) => {
                 let docks = [self.orders.dock(roles.first), self.orders.dock(roles.second)];
-                pair::plan(bed, *roles, docks, &self.ground, self.meter)
+                pair::plan(bed, (*roles, docks, self.fine.pair), &self.ground, self.meter)
             }
             AssemblyMove::Single { robot, states } => {
-                single::plan(bed, (self.orders.dock(*robot), *states), &self.ground, self.meter)
+                single::plan(bed, ((self.orders.dock(*robot), *states), self.fine.single), &self.ground, self.meter)
             }
         }
     }

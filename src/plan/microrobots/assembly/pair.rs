@@ -8,16 +8,17 @@
 //! the phase free; the paper's choice, the second robot back where it began, is among the times. The second robot may also move
 //! near its goal first and orbit there while the first is driven: then the first one's last straight segment is short. Where no
 //! closed form avoids the bodies at rest, the first robot's path is searched and closed by the paper's racetrack detour
-//! ([`super::roundabout`]). Promise: the returned stretch satisfies the collision rules, and brings both robots to their goals
-//! within precision. Not promised: the shortest one; cost grows with the number of times examined.
+//! ([`super::roundabout`]). Without a fine motion a path that cannot be lengthened counts
+//! too, if it takes both robots the same time: two that face each other run straight. Promise: the returned stretch satisfies the
+//! collision rules, and brings both robots to their goals within precision. Not promised: the shortest one; cost grows with the number of times examined.
 
-use super::StuckAssembly;
 use super::bed::{AssemblyState, StageAddition, joined, legs_of_two};
-use super::closing::{CIRCLES, ClosingRequest, closings, detours, stretches, turned_rad};
+use super::closing::{CIRCLES, ClosingRequest, closings, detours, shortest_of_length, stretches, turned_rad};
 use super::ground::AssemblyGround;
 use super::track::{ArmTrack, TrackAim, turn_um, whole};
+use super::{FineMotion, StuckAssembly};
 use crate::claims::microrobots::Dock;
-use crate::device::microrobots::{Arm, Robot};
+use crate::device::microrobots::{Arm, MicrorobotsObjective, Robot};
 use crate::geometry::Pose;
 use crate::plan::microrobots::fine::Cycles;
 use crate::plan::microrobots::free::{ArmSegment, joined as joined_segments, length_um};
@@ -33,11 +34,15 @@ const RUNS: usize = 40;
 /// Full circles of the second robot's orbit tried beyond its shortest path.
 const MAX_ORBITS: usize = 8;
 
-/// Divisors of the fine motion that are tried where the whole of it has no room.
-pub const FINE_SHARES: [u64; 3] = [1, 2, 4];
-
 /// Paths of the first robot examined per time.
 const MAX_WAYS: usize = 12;
+
+/// Changes of the two arms this near to each other become one, in strokes.
+const ALIGNED_STROKES: u64 = 4;
+
+/// Paths of the second robot, from the first one that leads to the goals on, of which the one with the fewest legs is taken where
+/// control cycles are counted.
+const MAX_COMPARED: usize = 12;
 
 /// Tolerance in strokes for the change of a path when it is rounded to whole strokes.
 const FEW_STROKES: f64 = 4.0;
@@ -60,18 +65,17 @@ pub fn roles(bed: &AssemblyState, first: usize, second: usize) -> Option<Roles> 
     Some(Roles { first, second, states: [state(0)?, state(1)?, state(2)?] })
 }
 
-/// The stretch that docks both robots.
+/// The stretch that docks both robots, with the first of these fine motions that has room.
 pub fn plan(
     bed: &AssemblyState,
-    roles: Roles,
-    docks: [&Dock; 2],
+    (roles, docks, fine): (Roles, [&Dock; 2], &[FineMotion]),
     ground: &AssemblyGround,
     meter: &mut Meter,
 ) -> Result<StageAddition, StuckAssembly> {
     let fixtures = ground.fixtures(bed, &[roles.first, roles.second])?;
     let mut worst = None;
-    for share in FINE_SHARES {
-        let pairing = PairingContext::new(bed, roles, docks, share);
+    for fine in fine {
+        let pairing = PairingContext::new(bed, roles, docks, *fine);
         match brought_together(&pairing, (ground, &fixtures), meter) {
             Ok(stretch) => return Ok(stretch),
             Err(StuckAssembly::GaveUp) => return Err(StuckAssembly::GaveUp),
@@ -87,6 +91,18 @@ fn brought_together(
     site: PairSite,
     meter: &mut Meter,
 ) -> Result<StageAddition, StuckAssembly> {
+    let mut choice = StretchChoice::new(pairing.bed.order.objective);
+    let searched = search(pairing, site, meter, &mut choice);
+    choice.best.ok_or(searched.err().unwrap_or(StuckAssembly::GaveUp))
+}
+
+/// Searches until the choice is made.
+fn search(
+    pairing: &PairingContext,
+    site: PairSite,
+    meter: &mut Meter,
+    choice: &mut StretchChoice,
+) -> Result<(), StuckAssembly> {
     let (ground, roles) = (site.0, pairing.roles);
     let mut stuck = match pairing.circles.contains(&true) {
         true => StuckAssembly::Untimely { first: roles.first, second: roles.second },
@@ -103,19 +119,63 @@ fn brought_together(
     for stages in pairing.stages() {
         let kept = |departure: &&Departure| *stages == PairStages::Mingled || departure.halt.is_none();
         for departure in departures.iter().filter(kept) {
-            let legs = pairing.timed(departure, *stages, site, meter)?;
-            if let Some(stretch) = pairing.first_free(departure, legs, (ground, meter), &mut stuck)? {
-                return Ok(stretch);
+            let legs = choice.worthy(pairing.timed(departure, *stages, site, meter)?);
+            let stretch = pairing.first_free(departure, legs, (ground, meter), &mut stuck)?;
+            if choice.is_made(stretch) {
+                return Ok(());
             }
         }
     }
+    if choice.best.is_some() {
+        return Ok(());
+    }
     for (departure, way) in pairing.roundabout(&ways, site, meter)? {
         let legs = pairing.legs(&departure, vec![way], site, meter)?;
-        if let Some(stretch) = pairing.first_free(&departure, legs, (ground, meter), &mut stuck)? {
-            return Ok(stretch);
+        if choice.is_made(pairing.first_free(&departure, legs, (ground, meter), &mut stuck)?) {
+            return Ok(());
         }
     }
     Err(stuck)
+}
+
+/// Choice among stretches, of which the shorter ones are offered first: the first one, or, where control cycles are counted, that with
+/// the fewest legs of some.
+struct StretchChoice {
+    objective: MicrorobotsObjective,
+    best: Option<StageAddition>,
+    /// Paths of the second robot that are still looked at, from the first one with a stretch on.
+    left: usize,
+}
+
+impl StretchChoice {
+    fn new(objective: MicrorobotsObjective) -> Self {
+        let left = match objective {
+            MicrorobotsObjective::Time | MicrorobotsObjective::Failures => 1,
+            MicrorobotsObjective::Switches => MAX_COMPARED,
+        };
+        StretchChoice { objective, best: None, left }
+    }
+
+    /// The legs that may be chosen, in order of preference.
+    fn worthy(&self, mut all: Vec<Vec<Leg>>) -> Vec<Vec<Leg>> {
+        if self.objective == MicrorobotsObjective::Switches {
+            let most = self.best.as_ref().map_or(usize::MAX, |best| best.legs.len());
+            all.retain(|legs| legs.len() < most);
+            all.sort_by_key(Vec::len);
+        }
+        all
+    }
+
+    /// Takes a path's stretch over, if it has one that is better; whether no more need be offered.
+    fn is_made(&mut self, stretch: Option<StageAddition>) -> bool {
+        let is_better =
+            |stretch: &StageAddition| self.best.as_ref().is_none_or(|best| stretch.legs.len() < best.legs.len());
+        if let Some(stretch) = stretch.filter(is_better) {
+            self.best = Some(stretch);
+        }
+        self.left = self.left.saturating_sub(usize::from(self.best.is_some()));
+        self.left == 0
+    }
 }
 
 /// Overlap of the paper's two stages.
@@ -134,7 +194,10 @@ pub(super) struct PairingContext<'a> {
     pub facts: [&'a Robot; 2],
     from: [Pose; 2],
     goals: [Pose; 2],
+    /// Where the fine motion begins as it is planned, and as the controller makes it.
     pub approach: [Pose; 2],
+    gross_ends: [Pose; 2],
+    fine: FineMotion,
     aims: [TrackAim; 2],
     cycles: Cycles<3>,
     /// Position of the first robot's arm in its first stroke, if prescribed because consecutive legs must differ in their states.
@@ -156,20 +219,41 @@ pub(super) struct Departure {
 }
 
 impl<'a> PairingContext<'a> {
-    fn new(bed: &'a AssemblyState<'a>, roles: Roles, docks: [&Dock; 2], share: u64) -> Self {
+    fn new(bed: &'a AssemblyState<'a>, roles: Roles, docks: [&Dock; 2], fine: FineMotion) -> Self {
         let robots = [roles.first, roles.second];
         let facts = robots.map(|robot| bed.robot(robot));
         let goals = docks.map(|dock| dock.goal.pose);
-        let cycles = Cycles::symmetric(&bed.order.facts.fine, &facts.map(|facts| facts.step_um));
-        let cycles = Cycles { count: cycles.count.div_ceil(share), ..cycles };
-        let approach = [0, 1].map(|at| cycles.backward(facts[at], ARMS[at], goals[at]));
+        let whole = Cycles::symmetric(&bed.order.facts.fine, &facts.map(|facts| facts.step_um));
+        let count = match fine {
+            FineMotion::OneIn(share) => whole.count.div_ceil(share),
+            FineMotion::LeftOut => 0,
+        };
+        let cycles = Cycles { count, ..whole };
+        let begins = |cycles: &Cycles<3>| [0, 1].map(|at| cycles.backward(facts[at], ARMS[at], goals[at]));
+        let approach = begins(&cycles);
+        let gross_ends = match fine {
+            FineMotion::OneIn(_) => approach,
+            FineMotion::LeftOut => begins(&whole),
+        };
         let motion = [0, 1].map(|at| cycles.forward(facts[at], ARMS[at], Pose::at(0.0, 0.0)));
         let aims = [0, 1].map(|at| TrackAim { goal: goals[at], precision: bed.order.precision, motion: motion[at] });
         let [both, one, _] = roles.states.map(|state| bed.last_state() == Some(state));
         let forced = if both { Some(Arm::Up) } else { one.then_some(Arm::Down) };
         let from = robots.map(|robot| bed.poses[robot]);
-        let mut pairing =
-            PairingContext { bed, roles, facts, from, goals, approach, aims, cycles, forced, circles: [true; CIRCLES] };
+        let mut pairing = PairingContext {
+            bed,
+            roles,
+            facts,
+            from,
+            goals,
+            approach,
+            gross_ends,
+            fine,
+            aims,
+            cycles,
+            forced,
+            circles: [true; CIRCLES],
+        };
         let ends = [pairing.first_from(), approach[0]];
         let turn_um = |circles| turned_rad(facts[0], ends, circles) * facts[0].turning_radius_um;
         pairing.circles = std::array::from_fn(|circles| aims[0].allows_turn(facts[0], turn_um(circles)));
@@ -177,11 +261,11 @@ impl<'a> PairingContext<'a> {
     }
 
     /// Allowed overlaps, preferred first: closed-loop execution, used where the device states its errors, keeps the stages apart as
-    /// long as possible.
+    /// long as possible. Without a fine motion the legs are not those of the closed loop, and only their cost counts.
     fn stages(&self) -> &'static [PairStages] {
-        match self.bed.order.facts.errors {
-            Some(_) => &[PairStages::Apart, PairStages::Mingled],
-            None => &[PairStages::Mingled],
+        match (self.fine, self.bed.order.facts.errors) {
+            (FineMotion::OneIn(_), Some(_)) => &[PairStages::Apart, PairStages::Mingled],
+            (FineMotion::OneIn(_), None) | (FineMotion::LeftOut, _) => &[PairStages::Mingled],
         }
     }
 
@@ -272,7 +356,8 @@ impl<'a> PairingContext<'a> {
             least_last_um: later_um / self.facts[1].step_um * first.step_um,
             circles: self.circles,
         };
-        self.legs(departure, closings(first, &asked), site, meter)
+        let shortest = shortest_of_length(first, &asked, self.bed.order.precision.place_um);
+        self.legs(departure, shortest.into_iter().chain(closings(first, &asked)).collect(), site, meter)
     }
 
     /// Strokes of the second robot's path, and so of the first one's: at least one more than the forced ones.
@@ -322,21 +407,46 @@ impl<'a> PairingContext<'a> {
             let mut track = ArmTrack::default();
             self.forced.into_iter().for_each(|arm| track.push(arm, 1));
             track.extend(&whole(first, start, way, &self.aims[0], total - forced)?);
+            let aligned = track.aligned(&seconds, ALIGNED_STROKES);
+            if self.aims[0].miss(aligned.end(first, self.from[0])) <= 1.0 {
+                track = aligned;
+            }
             legs_of_two(&track, &seconds, self.roles.states)
         };
         Ok(kept.iter().filter_map(legs).collect())
+    }
+
+    /// Pose of the first robot at the end of its own drive, after so many legs. Without a fine motion it lies on the line on which the
+    /// controller lets it run, as far before the end as in the legs.
+    fn intermediate(&self, legs: &[Leg], driven: usize) -> Pose {
+        let first = self.facts[0];
+        match self.fine {
+            FineMotion::OneIn(_) => legs[..driven].iter().fold(self.from[0], |pose, leg| {
+                let arm = if leg.state == self.roles.states[0] { Arm::Down } else { Arm::Up };
+                first.moved(pose, arm, first.step_um * leg.strokes as f64)
+            }),
+            FineMotion::LeftOut => {
+                let left: u64 = legs[driven..].iter().map(|leg| leg.strokes).sum();
+                let run_um = first.step_um * left as f64 - self.bed.order.facts.fine.length_um;
+                first.moved(self.gross_ends[0], Arm::Up, -run_um.max(0.0))
+            }
+        }
     }
 
     /// The whole stage, after legs that bring both to their approaches.
     fn stretch(&self, legs: Vec<Leg>, halt: Option<Pose>) -> StageAddition {
         let Roles { first, second, states } = self.roles;
         let driven = legs.iter().rposition(|leg| leg.state == states[0]).map_or(0, |last| last + 1);
-        let intermediate = legs[..driven].iter().fold(self.from[0], |pose, leg| {
-            let arm = if leg.state == states[0] { Arm::Down } else { Arm::Up };
-            self.facts[0].moved(pose, arm, self.facts[0].step_um * leg.strokes as f64)
-        });
-        let pair =
-            AssemblyStage::Pair { first, second, states, intermediate, approach: self.approach, goals: self.goals };
+        let intermediate = self.intermediate(&legs, driven);
+        let pair = AssemblyStage::Pair {
+            first,
+            second,
+            states,
+            intermediate,
+            approach: self.gross_ends,
+            goals: self.goals,
+            steered: Vec::new(),
+        };
         let escort = halt.map(|to| AssemblyStage::Escort { robot: second, beside: first, states, to });
         let legs = joined(legs.into_iter().chain(self.cycles.legs(states)));
         StageAddition { legs, docking: vec![first, second], stages: escort.into_iter().chain([pair]).collect() }

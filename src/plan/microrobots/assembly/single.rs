@@ -1,11 +1,10 @@
 //! Docking of one robot with the structure, while the remaining ones orbit.
 
-use super::StuckAssembly;
 use super::bed::{AssemblyState, StageAddition, joined, legs_of_one};
 use super::closing::{detours, stretches};
 use super::ground::AssemblyGround;
-use super::pair::FINE_SHARES;
 use super::track::{ArmTrack, TrackAim, whole};
+use super::{FineMotion, STRAIGHT_PART, StuckAssembly};
 use crate::claims::microrobots::Dock;
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
@@ -24,17 +23,18 @@ const ARMS: [Arm; 2] = [Arm::Down, Arm::Up];
 const FIRST_RUNS: usize = 24;
 const LAST_RUNS: usize = 40;
 
-/// The stretch that docks one robot, given the control states in which it turns and runs straight.
+/// The stretch that docks one robot, given the control states in which it turns and runs straight, and fine motions, of which the
+/// first that has room is taken.
 pub fn plan(
     bed: &AssemblyState,
-    seat: (&Dock, [usize; 2]),
+    (seat, fine): ((&Dock, [usize; 2]), &[FineMotion]),
     ground: &AssemblyGround,
     meter: &mut Meter,
 ) -> Result<StageAddition, StuckAssembly> {
     let fixtures = ground.fixtures(bed, &[seat.0.robot])?;
     let mut stuck = None;
-    for share in FINE_SHARES {
-        match Visit::new(bed, seat, share).stretch((ground, &fixtures), meter) {
+    for fine in fine {
+        match Visit::new(bed, seat, *fine).stretch((ground, &fixtures), meter) {
             Ok(stretch) => return Ok(stretch),
             Err(StuckAssembly::GaveUp) => return Err(StuckAssembly::GaveUp),
             Err(other) => stuck = stuck.or(Some(other)),
@@ -49,7 +49,9 @@ struct Visit<'a> {
     index: usize,
     states: [usize; 2],
     goal: Pose,
+    /// Where its fine motion begins as it is planned, and as the controller makes it.
     approach: Pose,
+    gross_end: Pose,
     aim: TrackAim,
     cycles: Cycles<2>,
     /// A first stroke, if needed so that consecutive legs differ in their states.
@@ -57,18 +59,25 @@ struct Visit<'a> {
 }
 
 impl<'a> Visit<'a> {
-    fn new(bed: &'a AssemblyState<'a>, (dock, states): (&Dock, [usize; 2]), share: u64) -> Self {
+    fn new(bed: &'a AssemblyState<'a>, (dock, states): (&Dock, [usize; 2]), fine: FineMotion) -> Self {
         let (index, goal) = (dock.robot, dock.goal.pose);
         let robot = bed.robot(index);
-        let cycles = Cycles::symmetric(&bed.order.facts.fine, &[robot.step_um]);
-        let cycles = Cycles { count: cycles.count.div_ceil(share), ..cycles };
+        let whole = Cycles::symmetric(&bed.order.facts.fine, &[robot.step_um]);
+        let cycles = match fine {
+            FineMotion::OneIn(share) => Cycles { count: whole.count.div_ceil(share), ..whole },
+            FineMotion::LeftOut => Cycles { strokes: [0, whole.total().div_ceil(STRAIGHT_PART)], count: 1 },
+        };
         let approach = cycles.backward(robot, ARMS, goal);
+        let gross_end = match fine {
+            FineMotion::OneIn(_) => approach,
+            FineMotion::LeftOut => whole.backward(robot, ARMS, goal),
+        };
         let motion = cycles.forward(robot, ARMS, Pose::at(0.0, 0.0));
         let aim = TrackAim { goal, precision: bed.order.precision, motion };
         let mut before = ArmTrack::default();
         let others = [Arm::Up, Arm::Down].into_iter().zip(states);
         others.filter(|(_, state)| bed.last_state() == Some(*state)).for_each(|(other, _)| before.push(other, 1));
-        Visit { bed, index, states, goal, approach, aim, cycles, before }
+        Visit { bed, index, states, goal, approach, gross_end, aim, cycles, before }
     }
 
     fn stretch(
@@ -125,7 +134,7 @@ impl<'a> Visit<'a> {
         let mut track = self.before.clone();
         track.extend(&driven);
         let legs = legs_of_one(&track, self.states).into_iter().chain(self.cycles.legs(self.states));
-        let Visit { index: robot, states, approach, goal, .. } = *self;
+        let Visit { index: robot, states, gross_end: approach, goal, .. } = *self;
         let stage = AssemblyStage::Single { robot, states, approach, goal };
         let stretch = StageAddition { legs: joined(legs), docking: vec![robot], stages: vec![stage] };
         let stretch = ground.settled(self.bed, stretch)?;

@@ -1,6 +1,6 @@
 //! Assemblies on synthetic beds, with a direct simulation as their oracle.
 
-use super::track::TrackAim;
+use super::track::{ArmTrack, TrackAim};
 use super::*;
 use crate::claims::microrobots::{Assurance, MicrorobotsObstacle, MicrorobotsStop, Placed, Precision};
 use crate::device::microrobots::{
@@ -54,7 +54,7 @@ fn assembled_from(
     docks: &[Dock],
     steps: u64,
 ) -> Result<Assembled, StuckAssembly> {
-    assemble(order, (poses, docked, None), docks, &mut Meter::new(SearchBudget::of(steps)), MAX_PLANS)
+    assemble(order, (poses, docked, None), docks, &mut Meter::new(SearchBudget::of(steps)), (CYCLES, MAX_PLANS))
 }
 
 fn state(arms: Vec<Arm>) -> ControlState {
@@ -204,6 +204,37 @@ fn structures_of_two_to_five_robots_are_assembled() {
     }
 }
 
+/// Without fine motions a structure needs fewer legs, and the rules are kept all the same.
+#[test]
+fn structures_without_fine_motions_have_few_legs() {
+    for count in 2..=4 {
+        let (starts, docked) = (in_a_row(count), vec![false; count]);
+        let mut order = order(&starts, string_states(count), Vec::new());
+        let docks = structure(count, pose(1000.0, 1800.0, 20.0));
+        let with = assembled(&order, &docks).unwrap();
+        for objective in [MicrorobotsObjective::Time, MicrorobotsObjective::Switches] {
+            order.objective = objective;
+            let meter = &mut Meter::new(SearchBudget::of(order.expansions));
+            let found = assemble(&order, (&starts, &docked, None), &docks, meter, (DIRECT, MAX_PLANS)).unwrap();
+            check(&order, &starts, &docked, &docks, &found);
+            assert!(found.legs.len() <= 9 + 5 * (count - 2), "{count} robots: {} legs", found.legs.len());
+            assert!(with.legs.len() > 60 + 40 * (count - 2));
+        }
+    }
+}
+
+/// Changes of an arm move to those of the other one that are near, and to no others.
+#[test]
+fn changes_of_arms_are_aligned() {
+    let track = |pieces: &[(Arm, u64)]| ArmTrack { pieces: pieces.to_vec() };
+    let (one, other) = (track(&[(DOWN, 103), (UP, 97), (DOWN, 50)]), track(&[(DOWN, 100), (UP, 150)]));
+    assert_eq!(one.aligned(&other, 3), track(&[(DOWN, 100), (UP, 100), (DOWN, 50)]));
+    assert_eq!(one.aligned(&other, 2), one);
+    assert_eq!(other.aligned(&one, 3), track(&[(DOWN, 103), (UP, 147)]));
+    // A piece between two changes that become one is gone.
+    assert_eq!(track(&[(UP, 99), (DOWN, 2), (UP, 149)]).aligned(&other, 1), track(&[(UP, 250)]));
+}
+
 /// A small generator of numbers from 0 to 1.
 struct Dice(u64);
 
@@ -332,7 +363,7 @@ fn other_tables_allow_other_orders() {
     assert_eq!(found.docks.iter().map(|dock| dock.robot).collect::<Vec<_>>(), [2, 0, 1]);
     // With all states there are more orders; a slower one is never kept.
     let free = order(&in_a_row(3), all_states(3), Vec::new());
-    assert!(assembled(&free, &swapped).unwrap().duration_ns <= found.duration_ns);
+    assert!(assembled(&free, &swapped).unwrap().cost <= found.cost);
 }
 
 #[test]

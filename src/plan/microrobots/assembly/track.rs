@@ -42,6 +42,30 @@ impl ArmTrack {
         other.pieces.iter().for_each(|&(arm, strokes)| self.push(arm, strokes));
     }
 
+    /// The same with each change of the arm that is at most so many strokes from one of the other track moved to it: fewer control
+    /// states are set.
+    pub fn aligned(&self, other: &ArmTrack, most: u64) -> ArmTrack {
+        let changes: Vec<u64> = other
+            .pieces
+            .iter()
+            .scan(0, |at, piece| {
+                *at += piece.1;
+                Some(*at)
+            })
+            .collect();
+        let near = |at: u64| changes.iter().copied().min_by_key(|change| change.abs_diff(at));
+        let mut aligned = ArmTrack::default();
+        let (mut begun, mut end) = (0, 0);
+        for (index, (arm, strokes)) in self.pieces.iter().enumerate() {
+            end += strokes;
+            let is_last = index + 1 == self.pieces.len();
+            let moved = near(end).filter(|change| !is_last && change.abs_diff(end) <= most).unwrap_or(end);
+            aligned.push(*arm, moved.saturating_sub(begun));
+            begun = begun.max(moved);
+        }
+        aligned
+    }
+
     /// Pose to which it brings a robot.
     pub fn end(&self, robot: &Robot, from: Pose) -> Pose {
         end(robot, from, &self.pieces)
@@ -111,7 +135,8 @@ pub fn composed(frame: Pose, pose: Pose) -> Pose {
 pub fn whole(robot: &Robot, from: Pose, way: &[ArmSegment], aim: &TrackAim, total: u64) -> Option<ArmTrack> {
     let mut pieces = rounded(robot, way);
     let excess = pieces.iter().map(|piece| piece.1).sum::<u64>() as i64 - total as i64;
-    let longest = (0..pieces.len()).filter(|&at| pieces[at].0 == Arm::Up).max_by_key(|&at| pieces[at].1)?;
+    let longest = |arm: Arm| (0..pieces.len()).filter(|&at| pieces[at].0 == arm).max_by_key(|&at| pieces[at].1);
+    let longest = longest(Arm::Up).or(longest(Arm::Down))?;
     pieces[longest].1 = pieces[longest].1.checked_add_signed(-excess)?;
     let heading_rad = composed(end(robot, from, &pieces), aim.motion).heading_rad;
     if !aim.can_face(robot, wrapped_rad(heading_rad - aim.goal.heading_rad)) {

@@ -88,7 +88,7 @@ impl<'a> PairGuarantee<'a, '_> {
     fn halt(&self) -> Pose {
         let second = self.robots[1];
         let ends = self.bed.episode.gross.first().map_or(0, |gross| gross[1]);
-        let poses = poses_of(self.bed.order, second, self.bed.episode.poses[second], &self.bed.episode.legs[..ends]);
+        let poses = poses_of(self.bed.order, second, self.bed.episode.poses[second], &self.bed.episode.steered[..ends]);
         poses[poses.len() - 1]
     }
 

@@ -286,8 +286,15 @@ pub fn pair(errors: Errors, second: Pose) -> (MicrorobotsOrder, MicrorobotsMotio
     let run_um = (to[0] - from[0]).hypot(to[1] - from[1]) + 165.0 * (last_rad + std::f64::consts::PI);
     let intermediate =
         Pose { x_um: approach[0].x_um - run_um * cos, y_um: approach[0].y_um - run_um * sin, ..approach[0] };
-    let stage =
-        AssemblyStage::Pair { first: robots[0], second: robots[1], states: [2, 1, 0], intermediate, approach, goals };
+    let stage = AssemblyStage::Pair {
+        first: robots[0],
+        second: robots[1],
+        states: [2, 1, 0],
+        intermediate,
+        approach,
+        goals,
+        steered: Vec::new(),
+    };
     let docks = vec![RobotDocking { robot: robots[0], leg: 0 }, RobotDocking { robot: robots[1], leg: 0 }];
     let steps = vec![MicrorobotsStepMotion::Legs { legs: Vec::new(), docks, stages: vec![stage] }];
     (order, MicrorobotsMotion { start: Crew { poses: vec![starts[1], starts[0]], docked: vec![false, false] }, steps })
@@ -337,7 +344,15 @@ fn three(errors: Errors) -> (MicrorobotsOrder, MicrorobotsMotion) {
     let goal = pose(-390.0, 0.0, 0.0);
     let tail = before(order.robot(0), goal, 0.5, 250.0);
     let stages = vec![
-        AssemblyStage::Pair { first: 2, second: 1, states: [3, 2, 1], intermediate, approach, goals },
+        AssemblyStage::Pair {
+            first: 2,
+            second: 1,
+            states: [3, 2, 1],
+            intermediate,
+            approach,
+            goals,
+            steered: Vec::new(),
+        },
         AssemblyStage::Single { robot: 0, states: [1, 0], approach: tail, goal },
     ];
     let docks = [2, 1, 0].map(|robot| RobotDocking { robot, leg: 0 }).to_vec();

@@ -18,7 +18,9 @@ pub struct Episode<'a> {
     pub docked: Vec<bool>,
     /// Legs of this stage only.
     pub legs: &'a [Leg],
-    /// Gross motion of each driven robot, in the order of driving: numbers of legs before its start and end.
+    /// Legs from which the closed loop takes its ways: those of the stage, or others in their place.
+    pub steered: &'a [Leg],
+    /// Gross motion of each driven robot, in the order of driving: numbers of steered legs before its start and end.
     pub gross: Vec<[usize; 2]>,
     /// Centres of the turns between its start and its approach, for each of them.
     pub via_um: Vec<Vec<[f64; 2]>>,
@@ -86,14 +88,21 @@ fn episode<'a>(
     legs: &'a [Leg],
 ) -> Episode<'a> {
     let (mut gross, mut via_um, mut begins) = (Vec::new(), Vec::new(), 0);
+    let steered: &[Leg] = match stage {
+        AssemblyStage::Pair { steered, .. } if !steered.is_empty() => steered,
+        AssemblyStage::Departure { .. }
+        | AssemblyStage::Escort { .. }
+        | AssemblyStage::Pair { .. }
+        | AssemblyStage::Single { .. } => legs,
+    };
     for (robot, target) in driven(stage) {
-        let way = poses_of(order, robot, poses[robot], legs);
+        let way = poses_of(order, robot, poses[robot], steered);
         let ends = nearest(order, robot, &way[begins..], target) + begins;
-        via_um.push(centres(order, robot, &way, &legs[..ends], begins));
+        via_um.push(centres(order, robot, &way, &steered[..ends], begins));
         gross.push([begins, ends]);
         begins = ends;
     }
-    Episode { step, stage, poses: poses.to_vec(), docked: docked.to_vec(), legs, gross, via_um }
+    Episode { step, stage, poses: poses.to_vec(), docked: docked.to_vec(), legs, steered, gross, via_um }
 }
 
 /// Poses of a robot before each leg, and after the last one.

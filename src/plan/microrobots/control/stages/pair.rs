@@ -58,7 +58,7 @@ pub struct PairStage<'a> {
 
 impl<'a> PairStage<'a> {
     pub fn new(order: &'a MicrorobotsOrder, episode: &Episode) -> Option<Self> {
-        let &AssemblyStage::Pair { first, second, states, intermediate, approach, goals } = episode.stage else {
+        let &AssemblyStage::Pair { first, second, states, intermediate, approach, goals, .. } = episode.stage else {
             return None;
         };
         let mut couple = Couple::new(order, [first, second], intermediate, approach)?;
@@ -307,14 +307,14 @@ fn near(
     let via_um = |at: usize| episode.via_um.get(at).cloned().unwrap_or_default();
     let row = order.robots[second].row;
     let runs = |leg: &Leg| order.states[leg.state].arms[row] == Arm::Up;
-    let Some(begins) = episode.legs[..ends].iter().rposition(runs).map(|leg| leg + 1) else {
+    let Some(begins) = episode.steered[..ends].iter().rposition(runs).map(|leg| leg + 1) else {
         return (None, [via_um(0), via_um(1)]);
     };
-    let way = poses_of(order, second, episode.poses[second], &episode.legs[..begins]);
-    let via = centres(order, second, &way, &episode.legs[..begins], 0);
+    let way = poses_of(order, second, episode.poses[second], &episode.steered[..begins]);
+    let via = centres(order, second, &way, &episode.steered[..begins], 0);
     let pursuit = Pursuit::new(&couple.drivers[1], via, way[begins]);
-    let way = poses_of(order, first, episode.poses[first], &episode.legs[..ends]);
-    (Some(pursuit), [centres(order, first, &way, &episode.legs[..ends], begins), via_um(1)])
+    let way = poses_of(order, first, episode.poses[first], &episode.steered[..ends]);
+    (Some(pursuit), [centres(order, first, &way, &episode.steered[..ends], begins), via_um(1)])
 }
 
 /// The middle of a robot's front.

@@ -4,23 +4,21 @@
 //! start: the job ends there. Steps may begin with first legs that move the whole bed (`departure`, `gathering`); the best by the objective is
 //! kept.
 
-use super::assembly::{self, Assembled, StuckAssembly};
+mod assembled;
+
 use super::bound::together::{self, RobotArrival};
 use super::departure::{Departure, Departures};
 use super::doom::{self, DoomedRobot};
 use super::drive::{self, Drive};
 use super::free;
-use super::gathering::Gathering;
 use super::why::BedReasons;
-use super::world::{BedPoses, FirstMeeting, World};
-use super::{AssemblyStage, Crew, Leg, MicrorobotsMotion, MicrorobotsStepMotion, legs_ns};
-use crate::claims::microrobots::{Dock, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop};
+use super::world::{BedPoses, World};
+use super::{AssemblyStage, Crew, Leg, MicrorobotsMotion, MicrorobotsStepMotion, legs_cost, legs_ns};
+use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop};
 use crate::device::microrobots::{Arm, MicrorobotsObjective};
 use crate::diagnostic::Sink;
 use crate::geometry::Pose;
-use crate::plan::search::{Meter, SearchBudget};
-use crate::plan::watch::HeldPlan;
-use crate::random::SplitMix64;
+use crate::plan::search::SearchBudget;
 
 /// The motion of a whole job, and the state of the robots after it.
 pub struct BedRoute {
@@ -86,10 +84,6 @@ const DEPARTURE_SHARE: u64 = 16;
 /// The same for a drive's first attempt without first legs, and for each with them; more only where these find nothing.
 const FIRST_SHARE: u64 = 50;
 const DRIVE_SHARE: u64 = 200;
-
-/// Descents to first legs of an assembly, and changes of the best of them that are planned.
-const DESCENTS: u64 = 8;
-const VARIATIONS: usize = 16;
 
 /// Seed of the first legs among which the best is chosen.
 const BEST_SEED: u64 = 1;
@@ -237,137 +231,13 @@ impl<'a> BedStepPlanner<'a> {
 
     /// What the legs of a step cost: by the objective, then by the other figure.
     fn cost(&self, legs: &[Leg]) -> [u64; 2] {
-        let time_ns = legs_ns(self.order, legs);
-        let switches = legs.len() as u64;
-        match self.order.objective {
-            MicrorobotsObjective::Time | MicrorobotsObjective::Failures => [time_ns, switches],
-            MicrorobotsObjective::Switches => [switches, time_ns],
-        }
+        legs_cost(self.order, legs)
     }
 
     /// What legs cost, for who watches the search.
     fn summary(&self, legs: &[Leg]) -> String {
         format!("{:.1} s in {} legs", legs_ns(self.order, legs) as f64 / 1e9, legs.len())
     }
-
-    fn assembled(&self, docks: &[Dock], sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
-        let gathering = Gathering::new((self.order, self.roomy), (self.world, self.bed), docks);
-        if let FirstLegs::Drawn(seed) = self.first_legs {
-            let mut meter = Meter::new(self.share(DEPARTURE_SHARE));
-            return gathering.and_then(|gathering| self.after(gathering.descend(seed)?, docks, &mut meter));
-        }
-        let budget = SearchBudget::of(self.order.expansions);
-        let direct = self.assembly((self.bed, None), docks, (&mut Meter::new(budget), assembly::MAX_PLANS));
-        // Neither arms nor goals change with the robots' places.
-        let is_in_vain =
-            matches!(direct, Err(NoAssembly::Stuck(StuckAssembly::Unsteerable { .. } | StuckAssembly::Apart { .. })));
-        if let (Err(_), false) = (&direct, is_in_vain) {
-            let goals: Vec<(usize, Pose)> = docks.iter().map(|dock| (dock.robot, dock.goal.pose)).collect();
-            if let Some((doomed, strokes)) = self.doomed(&goals) {
-                sink.push(self.why().doomed(&doomed, strokes));
-                return None;
-            }
-        }
-        let mut best = direct.as_ref().ok().cloned();
-        let _held = best.as_ref().map(|best| HeldPlan::begin(|| self.summary(best.legs())));
-        if !is_in_vain && self.first_legs != FirstLegs::None {
-            best = self.gathered((gathering.as_ref(), &mut Meter::new(budget)), docks, best);
-        }
-        if let (None, Err(none)) = (&best, &direct) {
-            let goal = |robot: usize| docks.iter().find(|dock| dock.robot == robot).map(|dock| dock.goal.span);
-            let span = |robot: usize| goal(robot).unwrap_or(self.step.span);
-            sink.push(match none {
-                NoAssembly::Stuck(stuck) => self.why().not_assembled(stuck, &span),
-                NoAssembly::StillTurning(hit) => self.why().still_turning(hit),
-            });
-        }
-        best
-    }
-
-    /// The best of assemblies after first legs, and of the given one.
-    fn gathered(
-        &self,
-        (gathering, meter): (Option<&Gathering>, &mut Meter),
-        docks: &[Dock],
-        direct: Option<MicrorobotsStepMotion>,
-    ) -> Option<MicrorobotsStepMotion> {
-        let (mut best, mut best_legs) = (direct, None);
-        let mut improve = |departure: Departure,
-                           best: &mut Option<MicrorobotsStepMotion>,
-                           best_legs: &mut Option<Departure>| {
-            let is_late = best.as_ref().is_some_and(|best| self.cost(best.legs()) <= self.cost(&departure.legs));
-            let Some(found) = (!is_late).then(|| self.after(departure.clone(), docks, meter)).flatten() else { return };
-            if best.as_ref().is_none_or(|best| self.cost(found.legs()) < self.cost(best.legs())) {
-                (*best, *best_legs) = (Some(found), Some(departure));
-            }
-        };
-        for seed in 1..=DESCENTS {
-            if let Some(departure) = gathering.and_then(|gathering| gathering.descend(seed)) {
-                improve(departure, &mut best, &mut best_legs);
-            }
-        }
-        let mut random = SplitMix64::new(BEST_SEED);
-        for _ in 0..VARIATIONS {
-            let varied =
-                gathering.zip(best_legs.as_ref()).and_then(|(gathering, legs)| gathering.varied(legs, &mut random));
-            if let Some(departure) = varied {
-                improve(departure, &mut best, &mut best_legs);
-            }
-        }
-        if best.is_none() {
-            let goals = docks.iter().map(|dock| dock.goal.pose);
-            let mut departures = self.departures(goals, BEST_SEED).take(MAX_DEPARTURES);
-            best = departures.find_map(|legs| self.after(legs, docks, meter));
-        }
-        best
-    }
-
-    /// The assembly after first legs, on a share of the step's expansions.
-    fn after(
-        &self,
-        Departure { mut legs, bed }: Departure,
-        docks: &[Dock],
-        meter: &mut Meter,
-    ) -> Option<MicrorobotsStepMotion> {
-        let from = (&bed, legs.last().map(|leg| leg.state));
-        let assembly = meter.share(self.share(DEPARTURE_SHARE).steps, |meter| {
-            self.assembly(from, docks, (meter, assembly::MAX_MORE_PLANS))
-        });
-        let MicrorobotsStepMotion::Legs { legs: later, docks: mut docking, mut stages } = assembly.ok()? else {
-            return None;
-        };
-        if legs.last().map(|leg| leg.state) == later.first().map(|leg| leg.state) {
-            return None;
-        }
-        stages.insert(0, AssemblyStage::Departure { legs: legs.len() });
-        docking.iter_mut().for_each(|dock| dock.leg += legs.len());
-        legs.extend(later);
-        let is_free = self.bed.first_hit(self.world, &legs, &docking).is_none();
-        is_free.then_some(MicrorobotsStepMotion::Legs { legs, docks: docking, stages })
-    }
-
-    /// An assembly from a state of the bed, after a leg in a control state, of at most so many stages planned.
-    fn assembly(
-        &self,
-        (bed, state): (&BedPoses, Option<usize>),
-        docks: &[Dock],
-        (meter, most_stages): (&mut Meter, usize),
-    ) -> Result<MicrorobotsStepMotion, NoAssembly> {
-        let assembled = assembly::assemble(self.roomy, (&bed.poses, &bed.docked, state), docks, meter, most_stages);
-        let Assembled { legs, docks, stages, .. } = assembled.map_err(NoAssembly::Stuck)?;
-        // The assembly was planned from rest, but a robot may have been turning since the previous step.
-        match bed.first_hit(self.world, &legs, &docks) {
-            Some(hit) => Err(NoAssembly::StillTurning(hit)),
-            None => Ok(MicrorobotsStepMotion::Legs { legs, docks, stages }),
-        }
-    }
-}
-
-/// Why a step brings no robots together.
-enum NoAssembly {
-    Stuck(StuckAssembly),
-    /// A robot has been turning since the previous step, and meets something.
-    StillTurning(FirstMeeting),
 }
 
 fn plain(legs: Vec<Leg>) -> MicrorobotsStepMotion {

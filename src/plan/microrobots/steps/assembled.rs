@@ -1,0 +1,264 @@
+//! A step that assembles: the best of assemblies after first legs, and without them.
+//!
+//! Where time or control cycles are minimized, assemblies are planned without fine motions, and the two robots that meet first move at
+//! once: such legs are the best that the script of a generator can play. The closed loop, which carries a task out where the device states
+//! errors, needs fine motions, and drives the two one after the other. So a plan is preferred beside which another one is found with them:
+//! the closed loop takes the ways of the two from that.
+
+use super::super::assembly::{self, Assembled, CYCLES, DIRECT, DIRECT_PAIR, FineMotions, StuckAssembly};
+use super::super::departure::Departure;
+use super::super::gathering::Gathering;
+use super::super::world::{BedPoses, FirstMeeting};
+use super::super::{AssemblyStage, Leg, MicrorobotsStepMotion};
+use super::{BEST_SEED, BedStepPlanner, DEPARTURE_SHARE, FirstLegs, MAX_DEPARTURES};
+use crate::claims::microrobots::Dock;
+use crate::device::microrobots::MicrorobotsObjective;
+use crate::diagnostic::Sink;
+use crate::geometry::Pose;
+use crate::plan::search::{Meter, SearchBudget};
+use crate::plan::watch::HeldPlan;
+use crate::random::SplitMix64;
+
+/// Descents to first legs of an assembly, and changes of the best of them that are planned.
+const DESCENTS: u64 = 8;
+const VARIATIONS: usize = 16;
+
+/// Why a step brings no robots together.
+enum NoAssembly {
+    Stuck(StuckAssembly),
+    /// A robot has been turning since the previous step, and meets something.
+    StillTurning(FirstMeeting),
+}
+
+/// A plan of the step.
+struct AssemblyCandidate {
+    motion: MicrorobotsStepMotion,
+    /// Whether the closed loop is known to have room.
+    is_steered: bool,
+    /// The first legs, if there are any.
+    departure: Option<Departure>,
+}
+
+impl BedStepPlanner<'_> {
+    /// The best assembly found; without one its error was pushed.
+    pub fn assembled(&self, docks: &[Dock], sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
+        let gathering = Gathering::new((self.order, self.roomy), (self.world, self.bed), docks);
+        if let FirstLegs::Drawn(seed) = self.first_legs {
+            let mut meter = Meter::new(self.share(DEPARTURE_SHARE));
+            return gathering
+                .and_then(|gathering| self.after(gathering.descend(seed)?, docks, (&mut meter, self.fine_motions())));
+        }
+        let budget = SearchBudget::of(self.order.expansions);
+        let limits = (self.fine_motions(), assembly::MAX_PLANS);
+        let direct = self.assembly((self.bed, None), docks, &mut Meter::new(budget), limits);
+        // Neither arms nor goals change with the robots' places.
+        let is_in_vain =
+            matches!(direct, Err(NoAssembly::Stuck(StuckAssembly::Unsteerable { .. } | StuckAssembly::Apart { .. })));
+        if let (Err(_), false) = (&direct, is_in_vain) {
+            let goals: Vec<(usize, Pose)> = docks.iter().map(|dock| (dock.robot, dock.goal.pose)).collect();
+            if let Some((doomed, strokes)) = self.doomed(&goals) {
+                sink.push(self.why().doomed(&doomed, strokes));
+                return None;
+            }
+        }
+        let meter = &mut Meter::new(budget);
+        let mut best = direct.as_ref().ok().map(|motion| self.steered((motion.clone(), None), docks, meter));
+        let _held = best.as_ref().map(|best| HeldPlan::begin(|| self.summary(best.motion.legs())));
+        if !is_in_vain && self.first_legs != FirstLegs::None {
+            self.gather((gathering.as_ref(), meter), docks, &mut best);
+        }
+        if let (None, Err(none)) = (&best, &direct) {
+            let goal = |robot: usize| docks.iter().find(|dock| dock.robot == robot).map(|dock| dock.goal.span);
+            let span = |robot: usize| goal(robot).unwrap_or(self.step.span);
+            sink.push(match none {
+                NoAssembly::Stuck(stuck) => self.why().not_assembled(stuck, &span),
+                NoAssembly::StillTurning(hit) => self.why().still_turning(hit),
+            });
+        }
+        best.map(|best| best.motion)
+    }
+
+    /// Whether the closed loop carries the task out, which drives the stages in its own way.
+    fn has_errors(&self) -> bool {
+        self.order.facts.errors.is_some_and(|errors| !errors.are_zero())
+    }
+
+    /// Fine motions of an assembly. A plan whose failures are minimized has them, since it is chosen by how the controller carries it
+    /// out. Those of single robots take hardly any time, but the closed loop is known to have room only on ways that were planned
+    /// with them.
+    fn fine_motions(&self) -> FineMotions {
+        match self.order.objective {
+            MicrorobotsObjective::Time if self.has_errors() => DIRECT_PAIR,
+            MicrorobotsObjective::Time | MicrorobotsObjective::Switches => DIRECT,
+            MicrorobotsObjective::Failures => CYCLES,
+        }
+    }
+
+    /// Puts the best of assemblies after first legs in the place of the given one, if it is better.
+    fn gather(
+        &self,
+        (gathering, meter): (Option<&Gathering>, &mut Meter),
+        docks: &[Dock],
+        best: &mut Option<AssemblyCandidate>,
+    ) {
+        for seed in 1..=DESCENTS {
+            if let Some(departure) = gathering.and_then(|gathering| gathering.descend(seed)) {
+                self.improve(departure, docks, meter, best);
+            }
+        }
+        let mut random = SplitMix64::new(BEST_SEED);
+        for _ in 0..VARIATIONS {
+            let legs = best.as_ref().and_then(|best| best.departure.as_ref());
+            let varied = gathering.zip(legs).and_then(|(gathering, legs)| gathering.varied(legs, &mut random));
+            if let Some(departure) = varied {
+                self.improve(departure, docks, meter, best);
+            }
+        }
+        if best.is_none() {
+            let goals = docks.iter().map(|dock| dock.goal.pose);
+            for departure in self.departures(goals, BEST_SEED).take(MAX_DEPARTURES) {
+                self.improve(departure, docks, meter, best);
+                if best.is_some() {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Puts the assembly after first legs in the place of the best one, if it is better.
+    fn improve(&self, departure: Departure, docks: &[Dock], meter: &mut Meter, best: &mut Option<AssemblyCandidate>) {
+        let is_late = |legs: &[Leg]| {
+            best.as_ref().is_some_and(|best| best.is_steered && self.cost(best.motion.legs()) <= self.cost(legs))
+        };
+        if is_late(&departure.legs) {
+            return;
+        }
+        let Some(found) = self.after(departure.clone(), docks, (meter, self.fine_motions())) else { return };
+        if is_late(found.legs()) {
+            return;
+        }
+        let found = self.steered((found, Some(departure)), docks, meter);
+        let rank = |one: &AssemblyCandidate| (!one.is_steered, self.cost(one.motion.legs()));
+        if best.as_ref().is_none_or(|best| rank(&found) < rank(best)) {
+            *best = Some(found);
+        }
+    }
+
+    /// The assembly after first legs, on a share of the step's expansions.
+    fn after(
+        &self,
+        Departure { mut legs, bed }: Departure,
+        docks: &[Dock],
+        (meter, fine): (&mut Meter, FineMotions),
+    ) -> Option<MicrorobotsStepMotion> {
+        let from = (&bed, legs.last().map(|leg| leg.state));
+        let assembly = meter.share(self.share(DEPARTURE_SHARE).steps, |meter| {
+            self.assembly(from, docks, meter, (fine, assembly::MAX_MORE_PLANS))
+        });
+        let MicrorobotsStepMotion::Legs { legs: later, docks: mut docking, mut stages } = assembly.ok()? else {
+            return None;
+        };
+        if legs.last().map(|leg| leg.state) == later.first().map(|leg| leg.state) {
+            return None;
+        }
+        stages.insert(0, AssemblyStage::Departure { legs: legs.len() });
+        docking.iter_mut().for_each(|dock| dock.leg += legs.len());
+        legs.extend(later);
+        let is_free = self.bed.first_hit(self.world, &legs, &docking).is_none();
+        is_free.then_some(MicrorobotsStepMotion::Legs { legs, docks: docking, stages })
+    }
+
+    /// A plan with what the closed loop needs where the device states errors, after the given first legs, if any; or a plan with fine
+    /// motions, if that is no worse.
+    fn steered(
+        &self,
+        (motion, departure): (MicrorobotsStepMotion, Option<Departure>),
+        docks: &[Dock],
+        meter: &mut Meter,
+    ) -> AssemblyCandidate {
+        if !self.has_errors() || self.order.objective == MicrorobotsObjective::Failures {
+            return AssemblyCandidate { motion, is_steered: true, departure };
+        }
+        let limits = (CYCLES, assembly::MAX_MORE_PLANS);
+        let with_cycles = match &departure {
+            Some(departure) => self.after(departure.clone(), docks, (meter, CYCLES)),
+            None => meter.share(self.share(DEPARTURE_SHARE).steps, |meter| {
+                self.assembly((self.bed, None), docks, meter, limits).ok()
+            }),
+        };
+        match with_cycles {
+            None => AssemblyCandidate { motion, is_steered: false, departure },
+            Some(other) if self.cost(other.legs()) <= self.cost(motion.legs()) => {
+                AssemblyCandidate { motion: other, is_steered: true, departure }
+            }
+            Some(other) => {
+                let (motion, is_steered) = with_ways_of(motion, &other);
+                AssemblyCandidate { motion, is_steered, departure }
+            }
+        }
+    }
+
+    /// An assembly from a state of the bed, after a leg in a control state, with these fine motions, of at most so many stages planned.
+    fn assembly(
+        &self,
+        (bed, state): (&BedPoses, Option<usize>),
+        docks: &[Dock],
+        meter: &mut Meter,
+        limits: (FineMotions, usize),
+    ) -> Result<MicrorobotsStepMotion, NoAssembly> {
+        let assembled = assembly::assemble(self.roomy, (&bed.poses, &bed.docked, state), docks, meter, limits);
+        let Assembled { legs, docks, stages, .. } = assembled.map_err(NoAssembly::Stuck)?;
+        // The assembly was planned from rest, but a robot may have been turning since the previous step.
+        match bed.first_hit(self.world, &legs, &docks) {
+            Some(hit) => Err(NoAssembly::StillTurning(hit)),
+            None => Ok(MicrorobotsStepMotion::Legs { legs, docks, stages }),
+        }
+    }
+}
+
+/// A plan whose first two robots are driven by the closed loop on the ways of another plan from the same poses; and whether both begin
+/// alike: with the same two robots, or with a single one.
+fn with_ways_of(motion: MicrorobotsStepMotion, other: &MicrorobotsStepMotion) -> (MicrorobotsStepMotion, bool) {
+    let (first_of, departs) = (first_stage(motion.stages()), first_legs(motion.stages()));
+    let MicrorobotsStepMotion::Legs { legs, docks, mut stages } = motion else { return (motion, false) };
+    let MicrorobotsStepMotion::Legs { legs: ways, docks: docking, stages: theirs } = other else {
+        return (MicrorobotsStepMotion::Legs { legs, docks, stages }, false);
+    };
+    let is_alike = match (first_of.map(|at| &stages[at]), first_stage(theirs).map(|at| &theirs[at])) {
+        (Some(AssemblyStage::Single { .. }), Some(AssemblyStage::Single { .. })) => true,
+        (
+            Some(AssemblyStage::Pair { first, second, .. }),
+            Some(AssemblyStage::Pair { first: other, second: beside, .. }),
+        ) if (first, second) == (other, beside) => {
+            let end = docking.iter().filter(|dock| dock.robot == *first).map(|dock| dock.leg + 1).max();
+            let ways = ways.get(departs..end.unwrap_or(departs)).unwrap_or_default();
+            let begin = |stages: &[AssemblyStage]| stages.iter().position(is_of_pair).unwrap_or_default();
+            let last = first_stage(theirs).unwrap_or_default();
+            let mut pair = theirs[begin(theirs)..=last].to_vec();
+            if let Some(AssemblyStage::Pair { steered, .. }) = pair.last_mut() {
+                *steered = ways.to_vec();
+            }
+            stages.splice(begin(&stages)..=first_of.unwrap_or_default(), pair);
+            true
+        }
+        (_, _) => false,
+    };
+    (MicrorobotsStepMotion::Legs { legs, docks, stages }, is_alike)
+}
+
+/// Number of legs before the assembly proper.
+fn first_legs(stages: &[AssemblyStage]) -> usize {
+    match stages.first() {
+        Some(AssemblyStage::Departure { legs }) => *legs,
+        Some(AssemblyStage::Escort { .. } | AssemblyStage::Pair { .. } | AssemblyStage::Single { .. }) | None => 0,
+    }
+}
+
+/// The first stage in which robots dock.
+fn first_stage(stages: &[AssemblyStage]) -> Option<usize> {
+    stages.iter().position(|stage| matches!(stage, AssemblyStage::Pair { .. } | AssemblyStage::Single { .. }))
+}
+
+fn is_of_pair(stage: &AssemblyStage) -> bool {
+    matches!(stage, AssemblyStage::Pair { .. } | AssemblyStage::Escort { .. })
+}
