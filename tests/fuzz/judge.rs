@@ -65,11 +65,20 @@ fn draw(sink: &Sink, sources: &Sources) {
     }
 }
 
-/// Through the checker: a program comes back exactly if no error was reported.
-pub fn check(text: &str) -> Result<bool, String> {
+/// A board by its map, the file's name and its text, through the checker.
+pub fn check_map((name, map): (&str, &str)) -> Result<bool, String> {
+    let program = format!(
+        "use std.electrode_array as ea\ndevice chip : ea.droplet_chip {{ map: \"{name}\" }}\n\
+         scene bench {{ part drop : ea.droplet at (1, 1) }}\ntask go on chip in bench {{ move drop to (2, 1) }}\n"
+    );
+    check(&program, &[(name.to_owned(), map.to_owned())])
+}
+
+/// Through the checker, with other files beside it: a program comes back exactly if no error was reported.
+pub fn check(text: &str, files: &[(String, String)]) -> Result<bool, String> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();
-    let program = ProgramSource { name: NAME, text, library: &Carried(&[]), options: &options };
+    let program = ProgramSource { name: NAME, text, library: &Carried(files), options: &options };
     let checked = compile::check_program(&program, &mut sources, &mut sink);
     draw(&sink, &sources);
     let own = |edit: &SourceEdit| sources.file(edit.span.file).name == NAME;

@@ -1,11 +1,11 @@
-//! Attacks the compiler with random programs and altered logs, each case under a watchdog.
+//! Attacks the compiler with random programs, altered maps of boards and altered logs, each case under a watchdog.
 //!
-//! Five attacks take turns: texts are parsed; texts are checked and the reports drawn; programs are built, written in every format, and
+//! Six attacks take turns: texts are parsed; texts are checked and the reports drawn, and so are boards by altered maps; programs are built, written in every format, and
 //! their logs read back and verified; every number of published devices is swept over magnitudes; logs are altered, their checksums
 //! corrected, and verified. Must never happen: a panic, a case of more than [`watch::CPU_LIMIT_S`] of processor time for each of its
 //! tasks, or of 1 GB of memory, a fresh plan that the verifier refuses, a log of Tweeze's own that does not verify.
 //!
-//! `cargo test --test fuzz -- [--seed N] [--seconds N | --cases N] [--jobs N] [--only parse|check|build|sweep|verify]`; faults are
+//! `cargo test --test fuzz -- [--seed N] [--seconds N | --cases N] [--jobs N] [--only parse|check|map|build|sweep|verify]`; faults are
 //! written to `tmp/fuzz` of the target folder. `-- --show N` prints a case, `-- --file PATH` runs one program.
 
 mod generate;
@@ -43,6 +43,8 @@ pub enum Attack {
     Parse,
     /// A batch of texts through the checker and its reports.
     Check,
+    /// A batch of altered maps of boards through the checker of a program that names them.
+    Map,
     /// A random program through everything.
     Build,
     /// A program with one number at another magnitude through everything.
@@ -52,12 +54,14 @@ pub enum Attack {
 }
 
 impl Attack {
-    pub const ALL: [Attack; 5] = [Attack::Parse, Attack::Check, Attack::Build, Attack::Sweep, Attack::Verify];
+    pub const ALL: [Attack; 6] =
+        [Attack::Parse, Attack::Check, Attack::Map, Attack::Build, Attack::Sweep, Attack::Verify];
 
     pub fn name(self) -> &'static str {
         match self {
             Attack::Parse => "parse",
             Attack::Check => "check",
+            Attack::Map => "map",
             Attack::Build => "build",
             Attack::Sweep => "sweep",
             Attack::Verify => "verify",

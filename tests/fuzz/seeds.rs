@@ -48,6 +48,16 @@ pub fn complete() -> Vec<String> {
     files("tests/fuzz/programs", "twz").iter().map(|path| with_library(&text(path))).collect()
 }
 
+/// The maps of boards in the corpus with the ending of a file's name: those behind programs of it.
+pub fn maps(name: &str) -> Vec<String> {
+    let programs: Vec<String> = files("tests/corpus", "twz").iter().map(|path| text(path)).collect();
+    let parts = programs.iter().flat_map(|program| program.split("\n// file ").skip(1));
+    let named = parts.filter_map(|part| part.split_once('\n'));
+    let ending = name.rsplit('.').next().unwrap_or_default();
+    let of_ending = named.filter(|(file, _)| file.trim().ends_with(ending));
+    of_ending.map(|(_, map)| map.to_owned()).collect()
+}
+
 /// A program after the file of the standard library that its first line names: `// with dimibot`.
 pub fn with_library(text: &str) -> String {
     let first = text.lines().next().unwrap_or_default();

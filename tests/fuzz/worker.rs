@@ -16,7 +16,7 @@ use std::io::{BufRead, Write};
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::{Mutex, OnceLock};
 
-/// Texts that one case parses, checks or alters, so that a case is worth its message.
+/// Texts and maps that one case parses, checks or alters, so that a case is worth its message.
 const PARSED_AT_ONCE: u64 = 200;
 const CHECKED_AT_ONCE: u64 = 20;
 const ALTERED_AT_ONCE: u64 = 20;
@@ -76,6 +76,8 @@ impl Tally {
 struct Stock {
     texts: Vec<String>,
     complete: Vec<String>,
+    /// A name for each format of maps, and maps in it.
+    maps: Vec<(&'static str, Vec<String>)>,
     /// Program, place of a number, magnitude: every case of the sweep.
     sweep: Vec<(usize, std::ops::Range<usize>, f64)>,
 }
@@ -90,7 +92,8 @@ fn stock() -> &'static Stock {
                 sweep.extend(MAGNITUDES.map(|factor| (index, place.clone(), factor)));
             }
         }
-        Stock { texts, complete, sweep }
+        let maps = ["board.json", "board.svg"].map(|name| (name, seeds::maps(name))).into();
+        Stock { texts, complete, maps, sweep }
     })
 }
 
@@ -137,12 +140,22 @@ fn texts(run: &Run, case: u64, count: u64) -> impl Iterator<Item = String> {
     })
 }
 
+/// The maps of a case, each with a name for its file.
+fn maps(run: &Run, case: u64) -> impl Iterator<Item = (&'static str, String)> {
+    let mut random = random(run, case);
+    (0..CHECKED_AT_ONCE).map(move |_| {
+        let (name, known) = &stock().maps[random.below(stock().maps.len() as u32) as usize];
+        (*name, mutate::mutated(&mut random, known))
+    })
+}
+
 /// What a case is made of, for people.
 pub fn shown(run: &Run, case: u64) -> String {
     let many = |count| texts(run, case, count).collect::<Vec<_>>().join("\n// ---- next ----\n");
     match Attack::of(run, case) {
         Attack::Parse => many(PARSED_AT_ONCE),
         Attack::Check => many(CHECKED_AT_ONCE),
+        Attack::Map => maps(run, case).map(|(_, map)| map).collect::<Vec<_>>().join("\n// ---- next ----\n"),
         Attack::Build | Attack::Sweep => program(run, case),
         Attack::Verify => format!("// altered logs: --seed {} --only verify, case {case}\n", run.seed),
     }
@@ -173,7 +186,14 @@ fn carry_out(run: &Run, case: u64) -> Result<Tally, String> {
         Attack::Check => {
             for text in texts(run, case, CHECKED_AT_ONCE) {
                 current(&text);
-                judge::check(&text)?;
+                judge::check(&text, &[])?;
+                tally.checked += 1;
+            }
+        }
+        Attack::Map => {
+            for (name, map) in maps(run, case) {
+                current(&map);
+                judge::check_map((name, &map))?;
                 tally.checked += 1;
             }
         }

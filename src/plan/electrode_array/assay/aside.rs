@@ -53,10 +53,10 @@ struct StepsAside {
 
 /// Who has something to do near a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Wanted {
-    ByNobody,
-    By(usize),
-    BySeveral,
+enum WantedBy {
+    Nobody,
+    One(usize),
+    Several,
 }
 
 impl StepsAside {
@@ -209,15 +209,15 @@ fn others(problem: &AssayProblem, agent: usize) -> impl Iterator<Item = ErrandPl
 }
 
 /// Where an agent steps aside from a cell, if it would be in the way there and there is room: from then on that is its own.
-fn aside(problem: &AssayProblem, wanted: &mut [Wanted], (agent, from): (usize, CellIndex)) -> Option<CellIndex> {
+fn aside(problem: &AssayProblem, wanted: &mut [WantedBy], (agent, from): (usize, CellIndex)) -> Option<CellIndex> {
     let cell = nearest_unwanted(problem, wanted, (agent, from)).filter(|cell| *cell != from)?;
     want(problem, wanted, (agent, cell));
     Some(cell)
 }
 
 /// By cell: who starts, comes, stays or is mixed near it.
-fn wanted(problem: &AssayProblem) -> Vec<Wanted> {
-    let mut wanted = vec![Wanted::ByNobody; problem.instance.board.cells()];
+fn wanted(problem: &AssayProblem) -> Vec<WantedBy> {
+    let mut wanted = vec![WantedBy::Nobody; problem.instance.board.cells()];
     for (agent, errands) in problem.errands.iter().enumerate() {
         let around = errands.iter().filter_map(|errand| errand.mixes).flat_map(|around| &problem.loops[around]);
         let stops = errands.iter().map(|errand| &errand.stop);
@@ -229,21 +229,29 @@ fn wanted(problem: &AssayProblem) -> Vec<Wanted> {
 }
 
 /// Notes that an agent has something to do at a cell.
-fn want(problem: &AssayProblem, wanted: &mut [Wanted], (agent, cell): (usize, CellIndex)) {
+fn want(problem: &AssayProblem, wanted: &mut [WantedBy], (agent, cell): (usize, CellIndex)) {
     for near in problem.instance.board.around(cell, problem.instance.separation) {
         let by = &mut wanted[near as usize];
-        *by = if *by == Wanted::ByNobody || *by == Wanted::By(agent) { Wanted::By(agent) } else { Wanted::BySeveral };
+        *by = if *by == WantedBy::Nobody || *by == WantedBy::One(agent) {
+            WantedBy::One(agent)
+        } else {
+            WantedBy::Several
+        };
     }
 }
 
 /// The cell nearest to one at which an agent is in nobody's way.
-fn nearest_unwanted(problem: &AssayProblem, wanted: &[Wanted], (agent, from): (usize, CellIndex)) -> Option<CellIndex> {
+fn nearest_unwanted(
+    problem: &AssayProblem,
+    wanted: &[WantedBy],
+    (agent, from): (usize, CellIndex),
+) -> Option<CellIndex> {
     let board = &problem.instance.board;
     let mut is_seen = vec![false; board.cells()];
     let mut queue = VecDeque::from([from]);
     is_seen[from as usize] = true;
     while let Some(cell) = queue.pop_front() {
-        if wanted[cell as usize] == Wanted::ByNobody || wanted[cell as usize] == Wanted::By(agent) {
+        if wanted[cell as usize] == WantedBy::Nobody || wanted[cell as usize] == WantedBy::One(agent) {
             return Some(cell);
         }
         for next in board.neighbours(cell) {

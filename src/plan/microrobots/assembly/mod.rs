@@ -4,7 +4,7 @@
 //! time. Method (the paper's sections 2 and 3): two robots meet first (`pair`); then one robot after the other joins the structure
 //! (`single`); the remaining robots orbit all the while. Which robots go first, in which role and in which order, is searched depth
 //! first over what the control states allow, with branch and bound. Each stage ends with the paper's fine motion, or, where the caller
-//! prefers fast plans or such of few legs, without one ([`FineMotions`]). Guaranteed: the result satisfies the collision rules
+//! prefers fast plans or such of few legs, without one ([`PlannedFineMotions`]). Guaranteed: the result satisfies the collision rules
 //! ([`super::world`]), and every robot ends within precision. Not guaranteed: the fastest assembly, or any where one exists. No
 //! [`StuckAssembly`] is a proof: only assemblies are searched in which robots that are neither docked nor steered orbit in place,
 //! whereas robots might move away first, or run along. Cost: one plan per stage where the table leaves one order, as STRING tables
@@ -39,7 +39,7 @@ pub const MAX_MORE_PLANS: usize = 24;
 
 /// Fine motion with which a stage is planned to end. The controller makes its own from where it measures the robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FineMotion {
+pub enum PlannedFineMotion {
     /// Cycles over one part in so many of the device's length.
     OneIn(u64),
     /// None: the paths of two robots lead to their goals, that of a single one to a straight run over one part in
@@ -53,26 +53,27 @@ const STRAIGHT_PART: u64 = 2;
 
 /// Fine motions of the stages of an assembly, preferred first.
 #[derive(Debug, Clone, Copy)]
-pub struct FineMotions {
-    pub pair: &'static [FineMotion],
-    pub single: &'static [FineMotion],
+pub struct PlannedFineMotions {
+    pub pair: &'static [PlannedFineMotion],
+    pub single: &'static [PlannedFineMotion],
 }
 
 /// A whole one, and shorter ones where that has no room.
-const WITH: [FineMotion; 3] = [FineMotion::OneIn(1), FineMotion::OneIn(2), FineMotion::OneIn(4)];
+const WITH: [PlannedFineMotion; 3] =
+    [PlannedFineMotion::OneIn(1), PlannedFineMotion::OneIn(2), PlannedFineMotion::OneIn(4)];
 
 /// None where that has room: most legs and some of the path are those of the fine motion.
-const WITHOUT: [FineMotion; 4] =
-    [FineMotion::LeftOut, FineMotion::OneIn(1), FineMotion::OneIn(2), FineMotion::OneIn(4)];
+const WITHOUT: [PlannedFineMotion; 4] =
+    [PlannedFineMotion::LeftOut, PlannedFineMotion::OneIn(1), PlannedFineMotion::OneIn(2), PlannedFineMotion::OneIn(4)];
 
 /// Fine motions wherever robots dock.
-pub const CYCLES: FineMotions = FineMotions { pair: &WITH, single: &WITH };
+pub const CYCLES: PlannedFineMotions = PlannedFineMotions { pair: &WITH, single: &WITH };
 
 /// None where the first two robots meet: they may then move at once.
-pub const DIRECT_PAIR: FineMotions = FineMotions { pair: &WITHOUT, single: &WITH };
+pub const DIRECT_PAIR: PlannedFineMotions = PlannedFineMotions { pair: &WITHOUT, single: &WITH };
 
 /// None at all.
-pub const DIRECT: FineMotions = FineMotions { pair: &WITHOUT, single: &WITHOUT };
+pub const DIRECT: PlannedFineMotions = PlannedFineMotions { pair: &WITHOUT, single: &WITHOUT };
 
 /// A planned assembly.
 #[derive(Debug, Clone, PartialEq)]
@@ -132,7 +133,7 @@ pub fn assemble(
     (poses, docked, state): (&[Pose], &[bool], Option<usize>),
     docks: &[Dock],
     meter: &mut Meter,
-    (fine, most_stages): (FineMotions, usize),
+    (fine, most_stages): (PlannedFineMotions, usize),
 ) -> Result<Assembled, StuckAssembly> {
     let bed = AssemblyState::new(order, poses, docked, state);
     let orders = Orders { docks };
@@ -175,7 +176,7 @@ struct AssemblySearch<'a, 'm> {
     ground: AssemblyGround<'a>,
     meter: &'m mut Meter,
     /// Fine motions of a stage, preferred first.
-    fine: FineMotions,
+    fine: PlannedFineMotions,
     /// The best assembly so far, and its cost.
     best: Option<([u64; 2], AssemblyState<'a>)>,
     /// Among the failures, the first one with the most robots docked.

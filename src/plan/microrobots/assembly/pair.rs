@@ -16,7 +16,7 @@ use super::bed::{AssemblyState, StageAddition, joined, legs_of_two};
 use super::closing::{CIRCLES, ClosingRequest, closings, detours, shortest_of_length, stretches, turned_rad};
 use super::ground::AssemblyGround;
 use super::track::{ArmTrack, TrackAim, turn_um, whole};
-use super::{FineMotion, StuckAssembly};
+use super::{PlannedFineMotion, StuckAssembly};
 use crate::claims::microrobots::Dock;
 use crate::device::microrobots::{Arm, MicrorobotsObjective, Robot};
 use crate::geometry::Pose;
@@ -68,7 +68,7 @@ pub fn roles(bed: &AssemblyState, first: usize, second: usize) -> Option<Roles> 
 /// The stretch that docks both robots, with the first of these fine motions that has room.
 pub fn plan(
     bed: &AssemblyState,
-    (roles, docks, fine): (Roles, [&Dock; 2], &[FineMotion]),
+    (roles, docks, fine): (Roles, [&Dock; 2], &[PlannedFineMotion]),
     ground: &AssemblyGround,
     meter: &mut Meter,
 ) -> Result<StageAddition, StuckAssembly> {
@@ -197,7 +197,7 @@ pub(super) struct PairingContext<'a> {
     /// Where the fine motion begins as it is planned, and as the controller makes it.
     pub approach: [Pose; 2],
     gross_ends: [Pose; 2],
-    fine: FineMotion,
+    fine: PlannedFineMotion,
     aims: [TrackAim; 2],
     cycles: Cycles<3>,
     /// Position of the first robot's arm in its first stroke, if prescribed because consecutive legs must differ in their states.
@@ -219,21 +219,21 @@ pub(super) struct Departure {
 }
 
 impl<'a> PairingContext<'a> {
-    fn new(bed: &'a AssemblyState<'a>, roles: Roles, docks: [&Dock; 2], fine: FineMotion) -> Self {
+    fn new(bed: &'a AssemblyState<'a>, roles: Roles, docks: [&Dock; 2], fine: PlannedFineMotion) -> Self {
         let robots = [roles.first, roles.second];
         let facts = robots.map(|robot| bed.robot(robot));
         let goals = docks.map(|dock| dock.goal.pose);
         let whole = Cycles::symmetric(&bed.order.facts.fine, &facts.map(|facts| facts.step_um));
         let count = match fine {
-            FineMotion::OneIn(share) => whole.count.div_ceil(share),
-            FineMotion::LeftOut => 0,
+            PlannedFineMotion::OneIn(share) => whole.count.div_ceil(share),
+            PlannedFineMotion::LeftOut => 0,
         };
         let cycles = Cycles { count, ..whole };
         let begins = |cycles: &Cycles<3>| [0, 1].map(|at| cycles.backward(facts[at], ARMS[at], goals[at]));
         let approach = begins(&cycles);
         let gross_ends = match fine {
-            FineMotion::OneIn(_) => approach,
-            FineMotion::LeftOut => begins(&whole),
+            PlannedFineMotion::OneIn(_) => approach,
+            PlannedFineMotion::LeftOut => begins(&whole),
         };
         let motion = [0, 1].map(|at| cycles.forward(facts[at], ARMS[at], Pose::at(0.0, 0.0)));
         let aims = [0, 1].map(|at| TrackAim { goal: goals[at], precision: bed.order.precision, motion: motion[at] });
@@ -264,8 +264,8 @@ impl<'a> PairingContext<'a> {
     /// long as possible. Without a fine motion the legs are not those of the closed loop, and only their cost counts.
     fn stages(&self) -> &'static [PairStages] {
         match (self.fine, self.bed.order.facts.errors) {
-            (FineMotion::OneIn(_), Some(_)) => &[PairStages::Apart, PairStages::Mingled],
-            (FineMotion::OneIn(_), None) | (FineMotion::LeftOut, _) => &[PairStages::Mingled],
+            (PlannedFineMotion::OneIn(_), Some(_)) => &[PairStages::Apart, PairStages::Mingled],
+            (PlannedFineMotion::OneIn(_), None) | (PlannedFineMotion::LeftOut, _) => &[PairStages::Mingled],
         }
     }
 
@@ -421,11 +421,11 @@ impl<'a> PairingContext<'a> {
     fn intermediate(&self, legs: &[Leg], driven: usize) -> Pose {
         let first = self.facts[0];
         match self.fine {
-            FineMotion::OneIn(_) => legs[..driven].iter().fold(self.from[0], |pose, leg| {
+            PlannedFineMotion::OneIn(_) => legs[..driven].iter().fold(self.from[0], |pose, leg| {
                 let arm = if leg.state == self.roles.states[0] { Arm::Down } else { Arm::Up };
                 first.moved(pose, arm, first.step_um * leg.strokes as f64)
             }),
-            FineMotion::LeftOut => {
+            PlannedFineMotion::LeftOut => {
                 let left: u64 = legs[driven..].iter().map(|leg| leg.strokes).sum();
                 let run_um = first.step_um * left as f64 - self.bed.order.facts.fine.length_um;
                 first.moved(self.gross_ends[0], Arm::Up, -run_um.max(0.0))

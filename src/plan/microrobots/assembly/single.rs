@@ -4,7 +4,7 @@ use super::bed::{AssemblyState, StageAddition, joined, legs_of_one};
 use super::closing::{detours, stretches};
 use super::ground::AssemblyGround;
 use super::track::{ArmTrack, TrackAim, whole};
-use super::{FineMotion, STRAIGHT_PART, StuckAssembly};
+use super::{PlannedFineMotion, STRAIGHT_PART, StuckAssembly};
 use crate::claims::microrobots::Dock;
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
@@ -27,7 +27,7 @@ const LAST_RUNS: usize = 40;
 /// first that has room is taken.
 pub fn plan(
     bed: &AssemblyState,
-    (seat, fine): ((&Dock, [usize; 2]), &[FineMotion]),
+    (seat, fine): ((&Dock, [usize; 2]), &[PlannedFineMotion]),
     ground: &AssemblyGround,
     meter: &mut Meter,
 ) -> Result<StageAddition, StuckAssembly> {
@@ -59,18 +59,18 @@ struct Visit<'a> {
 }
 
 impl<'a> Visit<'a> {
-    fn new(bed: &'a AssemblyState<'a>, (dock, states): (&Dock, [usize; 2]), fine: FineMotion) -> Self {
+    fn new(bed: &'a AssemblyState<'a>, (dock, states): (&Dock, [usize; 2]), fine: PlannedFineMotion) -> Self {
         let (index, goal) = (dock.robot, dock.goal.pose);
         let robot = bed.robot(index);
         let whole = Cycles::symmetric(&bed.order.facts.fine, &[robot.step_um]);
         let cycles = match fine {
-            FineMotion::OneIn(share) => Cycles { count: whole.count.div_ceil(share), ..whole },
-            FineMotion::LeftOut => Cycles { strokes: [0, whole.total().div_ceil(STRAIGHT_PART)], count: 1 },
+            PlannedFineMotion::OneIn(share) => Cycles { count: whole.count.div_ceil(share), ..whole },
+            PlannedFineMotion::LeftOut => Cycles { strokes: [0, whole.total().div_ceil(STRAIGHT_PART)], count: 1 },
         };
         let approach = cycles.backward(robot, ARMS, goal);
         let gross_end = match fine {
-            FineMotion::OneIn(_) => approach,
-            FineMotion::LeftOut => whole.backward(robot, ARMS, goal),
+            PlannedFineMotion::OneIn(_) => approach,
+            PlannedFineMotion::LeftOut => whole.backward(robot, ARMS, goal),
         };
         let motion = cycles.forward(robot, ARMS, Pose::at(0.0, 0.0));
         let aim = TrackAim { goal, precision: bed.order.precision, motion };

@@ -5,7 +5,7 @@
 //! errors, needs fine motions, and drives the two one after the other. So a plan is preferred beside which another one is found with them:
 //! the closed loop takes the ways of the two from that.
 
-use super::super::assembly::{self, Assembled, CYCLES, DIRECT, DIRECT_PAIR, FineMotions, StuckAssembly};
+use super::super::assembly::{self, Assembled, CYCLES, DIRECT, DIRECT_PAIR, PlannedFineMotions, StuckAssembly};
 use super::super::departure::Departure;
 use super::super::gathering::Gathering;
 use super::super::world::{BedPoses, FirstMeeting};
@@ -86,7 +86,7 @@ impl BedStepPlanner<'_> {
     /// Fine motions of an assembly. A plan whose failures are minimized has them, since it is chosen by how the controller carries it
     /// out. Those of single robots take hardly any time, but the closed loop is known to have room only on ways that were planned
     /// with them.
-    fn fine_motions(&self) -> FineMotions {
+    fn fine_motions(&self) -> PlannedFineMotions {
         match self.order.objective {
             MicrorobotsObjective::Time if self.has_errors() => DIRECT_PAIR,
             MicrorobotsObjective::Time | MicrorobotsObjective::Switches => DIRECT,
@@ -149,7 +149,7 @@ impl BedStepPlanner<'_> {
         &self,
         Departure { mut legs, bed }: Departure,
         docks: &[Dock],
-        (meter, fine): (&mut Meter, FineMotions),
+        (meter, fine): (&mut Meter, PlannedFineMotions),
     ) -> Option<MicrorobotsStepMotion> {
         let from = (&bed, legs.last().map(|leg| leg.state));
         let assembly = meter.share(self.share(DEPARTURE_SHARE).steps, |meter| {
@@ -204,7 +204,7 @@ impl BedStepPlanner<'_> {
         (bed, state): (&BedPoses, Option<usize>),
         docks: &[Dock],
         meter: &mut Meter,
-        limits: (FineMotions, usize),
+        limits: (PlannedFineMotions, usize),
     ) -> Result<MicrorobotsStepMotion, NoAssembly> {
         let assembled = assembly::assemble(self.roomy, (&bed.poses, &bed.docked, state), docks, meter, limits);
         let Assembled { legs, docks, stages, .. } = assembled.map_err(NoAssembly::Stuck)?;
