@@ -17,7 +17,7 @@ use super::placement::{self, PaperSchedule};
 use super::relaxed;
 use super::stage::{self, BoardStage};
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayOrder};
-use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
+use crate::plan::search::{Meter, SearchAnswer};
 
 /// Most arrangements of which each has its own bound, and most operations of all arrangements whose bounds are looked at: in a long
 /// assay each bound takes its time.
@@ -60,9 +60,9 @@ pub fn solve(
     site: &AssaySite,
     operations: &[AssayOperation],
     objective: BoardObjective,
-    budget: SearchBudget,
+    meter: &mut Meter,
 ) -> PlacedAnswer {
-    solve_each(site, operations, (objective, MAX_ARRANGEMENTS.min(looks(operations))), budget)
+    solve_each(site, operations, (objective, MAX_ARRANGEMENTS.min(looks(operations))), meter)
 }
 
 /// How many arrangements have their bounds looked at, one at least.
@@ -75,14 +75,13 @@ pub(super) fn solve_each(
     site: &AssaySite,
     operations: &[AssayOperation],
     (objective, most): (BoardObjective, usize),
-    budget: SearchBudget,
+    meter: &mut Meter,
 ) -> PlacedAnswer {
     let choices = Choices::of(operations);
-    let mut meter = Meter::new(budget);
     match choices.count().filter(|count| *count <= most) {
-        Some(1) => only(site, operations, objective, &mut meter),
-        Some(count) => of_few(site, &choices, count, objective, &mut meter),
-        None => of_many(site, &choices, objective, &mut meter),
+        Some(1) => only(site, operations, objective, meter),
+        Some(count) => of_few(site, &choices, count, objective, meter),
+        None => of_many(site, &choices, objective, meter),
     }
 }
 

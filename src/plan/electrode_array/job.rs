@@ -29,7 +29,7 @@ use crate::device::electrode_array::{ElectrodeArrayOutcome, ElectrodeCell, Separ
 use crate::diagnostic::{CellRun, Code, Diagnostic, Reach, ReachExtent, Sink};
 use crate::plan::errors::{self, Removal};
 use crate::plan::requirements::{Kept, KnownLimit, require};
-use crate::plan::search::{SearchAnswer, SearchBudget};
+use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
 use crate::plan::{KindPlanner, Optimality, Plan};
 use crate::source::Span;
 use std::collections::BTreeMap;
@@ -245,7 +245,8 @@ impl Tasks<'_> {
         let (objective, budget) = (objective(self.order.objective), SearchBudget::of(self.order.planner.expansions));
         let cells = self.cells.clone();
         let site = AssaySite { order: self.order, ground: self.ground, cells: &cells };
-        match arranged::solve(&site, operations, objective, budget) {
+        let mut meter = Meter::new(budget);
+        match arranged::solve(&site, operations, objective, &mut meter) {
             SearchAnswer::Found(PlacedPlan { operations, courses, bounds, .. }) => {
                 self.assays.push(self.least_of(step, bounds));
                 return Some(ElectrodeArrayStepMotion::Assay { operations, courses });
@@ -258,7 +259,10 @@ impl Tasks<'_> {
             }
             SearchAnswer::GaveUp(bounds) => {
                 let goals = arranged::with_problem(&site, operations, |stage, _| goals(stage));
-                self.gave_up(step, &goals, bounds, budget);
+                match meter.left().steps {
+                    0 => self.gave_up(step, &goals, bounds, budget),
+                    _ => self.nothing_left_to_try(step, &goals, bounds),
+                }
             }
         }
         None
@@ -352,6 +356,13 @@ impl Tasks<'_> {
         let diagnostic =
             errors::gave_up(step.span, to, what, budget.steps, &steps, ElectrodeArrayMethod::Portfolio.name());
         self.sink.push(self.with_avoided(diagnostic.help(more_may_do(budget.steps)), step));
+    }
+
+    /// A search that ended before its budget did.
+    fn nothing_left_to_try(&mut self, step: &ElectrodeArrayStep, to: &str, bounds: BoardCosts) {
+        let is_divisible = self.order.contamination.is_unheeded();
+        let diagnostic = errors::nothing_left_to_try(step.span, to, bounds.makespan, is_divisible);
+        self.sink.push(self.with_avoided(diagnostic, step));
     }
 
     /// A message about a step that has no plan, with where the task avoids traces and how soon operations begin, if it says so.

@@ -13,7 +13,7 @@ use crate::device::electrode_array::{
     DEFAULT_MIXER, ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, Separation,
 };
 use crate::diagnostic::{Code, Sink};
-use crate::plan::search::{SearchAnswer, SearchBudget};
+use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
 use crate::plan::{Optimality, Plan};
 use crate::random::SplitMix64;
 use crate::source::{FileId, Span};
@@ -419,7 +419,7 @@ fn bounds_of_many_arrangements_hold_for_the_best_of_them() {
         let site = errands::AssaySite { order: &board, ground: &ground, cells: &cells };
         let budget = SearchBudget::of(200_000);
         for objective in [BoardObjective::Makespan, BoardObjective::SumOfCosts] {
-            let solved = |most| arranged::solve_each(&site, &operations, (objective, most), budget);
+            let solved = |most| arranged::solve_each(&site, &operations, (objective, most), &mut Meter::new(budget));
             let (SearchAnswer::Found(best), SearchAnswer::Found(many)) = (solved(1_000), solved(1)) else { continue };
             let ends = |plan: &arranged::PlacedPlan| plan.courses.iter().map(|course| course.until() as u64 - 1).max();
             let sums = |plan: &arranged::PlacedPlan| -> u64 {
