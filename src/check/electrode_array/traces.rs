@@ -154,21 +154,47 @@ fn harmed_at_one_place(order: &ElectrodeArrayOrder, is_first: bool) -> Option<(S
         ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_) => None,
     })?;
     let placed = PlacedDroplets::of(order, assay, is_first);
+    let (starts, ends) = (by_cell(&placed.starts), by_cell(placed.ends.values()));
+    let mut earlier: DropletsByCell = BTreeMap::new();
     let harms = |left: &PlacedDroplet, comes: &PlacedDroplet| {
-        left.cell == comes.cell && left.part != comes.part && contamination.does_harm(&left.fluids, &comes.fluids)
+        left.part != comes.part && contamination.does_harm(&left.fluids, &comes.fluids)
     };
     let name = |of: &PlacedDroplet| order.parts[of.part].name.as_str();
-    placed.stops.iter().enumerate().find_map(|(nth, stop)| {
-        let both = placed.stops[..nth].iter().find(|other| harms(other, stop) && harms(stop, other));
-        let wrong = both.map(|other| errors::harms_at_one_place(stop.span, [name(other), name(stop)], stop.cell));
-        let wrong = wrong.or_else(|| {
-            let start = placed.starts.iter().find(|start| harms(start, stop))?;
-            Some(errors::stops_where_another_starts((stop.span, start.span), [name(start), name(stop)], stop.cell))
-        });
-        let wrong = wrong.or_else(|| {
-            let end = placed.ends.values().find(|end| harms(stop, end))?;
-            Some(errors::ends_where_another_stops((stop.span, end.span), [name(stop), name(end)], stop.cell))
-        });
-        Some((stop.span, wrong?))
+    placed.stops.iter().find_map(|stop| {
+        let place = place(stop);
+        let both = at(&earlier, place).iter().find(|other| harms(other, stop) && harms(stop, other));
+        let start = at(&starts, place).iter().find(|start| harms(start, stop));
+        let end = at(&ends, place).iter().find(|end| harms(stop, end));
+        let wrong = match (both, start, end) {
+            (Some(other), _, _) => errors::harms_at_one_place(stop.span, [name(other), name(stop)], stop.cell),
+            (None, Some(start), _) => {
+                errors::stops_where_another_starts((stop.span, start.span), [name(start), name(stop)], stop.cell)
+            }
+            (None, None, Some(end)) => {
+                errors::ends_where_another_stops((stop.span, end.span), [name(stop), name(end)], stop.cell)
+            }
+            (None, None, None) => {
+                earlier.entry(place).or_default().push(stop);
+                return None;
+            }
+        };
+        Some((stop.span, wrong))
     })
+}
+
+/// Droplets by the column and the row of their cells.
+type DropletsByCell<'a> = BTreeMap<(u32, u32), Vec<&'a PlacedDroplet>>;
+
+fn place(droplet: &PlacedDroplet) -> (u32, u32) {
+    (droplet.cell.column, droplet.cell.row)
+}
+
+fn at<'d, 'a>(droplets: &'d DropletsByCell<'a>, place: (u32, u32)) -> &'d [&'a PlacedDroplet] {
+    droplets.get(&place).map_or(&[], Vec::as_slice)
+}
+
+fn by_cell<'a>(droplets: impl IntoIterator<Item = &'a PlacedDroplet>) -> DropletsByCell<'a> {
+    let mut found: DropletsByCell = BTreeMap::new();
+    droplets.into_iter().for_each(|droplet| found.entry(place(droplet)).or_default().push(droplet));
+    found
 }

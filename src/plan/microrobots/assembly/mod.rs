@@ -42,8 +42,8 @@ pub const MAX_MORE_PLANS: usize = 24;
 pub enum PlannedFineMotion {
     /// Cycles over one part in so many of the device's length.
     OneIn(u64),
-    /// None: the paths of two robots lead to their goals, that of a single one to a straight run over one part in
-    /// [`STRAIGHT_PART`] of the device's length.
+    /// None: the paths of two robots lead to their goals, that of a single one to a straight run over half of the
+    /// device's length.
     LeftOut,
 }
 
