@@ -91,15 +91,19 @@ pub fn gave_up(step: Span, to: &str, what: &str, budget: u64, bound: &str, plann
         Code::E0602,
         format!("{what} gave up after {budget} expansion{}", if budget == 1 { "" } else { "s" }),
     )
-    .label(step, format!("the way to {to} is neither found nor disproved; none costs less than {bound}"))
+    .label(step, undecided(to, bound))
     .help(more_allowed(budget, planner))
+}
+
+fn undecided(to: &str, bound: &str) -> String {
+    format!("the way to {to} is neither found nor disproved; none costs less than {bound}")
 }
 
 /// The search of an assay found no plan, and has budget left; `is_divisible` where the task may have several assays.
 pub fn nothing_left_to_try(step: Span, to: &str, bound: u64, is_divisible: bool) -> Diagnostic {
     let several = if is_divisible { ", or write the operations into several `assay` steps" } else { "" };
     Diagnostic::new(Code::E0602, "the search found no plan and has nothing left to try")
-        .label(step, format!("the way to {to} is neither found nor disproved; none costs less than {bound} steps"))
+        .label(step, undecided(to, &format!("{bound} steps")))
         .help(format!(
             "a larger budget does not help: move parts away from places that others need, with `move PART to CELL`{several}"
         ))

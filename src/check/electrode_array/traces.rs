@@ -73,12 +73,12 @@ pub fn agree(jobs: &mut [Job], before: Vec<(usize, Vec<Fluids>)>, sink: &mut Sin
     for (nth, before) in before {
         let (earlier, rest) = jobs.split_at_mut(nth);
         let Some(Order::ElectrodeArray(order)) = rest.first_mut().map(|job| &mut job.order) else { continue };
-        let is_of_scene =
-            |job: &Job| matches!(&job.order, Order::ElectrodeArray(other) if Arc::ptr_eq(&other.parts, &order.parts));
-        let is_first = !earlier.iter().any(is_of_scene);
         if order.contamination.is_unheeded() {
             continue;
         }
+        let is_of_scene =
+            |job: &Job| matches!(&job.order, Order::ElectrodeArray(other) if Arc::ptr_eq(&other.parts, &order.parts));
+        let is_first = !earlier.iter().any(is_of_scene);
         order.contamination.before = before;
         if let Some((span, wrong)) = harmed_at_one_place(order, is_first).filter(|(span, _)| reported.insert(*span)) {
             sink.push(wrong.label_elsewhere(order.contamination.avoided[0].span, span, "avoided here"));
@@ -95,51 +95,49 @@ struct PlacedDroplet {
 }
 
 /// Where the program says that droplets are, whatever the plan.
-#[derive(Default)]
 struct PlacedDroplets {
     /// From the beginning on.
     starts: Vec<PlacedDroplet>,
     /// In operations, in their order.
     stops: Vec<PlacedDroplet>,
-    /// By part, if it is on the board at the end.
-    ends: BTreeMap<usize, PlacedDroplet>,
+    /// Of the parts that are on the board at the end.
+    ends: Vec<PlacedDroplet>,
 }
 
 impl PlacedDroplets {
     /// Those of an assay; starts are only known of the first task of a device in a scene.
     fn of(order: &ElectrodeArrayOrder, operations: &[AssayOperation], is_first: bool) -> PlacedDroplets {
         let mut fluids = order.contamination.before.clone();
-        let mut placed = PlacedDroplets::default();
+        let (mut starts, mut stopped) = (Vec::new(), Vec::new());
+        // By part.
+        let mut ends: BTreeMap<usize, (ElectrodeCell, Span)> = BTreeMap::new();
         for (part, own) in order.parts.iter().enumerate().filter(|_| is_first) {
             let Some(cell) = own.cell else { continue };
-            let here = || PlacedDroplet { part, fluids: fluids[part].clone(), cell, span: own.span };
-            placed.starts.push(here());
-            placed.ends.insert(part, here());
+            starts.push(PlacedDroplet { part, fluids: fluids[part].clone(), cell, span: own.span });
+            ends.insert(part, (cell, own.span));
         }
         for operation in operations {
             operation.begin_fluids(&mut fluids);
             operation.end_fluids(&mut fluids);
-            let here = |part: usize, cell: ElectrodeCell| PlacedDroplet {
-                part,
-                fluids: fluids[part].clone(),
-                cell,
-                span: operation.span,
-            };
+            let (part, span) = (operation.part, operation.span);
             // Where the plan chooses, it may keep them apart.
             let stops: &[ElectrodeArrayStop] = if operation.among.is_empty() { &operation.stops } else { &[] };
-            placed.stops.extend(stops.iter().map(|stop| here(operation.part, stop.cell)));
+            let here =
+                |stop: &ElectrodeArrayStop| PlacedDroplet { part, fluids: fluids[part].clone(), cell: stop.cell, span };
+            stopped.extend(stops.iter().map(here));
             match stops.last() {
-                Some(last) => placed.ends.insert(operation.part, here(operation.part, last.cell)),
+                Some(last) => ends.insert(part, (last.cell, span)),
                 None if operation.among.is_empty() => None,
-                None => placed.ends.remove(&operation.part),
+                None => ends.remove(&part),
             };
             if let Some(half) = operation.splits {
-                placed.ends.insert(half.part, here(half.part, half.cell));
+                ends.insert(half.part, (half.cell, span));
             }
-            operation.gone().and_then(|gone| placed.ends.remove(&gone));
+            operation.gone().and_then(|gone| ends.remove(&gone));
         }
-        placed.ends.values_mut().for_each(|end| end.fluids = fluids[end.part].clone());
-        placed
+        let end = |(part, (cell, span))| PlacedDroplet { part, fluids: fluids[part].clone(), cell, span };
+        let ends = ends.into_iter().map(end).collect();
+        PlacedDroplets { starts, stops: stopped, ends }
     }
 }
 
@@ -154,7 +152,7 @@ fn harmed_at_one_place(order: &ElectrodeArrayOrder, is_first: bool) -> Option<(S
         ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_) => None,
     })?;
     let placed = PlacedDroplets::of(order, assay, is_first);
-    let (starts, ends) = (by_cell(&placed.starts), by_cell(placed.ends.values()));
+    let (starts, ends) = (by_cell(&placed.starts), by_cell(&placed.ends));
     let mut earlier: DropletsByCell = BTreeMap::new();
     let harms = |left: &PlacedDroplet, comes: &PlacedDroplet| {
         left.part != comes.part && contamination.does_harm(&left.fluids, &comes.fluids)

@@ -90,8 +90,13 @@ impl StepsAside {
     /// The problem with these errands among the others.
     fn inserted<'a>(&self, problem: &AssayProblem<'a>) -> AssayProblem<'a> {
         let mut aside = problem.clone();
-        aside.afters =
-            problem.errands.iter().enumerate().map(|(agent, own)| self.afters(problem, agent, own)).collect();
+        if let Some(traces) = &problem.traces {
+            for (agent, afters) in aside.afters.iter_mut().enumerate() {
+                for (errand, afters) in afters.iter_mut().enumerate() {
+                    afters.extend(harmed_later(problem, traces, ErrandPlace { agent, errand }));
+                }
+            }
+        }
         for agent in 0..problem.errands.len() {
             // From the last one on, so that the places before stay what they are.
             for (index, cell) in self.before[agent].iter().enumerate().rev() {
@@ -117,17 +122,12 @@ impl StepsAside {
         }
         aside
     }
+}
 
-    /// What the errands of an agent come after, with those to whom it would do harm.
-    fn afters(&self, problem: &AssayProblem, agent: usize, errands: &[Errand]) -> Vec<Vec<ErrandPlace>> {
-        let of_errand = |errand: usize| {
-            let mut afters = problem.afters[agent].get(errand).cloned().unwrap_or_default();
-            if let Some(traces) = &problem.traces {
-                afters.extend(harmed_later(problem, traces, ErrandPlace { agent, errand }));
-            }
-            afters
-        };
-        (0..errands.len()).map(of_errand).collect()
+impl WantedBy {
+    /// Whether nobody but an agent has something to do there.
+    fn no_other_than(self, agent: usize) -> bool {
+        self == WantedBy::Nobody || self == WantedBy::One(agent)
     }
 }
 
@@ -151,12 +151,8 @@ fn insert(problem: &mut AssayProblem, ErrandPlace { agent, errand: index }: Erra
 fn can_be_ordered(problem: &AssayProblem) -> bool {
     let mut done = vec![0; problem.errands.len()];
     let is_due = |done: &[usize], agent: usize| {
-        let afters = problem.afters[agent].get(done[agent]);
-        let gives_off = |errand: &Errand| errand.splits.is_some_and(|split| split.child == agent);
-        let is_there = problem.parents[agent].is_none_or(|parent| {
-            problem.errands[parent].iter().position(gives_off).is_some_and(|errand| errand < done[parent])
-        });
-        is_there && afters.into_iter().flatten().all(|after| after.errand < done[after.agent])
+        let afters = problem.afters[agent].get(done[agent]).into_iter().flatten().copied();
+        problem.given_off_by(agent).into_iter().chain(afters).all(|before| before.errand < done[before.agent])
     };
     let mut is_stuck = false;
     while !std::mem::replace(&mut is_stuck, true) {
@@ -232,11 +228,7 @@ fn wanted(problem: &AssayProblem) -> Vec<WantedBy> {
 fn want(problem: &AssayProblem, wanted: &mut [WantedBy], (agent, cell): (usize, CellIndex)) {
     for near in problem.instance.board.around(cell, problem.instance.separation) {
         let by = &mut wanted[near as usize];
-        *by = if *by == WantedBy::Nobody || *by == WantedBy::One(agent) {
-            WantedBy::One(agent)
-        } else {
-            WantedBy::Several
-        };
+        *by = if by.no_other_than(agent) { WantedBy::One(agent) } else { WantedBy::Several };
     }
 }
 
@@ -251,7 +243,7 @@ fn nearest_unwanted(
     let mut queue = VecDeque::from([from]);
     is_seen[from as usize] = true;
     while let Some(cell) = queue.pop_front() {
-        if wanted[cell as usize] == WantedBy::Nobody || wanted[cell as usize] == WantedBy::One(agent) {
+        if wanted[cell as usize].no_other_than(agent) {
             return Some(cell);
         }
         for next in board.neighbours(cell) {

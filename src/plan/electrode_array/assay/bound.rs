@@ -164,10 +164,10 @@ fn tails(problem: &AssayProblem, ahead: &Ahead, order: &[(usize, usize)]) -> Vec
 
 /// The first instant at which an agent can be there: 0, or when another one gives it off; `None` while that is not known.
 fn given_off(problem: &AssayProblem, agent: usize, heads: &[Vec<u64>]) -> Option<u64> {
-    let Some(parent) = problem.parents[agent] else { return Some(0) };
-    let gives = |errand: &Errand| errand.splits.is_some_and(|split| split.child == agent);
-    let place = problem.errands[parent].iter().position(gives)?;
-    heads[parent].get(place).copied()
+    match problem.given_off_by(agent) {
+        Some(place) => heads[place.agent].get(place.errand).copied(),
+        None => Some(0),
+    }
 }
 
 /// Where agents take turns.

@@ -70,13 +70,11 @@ pub(super) fn best(
         planner.gives_off_several().then(|| (list.clone(), LISTS_WITHOUT_PAUSE..LISTS_WITHOUT_PAUSE + PAUSED_LISTS));
     let paused = paused.and_then(|lists| first_eager(&mut planner, lists, &mut random));
     let key = |courses: &[AgentCourse]| AssayPlan::costs(courses).key(objective);
-    let is_better = |first: &FirstList| eager.as_ref().is_none_or(|eager| key(&first.courses) < key(&eager.courses));
-    let eager = paused.filter(is_better).or(eager);
-    let is_better = |first: &FirstList| eager.as_ref().is_none_or(|eager| key(&first.courses) < key(&eager.courses));
     let (paper_eager, paper_patient) = first_on_paper(problem, (ahead, bounds), planner.meter);
-    let eager = paper_eager.filter(is_better).or(eager);
+    let firsts = [eager, paused, paper_eager].into_iter().flatten();
+    let first = firsts.min_by_key(|first| key(&first.courses));
     let patient = if is_crowd { early } else { first_patient(&mut planner, &list) };
-    let Some(first) = eager else { return patient.or(paper_patient) };
+    let Some(first) = first else { return patient.or(paper_patient) };
     let improvement = Improvement { first, objective, least: bounds.costs };
     let best = improvement.best(&mut planner, &mut random);
     std::iter::once(best).chain(patient).chain(paper_patient).min_by_key(|courses| key(courses))

@@ -175,10 +175,7 @@ impl AssayProblem<'_> {
                 (Some(before), _) if self.errands[place.agent][before].stop == errand.stop => {
                     ErrandPlace { errand: before, ..place }
                 }
-                (None, Some(parent)) => {
-                    let gives_off = |errand: &Errand| errand.splits.is_some_and(|split| split.child == place.agent);
-                    ErrandPlace { agent: parent, errand: self.errands[parent].iter().position(gives_off)? }
-                }
+                (None, Some(_)) => self.given_off_by(place.agent)?,
                 (None, None) if !self.comes[place.agent] && self.instance.agents[place.agent].start == errand.stop => {
                     return None;
                 }
@@ -186,6 +183,13 @@ impl AssayProblem<'_> {
             };
             until = until.saturating_sub(self.errands[place.agent][place.errand].work());
         }
+    }
+
+    /// The errand by which an agent is given off; `None` if it comes otherwise.
+    fn given_off_by(&self, agent: usize) -> Option<ErrandPlace> {
+        let parent = self.parents[agent]?;
+        let gives_off = |errand: &Errand| errand.splits.is_some_and(|split| split.child == agent);
+        Some(ErrandPlace { agent: parent, errand: self.errands[parent].iter().position(gives_off)? })
     }
 
     /// The first instant at which an errand may begin by its release; 0 where it has none.
