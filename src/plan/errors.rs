@@ -147,25 +147,24 @@ pub fn of_first_arrangement(diagnostic: Diagnostic, count: usize) -> Diagnostic 
     diagnostic.help(help)
 }
 
-/// Parts that keep one another from their operations, whatever the order.
-pub fn operations_exclude_one_another(step: Span, parts: &[&str], merge: Option<Span>) -> Diagnostic {
-    let title = match parts {
-        [one] => format!("no plan: `{one}` cannot do these operations, in whatever order"),
-        _ => format!("no plan: {} keep one another from these operations, in every order", all_of(parts)),
+/// Parts that keep one another from their operations, whatever the order; some of these must not be later after others than a time.
+pub fn operations_exclude_one_another(step: Span, parts: &[&str], is_timed: bool) -> Diagnostic {
+    let all = all_of(parts);
+    let title = match (is_timed, parts) {
+        (true, _) => format!("no plan: {all} cannot do these operations in time, in whatever order"),
+        (false, [_]) => format!("no plan: {all} cannot do these operations, in whatever order"),
+        (false, _) => format!("no plan: {all} keep one another from these operations, in every order"),
     };
-    let none = Diagnostic::new(Code::E0601, title).label(step, "all positions of all parts together were searched");
     let help = "`discard` a part that is done, let one wait for another by an assay or a `move` of its own before this one, \
                 or give goals more room";
-    match merge {
-        Some(merge) => none.label(merge, "each of the two stays here from its first arrival on").help(format!(
-            "{help}; a droplet that has to pass the cell at which it merges later needs a `move` across it before that"
-        )),
-        None => none.help(help),
-    }
+    let timed = "allow more time, or let what comes first take place elsewhere: where a part already is, it begins at once, and is not \
+                 held back for a `within`";
+    let searched = "all positions of all parts together were searched";
+    Diagnostic::new(Code::E0601, title).label(step, searched).help(if is_timed { timed } else { help })
 }
 
 /// Parts that block one another on the way to their goals.
-pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)]) -> Diagnostic {
+pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)], merge: Option<Span>) -> Diagnostic {
     let others = if parts.len() == 2 { "the other" } else { "the others" };
     let names: Vec<&str> = parts.iter().map(|(name, _)| *name).collect();
     let title = format!("no plan: {} cannot pass one another", all_of(&names));
@@ -178,10 +177,16 @@ pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)]) -> Diagnostic 
         }
     }
     let diagnostic = if labelled.is_empty() { diagnostic.label(step, "this step") } else { diagnostic };
-    diagnostic.help(
-        "there is no room for them to pass, whatever the other parts do: give one of them a goal on its own \
-         side, or move an obstacle",
-    )
+    match merge {
+        Some(merge) => diagnostic.label(merge, "each of the two stays here from its first arrival on").help(
+            "there is no room for them to pass as long as those that merge keep their place, as they do in a step: write it as \
+             `assay { … }`, in which they may leave it again",
+        ),
+        None => diagnostic.help(
+            "there is no room for them to pass, whatever the other parts do: give one of them a goal on its own \
+             side, or move an obstacle",
+        ),
+    }
 }
 
 /// A part that electrodes on shared channels keep from its goal.

@@ -72,8 +72,8 @@ fn a_help_does_not_name_what_is_written() {
 
 #[test]
 fn a_droplet_is_not_split_beside_the_one_that_its_half_meets() {
-    let reported = refused(&text("ea_split_beside_another"));
-    assert!(reported.starts_with("E0601"), "{reported}");
+    let plan = planned(&text("ea_split_beside_another"));
+    assert_eq!((plan.cost, plan.bound), (6.0, 6.0));
 }
 
 #[test]
@@ -164,4 +164,39 @@ fn droplets_step_aside() {
 fn a_droplet_is_met_where_it_has_merged_before() {
     let plan = planned(&text("ea_meets_where_it_waits"));
     assert_eq!((plan.cost, plan.bound), (53.0, 53.0));
+}
+
+#[test]
+fn a_droplet_leaves_where_it_merges_and_comes_back() {
+    let cost = |name: &str| {
+        let plan = planned(&text(name));
+        assert_eq!(plan.cost, plan.bound, "{name}");
+        plan.cost
+    };
+    let names = ["ea_merges_where_it_stands", "ea_merges_beside_the_outlet", "ea_aside_for_a_stop"];
+    assert_eq!(names.map(cost), [8.0, 5.0, 10.0]);
+    let as_a_step = refused(&text("ea_aside_for_a_stop").replace("assay", "together"));
+    assert!(as_a_step.contains("in which they may leave it again"), "{as_a_step}");
+}
+
+#[test]
+fn a_time_counts_from_the_last_of_several_ends() {
+    assert_eq!(planned(&text("ea_within_the_last_of_two")).cost, 10.0);
+}
+
+#[test]
+fn who_leaves_beside_the_outlet_makes_room_at_once() {
+    let plan = planned(&text("ea_gone_beside_the_outlet"));
+    assert_eq!((plan.cost, plan.bound), (3.0, 3.0));
+}
+
+#[test]
+fn nobody_waits_where_another_one_passes() {
+    assert!(refused(&text("ea_stays_where_others_pass")).contains("cannot do these operations in time"));
+}
+
+#[test]
+fn a_limit_on_the_steps_is_kept_at_a_larger_sum() {
+    let plan = planned(&text("ea_sum_within_steps"));
+    assert_eq!((plan.outcomes["steps"], plan.outcomes["sum_of_costs"]), (3.0, 4.0));
 }

@@ -2,8 +2,9 @@
 //!
 //! An arrangement has one place for each of them, and is an assay without a choice. Method: as long as there are few arrangements, in
 //! the order of their lower bounds, until no bound is below the plan at hand: all by lists, and then by all positions of the parts. Of
-//! more, those of some schedules on paper ([`placement`]), and then others that differ from the best one in one place, as long as plans become
-//! better; beside the bound of [`relaxed`].
+//! more, those of some schedules on paper ([`placement`]), the best of them in a better order, and then others that differ from it in one place,
+//! as long as plans become better; beside the bound of [`relaxed`]. Where there is only one, schedules on paper say in which order its parts
+//! may have their turns.
 //!
 //! Guaranteed: a plan is legal; `bounds` hold for the plans of every arrangement, and none is called impossible but where there were few
 //! and each is. Cost: that of planning the arrangements, on one budget.
@@ -13,7 +14,7 @@ use super::board::{BoardCosts, BoardObjective};
 use super::critical_path::{self, BoardWays};
 use super::errands::{self, AssaySite, PartCourse, PartErrands};
 use super::one_by_one::one_by_one;
-use super::placement::{self, PaperSchedule};
+use super::placement::{self, PaperSchedule, PaperTerms, PaperWait};
 use super::relaxed;
 use super::stage::{self, BoardStage};
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayOrder};
@@ -27,6 +28,9 @@ const MAX_LOOKED: usize = 100_000;
 /// One part in this many of the budget that is left goes to one arrangement of several, by lists, and by all positions.
 const LISTS_SHARE: u64 = 64;
 const SHARE: u64 = 4;
+
+/// All but one part in this many goes to the best of more arrangements.
+const KEPT_SHARE: u64 = 4;
 
 /// Of more arrangements, how many are planned that differ in one place from the best one,
 const MAX_TRIED: usize = 200;
@@ -156,8 +160,8 @@ pub fn with_problem<T>(
 struct ArrangementTerms<'a> {
     objective: BoardObjective,
     effort: AssayEffort,
-    /// A schedule of the operations, in whose order parts may have their turns.
-    paper: Option<&'a PaperSchedule>,
+    /// Schedules of the operations, in whose order parts may have their turns.
+    papers: &'a [PaperSchedule],
 }
 
 /// The plan of an arrangement.
@@ -172,9 +176,7 @@ fn planned(
             Ok(problem) => problem,
             Err(why) => return SearchAnswer::Impossible(why),
         };
-        if let Some(paper) = terms.paper {
-            problem.paper = paper.of(&problem.operations);
-        }
+        problem.papers = terms.papers.iter().map(|paper| paper.of(&problem.operations)).collect();
         match assay::solve(&problem, (terms.objective, terms.effort), meter) {
             SearchAnswer::Found(plan) => SearchAnswer::Found(placed(site, (stage, &problem), plan)),
             SearchAnswer::Impossible(why) => SearchAnswer::Impossible(why),
@@ -219,7 +221,12 @@ fn placed(
 
 /// The plan of the only arrangement.
 fn only(site: &AssaySite, operations: &[AssayOperation], objective: BoardObjective, meter: &mut Meter) -> PlacedAnswer {
-    let terms = ArrangementTerms { objective, effort: AssayEffort::Whole, paper: None };
+    let mut ways = BoardWays::new(site, meter);
+    let timed = critical_path::timed(operations, &mut ways);
+    let least = relaxed::bounds(operations, &timed, &mut ways).makespan;
+    let paper = |wait| placement::schedule(operations, &timed, &mut ways, PaperTerms { seed: 0, least, wait });
+    let papers = [PaperWait::AtOutlet, PaperWait::OnBoard].map(paper);
+    let terms = ArrangementTerms { objective, effort: AssayEffort::Whole, papers: &papers };
     match planned(site, operations.to_vec(), terms, meter) {
         SearchAnswer::GaveUp(bounds) => {
             let plan = in_turn(site, operations.to_vec(), (objective, bounds));
@@ -294,7 +301,7 @@ impl FewArrangements<'_> {
                 };
                 let operations = self.choices.at(&self.choices.places(number));
                 let (site, objective) = (self.site, self.objective);
-                let terms = ArrangementTerms { objective, effort, paper: None };
+                let terms = ArrangementTerms { objective, effort, papers: &[] };
                 match meter.share(meter.left().steps / share, |part| planned(site, operations, terms, part)) {
                     SearchAnswer::Found(plan) => {
                         own.bounds = plan.bounds;
@@ -354,16 +361,19 @@ fn of_many(site: &AssaySite, choices: &Choices, objective: BoardObjective, meter
     let mut ways = BoardWays::new(site, meter);
     let timed = critical_path::timed(choices.operations, &mut ways);
     let bounds = relaxed::bounds(choices.operations, &timed, &mut ways);
-    let mut many = ManyArrangements { site, choices, objective, bounds, best: None, places: Vec::new() };
+    let mut many = ManyArrangements { site, choices, objective, bounds, best: None, places: Vec::new(), paper: None };
     let papers = (MAX_PAPER_OPERATIONS / choices.operations.len().max(1)).clamp(1, PAPERS) as u64;
     for seed in 0..papers {
         if many.is_least() {
             break;
         }
         let mut ways = BoardWays::new(site, meter);
-        let paper = placement::schedule(choices.operations, &timed, &mut ways, (seed, bounds.makespan));
-        many.realise(&paper, meter);
+        let wait = if seed % 2 == 0 { PaperWait::AtOutlet } else { PaperWait::OnBoard };
+        let terms = PaperTerms { seed, least: bounds.makespan, wait };
+        let paper = placement::schedule(choices.operations, &timed, &mut ways, terms);
+        many.realise(paper, meter);
     }
+    many.better_order(meter);
     many.improve(meter);
     many.best.map_or(SearchAnswer::GaveUp(bounds), |best| SearchAnswer::Found(PlacedPlan { bounds, ..best }))
 }
@@ -377,6 +387,8 @@ struct ManyArrangements<'a> {
     best: Option<PlacedPlan>,
     /// Of the best plan.
     places: Vec<usize>,
+    /// The schedule on paper from which that comes, if it does.
+    paper: Option<PaperSchedule>,
 }
 
 impl ManyArrangements<'_> {
@@ -398,19 +410,45 @@ impl ManyArrangements<'_> {
     }
 
     /// Plans those of schedules on paper; the first one by all means.
-    fn realise(&mut self, paper: &PaperSchedule, meter: &mut Meter) {
-        let places = self.choices.on_paper(self.site.order, paper);
+    fn realise(&mut self, paper: PaperSchedule, meter: &mut Meter) {
+        let places = self.choices.on_paper(self.site.order, &paper);
         let operations = self.choices.at(&places);
-        let (effort, share) = match self.best {
-            None => (AssayEffort::Whole, SHARE),
-            Some(_) => (AssayEffort::Lists, LISTS_SHARE),
-        };
-        let (site, terms) = (self.site, ArrangementTerms { objective: self.objective, effort, paper: Some(paper) });
-        let answer = meter.share(meter.left().steps / share, |part| planned(site, operations.clone(), terms, part));
-        let found = if let SearchAnswer::Found(plan) = answer { Some(plan) } else { None };
-        let is_first = self.best.is_none();
-        let one_by_one = || is_first.then(|| in_turn(site, operations, (self.objective, self.bounds))).flatten();
-        if let Some(plan) = found.or_else(one_by_one) {
+        let papers = std::slice::from_ref(&paper);
+        let mut found = self.planned(operations.clone(), (AssayEffort::Lists, papers), LISTS_SHARE, meter);
+        if found.is_none() && self.best.is_none() {
+            let by_all_means = self.planned(operations.clone(), (AssayEffort::Whole, papers), SHARE, meter);
+            found = by_all_means.or_else(|| in_turn(self.site, operations, (self.objective, self.bounds)));
+        }
+        if let Some(plan) = found
+            && self.offer(plan, places)
+        {
+            self.paper = Some(paper);
+        }
+    }
+
+    /// The plan of an arrangement on one part in so many of the budget that is left.
+    fn planned(
+        &self,
+        operations: Vec<AssayOperation>,
+        (effort, papers): (AssayEffort, &[PaperSchedule]),
+        share: u64,
+        meter: &mut Meter,
+    ) -> Option<PlacedPlan> {
+        let terms = ArrangementTerms { objective: self.objective, effort, papers };
+        match meter.share(meter.left().steps / share, |part| planned(self.site, operations, terms, part)) {
+            SearchAnswer::Found(plan) => Some(plan),
+            SearchAnswer::Impossible(_) | SearchAnswer::GaveUp(_) => None,
+        }
+    }
+
+    /// Looks for a better order at the places of the best plan, on most of the budget.
+    fn better_order(&mut self, meter: &mut Meter) {
+        let Some(paper) = self.paper.take().filter(|_| !self.is_least()) else { return };
+        let (places, kept) = (self.places.clone(), meter.left().steps / KEPT_SHARE);
+        let operations = self.choices.at(&places);
+        let all = meter.left().steps.saturating_sub(kept);
+        let found = meter.share(all, |part| self.planned(operations, (AssayEffort::Lists, &[paper]), 1, part));
+        if let Some(plan) = found {
             self.offer(plan, places);
         }
     }
@@ -434,11 +472,7 @@ impl ManyArrangements<'_> {
                         continue;
                     }
                     tried += 1;
-                    let (site, effort) = (self.site, AssayEffort::Lists);
-                    let terms = ArrangementTerms { objective: self.objective, effort, paper: None };
-                    let share = meter.left().steps / LISTS_SHARE;
-                    let answer = meter.share(share, |part| planned(site, operations, terms, part));
-                    if let SearchAnswer::Found(plan) = answer {
+                    if let Some(plan) = self.planned(operations, (AssayEffort::Lists, &[]), LISTS_SHARE, meter) {
                         is_better |= self.offer(plan, others);
                     }
                 }

@@ -210,7 +210,7 @@ impl PartErrands {
             works.iter().map(|work| work.operation).collect()
         };
         let operations = (0..instance.agents.len()).map(own).collect();
-        let (releases, paper) = (Vec::new(), Vec::new());
+        let (releases, papers) = (Vec::new(), Vec::new());
         AssayProblem {
             instance,
             comes,
@@ -221,7 +221,7 @@ impl PartErrands {
             lags,
             releases,
             loops,
-            paper,
+            papers,
             is_gone,
             traces,
         }

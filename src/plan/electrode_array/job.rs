@@ -91,15 +91,38 @@ fn planned(
     if order.planner.method == ElectrodeArrayMethod::Portfolio && assays.is_empty() {
         return (within_limits(job, order, &ground, (motion, known), sink), end);
     }
-    let bounds = total(known.iter().map(|(_, bounds)| *bounds).chain(assays.iter().copied()));
+    let bounds = limits::total(known.iter().map(|(_, bounds)| *bounds).chain(assays.iter().copied()));
     let plan = finished(order, motion, bounds, None);
     // The bounds of an assay hold whatever the limits are; those of a published plan are not asked for.
     let least = |requirement: &Requirement| match assays.is_empty() {
         true => KnownLimit::default(),
         false => KnownLimit { least: limits::least(order, &requirement.outcome, bounds), ..KnownLimit::default() },
     };
-    let kept = require(job, &plan, &mut |requirement| least(requirement), sink);
-    (Some(plan).filter(|_| kept == Kept::Yes), end)
+    let mut broken = Sink::default();
+    let kept = require(job, &plan, &mut |requirement| least(requirement), &mut broken);
+    if kept == Kept::Yes {
+        return (Some(plan), end);
+    }
+    let fewest = (!assays.is_empty()).then(|| in_fewest_steps(job, order, (plan.motion.start, bounds))).flatten();
+    if let Some((plan, end)) = fewest {
+        return (Some(plan), end);
+    }
+    sink.append(broken);
+    (None, end)
+}
+
+/// A plan of fewer steps than the one of the least sum of costs, if that keeps the limits, and the cells of the parts after it.
+fn in_fewest_steps(
+    job: &Job,
+    order: &ElectrodeArrayOrder,
+    (start, bounds): (Vec<Option<ElectrodeCell>>, BoardCosts),
+) -> Option<(Plan<ElectrodeArrayMotion>, Vec<Option<ElectrodeCell>>)> {
+    if order.objective != ElectrodeArrayObjective::SumOfCosts {
+        return None;
+    }
+    let fewest_steps = ElectrodeArrayOrder { objective: ElectrodeArrayObjective::Makespan, ..order.clone() };
+    let (plan, end) = planned(job, &fewest_steps, start, false, &mut Sink::default());
+    Some((finished(order, plan?.motion, bounds, None), end))
 }
 
 /// The plan that is best without limits if it keeps them; else the best of the plans found that keep them.
@@ -111,7 +134,7 @@ fn within_limits(
     sink: &mut Sink,
 ) -> Option<Plan<ElectrodeArrayMotion>> {
     let limits = limits::of(order, &job.requirements);
-    let bounds = total(known.iter().map(|(_, bounds)| *bounds));
+    let bounds = limits::total(known.iter().map(|(_, bounds)| *bounds));
     let figures = limits::figures(known.iter().map(|(paths, _)| paths));
     if !limits::breaks(figures, limits) {
         return Some(finished(order, motion, bounds, None));
@@ -169,14 +192,6 @@ fn fronts(
         fronts.push(limited::front(&stage.instance, (&known[turn].0, bounds[turn]), asked));
     });
     fronts
-}
-
-/// Sum of the costs.
-fn total(costs: impl Iterator<Item = BoardCosts>) -> BoardCosts {
-    costs.fold(BoardCosts::default(), |sum, own| BoardCosts {
-        makespan: sum.makespan + own.makespan,
-        sum_of_costs: sum.sum_of_costs + own.sum_of_costs,
-    })
 }
 
 /// State of a job whose steps are being planned.
@@ -274,8 +289,8 @@ impl Tasks<'_> {
         match &none.why {
             NoAssayPlan::Excluded { reached } => {
                 let parts: Vec<&str> = (0..reached.len()).map(|agent| self.part_name(stage, agent)).collect();
-                let merge = none.operations.iter().find(|operation| operation.with.is_some()).map(|merge| merge.span);
-                let diagnostic = errors::operations_exclude_one_another(step.span, &parts, merge);
+                let is_timed = none.operations.iter().any(|operation| operation.within.is_some());
+                let diagnostic = errors::operations_exclude_one_another(step.span, &parts, is_timed);
                 let reaches = parts.iter().zip(reached).map(|(part, cells)| reach(self.order, part, cells.clone()));
                 self.sink.push(self.with_avoided(diagnostic.reached(reaches), step));
             }
@@ -456,7 +471,9 @@ impl Tasks<'_> {
                         (part.name.as_str(), actor.asked.map_or(part.span, |action| action.span))
                     })
                     .collect();
-                let diagnostic = errors::blocked_by_one_another(step, &parts);
+                let merge =
+                    agents.iter().find_map(|agent| stage.agents[*agent].asked.filter(|asked| asked.with.is_some()));
+                let diagnostic = errors::blocked_by_one_another(step, &parts, merge.map(|merge| merge.span));
                 let reached = exact::reached(&stage.instance, agents).unwrap_or_default();
                 let reaches = parts.iter().zip(reached).map(|((name, _), cells)| reach(self.order, name, cells));
                 self.sink.push(diagnostic.reached(reaches));

@@ -98,6 +98,14 @@ pub fn lifted(limits: PlanLimits) -> PlanLimits {
     PlanLimits { most: limits.most.map(lift), least: [0; 3] }
 }
 
+/// Sum of the costs.
+pub fn total(costs: impl Iterator<Item = BoardCosts>) -> BoardCosts {
+    costs.fold(BoardCosts::default(), |sum, own| BoardCosts {
+        makespan: sum.makespan + own.makespan,
+        sum_of_costs: sum.sum_of_costs + own.sum_of_costs,
+    })
+}
+
 /// Sum of the figures of several plans.
 pub fn figures<'p>(plans: impl Iterator<Item = &'p Paths>) -> BoardFigures {
     plans.map(limited::figures).fold([0; 3], |sum, own| [0, 1, 2].map(|figure: usize| sum[figure] + own[figure]))

@@ -16,8 +16,11 @@ use std::collections::BTreeMap;
 /// Of how many operations that could come next one is taken: the most urgent ones.
 const MAX_NEXT: usize = 200;
 
-/// Looks for the place of an operation that all draws of one schedule together take, about.
+/// Looks for the place of an operation that all draws of one schedule together take, about,
 const MAX_PAPER_LOOKS: usize = 400_000;
+
+/// and so many draws at most that lead to no shorter schedule.
+const MAX_IDLE_DRAWS: usize = 200;
 
 /// A schedule on paper.
 #[derive(Debug, Clone)]
@@ -49,16 +52,35 @@ enum PaperOrder {
     MostUrgent,
 }
 
-/// Places for all operations, by the changes of a seed; none are looked for with which they take less than `least`.
+/// Where a droplet that has been dispensed waits until it is of use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum PaperWait {
+    /// At the outlet, for which others then have to wait.
+    AtOutlet,
+    /// Somewhere on the board, which has room for all.
+    OnBoard,
+}
+
+/// What a schedule on paper begins with.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PaperTerms {
+    pub seed: u64,
+    /// None is looked for that takes less.
+    pub least: u64,
+    pub wait: PaperWait,
+}
+
+/// Places for all operations, by the changes of a seed.
 pub(super) fn schedule(
     operations: &[AssayOperation],
     timed: &[TimedOperation],
     ways: &mut BoardWays,
-    (seed, least): (u64, u64),
+    PaperTerms { seed, least, wait }: PaperTerms,
 ) -> PaperSchedule {
     let mut urgency: Vec<u64> = timed.iter().map(|one| one.tail() + one.stay).collect();
     let occupied = occupied(timed);
-    let mut draw = |urgency: &[u64], order| Paper::new(operations, timed, ways, (urgency, &occupied)).drawn(order);
+    let mut draw =
+        |urgency: &[u64], order| Paper::new(operations, timed, ways, (urgency, &occupied, wait)).drawn(order);
     let mut order = PaperOrder::EarliestBegin;
     let mut best = draw(&urgency, order);
     let other = draw(&urgency, PaperOrder::MostUrgent);
@@ -68,7 +90,8 @@ pub(super) fn schedule(
     }
     let most = urgency.iter().max().copied().unwrap_or(0);
     let mut random = SplitMix64::new(seed);
-    while best.end > least && looks < MAX_PAPER_LOOKS {
+    let mut idle = 0;
+    while best.end > least && looks < MAX_PAPER_LOOKS && idle < MAX_IDLE_DRAWS {
         let (part, now) = (operations[random.below(operations.len())].part, random.below(most as usize + 1) as u64);
         let mut changed = urgency.clone();
         for (own, _) in changed.iter_mut().zip(operations).filter(|(_, operation)| operation.part == part) {
@@ -78,6 +101,7 @@ pub(super) fn schedule(
         let order_now = orders[random.below(orders.len())];
         let found = draw(&changed, order_now);
         looks += found.looks;
+        idle = if found.end < best.end { 0 } else { idle + 1 };
         if found.end <= best.end {
             (best, urgency, order) = (found, changed, order_now);
         }
@@ -142,6 +166,9 @@ struct Paper<'a, 'w, 'm> {
     places: BTreeMap<CellIndex, PaperPlace>,
     ends: Vec<Option<u64>>,
     cells: Vec<Option<CellIndex>>,
+    wait: PaperWait,
+    /// Where droplets wait on the board: by outlet, the instants `from..to` in which a reservoir dispenses a droplet and that one leaves.
+    dispensing: BTreeMap<CellIndex, Vec<(u64, u64)>>,
     /// Steps between two droplets at a place.
     change: u64,
 }
@@ -151,7 +178,7 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
         operations: &'a [AssayOperation],
         timed: &'a [TimedOperation],
         ways: &'a mut BoardWays<'w, 'm>,
-        (urgency, occupied): (&'a [u64], &'a [u64]),
+        (urgency, occupied, wait): (&'a [u64], &'a [u64], PaperWait),
     ) -> Paper<'a, 'w, 'm> {
         let (order, count) = (ways.site.order, operations.len());
         let (mut waits, mut followers) = (vec![0; count], vec![Vec::new(); count]);
@@ -183,6 +210,8 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
             places,
             ends,
             cells,
+            wait,
+            dispensing: BTreeMap::new(),
             change,
         };
         (0..count)
@@ -297,8 +326,48 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
     fn there(&self, part: usize) -> Option<PaperPart> {
         let own = self.parts[part]?;
         let Some(comes) = own.comes else { return Some(own) };
-        let free = self.places.get(&own.at).map_or(0, |place| place.free);
-        Some(PaperPart { since: free.max(self.after(comes)) + self.timed[comes].stay, ..own })
+        let since = match self.wait {
+            PaperWait::AtOutlet => {
+                let free = self.places.get(&own.at).map_or(0, |place| place.free);
+                free.max(self.after(comes)) + self.timed[comes].stay
+            }
+            PaperWait::OnBoard => self.dispensed(own.at, comes, 0),
+        };
+        Some(PaperPart { since, ..own })
+    }
+
+    /// The last instant no later than one at which a reservoir can have dispensed the droplet of an operation; if there is none, the first one.
+    fn dispensed(&self, outlet: CellIndex, comes: usize, latest: u64) -> u64 {
+        let booked = self.dispensing.get(&outlet).map_or([].as_slice(), Vec::as_slice);
+        let (mut free, mut found) = (self.after(comes), None);
+        for (from, to) in booked.iter().copied().chain([(u64::MAX, u64::MAX)]) {
+            let first = free + self.timed[comes].stay;
+            if first + self.change <= from {
+                found = found.filter(|_| first > latest).or(Some(latest.min(from - self.change).max(first)));
+                if first > latest {
+                    break;
+                }
+            }
+            free = free.max(to);
+        }
+        found.unwrap_or(free)
+    }
+
+    /// Notes that a droplet is dispensed that has to leave the outlet at an instant, if it is there by then.
+    fn dispense_by(&mut self, outlet: CellIndex, comes: usize, left: u64) {
+        match self.wait {
+            PaperWait::AtOutlet => {
+                self.places.insert(outlet, PaperPlace { by: None, free: left + self.change });
+                self.done(comes, left);
+            }
+            PaperWait::OnBoard => {
+                let end = self.dispensed(outlet, comes, left);
+                let (from, to) = (end - self.timed[comes].stay, end + self.change);
+                let booked = self.dispensing.entry(outlet).or_default();
+                booked.insert(booked.partition_point(|other| other.0 < from), (from, to));
+                self.done(comes, end);
+            }
+        }
     }
 
     /// Dispenses the first droplet that is to come: others wait for that, and nothing for the droplet itself.
@@ -322,10 +391,12 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
             let to = self.ways.through(&[(own.at, 0)], &self.timed[nth].stops);
             let steps = to.iter().find(|(cell, _)| *cell == place.cell).map_or(0, |(_, steps)| *steps);
             let left = place.begin.saturating_sub(steps);
-            if let Some(comes) = own.comes {
-                self.done(comes, left);
+            match own.comes {
+                Some(comes) => self.dispense_by(own.at, comes, left),
+                None => {
+                    self.places.insert(own.at, PaperPlace { by: None, free: left + self.change });
+                }
             }
-            self.places.insert(own.at, PaperPlace { by: None, free: left + self.change });
         }
         self.cells[nth] = (!operation.among.is_empty()).then_some(place.cell);
         if operation.leaves {

@@ -5,7 +5,7 @@
 //! reservoir, and with the loops round which droplets are mixed.
 
 use super::assay::{LoopRoom, families, steps_between};
-use super::board::{BoardCosts, CellIndex};
+use super::board::{BoardCosts, BoardGrid, CellIndex};
 use super::critical_path::{BoardWays, ReachedCells, TimedOperation};
 use super::errands::AssaySite;
 use super::place_queue::{DropletSource, PlaceQueue, ServedOperation};
@@ -120,7 +120,8 @@ impl MixerRoom {
 }
 
 /// How long droplets take to make room for the next one.
-struct Changes {
+struct Changes<'a> {
+    board: &'a BoardGrid,
     separation: u32,
     /// Where droplets may leave the board,
     exits: BTreeSet<CellIndex>,
@@ -130,13 +131,14 @@ struct Changes {
     turns: BTreeMap<CellIndex, u64>,
 }
 
-impl Changes {
-    fn of(site: &AssaySite, operations: &[AssayOperation], timed: &[TimedOperation]) -> Changes {
+impl Changes<'_> {
+    fn of<'a>(site: &AssaySite<'a>, operations: &[AssayOperation], timed: &[TimedOperation]) -> Changes<'a> {
         let all = || operations.iter().zip(timed);
         let exits = all().filter(|(operation, _)| operation.leaves).flat_map(|(_, one)| one.cells()).collect();
         let coming = || all().filter(|(operation, _)| operation.comes).flat_map(|(_, one)| one.cells());
         let separation = site.order.facts.separation.apart();
-        let mut changes = Changes { separation, exits, outlets: coming().collect(), turns: BTreeMap::new() };
+        let board = site.ground.board();
+        let mut changes = Changes { board, separation, exits, outlets: coming().collect(), turns: BTreeMap::new() };
         for (_, one) in all().filter(|(operation, _)| operation.comes) {
             for cell in one.cells() {
                 let turn = one.stay + changes.between(&[cell]);
@@ -148,8 +150,10 @@ impl Changes {
 
     /// Least steps between the stays of two droplets at one of some places.
     fn between(&self, cells: &[CellIndex]) -> u64 {
-        let least =
-            |cell: &CellIndex| steps_between(self.separation, self.exits.contains(cell), self.outlets.contains(cell));
+        let least = |cell: &CellIndex| {
+            let exit = self.exits.iter().map(|exit| self.board.manhattan(*cell, *exit)).min();
+            steps_between(self.separation, exit, self.outlets.contains(cell))
+        };
         cells.iter().map(least).min().unwrap_or(0)
     }
 }

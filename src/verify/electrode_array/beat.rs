@@ -74,7 +74,7 @@ impl JudgedBoard<'_, '_> {
         let pull = |(part, at): (usize, ElectrodeCell)| {
             let pull = match (moment.split(part), moment.stage.partner(part)) {
                 (Some((to, _)), _) => Some(PartPull { from: at, to, by: vec![to] }),
-                (None, Some((_, goal))) => merging(moment.on, at, goal),
+                (None, Some((_, goal))) => merging(moment.on, self.order.facts.hold, at, goal),
                 (None, None) => explained(moment.on, electrodes, at),
             };
             pull.map(|pull| (part, pull)).ok_or_else(|| {

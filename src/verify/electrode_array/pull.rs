@@ -4,7 +4,7 @@
 //! them; or that they carry it nowhere in particular. An electrode acts on a part if it lies less than two columns and less
 //! than two rows from an electrode of the part.
 
-use crate::device::electrode_array::{ElectrodeCell, Electrodes};
+use crate::device::electrode_array::{ElectrodeCell, Electrodes, Hold};
 use rustc_hash::FxHashSet;
 
 /// The pairs that move a micropart, from its centre: the step that it takes and the two electrodes (Table 2 of the paper).
@@ -84,14 +84,23 @@ fn droplet(at: ElectrodeCell, acting: &[ElectrodeCell]) -> Option<PartPull> {
     }
 }
 
-/// Motion of a droplet that merges with another at a goal. Once there it stays. Before that the electrode of the goal is
-/// ignored, since it belongs to the other droplet; if no other electrode acts on the droplet, it goes to the goal if it can.
-pub(super) fn merging(on: &FxHashSet<ElectrodeCell>, at: ElectrodeCell, goal: ElectrodeCell) -> Option<PartPull> {
+/// Motion of a droplet that merges with another at a goal. There it stays as long as that electrode is on, or needs none to rest, whatever
+/// pulls the other one beside it. Elsewhere the electrode of the goal is ignored, since it belongs to the other droplet; if no other electrode acts on the
+/// droplet, it goes to the goal if it can.
+pub(super) fn merging(
+    on: &FxHashSet<ElectrodeCell>,
+    hold: Hold,
+    at: ElectrodeCell,
+    goal: ElectrodeCell,
+) -> Option<PartPull> {
     let acting = acting(on, Electrodes::Single, at);
     let called = acting.contains(&goal);
     if at == goal {
-        let own: &[ElectrodeCell] = if called { &[goal] } else { &[] };
-        return PartPull::new(at, at, own);
+        return match (called, hold) {
+            (true, _) => PartPull::new(at, at, &[goal]),
+            (false, Hold::Off) => PartPull::new(at, at, &[]),
+            (false, Hold::On) => droplet(at, &acting),
+        };
     }
     let others: Vec<ElectrodeCell> = acting.into_iter().filter(|cell| *cell != goal).collect();
     if others.is_empty() && called && at.steps_to(goal) == 1 {

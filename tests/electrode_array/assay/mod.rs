@@ -357,8 +357,8 @@ impl Assay {
         let stand = stands[part];
         let Some((cell, _, rested, _)) = stand else { return vec![None] };
         let next = dues[part].get(stand.map_or(0, |(_, done, ..)| done));
-        // A droplet comes out of its reservoir first, and stays where it is to merge.
-        let stays = next.is_some_and(|due| due.is_dispensed || (due.merge.is_some() && due.at == cell));
+        // A droplet comes out of its reservoir first.
+        let stays = next.is_some_and(|due| due.is_dispensed);
         if cell == NOWHERE || stays || (dues[part].is_empty() && !self.may_yield) {
             return vec![Some(Way::To(cell))];
         }
@@ -385,7 +385,7 @@ impl Assay {
         plain.chain(round).chain(split).map(Some).collect()
     }
 
-    /// Whether two parts keep apart wherever they are in a step, but where they merge.
+    /// Whether two parts keep apart wherever they are in a step, but where they merge. Who leaves that again keeps apart there, too.
     fn keep_apart(
         &self,
         dues: &[Vec<Due>],
@@ -406,8 +406,8 @@ impl Assay {
         };
         let meet = due(part, done).filter(|own| due(other, other_done) == Some(*own));
         let ways = |from: Cell, to: Cell| match meet {
-            Some((at, _)) => [from, to].into_iter().filter(|cell| *cell != at).collect(),
-            None => vec![from, to],
+            Some((at, _)) if to == at => vec![from].into_iter().filter(|cell| *cell != at).collect(),
+            Some(_) | None => vec![from, to],
         };
         let others: Vec<Cell> = ways(other_from, other_to);
         ways(from, to).iter().all(|one| others.iter().all(|other| apart(*one, *other) >= self.separation))

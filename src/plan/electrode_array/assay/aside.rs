@@ -137,7 +137,7 @@ fn insert(problem: &mut AssayProblem, ErrandPlace { agent, errand: index }: Erra
     problem.errands[agent].insert(index, errand);
     problem.operations[agent].insert(index, None);
     problem.afters[agent].insert(index, Vec::new());
-    for instants in [&mut problem.releases, &mut problem.paper] {
+    for instants in std::iter::once(&mut problem.releases).chain(&mut problem.papers) {
         if let Some(own) = instants.get_mut(agent) {
             own.insert(index, 0);
         }

@@ -277,22 +277,24 @@ fn one_after_another(of: &[(usize, TimedErrand)], head: impl Fn(usize) -> u64, d
 
 /// Steps between the stays of two agents at a stop.
 fn change(problem: &AssayProblem, stop: CellIndex) -> u64 {
-    let leaves_here = |errands: &[Errand], is_gone: bool| {
-        errands.last().is_some_and(|last| is_gone && last.meets.is_none() && last.stop == stop)
+    let exit = |(errands, is_gone): (&Vec<Errand>, &bool)| {
+        let last = errands.last().filter(|last| *is_gone && last.meets.is_none())?;
+        Some(problem.instance.board.manhattan(stop, last.stop))
     };
-    let leaves = problem.errands.iter().zip(&problem.is_gone).any(|(errands, gone)| leaves_here(errands, *gone));
+    let nearest = problem.errands.iter().zip(&problem.is_gone).filter_map(exit).min();
     let mut agents = problem.instance.agents.iter().zip(&problem.comes);
     let comes = agents.any(|(agent, comes)| *comes && agent.start == stop);
-    steps_between(problem.instance.separation, leaves, comes)
+    steps_between(problem.instance.separation, nearest, comes)
 }
 
-/// Least steps between the stays of two agents at a stop, by whether any leave the board there, and whether any come there.
-pub fn steps_between(separation: u32, leaves: bool, comes: bool) -> u64 {
-    match (leaves, comes) {
+/// Least steps between the stays of two agents at a stop, by the steps from there to the nearest cell at which any leave the board, and
+/// whether any come at the stop.
+pub fn steps_between(separation: u32, exit: Option<u32>, comes: bool) -> u64 {
+    match (exit, comes) {
         // One is gone at the instant at which the other comes.
-        (true, true) => 0,
-        (true, false) | (false, true) => u64::from(separation),
-        (false, false) => u64::from(separation) + 1,
+        (Some(steps), true) => u64::from(steps.min(separation)),
+        (Some(0), false) | (None, true) => u64::from(separation),
+        (_, false) => u64::from(separation) + 1,
     }
 }
 

@@ -300,10 +300,9 @@ impl JointSearch<'_> {
         let may_begin = may_begin(problem, from, agent);
         let rested = if around.is_some() || !may_begin { 0 } else { own.rested + 1 };
         let mut steps = vec![AgentStand { rested, ..own }];
-        // What has just come is dispensed first, and what has come to where it merges stays there.
+        // What has just come is dispensed first.
         let is_dispensed = problem.comes[agent] && own.done == 0;
-        let waits = due.is_some_and(|due| due.meets.is_some() && due.stop == own.cell);
-        if !is_dispensed && !waits {
+        if !is_dispensed {
             let beside = problem.instance.board.neighbours(own.cell);
             steps.extend(beside.map(|cell| AgentStand { cell, rested: 0, ..own }));
         }
@@ -367,7 +366,8 @@ impl JointSearch<'_> {
         }
     }
 
-    /// Whether two agents keep the separation at both ends of a step and crosswise, but for the cell at which they are about to merge.
+    /// Whether two agents keep the separation at both ends of a step and crosswise, but for the cell at which they are about to merge. Who
+    /// leaves that again needs it, since the electrode of the other one would pull it, too.
     fn keeps_apart(
         &self,
         from: &[JointStand],
@@ -377,16 +377,20 @@ impl JointSearch<'_> {
         let both = (from[agent].there(), from[other].there(), other_next.there());
         let (Some(own), Some(theirs), Some(next)) = both else { return true };
         let stop = meeting(self.problem, from, agent).filter(|(with, _)| *with == other).map(|(_, stop)| stop);
-        let counts = |cell: &&CellIndex| Some(**cell) != stop;
         let (ours, others) = ([own.cell, to], [theirs.cell, next.cell]);
+        let apart = |cells: &[CellIndex; 2]| {
+            let merges_at = stop.filter(|stop| cells[1] == *stop);
+            cells.iter().copied().filter(move |cell| Some(*cell) != merges_at).collect::<Vec<CellIndex>>()
+        };
         let instance = self.problem.instance;
         let step = |[from, to]: [CellIndex; 2]| AgentStep { from, to };
         if self.channels().is_some_and(|channels| channels.clash(step(ours), step(others))) {
             return false;
         }
-        ours.iter().filter(counts).all(|one| {
-            others.iter().filter(counts).all(|other| instance.board.apart(*one, *other) >= instance.separation)
-        })
+        let others = apart(&others);
+        apart(&ours)
+            .iter()
+            .all(|one| others.iter().all(|other| instance.board.apart(*one, *other) >= instance.separation))
     }
 
     /// The courses that lead to a node; those of agents that are gone end where they were last.
@@ -538,7 +542,7 @@ mod tests {
             errands,
             lags: Vec::new(),
             releases: Vec::new(),
-            paper: Vec::new(),
+            papers: Vec::new(),
             operations: Vec::new(),
             is_gone: vec![false; 3],
             traces: None,

@@ -82,6 +82,8 @@ pub(super) fn hopeless(problem: &AssayProblem, ahead: &Ahead) -> Option<usize> {
     let is_far = |lag: &&ErrandLag| {
         let agent = lag.of.agent;
         let own = lag.after.iter().filter(|place| place.agent == agent && place.errand < lag.of.errand);
+        // What others do may end later, near to its time.
+        let is_alone = lag.after.iter().all(|place| place.agent == agent);
         let ways = own.map(|place| {
             let between = place.errand + 1..=lag.of.errand;
             let stays = (place.errand + 1..lag.of.errand).map(|index| problem.errands[agent][index].stay);
@@ -90,7 +92,7 @@ pub(super) fn hopeless(problem: &AssayProblem, ahead: &Ahead) -> Option<usize> {
             ways.map(is_cut).chain(stays).fold(0u32, u32::saturating_add)
         });
         let is_split = problem.errands[agent][lag.of.errand].splits.is_some();
-        !is_split && ways.max().is_some_and(|ways| ways > lag.most)
+        is_alone && !is_split && ways.min().is_some_and(|ways| ways > lag.most)
     };
     problem.lags.iter().find(is_far).map(|lag| lag.of.agent)
 }

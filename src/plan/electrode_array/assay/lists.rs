@@ -1,7 +1,8 @@
 //! Lists of agents in the order in which their courses are planned.
 //!
 //! Method: an agent's course goes on until its last errand, or until it waits for an agent that comes later in the list. The first
-//! list begins with the agent whose errands take longest. Where an agent finds no course, it and those that meet on the way to it
+//! list begins with the agent whose errands take longest; others have the order of schedules on paper, in which nobody is in another's way.
+//! Where an agent finds no course, it and those that meet on the way to it
 //! come first in the next list. Once there is a plan, its list is changed: one agent goes to another place, or all agents of one
 //! droplet, every other time of one that is done last, go further to the front. The new list is kept if it is no worse. The agents of a
 //! first list also take their turns by time ([`TurnOrder`]): of both plans the better one counts. Of many agents that is mostly the only one.
@@ -70,14 +71,17 @@ pub(super) fn best(
         planner.gives_off_several().then(|| (list.clone(), LISTS_WITHOUT_PAUSE..LISTS_WITHOUT_PAUSE + PAUSED_LISTS));
     let paused = paused.and_then(|lists| first_eager(&mut planner, lists, &mut random));
     let key = |courses: &[AgentCourse]| AssayPlan::costs(courses).key(objective);
-    let (paper_eager, paper_patient) = first_on_paper(problem, (ahead, bounds), planner.meter);
-    let firsts = [eager, paused, paper_eager].into_iter().flatten();
-    let first = firsts.min_by_key(|first| key(&first.courses));
-    let patient = if is_crowd { early } else { first_patient(&mut planner, &list) };
-    let Some(first) = first else { return patient.or(paper_patient) };
-    let improvement = Improvement { first, objective, least: bounds.costs };
-    let best = improvement.best(&mut planner, &mut random);
-    std::iter::once(best).chain(patient).chain(paper_patient).min_by_key(|courses| key(courses))
+    let mut firsts: Vec<FirstList> = [eager, paused].into_iter().flatten().collect();
+    let mut patient: Vec<Vec<AgentCourse>> = Vec::new();
+    for paper in problem.papers.iter().filter(|_| problem.releases.is_empty()) {
+        let on_paper = first_on_paper(problem, (ahead, bounds), paper, planner.meter);
+        firsts.extend(on_paper.0);
+        patient.extend(on_paper.1);
+    }
+    firsts.sort_by_key(|first| key(&first.courses));
+    patient.extend(if is_crowd { early } else { first_patient(&mut planner, &list) });
+    let best = Improvement { firsts, objective, least: bounds.costs }.best(&mut planner, &mut random);
+    best.into_iter().chain(patient).min_by_key(|courses| key(courses))
 }
 
 /// A list that leads to a plan.
@@ -122,17 +126,15 @@ fn first_eager(
     None
 }
 
-/// The list in the order of a schedule on paper, and courses in which no errand begins before it does there, if there is one.
+/// The list in the order of a schedule on paper, and courses in which no errand begins before it does there.
 fn first_on_paper(
     problem: &AssayProblem,
     (ahead, bounds): (&Ahead, &AssayBounds),
+    paper: &[Vec<u32>],
     meter: &mut Meter,
 ) -> (Option<FirstList>, Option<Vec<AgentCourse>>) {
-    if problem.paper.is_empty() || !problem.releases.is_empty() {
-        return (None, None);
-    }
     let mut on_paper = AssayProblem { releases: problem.unheld(), ..problem.clone() };
-    for (agent, own) in problem.paper.iter().enumerate() {
+    for (agent, own) in paper.iter().enumerate() {
         for (errand, begin) in own.iter().enumerate() {
             if let Some((place, until)) = problem.held_back_by(ErrandPlace { agent, errand }, *begin) {
                 let release = &mut on_paper.releases[place.agent][place.errand];
@@ -142,7 +144,7 @@ fn first_on_paper(
     }
     let begin = |agent: &usize| {
         let first = usize::from(problem.comes[*agent]);
-        problem.paper[*agent].get(first).copied().unwrap_or(0)
+        paper[*agent].get(first).copied().unwrap_or(0)
     };
     let mut list: Vec<usize> = (0..problem.errands.len()).collect();
     list.sort_by_key(begin);
@@ -162,30 +164,31 @@ fn first_patient(planner: &mut ListPlanner, list: &[usize]) -> Option<Vec<AgentC
     })
 }
 
-/// Better lists than a first one.
+/// Better lists than some first ones.
 struct Improvement {
-    first: FirstList,
+    /// The best one first.
+    firsts: Vec<FirstList>,
     objective: BoardObjective,
     /// No plan is below them.
     least: BoardCosts,
 }
 
 impl Improvement {
-    /// The best courses of several rounds, each from the first list on.
-    fn best(self, planner: &mut ListPlanner, random: &mut SplitMix64) -> Vec<AgentCourse> {
-        let mut best = self.first.courses.clone();
+    /// The best courses of several rounds, each from one of the first lists on, in turn; none where there are none.
+    fn best(self, planner: &mut ListPlanner, random: &mut SplitMix64) -> Option<Vec<AgentCourse>> {
+        let mut best = self.firsts.first()?.courses.clone();
         let costs = AssayPlan::costs(&best);
         let mut held = HeldBoardPlan::begin(self.objective, costs, self.least);
-        for _ in 0..ROUNDS {
+        for first in self.firsts.iter().cycle().take(ROUNDS) {
             if self.is_least(&best) {
                 break;
             }
-            let found = self.round(planner, random, &mut held);
+            let found = self.round(planner, first, random, &mut held);
             if self.key(&found) < self.key(&best) {
                 best = found;
             }
         }
-        best
+        Some(best)
     }
 
     fn is_least(&self, courses: &[AgentCourse]) -> bool {
@@ -197,8 +200,14 @@ impl Improvement {
     }
 
     /// The courses of the last list of which no change is better.
-    fn round(&self, planner: &mut ListPlanner, random: &mut SplitMix64, held: &mut HeldBoardPlan) -> Vec<AgentCourse> {
-        let (mut courses, mut list) = (self.first.courses.clone(), self.first.list.clone());
+    fn round(
+        &self,
+        planner: &mut ListPlanner,
+        first: &FirstList,
+        random: &mut SplitMix64,
+        held: &mut HeldBoardPlan,
+    ) -> Vec<AgentCourse> {
+        let (mut courses, mut list) = (first.courses.clone(), first.list.clone());
         let drops = bound::drops(planner.problem);
         let mut idle = 0;
         while !self.is_least(&courses) && idle < LISTS && list.len() > 1 && planner.meter.left().steps > 0 {
@@ -212,7 +221,7 @@ impl Improvement {
                 _ => advanced(&list, &drops, &last_done(&courses), random),
             };
             idle += 1;
-            let Ok(found) = planner.courses(&other, self.first.terms) else { continue };
+            let Ok(found) = planner.courses(&other, first.terms) else { continue };
             if self.key(&found) < self.key(&courses) {
                 idle = 0;
                 held.offer(AssayPlan::costs(&found), self.least);
@@ -545,6 +554,11 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         let allowed = COURSE_STEPS + STEPS_PER_CELL * cells * query.waits.len() as u64;
         let router = &mut self.router;
         self.meter.share(allowed, |meter| router.course(query, bookings, meter))
+    }
+
+    /// Whether the agent of a query can stay at its start until an instant.
+    pub(super) fn stays_free(&mut self, query: &RouteQuery, until: u32, bookings: &Bookings) -> bool {
+        self.router.stays_free(query, until, bookings)
     }
 
     /// An agent that waited has been met: it is gone, or can go on from that instant.

@@ -110,9 +110,8 @@ pub struct AssayProblem<'a> {
     /// By agent and errand: the first instant at which it may begin; empty where nothing is held back. Whoever replays the courses does not
     /// know them: unless what comes before lasts until then, the agent comes to the stop no earlier.
     pub releases: Vec<Vec<u32>>,
-    /// By agent and errand: the instant at which it begins in a schedule on paper, in which nobody is in another's way; empty where there is
-    /// none.
-    pub paper: Vec<Vec<u32>>,
+    /// Schedules on paper, in which nobody is in another's way: by agent and errand the instant at which it begins.
+    pub papers: Vec<Vec<Vec<u32>>>,
     /// For each agent, whether it is gone after its last errand: the other one of those that meet there remains, or it leaves the board.
     pub is_gone: Vec<bool>,
     /// What they leave behind, if that does harm to any.

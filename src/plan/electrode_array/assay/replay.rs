@@ -1,6 +1,6 @@
 //! When courses do their errands, as whoever replays them sees it.
 
-use super::{AgentCourse, AssayProblem, ErrandPlace};
+use super::{AgentCourse, AssayProblem, Errand, ErrandPlace};
 
 /// The first instant, from one on, at which an errand is done by a course, which stays at its last cell; where agents meet, that at which
 /// this one is there. `None` if it does not do it.
@@ -45,33 +45,41 @@ struct Replay<'a> {
 }
 
 impl Replay<'_> {
-    /// The instant at which an agent is ready for the end of its next errand, whoever it meets; `None` while that is not known.
-    fn is_ready(&self, agent: usize) -> Option<u32> {
+    /// The instant from which on an agent can do its next errand, with that; `None` while it is not known, or there is none.
+    fn begins(&self, agent: usize) -> Option<(Errand, u32)> {
         let errand = self.done_at[agent].len();
         let due = self.problem.errands[agent].get(errand)?;
         let mut from = self.done_at[agent].last().copied().unwrap_or(self.courses[agent].since);
         for before in &self.problem.afters[agent][errand] {
             from = from.max(*self.done_at[before.agent].get(before.errand)?);
         }
-        match due.splits {
-            Some(split) => Some(self.courses[split.child].since),
-            None => done_at(self.problem, ErrandPlace { agent, errand }, &self.courses[agent], from),
+        Some((*due, from))
+    }
+
+    /// The instant at which two agents merge: the first one at which both are there and can.
+    fn merged(&self, agent: usize, other: usize) -> Option<u32> {
+        let ((due, own), (theirs, from)) = (self.begins(agent)?, self.begins(other)?);
+        if theirs.meets != Some(agent) {
+            return None;
         }
+        let courses = [agent, other].map(|one| &self.courses[one]);
+        let from = own.max(from);
+        let until = courses.map(AgentCourse::until).into_iter().fold(from + 1, u32::max);
+        (from..until).find(|instant| courses.iter().all(|course| course.at(*instant) == Some(due.stop)))
     }
 
     /// Follows an agent through the errands that it can do.
     fn go_on(&mut self, agent: usize) {
-        while let Some(ready) = self.is_ready(agent) {
-            let due = self.problem.errands[agent][self.done_at[agent].len()];
-            let Some(other) = due.meets else {
-                self.done_at[agent].push(ready);
-                continue;
+        while let Some((due, from)) = self.begins(agent) {
+            let errand = self.done_at[agent].len();
+            let done = match (due.splits, due.meets) {
+                (Some(split), _) => Some(self.courses[split.child].since),
+                (None, Some(other)) => self.merged(agent, other),
+                (None, None) => done_at(self.problem, ErrandPlace { agent, errand }, &self.courses[agent], from),
             };
-            let theirs = self.problem.errands[other].get(self.done_at[other].len());
-            let is_met = theirs.is_some_and(|theirs| theirs.meets == Some(agent));
-            let Some(both) = self.is_ready(other).filter(|_| is_met).map(|theirs| ready.max(theirs)) else { break };
-            self.done_at[agent].push(both);
-            self.done_at[other].push(both);
+            let Some(done) = done else { break };
+            self.done_at[agent].push(done);
+            due.meets.into_iter().for_each(|other| self.done_at[other].push(done));
         }
     }
 }

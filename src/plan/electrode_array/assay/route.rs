@@ -146,13 +146,25 @@ impl<'a> Router<'a> {
         }
     }
 
-    /// A course that ends as early as possible, unless none is found within the limit or the meter runs out.
-    pub(super) fn course(&mut self, query: &RouteQuery, bookings: &Bookings, meter: &mut Meter) -> Option<Course> {
+    /// Whether the agent of a query can stay at its start until an instant.
+    pub(super) fn stays_free(&mut self, query: &RouteQuery, until: u32, bookings: &Bookings) -> bool {
+        self.clear();
+        let search = RouteSearch::new(self.problem, self.ahead, query);
+        let span = self.span_at(&search, bookings, (query.start, 0), query.since);
+        span.is_some_and(|span| self.spans[span as usize].to > until)
+    }
+
+    fn clear(&mut self) {
         self.spans.clear();
         self.listed.clear();
         self.earliest.clear();
         self.nodes.clear();
         self.open.clear();
+    }
+
+    /// A course that ends as early as possible, unless none is found within the limit or the meter runs out.
+    pub(super) fn course(&mut self, query: &RouteQuery, bookings: &Bookings, meter: &mut Meter) -> Option<Course> {
+        self.clear();
         let search = RouteSearch::new(self.problem, self.ahead, query);
         for (span, at) in self.starts(&search, bookings) {
             let (mixing, mixed) = (NONE, 0);

@@ -84,12 +84,16 @@ impl ListPlanner<'_, '_> {
                     break;
                 }
                 let since = query.since.max(due.saturating_sub(way.saturating_add(early)));
+                // Until then it has to be able to stay where it is.
+                if !query.comes && !self.stays_free(&query, since, bookings) {
+                    continue;
+                }
                 let late = RouteQuery { since, limit: query.limit.min(end - 1), ..query };
                 best = self.course(&late, bookings).or(best);
             }
         }
         match best {
-            // Until then it stays where it is.
+            // It stays where it is before.
             Some(course) if !query.comes => {
                 let stays = (query.since..course.since).map(|_| query.start);
                 let cells = stays.chain(course.cells.iter().copied()).collect();

@@ -36,7 +36,10 @@ fn two_droplets_meet_at_their_goal() {
 
 #[test]
 fn two_droplets_meet_nowhere_else() {
-    judged(chip_pair((7, 5), (4, 5)), &["RRL", "LLL"], &[Rule::Hold]);
+    judged(chip_pair((7, 5), (4, 5)), &["RRL", "LLL"], &[Rule::Pull]);
+    // It leaves the goal and comes back, far from the other one and near to it.
+    judged(chip_pair((8, 5), (4, 5)), &["RLR", "..LLLL"], &[]);
+    judged(chip_pair((6, 5), (4, 5)), &["RLR", "L.L"], &[Rule::Pull]);
     judged(chip_pair((6, 5), (7, 5)), &["RRRR", ".R"], &[Rule::Pull]);
     judged(chip_pair((6, 5), (7, 5)), &["RRRR", "R"], &[]);
     judged(chip_pair((7, 5), (5, 5)), &["RR", "L"], &[Rule::Goal]);
