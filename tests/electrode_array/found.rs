@@ -200,3 +200,9 @@ fn a_limit_on_the_steps_is_kept_at_a_larger_sum() {
     let plan = planned(&text("ea_sum_within_steps"));
     assert_eq!((plan.outcomes["steps"], plan.outcomes["sum_of_costs"]), (3.0, 4.0));
 }
+
+#[test]
+fn a_stay_is_put_off_by_leaving() {
+    let plan = planned(&text("ea_within_comes_back"));
+    assert_eq!((plan.cost, plan.bound), (11_671.0, 11_671.0));
+}

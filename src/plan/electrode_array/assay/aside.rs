@@ -4,8 +4,8 @@
 //! from their stops there, no list leads to a plan.
 //!
 //! Method: each agent that would stay near where others have something to do is given one more errand, of no step, at the nearest cell that
-//! is in nobody's way, and another one, to come back, where it is to end. With traces, who does harm at a stop comes there after those to
-//! whom it would. Guaranteed: courses with these errands do all others, too.
+//! is in nobody's way, and another one, to come back, where it is to end. So is who would be done too soon for a time lag where it stands:
+//! it stays when it comes back. With traces, who does harm at a stop comes there after those to whom it would. Guaranteed: courses with these errands do all others, too.
 
 use super::super::board::CellIndex;
 use super::bound::{self, AssayBounds};
@@ -71,16 +71,17 @@ impl StepsAside {
             for (index, errand) in errands.iter().enumerate() {
                 let waits = problem.afters[agent].get(index).into_iter().flatten().any(|after| after.agent != agent);
                 let pauses = index.checked_sub(1).is_some_and(|errand| awaited.contains(&(agent, errand)));
+                let is_too_soon = begins_too_soon(problem, ErrandPlace { agent, errand: index });
                 let is_there = index > 0 || (!problem.comes[agent] && problem.parents[agent].is_none());
-                if !(waits || pauses) || !is_there || errand.splits.is_some() {
+                if !(waits || pauses || is_too_soon) || !is_there || errand.splits.is_some() {
                     continue;
                 }
                 let from = index.checked_sub(1).map_or(problem.instance.agents[agent].start, |last| errands[last].stop);
-                before[agent][index] = aside(problem, &mut wanted, (agent, from));
+                before[agent][index] = aside(problem, &mut wanted, (agent, from), is_too_soon);
             }
             let has_operation = problem.operations[agent].iter().any(Option::is_some);
             if let Some(last) = errands.last().filter(|_| come_back && has_operation && !problem.is_gone[agent]) {
-                after[agent] = aside(problem, &mut wanted, (agent, last.stop));
+                after[agent] = aside(problem, &mut wanted, (agent, last.stop), false);
             }
         }
         let is_any = before.iter().flatten().chain(&after).any(Option::is_some);
@@ -204,9 +205,22 @@ fn others(problem: &AssayProblem, agent: usize) -> impl Iterator<Item = ErrandPl
     others.flat_map(|(agent, errands)| (0..errands.len()).map(move |errand| ErrandPlace { agent, errand }))
 }
 
-/// Where an agent steps aside from a cell, if it would be in the way there and there is room: from then on that is its own.
-fn aside(problem: &AssayProblem, wanted: &mut [WantedBy], (agent, from): (usize, CellIndex)) -> Option<CellIndex> {
-    let cell = nearest_unwanted(problem, wanted, (agent, from)).filter(|cell| *cell != from)?;
+/// Whether others must follow an errand soon that begins at once where its agent stands, and that it can put off by leaving.
+fn begins_too_soon(problem: &AssayProblem, place: ErrandPlace) -> bool {
+    let stays = problem.errands[place.agent][place.errand].stay > 0;
+    stays && problem.lags.iter().any(|lag| lag.after.contains(&place)) && problem.held_back_by(place, 1).is_none()
+}
+
+/// Where an agent steps aside from a cell, if it would be in the way there, or leaves it by all means, and there is room: from then on that
+/// is its own.
+fn aside(
+    problem: &AssayProblem,
+    wanted: &mut [WantedBy],
+    (agent, from): (usize, CellIndex),
+    leaves: bool,
+) -> Option<CellIndex> {
+    let is_apart = |cell: CellIndex| !leaves || cell != from;
+    let cell = nearest_unwanted(problem, wanted, (agent, from), is_apart).filter(|cell| *cell != from)?;
     want(problem, wanted, (agent, cell));
     Some(cell)
 }
@@ -232,18 +246,19 @@ fn want(problem: &AssayProblem, wanted: &mut [WantedBy], (agent, cell): (usize, 
     }
 }
 
-/// The cell nearest to one at which an agent is in nobody's way.
+/// The cell nearest to one, of some cells, at which an agent is in nobody's way.
 fn nearest_unwanted(
     problem: &AssayProblem,
     wanted: &[WantedBy],
     (agent, from): (usize, CellIndex),
+    is_asked: impl Fn(CellIndex) -> bool,
 ) -> Option<CellIndex> {
     let board = &problem.instance.board;
     let mut is_seen = vec![false; board.cells()];
     let mut queue = VecDeque::from([from]);
     is_seen[from as usize] = true;
     while let Some(cell) = queue.pop_front() {
-        if wanted[cell as usize].no_other_than(agent) {
+        if wanted[cell as usize].no_other_than(agent) && is_asked(cell) {
             return Some(cell);
         }
         for next in board.neighbours(cell) {

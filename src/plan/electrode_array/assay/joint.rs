@@ -378,19 +378,17 @@ impl JointSearch<'_> {
         let (Some(own), Some(theirs), Some(next)) = both else { return true };
         let stop = meeting(self.problem, from, agent).filter(|(with, _)| *with == other).map(|(_, stop)| stop);
         let (ours, others) = ([own.cell, to], [theirs.cell, next.cell]);
-        let apart = |cells: &[CellIndex; 2]| {
-            let merges_at = stop.filter(|stop| cells[1] == *stop);
-            cells.iter().copied().filter(move |cell| Some(*cell) != merges_at).collect::<Vec<CellIndex>>()
-        };
+        let merges_at = |cells: [CellIndex; 2]| stop.filter(|stop| cells[1] == *stop);
+        let (our_merge, their_merge) = (merges_at(ours), merges_at(others));
         let instance = self.problem.instance;
         let step = |[from, to]: [CellIndex; 2]| AgentStep { from, to };
         if self.channels().is_some_and(|channels| channels.clash(step(ours), step(others))) {
             return false;
         }
-        let others = apart(&others);
-        apart(&ours)
-            .iter()
-            .all(|one| others.iter().all(|other| instance.board.apart(*one, *other) >= instance.separation))
+        ours.iter().filter(|cell| Some(**cell) != our_merge).all(|one| {
+            let mut theirs = others.iter().filter(|cell| Some(**cell) != their_merge);
+            theirs.all(|other| instance.board.apart(*one, *other) >= instance.separation)
+        })
     }
 
     /// The courses that lead to a node; those of agents that are gone end where they were last.
