@@ -414,9 +414,11 @@ impl ManyArrangements<'_> {
         let places = self.choices.on_paper(self.site.order, &paper);
         let operations = self.choices.at(&places);
         let papers = std::slice::from_ref(&paper);
-        let mut found = self.planned(operations.clone(), (AssayEffort::Lists, papers), LISTS_SHARE, meter);
+        let mut found =
+            self.planned(operations.clone(), (AssayEffort::Lists, papers), meter.left().steps / LISTS_SHARE, meter);
         if found.is_none() && self.best.is_none() {
-            let by_all_means = self.planned(operations.clone(), (AssayEffort::Whole, papers), SHARE, meter);
+            let steps = meter.left().steps / SHARE;
+            let by_all_means = self.planned(operations.clone(), (AssayEffort::Whole, papers), steps, meter);
             found = by_all_means.or_else(|| in_turn(self.site, operations, (self.objective, self.bounds)));
         }
         if let Some(plan) = found
@@ -426,16 +428,16 @@ impl ManyArrangements<'_> {
         }
     }
 
-    /// The plan of an arrangement on one part in so many of the budget that is left.
+    /// The plan of an arrangement on so many steps of the budget.
     fn planned(
         &self,
         operations: Vec<AssayOperation>,
         (effort, papers): (AssayEffort, &[PaperSchedule]),
-        share: u64,
+        steps: u64,
         meter: &mut Meter,
     ) -> Option<PlacedPlan> {
         let terms = ArrangementTerms { objective: self.objective, effort, papers };
-        match meter.share(meter.left().steps / share, |part| planned(self.site, operations, terms, part)) {
+        match meter.share(steps, |part| planned(self.site, operations, terms, part)) {
             SearchAnswer::Found(plan) => Some(plan),
             SearchAnswer::Impossible(_) | SearchAnswer::GaveUp(_) => None,
         }
@@ -444,11 +446,9 @@ impl ManyArrangements<'_> {
     /// Looks for a better order at the places of the best plan, on most of the budget.
     fn better_order(&mut self, meter: &mut Meter) {
         let Some(paper) = self.paper.take().filter(|_| !self.is_least()) else { return };
-        let (places, kept) = (self.places.clone(), meter.left().steps / KEPT_SHARE);
-        let operations = self.choices.at(&places);
-        let all = meter.left().steps.saturating_sub(kept);
-        let found = meter.share(all, |part| self.planned(operations, (AssayEffort::Lists, &[paper]), 1, part));
-        if let Some(plan) = found {
+        let (places, left) = (self.places.clone(), meter.left().steps);
+        let (operations, steps) = (self.choices.at(&places), left - left / KEPT_SHARE);
+        if let Some(plan) = self.planned(operations, (AssayEffort::Lists, &[paper]), steps, meter) {
             self.offer(plan, places);
         }
     }
@@ -472,7 +472,8 @@ impl ManyArrangements<'_> {
                         continue;
                     }
                     tried += 1;
-                    if let Some(plan) = self.planned(operations, (AssayEffort::Lists, &[]), LISTS_SHARE, meter) {
+                    let steps = meter.left().steps / LISTS_SHARE;
+                    if let Some(plan) = self.planned(operations, (AssayEffort::Lists, &[]), steps, meter) {
                         is_better |= self.offer(plan, others);
                     }
                 }

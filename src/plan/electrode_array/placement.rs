@@ -343,10 +343,10 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
         for (from, to) in booked.iter().copied().chain([(u64::MAX, u64::MAX)]) {
             let first = free + self.timed[comes].stay;
             if first + self.change <= from {
-                found = found.filter(|_| first > latest).or(Some(latest.min(from - self.change).max(first)));
-                if first > latest {
+                if found.is_some() && first > latest {
                     break;
                 }
+                found = Some(latest.min(from - self.change).max(first));
             }
             free = free.max(to);
         }

@@ -85,8 +85,8 @@ fn droplet(at: ElectrodeCell, acting: &[ElectrodeCell]) -> Option<PartPull> {
 }
 
 /// Motion of a droplet that merges with another at a goal. There it stays as long as that electrode is on, or needs none to rest, whatever
-/// pulls the other one beside it. Elsewhere the electrode of the goal is ignored, since it belongs to the other droplet; if no other electrode acts on the
-/// droplet, it goes to the goal if it can.
+/// pulls the other one beside it. Elsewhere the electrode of the goal is ignored, since it belongs to the other droplet; if no other
+/// electrode acts on the droplet, it goes to the goal if it can.
 pub(super) fn merging(
     on: &FxHashSet<ElectrodeCell>,
     hold: Hold,

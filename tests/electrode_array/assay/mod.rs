@@ -406,7 +406,7 @@ impl Assay {
         };
         let meet = due(part, done).filter(|own| due(other, other_done) == Some(*own));
         let ways = |from: Cell, to: Cell| match meet {
-            Some((at, _)) if to == at => vec![from].into_iter().filter(|cell| *cell != at).collect(),
+            Some((at, _)) if to == at => [from].into_iter().filter(|cell| *cell != at).collect(),
             Some(_) | None => vec![from, to],
         };
         let others: Vec<Cell> = ways(other_from, other_to);

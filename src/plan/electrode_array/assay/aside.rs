@@ -5,7 +5,8 @@
 //!
 //! Method: each agent that would stay near where others have something to do is given one more errand, of no step, at the nearest cell that
 //! is in nobody's way, and another one, to come back, where it is to end. So is who would be done too soon for a time lag where it stands:
-//! it stays when it comes back. With traces, who does harm at a stop comes there after those to whom it would. Guaranteed: courses with these errands do all others, too.
+//! it stays when it comes back. With traces, who does harm at a stop comes there after those to whom it would.
+//! Guaranteed: courses with these errands do all others, too.
 
 use super::super::board::CellIndex;
 use super::bound::{self, AssayBounds};
@@ -219,8 +220,7 @@ fn aside(
     (agent, from): (usize, CellIndex),
     leaves: bool,
 ) -> Option<CellIndex> {
-    let is_apart = |cell: CellIndex| !leaves || cell != from;
-    let cell = nearest_unwanted(problem, wanted, (agent, from), is_apart).filter(|cell| *cell != from)?;
+    let cell = nearest_unwanted(problem, wanted, (agent, from), leaves).filter(|cell| *cell != from)?;
     want(problem, wanted, (agent, cell));
     Some(cell)
 }
@@ -246,19 +246,19 @@ fn want(problem: &AssayProblem, wanted: &mut [WantedBy], (agent, cell): (usize, 
     }
 }
 
-/// The cell nearest to one, of some cells, at which an agent is in nobody's way.
+/// The cell nearest to one at which an agent is in nobody's way: another one, if it leaves that.
 fn nearest_unwanted(
     problem: &AssayProblem,
     wanted: &[WantedBy],
     (agent, from): (usize, CellIndex),
-    is_asked: impl Fn(CellIndex) -> bool,
+    leaves: bool,
 ) -> Option<CellIndex> {
     let board = &problem.instance.board;
     let mut is_seen = vec![false; board.cells()];
     let mut queue = VecDeque::from([from]);
     is_seen[from as usize] = true;
     while let Some(cell) = queue.pop_front() {
-        if wanted[cell as usize].no_other_than(agent) && is_asked(cell) {
+        if wanted[cell as usize].no_other_than(agent) && !(leaves && cell == from) {
             return Some(cell);
         }
         for next in board.neighbours(cell) {

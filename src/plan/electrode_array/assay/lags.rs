@@ -81,10 +81,9 @@ fn late(problem: &AssayProblem, courses: &[AgentCourse]) -> Vec<(ErrandPlace, u3
 pub(super) fn hopeless(problem: &AssayProblem, ahead: &Ahead) -> Option<usize> {
     let is_far = |lag: &&ErrandLag| {
         let agent = lag.of.agent;
-        let own = lag.after.iter().filter(|place| place.agent == agent && place.errand < lag.of.errand);
         // What others do may end later, near to its time.
-        let is_alone = lag.after.iter().all(|place| place.agent == agent);
-        let ways = own.map(|place| {
+        let is_alone = lag.after.iter().all(|place| place.agent == agent && place.errand < lag.of.errand);
+        let ways = lag.after.iter().map(|place| {
             let between = place.errand + 1..=lag.of.errand;
             let stays = (place.errand + 1..lag.of.errand).map(|index| problem.errands[agent][index].stay);
             let ways = between.map(|index| ahead.steps(agent, index, problem.errands[agent][index - 1].stop));

@@ -2,9 +2,8 @@
 //!
 //! Method: an agent's course goes on until its last errand, or until it waits for an agent that comes later in the list. The first
 //! list begins with the agent whose errands take longest; others have the order of schedules on paper, in which nobody is in another's way.
-//! Where an agent finds no course, it and those that meet on the way to it
-//! come first in the next list. Once there is a plan, its list is changed: one agent goes to another place, or all agents of one
-//! droplet, every other time of one that is done last, go further to the front. The new list is kept if it is no worse. The agents of a
+//! Where an agent finds no course, it and those that meet on the way to it come first in the next list. Once there is a plan, its list is
+//! changed: one agent goes to another place, or all agents of one droplet, every other time of one that is done last, go further to the front. The new list is kept if it is no worse. The agents of a
 //! first list also take their turns by time ([`TurnOrder`]): of both plans the better one counts. Of many agents that is mostly the only one.
 
 use super::super::board::{BoardCosts, BoardObjective, CellIndex, HeldBoardPlan};
@@ -556,9 +555,9 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         self.meter.share(allowed, |meter| router.course(query, bookings, meter))
     }
 
-    /// Whether the agent of a query can stay at its start until an instant.
-    pub(super) fn stays_free(&mut self, query: &RouteQuery, until: u32, bookings: &Bookings) -> bool {
-        self.router.stays_free(query, until, bookings)
+    /// The first instant at which the agent of a query can no longer be at its start.
+    pub(super) fn start_is_free_until(&mut self, query: &RouteQuery, bookings: &Bookings) -> u32 {
+        self.router.start_is_free_until(query, bookings)
     }
 
     /// An agent that waited has been met: it is gone, or can go on from that instant.

@@ -57,13 +57,13 @@ impl Replay<'_> {
     }
 
     /// The instant at which two agents merge: the first one at which both are there and can.
-    fn merged(&self, agent: usize, other: usize) -> Option<u32> {
-        let ((due, own), (theirs, from)) = (self.begins(agent)?, self.begins(other)?);
+    fn merged(&self, (agent, due, begins): (usize, Errand, u32), other: usize) -> Option<u32> {
+        let (theirs, from) = self.begins(other)?;
         if theirs.meets != Some(agent) {
             return None;
         }
         let courses = [agent, other].map(|one| &self.courses[one]);
-        let from = own.max(from);
+        let from = begins.max(from);
         let until = courses.map(AgentCourse::until).into_iter().fold(from + 1, u32::max);
         (from..until).find(|instant| courses.iter().all(|course| course.at(*instant) == Some(due.stop)))
     }
@@ -74,7 +74,7 @@ impl Replay<'_> {
             let errand = self.done_at[agent].len();
             let done = match (due.splits, due.meets) {
                 (Some(split), _) => Some(self.courses[split.child].since),
-                (None, Some(other)) => self.merged(agent, other),
+                (None, Some(other)) => self.merged((agent, due, from), other),
                 (None, None) => done_at(self.problem, ErrandPlace { agent, errand }, &self.courses[agent], from),
             };
             let Some(done) = done else { break };

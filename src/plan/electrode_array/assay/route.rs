@@ -146,12 +146,12 @@ impl<'a> Router<'a> {
         }
     }
 
-    /// Whether the agent of a query can stay at its start until an instant.
-    pub(super) fn stays_free(&mut self, query: &RouteQuery, until: u32, bookings: &Bookings) -> bool {
+    /// The first instant at which the agent of a query can no longer be at its start.
+    pub(super) fn start_is_free_until(&mut self, query: &RouteQuery, bookings: &Bookings) -> u32 {
         self.clear();
         let search = RouteSearch::new(self.problem, self.ahead, query);
         let span = self.span_at(&search, bookings, (query.start, 0), query.since);
-        span.is_some_and(|span| self.spans[span as usize].to > until)
+        span.map_or(0, |span| self.spans[span as usize].to)
     }
 
     fn clear(&mut self) {

@@ -4,7 +4,7 @@
 //! before they are of use, and stand in the way of all others. Patient turns follow the time: next is who can go on first, what is to come
 //! does so when another waits for it, and who has to wait stays where it is until shortly before.
 
-use super::bookings::Bookings;
+use super::bookings::{Bookings, NEVER};
 use super::lists::{ListPlanner, Progress, TurnOrder};
 use super::route::{Course, RouteQuery};
 
@@ -78,14 +78,15 @@ impl ListPlanner<'_, '_> {
     pub(super) fn late_course(&mut self, query: RouteQuery, bookings: &Bookings) -> Option<Course> {
         let mut best: Option<Course> = None;
         if let Some((due, way)) = self.due(&query) {
+            // Until it sets off it has to be able to stay where it is.
+            let free = if query.comes { NEVER } else { self.start_is_free_until(&query, bookings) };
             for early in EARLY {
                 let end = best.as_ref().map_or(u32::MAX, Course::end);
                 if best.is_some() && (!query.comes || end <= due.saturating_add(PUNCTUAL)) {
                     break;
                 }
                 let since = query.since.max(due.saturating_sub(way.saturating_add(early)));
-                // Until then it has to be able to stay where it is.
-                if !query.comes && !self.stays_free(&query, since, bookings) {
+                if since >= free {
                     continue;
                 }
                 let late = RouteQuery { since, limit: query.limit.min(end - 1), ..query };
