@@ -2,7 +2,7 @@
 
 use super::{KindOrder, Order, Relation, ValueOrigin};
 use crate::device::Kind;
-use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Hold};
 pub use crate::device::electrode_array::{ElectrodeArrayMethod, ElectrodeArrayObjective, ZoneSort};
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
@@ -49,6 +49,10 @@ impl KindOrder for ElectrodeArrayOrder {
             Some(ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_)) | None => Vec::new(),
         }
     }
+
+    fn holds_in_runs_only(&self) -> bool {
+        self.facts.hold == Hold::On
+    }
 }
 
 impl ElectrodeArrayOrder {
@@ -84,6 +88,21 @@ pub struct Contamination {
     /// For each part the fluids that it contains before the task; none if it is not on the board by then.
     #[serde(skip)]
     pub before: Vec<Fluids>,
+    /// How wash droplets come by themselves, if they do; those are among the operations then.
+    #[serde(skip)]
+    pub course: Option<Box<WashCourse>>,
+}
+
+/// Where wash droplets come from, and where they leave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WashCourse {
+    /// The reservoir's name, and so that of the fluid.
+    pub fluid: String,
+    pub outlet: ElectrodeCell,
+    /// Time in which one is dispensed, in nanoseconds.
+    pub dispense_ns: u64,
+    pub exit: ElectrodeArrayStop,
+    pub span: Span,
 }
 
 /// The names of the fluids that a droplet contains.

@@ -214,6 +214,11 @@ pub trait KindOrder {
         Vec::new()
     }
 
+    /// Whether what the device carries is held as long as a task runs, and let go between its tasks.
+    fn holds_in_runs_only(&self) -> bool {
+        false
+    }
+
     /// Where the device stands in the scene, if the program says so.
     fn frame(&self) -> Option<Pose> {
         None

@@ -6,6 +6,7 @@ use crate::claims::{Claims, Job};
 use crate::device::Kind;
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::plan::{Motion, Optimality, Plan};
+use crate::quantity::{Dimension, Quantity};
 use crate::schedule::reached::{Reached, reached};
 use crate::schedule::{
     Actuation, Channel, ChannelUnit, PlanRecord, Schedule, ScheduledOperation, ScheduledStep, SourceRef, Swing,
@@ -62,6 +63,7 @@ pub fn lower(claims: &Claims, plans: &[Plan<Motion>], sources: &Sources, sink: &
     for stretch in &placed {
         stretch.job.into_iter().for_each(|job| starts[job] = stretch.start_ns);
     }
+    between_runs(claims, (&runs, &starts), sink);
     let mut builder = ScheduleBuilder::new(claims, (plans, &runs), sources);
     for (job, (run, start_ns)) in runs.into_iter().zip(starts).enumerate() {
         builder.add(job, &plans[job], run, start_ns);
@@ -73,6 +75,32 @@ pub fn lower(claims: &Claims, plans: &[Plan<Motion>], sources: &Sources, sink: &
         return too_long(claims, sink);
     }
     bench::holds(&schedule, claims, sink).then_some(schedule)
+}
+
+/// Warns where a device stands still between two of its runs, and what it carries is held in runs only.
+fn between_runs(claims: &Claims, (runs, starts): (&[LoweredRun], &[u64]), sink: &mut Sink) {
+    let mut by_start: Vec<usize> = (0..runs.len()).collect();
+    by_start.sort_by_key(|job| (starts[*job], *job));
+    let mut last: BTreeMap<&str, usize> = BTreeMap::new();
+    for job in by_start {
+        let own = &claims.jobs[job];
+        let Some(before) = last.insert(&own.device, job).filter(|_| own.order.asked().holds_in_runs_only()) else {
+            continue;
+        };
+        let gap_ns = starts[job].saturating_sub(starts[before] + runs[before].duration_ns);
+        let end = runs[before].states.last().and_then(|last| last.state.cells());
+        if gap_ns == 0 || end.is_none_or(BTreeMap::is_empty) {
+            continue;
+        }
+        let gap = Quantity::new(gap_ns as f64 / 1e9, Dimension::TIME);
+        let earlier = &claims.jobs[before];
+        let title = format!("nothing holds the parts of `{}` for {gap} before this run", own.device);
+        let diagnostic = Diagnostic::new(Code::W0512, title)
+            .label(own.run_span, "all electrodes are off until then")
+            .label_elsewhere(earlier.run_span, own.run_span, "since the end of this run")
+            .help(format!("write the wait as the last step of `{}`: within a task parts are held", earlier.task));
+        sink.push(diagnostic);
+    }
 }
 
 /// Figures of a plan by their names, as schedules have them.

@@ -217,15 +217,16 @@ pub fn excluded_by_channels(step: Span, parts: &[(&str, Span)]) -> Diagnostic {
     diagnostic.help("with a channel for each electrode they would: give some electrodes channels of their own, or parts other goals")
 }
 
-/// Parts that the electrodes under them do not hold, but pull apart.
-pub fn restless_by_channels(step: Span, [one, other]: [String; 2]) -> Diagnostic {
-    let (title, whom) = match one == other {
-        true => (format!("no plan: a part cannot be held at {one}"), "it"),
-        false => (format!("no plan: parts cannot be held at {one} and {other} together"), "one of them"),
+/// Parts, each with its name and cell, that the electrodes under them do not hold, but pull apart.
+pub fn restless_by_channels(step: Span, [one, other]: [(&str, String); 2]) -> Diagnostic {
+    let held = |(name, cell): &(&str, String)| format!("`{name}` at {cell}");
+    let (title, whom) = match one.0 == other.0 {
+        true => (format!("no plan: {} cannot be held", held(&one)), "it"),
+        false => (format!("no plan: {} and {} cannot be held together", held(&one), held(&other)), "one of them"),
     };
     Diagnostic::new(Code::E0601, title)
         .label(step, format!("an electrode on a shared channel is on beside {whom} meanwhile"))
-        .help("let the step before end on electrodes of other channels")
+        .help("leave out the wait, or begin it with the parts on electrodes of other channels")
 }
 
 /// A plan of a planner that knows nothing of shared channels.

@@ -206,3 +206,19 @@ fn a_stay_is_put_off_by_leaving() {
     let plan = planned(&text("ea_within_comes_back"));
     assert_eq!((plan.cost, plan.bound), (11_671.0, 11_671.0));
 }
+
+#[test]
+fn who_leaves_too_soon_while_it_steps_aside_is_gone() {
+    assert!(planned(&text("ea_leaves_while_aside")).outcomes["sum_of_costs"] <= 32.0);
+}
+
+#[test]
+fn a_limit_from_below_is_met_by_waiting_where_channels_let_all_rest() {
+    let plan = planned(&text("ea_waits_where_it_can_rest"));
+    assert_eq!((plan.cost, plan.bound), (4.0, 4.0));
+}
+
+#[test]
+fn who_is_dispensed_where_another_leaves_meets_its_traces() {
+    assert_eq!(planned(&text("ea_dispensed_as_another_leaves")).cost, 5.0);
+}

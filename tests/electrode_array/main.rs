@@ -10,6 +10,7 @@ mod scenes;
 mod task;
 mod teams;
 mod tiny;
+mod washes;
 
 use check::{fault, judged};
 use scenes::{Random, Shape, block, droplets, rimmed, table_6};

@@ -2,6 +2,7 @@
 
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
+use tweeze::claims::Claims;
 use tweeze::compile::{self, ProgramSource};
 use tweeze::diagnostic::Sink;
 use tweeze::lower::lower;
@@ -28,12 +29,19 @@ impl Library for Alone {
     }
 }
 
-pub fn answered(text: &str) -> Answered {
+/// The claims of the only task of a program, with its texts; none if it has errors.
+pub fn checked(text: &str) -> Option<(Claims, Sources, Sink)> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();
     let program = ProgramSource { name: "task.twz", text, library: &Alone, options: &options };
-    let Some(checked) = compile::check_program(&program, &mut sources, &mut sink) else { return Answered::Unfit };
-    let [claims] = checked.claims.as_slice() else { panic!("one task: {text}") };
+    let mut checked = compile::check_program(&program, &mut sources, &mut sink)?;
+    assert_eq!(checked.claims.len(), 1, "one task: {text}");
+    Some((checked.claims.pop()?, sources, sink))
+}
+
+pub fn answered(text: &str) -> Answered {
+    let Some((claims, sources, mut sink)) = checked(text) else { return Answered::Unfit };
+    let claims = &claims;
     let plans = plan::plan(claims, &mut sink, &mut |_, _, _| {});
     match plans {
         Some(mut plans) => {

@@ -381,6 +381,14 @@ impl BoardStepJudge<'_> {
     /// A droplet that a reservoir makes at its outlet, where the electrode holds it.
     fn dispensed(&mut self, call: &Call, part: Option<usize>) -> Option<AssayOperation> {
         let from = phrases(call, "from").next()?;
+        let (fluid, cell, stay_ns) = self.dispensing(call, from)?;
+        let stop = ElectrodeArrayStop { cell, span: from.span, origin: from.origin.clone() };
+        let passing = AssayOperation::passing(part?, vec![stop], call.span);
+        Some(AssayOperation { stay_ns, comes: true, fluid: Some(fluid), ..passing })
+    }
+
+    /// The reservoir that an argument names: its name, its outlet, and the time in which it makes a droplet.
+    pub(super) fn dispensing(&mut self, call: &Call, from: &Argument) -> Option<(String, ElectrodeCell, u64)> {
         let outlet = self.tray.reservoirs.index(from, self.scene, self.tray.is_whole, self.sink);
         let wrong = if self.facts.layout.electrodes != Electrodes::Single {
             Some(errors::parts_are_not_dispensed(call.span))
@@ -393,10 +401,7 @@ impl BoardStepJudge<'_> {
         };
         self.sink.unless(wrong)?;
         let Outlet { name, cell, .. } = self.tray.outlets.get(outlet?)?;
-        let stay_ns = self.facts.dispense_ns_at(*cell)?;
-        let stop = ElectrodeArrayStop { cell: *cell, span: from.span, origin: from.origin.clone() };
-        let passing = AssayOperation::passing(part?, vec![stop], call.span);
-        Some(AssayOperation { stay_ns, comes: true, fluid: Some(name.clone()), ..passing })
+        Some((name.clone(), *cell, self.facts.dispense_ns_at(*cell)?))
     }
 
     pub(super) fn stay_ns(&mut self, time: &Argument, what: &str) -> Option<u64> {

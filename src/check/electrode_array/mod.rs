@@ -17,6 +17,7 @@ mod stays;
 mod teams;
 mod traces;
 mod tray;
+mod washes;
 mod zones;
 
 use super::devices::CheckedDevice;
@@ -102,7 +103,11 @@ impl KindChecks for ElectrodeArrayChecks {
     }
 
     fn agree(&self, jobs: &mut [Job], sink: &mut Sink) {
-        let before = places::places_agree(jobs, sink);
+        let errors = sink.errors();
+        let mut before = places::places_agree(jobs, sink);
+        if sink.errors() == errors && washes::enter(jobs, &before, sink) {
+            before = places::places_agree(jobs, sink);
+        }
         traces::agree(jobs, before, sink);
         zones::agree(jobs, sink);
     }

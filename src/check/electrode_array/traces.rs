@@ -1,13 +1,14 @@
 //! Which traces a task avoids, and operations that could not but leave them.
 
 use super::errors;
-use super::goals::{BoardStepJudge, is_assay};
+use super::goals::{BoardStepJudge, is_assay, phrases};
 use crate::check::lets::Argument;
 use crate::check::tasks::{VocabularyAction, VocabularyStep};
 use crate::check::value::{ObjectName, Value};
 use crate::check::verbs::Call;
 use crate::claims::electrode_array::{
     AssayOperation, AvoidedTrace, Contamination, ElectrodeArrayAction, ElectrodeArrayOrder, ElectrodeArrayStop, Fluids,
+    WashCourse,
 };
 use crate::claims::{Job, Order};
 use crate::device::electrode_array::{ElectrodeCell, Electrodes};
@@ -24,7 +25,8 @@ impl BoardStepJudge<'_> {
         for call in conditions {
             let no_droplet = self.facts.layout.electrodes != Electrodes::Single;
             self.sink.unless(no_droplet.then(|| errors::parts_leave_no_traces(call.span)))?;
-            let fluids = call.object.iter().chain(call.phrases.iter().map(|(_, fluid)| fluid));
+            let named = call.phrases.iter().filter(|(preposition, _)| *preposition != "to").map(|(_, fluid)| fluid);
+            let fluids = call.object.iter().chain(named);
             let fluids: Vec<Option<String>> = fluids.map(|fluid| self.fluid(fluid)).collect();
             match fluids.as_slice() {
                 [Some(of), Some(within)] if of != within => {
@@ -39,9 +41,35 @@ impl BoardStepJudge<'_> {
                 [Some(wash)] if !contamination.washes.contains(wash) => contamination.washes.push(wash.clone()),
                 _ => is_whole &= fluids.iter().all(Option::is_some),
             }
+            if let Some(exit) = phrases(call, "to").next().filter(|_| fluids.iter().all(Option::is_some)) {
+                let course = self.wash_course(call, exit);
+                let earlier =
+                    contamination.course.as_ref().map(|earlier| errors::washes_by_two(call.span, earlier.span));
+                is_whole &= self.sink.unless(earlier).is_some() && course.is_some();
+                contamination.course = course.map(Box::new);
+            }
         }
         self.in_one_assay(conditions, steps)?;
+        let is_wash = |fluid: &String| contamination.washes.contains(fluid);
+        let idle = |trace: &&AvoidedTrace| is_wash(&trace.of) || is_wash(&trace.within);
+        if is_whole && let Some(trace) = contamination.avoided.iter().find(idle) {
+            let fluid = if is_wash(&trace.of) { &trace.of } else { &trace.within };
+            let wash = conditions.iter().find(|call| call.object.is_none()).map_or(trace.span, |call| call.span);
+            self.sink.push(errors::avoids_a_wash(trace.span, fluid, wash));
+            return None;
+        }
         is_whole.then_some(contamination)
+    }
+
+    /// Where wash droplets come from that come by themselves, and where they leave.
+    fn wash_course(&mut self, call: &Call, exit: &Argument) -> Option<WashCourse> {
+        let from = phrases(call, "with").next()?;
+        let exit = self.stop(exit);
+        let Value::Object(ObjectName { name, .. }) = &from.value else { return None };
+        let is_dispensed = self.tray.outlets.iter().any(|outlet| outlet.name == *name);
+        self.sink.unless((!is_dispensed).then(|| errors::washes_from_no_reservoir(from.span, name)))?;
+        let (fluid, outlet, dispense_ns) = self.dispensing(call, from)?;
+        Some(WashCourse { fluid, outlet, dispense_ns, exit: exit?, span: call.span })
     }
 
     /// A task that avoids traces has one assay, and only what moves nothing besides.

@@ -252,7 +252,8 @@ pub fn unknown_verb((span, verb): (Span, &str), vocabulary: &Vocabulary, near: O
         true => format!("objects belong in a scene, `scene bench {{ {verb} … }}`, and the task runs `in bench`"),
         false => format!("{kind} can {}; besides there are {besides} and the settings", listed(known)),
     };
-    let near = verb_synonym(verb, vocabulary).or(near);
+    // A setting of that name in another form is not what was meant by another word.
+    let near = verb_synonym(verb, vocabulary).or(near).filter(|near| *near != verb);
     Diagnostic::new(Code::E0208, format!("{kind} cannot `{verb}`")).label(span, "not a step").near_or(near, list)
 }
 

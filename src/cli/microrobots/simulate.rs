@@ -12,9 +12,7 @@ use crate::diagnostic::Sink;
 use crate::plan::microrobots::simulation::{EndedTrial, SimulatedBed};
 use crate::plan::{self, Motion, Plan};
 use crate::quantity::digits;
-use crate::simulate::{
-    ControlPhase, Dockings, FailureReason, Failures, ShareSpread, SimulationReport, Spread, simulate_disturbed,
-};
+use crate::simulate::{ControlPhase, Dockings, Failures, ShareSpread, SimulationReport, Spread, simulate_disturbed};
 use crate::source::Sources;
 use serde_json::{Value, json};
 use std::io;
@@ -217,7 +215,7 @@ fn dockings(report: &SimulationReport) -> String {
 fn failures(report: &SimulationReport, line: &dyn Fn(usize) -> Option<u32>) -> String {
     let row = |failure: &Failures| {
         let line = line(failure.step).map(|line| format!(", line {line}")).unwrap_or_default();
-        let (robot, reason) = (&report.names[failure.robot], reason(&failure.reason));
+        let (robot, reason) = (&report.names[failure.robot], failure.reason.clause());
         format!("  {} of {robot}{line}, {}: {reason}\n", failure.count, phase(failure.phase))
     };
     let lines: Vec<String> = report.failures.iter().map(row).collect();
@@ -234,21 +232,6 @@ fn phase(phase: ControlPhase) -> &'static str {
         ControlPhase::Fine => "in fine motion",
         ControlPhase::Contact => "at contact",
         ControlPhase::Over => "at the end",
-    }
-}
-
-fn reason(reason: &FailureReason) -> String {
-    match reason {
-        FailureReason::LeftCylinder => "it did not get to where the fine motion begins".to_owned(),
-        FailureReason::MissedCone => "its goal was not within reach of the fine motion".to_owned(),
-        FailureReason::Misplaced => "it docked too far from its place".to_owned(),
-        FailureReason::Angle => "it met its structure at too large an angle".to_owned(),
-        FailureReason::Collision(thing) => format!("it ran into {thing}"),
-        FailureReason::TimeLimit => "it took too long".to_owned(),
-        FailureReason::NotDocked => "it was held for docked, and was not".to_owned(),
-        FailureReason::Unmeasured => "it was not measured, or where it cannot be, too often".to_owned(),
-        FailureReason::Astray => "it did not follow the commands".to_owned(),
-        FailureReason::Silence => "measurements failed to come".to_owned(),
     }
 }
 

@@ -144,7 +144,7 @@ const FIELDS: &[VocabularyField] = &[
         "hold",
         Sort::Flag,
         "false",
-        "whether the electrodes that brought a part to its cell stay on while it rests",
+        "whether the electrodes that brought a part to its cell stay on while it rests; all are off where no task runs, also where a `program` waits between tasks (W0512)",
     ),
     optional(
         "dispense_duration",
@@ -435,10 +435,13 @@ const CONDITIONS: &[Verb] = &[
         name: "wash",
         noun: None,
         object: None,
-        phrases: &[VocabularyPhrase { preposition: "with", sort: Sort::Object("fluid"), count: Count::Once }],
+        phrases: &[
+            VocabularyPhrase { preposition: "with", sort: Sort::Object("fluid"), count: Count::Once },
+            VocabularyPhrase { preposition: "to", sort: Sort::Cell, count: Count::AtMostOnce },
+        ],
         block: None,
-        doc: "makes droplets of nothing but a fluid take away what was left on the electrodes to which they come",
-        example: "wash with water",
+        doc: "makes droplets of nothing but a fluid take away what was left on the electrodes to which they come; with a cell after `to` such droplets are added where they are needed, and leave there",
+        example: "wash with water to (16, 2)",
     },
 ];
 

@@ -189,7 +189,8 @@ fn fronts(
             is_only,
             expansions: order.planner.expansions,
         };
-        fronts.push(limited::front(&stage.instance, (&known[turn].0, bounds[turn]), asked));
+        let standing = stage.standing_cells(order).collect();
+        fronts.push(limited::front((&stage.instance, standing), (&known[turn].0, bounds[turn]), asked));
     });
     fronts
 }

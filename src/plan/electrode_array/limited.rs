@@ -9,7 +9,10 @@
 //! Guaranteed: plans keep all limits. Where the answer is proven, no other plan of the task is better, or none keeps the limits.
 //! Cost: each step gets its budget once more.
 
-use super::board::{BoardAnswer, BoardCosts, BoardObjective, BoardPlan, Instance, NoBoardPlan, Paths, position};
+use super::board::{
+    BoardAnswer, BoardCosts, BoardObjective, BoardPlan, CellIndex, Instance, NoBoardPlan, Paths, position,
+};
+use super::broadcast::SharedChannels;
 use super::labels::{self, BoardFigures, PlanLimits};
 use super::portfolio;
 use crate::plan::search::{Meter, SearchBudget};
@@ -35,6 +38,8 @@ pub struct PlanFront {
     is_whole: bool,
     /// The same holds where a figure must reach a least value.
     reaches: bool,
+    /// Where channels are shared: which parts can rest together, and the cells of those that stay.
+    shared: Option<(SharedChannels, Vec<CellIndex>)>,
 }
 
 /// Limits on a step within its task.
@@ -55,20 +60,26 @@ pub fn figures(paths: &Paths) -> BoardFigures {
     [costs.makespan, costs.sum_of_costs, paths.iter().map(moves).sum()]
 }
 
-/// The candidate plans of a step, given one plan with its bounds.
-pub fn front(instance: &Instance, known: (&Paths, BoardFigures), asked: AskedStep) -> PlanFront {
+/// The candidate plans of a step, given one plan with its bounds; `standing` are the cells of the parts that stay.
+pub fn front(
+    (instance, standing): (&Instance, Vec<CellIndex>),
+    known: (&Paths, BoardFigures),
+    asked: AskedStep,
+) -> PlanFront {
     let (paths, bounds) = known;
     let choices = vec![(paths.clone(), figures(paths))];
+    let shared = instance.board.channels().map(|channels| (channels.clone(), standing));
+    let front = PlanFront { choices, bounds, is_whole: true, reaches: false, shared };
     if instance.agents.len() == 1 {
         // A shortest path has the least of every figure.
-        return PlanFront { choices, bounds, is_whole: true, reaches: false };
+        return front;
     }
     let mut meter = Meter::new(SearchBudget::of(asked.expansions / LABELS_SHARE));
-    let is_shared = instance.board.channels().is_some();
-    if !is_shared && let Some(choices) = labels::front(instance, asked.limits, &mut meter) {
-        return PlanFront { choices, bounds, is_whole: true, reaches: true };
+    if front.shared.is_none()
+        && let Some(choices) = labels::front(instance, asked.limits, &mut meter)
+    {
+        return PlanFront { choices, reaches: true, ..front };
     }
-    let front = PlanFront { choices, bounds, is_whole: true, reaches: false };
     let mut search = LimitedTaskSearch { instance, asked, front, left: asked.expansions };
     search.run();
     search.front
@@ -204,7 +215,7 @@ pub fn choose(fronts: &[PlanFront], limits: PlanLimits, objective: BoardObjectiv
     let is_whole = !cut && fronts.iter().all(|front| front.is_whole);
     let reaches = fronts.iter().all(|front| front.reaches) || limits.least == [0; 3];
     let candidates = partials.iter().map(|partial| (picked(fronts, partial), partial.figures));
-    let candidates = candidates.filter_map(|(paths, figures)| delayed(paths, figures, limits));
+    let candidates = candidates.filter_map(|(paths, figures)| delayed(fronts, (paths, figures), limits));
     let first = match objective {
         BoardObjective::Makespan => 0,
         BoardObjective::SumOfCosts => 1,
@@ -265,22 +276,41 @@ fn picked(fronts: &[PlanFront], partial: &Partial) -> Vec<Paths> {
     fronts.iter().zip(&partial.picks).map(|(front, pick)| front.choices[*pick as usize].0.clone()).collect()
 }
 
-/// A combination that also keeps the lower limits, if necessary because all parts of a step wait before they move.
-fn delayed(mut paths: Vec<Paths>, figures: BoardFigures, limits: PlanLimits) -> Option<(Vec<Paths>, BoardFigures)> {
+/// A combination that also keeps the lower limits, if necessary because all parts of a step wait before they move, or as soon as they can.
+fn delayed(
+    fronts: &[PlanFront],
+    (mut paths, figures): (Vec<Paths>, BoardFigures),
+    limits: PlanLimits,
+) -> Option<(Vec<Paths>, BoardFigures)> {
     let missing = limits.least[0].saturating_sub(figures[0]);
     let movers = |paths: &Paths| paths.iter().filter(|path| path.len() > 1).count();
     if missing > 0 {
         if missing > MOST_DELAY {
             return None;
         }
-        let step = paths.iter_mut().filter(|paths| movers(paths) > 0).min_by_key(|paths| movers(paths))?;
-        for path in step.iter_mut().filter(|path| path.len() > 1) {
-            let start = position(path, 0);
-            path.splice(0..0, (0..missing).map(|_| start));
+        let rests = paths.iter_mut().zip(fronts).filter_map(|(paths, front)| Some((front.first_rest(paths)?, paths)));
+        let (rest, step) = rests.min_by_key(|(_, paths)| movers(paths))?;
+        for path in step.iter_mut().filter(|path| path.len() > rest + 1) {
+            let here = position(path, rest);
+            path.splice(rest..rest, (0..missing).map(|_| here));
         }
     }
     let figures = sum(paths.iter().map(self::figures));
     (!exceeds(figures, limits.most) && !exceeds(limits.least, figures)).then_some((paths, figures))
+}
+
+impl PlanFront {
+    /// The first instant before the last one of a plan at which all parts can rest where they are.
+    fn first_rest(&self, paths: &Paths) -> Option<usize> {
+        let longest = paths.iter().map(Vec::len).max().unwrap_or(1);
+        let may_rest = |instant: &usize| {
+            self.shared.as_ref().is_none_or(|(channels, standing)| {
+                let cells = paths.iter().map(|path| position(path, *instant)).chain(standing.iter().copied());
+                channels.may_rest(&cells.collect::<Vec<_>>())
+            })
+        };
+        (0..longest - 1).find(may_rest)
+    }
 }
 
 /// Longest such wait, in steps.

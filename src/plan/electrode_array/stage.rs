@@ -186,7 +186,12 @@ impl<'a> BoardStage<'a> {
 
     /// The cells of the parts that stay.
     pub fn standing_cells(&self, order: &ElectrodeArrayOrder) -> impl Iterator<Item = board::CellIndex> {
-        self.standing.iter().filter_map(|blocker| blocker.at).map(|at| flat(order, at))
+        self.standing_parts(order).map(|(_, at)| at)
+    }
+
+    /// The parts that stay, each with its cell.
+    pub fn standing_parts(&self, order: &ElectrodeArrayOrder) -> impl Iterator<Item = (&str, board::CellIndex)> {
+        self.standing.iter().filter_map(|blocker| Some((blocker.name, flat(order, blocker.at?))))
     }
 
     /// All blockers, obstacles first.

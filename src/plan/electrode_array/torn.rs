@@ -4,7 +4,6 @@ use super::board::{BoardAnswer, BoardObjective, Instance};
 use super::portfolio;
 use super::stage::{self, BoardStage};
 use crate::claims::electrode_array::ElectrodeArrayOrder;
-use crate::device::electrode_array::ElectrodeCell;
 use crate::diagnostic::Diagnostic;
 use crate::plan::errors;
 use crate::plan::search::SearchBudget;
@@ -44,13 +43,14 @@ pub fn excluded(order: &ElectrodeArrayOrder, step: Span, stage: &BoardStage, age
 /// Parts that cannot rest together, since the electrodes that hold them hold others on.
 pub fn restless(order: &ElectrodeArrayOrder, stage: &BoardStage, step: Span) -> Option<Diagnostic> {
     let channels = stage.instance.board.channels()?;
-    let all = stage.instance.agents.iter().map(|agent| agent.start).chain(stage.standing_cells(order));
-    let all: Vec<u32> = all.collect();
-    if channels.may_rest(&all) {
+    let agents = stage.instance.agents.iter().zip(&stage.agents);
+    let agents = agents.map(|(agent, actor)| (order.parts[actor.part].name.as_str(), agent.start));
+    let all: Vec<(&str, u32)> = agents.chain(stage.standing_parts(order)).collect();
+    if channels.may_rest(&all.iter().map(|(_, cell)| *cell).collect::<Vec<_>>()) {
         return None;
     }
     let pairs = all.iter().enumerate().flat_map(|(nth, one)| all[..=nth].iter().map(move |other| [*one, *other]));
-    let [one, other] = pairs.into_iter().find(|pair| !channels.may_rest(pair))?;
-    let cells: [ElectrodeCell; 2] = [one, other].map(|cell| stage::cell(order, cell));
-    Some(errors::restless_by_channels(step, cells.map(|cell| cell.to_string())))
+    let [one, other] = pairs.into_iter().find(|[one, other]| !channels.may_rest(&[one.1, other.1]))?;
+    let at = |cell: u32| stage::cell(order, cell).to_string();
+    Some(errors::restless_by_channels(step, [(one.0, at(one.1)), (other.0, at(other.1))]))
 }

@@ -271,7 +271,9 @@ impl HandReasons<'_> {
         let with = |change: &dyn Fn(&mut FingersFacts)| changed(order, change);
         let is_there = |changed: &FingersOrder| trials.try_with(changed) == Known::There;
         let mut changes = Vec::new();
-        if order.facts.adhesion == Adhesion::Absent && order.facts.pull_off_un > 0.0 {
+        // A part that sticks to the tips may not come off where it is let go.
+        let is_released = order.steps.iter().any(|step| matches!(step.action, FingersAction::Release));
+        if order.facts.adhesion == Adhesion::Absent && order.facts.pull_off_un > 0.0 && !is_released {
             let sticking = with(&|facts| facts.adhesion = Adhesion::Sticking);
             changes.extend(is_there(&sticking).then(|| "`adhesion: true`".to_owned()));
         }
@@ -292,14 +294,18 @@ impl HandReasons<'_> {
             changes.extend(is_there(&halved).then(|| format!("`step: {step} deg`")));
         }
         let ended = "the search for other changes reached its limit";
+        let there = match self.job.requirements.is_empty() {
+            true => "there is a plan",
+            false => "without its `require` the task has a plan",
+        };
         match (changes.as_slice(), trials.looks.are_spent()) {
             ([], true) => Some(format!("{ended} without a result")),
             ([], false) => Some(format!(
                 "neither friction up to {MOST_FRICTION}, nor a weaker `removal_safety`, nor half the step opens it: \
                  turn it otherwise, or take another object or other tips"
             )),
-            (changes, true) => Some(format!("there is a plan with {}; {ended}", changes.join(", or with "))),
-            (changes, false) => Some(format!("there is a plan with {}", changes.join(", or with "))),
+            (changes, true) => Some(format!("{there} with {}; {ended}", changes.join(", or with "))),
+            (changes, false) => Some(format!("{there} with {}", changes.join(", or with "))),
         }
     }
 
@@ -376,7 +382,7 @@ fn axis(plane: Plane) -> &'static str {
 }
 
 impl Trials<'_> {
-    /// Whether an order with changed figures has a plan: first the stretch that has none now, then the whole task within its
+    /// Whether an order with changed figures has a plan: first the stretch that has none now, then the whole task, but for its
     /// limits.
     fn try_with(&self, order: &FingersOrder) -> Known {
         let (held, orientation, steps) = self.begins;

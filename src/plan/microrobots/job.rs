@@ -2,11 +2,11 @@
 
 use super::bound::{self, LeastFigures};
 use super::guarantee::{Assured, borne, guarantees, message};
-use super::safest;
 use super::steps::{BedRoute, FirstLegs, carried_out};
 use super::strategy::{driven, episodes};
 use super::why::BedReasons;
 use super::{Crew, MicrorobotsMotion};
+use super::{refuted, safest};
 use crate::claims::microrobots::{Assurance, MicrorobotsOrder};
 use crate::claims::{Job, Requirement};
 use crate::device::microrobots::{MicrorobotsObjective, MicrorobotsOutcome, MicrorobotsPlanner};
@@ -101,14 +101,17 @@ fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Ve
         return true;
     }
     let is_exact = order.facts.errors.is_some_and(|errors| errors.are_zero());
-    let multiple = if is_exact { f64::INFINITY } else { borne(order, motion) };
-    let estimates = if multiple >= 1.0 { Vec::new() } else { guarantees(order, motion).unwrap_or_default() };
+    let borne = if is_exact { 1.0 } else { borne(order, motion) };
+    let refuted = if borne > 0.0 { refuted::by_trial(order, motion, borne) } else { None };
+    let multiple = if refuted.is_some() { 0.0 } else { borne };
+    let is_estimated = multiple < 1.0 && refuted.is_none();
+    let estimates = if is_estimated { guarantees(order, motion).unwrap_or_default() } else { Vec::new() };
     let mut all_hold = true;
     for (nth, episode) in docking.enumerate() {
         let names = driven(episode.stage).into_iter().map(|(robot, _)| order.robot(robot).name.as_str());
         let subject = names.collect::<Vec<_>>().join(" and ");
         let why = match (order.facts.errors, estimates.get(nth).and_then(Assured::violated)) {
-            (Some(_), None) if is_exact => {
+            (Some(_), None) if is_exact && refuted.is_none() => {
                 let text = "guaranteed: without errors the plan is carried out as it is written".to_owned();
                 remarks.push(Remark { subject, text });
                 continue;
@@ -119,7 +122,10 @@ fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Ve
                 continue;
             }
             (Some(_), Some(violated)) => violated.message(order),
-            (Some(_), None) => "no sound bound is known for errors so large".to_owned(),
+            (Some(_), None) => match &refuted {
+                Some(failed) => failed.clone(),
+                None => "no sound bound is known for errors so large".to_owned(),
+            },
             (None, _) => "the device does not say how far robots and measurements may be off".to_owned(),
         };
         if order.assurance == Assurance::Demanded {

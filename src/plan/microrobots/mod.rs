@@ -12,6 +12,7 @@ pub mod free;
 pub mod gathering;
 pub mod guarantee;
 mod job;
+mod refuted;
 pub mod safest;
 pub mod simulation;
 mod steps;

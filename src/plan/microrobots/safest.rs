@@ -9,6 +9,7 @@
 
 use super::simulation::{self, SimulationReport};
 use super::steps::{BedRoute, FirstLegs, carried_out};
+use super::why::with_errors;
 use super::{Crew, MicrorobotsMotion};
 use crate::claims::Job;
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
@@ -148,7 +149,7 @@ pub fn expected(
         let title = format!("the assembly of `{}` is likely to fail: {counted}", job.task);
         let assembly = order.steps.iter().find(|step| matches!(step.action, MicrorobotsAction::Assemble(_)));
         let span = assembly.map_or(job.run_span, |step| step.span);
-        sink.push(Diagnostic::new(Code::W0511, title).label(span, "with the errors of the device").help(help));
+        sink.push(Diagnostic::new(Code::W0511, title).label(span, with_errors(order)).help(help));
     }
     remarks.push(Remark { subject: EXPECTED.to_owned(), text: counted });
     Some(1.0 - share)

@@ -22,6 +22,14 @@ pub struct BedReasons<'a> {
     pub is_given: bool,
 }
 
+/// What an assembly is held against, for a label.
+pub fn with_errors(order: &MicrorobotsOrder) -> &'static str {
+    match order.facts.errors.is_some_and(|errors| errors.are_zero()) {
+        true => "without any errors",
+        false => "with the errors of the device",
+    }
+}
+
 impl BedReasons<'_> {
     /// Report of a raw state whose strokes cause a collision.
     pub fn applied_into(&self, hit: &FirstMeeting) -> Diagnostic {
@@ -54,10 +62,13 @@ impl BedReasons<'_> {
                 "leave `guaranteed` out and count with `tweeze simulate`; this plan is guaranteed up to {}",
                 message::fields(&errors, multiple)
             ),
+            None if self.order.facts.errors.is_some_and(|errors| errors.are_zero()) => {
+                "place each goal flat against the edge that it faces, without overlap; `tweeze simulate` lists what fails".to_owned()
+            }
             None => "leave `guaranteed` out and count with `tweeze simulate`; only with small errors is an assembly guaranteed".to_owned(),
         };
         Diagnostic::new(Code::E0605, format!("the docking of {names} is not guaranteed: {why}"))
-            .label(self.step.span, "with the errors of the device")
+            .label(self.step.span, with_errors(self.order))
             .help(help)
     }
 

@@ -317,8 +317,8 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let mut assay = JudgedAssay::new(operations, &self.order.facts, &self.cells);
         let mut zones = JudgedZones::new(self.order, operations);
         let mut reservoirs = self.reservoirs(nth)?;
-        let there = self.settle(0, &mut assay, &mut zones);
-        self.tread((nth, step.start_ns), (operations, &assay), there, findings);
+        let mut there = self.settle(0, &mut assay, &mut zones);
+        self.tread((nth, step.start_ns), (operations, &assay), &there, findings);
         for beat in 0..beats {
             let at_ns = step.start_ns + beat * step_ns;
             if beat > 0 {
@@ -331,7 +331,10 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 assay.come(part, beat);
                 reservoirs.iter_mut().for_each(|reservoirs| reservoirs.begin(part, outlet, beat));
                 self.traces.iter_mut().for_each(|traces| traces.dispense(part, asked));
-                self.tread((nth, at_ns), (operations, &assay), vec![(part, outlet)], findings);
+                // Who leaves the outlet at that instant is there with it.
+                let leaves = there.iter().copied().filter(|(other, cell)| *other != part && *cell == outlet);
+                let both: Vec<_> = std::iter::once((part, outlet)).chain(leaves).collect();
+                self.tread((nth, at_ns), (operations, &assay), &both, findings);
             }
             let splits = self.pulled_apart(&assay, &switching.on);
             for split in &splits {
@@ -349,9 +352,9 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                     self.moves += 1;
                 }
             }
-            let there = self.settle(beat + 1, &mut assay, &mut zones);
+            there = self.settle(beat + 1, &mut assay, &mut zones);
             self.stays((nth, at_ns + step_ns), (operations, &assay), &mut zones, findings);
-            self.tread((nth, at_ns + step_ns), (operations, &assay), there, findings);
+            self.tread((nth, at_ns + step_ns), (operations, &assay), &there, findings);
         }
         self.beats = self.beats.saturating_add(beats);
         self.sum_of_costs = self.sum_of_costs.saturating_add(assay.cost());

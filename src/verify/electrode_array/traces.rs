@@ -96,13 +96,13 @@ impl JudgedBoard<'_, '_> {
         &mut self,
         (nth, at_ns): (usize, u64),
         (operations, assay): (&[AssayOperation], &JudgedAssay),
-        there: Vec<(usize, ElectrodeCell)>,
+        there: &[(usize, ElectrodeCell)],
         findings: &mut Findings,
     ) {
         let Some(traces) = &mut self.traces else { return };
         traces.merge(operations, |place| assay.beats[place].is_some());
         findings.asked(Rule::Trace, there.len());
-        for Contaminated { part, cell, avoided } in traces.touch(there.into_iter()) {
+        for Contaminated { part, cell, avoided } in traces.touch(there.iter().copied()) {
             let (name, at) = (&self.order.parts[part].name, ms(at_ns));
             let title = format!("`{name}` comes to {cell} at {at}, where traces of `{}` are left", avoided.of);
             findings.push(self.within(Rule::Trace, nth, at_ns, title).label(avoided.span, "avoided here"));

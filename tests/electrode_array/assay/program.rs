@@ -338,7 +338,10 @@ impl Assay {
             }
         }
         if !self.avoided.is_empty() && chance.below(2) == 0 {
-            self.washes.push(one(chance));
+            let wash = one(chance);
+            // What washes is in no `avoid`.
+            self.avoided.retain(|(of, within)| *of != wash && *within != wash);
+            self.washes.extend(Some(wash).filter(|_| !self.avoided.is_empty()));
         }
         self
     }

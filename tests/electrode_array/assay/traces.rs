@@ -65,6 +65,8 @@ impl Traces {
         if left.is_empty() {
             return Some(left);
         }
+        // Who was here in this step already; who leaves as another is dispensed there is there with it.
+        let mut now: Vec<(Cell, u32)> = Vec::new();
         for (part, stand) in stands.iter().enumerate() {
             let (cell, own) = match stand {
                 Some((cell, done, ..)) => (Some(*cell), self.fluids[part][*done]),
@@ -77,10 +79,14 @@ impl Traces {
                 continue;
             }
             let has = |fluids: u32, fluid: u32| fluids & fluid != 0;
-            let does_harm = |(of, within): &(u32, u32)| has(*here, *of) && has(own, *within) && !has(own, *of);
-            if self.avoided.iter().any(does_harm) {
+            let harms = |left: u32, comes: u32| {
+                self.avoided.iter().any(|(of, within)| has(left, *of) && has(comes, *within) && !has(comes, *of))
+            };
+            let mut with = now.iter().filter(|(other, _)| *other == (column, row));
+            if harms(*here, own) || with.any(|(_, other)| harms(own, *other)) {
                 return None;
             }
+            now.push(((column, row), own));
             *here |= own;
         }
         Some(left)

@@ -315,6 +315,44 @@ pub fn washes_nothing(span: Span) -> Diagnostic {
         .help("say what must not come into what before it, as `avoid blood in serum`")
 }
 
+/// A fluid that washes, and whose traces, or which itself, a task keeps apart from others.
+pub fn avoids_a_wash(span: Span, fluid: &str, wash: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0565, format!("`{fluid}` washes, so it leaves no traces and takes no harm"))
+        .label(span, "avoids nothing")
+        .label_elsewhere(wash, span, "washes by this")
+        .help("leave out this line, or wash with another fluid")
+}
+
+/// Wash droplets that no reservoir can dispense.
+pub fn washes_from_no_reservoir(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0565, format!("`{name}` is no reservoir, so no wash droplets come from it"))
+        .label(span, "a part that is on the board")
+        .help("name a `reservoir` of the scene, or leave out `to CELL` and send the part itself where it is to wash")
+}
+
+/// Two lines that add wash droplets.
+pub fn washes_by_two(span: Span, earlier: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0565, "two lines add wash droplets to this task")
+        .label(span, "the second")
+        .label_elsewhere(earlier, span, "the first")
+        .help("leave out one `to CELL`: a fluid without it washes where the program sends its droplets")
+}
+
+/// A droplet that comes to a place before the one is done there whose traces are to be washed away first.
+pub fn washed_before_done(comes: Span, [done, next]: [&str; 2], below: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0565, format!("no wash fits between `{done}` and `{next}`, which share electrodes"))
+        .label(comes, format!("`{next}` comes before `{done}` is done there"))
+        .label_elsewhere(below, comes, format!("`{done}` is done there"))
+        .help(format!("washes are added in the order of the program: write what `{done}` does there above, or give `{next}` a place of its own"))
+}
+
+/// More droplets than a board can have, with those that are added to wash.
+pub fn too_many_washes(span: Span, washes: usize, parts: usize, most: usize) -> Diagnostic {
+    Diagnostic::new(Code::E0522, format!("{washes} wash droplets beside {parts} parts; at most {most} are allowed"))
+        .label(span, "adds them")
+        .help("give fluids that harm each other places of their own, or divide the work among several tasks")
+}
+
 /// Steps beside the one assay of a task that avoids traces.
 pub fn avoids_outside_assay(span: Span, avoided: Span) -> Diagnostic {
     Diagnostic::new(Code::E0565, "traces are avoided in one `assay`, and not from step to step")
@@ -327,7 +365,7 @@ pub fn avoids_outside_assay(span: Span, avoided: Span) -> Diagnostic {
 pub fn harms_at_one_place(span: Span, [left, comes]: [&str; 2], cell: ElectrodeCell) -> Diagnostic {
     Diagnostic::new(Code::E0565, format!("`{left}` and `{comes}` both stop at {cell}, and each contaminates the other"))
         .label(span, format!("`{left}` stops there too"))
-        .help("give each a place of its own, or write `wash with FLUID` and have a droplet of it pass there between the two")
+        .help("give each a place of its own, or write `wash with FLUID to CELL`, which has a droplet of it pass there between the two")
 }
 
 /// A droplet that stops where one starts that harms it.
@@ -339,7 +377,7 @@ pub fn stops_where_another_starts(
     Diagnostic::new(Code::E0565, format!("`{comes}` stops at {cell}, where `{left}` starts and contaminates it"))
         .label(stop, format!("the traces of `{left}` are there before"))
         .label_elsewhere(start, stop, format!("`{left}` starts there"))
-        .help("give it another place, or write `wash with FLUID` and have a droplet of it pass there between the two")
+        .help("give it another place, or write `wash with FLUID to CELL`, which has a droplet of it pass there between the two")
 }
 
 /// A droplet that ends where another one stops that harms it.
@@ -348,8 +386,8 @@ pub fn ends_where_another_stops((stop, end): (Span, Span), [left, ends]: [&str; 
         .label(stop, format!("`{left}` leaves its traces there, sooner or later"))
         .label_elsewhere(end, stop, format!("`{ends}` stays there to the end"))
         .help(format!(
-            "let it leave afterwards: `discard {ends} at CELL` or `move {ends} to CELL`; or write `wash with FLUID` and have a droplet of it pass \
-             there between the two"
+            "let it leave afterwards: `discard {ends} at CELL` or `move {ends} to CELL`; or write `wash with FLUID to CELL`, which has a droplet of \
+             it pass there between the two"
         ))
 }
 

@@ -62,6 +62,7 @@ fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
     let agents = &problem.instance.agents;
     let mut arrivals: Vec<Vec<u64>> = vec![Vec::new(); agents.len()];
     let mut heads = arrivals.clone();
+    let changes = changes(problem);
     let way = |agent: usize, index: usize| way(problem, ahead, agent, index);
     // An agent waits for the other where they meet; every round completes at least one errand.
     let mut order: Vec<(usize, usize)> = Vec::new();
@@ -75,7 +76,7 @@ fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
                     .checked_sub(1)
                     .map_or(comes, |last| heads[agent][last] + u64::from(problem.errands[agent][last].stay));
                 let arrival = since + way(agent, index);
-                let Some(begins) = begins(problem, (agent, index), &heads) else { break };
+                let Some(begins) = begins(problem, (agent, index), (&heads, &changes)) else { break };
                 let mut head = arrival.max(begins);
                 if let Some(other) = problem.errands[agent][index].meets {
                     let theirs = meeting(problem, other, (agent, index), |errands| heads[errands].len());
@@ -96,7 +97,7 @@ fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
         }
     }
     order.sort_by_key(|(agent, index)| heads[*agent][*index]);
-    let tails = tails(problem, ahead, &order);
+    let tails = tails(problem, ahead, (&order, &changes));
     let of = |agent: usize| {
         let timed = |(index, errand): (usize, &Errand)| TimedErrand {
             errand: *errand,
@@ -110,12 +111,42 @@ fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
 }
 
 /// The earliest instant at which all is done that an errand comes after; `None` while that is not known.
-fn begins(problem: &AssayProblem, (agent, index): (usize, usize), heads: &[Vec<u64>]) -> Option<u64> {
+fn begins(
+    problem: &AssayProblem,
+    (agent, index): (usize, usize),
+    (heads, changes): (&[Vec<u64>], &ErrandChanges),
+) -> Option<u64> {
     let done = |before: &ErrandPlace| {
         let head = heads[before.agent].get(before.errand)?;
         Some(head + u64::from(problem.errands[before.agent][before.errand].stay))
     };
-    problem.afters[agent][index].iter().try_fold(0, |last, before| Some(last.max(done(before)?)))
+    let mut before = problem.afters[agent][index].iter().zip(&changes[agent][index]);
+    before.try_fold(0, |last, (before, change)| Some(last.max(done(before)? + change)))
+}
+
+/// By agent and errand, for each errand that it comes after, the least steps from the end of that one to its beginning: who is done at the
+/// stop of the next one has to make room.
+type ErrandChanges = Vec<Vec<Vec<u64>>>;
+
+fn changes(problem: &AssayProblem) -> ErrandChanges {
+    let drops = drops(problem);
+    let mut at_stop: BTreeMap<CellIndex, u64> = BTreeMap::new();
+    let mut between = |before: &ErrandPlace, (agent, index): (usize, usize)| {
+        let (done, next) = (problem.errands[before.agent][before.errand], problem.errands[agent][index]);
+        let leaves = problem.is_gone[before.agent] && before.errand + 1 == problem.errands[before.agent].len();
+        let makes_room = done.stop == next.stop && drops[before.agent] != drops[agent];
+        if !makes_room || leaves || done.splits.is_some() {
+            return 0;
+        }
+        *at_stop.entry(next.stop).or_insert_with(|| change(problem, next.stop))
+    };
+    let mut of = |agent: usize, index: usize, afters: &Vec<ErrandPlace>| -> Vec<u64> {
+        afters.iter().map(|before| between(before, (agent, index))).collect()
+    };
+    let of_agent = |(agent, afters): (usize, &Vec<Vec<ErrandPlace>>)| {
+        afters.iter().enumerate().map(|(index, afters)| of(agent, index, afters)).collect()
+    };
+    problem.afters.iter().enumerate().map(of_agent).collect()
 }
 
 /// Least steps of an agent to the stop of an errand from that of the one before.
@@ -126,7 +157,11 @@ fn way(problem: &AssayProblem, ahead: &Ahead, agent: usize, index: usize) -> u64
 
 /// Least steps from the end of each errand to the end of all that must come after it. `order` has them by their earliest starts, so that
 /// one round is mostly enough: what comes later is rarely listed before.
-fn tails(problem: &AssayProblem, ahead: &Ahead, order: &[(usize, usize)]) -> Vec<Vec<u64>> {
+fn tails(
+    problem: &AssayProblem,
+    ahead: &Ahead,
+    (order, changes): (&[(usize, usize)], &ErrandChanges),
+) -> Vec<Vec<u64>> {
     let mut tails: Vec<Vec<u64>> = problem.errands.iter().map(|errands| vec![0; errands.len()]).collect();
     let way = |agent: usize, index: usize| way(problem, ahead, agent, index);
     let mut is_complete = false;
@@ -151,10 +186,10 @@ fn tails(problem: &AssayProblem, ahead: &Ahead, order: &[(usize, usize)]) -> Vec
                 (tails[agent][index], is_complete) = (tail, false);
             }
             let own = u64::from(errands[index].stay) + tails[agent][index];
-            for before in &problem.afters[agent][index] {
+            for (before, change) in problem.afters[agent][index].iter().zip(&changes[agent][index]) {
                 let tail = &mut tails[before.agent][before.errand];
-                if own > *tail {
-                    (*tail, is_complete) = (own, false);
+                if own + change > *tail {
+                    (*tail, is_complete) = (own + change, false);
                 }
             }
         }

@@ -32,7 +32,7 @@ use crate::plan::search::{Meter, SearchAnswer};
 pub use bound::{LoopRoom, families, steps_between};
 pub use channels::are_kept_by_courses;
 pub use lags::are_kept;
-pub use replay::done_by;
+pub use replay::{cut_where_gone, done_by};
 use rustc_hash::FxHashSet;
 pub use traces::Traces;
 
@@ -283,7 +283,12 @@ pub fn solve(
         AssayEffort::Below(_) => None,
         // Lists pay no regard to shared channels.
         AssayEffort::Whole | AssayEffort::Lists => lags::by_lists(problem, &ahead, (objective, &least), meter)
-            .or_else(|| aside::by_lists(problem, (objective, &least), &mut distances, meter))
+            .or_else(|| {
+                let mut courses = aside::by_lists(problem, (objective, &least), &mut distances, meter)?;
+                // Stepping aside, who leaves the board may come to where it leaves too soon.
+                cut_where_gone(problem, &mut courses);
+                Some(courses)
+            })
             .filter(|courses| are_kept_by_courses(problem, courses)),
     };
     let bounds = least.costs;

@@ -23,7 +23,7 @@ mod room;
 mod stray;
 mod written;
 
-pub use written::{borne, carried_out_as_written};
+pub use written::{borne, carried_out_as_written, scaled};
 
 use super::strategy::{Driver, Episode, GoalFrame, StrategySolid, edge_gap_um, episodes, obstacles};
 use super::{AssemblyStage, MicrorobotsMotion};

@@ -1,6 +1,6 @@
 //! Traces that droplets leave on electrodes.
 
-use super::build::{assay, dispense, go, merge, operation, split, without_places};
+use super::build::{assay, discard, dispense, go, merge, operation, split, without_places};
 use super::judged;
 use crate::claims::electrode_array::{AssayOperation, AvoidedTrace, Contamination, ElectrodeArrayOrder};
 use crate::source::Span;
@@ -13,7 +13,7 @@ fn avoiding(order: ElectrodeArrayOrder, avoided: &[(&str, &str)], washes: &[&str
         span: Span::default(),
     });
     let washes = washes.iter().map(|wash| (*wash).into()).collect();
-    let contamination = Contamination { avoided: avoided.collect(), washes, before: Vec::new() };
+    let contamination = Contamination { avoided: avoided.collect(), washes, before: Vec::new(), course: None };
     ElectrodeArrayOrder { contamination, ..order }
 }
 
@@ -86,4 +86,18 @@ fn what_a_reservoir_dispenses_is_that_fluid() {
     let words = ["____oRRRRRR", "DDUUU"];
     judged(order(&[("b", "a"), ("dye", "b")]), &words, &[]);
     judged(order(&[("b", "dye")]), &words, &[Rule::Trace]);
+}
+
+/// Who leaves at an outlet and who is dispensed there at the same instant touch.
+#[test]
+fn who_leaves_as_another_comes_is_there_with_it() {
+    let comes = AssayOperation { fluid: Some("dye".to_owned()), ..dispense(1, (4, 4), 1) };
+    let order = |avoided: &[(&str, &str)]| {
+        let operations = vec![discard(0, (4, 4)), comes.clone(), operation(go(1, &[(8, 4)]))];
+        avoiding(without_places(assay(&[("a", 3, 4), ("b", 1, 1)], operations), &[1]), avoided, &[])
+    };
+    let words = ["Rx", "_oRRRR"];
+    judged(order(&[]), &words, &[]);
+    judged(order(&[("dye", "a")]), &words, &[Rule::Trace]);
+    judged(order(&[("a", "dye")]), &words, &[Rule::Trace]);
 }

@@ -46,6 +46,22 @@ pub enum FailureReason {
 }
 
 impl FailureReason {
+    /// What happened to the robot, as a clause about it.
+    pub fn clause(&self) -> String {
+        match self {
+            FailureReason::LeftCylinder => "it did not get to where the fine motion begins".to_owned(),
+            FailureReason::MissedCone => "its goal was not within reach of the fine motion".to_owned(),
+            FailureReason::Misplaced => "it docked too far from its place".to_owned(),
+            FailureReason::Angle => "it met its structure at too large an angle".to_owned(),
+            FailureReason::Collision(thing) => format!("it ran into {thing}"),
+            FailureReason::TimeLimit => "it took too long".to_owned(),
+            FailureReason::NotDocked => "it was held for docked, and was not".to_owned(),
+            FailureReason::Unmeasured => "it was not measured, or where it cannot be, too often".to_owned(),
+            FailureReason::Astray => "it did not follow the commands".to_owned(),
+            FailureReason::Silence => "measurements failed to come".to_owned(),
+        }
+    }
+
     /// Why a controller gave up.
     pub fn of(reason: StopReason) -> FailureReason {
         match reason {

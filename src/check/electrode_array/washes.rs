@@ -1,0 +1,260 @@
+//! Wash droplets that come by themselves, as `wash with water to (16, 2)` asks: before each droplet that comes to a place where an earlier
+//! one, in the order of the program, has left what does it harm.
+//!
+//! A place is where a droplet stays from one operation on until its next one elsewhere. Each wash is dispensed, goes over the electrodes of
+//! the place that are soiled once those are done there that have soiled them, and leaves; the operation that comes there next is after it.
+//! From then on these are operations like any others.
+
+use super::errors;
+use crate::claims::electrode_array::{
+    AssayOperation, BoardPart, Contamination, ElectrodeArrayAction, ElectrodeArrayOrder, ElectrodeArrayStop, Fluids,
+    WashCourse,
+};
+use crate::claims::{Job, Order};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, MAX_PARTS};
+use crate::diagnostic::Sink;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// The name of every wash droplet, before its number.
+const NAME: &str = "wash";
+
+/// Enters the wash droplets that tasks ask for into their orders; whether there are any. `before` has what the parts of each job contain
+/// before it.
+pub fn enter(jobs: &mut [Job], before: &[(usize, Vec<Fluids>)], sink: &mut Sink) -> bool {
+    // By device, the droplets of all its tasks.
+    let mut droplets: BTreeMap<String, Vec<BoardPart>> = BTreeMap::new();
+    for (nth, fluids) in before {
+        let (earlier, rest) = jobs.split_at_mut(*nth);
+        let Some(job) = rest.first_mut() else { continue };
+        let Order::ElectrodeArray(order) = &mut job.order else { continue };
+        let Some(course) = order.contamination.course.clone() else { continue };
+        let is_first = !earlier.iter().any(|other| other.device == job.device);
+        let own = droplets.entry(job.device.clone()).or_default();
+        if enter_in_order(order, &course, (fluids, is_first), own, sink).is_none() {
+            return false;
+        }
+    }
+    droplets.retain(|_, own| !own.is_empty());
+    // Tasks of one scene go on sharing their parts.
+    let mut extended: BTreeMap<*const Vec<BoardPart>, Arc<Vec<BoardPart>>> = BTreeMap::new();
+    for job in jobs.iter_mut() {
+        let (Some(own), Order::ElectrodeArray(order)) = (droplets.get(&job.device), &mut job.order) else { continue };
+        let with_own = || Arc::new(order.parts.iter().chain(own).cloned().collect());
+        order.parts = Arc::clone(extended.entry(Arc::as_ptr(&order.parts)).or_insert_with(with_own));
+    }
+    !droplets.is_empty()
+}
+
+/// Enters the wash droplets of one order; `droplets` are those of the device so far. `None` after an error.
+fn enter_in_order(
+    order: &mut ElectrodeArrayOrder,
+    course: &WashCourse,
+    (before, is_first): (&[Fluids], bool),
+    droplets: &mut Vec<BoardPart>,
+    sink: &mut Sink,
+) -> Option<()> {
+    let facts = &order.facts;
+    for step in &mut order.steps {
+        let ElectrodeArrayAction::Assay(operations) = &mut step.action else { continue };
+        let visits = visits(operations, (&order.parts, facts), before, is_first);
+        let washes = match washes(&visits, &order.contamination, course.outlet) {
+            Ok(washes) => washes,
+            Err((done, comes)) => {
+                let [done, comes] = [&operations[done], &operations[comes]];
+                let names = [done.part, comes.part].map(|part| order.parts[part].name.as_str());
+                sink.push(errors::washed_before_done(comes.span, names, done.span));
+                return None;
+            }
+        };
+        let parts = order.parts.len() + droplets.len();
+        if parts + washes.len() > MAX_PARTS {
+            sink.push(errors::too_many_washes(course.span, washes.len(), parts, MAX_PARTS));
+            return None;
+        }
+        let stem = name_apart(&order.parts);
+        let first = droplets.len();
+        droplets.extend((first..first + washes.len()).map(|number| BoardPart {
+            name: format!("{stem}{}", number + 1),
+            cell: None,
+            span: course.span,
+        }));
+        *operations = with_washes(std::mem::take(operations), &washes, course, order.parts.len() + first);
+        let stays: u64 = operations.iter().map(|operation| operation.stay_steps(facts)).sum();
+        let most = facts.most_stay_steps(parts + washes.len());
+        sink.unless((stays > most).then(|| errors::stays_too_long(course.span, [stays, most], facts.step_ns)))?;
+    }
+    Some(())
+}
+
+/// What wash droplets are called, before their numbers: what no part is called.
+fn name_apart(parts: &[BoardPart]) -> String {
+    let is_taken = |stem: &str| {
+        let numbered =
+            |name: &str| name.strip_prefix(stem).is_some_and(|rest| rest.bytes().all(|c| c.is_ascii_digit()));
+        parts.iter().any(|part| numbered(&part.name))
+    };
+    let mut stem = NAME.to_owned();
+    while is_taken(&stem) {
+        stem.push('_');
+    }
+    stem
+}
+
+/// A droplet at a place.
+struct PlaceVisit {
+    part: usize,
+    /// The first and the last of its operations there; none of a droplet that stands there and does nothing yet.
+    operations: Option<[usize; 2]>,
+    /// The electrodes on which it is.
+    cells: BTreeSet<ElectrodeCell>,
+    /// All that it contains by the end.
+    fluids: Fluids,
+}
+
+/// The places to which droplets come, whatever the plan, in the order of the program; those of which the plan chooses are not known.
+fn visits(
+    operations: &[AssayOperation],
+    (parts, facts): (&[BoardPart], &ElectrodeArrayFacts),
+    before: &[Fluids],
+    is_first: bool,
+) -> Vec<PlaceVisit> {
+    let mut fluids = before.to_vec();
+    let mut visits: Vec<PlaceVisit> = Vec::new();
+    // By part, where it is, and the visit that lasts.
+    let mut lasting: BTreeMap<usize, (ElectrodeCell, usize)> = BTreeMap::new();
+    let placed = parts.iter().enumerate().filter_map(|(part, own)| Some((part, own.cell.filter(|_| is_first)?)));
+    for (part, cell) in placed {
+        lasting.insert(part, (cell, visits.len()));
+        let cells = BTreeSet::from([cell]);
+        visits.push(PlaceVisit { part, operations: None, cells, fluids: fluids[part].clone() });
+    }
+    for (place, operation) in operations.iter().enumerate() {
+        operation.begin_fluids(&mut fluids);
+        operation.end_fluids(&mut fluids);
+        let part = operation.part;
+        if !operation.among.is_empty() {
+            lasting.remove(&part);
+        }
+        if let Some(last) = operation.stops.last() {
+            let stays = operation.stops.iter().all(|stop| lasting.get(&part).is_some_and(|(at, _)| *at == stop.cell));
+            if !stays {
+                visits.push(PlaceVisit { part, operations: None, cells: BTreeSet::new(), fluids: Fluids::new() });
+                lasting.insert(part, (last.cell, visits.len() - 1));
+            }
+        }
+        if let Some((at, visit)) = lasting.get(&part).copied() {
+            let visit = &mut visits[visit];
+            let first = visit.operations.map_or(place, |[first, _]| first);
+            visit.operations = Some([first, place]);
+            visit.fluids.clone_from(&fluids[part]);
+            visit.cells.extend(operation.stops.iter().map(|stop| stop.cell));
+            visit.cells.extend(if operation.mixes { facts.mixing_loop(at) } else { Vec::new() });
+        }
+        if let Some(half) = operation.splits {
+            lasting.insert(half.part, (half.cell, visits.len()));
+            let (cells, fluids) = (BTreeSet::from([half.cell]), fluids[half.part].clone());
+            visits.push(PlaceVisit { part: half.part, operations: Some([place, place]), cells, fluids });
+        }
+        operation.gone().and_then(|gone| lasting.remove(&gone));
+    }
+    visits
+}
+
+/// A wash before an operation.
+struct PlannedWash {
+    before: usize,
+    /// The electrodes over which it goes, each with the operations that are done there by then.
+    over: Vec<(ElectrodeCell, BTreeSet<usize>)>,
+}
+
+/// The washes that droplets need which come to places one after the other.
+///
+/// # Errors
+/// An operation that stands below the one before which its traces are to be washed away, and that one.
+fn washes(
+    visits: &[PlaceVisit],
+    contamination: &Contamination,
+    outlet: ElectrodeCell,
+) -> Result<Vec<PlannedWash>, (usize, usize)> {
+    let mut washes = Vec::new();
+    let mut left: BTreeMap<ElectrodeCell, Vec<&PlaceVisit>> = BTreeMap::new();
+    for visit in visits {
+        if contamination.is_wash(&visit.fluids) {
+            visit.cells.iter().for_each(|cell| drop(left.remove(cell)));
+            continue;
+        }
+        let harms =
+            |other: &PlaceVisit| other.part != visit.part && contamination.does_harm(&other.fluids, &visit.fluids);
+        let mut soiled: BTreeMap<ElectrodeCell, BTreeSet<usize>> = BTreeMap::new();
+        for cell in &visit.cells {
+            let Some(others) = left.get_mut(cell) else { continue };
+            let harmful: Vec<&PlaceVisit> = others.extract_if(.., |other| harms(other)).collect();
+            if !harmful.is_empty() {
+                let done = harmful.iter().filter_map(|other| other.operations).map(|[_, last]| last);
+                soiled.insert(*cell, done.collect());
+            }
+        }
+        if let Some([before, _]) = visit.operations
+            && !soiled.is_empty()
+        {
+            if let Some(done) = soiled.values().flatten().find(|done| **done >= before) {
+                return Err((*done, before));
+            }
+            washes.push(PlannedWash { before, over: nearest_first(soiled, outlet) });
+        }
+        visit.cells.iter().for_each(|cell| left.entry(*cell).or_default().push(visit));
+    }
+    washes.sort_by_key(|wash| wash.before);
+    Ok(washes)
+}
+
+/// Cells in an order in which each is the nearest one to that before.
+fn nearest_first(
+    mut cells: BTreeMap<ElectrodeCell, BTreeSet<usize>>,
+    from: ElectrodeCell,
+) -> Vec<(ElectrodeCell, BTreeSet<usize>)> {
+    let mut ordered: Vec<(ElectrodeCell, BTreeSet<usize>)> = Vec::new();
+    while let Some(next) = cells.keys().copied().min_by_key(|cell| {
+        let last = ordered.last().map_or(from, |(last, _)| *last);
+        (cell.steps_to(last), *cell)
+    }) {
+        ordered.extend(cells.remove_entry(&next));
+    }
+    ordered
+}
+
+/// The operations with those of the washes among them, each before the one that needs it; the first wash is the part `first`, and so on.
+fn with_washes(
+    operations: Vec<AssayOperation>,
+    washes: &[PlannedWash],
+    course: &WashCourse,
+    first: usize,
+) -> Vec<AssayOperation> {
+    let mut all: Vec<AssayOperation> = Vec::new();
+    // By their old places.
+    let mut moved: Vec<usize> = Vec::new();
+    let mut washes = washes.iter().zip(first..).peekable();
+    for (place, mut operation) in operations.into_iter().enumerate() {
+        let others = operation.after.iter_mut().chain(operation.within.iter_mut().flat_map(|lag| &mut lag.of));
+        others.for_each(|other| *other = moved[*other]);
+        while let Some((wash, part)) = washes.next_if(|(wash, _)| wash.before == place) {
+            let passing = |cell: ElectrodeCell| {
+                let stop = ElectrodeArrayStop { cell, span: course.span, origin: None };
+                AssayOperation::passing(part, vec![stop], course.span)
+            };
+            let (stay_ns, fluid) = (course.dispense_ns, Some(course.fluid.clone()));
+            all.push(AssayOperation { comes: true, fluid, stay_ns, ..passing(course.outlet) });
+            all.extend(wash.over.iter().map(|(cell, done)| {
+                let after = done.iter().map(|done| moved[*done]).collect();
+                AssayOperation { after, ..passing(*cell) }
+            }));
+            operation.after.push(all.len() - 1);
+            let leaves = passing(course.exit.cell);
+            all.push(AssayOperation { leaves: true, stops: vec![course.exit.clone()], ..leaves });
+        }
+        moved.push(all.len());
+        all.push(operation);
+    }
+    all
+}

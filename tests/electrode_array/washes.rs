@@ -1,0 +1,151 @@
+//! Wash droplets that `wash with water to CELL` adds, judged by a walk through the operations one after the other: with them nothing does harm
+//! at any stop, without any one of them something does, and each comes between those for which it is.
+
+use crate::programs::{Answered, answered, checked};
+use crate::scenes::Random;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+use tweeze::claims::Order;
+use tweeze::claims::electrode_array::{AssayOperation, ElectrodeArrayAction, ElectrodeArrayOrder, Fluids};
+use tweeze::device::electrode_array::ElectrodeCell;
+
+/// Where droplets of water leave.
+const EXIT: (u32, u32) = (16, 1);
+
+/// Droplets that meet water, mix, and are read where others were before; which fluids harm which is drawn.
+fn program(chance: &mut Random) -> String {
+    let droplets = 2 + chance.below(3);
+    let mut text = format!(
+        "use std.electrode_array as ea\n\
+         device chip : ea.droplet_chip {{ columns: 16, rows: {}, mixer: (2, 3) }}\nscene bench {{\n  reservoir water at (16, 9)\n",
+        5 * droplets + 4
+    );
+    for droplet in 0..droplets {
+        let row = 3 + 5 * droplet;
+        let _ = writeln!(text, "  reservoir f{droplet} at (1, {row})\n  part d{droplet} : ea.droplet");
+    }
+    text.push_str("}\ntask run on chip in bench {\n  using portfolio { expansions: 200_000 }\n  avoid f0 in f1\n");
+    for (of, within) in (0..droplets).flat_map(|of| (0..droplets).map(move |within| (of, within))) {
+        if chance.below(3) > 0 {
+            let _ = writeln!(text, "  avoid f{of} in f{within}");
+        }
+    }
+    let _ = writeln!(text, "  wash with water to {EXIT:?}\n  assay {{");
+    for droplet in 0..droplets {
+        let row = 3 + 5 * droplet;
+        let _ = writeln!(text, "    dispense d{droplet} from f{droplet}");
+        match chance.below(3) {
+            0 => {}
+            1 => drop(writeln!(text, "    mix d{droplet} at (5, {row}) for 500 ms")),
+            _ => drop(writeln!(text, "    incubate d{droplet} at (7, 8) for 300 ms\n    mix d{droplet} for 500 ms")),
+        }
+        if chance.below(4) > 0 {
+            let _ = writeln!(text, "    incubate d{droplet} at (12, 6) for 500 ms");
+        }
+        let _ = writeln!(text, "    discard d{droplet} at (16, {})", if chance.below(5) == 0 { 12 } else { row });
+    }
+    text.push_str("  }\n}\n");
+    text
+}
+
+/// The cells on which a droplet is while it does what an operation asks.
+fn cells(operation: &AssayOperation, at: Option<ElectrodeCell>, order: &ElectrodeArrayOrder) -> Vec<ElectrodeCell> {
+    let mut cells: Vec<ElectrodeCell> = operation.stops.iter().map(|stop| stop.cell).collect();
+    if let Some(corner) = cells.last().copied().or(at).filter(|_| operation.mixes) {
+        let [columns, rows] = order.facts.mixer;
+        let round = (0..columns).flat_map(|column| (0..rows).map(move |row| (column, row)));
+        cells.extend(round.map(|(column, row)| ElectrodeCell::new(corner.column + column, corner.row + row)));
+    }
+    cells
+}
+
+/// Whether operations one after the other, but for one part, do no harm.
+fn is_clean(order: &ElectrodeArrayOrder, operations: &[AssayOperation], without: Option<usize>) -> bool {
+    let rules = &order.contamination;
+    let mut fluids: Vec<Fluids> = vec![Fluids::new(); order.parts.len()];
+    let mut at: BTreeMap<usize, ElectrodeCell> = BTreeMap::new();
+    let mut left: BTreeMap<ElectrodeCell, BTreeSet<String>> = BTreeMap::new();
+    for operation in operations.iter().filter(|operation| Some(operation.part) != without) {
+        let part = operation.part;
+        fluids[part].extend(operation.fluid.clone());
+        let own = &fluids[part];
+        for cell in cells(operation, at.get(&part).copied(), order) {
+            let here = left.entry(cell).or_default();
+            if own.iter().all(|fluid| rules.washes.contains(fluid)) {
+                here.clear();
+                continue;
+            }
+            let harm = |of: &str, within: &str| here.contains(of) && own.contains(within) && !own.contains(of);
+            if rules.avoided.iter().any(|trace| harm(&trace.of, &trace.within)) {
+                return false;
+            }
+            here.extend(own.iter().cloned());
+        }
+        at.extend(operation.stops.last().map(|stop| (part, stop.cell)));
+    }
+    true
+}
+
+#[test]
+fn washes_are_added_where_they_are_needed_and_nowhere_else() {
+    let mut chance = Random(0x7761_7368);
+    let (mut added, mut planned) = (0, 0);
+    for _ in 0..30 {
+        let text = program(&mut chance);
+        let (claims, ..) = checked(&text).unwrap_or_else(|| panic!("a program without errors:\n{text}"));
+        let Order::ElectrodeArray(order) = &claims.jobs[0].order else { panic!("a board") };
+        let ElectrodeArrayAction::Assay(operations) = &order.steps[0].action else { panic!("an assay") };
+        assert!(is_clean(order, operations, None), "{text}");
+        let washes: Vec<usize> =
+            (0..order.parts.len()).filter(|part| order.parts[*part].name.starts_with("wash")).collect();
+        for wash in &washes {
+            assert!(!is_clean(order, operations, Some(*wash)), "{} is idle:\n{text}", order.parts[*wash].name);
+            let own: Vec<usize> = (0..operations.len()).filter(|place| operations[*place].part == *wash).collect();
+            let (first, last) = (own[0], own[own.len() - 1]);
+            assert!(operations[first].comes && operations[last].leaves, "{text}");
+            assert_eq!(operations[last].stops[0].cell, ElectrodeCell::new(EXIT.0, EXIT.1));
+            let over = &own[1..own.len() - 1];
+            let soiling = |place: &usize| operations[*place].after.iter().all(|before| *before < first);
+            assert!(
+                !over.is_empty() && over.iter().all(|place| !operations[*place].after.is_empty() && soiling(place))
+            );
+            let next = operations.iter().skip(last + 1).find(|operation| operation.after.contains(&(last - 1)));
+            assert!(next.is_some(), "nothing comes after {}:\n{text}", order.parts[*wash].name);
+        }
+        added += washes.len();
+        // The verifier holds every plan to the traces, electrode by electrode.
+        planned += usize::from(!washes.is_empty() && matches!(answered(&text), Answered::Plan(_)));
+    }
+    assert!(added >= 20 && planned >= 10, "{added} washes, {planned} plans with some");
+}
+
+/// The same washes, written by hand.
+#[test]
+fn an_added_wash_is_a_droplet_like_any_other() {
+    let program = |wash: &str, rinse: &str, between: &str, after: &str| {
+        format!(
+            "use std.electrode_array as ea\n\
+             device chip : ea.droplet_chip {{ columns: 14, rows: 9 }}\n\
+             scene bench {{\n  reservoir water at (14, 5)\n  part blood : ea.droplet at (2, 2)\n\
+             part serum : ea.droplet at (2, 8)\n{rinse}}}\n\
+             task read on chip in bench {{\n  avoid blood in serum\n  avoid serum in blood\n  {wash}\n  assay {{\n\
+             incubate blood at (11, 5) for 2 s\n{between}    incubate serum at (11, 5) for 2 s{after}\n\
+             discard blood at (14, 2)\n    discard serum at (14, 8)\n  }}\n}}\n"
+        )
+    };
+    let added = program("wash with water to (14, 2)", "", "", "");
+    let by_hand = program(
+        "wash with water",
+        "  part rinse : ea.droplet\n",
+        "    dispense rinse from water\n    move rinse to (11, 5) after blood\n    discard rinse at (14, 2)\n",
+        // Of the last operation above, which is to leave, the one before is meant.
+        " after rinse",
+    );
+    let of = |text: &str| match answered(text) {
+        Answered::Plan(plan) => (plan.cost, plan.bound),
+        other => panic!("{other:?}:\n{text}"),
+    };
+    let ((cost, bound), (other_cost, other_bound)) = (of(&added), of(&by_hand));
+    // That one comes after the wash has left, which is no sooner.
+    assert!(cost <= other_cost && bound <= other_bound, "{cost} of {bound}, {other_cost} of {other_bound}");
+}
