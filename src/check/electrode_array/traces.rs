@@ -54,7 +54,10 @@ impl BoardStepJudge<'_> {
         let idle = |trace: &&AvoidedTrace| is_wash(&trace.of) || is_wash(&trace.within);
         if is_whole && let Some(trace) = contamination.avoided.iter().find(idle) {
             let fluid = if is_wash(&trace.of) { &trace.of } else { &trace.within };
-            let wash = conditions.iter().find(|call| call.object.is_none()).map_or(trace.span, |call| call.span);
+            let is_named =
+                |fluid: &String, asked: &Argument| matches!(&asked.value, Value::Object(name) if name.name == *fluid);
+            let washes = |call: &&Call| phrases(call, "with").any(|asked| is_named(fluid, asked));
+            let wash = conditions.iter().find(washes).map_or(trace.span, |call| call.span);
             self.sink.push(errors::avoids_a_wash(trace.span, fluid, wash));
             return None;
         }

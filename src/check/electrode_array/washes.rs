@@ -239,19 +239,16 @@ fn with_washes(
         let others = operation.after.iter_mut().chain(operation.within.iter_mut().flat_map(|lag| &mut lag.of));
         others.for_each(|other| *other = moved[*other]);
         while let Some((wash, part)) = washes.next_if(|(wash, _)| wash.before == place) {
-            let passing = |cell: ElectrodeCell| {
-                let stop = ElectrodeArrayStop { cell, span: course.span, origin: None };
-                AssayOperation::passing(part, vec![stop], course.span)
-            };
+            let at = |cell: ElectrodeCell| ElectrodeArrayStop { cell, span: course.span, origin: None };
+            let passing = |stop: ElectrodeArrayStop| AssayOperation::passing(part, vec![stop], course.span);
             let (stay_ns, fluid) = (course.dispense_ns, Some(course.fluid.clone()));
-            all.push(AssayOperation { comes: true, fluid, stay_ns, ..passing(course.outlet) });
+            all.push(AssayOperation { comes: true, fluid, stay_ns, ..passing(at(course.outlet)) });
             all.extend(wash.over.iter().map(|(cell, done)| {
                 let after = done.iter().map(|done| moved[*done]).collect();
-                AssayOperation { after, ..passing(*cell) }
+                AssayOperation { after, ..passing(at(*cell)) }
             }));
             operation.after.push(all.len() - 1);
-            let leaves = passing(course.exit.cell);
-            all.push(AssayOperation { leaves: true, stops: vec![course.exit.clone()], ..leaves });
+            all.push(AssayOperation { leaves: true, ..passing(course.exit.clone()) });
         }
         moved.push(all.len());
         all.push(operation);

@@ -204,6 +204,11 @@ pub struct MicrorobotsFacts {
 pub const WATCHDOG_INTERVALS: u64 = 5;
 
 impl MicrorobotsFacts {
+    /// Whether its errors are stated, and all zero.
+    pub fn is_exact(&self) -> bool {
+        self.errors.is_some_and(|errors| errors.are_zero())
+    }
+
     /// For how long a controller waits for a measurement after the end of its last command.
     pub fn watchdog_ns(&self) -> u64 {
         let interval_ns = self.errors.map_or(u64::MAX, |errors| errors.replan_ns);

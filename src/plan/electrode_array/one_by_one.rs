@@ -1,7 +1,7 @@
 //! The operations of an assay one after the other, which is what they would be as steps of their own: a plan where [`super::assay`] finds
 //! none.
 
-use super::assay::{AgentCourse, AssayPlan, AssayProblem, are_kept, are_kept_by_courses, cut_where_gone, done_by};
+use super::assay::{AgentCourse, AssayPlan, AssayProblem, are_kept, are_kept_by_courses, cut_where_gone};
 use super::board::{BoardAnswer, BoardCosts, BoardObjective, CellIndex};
 use super::errands::depart;
 use super::portfolio;
@@ -156,9 +156,8 @@ impl Turns<'_> {
 /// Cuts courses after the instant at which all errands are done and nothing moves any more: while others were at work, a part may
 /// have done an operation that comes later.
 fn trim(problem: &AssayProblem, courses: &mut [AgentCourse]) {
-    cut_where_gone(problem, courses);
-    let done_at = done_by(problem, courses);
-    for (course, done_at) in courses.iter_mut().zip(done_at) {
+    let done_by = cut_where_gone(problem, courses);
+    for (course, done_at) in courses.iter_mut().zip(done_by) {
         course.end_at(done_at.last().copied().unwrap_or(0));
     }
 }

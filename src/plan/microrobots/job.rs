@@ -100,7 +100,7 @@ fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Ve
     if docking.peek().is_none() {
         return true;
     }
-    let is_exact = order.facts.errors.is_some_and(|errors| errors.are_zero());
+    let is_exact = order.facts.is_exact();
     let borne = if is_exact { 1.0 } else { borne(order, motion) };
     let refuted = if borne > 0.0 { refuted::by_trial(order, motion, borne) } else { None };
     let multiple = if refuted.is_some() { 0.0 } else { borne };

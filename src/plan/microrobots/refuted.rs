@@ -5,7 +5,8 @@
 
 use super::MicrorobotsMotion;
 use super::guarantee::scaled;
-use super::simulation::{Failures, simulate};
+use super::safest::{MAX_WORK, simulated};
+use super::simulation::Failures;
 use crate::claims::microrobots::MicrorobotsOrder;
 use std::sync::Arc;
 
@@ -16,16 +17,16 @@ const LOOKS: [(f64, u64); 4] = [(0.0, 1), (1e-3, 16), (0.5, 16), (1.0, 32)];
 /// Seed of these trials.
 const SEED: u64 = 2;
 
-/// Why a plan fails in a trial with errors of at most so many times those of the device, in words; `None` if it succeeds in all that are run.
+/// Why a plan fails in a trial with errors of at most so many times those of the device, in words; `None` if it succeeds in
+/// all that are run: none of a plan that is too long to be simulated.
 pub fn by_trial(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, multiple: f64) -> Option<String> {
     let errors = order.facts.errors?;
-    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     // Without errors all trials are one.
     let looks = LOOKS.iter().take(if errors.are_zero() { 1 } else { LOOKS.len() });
     looks.copied().find_map(|(share, trials)| {
         let mut within = order.clone();
         Arc::make_mut(&mut within.facts).errors = Some(scaled(&errors, multiple * share));
-        let report = simulate(&within, motion, trials, SEED, threads)?;
+        let report = simulated(&within, motion, (1..=trials, SEED), MAX_WORK)?;
         let Failures { robot, reason, .. } = report.failures.first()?;
         let within = if share == 0.0 { "without errors" } else { "with errors that it was to bear" };
         Some(format!("{within} {} fails in a trial of the plan as written: {}", report.names[*robot], reason.clause()))

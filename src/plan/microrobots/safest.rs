@@ -17,6 +17,7 @@ use crate::device::microrobots::MicrorobotsObjective;
 use crate::diagnostic::{Code, Diagnostic, Remark, Sink};
 use crate::plan::watch::HeldPlan;
 use crate::quantity::digits;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// How much room the tried plans keep. Added to the clearance of bodies, and to that of orbits: shares of the largest turning radius,
@@ -51,9 +52,9 @@ const CHOICE_SEED: u64 = 2;
 const EXPECTED_TRIALS: u64 = 400;
 const EXPECTED_SEED: u64 = 1;
 
-/// Most work of the trials of a round of the choice, and of those that are reported: the intervals and the stretches of
+/// Most work of the trials of a round of the choice, of those that are reported, and of those that a guarantee is held against: the intervals and the stretches of
 /// [`STRETCH_UM`] of all robots that a plan has, times the trials. Enough for all trials of ten robots that drive for some minutes.
-const MAX_WORK: u64 = 16_000_000;
+pub(super) const MAX_WORK: u64 = 16_000_000;
 
 /// Work of an interval, in which the controller measures and decides, against that of a stretch.
 const INTERVAL_WORK: u64 = 2;
@@ -64,7 +65,7 @@ const MORE_INTERVALS: u64 = 20;
 /// Path between two looks at what a simulated robot meets, in micrometres.
 const STRETCH_UM: f64 = 10.0;
 
-/// With fewer trials nothing is said of a plan.
+/// With fewer trials nothing is said of how often a plan fails.
 const LEAST_TRIALS: u64 = 10;
 
 /// Below this share of successes a plan is warned of.
@@ -115,7 +116,7 @@ pub fn safest(order: &MicrorobotsOrder, (start, is_first): (&Crew, bool), fastes
 fn ranked(order: &MicrorobotsOrder, routes: &[(usize, BedRoute)], mut kept: Vec<usize>, trials: u64) -> Vec<usize> {
     let work = MAX_WORK / kept.len().max(1) as u64;
     let failures = |route: &usize| {
-        let report = simulated(order, &routes[*route].1.motion, (trials, CHOICE_SEED), work);
+        let report = simulated(order, &routes[*route].1.motion, (LEAST_TRIALS..=trials, CHOICE_SEED), work);
         report.map_or(u64::MAX, |report| (report.trials - report.successes) * trials / report.trials.max(1))
     };
     kept.sort_by_cached_key(|route| (failures(route), routes[*route].1.motion.duration_ns(order), *route));
@@ -131,7 +132,7 @@ pub fn expected(
     remarks: &mut Vec<Remark>,
     sink: &mut Sink,
 ) -> Option<f64> {
-    let report = simulated(order, motion, (EXPECTED_TRIALS, EXPECTED_SEED), MAX_WORK)?;
+    let report = simulated(order, motion, (LEAST_TRIALS..=EXPECTED_TRIALS, EXPECTED_SEED), MAX_WORK)?;
     let SimulationReport { trials, successes, .. } = report;
     let percent = |share: f64| digits((share * 1e3).round() / 10.0);
     let share = successes as f64 / trials.max(1) as f64;
@@ -171,11 +172,11 @@ fn widened(order: &MicrorobotsOrder, shares: [f64; 3]) -> MicrorobotsOrder {
     wider
 }
 
-/// As many trials of a plan as the work allows; `None` also where these are too few.
-fn simulated(
+/// As many trials of a plan as the work allows, up to the last number of a range; `None` also where these are fewer than its first.
+pub(super) fn simulated(
     order: &MicrorobotsOrder,
     motion: &MicrorobotsMotion,
-    (trials, seed): (u64, u64),
+    (trials, seed): (RangeInclusive<u64>, u64),
     most_work: u64,
 ) -> Option<SimulationReport> {
     let errors = order.facts.errors?;
@@ -187,7 +188,7 @@ fn simulated(
     let strokes = motion.strokes() as f64 * (longest_ns as f64 / duration_ns as f64);
     let work = intervals.saturating_mul(INTERVAL_WORK).saturating_add((strokes * stroke_um / STRETCH_UM) as u64);
     let work = work.saturating_add(1);
-    let trials = trials.min(most_work / work);
+    let allowed = (most_work / work).min(*trials.end());
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    (trials >= LEAST_TRIALS).then(|| simulation::simulate(order, motion, trials, seed, threads)).flatten()
+    (allowed >= *trials.start()).then(|| simulation::simulate(order, motion, allowed, seed, threads)).flatten()
 }

@@ -24,7 +24,7 @@ pub struct BedReasons<'a> {
 
 /// What an assembly is held against, for a label.
 pub fn with_errors(order: &MicrorobotsOrder) -> &'static str {
-    match order.facts.errors.is_some_and(|errors| errors.are_zero()) {
+    match order.facts.is_exact() {
         true => "without any errors",
         false => "with the errors of the device",
     }
@@ -62,7 +62,7 @@ impl BedReasons<'_> {
                 "leave `guaranteed` out and count with `tweeze simulate`; this plan is guaranteed up to {}",
                 message::fields(&errors, multiple)
             ),
-            None if self.order.facts.errors.is_some_and(|errors| errors.are_zero()) => {
+            None if self.order.facts.is_exact() => {
                 "place each goal flat against the edge that it faces, without overlap; `tweeze simulate` lists what fails".to_owned()
             }
             None => "leave `guaranteed` out and count with `tweeze simulate`; only with small errors is an assembly guaranteed".to_owned(),

@@ -38,15 +38,16 @@ pub fn done_by(problem: &AssayProblem, courses: &[AgentCourse]) -> Vec<Vec<u32>>
 }
 
 /// Cuts the courses of agents that are gone where whoever replays them sees that: the first time that all their errands are done, whatever
-/// was planned for them from then on.
-pub fn cut_where_gone(problem: &AssayProblem, courses: &mut [AgentCourse]) {
+/// was planned for them from then on. Returned is when errands are done, as by [`done_by`].
+pub fn cut_where_gone(problem: &AssayProblem, courses: &mut [AgentCourse]) -> Vec<Vec<u32>> {
     let done_by = done_by(problem, courses);
-    for (agent, (course, done_at)) in courses.iter_mut().zip(done_by).enumerate() {
+    for (agent, (course, done_at)) in courses.iter_mut().zip(&done_by).enumerate() {
         let is_gone = problem.is_gone[agent] && done_at.len() == problem.errands[agent].len();
         if let Some(last) = done_at.last().filter(|last| is_gone && **last >= course.since) {
             course.cells.truncate((last + 1 - course.since) as usize);
         }
     }
+    done_by
 }
 
 struct Replay<'a> {

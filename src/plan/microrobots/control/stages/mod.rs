@@ -150,7 +150,7 @@ fn of_other<'a>(
     (poses, docked): (&[crate::geometry::Pose], &[bool]),
     legs: &'a [crate::plan::microrobots::Leg],
 ) -> ControlStage<'a> {
-    let is_exact = order.facts.errors.is_some_and(|errors| errors.are_zero());
+    let is_exact = order.facts.is_exact();
     let written = || ControlStage::Written(WrittenStage::new(order, legs));
     match order.steps.get(step).map(|step| &step.action) {
         Some(MicrorobotsAction::Drive { robot, stops }) if !is_exact => {
