@@ -60,6 +60,23 @@ impl ElectrodeArrayOrder {
     pub fn of(order: &Order) -> Option<&ElectrodeArrayOrder> {
         if let Order::ElectrodeArray(order) = order { Some(order) } else { None }
     }
+
+    /// The names of the parts that its steps act on.
+    pub fn acting_parts(&self) -> BTreeSet<&str> {
+        let mut acting: BTreeSet<usize> = BTreeSet::new();
+        for step in &self.steps {
+            match &step.action {
+                ElectrodeArrayAction::Move(moves) => {
+                    acting.extend(moves.iter().flat_map(|one| [Some(one.part), one.with]).flatten());
+                }
+                ElectrodeArrayAction::Assay(operations) => {
+                    acting.extend(operations.iter().flat_map(AssayOperation::all_parts));
+                }
+                ElectrodeArrayAction::Wait(_) => {}
+            }
+        }
+        acting.into_iter().map(|part| self.parts[part].name.as_str()).collect()
+    }
 }
 
 /// What a droplet must contain. Every part that the scene puts on the board, and every reservoir, is a fluid of its own by its name; a droplet

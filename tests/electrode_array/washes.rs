@@ -149,3 +149,34 @@ fn an_added_wash_is_a_droplet_like_any_other() {
     // That one comes after the wash has left, which is no sooner.
     assert!(cost <= other_cost && bound <= other_bound, "{cost} of {bound}, {other_cost} of {other_bound}");
 }
+
+/// A second scene says where parts are declared, not where the first task has left them.
+#[test]
+fn droplets_of_a_later_task_start_where_the_earlier_one_left_them() {
+    let program = |cell: &str, wash: &str| {
+        let scene = |name: &str, blood: &str| {
+            format!(
+                "scene {name} {{\n  reservoir water at (14, 5)\n  part blood : ea.droplet at {blood}\n\
+                 part serum : ea.droplet at (2, 8)\n}}\n"
+            )
+        };
+        format!(
+            "use std.electrode_array as ea\ndevice chip : ea.droplet_chip {{ columns: 14, rows: 9 }}\n{}{}\
+             task first on chip in one {{ move blood to (9, 2) }}\n\
+             task second on chip in two {{\n  avoid blood in serum\n  {wash}\n  prompt \"clean the board\"\n  assay {{\n\
+             move blood to (12, 2)\n    incubate serum at {cell} for 1 s\n  }}\n}}\n\
+             program day {{\n  run first\n  run second\n}}\n",
+            scene("one", "(2, 2)"),
+            scene("two", "(4, 2)"),
+        )
+    };
+    assert!(matches!(answered(&program("(4, 2)", "")), Answered::Plan(_)));
+    assert!(checked(&program("(9, 2)", "")).is_none(), "blood stands there at first");
+    let washed = program("(9, 2)", "wash with water to (14, 2)");
+    let (claims, ..) = checked(&washed).expect("a program without errors");
+    assert!(claims.jobs.iter().all(|job| {
+        ElectrodeArrayOrder::of(&job.order)
+            .is_some_and(|order| order.parts.iter().filter(|part| part.name.starts_with("wash")).count() == 1)
+    }));
+    assert!(matches!(answered(&washed), Answered::Plan(_)));
+}

@@ -21,8 +21,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Where parts stand between the tasks of a schedule, as far as that is known before planning.
-pub fn places_agree(jobs: &[Job], sink: &mut Sink) -> Vec<(usize, Vec<Fluids>)> {
+/// The parts of a board before a task, by the index of its order, as far as that is known before planning.
+pub struct BoardBefore {
+    /// What each contains.
+    pub fluids: Vec<Fluids>,
+    /// Where each stands, and where the program says so; none of one that is not there, or of which the plan decides.
+    pub stands: Vec<Option<(ElectrodeCell, Span)>>,
+}
+
+/// Where parts stand between the tasks of a schedule: by the index of each job of the kind, its board before it.
+pub fn places_agree(jobs: &[Job], sink: &mut Sink) -> Vec<(usize, BoardBefore)> {
     let mut before = Vec::new();
     let mut boards: BTreeMap<&str, BoardWalk> = BTreeMap::new();
     let mut walk = PartsWalk { reported: BTreeSet::new(), covers: BTreeMap::new() };
@@ -40,7 +48,7 @@ pub fn places_agree(jobs: &[Job], sink: &mut Sink) -> Vec<(usize, Vec<Fluids>)> 
             board.obstacles = Arc::clone(&order.obstacles);
             board.stands_clear(job, order, &mut walk).into_iter().for_each(|wrong| sink.push(wrong));
         }
-        before.push((nth, board.liquids.before(order)));
+        before.push((nth, board.before(order)));
         for step in &order.steps {
             let mut found = match &step.action {
                 ElectrodeArrayAction::Wait(_) => continue,
@@ -124,6 +132,15 @@ impl BoardWalk {
         let mut board = BoardWalk { parts, obstacles, stands, liquids, spread, teams: Vec::new() };
         (0..board.stands.len()).for_each(|part| board.enter(part));
         board
+    }
+
+    /// As it is before a task.
+    fn before(&self, order: &ElectrodeArrayOrder) -> BoardBefore {
+        let known = |stand: &PartStand| match *stand {
+            PartStand::At(cell, since) => Some((cell, since)),
+            PartStand::Somewhere(_) | PartStand::Due | PartStand::Gone(_) => None,
+        };
+        BoardBefore { fluids: self.liquids.before(order), stands: self.stands.iter().map(known).collect() }
     }
 
     /// What a message calls the part on a cell: one of a team by the name before its index.

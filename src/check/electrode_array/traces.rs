@@ -2,6 +2,7 @@
 
 use super::errors;
 use super::goals::{BoardStepJudge, is_assay, phrases};
+use super::places::BoardBefore;
 use crate::check::lets::Argument;
 use crate::check::tasks::{VocabularyAction, VocabularyStep};
 use crate::check::value::{ObjectName, Value};
@@ -12,10 +13,10 @@ use crate::claims::electrode_array::{
 };
 use crate::claims::{Job, Order};
 use crate::device::electrode_array::{ElectrodeCell, Electrodes};
+use crate::device::instrument::Awaited;
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
 
 impl BoardStepJudge<'_> {
     /// The traces that a task avoids, by the conditions that stand before its steps.
@@ -97,24 +98,45 @@ impl BoardStepJudge<'_> {
     }
 }
 
-/// Enters what the parts of each order contain before it, by the places of the jobs, and reports operations at one place that harm each
+/// Enters what the parts of each order contain before it, by the indices of the jobs, and reports operations at one place that harm each
 /// other.
-pub fn agree(jobs: &mut [Job], before: Vec<(usize, Vec<Fluids>)>, sink: &mut Sink) {
-    let mut reported: BTreeSet<Span> = BTreeSet::new();
-    for (nth, before) in before {
+pub fn agree(jobs: &mut [Job], before: Vec<(usize, BoardBefore)>, sink: &mut Sink) {
+    let (mut reported, mut warned) = (BTreeSet::new(), BTreeSet::new());
+    for (nth, board) in before {
         let (earlier, rest) = jobs.split_at_mut(nth);
-        let Some(Order::ElectrodeArray(order)) = rest.first_mut().map(|job| &mut job.order) else { continue };
+        let Job { device, run_span, holds, order: Order::ElectrodeArray(order), .. } = &mut rest[0] else { continue };
         if order.contamination.is_unheeded() {
             continue;
         }
-        let is_of_scene =
-            |job: &Job| matches!(&job.order, Order::ElectrodeArray(other) if Arc::ptr_eq(&other.parts, &order.parts));
-        let is_first = !earlier.iter().any(is_of_scene);
-        order.contamination.before = before;
-        if let Some((span, wrong)) = harmed_at_one_place(order, is_first).filter(|(span, _)| reported.insert(*span)) {
+        let is_cleaned =
+            holds.iter().any(|hold| hold.step == 0 && matches!(hold.terms.awaited, Awaited::Person { .. }));
+        let soiling = soiled_before(earlier, (device, order), &board.fluids).filter(|_| !is_cleaned);
+        if let Some((earlier, trace)) = soiling
+            && warned.insert((*run_span, trace.span))
+        {
+            sink.push(errors::soiled_before((trace.span, &trace.of), earlier));
+        }
+        order.contamination.before = board.fluids;
+        let harmed = harmed_at_one_place(order, &board.stands);
+        if let Some((span, wrong)) = harmed.filter(|(span, _)| reported.insert(*span)) {
             sink.push(wrong.label_elsewhere(order.contamination.avoided[0].span, span, "avoided here"));
         }
     }
+}
+
+/// The last of the earlier tasks of a device that has led a fluid over the board whose traces an order avoids, and what it avoids.
+fn soiled_before<'a>(
+    earlier: &'a [Job],
+    (device, order): (&str, &'a ElectrodeArrayOrder),
+    before: &[Fluids],
+) -> Option<(&'a Job, &'a AvoidedTrace)> {
+    let own = || order.parts.iter().map(|part| part.name.as_str()).zip(before);
+    earlier.iter().rev().filter(|job| job.device == device).find_map(|job| {
+        let acting = ElectrodeArrayOrder::of(&job.order)?.acting_parts();
+        let led = own().filter(|(name, _)| acting.contains(name));
+        let fluids: BTreeSet<&String> = led.flat_map(|(_, fluids)| fluids).collect();
+        Some((job, order.contamination.avoided.iter().find(|trace| fluids.contains(&trace.of))?))
+    })
 }
 
 /// A part that comes to a cell, as it is there.
@@ -136,16 +158,20 @@ struct PlacedDroplets {
 }
 
 impl PlacedDroplets {
-    /// Those of an assay; starts are only known of the first task of a device in a scene.
-    fn of(order: &ElectrodeArrayOrder, operations: &[AssayOperation], is_first: bool) -> PlacedDroplets {
+    /// Those of an assay; `stands` has where each part is before it.
+    fn of(
+        order: &ElectrodeArrayOrder,
+        operations: &[AssayOperation],
+        stands: &[Option<(ElectrodeCell, Span)>],
+    ) -> PlacedDroplets {
         let mut fluids = order.contamination.before.clone();
         let (mut starts, mut stopped) = (Vec::new(), Vec::new());
         // By part.
         let mut ends: BTreeMap<usize, (ElectrodeCell, Span)> = BTreeMap::new();
-        for (part, own) in order.parts.iter().enumerate().filter(|_| is_first) {
-            let Some(cell) = own.cell else { continue };
-            starts.push(PlacedDroplet { part, fluids: fluids[part].clone(), cell, span: own.span });
-            ends.insert(part, (cell, own.span));
+        for (part, stand) in stands.iter().enumerate() {
+            let Some((cell, span)) = *stand else { continue };
+            starts.push(PlacedDroplet { part, fluids: fluids[part].clone(), cell, span });
+            ends.insert(part, (cell, span));
         }
         for operation in operations {
             operation.begin_fluids(&mut fluids);
@@ -173,7 +199,10 @@ impl PlacedDroplets {
 }
 
 /// Droplets of which one comes where another has left, or leaves later, what harms it, whatever the plan, where nothing is washed.
-fn harmed_at_one_place(order: &ElectrodeArrayOrder, is_first: bool) -> Option<(Span, Diagnostic)> {
+fn harmed_at_one_place(
+    order: &ElectrodeArrayOrder,
+    stands: &[Option<(ElectrodeCell, Span)>],
+) -> Option<(Span, Diagnostic)> {
     let contamination = &order.contamination;
     if !contamination.washes.is_empty() {
         return None;
@@ -182,7 +211,7 @@ fn harmed_at_one_place(order: &ElectrodeArrayOrder, is_first: bool) -> Option<(S
         ElectrodeArrayAction::Assay(operations) => Some(operations),
         ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_) => None,
     })?;
-    let placed = PlacedDroplets::of(order, assay, is_first);
+    let placed = PlacedDroplets::of(order, assay, stands);
     let (starts, ends) = (by_cell(&placed.starts), by_cell(&placed.ends));
     let mut earlier: DropletsByCell = BTreeMap::new();
     let harms = |left: &PlacedDroplet, comes: &PlacedDroplet| {

@@ -6,6 +6,7 @@
 //! From then on these are operations like any others.
 
 use super::errors;
+use super::places::BoardBefore;
 use crate::claims::electrode_array::{
     AssayOperation, BoardPart, Contamination, ElectrodeArrayAction, ElectrodeArrayOrder, ElectrodeArrayStop, Fluids,
     WashCourse,
@@ -19,19 +20,15 @@ use std::sync::Arc;
 /// The name of every wash droplet, before its number.
 const NAME: &str = "wash";
 
-/// Enters the wash droplets that tasks ask for into their orders; whether there are any. `before` has what the parts of each job contain
-/// before it.
-pub fn enter(jobs: &mut [Job], before: &[(usize, Vec<Fluids>)], sink: &mut Sink) -> bool {
+/// Enters the wash droplets that tasks ask for into their orders; whether there are any. `before` has the board before each job.
+pub fn enter(jobs: &mut [Job], before: &[(usize, BoardBefore)], sink: &mut Sink) -> bool {
     // By device, the droplets of all its tasks.
     let mut droplets: BTreeMap<String, Vec<BoardPart>> = BTreeMap::new();
-    for (nth, fluids) in before {
-        let (earlier, rest) = jobs.split_at_mut(*nth);
-        let Some(job) = rest.first_mut() else { continue };
-        let Order::ElectrodeArray(order) = &mut job.order else { continue };
+    for (nth, board) in before {
+        let Job { device, order: Order::ElectrodeArray(order), .. } = &mut jobs[*nth] else { continue };
         let Some(course) = order.contamination.course.clone() else { continue };
-        let is_first = !earlier.iter().any(|other| other.device == job.device);
-        let own = droplets.entry(job.device.clone()).or_default();
-        if enter_in_order(order, &course, (fluids, is_first), own, sink).is_none() {
+        let own = droplets.entry(device.clone()).or_default();
+        if enter_in_order(order, &course, board, own, sink).is_none() {
             return false;
         }
     }
@@ -50,14 +47,14 @@ pub fn enter(jobs: &mut [Job], before: &[(usize, Vec<Fluids>)], sink: &mut Sink)
 fn enter_in_order(
     order: &mut ElectrodeArrayOrder,
     course: &WashCourse,
-    (before, is_first): (&[Fluids], bool),
+    before: &BoardBefore,
     droplets: &mut Vec<BoardPart>,
     sink: &mut Sink,
 ) -> Option<()> {
     let facts = &order.facts;
     for step in &mut order.steps {
         let ElectrodeArrayAction::Assay(operations) = &mut step.action else { continue };
-        let visits = visits(operations, (&order.parts, facts), before, is_first);
+        let visits = visits(operations, facts, before);
         let washes = match washes(&visits, &order.contamination, course.outlet) {
             Ok(washes) => washes,
             Err((done, comes)) => {
@@ -113,18 +110,13 @@ struct PlaceVisit {
 }
 
 /// The places to which droplets come, whatever the plan, in the order of the program; those of which the plan chooses are not known.
-fn visits(
-    operations: &[AssayOperation],
-    (parts, facts): (&[BoardPart], &ElectrodeArrayFacts),
-    before: &[Fluids],
-    is_first: bool,
-) -> Vec<PlaceVisit> {
-    let mut fluids = before.to_vec();
+fn visits(operations: &[AssayOperation], facts: &ElectrodeArrayFacts, before: &BoardBefore) -> Vec<PlaceVisit> {
+    let mut fluids = before.fluids.clone();
     let mut visits: Vec<PlaceVisit> = Vec::new();
     // By part, where it is, and the visit that lasts.
     let mut lasting: BTreeMap<usize, (ElectrodeCell, usize)> = BTreeMap::new();
-    let placed = parts.iter().enumerate().filter_map(|(part, own)| Some((part, own.cell.filter(|_| is_first)?)));
-    for (part, cell) in placed {
+    let standing = before.stands.iter().enumerate().filter_map(|(part, stand)| Some((part, (*stand)?)));
+    for (part, (cell, _)) in standing {
         lasting.insert(part, (cell, visits.len()));
         let cells = BTreeSet::from([cell]);
         visits.push(PlaceVisit { part, operations: None, cells, fluids: fluids[part].clone() });

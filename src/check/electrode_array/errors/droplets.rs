@@ -3,8 +3,8 @@
 use super::{PartPlace, nearest, written};
 use crate::check::scope::nearest as nearest_name;
 use crate::check::value::Value;
-use crate::claims::Relation;
 use crate::claims::electrode_array::{AssayOperation, DropletContent, DropletShare, ElectrodeArrayStop};
+use crate::claims::{Job, Relation};
 use crate::device::Verb;
 use crate::device::electrode_array::{ElectrodeCell, MAX_PLACES, SPLIT_APART, droplets};
 use crate::diagnostic::{Code, Diagnostic};
@@ -338,6 +338,16 @@ pub fn washes_by_two(span: Span, earlier: Span) -> Diagnostic {
         .help("leave out one `to CELL`: a fluid without it washes where the program sends its droplets")
 }
 
+/// Traces that an earlier task on the same board has left.
+pub fn soiled_before((avoided, fluid): (Span, &str), earlier: &Job) -> Diagnostic {
+    let title =
+        format!("the traces of `{fluid}` that `{}` has left on `{}` are not heeded", earlier.task, earlier.device);
+    Diagnostic::new(Code::W0513, title)
+        .label(avoided, "the board counts as clean before this task")
+        .label_elsewhere(earlier.run_span, avoided, format!("leads `{fluid}` over it"))
+        .help("write all operations into one `assay`; or clean the board in between, and say so in the first step: `prompt \"clean the board\"`")
+}
+
 /// A droplet that comes to a place before the one is done there whose traces are to be washed away first.
 pub fn washed_before_done(comes: Span, [done, next]: [&str; 2], below: Span) -> Diagnostic {
     Diagnostic::new(Code::E0565, format!("no wash fits between `{done}` and `{next}`, which share electrodes"))
@@ -376,7 +386,7 @@ pub fn stops_where_another_starts(
 ) -> Diagnostic {
     Diagnostic::new(Code::E0565, format!("`{comes}` stops at {cell}, where `{left}` starts and contaminates it"))
         .label(stop, format!("the traces of `{left}` are there before"))
-        .label_elsewhere(start, stop, format!("`{left}` starts there"))
+        .label_elsewhere(start, stop, format!("`{left}` stands there at first"))
         .help("give it another place, or write `wash with FLUID to CELL`, which has a droplet of it pass there between the two")
 }
 
