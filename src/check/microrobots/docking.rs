@@ -1,7 +1,8 @@
 //! Whether robots at their goals hold together: the first two meet head on, each further one meets the structure by its front.
 //!
-//! Section 3.5 of the paper: two robots that meet head on align themselves, within an angle between their axes and a distance of
-//! them; a robot that comes to a structure sticks, within an angle from the normal of the edge that it meets.
+//! Section 3.5 of the paper: two robots that meet head on slide until their fronts are aligned; a robot that comes to a structure turns about
+//! the corner that touches first until its front lies along the edge. The angles up to which that happens (`self_aligning_angle`,
+//! `sticking_angle`) are those at which robots may come, and not those at which they stay: a goal at an angle to its edge is never reached.
 
 use super::bodies::{RobotBody, SLACK_UM};
 use super::errors;
@@ -43,6 +44,14 @@ impl Docked<'_> {
     }
 }
 
+/// What goals of an assembly are held to.
+#[derive(Debug, Clone, Copy)]
+pub struct GoalLimits {
+    pub docking: Docking,
+    /// The task's `heading_precision`: so much a goal may be turned from where its robot lies flat.
+    pub flat_rad: f64,
+}
+
 /// Whether two bodies touch as docked bodies may.
 pub fn touches(one: &Docked, other: &Docked, docking: &Docking) -> bool {
     one.body().gap_um(&other.body()).abs() <= docking.tolerance_um + SLACK_UM
@@ -73,11 +82,11 @@ impl HeadOn {
         }
     }
 
-    /// Whether they align themselves.
-    pub fn holds(&self, docking: &Docking) -> bool {
+    /// Whether they stay so.
+    pub fn holds(&self, limits: &GoalLimits) -> bool {
         self.faces
-            && self.angle_rad <= docking.self_aligning_rad + SLACK_RAD
-            && self.offset_um <= docking.self_aligning_um + SLACK_UM
+            && self.angle_rad <= limits.flat_rad + SLACK_RAD
+            && self.offset_um <= limits.docking.self_aligning_um + SLACK_UM
     }
 }
 
@@ -87,17 +96,38 @@ fn lies_before(body: &RobotBody, other: &RobotBody, docking: &Docking) -> bool {
     body.beyond_um(normal, at) >= -docking.tolerance_um - SLACK_UM
 }
 
-/// The angle between the heading of a robot and the inward normal of the edge that it meets; at a corner the smaller one.
-pub fn incidence_rad(one: &Docked, met: &Docked, docking: &Docking) -> f64 {
+/// The edge that a robot meets, by its outward normal and a point of it, and the angle between the robot's heading and the inward normal; at
+/// a corner that with the smaller one.
+fn met_edge(one: &Docked, met: &Docked, docking: &Docking) -> Option<((Vector2<f64>, Point2<f64>), f64)> {
     let body = one.body();
     let edges = met.body().sides().into_iter();
     let met = edges.filter(|(normal, at)| body.beyond_um(*normal, *at) >= -docking.tolerance_um - SLACK_UM);
-    met.map(|(normal, _)| one.heading().angle(&-normal)).fold(PI, f64::min)
+    met.map(|edge| (edge, one.heading().angle(&-edge.0))).min_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
-/// Whether a robot that meets a docked one sticks to it.
-pub fn sticks(one: &Docked, met: &Docked, docking: &Docking) -> bool {
-    touches(one, met, docking) && incidence_rad(one, met, docking) <= docking.sticking_rad + SLACK_RAD
+/// The angle between the heading of a robot and the inward normal of the edge that it meets; at a corner the smaller one.
+pub fn incidence_rad(one: &Docked, met: &Docked, docking: &Docking) -> f64 {
+    met_edge(one, met, docking).map_or(PI, |(_, angle_rad)| angle_rad)
+}
+
+/// Whether the front of a robot lies along an edge of a docked one.
+pub fn lies_flat(one: &Docked, met: &Docked, limits: &GoalLimits) -> bool {
+    let docking = &limits.docking;
+    touches(one, met, docking) && incidence_rad(one, met, docking) <= limits.flat_rad + SLACK_RAD
+}
+
+/// Where a robot comes to lie flat on an edge, turned about the middle of its front and put to the edge.
+fn laid_flat(one: &Docked, met: &Docked, docking: &Docking, accepts: impl Fn(&Docked) -> bool) -> Option<Pose> {
+    let ((normal, at), _) = met_edge(one, met, docking)?;
+    let front = one.front() - normal * (one.front() - at).dot(&normal);
+    let centre = front + normal * (one.facts.length_um / 2.0);
+    let heading_rad = (-normal.y).arc_tangent_over(-normal.x);
+    let rounded = |per_um: f64| Pose {
+        x_um: (centre.x * per_um).round() / per_um,
+        y_um: (centre.y * per_um).round() / per_um,
+        heading_rad,
+    };
+    [1.0, 100.0].map(rounded).into_iter().find(|pose| accepts(&Docked { pose: *pose, ..*one }))
 }
 
 /// Why a goal of an assembly does not fit.
@@ -108,8 +138,8 @@ pub enum GoalMisfit<'a> {
     Apart { nearest: Docked<'a>, gap_um: f64 },
     /// The first two do not meet head on.
     NotHeadOn { other: Docked<'a>, meeting: HeadOn },
-    /// It meets its partner at too great an angle.
-    Slips { met: Docked<'a>, angle_rad: f64 },
+    /// It touches its partner at an angle.
+    NotFlat { met: Docked<'a>, angle_rad: f64 },
 }
 
 /// The partner of a docking.
@@ -128,8 +158,9 @@ pub fn misfit<'a>(
     one: &Docked,
     before: &[Docked<'a>],
     partner: Partner<'a>,
-    docking: &Docking,
+    limits: &GoalLimits,
 ) -> Option<GoalMisfit<'a>> {
+    let docking = &limits.docking;
     let gap_um = |other: &Docked| one.body().gap_um(&other.body());
     let nearest = *before.iter().min_by(|a, b| gap_um(a).total_cmp(&gap_um(b)))?;
     let depth_um = -gap_um(&nearest);
@@ -142,15 +173,15 @@ pub fn misfit<'a>(
         Partner::First(first) if !touches(one, first, docking) => Some(apart(*first)),
         Partner::First(first) => {
             let meeting = HeadOn::of(one, first, docking);
-            (!meeting.holds(docking)).then_some(GoalMisfit::NotHeadOn { other: *first, meeting })
+            (!meeting.holds(limits)).then_some(GoalMisfit::NotHeadOn { other: *first, meeting })
         }
         Partner::Structure if !touches(one, &nearest, docking) => Some(apart(nearest)),
-        Partner::Structure if before.iter().any(|met| sticks(one, met, docking)) => None,
+        Partner::Structure if before.iter().any(|met| lies_flat(one, met, limits)) => None,
         Partner::Structure => {
             let angle_rad = |met: &Docked| incidence_rad(one, met, docking);
             let touched = before.iter().filter(|met| touches(one, met, docking));
             let met = *touched.min_by(|a, b| angle_rad(a).total_cmp(&angle_rad(b)))?;
-            Some(GoalMisfit::Slips { met, angle_rad: angle_rad(&met) })
+            Some(GoalMisfit::NotFlat { met, angle_rad: angle_rad(&met) })
         }
     }
 }
@@ -175,10 +206,11 @@ pub fn misfit_diagnostic(
     before: &[Docked],
     partner: Partner,
     misfit: &GoalMisfit,
-    docking: &Docking,
+    limits: &GoalLimits,
 ) -> Diagnostic {
+    let docking = &limits.docking;
     let place = |docked: &Docked| errors::GoalPlace { robot: docked.facts.name.clone(), span: docked.span };
-    let fits = |moved: &Docked| self::misfit(moved, before, partner, docking).is_none();
+    let fits = |moved: &Docked| self::misfit(moved, before, partner, limits).is_none();
     let head_on = || match partner {
         Partner::First(first) => facing(one, first, fits),
         Partner::Nothing | Partner::Structure => None,
@@ -193,12 +225,11 @@ pub fn misfit_diagnostic(
             errors::docked_apart(&place(one), &place(nearest), bounds, mended(one, nearest, fits).or_else(head_on))
         }
         GoalMisfit::NotHeadOn { other, meeting } => {
-            let limits = (docking.self_aligning_rad, docking.self_aligning_um);
             let found = meeting.faces.then_some((meeting.angle_rad, meeting.offset_um));
-            errors::not_head_on(&place(one), &place(other), found, limits, head_on())
+            errors::not_head_on(&place(one), &place(other), found, docking.self_aligning_um, head_on())
         }
-        GoalMisfit::Slips { met, angle_rad } => {
-            errors::docked_askew(&place(one), &place(met), (*angle_rad, docking.sticking_rad))
+        GoalMisfit::NotFlat { met, angle_rad } => {
+            errors::not_flat(&place(one), &place(met), *angle_rad, laid_flat(one, met, docking, fits))
         }
     }
 }

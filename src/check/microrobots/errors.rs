@@ -530,45 +530,46 @@ pub fn docked_apart(
         .help_if(mended_at(mended, "docks"))
 }
 
-/// `found` is the angle between the axes and their distance, if the two face each other.
+/// `found` is the angle between the axes and their distance, if the two face each other; that may be `most_um`.
 pub fn not_head_on(
     goal: &GoalPlace,
     other: &GoalPlace,
     found: Option<(f64, f64)>,
-    (most_rad, most_um): (f64, f64),
+    most_um: f64,
     mended: Option<Pose>,
 ) -> Diagnostic {
     let (one, two) = (&goal.robot, &other.robot);
     let title = match found {
         None => format!("`{one}` and `{two}` begin a structure, but do not face each other"),
-        Some((angle_rad, _)) if angle_rad > most_rad => format!(
-            "`{one}` and `{two}` meet at {} from head on, they align themselves up to {}",
-            angle(angle_rad),
-            angle(most_rad)
-        ),
-        Some((_, offset_um)) => format!(
+        Some((_, offset_um)) if offset_um > most_um => format!(
             "`{one}` and `{two}` meet {} beside each other, they align themselves up to {}",
             at_least(offset_um),
             length(most_um)
         ),
+        Some((angle_rad, _)) => {
+            format!("`{one}` and `{two}` are {} from head on; they do not stay so when they touch", angle(angle_rad))
+        }
     };
     Diagnostic::new(Code::E0537, title)
         .label(goal.span, goal.label())
         .label_elsewhere(other.span, goal.span, other.label())
-        .help("the first two robots of a structure meet with their fronts, as 90 deg meets 270 deg")
+        .help("the first two robots of a structure align their fronts, as 90 deg meets 270 deg")
         .help_if(mended.map(|pose| format!("straight head on, `{one}` is at {}", pose_text(&pose))))
 }
 
-pub fn docked_askew(goal: &GoalPlace, met: &GoalPlace, (angle_rad, most_rad): (f64, f64)) -> Diagnostic {
-    let (found, most) = (angle(angle_rad), angle(most_rad));
+/// A robot at an angle to the edge with which it docks; `flat` is where it comes to lie.
+pub fn not_flat(goal: &GoalPlace, met: &GoalPlace, angle_rad: f64, flat: Option<Pose>) -> Diagnostic {
     let title = format!(
-        "`{}` meets `{}` at {found} from its edge's normal, but sticks only up to {most}",
-        goal.robot, met.robot
+        "`{}` at its goal is turned by {} from the edge of `{}`, and does not stay so when it touches",
+        goal.robot,
+        angle(angle_rad),
+        met.robot
     );
     Diagnostic::new(Code::E0537, title)
         .label(goal.span, goal.label())
         .label_elsewhere(met.span, goal.span, met.label())
-        .help("a robot docks with its front: turn its goal towards the edge that it meets")
+        .help("a robot turns about the corner that touches first until its front lies along the edge")
+        .help_if(flat.map(|pose| format!("flat on it, `{}` is at {}", goal.robot, pose_text(&pose))))
 }
 
 /// `asked` is the participle of the verb: `driven`, `assembled`.

@@ -3,7 +3,7 @@
 //! The runs of a schedule are walked in order. The places of other robots depend on the plan.
 
 use super::bodies::{ObstacleSolid, RobotBody, is_too_near};
-use super::docking::{self, Docked, Partner};
+use super::docking::{self, Docked, GoalLimits, Partner};
 use super::errors;
 use super::ground::first_near;
 use crate::claims::Job;
@@ -133,13 +133,13 @@ impl BedWalk {
         }
         let structure: Vec<Docked> = self.docked.iter().map(|(robot, at)| docked(*robot, at, order)).collect();
         let goals: Vec<Docked> = docks.iter().map(|dock| docked(dock.robot, &dock.goal, order)).collect();
-        let docking = &order.facts.docking;
+        let limits = GoalLimits { docking: order.facts.docking, flat_rad: order.precision.heading_rad };
         let Some(ranks) = ranks(order) else {
-            return in_any_order(&structure, &goals, docking).into_iter().collect();
+            return in_any_order(&structure, &goals, &limits).into_iter().collect();
         };
         let mut goals = goals;
         goals.sort_by_key(|goal| std::cmp::Reverse(ranks[goal.robot]));
-        in_this_order(&structure, &goals, docking).into_iter().collect()
+        in_this_order(&structure, &goals, &limits).into_iter().collect()
     }
 }
 
@@ -163,12 +163,12 @@ fn ranks(order: &MicrorobotsOrder) -> Option<Vec<usize>> {
 }
 
 /// Fault of goals that are taken in this order.
-fn in_this_order(structure: &[Docked], goals: &[Docked], docking: &Docking) -> Option<Diagnostic> {
+fn in_this_order(structure: &[Docked], goals: &[Docked], limits: &GoalLimits) -> Option<Diagnostic> {
     let mut before = structure.to_vec();
     for (at, goal) in goals.iter().enumerate() {
-        let partner = partner(structure, goals, at, docking);
-        if let Some(misfit) = docking::misfit(goal, &before, partner, docking) {
-            return Some(docking::misfit_diagnostic(goal, &before, partner, &misfit, docking));
+        let partner = partner(structure, goals, at, &limits.docking);
+        if let Some(misfit) = docking::misfit(goal, &before, partner, limits) {
+            return Some(docking::misfit_diagnostic(goal, &before, partner, &misfit, limits));
         }
         before.push(*goal);
     }
@@ -187,12 +187,12 @@ fn partner<'a>(structure: &[Docked], goals: &'a [Docked<'a>], at: usize, docking
 }
 
 /// Fault of goals in every possible order: that of the order that gets furthest.
-fn in_any_order(structure: &[Docked], goals: &[Docked], docking: &Docking) -> Option<Diagnostic> {
-    let pairs = Pairs::of(structure, goals, docking);
+fn in_any_order(structure: &[Docked], goals: &[Docked], limits: &GoalLimits) -> Option<Diagnostic> {
+    let pairs = Pairs::of(structure, goals, limits);
     let orders = (0..goals.len()).map(|first| pairs.order(first));
     let (furthest, _) = orders.max_by_key(|(_, fitting)| *fitting)?;
     let ordered: Vec<Docked> = furthest.into_iter().map(|goal| goals[goal]).collect();
-    in_this_order(structure, &ordered, docking)
+    in_this_order(structure, &ordered, limits)
 }
 
 /// How goals fit to each other and to a structure, each pair computed once.
@@ -206,18 +206,18 @@ struct Pairs {
 #[derive(Debug, Clone, Copy)]
 struct Fit {
     meets_head_on: bool,
-    sticks: bool,
+    lies_flat: bool,
     touches: bool,
 }
 
 impl Pairs {
-    fn of(structure: &[Docked], goals: &[Docked], docking: &Docking) -> Pairs {
+    fn of(structure: &[Docked], goals: &[Docked], limits: &GoalLimits) -> Pairs {
         let fit = |one: &Docked, other: &Docked| {
             let alone = std::slice::from_ref(other);
-            docking::misfit(one, alone, Partner::Nothing, docking).is_none().then(|| Fit {
-                meets_head_on: docking::misfit(one, alone, Partner::First(other), docking).is_none(),
-                sticks: docking::sticks(one, other, docking),
-                touches: docking::touches(one, other, docking),
+            docking::misfit(one, alone, Partner::Nothing, limits).is_none().then(|| Fit {
+                meets_head_on: docking::misfit(one, alone, Partner::First(other), limits).is_none(),
+                lies_flat: docking::lies_flat(one, other, limits),
+                touches: docking::touches(one, other, &limits.docking),
             })
         };
         let others = || goals.iter().chain(structure);
@@ -239,7 +239,7 @@ impl Pairs {
                 let is_clear = docked.iter().all(|other| fits[*other].is_some());
                 let holds = match (is_new, taken.len()) {
                     (true, 1) => fits[first].is_some_and(|fit| fit.meets_head_on),
-                    _ => docked.iter().any(|other| fits[*other].is_some_and(|fit| fit.sticks)),
+                    _ => docked.iter().any(|other| fits[*other].is_some_and(|fit| fit.lies_flat)),
                 };
                 is_clear && holds
             };
