@@ -222,3 +222,15 @@ fn a_limit_from_below_is_met_by_waiting_where_channels_let_all_rest() {
 fn who_is_dispensed_where_another_leaves_meets_its_traces() {
     assert_eq!(planned(&text("ea_dispensed_as_another_leaves")).cost, 5.0);
 }
+
+#[test]
+fn who_goes_on_where_another_was_meanwhile_is_washed_for() {
+    let plan = planned(&text("ea_washed_while_away"));
+    assert!(plan.cost <= 12.0 && plan.cost == plan.bound, "{} of at least {}", plan.cost, plan.bound);
+}
+
+#[test]
+fn a_plan_that_leaves_a_part_on_an_obstacle_of_the_next_scene_is_named() {
+    let said = refused(&text("ea_left_on_an_obstacle"));
+    assert!(said.contains("E0530: `a` is at (3, 1) by then, on obstacle `o`"), "{said}");
+}

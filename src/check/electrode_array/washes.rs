@@ -109,48 +109,76 @@ struct PlaceVisit {
     fluids: Fluids,
 }
 
-/// The places to which droplets come, whatever the plan, in the order of the program; those of which the plan chooses are not known.
+/// The places to which droplets come, whatever the plan, in the order of the program; those of which the plan chooses are not known. A droplet
+/// that goes on at its place after another one has come there was elsewhere meanwhile, and comes there again.
 fn visits(operations: &[AssayOperation], facts: &ElectrodeArrayFacts, before: &BoardBefore) -> Vec<PlaceVisit> {
+    let mut walk = VisitWalk { visits: Vec::new(), at: BTreeMap::new() };
     let mut fluids = before.fluids.clone();
-    let mut visits: Vec<PlaceVisit> = Vec::new();
-    // By part, where it is, and the visit that lasts.
-    let mut lasting: BTreeMap<usize, (ElectrodeCell, usize)> = BTreeMap::new();
-    let standing = before.stands.iter().enumerate().filter_map(|(part, stand)| Some((part, (*stand)?)));
-    for (part, (cell, _)) in standing {
-        lasting.insert(part, (cell, visits.len()));
-        let cells = BTreeSet::from([cell]);
-        visits.push(PlaceVisit { part, operations: None, cells, fluids: fluids[part].clone() });
+    for (part, stand) in before.stands.iter().enumerate() {
+        if let Some((cell, _)) = *stand {
+            walk.come(part, cell, [cell], (None, &fluids[part]));
+        }
     }
     for (place, operation) in operations.iter().enumerate() {
         operation.begin_fluids(&mut fluids);
         operation.end_fluids(&mut fluids);
         let part = operation.part;
-        if !operation.among.is_empty() {
-            lasting.remove(&part);
+        // Where the plan chooses, or on the way elsewhere and back.
+        if !operation.among.is_empty() || operation.stops.iter().any(|stop| Some(stop.cell) != walk.cell(part)) {
+            walk.at.remove(&part);
         }
-        if let Some(last) = operation.stops.last() {
-            let stays = operation.stops.iter().all(|stop| lasting.get(&part).is_some_and(|(at, _)| *at == stop.cell));
-            if !stays {
-                visits.push(PlaceVisit { part, operations: None, cells: BTreeSet::new(), fluids: Fluids::new() });
-                lasting.insert(part, (last.cell, visits.len() - 1));
-            }
-        }
-        if let Some((at, visit)) = lasting.get(&part).copied() {
-            let visit = &mut visits[visit];
-            let first = visit.operations.map_or(place, |[first, _]| first);
-            visit.operations = Some([first, place]);
-            visit.fluids.clone_from(&fluids[part]);
-            visit.cells.extend(operation.stops.iter().map(|stop| stop.cell));
-            visit.cells.extend(if operation.mixes { facts.mixing_loop(at) } else { Vec::new() });
+        if operation.among.is_empty()
+            && let Some(cell) = operation.stops.last().map_or_else(|| walk.cell(part), |stop| Some(stop.cell))
+        {
+            let mut cells: Vec<ElectrodeCell> = operation.stops.iter().map(|stop| stop.cell).collect();
+            cells.extend(if operation.mixes { facts.mixing_loop(cell) } else { vec![cell] });
+            walk.come(part, cell, cells, (Some(place), &fluids[part]));
         }
         if let Some(half) = operation.splits {
-            lasting.insert(half.part, (half.cell, visits.len()));
-            let (cells, fluids) = (BTreeSet::from([half.cell]), fluids[half.part].clone());
-            visits.push(PlaceVisit { part: half.part, operations: Some([place, place]), cells, fluids });
+            walk.come(half.part, half.cell, [half.cell], (Some(place), &fluids[half.part]));
         }
-        operation.gone().and_then(|gone| lasting.remove(&gone));
+        operation.gone().and_then(|gone| walk.at.remove(&gone));
     }
-    visits
+    walk.visits
+}
+
+/// The visits so far.
+struct VisitWalk {
+    visits: Vec<PlaceVisit>,
+    /// By part, where it is, and its visit there, as long as no other part has come onto an electrode of it.
+    at: BTreeMap<usize, (ElectrodeCell, Option<usize>)>,
+}
+
+impl VisitWalk {
+    /// Where a part is, if that is known.
+    fn cell(&self, part: usize) -> Option<ElectrodeCell> {
+        self.at.get(&part).map(|(cell, _)| *cell)
+    }
+
+    /// A part comes to a cell, or goes on there, and is on these electrodes meanwhile.
+    fn come(
+        &mut self,
+        part: usize,
+        cell: ElectrodeCell,
+        cells: impl IntoIterator<Item = ElectrodeCell>,
+        (operation, fluids): (Option<usize>, &Fluids),
+    ) {
+        let cells: BTreeSet<ElectrodeCell> = cells.into_iter().collect();
+        let lasting = self.at.get(&part).filter(|(at, _)| *at == cell).and_then(|(_, visit)| *visit);
+        let visit = lasting.unwrap_or_else(|| {
+            self.visits.push(PlaceVisit { part, operations: None, cells: BTreeSet::new(), fluids: Fluids::new() });
+            self.visits.len() - 1
+        });
+        self.at.insert(part, (cell, Some(visit)));
+        let own = &mut self.visits[visit];
+        own.operations = operation.map(|last| [own.operations.map_or(last, |[first, _]| first), last]);
+        own.fluids.clone_from(fluids);
+        own.cells.extend(cells);
+        for (_, (_, other)) in self.at.iter_mut().filter(|(other, _)| **other != part) {
+            let meets = |other: usize| !self.visits[other].cells.is_disjoint(&self.visits[visit].cells);
+            *other = other.filter(|other| !meets(*other));
+        }
+    }
 }
 
 /// A wash before an operation.

@@ -18,6 +18,7 @@ use super::published::{self, Heuristic, PairCheck, PaperReading, PublishedOutcom
 use super::remedy::{Shut, Tried};
 use super::shared::{self, SharedGoals};
 use super::stage::{self, BoardGround, BoardStage, CellBlocker};
+use super::standings::{self, BoardStandings};
 use super::{channels, portfolio, torn, why};
 use crate::claims::electrode_array::{
     AssayOperation, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayOrder,
@@ -41,21 +42,6 @@ const PUBLISHED_HORIZON: usize = 4;
 /// Pair checks of the published planner that take as long as one expansion of another planner.
 const LOOKS_PER_EXPANSION: u64 = 20;
 
-/// State that the plans of a schedule hand on to later jobs: the cell of each part of each device, by name.
-#[derive(Default)]
-pub struct BoardStandings {
-    cells: BTreeMap<String, BTreeMap<String, Option<ElectrodeCell>>>,
-}
-
-impl BoardStandings {
-    /// Cells of the parts of an order before its job.
-    fn of(&self, job: &Job, order: &ElectrodeArrayOrder) -> Vec<Option<ElectrodeCell>> {
-        let known = self.cells.get(&job.device);
-        let stands = |name: &String| known.and_then(|cells| cells.get(name)).copied();
-        order.parts.iter().map(|part| stands(&part.name).unwrap_or(part.cell)).collect()
-    }
-}
-
 impl KindPlanner for ElectrodeArrayOrder {}
 
 /// A plan for a job; `None` after an error was pushed.
@@ -65,10 +51,10 @@ pub fn plan(
     standing: &mut BoardStandings,
     sink: &mut Sink,
 ) -> Option<Plan<ElectrodeArrayMotion>> {
-    let start = standing.of(job, order);
+    let start = standing.before(job, order);
+    sink.unless(standings::on_obstacle(job, order, &start))?;
     let (plan, end) = planned(job, order, start, true, sink);
-    let names = order.parts.iter().map(|part| part.name.clone());
-    standing.cells.entry(job.device.clone()).or_default().extend(names.zip(end));
+    standing.leave(job, order, end);
     plan
 }
 

@@ -32,15 +32,17 @@ mod relaxed;
 mod remedy;
 mod shared;
 mod stage;
+mod standings;
 pub mod teams;
 mod timing;
 mod torn;
 mod why;
 
 pub use errands::PartCourse;
-pub use job::{BoardStandings as Standings, plan};
+pub use job::plan;
 pub use motion::{ElectrodeArrayMotion, ElectrodeArrayStepMotion};
 pub use portfolio::{first, solve};
+pub use standings::BoardStandings as Standings;
 
 #[cfg(test)]
 mod tests;

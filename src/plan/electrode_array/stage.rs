@@ -49,6 +49,11 @@ impl<'a> BoardGround<'a> {
         BoardGround { obstacles, bare, board }
     }
 
+    /// The obstacles, each grown.
+    pub fn obstacles(&self) -> &[CellBlocker<'a>] {
+        &self.obstacles
+    }
+
     /// The board with its obstacles.
     pub fn board(&self) -> &BoardGrid {
         &self.board
@@ -84,6 +89,12 @@ impl CellBlocker<'_> {
     fn clipped(&self, board: &BoardGrid) -> [RangeInclusive<i64>; 2] {
         let clip = |[low, high]: [i64; 2], size: u32| low.max(0)..=high.min(i64::from(size) - 1);
         [clip(self.columns, board.width()), clip(self.rows, board.height())]
+    }
+
+    /// Whether it covers a cell of a board.
+    pub fn covers(&self, cell: board::CellIndex, board: &BoardGrid) -> bool {
+        let [column, row] = [i64::from(cell % board.width()), i64::from(cell / board.width())];
+        (self.columns[0]..=self.columns[1]).contains(&column) && (self.rows[0]..=self.rows[1]).contains(&row)
     }
 
     /// Its cells on a board.

@@ -1,0 +1,53 @@
+//! Where the plans of a schedule leave the parts of each board, for the jobs that follow.
+
+use super::stage::BoardGround;
+use crate::claims::Job;
+use crate::claims::electrode_array::ElectrodeArrayOrder;
+use crate::device::electrode_array::ElectrodeCell;
+use crate::diagnostic::{Code, Diagnostic};
+use std::collections::BTreeMap;
+
+/// The cell of each part of each device, by name.
+#[derive(Default)]
+pub struct BoardStandings {
+    cells: BTreeMap<String, BTreeMap<String, Option<ElectrodeCell>>>,
+}
+
+impl BoardStandings {
+    /// Cells of the parts of an order before its job.
+    pub fn before(&self, job: &Job, order: &ElectrodeArrayOrder) -> Vec<Option<ElectrodeCell>> {
+        let known = self.cells.get(&job.device);
+        let stands = |name: &String| known.and_then(|cells| cells.get(name)).copied();
+        order.parts.iter().map(|part| stands(&part.name).unwrap_or(part.cell)).collect()
+    }
+
+    /// Enters the cells of the parts of an order after its job.
+    pub fn leave(&mut self, job: &Job, order: &ElectrodeArrayOrder, cells: Vec<Option<ElectrodeCell>>) {
+        let names = order.parts.iter().map(|part| part.name.clone());
+        self.cells.entry(job.device.clone()).or_default().extend(names.zip(cells));
+    }
+}
+
+/// A part that an earlier plan has left on an obstacle of this job's scene, or too near to it. Where a program names the place that is found
+/// when it is checked; here the plan has chosen it.
+pub fn on_obstacle(job: &Job, order: &ElectrodeArrayOrder, start: &[Option<ElectrodeCell>]) -> Option<Diagnostic> {
+    let moved = order.parts.iter().zip(start).filter(|(part, cell)| part.cell != **cell);
+    let mut moved = moved.filter_map(|(part, cell)| Some((part, (*cell)?))).peekable();
+    moved.peek()?;
+    let ground = BoardGround::new(order);
+    let board = ground.board();
+    moved.find_map(|(part, cell)| {
+        let index = board.cell(cell.column - 1, cell.row - 1);
+        let obstacle = ground.obstacles().iter().find(|obstacle| obstacle.covers(index, board))?;
+        let (part, obstacle, at) = (&part.name, obstacle.name(), obstacle.span);
+        let title =
+            format!("`{part}` is at {cell} by then, on obstacle `{obstacle}` of this run's scene, or too near to it");
+        let diagnostic = Diagnostic::new(Code::E0530, title)
+            .label(job.run_span, "begins with another scene than the run before, whose plan has chosen that place")
+            .label(at, "the obstacle")
+            .help(format!(
+                "take the places at this obstacle out of those of `{part}`, or give the tasks of the device one scene"
+            ));
+        Some(diagnostic)
+    })
+}
