@@ -3,23 +3,23 @@
 //! Input: the bed, the robot, the stops. Output: legs of the whole bed under which the robot reaches every stop at the end of a leg
 //! without a forbidden collision; or why none were found.
 //!
-//! Method: first the path of the driven robot alone (`ways`), in whole strokes (`strokes`). Any control state with its arm in the
+//! Method: first one or two trains of strokes that end within the precision, where that is less than the path to the stop itself takes; then the path of the driven robot alone (`ways`), in whole strokes (`strokes`). Any control state with its arm in the
 //! position that a leg needs can drive this leg; states are tried leg by leg, depth first, those first in which the fewest other
 //! robots run, since robots that turn stay in place (`choice`). If no choice is free of collisions, the collision partner becomes
 //! an obstacle of the driven robot: the body of a robot where they met, or the disc of one that orbits; and the path is searched
 //! again.
 //!
 //! Promise: the legs are free of collisions by `World::first_hit`, and the stops are met within the precision. Not promised: that
-//! legs are found where there are some, or the fewest strokes: the stops themselves are targeted, and drives that save strokes by
-//! stopping short within the precision are not searched. For lower bounds see `bound`.
+//! legs are found where there are some, or the fewest strokes: but for those short drives the stops themselves are targeted, and drives that
+//! save strokes by stopping short within the precision are not searched. For lower bounds see `bound`.
 
 mod choice;
 
-use super::Leg;
 use super::free::{self, ArmSegment};
 use super::strokes::{self, StrokeTrain};
 use super::ways::{DriveTask, NoWay};
 use super::world::{BedPoses, FirstMeeting, Fixtures, ForbiddenMeeting, Obstruction, World};
+use super::{Leg, legs_cost};
 use crate::claims::microrobots::{MicrorobotsOrder, Precision};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
@@ -172,6 +172,32 @@ impl DriveProgress<'_> {
             return Err(StuckReason::Docked);
         }
         self.can_steer(from, goal)?;
+        let around = Around::docked(world, bed, robot);
+        let exact = DriveTask { world, robot, from, to: goal, fixtures: &around.fixtures };
+        let short = self.stop_short(exact);
+        // Around obstacles the stop itself is further.
+        let exact =
+            if short.is_some() && exact.direct().is_err() { None } else { Some(self.reach_exactly(from, goal)) };
+        let cost = |legs: &[Leg]| legs_cost(order, legs);
+        self.legs = match (exact, short) {
+            (Some(Ok(exact)), Some(short)) => {
+                if cost(&short) < cost(&exact) {
+                    short
+                } else {
+                    exact
+                }
+            }
+            (Some(Ok(exact)), None) => exact,
+            (_, Some(short)) => short,
+            (Some(Err(reason)), None) => return Err(reason),
+            (None, None) => return Err(StuckReason::TooFine),
+        };
+        Ok(())
+    }
+
+    /// The legs so far and those to a stop itself.
+    fn reach_exactly(&mut self, from: Pose, goal: Pose) -> Result<Vec<Leg>, StuckReason> {
+        let Drive { order, world, bed, robot, .. } = *self.request;
         let mut around = Around::docked(world, bed, robot);
         let mut last = None;
         for _ in 0..MAX_ROUNDS {
@@ -182,10 +208,7 @@ impl DriveProgress<'_> {
             };
             let trains = strokes::whole(&world.body(robot).robot, from, goal, &found, order.precision);
             match self.choose(&trains.ok_or(StuckReason::TooFine)?) {
-                Ok(legs) => {
-                    self.legs = legs;
-                    return Ok(());
-                }
+                Ok(legs) => return Ok(legs),
                 Err(StuckReason::Meets(hit)) => {
                     last = Some(hit);
                     if !around.add(self.request, &self.legs, hit) {
@@ -196,6 +219,25 @@ impl DriveProgress<'_> {
             }
         }
         self.other_word(from, goal, last)
+    }
+
+    /// The legs so far and the best ones of one or two trains that end within the precision of a stop.
+    fn stop_short(&mut self, exact: DriveTask) -> Option<Vec<Leg>> {
+        let Drive { order, world, robot, .. } = *self.request;
+        let facts = &world.body(robot).robot;
+        let mut best: Option<Vec<Leg>> = None;
+        for trains in strokes::short(facts, exact.from, exact.to, order.precision) {
+            let way: Vec<ArmSegment> = trains.iter().map(|train| train.segment(facts)).collect();
+            if world.obstruction_on(robot, exact.from, &way, exact.fixtures).is_some() {
+                continue;
+            }
+            // Where the states run out there are none for the stop itself either, which says why.
+            let Ok(legs) = self.choose(&trains) else { continue };
+            if best.as_ref().is_none_or(|best| legs_cost(order, &legs) < legs_cost(order, best)) {
+                best = Some(legs);
+            }
+        }
+        best
     }
 
     /// A path of the robot alone. Unless the free optimum is clear, it leaves room for rounding to whole strokes where there is
@@ -216,7 +258,7 @@ impl DriveProgress<'_> {
     }
 
     /// The other free path, under which the others move differently.
-    fn other_word(&mut self, from: Pose, goal: Pose, last: Option<FirstMeeting>) -> Result<(), StuckReason> {
+    fn other_word(&mut self, from: Pose, goal: Pose, last: Option<FirstMeeting>) -> Result<Vec<Leg>, StuckReason> {
         let Drive { order, world, bed, robot, .. } = *self.request;
         let around = Around::docked(world, bed, robot);
         let facts = &world.body(robot).robot;
@@ -226,8 +268,7 @@ impl DriveProgress<'_> {
             return Err(meets);
         }
         let trains = strokes::whole(facts, from, goal, &way, order.precision).ok_or(meets)?;
-        self.legs = self.choose(&trains).map_err(|_| meets)?;
-        Ok(())
+        self.choose(&trains).map_err(|_| meets)
     }
 
     fn choose(&mut self, trains: &[StrokeTrain]) -> Result<Vec<Leg>, StuckReason> {

@@ -13,12 +13,12 @@
 //! The path differs from the given one by less than [`ASTRAY`] of the precision at its corners, apart from rounding of single
 //! strokes.
 
-use super::free::ArmSegment;
+use super::free::{ArmSegment, turn_rad};
 use crate::claims::microrobots::Precision;
 use crate::device::microrobots::{Arm, Robot, wrapped_rad};
 use crate::geometry::Pose;
 use crate::real::Real;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Share of the precision that one rounded heading may cost at the goal.
 const AT_GOAL: f64 = 0.08;
@@ -40,10 +40,16 @@ pub struct StrokeTrain {
     pub strokes: u64,
 }
 
+impl StrokeTrain {
+    /// Its path.
+    pub fn segment(self, robot: &Robot) -> ArmSegment {
+        ArmSegment { arm: self.arm, way_um: robot.step_um * self.strokes as f64 }
+    }
+}
+
 /// Pose of a robot after its trains.
 pub fn end(robot: &Robot, from: Pose, trains: &[StrokeTrain]) -> Pose {
-    let way_um = |train: &StrokeTrain| robot.step_um * train.strokes as f64;
-    trains.iter().fold(from, |pose, train| robot.moved(pose, train.arm, way_um(train)))
+    trains.iter().fold(from, |pose, train| robot.moved(pose, train.arm, train.segment(robot).way_um))
 }
 
 /// Whether a pose is within the precision of another.
@@ -80,6 +86,50 @@ pub fn whole(
         }
     }
     best.map(|(_, trains)| trains)
+}
+
+/// Headings on each side of the goal's at which a short drive may end that are looked at.
+const HEADINGS: i32 = 16;
+
+/// Drives of one or two trains that end within the precision of a goal: a turn and then a run, and the other way round, with up to half a
+/// turn or with more, each where it ends nearest to the goal. None where the goal is reached by no such drive.
+///
+/// What a path to the goal itself needs three trains for, or a full turn, is often within the precision at the end of one.
+pub fn short(robot: &Robot, from: Pose, goal: Pose, precision: Precision) -> Vec<Vec<StrokeTrain>> {
+    let offsets = (-HEADINGS..=HEADINGS).map(|at| precision.heading_rad * f64::from(at) / f64::from(HEADINGS));
+    let mut headings: Vec<f64> = offsets.map(|off_rad| goal.heading_rad + off_rad).collect();
+    headings.push(from.heading_rad);
+    // By order of the trains, and by whether the turn is a long one.
+    let mut found: [Option<(f64, Vec<StrokeTrain>)>; 4] = [const { None }; 4];
+    for heading_rad in headings {
+        let turn_um = turn_rad(robot, from.heading_rad, heading_rad) * robot.turning_radius_um;
+        let is_long = usize::from(turn_um > PI * robot.turning_radius_um);
+        for (which, order) in [[Arm::Down, Arm::Up], [Arm::Up, Arm::Down]].into_iter().enumerate() {
+            let trains = turn_and_run(robot, (from, goal), turn_um, order);
+            let end = end(robot, from, &trains);
+            let missed_um = (end.x_um - goal.x_um).hypotenuse(end.y_um - goal.y_um);
+            let best = &mut found[2 * which + is_long];
+            let is_nearer = best.as_ref().is_none_or(|(least_um, _)| missed_um < *least_um);
+            if is_nearer && is_within(end, goal, precision) {
+                *best = Some((missed_um, trains));
+            }
+        }
+    }
+    let mut found: Vec<Vec<StrokeTrain>> = found.into_iter().flatten().map(|(_, trains)| trains).collect();
+    found.dedup();
+    found
+}
+
+/// A turn of this length and a run, in this order, that end as near to a goal as they can; without a train that is no stroke long.
+fn turn_and_run(robot: &Robot, (from, goal): (Pose, Pose), turn_um: f64, order: [Arm; 2]) -> Vec<StrokeTrain> {
+    let turn = (turn_um / robot.step_um).round();
+    let turned = robot.moved(from, Arm::Down, turn * robot.step_um);
+    let (sin, cos) = if order[0] == Arm::Down { turned } else { from }.heading_rad.sine_cosine();
+    let ahead_um = (goal.x_um - turned.x_um) * cos + (goal.y_um - turned.y_um) * sin;
+    let run = (ahead_um / robot.step_um).round().max(0.0);
+    let strokes = |arm: Arm| if arm == Arm::Down { turn } else { run };
+    let trains = order.map(|arm| StrokeTrain { arm, strokes: strokes(arm) as u64 });
+    trains.into_iter().filter(|train| train.strokes > 0).collect()
 }
 
 /// A path as a polyline of turning centres.

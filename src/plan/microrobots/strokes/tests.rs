@@ -1,7 +1,7 @@
 //! Paths in whole strokes end within the precision.
 
 use super::*;
-use crate::device::microrobots::Turning;
+use crate::device::microrobots::{Arm, Turning};
 use crate::plan::microrobots::free::{self, joined, length_um};
 use crate::plan::microrobots::world::fixture;
 use proptest::prelude::*;
@@ -30,6 +30,32 @@ fn missed(robot: &Robot, from: Pose, goal: Pose, trains: &[StrokeTrain]) -> (f64
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 1_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// The goal is near to where one or two trains end.
+    #[test]
+    fn short_drives_are_found_where_there_are_some(
+        robot in robots(), from in pose(), turn in 0u64..60_000, run in 0u64..200_000, kind in 0usize..4, off in (-1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64),
+    ) {
+        let precision = Precision { place_um: 20.0, heading_rad: 2.0 * TAU / 360.0 };
+        let [turned, ran] = [(Arm::Down, turn), (Arm::Up, run)].map(|(arm, strokes)| StrokeTrain { arm, strokes });
+        let known = [vec![turned, ran], vec![ran, turned], vec![turned], vec![ran]][kind].clone();
+        let end_there = end(&robot, from, &known);
+        // A run may have to end some of the way to its side.
+        let goal = Pose {
+            x_um: end_there.x_um + off.0 * precision.place_um / 2.0,
+            y_um: end_there.y_um + off.1 * precision.place_um / 2.0,
+            heading_rad: end_there.heading_rad + off.2 * precision.heading_rad * 0.9,
+        };
+        let found = short(&robot, from, goal, precision);
+        prop_assert!(found.iter().all(|trains| is_within(end(&robot, from, trains), goal, precision) && trains.len() <= 2));
+        let strokes = |trains: &[StrokeTrain]| trains.iter().map(|train| train.strokes).sum::<u64>() as f64 * robot.step_um;
+        let most_um = strokes(&known) + 2.0 * precision.place_um + 3.0 * robot.turning_radius_um * precision.heading_rad;
+        // A turn that is all but none may become a full one: only a heading that is the goal's exactly needs none.
+        let is_clear = turn as f64 * robot.step_um / robot.turning_radius_um > 3.0 * precision.heading_rad;
+        if is_clear || kind == 3 {
+            prop_assert!(found.iter().any(|trains| strokes(trains) <= most_um), "{known:?} {found:?} {goal:?}");
+        }
+    }
 
     #[test]
     fn shortest_ways_end_at_their_goals(robot in robots(), from in pose(), far in pose(), near in pose()) {
