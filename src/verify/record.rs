@@ -146,16 +146,16 @@ fn nearness(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
         let over = replay.states.partition_point(|timed| timed.t_ns <= end_ns);
         let end = over.checked_sub(1).map(|last| &replay.states[last]);
         let due = end.map_or_else(Vec::new, |end| reached(&run.job.order, nth, &end.state));
-        let agree = |(recorded, due): (&Reached, &Reached)| recorded.is_near(due, REACHED_TOLERANCE);
-        if step.reached.len() == due.len() && step.reached.iter().zip(&due).all(agree) {
-            continue;
-        }
-        let title = format!(
-            "step {} of `{}` is recorded as reaching {:?}, but the replay gives {due:?}",
-            nth + 1,
-            run.job.task,
-            step.reached
-        );
+        let differs = |(recorded, due): &(&Reached, &Reached)| !recorded.is_near(due, REACHED_TOLERANCE);
+        let (has, is_due) = (step.reached.len(), due.len());
+        let other = step.reached.iter().zip(&due).find(differs);
+        let wrong = match other {
+            Some((recorded, due)) => format!("{recorded}; the replay gives: {due}"),
+            None if has != is_due => format!("{has} goals, and the replay reaches {is_due}"),
+            None => continue,
+        };
+        let title =
+            format!("step {} of `{}` is recorded as reaching its goal otherwise: {wrong}", nth + 1, run.job.task);
         findings.push(figure(run, title).step(run.steps[nth]));
     }
 }

@@ -5,16 +5,48 @@
 
 use super::RecordedPose;
 use crate::device::microrobots::control::{ControlPhase, StopReason};
-use serde::{Deserialize, Serialize};
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
+use std::fmt;
+use std::marker::PhantomData;
 
 /// A line of measured poses.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MeasuredLine {
     pub t_ns: u64,
-    /// By the names of the scene; `None`, like a missing one, was not seen.
+    /// By the names of the scene, each once; `None`, like a missing one, was not seen.
+    #[serde(deserialize_with = "each_once")]
     pub robots: BTreeMap<String, Option<RecordedPose>>,
+}
+
+/// Reads a map of which no key comes twice: of two poses of a robot none can be trusted.
+fn each_once<'de, D, V>(reader: D) -> Result<BTreeMap<String, V>, D::Error>
+where
+    D: Deserializer<'de>,
+    V: Deserialize<'de>,
+{
+    struct EachOnce<V>(PhantomData<V>);
+    impl<'de, V: Deserialize<'de>> Visitor<'de> for EachOnce<V> {
+        type Value = BTreeMap<String, V>;
+
+        fn expecting(&self, text: &mut fmt::Formatter) -> fmt::Result {
+            text.write_str("an object with robots by their names")
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Self::Value, A::Error> {
+            let mut found = BTreeMap::new();
+            while let Some((name, value)) = entries.next_entry::<String, V>()? {
+                if found.contains_key(&name) {
+                    return Err(A::Error::custom(format!("`{name}` is there twice")));
+                }
+                found.insert(name, value);
+            }
+            Ok(found)
+        }
+    }
+    reader.deserialize_map(EachOnce(PhantomData))
 }
 
 /// A command with what belongs to every one of them.

@@ -252,6 +252,9 @@ impl Session<'_> {
         };
         self.t_ns = self.t_ns.max(measured.t_ns);
         self.command()?;
+        if over == Some(Exit::Stopped) {
+            self.say_why();
+        }
         Ok(over)
     }
 
@@ -266,16 +269,14 @@ impl Session<'_> {
         self.controller.stop(reason, None);
         // Whoever measures may have gone; the recording has the command all the same.
         let sent = self.command();
-        terminal::to_stderr(&format!("tweeze: stopped: {}\n", self.why()));
+        self.say_why();
         sent.map(|()| Some(Exit::Stopped)).or(Ok(Some(Exit::Stopped)))
     }
 
-    fn why(&self) -> String {
-        match self.controller.last() {
-            Command::Stop(stop) => stopped(self.order, stop),
-            Command::Drive { .. } | Command::Rest { .. } | Command::Continue { .. } | Command::Finished => {
-                String::new()
-            }
+    /// Says at the terminal why the task was given up, if it was.
+    fn say_why(&self) {
+        if let Command::Stop(stop) = self.controller.last() {
+            terminal::to_stderr(&format!("tweeze: stopped: {}\n", stopped(self.order, stop)));
         }
     }
 

@@ -6,6 +6,9 @@ use crate::schedule::control::MeasuredLine;
 use crate::schedule::microrobots::RecordedPose;
 use serde::Serialize;
 
+/// The latest time of a measurement, so that the ends of commands can be counted: 146 years after 0.
+const MAX_T_NS: u64 = u64::MAX / 4;
+
 /// A measurement: its time, and a pose for each robot of an order that was seen.
 #[derive(Debug)]
 pub struct Measured {
@@ -18,7 +21,16 @@ pub struct Measured {
 /// # Errors
 /// What is wrong with it, for people.
 pub fn measured(order: &MicrorobotsOrder, line: &str) -> Result<Measured, String> {
-    let MeasuredLine { t_ns, robots } = serde_json::from_str(line).map_err(|error| error.to_string())?;
+    let line = line.trim();
+    if !line.starts_with('{') {
+        return Err(r#"a line is one JSON object: {"t_ns": …, "robots": {…}}"#.to_owned());
+    }
+    // Of the one line only the column tells anything.
+    let wrong = |error: serde_json::Error| error.to_string().replace(" at line 1 column ", " at column ");
+    let MeasuredLine { t_ns, robots } = serde_json::from_str(line).map_err(wrong)?;
+    if t_ns > MAX_T_NS {
+        return Err(format!("`t_ns` is {t_ns}; at most {MAX_T_NS} can be counted on from"));
+    }
     let names: Vec<&str> = (0..order.robots.len()).map(|robot| order.robot(robot).name.as_str()).collect();
     if let Some(unknown) = robots.keys().find(|name| !names.contains(&name.as_str())) {
         return Err(format!("`{unknown}` is no robot of the scene, which has {}", names.join(", ")));
