@@ -110,14 +110,9 @@ fn is_clean(order: &ElectrodeArrayOrder, operations: &[AssayOperation], without:
 fn washes_are_added_where_they_are_needed_and_nowhere_else() {
     let mut chance = Random(0x7761_7368);
     let (mut added, mut planned) = (0, 0);
-    let mut unwashed = 0;
     for _ in 0..60 {
         let text = program(&mut chance);
-        let Some((claims, ..)) = checked(&text) else {
-            // A droplet that comes before another one is done: no wash fits between.
-            unwashed += 1;
-            continue;
-        };
+        let (claims, ..) = checked(&text).unwrap_or_else(|| panic!("a program without errors:\n{text}"));
         let Order::ElectrodeArray(order) = &claims.jobs[0].order else { panic!("a board") };
         let ElectrodeArrayAction::Assay(operations) = &order.steps[0].action else { panic!("an assay") };
         assert!(is_clean(order, operations, None), "{text}");
@@ -141,10 +136,7 @@ fn washes_are_added_where_they_are_needed_and_nowhere_else() {
         // The verifier holds every plan to the traces, electrode by electrode.
         planned += usize::from(!washes.is_empty() && matches!(answered(&text), Answered::Plan(_)));
     }
-    assert!(
-        added >= 50 && planned >= 15 && unwashed <= 15,
-        "{added} washes, {planned} plans with some, {unwashed} unfit"
-    );
+    assert!(added >= 50 && planned >= 15, "{added} washes, {planned} plans with some");
 }
 
 /// The same washes, written by hand.

@@ -55,15 +55,7 @@ fn enter_in_order(
     for step in &mut order.steps {
         let ElectrodeArrayAction::Assay(operations) = &mut step.action else { continue };
         let visits = visits(operations, facts, before);
-        let washes = match washes(&visits, &order.contamination, course.outlet) {
-            Ok(washes) => washes,
-            Err((done, comes)) => {
-                let [done, comes] = [&operations[done], &operations[comes]];
-                let names = [done.part, comes.part].map(|part| order.parts[part].name.as_str());
-                sink.push(errors::washed_before_done(comes.span, names, done.span));
-                return None;
-            }
-        };
+        let washes = washes(&visits, &order.contamination, course.outlet);
         let parts = order.parts.len() + droplets.len();
         if parts + washes.len() > MAX_PARTS {
             sink.push(errors::too_many_washes(course.span, washes.len(), parts, MAX_PARTS));
@@ -110,7 +102,8 @@ struct PlaceVisit {
 }
 
 /// The places to which droplets come, whatever the plan, in the order of the program; those of which the plan chooses are not known. A droplet
-/// that goes on at its place after another one has come there was elsewhere meanwhile, and comes there again.
+/// that goes on at its place after another one has come there was elsewhere meanwhile, and comes there again; so it does where it goes on to
+/// more electrodes, as with a mixing loop. So all operations of a visit stand above those of the next one on its electrodes.
 fn visits(operations: &[AssayOperation], facts: &ElectrodeArrayFacts, before: &BoardBefore) -> Vec<PlaceVisit> {
     let mut walk = VisitWalk { visits: Vec::new(), at: BTreeMap::new() };
     let mut fluids = before.fluids.clone();
@@ -165,15 +158,15 @@ impl VisitWalk {
     ) {
         let cells: BTreeSet<ElectrodeCell> = cells.into_iter().collect();
         let lasting = self.at.get(&part).filter(|(at, _)| *at == cell).and_then(|(_, visit)| *visit);
+        let lasting = lasting.filter(|visit| self.visits[*visit].cells.is_superset(&cells));
         let visit = lasting.unwrap_or_else(|| {
-            self.visits.push(PlaceVisit { part, operations: None, cells: BTreeSet::new(), fluids: Fluids::new() });
+            self.visits.push(PlaceVisit { part, operations: None, cells, fluids: Fluids::new() });
             self.visits.len() - 1
         });
         self.at.insert(part, (cell, Some(visit)));
         let own = &mut self.visits[visit];
         own.operations = operation.map(|last| [own.operations.map_or(last, |[first, _]| first), last]);
         own.fluids.clone_from(fluids);
-        own.cells.extend(cells);
         for (_, (_, other)) in self.at.iter_mut().filter(|(other, _)| **other != part) {
             let meets = |other: usize| !self.visits[other].cells.is_disjoint(&self.visits[visit].cells);
             *other = other.filter(|other| !meets(*other));
@@ -189,14 +182,7 @@ struct PlannedWash {
 }
 
 /// The washes that droplets need which come to places one after the other.
-///
-/// # Errors
-/// An operation that stands below the one before which its traces are to be washed away, and that one.
-fn washes(
-    visits: &[PlaceVisit],
-    contamination: &Contamination,
-    outlet: ElectrodeCell,
-) -> Result<Vec<PlannedWash>, (usize, usize)> {
+fn washes(visits: &[PlaceVisit], contamination: &Contamination, outlet: ElectrodeCell) -> Vec<PlannedWash> {
     let mut washes = Vec::new();
     let mut left: BTreeMap<ElectrodeCell, Vec<&PlaceVisit>> = BTreeMap::new();
     for visit in visits {
@@ -218,15 +204,12 @@ fn washes(
         if let Some([before, _]) = visit.operations
             && !soiled.is_empty()
         {
-            if let Some(done) = soiled.values().flatten().find(|done| **done >= before) {
-                return Err((*done, before));
-            }
             washes.push(PlannedWash { before, over: nearest_first(soiled, outlet) });
         }
         visit.cells.iter().for_each(|cell| left.entry(*cell).or_default().push(visit));
     }
     washes.sort_by_key(|wash| wash.before);
-    Ok(washes)
+    washes
 }
 
 /// Cells in an order in which each is the nearest one to that before.

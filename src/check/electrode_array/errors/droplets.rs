@@ -348,14 +348,6 @@ pub fn soiled_before((avoided, fluid): (Span, &str), earlier: &Job) -> Diagnosti
         .help("write all operations into one `assay`; or clean the board in between, and say so in the first step: `prompt \"clean the board\"`")
 }
 
-/// A droplet that comes to a place before the one is done there whose traces are to be washed away first.
-pub fn washed_before_done(comes: Span, [done, next]: [&str; 2], below: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0565, format!("no wash fits between `{done}` and `{next}`, which share electrodes"))
-        .label(comes, format!("`{next}` comes before `{done}` is done there"))
-        .label_elsewhere(below, comes, format!("`{done}` is done there"))
-        .help(format!("washes are added in the order of the program: write what `{done}` does there above, or give `{next}` a place of its own"))
-}
-
 /// More droplets than a board can have, with those that are added to wash.
 pub fn too_many_washes(span: Span, washes: usize, parts: usize, most: usize) -> Diagnostic {
     Diagnostic::new(Code::E0522, format!("{washes} wash droplets beside {parts} parts; at most {most} are allowed"))
