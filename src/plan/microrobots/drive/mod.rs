@@ -3,15 +3,16 @@
 //! Input: the bed, the robot, the stops. Output: legs of the whole bed under which the robot reaches every stop at the end of a leg
 //! without a forbidden collision; or why none were found.
 //!
-//! Method: first one or two trains of strokes that end within the precision, where that is less than the path to the stop itself takes; then the path of the driven robot alone (`ways`), in whole strokes (`strokes`). Any control state with its arm in the
+//! Method: first one or two trains of strokes that end within the precision, where they cost less than the path to the stop itself;
+//! then the path of the driven robot alone (`ways`), in whole strokes (`strokes`). Any control state with its arm in the
 //! position that a leg needs can drive this leg; states are tried leg by leg, depth first, those first in which the fewest other
 //! robots run, since robots that turn stay in place (`choice`). If no choice is free of collisions, the collision partner becomes
 //! an obstacle of the driven robot: the body of a robot where they met, or the disc of one that orbits; and the path is searched
 //! again.
 //!
 //! Promise: the legs are free of collisions by `World::first_hit`, and the stops are met within the precision. Not promised: that
-//! legs are found where there are some, or the fewest strokes: but for those short drives the stops themselves are targeted, and drives that
-//! save strokes by stopping short within the precision are not searched. For lower bounds see `bound`.
+//! legs are found where there are some, or the fewest strokes: but for those short drives the stops themselves are targeted, and
+//! drives that save strokes by stopping short within the precision are not searched. For lower bounds see `bound`.
 
 mod choice;
 
@@ -174,24 +175,14 @@ impl DriveProgress<'_> {
         self.can_steer(from, goal)?;
         let around = Around::docked(world, bed, robot);
         let exact = DriveTask { world, robot, from, to: goal, fixtures: &around.fixtures };
-        let short = self.stop_short(exact);
-        // Around obstacles the stop itself is further.
-        let exact =
-            if short.is_some() && exact.direct().is_err() { None } else { Some(self.reach_exactly(from, goal)) };
-        let cost = |legs: &[Leg]| legs_cost(order, legs);
-        self.legs = match (exact, short) {
-            (Some(Ok(exact)), Some(short)) => {
-                if cost(&short) < cost(&exact) {
-                    short
-                } else {
-                    exact
-                }
-            }
-            (Some(Ok(exact)), None) => exact,
-            (_, Some(short)) => short,
-            (Some(Err(reason)), None) => return Err(reason),
-            (None, None) => return Err(StuckReason::TooFine),
+        let Some(short) = self.stop_short(exact) else {
+            self.legs = self.reach_exactly(from, goal)?;
+            return Ok(());
         };
+        // Around obstacles the stop itself is further.
+        let exact = if exact.direct().is_ok() { self.reach_exactly(from, goal).ok() } else { None };
+        let cost = |legs: &[Leg]| legs_cost(order, legs);
+        self.legs = exact.filter(|exact| cost(exact) <= cost(&short)).unwrap_or(short);
         Ok(())
     }
 
