@@ -96,18 +96,30 @@ fn lies_before(body: &RobotBody, other: &RobotBody, docking: &Docking) -> bool {
     body.beyond_um(normal, at) >= -docking.tolerance_um - SLACK_UM
 }
 
-/// The edge that a robot meets, by its outward normal and a point of it, and the angle between the robot's heading and the inward normal; at
-/// a corner that with the smaller one.
-fn met_edge(one: &Docked, met: &Docked, docking: &Docking) -> Option<((Vector2<f64>, Point2<f64>), f64)> {
-    let body = one.body();
-    let edges = met.body().sides().into_iter();
-    let met = edges.filter(|(normal, at)| body.beyond_um(*normal, *at) >= -docking.tolerance_um - SLACK_UM);
-    met.map(|edge| (edge, one.heading().angle(&-edge.0))).min_by(|(_, a), (_, b)| a.total_cmp(b))
+/// The edge that a robot meets.
+struct MetEdge {
+    /// Outwards.
+    normal: Vector2<f64>,
+    /// A point of it.
+    at: Point2<f64>,
+    /// Between the heading of the robot and the inward normal.
+    incidence_rad: f64,
+}
+
+impl MetEdge {
+    /// At a corner that with the smaller angle; `None` if the robot lies before no edge.
+    fn of(one: &Docked, met: &Docked, docking: &Docking) -> Option<MetEdge> {
+        let body = one.body();
+        let edge = |(normal, at)| MetEdge { normal, at, incidence_rad: one.heading().angle(&-normal) };
+        let edges = met.body().sides().into_iter().map(edge);
+        let met = edges.filter(|edge| body.beyond_um(edge.normal, edge.at) >= -docking.tolerance_um - SLACK_UM);
+        met.min_by(|one, other| one.incidence_rad.total_cmp(&other.incidence_rad))
+    }
 }
 
 /// The angle between the heading of a robot and the inward normal of the edge that it meets; at a corner the smaller one.
 pub fn incidence_rad(one: &Docked, met: &Docked, docking: &Docking) -> f64 {
-    met_edge(one, met, docking).map_or(PI, |(_, angle_rad)| angle_rad)
+    MetEdge::of(one, met, docking).map_or(PI, |edge| edge.incidence_rad)
 }
 
 /// Whether the front of a robot lies along an edge of a docked one.
@@ -118,7 +130,7 @@ pub fn lies_flat(one: &Docked, met: &Docked, limits: &GoalLimits) -> bool {
 
 /// Where a robot comes to lie flat on an edge, turned about the middle of its front and put to the edge.
 fn laid_flat(one: &Docked, met: &Docked, docking: &Docking, accepts: impl Fn(&Docked) -> bool) -> Option<Pose> {
-    let ((normal, at), _) = met_edge(one, met, docking)?;
+    let MetEdge { normal, at, .. } = MetEdge::of(one, met, docking)?;
     let front = one.front() - normal * (one.front() - at).dot(&normal);
     let centre = front + normal * (one.facts.length_um / 2.0);
     let heading_rad = (-normal.y).arc_tangent_over(-normal.x);

@@ -367,13 +367,20 @@ impl Tasks<'_> {
         self.sink.push(self.with_avoided(diagnostic, step));
     }
 
-    /// A message about a step that has no plan, with where the task avoids traces and how soon operations begin, if it says so.
+    /// A message about a step that has no plan, with where the task avoids traces, which washes that adds, and how soon operations begin, if it says so.
     fn with_avoided(&self, diagnostic: Diagnostic, step: &ElectrodeArrayStep) -> Diagnostic {
         let diagnostic = match self.order.contamination.avoided.first() {
             Some(avoided) => diagnostic.label_elsewhere(avoided.span, step.span, "with these traces avoided"),
             None => diagnostic,
         };
         let ElectrodeArrayAction::Assay(operations) = &step.action else { return diagnostic };
+        let course = self.order.contamination.course.as_ref();
+        let diagnostic = match course.filter(|course| operations.iter().any(|one| one.span == course.span)) {
+            Some(course) => {
+                diagnostic.label_elsewhere(course.span, step.span, "with these washes, in the order of the program")
+            }
+            None => diagnostic,
+        };
         match operations.iter().find_map(|operation| operation.within.as_ref()) {
             Some(within) => diagnostic.label_elsewhere(within.span, step.span, "within this time"),
             None => diagnostic,

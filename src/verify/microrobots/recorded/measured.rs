@@ -149,9 +149,9 @@ impl<'r, 'a> Tracked<'r, 'a> {
             } else if !self.was_stopped(robot, anchor[robot], places) {
                 let (name, at) = (self.run.name(robot), ms(at_ns));
                 // Less than a picometre is rounding.
-                let rounded = |value: f64| digits((value * 1e6).round() / 1e6);
-                let [off, may] = [off_um, expected.off_um].map(rounded);
-                let [turned, may_turn] = [off_rad, expected.off_rad.min(PI)].map(|rad| rounded(rad.to_degrees()));
+                let shown = |value: f64| digits((value * 1e6).round() / 1e6);
+                let [off, may] = [off_um, expected.off_um].map(shown);
+                let [turned, may_turn] = [off_rad, expected.off_rad.min(PI)].map(|rad| shown(rad.to_degrees()));
                 let title = format!(
                     "`{name}` is measured at {at} {off} um and {turned} deg from where the commands bring it; \
                      {may} um and {may_turn} deg are within the device's errors"
