@@ -85,8 +85,13 @@ const DEPARTURE_SHARE: u64 = 16;
 const FIRST_SHARE: u64 = 50;
 const DRIVE_SHARE: u64 = 200;
 
-/// Seed of the first legs among which the best is chosen.
+/// Where a drive has no plan yet: first legs of which each is tried with a small share. The few that help mostly leave a way that is clear.
+const MANY_DEPARTURES: usize = 1_000;
+const SMALL_SHARE: u64 = 2_000;
+
+/// Seed of the first legs among which the best is chosen, and of the many.
 const BEST_SEED: u64 = 1;
+const MANY_SEED: u64 = 2;
 
 impl<'a> BedStepPlanner<'a> {
     fn done(&self, sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
@@ -136,14 +141,17 @@ impl<'a> BedStepPlanner<'a> {
             }
         }
         let best = direct.ok().map(|driven| driven.legs);
-        let best = self.driven_after_legs(&request, best, self.share(DRIVE_SHARE));
+        let few = || self.departures(poses.iter().copied(), BEST_SEED).take(MAX_DEPARTURES);
+        let many = || self.departures(poses.iter().copied(), MANY_SEED).take(MANY_DEPARTURES);
+        let best = self.driven_after_legs(&request, best, few(), self.share(DRIVE_SHARE));
+        let best = best.or_else(|| self.driven_after_legs(&request, None, many(), self.share(SMALL_SHARE)));
         if best.is_some() {
             return best.map(plain);
         }
         match drive::drive(&request, self.share(1)) {
             Ok(driven) => Some(plain(driven.legs)),
             Err(stuck) => {
-                let found = self.driven_after_legs(&request, None, self.share(DEPARTURE_SHARE));
+                let found = self.driven_after_legs(&request, None, few(), self.share(DEPARTURE_SHARE));
                 if found.is_none() {
                     sink.push(self.why().not_driven(robot, &stuck, stops));
                 }
@@ -179,10 +187,16 @@ impl<'a> BedStepPlanner<'a> {
     }
 
     /// The best of drives after first legs, and of the given one.
-    fn driven_after_legs(&self, request: &Drive, direct: Option<Vec<Leg>>, budget: SearchBudget) -> Option<Vec<Leg>> {
+    fn driven_after_legs(
+        &self,
+        request: &Drive,
+        direct: Option<Vec<Leg>>,
+        departures: impl Iterator<Item = Departure>,
+        budget: SearchBudget,
+    ) -> Option<Vec<Leg>> {
         let (robot, stops) = (request.robot, request.stops);
         let mut best = direct;
-        for Departure { mut legs, bed } in self.departures(stops.iter().copied(), BEST_SEED).take(MAX_DEPARTURES) {
+        for Departure { mut legs, bed } in departures {
             if best.as_ref().is_some_and(|best| self.cannot_beat(best, &legs, (robot, bed.poses[robot]), stops)) {
                 continue;
             }
