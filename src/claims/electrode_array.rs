@@ -67,7 +67,7 @@ impl ElectrodeArrayOrder {
         for step in &self.steps {
             match &step.action {
                 ElectrodeArrayAction::Move(moves) => {
-                    acting.extend(moves.iter().flat_map(|one| [Some(one.part), one.with]).flatten());
+                    acting.extend(moves.iter().flat_map(ElectrodeArrayMove::parts));
                 }
                 ElectrodeArrayAction::Assay(operations) => {
                     acting.extend(operations.iter().flat_map(AssayOperation::all_parts));
@@ -299,6 +299,11 @@ impl ElectrodeArrayMove {
     /// A move of one part that is in no team.
     pub fn alone(part: usize, stops: Vec<ElectrodeArrayStop>, span: Span) -> ElectrodeArrayMove {
         ElectrodeArrayMove { part, with: None, stops, team: None, span }
+    }
+
+    /// The parts that it takes from their cells.
+    pub fn parts(&self) -> impl Iterator<Item = usize> + use<> {
+        [Some(self.part), self.with].into_iter().flatten()
     }
 
     /// Where it ends, if it is in no team.

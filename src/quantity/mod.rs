@@ -461,9 +461,9 @@ pub fn digits(value: f64) -> String {
     }
     let exponent = value.abs().common_logarithm().floor();
     if !(-5.0..15.0).contains(&exponent) {
-        let text = format!("{value:.5e}");
-        let (mantissa, power) = text.split_once('e').unwrap_or((&text, "0"));
-        return format!("{}e{power}", mantissa.trim_end_matches('0').trim_end_matches('.'));
+        // Read again, it is written without the zeros at its end.
+        let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+        return format!("{rounded:e}");
     }
     let decimals = (5.0 - exponent).max(0.0) as usize;
     let text = format!("{value:.decimals$}");

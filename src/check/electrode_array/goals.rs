@@ -521,7 +521,7 @@ impl BoardStepJudge<'_> {
     fn one_goal_each(&mut self, moves: &[(&Call, &ElectrodeArrayMove)]) {
         let mut busy: BTreeMap<usize, Span> = BTreeMap::new();
         for (call, found) in moves {
-            for part in [Some(found.part), found.with].into_iter().flatten() {
+            for part in found.parts() {
                 let earlier = busy.insert(part, call.span);
                 let wrong = earlier.map(|earlier| errors::two_goals(self.name(part), call.span, earlier));
                 self.sink.unless(wrong);

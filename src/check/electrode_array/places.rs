@@ -151,7 +151,7 @@ impl BoardWalk {
 
     /// The parts that some moves take from their cells; who is left of a team stands where that is not known.
     fn set_out(&mut self, moves: &[ElectrodeArrayMove]) {
-        let moved: BTreeSet<usize> = moves.iter().flat_map(of_move).collect();
+        let moved: BTreeSet<usize> = moves.iter().flat_map(ElectrodeArrayMove::parts).collect();
         let mut lost: Vec<usize> = Vec::new();
         for team in &mut self.teams {
             if !team.is_disjoint(&moved) {
@@ -463,7 +463,7 @@ impl BoardWalk {
     fn not_there(&self, moves: &[ElectrodeArrayMove], reported: &mut BTreeSet<Finding>) -> Vec<Diagnostic> {
         let mut found = Vec::new();
         for step in moves {
-            for part in of_move(step) {
+            for part in step.parts() {
                 let name = &self.parts[part].name;
                 let wrong = match self.stands[part] {
                     PartStand::At(..) | PartStand::Somewhere(_) => continue,
@@ -514,9 +514,4 @@ fn blocked_loop(
     let cell = facts.mixing_loop(corner).into_iter().find(|cell| !is_free(cell))?;
     let free = nearest_cell(corner, facts, |cell| facts.mixing_loop(cell).iter().all(is_free));
     Some(errors::loop_blocked(place, (corner, facts.mixer), cell, free))
-}
-
-/// The parts that a move takes from their cells.
-fn of_move(step: &ElectrodeArrayMove) -> impl Iterator<Item = usize> {
-    [Some(step.part), step.with].into_iter().flatten()
 }

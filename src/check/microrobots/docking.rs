@@ -134,12 +134,7 @@ fn laid_flat(one: &Docked, met: &Docked, docking: &Docking, accepts: impl Fn(&Do
     let front = one.front() - normal * (one.front() - at).dot(&normal);
     let centre = front + normal * (one.facts.length_um / 2.0);
     let heading_rad = (-normal.y).arc_tangent_over(-normal.x);
-    let rounded = |per_um: f64| Pose {
-        x_um: (centre.x * per_um).round() / per_um,
-        y_um: (centre.y * per_um).round() / per_um,
-        heading_rad,
-    };
-    [1.0, 100.0].map(rounded).into_iter().find(|pose| accepts(&Docked { pose: *pose, ..*one }))
+    rounded(one, Pose { x_um: centre.x, y_um: centre.y, heading_rad }, accepts)
 }
 
 /// Why a goal of an assembly does not fit.
@@ -203,13 +198,17 @@ pub fn mended(one: &Docked, other: &Docked, accepts: impl Fn(&Docked) -> bool) -
     let body = one.body();
     let way = body.way_out(&other.body()).unwrap_or_else(|| body.way_to(&other.body()));
     let moved = Pose { x_um: one.pose.x_um + way.x, y_um: one.pose.y_um + way.y, ..one.pose };
-    let rounded = |per_um: f64| Pose {
-        x_um: (moved.x_um * per_um).round() / per_um,
-        y_um: (moved.y_um * per_um).round() / per_um,
-        ..moved
+    rounded(one, moved, accepts)
+}
+
+/// A pose for a message: in whole micrometres, or in hundredths where only these are accepted.
+fn rounded(one: &Docked, pose: Pose, accepts: impl Fn(&Docked) -> bool) -> Option<Pose> {
+    let to = |per_um: f64| Pose {
+        x_um: (pose.x_um * per_um).round() / per_um,
+        y_um: (pose.y_um * per_um).round() / per_um,
+        ..pose
     };
-    let candidates = [rounded(1.0), rounded(100.0)];
-    candidates.into_iter().find(|pose| accepts(&Docked { pose: *pose, ..*one }))
+    [1.0, 100.0].map(to).into_iter().find(|pose| accepts(&Docked { pose: *pose, ..*one }))
 }
 
 /// Diagnostic for a goal that does not fit.

@@ -367,24 +367,23 @@ impl Tasks<'_> {
         self.sink.push(self.with_avoided(diagnostic, step));
     }
 
-    /// A message about a step that has no plan, with where the task avoids traces, which washes that adds, and how soon operations begin, if it says so.
+    /// A message about a step that has no plan, with where the task avoids traces, which washes that adds, and how soon operations
+    /// begin, if it says so.
     fn with_avoided(&self, diagnostic: Diagnostic, step: &ElectrodeArrayStep) -> Diagnostic {
-        let diagnostic = match self.order.contamination.avoided.first() {
-            Some(avoided) => diagnostic.label_elsewhere(avoided.span, step.span, "with these traces avoided"),
-            None => diagnostic,
-        };
-        let ElectrodeArrayAction::Assay(operations) = &step.action else { return diagnostic };
-        let course = self.order.contamination.course.as_ref();
-        let diagnostic = match course.filter(|course| operations.iter().any(|one| one.span == course.span)) {
-            Some(course) => {
-                diagnostic.label_elsewhere(course.span, step.span, "with these washes, in the order of the program")
-            }
-            None => diagnostic,
-        };
-        match operations.iter().find_map(|operation| operation.within.as_ref()) {
-            Some(within) => diagnostic.label_elsewhere(within.span, step.span, "within this time"),
-            None => diagnostic,
-        }
+        let operations: &[AssayOperation] =
+            if let ElectrodeArrayAction::Assay(operations) = &step.action { operations } else { &[] };
+        let contamination = &self.order.contamination;
+        let avoided = contamination.avoided.first().map(|avoided| avoided.span);
+        let course = contamination.course.as_ref().map(|course| course.span);
+        let washes = course.filter(|course| operations.iter().any(|operation| operation.span == *course));
+        let within = operations.iter().find_map(|operation| operation.within.as_ref()).map(|within| within.span);
+        let marks = [
+            (avoided, "with these traces avoided"),
+            (washes, "with these washes, in the order of the program"),
+            (within, "within this time"),
+        ];
+        let marks = marks.into_iter().filter_map(|(span, text)| Some((span?, text)));
+        marks.fold(diagnostic, |diagnostic, (span, text)| diagnostic.label_elsewhere(span, step.span, text))
     }
 
     /// The paper's algorithm; it is greedy, so its failure proves nothing.

@@ -125,9 +125,9 @@ impl Movers {
                 for one in moves {
                     match one.team {
                         Some(team) => drop(movers.teams.entry(team).or_default().insert(one.part)),
-                        None => movers.alone.extend([Some(one.part), one.with].into_iter().flatten()),
+                        None => movers.alone.extend(one.parts()),
                     }
-                    movers.moved.extend([Some(one.part), one.with].into_iter().flatten());
+                    movers.moved.extend(one.parts());
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Planner of electrode arrays: many parts at once from their cells to their goals, one step of the platform after the other.
 //!
 //! Input: a job, and the cells of the parts. Output: a plan, or an error that explains why there is none. Reading order: `job` (a
-//! task, step by step), `stage` (one step on flat cell indices, [`board`]), `portfolio` (the default planner: [`fast`] finds plans,
+//! task, step by step), `standings` (where earlier plans have left the parts), `stage` (one step on flat cell indices, [`board`]), `portfolio` (the default planner: [`fast`] finds plans,
 //! [`exact`] and [`joint`] prove them optimal or impossible), [`broadcast`] and [`channels`] (boards on which a channel switches several electrodes), `torn` (where such have no plan), `limited` (plans of all steps within limits), [`published`] (the
 //! paper's own), [`assay`] and `errands` (operations that depend on each other only by their parts), `arranged` and `relaxed` (their places, where the program leaves them open), [`teams`], `shared` and `loose` (interchangeable goals), `why` (blocking obstacles), `remedy` (changes that would help).
 

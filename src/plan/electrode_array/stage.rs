@@ -161,7 +161,7 @@ impl<'a> BoardStage<'a> {
         let (mut agents, mut actors, mut standing) = (Vec::new(), Vec::new(), Vec::new());
         // Parts with moves come first, in written order, which is their priority.
         for action in moves {
-            for part in [Some(action.part), action.with].into_iter().flatten() {
+            for part in action.parts() {
                 let Some(start) = cells[part] else { continue };
                 let stops = action.stops.iter().map(|stop| flat(order, stop.cell)).collect();
                 agents.push(Agent { start: flat(order, start), stops });

@@ -252,9 +252,7 @@ impl Session<'_> {
         };
         self.t_ns = self.t_ns.max(measured.t_ns);
         self.command()?;
-        if over == Some(Exit::Stopped) {
-            self.say_why();
-        }
+        self.say_why();
         Ok(over)
     }
 

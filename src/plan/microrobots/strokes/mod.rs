@@ -52,9 +52,14 @@ pub fn end(robot: &Robot, from: Pose, trains: &[StrokeTrain]) -> Pose {
     trains.iter().fold(from, |pose, train| robot.moved(pose, train.arm, train.segment(robot).way_um))
 }
 
+/// How far a pose is from a goal, whatever the headings.
+fn missed_um(pose: Pose, goal: Pose) -> f64 {
+    (pose.x_um - goal.x_um).hypotenuse(pose.y_um - goal.y_um)
+}
+
 /// Whether a pose is within the precision of another.
 pub fn is_within(pose: Pose, goal: Pose, precision: Precision) -> bool {
-    (pose.x_um - goal.x_um).hypotenuse(pose.y_um - goal.y_um) <= precision.place_um
+    missed_um(pose, goal) <= precision.place_um
         && wrapped_rad(pose.heading_rad - goal.heading_rad).abs() <= precision.heading_rad
 }
 
@@ -77,7 +82,7 @@ pub fn whole(
         rounding.follow(&edges, rounding.middle_of(goal, turned), tolerances_um);
         rounding.turn_to(turned);
         let end = end(robot, from, &rounding.trains);
-        let missed_um = (end.x_um - goal.x_um).hypotenuse(end.y_um - goal.y_um);
+        let missed_um = missed_um(end, goal);
         if is_within(end, goal, precision) && best.as_ref().is_none_or(|(least_um, _)| missed_um < *least_um) {
             best = Some((missed_um, rounding.trains));
         }
@@ -107,7 +112,7 @@ pub fn short(robot: &Robot, from: Pose, goal: Pose, precision: Precision) -> Vec
         for (which, order) in [[Arm::Down, Arm::Up], [Arm::Up, Arm::Down]].into_iter().enumerate() {
             let trains = turn_and_run(robot, (from, goal), turn_um, order);
             let end = end(robot, from, &trains);
-            let missed_um = (end.x_um - goal.x_um).hypotenuse(end.y_um - goal.y_um);
+            let missed_um = missed_um(end, goal);
             let best = &mut found[2 * which + is_long];
             let is_nearer = best.as_ref().is_none_or(|(least_um, _)| missed_um < *least_um);
             if is_nearer && is_within(end, goal, precision) {
