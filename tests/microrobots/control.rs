@@ -87,7 +87,8 @@ fn every_line_has_an_answer_and_nonsense_stops_it() {
     let path = four(&folder);
     let path = path.to_string_lossy();
     let mut input = measured(1000);
-    input.push_str("nonsense\n{\"t_ns\": 1}\n{\"t_ns\": 2, \"robots\": {\"D9\": null}}\n");
+    // An empty line is passed over, but counts.
+    input.push_str("\nnonsense\n{\"t_ns\": 1}\n{\"t_ns\": 2, \"robots\": {\"D9\": null}}\n");
     input
         .push_str("{\"t_ns\": -1, \"robots\": {}}\n[3, {}]\n{\"t_ns\": 4, \"robots\": {\"D1\": null, \"D1\": null}}\n");
     let run = tweeze(&["control", &path]).write_stdin(input).assert().code(STOPPED);
@@ -96,6 +97,7 @@ fn every_line_has_an_answer_and_nonsense_stops_it() {
     assert_eq!((&answers[1]["command"], &answers[1]["line"]), (&json!("drive"), &json!(27)));
     assert!(!answers[1]["segments"][0]["levels_v"].as_array().is_none_or(Vec::is_empty), "{}", answers[1]);
     assert!(answers[2..8].iter().all(|answer| answer["error"].is_string()), "{answers:?}");
+    assert_eq!([2, 7].map(|nth: usize| answers[nth]["input_line"].as_u64()), [Some(3), Some(8)], "{answers:?}");
     assert!(answers[4]["error"].as_str().is_some_and(|why| why.contains("`D9` is no robot of the scene")));
     assert!(answers[6]["error"].as_str().is_some_and(|why| why.contains("one JSON object")));
     assert!(answers[7]["error"].as_str().is_some_and(|why| why.contains("`D1` is there twice")));

@@ -139,7 +139,7 @@ impl BedReasons<'_> {
         let obstacles = obstacles.collect::<Vec<_>>().join(" or ");
         let needed_um = strokes as f64 * self.order.robot(doomed.robot).step_um;
         let title = format!(
-            "{name} comes nearer than {} to {obstacles} within {} of its path, whatever control states are driven; this step takes at least {}",
+            "{name} comes nearer than {} to {obstacles} within {} of its path, whatever control states are driven; the strokes of this step take it at least {} along",
             length(self.order.facts.clearance_um),
             length(doomed.way_um),
             length(needed_um)

@@ -10,11 +10,11 @@ const MAX_LINE_BYTES: u64 = 1024 * 1024;
 /// Lines that may wait for the controller.
 const WAITING_LINES: usize = 64;
 
-/// A line, or why there is none.
-pub enum Incoming {
-    Line(String),
-    /// Longer than [`MAX_LINE_BYTES`], or no UTF-8.
-    Unreadable(&'static str),
+/// A line of the input with its number, from 1.
+pub struct Incoming {
+    pub number: u64,
+    /// The error is why it cannot be read: longer than [`MAX_LINE_BYTES`], or no UTF-8.
+    pub line: Result<String, &'static str>,
 }
 
 /// Both directions of a connection.
@@ -109,25 +109,26 @@ pub fn reader(from: impl Read + Send + 'static) -> Receiver<Incoming> {
 
 fn read(from: impl Read, to: &SyncSender<Incoming>) {
     let mut from = BufReader::new(from);
-    loop {
+    for number in 1.. {
         let mut bytes = Vec::new();
         match (&mut from).take(MAX_LINE_BYTES).read_until(b'\n', &mut bytes) {
             Ok(0) | Err(_) => return,
             Ok(_) => {}
         }
         let is_whole = bytes.last() == Some(&b'\n') || (bytes.len() as u64) < MAX_LINE_BYTES;
-        let incoming = match (is_whole, String::from_utf8(bytes)) {
+        let line = match (is_whole, String::from_utf8(bytes)) {
             (false, _) => {
                 if skip_line(&mut from).is_err() {
                     return;
                 }
-                Incoming::Unreadable("a line is longer than 1 MiB")
+                Err("a line is longer than 1 MiB")
             }
-            (true, Err(_)) => Incoming::Unreadable("a line is not UTF-8"),
+            (true, Err(_)) => Err("a line is not UTF-8"),
+            // Not passed on: a stream of empty lines is silence, and the watchdog must see it.
             (true, Ok(line)) if line.trim().is_empty() => continue,
-            (true, Ok(line)) => Incoming::Line(line),
+            (true, Ok(line)) => Ok(line),
         };
-        if to.send(incoming).is_err() {
+        if to.send(Incoming { number, line }).is_err() {
             return;
         }
     }

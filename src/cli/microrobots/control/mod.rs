@@ -147,18 +147,8 @@ fn serve(
     signals::catch();
     let interrupt = signals::stop_run_first();
     let (answers, incoming) = (link.answers, link.lines);
-    let mut session = Session {
-        order,
-        controller,
-        lines,
-        recorder,
-        answers,
-        interrupt,
-        t_ns: 0,
-        until_ns: None,
-        garbled: 0,
-        read: 0,
-    };
+    let mut session =
+        Session { order, controller, lines, recorder, answers, interrupt, t_ns: 0, until_ns: None, garbled: 0 };
     let exit = session.greet(&claims.name).and_then(|()| session.control(&incoming)).unwrap_or_else(|exit| exit);
     match session.recorder.take().map(Recorder::finish) {
         None | Some(Ok(())) => exit,
@@ -190,9 +180,8 @@ struct Session<'a> {
     t_ns: u64,
     /// When the last command ends; `None` before the first measurement.
     until_ns: Option<u64>,
-    /// Lines in a row that were no measurements, and all lines.
+    /// Lines in a row that were no measurements.
     garbled: u32,
-    read: u64,
 }
 
 impl Session<'_> {
@@ -204,8 +193,8 @@ impl Session<'_> {
     fn control(&mut self, incoming: &Receiver<Incoming>) -> Result<Exit, Exit> {
         loop {
             let over = match self.next(incoming) {
-                Ok(Incoming::Line(line)) => self.take(&line)?,
-                Ok(Incoming::Unreadable(why)) => self.refuse(why)?,
+                Ok(Incoming { number, line: Ok(line) }) => self.take(number, &line)?,
+                Ok(Incoming { number, line: Err(why) }) => self.refuse(number, why)?,
                 Err(reason) => self.stop(reason)?,
             };
             if let Some(exit) = over {
@@ -234,12 +223,12 @@ impl Session<'_> {
     }
 
     /// A line of measured poses; the exit if the task is over.
-    fn take(&mut self, line: &str) -> Result<Option<Exit>, Exit> {
+    fn take(&mut self, number: u64, line: &str) -> Result<Option<Exit>, Exit> {
         let measured = match protocol::measured(self.order, line) {
             Ok(measured) => measured,
-            Err(why) => return self.refuse(&why),
+            Err(why) => return self.refuse(number, &why),
         };
-        (self.garbled, self.read) = (0, self.read + 1);
+        self.garbled = 0;
         self.record(RecordedLine::Measured, measured.t_ns.max(self.t_ns), line.trim_end())?;
         let command = self.controller.observe(&measured.poses, measured.t_ns);
         let over = match command {
@@ -257,9 +246,9 @@ impl Session<'_> {
     }
 
     /// Refuses a line; the exit if there were too many of them in a row.
-    fn refuse(&mut self, why: &str) -> Result<Option<Exit>, Exit> {
-        (self.garbled, self.read) = (self.garbled + 1, self.read + 1);
-        self.answer(&protocol::error(self.read, why))?;
+    fn refuse(&mut self, number: u64, why: &str) -> Result<Option<Exit>, Exit> {
+        self.garbled += 1;
+        self.answer(&protocol::error(number, why))?;
         if self.garbled > MAX_GARBLED { self.stop(StopReason::Garbled) } else { Ok(None) }
     }
 
