@@ -6,6 +6,7 @@
 mod allocations;
 mod bounds;
 mod control;
+mod driven;
 mod found;
 mod guaranteed;
 #[path = "../support/random.rs"]

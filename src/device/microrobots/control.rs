@@ -42,6 +42,8 @@ pub enum StopReason {
     Doubtful,
     /// A robot was measured too many times in a row where its commands cannot have brought it.
     Astray,
+    /// What would have to be driven next brings a robot into an obstacle.
+    Blocked,
     /// No measurement came in time.
     Silence,
     /// The measurements ended.

@@ -52,6 +52,7 @@ pub fn stopped(order: &MicrorobotsOrder, stop: Stop) -> String {
         StopReason::Astray => format!(
             "`{robot}` does not follow the commands: it was measured too often in a row where they cannot have brought it"
         ),
+        StopReason::Blocked => format!("`{robot}` would be driven into an obstacle next"),
         StopReason::Silence => {
             let watchdog_s = order.facts.watchdog_ns() as f64 / 1e9;
             format!("no measurement came for {} s after the end of the last command", digits(watchdog_s))

@@ -9,7 +9,7 @@ use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Errors, wrapped_rad};
 use crate::geometry::Pose;
 use crate::plan::microrobots::control::Segment;
-use crate::plan::microrobots::strategy::body;
+use crate::plan::microrobots::strategy::{StrategySolid, body, obstacles};
 use crate::plan::microrobots::world::OrientedRectangle;
 use crate::real::Real;
 use std::f64::consts::{FRAC_PI_6, TAU};
@@ -29,6 +29,7 @@ pub struct Belief<'a> {
     /// One for each robot of the order: the last measurement that was believed, or the mean of a docked robot.
     pub poses: Vec<Pose>,
     pub docked: Vec<bool>,
+    pub obstacles: Vec<StrategySolid>,
     means: Vec<PoseMean>,
     /// Nominal path of each robot since the last measurement that was believed, and the part of it with the arm down.
     since: Vec<[f64; 2]>,
@@ -83,6 +84,7 @@ impl<'a> Belief<'a> {
             errors,
             poses: poses.to_vec(),
             docked: docked.to_vec(),
+            obstacles: obstacles(order),
             means: vec![PoseMean::NONE; poses.len()],
             since: vec![[0.0; 2]; poses.len()],
             courses: poses.iter().map(|pose| CommandedCourse::new(*pose, &errors)).collect(),
@@ -208,7 +210,7 @@ impl<'a> Belief<'a> {
     }
 
     /// Half of a body's diagonal.
-    fn reach_um(&self, robot: usize) -> f64 {
+    pub fn reach_um(&self, robot: usize) -> f64 {
         let facts = self.order.robot(robot);
         facts.length_um.hypotenuse(facts.width_um) / 2.0
     }

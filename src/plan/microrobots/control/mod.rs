@@ -7,10 +7,12 @@
 //!
 //! A measurement that cannot be true is not acted upon: the bed rests for an interval, and the next one decides. After too many of these, or
 //! if no measurement comes for the time that the device states, it stops: at 0 V all arms go up and nothing moves. So it does when a robot is measured
-//! too many times in a row where its commands cannot have brought it: the robot does not move, or the picture does not change.
+//! too many times in a row where its commands cannot have brought it: the robot does not move, or the picture does not change. And no command is
+//! given that brings a robot into an obstacle, as far as its pose is known: a correction that the plan does not have may need more room.
 //!
 //! Everything is allocated before the first measurement. Without errors (all bounds 0) the legs of the plan are carried out as written.
 
+mod ahead;
 mod belief;
 mod follow;
 mod stages;
@@ -222,6 +224,10 @@ impl<'a> Controller<'a> {
         while let Some(stage) = self.stages.get_mut(self.at) {
             match stage.stage.proceed(&mut self.belief, &mut self.drive, now_ns) {
                 Progress::Driving => {
+                    if let Some(robot) = self.belief.led_into_obstacle(&self.drive.segments) {
+                        self.drive.segments.clear();
+                        return self.stop(StopReason::Blocked, Some(robot));
+                    }
                     self.may_touch = match self.phase() {
                         ControlPhase::Fine | ControlPhase::Contact => self.driven(),
                         ControlPhase::Legs

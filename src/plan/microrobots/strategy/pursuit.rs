@@ -4,7 +4,7 @@ use super::{Driver, StrategyPiece, angle, turn};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::real::Real;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// The end of a list of pieces.
 const NOTHING: StrategyPiece = StrategyPiece { arm: Arm::Up, way_um: 0.0 };
@@ -91,6 +91,26 @@ impl Pursuit {
         }
     }
 
+    /// The circle that [`Self::pieces`] turns next, if its target lies almost ahead.
+    pub fn circle(&mut self, driver: &Driver, measured: Pose) -> Option<PursuitCircle> {
+        self.skip_captured(driver, measured);
+        if !matches!(self.phase, Phase::Facing | Phase::Running) {
+            return None;
+        }
+        let target = self.target(driver, measured);
+        let lag_rad = driver.lag_rad(target.distance_um);
+        let is_ahead = target.ahead_rad < lag_rad;
+        let turn_rad = self.turn_rad(driver, &target);
+        let is_circle = turn_rad > PI && (is_ahead || target.ahead_rad > TAU - 2.0 * lag_rad);
+        is_circle.then_some(PursuitCircle { way_um: turn_rad * driver.robot.turning_radius_um, is_for_lag: is_ahead })
+    }
+
+    /// As [`Self::pieces`], without a turn: only if the errors of the run bring the robot past its direction, a circle is due later.
+    pub fn pieces_straight_on(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> [StrategyPiece; 2] {
+        let target = self.target(driver, measured);
+        self.led(driver, &target, 0.0, most_um)
+    }
+
     fn skip_captured(&mut self, driver: &Driver, measured: Pose) {
         while self.phase == Phase::Facing && self.target(driver, measured).distance_um <= driver.left_alone_um() {
             self.pass();
@@ -114,9 +134,14 @@ impl Pursuit {
 
     fn towards(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> [StrategyPiece; 2] {
         let target = self.target(driver, measured);
+        let turn_rad = self.turn_rad(driver, &target);
+        self.led(driver, &target, turn_rad, most_um)
+    }
+
+    /// By a turn, and then a run towards the target.
+    fn led(&mut self, driver: &Driver, target: &PursuitTarget, turn_rad: f64, most_um: f64) -> [StrategyPiece; 2] {
         let is_near = target.distance_um <= driver.interval_um + driver.guard_um();
         let most_um = if is_near { most_um.min(driver.near_interval_um) } else { most_um };
-        let turn_rad = self.turn_rad(driver, &target);
         let turn_um = turn_rad / ((1.0 + driver.errors.speed_ratio) * driver.steepest_per_um());
         let turning = StrategyPiece { arm: Arm::Down, way_um: turn_um.min(most_um) };
         if turn_um > most_um {
@@ -215,6 +240,15 @@ impl Driver<'_> {
     fn steepest_per_um(&self) -> f64 {
         1.0 / self.robot.turning_radius_um + self.errors.turning_rad_per_um
     }
+}
+
+/// A circle, since a robot turns to one side only.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PursuitCircle {
+    /// Nominal, in micrometres of the robot's path.
+    pub way_um: f64,
+    /// The target lies ahead, by less than the lag: without the circle it may be reached as well.
+    pub is_for_lag: bool,
 }
 
 /// Target of a centre.

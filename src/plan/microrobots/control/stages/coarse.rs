@@ -4,13 +4,13 @@
 //! errors allow, and the drive is repeated otherwise.
 
 use super::single::{MAX_ROUNDS, MAX_TIMES, whole_strokes};
-use super::{Progress, StopReason, add_pieces};
+use super::{Progress, StopReason, add_pieces, strokes};
 use crate::claims::microrobots::{MicrorobotsOrder, MicrorobotsStop};
 use crate::device::microrobots::{Arm, wrapped_rad};
 use crate::geometry::Pose;
 use crate::plan::microrobots::Leg;
-use crate::plan::microrobots::control::Drive;
 use crate::plan::microrobots::control::belief::Belief;
+use crate::plan::microrobots::control::{Drive, Segment};
 use crate::plan::microrobots::strategy::{Driver, Phase, Pursuit, centres, poses_of};
 use crate::real::Real;
 use std::f64::consts::TAU;
@@ -69,12 +69,21 @@ impl<'a> DriveStage<'a> {
                 }
                 pursuit.retry(driver, measured);
             }
-            let pieces = pursuit.pieces(driver, measured, driver.interval_um);
+            let [turning, straight] = self.states;
+            // A circle for the lag alone is put off until the errors of the run ask for one, and one that there is no room for as well.
+            let runs_on = pursuit.circle(driver, measured).is_some_and(|circle| {
+                let strokes = strokes(belief, self.robot, circle.way_um);
+                let circle_on = [Segment { state: turning, strokes, sets_arms: false }];
+                circle.is_for_lag || belief.led_into_obstacle(&circle_on).is_some()
+            });
+            let pieces = match runs_on {
+                true => pursuit.pieces_straight_on(driver, measured, driver.interval_um),
+                false => pursuit.pieces(driver, measured, driver.interval_um),
+            };
             *left_um -= pieces.iter().map(|piece| piece.way_um).sum::<f64>();
             if *left_um < 0.0 {
                 return Progress::Failed(StopReason::TimeLimit, self.robot);
             }
-            let [turning, straight] = self.states;
             add_pieces(belief, drive, self.robot, pieces, |arm| if arm == Arm::Down { turning } else { straight });
             return Progress::Driving;
         }

@@ -41,6 +41,8 @@ pub enum FailureReason {
     Unmeasured,
     /// It did not follow the commands too many times in a row.
     Astray,
+    /// The controller stopped, since it would have driven it into an obstacle.
+    Blocked,
     /// The controller stopped for want of measurements.
     Silence,
 }
@@ -58,6 +60,7 @@ impl FailureReason {
             FailureReason::NotDocked => "it was held for docked, and was not".to_owned(),
             FailureReason::Unmeasured => "it was not measured, or where it cannot be, too often".to_owned(),
             FailureReason::Astray => "it did not follow the commands".to_owned(),
+            FailureReason::Blocked => "it was stopped before an obstacle".to_owned(),
             FailureReason::Silence => "measurements failed to come".to_owned(),
         }
     }
@@ -71,6 +74,7 @@ impl FailureReason {
             StopReason::TimeLimit => FailureReason::TimeLimit,
             StopReason::Unseen | StopReason::Doubtful => FailureReason::Unmeasured,
             StopReason::Astray => FailureReason::Astray,
+            StopReason::Blocked => FailureReason::Blocked,
             StopReason::Silence
             | StopReason::Closed
             | StopReason::Clock
