@@ -21,6 +21,9 @@ const OTHER_SIDES: f64 = 0.25;
 /// An electrode whose middle is nearer than this to that of another one, in sides of that one, lies over it.
 const OVER: f64 = 0.7;
 
+/// Distances that are tried as that of the lattice.
+const MOST_SPACINGS: usize = 8;
+
 /// Turns after which every shared channel is left out.
 const MOST_TURNS: usize = 8;
 
@@ -96,12 +99,22 @@ fn whole_channels(electrodes: &[DrawnElectrode]) -> Option<(Lattice, BTreeSet<u3
 fn lattice(electrodes: &[DrawnElectrode]) -> Option<Lattice> {
     let drawn = electrodes.iter().enumerate().filter_map(|(index, electrode)| Some((index, electrode.bounds?)));
     let drawn: Vec<(usize, [f64; 4])> = drawn.collect();
-    let Some(spacing) = spacing(&drawn) else {
+    let spacings = spacings(&drawn);
+    if spacings.is_empty() {
         let (alone, _) = drawn.first()?;
         return Some(Lattice { places: BTreeMap::from([(*alone, [0, 0])]), spacing: 0.0 });
-    };
-    let places = places(&drawn, spacing);
-    (!places.is_empty()).then_some(Lattice { places, spacing })
+    }
+    let mut best = Lattice { places: BTreeMap::new(), spacing: 0.0 };
+    for spacing in spacings {
+        let places = places(&drawn, spacing);
+        if places.len() > best.places.len() {
+            best = Lattice { places, spacing };
+        }
+        if 2 * best.places.len() > drawn.len() {
+            break;
+        }
+    }
+    (!best.places.is_empty()).then_some(best)
 }
 
 /// The places of the largest set of electrodes that hang together at a distance, by their index.
@@ -187,17 +200,21 @@ fn sides([left, top, right, bottom]: [f64; 4]) -> [f64; 2] {
     [right - left, bottom - top]
 }
 
-/// The median of the distances to the nearest that does not lie over it; `None` where there is no such.
-fn spacing(drawn: &[(usize, [f64; 4])]) -> Option<f64> {
+/// Distances that may be those of a lattice, the likeliest first: the median of those from each electrode to the nearest beside, above or
+/// below it that does not lie over it, then the others from the least.
+fn spacings(drawn: &[(usize, [f64; 4])]) -> Vec<f64> {
     let nearest = |(index, bounds): &(usize, [f64; 4])| {
         let (at, own) = (middle(*bounds), sides(*bounds));
         let others = drawn.iter().filter(|(other, _)| other != index);
-        let apart = others.map(|(_, other)| [0, 1].map(|axis| middle(*other)[axis] - at[axis]));
-        let is_over = |[x, y]: &[f64; 2]| x.abs() < OVER * own[0] && y.abs() < OVER * own[1];
-        let squares = apart.filter(|step| !is_over(step)).map(|[x, y]| x * x + y * y).filter(|square| *square > 0.0);
-        squares.min_by(f64::total_cmp)
+        let apart = others.map(|(_, other)| [0, 1].map(|axis| (middle(*other)[axis] - at[axis]).abs()));
+        let is_over = |[x, y]: &[f64; 2]| *x < OVER * own[0] && *y < OVER * own[1];
+        let along = |[x, y]: [f64; 2]| (x.min(y) <= OFF_PLACE * x.max(y)).then_some(x.max(y));
+        let ways = apart.filter(|step| !is_over(step)).filter_map(along).filter(|way| *way > 0.0);
+        ways.min_by(f64::total_cmp)
     };
-    let mut squares: Vec<f64> = drawn.iter().filter_map(nearest).collect();
-    squares.sort_by(f64::total_cmp);
-    squares.get(squares.len() / 2).map(|square| square.sqrt())
+    let mut ways: Vec<f64> = drawn.iter().filter_map(nearest).collect();
+    ways.sort_by(f64::total_cmp);
+    let median = ways.get(ways.len() / 2).copied();
+    ways.dedup_by(|way, least| *way <= (1.0 + OFF_PLACE) * *least);
+    median.into_iter().chain(ways).take(MOST_SPACINGS).collect()
 }

@@ -51,6 +51,23 @@ fn a_list_of_rectangles_is_put_on_its_lattice() {
     assert_eq!(board.left_out.off_lattice, ["channel 2", "channel 3"]);
 }
 
+/// Electrodes with few neighbours: most of them have their nearest one aslant, or farther than a pitch.
+#[test]
+fn sparse_electrodes_are_put_on_their_lattice() {
+    let list = |places: &[[u32; 2]]| {
+        let electrode = |(channel, [x, y]): (usize, &[u32; 2])| {
+            format!("{{\"x\":{},\"y\":{},\"h\":9,\"v\":9,\"e\":{channel}}}", 10 * x, 10 * y)
+        };
+        format!("[{}]", places.iter().enumerate().map(electrode).collect::<Vec<_>>().join(","))
+    };
+    let aslant = board(&list(&[[0, 0], [0, 1], [1, 3], [0, 4]]));
+    assert_eq!(rows(&aslant), [[Some(0)], [Some(1)]]);
+    assert_eq!(aslant.left_out.cut_off, ["channel 2", "channel 3"]);
+    let apart = board(&list(&[[0, 0], [1, 0], [2, 0], [9, 0], [5, 5], [9, 5], [5, 9], [1, 9], [3, 7], [9, 9]]));
+    assert_eq!(rows(&apart), [[Some(0), Some(1), Some(2)]]);
+    assert_eq!(apart.left_out.cut_off.len(), 7);
+}
+
 /// Outlines with teeth whose middles lie beside the places, a moved layer, and a reservoir.
 #[test]
 fn paths_with_channels_are_put_on_their_lattice() {
