@@ -37,7 +37,13 @@ impl BedReasons<'_> {
         let title = format!("{} after {}", self.meeting(hit.meeting), rounded(after));
         let diagnostic =
             Diagnostic::new(Code::E0606, title).label(self.step.span, "this carries all robots that have not docked");
-        self.shown(diagnostic, hit).help("apply it for a shorter time, or another state")
+        self.shown(diagnostic, hit).help(match self.is_given {
+            true => "apply it for a shorter time, or another state",
+            false => {
+                "where the robots are by then hangs on the plan of the steps before: lead a robot by another way there \
+                 (`via`), apply the state for a shorter time, or another state"
+            }
+        })
     }
 
     /// Report of a raw state that lowers the arm of a docked robot.
