@@ -140,6 +140,7 @@ fn no_drive_goes_through_a_stone() {
         } else {
             blocked += 1;
             assert_eq!(last["reason"], "blocked", "{last}\n{text}");
+            assert!(include_str!("../../schema/control.schema.json").contains("\"blocked\""), "the schema has it");
         }
     }
     println!("{finished} finished, {blocked} stopped before a stone");
