@@ -22,7 +22,7 @@ const OTHER_SIDES: f64 = 0.25;
 const OVER: f64 = 0.7;
 
 /// Distances that are tried as that of the lattice.
-const MOST_SPACINGS: usize = 8;
+const MOST_SPACINGS: usize = 4;
 
 /// Turns after which every shared channel is left out.
 const MOST_TURNS: usize = 8;
