@@ -12,6 +12,9 @@ use crate::plan::microrobots::strategy::{StrategySolid, body};
 /// Looks at a robot on its way are so many to a width of its body.
 const LOOKS_PER_WIDTH: f64 = 8.0;
 
+/// Looks at a segment at most, so that an answer is not late: circles of robots with a very large turning radius are looked at more coarsely.
+const MOST_LOOKS: f64 = 4096.0;
+
 impl Belief<'_> {
     /// The first robot that some segments bring into an obstacle from where it was measured.
     pub fn led_into_obstacle(&self, segments: &[Segment]) -> Option<usize> {
@@ -42,7 +45,7 @@ impl Belief<'_> {
         segments.iter().any(|segment| {
             let arm: Arm = self.order.states[segment.state].arms[row];
             let way_um = facts.step_um * segment.strokes as f64;
-            let looks = (way_um * LOOKS_PER_WIDTH / facts.width_um).ceil().max(1.0);
+            let looks = (way_um * LOOKS_PER_WIDTH / facts.width_um).ceil().clamp(1.0, MOST_LOOKS);
             let begin = from;
             from = facts.moved(begin, arm, way_um);
             (1..=looks as u64).any(|look| goes_in(facts.moved(begin, arm, way_um * look as f64 / looks)))
