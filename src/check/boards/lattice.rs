@@ -216,5 +216,6 @@ fn spacings(drawn: &[(usize, [f64; 4])]) -> Vec<f64> {
     ways.sort_by(f64::total_cmp);
     let median = ways.get(ways.len() / 2).copied();
     ways.dedup_by(|way, least| *way <= (1.0 + OFF_PLACE) * *least);
-    median.into_iter().chain(ways).take(MOST_SPACINGS).collect()
+    let others = ways.into_iter().filter(|way| Some(*way) != median);
+    median.into_iter().chain(others).take(MOST_SPACINGS).collect()
 }

@@ -40,7 +40,7 @@ impl BedReasons<'_> {
         self.shown(diagnostic, hit).help(match self.is_given {
             true => "apply it for a shorter time, or another state",
             false => {
-                "where the robots are by then hangs on the plan of the steps before: lead a robot by another way there \
+                "where the robots are by then depends on the plan of the steps before: lead a robot by another way there \
                  (`via`), apply the state for a shorter time, or another state"
             }
         })

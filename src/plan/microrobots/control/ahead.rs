@@ -5,7 +5,6 @@
 
 use super::Segment;
 use super::belief::Belief;
-use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::plan::microrobots::strategy::{StrategySolid, body};
 
@@ -43,7 +42,7 @@ impl Belief<'_> {
         };
         let mut from = start;
         segments.iter().any(|segment| {
-            let arm: Arm = self.order.states[segment.state].arms[row];
+            let arm = self.order.states[segment.state].arms[row];
             let way_um = facts.step_um * segment.strokes as f64;
             let looks = (way_um * LOOKS_PER_WIDTH / facts.width_um).ceil().clamp(1.0, MOST_LOOKS);
             let begin = from;

@@ -37,7 +37,7 @@ pub use approach::{EdgeContact, GoalFrame, bent, steered};
 pub use bodies::{BodyCorners, StrategySolid, body, edge_gap_um, obstacles};
 pub use couple::{Couple, SHARES};
 pub use episode::{Episode, centres, driven, episodes, poses_of};
-pub use pursuit::{Phase, Pursuit};
+pub use pursuit::{Phase, Pursuit, PursuitCircle};
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Errors, Robot};

@@ -82,33 +82,24 @@ impl Pursuit {
     /// Actions of the robot until the next measurement, one after the other, of at most `most_um` path length; shorter where it rests for the
     /// measurement.
     pub fn pieces(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> [StrategyPiece; 2] {
+        self.pieces_without(driver, measured, most_um, |_| false)
+    }
+
+    /// The same without the circles that may be put off: it runs on, and only if the errors of the run bring it past its direction, one is due later.
+    pub fn pieces_without(
+        &mut self,
+        driver: &Driver,
+        measured: Pose,
+        most_um: f64,
+        is_put_off: impl Fn(PursuitCircle) -> bool,
+    ) -> [StrategyPiece; 2] {
         self.skip_captured(driver, measured);
         match self.phase {
-            Phase::Facing | Phase::Running => self.towards(driver, measured, most_um),
+            Phase::Facing | Phase::Running => self.towards(driver, measured, most_um, is_put_off),
             Phase::Finishing => self.finish(driver, measured, most_um),
             Phase::Turning => self.last_turn(driver, measured, most_um),
             Phase::Arrived => [NOTHING; 2],
         }
-    }
-
-    /// The circle that [`Self::pieces`] turns next, if its target lies almost ahead.
-    pub fn circle(&mut self, driver: &Driver, measured: Pose) -> Option<PursuitCircle> {
-        self.skip_captured(driver, measured);
-        if !matches!(self.phase, Phase::Facing | Phase::Running) {
-            return None;
-        }
-        let target = self.target(driver, measured);
-        let lag_rad = driver.lag_rad(target.distance_um);
-        let is_ahead = target.ahead_rad < lag_rad;
-        let turn_rad = self.turn_rad(driver, &target);
-        let is_circle = turn_rad > PI && (is_ahead || target.ahead_rad > TAU - 2.0 * lag_rad);
-        is_circle.then_some(PursuitCircle { way_um: turn_rad * driver.robot.turning_radius_um, is_for_lag: is_ahead })
-    }
-
-    /// As [`Self::pieces`], without a turn: only if the errors of the run bring the robot past its direction, a circle is due later.
-    pub fn pieces_straight_on(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> [StrategyPiece; 2] {
-        let target = self.target(driver, measured);
-        self.led(driver, &target, 0.0, most_um)
     }
 
     fn skip_captured(&mut self, driver: &Driver, measured: Pose) {
@@ -132,14 +123,16 @@ impl Pursuit {
         PursuitTarget { distance_um: dx_um.hypotenuse(dy_um), ahead_rad }
     }
 
-    fn towards(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> [StrategyPiece; 2] {
+    fn towards(
+        &mut self,
+        driver: &Driver,
+        measured: Pose,
+        most_um: f64,
+        is_put_off: impl Fn(PursuitCircle) -> bool,
+    ) -> [StrategyPiece; 2] {
         let target = self.target(driver, measured);
         let turn_rad = self.turn_rad(driver, &target);
-        self.led(driver, &target, turn_rad, most_um)
-    }
-
-    /// By a turn, and then a run towards the target.
-    fn led(&mut self, driver: &Driver, target: &PursuitTarget, turn_rad: f64, most_um: f64) -> [StrategyPiece; 2] {
+        let turn_rad = if target.circle(driver, turn_rad).is_some_and(is_put_off) { 0.0 } else { turn_rad };
         let is_near = target.distance_um <= driver.interval_um + driver.guard_um();
         let most_um = if is_near { most_um.min(driver.near_interval_um) } else { most_um };
         let turn_um = turn_rad / ((1.0 + driver.errors.speed_ratio) * driver.steepest_per_um());
@@ -256,4 +249,14 @@ struct PursuitTarget {
     distance_um: f64,
     /// Angle to turn until the heading points to it; from 0 to a full turn.
     ahead_rad: f64,
+}
+
+impl PursuitTarget {
+    /// The circle that a turn towards it is, if it lies almost ahead.
+    fn circle(&self, driver: &Driver, turn_rad: f64) -> Option<PursuitCircle> {
+        let lag_rad = driver.lag_rad(self.distance_um);
+        let is_ahead = self.ahead_rad < lag_rad;
+        let is_circle = turn_rad > PI && (is_ahead || self.ahead_rad > TAU - 2.0 * lag_rad);
+        is_circle.then_some(PursuitCircle { way_um: turn_rad * driver.robot.turning_radius_um, is_for_lag: is_ahead })
+    }
 }

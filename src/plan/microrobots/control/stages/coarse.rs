@@ -11,7 +11,7 @@ use crate::geometry::Pose;
 use crate::plan::microrobots::Leg;
 use crate::plan::microrobots::control::belief::Belief;
 use crate::plan::microrobots::control::{Drive, Segment};
-use crate::plan::microrobots::strategy::{Driver, Phase, Pursuit, centres, poses_of};
+use crate::plan::microrobots::strategy::{Driver, Phase, Pursuit, PursuitCircle, centres, poses_of};
 use crate::real::Real;
 use std::f64::consts::TAU;
 
@@ -71,15 +71,12 @@ impl<'a> DriveStage<'a> {
             }
             let [turning, straight] = self.states;
             // A circle for the lag alone is put off until the errors of the run ask for one, and one that there is no room for as well.
-            let runs_on = pursuit.circle(driver, measured).is_some_and(|circle| {
+            let is_put_off = |circle: PursuitCircle| {
                 let strokes = strokes(belief, self.robot, circle.way_um);
                 let circle_on = [Segment { state: turning, strokes, sets_arms: false }];
                 circle.is_for_lag || belief.led_into_obstacle(&circle_on).is_some()
-            });
-            let pieces = match runs_on {
-                true => pursuit.pieces_straight_on(driver, measured, driver.interval_um),
-                false => pursuit.pieces(driver, measured, driver.interval_um),
             };
+            let pieces = pursuit.pieces_without(driver, measured, driver.interval_um, is_put_off);
             *left_um -= pieces.iter().map(|piece| piece.way_um).sum::<f64>();
             if *left_um < 0.0 {
                 return Progress::Failed(StopReason::TimeLimit, self.robot);
