@@ -1,5 +1,7 @@
-//! A robot that follows its commands exactly, driven by `tweeze control` among stones: what ends with `finished` is accepted by `tweeze verify`.
+//! Robots that follow their commands exactly, driven by `tweeze control` among stones and among each other: what ends with `finished` is accepted by
+//! `tweeze verify`, and no body ever lies in another one.
 
+use super::guaranteed::overlap;
 use super::random::Random;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -11,45 +13,115 @@ const DONE: i32 = 0;
 const STOPPED: i32 = 6;
 
 /// Of the device in the programs here.
-const RADIUS_UM: f64 = 160.0;
 const SPEED_UM_PER_S: f64 = 200.0;
-const SNAP_DOWN_V: f64 = 110.0;
-const RELEASE_V: f64 = 20.0;
+const BODY_UM: [f64; 2] = [260.0, 60.0];
 
-/// A bed with one robot that turns clockwise and has no errors.
-struct ExactBed {
+/// Robots on their way are compared after each such stretch.
+const LOOK_UM: f64 = 4.0;
+
+/// A robot without errors, which turns clockwise.
+#[derive(Clone)]
+struct ExactRobot {
+    name: &'static str,
+    snap_down_v: f64,
+    release_v: f64,
+    radius_um: f64,
     x_um: f64,
     y_um: f64,
     heading_rad: f64,
     is_down: bool,
 }
 
-impl ExactBed {
-    fn carry_out(&mut self, command: &Value, period_ns: f64) {
-        if command["command"] == "rest" {
-            self.is_down = false;
+impl ExactRobot {
+    /// The robots of the programs here; each starts at the origin.
+    fn named(name: &'static str) -> Self {
+        let (snap_down_v, release_v, radius_um) = match name {
+            "D1" => (110.0, 20.0, 160.0),
+            "D2" => (130.0, 35.0, 150.0),
+            _ => (150.0, 50.0, 170.0),
+        };
+        ExactRobot { name, snap_down_v, release_v, radius_um, x_um: 0.0, y_um: 0.0, heading_rad: 0.0, is_down: false }
+    }
+
+    fn at(name: &'static str, (x_um, y_um, heading_rad): (f64, f64, f64)) -> Self {
+        ExactRobot { x_um, y_um, heading_rad, ..ExactRobot::named(name) }
+    }
+
+    fn row(&self) -> String {
+        format!("    {} | {} | {} | {}\n", self.name, self.snap_down_v, self.release_v, self.radius_um)
+    }
+
+    fn start(&self) -> String {
+        let to_deg = self.heading_rad.to_degrees();
+        format!("  robot {} at pose({} um, {} um, {to_deg} deg)\n", self.name, self.x_um, self.y_um)
+    }
+
+    fn run(&mut self, way_um: f64) {
+        let after_rad = self.heading_rad - if self.is_down { way_um / self.radius_um } else { 0.0 };
+        if self.is_down {
+            self.x_um -= self.radius_um * (after_rad.sin() - self.heading_rad.sin());
+            self.y_um += self.radius_um * (after_rad.cos() - self.heading_rad.cos());
+        } else {
+            self.x_um += way_um * after_rad.cos();
+            self.y_um += way_um * after_rad.sin();
         }
-        for segment in command["segments"].as_array().into_iter().flatten() {
-            for level_v in segment["levels_v"].as_array().into_iter().flatten().filter_map(Value::as_f64) {
-                self.is_down = level_v >= SNAP_DOWN_V || (self.is_down && level_v > RELEASE_V);
-            }
-            assert_eq!(segment["state"], if self.is_down { "1" } else { "0" }, "{command}");
-            let way_um = segment["strokes"].as_f64().expect("a number") * period_ns * 1e-9 * SPEED_UM_PER_S;
-            let after_rad = self.heading_rad - if self.is_down { way_um / RADIUS_UM } else { 0.0 };
-            if self.is_down {
-                self.x_um -= RADIUS_UM * (after_rad.sin() - self.heading_rad.sin());
-                self.y_um += RADIUS_UM * (after_rad.cos() - self.heading_rad.cos());
-            } else {
-                self.x_um += way_um * after_rad.cos();
-                self.y_um += way_um * after_rad.sin();
-            }
-            self.heading_rad = after_rad;
-        }
+        self.heading_rad = after_rad;
+    }
+
+    fn corners(&self) -> [[f64; 2]; 4] {
+        let [a_um, b_um] = BODY_UM.map(|side_um| side_um / 2.0);
+        let (sin, cos) = self.heading_rad.sin_cos();
+        [(a_um, b_um), (-a_um, b_um), (-a_um, -b_um), (a_um, -b_um)].map(|(along_um, left_um)| {
+            [self.x_um + along_um * cos - left_um * sin, self.y_um + along_um * sin + left_um * cos]
+        })
     }
 }
 
-/// Controls a program from the pose at which its robot starts; the last answer, or `None` if it has no plan.
-fn controlled(program: &Path, record: &Path) -> Option<Value> {
+/// A bed of robots without errors.
+struct ExactBed {
+    robots: Vec<ExactRobot>,
+}
+
+impl ExactBed {
+    fn carry_out(&mut self, command: &Value, period_ns: f64) {
+        if command["command"] == "rest" {
+            self.robots.iter_mut().for_each(|robot| robot.is_down = false);
+        }
+        for segment in command["segments"].as_array().into_iter().flatten() {
+            for level_v in segment["levels_v"].as_array().into_iter().flatten().filter_map(Value::as_f64) {
+                for robot in &mut self.robots {
+                    robot.is_down = level_v >= robot.snap_down_v || (robot.is_down && level_v > robot.release_v);
+                }
+            }
+            let state: String = self.robots.iter().map(|robot| if robot.is_down { '1' } else { '0' }).collect();
+            assert_eq!(segment["state"], state, "{command}");
+            let way_um = segment["strokes"].as_f64().expect("a number") * period_ns * 1e-9 * SPEED_UM_PER_S;
+            let looks = (way_um / LOOK_UM).ceil().max(1.0);
+            for _ in 0..looks as u64 {
+                self.robots.iter_mut().for_each(|robot| robot.run(way_um / looks));
+                let bodies: Vec<_> = self.robots.iter().map(ExactRobot::corners).collect();
+                for (at, body) in bodies.iter().enumerate() {
+                    assert!(
+                        !bodies[..at].iter().any(|other| overlap(body, other)),
+                        "robots run into each other: {command}"
+                    );
+                }
+            }
+        }
+    }
+
+    /// What a camera measures.
+    fn measured(&self) -> Value {
+        let of = |robot: &ExactRobot| {
+            let heading_deg = robot.heading_rad.to_degrees();
+            (robot.name.to_owned(), json!({ "x_um": robot.x_um, "y_um": robot.y_um, "heading_deg": heading_deg }))
+        };
+        Value::Object(self.robots.iter().map(of).collect())
+    }
+}
+
+/// Controls a program whose robots start so; the last answer, or `None` if it has no plan.
+fn controlled(program: &Path, record: &Path, robots: Vec<ExactRobot>) -> Option<Value> {
     let mut child = Command::new(assert_cmd::cargo::cargo_bin!("tweeze"))
         .arg("control")
         .arg(program)
@@ -68,11 +140,10 @@ fn controlled(program: &Path, record: &Path) -> Option<Value> {
         return None;
     };
     let period_ns = greeting["period_ns"].as_f64().expect("a period");
-    let mut bed = ExactBed { x_um: 0.0, y_um: 0.0, heading_rad: 0.0, is_down: false };
+    let mut bed = ExactBed { robots };
     let mut t_ns = 0;
     loop {
-        let pose = json!({ "x_um": bed.x_um, "y_um": bed.y_um, "heading_deg": bed.heading_rad * 180.0 / PI });
-        writeln!(input, "{}", json!({ "t_ns": t_ns, "robots": { "D1": pose } })).expect("it reads");
+        writeln!(input, "{}", json!({ "t_ns": t_ns, "robots": bed.measured() })).expect("it reads");
         let answer = next().expect("an answer");
         if answer["command"] == "finished" || answer["command"] == "stop" {
             let code = if answer["command"] == "finished" { DONE } else { STOPPED };
@@ -96,7 +167,7 @@ fn a_run_straight_ahead_begins_without_a_circle() {
     let folder = tempfile::tempdir().expect("a folder");
     let record = folder.path().join("run.mcap");
     let program = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/found/microrobots-lag-circle.twz");
-    let last = controlled(&program, &record).expect("a plan");
+    let last = controlled(&program, &record, vec![ExactRobot::named("D1")]).expect("a plan");
     assert_eq!(last["command"], "finished", "{last}");
     assert!(last["t_ns"].as_u64().is_some_and(|t_ns| t_ns < 5_500_000_000), "{last}");
     accepts(&program, &record);
@@ -133,13 +204,14 @@ fn no_drive_goes_through_a_stone() {
         );
         std::fs::write(&program, &text).expect("a program is written");
         let _ = std::fs::remove_file(&record);
-        let Some(last) = controlled(&program, &record) else { continue };
+        let Some(last) = controlled(&program, &record, vec![ExactRobot::named("D1")]) else { continue };
         if last["command"] == "finished" {
             finished += 1;
             accepts(&program, &record);
         } else {
             blocked += 1;
             assert_eq!(last["reason"], "blocked", "{last}\n{text}");
+            assert!(last["in_the_way"].as_str().is_some_and(|thing| thing.starts_with("stone")), "{last}\n{text}");
             assert!(include_str!("../../schema/control.schema.json").contains("\"blocked\""), "the schema has it");
         }
     }
@@ -147,5 +219,55 @@ fn no_drive_goes_through_a_stone() {
     assert!(3 * finished > 2 * CASES && blocked >= 1, "{finished} finished, {blocked} stopped before a stone");
 }
 
-/// Random drives.
+#[test]
+fn no_drive_goes_through_another_robot() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (program, record) = (folder.path().join("drive.twz"), folder.path().join("run.mcap"));
+    let mut chance = Random(8);
+    let (mut finished, mut blocked) = (0, 0);
+    for _ in 0..CASES {
+        let mut place = |middle_um: f64| {
+            let across_um = chance.thousandths(-900.0, 900.0).round();
+            (
+                middle_um + chance.thousandths(-150.0, 150.0).round(),
+                across_um,
+                f64::from(chance.below(360)).to_radians(),
+            )
+        };
+        let robots = vec![
+            ExactRobot::at("D1", place(-1000.0)),
+            ExactRobot::at("D2", place(0.0)),
+            ExactRobot::at("D3", place(1000.0)),
+        ];
+        let rows: String = robots.iter().map(ExactRobot::row).collect();
+        let starts: String = robots.iter().map(ExactRobot::start).collect();
+        let goals: String = ["D1", "D2", "D3"]
+            .map(|name| {
+                let [x_um, y_um] = [0; 2].map(|_| chance.thousandths(-1200.0, 1200.0).round());
+                format!("  drive {name} to pose({x_um} um, {y_um} um, {} deg)\n", chance.below(360))
+            })
+            .concat();
+        let text = format!(
+            "use std.microrobots\ndevice fleet : microrobots.bed {{\n  robots: table {{\n    \
+             robot | snap_down [V] | release [V] | turning_radius [um]\n{rows}  }}\n}}\n\
+             scene field {{\n{starts}}}\ntask go on fleet in field {{\n  \
+             precision: 50 um\n  heading_precision: 5 deg\n{goals}}}\n"
+        );
+        std::fs::write(&program, &text).expect("a program is written");
+        let _ = std::fs::remove_file(&record);
+        let Some(last) = controlled(&program, &record, robots) else { continue };
+        if last["command"] == "finished" {
+            finished += 1;
+            accepts(&program, &record);
+        } else {
+            blocked += 1;
+            assert_eq!(last["reason"], "blocked", "{last}\n{text}");
+            assert!(last["in_the_way"].as_str().is_some_and(|other| other.starts_with('D')), "{last}\n{text}");
+        }
+    }
+    println!("{finished} finished, {blocked} stopped before another robot");
+    assert!(2 * finished > CASES && blocked >= 1, "{finished} finished, {blocked} stopped before another robot");
+}
+
+/// Random programs.
 const CASES: u32 = 40;

@@ -250,7 +250,7 @@ fn corners(adversary: &Adversary, robot: usize, pose: Pose) -> [[f64; 2]; 4] {
 }
 
 /// Whether two rectangles overlap: no side of either separates them.
-fn overlap(one: &[[f64; 2]; 4], other: &[[f64; 2]; 4]) -> bool {
+pub fn overlap(one: &[[f64; 2]; 4], other: &[[f64; 2]; 4]) -> bool {
     let mut axes = [one, other]
         .into_iter()
         .flat_map(|body| [0, 1].map(|at| [body[at + 1][0] - body[at][0], body[at + 1][1] - body[at][1]]));

@@ -2,7 +2,7 @@
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
-use crate::plan::microrobots::control::{Command, ControlPhase, Pilot, Segment, Stop, StopReason};
+use crate::plan::microrobots::control::{Command, ControlPhase, InTheWay, Pilot, Segment, Stop, StopReason};
 use crate::schedule::control::{CommandLine, CommandWord, ControlLine, MeasuredLine, SegmentLine};
 use crate::schedule::microrobots::RecordedPose;
 use std::ffi::OsStr;
@@ -98,8 +98,9 @@ impl Pilot for RemotePilot<'_> {
     fn observe(&mut self, measured: &[Option<Pose>], now_ns: u64) -> Command<'_> {
         let line = self.line(measured, now_ns);
         let answer = self.asked(&line);
-        let stopped = |step, phase, reason, robot| Command::Stop(Stop { reason, robot, step, phase });
-        let Some(answer) = answer else { return stopped(self.step, self.phase, StopReason::Silence, None) };
+        let stopped =
+            |reason, robot, in_the_way, step, phase| Command::Stop(Stop { reason, robot, in_the_way, step, phase });
+        let Some(answer) = answer else { return stopped(StopReason::Silence, None, None, self.step, self.phase) };
         (self.step, self.phase) = (answer.step, answer.phase);
         let until_ns = answer.until_ns.unwrap_or(0);
         match answer.command {
@@ -110,9 +111,10 @@ impl Pilot for RemotePilot<'_> {
             CommandWord::Continue => Command::Continue { until_ns },
             CommandWord::Finished => Command::Finished,
             CommandWord::Drive | CommandWord::Stop => {
-                let is_driven = |robot: &usize| answer.driven.contains(&self.order.robot(*robot).name);
-                let robot = (0..self.order.robots.len()).find(is_driven);
-                stopped(self.step, self.phase, answer.reason.unwrap_or(StopReason::Garbled), robot)
+                let is_blamed = |robot: &usize| answer.robot.as_ref() == Some(&self.order.robot(*robot).name);
+                let robot = (0..self.order.robots.len()).find(is_blamed);
+                let in_the_way = answer.in_the_way.and_then(|name| InTheWay::named(self.order, &name));
+                stopped(answer.reason.unwrap_or(StopReason::Garbled), robot, in_the_way, self.step, self.phase)
             }
         }
     }

@@ -42,7 +42,7 @@ pub enum StopReason {
     Doubtful,
     /// A robot was measured too many times in a row where its commands cannot have brought it.
     Astray,
-    /// What would have to be driven next brings a robot into an obstacle.
+    /// What would have to be driven next brings a robot into an obstacle or into another robot.
     Blocked,
     /// No measurement came in time.
     Silence,

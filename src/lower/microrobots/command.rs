@@ -2,7 +2,7 @@
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::control::StopReason;
-use crate::plan::microrobots::control::{Command, Controller, Segment, Stop};
+use crate::plan::microrobots::control::{Command, Controller, InTheWay, Segment, Stop};
 use crate::quantity::digits;
 use crate::schedule::control::{CommandLine, CommandWord, SegmentLine};
 
@@ -31,6 +31,8 @@ pub fn command_line(order: &MicrorobotsOrder, text_lines: &[u32], controller: &C
         segments: segments.map(|segments| segments.iter().map(segment).collect()),
         reason: stop.map(|stop| stop.reason),
         message: stop.map(|stop| stopped(order, stop)),
+        robot: stop.and_then(|stop| stop.robot).map(name),
+        in_the_way: stop.and_then(|stop| stop.in_the_way).map(|thing| thing.name(order).to_owned()),
         step,
         line: text_lines.get(step).copied(),
         phase: controller.phase(),
@@ -41,7 +43,8 @@ pub fn command_line(order: &MicrorobotsOrder, text_lines: &[u32], controller: &C
 
 /// Why a task was given up, for people.
 pub fn stopped(order: &MicrorobotsOrder, stop: Stop) -> String {
-    let robot = stop.robot.map_or("a robot", |robot| order.robot(robot).name.as_str());
+    let name = |robot: usize| order.robot(robot).name.as_str();
+    let robot = stop.robot.map_or("a robot", name);
     match stop.reason {
         StopReason::LeftCylinder => format!("`{robot}` did not get to where its motion should end, in all its rounds"),
         StopReason::MissedCone => format!("the goal of `{robot}` is not within reach of the fine motion"),
@@ -52,7 +55,13 @@ pub fn stopped(order: &MicrorobotsOrder, stop: Stop) -> String {
         StopReason::Astray => format!(
             "`{robot}` does not follow the commands: it was measured too often in a row where they cannot have brought it"
         ),
-        StopReason::Blocked => format!("`{robot}` would be driven into an obstacle next"),
+        StopReason::Blocked => match stop.in_the_way {
+            Some(InTheWay::Robot(other)) => format!("`{robot}` and `{}` would run into each other next", name(other)),
+            Some(obstacle @ InTheWay::Obstacle(_)) => {
+                format!("`{robot}` would be driven into `{}` next", obstacle.name(order))
+            }
+            None => format!("`{robot}` would be driven into something next"),
+        },
         StopReason::Silence => {
             let watchdog_s = order.facts.watchdog_ns() as f64 / 1e9;
             format!("no measurement came for {} s after the end of the last command", digits(watchdog_s))

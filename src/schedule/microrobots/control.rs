@@ -67,6 +67,12 @@ pub struct CommandLine {
     pub reason: Option<StopReason>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
+    /// Of `stop` only: the robot that it is about, if it is about one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robot: Option<String>,
+    /// Of `stop` for `blocked` only: the obstacle or the other robot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub in_the_way: Option<String>,
     /// Index of the task's steps.
     pub step: usize,
     /// Of the step, in the program's text.

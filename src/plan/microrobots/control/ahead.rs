@@ -1,12 +1,17 @@
-//! Where a command brings the robots, held against the obstacles before it is given.
+//! Where a command brings the robots, held against the obstacles and against each other before it is given.
 //!
-//! Input: the measured poses, and strokes in control states. Output: the first robot that these bring into an obstacle, as far as its pose is known.
-//! Every stroke moves all robots that have not docked, so those that stand by are looked at like the driven ones. Nothing is allocated.
+//! Input: the measured poses, and strokes in control states. Output: the first robot that these bring into an obstacle or into another robot, as far as
+//! their poses are known. Every stroke moves all robots that have not docked, so those that stand by are looked at like the driven ones. Robots that
+//! are to meet may touch. Nothing is allocated.
 
 use super::Segment;
 use super::belief::Belief;
+use crate::claims::microrobots::MicrorobotsOrder;
+use crate::device::microrobots::Robot;
 use crate::geometry::Pose;
 use crate::plan::microrobots::strategy::{StrategySolid, body};
+use crate::plan::microrobots::world::OrientedRectangle;
+use crate::real::Real;
 
 /// Looks at a robot on its way are so many to a width of its body.
 const LOOKS_PER_WIDTH: f64 = 8.0;
@@ -14,17 +19,65 @@ const LOOKS_PER_WIDTH: f64 = 8.0;
 /// Looks at a segment at most, so that an answer is not late: circles of robots with a very large turning radius are looked at more coarsely.
 const MOST_LOOKS: f64 = 4096.0;
 
-impl Belief<'_> {
-    /// The first robot that some segments bring into an obstacle from where it was measured.
-    pub fn led_into_obstacle(&self, segments: &[Segment]) -> Option<usize> {
-        (0..self.poses.len())
-            .filter(|robot| !self.docked[*robot] && !self.obstacles.is_empty())
-            .find(|robot| self.is_led_into_obstacle(*robot, segments))
+/// What a robot would run into; indices of the order's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum InTheWay {
+    Obstacle(usize),
+    Robot(usize),
+}
+
+impl InTheWay {
+    /// Its name in the order's scene; empty if it is not of this order.
+    pub fn name(self, order: &MicrorobotsOrder) -> &str {
+        match self {
+            InTheWay::Obstacle(at) => order.obstacles.get(at).map_or("", |obstacle| &obstacle.name),
+            InTheWay::Robot(robot) => &order.robot(robot).name,
+        }
     }
 
-    fn is_led_into_obstacle(&self, robot: usize, segments: &[Segment]) -> bool {
-        let (facts, row) = (self.order.robot(robot), self.order.robots[robot].row);
-        let start = self.poses[robot];
+    /// The one of this name in the order's scene.
+    pub fn named(order: &MicrorobotsOrder, name: &str) -> Option<InTheWay> {
+        let obstacle = order.obstacles.iter().position(|obstacle| obstacle.name == name).map(InTheWay::Obstacle);
+        let robot = || (0..order.robots.len()).find(|robot| order.robot(*robot).name == name).map(InTheWay::Robot);
+        obstacle.or_else(robot)
+    }
+}
+
+/// A collision that a command would lead to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CollisionAhead {
+    /// Index of the order's robots.
+    pub robot: usize,
+    pub with: InTheWay,
+}
+
+impl Belief<'_> {
+    /// The first collision that some segments lead to from where the robots were measured. Those that `may_touch` are driven against each other or
+    /// against docked ones on purpose.
+    pub fn collision_ahead(&self, segments: &[Segment], may_touch: [Option<usize>; 2]) -> Option<CollisionAhead> {
+        let moving = || (0..self.poses.len()).filter(|robot| !self.docked[*robot]);
+        let into_obstacle = |robot: usize| self.obstacle_ahead(robot, segments).map(InTheWay::Obstacle);
+        let into_robot = |robot: usize| {
+            let meets = |other: &usize| {
+                let is_met_before = *other < robot && !self.docked[*other];
+                let is_on_purpose =
+                    [robot, *other].iter().all(|one| self.docked[*one] || may_touch.contains(&Some(*one)));
+                *other != robot && !is_met_before && !is_on_purpose && self.is_led_into([robot, *other], segments)
+            };
+            (0..self.poses.len()).find(meets).map(InTheWay::Robot)
+        };
+        moving().find_map(|robot| {
+            let with = into_obstacle(robot).or_else(|| into_robot(robot))?;
+            Some(CollisionAhead { robot, with })
+        })
+    }
+
+    /// The first obstacle that some segments bring a robot into.
+    fn obstacle_ahead(&self, robot: usize, segments: &[Segment]) -> Option<usize> {
+        if self.obstacles.is_empty() {
+            return None;
+        }
+        let (facts, start) = (self.order.robot(robot), self.poses[robot]);
         // A body that is smaller by the error of its measurement is surely there.
         let doubt_um = self.doubt_um(self.reach_um(robot));
         let touches = |obstacle: &StrategySolid, pose: Pose, less_um: f64| {
@@ -33,21 +86,72 @@ impl Belief<'_> {
         let enters = |obstacle: &StrategySolid, pose: Pose, less_um: f64| {
             touches(obstacle, pose, less_um) && !touches(obstacle, start, less_um)
         };
-        let goes_in = |pose: Pose| {
-            let is_entered = |obstacle: &StrategySolid| {
-                // From where it seems to touch already, it must not go on until it surely does.
-                touches(obstacle, pose, 0.0) && (enters(obstacle, pose, 0.0) || enters(obstacle, pose, doubt_um))
-            };
-            self.obstacles.iter().any(is_entered)
+        // From where it seems to touch already, it must not go on until it surely does.
+        let is_entered = |obstacle: &StrategySolid, pose: Pose| {
+            touches(obstacle, pose, 0.0) && (enters(obstacle, pose, 0.0) || enters(obstacle, pose, doubt_um))
+        };
+        let mut from = start;
+        segments.iter().find_map(|segment| {
+            let looks = looks(self.way_um(robot, segment) / facts.width_um);
+            let begin = from;
+            from = self.gone(robot, begin, segment, 1.0);
+            (1..=looks as u64).find_map(|look| {
+                let pose = self.gone(robot, begin, segment, look as f64 / looks);
+                self.obstacles.iter().position(|obstacle| is_entered(obstacle, pose))
+            })
+        })
+    }
+
+    /// Whether some segments bring two robots into each other.
+    fn is_led_into(&self, pair: [usize; 2], segments: &[Segment]) -> bool {
+        let facts = pair.map(|robot| self.order.robot(robot));
+        let start = pair.map(|robot| self.poses[robot]);
+        let doubt_um = pair.iter().map(|robot| self.doubt_um(self.reach_um(*robot))).sum::<f64>();
+        let together_um = pair.iter().map(|robot| self.reach_um(*robot)).sum::<f64>();
+        let start_um = gap_um(facts, start);
+        let is_entered = |poses: [Pose; 2]| {
+            let gap_um = gap_um(facts, poses);
+            gap_um <= 0.0 && (start_um > 0.0 || (gap_um <= -doubt_um && start_um > -doubt_um))
         };
         let mut from = start;
         segments.iter().any(|segment| {
-            let arm = self.order.states[segment.state].arms[row];
-            let way_um = facts.step_um * segment.strokes as f64;
-            let looks = (way_um * LOOKS_PER_WIDTH / facts.width_um).ceil().clamp(1.0, MOST_LOOKS);
             let begin = from;
-            from = facts.moved(begin, arm, way_um);
-            (1..=looks as u64).any(|look| goes_in(facts.moved(begin, arm, way_um * look as f64 / looks)))
+            from = [0, 1].map(|nth| self.gone(pair[nth], begin[nth], segment, 1.0));
+            let ways_um = pair.map(|robot| self.way_um(robot, segment));
+            if apart_um(begin) > together_um + ways_um[0] + ways_um[1] {
+                return false;
+            }
+            let looks = looks((ways_um[0] + ways_um[1]) / facts[0].width_um.min(facts[1].width_um));
+            (1..=looks as u64).any(|look| {
+                let at = [0, 1].map(|nth| self.gone(pair[nth], begin[nth], segment, look as f64 / looks));
+                apart_um(at) <= together_um && is_entered(at)
+            })
         })
     }
+
+    /// Path length of a robot over a segment.
+    fn way_um(&self, robot: usize, segment: &Segment) -> f64 {
+        if self.docked[robot] { 0.0 } else { self.order.robot(robot).step_um * segment.strokes as f64 }
+    }
+
+    /// Where a robot is after a part of a segment.
+    fn gone(&self, robot: usize, from: Pose, segment: &Segment, part: f64) -> Pose {
+        let arm = self.order.states[segment.state].arms[self.order.robots[robot].row];
+        self.order.robot(robot).moved(from, arm, self.way_um(robot, segment) * part)
+    }
+}
+
+fn looks(widths: f64) -> f64 {
+    (widths * LOOKS_PER_WIDTH).ceil().clamp(1.0, MOST_LOOKS)
+}
+
+fn apart_um([one, other]: [Pose; 2]) -> f64 {
+    (one.x_um - other.x_um).hypotenuse(one.y_um - other.y_um)
+}
+
+/// Distance between two bodies; negative where they overlap.
+fn gap_um(facts: [&Robot; 2], poses: [Pose; 2]) -> f64 {
+    let half_um = |robot: &Robot| [robot.length_um / 2.0, robot.width_um / 2.0];
+    let [one, other] = [0, 1].map(|nth| OrientedRectangle::new(poses[nth], half_um(facts[nth])));
+    one.to_rectangle_um(&other)
 }

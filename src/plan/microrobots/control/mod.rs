@@ -8,7 +8,8 @@
 //! A measurement that cannot be true is not acted upon: the bed rests for an interval, and the next one decides. After too many of these, or
 //! if no measurement comes for the time that the device states, it stops: at 0 V all arms go up and nothing moves. So it does when a robot is measured
 //! too many times in a row where its commands cannot have brought it: the robot does not move, or the picture does not change. And no command is
-//! given that brings a robot into an obstacle, as far as its pose is known: a correction that the plan does not have may need more room.
+//! given that brings a robot into an obstacle or into another robot that it is not to meet, as far as their poses are known: a correction that the
+//! plan does not have may need more room.
 //!
 //! Everything is allocated before the first measurement. Without errors (all bounds 0) the legs of the plan are carried out as written.
 
@@ -18,6 +19,7 @@ mod follow;
 mod stages;
 
 pub use crate::device::microrobots::control::{ControlPhase, StopReason};
+pub use ahead::InTheWay;
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
@@ -62,6 +64,8 @@ pub struct Stop {
     pub reason: StopReason,
     /// Index of the order's robots, where one is to blame.
     pub robot: Option<usize>,
+    /// What this robot would have run into.
+    pub in_the_way: Option<InTheWay>,
     /// Index of the order's steps.
     pub step: usize,
     pub phase: ControlPhase,
@@ -224,10 +228,6 @@ impl<'a> Controller<'a> {
         while let Some(stage) = self.stages.get_mut(self.at) {
             match stage.stage.proceed(&mut self.belief, &mut self.drive, now_ns) {
                 Progress::Driving => {
-                    if let Some(robot) = self.belief.led_into_obstacle(&self.drive.segments) {
-                        self.drive.segments.clear();
-                        return self.stop(StopReason::Blocked, Some(robot));
-                    }
                     self.may_touch = match self.phase() {
                         ControlPhase::Fine | ControlPhase::Contact => self.driven(),
                         ControlPhase::Legs
@@ -237,6 +237,10 @@ impl<'a> Controller<'a> {
                         | ControlPhase::Meeting
                         | ControlPhase::Over => [None; 2],
                     };
+                    if let Some(ahead) = self.belief.collision_ahead(&self.drive.segments, self.may_touch) {
+                        self.drive.segments.clear();
+                        return self.stop_before(StopReason::Blocked, Some(ahead.robot), Some(ahead.with));
+                    }
                     (self.last, self.until_ns) = (LastCommand::Drive, now_ns.saturating_add(self.duration_ns()));
                     return;
                 }
@@ -253,8 +257,12 @@ impl<'a> Controller<'a> {
 
     /// Gives the task up, unless it is over.
     pub fn stop(&mut self, reason: StopReason, robot: Option<usize>) {
+        self.stop_before(reason, robot, None);
+    }
+
+    fn stop_before(&mut self, reason: StopReason, robot: Option<usize>, in_the_way: Option<InTheWay>) {
         if !matches!(self.last, LastCommand::Finished | LastCommand::Stop(_)) {
-            self.last = LastCommand::Stop(Stop { reason, robot, step: self.step(), phase: self.phase() });
+            self.last = LastCommand::Stop(Stop { reason, robot, in_the_way, step: self.step(), phase: self.phase() });
         }
     }
 

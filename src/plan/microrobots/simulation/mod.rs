@@ -151,7 +151,7 @@ fn attempt(trial: &mut Trial, view: &mut DisturbedView, pilot: &mut impl Pilot) 
                 Ok(())
             }
             Command::Finished => return trial.all_docked(pilot.step()),
-            Command::Stop(stop) => return Err(TrialFailure::stopped(stop)),
+            Command::Stop(stop) => return Err(TrialFailure::stopped(stop, trial.order)),
         };
         let during = |(robot, reason)| TrialFailure { robot, reason, step: pilot.step(), phase: pilot.phase() };
         done.map_err(during)?;

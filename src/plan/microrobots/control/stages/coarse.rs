@@ -74,7 +74,7 @@ impl<'a> DriveStage<'a> {
             let is_put_off = |circle: PursuitCircle| {
                 let strokes = strokes(belief, self.robot, circle.way_um);
                 let circle_on = [Segment { state: turning, strokes, sets_arms: false }];
-                circle.is_for_lag || belief.led_into_obstacle(&circle_on).is_some()
+                circle.is_for_lag || belief.collision_ahead(&circle_on, [None; 2]).is_some()
             };
             let pieces = pursuit.pieces_without(driver, measured, driver.interval_um, is_put_off);
             *left_um -= pieces.iter().map(|piece| piece.way_um).sum::<f64>();

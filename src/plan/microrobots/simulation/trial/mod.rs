@@ -41,8 +41,8 @@ pub enum FailureReason {
     Unmeasured,
     /// It did not follow the commands too many times in a row.
     Astray,
-    /// The controller stopped, since it would have driven it into an obstacle.
-    Blocked,
+    /// The controller stopped, since it would have driven it into something of this name.
+    Blocked(String),
     /// The controller stopped for want of measurements.
     Silence,
 }
@@ -60,21 +60,23 @@ impl FailureReason {
             FailureReason::NotDocked => "it was held for docked, and was not".to_owned(),
             FailureReason::Unmeasured => "it was not measured, or where it cannot be, too often".to_owned(),
             FailureReason::Astray => "it did not follow the commands".to_owned(),
-            FailureReason::Blocked => "it was stopped before an obstacle".to_owned(),
+            FailureReason::Blocked(thing) => format!("it was stopped before it ran into {thing}"),
             FailureReason::Silence => "measurements failed to come".to_owned(),
         }
     }
 
     /// Why a controller gave up.
-    pub fn of(reason: StopReason) -> FailureReason {
-        match reason {
+    fn of(stop: Stop, order: &MicrorobotsOrder) -> FailureReason {
+        match stop.reason {
             StopReason::LeftCylinder => FailureReason::LeftCylinder,
             StopReason::MissedCone => FailureReason::MissedCone,
             StopReason::Misplaced => FailureReason::Misplaced,
             StopReason::TimeLimit => FailureReason::TimeLimit,
             StopReason::Unseen | StopReason::Doubtful => FailureReason::Unmeasured,
             StopReason::Astray => FailureReason::Astray,
-            StopReason::Blocked => FailureReason::Blocked,
+            StopReason::Blocked => {
+                FailureReason::Blocked(stop.in_the_way.map_or("something", |thing| thing.name(order)).to_owned())
+            }
             StopReason::Silence
             | StopReason::Closed
             | StopReason::Clock
@@ -98,9 +100,9 @@ pub struct TrialFailure {
 
 impl TrialFailure {
     /// The failure of a trial that a controller gave up.
-    pub fn stopped(stop: Stop) -> TrialFailure {
-        let Stop { reason, robot, step, phase } = stop;
-        TrialFailure { robot: robot.unwrap_or(0), reason: FailureReason::of(reason), step, phase }
+    pub fn stopped(stop: Stop, order: &MicrorobotsOrder) -> TrialFailure {
+        let reason = FailureReason::of(stop, order);
+        TrialFailure { robot: stop.robot.unwrap_or(0), reason, step: stop.step, phase: stop.phase }
     }
 }
 
