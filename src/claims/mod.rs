@@ -10,7 +10,7 @@ pub mod fingers;
 pub mod microrobots;
 
 use crate::device::instrument::{AuxiliaryOutput, Bench};
-use crate::device::{Kind, each_kind};
+use crate::device::{Kind, each_kind, is_counted};
 use crate::geometry::shape::Pose;
 use crate::source::Span;
 use auxiliary::{AuxiliaryEvent, Hold};
@@ -255,13 +255,21 @@ pub struct Requirement {
     pub span: Span,
 }
 
-/// Relative tolerance of a limit; allows for rounding in a sum of floats that meets the limit exactly.
-pub const REQUIREMENT_TOLERANCE: f64 = 1e-9;
+/// Relative tolerance of a limit on a figure that is measured, not counted; allows for rounding in a sum of floats that meets the limit exactly.
+const MEASURED_TOLERANCE: f64 = 1e-9;
+
+/// The same of a count, or of a time in whole nanoseconds: only the limit is rounded, a few times in its arithmetic.
+const COUNTED_TOLERANCE: f64 = 16.0 * f64::EPSILON;
 
 impl Requirement {
+    /// By how much, relative to the limit, an outcome may seem to miss it.
+    pub fn tolerance(&self) -> f64 {
+        if is_counted(&self.outcome) { COUNTED_TOLERANCE } else { MEASURED_TOLERANCE }
+    }
+
     /// By how much an outcome may seem to miss the limit, in its unit.
     pub fn slack(&self) -> f64 {
-        self.limit.abs() * REQUIREMENT_TOLERANCE
+        self.limit.abs() * self.tolerance()
     }
 }
 

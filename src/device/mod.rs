@@ -166,6 +166,12 @@ impl Vocabulary {
     }
 }
 
+/// Whether the figures of an outcome are whole numbers: counts, or times in nanoseconds. A name has one unit in all kinds.
+pub fn is_counted(outcome: &str) -> bool {
+    let mut outcomes = Kind::ALL.iter().flat_map(|kind| kind.vocabulary().outcomes);
+    outcomes.any(|known| known.name == outcome && known.unit.is_counted())
+}
+
 /// The condition of a word, whatever the kind.
 pub fn condition_of_any_kind(word: &str) -> Option<&'static Verb> {
     Kind::ALL.iter().find_map(|kind| kind.vocabulary().condition(word))
@@ -493,6 +499,14 @@ impl OutcomeUnit {
             OutcomeUnit::Joule => "j",
             OutcomeUnit::Micrometre => "um",
             OutcomeUnit::Nanosecond => "ns",
+        }
+    }
+
+    /// Whether figures in it are whole numbers.
+    pub const fn is_counted(self) -> bool {
+        match self {
+            OutcomeUnit::Count | OutcomeUnit::Nanosecond => true,
+            OutcomeUnit::Degree | OutcomeUnit::Joule | OutcomeUnit::Micrometre => false,
         }
     }
 

@@ -6,7 +6,7 @@
 
 use super::Plan;
 use super::errors::{self, LimitTexts, LimitVerdict};
-use crate::claims::{Job, REQUIREMENT_TOLERANCE, Relation, Requirement};
+use crate::claims::{Job, Relation, Requirement};
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity, Unit};
 use std::collections::BTreeMap;
@@ -67,11 +67,18 @@ pub fn require<M>(
         let known = if is_upper(requirement) { known(requirement) } else { KnownLimit::default() };
         let verdict = verdict(job, index, plan, &known);
         let dimension = dimension(job, requirement);
-        let texts = |value: Option<f64>| LimitTexts {
-            reached: show(reached, dimension),
-            limit: limit_text(requirement.limit, reached, dimension),
-            value: value.map(|value| enough(value, dimension)),
-            floor: value.map(|value| no_more(value, dimension)),
+        let texts = |value: Option<f64>| {
+            let [reached, value, floor] = [
+                Some(show(reached, dimension)),
+                value.map(|value| enough(value, dimension)),
+                value.map(|value| no_more(value, dimension)),
+            ];
+            LimitTexts {
+                limit: limit_text(requirement.limit, [&reached, &value, &floor], dimension),
+                reached: reached.unwrap_or_default(),
+                value,
+                floor,
+            }
         };
         let missed = errors::requirement_missed(requirement, verdict, job.requirements.len(), &texts);
         let advice = known.advice.or_else(|| longer(job, index, reached)).filter(|_| verdict == LimitVerdict::NotFound);
@@ -111,7 +118,9 @@ fn verdict<M>(job: &Job, index: usize, plan: &Plan<M>, known: &KnownLimit) -> Li
         (_, Some((objective, value))) if keeps(requirement, value) == Kept::Yes && objective != plan.objective => {
             LimitVerdict::Elsewhere(objective, value)
         }
-        (Some(least), Some((_, value))) if value <= least * (1.0 + REQUIREMENT_TOLERANCE) => LimitVerdict::Least(value),
+        (Some(least), Some((_, value))) if value <= least * (1.0 + requirement.tolerance()) => {
+            LimitVerdict::Least(value)
+        }
         (Some(least), best) => LimitVerdict::AtLeast(least, best.map(|(_, value)| value)),
         (None, _) if known.none_keeps_all => LimitVerdict::Conflict,
         (None, _) => LimitVerdict::NotFound,
@@ -130,32 +139,44 @@ fn dimension(job: &Job, requirement: &Requirement) -> Dimension {
     known.map_or(Dimension::NUMBER, |known| known.unit.dimension())
 }
 
-fn show(value: f64, dimension: Dimension) -> String {
-    Quantity::new(value, dimension).to_string()
+/// A figure of an outcome: in few digits, or with all of them where it is a count or a time and few would make it another one.
+pub fn show(value: f64, dimension: Dimension) -> String {
+    let short = Quantity::new(value, dimension).to_string();
+    let is_counted = dimension == Dimension::NUMBER || dimension == Dimension::TIME;
+    let is_same = |read: f64| (read - value).abs() <= value.abs() * SAME;
+    if is_counted && !read_back(&short).is_some_and(is_same) { in_full(value, dimension) } else { short }
 }
 
-/// A limit; with all its digits where rounding would make it look like the value that misses it.
-fn limit_text(limit: f64, reached: f64, dimension: Dimension) -> String {
+/// Relative difference between a number and what is read from its digits.
+const SAME: f64 = 4.0 * f64::EPSILON;
+
+/// All digits of a value, in the unit in which few are printed.
+fn in_full(value: f64, dimension: Dimension) -> String {
+    let quantity = Quantity::new(value, dimension);
+    match quantity.to_string().split_once(' ') {
+        Some((_, unit)) => format!("{} {unit}", quantity.in_unit(unit)),
+        None => value.to_string(),
+    }
+}
+
+/// A limit; with all its digits where rounding would make it look like one of the figures beside it.
+fn limit_text(limit: f64, figures: [&Option<String>; 3], dimension: Dimension) -> String {
     let text = show(limit, dimension);
-    if text != show(reached, dimension) || limit == reached {
-        return text;
-    }
-    match dimension.example_unit().as_str() {
-        "" => limit.to_string(),
-        unit => format!("{} {unit}", Quantity::new(limit, dimension).in_unit(unit)),
-    }
+    let is_exact = read_back(&text).is_some_and(|read| (read - limit).abs() <= limit.abs() * SAME);
+    let is_beside = figures.into_iter().flatten().any(|figure| *figure == text);
+    if is_beside && !is_exact { in_full(limit, dimension) } else { text }
 }
 
-/// A value in few digits, rounded up so that a limit with the printed value is kept by it.
+/// A value rounded up, so that a limit with the printed value is kept by it.
 pub fn enough(value: f64, dimension: Dimension) -> String {
-    let is_enough = |text: &String| read_back(text).is_some_and(|read| value <= read * (1.0 + REQUIREMENT_TOLERANCE));
+    let is_enough = |text: &String| read_back(text).is_some_and(|read| value <= read + read.abs() * SAME);
     let raised = [0.0, 1e-6, 2e-6, 5e-6, 1e-5].map(|part| show(value + value.abs() * part, dimension));
     raised.iter().find(|text| is_enough(text)).cloned().unwrap_or_else(|| show(value, dimension))
 }
 
-/// A value in few digits, rounded down.
+/// A value rounded down.
 fn no_more(value: f64, dimension: Dimension) -> String {
-    let is_below = |text: &String| read_back(text).is_some_and(|read| read <= value * (1.0 + REQUIREMENT_TOLERANCE));
+    let is_below = |text: &String| read_back(text).is_some_and(|read| read <= value + value.abs() * SAME);
     let lowered = [0.0, 1e-6, 2e-6, 5e-6, 1e-5].map(|part| show(value - value.abs() * part, dimension));
     lowered.iter().find(|text| is_below(text)).cloned().unwrap_or_else(|| show(value, dimension))
 }
@@ -172,14 +193,19 @@ mod tests {
     use super::*;
     use crate::source::Span;
 
+    const RELATIONS: [Relation; 5] =
+        [Relation::Less, Relation::AtMost, Relation::Equal, Relation::AtLeast, Relation::More];
+
+    fn kept(outcome: &str, limit: f64, reached: f64) -> [bool; 5] {
+        RELATIONS.map(|relation| {
+            let requirement = Requirement { outcome: outcome.into(), relation, limit, span: Span::default() };
+            keeps(&requirement, reached) == Kept::Yes
+        })
+    }
+
     /// Equality is exact at 0, where rounding has no room.
     #[test]
     fn a_limit_takes_equality_where_its_sign_says_so() {
-        let kept = |relation: Relation, limit: f64, reached: f64| {
-            let requirement = Requirement { outcome: "time".into(), relation, limit, span: Span::default() };
-            keeps(&requirement, reached) == Kept::Yes
-        };
-        let relations = [Relation::Less, Relation::AtMost, Relation::Equal, Relation::AtLeast, Relation::More];
         for (limit, reached, expected) in [
             (0.0, 0.0, [false, true, true, true, false]),
             (0.0, 1e-30, [false, false, false, true, true]),
@@ -190,8 +216,35 @@ mod tests {
             (3.0, 3.0 + 1e-6, [false, false, false, true, true]),
             (3.0, 3.0 - 1e-6, [true, true, false, false, false]),
         ] {
-            assert_eq!(relations.map(|relation| kept(relation, limit, reached)), expected, "{reached} and {limit}");
+            assert_eq!(kept("distance", limit, reached), expected, "{reached} and {limit}");
         }
+    }
+
+    #[test]
+    fn limits_on_times_and_counts_are_exact() {
+        let [below, equal, above] =
+            [[true, true, false, false, false], [false, true, true, true, false], [false, false, false, true, true]];
+        for (outcome, limit, reached, expected) in [
+            ("time", 10.030_000_005, 10.03, below),
+            ("time", 60_000.029_999_999, 60_000.03, above),
+            ("time", 60_000.03, 60_000.03, equal),
+            // As `3 * 100 ms`, and as a product of times.
+            ("time", 3.0 * 0.1, 0.3, equal),
+            ("time", 0.015 * 7.0 + 0.1, 0.205, equal),
+            ("switches", 2.000_000_001, 2.0, below),
+            ("switches", 1.999_999_99, 2.0, above),
+            ("steps", 0.1 * 30.0, 3.0, equal),
+        ] {
+            assert_eq!(kept(outcome, limit, reached), expected, "{outcome} {reached} and {limit}");
+        }
+    }
+
+    #[test]
+    fn times_and_counts_are_shown_as_they_are() {
+        assert_eq!(enough(60_000.03, Dimension::TIME), "60000.03 s");
+        assert_eq!(enough(1_298_479.0, Dimension::NUMBER), "1298479");
+        assert_eq!(enough(0.4, Dimension::TIME), "400 ms");
+        assert_eq!(limit_text(0.199_999_99, [&None, &Some("200 ms".into()), &None], Dimension::TIME), "199.99999 ms");
     }
 
     #[test]
@@ -200,10 +253,10 @@ mod tests {
             for dimension in [Dimension::LENGTH, Dimension::TIME, Dimension::NUMBER] {
                 let text = enough(value, dimension);
                 let read = read_back(&text).unwrap();
-                assert!(value <= read * (1.0 + REQUIREMENT_TOLERANCE) && read <= value * 1.000_02, "{value} {text}");
+                assert!(value <= read * (1.0 + SAME) && read <= value * 1.000_02, "{value} {text}");
                 let text = no_more(value, dimension);
                 let read = read_back(&text).unwrap();
-                assert!(read <= value * (1.0 + REQUIREMENT_TOLERANCE) && value <= read * 1.000_02, "{value} {text}");
+                assert!(read <= value * (1.0 + SAME) && value <= read * 1.000_02, "{value} {text}");
             }
         }
     }

@@ -7,7 +7,7 @@ use super::clock::JudgedRun;
 use super::rule::{Findings, Rule, Violation, ms};
 use super::{JudgedOperation, RecordTerms, Replay, judge_of, judged_state};
 use crate::claims::{Relation, Requirement};
-use crate::device::Outcome;
+use crate::device::{Outcome, OutcomeUnit};
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::schedule::reached::reached;
 use crate::schedule::{Reached, ScheduledOperation, TimedState};
@@ -15,6 +15,9 @@ use std::borrow::Cow;
 
 /// Share of the larger one by which two figures may differ.
 pub(super) const TOLERANCE: f64 = 1e-9;
+
+/// Rounding of a whole number that was computed in fractions, relative to it.
+const WHOLE_ROUNDING: f64 = 4e-15;
 
 pub(super) fn check(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     names(run, findings);
@@ -241,14 +244,19 @@ fn requirements(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
         let outcome = outcomes.iter().find(|outcome| outcome.name == requirement.outcome);
         let outcome = outcome.expect("the premise knows every limited outcome");
         let value = replay.outcomes[outcome.name];
-        if !holds(value, requirement) {
+        if !holds(value, requirement, outcome.unit) {
             findings.push(broken(run, requirement, outcome, value));
         }
     }
 }
 
-fn holds(value: f64, Requirement { relation, limit, .. }: &Requirement) -> bool {
-    let equal = alike(value, *limit);
+/// Counts, and times in nanoseconds, are whole numbers: a limit on them has no tolerance but for the rounding of its own arithmetic.
+fn holds(value: f64, Requirement { relation, limit, .. }: &Requirement, unit: OutcomeUnit) -> bool {
+    let equal = match unit {
+        OutcomeUnit::Count => value == nearest_whole(*limit),
+        OutcomeUnit::Nanosecond => (value * 1e9).round() == nearest_whole(*limit * 1e9),
+        OutcomeUnit::Degree | OutcomeUnit::Joule | OutcomeUnit::Micrometre => alike(value, *limit),
+    };
     match relation {
         Relation::Less => value < *limit && !equal,
         Relation::AtMost => value < *limit || equal,
@@ -256,6 +264,11 @@ fn holds(value: f64, Requirement { relation, limit, .. }: &Requirement) -> bool 
         Relation::AtLeast => value > *limit || equal,
         Relation::More => value > *limit && !equal,
     }
+}
+
+/// The whole number that another one is, but for rounding; itself if it is none.
+fn nearest_whole(number: f64) -> f64 {
+    if (number - number.round()).abs() <= WHOLE_ROUNDING * number.abs() { number.round() } else { number }
 }
 
 fn broken(run: &JudgedRun, requirement: &Requirement, outcome: &Outcome, value: f64) -> Violation {

@@ -234,3 +234,11 @@ fn a_plan_that_leaves_a_part_on_an_obstacle_of_the_next_scene_is_named() {
     let said = refused(&text("ea_left_on_an_obstacle"));
     assert!(said.contains("E0530: `a` is at (3, 1) by then, on obstacle `o`"), "{said}");
 }
+
+#[test]
+fn who_goes_on_does_not_come_to_rest_beside_a_part_that_yields() {
+    for (name, steps) in [("ea_leaves_beside_one_that_yields", 4.0), ("ea_goes_on_to_places_of_choice", 14.0)] {
+        let plan = planned(&text(name));
+        assert_eq!((plan.cost, plan.bound), (steps, steps), "{name}");
+    }
+}

@@ -52,7 +52,7 @@ pub fn places_agree(jobs: &[Job], sink: &mut Sink) -> Vec<(usize, BoardBefore)> 
         for step in &order.steps {
             let mut found = match &step.action {
                 ElectrodeArrayAction::Wait(_) => continue,
-                ElectrodeArrayAction::Move(moves) => board.advance(moves, order, &mut walk),
+                ElectrodeArrayAction::Move(moves) => board.advance(moves, &BTreeSet::new(), order, &mut walk),
                 ElectrodeArrayAction::Assay(operations) => board.operate(operations, order, &mut walk),
             };
             found.extend(board.fill((job, order), &step.action, &mut walk));
@@ -225,10 +225,11 @@ impl BoardWalk {
         found
     }
 
-    /// Checks a step, and moves its parts to their goals; findings are reported once.
+    /// Checks a step, and moves its parts to their goals; findings are reported once. Those that go `on` do not come to rest at their last stop.
     fn advance(
         &mut self,
         moves: &[ElectrodeArrayMove],
+        on: &BTreeSet<usize>,
         order: &ElectrodeArrayOrder,
         walk: &mut PartsWalk,
     ) -> Vec<Diagnostic> {
@@ -238,6 +239,7 @@ impl BoardWalk {
             let stops = match order.bystanders {
                 Bystanders::Stay => step.stops.as_slice(),
                 // They step aside, and are back when the step ends.
+                Bystanders::Yield if on.contains(&step.part) => &[],
                 Bystanders::Yield => std::slice::from_ref(step.goal()),
             };
             let near = stops.iter().find_map(|stop| Some((stop, self.spread.near(stop.cell)?)));
@@ -331,9 +333,11 @@ impl BoardWalk {
         moves.retain(|one| !one.stops.is_empty());
         found.extend(self.loops(operations, order, walk));
         self.lead(led.into_iter().map(|part| (part, chosen[&part])));
-        found.extend(self.advance(&moves, order, walk));
-        let open = AssayOperation::left_open(operations).into_iter();
-        self.lead(open.map(|(part, operation)| (part, operation.span)));
+        let open = AssayOperation::left_open(operations);
+        let gone = operations.iter().filter_map(AssayOperation::gone);
+        let on = open.keys().copied().chain(gone).collect();
+        found.extend(self.advance(&moves, &on, order, walk));
+        self.lead(open.into_iter().map(|(part, operation)| (part, operation.span)));
         for operation in operations {
             if let Some((part, departure)) = Departure::of(operation) {
                 self.leave(part);

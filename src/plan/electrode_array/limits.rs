@@ -9,8 +9,8 @@ use crate::claims::{Relation, Requirement};
 use crate::device::Kind;
 use crate::device::electrode_array::ElectrodeArrayOutcome;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::plan::requirements::{Kept, enough, keeps};
-use crate::quantity::{Dimension, Quantity};
+use crate::plan::requirements::{Kept, enough, keeps, show};
+use crate::quantity::Dimension;
 use std::collections::BTreeMap;
 
 /// Counts saturate here.
@@ -177,7 +177,7 @@ fn text(requirement: &Requirement) -> String {
         Relation::AtLeast => ">=",
         Relation::More => ">",
     };
-    format!("{} {sign} {}", requirement.outcome, Quantity::new(requirement.limit, dimension(&requirement.outcome)))
+    format!("{} {sign} {}", requirement.outcome, show(requirement.limit, dimension(&requirement.outcome)))
 }
 
 fn shown(order: &ElectrodeArrayOrder, requirement: &Requirement, figure: u64) -> String {

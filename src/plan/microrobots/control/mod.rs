@@ -228,15 +228,7 @@ impl<'a> Controller<'a> {
         while let Some(stage) = self.stages.get_mut(self.at) {
             match stage.stage.proceed(&mut self.belief, &mut self.drive, now_ns) {
                 Progress::Driving => {
-                    self.may_touch = match self.phase() {
-                        ControlPhase::Fine | ControlPhase::Contact => self.driven(),
-                        ControlPhase::Legs
-                        | ControlPhase::Wait
-                        | ControlPhase::Approach
-                        | ControlPhase::Timing
-                        | ControlPhase::Meeting
-                        | ControlPhase::Over => [None; 2],
-                    };
+                    self.may_touch = stage.stage.may_touch();
                     if let Some(ahead) = self.belief.collision_ahead(&self.drive.segments, self.may_touch) {
                         self.drive.segments.clear();
                         return self.stop_before(StopReason::Blocked, Some(ahead.robot), Some(ahead.with));

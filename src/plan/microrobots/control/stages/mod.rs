@@ -79,6 +79,22 @@ impl ControlStage<'_> {
         }
     }
 
+    /// The robots that are driven against each other, or against docked ones, on purpose.
+    pub fn may_touch(&self) -> [Option<usize>; 2] {
+        if let ControlStage::Written(stage) = self {
+            return stage.docking();
+        }
+        match self.phase() {
+            ControlPhase::Fine | ControlPhase::Contact => self.driven(),
+            ControlPhase::Legs
+            | ControlPhase::Wait
+            | ControlPhase::Approach
+            | ControlPhase::Timing
+            | ControlPhase::Meeting
+            | ControlPhase::Over => [None; 2],
+        }
+    }
+
     /// Upper bound on the segments of one command.
     pub fn most_segments(&self, order: &MicrorobotsOrder) -> usize {
         match self {

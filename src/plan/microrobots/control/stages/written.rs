@@ -53,6 +53,11 @@ impl<'a> WrittenStage<'a> {
         self.pushed = (way_um / least_um).ceil() as u64;
     }
 
+    /// The robots that dock at the end.
+    pub fn docking(&self) -> [Option<usize>; 2] {
+        self.docks.map(|dock| dock.map(|(robot, _)| robot))
+    }
+
     /// Segments of one interval: a leg has one stroke at least.
     pub fn most_segments(&self) -> usize {
         self.legs.len().min(usize::try_from(self.interval).unwrap_or(usize::MAX)).saturating_add(2)
