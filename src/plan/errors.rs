@@ -43,10 +43,12 @@ pub enum LimitVerdict {
 pub struct LimitTexts {
     pub reached: String,
     pub limit: String,
+    /// Of the verdict.
+    pub value: String,
     /// Rounded up, so that a limit of this value is kept.
-    pub value: Option<String>,
+    pub enough: String,
     /// Rounded down, so that it remains a lower bound.
-    pub floor: Option<String>,
+    pub floor: String,
 }
 
 pub fn impossible(ends: StepEnds, proof: &str, blamed: &[(&str, Span)], removal: Removal) -> Diagnostic {
@@ -315,8 +317,7 @@ pub fn requirement_missed(
         LimitVerdict::Least(value) | LimitVerdict::AtLeast(value, _) | LimitVerdict::Elsewhere(_, value) => Some(value),
         LimitVerdict::Conflict | LimitVerdict::NotFound => None,
     };
-    let LimitTexts { reached, limit, value, floor } = texts(value);
-    let [value, floor] = [value, floor].map(Option::unwrap_or_default);
+    let LimitTexts { reached, limit, value, enough, floor } = texts(value);
     let (within, raise) = match requirement.relation {
         Relation::Less => ("below", "above"),
         Relation::AtMost => ("within", "to"),
@@ -334,8 +335,7 @@ pub fn requirement_missed(
         LimitVerdict::AtLeast(_, best) => (
             format!("no plan keeps `{name}` {within} {limit}{others}"),
             format!("proven: no plan has less than {floor}"),
-            best.and_then(|best| texts(Some(best)).value)
-                .map(|best| format!("the plan found would keep a limit of {best}")),
+            best.map(|best| format!("the plan found would keep a limit of {}", texts(Some(best)).enough)),
         ),
         LimitVerdict::Conflict => (
             format!("no plan keeps `{name}` {within} {limit} and the other limits"),
@@ -350,7 +350,7 @@ pub fn requirement_missed(
         LimitVerdict::Elsewhere(objective, _) => (
             format!("no plan was found that keeps `{name}` {within} {limit}{others}"),
             format!("the plan found has {reached}"),
-            Some(format!("`minimize {objective}` finds a plan with {value}")),
+            Some(format!("`minimize {objective}` finds a plan with {enough}")),
         ),
     };
     Diagnostic::new(Code::E0603, title).label(requirement.span, label).help_if(help)

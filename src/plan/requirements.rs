@@ -67,18 +67,15 @@ pub fn require<M>(
         let known = if is_upper(requirement) { known(requirement) } else { KnownLimit::default() };
         let verdict = verdict(job, index, plan, &known);
         let dimension = dimension(job, requirement);
+        let limit = requirement.limit;
         let texts = |value: Option<f64>| {
-            let [reached, value, floor] = [
-                Some(show(reached, dimension)),
-                value.map(|value| enough(value, dimension)),
-                value.map(|value| no_more(value, dimension)),
-            ];
-            LimitTexts {
-                limit: limit_text(requirement.limit, [&reached, &value, &floor], dimension),
-                reached: reached.unwrap_or_default(),
-                value,
-                floor,
-            }
+            let reached = show(reached, dimension);
+            let value = value
+                .map(|value| (exact(value, dimension), enough(value, dimension), no_more(value, limit, dimension)));
+            let beside = value.iter().flat_map(|(value, enough, floor)| [value, enough, floor]).chain([&reached]);
+            let limit = limit_text(limit, beside, dimension);
+            let (value, enough, floor) = value.unwrap_or_default();
+            LimitTexts { reached, limit, value, enough, floor }
         };
         let missed = errors::requirement_missed(requirement, verdict, job.requirements.len(), &texts);
         let advice = known.advice.or_else(|| longer(job, index, reached)).filter(|_| verdict == LimitVerdict::NotFound);
@@ -142,9 +139,17 @@ fn dimension(job: &Job, requirement: &Requirement) -> Dimension {
 /// A figure of an outcome: in few digits, or with all of them where it is a count or a time and few would make it another one.
 pub fn show(value: f64, dimension: Dimension) -> String {
     let short = Quantity::new(value, dimension).to_string();
-    let is_counted = dimension == Dimension::NUMBER || dimension == Dimension::TIME;
-    let is_same = |read: f64| (read - value).abs() <= value.abs() * SAME;
-    if is_counted && !read_back(&short).is_some_and(is_same) { in_full(value, dimension) } else { short }
+    let is_exact = read_back(&short).is_some_and(|read| is_same(read, value));
+    if is_counted(dimension) && !is_exact { in_full(value, dimension) } else { short }
+}
+
+/// Whether figures of a dimension are counts, or times in whole nanoseconds.
+fn is_counted(dimension: Dimension) -> bool {
+    dimension == Dimension::NUMBER || dimension == Dimension::TIME
+}
+
+fn is_same(read: f64, value: f64) -> bool {
+    (read - value).abs() <= value.abs() * SAME
 }
 
 /// Relative difference between a number and what is read from its digits.
@@ -160,25 +165,34 @@ fn in_full(value: f64, dimension: Dimension) -> String {
 }
 
 /// A limit; with all its digits where rounding would make it look like one of the figures beside it.
-fn limit_text(limit: f64, figures: [&Option<String>; 3], dimension: Dimension) -> String {
+fn limit_text<'t>(limit: f64, beside: impl IntoIterator<Item = &'t String>, dimension: Dimension) -> String {
     let text = show(limit, dimension);
-    let is_exact = read_back(&text).is_some_and(|read| (read - limit).abs() <= limit.abs() * SAME);
-    let is_beside = figures.into_iter().flatten().any(|figure| *figure == text);
-    if is_beside && !is_exact { in_full(limit, dimension) } else { text }
+    let is_exact = read_back(&text).is_some_and(|read| is_same(read, limit));
+    if !is_exact && beside.into_iter().any(|figure| *figure == text) { in_full(limit, dimension) } else { text }
 }
 
-/// A value rounded up, so that a limit with the printed value is kept by it.
+/// A count or a time as it is; another figure rounded up.
+fn exact(value: f64, dimension: Dimension) -> String {
+    if is_counted(dimension) { show(value, dimension) } else { enough(value, dimension) }
+}
+
+/// A value in few digits, rounded up so that a limit with the printed value is kept by it.
 pub fn enough(value: f64, dimension: Dimension) -> String {
-    let is_enough = |text: &String| read_back(text).is_some_and(|read| value <= read + read.abs() * SAME);
-    let raised = [0.0, 1e-6, 2e-6, 5e-6, 1e-5].map(|part| show(value + value.abs() * part, dimension));
-    raised.iter().find(|text| is_enough(text)).cloned().unwrap_or_else(|| show(value, dimension))
+    let is_enough = |read: f64| value <= read || is_same(read, value);
+    rounded(value, 1.0, dimension, is_enough).unwrap_or_else(|| in_full(value, dimension))
 }
 
-/// A value rounded down.
-fn no_more(value: f64, dimension: Dimension) -> String {
-    let is_below = |text: &String| read_back(text).is_some_and(|read| read <= value + value.abs() * SAME);
-    let lowered = [0.0, 1e-6, 2e-6, 5e-6, 1e-5].map(|part| show(value - value.abs() * part, dimension));
-    lowered.iter().find(|text| is_below(text)).cloned().unwrap_or_else(|| show(value, dimension))
+/// A lower bound in few digits, rounded down; with all of them where few would not exclude a limit from above.
+fn no_more(value: f64, limit: f64, dimension: Dimension) -> String {
+    let is_bound = |read: f64| (read <= value || is_same(read, value)) && (read > limit || value <= limit);
+    rounded(value, -1.0, dimension, is_bound).unwrap_or_else(|| in_full(value, dimension))
+}
+
+/// The first of several texts of few digits, each a little farther to one side, that fits when it is read.
+fn rounded(value: f64, side: f64, dimension: Dimension, fits: impl Fn(f64) -> bool) -> Option<String> {
+    let texts = [0.0, 1e-6, 2e-6, 5e-6, 1e-5]
+        .map(|part| Quantity::new(value + side * value.abs() * part, dimension).to_string());
+    texts.into_iter().find(|text| read_back(text).is_some_and(&fits))
 }
 
 /// The SI value of a quantity as it is printed.
@@ -241,10 +255,20 @@ mod tests {
 
     #[test]
     fn times_and_counts_are_shown_as_they_are() {
-        assert_eq!(enough(60_000.03, Dimension::TIME), "60000.03 s");
-        assert_eq!(enough(1_298_479.0, Dimension::NUMBER), "1298479");
-        assert_eq!(enough(0.4, Dimension::TIME), "400 ms");
-        assert_eq!(limit_text(0.199_999_99, [&None, &Some("200 ms".into()), &None], Dimension::TIME), "199.99999 ms");
+        assert_eq!(show(60_000.03, Dimension::TIME), "60000.03 s");
+        assert_eq!(show(1_298_479.0, Dimension::NUMBER), "1298479");
+        assert_eq!(show(0.4, Dimension::TIME), "400 ms");
+        assert_eq!(show(0.199_999_99, Dimension::TIME), "199.99999 ms");
+    }
+
+    #[test]
+    fn a_bound_excludes_the_limit_that_it_is_shown_for() {
+        assert_eq!(no_more(14.991_35, 10.0, Dimension::TIME), "14.9913 s");
+        assert_eq!(no_more(60_000.03, 60_000.02, Dimension::TIME), "60000.03 s");
+        assert_eq!(enough(33.038_058_551, Dimension::TIME), "33.0381 s");
+        let beside = ["26.4688 um".to_owned()];
+        assert_eq!(limit_text(26.468_8e-6, &beside, Dimension::LENGTH), "26.4688 um");
+        assert_eq!(limit_text(26.468_801e-6, &beside, Dimension::LENGTH), "26.468801 um");
     }
 
     #[test]
@@ -254,7 +278,7 @@ mod tests {
                 let text = enough(value, dimension);
                 let read = read_back(&text).unwrap();
                 assert!(value <= read * (1.0 + SAME) && read <= value * 1.000_02, "{value} {text}");
-                let text = no_more(value, dimension);
+                let text = no_more(value, 0.0, dimension);
                 let read = read_back(&text).unwrap();
                 assert!(read <= value * (1.0 + SAME) && value <= read * 1.000_02, "{value} {text}");
             }

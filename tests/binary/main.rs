@@ -572,11 +572,11 @@ fn a_suggested_table_is_a_program_that_checks_and_tells_its_states() {
 #[test]
 fn a_simulation_is_the_same_for_the_same_seed() {
     let bench = Bench::new();
-    let four = example("microrobots_four.twz");
-    let simulated = |seed: &str| {
-        let four = four.to_string_lossy();
-        out(&bench.run(&["simulate", &four, "--trials", "100", "--seed", seed]).code(DONE))
-    };
+    // The plan that fails least is not what is asked here, and takes long to find.
+    let four = fs::read_to_string(example("microrobots_four.twz")).expect("an example");
+    fs::write(bench.path("four.twz"), four.replace("  minimize failures\n", "")).expect("written");
+    let simulated =
+        |seed: &str| out(&bench.run(&["simulate", "four.twz", "--trials", "100", "--seed", seed]).code(DONE));
     let reported = simulated("7");
     says(&reported, &["of 100 trials succeeded", "95 % confidence (seed 7)", "area of the goal", "D1", "incidence"]);
     assert_eq!(reported, simulated("7"));

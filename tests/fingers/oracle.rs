@@ -330,6 +330,6 @@ fn all_verbs_of_a_task_together_do_what_all_grasps_can() {
 
 #[test]
 fn orientations_are_reached_by_the_best_of_their_ways() {
-    let tally = cases(Kind::Oriented, 12);
-    assert!(tally.planned >= 4, "{tally:?}");
+    let tally = cases(Kind::Oriented, 6);
+    assert!(tally.planned >= 2, "{tally:?}");
 }

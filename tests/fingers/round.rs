@@ -74,7 +74,7 @@ fn answered(case: &Case) -> Option<(Built, Option<Planned>)> {
 #[test]
 fn mirror_images_cost_the_same_and_no_turn_in_two_parts_costs_less() {
     let (mut compared, mut without, mut beyond) = (0, 0, 0);
-    for seed in 0..400 {
+    for seed in 0..300 {
         let mut chance = Random(4_242 + 7919 * seed);
         let (case, turn) = turn_between_grasps(&mut chance);
         let Some((built, whole)) = answered(&case) else { continue };
@@ -99,5 +99,5 @@ fn mirror_images_cost_the_same_and_no_turn_in_two_parts_costs_less() {
         beyond += u32::from(goes_beyond(&built, turn));
     }
     println!("{compared} compared, {without} without a plan, {beyond} beyond");
-    assert!(compared >= 40 && without >= 1 && beyond >= 1, "{compared} compared, {without} without, {beyond} beyond");
+    assert!(compared >= 30 && without >= 1 && beyond >= 1, "{compared} compared, {without} without, {beyond} beyond");
 }

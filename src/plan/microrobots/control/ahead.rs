@@ -92,12 +92,20 @@ impl Belief<'_> {
         };
         let mut from = start;
         segments.iter().find_map(|segment| {
-            let looks = looks(self.way_um(robot, segment) / facts.width_um);
-            let begin = from;
+            let (begin, way_um) = (from, self.way_um(robot, segment));
             from = self.gone(robot, begin, segment, 1.0);
-            (1..=looks as u64).find_map(|look| {
-                let pose = self.gone(robot, begin, segment, look as f64 / looks);
-                self.obstacles.iter().position(|obstacle| is_entered(obstacle, pose))
+            // Corners go farther than the middle where the body turns.
+            let most_um = way_um * (1.0 + self.reach_um(robot) / facts.turning_radius_um);
+            Looks::new(way_um / facts.width_um, most_um).find_map(|look| {
+                let pose = self.gone(robot, begin, segment, look.part);
+                let whole = body(facts, pose, 0.0);
+                let clear_um = self
+                    .obstacles
+                    .iter()
+                    .map(|obstacle| obstacle.distance_um(&whole, 0.0))
+                    .fold(f64::INFINITY, f64::min);
+                let entered = || self.obstacles.iter().position(|obstacle| is_entered(obstacle, pose));
+                if clear_um <= 0.0 { entered() } else { None }.ok_or(clear_um)
             })
         })
     }
@@ -108,24 +116,28 @@ impl Belief<'_> {
         let start = pair.map(|robot| self.poses[robot]);
         let doubt_um = pair.iter().map(|robot| self.doubt_um(self.reach_um(*robot))).sum::<f64>();
         let together_um = pair.iter().map(|robot| self.reach_um(*robot)).sum::<f64>();
-        let start_um = gap_um(facts, start);
+        let clear_um =
+            |[one, other]: [Pose; 2]| (one.x_um - other.x_um).hypotenuse(one.y_um - other.y_um) - together_um;
+        let ways_um = segments.iter().map(|segment| self.way_um(pair[0], segment) + self.way_um(pair[1], segment));
+        if clear_um(start) > ways_um.sum() {
+            return false;
+        }
         let is_entered = |poses: [Pose; 2]| {
-            let gap_um = gap_um(facts, poses);
+            let (gap_um, start_um) = (gap_um(facts, poses), gap_um(facts, start));
             gap_um <= 0.0 && (start_um > 0.0 || (gap_um <= -doubt_um && start_um > -doubt_um))
         };
         let mut from = start;
         segments.iter().any(|segment| {
             let begin = from;
             from = [0, 1].map(|nth| self.gone(pair[nth], begin[nth], segment, 1.0));
-            let ways_um = pair.map(|robot| self.way_um(robot, segment));
-            if apart_um(begin) > together_um + ways_um[0] + ways_um[1] {
-                return false;
-            }
-            let looks = looks((ways_um[0] + ways_um[1]) / facts[0].width_um.min(facts[1].width_um));
-            (1..=looks as u64).any(|look| {
-                let at = [0, 1].map(|nth| self.gone(pair[nth], begin[nth], segment, look as f64 / looks));
-                apart_um(at) <= together_um && is_entered(at)
-            })
+            let way_um = self.way_um(pair[0], segment) + self.way_um(pair[1], segment);
+            let widths = way_um / facts[0].width_um.min(facts[1].width_um);
+            let met = Looks::new(widths, way_um).find_map(|look| {
+                let at = [0, 1].map(|nth| self.gone(pair[nth], begin[nth], segment, look.part));
+                let clear_um = clear_um(at);
+                if clear_um <= 0.0 && is_entered(at) { Ok(()) } else { Err(clear_um) }
+            });
+            met.is_some()
         })
     }
 
@@ -141,12 +153,38 @@ impl Belief<'_> {
     }
 }
 
-fn looks(widths: f64) -> f64 {
-    (widths * LOOKS_PER_WIDTH).ceil().clamp(1.0, MOST_LOOKS)
+/// Evenly spaced looks at bodies on their way, without those at which they surely do not touch.
+struct Looks {
+    count: f64,
+    /// How much nearer bodies can come from one look to the next.
+    most_um: f64,
 }
 
-fn apart_um([one, other]: [Pose; 2]) -> f64 {
-    (one.x_um - other.x_um).hypotenuse(one.y_um - other.y_um)
+/// One of them.
+struct Look {
+    /// Of the way.
+    part: f64,
+}
+
+impl Looks {
+    /// Over a way of so many widths of a body, on which bodies come nearer to each other by at most `most_um`.
+    fn new(widths: f64, most_um: f64) -> Self {
+        let count = (widths * LOOKS_PER_WIDTH).ceil().clamp(1.0, MOST_LOOKS);
+        Looks { count, most_um: most_um / count }
+    }
+
+    /// What is found at the first look that finds something; another one answers how far bodies are apart there at least.
+    fn find_map<T>(&self, find: impl Fn(Look) -> Result<T, f64>) -> Option<T> {
+        let mut look = 1.0;
+        while look <= self.count {
+            match find(Look { part: look / self.count }) {
+                Ok(found) => return Some(found),
+                Err(clear_um) if clear_um > 0.0 => look += (clear_um / self.most_um).floor().max(1.0),
+                Err(_) => look += 1.0,
+            }
+        }
+        None
+    }
 }
 
 /// Distance between two bodies; negative where they overlap.

@@ -30,6 +30,8 @@ pub struct Belief<'a> {
     pub poses: Vec<Pose>,
     pub docked: Vec<bool>,
     pub obstacles: Vec<StrategySolid>,
+    /// Half of each body's diagonal.
+    reaches_um: Vec<f64>,
     means: Vec<PoseMean>,
     /// Nominal path of each robot since the last measurement that was believed, and the part of it with the arm down.
     since: Vec<[f64; 2]>,
@@ -79,9 +81,11 @@ impl<'a> Belief<'a> {
         // Room for the two that begin a structure, so that nothing is allocated when they dock.
         let mut base = Vec::with_capacity(poses.len().max(2));
         base.extend((0..poses.len()).filter(|robot| docked[*robot]).map(|robot| (robot, poses[robot])));
+        let reach_um = |robot: usize| order.robot(robot).length_um.hypotenuse(order.robot(robot).width_um) / 2.0;
         Belief {
             order,
             errors,
+            reaches_um: (0..poses.len()).map(reach_um).collect(),
             poses: poses.to_vec(),
             docked: docked.to_vec(),
             obstacles: obstacles(order),
@@ -160,17 +164,25 @@ impl<'a> Belief<'a> {
             let half_um = [facts.length_um / 2.0, facts.width_um / 2.0];
             at(measured, robot).map(|pose| OrientedRectangle::new(pose, half_um))
         };
-        (0..self.poses.len()).find(|&robot| {
-            rectangle(robot).is_some_and(|own| {
-                (0..robot).any(|other| {
-                    let may_um = self.order.facts.docking.tolerance_um
-                        + self.doubt_um(self.reach_um(robot))
-                        + self.doubt_um(self.reach_um(other))
-                        + SLACK_UM;
-                    rectangle(other).is_some_and(|other| own.to_rectangle_um(&other) < -may_um)
-                })
-            })
-        })
+        let overlaps = |robot: usize, other: usize| {
+            let may_um = self.order.facts.docking.tolerance_um
+                + self.doubt_um(self.reach_um(robot))
+                + self.doubt_um(self.reach_um(other))
+                + SLACK_UM;
+            let both = rectangle(robot).zip(rectangle(other));
+            both.is_some_and(|(one, two)| one.to_rectangle_um(&two) < -may_um)
+        };
+        let may_overlap = |robot: usize, other: usize| self.may_overlap(measured, robot, other);
+        (0..self.poses.len())
+            .find(|robot| (0..*robot).any(|other| may_overlap(*robot, other) && overlaps(*robot, other)))
+    }
+
+    /// Whether two bodies are measured so near to each other that they may overlap.
+    fn may_overlap(&self, measured: &[Option<Pose>], robot: usize, other: usize) -> bool {
+        let (Some(one), Some(two)) = (at(measured, robot), at(measured, other)) else { return false };
+        let (dx_um, dy_um) = (one.x_um - two.x_um, one.y_um - two.y_um);
+        let together_um = self.reach_um(robot) + self.reach_um(other);
+        dx_um * dx_um + dy_um * dy_um <= together_um * together_um
     }
 
     /// Compares a measurement with where the commands bring each robot; the first one that was astray too often. Docked robots do not move.
@@ -211,8 +223,7 @@ impl<'a> Belief<'a> {
 
     /// Half of a body's diagonal.
     pub fn reach_um(&self, robot: usize) -> f64 {
-        let facts = self.order.robot(robot);
-        facts.length_um.hypotenuse(facts.width_um) / 2.0
+        self.reaches_um[robot]
     }
 
     /// Adds what was driven to the paths since the last measurement that was believed.

@@ -262,8 +262,8 @@ fn what_is_said_when_looks_run_out_is_so() {
 
 #[test]
 fn costs_are_those_of_a_plain_search() {
-    let found = (0..500).filter(|seed| agrees(*seed).is_some()).count();
-    assert!((200..450).contains(&found), "{found} of 500 cases have a way");
+    let found = (0..150).filter(|seed| agrees(*seed).is_some()).count();
+    assert!((60..135).contains(&found), "{found} of 150 cases have a way");
 }
 
 /// What a flood says of nodes that it has not reached: they lie in no layer below.

@@ -405,7 +405,8 @@ impl<'a> Trial<'a> {
         let [a, b] = [robot, other].map(|robot| self.poses[robot]);
         let reach_um = (one.length_um + one.width_um + two.length_um + two.width_um) / 2.0;
         let gone_um = strokes * two.step_um * (1.0 + self.errors.speed_ratio);
-        (a.x_um - b.x_um).hypotenuse(a.y_um - b.y_um) > reach_um + gone_um
+        let (dx_um, dy_um) = (a.x_um - b.x_um, a.y_um - b.y_um);
+        dx_um * dx_um + dy_um * dy_um > (reach_um + gone_um) * (reach_um + gone_um)
     }
 
     /// A pose of the plan, moved along with the structure.
