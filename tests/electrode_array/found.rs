@@ -242,3 +242,9 @@ fn who_goes_on_does_not_come_to_rest_beside_a_part_that_yields() {
         assert_eq!((plan.cost, plan.bound), (steps, steps), "{name}");
     }
 }
+
+#[test]
+fn places_of_choice_in_which_no_schedule_fits_are_drawn() {
+    let plan = planned(&text("ea_many_places_of_choice"));
+    assert!(plan.bound == 15.0 && plan.cost <= 20.0, "{} of {}", plan.cost, plan.bound);
+}

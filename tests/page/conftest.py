@@ -18,8 +18,8 @@ def browser():
         browser.close()
 
 
-# Opened once for all tests of a file, each of which leaves the window as it was.
-@pytest.fixture(scope="module", params=PAGES, ids=name_of)
+# Opened once for all tests, each of which leaves the window as it was.
+@pytest.fixture(scope="session", params=PAGES, ids=name_of)
 def page(browser, request):
     with opened(browser, request.param, WINDOWS[0]) as page:
         yield page

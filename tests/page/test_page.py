@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from opened import PAGES, WINDOWS
 
-INSTANTS = 50
+INSTANTS = 25
 
 
 def now(page):

@@ -2,9 +2,9 @@
 //!
 //! An arrangement has one place for each of them, and is an assay without a choice. Method: as long as there are few arrangements, in
 //! the order of their lower bounds, until no bound is below the plan at hand: all by lists, and then by all positions of the parts. Of
-//! more, those of some schedules on paper ([`placement`]), the best of them in a better order, and then others that differ from it in one place,
-//! as long as plans become better; beside the bound of [`relaxed`]. Where there is only one, schedules on paper say in which order its parts
-//! may have their turns.
+//! more, those of some schedules on paper ([`placement`]), or, where these have no plan, some at random; the best of them in a better order, and
+//! then others that differ from it in one place, as long as plans become better; beside the bound of [`relaxed`]. Where there is only one, schedules
+//! on paper say in which order its parts may have their turns.
 //!
 //! Guaranteed: a plan is legal; `bounds` hold for the plans of every arrangement, and none is called impossible but where there were few
 //! and each is. Cost: that of planning the arrangements, on one budget.
@@ -19,6 +19,7 @@ use super::relaxed;
 use super::stage::{self, BoardStage};
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayOrder};
 use crate::plan::search::{Meter, SearchAnswer};
+use crate::random::SplitMix64;
 
 /// Most arrangements of which each has its own bound, and most operations of all arrangements whose bounds are looked at: in a long
 /// assay each bound takes its time.
@@ -35,7 +36,9 @@ const KEPT_SHARE: u64 = 4;
 /// Of more arrangements, how many are planned that differ in one place from the best one,
 const MAX_TRIED: usize = 200;
 
-/// after those of so many schedules on paper, with so many operations all together.
+/// after those of so many schedules on paper, with so many operations all together, or, where none of these has a plan, after so many that are
+/// drawn at random, each by lists and by all positions.
+const MAX_DRAWN: usize = 100;
 const PAPERS: usize = 8;
 const MAX_PAPER_OPERATIONS: usize = 10_000;
 
@@ -373,6 +376,7 @@ fn of_many(site: &AssaySite, choices: &Choices, objective: BoardObjective, meter
         let paper = placement::schedule(choices.operations, &timed, &mut ways, terms);
         many.realise(paper, meter);
     }
+    many.draw(meter);
     many.better_order(meter);
     many.improve(meter);
     many.best.map_or(SearchAnswer::GaveUp(bounds), |best| SearchAnswer::Found(PlacedPlan { bounds, ..best }))
@@ -425,6 +429,24 @@ impl ManyArrangements<'_> {
             && self.offer(plan, places)
         {
             self.paper = Some(paper);
+        }
+    }
+
+    /// Where no schedule on paper leads to a plan, those that are drawn at random, until one has a plan: by lists, and then by all positions, which is
+    /// quick where parts cannot pass.
+    fn draw(&mut self, meter: &mut Meter) {
+        let mut random = SplitMix64::new(0);
+        for nth in 0..2 * MAX_DRAWN {
+            if self.best.is_some() || meter.left().steps == 0 {
+                return;
+            }
+            let of = self.choices.open.iter().map(|open| self.choices.operations[*open].among.len());
+            let places: Vec<usize> = of.map(|count| random.below(count)).collect();
+            let effort = if nth < MAX_DRAWN { AssayEffort::Lists } else { AssayEffort::Whole };
+            let steps = meter.left().steps / LISTS_SHARE;
+            if let Some(plan) = self.planned(self.choices.at(&places), (effort, &[]), steps, meter) {
+                self.offer(plan, places);
+            }
         }
     }
 

@@ -475,7 +475,7 @@ fn assays_in_a_hurry_agree_with_brute_force() {
 /// As above, on boards on which channels switch several electrodes.
 #[test]
 fn assays_on_shared_channels_agree_with_brute_force() {
-    agree(Random(17), 20, |chance, assay| assay.pinned(chance));
+    agree(Random(17), 30, |chance, assay| assay.pinned(chance));
 }
 
 /// As above, with places that the plan chooses: the truth is the best of all that it can choose.
