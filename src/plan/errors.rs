@@ -2,7 +2,6 @@
 
 use crate::claims::{Relation, Requirement};
 use crate::device::MAX_EXPANSIONS;
-use crate::device::electrode_array::Separation;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
@@ -112,21 +111,11 @@ pub fn nothing_left_to_try(step: Span, to: &str, bound: u64, is_divisible: bool)
         ))
 }
 
-/// A greedy planner gave up; its failure proves nothing. Tweeze's own planner does not know the separations `as_published`.
-pub fn greedy_gave_up(
-    asked: Span,
-    (part, at): (&str, &str),
-    steps: usize,
-    how: &str,
-    separation: Separation,
-) -> Diagnostic {
-    let as_planned = match separation {
-        Separation::AsPublished => "give the device `separation: 4` and leave",
-        Separation::Apart(_) => "leave",
-    };
+/// A greedy planner gave up; its failure proves nothing. `first` is what Tweeze's own planner needs before it plans this, such as another field.
+pub fn greedy_gave_up(asked: Span, (part, at): (&str, &str), steps: usize, how: &str, first: &str) -> Diagnostic {
     Diagnostic::new(Code::E0602, format!("the greedy planner leaves `{part}` {how} at {at} after {steps} steps"))
         .label(asked, "neither planned nor disproved")
-        .help(format!("{as_planned} `using` out: Tweeze's own planner searches all plans as far as its budget goes"))
+        .help(format!("{first}leave `using` out: Tweeze's own planner searches all plans as far as its budget goes"))
 }
 
 fn all_of(names: &[&str]) -> String {

@@ -439,13 +439,11 @@ impl Tasks<'_> {
         let name = &self.order.parts[actor.part].name;
         let at = path.last().map(|cell| stage::cell(self.order, *cell)).unwrap_or(ElectrodeCell::new(1, 1));
         let span = actor.asked.map_or(self.job.run_span, |action| action.span);
-        self.sink.push(errors::greedy_gave_up(
-            span,
-            (name, &at.to_string()),
-            path.len() - 1,
-            how,
-            self.order.facts.separation,
-        ));
+        let first = match self.order.facts.separation {
+            Separation::Apart(_) => "",
+            Separation::AsPublished => "give the device `separation: 4` and ",
+        };
+        self.sink.push(errors::greedy_gave_up(span, (name, &at.to_string()), path.len() - 1, how, first));
     }
 
     fn part_name(&self, stage: &BoardStage, agent: usize) -> &str {

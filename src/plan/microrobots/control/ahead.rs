@@ -96,8 +96,8 @@ impl Belief<'_> {
             from = self.gone(robot, begin, segment, 1.0);
             // Corners go farther than the middle where the body turns.
             let most_um = way_um * (1.0 + self.reach_um(robot) / facts.turning_radius_um);
-            Looks::new(way_um / facts.width_um, most_um).find_map(|look| {
-                let pose = self.gone(robot, begin, segment, look.part);
+            LooksAhead::new(way_um / facts.width_um, most_um).find_map(|part| {
+                let pose = self.gone(robot, begin, segment, part);
                 let whole = body(facts, pose, 0.0);
                 let clear_um = self
                     .obstacles
@@ -132,8 +132,8 @@ impl Belief<'_> {
             from = [0, 1].map(|nth| self.gone(pair[nth], begin[nth], segment, 1.0));
             let way_um = self.way_um(pair[0], segment) + self.way_um(pair[1], segment);
             let widths = way_um / facts[0].width_um.min(facts[1].width_um);
-            let met = Looks::new(widths, way_um).find_map(|look| {
-                let at = [0, 1].map(|nth| self.gone(pair[nth], begin[nth], segment, look.part));
+            let met = LooksAhead::new(widths, way_um).find_map(|part| {
+                let at = [0, 1].map(|nth| self.gone(pair[nth], begin[nth], segment, part));
                 let clear_um = clear_um(at);
                 if clear_um <= 0.0 && is_entered(at) { Ok(()) } else { Err(clear_um) }
             });
@@ -154,30 +154,24 @@ impl Belief<'_> {
 }
 
 /// Evenly spaced looks at bodies on their way, without those at which they surely do not touch.
-struct Looks {
+struct LooksAhead {
     count: f64,
     /// How much nearer bodies can come from one look to the next.
     most_um: f64,
 }
 
-/// One of them.
-struct Look {
-    /// Of the way.
-    part: f64,
-}
-
-impl Looks {
+impl LooksAhead {
     /// Over a way of so many widths of a body, on which bodies come nearer to each other by at most `most_um`.
     fn new(widths: f64, most_um: f64) -> Self {
         let count = (widths * LOOKS_PER_WIDTH).ceil().clamp(1.0, MOST_LOOKS);
-        Looks { count, most_um: most_um / count }
+        LooksAhead { count, most_um: most_um / count }
     }
 
-    /// What is found at the first look that finds something; another one answers how far bodies are apart there at least.
-    fn find_map<T>(&self, find: impl Fn(Look) -> Result<T, f64>) -> Option<T> {
+    /// What is found at the first look, at a part of the way, that finds something; another one answers how far bodies are apart there at least.
+    fn find_map<T>(&self, find: impl Fn(f64) -> Result<T, f64>) -> Option<T> {
         let mut look = 1.0;
         while look <= self.count {
-            match find(Look { part: look / self.count }) {
+            match find(look / self.count) {
                 Ok(found) => return Some(found),
                 Err(clear_um) if clear_um > 0.0 => look += (clear_um / self.most_um).floor().max(1.0),
                 Err(_) => look += 1.0,
