@@ -113,7 +113,8 @@ pub fn nothing_left_to_try(step: Span, to: &str, bound: u64, is_divisible: bool)
 
 /// A greedy planner gave up; its failure proves nothing. `first` is what Tweeze's own planner needs before it plans this, such as another field.
 pub fn greedy_gave_up(asked: Span, (part, at): (&str, &str), steps: usize, how: &str, first: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0602, format!("the greedy planner leaves `{part}` {how} at {at} after {steps} steps"))
+    let steps = if steps == 1 { "1 step".to_owned() } else { format!("{steps} steps") };
+    Diagnostic::new(Code::E0602, format!("the greedy planner leaves `{part}` {how} at {at} after {steps}"))
         .label(asked, "neither planned nor disproved")
         .help(format!("{first}leave `using` out: Tweeze's own planner searches all plans as far as its budget goes"))
 }
