@@ -5,8 +5,11 @@
 
 use serde_json::Value;
 use std::collections::BTreeSet;
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
 
 fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -14,33 +17,8 @@ fn main() -> ExitCode {
         Ok(folder) => folder,
         Err(error) => return fail(&format!("no folder for the files to be judged: {error}")),
     };
-    for example in examples(root) {
-        // Programs of different examples may have one name.
-        let folder = folder.path().join(example.file_stem().unwrap_or_default());
-        // Tables and waveforms have one clock, and cannot wait.
-        let waits = std::fs::read_to_string(&example).unwrap_or_default().contains("  prompt ");
-        let formats = if waits { "mcap,json,svg" } else { "mcap,json,csv,vcd,pwl,svg" };
-        let mut built = build(&example, formats, &folder);
-        let written: Vec<Value> = schedules(&folder).iter().map(|path| document(path)).collect();
-        for (family, format) in [
-            ("waveform_generator", "scpi"),
-            ("data_acquisition", "nidaqmx"),
-            ("electrode_driver", "frames"),
-            ("stage_controller", "stages"),
-        ] {
-            if !written.is_empty() && written.iter().all(|schedule| has_instrument(schedule, family)) {
-                built = built.and_then(|()| build(&example, format, &folder));
-            }
-        }
-        if !written.is_empty() && written.iter().all(is_of_microdrop) {
-            built = built.and_then(|()| build(&example, "microdrop", &folder));
-        }
-        if !written.is_empty() && written.iter().all(is_of_stages) {
-            built = built.and_then(|()| build(&example, "gcode", &folder));
-        }
-        if let Err(why) = built {
-            return fail(&why);
-        }
+    if let Err(why) = write_all(&examples(root), folder.path()) {
+        return fail(&why);
     }
     let judged = Command::new(python(root)).arg(root.join("tests/oracles/run.py")).arg(folder.path()).status();
     match judged {
@@ -52,6 +30,49 @@ fn main() -> ExitCode {
         }
         Err(error) => fail(&format!("Python does not start: {error}")),
     }
+}
+
+/// The files of all examples, each example's in a folder of its own: programs of different examples may have one name.
+fn write_all(examples: &[PathBuf], folder: &Path) -> Result<(), String> {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        while let Some(example) = examples.get(next.fetch_add(1, Ordering::Relaxed)) {
+            write(example, &folder.join(example.file_stem().unwrap_or_default()))?;
+        }
+        Ok(())
+    };
+    let workers = thread::available_parallelism().map_or(1, NonZero::get);
+    thread::scope(|scope| {
+        let workers: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
+        workers.into_iter().try_for_each(|worker| worker.join().unwrap_or_else(|_| Err("a worker panicked".to_owned())))
+    })
+}
+
+/// The files of an example, in all formats that its channels and instruments have.
+fn write(example: &Path, folder: &Path) -> Result<(), String> {
+    // Tables and waveforms have one clock, and cannot wait.
+    let waits = std::fs::read_to_string(example).unwrap_or_default().contains("  prompt ");
+    let formats = if waits { "mcap,json,svg" } else { "mcap,json,csv,vcd,pwl,svg" };
+    build(example, formats, folder)?;
+    let written: Vec<Value> = schedules(folder).iter().map(|path| document(path)).collect();
+    let are_all = |fits: &dyn Fn(&Value) -> bool| !written.is_empty() && written.iter().all(fits);
+    for (family, format) in [
+        ("waveform_generator", "scpi"),
+        ("data_acquisition", "nidaqmx"),
+        ("electrode_driver", "frames"),
+        ("stage_controller", "stages"),
+    ] {
+        if are_all(&|schedule| has_instrument(schedule, family)) {
+            build(example, format, folder)?;
+        }
+    }
+    if are_all(&is_of_microdrop) {
+        build(example, "microdrop", folder)?;
+    }
+    if are_all(&is_of_stages) {
+        build(example, "gcode", folder)?;
+    }
+    Ok(())
 }
 
 /// What the built program writes for an example.

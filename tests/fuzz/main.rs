@@ -20,6 +20,7 @@ mod watch;
 mod worker;
 
 use std::process::ExitCode;
+use std::thread::available_parallelism;
 
 /// What a run is asked for.
 #[derive(Debug, Clone)]
@@ -31,7 +32,7 @@ pub struct Run {
     pub cases: u64,
     /// After so long no new case is begun.
     pub seconds: Option<u64>,
-    /// Workers at the same time.
+    /// Workers at the same time; one for each core unless it is said.
     pub jobs: u64,
     pub only: Option<Attack>,
 }
@@ -86,7 +87,7 @@ fn main() -> ExitCode {
         from: number("--from").unwrap_or(0),
         cases: number("--cases").unwrap_or(if value("--seconds").is_some() { u64::MAX } else { 100 }),
         seconds: number("--seconds"),
-        jobs: number("--jobs").unwrap_or(1).max(1),
+        jobs: number("--jobs").unwrap_or_else(|| available_parallelism().map_or(1, |count| count.get() as u64)).max(1),
         only: value("--only").and_then(|name| Attack::ALL.into_iter().find(|attack| attack.name() == name)),
     };
     if let Some(case) = number("--show") {

@@ -11,6 +11,7 @@ import importlib
 import os
 import re
 import sys
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -68,32 +69,38 @@ def is_of_microdrop(schedule):
     return are_electrodes and are_prompts and any(facts["protocol"] != "purpledrop" for facts in drivers.values())
 
 
-def judge_folder(folder):
-    """All verdicts: file name, outcome, reason."""
+def verdicts_of(path):
+    """All verdicts on a schedule and the files beside it: file name, outcome, reason."""
     from schedule import Schedule
 
+    try:
+        schedule = Schedule(path)
+    except Exception as error:
+        return [(path.name, "WRONG", f"{type(error).__name__}: {error}")]
     verdicts = []
+    for ending, module in (*JUDGES.items(), *SECOND):
+        if ending == ".ngc" and not all(map(schedule.is_stage, schedule.channels)):
+            continue
+        if ending in PLAYED_BY and not schedule.instruments(PLAYED_BY[ending]):
+            continue
+        if ending == ".microdrop" and not is_of_microdrop(schedule):
+            continue
+        if ending in ONE_CLOCK and schedule.document.get("holds"):
+            continue
+        file = path.with_suffix(ending)
+        verdicts.append((file.name, *judge(file, module, schedule)))
+    return verdicts
+
+
+def judge_folder(folder):
+    """All verdicts, schedule by schedule; several are judged at the same time, each in a process of its own."""
     # A folder for each program; what begins with a dot is the tool's own, and a layout of a log is no schedule.
     paths = Path(folder).rglob("*.json")
-    paths = [path for path in paths if not path.name.startswith(".") and not path.name.endswith((".lichtblick.json", ".opendrop.json", ".microdrop.json"))]
-    for path in sorted(paths):
-        try:
-            schedule = Schedule(path)
-        except Exception as error:
-            verdicts.append((path.name, "WRONG", f"{type(error).__name__}: {error}"))
-            continue
-        for ending, module in (*JUDGES.items(), *SECOND):
-            if ending == ".ngc" and not all(map(schedule.is_stage, schedule.channels)):
-                continue
-            if ending in PLAYED_BY and not schedule.instruments(PLAYED_BY[ending]):
-                continue
-            if ending == ".microdrop" and not is_of_microdrop(schedule):
-                continue
-            if ending in ONE_CLOCK and schedule.document.get("holds"):
-                continue
-            file = path.with_suffix(ending)
-            verdicts.append((file.name, *judge(file, module, schedule)))
-    return verdicts
+    paths = sorted(path for path in paths if not path.name.startswith(".") and not path.name.endswith((".lichtblick.json", ".opendrop.json", ".microdrop.json")))
+    if len(paths) < 2:
+        return [verdict for path in paths for verdict in verdicts_of(path)]
+    with ProcessPoolExecutor() as pool:
+        return [verdict for verdicts in pool.map(verdicts_of, paths) for verdict in verdicts]
 
 
 def main(arguments):
