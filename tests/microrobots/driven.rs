@@ -155,6 +155,18 @@ fn controlled(program: &Path, record: &Path, robots: Vec<ExactRobot>) -> Option<
     }
 }
 
+/// A program that drives robots from where they start, among obstacles.
+fn program_of(robots: &[ExactRobot], obstacles: &str, drives: &str) -> String {
+    let rows: String = robots.iter().map(ExactRobot::row).collect();
+    let starts: String = robots.iter().map(ExactRobot::start).collect();
+    format!(
+        "use std.microrobots\ndevice fleet : microrobots.bed {{\n  robots: table {{\n    \
+         robot | snap_down [V] | release [V] | turning_radius [um]\n{rows}  }}\n}}\n\
+         scene field {{\n{starts}{obstacles}}}\ntask go on fleet in field {{\n  \
+         precision: 50 um\n  heading_precision: 5 deg\n{drives}}}\n"
+    )
+}
+
 fn accepts(program: &Path, record: &Path) {
     let mut verify = Command::new(assert_cmd::cargo::cargo_bin!("tweeze"));
     let run = verify.arg("verify").arg(record).arg("--against").arg(program).output().expect("tweeze runs");
@@ -196,15 +208,11 @@ fn no_drive_goes_through_a_stone() {
                 chance.below(360)
             ),
         };
-        let text = format!(
-            "use std.microrobots\ndevice fleet : microrobots.bed {{\n  robots: table {{\n    \
-             robot | snap_down [V] | release [V] | turning_radius [um]\n    D1 | 110 | 20 | 160\n  }}\n}}\n\
-             scene field {{\n  robot D1 at pose(0 mm, 0 mm, 0 deg)\n{stones}}}\ntask go on fleet in field {{\n  \
-             precision: 50 um\n  heading_precision: 5 deg\n  drive D1 to pose({goal})\n}}\n"
-        );
+        let robots = vec![ExactRobot::named("D1")];
+        let text = program_of(&robots, &stones, &format!("  drive D1 to pose({goal})\n"));
         std::fs::write(&program, &text).expect("a program is written");
         let _ = std::fs::remove_file(&record);
-        let Some(last) = controlled(&program, &record, vec![ExactRobot::named("D1")]) else { continue };
+        let Some(last) = controlled(&program, &record, robots) else { continue };
         if last["command"] == "finished" {
             finished += 1;
             accepts(&program, &record);
@@ -239,20 +247,13 @@ fn no_drive_goes_through_another_robot() {
             ExactRobot::at("D2", place(0.0)),
             ExactRobot::at("D3", place(1000.0)),
         ];
-        let rows: String = robots.iter().map(ExactRobot::row).collect();
-        let starts: String = robots.iter().map(ExactRobot::start).collect();
         let goals: String = ["D1", "D2", "D3"]
             .map(|name| {
                 let [x_um, y_um] = [0; 2].map(|_| chance.thousandths(-1200.0, 1200.0).round());
                 format!("  drive {name} to pose({x_um} um, {y_um} um, {} deg)\n", chance.below(360))
             })
             .concat();
-        let text = format!(
-            "use std.microrobots\ndevice fleet : microrobots.bed {{\n  robots: table {{\n    \
-             robot | snap_down [V] | release [V] | turning_radius [um]\n{rows}  }}\n}}\n\
-             scene field {{\n{starts}}}\ntask go on fleet in field {{\n  \
-             precision: 50 um\n  heading_precision: 5 deg\n{goals}}}\n"
-        );
+        let text = program_of(&robots, "", &goals);
         std::fs::write(&program, &text).expect("a program is written");
         let _ = std::fs::remove_file(&record);
         let Some(last) = controlled(&program, &record, robots) else { continue };
