@@ -155,12 +155,13 @@ fn is_same(read: f64, value: f64) -> bool {
 /// Relative difference between a number and what is read from its digits.
 const SAME: f64 = 4.0 * f64::EPSILON;
 
-/// All digits of a value, in the unit in which few are printed.
+/// All digits of a value that arithmetic leaves right, in the unit in which few are printed.
 fn in_full(value: f64, dimension: Dimension) -> String {
     let quantity = Quantity::new(value, dimension);
+    let digits = |number: f64| format!("{number:.14e}").parse().unwrap_or(number).to_string();
     match quantity.to_string().split_once(' ') {
-        Some((_, unit)) => format!("{} {unit}", quantity.in_unit(unit)),
-        None => value.to_string(),
+        Some((_, unit)) => format!("{} {unit}", digits(quantity.in_unit(unit))),
+        None => digits(value),
     }
 }
 
@@ -259,6 +260,7 @@ mod tests {
         assert_eq!(show(1_298_479.0, Dimension::NUMBER), "1298479");
         assert_eq!(show(0.4, Dimension::TIME), "400 ms");
         assert_eq!(show(0.199_999_99, Dimension::TIME), "199.99999 ms");
+        assert_eq!(show(0.029_999_999_9, Dimension::TIME), "29.9999999 ms");
     }
 
     #[test]
