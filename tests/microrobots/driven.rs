@@ -174,6 +174,29 @@ fn accepts(program: &Path, record: &Path) {
     assert_eq!(run.status.code(), Some(DONE), "{said}\n{}", std::fs::read_to_string(program).unwrap_or_default());
 }
 
+/// How a controlled run ends.
+enum Ended {
+    /// And `tweeze verify` accepts it.
+    Finished,
+    /// Before what is named.
+    Blocked(String),
+}
+
+/// Writes a program into a folder, and controls it; `None` if it has no plan.
+fn ended(folder: &Path, text: &str, robots: Vec<ExactRobot>) -> Option<Ended> {
+    let (program, record) = (folder.join("drive.twz"), folder.join("run.mcap"));
+    std::fs::write(&program, text).expect("a program is written");
+    let _ = std::fs::remove_file(&record);
+    let last = controlled(&program, &record, robots)?;
+    if last["command"] == "finished" {
+        accepts(&program, &record);
+        return Some(Ended::Finished);
+    }
+    assert_eq!(last["reason"], "blocked", "{last}\n{text}");
+    let thing = last["in_the_way"].as_str().unwrap_or_else(|| panic!("nothing is in the way: {last}\n{text}"));
+    Some(Ended::Blocked(thing.to_owned()))
+}
+
 #[test]
 fn a_run_straight_ahead_begins_without_a_circle() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -188,7 +211,6 @@ fn a_run_straight_ahead_begins_without_a_circle() {
 #[test]
 fn no_drive_goes_through_a_stone() {
     let folder = tempfile::tempdir().expect("a folder");
-    let (program, record) = (folder.path().join("drive.twz"), folder.path().join("run.mcap"));
     let mut chance = Random(5);
     let (mut finished, mut blocked) = (0, 0);
     for _ in 0..CASES {
@@ -210,17 +232,14 @@ fn no_drive_goes_through_a_stone() {
         };
         let robots = vec![ExactRobot::named("D1")];
         let text = program_of(&robots, &stones, &format!("  drive D1 to pose({goal})\n"));
-        std::fs::write(&program, &text).expect("a program is written");
-        let _ = std::fs::remove_file(&record);
-        let Some(last) = controlled(&program, &record, robots) else { continue };
-        if last["command"] == "finished" {
-            finished += 1;
-            accepts(&program, &record);
-        } else {
-            blocked += 1;
-            assert_eq!(last["reason"], "blocked", "{last}\n{text}");
-            assert!(last["in_the_way"].as_str().is_some_and(|thing| thing.starts_with("stone")), "{last}\n{text}");
-            assert!(include_str!("../../schema/control.schema.json").contains("\"blocked\""), "the schema has it");
+        match ended(folder.path(), &text, robots) {
+            None => {}
+            Some(Ended::Finished) => finished += 1,
+            Some(Ended::Blocked(thing)) => {
+                blocked += 1;
+                assert!(thing.starts_with("stone"), "{thing}\n{text}");
+                assert!(include_str!("../../schema/control.schema.json").contains("\"blocked\""), "the schema has it");
+            }
         }
     }
     println!("{finished} finished, {blocked} stopped before a stone");
@@ -230,7 +249,6 @@ fn no_drive_goes_through_a_stone() {
 #[test]
 fn no_drive_goes_through_another_robot() {
     let folder = tempfile::tempdir().expect("a folder");
-    let (program, record) = (folder.path().join("drive.twz"), folder.path().join("run.mcap"));
     let mut chance = Random(8);
     let (mut finished, mut blocked) = (0, 0);
     for _ in 0..CASES {
@@ -254,16 +272,13 @@ fn no_drive_goes_through_another_robot() {
             })
             .concat();
         let text = program_of(&robots, "", &goals);
-        std::fs::write(&program, &text).expect("a program is written");
-        let _ = std::fs::remove_file(&record);
-        let Some(last) = controlled(&program, &record, robots) else { continue };
-        if last["command"] == "finished" {
-            finished += 1;
-            accepts(&program, &record);
-        } else {
-            blocked += 1;
-            assert_eq!(last["reason"], "blocked", "{last}\n{text}");
-            assert!(last["in_the_way"].as_str().is_some_and(|other| other.starts_with('D')), "{last}\n{text}");
+        match ended(folder.path(), &text, robots) {
+            None => {}
+            Some(Ended::Finished) => finished += 1,
+            Some(Ended::Blocked(other)) => {
+                blocked += 1;
+                assert!(other.starts_with('D'), "{other}\n{text}");
+            }
         }
     }
     println!("{finished} finished, {blocked} stopped before another robot");

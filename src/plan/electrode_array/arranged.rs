@@ -36,11 +36,12 @@ const KEPT_SHARE: u64 = 4;
 /// Of more arrangements, how many are planned that differ in one place from the best one,
 const MAX_TRIED: usize = 200;
 
-/// after those of so many schedules on paper, with so many operations all together, or, where none of these has a plan, after so many that are
-/// drawn at random, each by lists and by all positions.
-const MAX_DRAWN: usize = 100;
+/// after those of so many schedules on paper, with so many operations all together.
 const PAPERS: usize = 8;
 const MAX_PAPER_OPERATIONS: usize = 10_000;
+
+/// Where no schedule on paper has a plan, how many arrangements drawn at random are planned by lists, and then as many by all positions.
+const MAX_DRAWN: usize = 100;
 
 /// A plan with the places that it has chosen.
 pub struct PlacedPlan {

@@ -7,11 +7,8 @@
 use super::Segment;
 use super::belief::Belief;
 use crate::claims::microrobots::MicrorobotsOrder;
-use crate::device::microrobots::Robot;
 use crate::geometry::Pose;
 use crate::plan::microrobots::strategy::{StrategySolid, body};
-use crate::plan::microrobots::world::OrientedRectangle;
-use crate::real::Real;
 
 /// Looks at a robot on its way are so many to a width of its body.
 const LOOKS_PER_WIDTH: f64 = 8.0;
@@ -114,17 +111,14 @@ impl Belief<'_> {
     fn is_led_into(&self, pair: [usize; 2], segments: &[Segment]) -> bool {
         let facts = pair.map(|robot| self.order.robot(robot));
         let start = pair.map(|robot| self.poses[robot]);
-        let doubt_um = pair.iter().map(|robot| self.doubt_um(self.reach_um(*robot))).sum::<f64>();
-        let together_um = pair.iter().map(|robot| self.reach_um(*robot)).sum::<f64>();
-        let clear_um =
-            |[one, other]: [Pose; 2]| (one.x_um - other.x_um).hypotenuse(one.y_um - other.y_um) - together_um;
         let ways_um = segments.iter().map(|segment| self.way_um(pair[0], segment) + self.way_um(pair[1], segment));
-        if clear_um(start) > ways_um.sum() {
+        if self.least_apart_um(pair, start) > ways_um.sum() {
             return false;
         }
         let is_entered = |poses: [Pose; 2]| {
-            let (gap_um, start_um) = (gap_um(facts, poses), gap_um(facts, start));
-            gap_um <= 0.0 && (start_um > 0.0 || (gap_um <= -doubt_um && start_um > -doubt_um))
+            let (apart_um, start_um) = (self.apart_um(pair, poses), self.apart_um(pair, start));
+            let doubt_um = self.doubt_of_both_um(pair);
+            apart_um <= 0.0 && (start_um > 0.0 || (apart_um <= -doubt_um && start_um > -doubt_um))
         };
         let mut from = start;
         segments.iter().any(|segment| {
@@ -134,7 +128,7 @@ impl Belief<'_> {
             let widths = way_um / facts[0].width_um.min(facts[1].width_um);
             let met = LooksAhead::new(widths, way_um).find_map(|part| {
                 let at = [0, 1].map(|nth| self.gone(pair[nth], begin[nth], segment, part));
-                let clear_um = clear_um(at);
+                let clear_um = self.least_apart_um(pair, at);
                 if clear_um <= 0.0 && is_entered(at) { Ok(()) } else { Err(clear_um) }
             });
             met.is_some()
@@ -179,11 +173,4 @@ impl LooksAhead {
         }
         None
     }
-}
-
-/// Distance between two bodies; negative where they overlap.
-fn gap_um(facts: [&Robot; 2], poses: [Pose; 2]) -> f64 {
-    let half_um = |robot: &Robot| [robot.length_um / 2.0, robot.width_um / 2.0];
-    let [one, other] = [0, 1].map(|nth| OrientedRectangle::new(poses[nth], half_um(facts[nth])));
-    one.to_rectangle_um(&other)
 }

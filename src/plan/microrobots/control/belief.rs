@@ -159,30 +159,33 @@ impl<'a> Belief<'a> {
 
     /// A robot that is measured within the body of another one, by more than the errors of the measurement.
     fn overlapping(&self, measured: &[Option<Pose>]) -> Option<usize> {
-        let rectangle = |robot: usize| {
-            let facts = self.order.robot(robot);
-            let half_um = [facts.length_um / 2.0, facts.width_um / 2.0];
-            at(measured, robot).map(|pose| OrientedRectangle::new(pose, half_um))
-        };
         let overlaps = |robot: usize, other: usize| {
-            let may_um = self.order.facts.docking.tolerance_um
-                + self.doubt_um(self.reach_um(robot))
-                + self.doubt_um(self.reach_um(other))
-                + SLACK_UM;
-            let both = rectangle(robot).zip(rectangle(other));
-            both.is_some_and(|(one, two)| one.to_rectangle_um(&two) < -may_um)
+            let (Some(one), Some(two)) = (at(measured, robot), at(measured, other)) else { return false };
+            let (pair, poses) = ([robot, other], [one, two]);
+            let may_um = self.order.facts.docking.tolerance_um + self.doubt_of_both_um(pair) + SLACK_UM;
+            self.least_apart_um(pair, poses) <= 0.0 && self.apart_um(pair, poses) < -may_um
         };
-        let may_overlap = |robot: usize, other: usize| self.may_overlap(measured, robot, other);
-        (0..self.poses.len())
-            .find(|robot| (0..*robot).any(|other| may_overlap(*robot, other) && overlaps(*robot, other)))
+        (0..self.poses.len()).find(|robot| (0..*robot).any(|other| overlaps(*robot, other)))
     }
 
-    /// Whether two bodies are measured so near to each other that they may overlap.
-    fn may_overlap(&self, measured: &[Option<Pose>], robot: usize, other: usize) -> bool {
-        let (Some(one), Some(two)) = (at(measured, robot), at(measured, other)) else { return false };
-        let (dx_um, dy_um) = (one.x_um - two.x_um, one.y_um - two.y_um);
-        let together_um = self.reach_um(robot) + self.reach_um(other);
-        dx_um * dx_um + dy_um * dy_um <= together_um * together_um
+    /// Distance between the bodies of two robots at some poses; negative where they overlap.
+    pub fn apart_um(&self, pair: [usize; 2], poses: [Pose; 2]) -> f64 {
+        let [one, other] = [0, 1].map(|nth| {
+            let facts = self.order.robot(pair[nth]);
+            OrientedRectangle::new(poses[nth], [facts.length_um / 2.0, facts.width_um / 2.0])
+        });
+        one.to_rectangle_um(&other)
+    }
+
+    /// Distance between two bodies at least, however they are turned.
+    pub fn least_apart_um(&self, pair: [usize; 2], [one, other]: [Pose; 2]) -> f64 {
+        let reaches_um = pair.map(|robot| self.reach_um(robot));
+        (one.x_um - other.x_um).hypotenuse(one.y_um - other.y_um) - (reaches_um[0] + reaches_um[1])
+    }
+
+    /// Bound on the error of the distance between two measured bodies.
+    pub fn doubt_of_both_um(&self, pair: [usize; 2]) -> f64 {
+        pair.iter().map(|robot| self.doubt_um(self.reach_um(*robot))).sum()
     }
 
     /// Compares a measurement with where the commands bring each robot; the first one that was astray too often. Docked robots do not move.
@@ -211,13 +214,9 @@ impl<'a> Belief<'a> {
     fn is_beside(&self, robot: usize, measured: &[Option<Pose>]) -> bool {
         let Some(own) = at(measured, robot) else { return false };
         let (aligned_um, _) = self.alignment();
-        let near_um = |other: usize| {
-            let reach_um = self.reach_um(robot) + self.reach_um(other);
-            reach_um + aligned_um + self.order.facts.docking.tolerance_um + GATE * self.errors.place_um + SLACK_UM
-        };
+        let near_um = aligned_um + self.order.facts.docking.tolerance_um + GATE * self.errors.place_um + SLACK_UM;
         (0..self.poses.len()).filter(|other| *other != robot).any(|other| {
-            at(measured, other)
-                .is_some_and(|pose| (pose.x_um - own.x_um).hypotenuse(pose.y_um - own.y_um) <= near_um(other))
+            at(measured, other).is_some_and(|pose| self.least_apart_um([robot, other], [own, pose]) <= near_um)
         })
     }
 
