@@ -248,3 +248,15 @@ fn places_of_choice_in_which_no_schedule_fits_are_drawn() {
     let plan = planned(&text("ea_many_places_of_choice"));
     assert!(plan.bound == 15.0 && plan.cost <= 20.0, "{} of {}", plan.cost, plan.bound);
 }
+
+#[test]
+fn the_best_of_many_places_of_choice_is_proven() {
+    let plan = planned(&text("ea_best_of_many_places"));
+    assert_eq!((plan.cost, plan.bound), (16.0, 16.0));
+}
+
+#[test]
+fn a_third_droplet_may_hold_the_electrode_that_pulls_a_half() {
+    let plan = planned(&text("ea_split_held_elsewhere"));
+    assert_eq!((plan.cost, plan.bound), (6.0, 6.0));
+}

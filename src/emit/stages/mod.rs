@@ -129,7 +129,9 @@ impl<'a> StageTables<'a> {
     fn text(&self) -> Result<String, EmitError> {
         let schedule = self.signals.schedule;
         let turns = self.signals.breaks(self.axes.values().copied());
-        let mut points: BTreeSet<u64> = turns.into_iter().flat_map(|t_ns| self.point(t_ns)).collect();
+        // What a wait holds lasts beyond the end of the part before it.
+        let turns = turns.into_iter().filter(|t_ns| *t_ns <= schedule.duration_ns);
+        let mut points: BTreeSet<u64> = turns.flat_map(|t_ns| self.point(t_ns)).collect();
         points.extend([0, self.last_point()]);
         let bytes = points.len() as u64 * (ROW_BYTES + self.axes.len() as u64 * PLACE_BYTES);
         EmitError::refuse_size(Format::Stages, bytes, MAX_TEXT_BYTES)?;

@@ -1,7 +1,8 @@
 use super::*;
-use crate::device::instrument::{Bench, Direction, Drive, Instrument, StageLimits};
+use crate::device::instrument::{Awaited, Bench, Direction, Drive, HoldTerms, Instrument, StageLimits};
 use crate::diagnostic::Code;
 use crate::emit::{Provenance, emit, fixture};
+use crate::schedule::{Actuation, ScheduledHold};
 use crate::source::Span;
 use crate::verify::Verified;
 
@@ -92,6 +93,33 @@ fn stages_are_where_the_schedule_has_them_within_what_a_corner_is_cut() {
                 assert!(off_um <= cut_um(sharpest, period_ns / 1e9) + 1e-6, "{name} is {off_um} um off at {t_ns} ns");
             }
         }
+    }
+}
+
+#[test]
+fn what_a_wait_holds_is_no_row_of_the_part_before_it() {
+    let waits = |(verified, provenance): (Verified, Provenance)| {
+        let changed = fixture::changed(&verified, |schedule| {
+            let (start_ns, duration_ns) = (schedule.duration_ns, 60_000_000_000);
+            let places: Vec<f64> = {
+                let signals = Signals::new(schedule);
+                (0..schedule.channels.len()).map(|channel| signals.value(channel, start_ns)).collect()
+            };
+            for (channel, place_um) in (0..).zip(places) {
+                let (from, to) = (place_um, place_um);
+                schedule.actuations.push(Actuation { channel, start_ns, duration_ns, from, to, swing: None, step: 0 });
+            }
+            let awaited = Awaited::Person { prompt: "look".into() };
+            let terms = HoldTerms { awaited, duration_ns, is_bounded: false };
+            schedule.holds.push(ScheduledHold { step: 0, start_ns, terms });
+            schedule.duration_ns += duration_ns;
+        });
+        (changed, provenance)
+    };
+    for facts in [gcs(1 << 20), mcs2()] {
+        let (plain, waiting) = (fixture::hand(), waits(fixture::hand()));
+        let [plain, waiting] = [plain, waiting].map(|fixture| tables(&on_controllers(fixture, &facts)));
+        assert_eq!(plain, waiting, "the wait is at the end, where nothing is played behind it");
     }
 }
 

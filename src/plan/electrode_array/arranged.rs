@@ -3,17 +3,17 @@
 //! An arrangement has one place for each of them, and is an assay without a choice. Method: as long as there are few arrangements, in
 //! the order of their lower bounds, until no bound is below the plan at hand: all by lists, and then by all positions of the parts. Of
 //! more, those of some schedules on paper ([`placement`]), or, where these have no plan, some at random; the best of them in a better order, and
-//! then others that differ from it in one place, as long as plans become better; beside the bound of [`relaxed`]. Where there is only one, schedules
-//! on paper say in which order its parts may have their turns.
+//! then others that differ from it in one place, as long as plans become better; then as of few those whose lower bounds are least
+//! ([`place_tree`]). Where there is only one, schedules on paper say in which order its parts may have their turns.
 //!
-//! Guaranteed: a plan is legal; `bounds` hold for the plans of every arrangement, and none is called impossible but where there were few
-//! and each is. Cost: that of planning the arrangements, on one budget.
+//! Guaranteed: a plan is legal; `bounds` hold for the plans of every arrangement, and they are called impossible only where each one is. Cost: that of planning the arrangements, on one budget.
 
 use super::assay::{self, AssayEffort, AssayPlan, AssayProblem, NoAssayPlan};
 use super::board::{BoardCosts, BoardObjective};
 use super::critical_path::{self, BoardWays};
 use super::errands::{self, AssaySite, PartCourse, PartErrands};
 use super::one_by_one::one_by_one;
+use super::place_tree::PlaceTree;
 use super::placement::{self, PaperSchedule, PaperTerms, PaperWait};
 use super::relaxed;
 use super::stage::{self, BoardStage};
@@ -106,10 +106,15 @@ impl Choices<'_> {
         Choices { operations, open }
     }
 
+    /// How many places each of them has.
+    fn counts(&self) -> impl Iterator<Item = usize> {
+        self.open.iter().map(|nth| self.operations[*nth].among.len())
+    }
+
     /// The number of arrangements; `None` for more than [`MAX_ARRANGEMENTS`].
     fn count(&self) -> Option<usize> {
-        let mut places = self.open.iter().map(|nth| self.operations[*nth].among.len());
-        places.try_fold(1usize, |count, places| count.checked_mul(places).filter(|count| *count <= MAX_ARRANGEMENTS))
+        self.counts()
+            .try_fold(1usize, |count, places| count.checked_mul(places).filter(|count| *count <= MAX_ARRANGEMENTS))
     }
 
     /// The places of an arrangement by its number, those of the last operation changing first.
@@ -259,7 +264,7 @@ fn least(one: BoardCosts, other: BoardCosts) -> BoardCosts {
 
 /// An arrangement that may have a plan.
 struct Arrangement {
-    number: usize,
+    places: Vec<usize>,
     /// Of its plans.
     bounds: BoardCosts,
 }
@@ -273,10 +278,14 @@ struct FewArrangements<'a> {
     due: Vec<Arrangement>,
     best: Option<PlacedPlan>,
     /// Why the first of those that have none has none.
-    why: Option<(usize, Box<NoArrangement>)>,
+    why: Option<(Vec<usize>, Box<NoArrangement>)>,
 }
 
-impl FewArrangements<'_> {
+impl<'a> FewArrangements<'a> {
+    fn new(site: &'a AssaySite, choices: &'a Choices, objective: BoardObjective, best: Option<PlacedPlan>) -> Self {
+        FewArrangements { site, choices, objective, due: Vec::new(), best, why: None }
+    }
+
     fn cost(&self) -> Option<[u64; 2]> {
         self.best.as_ref().map(|plan| cost(self.objective, plan))
     }
@@ -286,16 +295,34 @@ impl FewArrangements<'_> {
         self.cost().is_none_or(|[best, _]| ordered(self.objective, bounds)[0] < best)
     }
 
-    fn refuse(&mut self, number: usize, why: Box<NoArrangement>) {
-        if self.why.as_ref().is_none_or(|(first, _)| number < *first) {
-            self.why = Some((number, why));
+    fn refuse(&mut self, places: Vec<usize>, why: Box<NoArrangement>) {
+        if self.why.as_ref().is_none_or(|(first, _)| places < *first) {
+            self.why = Some((places, why));
+        }
+    }
+
+    /// Adds an arrangement, unless it is known at once that it has no plan.
+    fn add(&mut self, places: Vec<usize>, meter: &mut Meter) {
+        let operations = self.choices.at(&places);
+        match with_problem(self.site, &operations, |_, problem| assay::bounds(&problem?, meter)) {
+            Ok(bounds) => self.due.push(Arrangement { places, bounds }),
+            Err(why) => self.refuse(places, Box::new(NoArrangement { operations, why, count: 1 })),
+        }
+    }
+
+    /// Plans those that may be better than the best, by lists, and then by all positions where fewer steps are not ruled out.
+    fn plan_all(&mut self, meter: &mut Meter) {
+        self.due.sort_by_cached_key(|own| (ordered(self.objective, own.bounds), own.places.clone()));
+        self.plan(true, LISTS_SHARE, meter);
+        if self.best.is_none() || self.objective == BoardObjective::Makespan {
+            self.plan(false, SHARE, meter);
         }
     }
 
     /// Plans the arrangements that may be better than the best, by lists or by all positions, each on a share of the budget that is left.
     fn plan(&mut self, by_lists: bool, share: u64, meter: &mut Meter) {
-        for Arrangement { number, bounds } in std::mem::take(&mut self.due) {
-            let mut own = Arrangement { number, bounds };
+        for mut own in std::mem::take(&mut self.due) {
+            let bounds = own.bounds;
             if self.is_hopeful(bounds) && meter.left().steps > 0 {
                 let makespan = self.best.as_ref().map(|plan| plan.costs.makespan);
                 let effort = match (by_lists, makespan) {
@@ -303,7 +330,7 @@ impl FewArrangements<'_> {
                     (false, None) => AssayEffort::Whole,
                     (false, Some(steps)) => AssayEffort::Below(steps),
                 };
-                let operations = self.choices.at(&self.choices.places(number));
+                let operations = self.choices.at(&own.places);
                 let (site, objective) = (self.site, self.objective);
                 let terms = ArrangementTerms { objective, effort, papers: &[] };
                 match meter.share(meter.left().steps / share, |part| planned(site, operations, terms, part)) {
@@ -315,7 +342,7 @@ impl FewArrangements<'_> {
                     }
                     SearchAnswer::GaveUp(bounds) => own.bounds = bounds,
                     SearchAnswer::Impossible(why) => {
-                        self.refuse(number, why);
+                        self.refuse(own.places, why);
                         continue;
                     }
                 }
@@ -333,22 +360,12 @@ fn of_few(
     objective: BoardObjective,
     meter: &mut Meter,
 ) -> PlacedAnswer {
-    let mut few = FewArrangements { site, choices, objective, due: Vec::new(), best: None, why: None };
-    for number in 0..count {
-        let operations = choices.at(&choices.places(number));
-        match with_problem(site, &operations, |_, problem| assay::bounds(&problem?, meter)) {
-            Ok(bounds) => few.due.push(Arrangement { number, bounds }),
-            Err(why) => few.refuse(number, Box::new(NoArrangement { operations, why, count })),
-        }
-    }
-    few.due.sort_by_key(|own| (ordered(objective, own.bounds), own.number));
-    few.plan(true, LISTS_SHARE, meter);
-    if few.best.is_none() || objective == BoardObjective::Makespan {
-        few.plan(false, SHARE, meter);
-    }
+    let mut few = FewArrangements::new(site, choices, objective, None);
+    (0..count).for_each(|number| few.add(choices.places(number), meter));
+    few.plan_all(meter);
     let bounds = few.due.iter().map(|own| own.bounds).reduce(least);
     if let (None, Some(first), Some(bounds)) = (&few.best, few.due.first(), bounds) {
-        few.best = in_turn(site, choices.at(&choices.places(first.number)), (objective, bounds));
+        few.best = in_turn(site, choices.at(&first.places), (objective, bounds));
     }
     match (few.best, bounds, few.why) {
         (Some(plan), bounds, _) => {
@@ -380,7 +397,13 @@ fn of_many(site: &AssaySite, choices: &Choices, objective: BoardObjective, meter
     many.draw(meter);
     many.better_order(meter);
     many.improve(meter);
-    many.best.map_or(SearchAnswer::GaveUp(bounds), |best| SearchAnswer::Found(PlacedPlan { bounds, ..best }))
+    let none = many.plan_least_bounds(meter);
+    let bounds = many.bounds;
+    match (many.best, none) {
+        (Some(best), _) => SearchAnswer::Found(PlacedPlan { bounds, ..best }),
+        (None, Some(why)) => SearchAnswer::Impossible(why),
+        (None, None) => SearchAnswer::GaveUp(bounds),
+    }
 }
 
 /// More arrangements than have a bound each.
@@ -441,8 +464,7 @@ impl ManyArrangements<'_> {
             if self.best.is_some() || meter.left().steps == 0 {
                 return;
             }
-            let of = self.choices.open.iter().map(|open| self.choices.operations[*open].among.len());
-            let places: Vec<usize> = of.map(|count| random.below(count)).collect();
+            let places: Vec<usize> = self.choices.counts().map(|count| random.below(count)).collect();
             let effort = if nth < MAX_DRAWN { AssayEffort::Lists } else { AssayEffort::Whole };
             let steps = meter.left().steps / LISTS_SHARE;
             if let Some(plan) = self.planned(self.choices.at(&places), (effort, &[]), steps, meter) {
@@ -502,6 +524,41 @@ impl ManyArrangements<'_> {
                 }
             }
         }
+    }
+
+    /// Plans those whose lower bounds are least and below the best plan, as of few; the bound of all others holds for what is left. Answers
+    /// with the reason for the first one if none has a plan.
+    fn plan_least_bounds(&mut self, meter: &mut Meter) -> Option<Box<NoArrangement>> {
+        if self.is_least() {
+            return None;
+        }
+        let (site, choices, objective) = (self.site, self.choices, self.objective);
+        let bound_of = |places: &[usize], meter: &mut Meter| {
+            let operations = choices.at(places);
+            let mut ways = BoardWays::new(site, meter);
+            let timed = critical_path::timed(&operations, &mut ways);
+            ordered(objective, relaxed::bounds(&operations, &timed, &mut ways))[0]
+        };
+        let counts: Vec<usize> = choices.counts().collect();
+        let mut tree = PlaceTree::new(&counts, ordered(objective, self.bounds)[0], looks(choices.operations));
+        let mut few = FewArrangements::new(site, choices, objective, self.best.take());
+        let limit = few.cost().map_or(u64::MAX, |[best, _]| best);
+        while few.due.len() < MAX_ARRANGEMENTS && meter.left().steps > 0 {
+            let Some((places, _)) = tree.next(limit, |places| bound_of(places, meter)) else { break };
+            few.add(places, meter);
+        }
+        few.plan_all(meter);
+        let planned = few.due.iter().map(|own| ordered(objective, own.bounds)[0]);
+        let all = planned.chain(tree.least()).chain(few.cost().map(|[best, _]| best)).min();
+        let figure = match objective {
+            BoardObjective::Makespan => &mut self.bounds.makespan,
+            BoardObjective::SumOfCosts => &mut self.bounds.sum_of_costs,
+        };
+        *figure = all.unwrap_or(*figure).max(*figure);
+        self.best = few.best;
+        let (_, why) = few.why.filter(|_| all.is_none())?;
+        let count = counts.iter().fold(1, |count: usize, places| count.saturating_mul(*places));
+        Some(Box::new(NoArrangement { count, ..*why }))
     }
 
     /// Whether the plans of an arrangement may be better than the best.

@@ -28,6 +28,9 @@ impl AgentStep {
     }
 }
 
+/// A step, and the cell of the electrode that acts on its agent by intent besides that at its end: it is pulled apart.
+pub type PulledStep = (AgentStep, Option<ElectrodeIndex>);
+
 /// The shared channels of a board, and what the parts do to them that do not move.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SharedChannels {
@@ -110,11 +113,10 @@ impl SharedChannels {
         rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
     }
 
-    /// Whether some channels act on an agent in a step by an electrode other than that to which it goes and, if there is one, the one
-    /// that is meant besides.
-    fn acts(&self, step: AgentStep, meant: Option<ElectrodeIndex>, is_on: impl Fn(usize) -> bool) -> bool {
+    /// Whether some channels act on an agent in a step by an electrode other than that to which it goes and those that are meant besides.
+    fn acts(&self, step: AgentStep, meant: [Option<ElectrodeIndex>; 2], is_on: impl Fn(usize) -> bool) -> bool {
         let mut reach = self.reach(step.from).chain(self.reach(step.to));
-        reach.any(|cell| cell != step.to && Some(cell) != meant && self.number(cell).is_some_and(&is_on))
+        reach.any(|cell| cell != step.to && !meant.contains(&Some(cell)) && self.number(cell).is_some_and(&is_on))
     }
 
     /// The shared channel that a step has on.
@@ -125,32 +127,37 @@ impl SharedChannels {
 
     /// Whether a step is impossible even for an agent alone.
     pub fn tears(&self, step: AgentStep) -> bool {
-        self.tears_besides(step, None)
+        self.tears_pulled((step, None))
     }
 
-    /// The same, where the electrode at a cell is on and acts on the agent by intent: it is pulled apart.
-    pub fn tears_besides(&self, step: AgentStep, meant: Option<ElectrodeIndex>) -> bool {
+    /// The same of an agent that may be pulled apart.
+    pub fn tears_pulled(&self, (step, meant): PulledStep) -> bool {
         let own = self.on_in(step);
         self.is_torn
             || own.is_some_and(|own| self.barred.contains(own))
-            || self.acts(step, meant, |number| Some(number) == own || self.held.contains(number))
+            || self.acts(step, [meant, None], |number| Some(number) == own || self.held.contains(number))
     }
 
     /// Whether two steps at the same time exclude each other: what is on for one acts on the agent of the other.
     pub fn clash(&self, one: AgentStep, other: AgentStep) -> bool {
-        let disturbs = |one: AgentStep, other: AgentStep| {
+        self.clash_pulled((one, None), (other, None))
+    }
+
+    /// The same of agents that may be pulled apart.
+    pub fn clash_pulled(&self, one: PulledStep, other: PulledStep) -> bool {
+        let disturbs = |(one, _): PulledStep, (other, meant): PulledStep| {
             let own = self.on_in(one);
             // The electrode to which the first goes itself is for the separation to keep away.
-            own.is_some() && self.acts(other, Some(one.to), |number| Some(number) == own)
+            own.is_some() && self.acts(other, [Some(one.to), meant], |number| Some(number) == own)
         };
         disturbs(one, other) || disturbs(other, one)
     }
 
-    /// Whether some steps go together, each with the electrode that acts on its agent by intent besides.
-    pub fn go_together(&self, steps: &[(AgentStep, Option<ElectrodeIndex>)]) -> bool {
+    /// Whether some steps go together.
+    pub fn go_together(&self, steps: &[PulledStep]) -> bool {
         let is_possible = |nth: usize| {
-            let (step, meant) = steps[nth];
-            !self.tears_besides(step, meant) && steps[..nth].iter().all(|(other, _)| !self.clash(step, *other))
+            let is_clear = |other: &PulledStep| !self.clash_pulled(steps[nth], *other);
+            !self.tears_pulled(steps[nth]) && steps[..nth].iter().all(is_clear)
         };
         (0..steps.len()).all(is_possible)
     }

@@ -3,7 +3,7 @@
 //! Input: a job, and the cells of the parts. Output: a plan, or an error that explains why there is none. Reading order: `job` (a
 //! task, step by step), `standings` (where earlier plans have left the parts), `stage` (one step on flat cell indices, [`board`]), `portfolio` (the default planner: [`fast`] finds plans,
 //! [`exact`] and [`joint`] prove them optimal or impossible), [`broadcast`] and [`channels`] (boards on which a channel switches several electrodes), `torn` (where such have no plan), `limited` (plans of all steps within limits), [`published`] (the
-//! paper's own), [`assay`] and `errands` (operations that depend on each other only by their parts), `arranged` and `relaxed` (their places, where the program leaves them open), [`teams`], `shared` and `loose` (interchangeable goals), `why` (blocking obstacles), `remedy` (changes that would help).
+//! paper's own), [`assay`] and `errands` (operations that depend on each other only by their parts), `arranged`, `place_tree` and `relaxed` (their places, where the program leaves them open), [`teams`], `shared` and `loose` (interchangeable goals), `why` (blocking obstacles), `remedy` (changes that would help).
 
 mod alone;
 mod arranged;
@@ -25,6 +25,7 @@ mod loose;
 mod motion;
 mod one_by_one;
 mod place_queue;
+mod place_tree;
 mod placement;
 mod portfolio;
 pub mod published;

@@ -33,6 +33,10 @@ const STOP: f64 = 0.6;
 /// Distance of neighbouring points of the clouds, in pitches.
 const POINTS: f64 = 0.05;
 
+/// Points of the ring of an electrode that is on. Every switching instant repeats the rings of all of them, which with as many points as the
+/// scenery has would take more of a log than everything else together.
+const ACTIVE_POINTS: usize = 24;
+
 /// Greatest number of electrodes drawn one by one; of a larger board only the outline is.
 const MAX_ELECTRODES: usize = 10_000;
 
@@ -285,11 +289,11 @@ fn active(verified: &Verified, device: &str, facts: Option<&ElectrodeArrayFacts>
     };
     let points = |(t_ns, cells, facts): &(u64, BTreeSet<ElectrodeCell>, &ElectrodeArrayFacts)| {
         let rings = cells.iter().map(|cell| Stroke {
-            corners: circle(Point2::from(place_um(facts, *cell)), facts.radius_um, CIRCLE_CORNERS),
+            corners: circle(Point2::from(place_um(facts, *cell)), facts.radius_um, ACTIVE_POINTS),
             color: ACTIVE,
         });
-        let step_um = POINTS * facts.pitch_um();
-        (*t_ns, foxglove::encode(&spaced_cloud(&rings.collect::<Vec<_>>(), device, *t_ns, step_um)))
+        // No side of a ring is as long as its radius: its corners are the points.
+        (*t_ns, foxglove::encode(&spaced_cloud(&rings.collect::<Vec<_>>(), device, *t_ns, facts.radius_um)))
     };
     ActiveTopics {
         scenes: LogTopic::new::<SceneUpdate>(format!("/{device}/active"), on.iter().map(scene).collect()),

@@ -1,7 +1,6 @@
 //! Whether courses that were made without regard to shared channels keep their rule.
 
-use super::super::board::CellIndex;
-use super::super::broadcast::AgentStep;
+use super::super::broadcast::{AgentStep, PulledStep};
 use super::{AgentCourse, AssayProblem};
 
 /// Whether the courses of an assay keep the rule until the last errand is done.
@@ -15,12 +14,7 @@ pub fn are_kept_by_courses(problem: &AssayProblem, courses: &[AgentCourse]) -> b
 }
 
 /// The step of an agent from an instant on, with what pulls its other half; `None` if it is not there.
-fn step_of(
-    problem: &AssayProblem,
-    courses: &[AgentCourse],
-    agent: usize,
-    instant: u32,
-) -> Option<(AgentStep, Option<CellIndex>)> {
+fn step_of(problem: &AssayProblem, courses: &[AgentCourse], agent: usize, instant: u32) -> Option<PulledStep> {
     let course = &courses[agent];
     let to = course.at(instant + 1)?;
     if problem.is_gone[agent] && instant + 1 >= course.until() {

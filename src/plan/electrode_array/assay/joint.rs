@@ -6,7 +6,7 @@
 //! [`MAX_POSITIONS`] are kept.
 
 use super::super::board::{CellIndex, MetCells};
-use super::super::broadcast::{AgentStep, SharedChannels};
+use super::super::broadcast::{AgentStep, PulledStep, SharedChannels};
 use super::super::fast::UNREACHABLE;
 use super::route::Ahead;
 use super::{AgentCourse, AssayProblem, Errand, ErrandLag, ErrandPlace, SplitErrand};
@@ -258,7 +258,7 @@ impl JointSearch<'_> {
             if self.is_torn(from, (agent, *own), stand) {
                 continue;
             }
-            if (0..agent).all(|other| self.keeps_apart(from, (agent, stand.cell), (other, next[other]))) {
+            if (0..agent).all(|other| self.keeps_apart(from, (agent, stand), (other, next[other]))) {
                 next.push(JointStand::There(stand));
                 self.extend(from, next, found);
                 next.pop();
@@ -270,17 +270,27 @@ impl JointSearch<'_> {
         self.problem.instance.board.channels()
     }
 
+    /// What an agent gives off in a step.
+    fn gives_off(&self, from: &[JointStand], agent: usize, next: AgentStand) -> Option<SplitErrand> {
+        let has_split = from[agent].there().is_some_and(|own| next.done > own.done);
+        due(self.problem, from, agent).filter(|_| has_split)?.splits
+    }
+
+    /// A step of an agent from a cell, with what pulls its other half.
+    fn pulled(&self, from: &[JointStand], (agent, cell): (usize, CellIndex), next: AgentStand) -> PulledStep {
+        let split = self.gives_off(from, agent, next);
+        let half = split.map(|split| self.problem.instance.agents[split.child].start);
+        (AgentStep { from: cell, to: next.cell }, half)
+    }
+
     /// Whether shared channels tear an agent in a step, or what it gives off in it.
     fn is_torn(&self, from: &[JointStand], (agent, own): (usize, AgentStand), next: AgentStand) -> bool {
         let Some(channels) = self.channels() else { return false };
-        let step = AgentStep { from: own.cell, to: next.cell };
-        let split = due(self.problem, from, agent).and_then(|due| due.splits).filter(|_| next.done > own.done);
-        let Some(split) = split else { return channels.tears(step) };
-        let comes = self.problem.instance.agents[split.child].start;
-        let half = AgentStep { from: split.from, to: comes };
-        channels.tears_besides(step, Some(comes))
-            || channels.tears_besides(half, Some(next.cell))
-            || channels.clash(step, half)
+        let step = self.pulled(from, (agent, own.cell), next);
+        let Some(split) = self.gives_off(from, agent, next) else { return channels.tears_pulled(step) };
+        let to = self.problem.instance.agents[split.child].start;
+        let half = (AgentStep { from: split.from, to }, Some(next.cell));
+        channels.tears_pulled(step) || channels.tears_pulled(half) || channels.clash_pulled(step, half)
     }
 
     /// All steps of an agent, whatever the others do.
@@ -316,11 +326,7 @@ impl JointSearch<'_> {
     /// A joint position with the agents that were given off in the step to it, unless one of them comes too near to another.
     fn with_given_off(&self, from: &[JointStand], next: &[JointStand]) -> Option<Box<[JointStand]>> {
         let (problem, instance) = (self.problem, self.problem.instance);
-        let given = |agent: usize| {
-            let (before, after) = (from[agent].there()?, next[agent].there()?);
-            let split = due(problem, from, agent)?.splits?;
-            (after.done > before.done).then_some((agent, split))
-        };
+        let given = |agent: usize| Some((agent, self.gives_off(from, agent, next[agent].there()?)?));
         let given: Vec<(usize, SplitErrand)> = (0..next.len()).filter_map(given).collect();
         let mut all: Box<[JointStand]> = next.into();
         for (_, split) in &given {
@@ -328,14 +334,21 @@ impl JointSearch<'_> {
         }
         let is_clear = |(agent, split): &(usize, SplitErrand)| {
             let ours = [split.from, instance.agents[split.child].start];
+            let remains = all[*agent].there().map(|stand| stand.cell);
+            let half = (AgentStep { from: ours[0], to: ours[1] }, remains);
             (0..all.len()).filter(|other| other != agent && *other != split.child).all(|other| {
-                let from_split = given.iter().find(|(_, theirs)| theirs.child == other).map(|(_, theirs)| theirs.from);
-                let before = from_split.or(from[other].there().map(|stand| stand.cell));
-                let after = all[other].there().map(|stand| stand.cell);
-                let mut theirs = before.into_iter().chain(after);
-                let half = AgentStep { from: ours[0], to: ours[1] };
-                let step = before.zip(after).map(|(from, to)| AgentStep { from, to });
-                let clashes = self.channels().zip(step).is_some_and(|(channels, step)| channels.clash(half, step));
+                let parent = given.iter().find(|(_, theirs)| theirs.child == other);
+                let before = parent.map(|(_, theirs)| theirs.from).or(from[other].there().map(|stand| stand.cell));
+                let after = all[other].there();
+                let step = before.zip(after).map(|(cell, next)| match parent {
+                    Some((parent, _)) => {
+                        (AgentStep { from: cell, to: next.cell }, all[*parent].there().map(|stand| stand.cell))
+                    }
+                    None => self.pulled(from, (other, cell), next),
+                });
+                let clashes =
+                    self.channels().zip(step).is_some_and(|(channels, step)| channels.clash_pulled(half, step));
+                let mut theirs = before.into_iter().chain(after.map(|stand| stand.cell));
                 !clashes
                     && theirs
                         .all(|theirs| ours.iter().all(|own| instance.board.apart(*own, theirs) >= instance.separation))
@@ -371,18 +384,22 @@ impl JointSearch<'_> {
     fn keeps_apart(
         &self,
         from: &[JointStand],
-        (agent, to): (usize, CellIndex),
+        (agent, own_next): (usize, AgentStand),
         (other, other_next): (usize, JointStand),
     ) -> bool {
         let both = (from[agent].there(), from[other].there(), other_next.there());
         let (Some(own), Some(theirs), Some(next)) = both else { return true };
         let stop = meeting(self.problem, from, agent).filter(|(with, _)| *with == other).map(|(_, stop)| stop);
-        let (ours, others) = ([own.cell, to], [theirs.cell, next.cell]);
+        let (ours, others) = ([own.cell, own_next.cell], [theirs.cell, next.cell]);
         let merges_at = |cells: [CellIndex; 2]| stop.filter(|stop| cells[1] == *stop);
         let (our_merge, their_merge) = (merges_at(ours), merges_at(others));
         let instance = self.problem.instance;
-        let step = |[from, to]: [CellIndex; 2]| AgentStep { from, to };
-        if self.channels().is_some_and(|channels| channels.clash(step(ours), step(others))) {
+        let steps = || [self.pulled(from, (agent, own.cell), own_next), self.pulled(from, (other, theirs.cell), next)];
+        let clash = |channels: &SharedChannels| {
+            let [ours, theirs] = steps();
+            channels.clash_pulled(ours, theirs)
+        };
+        if self.channels().is_some_and(clash) {
             return false;
         }
         ours.iter().filter(|cell| Some(**cell) != our_merge).all(|one| {

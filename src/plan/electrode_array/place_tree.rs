@@ -1,0 +1,104 @@
+//! Choices of places in the order of lower bounds, of which most are never written down.
+//!
+//! Method: best-first branching. A node has places for the first of the operations that leave them open; its bound holds wherever the others
+//! take place. Guaranteed: no choice comes before one whose bound is lower, and [`PlaceTree::least`] is a bound of all that have not come yet.
+//! Cost: a bound for each place of the next operation at each node that is taken up.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// The lowest bound first, of equals the one with most places, then the one that came first.
+type PlaceNode = Reverse<(u64, Reverse<usize>, usize, Vec<usize>)>;
+
+/// The choices that have not come yet.
+pub(super) struct PlaceTree<'a> {
+    /// How many places each operation has.
+    counts: &'a [usize],
+    open: BinaryHeap<PlaceNode>,
+    /// How many nodes there have been.
+    nodes: usize,
+    /// Nodes of which a bound may still be asked for.
+    looks: usize,
+}
+
+impl PlaceTree<'_> {
+    /// All choices, with what bounds them all, and most nodes of which a bound is asked for.
+    pub fn new(counts: &[usize], bound: u64, looks: usize) -> PlaceTree<'_> {
+        PlaceTree { counts, open: BinaryHeap::from([Reverse((bound, Reverse(0), 0, Vec::new()))]), nodes: 1, looks }
+    }
+
+    /// The next choice with its bound; `None` when all bounds that are left have come to `limit`, or no more bounds may be asked for.
+    /// `bound_of` is asked for the bound of places of the first operations.
+    pub fn next(&mut self, limit: u64, mut bound_of: impl FnMut(&[usize]) -> u64) -> Option<(Vec<usize>, u64)> {
+        while self.least()? < limit {
+            let depth = self.open.peek().map_or(0, |Reverse((.., places))| places.len());
+            let count = self.counts.get(depth).copied();
+            if count.is_some_and(|count| count > self.looks) {
+                return None;
+            }
+            let Reverse((bound, _, _, places)) = self.open.pop()?;
+            let Some(count) = count else { return Some((places, bound)) };
+            self.looks -= count;
+            for place in 0..count {
+                let mut places = places.clone();
+                places.push(place);
+                let own = bound_of(&places).max(bound);
+                self.open.push(Reverse((own, Reverse(places.len()), self.nodes, places)));
+                self.nodes += 1;
+            }
+        }
+        None
+    }
+
+    /// The least bound of what has not come yet; `None` when all has.
+    pub fn least(&self) -> Option<u64> {
+        self.open.peek().map(|Reverse((bound, ..))| *bound)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::SplitMix64;
+
+    /// Costs of places that grow with each operation, so that every prefix has a bound.
+    fn cost(costs: &[Vec<u64>], places: &[usize]) -> u64 {
+        places.iter().enumerate().map(|(nth, place)| costs[nth][*place]).sum()
+    }
+
+    #[test]
+    fn all_choices_come_in_the_order_of_their_bounds() {
+        let mut random = SplitMix64::new(7);
+        for _ in 0..100 {
+            let counts: Vec<usize> = (0..random.below(4) + 1).map(|_| random.below(4) + 1).collect();
+            let costs: Vec<Vec<u64>> =
+                counts.iter().map(|count| (0..*count).map(|_| random.below(5) as u64).collect()).collect();
+            let mut all: Vec<u64> = vec![0];
+            for own in &costs {
+                all = all.iter().flat_map(|sum| own.iter().map(move |cost| sum + cost)).collect();
+            }
+            all.sort_unstable();
+            let mut tree = PlaceTree::new(&counts, 0, usize::MAX);
+            let mut came = Vec::new();
+            while let Some((places, bound)) = tree.next(u64::MAX, |places| cost(&costs, places)) {
+                assert_eq!(bound, cost(&costs, &places));
+                came.push(bound);
+            }
+            assert_eq!(came, all);
+            assert_eq!(tree.least(), None);
+        }
+    }
+
+    #[test]
+    fn what_is_left_out_is_bounded() {
+        let (counts, costs) = ([3, 3], [vec![4, 1, 2], vec![0, 7, 3]]);
+        let bound_of = |places: &[usize]| cost(&costs, places);
+        let mut tree = PlaceTree::new(&counts, 0, usize::MAX);
+        assert_eq!(tree.next(2, bound_of), Some((vec![1, 0], 1)));
+        assert_eq!(tree.next(2, bound_of), None);
+        assert_eq!(tree.least(), Some(2));
+        let mut short = PlaceTree::new(&counts, 0, 5);
+        assert_eq!(short.next(u64::MAX, bound_of), None);
+        assert_eq!(short.least(), Some(1));
+    }
+}
