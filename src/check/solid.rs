@@ -192,7 +192,11 @@ fn rounded_box(shape: &ShapeValue) -> Diagnosed<HandSolid> {
     let radius = radius.min(least);
     let inner = half.map(|half| half - radius);
     let [a, b, c] = inner.map(|inner| 2.0 * inner);
-    let outline = |other: usize| Outline::RoundedRectangle { half_um: [half[0], half[other]], radius_um: radius };
+    let outline = |other: usize| Outline::RoundedRectangle {
+        half_um: [half[0], half[other]],
+        radius_um: radius,
+        centre_um: [0.0; 2],
+    };
     Ok(HandSolid {
         xy: outline(1),
         xz: Some(outline(2)),
@@ -244,26 +248,37 @@ fn mesh(shape: &ShapeValue, span: Span) -> Diagnosed<HandSolid> {
     })
 }
 
-/// The outline of a section that is an upright rectangle round the origin: smoothing would make waves of its sides.
+/// The outline of a section that is an upright rectangle round the origin: smoothing would make waves of its sides. `None` for other sections,
+/// and where the x axis leaves it near a corner.
 fn rectangle(polygon: &[[f64; 2]]) -> Option<Outline> {
-    let half_um = [0, 1].map(|axis: usize| polygon.iter().map(|point| point[axis].abs()).fold(0.0, f64::max));
+    let ends = [0, 1].map(|axis: usize| {
+        let places = || polygon.iter().map(|point| point[axis]);
+        [places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max)]
+    });
+    let half_um = ends.map(|[low, high]| (high - low) / 2.0);
     let least_um = half_um[0].min(half_um[1]);
-    let slack_um = SAME_SHARE * least_um;
-    let on_side = |point: &[f64; 2], axis: usize| (point[axis].abs() - half_um[axis]).abs() <= slack_um;
-    if !polygon.iter().all(|point| on_side(point, 0) || on_side(point, 1)) {
+    let (slack_um, radius_um) = (SAME_SHARE * least_um, (CORNER_SHARE * least_um).max(MIN_UM));
+    // Figures of a file are rounded: a section that is centred but for that is centred.
+    let centre_um = ends.map(|[low, high]| (low + high) / 2.0).map(|at| if at.abs() <= slack_um { 0.0 } else { at });
+    let off_um = |point: &[f64; 2], axis: usize| ((point[axis] - centre_um[axis]).abs() - half_um[axis]).abs();
+    if !polygon.iter().all(|point| off_um(point, 0) <= slack_um || off_um(point, 1) <= slack_um) {
         return None;
     }
     let has_corner = |signs: [f64; 2]| {
-        let is_there =
-            |point: &[f64; 2]| (0..2).all(|axis| (point[axis] - signs[axis] * half_um[axis]).abs() <= slack_um);
+        let place = |axis: usize| centre_um[axis] + signs[axis] * half_um[axis];
+        let is_there = |point: &[f64; 2]| (0..2).all(|axis| (point[axis] - place(axis)).abs() <= slack_um);
         polygon.iter().any(is_there)
     };
     let next = polygon.iter().cycle().skip(1);
     let twice_um2: f64 = polygon.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum();
     let is_whole = (twice_um2.abs() - 8.0 * half_um[0] * half_um[1]).abs() <= SAME_SHARE * half_um[0] * half_um[1];
     let corners = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]];
-    (is_whole && corners.into_iter().all(has_corner))
-        .then_some(Outline::RoundedRectangle { half_um, radius_um: (CORNER_SHARE * least_um).max(MIN_UM) })
+    let is_round_origin = centre_um[0].abs() < half_um[0] && centre_um[1].abs() <= half_um[1] - radius_um;
+    (is_whole && is_round_origin && corners.into_iter().all(has_corner)).then_some(Outline::RoundedRectangle {
+        half_um,
+        radius_um,
+        centre_um,
+    })
 }
 
 /// Diagnostic for a section whose outline cannot be sampled.

@@ -29,24 +29,24 @@ pub(super) enum OutlineForm {
 }
 
 impl OutlineForm {
-    /// A rectangle with round corners, from the middle of its right side; parts without length are left out.
-    pub fn rounded(half: [f64; 2], radius_um: f64) -> OutlineForm {
+    /// A rectangle with round corners, from where the x axis leaves it on its right side; parts without length are left out.
+    pub fn rounded(half: [f64; 2], radius_um: f64, [x, y]: [f64; 2]) -> OutlineForm {
         let [a, b] = [half[0] - radius_um, half[1] - radius_um];
         let line = |from, along, length| (OutlineArc::Line { from, along }, length);
         let arc = |centre, from_rad| (OutlineArc::Arc { centre, radius_um, from_rad }, radius_um * FRAC_PI_2);
         let all = [
-            line([half[0], 0.0], [0.0, 1.0], b),
-            arc([a, b], 0.0),
-            line([a, half[1]], [-1.0, 0.0], a),
-            line([0.0, half[1]], [-1.0, 0.0], a),
-            arc([-a, b], FRAC_PI_2),
-            line([-half[0], b], [0.0, -1.0], b),
-            line([-half[0], 0.0], [0.0, -1.0], b),
-            arc([-a, -b], 2.0 * FRAC_PI_2),
-            line([-a, -half[1]], [1.0, 0.0], a),
-            line([0.0, -half[1]], [1.0, 0.0], a),
-            arc([a, -b], 3.0 * FRAC_PI_2),
-            line([half[0], -b], [0.0, 1.0], b),
+            line([x + half[0], 0.0], [0.0, 1.0], b + y),
+            arc([x + a, y + b], 0.0),
+            line([x + a, y + half[1]], [-1.0, 0.0], a),
+            line([x, y + half[1]], [-1.0, 0.0], a),
+            arc([x - a, y + b], FRAC_PI_2),
+            line([x - half[0], y + b], [0.0, -1.0], b),
+            line([x - half[0], y], [0.0, -1.0], b),
+            arc([x - a, y - b], 2.0 * FRAC_PI_2),
+            line([x - a, y - half[1]], [1.0, 0.0], a),
+            line([x, y - half[1]], [1.0, 0.0], a),
+            arc([x + a, y - b], 3.0 * FRAC_PI_2),
+            line([x + half[0], y - b], [0.0, 1.0], b - y),
         ];
         OutlineForm::Parts { parts: all.into_iter().filter(|(_, length)| *length > 0.0).collect() }
     }

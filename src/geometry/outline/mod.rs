@@ -53,10 +53,19 @@ pub enum Outline {
     Ellipse { semi_um: [f64; 2] },
     /// |x/a|^n + |y/b|^n = 1, n from 2 to 10.
     Superellipse { semi_um: [f64; 2], exponent: f64 },
-    /// Half widths along x and y, and the radius of the corners.
-    RoundedRectangle { half_um: [f64; 2], radius_um: f64 },
+    /// Half widths along x and y, the radius of the corners, and the middle; the x axis leaves it through its right side, not through a corner.
+    RoundedRectangle {
+        half_um: [f64; 2],
+        radius_um: f64,
+        #[serde(default, skip_serializing_if = "is_origin")]
+        centre_um: [f64; 2],
+    },
     /// A periodic cubic spline through these points, counter-clockwise.
     Spline { points_um: Vec<[f64; 2]> },
+}
+
+fn is_origin(point_um: &[f64; 2]) -> bool {
+    *point_um == [0.0; 2]
 }
 
 /// The curve at an arc length.
@@ -395,10 +404,12 @@ fn formulas(outline: &Outline) -> Result<OutlineForm, OutlineError> {
                 .then_some(OutlineForm::Superellipse { semi: *semi_um, exponent: *exponent })
                 .ok_or(OutlineError::Number)
         }
-        Outline::RoundedRectangle { half_um, radius_um } => {
+        Outline::RoundedRectangle { half_um, radius_um, centre_um } => {
             sizes(half_um)?;
-            let in_range = (MIN_UM..=half_um[0].min(half_um[1])).contains(radius_um);
-            in_range.then(|| OutlineForm::rounded(*half_um, *radius_um)).ok_or(OutlineError::Number)
+            let in_range = (MIN_UM..=half_um[0].min(half_um[1])).contains(radius_um)
+                && centre_um[0].is_finite()
+                && centre_um[1].abs() <= half_um[1] - radius_um;
+            in_range.then(|| OutlineForm::rounded(*half_um, *radius_um, *centre_um)).ok_or(OutlineError::Number)
         }
         Outline::Spline { points_um } => spline_form(points_um),
     }

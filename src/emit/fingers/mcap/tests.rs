@@ -78,7 +78,8 @@ fn a_ball_a_flat_part_and_another_are_drawn_with_their_sections() {
     };
     assert_eq!(drawn(&|_| ()), (1, 0, 2));
     assert_eq!(drawn(&|part| part.xz = None), (0, 1, 1));
-    let cube = crate::geometry::outline::Outline::RoundedRectangle { half_um: [14.0; 2], radius_um: 3.0 };
+    let cube =
+        crate::geometry::outline::Outline::RoundedRectangle { half_um: [14.0; 2], radius_um: 3.0, centre_um: [0.0; 2] };
     assert_eq!(drawn(&|part| part.xy.outline = cube.clone()), (0, 2, 2));
 }
 

@@ -35,9 +35,10 @@ fn all() -> Vec<Outline> {
         Outline::Ellipse { semi_um: [14.0, 14.0] },
         Outline::Ellipse { semi_um: PAPER_UM },
         Outline::Ellipse { semi_um: [3.0, 40.0] },
-        Outline::RoundedRectangle { half_um: [20.0, 10.0], radius_um: 3.0 },
-        Outline::RoundedRectangle { half_um: [20.0, 10.0], radius_um: 10.0 },
-        Outline::RoundedRectangle { half_um: [10.0, 10.0], radius_um: 10.0 },
+        Outline::RoundedRectangle { half_um: [20.0, 10.0], radius_um: 3.0, centre_um: [0.0; 2] },
+        Outline::RoundedRectangle { half_um: [20.0, 10.0], radius_um: 10.0, centre_um: [0.0; 2] },
+        Outline::RoundedRectangle { half_um: [10.0, 10.0], radius_um: 10.0, centre_um: [0.0; 2] },
+        Outline::RoundedRectangle { half_um: [20.0, 10.0], radius_um: 3.0, centre_um: [-15.0, 6.5] },
         lobed(3.0, 0.05),
         lobed(5.0, 0.2),
         lobed(2.0, 0.4),
@@ -268,7 +269,7 @@ fn the_nearest_place_of_a_tip_is_its_contact() {
 
 #[test]
 fn a_rounded_rectangle_has_exact_normals() {
-    let curve = curve(&Outline::RoundedRectangle { half_um: [20.0, 10.0], radius_um: 3.0 });
+    let curve = curve(&Outline::RoundedRectangle { half_um: [20.0, 10.0], radius_um: 3.0, centre_um: [0.0; 2] });
     assert!((curve.perimeter_um() - (2.0 * (34.0 + 14.0) + TAU * 3.0)).abs() < 1e-10);
     assert!((curve.area_um2() - (800.0 - (4.0 - PI) * 9.0)).abs() < 1e-9);
     assert!((curve.reach_um() - (17.0_f64.hypot(7.0) + 3.0)).abs() < 1e-10);
@@ -338,11 +339,17 @@ fn what_is_no_outline_is_refused() {
         points[2][1] = odd;
         assert_eq!(of(&spline(&points)), Err(OutlineError::Number));
         assert_eq!(of(&Outline::Superellipse { semi_um: [5.0, 4.0], exponent: odd }), Err(OutlineError::Number));
-        assert_eq!(of(&Outline::RoundedRectangle { half_um: [5.0, 4.0], radius_um: odd }), Err(OutlineError::Number));
+        assert_eq!(
+            of(&Outline::RoundedRectangle { half_um: [5.0, 4.0], radius_um: odd, centre_um: [0.0; 2] }),
+            Err(OutlineError::Number)
+        );
         assert_eq!(of(&Outline::Ellipse { semi_um: [odd, 4.0] }), Err(OutlineError::Number));
     }
     assert_eq!(of(&Outline::Ellipse { semi_um: [0.0, 4.0] }), Err(OutlineError::NoArea));
-    assert_eq!(of(&Outline::RoundedRectangle { half_um: [5.0, 4.0], radius_um: 4.01 }), Err(OutlineError::Number));
+    assert_eq!(
+        of(&Outline::RoundedRectangle { half_um: [5.0, 4.0], radius_um: 4.01, centre_um: [0.0; 2] }),
+        Err(OutlineError::Number)
+    );
     assert_eq!(of(&Outline::Superellipse { semi_um: [5.0, 4.0], exponent: 1.99 }), Err(OutlineError::Number));
     let twice = [[10.0, 10.0], [-10.0, 10.0], [-10.0, 10.0], [-10.0, -10.0], [10.0, -10.0]];
     assert_eq!(of(&spline(&twice)), Err(OutlineError::RepeatedPoint(1)));

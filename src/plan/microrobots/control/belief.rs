@@ -280,16 +280,24 @@ impl<'a> Belief<'a> {
         self.structure.moved(pose)
     }
 
-    /// Distance of a robot's front, at a goal, from the nearest corner of some docked robots before it.
+    /// Distance of a robot's front, at a goal, from what some docked robots before it have ahead of that front; of the nearest corner where
+    /// that is nothing.
     pub fn gap_um(&self, robot: usize, goal: Pose, before: &[usize]) -> f64 {
         let (sin, cos) = goal.heading_rad.sine_cosine();
-        let mut nearest_um = f64::INFINITY;
+        let own = self.order.robot(robot);
+        let (mut corner_um, mut front_um) = (f64::INFINITY, f64::INFINITY);
         for &other in before.iter().filter(|other| self.docked[**other]) {
-            for corner in body(self.order.robot(other), self.poses[other], 0.0) {
-                nearest_um = nearest_um.min((corner.x - goal.x_um) * cos + (corner.y - goal.y_um) * sin);
+            let seen = body(self.order.robot(other), self.poses[other], 0.0).map(|corner| {
+                let (dx_um, dy_um) = (corner.x - goal.x_um, corner.y - goal.y_um);
+                [dx_um * cos + dy_um * sin, dy_um * cos - dx_um * sin]
+            });
+            corner_um = seen.iter().fold(corner_um, |least, [ahead_um, _]| least.min(*ahead_um));
+            for (at, one) in seen.iter().enumerate() {
+                front_um = front_um.min(ahead_of_front_um(*one, seen[(at + 1) % seen.len()], own.width_um / 2.0));
             }
         }
-        if nearest_um.is_finite() { nearest_um - self.order.robot(robot).length_um / 2.0 } else { 0.0 }
+        let nearest_um = if front_um.is_finite() { front_um } else { corner_um };
+        if nearest_um.is_finite() { nearest_um - own.length_um / 2.0 } else { 0.0 }
     }
 
     /// Bound on the error of the place of a point at this distance from a measured robot.
@@ -363,4 +371,21 @@ impl PoseMean {
         let heading_rad = (self.first_rad + self.off_rad).rem_euclid(TAU);
         Pose { x_um: self.x_um, y_um: self.y_um, heading_rad: wrapped_rad(heading_rad) }
     }
+}
+
+/// Least way ahead of the points of a line that are no further to the side than half of a width; infinite if there are none.
+fn ahead_of_front_um(one: [f64; 2], other: [f64; 2], half_um: f64) -> f64 {
+    let [low, high] = if one[1] <= other[1] { [one, other] } else { [other, one] };
+    if high[1] < -half_um || low[1] > half_um {
+        return f64::INFINITY;
+    }
+    let across_um = high[1] - low[1];
+    let ahead_um = |side_um: f64| {
+        let share = if across_um > 0.0 { ((side_um - low[1]) / across_um).clamp(0.0, 1.0) } else { 0.0 };
+        low[0] + share * (high[0] - low[0])
+    };
+    let ends_um = [ahead_um(-half_um), ahead_um(half_um)];
+    // A line along the heading begins at the nearer of its ends.
+    let along_um = if across_um > 0.0 { f64::INFINITY } else { low[0].min(high[0]) };
+    ends_um[0].min(ends_um[1]).min(along_um)
 }

@@ -157,17 +157,19 @@ pub fn all(outline: &Outline) -> Option<Vec<Piece>> {
             let is_sound = semi_um.iter().all(is_size) && exponent.is_finite() && *exponent >= 2.0;
             is_sound.then(|| (0..8).map(octant).collect())
         }
-        Outline::RoundedRectangle { half_um, radius_um } => {
-            let is_sound =
-                half_um.iter().chain([radius_um]).all(is_size) && half_um.iter().all(|half| half >= radius_um);
-            is_sound.then(|| rounded_rectangle(*half_um, *radius_um))
+        Outline::RoundedRectangle { half_um, radius_um, centre_um } => {
+            let is_sound = half_um.iter().chain([radius_um]).all(is_size)
+                && half_um.iter().all(|half| half >= radius_um)
+                && centre_um.iter().all(|place| place.is_finite());
+            is_sound.then(|| rounded_rectangle(*half_um, *radius_um, *centre_um))
         }
         Outline::Spline { points_um } => spline(points_um),
     }
 }
 
 /// Sides and corners in turn, from the middle of the right side; both upright sides are two lines.
-fn rounded_rectangle([x_um, y_um]: [f64; 2], radius_um: f64) -> Vec<Piece> {
+fn rounded_rectangle([x_um, y_um]: [f64; 2], radius_um: f64, middle_um: [f64; 2]) -> Vec<Piece> {
+    let moved = |point_um: [f64; 2]| [0, 1].map(|axis| point_um[axis] + middle_um[axis]);
     let [a_um, b_um] = [x_um - radius_um, y_um - radius_um];
     let stops_um = [
         [x_um, 0.0],
@@ -181,8 +183,9 @@ fn rounded_rectangle([x_um, y_um]: [f64; 2], radius_um: f64) -> Vec<Piece> {
         [a_um, -y_um],
         [x_um, -b_um],
         [x_um, 0.0],
-    ];
-    let corner = |number, centre_um| Piece::Corner { centre_um, radius_um, number };
+    ]
+    .map(moved);
+    let corner = |number, centre_um| Piece::Corner { centre_um: moved(centre_um), radius_um, number };
     let piece = |at: usize| match at {
         1 => corner(0, [a_um, b_um]),
         3 => corner(1, [-a_um, b_um]),

@@ -20,9 +20,12 @@ fn outline() -> impl Strategy<Value = Outline> {
     let lame = (size(), 0.2..2.0f64, exponent)
         .prop_map(|(semi, share, exponent)| Outline::Superellipse { semi_um: [semi, semi * share], exponent });
     let share = prop_oneof![Just(1.0), 0.05..1.0f64];
-    let rounded = (size(), 0.2..2.0f64, share).prop_map(|(half, other, share)| {
+    let off = [-0.9..0.9f64, -0.9..0.9f64];
+    let rounded = (size(), 0.2..2.0f64, share, off).prop_map(|(half, other, share, off)| {
         let half_um = [half, half * other];
-        Outline::RoundedRectangle { half_um, radius_um: share * half_um[0].min(half_um[1]) }
+        let radius_um = share * half_um[0].min(half_um[1]);
+        let centre_um = [0, 1].map(|axis: usize| off[axis] * (half_um[axis] - radius_um));
+        Outline::RoundedRectangle { half_um, radius_um, centre_um }
     });
     let wave = (2..4u8, 0.0..0.12f64, 0.0..7.0f64);
     let spline =
@@ -126,7 +129,8 @@ fn known_figures() {
     let round_um = PI * 9.0 * (1.0 + 3.0 * h / (10.0 + (4.0 - 3.0 * h).sqrt()));
     let ellipse = Contour::of(&Outline::Ellipse { semi_um: [5.0, 4.0] }).expect("an outline");
     assert!((ellipse.round_um() - round_um).abs() < 1e-8);
-    let rounded = Contour::of(&Outline::RoundedRectangle { half_um: [5.0, 3.0], radius_um: 1.0 }).expect("an outline");
+    let rounded = Contour::of(&Outline::RoundedRectangle { half_um: [5.0, 3.0], radius_um: 1.0, centre_um: [0.0; 2] })
+        .expect("an outline");
     assert!((rounded.round_um() - (4.0 * 4.0 + 4.0 * 2.0 + TAU)).abs() < 1e-10);
     assert!((rounded.radius_um() - (20f64.sqrt() + 1.0)).abs() < 1e-10);
     // An ellipse of the exponent 2 is an ellipse.
@@ -160,8 +164,8 @@ fn nonsense_is_no_outline() {
         Outline::Ellipse { semi_um: [f64::INFINITY, 1.0] },
         Outline::Superellipse { semi_um: [1.0, 1.0], exponent: 1.0 },
         Outline::Superellipse { semi_um: [1.0, 1.0], exponent: f64::NAN },
-        Outline::RoundedRectangle { half_um: [1.0, 2.0], radius_um: 1.5 },
-        Outline::RoundedRectangle { half_um: [1.0, 2.0], radius_um: 0.0 },
+        Outline::RoundedRectangle { half_um: [1.0, 2.0], radius_um: 1.5, centre_um: [0.0; 2] },
+        Outline::RoundedRectangle { half_um: [1.0, 2.0], radius_um: 0.0, centre_um: [0.0; 2] },
         spline(&[]),
         spline(&[[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]]),
         spline(&[[1.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, -1.0]]),

@@ -1,6 +1,8 @@
 //! The first two robots, which are brought together: stage 1, stage 2, and again if they do not come at once; then the fine motion.
 
-use super::single::{MAX_FINE_TIMES, MAX_PUSHES, MAX_ROUNDS, again_um, push_um, touching_um, whole_strokes};
+use super::single::{
+    MAX_FINE_TIMES, MAX_PUSHES, MAX_ROUNDS, again_um, push_on_um, push_um, touching_um, whole_strokes,
+};
 use super::{ControlPhase, Progress, StopReason, add_pieces, strokes};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Robot};
@@ -54,6 +56,8 @@ pub struct PairStage<'a> {
     is_kept: bool,
     left_um: f64,
     pushes: usize,
+    /// Whether the last push began where they were as near as robots that touch.
+    is_pushed_on: bool,
 }
 
 impl<'a> PairStage<'a> {
@@ -82,6 +86,7 @@ impl<'a> PairStage<'a> {
             is_kept: false,
             left_um: MAX_FINE_TIMES * order.facts.fine.length_um,
             pushes: 0,
+            is_pushed_on: false,
         })
     }
 
@@ -97,7 +102,15 @@ impl<'a> PairStage<'a> {
 
     pub fn proceed(&mut self, belief: &mut Belief, drive: &mut Drive) -> Progress {
         let measured = self.robots.map(|robot| belief.poses[robot]);
-        if self.doing == PairState::Contact && self.are_head_on(belief, measured) {
+        let apart_um = self.apart_head_on_um(belief, measured).filter(|_| self.doing == PairState::Contact);
+        if let (Some(apart_um), false) = (apart_um, self.is_pushed_on) {
+            self.is_pushed_on = true;
+            let width_um = self.couple.drivers[0].robot.width_um;
+            let push_um = push_on_um(apart_um, touching_um(belief, width_um));
+            drive.add(self.states[2], strokes(belief, self.robots[0], push_um));
+            return Progress::Driving;
+        }
+        if apart_um.is_some() {
             self.robots.into_iter().for_each(|robot| belief.dock(robot));
             belief.found([(self.robots[0], self.goals[0]), (self.robots[1], self.goals[1])]);
             return Progress::Done;
@@ -229,7 +242,7 @@ impl<'a> PairStage<'a> {
 
     fn fine(&mut self, belief: &Belief, drive: &mut Drive, measured: [Pose; 2]) -> Progress {
         // If they were pushed together, they were not there yet.
-        self.doing = PairState::Fine;
+        (self.doing, self.is_pushed_on) = (PairState::Fine, false);
         let frames = self.couple.frames(self.goals, measured);
         let drivers = self.couple.drivers;
         let [interval_um, cycle_um] = [drivers[0].fine_interval_um, drivers[0].cycle_um];
@@ -284,15 +297,16 @@ impl<'a> PairStage<'a> {
         }
     }
 
-    /// Whether the two are measured with their fronts against each other.
-    fn are_head_on(&self, belief: &Belief, measured: [Pose; 2]) -> bool {
+    /// How far the fronts of the two are apart, if they are measured as against each other.
+    fn apart_head_on_um(&self, belief: &Belief, measured: [Pose; 2]) -> Option<f64> {
         let robots = [0, 1].map(|at| self.couple.drivers[at].robot);
         let noses = [0, 1].map(|at| nose(robots[at], measured[at]));
         let doubt_um = belief.doubt_um((robots[0].length_um + robots[1].length_um) / 2.0);
         let apart_um = (noses[1][0] - noses[0][0]).hypotenuse(noses[1][1] - noses[0][1]);
         let askew_rad = angle(measured[0].heading_rad - measured[1].heading_rad - PI).abs();
-        let tolerance_um = touching_um(belief, robots[0].width_um);
-        apart_um <= 2.0 * doubt_um + tolerance_um && askew_rad <= 2.0 * belief.errors.heading_rad + 0.01
+        let most_um = 2.0 * doubt_um + touching_um(belief, robots[0].width_um);
+        let are_head_on = apart_um <= most_um && askew_rad <= 2.0 * belief.errors.heading_rad + 0.01;
+        are_head_on.then_some(apart_um)
     }
 }
 

@@ -46,6 +46,8 @@ pub struct SingleStage<'a> {
     aside_um: f64,
     is_kept: bool,
     pushes: usize,
+    /// Whether the last push began where it was as near as a robot that touches.
+    is_pushed_on: bool,
 }
 
 impl<'a> SingleStage<'a> {
@@ -75,6 +77,7 @@ impl<'a> SingleStage<'a> {
             aside_um: 0.0,
             is_kept: false,
             pushes: 0,
+            is_pushed_on: false,
         })
     }
 
@@ -137,11 +140,17 @@ impl<'a> SingleStage<'a> {
         if self.phase == ControlPhase::Contact {
             // A robot that sticks lies flat.
             let is_flat = seen.heading_rad.abs() <= 2.0 * belief.errors.heading_rad + FLAT_RAD;
-            if is_flat && frame.gap_um(seen) <= touching_um(belief, self.driver.robot.width_um) {
-                return self.judge(belief, seen);
+            let (gap_um, touching_um) = (frame.gap_um(seen), touching_um(belief, self.driver.robot.width_um));
+            if is_flat && gap_um <= touching_um {
+                if self.is_pushed_on {
+                    return self.judge(belief, seen);
+                }
+                self.is_pushed_on = true;
+                drive.add(self.states[1], strokes(belief, self.robot, push_on_um(gap_um, touching_um)));
+                return Progress::Driving;
             }
             // It was not there yet.
-            self.phase = ControlPhase::Fine;
+            (self.phase, self.is_pushed_on) = (ControlPhase::Fine, false);
         }
         if !self.is_kept {
             (self.share, self.aside_um) = steered(&self.driver, frame, measured, [0.0, 1.0]);
@@ -215,6 +224,11 @@ pub fn whole_strokes(mut driver: Driver) -> Driver {
 /// Measured gap up to which a robot that was pushed against something touches it: the errors of its own place and of that thing's.
 pub fn touching_um(belief: &Belief, width_um: f64) -> f64 {
     2.0 * belief.doubt_um(width_um / 2.0) + 2.0 * belief.order.robot(0).step_um + 0.5
+}
+
+/// Path of a push that follows one after which a robot may or may not touch, so that it surely does.
+pub fn push_on_um(gap_um: f64, touching_um: f64) -> f64 {
+    gap_um.max(0.0) + touching_um
 }
 
 /// Path by which a push is longer than the first one: bodies that come askew touch later than their fronts would.
