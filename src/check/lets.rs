@@ -13,6 +13,17 @@ pub enum LetState {
     /// Being evaluated: a use of it now is a cycle.
     Open,
     Done(Value),
+    /// Set from the command line.
+    Set(Value),
+}
+
+impl LetState {
+    fn value(&self) -> Option<&Value> {
+        match self {
+            LetState::Done(value) | LetState::Set(value) => Some(value),
+            LetState::Open => None,
+        }
+    }
 }
 
 /// Pending evaluation of a `let`.
@@ -51,14 +62,13 @@ impl Checker<'_> {
             return self.unknown(errors::defined_by_itself(name, asked));
         }
         self.make_out(place);
-        let text_bytes = match self.lets.get(&place) {
-            Some(LetState::Done(Value::Text(text))) => text.len(),
-            Some(LetState::Done(_) | LetState::Open) | None => 0,
+        let text_bytes = match self.lets.get(&place).and_then(LetState::value) {
+            Some(Value::Text(text)) => text.len(),
+            Some(_) | None => 0,
         };
-        match (self.spend_text(text_bytes, asked), self.lets.get(&place)) {
-            (true, Some(LetState::Done(value))) => value.clone(),
-            (false, _) | (true, Some(LetState::Open) | None) => Value::Unknown,
-        }
+        let is_short = self.spend_text(text_bytes, asked);
+        let value = self.lets.get(&place).and_then(LetState::value).filter(|_| is_short);
+        value.cloned().unwrap_or(Value::Unknown)
     }
 
     /// Evaluates a `let` and those that it needs, on a stack of its own: a chain of them may be as long as the file.
@@ -112,6 +122,10 @@ impl Checker<'_> {
         let (place, segment) = self.find(path, scope)?;
         let Declaration { sort: DeclarationSort::Let, .. } = self.declaration(place) else { return None };
         let Item::Let(item) = self.item(place) else { return None };
+        if let Some(LetState::Set(_)) = self.lets.get(&place) {
+            let text = format!("`{}` has the value of `--set` in place of this", path_text(path));
+            return Some(ValueOrigin { span: item.value.span, text });
+        }
         let span = match (self.lets.get(&place), path.segments[segment].indices.as_slice()) {
             (Some(LetState::Done(Value::List(list))), [index]) => {
                 let list = std::rc::Rc::clone(list);

@@ -391,8 +391,9 @@ impl<'a> Checker<'a> {
                 }
                 Some(_) | None => self.evaluate(argument, scope),
             };
+            let is_name = matches!(argument.kind, ExprKind::Path(_));
             let argument = self.argument_of(argument, value, scope);
-            let given = argument.origin.as_ref().map_or(argument.span, |origin| origin.span);
+            let given = argument.origin.as_ref().filter(|_| is_name).map_or(argument.span, |origin| origin.span);
             values.push(Spanned::new(self.argument(parameter, argument), given));
         }
         Some(values)

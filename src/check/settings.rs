@@ -46,7 +46,7 @@ impl Checker<'_> {
         }
         // Values evaluated for comparison may depend on values that are replaced now.
         self.lets.clear();
-        self.lets.extend(replaced.into_iter().map(|(place, value)| (place, LetState::Done(value))));
+        self.lets.extend(replaced.into_iter().map(|(place, value)| (place, LetState::Set(value))));
     }
 
     fn setting_place(&mut self, name: &str) -> Option<DeclarationPlace> {

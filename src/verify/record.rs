@@ -121,9 +121,9 @@ fn outcomes(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     let known = run.job.kind().vocabulary().outcomes;
     for outcome @ Outcome { name, unit, .. } in known {
         let replayed = replay.outcomes[name];
-        let (recorded, replayed) = match recorded.get(&outcome.key()).map(|value| unit.to_si(*value)) {
-            Some(value) if alike(value, replayed) => continue,
-            Some(value) => quantities_apart(value, replayed, unit.dimension()),
+        let (recorded, replayed) = match recorded.get(&outcome.key()).copied() {
+            Some(value) if is_recorded(value, replayed, *unit) => continue,
+            Some(value) => quantities_apart(unit.to_si(value), replayed, unit.dimension()),
             None => ("unknown".to_owned(), Quantity::new(replayed, unit.dimension()).to_string()),
         };
         let title = format!("the recorded {name} of `{}` is {recorded}, but the replay gives {replayed}", run.job.task);
@@ -247,6 +247,15 @@ fn requirements(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
         if !holds(value, requirement, outcome.unit) {
             findings.push(broken(run, requirement, outcome, value));
         }
+    }
+}
+
+/// Whether a figure in the unit of the record is that of the replay, in SI. Counts and nanoseconds are whole numbers, written as they are.
+fn is_recorded(recorded: f64, replayed: f64, unit: OutcomeUnit) -> bool {
+    match unit {
+        OutcomeUnit::Count => recorded == replayed,
+        OutcomeUnit::Nanosecond => recorded == (replayed * 1e9).round(),
+        OutcomeUnit::Degree | OutcomeUnit::Joule | OutcomeUnit::Micrometre => alike(unit.to_si(recorded), replayed),
     }
 }
 

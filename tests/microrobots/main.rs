@@ -9,6 +9,9 @@ mod control;
 mod driven;
 mod found;
 mod guaranteed;
+#[cfg(unix)]
+#[path = "../support/ignored.rs"]
+mod ignored;
 #[path = "../support/random.rs"]
 mod random;
 mod recorded;

@@ -3,7 +3,7 @@
 //! `tests/data/last_call.c`, preloaded, ends the process at a chosen call.
 
 use super::bench::{Bench, DONE, FILES, says};
-use super::signals::{SIGHUP, SIGINT, SIGTERM, is_ignored};
+use super::ignored::{SIGHUP, SIGINT, SIGTERM, is_ignored};
 use super::system::is_there;
 use std::collections::BTreeMap;
 use std::fs;

@@ -4,6 +4,9 @@
 
 mod bench;
 mod files;
+#[cfg(unix)]
+#[path = "../support/ignored.rs"]
+mod ignored;
 #[cfg(target_os = "linux")]
 mod kills;
 mod logs;

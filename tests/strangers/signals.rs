@@ -1,30 +1,10 @@
 //! Signals to a build: how it ends, and the files that it leaves.
 
 use super::bench::{Bench, found};
+use super::ignored::{SIGHUP, SIGINT, SIGTERM, is_ignored, mask};
 use std::os::unix::process::ExitStatusExt;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
-
-pub const SIGHUP: i32 = 1;
-pub const SIGINT: i32 = 2;
-pub const SIGTERM: i32 = 15;
-
-/// Whether this test was started with a signal ignored, as background jobs of some shells are with SIGINT: so is then all that it
-/// starts.
-pub fn is_ignored(signal: i32) -> bool {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let is_ignored = mask(&status, "SigIgn:") >> (signal - 1) & 1 == 1;
-    if is_ignored {
-        println!("SKIPPED: signal {signal} is ignored here");
-    }
-    is_ignored
-}
-
-/// A line of signals as the system tells them of a process.
-fn mask(status: &str, name: &str) -> u64 {
-    let mask = status.lines().find_map(|line| line.strip_prefix(name));
-    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
-}
 
 /// A build that takes long, started in a folder.
 fn start(bench: &Bench, wrap: &str) -> Child {

@@ -1,6 +1,7 @@
 //! Devices and wirings: E04xx.
 
 use crate::device::VocabularyField;
+use crate::device::instrument::LinkSort;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Quantity;
 use crate::source::Span;
@@ -241,6 +242,15 @@ pub fn all_to_one_output(span: Span, name: &str) -> Diagnostic {
     Diagnostic::new(Code::E0427, "`all` to one output")
         .label(span, "carries one channel")
         .help(format!("write `all -> {name}`: each channel goes to the next free output"))
+}
+
+/// A field for all wires of a device that none of them has.
+pub fn idle_wire_field(span: Span, device: &str, name: &str) -> Diagnostic {
+    let takes = |sort: &&LinkSort| sort.fields().iter().any(|field| field.name == name);
+    let others: Vec<&str> = LinkSort::ALL.iter().filter(takes).map(|sort| sort.described()).collect();
+    Diagnostic::new(Code::W0504, format!("`{name}` changes nothing: no wire of `{device}` has it"))
+        .label(span, "applies to no wire here")
+        .help(format!("leave it out; it is for wires to {}", others.join(", to ")))
 }
 
 /// An instrument without an output for any channel.

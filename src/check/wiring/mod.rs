@@ -17,7 +17,7 @@ use crate::diagnostic::Diagnostic;
 use crate::quantity::{Dimension, Quantity};
 use crate::source::Span;
 use crate::syntax::tree::{self, Field, Item, WireOutput, WiringEntry};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The word that stands for all numbered channels of a board at the left of a wire.
 const ALL_ELECTRODES: &str = "electrodes";
@@ -135,6 +135,8 @@ struct Panel {
     owner: Option<WiredOwner>,
     /// Fields of all wires that do not give them themselves.
     defaults: Accepted,
+    /// The names of those fields that some wire may have.
+    taken: BTreeSet<&'static str>,
     wired: BTreeMap<String, Wired>,
 }
 
@@ -162,6 +164,7 @@ impl<'a> Checker<'a> {
                 }
                 self.wiring_entries(&item.entries, &mut scope, &mut panel, &mut outputs);
                 self.spread_channels(&item.entries, &scope, &mut panel, &mut outputs);
+                self.warn_of_idle_fields(&panel);
                 let named =
                     panel.wired.into_iter().map(|(channel, wired)| (format!("{}.{channel}", panel.name), wired));
                 wiring.wires.entry(panel.place).or_default().extend(named);
@@ -197,7 +200,15 @@ impl<'a> Checker<'a> {
         }
         let wires = Owner { name: format!("the wires of `{name}`"), declared: None };
         let defaults = self.read_fields(&wires, &given, ANY_WIRE);
-        Some(Panel { place, name, owner, defaults, wired: BTreeMap::new() })
+        Some(Panel { place, name, owner, defaults, taken: BTreeSet::new(), wired: BTreeMap::new() })
+    }
+
+    /// Warns of fields for all wires that none of them has: a limit that limits nothing is no protection.
+    fn warn_of_idle_fields(&mut self, panel: &Panel) {
+        let idle = panel.defaults.iter().filter(|(name, _)| !panel.wired.is_empty() && !panel.taken.contains(*name));
+        for (name, field) in idle {
+            self.sink.push(errors::idle_wire_field(field.span, &panel.name, name));
+        }
     }
 
     fn wiring_entries(&mut self, entries: &[WiringEntry], scope: &mut Scope, panel: &mut Panel, outputs: &mut Outputs) {
@@ -242,6 +253,7 @@ impl<'a> Checker<'a> {
             WireOutput::Instrument(path) => {
                 let named = self.output_of_instrument(path, scope, is_stage, outputs)?;
                 let name = format!("{}.{}", named.instrument, named.output);
+                panel.taken.extend(named.link.fields().iter().map(|field| field.name));
                 let (link, limits) = self.link(&name, &wire.fields, scope, (named.link, wire.span), &panel.defaults)?;
                 let NamedOutput { instrument, output, .. } = named;
                 (path.span, name, Some(Drive { instrument, output, link, limits, span: wire.span }))

@@ -4,7 +4,7 @@ use super::{Outputs, Panel, Wired};
 use crate::check::Checker;
 use crate::check::errors;
 use crate::check::scope::Scope;
-use crate::device::instrument::{Drive, LinkSort};
+use crate::device::instrument::{Drive, Family, LinkSort};
 use crate::syntax::tree::{self, WireOutput, WiringEntry};
 
 /// The word that stands for all channels without a wire of their own.
@@ -71,8 +71,9 @@ impl Checker<'_> {
         }
         let is_stage = panel.owner.as_ref()?.moves_stages();
         let has_field = wire.fields.iter().any(|field| field.name.text == SWITCHES);
-        let by_lines = has_field || panel.defaults.contains_key(SWITCHES);
         let facts = &instrument.facts;
+        let has_lines_only = facts.family() == Family::ElectrodeDriver;
+        let by_lines = has_field || panel.defaults.contains_key(SWITCHES) || has_lines_only;
         let fits = |output: &String| {
             let link = facts.output(output)?.link(is_stage)?;
             let is_free = !outputs.used.contains_key(&format!("{name}.{output}"));
@@ -85,6 +86,7 @@ impl Checker<'_> {
             return None;
         };
         let (link, limits) = self.link(&name, &wire.fields, scope, (sort, wire.span), &panel.defaults)?;
+        panel.taken.extend(sort.fields().iter().map(|field| field.name));
         self.enlist(place, instrument, outputs)?;
         for (channel, (_, output)) in left.drain(..left.len().min(fitting.len())).zip(fitting) {
             let shown = format!("{name}.{output}");

@@ -300,6 +300,18 @@ pub enum LinkSort {
 }
 
 impl LinkSort {
+    pub const ALL: [LinkSort; 4] = [LinkSort::Amplifier, LinkSort::StageDriver, LinkSort::Switch, LinkSort::Axis];
+
+    /// Where such a wire leads, in the plural.
+    pub fn described(self) -> &'static str {
+        match self {
+            LinkSort::Amplifier => "outputs of voltage that feed amplifiers",
+            LinkSort::StageDriver => "outputs of voltage that drive stages",
+            LinkSort::Switch => "digital lines",
+            LinkSort::Axis => "axes of stage controllers",
+        }
+    }
+
     /// The fields of such a wire.
     pub fn fields(self) -> &'static [VocabularyField] {
         match self {

@@ -169,7 +169,7 @@ pub fn all(outline: &Outline) -> Option<Vec<Piece>> {
 
 /// Sides and corners in turn, from the middle of the right side; both upright sides are two lines.
 fn rounded_rectangle([x_um, y_um]: [f64; 2], radius_um: f64, middle_um: [f64; 2]) -> Vec<Piece> {
-    let moved = |point_um: [f64; 2]| [0, 1].map(|axis| point_um[axis] + middle_um[axis]);
+    let off_origin = |point_um: [f64; 2]| [0, 1].map(|axis| point_um[axis] + middle_um[axis]);
     let [a_um, b_um] = [x_um - radius_um, y_um - radius_um];
     let stops_um = [
         [x_um, 0.0],
@@ -184,8 +184,8 @@ fn rounded_rectangle([x_um, y_um]: [f64; 2], radius_um: f64, middle_um: [f64; 2]
         [x_um, -b_um],
         [x_um, 0.0],
     ]
-    .map(moved);
-    let corner = |number, centre_um| Piece::Corner { centre_um: moved(centre_um), radius_um, number };
+    .map(off_origin);
+    let corner = |number, centre_um| Piece::Corner { centre_um: off_origin(centre_um), radius_um, number };
     let piece = |at: usize| match at {
         1 => corner(0, [a_um, b_um]),
         3 => corner(1, [-a_um, b_um]),
