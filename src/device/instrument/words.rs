@@ -74,7 +74,12 @@ pub const DATA_ACQUISITION: &[VocabularyField] = &[
 
 pub const ELECTRODE_DRIVER: &[VocabularyField] = &[
     required("protocol", Sort::Word(Protocol::CHOICES), "how it is spoken to"),
-    count("channels", 1, MAX_OUTPUTS, "channels, `c0`, `c1`, …: each drives an electrode"),
+    count(
+        "channels",
+        1,
+        MAX_OUTPUTS,
+        "channels, `c0`, `c1`, …, as many as the protocol has at the most: each drives an electrode",
+    ),
     optional("least_potential", positive(Dimension::VOLTAGE), "0 V", "the least voltage that it can be set to"),
     required("most_potential", positive(Dimension::VOLTAGE), "the greatest voltage that it can be set to"),
     required("least_frame", positive(Dimension::TIME), "shortest time from one frame to the next"),
