@@ -273,7 +273,7 @@ fn rectangle(polygon: &[[f64; 2]]) -> Option<Outline> {
     let twice_um2: f64 = polygon.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum();
     let is_whole = (twice_um2.abs() - 8.0 * half_um[0] * half_um[1]).abs() <= SAME_SHARE * half_um[0] * half_um[1];
     let corners = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]];
-    let is_round_origin = centre_um[0].abs() < half_um[0] && centre_um[1].abs() <= half_um[1] - radius_um;
+    let is_round_origin = centre_um[0].abs() < half_um[0] && centre_um[1].abs() < half_um[1] - radius_um;
     (is_whole && is_round_origin && corners.into_iter().all(has_corner)).then_some(Outline::RoundedRectangle {
         half_um,
         radius_um,

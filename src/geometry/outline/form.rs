@@ -51,6 +51,19 @@ impl OutlineForm {
         OutlineForm::Parts { parts: all.into_iter().filter(|(_, length)| *length > 0.0).collect() }
     }
 
+    /// The piece of a rectangle that the negative x axis meets, and its parameter there; `None` where that is half way round.
+    pub fn left_of_centre(&self) -> Option<(usize, f64)> {
+        let OutlineForm::Parts { parts } = self else { return None };
+        let meets = |(piece, (part, length)): (usize, &(OutlineArc, f64))| match part {
+            OutlineArc::Line { from: [_, y], along: [_, down] } if *down < 0.0 => {
+                (0.0..=*length).contains(y).then_some((piece, *y))
+            }
+            OutlineArc::Line { .. } | OutlineArc::Arc { .. } => None,
+        };
+        // The left side is cut at its middle.
+        parts.iter().enumerate().find_map(meets).filter(|(piece, y)| *y < parts[*piece].1)
+    }
+
     /// Number of pieces.
     pub fn pieces(&self) -> usize {
         match self {

@@ -408,7 +408,7 @@ fn formulas(outline: &Outline) -> Result<OutlineForm, OutlineError> {
             sizes(half_um)?;
             let in_range = (MIN_UM..=half_um[0].min(half_um[1])).contains(radius_um)
                 && centre_um[0].is_finite()
-                && centre_um[1].abs() <= half_um[1] - radius_um;
+                && (centre_um[1] == 0.0 || centre_um[1].abs() < half_um[1] - radius_um);
             in_range.then(|| OutlineForm::rounded(*half_um, *radius_um, *centre_um)).ok_or(OutlineError::Number)
         }
         Outline::Spline { points_um } => spline_form(points_um),
@@ -462,8 +462,10 @@ type PieceParameter = (usize, f64);
 
 /// Where the x axis leaves a form farthest out: where the curve begins, and the place opposite unless that is half way round.
 fn axis_places(form: &OutlineForm) -> Result<(PieceParameter, Option<PieceParameter>), OutlineError> {
-    let OutlineForm::Spline { cubics } = form else {
-        return Ok(((0, 0.0), None));
+    let cubics = match form {
+        OutlineForm::Spline { cubics } => cubics,
+        OutlineForm::Parts { .. } => return Ok(((0, 0.0), form.left_of_centre())),
+        OutlineForm::Ellipse { .. } | OutlineForm::Superellipse { .. } => return Ok(((0, 0.0), None)),
     };
     let roots = (0..cubics.len()).flat_map(|piece| {
         let end_y = cubics[(piece + 1) % cubics.len()].at(0.0).point[1];

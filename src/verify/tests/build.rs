@@ -273,7 +273,7 @@ fn record_run(schedule: &mut Schedule, index: usize, order: &DimibotOrder, start
     let outcomes = [
         ("distance_um", distance_um),
         ("switches", f64::from(switches)),
-        ("time_ns", seconds * 1e9),
+        ("time_ns", plan.duration_ns as f64),
         ("energy_j", energy_j),
     ];
     plan.outcomes = outcomes.map(|(name, value)| (name.to_owned(), value)).into();

@@ -355,9 +355,9 @@ fn run(schedule: &mut Schedule, job: &Job, index: usize, day: &Day) {
         }
         schedule.steps.push(step_of(job, index, [step_ns, at_ns]));
     }
-    let seconds = (at_ns - start_ns) as f64 / 1e9;
     let (effort_deg, reconfigurations) = (day.effort_deg, f64::from(day.reconfigurations));
-    let outcomes = [("effort_deg", effort_deg), ("reconfigurations", reconfigurations), ("time_ns", seconds * 1e9)];
+    let outcomes =
+        [("effort_deg", effort_deg), ("reconfigurations", reconfigurations), ("time_ns", (at_ns - start_ns) as f64)];
     schedule.plans.push(PlanRecord {
         task: job.task.clone(),
         device: job.device.clone(),

@@ -270,8 +270,11 @@ impl Writer {
         states.push(self.state(order, 0));
         let seconds = (self.at_ns - start_ns) as f64 / 1e9;
         let strokes: u64 = legs.iter().flatten().map(|leg| leg.strokes).sum();
-        let outcomes =
-            [("time_ns", seconds * 1e9), ("switches", legs.concat().len() as f64), ("strokes", strokes as f64)];
+        let outcomes = [
+            ("time_ns", (self.at_ns - start_ns) as f64),
+            ("switches", legs.concat().len() as f64),
+            ("strokes", strokes as f64),
+        ];
         self.schedule.plans.push(PlanRecord {
             task: job.task.clone(),
             device: job.device.clone(),
