@@ -6,7 +6,8 @@
 //! then others that differ from it in one place, as long as plans become better; then as of few those whose lower bounds are least
 //! ([`place_tree`]). Where there is only one, schedules on paper say in which order its parts may have their turns.
 //!
-//! Guaranteed: a plan is legal; `bounds` hold for the plans of every arrangement, and they are called impossible only where each one is. Cost: that of planning the arrangements, on one budget.
+//! Guaranteed: a plan is legal; `bounds` hold for the plans of every arrangement, and they are called impossible only where each one is.
+//! Cost: that of planning the arrangements, on one budget.
 
 use super::assay::{self, AssayEffort, AssayPlan, AssayProblem, NoAssayPlan};
 use super::board::{BoardCosts, BoardObjective};

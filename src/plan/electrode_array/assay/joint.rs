@@ -394,10 +394,9 @@ impl JointSearch<'_> {
         let merges_at = |cells: [CellIndex; 2]| stop.filter(|stop| cells[1] == *stop);
         let (our_merge, their_merge) = (merges_at(ours), merges_at(others));
         let instance = self.problem.instance;
-        let steps = || [self.pulled(from, (agent, own.cell), own_next), self.pulled(from, (other, theirs.cell), next)];
         let clash = |channels: &SharedChannels| {
-            let [ours, theirs] = steps();
-            channels.clash_pulled(ours, theirs)
+            let ours = self.pulled(from, (agent, own.cell), own_next);
+            channels.clash_pulled(ours, self.pulled(from, (other, theirs.cell), next))
         };
         if self.channels().is_some_and(clash) {
             return false;
