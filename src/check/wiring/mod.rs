@@ -253,8 +253,7 @@ impl<'a> Checker<'a> {
             WireOutput::Instrument(path) => {
                 let named = self.output_of_instrument(path, scope, is_stage, outputs)?;
                 let name = format!("{}.{}", named.instrument, named.output);
-                panel.taken.extend(named.link.fields().iter().map(|field| field.name));
-                let (link, limits) = self.link(&name, &wire.fields, scope, (named.link, wire.span), &panel.defaults)?;
+                let (link, limits) = self.link(&name, &wire.fields, scope, (named.link, wire.span), panel)?;
                 let NamedOutput { instrument, output, .. } = named;
                 (path.span, name, Some(Drive { instrument, output, link, limits, span: wire.span }))
             }
@@ -407,13 +406,14 @@ impl<'a> Checker<'a> {
         fields: &[Field],
         scope: &Scope,
         (sort, span): (LinkSort, Span),
-        defaults: &Accepted,
+        panel: &mut Panel,
     ) -> Option<(Link, StageLimits)> {
         let owner = Owner { name: format!("the wire to `{output}`"), declared: None };
         let given: Vec<Given> = fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
         let mut accepted = self.read_fields(&owner, &given, sort.fields());
         for field in sort.fields() {
-            if let Some(value) = defaults.get(field.name) {
+            panel.taken.insert(field.name);
+            if let Some(value) = panel.defaults.get(field.name) {
                 accepted.entry(field.name).or_insert_with(|| value.clone());
             }
         }

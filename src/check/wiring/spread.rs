@@ -85,8 +85,7 @@ impl Checker<'_> {
             self.sink.push(errors::nothing_free(path.span, (&name, declared), by_lines));
             return None;
         };
-        let (link, limits) = self.link(&name, &wire.fields, scope, (sort, wire.span), &panel.defaults)?;
-        panel.taken.extend(sort.fields().iter().map(|field| field.name));
+        let (link, limits) = self.link(&name, &wire.fields, scope, (sort, wire.span), panel)?;
         self.enlist(place, instrument, outputs)?;
         for (channel, (_, output)) in left.drain(..left.len().min(fitting.len())).zip(fitting) {
             let shown = format!("{name}.{output}");

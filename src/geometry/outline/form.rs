@@ -51,9 +51,8 @@ impl OutlineForm {
         OutlineForm::Parts { parts: all.into_iter().filter(|(_, length)| *length > 0.0).collect() }
     }
 
-    /// The piece of a rectangle that the negative x axis meets, and its parameter there; `None` where that is half way round.
-    pub fn left_of_centre(&self) -> Option<(usize, f64)> {
-        let OutlineForm::Parts { parts } = self else { return None };
+    /// The piece of a rectangle's parts that the negative x axis meets, and its parameter there; `None` where that is half way round.
+    pub fn opposite_part(parts: &[(OutlineArc, f64)]) -> Option<(usize, f64)> {
         let meets = |(piece, (part, length)): (usize, &(OutlineArc, f64))| match part {
             OutlineArc::Line { from: [_, y], along: [_, down] } if *down < 0.0 => {
                 (0.0..=*length).contains(y).then_some((piece, *y))

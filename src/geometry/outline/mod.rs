@@ -464,7 +464,7 @@ type PieceParameter = (usize, f64);
 fn axis_places(form: &OutlineForm) -> Result<(PieceParameter, Option<PieceParameter>), OutlineError> {
     let cubics = match form {
         OutlineForm::Spline { cubics } => cubics,
-        OutlineForm::Parts { .. } => return Ok(((0, 0.0), form.left_of_centre())),
+        OutlineForm::Parts { parts } => return Ok(((0, 0.0), OutlineForm::opposite_part(parts))),
         OutlineForm::Ellipse { .. } | OutlineForm::Superellipse { .. } => return Ok(((0, 0.0), None)),
     };
     let roots = (0..cubics.len()).flat_map(|piece| {

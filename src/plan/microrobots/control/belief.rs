@@ -373,7 +373,8 @@ impl PoseMean {
     }
 }
 
-/// Least way ahead of the points of a line that are no further to the side than half of a width; infinite if there are none.
+/// Least way ahead of the points of an edge that are no further to the side than half of a width; infinite if there are none. Of an edge along
+/// the heading only one end counts: the other one belongs to the next edge.
 fn ahead_of_front_um(one: [f64; 2], other: [f64; 2], half_um: f64) -> f64 {
     let [low, high] = if one[1] <= other[1] { [one, other] } else { [other, one] };
     if high[1] < -half_um || low[1] > half_um {
@@ -384,8 +385,5 @@ fn ahead_of_front_um(one: [f64; 2], other: [f64; 2], half_um: f64) -> f64 {
         let share = if across_um > 0.0 { ((side_um - low[1]) / across_um).clamp(0.0, 1.0) } else { 0.0 };
         low[0] + share * (high[0] - low[0])
     };
-    let ends_um = [ahead_um(-half_um), ahead_um(half_um)];
-    // A line along the heading begins at the nearer of its ends.
-    let along_um = if across_um > 0.0 { f64::INFINITY } else { low[0].min(high[0]) };
-    ends_um[0].min(ends_um[1]).min(along_um)
+    ahead_um(-half_um).min(ahead_um(half_um))
 }

@@ -103,17 +103,16 @@ impl<'a> PairStage<'a> {
     pub fn proceed(&mut self, belief: &mut Belief, drive: &mut Drive) -> Progress {
         let measured = self.robots.map(|robot| belief.poses[robot]);
         let apart_um = self.apart_head_on_um(belief, measured).filter(|_| self.doing == PairState::Contact);
-        if let (Some(apart_um), false) = (apart_um, self.is_pushed_on) {
+        if let Some(apart_um) = apart_um {
+            if self.is_pushed_on {
+                self.robots.into_iter().for_each(|robot| belief.dock(robot));
+                belief.found([(self.robots[0], self.goals[0]), (self.robots[1], self.goals[1])]);
+                return Progress::Done;
+            }
             self.is_pushed_on = true;
-            let width_um = self.couple.drivers[0].robot.width_um;
-            let push_um = push_on_um(apart_um, touching_um(belief, width_um));
+            let push_um = push_on_um(apart_um, touching_um(belief, self.couple.drivers[0].robot.width_um));
             drive.add(self.states[2], strokes(belief, self.robots[0], push_um));
             return Progress::Driving;
-        }
-        if apart_um.is_some() {
-            self.robots.into_iter().for_each(|robot| belief.dock(robot));
-            belief.found([(self.robots[0], self.goals[0]), (self.robots[1], self.goals[1])]);
-            return Progress::Done;
         }
         loop {
             let progress = match self.doing {
