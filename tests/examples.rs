@@ -3,7 +3,7 @@
 mod support;
 
 use std::path::{Path, PathBuf};
-use support::{build, build_in, carries_droplets};
+use support::{build, build_in, carries_droplets, switches_accessories};
 use tweeze::device::instrument::{InstrumentFacts, Protocol};
 use tweeze::schedule::microrobots::MicrorobotsState;
 use tweeze::schedule::{ChannelUnit, Schedule, ScheduledHold, State};
@@ -56,6 +56,7 @@ fn every_example_builds_without_a_word_and_is_written_in_every_format() {
                 InstrumentFacts::StageController(_) => 2,
                 // Its G-code is counted with that of all schedules of stages.
                 InstrumentFacts::MachineController(_) => 0,
+                InstrumentFacts::ElectrodeDriver(_) if switches_accessories(schedule) => 2,
                 InstrumentFacts::ElectrodeDriver(facts) => {
                     2 + usize::from(facts.protocol == Protocol::Opendrop)
                         + 2 * usize::from(facts.protocol.has_microdrop())

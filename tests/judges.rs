@@ -106,8 +106,13 @@ fn is_of_stages(schedule: &Value) -> bool {
     schedule["channels"].as_array().is_some_and(|channels| channels.iter().all(|channel| channel["unit"] == "um"))
 }
 
-/// Whether MicroDrop drives a board of a schedule; the examples wait for people only, and wire electrodes only.
+/// Whether MicroDrop drives a board of a schedule, and no magnet or heater with it; the examples wait for people only.
 fn is_of_microdrop(schedule: &Value) -> bool {
+    let drives = schedule["bench"]["drives"].as_object();
+    let is_accessory = |drive: &Value| drive["output"].as_str().is_some_and(|output| output.starts_with(['m', 'h']));
+    if drives.is_some_and(|drives| drives.values().any(is_accessory)) {
+        return false;
+    }
     let instruments = schedule["bench"]["instruments"].as_object();
     let is_driven = |one: &Value| {
         let protocol = &one["facts"]["electrode_driver"]["protocol"];

@@ -6,11 +6,15 @@ use super::scope::{DeclarationPlace, DeclarationSort, path_text};
 use super::value::Accepted;
 use super::{Checker, errors};
 use crate::device::instrument::{
-    DataAcquisitionFacts, ElectrodeDriverFacts, Family, Instrument, InstrumentFacts, MachineControllerFacts, Protocol,
-    StageControllerFacts, StageProtocol, Start, VoltageOutput, WaveformGeneratorFacts,
+    DRIVER_HEATER_DEGC, DataAcquisitionFacts, ElectrodeDriverFacts, Family, HEATERS, Instrument, InstrumentFacts,
+    MachineControllerFacts, Protocol, StageControllerFacts, StageProtocol, Start, VoltageOutput,
+    WaveformGeneratorFacts,
 };
 use crate::syntax::tree::Item;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// How far a temperature that is written as whole degrees may be off by rounding, in degrees.
+const ROUNDING_DEGC: f64 = 1e-6;
 
 impl Checker<'_> {
     /// Checks every instrument of the user's files; one that only serves as a base may lack fields.
@@ -105,6 +109,7 @@ impl Checker<'_> {
             most_v: fields.si("most_potential")?,
             least_frame_ns: fields.clock_ns("least_frame", self.sink)?,
             frequency_hz: fields.si("frequency"),
+            heaters_degc: BTreeMap::new(),
             start,
         };
         let most = facts.protocol.channels();
@@ -123,7 +128,30 @@ impl Checker<'_> {
             self.sink.push(finding.label(fields.get(field)?.span, "here"));
             return None;
         }
-        Some(InstrumentFacts::ElectrodeDriver(facts))
+        let heaters_degc = self.heaters_of_driver(fields, facts.protocol)?;
+        Some(InstrumentFacts::ElectrodeDriver(ElectrodeDriverFacts { heaters_degc, ..facts }))
+    }
+
+    /// The temperatures of its heaters, by their numbers; `None` after an error.
+    fn heaters_of_driver(&mut self, fields: &Accepted, protocol: Protocol) -> Option<BTreeMap<u32, u32>> {
+        let mut heaters = BTreeMap::new();
+        for (field, number) in HEATERS.iter().zip(1..) {
+            let (Some(given), Some(temperature)) = (fields.get(field), fields.quantity(field)) else { continue };
+            let degrees = temperature.in_unit("degC");
+            let found =
+                DRIVER_HEATER_DEGC.into_iter().find(|whole| (degrees - f64::from(*whole)).abs() < ROUNDING_DEGC);
+            let wrong = if number > protocol.heaters() {
+                Some(errors::no_driver_heater(field, protocol.name()))
+            } else if found.is_none() {
+                let [least, most] = [*DRIVER_HEATER_DEGC.start(), *DRIVER_HEATER_DEGC.end()];
+                Some(errors::temperature_of_no_frame(&fields.text(field), [least, most]))
+            } else {
+                None
+            };
+            self.sink.unless(wrong.map(|finding| finding.label(given.span, "here")))?;
+            heaters.extend(found.map(|whole| (number, whole)));
+        }
+        Some(heaters)
     }
 
     fn facts_of_controller(&mut self, fields: &Accepted, start: Start) -> Option<InstrumentFacts> {

@@ -35,7 +35,7 @@ impl Checker<'_> {
     }
 
     /// A complete output; `None` after an error.
-    fn output(&mut self, place: DeclarationPlace) -> Option<AuxiliaryOutput> {
+    pub fn output(&mut self, place: DeclarationPlace) -> Option<AuxiliaryOutput> {
         if let Some(known) = self.output_facts.get(&place) {
             return *known;
         }

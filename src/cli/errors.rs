@@ -1,5 +1,6 @@
 //! Diagnostics of files: E080x.
 
+use super::difference::Difference;
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use std::io;
 use std::path::Path;
@@ -126,10 +127,14 @@ pub fn recording_differs(path: &Path) -> Diagnostic {
     Diagnostic::new(Code::E0847, title).help("the recording was changed after it was written")
 }
 
-pub fn other_program(log: &Path, program: &Path) -> Diagnostic {
+pub fn other_program(log: &Path, program: &Path, first: Option<Difference>) -> Diagnostic {
     let title =
         format!("`{}` was built from a program that claims something else than `{}`", log.display(), program.display());
-    Diagnostic::new(Code::E0742, title).help("build the trusted program again and use that log")
+    let first = first.map_or(String::new(), |Difference { place, of_log, of_program }| {
+        let program = program.file_name().unwrap_or_default().to_string_lossy();
+        format!("the first difference is in `{place}`: {of_log} in the log, {of_program} by `{program}`; ")
+    });
+    Diagnostic::new(Code::E0742, title).help(format!("{first}build the trusted program again and use that log"))
 }
 
 /// The first finding of each rule that the schedule of one program breaks under another one, with the number of the others.

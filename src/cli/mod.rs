@@ -5,6 +5,7 @@ mod background;
 mod build;
 mod check;
 mod devices;
+mod difference;
 mod disk;
 mod errors;
 mod explain;

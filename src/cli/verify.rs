@@ -6,6 +6,7 @@ use super::library::{Disk, Embedded};
 use super::{Exit, errors, judge_recording, report, terminal};
 use crate::check::Options;
 use crate::claims::Claims;
+use crate::cli::difference;
 use crate::compile::{self, ProgramSource};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::emit::{Provenance, mcap};
@@ -247,10 +248,12 @@ pub fn claims_the_same(
     derived: &Derived,
     own: Option<&[u8]>,
 ) -> Result<(), Box<Refusal>> {
-    match written(&derived.claims).as_deref() == own {
-        true => Ok(()),
-        false => Err(Refusal::one(errors::other_program(&arguments.file, trusted), Exit::Refused)),
+    let claimed = written(&derived.claims);
+    if claimed.as_deref() == own {
+        return Ok(());
     }
+    let first = own.zip(claimed.as_deref()).and_then(|(own, claimed)| difference::first(own, claimed));
+    Err(Refusal::one(errors::other_program(&arguments.file, trusted, first), Exit::Refused))
 }
 
 fn report(arguments: &VerifyArguments, judged: &Judged) -> String {

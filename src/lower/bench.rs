@@ -162,6 +162,10 @@ impl WiredChannel<'_> {
     /// A level that an electrode driver cannot be set to.
     fn beyond_driver(&self) -> Option<Diagnostic> {
         let InstrumentFacts::ElectrodeDriver(facts) = &self.instrument.facts else { return None };
+        // A magnet or a heater is on or off, whatever the level of the output that says so.
+        if self.instrument.facts.output(&self.drive.output) == Some(OutputSort::Accessory) {
+            return None;
+        }
         let (value, actuation) = self.largest(|value| value.abs())?;
         let range = facts.least_v / ROUNDING..=facts.most_v * ROUNDING;
         (!range.contains(&value.abs())).then(|| {

@@ -217,8 +217,18 @@ pub fn excluded_by_channels(step: Span, parts: &[(&str, Span)]) -> Diagnostic {
         }
     }
     let diagnostic = if labelled.is_empty() { diagnostic.label(step, "this step") } else { diagnostic };
-    diagnostic.help("with a channel for each electrode they would: give some electrodes channels of their own, or parts other goals")
+    diagnostic.help(UNSHARED)
 }
+
+/// Parts that could do their operations if each electrode had a channel of its own.
+pub fn operations_excluded_by_channels(step: Span, parts: &[&str]) -> Diagnostic {
+    let title = format!("no plan: shared channels do not let {} do these operations", all_of(parts));
+    Diagnostic::new(Code::E0601, title).label(step, "all positions of all parts together were searched").help(UNSHARED)
+}
+
+/// What helps where the same goals have a plan with a channel for each electrode.
+const UNSHARED: &str =
+    "with a channel for each electrode they would: give some electrodes channels of their own, or parts other goals";
 
 /// Parts, each with its name and cell, that the electrodes under them do not hold, but pull apart.
 pub fn restless_by_channels(step: Span, [one, other]: [(&str, String); 2]) -> Diagnostic {

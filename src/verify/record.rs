@@ -159,7 +159,9 @@ fn nearness(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
         };
         let title =
             format!("step {} of `{}` is recorded as reaching its goal otherwise: {wrong}", nth + 1, run.job.task);
-        findings.push(figure(run, title).step(run.steps[nth]));
+        let place = run.job.step_spans().get(nth).map_or(run.job.run_span, |span| *span);
+        let wrong = Violation::new(Rule::Figure, run.plan.start_ns, title);
+        findings.push(wrong.label(place, "this step").step(run.steps[nth]));
     }
 }
 

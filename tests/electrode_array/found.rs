@@ -260,3 +260,12 @@ fn a_third_droplet_may_hold_the_electrode_that_pulls_a_half() {
     let plan = planned(&text("ea_split_held_elsewhere"));
     assert_eq!((plan.cost, plan.bound), (6.0, 6.0));
 }
+
+#[test]
+fn limits_on_moves_are_searched_on_shared_channels() {
+    let limited = text("ea_moves_on_shared_channels");
+    let plan = planned(&limited);
+    assert_eq!((plan.outcomes["moves"], plan.cost, plan.bound), (20.0, 24.0, 24.0));
+    let fewer = refused(&limited.replace("moves <= 20", "moves <= 19"));
+    assert!(fewer.contains("no plan keeps") && fewer.contains("raise the limit to 20"), "{fewer}");
+}

@@ -212,6 +212,10 @@ fn only_this_machine_is_listened_at_and_one_task_controlled() {
     let other = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/dimibot_fetch.twz");
     let run = tweeze(&["control", &other.to_string_lossy()]).assert().code(USAGE);
     assert!(text(&run.get_output().stderr).contains("cannot be controlled"));
+    let two_runs = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/found/microrobots-two-runs.twz");
+    let two_runs = two_runs.to_string_lossy();
+    let run = tweeze(&["simulate", &two_runs, "--trials", "1", "--against-controller"]).assert().code(USAGE);
+    assert!(text(&run.get_output().stderr).contains("--task NAME"));
 }
 
 /// A camera whose picture stands still is not driven by for long, and the recording shows that the robots did not follow.

@@ -37,6 +37,7 @@ fn extreme_programs_build_or_are_refused_at_the_door() {
     assert_eq!(codes("refused-apply-far"), ["E0501"]);
     assert_eq!(codes("refused-heading"), NONE);
     assert_eq!(codes("refused-fine-cycle"), NONE);
+    assert_eq!(codes("microrobots-precision-half-stroke"), NONE);
     let tight = codes("refused-docking-tolerance");
     assert!(tight == NONE || tight == ["E0602"], "{tight:?}");
 }

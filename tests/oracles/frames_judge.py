@@ -22,11 +22,20 @@ def sender(program):
 
 
 def opendrop(data):
-    """Channels that the firmware switches on by a frame; magnets and feedback stay off, nothing is heated."""
+    """What the firmware switches on by a frame: channels, magnets, and heaters with their degrees; feedback stays off."""
     demand(len(data) == COLUMNS + CONTROLS, f"a frame of {len(data)} bytes")
     control = data[COLUMNS:]
-    demand(control[0] == 0 and control[8] == 0 and max(control[10:13]) <= 25, f"control bytes {control.hex()}")
-    return {8 * x + y for x in range(COLUMNS) for y in range(8) if data[x] >> y & 1}
+    demand(control[0] <= 3 and control[8] == 0 and min(control[10:13]) >= 25, f"control bytes {control.hex()}")
+    magnets = {name for name, bit in (("magnet1", 1), ("magnet2", 0)) if control[0] >> bit & 1}
+    heaters = {f"heater{number}={degrees}" for number, degrees in enumerate(control[10:13], 1) if degrees != 25}
+    return {8 * x + y for x in range(COLUMNS) for y in range(8) if data[x] >> y & 1} | magnets | heaters
+
+
+def number_of(output, facts):
+    """What stands for an output of a driver in the table: its number, or the name of a magnet, or of a heater with its degrees."""
+    if output.startswith("heater"):
+        return f"{output}={facts['heaters_degc'][output.removeprefix('heater')]}"
+    return output if output.startswith("magnet") else int(output.removeprefix("c"))
 
 
 def judge(path, schedule):
@@ -38,7 +47,7 @@ def judge(path, schedule):
     counts = []
     for name, facts in known.items():
         frames = module.read(plays[name], path.parent)
-        drives = {channel: int(output.removeprefix("c")) for channel, (output, _) in schedule.drives(name).items()}
+        drives = {channel: number_of(output, facts) for channel, (output, _) in schedule.drives(name).items()}
         on = {channel: link["switch"]["on_v"] for channel, (_, link) in schedule.drives(name).items()}
         edges = sorted({0, schedule.duration_ns}.union(*(edges_of(schedule, channel) for channel in drives if channel in schedule.channels)))
         starts = [round(start * 1e9) for start, _, _ in frames]
@@ -56,7 +65,7 @@ def judge(path, schedule):
                 demand(value in (0.0, on[channel]), f"{channel} is at {value} V")
                 if value:
                     expected.add(number)
-            demand(shown == expected, f"{name} at {t_ns} ns: {sorted(shown)}, not {sorted(expected)}")
+            demand(shown == expected, f"{name} at {t_ns} ns: {sorted(shown, key=str)}, not {sorted(expected, key=str)}")
         file = path.with_name(f"{path.name.removesuffix('.frames.py')}.{name}.opendrop.json")
         if file.exists():
             demand(opendrop_file(file, frames), f"{file.name} shows other frames")

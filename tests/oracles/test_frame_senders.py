@@ -90,7 +90,7 @@ def stretched(folder, stem):
     table = folder / f"{stem}.driver.frames.csv"
     with open(table, newline="") as file:
         title, *rows = csv.reader(file)
-    rows = [[row[0], str(float(row[1]) * STRETCH), str(float(row[2]) * STRETCH), row[3]] for row in rows]
+    rows = [[row[0], str(float(row[1]) * STRETCH), str(float(row[2]) * STRETCH), *row[3:]] for row in rows]
     with open(table, "w", newline="") as file:
         csv.writer(file).writerows([title, *rows])
     program = folder / f"{stem}.frames.py"
@@ -98,7 +98,8 @@ def stretched(folder, stem):
     last = float(rows[-1][1]) + float(rows[-1][2])
     assert f'"duration_s": {last / STRETCH / 1e3:g}' in text
     program.write_text(text.replace(f'"duration_s": {last / STRETCH / 1e3:g}', f'"duration_s": {last / 1e3:g}'))
-    return program, [(float(row[1]) / 1e3, {int(number) for number in row[3].split()}) for row in rows]
+    accessories = [set(row[4].split()) if len(row) > 4 else set() for row in rows]
+    return program, [(float(row[1]) / 1e3, {int(number) for number in row[3].split()} | more) for row, more in zip(rows, accessories)]
 
 
 def run(program, *arguments):
@@ -108,10 +109,10 @@ def run(program, *arguments):
 
 def boards():
     pytest.importorskip("serial")
-    return [("od", OpendropOnATerminal), ("pd", PurpledropServer)]
+    return [("od", OpendropOnATerminal), ("pd", PurpledropServer), ("lift", OpendropOnATerminal)]
 
 
-@pytest.mark.parametrize("which", [0, 1])
+@pytest.mark.parametrize("which", [0, 1, 2])
 def test_each_frame_arrives_when_it_is_due_and_all_is_off_at_the_end(tmp_path, which):
     stem, make = boards()[which]
     board = make()

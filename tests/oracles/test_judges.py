@@ -367,7 +367,10 @@ FRAME_FAULTS = [
     ("od", ".driver.frames.csv", b"\n2,15,", b"\n2,16,"),
     ("pd", ".driver.frames.csv", b",8\n", b",8 11\n"),
     ("pd", ".driver.frames.csv", b"\n1,0,15,8\n", b"\n1,0,15,\n"),
-    ("od", ".frames.py", b"1 << number % 8", b"128 >> number % 8"),
+    ("od", ".frames.py", b"1 << what % 8", b"128 >> what % 8"),
+    ("lift", ".frames.py", b'"magnet1": 2', b'"magnet1": 1'),
+    ("lift", ".frames.py", b"TEMPERATURES[int(heater", b"TEMPERATURES[-int(heater"),
+    ("lift", ".driver.frames.csv", b"heater2=60\n", b"heater2=61\n"),
     ("od", ".frames.py", b"data[COLUMNS + place] = ROOM_DEGREES", b"data[COLUMNS + place] = 90"),
     ("od", ".json", b'"output": "c8"', b'"output": "c80"'),
     ("pd", ".json", b'"least_frame_ns": 1', b'"least_frame_ns": 50000000'),
@@ -375,7 +378,7 @@ FRAME_FAULTS = [
 ]
 
 
-@pytest.mark.parametrize("stem", ["od", "pd", "db", "ob"])
+@pytest.mark.parametrize("stem", ["od", "pd", "db", "ob", "lift"])
 def test_a_driver_switches_what_the_schedule_says(stem):
     outcome, reason = verdict(FIXTURES / "drivers", ".frames.py", stem)
     assert outcome == "right", reason

@@ -11,7 +11,7 @@ use tweeze::device::electrode_array::Electrodes;
 use tweeze::device::instrument::{Family, InstrumentFacts, Protocol};
 use tweeze::diagnostic::Sink;
 use tweeze::emit::{self, Format, OutputFile, Provenance};
-use tweeze::schedule::ChannelUnit;
+use tweeze::schedule::{ChannelUnit, Schedule};
 use tweeze::source::{Origin, Sources};
 use tweeze::verify::Verified;
 
@@ -78,14 +78,17 @@ impl Built {
                 | InstrumentFacts::MachineController(_) => None,
             });
             let protocols: Vec<Protocol> = drivers.collect();
+            let has_electrodes_alone = !switches_accessories(verified.schedule());
             let is_played = |format: &&Format| match format {
                 Format::Gcode => are_stages,
                 Format::Scpi => families.contains(&Family::WaveformGenerator),
                 Format::Nidaqmx => families.contains(&Family::DataAcquisition),
                 Format::Frames => families.contains(&Family::ElectrodeDriver),
                 Format::Stages => families.contains(&Family::StageController),
-                Format::Opendrop => protocols.contains(&Protocol::Opendrop),
-                Format::Microdrop => protocols.iter().any(|protocol| protocol.has_microdrop()),
+                Format::Opendrop => has_electrodes_alone && protocols.contains(&Protocol::Opendrop),
+                Format::Microdrop => {
+                    has_electrodes_alone && protocols.iter().any(|protocol| protocol.has_microdrop())
+                }
                 Format::Sheet => carries_droplets(verified),
                 // These have one clock, and cannot wait.
                 Format::Csv | Format::Vcd | Format::Pwl => verified.schedule().holds.is_empty(),
@@ -98,6 +101,11 @@ impl Built {
         }
         files
     }
+}
+
+/// Whether a magnet or a heater of a driver of electrodes is wired, which only `frames` has among the formats of boards.
+pub fn switches_accessories(schedule: &Schedule) -> bool {
+    schedule.bench.drives.values().any(|drive| ["magnet", "heater"].iter().any(|name| drive.output.starts_with(name)))
 }
 
 /// Whether a board of the schedule carries droplets, whose electrodes lie one under each.

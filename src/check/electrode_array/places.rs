@@ -52,7 +52,7 @@ pub fn places_agree(jobs: &[Job], sink: &mut Sink) -> Vec<(usize, BoardBefore)> 
         for step in &order.steps {
             let mut found = match &step.action {
                 ElectrodeArrayAction::Wait(_) => continue,
-                ElectrodeArrayAction::Move(moves) => board.advance(moves, &BTreeSet::new(), order, &mut walk),
+                ElectrodeArrayAction::Move(moves) => board.advance(moves, None, order, &mut walk),
                 ElectrodeArrayAction::Assay(operations) => board.operate(operations, order, &mut walk),
             };
             found.extend(board.fill((job, order), &step.action, &mut walk));
@@ -225,11 +225,12 @@ impl BoardWalk {
         found
     }
 
-    /// Checks a step, and moves its parts to their goals; findings are reported once. Those that go `on` do not come to rest at their last stop.
+    /// Checks a step, and moves its parts to their goals; findings are reported once. In an assay, those that go `on` do not come to rest at
+    /// their last stop.
     fn advance(
         &mut self,
         moves: &[ElectrodeArrayMove],
-        on: &BTreeSet<usize>,
+        on: Option<&BTreeSet<usize>>,
         order: &ElectrodeArrayOrder,
         walk: &mut PartsWalk,
     ) -> Vec<Diagnostic> {
@@ -239,14 +240,14 @@ impl BoardWalk {
             let stops = match order.bystanders {
                 Bystanders::Stay => step.stops.as_slice(),
                 // They step aside, and are back when the step ends.
-                Bystanders::Yield if on.contains(&step.part) => &[],
+                Bystanders::Yield if on.is_some_and(|on| on.contains(&step.part)) => &[],
                 Bystanders::Yield => std::slice::from_ref(step.goal()),
             };
             let near = stops.iter().find_map(|stop| Some((stop, self.spread.near(stop.cell)?)));
             if let Some((stop, (_, other))) = near
                 && walk.reported.insert((stop.span, Some(stop.cell)))
             {
-                let wrong = self.too_near((step, stop), other, (moves, order), &walk.cover(order));
+                let wrong = self.too_near((step, stop), other, (moves, order), (&walk.cover(order), on.is_some()));
                 found.push(errors::given_from(wrong, stop.span, stop.origin.as_ref()));
             }
         }
@@ -336,7 +337,7 @@ impl BoardWalk {
         let open = AssayOperation::left_open(operations);
         let gone = operations.iter().filter_map(AssayOperation::gone);
         let on = open.keys().copied().chain(gone).collect();
-        found.extend(self.advance(&moves, &on, order, walk));
+        found.extend(self.advance(&moves, Some(&on), order, walk));
         self.lead(open.into_iter().map(|(part, operation)| (part, operation.span)));
         for operation in operations {
             if let Some((part, departure)) = Departure::of(operation) {
@@ -375,7 +376,7 @@ impl BoardWalk {
         });
         let moved = errors::PartPlace { name: &self.parts[other].name, cell: at, span };
         let stays = errors::PartPlace { name: &self.parts[part].name, cell, span: since };
-        Some(errors::near_standing_part(moved, stays, order.facts.separation.apart(), free))
+        Some(errors::near_standing_part((moved, stays), order.facts.separation.apart(), free, true))
     }
 
     /// The loops in which droplets are mixed are on the board, and clear of obstacles and of the parts that stay where they are.
@@ -488,7 +489,7 @@ impl BoardWalk {
         (step, stop): (&ElectrodeArrayMove, &ElectrodeArrayStop),
         other: usize,
         (moves, order): (&[ElectrodeArrayMove], &ElectrodeArrayOrder),
-        cover: &ObstacleCells,
+        (cover, in_assay): (&ObstacleCells, bool),
     ) -> Diagnostic {
         let PartStand::At(cell, since) = self.stands[other] else {
             return errors::gone_before(step.span, &self.parts[other].name, Departure::Merged(step.span));
@@ -502,7 +503,7 @@ impl BoardWalk {
         });
         let moved = errors::PartPlace { name: self.name_of(step.part), cell: stop.cell, span: stop.span };
         let stays = errors::PartPlace { name: self.name_of(other), cell, span: since };
-        errors::near_standing_part(moved, stays, apart, free)
+        errors::near_standing_part((moved, stays), apart, free, in_assay)
     }
 }
 

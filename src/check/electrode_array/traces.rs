@@ -229,7 +229,10 @@ fn harmed_at_one_place(
                 errors::stops_where_another_starts((stop.span, start.span), [name(start), name(stop)], stop.cell)
             }
             (None, None, Some(end)) => {
-                errors::ends_where_another_stops((stop.span, end.span), [name(stop), name(end)], stop.cell)
+                // Washes follow the order of the program.
+                let is_written_before = at(&earlier, place).iter().any(|other| other.part == end.part);
+                let spans = (stop.span, end.span);
+                errors::ends_where_another_stops(spans, [name(stop), name(end)], stop.cell, is_written_before)
             }
             (None, None, None) => {
                 earlier.entry(place).or_default().push(stop);

@@ -195,6 +195,46 @@ pub fn no_driver_frequency(protocol: &str) -> Diagnostic {
         .help("leave `frequency` out, and set it on the driver; a DropBot takes it from here, `protocol: dropbot`")
 }
 
+/// A temperature for a heater that the driver does not have.
+pub fn no_driver_heater(field: &str, protocol: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0403, format!("a `{field}` for `{protocol}`, whose frames heat nothing"))
+        .help(format!("leave `{field}` out; an OpenDrop has three heaters, `protocol: opendrop`"))
+}
+
+/// A temperature that has no place in a frame.
+pub fn temperature_of_no_frame(given: &str, [least, most]: [u32; 2]) -> Diagnostic {
+    Diagnostic::new(
+        Code::E0403,
+        format!("a heater at {given}: frames have whole degrees from {least} degC to {most} degC"),
+    )
+    .help("give the nearest of these temperatures")
+}
+
+/// An electrode wired to a magnet or a heater.
+pub fn channel_to_accessory(span: Span, channel: &str, output: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0427, format!("`{channel}` to `{output}`, which switches no electrode"))
+        .label(span, "an electrode of a device")
+        .help(format!(
+            "wire an `output` of the bench to it, which steps set: `output lift : digital`, `wiring lift {{ out -> {output} }}`"
+        ))
+}
+
+/// An output of many levels wired to a magnet or a heater.
+pub fn share_of_accessory(span: Span, (name, declared): (&str, Span), output: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0427, format!("`{name}` has many levels, `{output}` is on or off"))
+        .label(span, "a magnet or a heater")
+        .label_elsewhere(declared, span, "a `level`")
+        .help(format!("declare it with two levels: `output {name} : digital`"))
+}
+
+/// A wire to a heater of which nothing says how warm it is.
+pub fn heater_without_temperature(span: Span, (name, declared): (&str, Span), output: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0426, format!("instrument `{name}` does not say how warm its `{output}` is"))
+        .label(span, "no such output yet")
+        .label_elsewhere(declared, span, "declared here")
+        .help(format!("give the instrument the temperature: `{output}: 60 degC`"))
+}
+
 /// All electrodes of a board wired to an instrument that has no channel for each.
 pub fn electrodes_to_other_instrument(span: Span, (name, declared): (&str, Span)) -> Diagnostic {
     Diagnostic::new(Code::E0427, format!("`electrodes` to `{name}`, which drives no board of electrodes"))

@@ -444,7 +444,7 @@ pub fn precision_below_step(span: Span, precision_um: f64, name: &str, step_um: 
     let (precision, step) = (length(precision_um), length(step_um));
     Diagnostic::new(Code::E0506, format!("a precision of {precision}, one stroke carries `{name}` {step}"))
         .label(span, "finer than the robot moves")
-        .help(format!("make it {} or more", length(step_um / 2.0)))
+        .help(format!("make it {} or more", at_least(step_um / 2.0)))
 }
 
 pub fn assembly_too_small(span: Span, count: usize) -> Diagnostic {

@@ -90,6 +90,9 @@ fn guaranteed_in_vain(settings: &Accepted, bed: &CheckedBed, steps: &[Microrobot
     Some(errors::guaranteed_drive(setting.span, drive.span))
 }
 
+/// Room for the rounding of a stroke, as a share of it.
+const ROUNDING: f64 = 1e-9;
+
 /// Tolerance of goals; a robot ends no nearer than half a stroke.
 fn precision(settings: &Accepted, bed: &CheckedBed, ground: &BedScene, sink: &mut Sink) -> Option<Precision> {
     let given = |name: &str| match settings.get(name).map(|setting| &setting.value) {
@@ -105,7 +108,7 @@ fn precision(settings: &Accepted, bed: &CheckedBed, ground: &BedScene, sink: &mu
     let robots = ground.robots.iter().map(|placed| &bed.facts.robots[placed.row]);
     let coarsest = robots.max_by(|one, other| one.step_um.total_cmp(&other.step_um));
     if let (Some(robot), Some(setting)) = (coarsest, settings.get("precision"))
-        && found.place_um < robot.step_um / 2.0
+        && found.place_um < robot.step_um / 2.0 * (1.0 - ROUNDING)
     {
         sink.push(errors::precision_below_step(setting.span, found.place_um, &robot.name, robot.step_um));
         return None;

@@ -145,6 +145,8 @@ struct NamedOutput {
     instrument: String,
     output: String,
     link: LinkSort,
+    /// Whether it is a magnet or a heater beside electrodes.
+    is_accessory: bool,
 }
 
 impl<'a> Checker<'a> {
@@ -253,7 +255,10 @@ impl<'a> Checker<'a> {
             WireOutput::Instrument(path) => {
                 let named = self.output_of_instrument(path, scope, is_stage, outputs)?;
                 let name = format!("{}.{}", named.instrument, named.output);
-                let (link, limits) = self.link(&name, &wire.fields, scope, (named.link, wire.span), panel)?;
+                let (link, limits) = match named.is_accessory {
+                    true => (self.accessory_link(&name, wire, scope, panel)?, StageLimits::default()),
+                    false => self.link(&name, &wire.fields, scope, (named.link, wire.span), panel)?,
+                };
                 let NamedOutput { instrument, output, .. } = named;
                 (path.span, name, Some(Drive { instrument, output, link, limits, span: wire.span }))
             }
@@ -294,19 +299,24 @@ impl<'a> Checker<'a> {
         let Some(sort) = instrument.facts.output(&output) else {
             let known = instrument.facts.outputs();
             let takes_boards = instrument.facts.family() == Family::ElectrodeDriver;
-            self.sink.push(errors::unknown_output(path.span, (name, declared), &output, &known, takes_boards));
+            self.sink.push(match instrument.facts.lacks_temperature(&output) {
+                true => errors::heater_without_temperature(path.span, (name, declared), &output),
+                false => errors::unknown_output(path.span, (name, declared), &output, &known, takes_boards),
+            });
             return None;
         };
         let Some(link) = sort.link(is_stage) else {
             self.sink.push(match sort {
-                OutputSort::Digital | OutputSort::Voltage => errors::line_for_a_stage(path.span),
+                OutputSort::Digital | OutputSort::Voltage | OutputSort::Accessory => {
+                    errors::line_for_a_stage(path.span)
+                }
                 OutputSort::Position => errors::stage_for_a_voltage(path.span, (name, declared)),
             });
             return None;
         };
         let name = name.to_owned();
         self.enlist(place, instrument, outputs)?;
-        Some(NamedOutput { instrument: name, output, link })
+        Some(NamedOutput { instrument: name, output, link, is_accessory: sort == OutputSort::Accessory })
     }
 
     /// The instrument that the first words of a path name, and how many words these are.
@@ -440,6 +450,23 @@ impl<'a> Checker<'a> {
             LinkSort::Axis => self.axis(&accepted, span)?,
         };
         Some((link, limits))
+    }
+
+    /// The link to a magnet or a heater, which is on where the auxiliary output is high; `None` after an error.
+    fn accessory_link(&mut self, name: &str, wire: &tree::Wire, scope: &Scope, panel: &Panel) -> Option<Link> {
+        let channel = self.channel_name(&wire.channel.segments, scope)?;
+        if let WiredOwner::Device(_) = panel.owner.as_ref()? {
+            self.sink.push(errors::channel_to_accessory(wire.channel.span, &channel, name));
+            return None;
+        }
+        let owner = Owner { name: format!("the wire to `{name}`"), declared: None };
+        let given: Vec<Given> = wire.fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
+        self.read_fields(&owner, &given, &[]);
+        let facts = self.output(panel.place)?;
+        let declared = self.named(panel.place).1;
+        self.sink
+            .unless(facts.is_graded.then(|| errors::share_of_accessory(wire.span, (&panel.name, declared), name)))?;
+        Some(Link::Switch { on_v: facts.high_v })
     }
 
     /// The axis of a controller; `None` after an error.

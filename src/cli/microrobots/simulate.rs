@@ -1,9 +1,10 @@
 //! `tweeze simulate`.
 
+use super::control;
 use super::remote::{RemotePilot, RemoteTask};
 use crate::check::Options;
-use crate::claims::Job;
 use crate::claims::microrobots::MicrorobotsOrder;
+use crate::claims::{Claims, Job};
 use crate::cli::arguments::{ReportFormat, SimulateArguments};
 use crate::cli::loaded::Loaded;
 use crate::cli::{Exit, errors, terminal};
@@ -38,7 +39,11 @@ pub fn run(arguments: &SimulateArguments) -> Exit {
     terminal::report(&sink, &sources, arguments.report.format);
     let lines = match lines {
         Ok(lines) => lines,
-        Err(why) => return terminal::fault(&why),
+        Err(NoTrials::NotControlled(why)) => {
+            terminal::to_stderr(&format!("tweeze: {why}\n"));
+            return Exit::Usage;
+        }
+        Err(NoTrials::Fault(why)) => return terminal::fault(&why),
     };
     match lines {
         None => Exit::Errors,
@@ -59,13 +64,21 @@ fn unrecordable(path: &Path) -> Option<io::Error> {
     folder.metadata().err()
 }
 
-/// Outcomes of each assembly; `None` after an error of the program. The error is that of a controller that could not be asked.
+/// Why there are no outcomes.
+enum NoTrials {
+    /// The program is none that a controller runs.
+    NotControlled(String),
+    /// A controller could not be asked.
+    Fault(String),
+}
+
+/// Outcomes of each assembly; `None` after an error of the program.
 fn simulated(
     program: &ProgramSource,
     arguments: &SimulateArguments,
     sources: &mut Sources,
     sink: &mut Sink,
-) -> Result<Option<Vec<String>>, String> {
+) -> Result<Option<Vec<String>>, NoTrials> {
     let Some(checked) = compile::check_program(program, sources, sink) else { return Ok(None) };
     let mut lines = Vec::new();
     let mut is_whole = true;
@@ -73,8 +86,8 @@ fn simulated(
         match plan::plan(claims, sink, &mut |_, _, _| ()) {
             Some(plans) => {
                 let jobs = claims.jobs.iter().zip(&plans);
-                let outcomes = jobs.filter_map(|(job, plan)| one((&claims.name, job), plan, arguments, sources));
-                lines.extend(outcomes.collect::<Result<Vec<String>, String>>()?);
+                let outcomes = jobs.filter_map(|(job, plan)| one((claims, job), plan, arguments, sources));
+                lines.extend(outcomes.collect::<Result<Vec<String>, NoTrials>>()?);
             }
             None => is_whole = false,
         }
@@ -84,18 +97,18 @@ fn simulated(
 
 /// Outcomes of one assembly of the schedule of a name; `None` if there is none, or if the device does not bound its errors.
 fn one(
-    (name, job): (&str, &Job),
+    (claims, job): (&Claims, &Job),
     plan: &Plan<Motion>,
     arguments: &SimulateArguments,
     sources: &Sources,
-) -> Option<Result<String, String>> {
+) -> Option<Result<String, NoTrials>> {
     let (trials, seed) = (u64::from(arguments.trials), arguments.seed);
     let report = match arguments.against_controller {
         false => {
             let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
             simulate_disturbed(&plan.motion, arguments.disturbances(), (trials, seed, threads)).map(Ok)
         }
-        true => against(job, plan, name, arguments),
+        true => against((claims, job), plan, arguments),
     };
     let report = match report? {
         Ok(report) => report,
@@ -110,18 +123,20 @@ fn one(
 
 /// The trials of an assembly by controllers in processes of their own, one for each.
 fn against(
-    job: &Job,
+    (claims, job): (&Claims, &Job),
     plan: &Plan<Motion>,
-    name: &str,
     arguments: &SimulateArguments,
-) -> Option<Result<SimulationReport, String>> {
+) -> Option<Result<SimulationReport, NoTrials>> {
     let (Motion::Microrobots(planned), Some(order)) = (&plan.motion, MicrorobotsOrder::of(&job.order)) else {
         return None;
     };
     let bed = SimulatedBed::new(order, &planned.motion, arguments.disturbances())?;
+    if let Err(why) = control::controlled_bed(claims) {
+        return Some(Err(NoTrials::NotControlled(why)));
+    }
     let task = RemoteTask {
         file: &arguments.file,
-        task: name,
+        task: &claims.name,
         settings: &arguments.settings.set,
         record: arguments.record.as_deref(),
     };
@@ -130,7 +145,7 @@ fn against(
         Ok(bed.trial(arguments.seed, index, &mut pilot))
     };
     let trials: Result<Vec<EndedTrial>, String> = (0..u64::from(arguments.trials)).map(trial).collect();
-    Some(trials.map(|trials| bed.report(&trials)))
+    Some(trials.map(|trials| bed.report(&trials)).map_err(NoTrials::Fault))
 }
 
 /// The line of a step in the program's text, counted from 1.

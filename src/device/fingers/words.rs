@@ -50,7 +50,11 @@ const FIELDS: &[VocabularyField] = &[
     ),
     required("max_force", positive(Dimension::FORCE), "the greatest force of one tip along the normal"),
     required("friction", positive(Dimension::NUMBER), "the coefficient between a tip and the object"),
-    required("step", positive(Dimension::ANGLE), "rotation step; it must divide 360 deg"),
+    required(
+        "step",
+        positive(Dimension::ANGLE),
+        "rotation step; it must divide 360 deg (within 0.01 %, so that rounded digits stand for the divisor)",
+    ),
     required(
         "removal_safety",
         not_negative(Dimension::NUMBER),

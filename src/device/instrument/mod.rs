@@ -13,15 +13,19 @@ pub(crate) use auxiliary::is_zero;
 pub use auxiliary::{AuxiliaryOutput, AuxiliarySort, Awaited, HoldTerms};
 pub use machine::{AXIS_LETTERS, MachineControllerFacts};
 pub use stages::{Direction, StageControllerFacts, StageLimits, StageProtocol, cut_um};
-pub use words::ANY_WIRE;
+pub use words::{ANY_WIRE, HEATERS};
 
 use crate::device::{VocabularyField, WordChoice, words::words};
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 /// Most outputs of one instrument.
 pub const MAX_OUTPUTS: u32 = 4096;
+
+/// Temperatures to which MicroDrop 1.9 sets the heaters of an OpenDrop, in degrees Celsius; its frames have a byte for each.
+pub const DRIVER_HEATER_DEGC: RangeInclusive<u32> = 20..=120;
 
 /// The families of instruments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -108,7 +112,7 @@ impl Family {
             Family::WaveformGenerator => "`ch1`, `ch2`, …: a voltage each",
             Family::DataAcquisition => "`port0.line0`, …: a digital line each; `ao0`, …: a voltage each",
             Family::ElectrodeDriver => {
-                "`c0`, `c1`, …: an electrode each; `electrodes -> NAME` wires all that the `channels` of a board number"
+                "`c0`, `c1`, …: an electrode each; `electrodes -> NAME` wires all that the `channels` of a board number. An OpenDrop has `magnet1` and `magnet2`, and `heater1` to `heater3` where a temperature is given, for outputs of the bench"
             }
             Family::StageController => "`axis1`, `axis2`, …: a stage each",
             Family::MachineController => "`X`, `Y`, `Z`, `U`, `V`, `W`, `A`, `B`, `C`: a stage each",
@@ -223,6 +227,9 @@ pub struct ElectrodeDriverFacts {
     /// Frequency of its voltage, in hertz; `None` where it stays as it is set on the driver.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frequency_hz: Option<f64>,
+    /// Its heaters that the bench uses, by their numbers from 1: the temperature of each while its output is on, in degrees Celsius.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub heaters_degc: BTreeMap<u32, u32>,
     pub start: Start,
 }
 
@@ -243,12 +250,41 @@ impl Protocol {
         }
     }
 
+    /// Magnets that its frames raise and lower.
+    pub fn magnets(self) -> u32 {
+        match self {
+            Protocol::Opendrop => 2,
+            Protocol::Purpledrop | Protocol::Dropbot => 0,
+        }
+    }
+
+    /// Heaters whose temperatures are in its frames.
+    pub fn heaters(self) -> u32 {
+        match self {
+            Protocol::Opendrop => 3,
+            Protocol::Purpledrop | Protocol::Dropbot => 0,
+        }
+    }
+
     /// Whether MicroDrop drives it.
     pub fn has_microdrop(self) -> bool {
         match self {
             Protocol::Opendrop | Protocol::Dropbot => true,
             Protocol::Purpledrop => false,
         }
+    }
+}
+
+impl ElectrodeDriverFacts {
+    /// The names of its outputs that switch no electrode: `magnet1`, and `heater1` where the bench says how warm that is.
+    pub fn accessories(&self) -> impl Iterator<Item = String> {
+        let magnets = (1..=self.protocol.magnets()).map(|number| format!("magnet{number}"));
+        magnets.chain(self.heaters_degc.keys().map(|number| format!("heater{number}")))
+    }
+
+    /// The temperature of the heater behind an output while that is on, in degrees Celsius.
+    pub fn heats_to_degc(&self, output: &str) -> Option<u32> {
+        self.heaters_degc.get(&number_after("heater", output)?).copied()
     }
 }
 
@@ -269,6 +305,8 @@ pub enum OutputSort {
     Voltage,
     Digital,
     Position,
+    /// What a driver of electrodes switches beside these: a magnet, a heater.
+    Accessory,
 }
 
 impl OutputSort {
@@ -277,9 +315,9 @@ impl OutputSort {
         match (self, is_stage) {
             (OutputSort::Voltage, false) => Some(LinkSort::Amplifier),
             (OutputSort::Voltage, true) => Some(LinkSort::StageDriver),
-            (OutputSort::Digital, false) => Some(LinkSort::Switch),
+            (OutputSort::Digital | OutputSort::Accessory, false) => Some(LinkSort::Switch),
             (OutputSort::Position, true) => Some(LinkSort::Axis),
-            (OutputSort::Digital, true) | (OutputSort::Position, false) => None,
+            (OutputSort::Digital | OutputSort::Accessory, true) | (OutputSort::Position, false) => None,
         }
     }
 }
@@ -356,9 +394,10 @@ impl InstrumentFacts {
                 (Some(port), line) => (port < facts.ports && line < facts.lines).then_some(OutputSort::Digital),
                 (None, output) => (output < facts.analog_outputs).then_some(OutputSort::Voltage),
             },
-            InstrumentFacts::ElectrodeDriver(facts) => {
-                number_after("c", name).filter(|number| *number < facts.channels).map(|_| OutputSort::Digital)
-            }
+            InstrumentFacts::ElectrodeDriver(facts) => match number_after("c", name) {
+                Some(number) => (number < facts.channels).then_some(OutputSort::Digital),
+                None => facts.accessories().any(|accessory| accessory == name).then_some(OutputSort::Accessory),
+            },
             InstrumentFacts::StageController(facts) => {
                 let number = number_after("axis", name)?;
                 (1..=facts.axes).contains(&number).then_some(OutputSort::Position)
@@ -369,7 +408,7 @@ impl InstrumentFacts {
         }
     }
 
-    /// The names of all its outputs, in their order.
+    /// The names of all its outputs to which channels may be spread, in their order: all but accessories.
     pub fn output_names(&self) -> Vec<String> {
         match self {
             InstrumentFacts::WaveformGenerator(facts) => (1..=facts.outputs).map(|n| format!("ch{n}")).collect(),
@@ -392,7 +431,8 @@ impl InstrumentFacts {
         match self {
             InstrumentFacts::WaveformGenerator(facts) => range("ch1".to_owned(), format!("ch{}", facts.outputs)),
             InstrumentFacts::ElectrodeDriver(facts) => {
-                range("c0".to_owned(), format!("c{}", facts.channels.saturating_sub(1)))
+                let electrodes = range("c0".to_owned(), format!("c{}", facts.channels.saturating_sub(1)));
+                facts.accessories().fold(electrodes, |names, accessory| format!("{names}, `{accessory}`"))
             }
             InstrumentFacts::StageController(facts) => range("axis1".to_owned(), format!("axis{}", facts.axes)),
             InstrumentFacts::MachineController(facts) => {
@@ -409,6 +449,12 @@ impl InstrumentFacts {
                 named.join(" and ")
             }
         }
+    }
+
+    /// Whether it would have an output of this name if the bench said how warm the heater behind it is.
+    pub fn lacks_temperature(&self, output: &str) -> bool {
+        let InstrumentFacts::ElectrodeDriver(facts) = self else { return false };
+        number_after("heater", output).is_some_and(|number| (1..=facts.protocol.heaters()).contains(&number))
     }
 
     /// What starts it.

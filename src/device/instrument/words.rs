@@ -72,6 +72,14 @@ pub const DATA_ACQUISITION: &[VocabularyField] = &[
     START,
 ];
 
+/// The fields of the heaters of a driver, by their numbers from 1: its outputs have these names, too.
+pub const HEATERS: [&str; 3] = ["heater1", "heater2", "heater3"];
+
+const fn heater(name: &'static str) -> VocabularyField {
+    let doc = "temperature of this heater of an OpenDrop while its output of the same name is on, in whole degC";
+    optional(name, positive(Dimension::TEMPERATURE), "no such output", doc)
+}
+
 pub const ELECTRODE_DRIVER: &[VocabularyField] = &[
     required("protocol", Sort::Word(Protocol::CHOICES), "how it is spoken to"),
     count(
@@ -89,6 +97,9 @@ pub const ELECTRODE_DRIVER: &[VocabularyField] = &[
         "as set on the driver",
         "frequency of its voltage, to which a DropBot is set",
     ),
+    heater(HEATERS[0]),
+    heater(HEATERS[1]),
+    heater(HEATERS[2]),
     START,
 ];
 

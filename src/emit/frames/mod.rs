@@ -2,7 +2,8 @@
 //! program that plays them.
 //!
 //! `<name>.<driver>.frames.csv` has a row for each frame: its number from 1, when it begins and how long it lasts in milliseconds, and
-//! the numbers of the channels that are on, with blanks between them. Frames follow each other without a gap from 0 to the end of the
+//! the numbers of the channels that are on, with blanks between them; where magnets or heaters of the driver are wired, those that are on
+//! stand in a column of their own, as `magnet1 heater1=60` with the temperature in degrees Celsius. Frames follow each other without a gap from 0 to the end of the
 //! schedule; two neighbours differ. `<name>.frames.py` plays them on an OpenDrop (frames of 32 bytes over USB serial), a PurpleDrop
 //! (JSON-RPC calls) or a DropBot (calls of its Python package), and switches all electrodes off at the end, on an error and on Ctrl-C, but what
 //! rests on. Where the pads of reservoirs are not among the channels of a board, it says when a droplet is due at which outlet. Where the schedule
@@ -75,6 +76,7 @@ pub(super) fn write_opendrop(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>
             Protocol::Opendrop => {
                 let board = FramedBoard::new(&wired, facts)?;
                 board.refuse_rest(Format::Opendrop)?;
+                board.refuse_accessories()?;
                 let text = board.controller_file()?;
                 files.push((format!("{}.opendrop.json", wired.name), text.into_bytes()));
             }
@@ -105,12 +107,46 @@ pub(super) fn dispensed(schedule: &Schedule) -> Vec<serde_json::Value> {
         .collect()
 }
 
-/// The electrodes of a driver that are on for some time.
+/// What a driver has on for some time.
 pub(super) struct Frame {
     pub(super) start_ns: u64,
     pub(super) end_ns: u64,
     /// Numbers of channels, in order.
     pub(super) on: BTreeSet<u32>,
+    /// Magnets and heaters.
+    accessories: BTreeSet<Accessory>,
+}
+
+/// A magnet or a heater of a driver, as its table of frames has it: `magnet1`, `heater1=60`.
+type Accessory = String;
+
+/// What a driver switches.
+#[derive(Clone)]
+enum Switched {
+    Electrodes(u32),
+    Accessory(Accessory),
+}
+
+impl Switched {
+    /// What stands behind an output of a driver.
+    fn of(output: &str, facts: &ElectrodeDriverFacts) -> Switched {
+        match (number_after("c", output), facts.heats_to_degc(output)) {
+            (Some(number), _) => Switched::Electrodes(number),
+            (None, Some(degc)) => Switched::Accessory(format!("{output}={degc}")),
+            (None, None) => Switched::Accessory(output.to_owned()),
+        }
+    }
+}
+
+impl Frame {
+    fn switch(&mut self, output: &Switched, is_on: bool) {
+        match (output, is_on) {
+            (Switched::Electrodes(number), true) => drop(self.on.insert(*number)),
+            (Switched::Electrodes(number), false) => drop(self.on.remove(number)),
+            (Switched::Accessory(name), true) => drop(self.accessories.insert(name.clone())),
+            (Switched::Accessory(name), false) => drop(self.accessories.remove(name)),
+        }
+    }
 }
 
 /// A driver with what it plays.
@@ -120,6 +156,10 @@ pub(super) struct FramedBoard<'a> {
     pub(super) frames: Vec<Frame>,
     /// Channels that are on before and after.
     rest: BTreeSet<u32>,
+    /// Magnets and heaters that are on before and after.
+    resting_accessories: BTreeSet<Accessory>,
+    /// Whether any are wired.
+    has_accessories: bool,
 }
 
 impl<'a> FramedBoard<'a> {
@@ -128,51 +168,62 @@ impl<'a> FramedBoard<'a> {
         facts: &'a ElectrodeDriverFacts,
     ) -> Result<FramedBoard<'a>, EmitError> {
         EmitError::refuse_ramps(Format::Frames, &Signals::new(&wired.schedule))?;
-        let numbers: Vec<Option<u32>> = wired.drives.iter().map(|drive| number_after("c", &drive.output)).collect();
-        let channels = wired.schedule.channels.iter();
-        let resting = numbers.iter().zip(channels).filter(|(_, channel)| channel.rest_v != 0.0);
-        let rest: BTreeSet<u32> = resting.filter_map(|(number, _)| *number).collect();
-        // The channels whose actuations end, and those on which one begins, each with whether it is on then, by instant.
-        let mut changes: BTreeMap<u64, [Vec<(u32, bool)>; 2]> = BTreeMap::new();
+        let switched: Vec<Switched> = wired.drives.iter().map(|drive| Switched::of(&drive.output, facts)).collect();
+        let mut resting = Frame { start_ns: 0, end_ns: 0, on: BTreeSet::new(), accessories: BTreeSet::new() };
+        for (output, channel) in switched.iter().zip(&wired.schedule.channels) {
+            resting.switch(output, channel.rest_v != 0.0);
+        }
+        // The outputs whose actuations end, and those on which one begins, each with whether it is on then, by instant.
+        let mut changes: BTreeMap<u64, [Vec<(&Switched, bool)>; 2]> = BTreeMap::new();
         for actuation in &wired.schedule.actuations {
-            let Some(number) = numbers.get(actuation.channel as usize).copied().flatten() else { continue };
-            changes.entry(actuation.start_ns).or_default()[1].push((number, actuation.from != 0.0));
-            changes.entry(actuation.end_ns()).or_default()[0].push((number, rest.contains(&number)));
+            let channel = actuation.channel as usize;
+            let (Some(output), Some(own)) = (switched.get(channel), wired.schedule.channels.get(channel)) else {
+                continue;
+            };
+            changes.entry(actuation.start_ns).or_default()[1].push((output, actuation.from != 0.0));
+            changes.entry(actuation.end_ns()).or_default()[0].push((output, own.rest_v != 0.0));
         }
-        let duration_ns = wired.schedule.duration_ns;
-        changes.entry(duration_ns).or_default();
+        changes.entry(wired.schedule.duration_ns).or_default();
         let mut frames: Vec<Frame> = Vec::new();
-        let mut on = rest.clone();
-        let mut start_ns = 0;
+        let (on, accessories) = (resting.on.clone(), resting.accessories.clone());
+        let mut now = Frame { start_ns: 0, end_ns: 0, on, accessories };
         for (at_ns, [ended, begun]) in changes {
-            if at_ns > start_ns {
-                match frames.last_mut().filter(|last| last.on == on) {
+            if at_ns > now.start_ns {
+                match frames.last_mut().filter(|last| last.on == now.on && last.accessories == now.accessories) {
                     Some(last) => last.end_ns = at_ns,
-                    None => frames.push(Frame { start_ns, end_ns: at_ns, on: on.clone() }),
+                    None => frames.push(Frame {
+                        end_ns: at_ns,
+                        on: now.on.clone(),
+                        accessories: now.accessories.clone(),
+                        ..now
+                    }),
                 }
-                start_ns = at_ns;
+                now.start_ns = at_ns;
             }
-            for (number, is_on) in ended.into_iter().chain(begun) {
-                if is_on {
-                    on.insert(number)
-                } else {
-                    on.remove(&number)
-                };
-            }
+            ended.into_iter().chain(begun).for_each(|(output, is_on)| now.switch(output, is_on));
         }
-        Ok(FramedBoard { wired, facts, frames, rest })
+        let has_accessories = switched.iter().any(|output| matches!(output, Switched::Accessory(_)));
+        let (rest, resting_accessories) = (resting.on, resting.accessories);
+        Ok(FramedBoard { wired, facts, frames, rest, resting_accessories, has_accessories })
     }
 
     /// The table of frames.
     fn text(&self) -> Result<String, EmitError> {
         let channels: usize = self.frames.iter().map(|frame| frame.on.len()).sum();
-        let bytes = self.frames.len() as u64 * ROW_BYTES + channels as u64 * CHANNEL_BYTES;
+        let accessories = self.frames.iter().flat_map(|frame| &frame.accessories).map(|name| name.len() as u64 + 1);
+        let bytes = self.frames.len() as u64 * ROW_BYTES + channels as u64 * CHANNEL_BYTES + accessories.sum::<u64>();
         EmitError::refuse_size(Format::Frames, bytes, MAX_TEXT_BYTES)?;
-        let mut text = "frame,start [ms],duration [ms],on\n".to_owned();
+        let title = if self.has_accessories { ",accessories" } else { "" };
+        let mut text = format!("frame,start [ms],duration [ms],on{title}\n");
         for (frame, number) in self.frames.iter().zip(1..) {
             let on: Vec<String> = frame.on.iter().map(u32::to_string).collect();
             let (start, lasts) = (ms(frame.start_ns), ms(frame.end_ns - frame.start_ns));
-            let _ = writeln!(text, "{number},{start},{lasts},{}", on.join(" "));
+            let _ = write!(text, "{number},{start},{lasts},{}", on.join(" "));
+            if self.has_accessories {
+                let accessories: Vec<&str> = frame.accessories.iter().map(String::as_str).collect();
+                let _ = write!(text, ",{}", accessories.join(" "));
+            }
+            text.push('\n');
         }
         Ok(text)
     }
@@ -184,6 +235,16 @@ impl<'a> FramedBoard<'a> {
         let what = format!("`{output}`, which rests on: its file says nothing of what is on after the last frame");
         let help = "write `--emit frames`, whose sender leaves it on".to_owned();
         Err(EmitError::Unsayable { format, what, help })
+    }
+
+    /// An error if a magnet or a heater is wired: the file of OpenDrop's program has electrodes alone.
+    fn refuse_accessories(&self) -> Result<(), EmitError> {
+        let wired = self.wired.drives.iter().map(|drive| (drive, Switched::of(&drive.output, self.facts)));
+        let mut accessories = wired.filter(|(_, switched)| matches!(switched, Switched::Accessory(_)));
+        let Some((drive, _)) = accessories.next() else { return Ok(()) };
+        let what = format!("`{}.{}`: its file has electrodes alone", self.wired.name, drive.output);
+        let help = "write `--emit frames`, whose sender sets magnets and heaters too".to_owned();
+        Err(EmitError::Unsayable { format: Format::Opendrop, what, help })
     }
 
     /// The voltage of all electrodes that the driver switches, in volts.
@@ -248,6 +309,9 @@ impl<'a> FramedBoard<'a> {
             "rest": self.rest,
             "electrodes": electrodes.iter().map(|(number, name)| format!("c{number} {name}")).collect::<Vec<_>>(),
         });
+        if self.has_accessories {
+            listing["resting_accessories"] = json!(self.resting_accessories);
+        }
         if self.facts.protocol.sets_voltage() {
             listing["voltage_v"] = json!(self.voltage_v(Format::Frames)?);
             listing["frequency_hz"] = json!(self.facts.frequency_hz);

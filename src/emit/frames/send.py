@@ -26,8 +26,10 @@ from pathlib import Path
 
 PLAYS = {}
 
-# OpenDrop: columns of 8 electrodes, then control bytes, of which three are temperatures in degrees; 25 is what its own program sends.
+# OpenDrop: columns of 8 electrodes, then control bytes. The first has a bit for each magnet, three are temperatures in degrees; 25 is
+# what its own program sends.
 COLUMNS, CONTROLS, TEMPERATURES, ROOM_DEGREES = 16, 16, (10, 11, 12), 25
+MAGNETS = {"magnet1": 2, "magnet2": 1}
 REPLY_BYTES, REPLY_S = 24, 0.5
 USB_ID = (0x239A, 0x800B)
 # PurpleDrop: how long a call may take, in seconds.
@@ -55,10 +57,16 @@ class Opendrop:
     @staticmethod
     def frame(on):
         data = bytearray(COLUMNS + CONTROLS)
-        for number in on:
-            data[number // 8] |= 1 << number % 8
         for place in TEMPERATURES:
             data[COLUMNS + place] = ROOM_DEGREES
+        for what in on:
+            if isinstance(what, int):
+                data[what // 8] |= 1 << what % 8
+            elif what in MAGNETS:
+                data[COLUMNS] |= MAGNETS[what]
+            else:
+                heater, degrees = what.split("=")
+                data[COLUMNS + TEMPERATURES[int(heater.removeprefix("heater")) - 1]] = int(degrees)
         return bytes(data)
 
     def send(self, on):
@@ -138,7 +146,7 @@ PROTOCOLS = {"opendrop": Opendrop, "purpledrop": Purpledrop, "dropbot": Dropbot}
 
 
 def read(driver, folder):
-    """The frames: when each begins and ends, in seconds, and the channels that are on."""
+    """The frames: when each begins and ends, in seconds, and what is on: numbers of channels, and names of magnets and heaters."""
     frames, end = [], 0.0
     with open(folder / driver["file"], encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):
@@ -146,7 +154,8 @@ def read(driver, folder):
             if abs(start - end) > 1e-6:
                 raise RuntimeError(f"{driver['file']}: frame {row['frame']} begins at {start} s, the one before ends at {end} s")
             end = start + lasts
-            frames.append((start, end, [int(number) for number in row["on"].split()]))
+            on = [int(number) for number in row["on"].split()] + row.get("accessories", "").split()
+            frames.append((start, end, on))
     if len(frames) != driver["frames"]:
         raise RuntimeError(f"{driver['file']}: {len(frames)} frames instead of {driver['frames']}")
     return frames
@@ -157,6 +166,11 @@ def dues():
     for one in PLAYS.get("dispensed", []):
         column, row = one["outlet"]
         yield one["at_s"], f"{one['at_s']:g} s: droplet {one['droplet']} is due at ({column}, {row})"
+
+
+def resting(driver):
+    """What a driver has on before and after."""
+    return driver["rest"] + driver.get("resting_accessories", [])
 
 
 def passed(hold, begin, commands):
@@ -177,7 +191,7 @@ def play(addresses, folder, commands):
         for driver in PLAYS["drivers"]:
             board = PROTOCOLS[driver["protocol"]](addresses.get(driver["name"]))
             boards.append(board)
-            board.send(driver["rest"])
+            board.send(resting(driver))
         begin = time.monotonic()
         print("started", flush=True)
         for (start, end, on), index in frames:
@@ -200,12 +214,12 @@ def play(addresses, folder, commands):
         lost = []
         for board, driver in zip(boards, PLAYS["drivers"]):
             try:
-                board.send(driver["rest"])
+                board.send(resting(driver))
             except Exception as error:  # every other board is still to be switched off
                 lost.append(f"{board.address} may still be on ({error})")
             board.close()
-        resting = [f"c{number} of {driver['name']}" for driver in PLAYS["drivers"] for number in driver["rest"]]
-        print("; ".join(lost) or "all electrodes are off" + (f", {', '.join(resting)} on" if resting else ""), flush=True)
+        stay = [f"{f'c{what}' if isinstance(what, int) else what} of {driver['name']}" for driver in PLAYS["drivers"] for what in resting(driver)]
+        print("; ".join(lost) or "all electrodes are off" + (f", {', '.join(stay)} on" if stay else ""), flush=True)
 
 
 def show(folder):

@@ -4,7 +4,7 @@ use crate::device::instrument::{Awaited, Bench, Drive, HoldTerms, Instrument, Li
 use crate::diagnostic::Code;
 use crate::emit::{Provenance, emit, fixture};
 use crate::lower::electrode_array::tests::{carried, facts};
-use crate::schedule::{Channel, ChannelUnit, ScheduledHold, State};
+use crate::schedule::{Actuation, Channel, ChannelUnit, ScheduledHold, State};
 use crate::source::Span;
 use crate::verify::Verified;
 
@@ -17,6 +17,7 @@ fn bench_of(protocol: Protocol) -> Bench {
         most_v: 300.0,
         least_frame_ns: 1,
         frequency_hz: protocol.sets_voltage().then_some(1e4),
+        heaters_degc: if protocol.heaters() > 0 { BTreeMap::from([(2, 60)]) } else { BTreeMap::new() },
         start: Start::Sender,
     };
     let mut bench = Bench::default();
@@ -72,6 +73,50 @@ pub fn prompting_board(protocol: Protocol) -> (Verified, Provenance) {
         schedule.holds = asked.map(|(start_ns, prompt)| hold(start_ns, prompt, false)).to_vec();
     });
     (waiting, provenance)
+}
+
+/// The same board on an OpenDrop, with its first magnet on in the first step, and its second heater from 7 ms on.
+pub fn board_with_magnet() -> (Verified, Provenance) {
+    let (verified, provenance) = board_on_driver(Protocol::Opendrop);
+    let switched = fixture::changed(&verified, |schedule| {
+        let end_ns = schedule.duration_ns;
+        let first = schedule.steps[0].start_ns + schedule.steps[0].duration_ns;
+        for (name, output, [start_ns, end_ns]) in
+            [("lift", "magnet1", [0, first]), ("stove", "heater2", [7_000_000, end_ns])]
+        {
+            let channel = schedule.channels.len() as u32;
+            let full = format!("{name}.out");
+            schedule.channels.push(Channel {
+                name: full.clone(),
+                device: name.to_owned(),
+                unit: ChannelUnit::Volt,
+                wire: Some(format!("driver.{output}")),
+                rest_v: 0.0,
+            });
+            schedule.bench.drives.insert(
+                full,
+                Drive {
+                    instrument: "driver".to_owned(),
+                    output: output.to_owned(),
+                    link: Link::Switch { on_v: 5.0 },
+                    limits: StageLimits::default(),
+                    span: Span::default(),
+                },
+            );
+            let duration_ns = end_ns - start_ns;
+            schedule.actuations.push(Actuation {
+                channel,
+                start_ns,
+                duration_ns,
+                from: 5.0,
+                to: 5.0,
+                swing: None,
+                step: 0,
+            });
+        }
+        schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
+    });
+    (switched, provenance)
 }
 
 fn hold(start_ns: u64, prompt: &str, is_bounded: bool) -> ScheduledHold {
@@ -157,6 +202,19 @@ fn the_file_of_the_opendrop_says_the_same() {
         frames.iter().map(|frame| frame["frame"].clone()).collect::<Vec<_>>(),
         (1..=frames.len()).collect::<Vec<_>>()
     );
+}
+
+#[test]
+fn magnets_and_heaters_stand_beside_the_electrodes() {
+    let fixture = board_with_magnet();
+    let text = file(Format::Frames, &fixture, "driver.frames.csv");
+    let expected = "frame,start [ms],duration [ms],on,accessories\n\
+                    1,0,5,8 35,magnet1\n2,5,2,13 36,magnet1\n3,7,3,13 36,heater2=60 magnet1\n\
+                    4,10,1,13 36,heater2=60\n5,11,5,8 35,heater2=60\n6,16,5,3 34,heater2=60\n";
+    assert_eq!(text, expected);
+    let refused = |format| emit(format, &fixture.0, &fixture.1).expect_err("it has no form").diagnostic();
+    assert!(refused(Format::Opendrop).title.contains("driver.magnet1"), "{:?}", refused(Format::Opendrop));
+    assert!(refused(Format::Microdrop).title.contains("lift.out"), "{:?}", refused(Format::Microdrop));
 }
 
 /// The part is not in the first state, and so comes in the step that begins there.

@@ -170,6 +170,11 @@ fn write_fixtures() {
             write(&drivers, format, (named.clone(), fixture.1.clone()));
         }
     }
+    let fixture = super::frames::tests::board_with_magnet();
+    let named = fixture::changed(&fixture.0, |schedule| schedule.name = "lift".to_owned());
+    for format in [Format::Json, Format::Frames] {
+        write(&drivers, format, (named.clone(), fixture.1.clone()));
+    }
     write_controllers(&folder.join("controllers"));
     for format in [Format::Mcap, Format::Json, Format::Pwl, Format::Svg] {
         write(&slopes, format, fixture::crowd());

@@ -257,7 +257,9 @@ impl Tasks<'_> {
                 self.sink.push(errors::not_from_here(step.span));
             }
             SearchAnswer::Impossible(why) => {
-                arranged::with_problem(&site, &why.operations, |stage, _| self.no_courses(step, stage, &why));
+                let is_torn = matches!(why.why, NoAssayPlan::Excluded { .. })
+                    && torn::are_operations_excluded(&site, &why.operations);
+                arranged::with_problem(&site, &why.operations, |stage, _| self.no_courses(step, stage, &why, is_torn));
             }
             SearchAnswer::GaveUp(bounds) => {
                 let goals = arranged::with_problem(&site, operations, |stage, _| goals(stage));
@@ -270,16 +272,21 @@ impl Tasks<'_> {
         None
     }
 
-    /// Why an assay has no plan.
-    fn no_courses(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage, none: &NoArrangement) {
+    /// Why an assay has no plan; `is_torn` if it would have one with a channel for each electrode.
+    fn no_courses(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage, none: &NoArrangement, is_torn: bool) {
         let before = std::mem::take(&mut *self.sink);
         match &none.why {
             NoAssayPlan::Excluded { reached } => {
                 let parts: Vec<&str> = (0..reached.len()).map(|agent| self.part_name(stage, agent)).collect();
                 let is_timed = none.operations.iter().any(|operation| operation.within.is_some());
-                let diagnostic = errors::operations_exclude_one_another(step.span, &parts, is_timed);
+                let diagnostic = match is_torn {
+                    true => errors::operations_excluded_by_channels(step.span, &parts),
+                    false => {
+                        self.with_avoided(errors::operations_exclude_one_another(step.span, &parts, is_timed), step)
+                    }
+                };
                 let reaches = parts.iter().zip(reached).map(|(part, cells)| reach(self.order, part, cells.clone()));
-                self.sink.push(self.with_avoided(diagnostic.reached(reaches), step));
+                self.sink.push(diagnostic.reached(reaches));
             }
             NoAssayPlan::TooLate { agent } => {
                 let diagnostic = errors::too_far_in_time(step.span, self.part_name(stage, *agent));

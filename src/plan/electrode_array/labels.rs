@@ -223,7 +223,11 @@ impl BoardLabelSearch<'_> {
             let near = |at: LabelWord, other_at: LabelWord| {
                 self.field.too_near(agent, self.cell(at), other, self.cell(other_at))
             };
-            !near(own[1], *other_to) && !near(own[1], from[other]) && !near(own[0], *other_to)
+            let cells = |step: [LabelWord; 2]| step.map(|word| self.cell(word));
+            !near(own[1], *other_to)
+                && !near(own[1], from[other])
+                && !near(own[0], *other_to)
+                && !self.field.clash(cells(own), cells([from[other], *other_to]))
         })
     }
 

@@ -75,9 +75,7 @@ pub fn front(
         return front;
     }
     let mut meter = Meter::new(SearchBudget::of(asked.expansions / LABELS_SHARE));
-    if front.shared.is_none()
-        && let Some(choices) = labels::front(instance, asked.limits, &mut meter)
-    {
+    if let Some(choices) = labels::front(instance, asked.limits, &mut meter) {
         return PlanFront { choices, reaches: true, ..front };
     }
     let mut search = LimitedTaskSearch { instance, asked, front, left: asked.expansions };

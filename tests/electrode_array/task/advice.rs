@@ -4,12 +4,11 @@ use super::*;
 
 /// Follows what is said of the task without some obstacles or with parts that yield; whether anything is.
 pub(super) fn remedied(task: &Task, reported: &str) -> bool {
-    let is_plan = reported.contains("there is a plan");
-    let is_none = reported.contains("the task has no plan either");
-    if !is_plan && !is_none {
-        return false;
-    }
-    let (_, help) = reported.split_once("; ").expect("a report has a help");
+    let (plan, none) = ("there is a plan", "the task has no plan either");
+    // Of several reports one tells what becomes of the task.
+    let Some(told) = reported.lines().find(|line| line.contains(plan) || line.contains(none)) else { return false };
+    let is_plan = told.contains(plan);
+    let (_, help) = told.split_once("; ").expect("a report has a help");
     let named: Vec<&str> = help.split('`').skip(1).step_by(2).collect();
     let obstacle = |index: usize| named.contains(&format!("o{index}").as_str());
     let kept = task.obstacles.iter().enumerate().filter(|(index, _)| !obstacle(*index));

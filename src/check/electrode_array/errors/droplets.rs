@@ -382,14 +382,20 @@ pub fn stops_where_another_starts(
         .help("give it another place, or write `wash with FLUID to CELL`, which has a droplet of it pass there between the two")
 }
 
-/// A droplet that ends where another one stops that harms it.
-pub fn ends_where_another_stops((stop, end): (Span, Span), [left, ends]: [&str; 2], cell: ElectrodeCell) -> Diagnostic {
+/// A droplet that ends where another one stops that harms it, and which the program names before that one or behind it.
+pub fn ends_where_another_stops(
+    (stop, end): (Span, Span),
+    [left, ends]: [&str; 2],
+    cell: ElectrodeCell,
+    is_written_before: bool,
+) -> Diagnostic {
+    let order = if is_written_before { format!("put `{left}` above `{ends}`, and ") } else { String::new() };
     Diagnostic::new(Code::E0565, format!("`{ends}` ends at {cell}, where `{left}` stops and contaminates it"))
         .label(stop, format!("`{left}` leaves its traces there, sooner or later"))
         .label_elsewhere(end, stop, format!("`{ends}` stays there to the end"))
         .help(format!(
-            "let it leave afterwards: `discard {ends} at CELL` or `move {ends} to CELL`; or write `wash with FLUID to CELL`, which has a droplet of \
-             it pass there between the two"
+            "let it leave afterwards: `discard {ends} at CELL` or `move {ends} to CELL`; or {order}write `wash with FLUID to CELL`, which has a \
+             droplet of it pass there between the two"
         ))
 }
 

@@ -446,7 +446,13 @@ pub fn ends_too_near(ends: [PartPlace; 2], apart: u32, free: Option<ElectrodeCel
     goals_too_near(ends, apart, free).help(help)
 }
 
-pub fn near_standing_part(moved: PartPlace, stays: PartPlace, apart: u32, free: Option<ElectrodeCell>) -> Diagnostic {
+/// A part that is sent too near to one that stays; in an assay that one may go on by an operation of its own.
+pub fn near_standing_part(
+    (moved, stays): (PartPlace, PartPlace),
+    apart: u32,
+    free: Option<ElectrodeCell>,
+    in_assay: bool,
+) -> Diagnostic {
     let PartPlace { name, cell, span } = moved;
     let PartPlace { name: other, cell: at, span: since } = stays;
     let title = match cell.apart(at) {
@@ -456,7 +462,10 @@ pub fn near_standing_part(moved: PartPlace, stays: PartPlace, apart: u32, free: 
             format!("`{name}` is sent to {cell}, {distance} from `{other}` at {at}; the least distance is {apart}")
         }
     };
-    let aside = format!("send `{other}` away before, or in the same `together`");
+    let aside = match in_assay {
+        true => format!("send `{other}` away in this assay, as `move {other} to CELL`"),
+        false => format!("send `{other}` away before, or in the same `together`"),
+    };
     Diagnostic::new(Code::E0524, title)
         .label(span, if cell == at { "taken" } else { "too near" })
         .label_elsewhere(since, span, format!("`{other}` is at {at} by then"))

@@ -57,10 +57,10 @@ pub fn run(arguments: &ControlArguments) -> Exit {
             return not_one(&loaded.shown(), all);
         }
     };
-    let Some(order) = the_bed(claims) else { return no_bed(&claims.name) };
-    if claims.jobs.iter().any(|job| !job.holds.is_empty()) {
-        return waits(&claims.name);
-    }
+    let order = match controlled_bed(claims) {
+        Ok(order) => order,
+        Err(why) => return refused(&why),
+    };
     if let Some(Err(error)) = arguments.listen.as_ref().map(link::check) {
         return not_listening(&error);
     }
@@ -76,32 +76,35 @@ pub fn run(arguments: &ControlArguments) -> Exit {
         Err(CompileOutcome::Errors | CompileOutcome::Compiled(_)) => return Exit::Errors,
     };
     let Some(Motion::Microrobots(planned)) = plans.first().map(|plan| &plan.motion) else {
-        return no_bed(&claims.name);
+        return refused(&no_bed(&claims.name));
     };
     let lines = order.steps.iter().map(|step| sources.position(step.span).line).collect();
     let provenance = build::provenance(&sources, &loaded.options);
     serve(arguments, (claims, &provenance), (order, &planned.motion), lines)
 }
 
-/// The order of a task that can be controlled: one run of one bed.
-fn the_bed(claims: &Claims) -> Option<&MicrorobotsOrder> {
-    match claims.jobs.as_slice() {
-        [job] => MicrorobotsOrder::of(&job.order).filter(|order| order.facts.errors.is_some()),
-        [] | [_, ..] => None,
+/// The order of a task that can be controlled: one run of one bed, without a wait for anything else; or why there is none.
+pub(super) fn controlled_bed(claims: &Claims) -> Result<&MicrorobotsOrder, String> {
+    let name = &claims.name;
+    let [job] = claims.jobs.as_slice() else { return Err(no_bed(name)) };
+    let order = MicrorobotsOrder::of(&job.order).filter(|order| order.facts.errors.is_some());
+    let order = order.ok_or_else(|| no_bed(name))?;
+    match job.holds.is_empty() {
+        true => Ok(order),
+        false => {
+            Err(format!("`{name}` cannot be controlled: it waits for an input or a person, which `control` does not"))
+        }
     }
 }
 
-fn no_bed(name: &str) -> Exit {
-    terminal::to_stderr(&format!(
-        "tweeze: `{name}` cannot be controlled: that takes one run of one task on a bed of microrobots with all error bounds\n"
-    ));
-    Exit::Usage
+fn no_bed(name: &str) -> String {
+    format!(
+        "`{name}` cannot be controlled: that takes one run of one task on a bed of microrobots with all error bounds; `--task NAME` chooses a task"
+    )
 }
 
-fn waits(name: &str) -> Exit {
-    terminal::to_stderr(&format!(
-        "tweeze: `{name}` cannot be controlled: it waits for an input or a person, which `control` does not\n"
-    ));
+fn refused(why: &str) -> Exit {
+    terminal::to_stderr(&format!("tweeze: {why}\n"));
     Exit::Usage
 }
 
@@ -126,7 +129,7 @@ fn serve(
     (order, motion): (&MicrorobotsOrder, &MicrorobotsMotion),
     lines: Vec<u32>,
 ) -> Exit {
-    let Some(controller) = Controller::new(order, motion) else { return no_bed(&claims.name) };
+    let Some(controller) = Controller::new(order, motion) else { return refused(&no_bed(&claims.name)) };
     let recorder = match arguments.record.as_deref().map(|path| recorder(path, claims, provenance)).transpose() {
         Ok(recorder) => recorder,
         Err(diagnostic) => {
