@@ -5,6 +5,7 @@ use super::case::{Case, Step};
 use super::mechanics::reported;
 use super::random::Random;
 use super::support::{Built, build};
+use std::ops::Range;
 
 /// What is let pass either way where a balance is exact: a grasp may hold or not by rounding.
 const SLACK: f64 = 1e-6;
@@ -287,12 +288,13 @@ fn least_is_said(case: &Case, limit: &str) {
     assert!(reported.len() == 1 && reported[0].contains("E0603") && is_so, "{reported:?}\n{limit}");
 }
 
-/// So many cases of a kind, or those of a long run.
-fn cases(kind: Kind, few: u32) -> Tally {
+/// A few cases of a kind, of which none takes long, or those of a long run.
+fn cases(kind: Kind, few: Range<u32>) -> Tally {
     let number = |name: &str| std::env::var(name).ok().and_then(|cases| cases.parse::<u32>().ok());
-    let (many, skipped) = (number("TWEEZE_ORACLE_CASES"), number("TWEEZE_ORACLE_FROM").unwrap_or(0));
+    let skipped = number("TWEEZE_ORACLE_FROM").unwrap_or(0);
+    let seeds = number("TWEEZE_ORACLE_CASES").map_or(few, |many| skipped..skipped + many);
     let mut tally = Tally::default();
-    for seed in skipped..skipped + many.unwrap_or(few) {
+    for seed in seeds {
         let mut chance = Random(7_000 + 1_000_003 * kind as u64 + 7919 * u64::from(seed));
         let case = random_case(&mut chance, kind);
         hold(&case, kind, &mut tally);
@@ -306,30 +308,30 @@ fn cases(kind: Kind, few: u32) -> Tally {
 
 #[test]
 fn pushing_tips_do_what_all_grasps_can() {
-    let tally = cases(Kind::Pushing, 12);
+    let tally = cases(Kind::Pushing, 0..12);
     assert!(tally.planned >= 3 && tally.proven_none >= 1, "{tally:?}");
 }
 
 #[test]
 fn sticking_tips_do_what_all_grasps_can() {
-    let tally = cases(Kind::Sticking, 12);
+    let tally = cases(Kind::Sticking, 0..12);
     assert!(tally.planned >= 6 && tally.limited + tally.limits_proven_too_low >= 6, "{tally:?}");
 }
 
 #[test]
 fn under_a_load_hands_do_what_all_grasps_can() {
-    let tally = cases(Kind::Loaded, 5);
+    let tally = cases(Kind::Loaded, 3..9);
     assert!(tally.planned >= 1 && tally.proven_none >= 1, "{tally:?}");
 }
 
 #[test]
 fn all_verbs_of_a_task_together_do_what_all_grasps_can() {
-    let tally = cases(Kind::Verbs, 12);
+    let tally = cases(Kind::Verbs, 0..12);
     assert!(tally.planned >= 4, "{tally:?}");
 }
 
 #[test]
 fn orientations_are_reached_by_the_best_of_their_ways() {
-    let tally = cases(Kind::Oriented, 6);
+    let tally = cases(Kind::Oriented, 6..11);
     assert!(tally.planned >= 2, "{tally:?}");
 }

@@ -2,7 +2,7 @@
 //! off by one unit in the last place, the outputs are the same.
 
 use super::bench::{done, root, tweeze};
-use super::outputs::fingerprints;
+use super::outputs::{fingerprints, kept};
 use super::system::is_there;
 use std::path::Path;
 use std::process::Command;
@@ -25,7 +25,8 @@ fn replaced() -> Vec<String> {
 #[cfg(target_os = "linux")]
 #[test]
 fn outputs_do_not_hang_on_the_mathematics_of_the_platform() {
-    if !is_there("cc") {
+    // The other test is about to rewrite what this one reads.
+    if !is_there("cc") || std::env::var_os("TWEEZE_UPDATE").is_some() {
         return;
     }
     let bench = tempfile::tempdir().expect("a folder");
@@ -33,8 +34,9 @@ fn outputs_do_not_hang_on_the_mathematics_of_the_platform() {
     let source = root().join("tests/data/other_mathematics.c");
     done(Command::new("cc").args(["-shared", "-fPIC", "-fno-builtin", "-O1", "-o"]).arg(&library).arg(&source));
     works(bench.path(), &library);
+    // The other test holds the same fingerprints against what is written without it.
     let wrong = fingerprints(&[("LD_PRELOAD", &library)]);
-    assert_eq!(wrong, fingerprints(&[]));
+    assert_eq!(wrong, kept());
 }
 
 /// The other mathematics is one: a program that calls the platform's comes to other numbers with it.

@@ -52,6 +52,15 @@ pub fn fingerprints(environment: &[(&str, &Path)]) -> String {
     text
 }
 
+fn place() -> PathBuf {
+    root().join("tests/data/outputs.sha256")
+}
+
+/// The fingerprints that are kept; empty where there are none yet.
+pub fn kept() -> String {
+    std::fs::read_to_string(place()).unwrap_or_default()
+}
+
 /// The pictures at the head of the README, each with the picture of an example that it is a copy of.
 const PICTURES: [(&str, &str); 4] = [
     ("dimibot.svg", "dimibot_fetch/fetch.svg"),
@@ -63,7 +72,7 @@ const PICTURES: [(&str, &str); 4] = [
 /// The other test holds these fingerprints against what is written today.
 #[test]
 fn pictures_of_the_readme_are_those_of_the_examples() {
-    let fingerprints = std::fs::read_to_string(root().join("tests/data/outputs.sha256")).expect("they are kept");
+    let fingerprints = kept();
     for (name, of) in PICTURES {
         let bytes = std::fs::read(root().join("docs/pictures").join(name)).expect("the picture is there");
         let line = format!("{}  {of}", digest(&bytes));
@@ -76,12 +85,11 @@ fn pictures_of_the_readme_are_those_of_the_examples() {
 
 #[test]
 fn outputs_of_the_examples_are_those_of_every_platform() {
-    let place = root().join("tests/data/outputs.sha256");
     let built = fingerprints(&[]);
     if std::env::var_os("TWEEZE_UPDATE").is_some() {
-        std::fs::write(&place, &built).expect("it can be written");
+        std::fs::write(place(), &built).expect("it can be written");
     }
-    let kept = std::fs::read_to_string(&place).unwrap_or_default();
+    let kept = kept();
     let other: Vec<&str> = built.lines().filter(|line| !kept.contains(line)).collect();
-    assert!(built == kept, "these differ from {}, or are new or gone:\n{}", place.display(), other.join("\n"));
+    assert!(built == kept, "these differ from {}, or are new or gone:\n{}", place().display(), other.join("\n"));
 }

@@ -86,9 +86,7 @@ impl Built {
                 Format::Frames => families.contains(&Family::ElectrodeDriver),
                 Format::Stages => families.contains(&Family::StageController),
                 Format::Opendrop => has_electrodes_alone && protocols.contains(&Protocol::Opendrop),
-                Format::Microdrop => {
-                    has_electrodes_alone && protocols.iter().any(|protocol| protocol.has_microdrop())
-                }
+                Format::Microdrop => has_electrodes_alone && protocols.iter().any(|protocol| protocol.has_microdrop()),
                 Format::Sheet => carries_droplets(verified),
                 // These have one clock, and cannot wait.
                 Format::Csv | Format::Vcd | Format::Pwl => verified.schedule().holds.is_empty(),
