@@ -66,7 +66,11 @@ fn read(path: &str, text: &str, limits: BoardLimits) -> Result<BoardFile, String
     let is_picture = written.starts_with('<');
     let electrodes = if is_picture { pictures::read(text, limits)? } else { lists::read(text, limits)? };
     if electrodes.is_empty() {
-        return Err("has no electrode with a channel".to_owned());
+        let looked_for = match is_picture {
+            true => "no path with `data-channels`",
+            false => "neither a `grid` or `grids` of pins in its `layout`, nor a list of electrodes",
+        };
+        return Err(format!("has no electrode with a channel: {looked_for}"));
     }
     lattice::board(path, electrodes, limits)
 }

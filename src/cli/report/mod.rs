@@ -250,7 +250,7 @@ fn idle(schedule: &Schedule) -> Vec<Note> {
         schedule.actuations.iter().map(|actuation| schedule.steps[actuation.step as usize].plan).collect();
     let is_idle = |(index, _): &(u32, &PlanRecord)| !busy.contains(index);
     let line =
-        |(_, plan): (u32, &PlanRecord)| (ReportTopic::Idle, format!("{}: 0 actuations, nothing is done", plan.task));
+        |(_, plan): (u32, &PlanRecord)| (ReportTopic::Idle, format!("{}: 0 actuations, nothing is switched or moved", plan.task));
     (0..).zip(&schedule.plans).filter(is_idle).map(line).collect()
 }
 
