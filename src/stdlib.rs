@@ -17,3 +17,14 @@ pub fn file(name: &str) -> Option<&'static str> {
 pub fn names() -> impl Iterator<Item = &'static str> {
     FILES.iter().map(|file| file.0)
 }
+
+/// The only file that declares something of this sort by this name: `device`, `opendrop_v4`.
+pub fn declaring(sort: &str, name: &str) -> Option<&'static str> {
+    let declares = |text: &str| {
+        text.lines()
+            .map(str::split_whitespace)
+            .any(|mut words| words.next() == Some(sort) && words.next() == Some(name))
+    };
+    let mut found = FILES.iter().filter(|(_, text)| declares(text)).map(|(file, _)| *file);
+    found.next().filter(|_| found.next().is_none())
+}

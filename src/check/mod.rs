@@ -413,7 +413,7 @@ impl<'a> Checker<'a> {
                 let near = scope::nearest(&first.name.text, file.imports.keys().map(String::as_str));
                 self.sink.push(match file.used_as(&first.name.text) {
                     Some(used) => errors::file_used_as(path, used),
-                    None => errors::unknown_file(first.span, &first.name.text, near),
+                    None => errors::unknown_file(path, sort, near),
                 });
             }
             Some(_) | None => {

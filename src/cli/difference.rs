@@ -2,8 +2,9 @@
 
 use serde_json::Value;
 
-/// Most characters of a value that a message shows.
+/// Most characters of a value, and of a place, that a message shows.
 const SHOWN_CHARACTERS: usize = 60;
+const PLACE_CHARACTERS: usize = 120;
 
 /// The first place at which two claims differ, with what stands there.
 pub struct Difference {
@@ -32,7 +33,11 @@ fn within(place: String, of_log: Option<&Value>, of_program: Option<&Value>) -> 
         (Some(Value::Array(one)), Some(Value::Array(other))) => (0..one.len().max(other.len()))
             .find_map(|index| within(format!("{place}[{index}]"), one.get(index), other.get(index))),
         (one, other) if one == other => None,
-        (one, other) => Some(Difference { place, of_log: shown(one), of_program: shown(other) }),
+        (one, other) => {
+            // The keys of a log may be anything.
+            let place = place.chars().filter(|c| !c.is_control()).take(PLACE_CHARACTERS).collect();
+            Some(Difference { place, of_log: shown(one), of_program: shown(other) })
+        }
     }
 }
 
@@ -64,5 +69,6 @@ mod tests {
         let (_, shown, _) = found(&format!(r#"{{"a":"{long}"}}"#), r#"{"a":1}"#).expect("they differ");
         assert_eq!(shown.chars().count(), SHOWN_CHARACTERS + 1);
         assert_eq!(found("{", "{}"), None);
+        assert_eq!(found(r#"{"\u001bx":1}"#, "{}"), of("x", "1", "nothing"));
     }
 }

@@ -187,9 +187,9 @@ pub fn other_settings(log: &Path, program: &Path, of_log: &[String], given: &[St
     Some(Diagnostic::new(Code::E0772, title).help(help))
 }
 
-/// A word quoted for a shell: a log may have any setting, and its text is offered for copying.
-fn quoted(word: &str) -> String {
-    let is_safe = |c: char| c.is_ascii_alphanumeric() || "=._+-".contains(c);
+/// A word quoted for a shell: a log may have any setting, a path any name, and its text is offered for copying.
+pub fn quoted(word: &str) -> String {
+    let is_safe = |c: char| c.is_ascii_alphanumeric() || "=._+-/".contains(c);
     if word.chars().all(is_safe) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
 }
 

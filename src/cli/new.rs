@@ -55,7 +55,12 @@ pub fn run(arguments: &NewArguments) -> Exit {
 
 /// What was made, and what to do with it.
 fn report(program: &Path, folder: &Path) -> String {
-    let [program, out] = [program, &folder.join("out")].map(|path| terminal::name(&path.to_string_lossy()));
-    let made = terminal::line("Created", &program, 0, "");
+    let made = terminal::line("Created", &terminal::name(&program.to_string_lossy()), 0, "");
+    // As a shell takes them; a name that begins with `-` is no option.
+    let [program, out] = [program, &folder.join("out")].map(|path| {
+        let path = terminal::name(&path.to_string_lossy());
+        let path = if path.starts_with('-') { format!("./{path}") } else { path };
+        errors::quoted(&path)
+    });
     format!("{made}\nNext:\n  tweeze build {program} --emit mcap,html,svg -o {out}\n  tweeze view {program} -o {out}\n")
 }

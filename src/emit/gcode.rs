@@ -180,7 +180,11 @@ fn wait_lines(hold: &ScheduledHold, number: usize) -> Result<String, EmitError> 
             let help = "leave out `for at most`, or write another format".to_owned();
             Err(EmitError::Unsayable { format: Format::Gcode, what, help })
         }
-        Awaited::Person { prompt } => Ok(format!("(MSG, {})\nM0\n", message(prompt))),
+        Awaited::Person { prompt } => {
+            let text = message(prompt);
+            let lines = lines_of(&text).into_iter().map(|line| format!("(MSG, {line})\n"));
+            Ok(lines.collect::<String>() + "M0\n")
+        }
         Awaited::Input { name, level, .. } => {
             let Some(pin) = pin(name) else {
                 let what = format!("the input `{name}`: it reads digital pins of the motion controller");
@@ -200,6 +204,21 @@ fn wait_lines(hold: &ScheduledHold, number: usize) -> Result<String, EmitError> 
             ))
         }
     }
+}
+
+/// Most characters of a message: LinuxCNC reads lines of up to 256.
+const MESSAGE_CHARACTERS: usize = 200;
+
+/// A text of ASCII in lines that LinuxCNC reads, broken at blanks where there are any.
+fn lines_of(text: &str) -> Vec<&str> {
+    let (mut lines, mut rest) = (Vec::new(), text);
+    while rest.len() > MESSAGE_CHARACTERS {
+        let end = rest[..MESSAGE_CHARACTERS].rfind(' ').filter(|end| *end > 0).unwrap_or(MESSAGE_CHARACTERS);
+        lines.push(&rest[..end]);
+        rest = rest[end..].trim_start();
+    }
+    lines.push(rest);
+    lines
 }
 
 /// The number of a digital pin of the motion controller, as `motion.digital-in-00`.
@@ -382,4 +401,19 @@ fn millimetres(length_nm: u64) -> String {
 /// The text as a comment that every controller takes.
 fn ascii(text: &str) -> String {
     one_line(text).chars().map(|c| if c.is_ascii() { c } else { '_' }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_question_has_lines_that_are_read() {
+        assert_eq!(lines_of("go on"), ["go on"]);
+        let words = "word ".repeat(100);
+        let lines = lines_of(words.trim_end());
+        assert!(lines.iter().all(|line| line.len() <= MESSAGE_CHARACTERS && !line.ends_with(' ')), "{lines:?}");
+        assert_eq!(lines.join(" "), words.trim_end());
+        assert_eq!(lines_of(&"x".repeat(450)).iter().map(|line| line.len()).collect::<Vec<_>>(), [200, 200, 50]);
+    }
 }

@@ -183,7 +183,7 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
             Ok(nidaqmx::write(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
         }
         Format::Frames => {
-            Ok(frames::write(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
+            Ok(frames::write(verified)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
         }
         Format::Opendrop => {
             Ok(frames::write_opendrop(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())

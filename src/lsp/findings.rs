@@ -11,7 +11,7 @@ use lsp_types::{
     Uri, WorkspaceEdit,
 };
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Open texts in place of files.
@@ -69,6 +69,30 @@ pub fn of(
     let figures = checked.zip(shown.own_file()).map(|(checked, own)| CheckedFigures::of(&checked, own));
     let found = sink.sorted().into_iter().map(|diagnostic| shown.diagnostic(diagnostic)).collect();
     (found, figures.unwrap_or_default())
+}
+
+/// The errors of the program of a path, in order.
+pub fn errors(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -> Vec<String> {
+    let Some(text) = texts.get(path) else { return Vec::new() };
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let library = Overlay { folder: path.parent().unwrap_or(Path::new("")), texts, disk };
+    let mut sink = Sink::default();
+    let request = ProgramSource { name: &name, text, library: &library, options: &Options::default() };
+    check_program(&request, &mut Sources::default(), &mut sink);
+    let errors = sink.sorted().into_iter().filter(|diagnostic| diagnostic.code.severity() == Severity::Error);
+    errors.map(|diagnostic| diagnostic.title.clone()).collect()
+}
+
+/// The files that the program of a path reads from open texts, itself among them.
+pub fn read_from(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -> BTreeSet<PathBuf> {
+    let Some(text) = texts.get(path) else { return BTreeSet::new() };
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let library = Overlay { folder: path.parent().unwrap_or(Path::new("")), texts, disk };
+    let mut sources = Sources::default();
+    let request = ProgramSource { name: &name, text, library: &library, options: &Options::default() };
+    check_program(&request, &mut sources, &mut Sink::default());
+    let own = sources.files().filter(|(_, file)| file.origin == Origin::User).map(|(_, file)| library.path(&file.name));
+    own.filter(|path| texts.contains_key(path)).chain([path.to_owned()]).collect()
 }
 
 /// What the editor may do about findings, which it gives back as they were sent.

@@ -44,7 +44,7 @@ use names::ProgramNames;
 use planning::ProgramPlans;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use text::{ColumnUnit, EditedText};
 
@@ -421,14 +421,33 @@ impl Session<'_> {
 
 /// Plans of saved programs.
 impl Session<'_> {
-    /// Begins to plan a program, if it is on the disk as it is here.
+    /// Begins to plan a program, if it and all open files that it uses are on the disk as they are here: there the planner reads them.
     fn plan(&mut self, path: &Path) {
-        let Some(document) = self.open.get_mut(path).filter(|document| document.is_saved && path.is_absolute()) else {
+        if !path.is_absolute() || !self.is_on_disk(path) {
             return;
-        };
+        }
+        let Some(document) = self.open.get_mut(path).filter(|document| document.is_saved) else { return };
         self.tickets += 1;
         (document.ticket, document.plans) = (self.tickets, ProgramPlans::default());
         self.planner.start(path, self.tickets);
+    }
+
+    /// Whether what a program reads from open texts is the same on the disk.
+    fn is_on_disk(&self, path: &Path) -> bool {
+        let texts = self.texts();
+        let mut read = BTreeSet::new();
+        (self.round)(path, &mut |disk| read = findings::read_from(path, &texts, disk));
+        read.iter().all(|path| {
+            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+            let mut is_same = false;
+            // Editors keep a mark of the order of bytes to themselves.
+            let plain = |text: &str| text.trim_start_matches('\u{feff}').to_owned();
+            (self.round)(path, &mut |disk| {
+                let found = disk.read("", &name).map(|(_, text)| plain(&text));
+                is_same = texts.get(path).is_some_and(|open| found == Ok(plain(open)));
+            });
+            is_same
+        })
     }
 
     /// Takes what came of planning, unless the text has changed since.
@@ -489,7 +508,22 @@ impl Session<'_> {
 
     fn renamed(&self, asked: &lsp_types::RenameParams) -> Result<WorkspaceEdit, String> {
         let (path, offset) = self.place(&asked.text_document_position).ok_or("the document is not open")?;
-        self.names().renamed(&path, offset, self.unit, &asked.new_name)
+        let (edit, renamed) = self.names().renamed(&path, offset, self.unit, &asked.new_name)?;
+        let before = self.texts();
+        let after = renamed.iter().map(|(path, text)| (path.clone(), text.as_str()));
+        let after: BTreeMap<PathBuf, &str> = before.clone().into_iter().chain(after).collect();
+        for path in self.open.keys() {
+            let [mut old, mut new] = [Vec::new(), Vec::new()];
+            (self.round)(path, &mut |disk| {
+                old = findings::errors(path, &before, disk);
+                new = findings::errors(path, &after, disk);
+            });
+            if new.len() > old.len() {
+                let first = new.iter().find(|error| !old.contains(error)).unwrap_or(&new[0]);
+                return Err(format!("with that name there would be an error, {first}: write the new name by hand"));
+            }
+        }
+        Ok(edit)
     }
 }
 

@@ -4,12 +4,16 @@
 //! file are found as well. Names of the standard library have no place that an editor can open.
 
 use super::findings::Overlay;
+use super::outline;
 use super::text::{self, ColumnUnit, EditedText};
 use crate::check::imports::Library;
-use crate::check::{Options, ProgramSource, links};
+use crate::check::{Options, ProgramSource, check_program, links};
 use crate::diagnostic::Sink;
 use crate::source::{Origin, Sources, Span};
-use crate::syntax::{self, tree::Item};
+use crate::syntax::{
+    self,
+    tree::{Item, SceneEntry},
+};
 use lsp_types::{Location, TextEdit, Uri, WorkspaceEdit};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -27,8 +31,10 @@ struct FilePlace {
 pub struct ProgramNames {
     /// What the editor calls the open texts.
     uris: BTreeMap<PathBuf, Uri>,
-    /// Uses with their declarations; `None` for one of the standard library.
+    /// Uses with their declarations, each without its indices; `None` for one of the standard library.
     links: BTreeSet<(FilePlace, Option<FilePlace>)>,
+    /// What is declared, used or not.
+    declared: BTreeSet<FilePlace>,
     texts: BTreeMap<PathBuf, String>,
 }
 
@@ -37,13 +43,54 @@ fn is_free_name(name: &str) -> bool {
     let text = format!("let {name} = 1\n");
     let mut sink = Sink::default();
     let tree = syntax::parse(Sources::default().add("", text.as_str()), &text, &mut sink);
-    sink.errors() == 0 && matches!(tree.items.as_slice(), [Item::Let(item)] if item.name.text == name)
+    let is_name = matches!(tree.items.as_slice(), [Item::Let(item)] if item.name.text == name);
+    // Kinds, shapes and functions keep their names.
+    let request = ProgramSource { name: "", text: &text, library: &NoFiles, options: &Options::default() };
+    check_program(&request, &mut Sources::default(), &mut sink);
+    is_name && sink.errors() == 0
+}
+
+/// No file to be used.
+struct NoFiles;
+
+impl Library for NoFiles {
+    fn read(&self, _: &str, path: &str) -> Result<(String, String), String> {
+        Err(format!("`{path}` is not there"))
+    }
+}
+
+/// The names that a text declares at its top and in its scenes.
+fn declared_in(text: &str) -> Vec<Span> {
+    fn objects(entries: &[SceneEntry], found: &mut Vec<Span>) {
+        for entry in entries {
+            match entry {
+                SceneEntry::Object(object) => found.push(object.name.name.span),
+                SceneEntry::For(each) => objects(&each.entries, found),
+                SceneEntry::Error(_) => {}
+            }
+        }
+    }
+    let mut found = Vec::new();
+    for item in &outline::tree(text).items {
+        match item {
+            Item::Let(item) => found.push(item.name.span),
+            Item::Device(item) | Item::Instrument(item) | Item::Output(item) => found.push(item.name.span),
+            Item::Scene(item) => {
+                found.push(item.name.span);
+                objects(&item.entries, &mut found);
+            }
+            Item::Task(_) | Item::Program(_) => found.extend(item.runnable().map(|head| head.name.span)),
+            Item::Use(_) | Item::Wiring(_) | Item::Error(_) => {}
+        }
+    }
+    found.retain(|span| !span.range().is_empty());
+    found
 }
 
 impl ProgramNames {
     /// No names yet; `uris` are what the editor calls the open texts.
     pub fn new(uris: BTreeMap<PathBuf, Uri>) -> ProgramNames {
-        ProgramNames { uris, links: BTreeSet::new(), texts: BTreeMap::new() }
+        ProgramNames { uris, links: BTreeSet::new(), declared: BTreeSet::new(), texts: BTreeMap::new() }
     }
 
     /// Adds the names of the program of a path, which is one of the open texts.
@@ -57,6 +104,9 @@ impl ProgramNames {
             let place = |span: Span| {
                 let file = sources.file(span.file);
                 let Range { start, end } = span.range();
+                // `s[i]` and `s[0]` are one name.
+                let word = file.text.get(start..end).map_or(0, |text| text.find('[').unwrap_or(text.len()));
+                let end = start + word;
                 (file.origin == Origin::User).then(|| FilePlace { path: library.path(&file.name), start, end })
             };
             if let Some(used) = place(link.used) {
@@ -64,22 +114,40 @@ impl ProgramNames {
             }
         }
         for (_, file) in sources.files().filter(|(_, file)| file.origin == Origin::User) {
-            self.texts.insert(library.path(&file.name), file.text.to_string());
+            let path = library.path(&file.name);
+            let declared = declared_in(&file.text).into_iter().map(Span::range);
+            self.declared.extend(declared.map(|Range { start, end }| FilePlace { path: path.clone(), start, end }));
+            self.texts.insert(path, file.text.to_string());
         }
+    }
+
+    fn text_at(&self, place: &FilePlace) -> Option<&str> {
+        self.texts.get(&place.path).and_then(|text| text.get(place.start..place.end))
+    }
+
+    /// Whether a use goes by the name of a parameter, for which this declaration was given.
+    fn is_by_parameter(&self, used: &FilePlace, declared: &FilePlace) -> bool {
+        let has_name = |declared: &FilePlace| self.text_at(declared) == self.text_at(used);
+        let others = || self.links.iter().filter(|(other, _)| other == used).filter_map(|(_, other)| other.as_ref());
+        !has_name(declared) && others().any(has_name)
     }
 
     /// The declaration of the name at a place of a file, be it in use there or declared.
     fn declaration(&self, path: &Path, offset: usize) -> Option<&FilePlace> {
         let is_here = |place: &FilePlace| place.path == path && (place.start..=place.end).contains(&offset);
-        self.links.iter().find_map(|(used, declared)| {
+        let linked = self.links.iter().find_map(|(used, declared)| {
             let declared = declared.as_ref()?;
-            (is_here(used) || is_here(declared)).then_some(declared)
-        })
+            let is_used_here = is_here(used) && !self.is_by_parameter(used, declared);
+            (is_used_here || is_here(declared)).then_some(declared)
+        });
+        linked.or_else(|| self.declared.iter().find(|place| is_here(place)))
     }
 
     /// A declaration and all its uses, in order.
     fn all_of<'n>(&'n self, declaration: &'n FilePlace) -> BTreeSet<&'n FilePlace> {
-        let uses = self.links.iter().filter(|(_, declared)| declared.as_ref() == Some(declaration));
+        let uses = self.links.iter().filter(|(used, declared)| {
+            declared.as_ref() == Some(declaration) && !self.is_by_parameter(used, declaration)
+        });
         uses.map(|(used, _)| used).chain([declaration]).collect()
     }
 
@@ -102,13 +170,8 @@ impl ProgramNames {
         wanted.filter_map(|place| self.location(place, unit)).collect()
     }
 
-    /// The edits that give the name at a place another one, in all files.
-    ///
-    /// # Errors
-    /// Why it cannot have that name, or any other.
-    // The library's own type of the edits hashes addresses of documents by their text alone.
-    #[allow(clippy::mutable_key_type)]
-    pub fn renamed(&self, path: &Path, offset: usize, unit: ColumnUnit, name: &str) -> Result<WorkspaceEdit, String> {
+    /// The places at which the name at a place stands, in all files, if it can be called otherwise there.
+    fn renamable(&self, path: &Path, offset: usize, name: &str) -> Result<BTreeSet<&FilePlace>, String> {
         if !is_free_name(name) {
             return Err(format!(
                 "`{name}` is no name: write a letter, then letters, digits and `_`, and no word of the language"
@@ -116,24 +179,46 @@ impl ProgramNames {
         }
         let declaration =
             self.declaration(path, offset).ok_or("here stands no name that is declared in a file of yours")?;
-        let text_at = |place: &FilePlace| self.texts.get(&place.path).and_then(|text| text.get(place.start..place.end));
-        let old = text_at(declaration).ok_or("the declaration is not to be found")?;
+        let old = self.text_at(declaration).ok_or("the declaration is not to be found")?;
         let places = self.all_of(declaration);
-        if let Some(other) = places.iter().filter_map(|place| text_at(place)).find(|text| *text != old) {
+        if let Some(other) = places.iter().filter_map(|place| self.text_at(place)).find(|text| *text != old) {
             return Err(format!("`{old}` is used as `{other}`, by an index: write the new name by hand"));
         }
         let files: BTreeSet<&Path> = places.iter().map(|place| place.path.as_path()).collect();
         let known = self.links.iter().flat_map(|(used, declared)| std::iter::once(used).chain(declared));
-        let is_taken = |place: &FilePlace| files.contains(place.path.as_path()) && text_at(place) == Some(name);
-        if name != old && known.into_iter().any(is_taken) {
+        let is_taken = |place: &FilePlace| files.contains(place.path.as_path()) && self.text_at(place) == Some(name);
+        if name != old && known.chain(&self.declared).any(is_taken) {
             return Err(format!("`{name}` stands for something else there"));
         }
+        Ok(places)
+    }
+
+    /// The edits that give the name at a place another one, in all files, and the texts of these files with it.
+    ///
+    /// # Errors
+    /// Why it cannot have that name, or any other.
+    // The library's own type of the edits hashes addresses of documents by their text alone.
+    #[allow(clippy::mutable_key_type)]
+    pub fn renamed(
+        &self,
+        path: &Path,
+        offset: usize,
+        unit: ColumnUnit,
+        name: &str,
+    ) -> Result<(WorkspaceEdit, BTreeMap<PathBuf, String>), String> {
+        let places = self.renamable(path, offset, name)?;
         let mut changes: std::collections::HashMap<Uri, Vec<TextEdit>> = Default::default();
+        let mut texts: BTreeMap<PathBuf, String> = BTreeMap::new();
+        // From the end, so that the places before stay where they are.
+        for place in places.iter().rev() {
+            let text = texts.entry(place.path.clone()).or_insert_with(|| self.texts[&place.path].clone());
+            text.replace_range(place.start..place.end, name);
+        }
         for place in places {
             let location = self.location(place, unit).ok_or("a file cannot be named to the editor")?;
             let edit = TextEdit { range: location.range, new_text: name.to_owned() };
             changes.entry(location.uri).or_default().push(edit);
         }
-        Ok(WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() })
+        Ok((WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() }, texts))
     }
 }

@@ -303,10 +303,11 @@ pub(super) fn foreign_comment(span: Span, comment: &str) -> Diagnostic {
 
 /// `mend` is what to write in its place.
 pub(super) fn semicolon(span: Span, mend: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0104, "a `;`")
-        .label(span, "nothing ends with this")
-        .help("remove it: a field, a step or a declaration ends at the line end or at a comma")
-        .mended_here(mend)
+    let help = match mend {
+        "," => "write a comma: inside of brackets nothing else separates",
+        _ => "remove it: a field, a step or a declaration ends at the line end or at a comma",
+    };
+    Diagnostic::new(Code::E0104, "a `;`").label(span, "nothing ends with this").help(help).mended_here(mend)
 }
 
 pub(super) fn foreign_sign(span: Span, theirs: char, ours: &str) -> Diagnostic {
@@ -483,10 +484,16 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
     if let Some(found) = in_requirement(part(span, at, at + token.len()), &line, token) {
         return found;
     }
-    Diagnostic::new(Code::E0101, format!("`{token}` does not belong here"))
-        .label(part(span, at, at + token.len()), wanted)
-        .help(format!("`{line}` is complete; remove the rest, or start a new line"))
+    let place = part(span, at, at + token.len());
+    let finding = Diagnostic::new(Code::E0101, format!("`{token}` does not belong here")).label(place, wanted);
+    if let Some((_, ours)) = PREPOSITIONS.iter().find(|(theirs, _)| *theirs == token) {
+        return finding.help(format!("write `{ours}`")).mended(place, *ours);
+    }
+    finding.help(format!("`{line}` is complete; remove the rest, or start a new line"))
 }
+
+/// Prepositions that people write for ours, and ours.
+const PREPOSITIONS: &[(&str, &str)] = &[("around", "about"), ("onto", "to"), ("into", "to"), ("amongst", "among")];
 
 /// What people write in a `require` where reading stops.
 fn in_requirement(token_span: Span, line: &str, token: &str) -> Option<Diagnostic> {

@@ -10,10 +10,15 @@ use crate::source::Span;
 /// Bytes of a file in which a message looks for the device that is meant: files may be large, and have many broken heads.
 const DEVICES_SIGHT_BYTES: usize = 1 << 16;
 
+/// The names that the beginning of a file declares by a word, as `device `.
+fn declared<'s>(source: &'s str, by: &'static str) -> impl Iterator<Item = &'s str> {
+    let seen = &source[..source.floor_char_boundary(DEVICES_SIGHT_BYTES)];
+    seen.lines().filter_map(move |line| line.strip_prefix(by)).map(|name| token_at(name.trim_start(), 0))
+}
+
 /// The devices that the beginning of a file declares.
 fn devices(source: &str) -> impl Iterator<Item = &str> {
-    let seen = &source[..source.floor_char_boundary(DEVICES_SIGHT_BYTES)];
-    seen.lines().filter_map(|line| line.strip_prefix("device ")).map(|name| token_at(name.trim_start(), 0))
+    declared(source, "device ")
 }
 
 /// The slip in the head of a declaration, of which `rest` could not be read, if it is a known one.
@@ -128,6 +133,9 @@ impl BrokenHead<'_> {
             let note = "`on` and a device belong before this";
             return Some(self.wrong("a task without its device", word.len(), note, &mend));
         }
+        if let Some(finding) = self.lacking(0, "on", devices(self.source)) {
+            return Some(finding);
+        }
         if word != "on" {
             let device = self.text[word.len()..].trim_start();
             let title = format!("`{word}` where `on` belongs");
@@ -138,6 +146,31 @@ impl BrokenHead<'_> {
         let device = self.text[word.len()..].trim_start();
         let after = device.trim_start_matches(|c| is_word(c) || c == '.').trim_start();
         self.behind_device(self.text.len() - after.len())
+    }
+
+    /// `task go bot`, `task go onbot`: a name of the file without the word that belongs before it.
+    fn lacking<'n>(&self, at: usize, before: &str, mut names: impl Iterator<Item = &'n str>) -> Option<Diagnostic> {
+        let word = token_at(&self.text[at..], 0);
+        let named = word.strip_prefix(before).filter(|name| !name.is_empty()).unwrap_or(word);
+        names.find(|name| *name == named || *name == word)?;
+        let is_joined = named.len() < word.len();
+        let rest = &self.text[at + word.len() - named.len()..];
+        let title = format!("`{word}` without `{before}` before it");
+        let note = if is_joined {
+            format!("a blank belongs behind `{before}`")
+        } else {
+            format!("`{before}` belongs before this")
+        };
+        let head = quote(&self.text[..at]);
+        let finding = Diagnostic::new(Code::E0124, title).label(self.mark(at, word.len()), note).help(format!(
+            "write `{} {head}{before} {} {{`",
+            self.before,
+            quote(rest.trim_end())
+        ));
+        Some(match is_joined {
+            true => finding.mended(self.mark(at, word.len()), format!("{before} {named}")),
+            false => finding.mended(self.mark(at, 0), format!("{before} ")),
+        })
     }
 
     /// `task go { … }`: the first device of the file is the one to propose.
@@ -170,6 +203,9 @@ impl BrokenHead<'_> {
         }
         if !word.starts_with(is_word) || word == "in" {
             return None;
+        }
+        if let Some(finding) = self.lacking(at, "in", declared(self.source, "scene ")) {
+            return Some(finding);
         }
         let scene = after[word.len()..].trim_start();
         let mend = format!("{} {}in {} {{", self.before, &self.text[..at], quote(scene));

@@ -206,6 +206,9 @@ pub(super) fn semicolon(cursor: &mut Cursor) {
     cursor.at += 1;
 }
 
+/// Degrees Celsius with the sign, or as one.
+const DEGREES: &[&str] = &["°C", "℃"];
+
 /// Signs that people write for ours, and ours.
 const SPELLINGS: &[(char, &str)] = &[
     ('−', "-"),
@@ -254,6 +257,17 @@ pub(super) fn sign(cursor: &mut Cursor, first: char) {
     }
     if is_quote(first) {
         return quoted(cursor, start, end);
+    }
+    if let Some(unit) = DEGREES.iter().find(|unit| cursor.text[start..].starts_with(**unit)) {
+        cursor.at = start + unit.len();
+        let span = cursor.span(start, cursor.at);
+        cursor.report(errors::foreign_signs(span, unit, "degC"));
+        // The unit takes the blank before it, too.
+        match cursor.text[..start].ends_with(' ') {
+            true => cursor.replace(start - 1, cursor.at, "degC"),
+            false => cursor.cover(start, cursor.at),
+        }
+        return;
     }
     let is_strange = |c: char| !c.is_whitespace() && !is_word(c) && !",:.=<>+-*/^|%()[]{}\"#;".contains(c);
     let end = cursor.text[end..].find(|c| !is_strange(c)).map_or(cursor.text.len(), |length| end + length);

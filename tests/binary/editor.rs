@@ -444,8 +444,50 @@ fn parts_of_a_scene_are_names_too() {
         let found = editor.ask("textDocument/definition", at(from)).expect("it answers");
         assert_eq!((&found["uri"], &found["range"]["start"]), (&json!("untitled:one"), &caret(text, to)), "{from}");
     }
-    let mut asked = at("with b|0");
-    asked["newName"] = json!("c");
-    let refused = editor.ask("textDocument/rename", asked).expect_err("its name is made by an index");
+    let renamed = |editor: &mut Editor, words: &str, name: &str| {
+        let mut asked = at(words);
+        asked["newName"] = json!(name);
+        editor.ask("textDocument/rename", asked)
+    };
+    let refused = renamed(&mut editor, "with b|0", "c").expect_err("its name is made by an index");
     says(&refused.message, &["index"]);
+    for name in ["disc", "chip", "i"] {
+        renamed(&mut editor, "part |a", name).expect_err("it is taken, or kept");
+    }
+}
+
+/// What a new name would break is not renamed; indices stay, and so do parameters; what nothing uses has a name, too.
+#[test]
+fn a_new_name_breaks_nothing() {
+    let board = "use std.electrode_array as ea\ndevice chip : ea.droplet_chip { columns: 14, rows: 9 }\n";
+    let renamed = |text: &str, words: &str| {
+        let (mut editor, _) = Editor::new(json!({}));
+        editor.open("untitled:one", text);
+        editor.findings();
+        let asked =
+            json!({ "textDocument": { "uri": "untitled:one" }, "position": caret(text, words), "newName": "zz" });
+        let edits = editor.ask("textDocument/rename", asked).map_err(|refused| refused.message)?;
+        let edits = edits["changes"]["untitled:one"].as_array().expect("edits").clone();
+        let column = |edit: &Value, end: &str| {
+            let place = &edit["range"][end];
+            (place["line"].as_u64().expect("a line"), place["character"].as_u64().expect("a column"))
+        };
+        Ok::<_, String>(edits.iter().map(|edit| (column(edit, "start"), column(edit, "end"))).collect::<Vec<_>>())
+    };
+    let indexed = format!(
+        "{board}scene b {{ for p in 0..2 {{ part s[p] : ea.droplet at (2, 2 + 4 * p) }} }}\n\
+         task read on chip in b {{ for p in 0..2 {{ move s[p] to (10, 2 + 4 * p) }} }}\n"
+    );
+    assert_eq!(renamed(&indexed, "part |s"), Ok(vec![((2, 31), (2, 32)), ((3, 46), (3, 47))]));
+    let given = format!(
+        "{board}scene b {{ part a : ea.droplet at (2, 2) }}\ntask go(p: part) on chip in b {{ move p to (9, 5) }}\n\
+         program day {{ run go(a) }}\n"
+    );
+    assert_eq!(renamed(&given, "move |p").map(|edits| edits.len()), Ok(2));
+    let avoided = format!(
+        "{board}scene b {{ part blood : ea.droplet at (2, 2), part serum : ea.droplet at (2, 8) }}\n\
+         task read on chip in b {{\n  avoid blood in serum\n  assay {{ move blood to (11, 5), move serum to (11, 8) }}\n}}\n"
+    );
+    says(&renamed(&avoided, "part |blood").expect_err("it is named elsewhere, too"), &["no fluid", "by hand"]);
+    assert_eq!(renamed("let alone = 5\n", "let |alone").map(|edits| edits.len()), Ok(1));
 }

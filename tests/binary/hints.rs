@@ -36,6 +36,26 @@ impl Editor {
     }
 }
 
+/// The planner reads files: a text that is another one there is not planned until it is saved.
+#[test]
+fn what_is_not_on_the_disk_is_not_planned() {
+    let bench = Bench::new();
+    let uri = format!("file://{}", bench.path("a.twz").display());
+    let (mut editor, _) = Editor::new(json!({ "workspace": { "inlayHint": { "refreshSupport": true } } }));
+    let text = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n";
+    fs::write(bench.path("a.twz"), "use std.dimibot\nlet x =\n").expect("written");
+    editor.open(&uri, text);
+    assert_eq!(editor.findings().1, Vec::<Value>::new());
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    fs::write(bench.path("a.twz"), text).expect("written");
+    editor.note("textDocument/didSave", json!({ "textDocument": { "uri": &uri } }));
+    // The first thing that comes of planning is of the text that was saved.
+    match editor.receive() {
+        Message::Request(request) => assert_eq!(request.method, "workspace/inlayHint/refresh"),
+        other => panic!("{other:?}"),
+    }
+}
+
 #[test]
 fn saved_programs_are_planned() {
     let bench = Bench::new();

@@ -218,6 +218,28 @@ fn only_this_machine_is_listened_at_and_one_task_controlled() {
     assert!(text(&run.get_output().stderr).contains("--task NAME"));
 }
 
+/// Of a task whose precision is finer than its drives can keep it says so before, with what `verify` must be granted.
+#[test]
+fn a_precision_that_no_drive_keeps_is_told_of() {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/microrobots_drive.twz");
+    let run = tweeze(&["control", &example.to_string_lossy()]).write_stdin("").assert().code(STOPPED);
+    let said = text(&run.get_output().stderr);
+    assert!(said.contains("--goal-tolerance ") && said.contains("um") && said.contains("deg"), "{said}");
+    let folder = folder();
+    let wide = folder.path().join("wide.twz");
+    let program = std::fs::read_to_string(&example).expect("it is there");
+    let lines = program.lines().map(|line| match line.trim_start().starts_with("task ") {
+        true => format!("{line}\n  precision: 300 um\n  heading_precision: 60 deg\n"),
+        false => format!("{line}\n"),
+    });
+    let lines = lines.filter(|line| {
+        !line.trim_start().starts_with("precision:") && !line.trim_start().starts_with("heading_precision:")
+    });
+    std::fs::write(&wide, lines.collect::<String>()).expect("written");
+    let run = tweeze(&["control", &wide.to_string_lossy()]).write_stdin("").assert().code(STOPPED);
+    assert!(!text(&run.get_output().stderr).contains("--goal-tolerance"), "{}", text(&run.get_output().stderr));
+}
+
 /// A camera whose picture stands still is not driven by for long, and the recording shows that the robots did not follow.
 #[test]
 fn a_picture_that_does_not_change_stops_it() {

@@ -241,7 +241,14 @@ impl BoardStepJudge<'_> {
                 return None;
             }
             for part in operation.all_parts() {
-                let wrong = gone.get(&part).map(|gone| errors::gone_before(operation.span, self.name(part), *gone));
+                let wrong = gone.get(&part).map(|gone| match gone {
+                    Departure::Merged(merged) if operation.comes => {
+                        errors::dispensed_after_merging(operation.span, self.name(part), *merged)
+                    }
+                    Departure::Merged(_) | Departure::Left(_) => {
+                        errors::gone_before(operation.span, self.name(part), *gone)
+                    }
+                });
                 self.sink.unless(wrong);
             }
             gone.extend(Departure::of(operation));

@@ -30,7 +30,9 @@ pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<
             DeclarationSort::Instrument => {
                 Some(format!("declare it: `instrument {name} : FAMILY {{ … }}`; `tweeze devices` lists the families"))
             }
-            DeclarationSort::Output => Some(format!("declare it: `output {name} : trigger {{ duration: 5 ms }}`")),
+            DeclarationSort::Output => Some(format!(
+                "declare it: `output {name} : digital`, which is `set`, or `output {name} : trigger {{ duration: 5 ms }}`, which is pulsed"
+            )),
             DeclarationSort::Scene if matches!(name, "None" | "none" | "null" | "nothing" | "empty") => {
                 Some(format!("leave `in {name}` out: without it there are no obstacles"))
             }
@@ -124,10 +126,16 @@ pub fn file_used_as(path: &Path, (alias, used): (&str, Span)) -> Diagnostic {
         .mended_here(alias)
 }
 
-pub fn unknown_file(span: Span, alias: &str, near: Option<&str>) -> Diagnostic {
-    let file = match stdlib::file(alias) {
-        Some(_) => format!("use std.{alias}"),
-        None => format!("use \"{alias}.twz\""),
+/// A name before a dot that no `use` gives, in a path to something of a sort.
+pub fn unknown_file(path: &Path, sort: DeclarationSort, near: Option<&str>) -> Diagnostic {
+    let file = &path.segments[0];
+    let (span, alias) = (file.span, &file.name.text);
+    let word = path.segments.get(1).map(|word| word.name.text.as_str());
+    let keyword = if sort == DeclarationSort::Let { "let" } else { sort.name() };
+    let file = match (stdlib::file(alias), word.and_then(|word| stdlib::declaring(keyword, word))) {
+        (Some(_), _) => format!("use std.{alias}"),
+        (None, Some(file)) => format!("use std.{file} as {alias}"),
+        (None, None) => format!("use \"{alias}.twz\""),
     };
     let mend = format!("a name before a dot is a used file: write `{file}` at the top");
     Diagnostic::new(Code::E0201, format!("no file is used here as `{alias}`"))

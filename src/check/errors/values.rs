@@ -385,6 +385,21 @@ pub fn bad_coordinate(span: Span, found: &Value) -> Diagnostic {
         )
 }
 
+/// A point with the unit of its other coordinates behind each bare 0, if nothing else is wrong with it.
+fn zero_without_unit(coordinates: &[Quantity]) -> Option<String> {
+    let dimension = coordinates.iter().map(|one| one.dimension).find(|dimension| *dimension != Dimension::NUMBER)?;
+    let whole: Option<Vec<String>> = coordinates
+        .iter()
+        .map(|one| match one.dimension == dimension {
+            true => Some(one.to_string()),
+            false => {
+                (one.dimension == Dimension::NUMBER && one.si == 0.0).then(|| Quantity::new(0.0, dimension).to_string())
+            }
+        })
+        .collect();
+    Some(format!("({})", whole?.join(", ")))
+}
+
 /// `whole` is the point from bracket to bracket, with all its coordinates.
 pub fn mixed_point(
     first: (Span, &Value),
@@ -398,7 +413,10 @@ pub fn mixed_point(
         [x, y, heading] if x.dimension == y.dimension && heading.dimension == Dimension::ANGLE => finding
             .help(format!("a place with a heading is a pose: write `pose({x}, {y}, {heading})`"))
             .mended(Span { end: whole.start, ..whole }, "pose"),
-        _ => finding.help("`(5, 3)` is a cell, `(5 um, 3 um)` is a place; one point is not both"),
+        _ => match zero_without_unit(coordinates) {
+            Some(point) => finding.help(format!("give 0 its unit: write `{point}`")).mended(whole, point),
+            None => finding.help("`(5, 3)` is a cell, `(5 um, 3 um)` is a place; one point is not both"),
+        },
     }
 }
 

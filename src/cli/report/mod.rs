@@ -77,10 +77,11 @@ enum ReportTopic {
     Remarked,
     Absent,
     Idle,
+    Unwired,
 }
 
 impl ReportTopic {
-    const ALL: [ReportTopic; 10] = [
+    const ALL: [ReportTopic; 11] = [
         ReportTopic::Search,
         ReportTopic::Visits,
         ReportTopic::Nearest,
@@ -91,6 +92,7 @@ impl ReportTopic {
         ReportTopic::Remarked,
         ReportTopic::Absent,
         ReportTopic::Idle,
+        ReportTopic::Unwired,
     ];
 
     fn label(self) -> &'static str {
@@ -105,6 +107,7 @@ impl ReportTopic {
             ReportTopic::Remarked => "Chosen",
             ReportTopic::Absent => "Absent",
             ReportTopic::Idle => "Idle",
+            ReportTopic::Unwired => "Unwired",
         }
     }
 }
@@ -206,6 +209,7 @@ fn planned(schedule: &Schedule, claims: &Claims, width: usize, detail: Detail) -
         .iter()
         .flat_map(|run| reported(&run.job.order).notes(run).into_iter().chain(ended(run)))
         .chain(idle(schedule))
+        .chain(unwired(schedule))
         .collect();
     for topic in ReportTopic::ALL {
         let mut lines: Vec<&str> = Vec::new();
@@ -249,9 +253,24 @@ fn idle(schedule: &Schedule) -> Vec<Note> {
     let busy: BTreeSet<u32> =
         schedule.actuations.iter().map(|actuation| schedule.steps[actuation.step as usize].plan).collect();
     let is_idle = |(index, _): &(u32, &PlanRecord)| !busy.contains(index);
-    let line =
-        |(_, plan): (u32, &PlanRecord)| (ReportTopic::Idle, format!("{}: 0 actuations, nothing is switched or moved", plan.task));
+    let line = |(_, plan): (u32, &PlanRecord)| {
+        (ReportTopic::Idle, format!("{}: 0 actuations, nothing is switched or moved", plan.task))
+    };
     (0..).zip(&schedule.plans).filter(is_idle).map(line).collect()
+}
+
+/// Channels that do something and lead nowhere, on a bench with instruments: these play all others.
+fn unwired(schedule: &Schedule) -> Option<Note> {
+    let acting: BTreeSet<u32> = schedule.actuations.iter().map(|actuation| actuation.channel).collect();
+    let channels =
+        (0..).zip(&schedule.channels).filter(|(index, channel)| channel.wire.is_none() && acting.contains(index));
+    let names: Vec<&str> = channels.map(|(_, channel)| channel.name.as_str()).collect();
+    let first = names.first().filter(|_| !schedule.bench.is_empty())?;
+    let (all, verb) = match names.len() - 1 {
+        0 => (first.to_string(), "has"),
+        more => (format!("{first} and {}", count(more, "other channel")), "have"),
+    };
+    Some((ReportTopic::Unwired, format!("{all} {verb} no wire, so that no instrument plays this")))
 }
 
 /// That the search for a plan did not end by itself.

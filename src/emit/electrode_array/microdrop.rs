@@ -53,7 +53,7 @@ pub fn write(verified: &Verified) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
         let board = FramedBoard::new(&wired, facts)?;
         board.refuse_rest(Format::Microdrop)?;
         let chips = chips(&wired, schedule, verified.claims())?;
-        files.push((format!("{}.microdrop.json", wired.name), protocol(&board, &chips, schedule)?.into_bytes()));
+        files.push((format!("{}.microdrop.json", wired.name), protocol(&board, &chips, verified)?.into_bytes()));
         files.push((format!("{}.microdrop.svg", wired.name), device(&chips).into_bytes()));
     }
     let none = || EmitError::OtherProtocol { format: Format::Microdrop, name: schedule.name.clone() };
@@ -197,7 +197,8 @@ fn stretch<'a>(
 type ColumnClass = (&'static str, (&'static str, &'static str));
 
 /// The protocol as MicroDrop loads it.
-fn protocol(board: &FramedBoard, chips: &[WiredChip], schedule: &Schedule) -> Result<String, EmitError> {
+fn protocol(board: &FramedBoard, chips: &[WiredChip], verified: &Verified) -> Result<String, EmitError> {
+    let schedule = verified.schedule();
     let steps = steps(board, schedule);
     let on: usize = steps.iter().map(|step| step.on.len()).sum();
     let bytes = steps.len() as u64 * STEP_BYTES + on as u64 * ELECTRODE_BYTES;
@@ -219,7 +220,7 @@ fn protocol(board: &FramedBoard, chips: &[WiredChip], schedule: &Schedule) -> Re
     if has_prompts {
         columns.push(("message_prompt", (BUILT_IN, "message_prompt_column.MsgPromptColumnModel")));
     }
-    let names = step_names(&steps, schedule);
+    let names = step_names(&steps, &dispensed(verified));
     let electrodes = names_by_channel(chips);
     let rows = steps.iter().zip(&names).zip(1..).map(|((step, name), number)| {
         let on: Vec<&String> = step.on.iter().filter_map(|number| electrodes.get(number)).flatten().collect();
@@ -248,9 +249,9 @@ fn document(columns: &[ColumnClass], chips: &[WiredChip], rows: Vec<Value>) -> S
 }
 
 /// What the list of steps shows: a number, and the droplets that are due at an outlet.
-fn step_names(steps: &[ProtocolStep], schedule: &Schedule) -> Vec<String> {
+fn step_names(steps: &[ProtocolStep], dispensed: &[Value]) -> Vec<String> {
     let mut names: Vec<String> = (1..=steps.len()).map(|number| format!("Step {number}")).collect();
-    for due in dispensed(schedule) {
+    for due in dispensed {
         let at_ns = (due["at_s"].as_f64().unwrap_or(0.0) * 1e9).round() as u64;
         let index = steps.partition_point(|step| step.start_ns <= at_ns).saturating_sub(1);
         let Some(name) = names.get_mut(index) else { continue };

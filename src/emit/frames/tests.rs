@@ -4,7 +4,7 @@ use crate::device::instrument::{Awaited, Bench, Drive, HoldTerms, Instrument, Li
 use crate::diagnostic::Code;
 use crate::emit::{Provenance, emit, fixture};
 use crate::lower::electrode_array::tests::{carried, facts};
-use crate::schedule::{Actuation, Channel, ChannelUnit, ScheduledHold, State};
+use crate::schedule::{Actuation, Channel, ChannelUnit, ScheduledHold, ScheduledStep, State};
 use crate::source::Span;
 use crate::verify::Verified;
 
@@ -220,8 +220,10 @@ fn magnets_and_heaters_stand_beside_the_electrodes() {
 /// The part is not in the first state, and so comes in the step that begins there.
 #[test]
 fn droplets_that_come_are_named_when_they_are_due() {
-    let (_, mut schedule) = carried(&facts(Electrodes::Single), &[vec![vec![(5, 5), (6, 5), (7, 5)], vec![(12, 5)]]]);
-    assert_eq!(dispensed(&schedule), Vec::<serde_json::Value>::new());
+    let (claims, mut schedule) =
+        carried(&facts(Electrodes::Single), &[vec![vec![(5, 5), (6, 5), (7, 5)], vec![(12, 5)]]]);
+    let due = |schedule: &Schedule| dispensed(&Verified::assume(schedule.clone(), claims.clone()));
+    assert_eq!(due(&schedule), Vec::<serde_json::Value>::new());
     let states = &mut schedule.plans[0].states;
     let name = states[2].state.cells().and_then(|parts| parts.keys().nth(1)).expect("a second part").clone();
     let at_s = states[1].t_ns as f64 / 1e9;
@@ -230,7 +232,11 @@ fn droplets_that_come_are_named_when_they_are_due() {
         board.parts.remove(&name);
     }
     assert!(at_s > 0.0);
-    assert_eq!(dispensed(&schedule), [json!({ "at_s": at_s, "droplet": name, "outlet": [12, 5] })]);
+    assert_eq!(due(&schedule), [json!({ "at_s": at_s, "droplet": name, "outlet": [12, 5] })]);
+    // After a wait it is due as its step begins, and not when the board was last another one.
+    let later_ns = schedule.plans[0].states[2].t_ns - 1;
+    schedule.steps.push(ScheduledStep { start_ns: later_ns, ..schedule.steps[0].clone() });
+    assert_eq!(due(&schedule)[0]["at_s"], json!(later_ns as f64 / 1e9));
 }
 
 #[test]

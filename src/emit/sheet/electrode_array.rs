@@ -25,6 +25,8 @@ pub(super) struct SheetBoard<'v> {
     runs: Vec<(usize, Cow<'v, ElectrodeArrayOrder>)>,
     /// What its droplets contain in the end, or when they were last there.
     droplets: BTreeMap<&'v str, DropletAfter<'v>>,
+    /// Whether steps switch outputs of the bench.
+    has_outputs: bool,
 }
 
 /// The boards of a schedule that carry droplets.
@@ -41,6 +43,7 @@ pub(super) fn boards(verified: &Verified) -> Vec<SheetBoard<'_>> {
                 schedule: verified.schedule(),
                 runs: vec![(plan, order)],
                 droplets: droplets_after(verified.claims(), &job.device),
+                has_outputs: !verified.claims().outputs.is_empty(),
             }),
         }
     }
@@ -76,6 +79,13 @@ impl SheetBoard<'_> {
                 false => format!("electrodes {} to {}", zone.from, zone.to),
             };
             let needed = stay.temperature_k.map_or("on".to_owned(), temperature);
+            // Which zone an output acts on is known to the bench alone.
+            let needed = match zone.sort {
+                ZoneSort::Heater | ZoneSort::Magnet if self.has_outputs => {
+                    format!("{needed}, unless an output switches it")
+                }
+                ZoneSort::Heater | ZoneSort::Magnet | ZoneSort::Detector => needed,
+            };
             rows.push(row(format!("{} `{name}`", zone.sort.name()), place, needed));
         }
         let mut placed = BTreeSet::new();

@@ -156,6 +156,8 @@ const FILES: &[(&str, &str, &str)] = &[
     ("def go(x) {\n  return x;\n}\n", "E0122", "def"),
     ("const a = 3;\n", "E0122", "const"),
     ("device bot dimibot { left: 5 }\n", "E0124", "dimibot"),
+    ("device bot : x\ntask a bot { wait 1 s }\n", "E0124", "bot"),
+    ("device bot : x\ntask a onbot { wait 1 s }\n", "E0124", "onbot"),
     ("task t in b { wait 1 s }\n", "E0124", "in"),
     ("task t {\n  wait 1 s\n}\n", "E0124", "t"),
     ("program (p) { wait 1 s }\n", "E0124", "("),

@@ -55,6 +55,14 @@ pub fn gone_before(span: Span, name: &str, departure: Departure) -> Diagnostic {
     }
 }
 
+/// A droplet that is dispensed below the operation in which it merges.
+pub fn dispensed_after_merging(span: Span, name: &str, merged: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0526, format!("`{name}` is dispensed after it has merged with another part"))
+        .label(span, "comes onto the board only here")
+        .label_elsewhere(merged, span, "merged here")
+        .help("operations of a part take place in the order of the program: write the `dispense` above")
+}
+
 /// A part without a place before its `dispense`.
 pub fn not_there_yet(span: Span, (name, declared): (&str, Span)) -> Diagnostic {
     Diagnostic::new(Code::E0555, format!("`{name}` is not on the board by then"))

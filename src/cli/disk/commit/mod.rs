@@ -204,7 +204,8 @@ impl<'a> Folder<'a> {
         }
         for entry in fs::read_dir(self.path).into_iter().flatten().flatten() {
             let is_left = entry.file_name().to_string_lossy().starts_with(PREFIX);
-            if is_left && entry.file_type().is_ok_and(|kind| kind.is_file()) {
+            // Where a target was a link, so is what was kept of it.
+            if is_left && entry.file_type().is_ok_and(|kind| kind.is_file() || kind.is_symlink()) {
                 let _ = self.acts.remove(&entry.path());
             }
         }

@@ -130,6 +130,9 @@ fn serve(
     lines: Vec<u32>,
 ) -> Exit {
     let Some(controller) = Controller::new(order, motion) else { return refused(&no_bed(&claims.name)) };
+    if let Some(beyond) = controller.beyond_precision() {
+        terminal::to_stderr(&beyond_precision(beyond));
+    }
     let recorder = match arguments.record.as_deref().map(|path| recorder(path, claims, provenance)).transpose() {
         Ok(recorder) => recorder,
         Err(diagnostic) => {
@@ -160,6 +163,19 @@ fn serve(
             Exit::Files
         }
     }
+}
+
+/// What must be granted to the drives of a task whose precision is finer than they can be brought to.
+fn beyond_precision([place_um, heading_rad]: [f64; 2]) -> String {
+    let (place, heading) = (place_um.ceil(), heading_rad.to_degrees().ceil());
+    let granted = [("--goal-tolerance", place, "um"), ("--heading-tolerance", heading, "deg")].into_iter();
+    let granted = granted.filter(|(_, more, _)| *more > 0.0);
+    let granted: Vec<String> = granted.map(|(name, more, unit)| format!("{name} {more}{unit}")).collect();
+    format!(
+        "tweeze: in closed loop drives end up to {place} um and {heading} deg beyond the `precision` of the task: state one that you need, or \
+         verify the recording with `{}`\n",
+        granted.join(" ")
+    )
 }
 
 fn recorder(

@@ -169,6 +169,16 @@ impl<'a> Controller<'a> {
         })
     }
 
+    /// How much more than the task's precision, and one error of measurement, it may be from the goals of its drives when they count as done: in
+    /// micrometres and radians; `None` where it is no more.
+    pub fn beyond_precision(&self) -> Option<[f64; 2]> {
+        let accepted = stages::drives_end_within(&self.stages)?;
+        let (precision, errors) = (self.belief.order.precision, self.belief.errors);
+        let place_um = accepted.radius_um - precision.place_um - errors.place_um;
+        let heading_rad = accepted.heading_rad - precision.heading_rad - errors.heading_rad;
+        (place_um > 0.0 || heading_rad > 0.0).then(|| [place_um.max(0.0), heading_rad.max(0.0)])
+    }
+
     /// The next command after a measurement: one pose for each robot of the order, `None` for those that were not seen, in its order. `now_ns` is
     /// the time of the measurement on any clock that never goes back.
     pub fn observe(&mut self, measured: &[Option<Pose>], now_ns: u64) -> Command<'_> {

@@ -11,7 +11,7 @@ use crate::geometry::Pose;
 use crate::plan::microrobots::Leg;
 use crate::plan::microrobots::control::belief::Belief;
 use crate::plan::microrobots::control::{Drive, Segment};
-use crate::plan::microrobots::strategy::{Driver, Phase, Pursuit, PursuitCircle, centres, poses_of};
+use crate::plan::microrobots::strategy::{Cylinder, Driver, Phase, Pursuit, PursuitCircle, centres, poses_of};
 use crate::real::Real;
 use std::f64::consts::TAU;
 
@@ -49,6 +49,11 @@ impl<'a> DriveStage<'a> {
             begins = ends;
         }
         Some(DriveStage { robot, driver, states, pursuits, at: 0, rounds: 0, left_um: None })
+    }
+
+    /// How far from its stops it is measured at most when it counts as there.
+    pub fn accepted(&self) -> Cylinder {
+        self.driver.accepted()
     }
 
     pub fn proceed(&mut self, belief: &mut Belief, drive: &mut Drive) -> Progress {

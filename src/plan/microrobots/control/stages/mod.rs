@@ -11,6 +11,7 @@ use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
 use crate::device::microrobots::Arm;
 use crate::device::microrobots::control::{ControlPhase, StopReason};
 use crate::plan::microrobots::guarantee::carried_out_as_written;
+use crate::plan::microrobots::strategy::Cylinder;
 use crate::plan::microrobots::strategy::{Episode, StrategyPiece, episodes};
 use crate::plan::microrobots::{AssemblyStage, MicrorobotsMotion, MicrorobotsStepMotion};
 use coarse::DriveStage;
@@ -181,6 +182,18 @@ fn of_other<'a>(
         )
         | None => written(),
     }
+}
+
+/// How far from their goals drives are measured at most when they count as done; `None` where nothing is driven in closed loop.
+pub fn drives_end_within(stages: &[StageOf]) -> Option<Cylinder> {
+    let drives = stages.iter().filter_map(|one| match &one.stage {
+        ControlStage::Drive(stage) => Some(stage.accepted()),
+        ControlStage::Written(_) | ControlStage::Single(_) | ControlStage::Pair(_) | ControlStage::Rest(_) => None,
+    });
+    drives.reduce(|one, other| Cylinder {
+        radius_um: one.radius_um.max(other.radius_um),
+        heading_rad: one.heading_rad.max(other.heading_rad),
+    })
 }
 
 /// Adds the actions of a robot to a drive; `state` gives the control state of an arm.
