@@ -34,6 +34,7 @@ pub use html::{FAILED_ENDING, FailedProgram, RefusedSchedule};
 
 use crate::schedule::{Reached, Schedule, json};
 use crate::verify::Verified;
+use electrode_array::{dispensed, write_microdrop};
 use signal::Signals;
 
 /// The forms that a schedule can be written in.
@@ -182,14 +183,15 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
         Format::Nidaqmx => {
             Ok(nidaqmx::write(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
         }
-        Format::Frames => {
-            Ok(frames::write(verified)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
-        }
+        Format::Frames => Ok(frames::write(schedule, &dispensed(verified))?
+            .into_iter()
+            .map(|(ending, bytes)| file(&ending, bytes))
+            .collect()),
         Format::Opendrop => {
             Ok(frames::write_opendrop(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
         }
         Format::Microdrop => {
-            let files = electrode_array::write_microdrop(verified)?;
+            let files = write_microdrop(verified)?;
             Ok(files.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
         }
         Format::Stages => {

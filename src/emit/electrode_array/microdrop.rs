@@ -9,9 +9,10 @@
 //! neighbours of none. Its unit is the pixel of 96 to the inch; sizes are those of the board.
 
 use super::super::error::{EmitError, MAX_TEXT_BYTES};
-use super::super::frames::{FramedBoard, dispensed};
+use super::super::frames::FramedBoard;
 use super::super::wired::{WiredInstrument, wired};
 use super::super::{Format, Verified};
+use super::dispensed;
 use crate::claims::Claims;
 use crate::claims::electrode_array::ElectrodeArrayOrder;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};

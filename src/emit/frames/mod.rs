@@ -18,11 +18,8 @@ use super::parts::{listing as holds_listing, sender};
 use super::sampling::gcd;
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
-use crate::claims::Claims;
-use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayOrder};
 use crate::device::instrument::{ElectrodeDriverFacts, Family, InstrumentFacts, Link, Protocol, number_after};
 use crate::schedule::Schedule;
-use crate::verify::Verified;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -43,12 +40,11 @@ const OPENDROP_FRAMES: u64 = 200;
 /// Characters of a row in the file of OpenDrop's program, one for each column: 16 of electrodes, 2 that it never sets.
 const OPENDROP_CHARACTERS: u32 = 18;
 
-/// The files, each with its ending.
+/// The files, each with its ending; `dispensed` are the droplets that a person puts onto the boards.
 ///
 /// # Errors
 /// [`EmitError::NotWired`], [`EmitError::Ramp`], [`EmitError::Unsayable`], [`EmitError::TooLarge`].
-pub(super) fn write(verified: &Verified) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
-    let schedule = verified.schedule();
+pub(super) fn write(schedule: &Schedule, dispensed: &[serde_json::Value]) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     let mut files = Vec::new();
     let mut plays = Vec::new();
     for wired in wired(Format::Frames, schedule, Family::ElectrodeDriver)? {
@@ -61,7 +57,7 @@ pub(super) fn write(verified: &Verified) -> Result<Vec<(String, Vec<u8>)>, EmitE
         "name": schedule.name,
         "duration_s": schedule.duration_ns as f64 / 1e9,
         "drivers": plays,
-        "dispensed": dispensed(verified),
+        "dispensed": dispensed,
         "holds": holds_listing(schedule),
     });
     files.push(("frames.py".to_owned(), sender(SENDER, &listing).into_bytes()));
@@ -89,50 +85,6 @@ pub(super) fn write_opendrop(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>
     }
     let none = || EmitError::OtherProtocol { format: Format::Opendrop, name: schedule.name.clone() };
     if files.is_empty() { Err(none()) } else { Ok(files) }
-}
-
-/// The droplets that come onto boards without pads, each with the instant from which on the electrode at its outlet is on: when the step
-/// begins in which it comes, or when the board has been as it was before. Halves that a split makes come from no reservoir.
-pub(super) fn dispensed(verified: &Verified) -> Vec<serde_json::Value> {
-    let (schedule, halves) = (verified.schedule(), halves(verified.claims()));
-    let mut found: Vec<(u64, &str, [u32; 2])> = Vec::new();
-    let has_pads = |device: &str| {
-        let is_pad = |name: &str| Some(name.strip_prefix(device)?.strip_prefix('.')?.starts_with("pad"));
-        schedule.channels.iter().any(|channel| is_pad(&channel.name) == Some(true))
-    };
-    let by_hand = (0..).zip(&schedule.plans).filter(|(_, plan)| !has_pads(&plan.device));
-    for (index, plan) in by_hand {
-        let begin_ns = |t_ns: u64| {
-            let steps = schedule.steps.iter().filter(|step| step.plan == index && step.start_ns < t_ns);
-            steps.map(|step| step.start_ns).max().unwrap_or(plan.start_ns)
-        };
-        for pair in plan.states.windows(2) {
-            let (Some(before), Some(after)) = (pair[0].state.cells(), pair[1].state.cells()) else { continue };
-            let is_new = |name: &str| !before.contains_key(name) && !halves.contains(&(plan.device.as_str(), name));
-            let come = after.iter().filter(|(name, _)| is_new(name));
-            let at_ns = pair[0].t_ns.max(begin_ns(pair[1].t_ns));
-            found.extend(come.map(|(name, cell)| (at_ns, name.as_str(), *cell)));
-        }
-    }
-    found.sort();
-    found
-        .into_iter()
-        .map(|(at_ns, name, cell)| json!({ "at_s": at_ns as f64 / 1e9, "droplet": name, "outlet": cell }))
-        .collect()
-}
-
-/// The devices and names of the droplets that others give off.
-fn halves(claims: &Claims) -> BTreeSet<(&str, &str)> {
-    let orders = claims.jobs.iter().filter_map(|job| Some((job.device.as_str(), ElectrodeArrayOrder::of(&job.order)?)));
-    let halves = orders.flat_map(|(device, order)| {
-        let assays = order.steps.iter().filter_map(|step| match &step.action {
-            ElectrodeArrayAction::Assay(operations) => Some(operations),
-            ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_) => None,
-        });
-        let parts = assays.flatten().filter_map(|operation| Some(operation.splits?.part));
-        parts.filter_map(move |part| Some((device, order.parts.get(part)?.name.as_str())))
-    });
-    halves.collect()
 }
 
 /// What a driver has on for some time.

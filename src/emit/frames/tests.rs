@@ -2,6 +2,7 @@ use super::*;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, ElectrodeMap, Electrodes};
 use crate::device::instrument::{Awaited, Bench, Drive, HoldTerms, Instrument, Link, StageLimits, Start};
 use crate::diagnostic::Code;
+use crate::emit::dispensed;
 use crate::emit::{Provenance, emit, fixture};
 use crate::lower::electrode_array::tests::{carried, facts};
 use crate::schedule::{Actuation, Channel, ChannelUnit, ScheduledHold, ScheduledStep, State};

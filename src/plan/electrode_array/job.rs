@@ -257,8 +257,7 @@ impl Tasks<'_> {
                 self.sink.push(errors::not_from_here(step.span));
             }
             SearchAnswer::Impossible(why) => {
-                let is_torn = matches!(why.why, NoAssayPlan::Excluded { .. })
-                    && torn::are_operations_excluded(&site, &why.operations);
+                let is_torn = torn::excludes_operations(&site, &why);
                 arranged::with_problem(&site, &why.operations, |stage, _| self.no_courses(step, stage, &why, is_torn));
             }
             SearchAnswer::GaveUp(bounds) => {
@@ -279,11 +278,10 @@ impl Tasks<'_> {
             NoAssayPlan::Excluded { reached } => {
                 let parts: Vec<&str> = (0..reached.len()).map(|agent| self.part_name(stage, agent)).collect();
                 let is_timed = none.operations.iter().any(|operation| operation.within.is_some());
+                let excluded = errors::operations_exclude_one_another(step.span, &parts, is_timed);
                 let diagnostic = match is_torn {
                     true => errors::operations_excluded_by_channels(step.span, &parts),
-                    false => {
-                        self.with_avoided(errors::operations_exclude_one_another(step.span, &parts, is_timed), step)
-                    }
+                    false => self.with_avoided(excluded, step),
                 };
                 let reaches = parts.iter().zip(reached).map(|(part, cells)| reach(self.order, part, cells.clone()));
                 self.sink.push(diagnostic.reached(reaches));

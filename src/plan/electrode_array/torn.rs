@@ -1,11 +1,12 @@
 //! Why a step has no plan on a board with shared channels.
 
-use super::arranged;
+use super::arranged::{self, NoArrangement};
+use super::assay::NoAssayPlan;
 use super::board::{BoardAnswer, BoardObjective, Instance};
 use super::errands::AssaySite;
 use super::portfolio;
 use super::stage::{self, BoardGround, BoardStage};
-use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayOrder};
+use crate::claims::electrode_array::ElectrodeArrayOrder;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeMap};
 use crate::diagnostic::Diagnostic;
 use crate::plan::errors;
@@ -43,8 +44,9 @@ pub fn excluded(order: &ElectrodeArrayOrder, step: Span, stage: &BoardStage, age
     matches!(answer, BoardAnswer::Found(_)).then(|| errors::excluded_by_channels(step, &parts))
 }
 
-/// Whether operations have a plan if every electrode has a channel of its own; false where that is not known.
-pub fn are_operations_excluded(site: &AssaySite, operations: &[AssayOperation]) -> bool {
+/// Whether operations that exclude one another have a plan if every electrode has a channel of its own; false where that is not known.
+pub fn excludes_operations(site: &AssaySite, none: &NoArrangement) -> bool {
+    let NoAssayPlan::Excluded { .. } = none.why else { return false };
     let Some(map) = site.order.facts.map.as_ref().filter(|map| map.is_shared()) else { return false };
     let unshared = map.channels.iter().zip(0..).map(|(channel, place)| channel.map(|_| place));
     let map = ElectrodeMap { channels: unshared.collect(), ..(**map).clone() };
@@ -53,7 +55,7 @@ pub fn are_operations_excluded(site: &AssaySite, operations: &[AssayOperation]) 
     let ground = BoardGround::new(&order);
     let site = AssaySite { order: &order, ground: &ground, cells: site.cells };
     let meter = &mut Meter::new(SearchBudget::of(OWN_BUDGET));
-    matches!(arranged::solve(&site, operations, BoardObjective::Makespan, meter), SearchAnswer::Found(_))
+    matches!(arranged::solve(&site, &none.operations, BoardObjective::Makespan, meter), SearchAnswer::Found(_))
 }
 
 /// Parts that cannot rest together, since the electrodes that hold them hold others on.
