@@ -139,7 +139,7 @@ impl Checker<'_> {
 }
 
 /// The names that an expression is made of, in the order of writing.
-fn paths<'e>(expr: &'e Expr, found: &mut Vec<&'e Path>) {
+pub fn paths<'e>(expr: &'e Expr, found: &mut Vec<&'e Path>) {
     match &expr.kind {
         ExprKind::Path(path) => add(path, found),
         ExprKind::Tuple(parts) | ExprKind::List(parts) => parts.iter().for_each(|part| paths(part, found)),

@@ -4,12 +4,14 @@
 //! objects of a task's scene. What an error keeps from being checked has no link.
 
 use super::scenes::CheckedScene;
-use super::tasks::{VocabularyAction, VocabularyStep};
+use super::tasks::{VocabularyAction, VocabularyStep, may_repeat};
 use super::value::Value;
 use super::{Checker, Options, ProgramSource, imports};
-use crate::check::lets::Argument;
+use crate::check::lets::{Argument, paths};
+use crate::device::Vocabulary;
 use crate::diagnostic::Sink;
 use crate::source::{Sources, Span};
+use crate::syntax::tree::{Entry, IndexedName, Path};
 use rustc_hash::FxHashSet;
 
 /// A name in use, and its declaration.
@@ -61,5 +63,30 @@ impl Checker<'_> {
         };
         let found: Vec<(Span, Span)> = arguments.filter_map(declared).collect();
         found.into_iter().for_each(|(used, declared)| self.note_use(used, declared));
+    }
+
+    /// Notes the objects of a scene that the conditions of a task name: `avoid blood in serum`, `require half.dye == 1 / 8`.
+    pub fn link_conditions(&mut self, entries: &[Entry], vocabulary: &Vocabulary, scene: Option<&CheckedScene>) {
+        let (Some(_), Some(scene)) = (&self.links, scene) else { return };
+        let mut named = Vec::new();
+        conditions(entries, vocabulary, &mut named);
+        let words = named.iter().flat_map(|path| &path.segments).filter(|word| word.indices.is_empty());
+        let declared = |word: &IndexedName| scene.objects.iter().find(|object| object.name == word.name.text);
+        let found: Vec<(Span, Span)> = words.filter_map(|word| Some((word.name.span, declared(word)?.span))).collect();
+        found.into_iter().for_each(|(used, declared)| self.note_use(used, declared));
+    }
+}
+
+/// The names in the conditions of some entries, in the order of writing.
+fn conditions<'e>(entries: &'e [Entry], vocabulary: &Vocabulary, named: &mut Vec<&'e Path>) {
+    for entry in entries {
+        match entry {
+            Entry::Step(step) if may_repeat(&step.head, vocabulary) => {
+                let phrases = step.phrases.iter().map(|phrase| &phrase.value);
+                step.object.iter().chain(phrases).for_each(|expr| paths(expr, named));
+            }
+            Entry::For(each) => conditions(&each.entries, vocabulary, named),
+            Entry::Step(_) | Entry::Field(_) | Entry::Error(_) => {}
+        }
     }
 }

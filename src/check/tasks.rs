@@ -129,8 +129,8 @@ pub fn is_setting(step: &tree::Step) -> bool {
         || device::condition_of_any_kind(head).is_some()
 }
 
-/// Whether a setting may be given several times, also in a `for`.
-fn may_repeat(head: &Ident, vocabulary: &Vocabulary) -> bool {
+/// Whether a setting may be given several times, also in a `for`: one that is a condition.
+pub fn may_repeat(head: &Ident, vocabulary: &Vocabulary) -> bool {
     head.text == "require" || vocabulary.condition(&head.text).is_some()
 }
 
@@ -174,7 +174,9 @@ impl<'a> Checker<'a> {
             None => None,
             Some(place) => Some(place.and_then(|place| Some((place, self.scene(place)?)))?),
         };
-        self.link_objects(&parts.steps, scene.as_ref().map(|(_, scene)| scene.as_ref()));
+        let named = scene.as_ref().map(|(_, scene)| scene.as_ref());
+        self.link_objects(&parts.steps, named);
+        self.link_conditions(&item.entries, device.root.vocabulary(), named);
         let site = TaskSite { place, device: Rc::clone(&device), scene };
         let order = self.facts(place)?.asked().order(self, &site, parts);
         Some(Job {
