@@ -71,28 +71,31 @@ pub fn of(
     (found, figures.unwrap_or_default())
 }
 
+/// The findings of the program of a path as the compiler has them, and the files that it reads from open texts, itself among them.
+fn looked_at(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -> (Sink, BTreeSet<PathBuf>) {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let mut read = BTreeSet::from([path.to_owned()]);
+    if let Some(text) = texts.get(path) {
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        let library = Overlay { folder: path.parent().unwrap_or(Path::new("")), texts, disk };
+        let request = ProgramSource { name: &name, text, library: &library, options: &Options::default() };
+        check_program(&request, &mut sources, &mut sink);
+        let own = sources.files().filter(|(_, file)| file.origin == Origin::User);
+        read.extend(own.map(|(_, file)| library.path(&file.name)).filter(|path| texts.contains_key(path)));
+    }
+    (sink, read)
+}
+
 /// The errors of the program of a path, in order.
 pub fn errors(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -> Vec<String> {
-    let Some(text) = texts.get(path) else { return Vec::new() };
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    let library = Overlay { folder: path.parent().unwrap_or(Path::new("")), texts, disk };
-    let mut sink = Sink::default();
-    let request = ProgramSource { name: &name, text, library: &library, options: &Options::default() };
-    check_program(&request, &mut Sources::default(), &mut sink);
+    let (sink, _) = looked_at(path, texts, disk);
     let errors = sink.sorted().into_iter().filter(|diagnostic| diagnostic.code.severity() == Severity::Error);
     errors.map(|diagnostic| diagnostic.title.clone()).collect()
 }
 
 /// The files that the program of a path reads from open texts, itself among them.
 pub fn read_from(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -> BTreeSet<PathBuf> {
-    let Some(text) = texts.get(path) else { return BTreeSet::new() };
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    let library = Overlay { folder: path.parent().unwrap_or(Path::new("")), texts, disk };
-    let mut sources = Sources::default();
-    let request = ProgramSource { name: &name, text, library: &library, options: &Options::default() };
-    check_program(&request, &mut sources, &mut Sink::default());
-    let own = sources.files().filter(|(_, file)| file.origin == Origin::User).map(|(_, file)| library.path(&file.name));
-    own.filter(|path| texts.contains_key(path)).chain([path.to_owned()]).collect()
+    looked_at(path, texts, disk).1
 }
 
 /// What the editor may do about findings, which it gives back as they were sent.
