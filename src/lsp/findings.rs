@@ -22,7 +22,12 @@ pub struct Overlay<'a> {
     pub disk: &'a dyn Library,
 }
 
-impl Overlay<'_> {
+impl<'a> Overlay<'a> {
+    /// Round the program of a path.
+    pub fn round(path: &'a Path, texts: &'a BTreeMap<PathBuf, &'a str>, disk: &'a dyn Library) -> Overlay<'a> {
+        Overlay { folder: path.parent().unwrap_or(Path::new("")), texts, disk }
+    }
+
     /// The path of a file by its name beside the program.
     pub fn path(&self, name: &str) -> PathBuf {
         match self.folder.as_os_str().is_empty() {
@@ -59,8 +64,8 @@ pub fn of(
     unit: ColumnUnit,
 ) -> (Vec<lsp_types::Diagnostic>, CheckedFigures) {
     let Some(text) = texts.get(path) else { return (Vec::new(), CheckedFigures::default()) };
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    let library = Overlay { folder: path.parent().unwrap_or(Path::new("")), texts, disk };
+    let name = text::file_name(path);
+    let library = Overlay::round(path, texts, disk);
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let request = ProgramSource { name: &name, text, library: &library, options: &Options::default() };
     let checked = check_program(&request, &mut sources, &mut sink);
@@ -76,8 +81,8 @@ fn looked_at(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let mut read = BTreeSet::from([path.to_owned()]);
     if let Some(text) = texts.get(path) {
-        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        let library = Overlay { folder: path.parent().unwrap_or(Path::new("")), texts, disk };
+        let name = text::file_name(path);
+        let library = Overlay::round(path, texts, disk);
         let request = ProgramSource { name: &name, text, library: &library, options: &Options::default() };
         check_program(&request, &mut sources, &mut sink);
         let own = sources.files().filter(|(_, file)| file.origin == Origin::User);

@@ -423,13 +423,15 @@ impl Session<'_> {
 impl Session<'_> {
     /// Begins to plan a program, if it and all open files that it uses are on the disk as they are here: there the planner reads them.
     fn plan(&mut self, path: &Path) {
-        if !path.is_absolute() || !self.is_on_disk(path) {
+        let Some(document) = self.open.get_mut(path).filter(|document| document.is_saved && path.is_absolute()) else {
             return;
-        }
-        let Some(document) = self.open.get_mut(path).filter(|document| document.is_saved) else { return };
+        };
         self.tickets += 1;
         (document.ticket, document.plans) = (self.tickets, ProgramPlans::default());
-        self.planner.start(path, self.tickets);
+        match self.is_on_disk(path) {
+            true => self.planner.start(path, self.tickets),
+            false => self.planner.stop(path),
+        }
     }
 
     /// Whether what a program reads from open texts is the same on the disk.
@@ -438,7 +440,7 @@ impl Session<'_> {
         let mut read = BTreeSet::new();
         (self.round)(path, &mut |disk| read = findings::read_from(path, &texts, disk));
         read.iter().all(|path| {
-            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+            let name = text::file_name(path);
             let mut is_same = false;
             // Editors keep a mark of the order of bytes to themselves.
             let plain = |text: &str| text.trim_start_matches('\u{feff}').to_owned();

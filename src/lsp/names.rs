@@ -96,8 +96,8 @@ impl ProgramNames {
     /// Adds the names of the program of a path, which is one of the open texts.
     pub fn add(&mut self, path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) {
         let Some(text) = texts.get(path) else { return };
-        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        let library = Overlay { folder: path.parent().unwrap_or(Path::new("")), texts, disk };
+        let name = text::file_name(path);
+        let library = Overlay::round(path, texts, disk);
         let mut sources = Sources::default();
         let request = ProgramSource { name: &name, text, library: &library, options: &Options::default() };
         for link in links::links(&request, &mut sources) {
@@ -210,15 +210,15 @@ impl ProgramNames {
         let mut changes: std::collections::HashMap<Uri, Vec<TextEdit>> = Default::default();
         let mut texts: BTreeMap<PathBuf, String> = BTreeMap::new();
         // From the end, so that the places before stay where they are.
-        for place in places.iter().rev() {
-            let text = texts.entry(place.path.clone()).or_insert_with(|| self.texts[&place.path].clone());
-            text.replace_range(place.start..place.end, name);
-        }
-        for place in places {
+        for place in places.into_iter().rev() {
             let location = self.location(place, unit).ok_or("a file cannot be named to the editor")?;
+            let whole = self.texts.get(&place.path).ok_or("a file is not to be found")?;
+            let text = texts.entry(place.path.clone()).or_insert_with(|| whole.clone());
+            text.replace_range(place.start..place.end, name);
             let edit = TextEdit { range: location.range, new_text: name.to_owned() };
             changes.entry(location.uri).or_default().push(edit);
         }
+        changes.values_mut().for_each(|edits| edits.reverse());
         Ok((WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() }, texts))
     }
 }

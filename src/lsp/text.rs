@@ -1,6 +1,7 @@
 //! Texts as they are in the editor, and places in them: lines from 0, columns in the unit that the client counts.
 
 use lsp_types::{Position, Range, Uri};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// What columns count.
@@ -80,6 +81,11 @@ impl EditedText {
     pub fn range(&self, bytes: std::ops::Range<usize>, unit: ColumnUnit) -> Range {
         Range { start: self.position(bytes.start, unit), end: self.position(bytes.end, unit) }
     }
+}
+
+/// The name of a file without its folder.
+pub fn file_name(path: &Path) -> Cow<'_, str> {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy()
 }
 
 /// The path of a document on the disk; a document that is not there has its name alone.

@@ -149,6 +149,11 @@ struct NamedOutput {
     is_accessory: bool,
 }
 
+/// The fields of a wire as they are read.
+fn given_in<'f>(fields: &'f [Field], scope: &Scope) -> Vec<Given<'f>> {
+    fields.iter().map(|field| Given { field, scope: scope.clone() }).collect()
+}
+
 impl<'a> Checker<'a> {
     /// Checks every wiring of the user's files.
     pub fn wiring(&mut self) -> Wiring {
@@ -256,7 +261,9 @@ impl<'a> Checker<'a> {
                 let named = self.output_of_instrument(path, scope, is_stage, outputs)?;
                 let name = format!("{}.{}", named.instrument, named.output);
                 let (link, limits) = match named.is_accessory {
-                    true => (self.accessory_link(&name, wire, scope, panel)?, StageLimits::default()),
+                    true => {
+                        (self.accessory_link(&name, (wire, channel.as_deref()?), scope, panel)?, StageLimits::default())
+                    }
                     false => self.link(&name, &wire.fields, scope, (named.link, wire.span), panel)?,
                 };
                 let NamedOutput { instrument, output, .. } = named;
@@ -377,7 +384,7 @@ impl<'a> Checker<'a> {
         let name = name.to_owned();
         self.sink.unless(wrong)?;
         let owner = Owner { name: format!("the wire to `{name}`"), declared: None };
-        let given: Vec<Given> = wire.fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
+        let given = given_in(&wire.fields, scope);
         self.read_fields(&owner, &given, &[]);
         self.enlist(place, instrument, outputs)?;
         for (channel, number) in &board.channels {
@@ -419,7 +426,7 @@ impl<'a> Checker<'a> {
         panel: &mut Panel,
     ) -> Option<(Link, StageLimits)> {
         let owner = Owner { name: format!("the wire to `{output}`"), declared: None };
-        let given: Vec<Given> = fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
+        let given = given_in(fields, scope);
         let mut accepted = self.read_fields(&owner, &given, sort.fields());
         for field in sort.fields() {
             panel.taken.insert(field.name);
@@ -453,14 +460,19 @@ impl<'a> Checker<'a> {
     }
 
     /// The link to a magnet or a heater, which is on where the auxiliary output is high; `None` after an error.
-    fn accessory_link(&mut self, name: &str, wire: &tree::Wire, scope: &Scope, panel: &Panel) -> Option<Link> {
-        let channel = self.channel_name(&wire.channel.segments, scope)?;
+    fn accessory_link(
+        &mut self,
+        name: &str,
+        (wire, channel): (&tree::Wire, &str),
+        scope: &Scope,
+        panel: &Panel,
+    ) -> Option<Link> {
         if let WiredOwner::Device(_) = panel.owner.as_ref()? {
-            self.sink.push(errors::channel_to_accessory(wire.channel.span, &channel, name));
+            self.sink.push(errors::channel_to_accessory(wire.channel.span, channel, name));
             return None;
         }
         let owner = Owner { name: format!("the wire to `{name}`"), declared: None };
-        let given: Vec<Given> = wire.fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
+        let given = given_in(&wire.fields, scope);
         self.read_fields(&owner, &given, &[]);
         let facts = self.output(panel.place)?;
         let declared = self.named(panel.place).1;

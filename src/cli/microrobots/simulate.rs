@@ -39,10 +39,7 @@ pub fn run(arguments: &SimulateArguments) -> Exit {
     terminal::report(&sink, &sources, arguments.report.format);
     let lines = match lines {
         Ok(lines) => lines,
-        Err(NoTrials::NotControlled(why)) => {
-            terminal::to_stderr(&format!("tweeze: {why}\n"));
-            return Exit::Usage;
-        }
+        Err(NoTrials::NotControlled(why)) => return control::refused(&why),
         Err(NoTrials::Fault(why)) => return terminal::fault(&why),
     };
     match lines {

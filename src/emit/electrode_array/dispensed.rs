@@ -25,8 +25,8 @@ pub fn dispensed(verified: &Verified) -> Vec<serde_json::Value> {
             let (Some(before), Some(after)) = (pair[0].state.cells(), pair[1].state.cells()) else { continue };
             let is_new = |name: &str| !before.contains_key(name) && !halves.contains(&(plan.device.as_str(), name));
             let come = after.iter().filter(|(name, _)| is_new(name));
-            let at_ns = pair[0].t_ns.max(begin_ns(pair[1].t_ns));
-            found.extend(come.map(|(name, cell)| (at_ns, name.as_str(), *cell)));
+            let due_ns = || pair[0].t_ns.max(begin_ns(pair[1].t_ns));
+            found.extend(come.map(|(name, cell)| (due_ns(), name.as_str(), *cell)));
         }
     }
     found.sort();

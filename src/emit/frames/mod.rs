@@ -88,6 +88,7 @@ pub(super) fn write_opendrop(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>
 }
 
 /// What a driver has on for some time.
+#[derive(Clone)]
 pub(super) struct Frame {
     pub(super) start_ns: u64,
     pub(super) end_ns: u64,
@@ -101,7 +102,6 @@ pub(super) struct Frame {
 type Accessory = String;
 
 /// What a driver switches.
-#[derive(Clone)]
 enum Switched {
     Electrodes(u32),
     Accessory(Accessory),
@@ -134,11 +134,9 @@ pub(super) struct FramedBoard<'a> {
     pub(super) wired: &'a WiredInstrument<'a>,
     pub(super) facts: &'a ElectrodeDriverFacts,
     pub(super) frames: Vec<Frame>,
-    /// Channels that are on before and after.
-    rest: BTreeSet<u32>,
-    /// Magnets and heaters that are on before and after.
-    resting_accessories: BTreeSet<Accessory>,
-    /// Whether any are wired.
+    /// What is on before and after, at no time of its own.
+    resting: Frame,
+    /// Whether magnets or heaters are wired.
     has_accessories: bool,
 }
 
@@ -165,26 +163,19 @@ impl<'a> FramedBoard<'a> {
         }
         changes.entry(wired.schedule.duration_ns).or_default();
         let mut frames: Vec<Frame> = Vec::new();
-        let (on, accessories) = (resting.on.clone(), resting.accessories.clone());
-        let mut now = Frame { start_ns: 0, end_ns: 0, on, accessories };
+        let mut now = resting.clone();
         for (at_ns, [ended, begun]) in changes {
             if at_ns > now.start_ns {
                 match frames.last_mut().filter(|last| last.on == now.on && last.accessories == now.accessories) {
                     Some(last) => last.end_ns = at_ns,
-                    None => frames.push(Frame {
-                        end_ns: at_ns,
-                        on: now.on.clone(),
-                        accessories: now.accessories.clone(),
-                        ..now
-                    }),
+                    None => frames.push(Frame { end_ns: at_ns, ..now.clone() }),
                 }
                 now.start_ns = at_ns;
             }
             ended.into_iter().chain(begun).for_each(|(output, is_on)| now.switch(output, is_on));
         }
         let has_accessories = switched.iter().any(|output| matches!(output, Switched::Accessory(_)));
-        let (rest, resting_accessories) = (resting.on, resting.accessories);
-        Ok(FramedBoard { wired, facts, frames, rest, resting_accessories, has_accessories })
+        Ok(FramedBoard { wired, facts, frames, resting, has_accessories })
     }
 
     /// The table of frames.
@@ -210,7 +201,7 @@ impl<'a> FramedBoard<'a> {
 
     /// An error if a channel rests on: the file says nothing of what is on once its frames are over.
     pub(super) fn refuse_rest(&self, format: Format) -> Result<(), EmitError> {
-        let Some(number) = self.rest.first() else { return Ok(()) };
+        let Some(number) = self.resting.on.first() else { return Ok(()) };
         let output = format!("{}.c{number}", self.wired.name);
         let what = format!("`{output}`, which rests on: its file says nothing of what is on after the last frame");
         let help = "write `--emit frames`, whose sender leaves it on".to_owned();
@@ -286,11 +277,11 @@ impl<'a> FramedBoard<'a> {
             "protocol": self.facts.protocol.name(),
             "file": format!("{name}.{}.frames.csv", self.wired.name),
             "frames": self.frames.len(),
-            "rest": self.rest,
+            "rest": self.resting.on,
             "electrodes": electrodes.iter().map(|(number, name)| format!("c{number} {name}")).collect::<Vec<_>>(),
         });
         if self.has_accessories {
-            listing["resting_accessories"] = json!(self.resting_accessories);
+            listing["resting_accessories"] = json!(self.resting.accessories);
         }
         if self.facts.protocol.sets_voltage() {
             listing["voltage_v"] = json!(self.voltage_v(Format::Frames)?);

@@ -103,7 +103,8 @@ fn no_bed(name: &str) -> String {
     )
 }
 
-fn refused(why: &str) -> Exit {
+/// Says why a program is not controlled.
+pub(super) fn refused(why: &str) -> Exit {
     terminal::to_stderr(&format!("tweeze: {why}\n"));
     Exit::Usage
 }
