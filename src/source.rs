@@ -36,7 +36,7 @@ impl Span {
 
     /// The smallest span that holds both; `other` must be of the same file.
     pub fn to(self, other: Span) -> Span {
-        debug_assert_eq!(self.file, other.file);
+        assert_eq!(self.file, other.file);
         Span { file: self.file, start: self.start.min(other.start), end: self.end.max(other.end) }
     }
 

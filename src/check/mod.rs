@@ -32,7 +32,7 @@ mod neighbours;
 mod objects;
 mod orientation;
 mod outputs;
-mod programs;
+pub(crate) mod programs;
 pub mod reduced;
 mod rows;
 mod scenes;

@@ -445,7 +445,7 @@ impl<'a> Checker<'a> {
                 continue;
             }
             if ParameterSort::find(&parameter.sort.text).is_none() {
-                let names = ParameterSort::names();
+                let names = Vec::from_iter(parameter_sorts());
                 let near = nearest(&parameter.sort.text, names.iter().copied());
                 self.sink.push(errors::unknown_parameter_sort(&parameter.sort, near, &names));
             }
@@ -513,6 +513,11 @@ fn object_nouns() -> impl Iterator<Item = &'static str> {
     nouns.filter(|noun| *noun != "obstacle").collect::<BTreeSet<_>>().into_iter()
 }
 
+/// The words that name the sort of a parameter.
+pub fn parameter_sorts() -> impl Iterator<Item = &'static str> {
+    ParameterSort::NAMES.iter().copied().chain(object_nouns())
+}
+
 impl ParameterSort {
     const NAMES: &'static [&'static str] =
         &["length", "time", "angle", "voltage", "force", "speed", "number", "cell", "place", "pose", "word"];
@@ -532,11 +537,6 @@ impl ParameterSort {
             "word" => ParameterSort::Word,
             _ => return object_nouns().find(|noun| *noun == name).map(ParameterSort::Object),
         })
-    }
-
-    /// The words that name a sort.
-    fn names() -> Vec<&'static str> {
-        ParameterSort::NAMES.iter().copied().chain(object_nouns()).collect()
     }
 
     fn describe(self) -> String {

@@ -1,6 +1,6 @@
 //! The vocabulary in words: for `tweeze devices`, and for editors.
 
-use super::{Count, NONE, Need, Sort, Verb, VocabularyField};
+use super::{Count, NONE, Need, Outcome, Sort, Verb, VocabularyField};
 use crate::quantity::Dimension;
 
 impl Sort {
@@ -68,6 +68,39 @@ impl VocabularyField {
     }
 }
 
+impl Sort {
+    /// The dimension of its numbers, where all have one.
+    pub fn dimension(&self) -> Option<Dimension> {
+        match self {
+            Sort::Quantity { dimension, .. } | Sort::Vector { dimension, .. } => Some(*dimension),
+            Sort::Target | Sort::Targets | Sort::Places | Sort::Pose | Sort::Size | Sort::Curve => {
+                Some(Dimension::LENGTH)
+            }
+            Sort::Orientation => Some(Dimension::ANGLE),
+            Sort::Pixel => Some(Dimension::PIXELS),
+            Sort::Count { .. }
+            | Sort::Word(_)
+            | Sort::State
+            | Sort::Cell
+            | Sort::Cells
+            | Sort::CountRows { .. }
+            | Sort::CountTables { .. }
+            | Sort::CountOrWord { .. }
+            | Sort::Flag
+            | Sort::Shape(_)
+            | Sort::Table(_)
+            | Sort::Object(_)
+            | Sort::Site(_)
+            | Sort::Sites(_)
+            | Sort::Name
+            | Sort::Control
+            | Sort::Contacts
+            | Sort::Text
+            | Sort::Board(_) => None,
+        }
+    }
+}
+
 impl Verb {
     /// What it does, and the prepositions that it takes.
     pub fn meaning(&self) -> String {
@@ -82,5 +115,12 @@ impl Verb {
         });
         let phrases: Vec<String> = phrases.collect();
         if phrases.is_empty() { self.doc.to_owned() } else { format!("{} ({})", self.doc, phrases.join(", ")) }
+    }
+}
+
+impl Outcome {
+    /// How a condition on it is written, with the dimension of its limit: `require time: a time`.
+    pub fn condition(&self) -> String {
+        format!("require {}: {}", self.name, self.unit.dimension().name())
     }
 }

@@ -6,6 +6,8 @@
 //! on the disk. Promise: no message ends the server but `exit`; an unknown document, a place outside of a text or a request that it does
 //! not know gets an empty answer or an error. Nothing is planned here.
 
+mod completion;
+mod cursor;
 mod findings;
 mod highlight;
 mod hints;
@@ -122,7 +124,10 @@ fn capabilities(unit: ColumnUnit) -> ServerCapabilities {
         document_formatting_provider: Some(OneOf::Left(true)),
         document_symbol_provider: Some(OneOf::Left(true)),
         hover_provider: Some(HoverProviderCapability::Simple(true)),
-        completion_provider: Some(CompletionOptions::default()),
+        completion_provider: Some(CompletionOptions {
+            trigger_characters: Some(vec![".".to_owned()]),
+            ..CompletionOptions::default()
+        }),
         code_action_provider: Some(CodeActionProviderCapability::Simple(true)),
         definition_provider: Some(OneOf::Left(true)),
         references_provider: Some(OneOf::Left(true)),
@@ -415,7 +420,7 @@ impl Session<'_> {
     fn completions(&self, asked: &lsp_types::CompletionParams) -> Option<Vec<lsp_types::CompletionItem>> {
         let place = &asked.text_document_position;
         let text = &self.document(&place.text_document.uri)?.text;
-        Some(words::completions(text.as_str(), text.offset(place.position, self.unit)))
+        Some(completion::completions(text.as_str(), text.offset(place.position, self.unit)))
     }
 }
 

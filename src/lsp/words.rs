@@ -1,4 +1,4 @@
-//! The words of the vocabulary at a place: what they mean, and which may stand there.
+//! The words of the vocabulary, and what they mean under the cursor.
 //!
 //! The words are those of the kinds whose published devices the text uses, or of all kinds if it uses none, and stand in the tables
 //! that the checker reads.
@@ -10,11 +10,10 @@ use crate::check::scope::{FUNCTIONS, function_form};
 use crate::device::instrument::{AuxiliarySort, Family};
 use crate::device::{Kind, Vocabulary, VocabularyField};
 use crate::syntax::tree::{Item, Tree, UsePath};
-use lsp_types::{CompletionItem, CompletionItemKind, Documentation, Hover, HoverContents, MarkupContent, MarkupKind};
-use std::collections::BTreeMap;
+use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind};
 
 /// The words that begin a declaration, with its form.
-const DECLARATIONS: [(&str, &str); 9] = [
+pub(super) const DECLARATIONS: [(&str, &str); 9] = [
     ("use", "use std.dimibot, or use \"bench.twz\" as lab"),
     ("let", "let NAME = VALUE"),
     ("device", "device NAME : KIND { FIELD: VALUE }"),
@@ -27,10 +26,11 @@ const DECLARATIONS: [(&str, &str); 9] = [
 ];
 
 /// Settings and steps that tasks of all kinds have.
-pub(super) const COMMON_STEPS: [(&str, &str); 10] = [
+pub(super) const COMMON_STEPS: [(&str, &str); 11] = [
     ("minimize", "minimize WHAT: the figure that the plan minimises"),
     ("require", "require FIGURE <= LIMIT: a limit that the plan must keep"),
     ("using", "using PLANNER { expansions: 5000000 }: how the plan is searched"),
+    ("start", "start at STATE: where the device is at the beginning"),
     ("wait", "wait 10 ms: nothing is switched for so long; wait until card.port0.line5 for at most 5 s"),
     ("prompt", "prompt \"add the sample\": asks the person at the bench, and waits"),
     ("pulse", "pulse OUTPUT: a pulse of an output of the sort `trigger`"),
@@ -41,11 +41,10 @@ pub(super) const COMMON_STEPS: [(&str, &str); 10] = [
 ];
 
 /// A word with its form and its meaning.
-struct KnownWord {
-    word: &'static str,
+pub(super) struct KnownWord {
+    pub(super) word: &'static str,
     form: String,
     meaning: String,
-    kind: CompletionItemKind,
 }
 
 /// The meaning of the word at a byte of a text.
@@ -73,49 +72,8 @@ pub fn hover(text: &EditedText, at: usize, unit: ColumnUnit, plans: &ProgramPlan
     })
 }
 
-/// The words that may stand at a byte of a text, and the names that it declares.
-pub fn completions(text: &str, at: usize) -> Vec<CompletionItem> {
-    let tree = outline::tree(text);
-    let kinds = kinds(&tree);
-    let around = tree.items.iter().find(|item| item.span().start < at as u32 && at as u32 <= item.span().end);
-    let is_inside = text[..at].matches('{').count() > text[..at].matches('}').count();
-    let mut items: BTreeMap<String, CompletionItem> = BTreeMap::new();
-    let mut add = |word: &str, form: &str, meaning: &str, kind: CompletionItemKind| {
-        let documentation = (!meaning.is_empty()).then(|| Documentation::String(meaning.to_owned()));
-        let item = CompletionItem {
-            label: word.to_owned(),
-            detail: Some(form.to_owned()),
-            documentation,
-            kind: Some(kind),
-            ..CompletionItem::default()
-        };
-        items.entry(word.to_owned()).or_insert(item);
-    };
-    if !is_inside {
-        DECLARATIONS.iter().for_each(|(word, form)| add(word, form, "", CompletionItemKind::KEYWORD));
-    } else {
-        let is_wanted = |kind: CompletionItemKind| match around {
-            Some(Item::Device(_) | Item::Instrument(_) | Item::Output(_)) => kind == CompletionItemKind::FIELD,
-            Some(Item::Scene(_)) => kind == CompletionItemKind::CLASS,
-            Some(Item::Task(_)) => kind != CompletionItemKind::FIELD && kind != CompletionItemKind::CLASS,
-            _ => true,
-        };
-        let of_instruments = matches!(around, Some(Item::Instrument(_) | Item::Output(_) | Item::Wiring(_)));
-        for known in known_words(&kinds, of_instruments).iter().filter(|known| is_wanted(known.kind)) {
-            add(known.word, &known.form, &known.meaning, known.kind);
-        }
-        if is_wanted(CompletionItemKind::KEYWORD) {
-            COMMON_STEPS.iter().for_each(|(word, form)| add(word, form, "", CompletionItemKind::KEYWORD));
-        }
-    }
-    for (name, sort) in names(&tree) {
-        add(&name, sort, "", CompletionItemKind::VARIABLE);
-    }
-    items.into_values().collect()
-}
-
 /// The kinds that a text uses by their published devices; all if there is none.
-fn kinds(tree: &Tree) -> Vec<&'static Vocabulary> {
+pub(super) fn kinds(tree: &Tree) -> Vec<&'static Vocabulary> {
     let used = |kind: &&Kind| {
         tree.items.iter().any(|item| match item {
             Item::Use(item) => match &item.path {
@@ -138,74 +96,39 @@ fn kinds(tree: &Tree) -> Vec<&'static Vocabulary> {
     shown.into_iter().map(|kind| kind.vocabulary()).collect()
 }
 
-fn known_words(kinds: &[&'static Vocabulary], with_instruments: bool) -> Vec<KnownWord> {
+/// All words of some kinds, with those of benches if they are wanted.
+pub(super) fn known_words(kinds: &[&'static Vocabulary], with_instruments: bool) -> Vec<KnownWord> {
+    let field = |field: &VocabularyField| KnownWord { word: field.name, form: field.term(), meaning: field.meaning() };
     let mut words = Vec::new();
-    let field = |field: &VocabularyField, kind| KnownWord {
-        word: field.name,
-        form: field.term(),
-        meaning: field.meaning(),
-        kind,
-    };
-    let mut push = |word, form: String, meaning: &str, kind| {
-        words.push(KnownWord { word, form, meaning: meaning.to_owned(), kind });
+    let mut push = |word, form: String, meaning: &str| {
+        words.push(KnownWord { word, form, meaning: meaning.to_owned() });
     };
     for vocabulary in kinds {
         for verb in vocabulary.verbs_and_conditions() {
-            push(verb.name, verb.example.to_owned(), &verb.meaning(), CompletionItemKind::METHOD);
+            push(verb.name, verb.example.to_owned(), &verb.meaning());
         }
         for noun in vocabulary.nouns {
-            push(noun.name, noun.name.to_owned(), noun.doc, CompletionItemKind::CLASS);
+            push(noun.name, noun.name.to_owned(), noun.doc);
         }
         for objective in vocabulary.objectives {
-            push(
-                objective.name,
-                format!("minimize {}", objective.name),
-                objective.doc,
-                CompletionItemKind::ENUM_MEMBER,
-            );
+            push(objective.name, format!("minimize {}", objective.name), objective.doc);
         }
         for outcome in vocabulary.outcomes {
-            let form = format!("require {}: {}", outcome.name, outcome.unit.dimension().name());
-            push(outcome.name, form, outcome.doc, CompletionItemKind::ENUM_MEMBER);
+            push(outcome.name, outcome.condition(), outcome.doc);
         }
         for planner in vocabulary.planners {
-            push(planner.name, format!("using {}", planner.name), planner.doc, CompletionItemKind::ENUM_MEMBER);
+            push(planner.name, format!("using {}", planner.name), planner.doc);
         }
     }
     for function in FUNCTIONS {
-        words.push(KnownWord {
-            word: function.name,
-            form: function_form(function.name).unwrap_or_default(),
-            meaning: function.doc.to_owned(),
-            kind: CompletionItemKind::FUNCTION,
-        });
+        push(function.name, function_form(function.name).unwrap_or_default(), function.doc);
     }
     for vocabulary in kinds {
-        words.extend(vocabulary.fields.iter().map(|own| field(own, CompletionItemKind::FIELD)));
-        words.extend(vocabulary.settings.iter().map(|own| field(own, CompletionItemKind::PROPERTY)));
+        words.extend(vocabulary.fields.iter().chain(vocabulary.settings).map(field));
     }
     if with_instruments {
-        for family in Family::ALL {
-            words.extend(family.fields().iter().map(|own| field(own, CompletionItemKind::FIELD)));
-        }
-        for sort in AuxiliarySort::ALL {
-            words.extend(sort.fields().iter().map(|own| field(own, CompletionItemKind::FIELD)));
-        }
+        words.extend(Family::ALL.iter().flat_map(|family| family.fields()).map(field));
+        words.extend(AuxiliarySort::ALL.iter().flat_map(|sort| sort.fields()).map(field));
     }
     words
-}
-
-/// The names that a text declares, with what they are.
-fn names(tree: &Tree) -> Vec<(String, &'static str)> {
-    let name = |item: &Item| match item {
-        Item::Let(item) => Some((item.name.text.clone(), "let")),
-        Item::Device(item) => Some((item.name.text.clone(), "device")),
-        Item::Instrument(item) => Some((item.name.text.clone(), "instrument")),
-        Item::Output(item) => Some((item.name.text.clone(), "output")),
-        Item::Scene(item) => Some((item.name.text.clone(), "scene")),
-        Item::Task(item) => Some((item.name.text.clone(), "task")),
-        Item::Program(item) => Some((item.name.text.clone(), "program")),
-        Item::Use(_) | Item::Wiring(_) | Item::Error(_) => None,
-    };
-    tree.items.iter().filter_map(name).filter(|(name, _)| !name.is_empty()).collect()
 }

@@ -114,6 +114,16 @@ impl Dimension {
         self.named().map_or_else(|| self.base_units(), |named| named.example.to_owned())
     }
 
+    /// The units that people write for it, those of everyday prefixes; none for a plain number.
+    pub fn usual_units(self) -> Vec<String> {
+        let prefixed = PREFIXED.iter().filter(|unit| unit.2 == self);
+        let prefixed = prefixed.flat_map(|unit| ["n", "u", "m", ""].map(|prefix| format!("{prefix}{}", unit.0)));
+        let plain = PLAIN.iter().filter(|unit| unit.3 == self && self != Dimension::NUMBER);
+        let units: Vec<String> = prefixed.chain(plain.map(|unit| unit.0.to_owned())).collect();
+        let example = || Some(self.example_unit()).filter(|unit| !unit.is_empty()).into_iter().collect();
+        if units.is_empty() { example() } else { units }
+    }
+
     fn base_units(self) -> String {
         let mut text = String::new();
         for (exponent, unit) in self.0.into_iter().zip(["m", "kg", "s", "A", "K", "rad", "px"]) {
@@ -386,7 +396,7 @@ impl Quantity {
     /// The value in a unit of its own dimension, read off without the error of a product with a power of ten.
     pub fn in_unit(self, unit: &str) -> f64 {
         let unit = Unit::parse(unit).expect("only units of the closed list are named in the compiler");
-        debug_assert_eq!(unit.dimension, self.dimension);
+        assert_eq!(unit.dimension, self.dimension);
         shift((self.si - unit.zero) / unit.factor, -unit.ten)
     }
 }

@@ -12,9 +12,9 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
 
-/// The most processor time of a case, in seconds for each of its tasks; more in the build of tests, which checks its arithmetic. Hands of
-/// fine steps take longest, with tables for two revolutions.
-pub const CPU_LIMIT_S: u64 = if cfg!(debug_assertions) { 25 } else { 15 };
+/// The most processor time of a case, in seconds for each of its tasks. Hands of fine steps take longest, with tables for two
+/// revolutions.
+pub const CPU_LIMIT_S: u64 = 25;
 
 /// The most seconds by the wall, for a worker that waits for ever, and for systems that do not say what a process has used. Many, for a
 /// worker may have to wait for the processor.

@@ -24,7 +24,7 @@ pub const SIGHT: &[(&str, &[&str])] = &[
     ("lower", &["claims", "plan", "schedule"]),
     ("emit", &["claims", "schedule", "verify", "log"]),
     ("compile", &["syntax", "claims", "schedule", "check", "plan", "lower", "verify"]),
-    ("lsp", &["syntax", "format", "claims", "check"]),
+    ("lsp", &["stdlib", "syntax", "format", "claims", "check"]),
     (
         "cli",
         &[

@@ -461,7 +461,7 @@ fn settle(dues: &[Vec<Due>], stands: &mut [Stand]) {
 
 #[test]
 fn no_plan_of_an_assay_beats_its_bound() {
-    let [planned, split, mixed, clean] = agree(Random(5), 30, |_, assay| assay);
+    let [planned, split, mixed, clean] = agree(Random(5), 20, |_, assay| assay);
     assert!(20 * split > planned && 20 * mixed > planned, "{split} with splits, {mixed} with mixing");
     assert!(20 * clean > planned, "{clean} with `avoid`");
 }
@@ -469,7 +469,7 @@ fn no_plan_of_an_assay_beats_its_bound() {
 /// As above, with operations that begin soon after others.
 #[test]
 fn assays_in_a_hurry_agree_with_brute_force() {
-    agree(Random(11), 20, |chance, assay| assay.hurried(chance));
+    agree(Random(11), 10, |chance, assay| assay.hurried(chance));
 }
 
 /// As above, on boards on which channels switch several electrodes.
@@ -481,7 +481,7 @@ fn assays_on_shared_channels_agree_with_brute_force() {
 /// As above, with places that the plan chooses: the truth is the best of all that it can choose.
 #[test]
 fn assays_at_places_of_choice_agree_with_brute_force() {
-    agree(Random(29), 8, |chance, assay| assay.opened(chance));
+    agree(Random(29), 5, |chance, assay| assay.opened(chance));
 }
 
 /// `usual` assays, or as many as are asked for: the plans found, and those of them with splits, with mixing, and with traces that are avoided.

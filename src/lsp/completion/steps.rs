@@ -1,0 +1,169 @@
+//! What tasks and programs do: their steps, with the prepositions and values that a verb takes.
+
+use super::{DeclaredName, Suggestions, is_complete};
+use crate::device::{self, Assay, Sort, Together, Verb, Vocabulary};
+use crate::lsp::words::COMMON_STEPS;
+use crate::quantity::Dimension;
+use lsp_types::CompletionItemKind;
+
+impl Suggestions<'_> {
+    pub(super) fn task(&mut self, outer: &[&str], inner: &[Vec<&str>]) {
+        let kinds = self.kinds_of_task(outer);
+        let blocks: Vec<&[&str]> = inner
+            .iter()
+            .map(Vec::as_slice)
+            .filter(|head| !matches!(head.first(), Some(&"for" | &"together" | &"assay")))
+            .collect();
+        match blocks.last() {
+            None => self.step(&kinds),
+            Some(["using", planner]) => {
+                let planners = kinds.iter().flat_map(|kind| kind.planners).filter(|known| known.name == *planner);
+                self.fields(planners.flat_map(|planner| planner.options).collect());
+            }
+            Some([verb, ..]) if !blocks[0].contains(&":") => {
+                let block = kinds.iter().find_map(|kind| kind.verb(verb)?.block);
+                let Some(block) = block else { return };
+                match self.entry() {
+                    [] => self.value(Some(&block.object), &[]),
+                    entry => self.phrases(entry, block.phrases.iter().map(|phrase| (phrase.preposition, &phrase.sort))),
+                }
+            }
+            Some(head) => self.braces_of_value(head),
+        }
+    }
+
+    /// An entry of a task or of a block in it.
+    fn step(&mut self, kinds: &[&'static Vocabulary]) {
+        let entry = self.entry();
+        let settings = || kinds.iter().flat_map(|kind| kind.settings);
+        match entry {
+            [] => {
+                self.first_words(kinds);
+                settings().for_each(|field| {
+                    self.word(field.name, &field.term(), &field.meaning(), CompletionItemKind::PROPERTY)
+                });
+            }
+            ["minimize"] => {
+                kinds.iter().for_each(|kind| self.choices(kind.objectives));
+            }
+            ["require"] => {
+                for outcome in kinds.iter().flat_map(|kind| kind.outcomes) {
+                    self.word(outcome.name, &outcome.condition(), outcome.doc, CompletionItemKind::ENUM_MEMBER);
+                }
+                self.objects("part");
+            }
+            ["require", outcome, limit @ ..] => {
+                let outcome = kinds.iter().flat_map(|kind| kind.outcomes).find(|known| known.name == *outcome);
+                let sort = outcome.map(|outcome| device::positive(outcome.unit.dimension()));
+                self.value(sort.as_ref(), limit);
+            }
+            ["using"] => {
+                for planner in kinds.iter().flat_map(|kind| kind.planners) {
+                    self.word(
+                        planner.name,
+                        &format!("using {}", planner.name),
+                        planner.doc,
+                        CompletionItemKind::ENUM_MEMBER,
+                    );
+                }
+            }
+            [name, tail @ ..] if tail.first() == Some(&":") => {
+                let setting = settings().find(|field| field.name == *name);
+                self.value(setting.map(|field| &field.sort), tail);
+            }
+            ["for", ..] => self.loop_head(),
+            ["start"] => self.keywords(&["at"]),
+            _ if self.common_step() => {}
+            [verb, ..] => self.verb(kinds, verb),
+        }
+    }
+
+    /// The words that begin a step of some kinds.
+    fn first_words(&mut self, kinds: &[&'static Vocabulary]) {
+        for verb in kinds.iter().flat_map(|kind| kind.verbs_and_conditions()) {
+            self.word(verb.name, verb.example, &verb.meaning(), CompletionItemKind::METHOD);
+        }
+        for (word, form) in COMMON_STEPS {
+            let is_of_kinds = kinds.iter().any(|kind| match word {
+                "together" => matches!(kind.together, Together::Yes),
+                "assay" => kind.assay == Assay::Yes,
+                "start" => kind.state.is_some(),
+                _ => true,
+            });
+            if is_of_kinds {
+                self.word(word, form, "", CompletionItemKind::KEYWORD);
+            }
+        }
+    }
+
+    /// A step that programs have as well; whether the entry is one.
+    pub(super) fn common_step(&mut self) -> bool {
+        match self.entry() {
+            ["set" | "pulse"] => self.names(&[DeclaredName::Output]),
+            ["set", _] => self.keywords(&["to"]),
+            ["set", _, "to"] => {
+                self.keywords(&["high", "low"]);
+                self.names(&[DeclaredName::Value]);
+            }
+            ["wait"] => {
+                self.keywords(&["until"]);
+                self.value(None, &[]);
+            }
+            ["wait", "until"] => self.names(&[DeclaredName::Instrument]),
+            ["wait", duration] => self.value(Some(&device::positive(Dimension::TIME)), &[duration]),
+            ["wait", "until", _] => self.keywords(&["for"]),
+            ["wait", "until", _, "for"] => self.keywords(&["at"]),
+            ["wait", "until", _, "for", "at"] => self.keywords(&["most"]),
+            ["wait", "until", _, "for", "at", "most", limit @ ..] => {
+                self.value(Some(&device::positive(Dimension::TIME)), limit);
+            }
+            ["set" | "pulse" | "wait" | "prompt", ..] => {}
+            _ => return false,
+        }
+        true
+    }
+
+    fn verb(&mut self, kinds: &[&'static Vocabulary], word: &str) {
+        let entry = self.entry();
+        let noun = entry.get(1).copied();
+        let verbs: Vec<&Verb> =
+            kinds.iter().flat_map(|kind| kind.verbs_and_conditions()).filter(|verb| verb.name == word).collect();
+        let with_noun = verbs.iter().find(|verb| verb.noun.is_some() && verb.noun == noun);
+        let Some(verb) = with_noun.or(verbs.iter().find(|verb| verb.noun.is_none())).or(verbs.first()) else { return };
+        let head = 1 + usize::from(with_noun.is_some());
+        let phrases = || verb.phrases.iter().map(|phrase| (phrase.preposition, &phrase.sort));
+        if entry.len() > head || self.cursor.in_brackets.is_some() && verb.object.is_none() {
+            return self.phrases(entry, phrases());
+        }
+        if with_noun.is_none() {
+            verbs.iter().filter_map(|verb| verb.noun).for_each(|noun| self.keywords(&[noun]));
+        }
+        match &verb.object {
+            Some(object) => self.value(Some(object), &[]),
+            None => self.phrases(entry, phrases()),
+        }
+    }
+
+    /// Behind an object: the prepositions that do not stand there yet, or the value of the last one.
+    fn phrases<'p>(&mut self, entry: &[&str], phrases: impl Iterator<Item = (&'static str, &'p Sort)>) {
+        let phrases: Vec<(&str, &Sort)> = phrases.collect();
+        let last = entry.iter().rposition(|token| phrases.iter().any(|phrase| phrase.0 == *token));
+        let value = last.and_then(|at| Some((phrases.iter().find(|phrase| phrase.0 == entry[at])?.1, &entry[at..])));
+        if let Some((sort, tokens)) = value
+            && (self.cursor.in_brackets.is_some()
+                || tokens.last().is_none_or(|last| tokens.len() == 1 || !is_complete(last)))
+        {
+            return self.value(Some(sort), if tokens.len() == 1 { &[] } else { tokens });
+        }
+        if self.cursor.in_brackets.is_none() && entry.last().is_some_and(|last| is_complete(last)) {
+            let missing: Vec<&str> =
+                phrases.iter().map(|phrase| phrase.0).filter(|word| *word == "via" || !entry.contains(word)).collect();
+            self.keywords(&missing);
+            if let Some((sort, tokens)) = value {
+                self.value(Some(sort), tokens);
+            }
+        } else {
+            self.value(None, entry);
+        }
+    }
+}
