@@ -98,7 +98,9 @@ impl SourceFile {
         let offset = offset.min(self.text.len() as u32);
         let line = self.line_starts.partition_point(|&start| start <= offset) - 1;
         let head = &self.text[self.line_starts[line] as usize..offset as usize];
-        Position { line: line as u32 + 1, column: head.chars().count() as u32 + 1 }
+        // Editors show no mark of the order of bytes.
+        let shown = if line == 0 { head.trim_start_matches('\u{feff}') } else { head };
+        Position { line: line as u32 + 1, column: shown.chars().count() as u32 + 1 }
     }
 }
 

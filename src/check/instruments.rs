@@ -8,13 +8,10 @@ use super::{Checker, errors};
 use crate::device::instrument::{
     DRIVER_HEATER_DEGC, DataAcquisitionFacts, ElectrodeDriverFacts, Family, HEATERS, Instrument, InstrumentFacts,
     MachineControllerFacts, Protocol, StageControllerFacts, StageProtocol, Start, VoltageOutput,
-    WaveformGeneratorFacts,
+    WaveformGeneratorFacts, heater_setting,
 };
 use crate::syntax::tree::Item;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// How far a temperature that is written as whole degrees may be off by rounding, in degrees.
-const ROUNDING_DEGC: f64 = 1e-6;
 
 impl Checker<'_> {
     /// Checks every instrument of the user's files; one that only serves as a base may lack fields.
@@ -137,9 +134,7 @@ impl Checker<'_> {
         let mut heaters = BTreeMap::new();
         for (field, number) in HEATERS.iter().zip(1..) {
             let (Some(given), Some(temperature)) = (fields.get(field), fields.quantity(field)) else { continue };
-            let degrees = temperature.in_unit("degC");
-            let found =
-                DRIVER_HEATER_DEGC.into_iter().find(|whole| (degrees - f64::from(*whole)).abs() < ROUNDING_DEGC);
+            let found = heater_setting(temperature);
             let wrong = if number > protocol.heaters() {
                 Some(errors::no_driver_heater(field, protocol.name()))
             } else if found.is_none() {

@@ -48,7 +48,7 @@ mod verbs;
 mod wiring;
 
 use crate::claims::{Claims, Job, Order};
-use crate::device::instrument::{AuxiliaryOutput, AuxiliarySort, Family, Instrument};
+use crate::device::instrument::{AuxiliaryOutput, AuxiliarySort, Bench, Family, Instrument};
 use crate::device::{self, Kind, each_kind, for_each_kind};
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity};
@@ -202,6 +202,9 @@ trait KindChecks {
 
     /// Whether the jobs of a program, in their order, say the same of where the kind's devices and their parts are.
     fn agree(&self, jobs: &mut [Job], sink: &mut Sink);
+
+    /// Warns of steps that do not suit what the instruments of the bench are set to.
+    fn suit(&self, _jobs: &[Job], _bench: &Bench, _sink: &mut Sink) {}
 
     /// Puts those of the program's placed devices that never run in the way of the others; for kinds that have frames.
     fn beside(&self, _checker: &mut Checker, _placed: &neighbours::PlacedDevices, _jobs: &mut [Job]) {}

@@ -192,6 +192,7 @@ impl<'a> Checker<'a> {
             self.sink.push(finding);
             return None;
         }
+        Kind::ALL.iter().for_each(|kind| checks(*kind).suit(&draft.jobs, &bench, self.sink));
         self.holds_of(&draft.jobs, &wires, &bench);
         if self.sink.errors() > errors {
             return None;

@@ -81,7 +81,13 @@ fn next(input: &mut impl BufRead) -> io::Result<Option<Message>> {
         let line = String::from_utf8_lossy(&message[start..]);
         let field = line.trim_end().split_once(':');
         if let Some((_, value)) = field.filter(|(name, _)| name.eq_ignore_ascii_case("Content-Length")) {
-            length = value.trim().parse().unwrap_or(u64::MAX);
+            let wrong = |_| {
+                invalid(format!(
+                    "a header with the length `{}`, which is no number of bytes",
+                    terminal::name(value.trim())
+                ))
+            };
+            length = value.trim().parse().map_err(wrong)?;
         }
         // The library refuses a header that is not well formed.
         if line.trim_end().is_empty() || field.is_none() {
@@ -89,9 +95,12 @@ fn next(input: &mut impl BufRead) -> io::Result<Option<Message>> {
         }
     }
     if length > MAX_MESSAGE_BYTES {
-        let why = format!("a message of {length} bytes; at most {MAX_MESSAGE_BYTES} are read");
-        return Err(io::Error::new(io::ErrorKind::InvalidData, why));
+        return Err(invalid(format!("a message of {length} bytes; at most {MAX_MESSAGE_BYTES} are read")));
     }
     input.take(length).read_to_end(&mut message)?;
     Message::read(&mut message.as_slice())
+}
+
+fn invalid(why: String) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, why)
 }

@@ -35,7 +35,9 @@ impl Template {
 pub fn run(arguments: &NewArguments) -> Exit {
     let template = arguments.template.or(arguments.kind.and_then(Template::of)).unwrap_or(Template::PickAndPlace);
     let folder = &arguments.path;
-    let Some(name) = folder.file_name().map(|name| name.to_string_lossy().into_owned()) else {
+    let named = folder.file_name().map(|name| name.to_string_lossy().into_owned());
+    // The name comes into a comment of the program.
+    let Some(name) = named.filter(|name| !name.contains(char::is_control)) else {
         terminal::report_one(errors::no_name_for_a_project(folder), arguments.report.format);
         return Exit::Files;
     };

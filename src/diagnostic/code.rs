@@ -215,6 +215,7 @@ ledger! {
     W0511 "an assembly that is likely to fail"
     W0512 "droplets that nothing holds between tasks"
     W0513 "traces of an earlier task on the same board"
+    W0514 "a temperature to which no heater of the bench is set"
     E0601 "no plan exists"
     E0602 "the search gave up"
     E0603 "a condition that the plan does not keep"

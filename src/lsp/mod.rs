@@ -24,6 +24,7 @@ mod tests;
 pub use planning::{PLANNED, PlanningResult, ProgramPlanner};
 
 use crate::check::imports::Library;
+use findings::Overlay;
 use hints::CheckedFigures;
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response};
 use lsp_types::notification::{
@@ -71,14 +72,17 @@ pub fn serve(
     round: FilesRound,
     planner: &mut dyn ProgramPlanner,
 ) -> Result<SessionEnd, String> {
-    let (id, asked) = connection.initialize_start().map_err(|error| error.to_string())?;
-    let asked: InitializeParams = serde_json::from_value(asked).map_err(|error| error.to_string())?;
+    let unexpected =
+        |_| "the first message of a client must be `initialize`, and the next one `initialized`".to_owned();
+    let (id, asked) = connection.initialize_start().map_err(unexpected)?;
+    let asked: InitializeParams = serde_json::from_value(asked)
+        .map_err(|error| format!("the parameters of `initialize` are not those of the protocol: {error}"))?;
     let unit = column_unit(&asked);
     let answer = json!({
         "capabilities": capabilities(unit),
         "serverInfo": { "name": "tweeze", "version": env!("CARGO_PKG_VERSION") },
     });
-    connection.initialize_finish(id, answer).map_err(|error| error.to_string())?;
+    connection.initialize_finish(id, answer).map_err(unexpected)?;
     let mut session = Session {
         connection,
         round,
@@ -257,15 +261,17 @@ impl Session<'_> {
                 }
                 None => None,
             },
-            _ => None,
+            _ => {
+                let why = format!("`{method}` is not answered");
+                return self.send(Message::Response(Response::new_err(id, ErrorCode::MethodNotFound as i32, why)));
+            }
         };
         let response = match answer {
             Some(answer) => Response::new_ok(id, answer),
-            None => Response::new_err(
-                id,
-                ErrorCode::MethodNotFound as i32,
-                format!("`{method}` is not answered, or not with these parameters"),
-            ),
+            None => {
+                let why = format!("these are not the parameters of `{method}`");
+                Response::new_err(id, ErrorCode::InvalidParams as i32, why)
+            }
         };
         self.send(Message::Response(response));
     }
@@ -418,9 +424,13 @@ impl Session<'_> {
     }
 
     fn completions(&self, asked: &lsp_types::CompletionParams) -> Option<Vec<lsp_types::CompletionItem>> {
-        let place = &asked.text_document_position;
-        let text = &self.document(&place.text_document.uri)?.text;
-        Some(completion::completions(text.as_str(), text.offset(place.position, self.unit)))
+        let (path, at) = self.place(&asked.text_document_position)?;
+        let texts = self.texts();
+        let mut found = Vec::new();
+        (self.round)(&path, &mut |disk| {
+            found = completion::completions(texts[&path], at, &Overlay::round(&path, &texts, disk));
+        });
+        Some(found)
     }
 }
 

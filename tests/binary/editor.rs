@@ -320,10 +320,19 @@ fn what_is_no_message_ends_the_server_with_a_sentence() {
         assert_eq!(ended.status.code(), Some(ERRORS), "{:?}", String::from_utf8_lossy(bytes));
         String::from_utf8_lossy(&ended.stderr).into_owned()
     };
-    for length in ["99999999999999", "18446744073709551615", "99999999999999999999999", "-1", "268435457"] {
+    for (length, words) in [
+        ("99999999999999", "a message of "),
+        ("18446744073709551615", "a message of "),
+        ("99999999999999999999999", "a header with the length `9999"),
+        ("-1", "a header with the length `-1`"),
+        ("268435457", "a message of "),
+    ] {
         let reported = says_of(format!("Content-Length: {length}\r\n\r\n{{}}").as_bytes());
-        assert!(reported.starts_with("tweeze lsp: a message of ") && reported.lines().count() == 1, "{reported}");
+        assert!(reported.starts_with(&format!("tweeze lsp: {words}")) && reported.lines().count() == 1, "{reported}");
     }
+    let early = r#"{"jsonrpc":"2.0","method":"textDocument/didOpen","params":{}}"#;
+    let reported = says_of(format!("Content-Length: {}\r\n\r\n{early}", early.len()).as_bytes());
+    assert!(reported.contains("must be `initialize`") && !reported.contains("Notification"), "{reported}");
     let endless = [b'a'; 10_000];
     for bytes in [
         &b"Content-Length: 7\r\n\r\n{}"[..],

@@ -66,7 +66,7 @@ pub(super) fn read(text: &str, BoardLimits { most_channel, .. }: BoardLimits) ->
     let text = without_last_commas(text.trim_start_matches('\u{feff}'));
     let electrodes = match text.trim_start().starts_with('[') {
         true => opendrop(serde_json::from_str(&text).map_err(|error| fault(&error, "OpenDrop's electrodes"))?),
-        false => purpledrop(serde_json::from_str(&text).map_err(|error| fault(&error, "a board of PurpleDrop"))?),
+        false => purpledrop(serde_json::from_str(&text).map_err(|error| fault(&error, "a board of PurpleDrop"))?)?,
     };
     if electrodes.len() > MAX_ELECTRODES {
         return Err(format!("has {} electrodes, at most {MAX_ELECTRODES} are read", electrodes.len()));
@@ -83,10 +83,24 @@ pub(super) fn read(text: &str, BoardLimits { most_channel, .. }: BoardLimits) ->
     Ok(electrodes)
 }
 
+/// What a reader of JSON calls types, and what people do.
+const EXPECTED: [(&str, &str); 9] = [
+    ("expected u32", "expected a whole number from 0"),
+    ("expected f64", "expected a number"),
+    ("expected a sequence", "expected a list"),
+    ("expected struct PurpledropFile", "expected an object with `layout`"),
+    ("expected struct PurpledropLayout", "expected an object with `grid` or `grids`"),
+    ("expected struct OpendropElectrode", "expected an object with `x`, `y`, `h`, `v` and `e`"),
+    ("expected struct PitchedGrid", "expected an object with `origin`, `pitch` and `pins`"),
+    ("expected struct PeripheralElectrode", "expected an object with `pin`"),
+    ("expected struct Peripheral", "expected an object with `electrodes`"),
+];
+
 /// What is wrong with a text, with its place.
 fn fault(error: &serde_json::Error, what: &str) -> String {
     let text = error.to_string();
     let why = text.rsplit_once(" at line ").map_or(text.as_str(), |(why, _)| why);
+    let why = EXPECTED.iter().fold(why.to_owned(), |why, (word, plain)| why.replace(word, plain));
     format!("is not {what}, line {}, column {}: {why}", error.line(), error.column())
 }
 
@@ -130,11 +144,19 @@ fn opendrop(list: Vec<OpendropElectrode>) -> Vec<DrawnElectrode> {
     list.into_iter().map(drawn).collect()
 }
 
-fn purpledrop(file: PurpledropFile) -> Vec<DrawnElectrode> {
+fn purpledrop(file: PurpledropFile) -> Result<Vec<DrawnElectrode>, String> {
     let PurpledropLayout { grid, grids, peripherals } = file.layout;
     let one = grid.map(|pins| PitchedGrid { origin: [0.0; 2], spacing: 1.0, pins });
     let mut electrodes = Vec::new();
     for PitchedGrid { origin: [left, top], spacing, pins } in one.into_iter().chain(grids) {
+        let width = pins.first().map_or(0, Vec::len);
+        // A place that was forgotten would shift all behind it.
+        if let Some((row, cells)) = pins.iter().enumerate().find(|(_, cells)| cells.len() != width) {
+            let [row, places] = [row + 1, cells.len()];
+            return Err(format!(
+                "has a grid whose row {row} has another length, {places}, than its first row, {width}: write `null` where nothing is"
+            ));
+        }
         for (row, cells) in pins.into_iter().enumerate() {
             let pins = cells.into_iter().enumerate().filter_map(|(column, pin)| Some((column, pin?)));
             electrodes.extend(pins.map(|(column, pin)| {
@@ -154,7 +176,7 @@ fn purpledrop(file: PurpledropFile) -> Vec<DrawnElectrode> {
             bounds: None,
         }));
     }
-    electrodes
+    Ok(electrodes)
 }
 
 /// An identifier, which is a number or a string.

@@ -26,6 +26,7 @@ use super::wiring::NumberedChannels;
 use super::{CheckedFacts, Checker, KindChecks, KindFacts};
 use crate::claims::{Job, Order};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, ElectrodeMap};
+use crate::device::instrument::Bench;
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity};
 use std::collections::BTreeSet;
@@ -110,6 +111,10 @@ impl KindChecks for ElectrodeArrayChecks {
         }
         traces::agree(jobs, before, sink);
         zones::agree(jobs, sink);
+    }
+
+    fn suit(&self, jobs: &[Job], bench: &Bench, sink: &mut Sink) {
+        zones::suit(jobs, bench, sink);
     }
 }
 

@@ -6,9 +6,11 @@ use crate::claims::electrode_array::{
     AssayOperation, BoardZone, ElectrodeArrayAction, ElectrodeArrayOrder, ZoneSort, ZoneStay,
 };
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
+use crate::device::instrument::{Bench, InstrumentFacts, heater_setting};
 use crate::diagnostic::{Diagnostic, Sink};
+use crate::quantity::{Dimension, Quantity};
 use crate::source::Span;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Whether an electrode is in a zone.
 pub fn is_in(zone: &BoardZone, cell: ElectrodeCell) -> bool {
@@ -35,20 +37,57 @@ pub fn misplaced(zone: &BoardZone, before: &[BoardZone], facts: &ElectrodeArrayF
 /// Reports heaters that are to have two temperatures in one schedule.
 pub fn agree(jobs: &[Job], sink: &mut Sink) {
     let mut temperatures: BTreeMap<(&str, &str), (f64, Span)> = BTreeMap::new();
-    for job in jobs {
-        let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
-        let operations = order.steps.iter().flat_map(|step| operations_of(&step.action));
-        for (operation, stay) in operations.flat_map(|one| one.zone_stays().map(move |stay| (one, stay))) {
-            let ZoneStay { zone, temperature_k: Some(asked_k) } = stay else { continue };
-            let Some(zone) = order.zones.get(zone) else { continue };
-            let key = (job.device.as_str(), zone.name.as_str());
-            let (first_k, first) = *temperatures.entry(key).or_insert((asked_k, operation.span));
-            if first_k.to_bits() != asked_k.to_bits() {
-                sink.push(errors::two_temperatures(&zone.name, (asked_k, operation.span), (first_k, first)));
-                return;
-            }
+    for Heating { device, heater, asked_k, span } in heatings(jobs) {
+        let (first_k, first) = *temperatures.entry((device, heater)).or_insert((asked_k, span));
+        if first_k.to_bits() != asked_k.to_bits() {
+            sink.push(errors::two_temperatures(heater, (asked_k, span), (first_k, first)));
+            return;
         }
     }
+}
+
+/// Warns, once for each heater of the scene, of a temperature to which no heater of the board's driver is set, where the bench sets one.
+pub fn suit(jobs: &[Job], bench: &Bench, sink: &mut Sink) {
+    let drivers = bench.instruments.iter().filter_map(|(name, instrument)| match &instrument.facts {
+        InstrumentFacts::ElectrodeDriver(facts) => Some((name.as_str(), facts)),
+        InstrumentFacts::WaveformGenerator(_)
+        | InstrumentFacts::DataAcquisition(_)
+        | InstrumentFacts::StageController(_)
+        | InstrumentFacts::MachineController(_) => None,
+    });
+    let set: Vec<(&str, u32, u32)> = drivers
+        .flat_map(|(name, facts)| facts.heaters_degc.iter().map(move |(number, degc)| (name, *number, *degc)))
+        .collect();
+    let mut warned = BTreeSet::new();
+    for heating in heatings(jobs) {
+        let setting = heater_setting(Quantity::new(heating.asked_k, Dimension::TEMPERATURE));
+        let is_set = set.iter().any(|heater| Some(heater.2) == setting);
+        if !set.is_empty() && !is_set && warned.insert((heating.device, heating.heater)) {
+            sink.push(errors::no_heater_so_warm((heating.heater, heating.asked_k, heating.span), setting, &set));
+        }
+    }
+}
+
+/// A stay at a heater.
+struct Heating<'j> {
+    device: &'j str,
+    /// The heater's name in the scene.
+    heater: &'j str,
+    asked_k: f64,
+    span: Span,
+}
+
+/// All stays at heaters, in the order of the steps.
+fn heatings(jobs: &[Job]) -> impl Iterator<Item = Heating<'_>> {
+    let orders = jobs.iter().filter_map(|job| Some((job.device.as_str(), ElectrodeArrayOrder::of(&job.order)?)));
+    orders.flat_map(|(device, order)| {
+        let operations = order.steps.iter().flat_map(|step| operations_of(&step.action));
+        let stays = operations.flat_map(|one| one.zone_stays().map(move |stay| (one.span, stay)));
+        stays.filter_map(move |(span, ZoneStay { zone, temperature_k })| {
+            let heater = order.zones.get(zone)?.name.as_str();
+            Some(Heating { device, heater, asked_k: temperature_k?, span })
+        })
+    })
 }
 
 fn operations_of(action: &ElectrodeArrayAction) -> &[AssayOperation] {

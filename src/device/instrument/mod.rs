@@ -16,6 +16,7 @@ pub use stages::{Direction, StageControllerFacts, StageLimits, StageProtocol, cu
 pub use words::{ANY_WIRE, HEATERS};
 
 use crate::device::{VocabularyField, WordChoice, words::words};
+use crate::quantity::{CELSIUS, Quantity};
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -26,6 +27,15 @@ pub const MAX_OUTPUTS: u32 = 4096;
 
 /// Temperatures to which MicroDrop 1.9 sets the heaters of an OpenDrop, in degrees Celsius; its frames have a byte for each.
 pub const DRIVER_HEATER_DEGC: RangeInclusive<u32> = 20..=120;
+
+/// How far a temperature that is written as whole degrees may be off by rounding, in degrees.
+const ROUNDING_DEGC: f64 = 1e-6;
+
+/// How a heater of an OpenDrop is set to a temperature, in degrees Celsius; `None` where its frames cannot say it.
+pub fn heater_setting(temperature: Quantity) -> Option<u32> {
+    let degrees = temperature.in_unit(CELSIUS);
+    DRIVER_HEATER_DEGC.into_iter().find(|whole| (degrees - f64::from(*whole)).abs() < ROUNDING_DEGC)
+}
 
 /// The families of instruments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

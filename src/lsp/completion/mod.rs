@@ -1,15 +1,16 @@
 //! What may stand at the cursor: the words that the language and the kind of the block have there, and the names that fit.
 //!
-//! The cursor's place is read from what is open before it; names, devices and scenes from the declarations of the whole text. Where the kind of
-//! a device is not known, as that of another file, the words of all kinds that the text uses are shown.
+//! The cursor's place is read from what is open before it; names, devices and scenes from the declarations of the whole text and of the
+//! files that it uses. Where the kind of a device is not known, the words of all kinds that the text uses are shown.
 
+mod files;
 mod names;
 mod steps;
 
 use super::cursor::CursorPlace;
-use super::outline;
 use super::words::{COMMON_STEPS, DECLARATIONS};
 use crate::check::frames;
+use crate::check::imports::Library;
 use crate::check::programs::parameter_sorts;
 use crate::check::scope::{ANGLE_NAME, FUNCTIONS, function_form};
 use crate::device::instrument::{AuxiliarySort, Family, LinkSort};
@@ -17,15 +18,16 @@ use crate::device::shape::ShapeForm;
 use crate::device::{Frames, Kind, Sort, VocabularyField, WordChoice};
 use crate::quantity::Dimension;
 use crate::stdlib;
-use crate::syntax::tree::Tree;
+use files::ProgramTrees;
 use lsp_types::{CompletionItem, CompletionItemKind, Documentation};
 use std::collections::BTreeMap;
 
-/// What may stand at a byte of a text, in the order of the alphabet; nothing in comments, strings and numbers.
-pub fn completions(text: &str, at: usize) -> Vec<CompletionItem> {
+/// What may stand at a byte of a text, in the order of the alphabet; nothing in comments, strings and numbers. Files that the text uses
+/// are read from a library.
+pub fn completions(text: &str, at: usize, library: &dyn Library) -> Vec<CompletionItem> {
     let Some(cursor) = CursorPlace::behind(&text[..at]) else { return Vec::new() };
-    let tree = outline::tree(text);
-    let mut shown = Suggestions { tree: &tree, cursor: &cursor, items: BTreeMap::new() };
+    let files = ProgramTrees::read(text, library);
+    let mut shown = Suggestions { files: &files, cursor: &cursor, items: BTreeMap::new() };
     shown.collect();
     shown.items.into_values().collect()
 }
@@ -42,7 +44,7 @@ enum DeclaredName {
 }
 
 struct Suggestions<'t> {
-    tree: &'t Tree,
+    files: &'t ProgramTrees,
     cursor: &'t CursorPlace<'t>,
     /// By their words.
     items: BTreeMap<String, CompletionItem>,

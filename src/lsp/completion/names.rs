@@ -1,32 +1,26 @@
 //! Names that a text declares, and what its declarations say of a device's kind and a task's scene.
 
 use super::{DeclaredName, Suggestions};
-use crate::device::{Kind, Vocabulary};
-use crate::lsp::{outline, words};
-use crate::stdlib;
-use crate::syntax::tree::{self, Item, Path, Scene, SceneEntry, Tree, UsePath};
+use crate::device::Vocabulary;
+use crate::lsp::words;
+use crate::syntax::tree::{Item, SceneEntry, Tree};
 use lsp_types::CompletionItemKind;
 
 impl<'t> Suggestions<'t> {
-    /// The names of some sorts, of this text or of the library before the dot; where none stands before it, the libraries as well.
+    /// The names of some sorts, of this text or of the file before the dot; where none stands before it, the files as well.
     pub(super) fn names(&mut self, sorts: &[DeclaredName]) {
-        let tree = self.tree;
-        let libraries = || tree.items.iter().filter_map(library);
-        let files = tree.items.iter().filter_map(|item| match item {
-            Item::Use(tree::Use { path: UsePath::File(_), alias: Some(alias), .. }) => Some(alias.text.as_str()),
-            _ => None,
-        });
+        let files = self.files;
         match self.cursor.path.as_slice() {
             [] => {
-                self.declared(tree, sorts);
-                files.for_each(|alias| self.add(alias, "a file", "", CompletionItemKind::MODULE));
-                for (alias, file) in libraries() {
-                    self.add(alias, &format!("use std.{file}"), "", CompletionItemKind::MODULE);
+                self.declared(files.own(), sorts);
+                for (alias, used) in files.uses() {
+                    self.add(alias, &format!("use {}", used.written), "", CompletionItemKind::MODULE);
                 }
             }
             [alias] => {
-                let text = libraries().find(|library| library.0 == *alias).and_then(|(_, file)| stdlib::file(file));
-                text.into_iter().for_each(|text| self.declared(&outline::tree(text), sorts));
+                if let Some(tree) = files.used(alias) {
+                    self.declared(tree, sorts);
+                }
             }
             _ => {}
         }
@@ -70,7 +64,7 @@ impl<'t> Suggestions<'t> {
     /// Things of the scenes by their noun; all of them by a noun that no scene has.
     pub(super) fn objects(&mut self, noun: &str) {
         let mut found = Vec::new();
-        for scene in self.scenes() {
+        for scene in self.files.scenes(self.scene_of_task()) {
             objects_of(&scene.entries, &mut found);
         }
         let is_known = found.iter().any(|object| object.1 == noun);
@@ -81,75 +75,30 @@ impl<'t> Suggestions<'t> {
         }
     }
 
-    /// The scene of the task round the cursor and those that it is based on; all where none of them is known.
-    fn scenes(&self) -> Vec<&'t Scene> {
-        let all =
-            || self.tree.items.iter().filter_map(|item| if let Item::Scene(scene) = item { Some(scene) } else { None });
-        let named = match self.cursor.heads.first().map(Vec::as_slice) {
+    fn scene_of_task(&self) -> Option<&'t str> {
+        match self.cursor.heads.first().map(Vec::as_slice) {
             Some(["task", .., "in", scene]) => Some(*scene),
             _ => None,
-        };
-        let mut found: Vec<&Scene> = Vec::new();
-        let mut next = named.map(str::to_owned);
-        while let Some(scene) = next.take().and_then(|name| all().find(|scene| scene.name.text == name)) {
-            if found.iter().any(|known| std::ptr::eq(*known, scene)) {
-                break;
-            }
-            found.push(scene);
-            next = scene.base.as_ref().map(dotted);
         }
-        if found.is_empty() { all().collect() } else { found }
     }
 
     /// The words of a device's kind, by the head of its declaration.
     pub(super) fn kinds_of_base(&self, head: &[&str]) -> Vec<&'static Vocabulary> {
         let base = head.iter().skip_while(|word| **word != ":").nth(1);
-        base.and_then(|base| self.kind(base)).map_or_else(|| self.kinds_in_use(), |kind| vec![kind.vocabulary()])
+        base.and_then(|base| self.files.kind(base)).map_or_else(|| self.kinds_in_use(), |kind| vec![kind.vocabulary()])
     }
 
     /// The words of a task's kind, by its head.
     pub(super) fn kinds_of_task(&self, head: &[&str]) -> Vec<&'static Vocabulary> {
         let device = head.iter().skip_while(|word| **word != "on").nth(1);
-        device.and_then(|device| self.kind(device)).map_or_else(|| self.kinds_in_use(), |kind| vec![kind.vocabulary()])
+        device
+            .and_then(|device| self.files.kind(device))
+            .map_or_else(|| self.kinds_in_use(), |kind| vec![kind.vocabulary()])
     }
 
     pub(super) fn kinds_in_use(&self) -> Vec<&'static Vocabulary> {
-        words::kinds(self.tree)
+        words::kinds(self.files.own())
     }
-
-    /// The kind of a device by its name, or by that of its base.
-    fn kind(&self, name: &str) -> Option<Kind> {
-        let mut name = name.to_owned();
-        // A base of a base, and so on: each at most once.
-        for _ in 0..=self.tree.items.len() {
-            if let Some((alias, _)) = name.split_once('.') {
-                let file = self.tree.items.iter().filter_map(library).find(|library| library.0 == alias)?.1;
-                return Kind::find(file);
-            }
-            let declared = self.tree.items.iter().find_map(|item| match item {
-                Item::Device(device) if device.name.text == name => Some(dotted(&device.base)),
-                _ => None,
-            });
-            match declared {
-                Some(base) => name = base,
-                None => return Kind::find(&name),
-            }
-        }
-        None
-    }
-}
-
-/// The name and the file of a `use` of the library.
-fn library(item: &Item) -> Option<(&str, &str)> {
-    let Item::Use(item) = item else { return None };
-    let UsePath::Library { words, .. } = &item.path else { return None };
-    let file = words.last()?;
-    Some((item.alias.as_ref().map_or(&file.text, |alias| &alias.text), &file.text))
-}
-
-fn dotted(path: &Path) -> String {
-    let words: Vec<&str> = path.segments.iter().map(|segment| segment.name.text.as_str()).collect();
-    words.join(".")
 }
 
 fn objects_of<'t>(entries: &'t [SceneEntry], found: &mut Vec<(&'t str, &'t str)>) {

@@ -6,10 +6,20 @@ use crate::lsp::words;
 use crate::syntax::is_word;
 use std::collections::BTreeSet;
 
+/// One file beside every program.
+struct Beside;
+
+impl Library for Beside {
+    fn read(&self, _: &str, path: &str) -> Result<(String, String), String> {
+        let text = "use std.dimibot\nuse \"bench.twz\" as own\ndevice picker : dimibot.femto_st\nscene fibre { obstacle thread at (3 um, 4 um) }\n";
+        if path == "bench.twz" { Ok((path.to_owned(), text.to_owned())) } else { Err("there is none".to_owned()) }
+    }
+}
+
 /// The words at the mark `|`.
 fn at(text: &str) -> Vec<String> {
     let at = text.find('|').expect("a mark");
-    let shown = completions(&text.replacen('|', "", 1), at);
+    let shown = completions(&text.replacen('|', "", 1), at, &Beside);
     shown.into_iter().map(|item| item.label).collect()
 }
 
@@ -50,6 +60,12 @@ fn what_is_offered_fits_the_place() {
         (in_task("for i in 0..3 { mix drop for 2 s\n move drop to (i, "), &["i", "goal"], &["to"]),
         (in_task("using "), &[], &["move"]),
         (at(&format!("{HEAD}task go on bot {{ move to (1, 2) }}\nprogram p {{ run |")), &["go"], &["bot"]),
+        (at("use \"bench.twz\" as lab\ntask a on |"), &["lab"], &["picker"]),
+        (at("use \"bench.twz\" as lab\ntask a on lab.|"), &["picker"], &["fibre", "lab"]),
+        (at("use \"bench.twz\" as lab\ntask a on lab.picker in lab.|"), &["fibre"], &["picker"]),
+        (at("use \"bench.twz\" as lab\ntask a on lab.picker in lab.fibre { |"), &["visit"], &["dispense"]),
+        (at("use \"bench.twz\"\ntask a on bench.|"), &["picker"], &["fibre"]),
+        (at("use \"bench.twz\" as lab\ntask a on lab.own.|"), &[], &["picker"]),
         (at("task a(g: |"), &["cell", "time"], &["on"]),
         (at("// a |"), &[], &["device"]),
     ];
@@ -95,7 +111,7 @@ fn examples_can_be_written_by_it() {
             }
             let line = text[..begin].lines().last().unwrap_or_default();
             assert!(
-                completions(&text, begin).iter().any(|item| item.label == word),
+                completions(&text, begin, &Beside).iter().any(|item| item.label == word),
                 "{}: {line}{word}",
                 file.path().display()
             );

@@ -84,3 +84,23 @@ pub fn two_temperatures(name: &str, (asked_k, span): (f64, Span), (first_k, firs
         .label_elsewhere(first, span, before)
         .help("a heater keeps one temperature for the whole program: declare another heater for the other one")
 }
+
+/// A temperature to which none of the drivers' heaters is set: each with its instrument, its number and its setting in degrees Celsius.
+pub fn no_heater_so_warm(
+    (name, asked_k, span): (&str, f64, Span),
+    setting: Option<u32>,
+    set: &[(&str, u32, u32)],
+) -> Diagnostic {
+    let asked = Quantity::new(asked_k, Dimension::TEMPERATURE).to_string();
+    let heaters: Vec<String> =
+        set.iter().map(|(driver, number, degc)| format!("`heater{number}` of `{driver}` to {degc} degC")).collect();
+    let (driver, number, degc) = set[0];
+    let other = setting.map(|setting| format!("write `heater{number}: {setting} degC` for `{driver}`, or "));
+    Diagnostic::new(Code::W0514, format!("`{name}` is to be at {asked}, and no heater of the bench is set to that"))
+        .label(span, asked)
+        .help(format!(
+            "the bench sets {}: {}write `to {degc} degC` here",
+            heaters.join(", "),
+            other.unwrap_or_default()
+        ))
+}
