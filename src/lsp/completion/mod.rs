@@ -200,38 +200,23 @@ impl<'t> Suggestions<'t> {
             }
             return;
         }
-        match sort {
-            Some(Sort::Word(choices) | Sort::CountOrWord { words: choices, .. }) => return self.choices(choices),
-            Some(Sort::Flag) => return self.keywords(&["true", "false"]),
-            Some(Sort::Table(_)) => self.keywords(&["table"]),
-            Some(Sort::Shape(form)) => self.shapes(&[*form]),
-            Some(Sort::Curve) => {
-                self.word(ANGLE_NAME, "the angle that goes once round", "", CompletionItemKind::VARIABLE)
-            }
-            Some(Sort::Object(noun) | Sort::Site(noun) | Sort::Sites(noun)) => self.objects(noun),
-            Some(
-                Sort::Count { .. }
-                | Sort::Quantity { .. }
-                | Sort::State
-                | Sort::Target
-                | Sort::Targets
-                | Sort::Cell
-                | Sort::Cells
-                | Sort::CountRows { .. }
-                | Sort::CountTables { .. }
-                | Sort::Size
-                | Sort::Pixel
-                | Sort::Places
-                | Sort::Name
-                | Sort::Pose
-                | Sort::Control
-                | Sort::Vector { .. }
-                | Sort::Contacts
-                | Sort::Orientation
-                | Sort::Text
-                | Sort::Board(_),
-            )
-            | None => {}
+        if let Some(Sort::Word(choices) | Sort::CountOrWord { words: choices, .. }) = sort {
+            return self.choices(choices);
+        }
+        if let Some(Sort::Flag) = sort {
+            return self.keywords(&["true", "false"]);
+        }
+        if let Some(Sort::Table(_)) = sort {
+            self.keywords(&["table"]);
+        }
+        if let Some(Sort::Shape(form)) = sort {
+            self.shapes(&[*form]);
+        }
+        if let Some(Sort::Curve) = sort {
+            self.word(ANGLE_NAME, "the angle that goes once round", "", CompletionItemKind::VARIABLE);
+        }
+        if let Some(Sort::Object(noun) | Sort::Site(noun) | Sort::Sites(noun)) = sort {
+            self.objects(noun);
         }
         self.names(&[DeclaredName::Value]);
         for function in FUNCTIONS {
