@@ -54,10 +54,8 @@ struct OpenBlocks<'t> {
     heads: Vec<(Vec<&'t str>, [usize; 2])>,
     /// Of the entry at the end, and of the one before it, which goes on where this one begins with a preposition.
     entries: [usize; 2],
-    /// Where the brackets of the entry opened.
-    brackets: Vec<usize>,
-    /// Behind the last bracket that opened, or its last comma.
-    argument: usize,
+    /// Where each open bracket of the entry stands, and where its last argument begins.
+    brackets: Vec<[usize; 2]>,
 }
 
 impl<'t> OpenBlocks<'t> {
@@ -72,14 +70,11 @@ impl<'t> OpenBlocks<'t> {
                 let head = self.heads.pop();
                 self.begin(head.map_or([token.end; 2], |head| head.1));
             }
-            "(" | "[" => {
-                self.brackets.push(token.start);
-                self.argument = token.end;
-            }
+            "(" | "[" => self.brackets.push([token.start, token.end]),
             ")" | "]" => {
                 self.brackets.pop();
             }
-            "," if !self.brackets.is_empty() => self.argument = token.end,
+            "," if let Some([_, argument]) = self.brackets.last_mut() => *argument = token.end,
             "," if self.is_counted_loop(text, token.start) => {}
             "," => self.begin([token.end; 2]),
             "\n" if self.brackets.is_empty() => self.entries = [token.end, self.entries[0]],
@@ -109,10 +104,10 @@ impl<'t> OpenBlocks<'t> {
     }
 
     fn place(self, text: &'t str, path: Vec<&'t str>) -> CursorPlace<'t> {
-        let end = self.brackets.first().copied().unwrap_or(text.len());
-        let heads = self.heads.iter().map(|head| head.0.clone()).collect();
-        let in_brackets = (!self.brackets.is_empty()).then(|| tokens(&text[self.argument..]));
-        CursorPlace { entry: self.entry(text, end), heads, in_brackets, path }
+        let end = self.brackets.first().map_or(text.len(), |[start, _]| *start);
+        let entry = self.entry(text, end);
+        let in_brackets = self.brackets.last().map(|[_, argument]| tokens(&text[*argument..]));
+        CursorPlace { heads: self.heads.into_iter().map(|head| head.0).collect(), entry, in_brackets, path }
     }
 }
 
@@ -195,6 +190,7 @@ mod tests {
         assert_eq!(behind("task go on b {\n  move to (1, 2), wa"), "task_go_on_b |  | ");
         assert_eq!(behind("task go on b {\n  move s[i + 1] to "), "task_go_on_b | move_s_[i + 1]_to | ");
         assert_eq!(behind("task go on b { move to (a + 1, "), "task_go_on_b | move_to (  | ");
+        assert_eq!(behind("let a = max((1, 2) + "), " | let_a_=_max ( (1, 2)_+ | ");
         assert_eq!(behind("task go on b { move to (a + "), "task_go_on_b | move_to ( a_+ | ");
         assert_eq!(behind("task go on b { prompt \"a { (\"\n mo"), "task_go_on_b |  | ");
         assert_eq!(behind("scene s { part a : disc { radius: 2 um } a"), "scene_s | part_a_:_disc_{ radius: 2 um } | ");

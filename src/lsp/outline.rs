@@ -1,6 +1,7 @@
 //! The declarations of a text, what a client can do with them, and its canonical form.
 
 use super::text::{ColumnUnit, EditedText};
+use crate::check::scope::path_text;
 use crate::diagnostic::Sink;
 use crate::source::{Sources, Span};
 use crate::syntax::tree::{Item, Runnable, Tree};
@@ -50,8 +51,7 @@ pub fn symbols(text: &EditedText, unit: ColumnUnit) -> Vec<DocumentSymbol> {
             Some(symbol(&item.name.text, "program", SymbolKind::MODULE, [item.span, item.name.span]))
         }
         Item::Wiring(item) => {
-            let words: Vec<&str> = item.device.segments.iter().map(|segment| segment.name.text.as_str()).collect();
-            Some(symbol(&words.join("."), "wiring", SymbolKind::OBJECT, [item.span, item.device.span]))
+            Some(symbol(&path_text(&item.device), "wiring", SymbolKind::OBJECT, [item.span, item.device.span]))
         }
         Item::Use(_) | Item::Error(_) => None,
     };

@@ -1,10 +1,11 @@
 //! The files of a program as trees, with errors in them: what each declares, and which it uses under which name.
 
 use crate::check::imports::Library;
+use crate::check::scope::path_text;
 use crate::device::Kind;
 use crate::lsp::outline;
 use crate::stdlib;
-use crate::syntax::tree::{Item, Path, Scene, Tree, Use, UsePath};
+use crate::syntax::tree::{Item, Scene, Tree, Use, UsePath};
 use std::collections::BTreeMap;
 
 /// Most files of a program that are looked into, which also limits how deep files may use others.
@@ -113,7 +114,7 @@ impl ProgramTrees {
                 return self.files[within].kind;
             }
             let base = self.files[within].tree.items.iter().find_map(|item| match item {
-                Item::Device(item) if item.name.text == device => Some(dotted(&item.base)),
+                Item::Device(item) if item.name.text == device => Some(path_text(&item.base)),
                 _ => None,
             });
             match base {
@@ -139,13 +140,8 @@ impl ProgramTrees {
                 break;
             }
             found.push(scene);
-            next = scene.base.as_ref().map(|base| (within, dotted(base)));
+            next = scene.base.as_ref().map(|base| (within, path_text(base)));
         }
         if found.is_empty() { all(0).collect() } else { found }
     }
-}
-
-fn dotted(path: &Path) -> String {
-    let words: Vec<&str> = path.segments.iter().map(|segment| segment.name.text.as_str()).collect();
-    words.join(".")
 }

@@ -56,9 +56,9 @@ impl<'t> Suggestions<'t> {
         let Some((outer, inner)) = cursor.heads.split_first() else { return self.declaration() };
         match outer.first().copied() {
             Some("device") => match inner.last() {
-                None => self.fields(self.kinds_of_base(outer).into_iter().flat_map(|kind| kind.fields).collect()),
+                None => self.fields(self.kinds_behind(":", outer).into_iter().flat_map(|kind| kind.fields).collect()),
                 Some(head) => {
-                    let fields = self.kinds_of_base(outer).into_iter().flat_map(|kind| kind.fields);
+                    let fields = self.kinds_behind(":", outer).into_iter().flat_map(|kind| kind.fields);
                     let field = head.first().and_then(|name| fields.into_iter().find(|field| field.name == *name));
                     match field.map(|field| &field.sort) {
                         Some(Sort::Table(columns)) => self.table(columns),
@@ -81,7 +81,7 @@ impl<'t> Suggestions<'t> {
         }
     }
 
-    /// The tokens of the entry; without those before a colon, the value's.
+    /// The tokens of the entry before the cursor.
     fn entry(&self) -> &'t [&'t str] {
         &self.cursor.entry
     }

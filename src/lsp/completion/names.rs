@@ -82,15 +82,9 @@ impl<'t> Suggestions<'t> {
         }
     }
 
-    /// The words of a device's kind, by the head of its declaration.
-    pub(super) fn kinds_of_base(&self, head: &[&str]) -> Vec<&'static Vocabulary> {
-        let base = head.iter().skip_while(|word| **word != ":").nth(1);
-        base.and_then(|base| self.files.kind(base)).map_or_else(|| self.kinds_in_use(), |kind| vec![kind.vocabulary()])
-    }
-
-    /// The words of a task's kind, by its head.
-    pub(super) fn kinds_of_task(&self, head: &[&str]) -> Vec<&'static Vocabulary> {
-        let device = head.iter().skip_while(|word| **word != "on").nth(1);
+    /// The words of the kind of the device that stands behind a word in a head: behind `:` in that of a device, `on` in that of a task.
+    pub(super) fn kinds_behind(&self, word: &str, head: &[&str]) -> Vec<&'static Vocabulary> {
+        let device = head.iter().skip_while(|token| **token != word).nth(1);
         device
             .and_then(|device| self.files.kind(device))
             .map_or_else(|| self.kinds_in_use(), |kind| vec![kind.vocabulary()])

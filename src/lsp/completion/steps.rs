@@ -1,14 +1,14 @@
 //! What tasks and programs do: their steps, with the prepositions and values that a verb takes.
 
 use super::{DeclaredName, Suggestions, is_complete};
-use crate::device::{self, Assay, Sort, Together, Verb, Vocabulary};
+use crate::device::{self, Assay, Count, Together, Verb, Vocabulary, VocabularyPhrase};
 use crate::lsp::words::COMMON_STEPS;
 use crate::quantity::Dimension;
 use lsp_types::CompletionItemKind;
 
 impl Suggestions<'_> {
     pub(super) fn task(&mut self, outer: &[&str], inner: &[Vec<&str>]) {
-        let kinds = self.kinds_of_task(outer);
+        let kinds = self.kinds_behind("on", outer);
         let blocks: Vec<&[&str]> = inner
             .iter()
             .map(Vec::as_slice)
@@ -25,7 +25,7 @@ impl Suggestions<'_> {
                 let Some(block) = block else { return };
                 match self.entry() {
                     [] => self.value(Some(&block.object), &[]),
-                    entry => self.phrases(entry, block.phrases.iter().map(|phrase| (phrase.preposition, &phrase.sort))),
+                    entry => self.phrases(entry, block.phrases),
                 }
             }
             Some(head) => self.braces_of_value(head),
@@ -131,39 +131,33 @@ impl Suggestions<'_> {
         let with_noun = verbs.iter().find(|verb| verb.noun.is_some() && verb.noun == noun);
         let Some(verb) = with_noun.or(verbs.iter().find(|verb| verb.noun.is_none())).or(verbs.first()) else { return };
         let head = 1 + usize::from(with_noun.is_some());
-        let phrases = || verb.phrases.iter().map(|phrase| (phrase.preposition, &phrase.sort));
         if entry.len() > head || self.cursor.in_brackets.is_some() && verb.object.is_none() {
-            return self.phrases(entry, phrases());
+            return self.phrases(entry, verb.phrases);
         }
         if with_noun.is_none() {
             verbs.iter().filter_map(|verb| verb.noun).for_each(|noun| self.keywords(&[noun]));
         }
         match &verb.object {
             Some(object) => self.value(Some(object), &[]),
-            None => self.phrases(entry, phrases()),
+            None => self.phrases(entry, verb.phrases),
         }
     }
 
     /// Behind an object: the prepositions that do not stand there yet, or the value of the last one.
-    fn phrases<'p>(&mut self, entry: &[&str], phrases: impl Iterator<Item = (&'static str, &'p Sort)>) {
-        let phrases: Vec<(&str, &Sort)> = phrases.collect();
-        let last = entry.iter().rposition(|token| phrases.iter().any(|phrase| phrase.0 == *token));
-        let value = last.and_then(|at| Some((phrases.iter().find(|phrase| phrase.0 == entry[at])?.1, &entry[at..])));
-        if let Some((sort, tokens)) = value
-            && (self.cursor.in_brackets.is_some()
-                || tokens.last().is_none_or(|last| tokens.len() == 1 || !is_complete(last)))
-        {
-            return self.value(Some(sort), if tokens.len() == 1 { &[] } else { tokens });
+    fn phrases(&mut self, entry: &[&str], phrases: &[VocabularyPhrase]) {
+        let phrase_of = |token: &str| phrases.iter().find(|phrase| phrase.preposition == token);
+        let value = (0..entry.len()).rev().find_map(|at| Some((&phrase_of(entry[at])?.sort, &entry[at + 1..])));
+        let written = value.map_or(entry, |value| value.1);
+        let is_whole = self.cursor.in_brackets.is_none() && written.last().is_some_and(|last| is_complete(last));
+        if is_whole {
+            let may_follow =
+                |phrase: &&VocabularyPhrase| phrase.count == Count::AnyNumber || !entry.contains(&phrase.preposition);
+            phrases.iter().filter(may_follow).for_each(|phrase| self.keywords(&[phrase.preposition]));
         }
-        if self.cursor.in_brackets.is_none() && entry.last().is_some_and(|last| is_complete(last)) {
-            let missing: Vec<&str> =
-                phrases.iter().map(|phrase| phrase.0).filter(|word| *word == "via" || !entry.contains(word)).collect();
-            self.keywords(&missing);
-            if let Some((sort, tokens)) = value {
-                self.value(Some(sort), tokens);
-            }
-        } else {
-            self.value(None, entry);
+        match value {
+            Some((sort, written)) => self.value(Some(sort), written),
+            None if is_whole => {}
+            None => self.value(None, entry),
         }
     }
 }
