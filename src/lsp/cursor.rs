@@ -1,6 +1,6 @@
 //! Where the cursor stands among the blocks and entries of a text, which need not be whole: nothing behind the cursor is read.
 
-use crate::syntax::is_word;
+use crate::syntax::{PREPOSITIONS, is_word};
 
 /// The place of a cursor, as what is open before it.
 #[derive(Debug, Default, PartialEq)]
@@ -110,10 +110,6 @@ impl<'t> OpenBlocks<'t> {
         CursorPlace { heads: self.heads.into_iter().map(|head| head.0).collect(), entry, in_brackets, path }
     }
 }
-
-/// Words of the grammar with which a step goes on below.
-const PREPOSITIONS: [&str; 12] =
-    ["to", "from", "by", "about", "after", "for", "at", "among", "via", "within", "with", "on"];
 
 /// Where the token at a byte ends: a name with its dots, a number, a comment, a string, an operator, blanks or one character.
 fn end_of_token(text: &str, at: usize) -> usize {

@@ -8,6 +8,7 @@ use super::habits;
 use super::reader::Reader;
 use super::slips;
 use super::tree::{Doc, Expr, Ident, Item};
+use super::words::PREPOSITIONS;
 use super::words::is_word;
 use crate::diagnostic::{Code, Diagnostic, SourceEdit};
 use crate::source::Span;
@@ -26,9 +27,6 @@ const ITEMS: [(&str, Rule); 9] = [
     ("program", Rule::program_rest),
     ("wiring", Rule::wiring_rest),
 ];
-
-const PREPOSITIONS: [&str; 13] =
-    ["to", "from", "by", "about", "after", "for", "at", "among", "via", "with", "within", "in", "on"];
 
 /// Steps that every kind of device knows: a second one of them on a line is a second step.
 const COMMON_HEADS: [&str; 10] =

@@ -30,6 +30,10 @@ pub const RESERVED: [&str; 26] = [
     "on",
 ];
 
+/// The words before the values of a step. `for` and `in` stand in the head of a loop, too.
+pub(crate) const PREPOSITIONS: [&str; 13] =
+    ["to", "from", "by", "about", "after", "for", "at", "among", "via", "with", "within", "in", "on"];
+
 /// Whether a character may stand in a name.
 pub(crate) fn is_word(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_' || (!c.is_ascii() && c.is_alphabetic())
