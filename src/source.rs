@@ -10,6 +10,9 @@ use std::sync::Arc;
 /// The largest file that is read, in bytes: spans count bytes in `u32`, and a script of this size is a mistake.
 pub const MAX_FILE_BYTES: usize = 16 * 1024 * 1024;
 
+/// What stands before the name in that of a setting's file.
+const SETTING: &str = "--set ";
+
 /// Names one file of a [`Sources`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
 pub struct FileId(pub u32);
@@ -97,18 +100,20 @@ impl SourceFile {
     pub fn position(&self, offset: u32) -> Position {
         let offset = offset.min(self.text.len() as u32);
         let line = self.line_starts.partition_point(|&start| start <= offset) - 1;
-        let head = &self.text[self.line_starts[line] as usize..offset as usize];
-        // Editors show no mark of the order of bytes.
-        let shown = if line == 0 { head.trim_start_matches('\u{feff}') } else { head };
-        Position { line: line as u32 + 1, column: shown.chars().count() as u32 + 1 }
+        let start = (self.line_starts[line] as usize).max(self.start()).min(offset as usize);
+        let column = self.text[start..offset as usize].chars().count() as u32 + 1;
+        Position { line: line as u32 + 1, column }
     }
-}
 
-impl SourceFile {
-    /// The bytes of a line, counted from 1, without its line end; `None` past the last line.
+    /// Where the text begins that editors show: behind a mark of the order of bytes.
+    pub fn start(&self) -> usize {
+        if self.text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 }
+    }
+
+    /// The bytes of a line, counted from 1, as editors show it, without its line end; `None` past the last line.
     pub fn line(&self, number: u32) -> Option<std::ops::Range<usize>> {
         let index = (number as usize).checked_sub(1)?;
-        let start = *self.line_starts.get(index)? as usize;
+        let start = (*self.line_starts.get(index)? as usize).max(self.start());
         let end = self.line_starts.get(index + 1).map_or(self.text.len(), |next| *next as usize - 1);
         let is_crlf = end > start && self.text.as_bytes()[end - 1] == b'\r';
         Some(start..end - usize::from(is_crlf))
@@ -162,6 +167,18 @@ impl Sources {
     /// Every file with its id, in order.
     pub fn files(&self) -> impl Iterator<Item = (FileId, &SourceFile)> {
         self.files.iter().enumerate().map(|(index, file)| (FileId(index as u32), file))
+    }
+
+    /// Adds the value that a `--set` gives to a name.
+    pub fn add_setting(&mut self, name: &str, value: &str) -> FileId {
+        let shown = format!("{SETTING}{name}");
+        self.add_as(shown.clone(), shown, Origin::Setting, value)
+    }
+
+    /// The names and values of `--set`, as they were given.
+    pub fn settings(&self) -> impl Iterator<Item = (&str, &str)> {
+        let settings = self.files.iter().filter(|file| file.origin == Origin::Setting);
+        settings.map(|file| (file.name.trim_start_matches(SETTING), &*file.text))
     }
 
     /// The text of a span.

@@ -7,6 +7,7 @@ use crate::claims::ValueOrigin;
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{Expr, ExprKind, Item, Path, TextPart};
+use std::rc::Rc;
 
 /// State of a `let`.
 pub enum LetState {
@@ -83,9 +84,14 @@ impl Checker<'_> {
                     tasks.extend(self.lets_needed(place).into_iter().map(LetTask::Begin));
                 }
                 LetTask::Evaluate(place) => {
-                    let Item::Let(item) = self.item(place) else { continue };
-                    let value = self.evaluate(&item.value, &self.top(place));
-                    self.lets.insert(place, LetState::Done(value));
+                    let state = match self.replaced.get(&place).cloned() {
+                        Some(replacement) => LetState::Set(self.evaluate(&replacement, &self.top_of_settings())),
+                        None => {
+                            let Item::Let(item) = self.item(place) else { continue };
+                            LetState::Done(self.evaluate(&item.value, &self.top(place)))
+                        }
+                    };
+                    self.lets.insert(place, state);
                 }
             }
         }
@@ -94,11 +100,17 @@ impl Checker<'_> {
     /// The `let`s that one names and that are not known yet.
     fn lets_needed(&self, place: DeclarationPlace) -> Vec<DeclarationPlace> {
         let Item::Let(item) = self.item(place) else { return Vec::new() };
+        let replacement = self.replaced.get(&place);
         let mut named = Vec::new();
-        paths(&item.value, &mut named);
-        let scope = self.top(place);
+        paths(replacement.map_or(&item.value, Rc::as_ref), &mut named);
+        let scope = if replacement.is_some() { self.top_of_settings() } else { self.top(place) };
         let found = named.into_iter().filter_map(|path| self.find(path, &scope)).map(|(place, _)| place);
         found.filter(|place| matches!(self.item(*place), Item::Let(_)) && !self.lets.contains_key(place)).collect()
+    }
+
+    /// Where the names in the value of a `--set` are looked up: at the top of the program's own file.
+    fn top_of_settings(&self) -> Scope {
+        Scope::top(0, self.modules[0].tree.file)
     }
 
     /// Evaluates an argument of a step or a run.

@@ -48,7 +48,7 @@ mod verbs;
 mod wiring;
 
 use crate::claims::{Claims, Job, Order};
-use crate::device::instrument::{AuxiliaryOutput, AuxiliarySort, Bench, Family, Instrument};
+use crate::device::instrument::{AuxiliaryOutput, AuxiliarySort, Drive, Family, Instrument};
 use crate::device::{self, Kind, each_kind, for_each_kind};
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity};
@@ -203,8 +203,9 @@ trait KindChecks {
     /// Whether the jobs of a program, in their order, say the same of where the kind's devices and their parts are.
     fn agree(&self, jobs: &mut [Job], sink: &mut Sink);
 
-    /// Warns of steps that do not suit what the instruments of the bench are set to.
-    fn suit(&self, _jobs: &[Job], _bench: &Bench, _sink: &mut Sink) {}
+    /// Warns of steps that suit neither what the instruments of the bench are set to nor what comes before them.
+    /// `idle` are the outputs that are wired to these instruments and that no step switches, each with its drive.
+    fn suit(&self, _claims: &Claims, _idle: &[(String, Drive)], _sink: &mut Sink) {}
 
     /// Puts those of the program's placed devices that never run in the way of the others; for kinds that have frames.
     fn beside(&self, _checker: &mut Checker, _placed: &neighbours::PlacedDevices, _jobs: &mut [Job]) {}
@@ -225,6 +226,8 @@ pub(crate) struct Checker<'a> {
     modules: &'a [Module],
     sink: &'a mut Sink,
     lets: BTreeMap<DeclarationPlace, LetState>,
+    /// What `--set` puts in the place of the values of some `let`s.
+    replaced: BTreeMap<DeclarationPlace, Rc<Expr>>,
     devices: devices::CheckedDeclarations<Kind>,
     instruments: devices::CheckedDeclarations<Family>,
     outputs: devices::CheckedDeclarations<AuxiliarySort>,
@@ -276,6 +279,7 @@ impl<'a> Checker<'a> {
             modules,
             sink,
             lets: BTreeMap::new(),
+            replaced: BTreeMap::new(),
             devices: BTreeMap::new(),
             instruments: BTreeMap::new(),
             outputs: BTreeMap::new(),

@@ -6,9 +6,10 @@ use super::errors::{self, WantedName};
 use super::figures::Figures;
 use super::scope::{DeclarationPlace, DeclarationSort, Scope};
 use super::value::Value;
-use crate::claims::Job;
+use super::wiring::Wiring;
 use crate::claims::auxiliary::AuxiliaryAction;
-use crate::device::instrument::{AuxiliaryOutput, AuxiliarySort, Level};
+use crate::claims::{Claims, Job};
+use crate::device::instrument::{AuxiliaryOutput, AuxiliarySort, Bench, Drive, Level};
 use crate::device::{Range, Sort};
 use crate::quantity::Dimension;
 use crate::syntax::tree::{Expr, ExprKind, Item, Step};
@@ -147,6 +148,30 @@ impl Checker<'_> {
             Some((name.clone(), (self.output_facts.get(&place).copied().flatten()?, place)))
         };
         names.into_iter().filter_map(known).collect()
+    }
+
+    /// The outputs of the user's files that rest at a voltage and are wired to instruments of a bench: whoever plays these must keep it up,
+    /// though no step says so.
+    pub fn resting_outputs(
+        &self,
+        wiring: &Wiring,
+        bench: &Bench,
+    ) -> BTreeMap<String, (AuxiliaryOutput, DeclarationPlace)> {
+        let all = self.output_facts.iter().filter_map(|(place, facts)| Some((*place, (*facts)?)));
+        let resting = all.filter(|(place, facts)| {
+            let mut drives = wiring.drives(*place);
+            facts.rest_v != 0.0 && drives.any(|drive| bench.instruments.contains_key(&drive.instrument))
+        });
+        resting.map(|(place, facts)| (self.named(place).0.to_owned(), (facts, place))).collect()
+    }
+
+    /// The outputs of the user's files that are wired to instruments of a program and that it does not switch.
+    pub fn idle_outputs(&self, wiring: &Wiring, claims: &Claims) -> Vec<(String, Drive)> {
+        let all = self.output_facts.keys().map(|place| (self.named(*place).0, *place));
+        let idle = all.filter(|(name, _)| !claims.outputs.contains_key(*name));
+        let wired =
+            idle.flat_map(|(name, place)| wiring.drives(place).map(move |drive| (name.to_owned(), drive.clone())));
+        wired.filter(|(_, drive)| claims.bench.instruments.contains_key(&drive.instrument)).collect()
     }
 }
 

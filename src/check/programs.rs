@@ -10,6 +10,7 @@ use super::wiring::Wiring;
 use super::{Checker, checks};
 use crate::claims::{Claims, Job, MAX_TIMELINE_DEPTH, Timeline};
 use crate::device::Kind;
+use crate::device::instrument::AuxiliaryOutput;
 use crate::quantity::Dimension;
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{self, Entry, Expr, ExprKind, Item};
@@ -185,21 +186,28 @@ impl<'a> Checker<'a> {
         if self.sink.errors() > errors {
             return None;
         }
-        let outputs = self.outputs_of(&draft.jobs);
-        let places = outputs.values().map(|(_, place)| *place);
-        let (wires, bench) = wiring.of(draft.runs.iter().map(|run| run.device).chain(places));
+        let mut outputs = self.outputs_of(&draft.jobs);
+        let on_bench = |outputs: &BTreeMap<String, (AuxiliaryOutput, DeclarationPlace)>| {
+            let places = outputs.values().map(|(_, place)| *place);
+            wiring.of(draft.runs.iter().map(|run| run.device).chain(places))
+        };
+        let switched = on_bench(&outputs).1;
+        outputs.extend(self.resting_outputs(wiring, &switched));
+        let (wires, bench) = on_bench(&outputs);
         if let Some(finding) = self.starts_apart(&bench, declaration.span) {
             self.sink.push(finding);
             return None;
         }
-        Kind::ALL.iter().for_each(|kind| checks(*kind).suit(&draft.jobs, &bench, self.sink));
         self.holds_of(&draft.jobs, &wires, &bench);
         if self.sink.errors() > errors {
             return None;
         }
         let (name, jobs) = (name.to_owned(), draft.jobs);
         let outputs = outputs.into_iter().map(|(name, (facts, _))| (name, facts)).collect();
-        Some(Claims { name, timeline, jobs, wires, bench, outputs, shared, not_held, span: declaration.span })
+        let claims = Claims { name, timeline, jobs, wires, bench, outputs, shared, not_held, span: declaration.span };
+        let idle = self.idle_outputs(wiring, &claims);
+        Kind::ALL.iter().for_each(|kind| checks(*kind).suit(&claims, &idle, self.sink));
+        Some(claims)
     }
 
     /// Runs a task or a program with its arguments; `span` is where it is run.

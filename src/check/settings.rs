@@ -1,13 +1,13 @@
 //! `--set name=value`: a top-level value replaced from the command line.
 
-use super::lets::LetState;
 use super::scope::{DeclarationPlace, DeclarationSort, Scope, nearest};
 use super::value::Value;
 use super::{Checker, errors};
 use crate::diagnostic::Sink;
-use crate::source::{Origin, Sources};
+use crate::source::Sources;
 use crate::syntax::{self, tree};
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 /// A replacement as it was given.
 pub struct Setting {
@@ -26,8 +26,7 @@ fn parse_one(sources: &mut Sources, setting: &str, sink: &mut Sink) -> Option<Se
         return None;
     };
     let name = name.trim();
-    let shown = format!("--set {name}");
-    let file = sources.add_as(shown.clone(), shown, Origin::Setting, value.trim());
+    let file = sources.add_setting(name, value.trim());
     let value = syntax::parse_value(file, value.trim(), sink)?;
     Some(Setting { name: name.to_owned(), value })
 }
@@ -35,18 +34,29 @@ fn parse_one(sources: &mut Sources, setting: &str, sink: &mut Sink) -> Option<Se
 impl Checker<'_> {
     /// Replaces the named values; each must be of the dimension that its declaration has.
     pub fn apply_settings(&mut self, settings: Vec<Setting>) {
-        let mut replaced: BTreeMap<DeclarationPlace, Value> = BTreeMap::new();
-        for setting in &settings {
+        let mut declared: BTreeMap<DeclarationPlace, (Setting, Value)> = BTreeMap::new();
+        for setting in settings {
             let Some(place) = self.setting_place(&setting.name) else { continue };
-            let Some(value) = self.setting_value(setting, place) else { continue };
-            if replaced.insert(place, value).is_some() {
-                let span = self.declaration(place).span;
+            let span = self.declaration(place).span;
+            let own = self.value_of_let(place, span);
+            if let Some((setting, _)) = declared.insert(place, (setting, own)) {
                 self.sink.push(errors::bad_setting(Some(span), &setting.name, "is given twice", "give it once"));
             }
         }
-        // Values evaluated for comparison may depend on values that are replaced now.
+        // What was evaluated may depend on what is replaced now, and so may one replacement on another.
         self.lets.clear();
-        self.lets.extend(replaced.into_iter().map(|(place, value)| (place, LetState::Set(value))));
+        let (exprs, declared): (BTreeMap<_, _>, Vec<_>) = declared
+            .into_iter()
+            .map(|(place, (setting, own))| ((place, Rc::new(setting.value)), (place, setting.name, own)))
+            .unzip();
+        self.replaced = exprs;
+        for (place, name, own) in declared {
+            if self.fits_declared(place, &name, &own).is_none() {
+                // What is wrong with it has been said: its own value serves.
+                self.replaced.remove(&place);
+                self.lets.clear();
+            }
+        }
     }
 
     fn setting_place(&mut self, name: &str) -> Option<DeclarationPlace> {
@@ -69,22 +79,22 @@ impl Checker<'_> {
         None
     }
 
-    fn setting_value(&mut self, setting: &Setting, place: DeclarationPlace) -> Option<Value> {
+    /// `None` after an error: a replacement is of another sort or dimension than the declaration's own value.
+    fn fits_declared(&mut self, place: DeclarationPlace, name: &str, declared: &Value) -> Option<()> {
         let span = self.declaration(place).span;
-        let declared = self.value_of_let(place, span);
-        let value = self.evaluate(&setting.value, &Scope::top(0, self.modules[0].tree.file));
+        let value = self.value_of_let(place, span);
         if value.is_unknown() || declared.is_unknown() || value.describe() == declared.describe() {
-            return Some(value);
+            return Some(());
         }
         let why = format!("is {}, the value is declared as {}", value.describe_fully(), declared.describe_fully());
-        let help = match &declared {
+        let help = match declared {
             Value::Quantity(quantity) => {
                 let unit = quantity.dimension.example_unit();
-                format!("write {}, as `--set {}=1{unit}`", declared.describe(), setting.name)
+                format!("write {}, as `--set {name}=1{unit}`", declared.describe())
             }
             _ => format!("write {}", declared.describe()),
         };
-        self.sink.push(errors::bad_setting(Some(span), &setting.name, &why, &help));
+        self.sink.push(errors::bad_setting(Some(span), name, &why, &help));
         None
     }
 }

@@ -37,6 +37,10 @@ impl Checker<'_> {
             self.sink.push(match step.head.text.as_str() {
                 "maximize" | "maximise" => errors::maximized(step.head.span, vocabulary),
                 "then" => errors::second_objective(step.head.span),
+                "start" if vocabulary.state.is_some() => errors::start_without_at(step.head.span),
+                word if vocabulary.settings.iter().any(|setting| setting.name == word) => {
+                    errors::setting_without_colon(&step.head)
+                }
                 _ => errors::unknown_verb(written, vocabulary, near),
             });
             return None;

@@ -14,6 +14,9 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::sync::Arc;
 
+/// Most obstacles that a message names.
+const SHOWN_OBSTACLES: usize = 8;
+
 /// A task of a DiMiBot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DimibotOrder {
@@ -67,6 +70,20 @@ impl DimibotOrder {
             .label(start.span, "not where the robot stands")
             .label_elsewhere(job.run_span, start.span, "run here")
             .help(format!("leave `start at` out, or start where the last task of `{device}` ended: {stands}"))
+    }
+
+    /// E0505: the robot stands on obstacles, given by their indices, when the task begins. Found by whoever knows the cell, as with
+    /// [`Self::start_disagrees`].
+    pub fn start_covered(&self, stands: dimibot::LatticeCell, obstacles: &[usize], job: &Job) -> Diagnostic {
+        let shown = || obstacles.iter().take(SHOWN_OBSTACLES).map(|index| &self.obstacles[*index]);
+        let names: Vec<String> = shown().map(|obstacle| format!("`{}`", obstacle.name)).collect();
+        let title = format!("task `{}` begins at {stands}, on obstacle {}", job.task, names.join(", "));
+        let diagnostic = Diagnostic::new(Code::E0505, title).label(job.run_span, format!("begins at {stands}"));
+        shown()
+            .fold(diagnostic, |diagnostic, obstacle| {
+                diagnostic.label_elsewhere(obstacle.span, job.run_span, "the obstacle")
+            })
+            .help("say where it begins with `start at`, or give the device another `home`")
     }
 }
 

@@ -225,6 +225,11 @@ pub struct BoardZone {
 }
 
 impl BoardZone {
+    /// Whether an electrode is one of its own.
+    pub fn holds(&self, cell: ElectrodeCell) -> bool {
+        (self.from.column..=self.to.column).contains(&cell.column) && (self.from.row..=self.to.row).contains(&cell.row)
+    }
+
     /// The cell for which its name stands: in the middle, or left of it and below where none is.
     pub fn middle(&self) -> ElectrodeCell {
         let between = |low: u32, high: u32| low + high.saturating_sub(low) / 2;

@@ -127,14 +127,30 @@ pub fn recording_differs(path: &Path) -> Diagnostic {
     Diagnostic::new(Code::E0847, title).help("the recording was changed after it was written")
 }
 
-pub fn other_program(log: &Path, program: &Path, first: Option<Difference>) -> Diagnostic {
+/// What a log comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LogOrigin {
+    /// `tweeze build`.
+    Build,
+    /// `tweeze control --record`: it cannot be made again.
+    Run,
+}
+
+pub fn other_program(log: &Path, program: &Path, first: Option<Difference>, origin: LogOrigin) -> Diagnostic {
+    let (made, help) = match origin {
+        LogOrigin::Build => ("built from", "build the trusted program again and use that log"),
+        LogOrigin::Run => (
+            "recorded with",
+            "the run keeps the program that it was recorded with, which `tweeze verify` without `--against` shows",
+        ),
+    };
     let title =
-        format!("`{}` was built from a program that claims something else than `{}`", log.display(), program.display());
+        format!("`{}` was {made} a program that claims something else than `{}`", log.display(), program.display());
     let first = first.map_or(String::new(), |Difference { place, of_log, of_program }| {
         let program = program.file_name().unwrap_or_default().to_string_lossy();
         format!("the first difference is in `{place}`: {of_log} in the log, {of_program} by `{program}`; ")
     });
-    Diagnostic::new(Code::E0742, title).help(format!("{first}build the trusted program again and use that log"))
+    Diagnostic::new(Code::E0742, title).help(format!("{first}{help}"))
 }
 
 /// The first finding of each rule that the schedule of one program breaks under another one, with the number of the others.

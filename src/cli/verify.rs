@@ -2,6 +2,7 @@
 
 use super::arguments::{ReportFormat, VerifyArguments};
 use super::disk::{self, MAX_LOG_BYTES};
+use super::errors::LogOrigin;
 use super::library::{Disk, Embedded};
 use super::{Exit, errors, judge_recording, report, terminal};
 use crate::check::Options;
@@ -107,7 +108,7 @@ fn judge_log(path: &Path, bytes: &[u8], log: Result<Log, LogError>) -> Result<Ju
     let recorded =
         Embedding { name: &log.schedule.name, claims: &log.claims, files: &log.files, settings: &log.settings };
     let own = own_claims(path, &recorded).map_err(of_its_version)?;
-    if log.schedule.source != SourceRef::of(&log.files[0].0, &log.files[0].1) {
+    if log.schedule.source != SourceRef::of(&own.sources) {
         return Err(of_its_version(Refusal::one(errors::parts_disagree(path, "the fingerprint"), Exit::Refused)));
     }
     let Log { schedule, claims, files, settings, voltages, version: _ } = log;
@@ -202,7 +203,7 @@ fn against(arguments: &VerifyArguments, trusted: &Path, judged: &Judged) -> Resu
     let schedule = judged.verified.schedule();
     let own = written(judged.verified.claims());
     let derived = trusted_claims(arguments, trusted, (&schedule.name, &judged.provenance.settings), own.as_deref())?;
-    let same = claims_the_same(arguments, trusted, &derived, own.as_deref());
+    let same = claims_the_same((&arguments.file, LogOrigin::Build), trusted, &derived, own.as_deref());
     match (keeps_the_claims_of(schedule, &derived), same) {
         (Err(broken), Err(mut other)) => {
             other.sources = broken.sources;
@@ -243,7 +244,7 @@ pub fn trusted_claims(
 
 /// Refuses a log whose own program claims something else than the trusted one.
 pub fn claims_the_same(
-    arguments: &VerifyArguments,
+    (file, origin): (&Path, LogOrigin),
     trusted: &Path,
     derived: &Derived,
     own: Option<&[u8]>,
@@ -253,7 +254,7 @@ pub fn claims_the_same(
         return Ok(());
     }
     let first = own.zip(claimed.as_deref()).and_then(|(own, claimed)| difference::first(own, claimed));
-    Err(Refusal::one(errors::other_program(&arguments.file, trusted, first), Exit::Refused))
+    Err(Refusal::one(errors::other_program(file, trusted, first, origin), Exit::Refused))
 }
 
 fn report(arguments: &VerifyArguments, judged: &Judged) -> String {

@@ -14,11 +14,10 @@ use crate::geometry::outline::Outline;
 use crate::geometry::shape::{Pose, Shape};
 use crate::schedule::{
     Actuation, Channel, ChannelUnit, PlanRecord, Schedule, ScheduledStep, SourceRef, State, Swing, TimedState,
-    dimibot::DimibotState, fingers::FingersState,
+    dimibot::DimibotState, fingers::FingersState, sha256,
 };
 use crate::source::Span;
 use crate::verify::Verified;
-use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
@@ -84,12 +83,11 @@ fn facts(left: u32, right: u32, rest_ns: u64) -> DimibotFacts {
 
 fn build(name: &str, runs: &[(Robot, Vec<LatticeCell>, u64)]) -> (Verified, Provenance) {
     let text = format!("// {name} µ\ntask {name} on bot {{ }}\n");
-    let sha256 = Sha256::digest(&text).iter().map(|byte| format!("{byte:02x}")).collect();
     let mut schedule = Schedule {
         holds: Vec::new(),
         bench: Default::default(),
         name: name.to_owned(),
-        source: SourceRef { file: format!("{name}.twz"), sha256 },
+        source: SourceRef { file: format!("{name}.twz"), sha256: sha256(&text), settings: Vec::new() },
         duration_ns: 0,
         channels: Vec::new(),
         actuations: Vec::new(),
@@ -373,7 +371,7 @@ pub fn hand() -> (Verified, Provenance) {
     let mut schedule = verified.schedule().clone();
     schedule.name = "turn".to_owned();
     schedule.source.file = "turn.twz".to_owned();
-    schedule.source.sha256 = Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect();
+    schedule.source.sha256 = sha256(text);
     let facts = hand_facts();
     let wire = |name: &str| (name == "f1.x").then(|| "stage1/x".to_owned());
     let channel = |name: String| Channel {

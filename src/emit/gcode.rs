@@ -326,6 +326,7 @@ impl GcodeProgram<'_> {
         };
         say(format!("{}: stages of {}, written by tweeze {}", schedule.name, self.name, env!("CARGO_PKG_VERSION")));
         say(format!("from {}, SHA-256 {}", schedule.source.file, schedule.source.sha256));
+        schedule.source.settings.iter().for_each(|setting| say(format!("with --set {setting}")));
         for axis in &self.axes {
             let Channel { name, wire, .. } = &schedule.channels[axis.channel];
             let behind = match (axis.link, wire) {

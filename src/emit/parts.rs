@@ -36,6 +36,11 @@ pub fn parts(schedule: &Schedule) -> Vec<Cow<'_, Schedule>> {
     all
 }
 
+/// The instants at which waits cut a schedule, and how long what is played is where nothing is between two of them.
+pub fn cuts_ns(schedule: &Schedule) -> impl Iterator<Item = u64> {
+    schedule.holds.iter().flat_map(|hold| [hold.start_ns, hold.end_ns(), LEAST_NS.min(hold.terms.duration_ns)])
+}
+
 fn part(whole: &Signals, start_ns: u64, hold: Option<&ScheduledHold>) -> Schedule {
     let schedule = whole.schedule;
     let (end_ns, held_ns) = match hold {

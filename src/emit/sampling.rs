@@ -2,8 +2,8 @@
 //!
 //! Voltages have their edges on samples, so that they are exact. Positions are sampled often enough for their speed.
 
-use super::Signals;
 use super::signal::half_ns;
+use super::{Signals, parts};
 use crate::schedule::{Actuation, ChannelUnit};
 
 /// Greatest move of a stage from one sample to the next, in micrometres, unless the instrument's memory is too small.
@@ -20,16 +20,26 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// The sampling of what an instrument plays that has at least and at most so many points, and at most so many in a second.
-    pub fn new(signals: &Signals, [least_points, most_points]: [u64; 2], rate_hz: f64) -> Sampling {
+    /// The sampling of what an instrument plays that has at least and at most so many points, and at most so many in a second; where it
+    /// is to be no coarser than some period, that too.
+    pub fn new(
+        signals: &Signals,
+        [least_points, most_points]: [u64; 2],
+        rate_hz: f64,
+        most_ns: Option<u64>,
+    ) -> Sampling {
         let duration_ns = signals.schedule.duration_ns;
         let common_ns = common_ns(signals);
-        let period_ns = match steady_ns(signals) {
-            None => gcd(duration_ns, common_ns).max(1),
-            Some(wanted_ns) => {
+        let by_rate_ns = ((1e9 / rate_hz).ceil() as u64).max(1);
+        let period_ns = match (steady_ns(signals), gcd(duration_ns, common_ns)) {
+            (None, whole_ns) => match most_ns {
+                Some(most_ns) if whole_ns > 0 => part(whole_ns, most_ns, by_rate_ns),
+                Some(_) | None => whole_ns.max(1),
+            },
+            (Some(steady_ns), _) => {
+                let wanted_ns = most_ns.map_or(steady_ns, |most_ns| steady_ns.min(most_ns));
                 let by_memory_ns = duration_ns.div_ceil(most_points.saturating_sub(2).max(1));
-                let by_rate_ns = (1e9 / rate_hz).ceil() as u64;
-                let least_ns = by_memory_ns.max(by_rate_ns).max(1);
+                let least_ns = by_memory_ns.max(by_rate_ns);
                 match common_ns {
                     0 => wanted_ns.clamp(1, duration_ns.max(1)).max(least_ns),
                     common_ns => part(common_ns, wanted_ns, least_ns),
@@ -49,16 +59,17 @@ impl Sampling {
     pub fn step_um(&self, signals: &Signals) -> Option<f64> {
         let step_um = fastest_um_per_ns(signals)? * self.period_ns as f64;
         // Rounded up, but for the rounding of the product.
-        Some((step_um * 1e4 - 1e-6).ceil() / 1e4)
+        Some(((step_um * 1e4 - 1e-6).ceil() / 1e4).abs())
     }
 }
 
-/// The greatest common divisor of all times of voltages; 0 without voltages.
+/// The greatest common divisor of all times of voltages, and of where waits cut them; 0 without voltages.
 fn common_ns(signals: &Signals) -> u64 {
     let of_volts = || signals.in_unit(ChannelUnit::Volt).flat_map(|channel| signals.of(channel));
     let times = of_volts().flat_map(|actuation| [actuation.start_ns, actuation.end_ns()]);
     let halves = of_volts().filter_map(|actuation| actuation.swing).map(half_ns);
-    times.chain(halves).fold(0, gcd)
+    let cuts = parts::cuts_ns(signals.schedule).filter(|_| of_volts().next().is_some());
+    times.chain(halves).chain(cuts).fold(0, gcd)
 }
 
 /// The greatest common divisor; that of 0 and a number is the number.

@@ -2,6 +2,15 @@ class TimeOver(Exception):
     """What was waited for has not come in time."""
 
 
+def failure(what, work):
+    """Does some work whatever comes of it, since more is to be done after it: what has failed, in a list of at most one."""
+    try:
+        work()
+        return []
+    except Exception as error:
+        return [f"{what} ({error})"]
+
+
 def ask(hold):
     """Asks the person, and waits for Enter."""
     replies = []

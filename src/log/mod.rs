@@ -23,8 +23,8 @@ use crate::schedule::{ChannelUnit, Schedule, json};
 use crate::source::MAX_FILE_BYTES;
 use records::{Attachment, Contents};
 
-/// The largest sum of uncompressed messages that a log may hold, in bytes.
-pub const MAX_DATA_BYTES: u64 = 512 * 1024 * 1024;
+/// The largest sum of uncompressed messages that a log may hold, in bytes: those of an assay of some 3,000 operations.
+pub const MAX_DATA_BYTES: u64 = 2 * 1024 * 1024 * 1024;
 
 /// The largest message that a log may hold, in bytes.
 pub const MAX_MESSAGE_BYTES: u64 = 64 * 1024 * 1024;

@@ -124,8 +124,8 @@ fn the_sum_of_the_chunks_is_limited() {
     let data = [topic, message].concat();
     let packed = zstd::bulk::compress(&data, 1).unwrap();
     let chunk = chunk(data.len() as u64, crc32fast::hash(&data), "zstd", &packed);
-    assert_eq!(code(&file(&vec![chunk.clone(); 8])), Code::E0844, "480 MiB are read");
-    assert_eq!(code(&file(&vec![chunk; 9])), Code::E0843, "540 MiB are not");
+    assert_eq!(code(&file(&vec![chunk.clone(); 34])), Code::E0844, "2,040 MiB are read");
+    assert_eq!(code(&file(&vec![chunk; 35])), Code::E0843, "2,100 MiB are not");
 }
 
 #[test]

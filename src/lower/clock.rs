@@ -12,7 +12,7 @@ use crate::schedule::{
     Actuation, Channel, ChannelUnit, PlanRecord, Schedule, ScheduledOperation, ScheduledStep, SourceRef, Swing,
     TimedState,
 };
-use crate::source::{FileId, Sources, Span};
+use crate::source::{Sources, Span};
 use std::collections::BTreeMap;
 
 /// A job alone, from its own instant 0.
@@ -251,10 +251,9 @@ impl<'a> ScheduleBuilder<'a> {
 
     fn finish(mut self, duration_ns: u64) -> Schedule {
         self.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
-        let own = self.sources.file(FileId(0));
         Schedule {
             name: self.claims.name.clone(),
-            source: SourceRef::of(&own.name, &own.text),
+            source: SourceRef::of(self.sources),
             duration_ns,
             channels: self.channels,
             actuations: self.actuations,

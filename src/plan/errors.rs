@@ -292,18 +292,6 @@ pub fn more_allowed(budget: u64, planner: &str) -> String {
     format!("allow more: `using {planner} {{ expansions: {} }}`", budget.saturating_mul(8).min(most))
 }
 
-/// The start lies on obstacles. `begins` is where the start is written: the run, or the task itself.
-pub fn start_covered(begins: Span, task: &str, at: &str, obstacles: &[(&str, Span)]) -> Diagnostic {
-    let names: Vec<String> = obstacles.iter().take(MAX_LABELS).map(|(name, _)| format!("`{name}`")).collect();
-    let title = format!("task `{task}` begins at {at}, on obstacle {}", names.join(", "));
-    let diagnostic = Diagnostic::new(Code::E0505, title).label(begins, format!("begins at {at}"));
-    let labelled = obstacles
-        .iter()
-        .take(MAX_LABELS)
-        .fold(diagnostic, |diagnostic, (_, span)| diagnostic.label_elsewhere(*span, begins, "the obstacle"));
-    labelled.help("say where it begins with `start at`, or give the device another `home`")
-}
-
 /// A limit that the plan misses. `all` is the number of limits of the task; `texts` gives the figures, with a value of the verdict
 /// rounded up.
 pub fn requirement_missed(

@@ -350,7 +350,8 @@ fn unknown(part: &str) -> UnitError {
     let nearest = common_units()
         .into_iter()
         .map(|unit| (strsim::osa_distance(&unit.to_lowercase(), &part.to_lowercase()), unit))
-        .filter(|(distance, unit)| *distance <= 1 && unit.len() > 1)
+        // One letter is near to every other one, but not to itself in another case.
+        .filter(|(distance, unit)| *distance == 0 || *distance == 1 && unit.len() > 1)
         .min()
         .map(|(_, unit)| unit);
     UnitError::Unknown { part: part.to_owned(), nearest }

@@ -20,7 +20,7 @@ pub use turns::Turn;
 use crate::device::each_kind;
 use crate::device::instrument::{self, Bench, HoldTerms};
 use crate::diagnostic::Remark;
-use crate::source::Span;
+use crate::source::{FileId, Sources, Span};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -68,15 +68,23 @@ pub struct SourceRef {
     pub file: String,
     /// SHA-256 of the file's bytes, in lower-case hexadecimal.
     pub sha256: String,
+    /// The values that replace those of the text, `pitch=80um`, in the order in which they were given.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub settings: Vec<String>,
 }
 
 impl SourceRef {
-    /// Names a text.
-    pub fn of(name: &str, text: &str) -> SourceRef {
-        let digest = Sha256::digest(text.as_bytes());
-        let sha256 = digest.iter().map(|byte| format!("{byte:02x}")).collect();
-        SourceRef { file: name.to_owned(), sha256 }
+    /// Names the first file of a program.
+    pub fn of(sources: &Sources) -> SourceRef {
+        let own = sources.file(FileId(0));
+        let settings = sources.settings().map(|(name, value)| format!("{name}={value}")).collect();
+        SourceRef { file: own.name.clone(), sha256: sha256(&own.text), settings }
     }
+}
+
+/// SHA-256 of a text, in lower-case hexadecimal.
+pub fn sha256(text: &str) -> String {
+    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// One output of an instrument.

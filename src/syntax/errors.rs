@@ -6,7 +6,7 @@ use super::around::{
 };
 use super::grammar::Rule;
 use super::tree::{Column, Ident};
-use super::words::starts_item;
+use super::words::{is_word, meant_preposition, starts_item};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
@@ -486,14 +486,28 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
     }
     let place = part(span, at, at + token.len());
     let finding = Diagnostic::new(Code::E0101, format!("`{token}` does not belong here")).label(place, wanted);
-    if let Some((_, ours)) = PREPOSITIONS.iter().find(|(theirs, _)| *theirs == token) {
+    if let Some((_, ours)) = FOREIGN_PREPOSITIONS.iter().find(|(theirs, _)| *theirs == token) {
         return finding.help(format!("write `{ours}`")).mended(place, *ours);
+    }
+    if let Some(meant) = meant_preposition(token) {
+        return finding.help(format!("did you mean `{meant}`?")).mended(place, meant);
+    }
+    // `dispense drop form dye`: what is no preposition was read as a name.
+    let before = code_end_before(text, at);
+    let word = &text[text[..before].rfind(|c| !is_word(c)).map_or(0, |end| end + 1)..before];
+    if let Some(meant) = meant_preposition(word) {
+        let place = part(span, before - word.len(), before);
+        return Diagnostic::new(Code::E0101, format!("`{word}` is no preposition"))
+            .label(place, "expected a preposition")
+            .help(format!("did you mean `{meant}`?"))
+            .mended(place, meant);
     }
     finding.help(format!("`{line}` is complete; remove the rest, or start a new line"))
 }
 
 /// Prepositions that people write for ours, and ours.
-const PREPOSITIONS: &[(&str, &str)] = &[("around", "about"), ("onto", "to"), ("into", "to"), ("amongst", "among")];
+const FOREIGN_PREPOSITIONS: &[(&str, &str)] =
+    &[("around", "about"), ("onto", "to"), ("into", "to"), ("amongst", "among")];
 
 /// What people write in a `require` where reading stops.
 fn in_requirement(token_span: Span, line: &str, token: &str) -> Option<Diagnostic> {
@@ -501,6 +515,9 @@ fn in_requirement(token_span: Span, line: &str, token: &str) -> Option<Diagnosti
     step.strip_prefix("require").filter(|rest| rest.starts_with([' ', '\t']))?;
     let found = |title: &str, label: &str| Diagnostic::new(Code::E0101, title).label(token_span, label);
     match token {
+        "=" if step.trim_end().ends_with("==") => {
+            Some(found("`===` does not compare", "one `=` too many").help("write `==`").mended_here(""))
+        }
         "=" => Some(found("`=` does not compare", "sets a value").help("write `==`").mended_here("==")),
         "and" => Some(
             found("`and` does not join conditions", "one condition each")

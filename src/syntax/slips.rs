@@ -4,7 +4,7 @@
 use super::around::{self, part, quote, token_at};
 use super::errors::ListPlace;
 use super::habits;
-use super::words::{end_of_word, is_word, takes_block};
+use super::words::{PREPOSITIONS, end_of_word, is_word, takes_block};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
@@ -24,15 +24,20 @@ fn wire(span: Span, source: &str) -> Option<Diagnostic> {
     let text = &source[span.range()];
     let channel = text.len() - text.trim_start_matches(|c| is_word(c) || matches!(c, '.' | '[' | ']')).len();
     let rest = text[channel..].trim_start();
-    let sign = ["->", ":=", ":", "="].into_iter().find(|sign| rest.starts_with(sign))?;
+    if let Some(finding) = foreign_comment(span, text) {
+        return Some(finding);
+    }
+    let sign = ["->", "=>", ":=", ":", "="].into_iter().find(|sign| rest.starts_with(sign))?;
     let output = rest[sign.len()..].trim();
     // The letter before the quotes of other languages.
     let bare = output.strip_prefix(['f', 'r', 'b']).filter(|bare| bare.starts_with('"')).unwrap_or(output);
     // An output of an instrument stands as it is, `card.port0.line3 { … }`.
     let path = output.split([' ', '\t', '{']).next().unwrap_or_default();
     let is_path = path.contains('.') && path.chars().all(|c| is_word(c) || matches!(c, '.' | '[' | ']'));
+    let is_indexed = output.contains('.') && output.chars().all(|c| is_word(c) || matches!(c, '.' | '(' | ')'));
     let quoted = match is_path || bare.starts_with('"') {
         true => bare.to_owned(),
+        false if is_indexed => output.replace('(', "[").replace(')', "]"),
         false => format!("\"{output}\""),
     };
     let mend = format!("write `{} -> {}`", &text[..channel], quote(&quoted));
@@ -49,12 +54,45 @@ fn wire(span: Span, source: &str) -> Option<Diagnostic> {
         );
     }
     let at = span.start as usize + (text.len() - rest[sign.len()..].trim_start().len());
-    (!output.is_empty() && !output.starts_with('"')).then(|| {
+    let next = output[path.len()..].trim_start();
+    if is_path && next.starts_with(is_word) {
+        let (behind, next_at) = (at + path.len(), at + output.len() - next.len());
+        let token = token_at(next, 0);
+        return Some(
+            Diagnostic::new(Code::E0103, format!("a comma is missing before `{}`", quote(token)))
+                .label(part(span, next_at, next_at + token.len()), "the wire before this is complete")
+                .help("separate wires with commas, or write each on a line of its own")
+                .mended(part(span, behind, behind), ","),
+        );
+    }
+    (quoted != output && !output.is_empty() && !output.starts_with('"')).then(|| {
         Diagnostic::new(Code::E0101, "an output without quotes")
             .label(part(span, at, at + output.len()), "an output is a string")
             .help(mend)
             .mended_here(quoted)
     })
+}
+
+/// `… -- the supply` or `… % the supply` behind an entry.
+fn foreign_comment(span: Span, text: &str) -> Option<Diagnostic> {
+    let line = text.lines().next().unwrap_or_default();
+    let found = ["--", "%"].into_iter().filter_map(|mark| {
+        let at = line.match_indices(mark).map(|(at, _)| at).find(|at| {
+            let before = &line[..*at];
+            let is_percent = mark == "%" && before.trim_end().ends_with(|c: char| c.is_ascii_digit());
+            !is_percent && before.matches('"').count().is_multiple_of(2) && before.ends_with([' ', '\t'])
+        })?;
+        (!line[at + mark.len()..].trim().is_empty()).then_some((at, mark))
+    });
+    let (at, mark) = found.min()?;
+    let words = line[at + mark.len()..].trim();
+    let begin = span.start as usize + at;
+    Some(
+        Diagnostic::new(Code::E0125, format!("a comment behind `{mark}`"))
+            .label(part(span, begin, begin + mark.len()), "comments begin with `//`")
+            .help(format!("write `// {}`", quote(words)))
+            .mended_here("//"),
+    )
 }
 
 /// `obstacle glass-bead …`, `obstacle 1bead …`.
@@ -230,6 +268,9 @@ fn missing_comma(span: Span, at: usize, open: char, source: &str) -> Option<Diag
         return None;
     }
     let before = around::code_end_before(source, at);
+    if let Some(finding) = step_in_brackets(span, at, token, source) {
+        return Some(finding);
+    }
     let close = if open == '(' { ')' } else { ']' };
     // Behind a comment there may be nothing of the place that is blamed.
     let own = source.get(span.start as usize..before).unwrap_or_default();
@@ -245,6 +286,24 @@ fn missing_comma(span: Span, at: usize, open: char, source: &str) -> Option<Diag
             .label(part(span, at, at + token.len()), "the value before this is complete")
             .help(help)
             .mended(part(span, before, before), ","),
+    )
+}
+
+/// `move(to (1, 1))`, where reading stopped at the preposition.
+fn step_in_brackets(span: Span, at: usize, token: &str, source: &str) -> Option<Diagnostic> {
+    PREPOSITIONS.contains(&token).then_some(())?;
+    let begin = source[..at].rfind('\n').map_or(0, |end| end + 1);
+    let line = source[begin..].lines().next()?.split("//").next()?;
+    let step = line.trim();
+    let (verb, inner) = step.split_once('(')?;
+    let inner = inner.strip_suffix(')').filter(|_| !verb.is_empty() && verb.chars().all(is_word))?;
+    let mended = format!("{verb} {inner}");
+    let begin = begin + (line.len() - line.trim_start().len());
+    Some(
+        Diagnostic::new(Code::E0101, "a step has no brackets of its own")
+            .label(part(span, begin + verb.len(), begin + verb.len() + 1), "what is done follows the verb")
+            .help(format!("write `{}`", quote(&mended)))
+            .mended(part(span, begin, begin + step.len()), mended),
     )
 }
 

@@ -34,6 +34,11 @@ pub const RESERVED: [&str; 26] = [
 pub(crate) const PREPOSITIONS: [&str; 13] =
     ["to", "from", "by", "about", "after", "for", "at", "among", "via", "with", "within", "in", "on"];
 
+/// The preposition that a word is, but for a letter; of two letters, anything is near.
+pub(super) fn meant_preposition(word: &str) -> Option<&'static str> {
+    PREPOSITIONS.into_iter().find(|known| known.len() > 2 && strsim::osa_distance(word, known) == 1)
+}
+
 /// Whether a character may stand in a name.
 pub(crate) fn is_word(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_' || (!c.is_ascii() && c.is_alphabetic())

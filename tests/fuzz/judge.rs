@@ -203,7 +203,7 @@ pub fn verify(bytes: &[u8]) -> Result<(), String> {
     let checked = compile::check_program(&program, &mut sources, &mut sink);
     draw(&sink, &sources);
     let claims = checked.and_then(|checked| checked.claims.into_iter().next()).ok_or("its program has errors")?;
-    if log.schedule.source != SourceRef::of(name, text) {
+    if log.schedule.source != SourceRef::of(&sources) {
         return Err("another fingerprint".to_owned());
     }
     if log::write_claims(&claims).ok().as_ref() != Some(&log.claims) {

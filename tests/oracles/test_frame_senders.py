@@ -201,6 +201,20 @@ def test_a_dropbot_that_does_not_answer_is_switched_off(tmp_path):
     assert [call[1:] for call in calls[-3:]] == [["state_of_channels", []], ["hv_output_enabled", False], ["terminate", None]]
 
 
+def test_a_board_that_is_lost_leaves_none_of_the_others_on(tmp_path):
+    pytest.importorskip("numpy")
+    program, _ = stretched(tmp_path, "db")
+    head, plays = program.read_text().split("PLAYS = json.loads(r'''", 1)
+    plays, tail = plays.split("''')", 1)
+    plays = json.loads(plays)
+    plays["drivers"].append(plays["drivers"][0] | {"name": "second"})
+    program.write_text(f"{head}PLAYS = json.loads(r'''{json.dumps(plays)}'''){tail}")
+    status, words, _ = run_dropbot(program, tmp_path / "log", "driver=/dev/one", "second=/dev/two", STANDIN_LOST="4")
+    assert status == 1 and "/dev/one may still be on (the board is lost)" in words and "Traceback" not in words, words
+    calls = [json.loads(line)[1:] for line in (tmp_path / "log.2").read_text().splitlines()]
+    assert calls[-3:] == [["state_of_channels", []], ["hv_output_enabled", False], ["terminate", None]]
+
+
 def test_without_the_package_of_the_dropbot_the_sender_says_so(tmp_path):
     program, _ = stretched(tmp_path, "db")
     status, words = run(program)

@@ -92,6 +92,14 @@ def test_a_stream_that_breaks_is_aborted_and_every_channel_stopped(fault):
     assert names[-1] == "Close"
 
 
+def test_every_channel_is_stopped_even_if_the_stream_cannot_be_aborted():
+    fault = {"STANDIN_FAULT": "StreamFrame,AbortStream"}
+    status, words, calls = stages_judge.run(FIXTURES / "smaract.stages.py", ["pi1=network:sn:MCS2-1"], **fault)
+    assert status == 1 and "network:sn:MCS2-1 may still move (the stream (AbortStream failed" in words, words
+    assert sorted(call[1] for call in calls if call[0] == "Stop") == list(range(9))
+    assert calls[-1][0] == "Close"
+
+
 def test_a_sender_of_places_says_what_it_would_do():
     for option in ("--list", "--dry-run"):
         status, words, calls = stages_judge.run(FIXTURES / "smaract.stages.py", [option])

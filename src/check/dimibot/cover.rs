@@ -54,7 +54,8 @@ impl SceneCover {
     }
 }
 
-fn covers(body: &DimibotObstacleBody, cell: LatticeCell, facts: &DimibotFacts) -> bool {
+/// Whether an obstacle in the robot's own coordinates leaves its tip no room at a cell.
+pub fn covers(body: &DimibotObstacleBody, cell: LatticeCell, facts: &DimibotFacts) -> bool {
     match body {
         DimibotObstacleBody::Cells { from, to } => {
             (from.x..=to.x).contains(&cell.x) && (from.y..=to.y).contains(&cell.y)

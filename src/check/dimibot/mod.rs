@@ -451,7 +451,16 @@ fn starts_agree(jobs: &[Job], sink: &mut Sink) {
             sink.push(order.start_disagrees(start, cell, job));
         }
         let begins = order.start.map(|start| KnownStand::At(start.value)).or(before);
-        let ends = end_of(order).or(begins).unwrap_or(KnownStand::At(order.facts.home));
+        let begins = begins.unwrap_or(KnownStand::At(order.facts.home));
+        if let (None, KnownStand::At(cell)) = (order.start, begins) {
+            let body = |index: usize| order.obstacles[index].body.seen_from(order.frame.as_ref());
+            let covers = |index: &usize| cover::covers(&body(*index), cell, &order.facts);
+            let covering: Vec<usize> = (0..order.obstacles.len()).filter(covers).collect();
+            if !covering.is_empty() {
+                sink.push(order.start_covered(cell, &covering, job));
+            }
+        }
+        let ends = end_of(order).unwrap_or(begins);
         stands.insert(&job.device, ends);
     }
 }

@@ -3,13 +3,13 @@
 use super::errors;
 use crate::claims::Job;
 use crate::claims::electrode_array::{
-    AssayOperation, BoardPart, DropletContent, DropletShare, ElectrodeArrayOrder, Fluids,
+    AssayOperation, BoardPart, DropletContent, DropletShare, ElectrodeArrayAction, ElectrodeArrayOrder, Fluids,
 };
 use crate::device::electrode_array::droplets;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Sink};
 use crate::quantity::fraction;
 use crate::source::Span;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Most fluids of a droplet that a message names.
 const SHOWN: usize = 4;
@@ -50,6 +50,85 @@ impl Liquid {
     }
 }
 
+/// Warns where merging makes a droplet so wide that it touches another one on the board across the separation, on devices that do not
+/// state the largest droplet that they carry. In a gap of one height the width grows with the square root of the volume.
+pub fn suit(jobs: &[Job], sink: &mut Sink) {
+    let mut boards: BTreeMap<&str, (BoardLiquids, BTreeSet<&str>)> = BTreeMap::new();
+    for job in jobs {
+        let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
+        let (board, present) = boards.entry(&job.device).or_default();
+        let name = |part: usize| order.parts[part].name.as_str();
+        present.extend((0..order.parts.len()).map(name).filter(|part| !board.liquids.contains_key(*part)));
+        board.put(&order.parts);
+        for change in order.steps.iter().flat_map(|step| changes(&step.action)) {
+            // What is out of the device's limits has been reported.
+            board.change((job, order), &change);
+            for part in change.gone() {
+                present.remove(name(part));
+            }
+            if let (Some(_), None) = (change.with(), order.facts.most_volume) {
+                let part = name(change.part);
+                let others = present.iter().copied().filter(|other| *other != part && board.volume(other) > 0.0);
+                let widest = others.max_by(|one, other| board.volume(one).total_cmp(&board.volume(other)));
+                let half_width = |part: &str| order.facts.layout.half_width_pitches * board.volume(part).sqrt();
+                let apart = order.facts.separation.apart();
+                let wide = widest.filter(|other| half_width(part) + half_width(other) > f64::from(apart));
+                if let Some(other) = wide {
+                    let droplets = [part, other].map(|part| (part, board.volume(part), half_width(part)));
+                    sink.push(errors::wide_droplets(change.span, droplets, &job.device, apart));
+                }
+            }
+        }
+    }
+}
+
+/// What a step does to the liquid of a part.
+pub struct LiquidChange<'o> {
+    pub span: Span,
+    part: usize,
+    cause: LiquidCause<'o>,
+}
+
+enum LiquidCause<'o> {
+    Operation(&'o AssayOperation),
+    /// It merges with another part.
+    Merge(usize),
+}
+
+impl LiquidChange<'_> {
+    /// The part with which it merges.
+    fn with(&self) -> Option<usize> {
+        match self.cause {
+            LiquidCause::Operation(operation) => operation.with,
+            LiquidCause::Merge(with) => Some(with),
+        }
+    }
+
+    /// The parts that are no longer on the board.
+    fn gone(&self) -> impl Iterator<Item = usize> {
+        let leaves = match self.cause {
+            LiquidCause::Operation(operation) => operation.leaves,
+            LiquidCause::Merge(_) => false,
+        };
+        self.with().into_iter().chain(leaves.then_some(self.part))
+    }
+}
+
+/// What a step does to the liquids of parts, in the order of its operations.
+pub fn changes(action: &ElectrodeArrayAction) -> Vec<LiquidChange<'_>> {
+    match action {
+        ElectrodeArrayAction::Wait(_) => Vec::new(),
+        ElectrodeArrayAction::Move(moves) => {
+            let merged = moves.iter().filter_map(|one| Some((one, LiquidCause::Merge(one.with?))));
+            merged.map(|(one, cause)| LiquidChange { span: one.span, part: one.part, cause }).collect()
+        }
+        ElectrodeArrayAction::Assay(all) => all
+            .iter()
+            .map(|one| LiquidChange { span: one.span, part: one.part, cause: LiquidCause::Operation(one) })
+            .collect(),
+    }
+}
+
 /// The droplets of a board, by their names; those that are gone are remembered as they were last.
 #[derive(Debug, Default)]
 pub struct BoardLiquids {
@@ -73,8 +152,21 @@ impl BoardLiquids {
         order.parts.iter().map(of_part).collect()
     }
 
+    /// What a change makes of the droplets; an error if one of them is too small or too large.
+    pub fn change(&mut self, of: (&Job, &ElectrodeArrayOrder), change: &LiquidChange) -> Option<Diagnostic> {
+        match change.cause {
+            LiquidCause::Operation(operation) => self.operate(of, operation),
+            LiquidCause::Merge(with) => self.merge(of, [change.part, with], change.span),
+        }
+    }
+
+    /// In droplets as they are dispensed; 0 before it is on the board.
+    fn volume(&self, name: &str) -> f64 {
+        self.liquids.get(name).map_or(0.0, Liquid::volume)
+    }
+
     /// Two droplets become one; the first is what it was, if the device can carry it.
-    pub fn merge(
+    fn merge(
         &mut self,
         (job, order): (&Job, &ElectrodeArrayOrder),
         [part, with]: [usize; 2],
@@ -92,8 +184,7 @@ impl BoardLiquids {
         (volume > most).then(wrong)
     }
 
-    /// What an operation makes of its droplets; an error if one of them is too small or too large.
-    pub fn operate(
+    fn operate(
         &mut self,
         (job, order): (&Job, &ElectrodeArrayOrder),
         operation: &AssayOperation,

@@ -8,6 +8,7 @@ mod errors;
 mod forces;
 mod goals;
 mod liquids;
+mod magnets;
 mod map;
 mod motion;
 mod physics;
@@ -24,9 +25,9 @@ use super::devices::CheckedDevice;
 use super::tasks::{Parts, TaskSite};
 use super::wiring::NumberedChannels;
 use super::{CheckedFacts, Checker, KindChecks, KindFacts};
-use crate::claims::{Job, Order};
+use crate::claims::{Claims, Job, Order};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, ElectrodeMap};
-use crate::device::instrument::Bench;
+use crate::device::instrument::Drive;
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity};
 use std::collections::BTreeSet;
@@ -113,8 +114,11 @@ impl KindChecks for ElectrodeArrayChecks {
         zones::agree(jobs, sink);
     }
 
-    fn suit(&self, jobs: &[Job], bench: &Bench, sink: &mut Sink) {
-        zones::suit(jobs, bench, sink);
+    fn suit(&self, claims: &Claims, idle: &[(String, Drive)], sink: &mut Sink) {
+        zones::suit(&claims.jobs, &claims.bench, sink);
+        liquids::suit(&claims.jobs, sink);
+        magnets::raised(claims, idle, sink);
+        magnets::halves_stay(&claims.jobs, sink);
     }
 }
 

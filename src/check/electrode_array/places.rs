@@ -7,7 +7,7 @@
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
 use super::errors;
 use super::errors::Departure;
-use super::liquids::BoardLiquids;
+use super::liquids::{self, BoardLiquids};
 use super::tray::distance_to;
 use crate::claims::Job;
 use crate::claims::electrode_array::{
@@ -269,17 +269,9 @@ impl BoardWalk {
         action: &ElectrodeArrayAction,
         walk: &mut PartsWalk,
     ) -> Vec<Diagnostic> {
-        let liquids = &mut self.liquids;
-        let found: Vec<(Span, Diagnostic)> = match action {
-            ElectrodeArrayAction::Wait(_) => Vec::new(),
-            ElectrodeArrayAction::Move(moves) => {
-                let merged = moves.iter().filter_map(|one| Some((one.span, [one.part, one.with?])));
-                merged.filter_map(|(span, both)| Some((span, liquids.merge(of, both, span)?))).collect()
-            }
-            ElectrodeArrayAction::Assay(all) => {
-                all.iter().filter_map(|one| Some((one.span, liquids.operate(of, one)?))).collect()
-            }
-        };
+        let changes = liquids::changes(action).into_iter();
+        let found: Vec<(Span, Diagnostic)> =
+            changes.filter_map(|change| Some((change.span, self.liquids.change(of, &change)?))).collect();
         found.into_iter().filter(|(span, _)| walk.reported.insert((*span, None))).map(|(_, wrong)| wrong).collect()
     }
 

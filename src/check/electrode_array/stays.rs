@@ -3,7 +3,7 @@
 use super::cover::nearest_cell;
 use super::errors;
 use super::goals::{BoardStepJudge, phrases};
-use super::zones::is_in;
+
 use crate::check::lets::Argument;
 use crate::check::value::Value;
 use crate::check::verbs::Call;
@@ -39,11 +39,11 @@ impl BoardStepJudge<'_> {
         }
         let stop = self.stop(target)?;
         let of_sort = || self.tray.zones.iter().enumerate().filter(|(_, zone)| zone.sort == sort);
-        if let Some((found, _)) = of_sort().find(|(_, zone)| is_in(zone, stop.cell)) {
+        if let Some((found, _)) = of_sort().find(|(_, zone)| zone.holds(stop.cell)) {
             return Some((found, stop));
         }
         let cover = &self.tray.cover;
-        let is_one = |cell| of_sort().any(|(_, zone)| is_in(zone, cell)) && cover.covering(cell).is_none();
+        let is_one = |cell| of_sort().any(|(_, zone)| zone.holds(cell)) && cover.covering(cell).is_none();
         let near = nearest_cell(stop.cell, self.facts, is_one);
         target.unless(Some(errors::no_zone_here(target.span, stop.cell, sort, near)), self.sink)?;
         None

@@ -12,11 +12,6 @@ use crate::quantity::{Dimension, Quantity};
 use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Whether an electrode is in a zone.
-pub fn is_in(zone: &BoardZone, cell: ElectrodeCell) -> bool {
-    (zone.from.column..=zone.to.column).contains(&cell.column) && (zone.from.row..=zone.to.row).contains(&cell.row)
-}
-
 /// What is wrong with a zone beside those before it.
 pub fn misplaced(zone: &BoardZone, before: &[BoardZone], facts: &ElectrodeArrayFacts) -> Option<Diagnostic> {
     let low = |other: &BoardZone| {
@@ -24,7 +19,7 @@ pub fn misplaced(zone: &BoardZone, before: &[BoardZone], facts: &ElectrodeArrayF
     };
     let alike = before.iter().filter(|other| other.sort == zone.sort);
     if let Some((other, shared)) =
-        alike.map(|other| (other, low(other))).find(|(other, low)| is_in(zone, *low) && is_in(other, *low))
+        alike.map(|other| (other, low(other))).find(|(other, low)| zone.holds(*low) && other.holds(*low))
     {
         return Some(errors::zones_overlap(zone, other, shared));
     }
@@ -90,7 +85,8 @@ fn heatings(jobs: &[Job]) -> impl Iterator<Item = Heating<'_>> {
     })
 }
 
-fn operations_of(action: &ElectrodeArrayAction) -> &[AssayOperation] {
+/// The operations of a step; none if it is no assay.
+pub fn operations_of(action: &ElectrodeArrayAction) -> &[AssayOperation] {
     match action {
         ElectrodeArrayAction::Assay(operations) => operations,
         ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_) => &[],

@@ -246,22 +246,23 @@ pub fn too_deep(span: Span, what: &str, limit: usize) -> Diagnostic {
 }
 
 pub fn unknown_verb((span, verb): (Span, &str), vocabulary: &Vocabulary, near: Option<&str>) -> Diagnostic {
-    let besides = match (vocabulary.together, vocabulary.assay) {
-        (Together::Yes, Assay::Yes) => ["wait", "pulse", "set", "together", "assay"].as_slice(),
-        (Together::Yes, Assay::No) => ["wait", "pulse", "set", "together"].as_slice(),
-        (Together::No(_), _) => ["wait", "pulse", "set"].as_slice(),
+    let besides_words = match (vocabulary.together, vocabulary.assay) {
+        (Together::Yes, Assay::Yes) => ["wait", "prompt", "pulse", "set", "together", "assay"].as_slice(),
+        (Together::Yes, Assay::No) => ["wait", "prompt", "pulse", "set", "together"].as_slice(),
+        (Together::No(_), _) => ["wait", "prompt", "pulse", "set"].as_slice(),
     };
     let kind = with_article(vocabulary.name);
     // A verb may have several forms.
     let mut known: Vec<&str> = vocabulary.verbs.iter().map(|verb| verb.name).collect();
     known.dedup();
-    let besides = besides.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");
+    let besides = besides_words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");
     let list = match vocabulary.nouns.iter().any(|noun| noun.name == verb) {
         true => format!("objects belong in a scene, `scene bench {{ {verb} … }}`, and the task runs `in bench`"),
-        false => format!("{kind} can {}; besides there are {besides} and the settings", listed(known)),
+        false => format!("{kind} can {}; besides there are {besides} and the settings", listed(known.iter().copied())),
     };
+    let own = known.iter().chain(besides_words).copied().find(|own| own.eq_ignore_ascii_case(verb));
     // A setting of that name in another form is not what was meant by another word.
-    let near = verb_synonym(verb, vocabulary).or(near).filter(|near| *near != verb);
+    let near = own.or_else(|| verb_synonym(verb, vocabulary)).or(near).filter(|near| *near != verb);
     Diagnostic::new(Code::E0208, format!("{kind} cannot `{verb}`")).label(span, "not a step").near_or(near, list)
 }
 
@@ -288,6 +289,22 @@ fn verb_synonym(name: &str, vocabulary: &Vocabulary) -> Option<&'static str> {
         _ => return None,
     };
     ours.iter().copied().find(|ours| vocabulary.verb(ours).is_some())
+}
+
+/// `precision 0.25 um`.
+pub fn setting_without_colon(name: &Ident) -> Diagnostic {
+    Diagnostic::new(Code::E0119, format!("`:` is missing after `{}`", name.text))
+        .label(name.span, "a setting takes `:` before its value")
+        .help(format!("write `{}: …`", name.text))
+        .mended(name.span.after(), ":")
+}
+
+/// `start (1, 1)`.
+pub fn start_without_at(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0509, "`start` lacks `at`")
+        .label(span, "`at` belongs behind this")
+        .help("write `start at (3, 3)`")
+        .mended(span.after(), " at")
 }
 
 /// A setting of a task that was written as a field.
@@ -392,7 +409,7 @@ pub fn unknown_object(span: Span, name: &str, noun: &str, near: Option<&str>, sc
     };
     let diagnostic = Diagnostic::new(Code::E0211, title).label(span, "no such object");
     match (near, scene) {
-        (Some(near), _) => diagnostic.near(near),
+        (Some(near), _) => diagnostic.near_object(name, near),
         (None, Some(_)) => {
             let at = if noun == "robot" { "pose(0 um, 0 um, 90 deg)" } else { "(5, 3)" };
             diagnostic.help(format!("declare it in the scene: `{noun} {name} at {at}`"))

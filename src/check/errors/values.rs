@@ -263,6 +263,18 @@ const SPELT_OUT: [(&str, &str); 24] = [
     ("newton", "N"),
 ];
 
+/// Units of what is counted otherwise, and how.
+const WITHOUT_UNITS: [(&[&str], &str); 2] = [
+    (
+        &["l", "L", "ml", "mL", "ul", "uL", "µl", "µL", "nl", "nL", "pl", "pL"],
+        "volumes are counted in droplets as reservoirs dispense them: `require sample.volume <= 2`",
+    ),
+    (
+        &["mM", "uM", "µM", "nM", "mol", "mmol", "umol"],
+        "what a droplet contains is counted in shares of its fluids: `require sample.dye == 1 / 4`",
+    ),
+];
+
 pub fn unknown_unit(span: Span, part: &str, near: Option<&str>) -> Diagnostic {
     let list =
         "units are m s V A N J W Hz g F C Pa K with prefixes f p n u m c d k M G T, and deg rad turn min h % degC";
@@ -273,6 +285,11 @@ pub fn unknown_unit(span: Span, part: &str, near: Option<&str>) -> Diagnostic {
         return Diagnostic::new(Code::E0303, format!("no unit is called `{part}`"))
             .label(span, "not a unit")
             .help(format!("write two numbers in brackets, as `(2, {second})`"));
+    }
+    if let Some(counted) = WITHOUT_UNITS.iter().find(|(units, _)| units.contains(&part)).map(|(_, counted)| counted) {
+        return Diagnostic::new(Code::E0303, format!("no unit is called `{part}`"))
+            .label(span, "not a unit")
+            .help(*counted);
     }
     if part == quantity::CELSIUS {
         return Diagnostic::new(Code::E0303, "`degC` stands in no product of units")

@@ -61,6 +61,12 @@ impl Wiring {
         }
         (outputs, bench)
     }
+
+    /// How instruments drive the channels of a device or an auxiliary output.
+    pub fn drives(&self, owner: DeclarationPlace) -> impl Iterator<Item = &Drive> {
+        let wires = self.wires.get(&owner).into_iter().flatten();
+        wires.filter_map(|(_, wired)| wired.drive.as_ref())
+    }
 }
 
 /// What the wires of all devices share while they are being read.

@@ -1,6 +1,7 @@
 //! `tweeze verify` of the recording of a controlled run.
 
 use crate::cli::arguments::{ReportFormat, VerifyArguments};
+use crate::cli::errors::LogOrigin;
 use crate::cli::verify::{Derived, Embedding, Refusal, claims_the_same, not_ours, own_claims, trusted_claims};
 use crate::cli::{Exit, errors, report, terminal};
 use crate::diagnostic::Sink;
@@ -33,7 +34,7 @@ pub fn judge(arguments: &VerifyArguments, bytes: &[u8]) -> Result<String, Box<Re
         None => judged(arguments, &lines, own)?,
         Some(trusted) => {
             let theirs = trusted_claims(arguments, trusted, (&task, &provenance.settings), Some(&claims))?;
-            claims_the_same(arguments, trusted, &theirs, Some(&claims))?;
+            claims_the_same((&arguments.file, LogOrigin::Run), trusted, &theirs, Some(&claims))?;
             judged(arguments, &lines, theirs)?
         }
     };

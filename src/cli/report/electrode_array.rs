@@ -1,11 +1,83 @@
 //! What people read of an electrode array.
 
-use super::{ReportedDevice, ReportedOrder, length};
+use super::{Note, ReportTopic, ReportedDevice, ReportedOrder, ReportedRun, length};
 use crate::claims::Claims;
-use crate::claims::electrode_array::ElectrodeArrayOrder;
-use crate::device::electrode_array::ElectrodeArrayFacts;
+use crate::claims::electrode_array::{BoardZone, ElectrodeArrayAction, ElectrodeArrayOrder};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
+use crate::quantity::{Dimension, Quantity};
+use crate::schedule::State;
+use std::collections::{BTreeMap, BTreeSet};
 
-impl ReportedOrder for ElectrodeArrayOrder {}
+impl ReportedOrder for ElectrodeArrayOrder {
+    /// The droplets that cross a heater at which they are not to be heated.
+    fn notes(&self, run: &ReportedRun) -> Vec<Note> {
+        let temperatures_k = temperatures_k(self);
+        let heaters = temperatures_k.iter().filter_map(|(zone, k)| Some((self.zones.get(*zone)?, *k)));
+        heaters.flat_map(|heater| crossings(self, run, heater)).map(|text| (ReportTopic::Crosses, text)).collect()
+    }
+}
+
+/// The heaters in use, by the indices of their zones, each with its temperature.
+fn temperatures_k(order: &ElectrodeArrayOrder) -> BTreeMap<usize, f64> {
+    let operations = order.steps.iter().flat_map(|step| match &step.action {
+        ElectrodeArrayAction::Assay(operations) => operations.as_slice(),
+        ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_) => &[],
+    });
+    operations.flat_map(|one| one.zone_stays()).filter_map(|stay| Some((stay.zone, stay.temperature_k?))).collect()
+}
+
+/// A line for each droplet that is over a heater while no operation heats it: how warm that is, and since when and how long it is there.
+fn crossings(order: &ElectrodeArrayOrder, run: &ReportedRun, (heater, k): (&BoardZone, f64)) -> Vec<String> {
+    let mut heated: BTreeMap<&str, Vec<[u64; 2]>> = BTreeMap::new();
+    for (asked, step) in order.steps.iter().zip(&run.steps) {
+        let ElectrodeArrayAction::Assay(operations) = &asked.action else { continue };
+        for (_, on) in operations.iter().zip(&step.operations).filter(|(operation, _)| operation.zone.is_some()) {
+            on.parts.iter().for_each(|part| heated.entry(part).or_default().push([on.arrival_ns, on.end_ns()]));
+        }
+    }
+    let mut lines = Vec::new();
+    for part in parts_of(run) {
+        let is_heated = |[from, to]: [u64; 2]| {
+            let own = heated.get(part).into_iter().flatten();
+            own.into_iter().any(|[begin, end]| from <= *end && *begin <= to)
+        };
+        let stays: Vec<[u64; 2]> = stays(run, part, heater).into_iter().filter(|stay| !is_heated(*stay)).collect();
+        let Some([first_ns, _]) = stays.first() else { continue };
+        let lasts_ns: u64 = stays.iter().map(|[from, to]| to - from).sum();
+        let [lasts, since] = [lasts_ns, *first_ns].map(|ns| Quantity::new(ns as f64 / 1e9, Dimension::TIME));
+        let temperature = Quantity::new(k, Dimension::TEMPERATURE);
+        lines.push(format!(
+            "`{part}` is over heater `{}` at {temperature} for {lasts} on its way, from {since} on",
+            heater.name
+        ));
+    }
+    lines
+}
+
+fn parts_of<'r>(run: &'r ReportedRun) -> BTreeSet<&'r str> {
+    let states = run.plan.states.iter().filter_map(|timed| match &timed.state {
+        State::ElectrodeArray(state) => Some(state.parts.keys().map(String::as_str)),
+        State::Dimibot(_) | State::Microrobots(_) | State::Fingers(_) => None,
+    });
+    states.flatten().collect()
+}
+
+/// From when until when a part is on electrodes of a zone, without a break.
+fn stays(run: &ReportedRun, part: &str, zone: &BoardZone) -> Vec<[u64; 2]> {
+    let ends = run.plan.states.iter().skip(1).map(|timed| timed.t_ns);
+    let ends = ends.chain([run.plan.start_ns + run.plan.duration_ns]);
+    let mut stays: Vec<[u64; 2]> = Vec::new();
+    for (timed, end_ns) in run.plan.states.iter().zip(ends) {
+        let State::ElectrodeArray(state) = &timed.state else { continue };
+        let is_there = state.parts.get(part).is_some_and(|[column, row]| zone.holds(ElectrodeCell::new(*column, *row)));
+        match stays.last_mut() {
+            _ if !is_there => {}
+            Some(last) if last[1] == timed.t_ns => last[1] = end_ns,
+            Some(_) | None => stays.push([timed.t_ns, end_ns]),
+        }
+    }
+    stays
+}
 
 impl ReportedDevice for ElectrodeArrayFacts {
     fn describe(&self, name: &str, _claims: &[Claims]) -> String {

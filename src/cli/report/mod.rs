@@ -70,6 +70,7 @@ enum ReportTopic {
     Search,
     Visits,
     Nearest,
+    Crosses,
     Waits,
     Guaranteed,
     Expected,
@@ -81,10 +82,11 @@ enum ReportTopic {
 }
 
 impl ReportTopic {
-    const ALL: [ReportTopic; 11] = [
+    const ALL: [ReportTopic; 12] = [
         ReportTopic::Search,
         ReportTopic::Visits,
         ReportTopic::Nearest,
+        ReportTopic::Crosses,
         ReportTopic::Waits,
         ReportTopic::Guaranteed,
         ReportTopic::Expected,
@@ -100,6 +102,7 @@ impl ReportTopic {
             ReportTopic::Search => "Search",
             ReportTopic::Visits => "Visits",
             ReportTopic::Nearest => "Nearest",
+            ReportTopic::Crosses => "Crosses",
             ReportTopic::Waits => "Waits",
             ReportTopic::Guaranteed => "Assured",
             ReportTopic::Expected => "Expected",

@@ -288,8 +288,12 @@ impl Protocol {
 impl ElectrodeDriverFacts {
     /// The names of its outputs that switch no electrode: `magnet1`, and `heater1` where the bench says how warm that is.
     pub fn accessories(&self) -> impl Iterator<Item = String> {
-        let magnets = (1..=self.protocol.magnets()).map(|number| format!("magnet{number}"));
-        magnets.chain(self.heaters_degc.keys().map(|number| format!("heater{number}")))
+        self.magnet_outputs().chain(self.heaters_degc.keys().map(|number| format!("heater{number}")))
+    }
+
+    /// The names of its outputs that raise a magnet.
+    pub fn magnet_outputs(&self) -> impl Iterator<Item = String> {
+        (1..=self.protocol.magnets()).map(|number| format!("magnet{number}"))
     }
 
     /// The temperature of the heater behind an output while that is on, in degrees Celsius.

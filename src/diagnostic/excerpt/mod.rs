@@ -106,7 +106,9 @@ impl Excerpt {
             if window.start > line.start {
                 self.text.push('…');
             }
-            for index in here.iter().copied().filter(|index| window.contains(&places[*index].start)) {
+            for index in
+                here.iter().copied().filter(|index| (window.start..=window.end).contains(&places[*index].start))
+            {
                 let place = &places[index];
                 let before = shown(&file.text[window.start..place.start]);
                 let end = place.end.min(window.end);
@@ -175,13 +177,14 @@ impl SourceCode for Excerpt {
 /// nearest character.
 fn mark(file: &SourceFile, label: &Label, index: usize) -> Mark {
     let text = &file.text;
-    let (mut start, end) = (label.span.start as usize, label.span.end as usize);
+    let start = (label.span.start as usize).max(file.start());
+    let (mut start, end) = (start, (label.span.end as usize).max(start));
     let first_line = text[start..end].find('\n').map_or(end, |at| start + at);
     let mut end = first_line.max(start);
     if start == end {
         end += text[start..].chars().next().filter(|next| *next != '\n').map_or(0, char::len_utf8);
     }
-    if start == end {
+    if start == end && start > file.start() {
         start -= text[..start].chars().next_back().map_or(0, char::len_utf8);
     }
     let rank = if index == 0 { MarkRank::First } else { MarkRank::Further };

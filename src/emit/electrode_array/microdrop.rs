@@ -17,7 +17,7 @@ use crate::claims::Claims;
 use crate::claims::electrode_array::ElectrodeArrayOrder;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::device::instrument::{Awaited, Family, InstrumentFacts, number_after};
-use crate::schedule::{Schedule, SourceRef};
+use crate::schedule::{Schedule, sha256};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -266,7 +266,7 @@ fn step_names(steps: &[ProtocolStep], dispensed: &[Value]) -> Vec<String> {
 /// The name of a step that no other has, always the same for the same program.
 fn own_name(board: &FramedBoard, schedule: &Schedule, number: usize) -> String {
     let text = format!("{}\n{}\n{}\n{number}", schedule.source.sha256, schedule.name, board.wired.name);
-    SourceRef::of("", &text).sha256.chars().take(UUID_DIGITS).collect()
+    sha256(&text).chars().take(UUID_DIGITS).collect()
 }
 
 /// A setting of a step, which is a whole number.

@@ -119,13 +119,17 @@ class Dropbot:
         self.rest = driver["rest"]
         self.proxy = dropbot.SerialProxy(**({"port": address} if address else {}))
         self.address = address or "DropBot"
-        self.channels = self.proxy.number_of_channels
-        self.send([])
-        self.proxy.voltage = driver["voltage_v"]
-        if driver["frequency_hz"]:
-            self.proxy.frequency = driver["frequency_hz"]
-        self.proxy.hv_output_selected = True
-        self.proxy.hv_output_enabled = True
+        try:
+            self.channels = self.proxy.number_of_channels
+            self.send([])
+            self.proxy.voltage = driver["voltage_v"]
+            if driver["frequency_hz"]:
+                self.proxy.frequency = driver["frequency_hz"]
+            self.proxy.hv_output_selected = True
+            self.proxy.hv_output_enabled = True
+        except BaseException:
+            self.proxy.hv_output_enabled = False
+            raise
 
     def send(self, on):
         import numpy
@@ -213,11 +217,9 @@ def play(addresses, folder, commands):
     finally:
         lost = []
         for board, driver in zip(boards, PLAYS["drivers"]):
-            try:
-                board.send(resting(driver))
-            except Exception as error:  # every other board is still to be switched off
-                lost.append(f"{board.address} may still be on ({error})")
-            board.close()
+            on = f"{board.address} may still be on"
+            sent = failure(on, lambda: board.send(resting(driver)))
+            lost += failure(on, board.close)[: 0 if sent else 1] + sent
         stay = [f"{f'c{what}' if isinstance(what, int) else what} of {driver['name']}" for driver in PLAYS["drivers"] for what in resting(driver)]
         print("; ".join(lost) or "all electrodes are off" + (f", {', '.join(stay)} on" if stay else ""), flush=True)
 

@@ -1,7 +1,7 @@
 //! Pages that follow their program: while it is built again and again, each moves on to the page of the latest build.
 
 use crate::emit::Provenance;
-use crate::schedule::SourceRef;
+use crate::schedule::sha256;
 use serde::Serialize;
 
 /// The beginning of every page.
@@ -28,7 +28,7 @@ impl<'a> Follower<'a> {
     /// The script of a build, by its name.
     pub fn new(script: &'a str, provenance: &Provenance) -> Self {
         let files = provenance.files.iter().flat_map(|(name, text)| [name.as_str(), "\n", text, "\n"]);
-        Self { script, stamp: SourceRef::of("", &files.collect::<String>()).sha256 }
+        Self { script, stamp: sha256(&files.collect::<String>()) }
     }
 
     /// Lets a page follow.

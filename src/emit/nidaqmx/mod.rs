@@ -81,7 +81,7 @@ impl<'a> Card<'a> {
         let digital_hz = Some(facts.digital_rate_hz).filter(|_| !lines.is_empty());
         let analog_hz = facts.voltage.map(|voltage| voltage.rate_hz).filter(|_| !analog.is_empty());
         let rate_hz = digital_hz.into_iter().chain(analog_hz).fold(f64::INFINITY, f64::min);
-        let Sampling { period_ns, points } = Sampling::new(&signals, [2, MOST_SAMPLES], rate_hz);
+        let Sampling { period_ns, points } = Sampling::new(&signals, [2, MOST_SAMPLES], rate_hz, None);
         if points > MOST_SAMPLES {
             let (instrument, duration_ns) = (wired.name.to_owned(), signals.schedule.duration_ns);
             let limit = MOST_SAMPLES;

@@ -86,8 +86,12 @@ class Player(Resting):
     def __init__(self, ni, card, device, folder, terminals, duration_s):
         super().__init__(ni, card, device)
         self.lines, self.analog = samples(card, folder)
-        self.tasks, self.duration_s = [], duration_s
-        start, lead = terminals
+        self.tasks, self.terminals, self.duration_s = [], terminals, duration_s
+
+    def load(self):
+        """Makes the tasks; those that are made are closed by `close`, also where a later one fails."""
+        ni, card, device = self.ni, self.card, self.device
+        start, lead = self.terminals
         clock = None
         for levels, add, outputs in (
             (self.analog, self.add_analog, card["analog"]),
@@ -120,12 +124,12 @@ class Player(Resting):
             task.wait_until_done(timeout=self.duration_s + MARGIN_S)
 
     def close(self):
-        for task in self.tasks:
-            try:
-                task.stop()
-            finally:
-                task.close()
-        self.tasks = []
+        tasks, self.tasks = self.tasks, []
+        lost = []
+        for task in tasks:
+            lost += failure("a task is not stopped", task.stop) + failure("a task is not closed", task.close)
+        if lost:
+            raise RuntimeError("; ".join(lost))
 
 
 def at_rest():
@@ -163,6 +167,7 @@ def load(ni, devices, arguments, part, players):
     for card in sorted(part["cards"], key=lambda card: not card["waits_for_trigger"]):
         player = Player(ni, card, devices[card["name"]], folder, terminals, part["duration_s"])
         players.append(player)
+        player.load()
         print(f"{card['name']}: {card['samples']} samples at {card['rate_hz']} Hz on {player.device}", flush=True)
 
 
@@ -196,15 +201,9 @@ def play(ni, devices, arguments):
     finally:
         lost = []
         for player in players:
-            try:
-                player.close()
-            except Exception as error:  # every other card is still to be put to rest
-                lost.append(f"{player.card['name']} may still be on ({error})")
+            lost += failure(f"{player.card['name']} may still be on", player.close)
         for card in PLAYS["parts"][0]["cards"]:
-            try:
-                Resting(ni, card, devices[card["name"]]).rest()
-            except Exception as error:  # every other card is still to be put to rest
-                lost.append(f"{card['name']} may still be on ({error})")
+            lost += failure(f"{card['name']} may still be on", Resting(ni, card, devices[card["name"]]).rest)
         print("; ".join(lost) or at_rest(), flush=True)
 
 

@@ -9,14 +9,15 @@
 //! range that it uses, since the instrument allows its full amplitude to waveforms of the full range only; an output with one
 //! value all the time is a DC source. The filter is off: it would ring at edges and eat drive trains.
 //!
-//! The sample period is the greatest common divisor of all times, so that every edge falls on a sample. One sample at rest
+//! The sample period is the greatest common divisor of all times, or a part of it, so that every edge falls on a sample. One sample at rest
 //! comes before the schedule and one after it: a generator waits at its first sample and rests at its last, and an actuator
 //! left under voltage burns. An output that does not rest at 0 V stays on as a DC source when all is over. A channel of positions waits at its first one and rests at its last one. Straight lines are sampled:
 //! between two samples no stage moves by more than `SAMPLE_UM`, unless the instrument's memory is too small for that; the
 //! description gives the distance.
 //!
 //! Where a channel has drive trains, the schedule waits for inputs or people, or several instruments play together, all outputs of the instrument play sequences instead: a train is one segment and the number of its
-//! repetitions, a wait a segment that holds its value until the next trigger.
+//! repetitions, a wait a segment that holds its value until the next trigger. Such a segment is played to its end before a trigger counts,
+//! and so samples are fine enough for it to be short.
 
 mod description;
 mod sequence;
@@ -38,6 +39,9 @@ const FULL_SCALE: i16 = i16::MAX;
 
 /// Most times that one step repeats its segment.
 const MOST_REPEATS: u64 = 1_000_000;
+
+/// How long a segment that waits for a trigger lasts at most, in nanoseconds: little beside what a sender's message takes.
+const MOST_WAITING_NS: u64 = 1_000_000;
 
 /// Where in a segment the marker rises: the first sample that the 33500 series takes.
 const MARKER_POINT: u64 = 4;
@@ -140,6 +144,8 @@ struct Generator<'a> {
     facts: &'a WaveformGeneratorFacts,
     signals: Signals<'a>,
     sampling: Sampling,
+    /// Whether its outputs play sequences.
+    is_sequenced: bool,
     /// One for each channel.
     outputs: Vec<GeneratorOutput>,
 }
@@ -201,15 +207,19 @@ impl<'a> Generator<'a> {
     fn new(wired: &'a WiredInstrument<'a>, facts: &'a WaveformGeneratorFacts) -> Result<Generator<'a>, EmitError> {
         let signals = Signals::new(&wired.schedule);
         EmitError::refuse_ramps(Format::Scpi, &signals)?;
-        let sampling =
-            Sampling::new(&signals, [facts.least_points, facts.most_points].map(u64::from), facts.voltage.rate_hz);
+        let points = [facts.least_points, facts.most_points].map(u64::from);
+        // A waveform begins with a sample of its own; a sequence begins with its trigger, as other instruments do.
+        let has_trains = signals.schedule.actuations.iter().any(|actuation| actuation.swing.is_some());
+        let is_sequenced = !wired.is_alone || has_trains || !signals.schedule.holds.is_empty();
+        let most_ns = is_sequenced.then(|| MOST_WAITING_NS / points[0].max(1));
+        let sampling = Sampling::new(&signals, points, facts.voltage.rate_hz, most_ns);
         let channels = wired.drives.iter().enumerate();
         let outputs = channels.filter_map(|(channel, drive)| {
             let number = number_after("ch", &drive.output)?;
             Some(GeneratorOutput::new(&signals, channel, number, drive.link))
         });
         let outputs = outputs.collect();
-        let mut generator = Generator { wired, facts, signals, sampling, outputs };
+        let mut generator = Generator { wired, facts, signals, sampling, is_sequenced, outputs };
         for channel in 0..generator.outputs.len() {
             generator.outputs[channel].playing = generator.playing(channel)?;
         }
@@ -218,14 +228,10 @@ impl<'a> Generator<'a> {
 
     fn playing(&self, channel: usize) -> Result<Playing, EmitError> {
         let output = &self.outputs[channel];
-        // A waveform begins with a sample of its own; a sequence begins with its trigger, as other instruments do.
-        let sequenced = !self.wired.is_alone
-            || self.waits()
-            || self.signals.schedule.actuations.iter().any(|actuation| actuation.swing.is_some());
         if output.span_v() <= 0.0 {
             return Ok(Playing::Constant);
         }
-        if sequenced {
+        if self.is_sequenced {
             let sequence = sequence(&self.signals, channel, output, self.facts, &self.sampling);
             return sequence
                 .map(Playing::Sequence)
@@ -235,11 +241,6 @@ impl<'a> Generator<'a> {
             true => Ok(Playing::Waveform(self.codes(channel))),
             false => Err(self.too_long(None)),
         }
-    }
-
-    /// Whether it waits for inputs or people.
-    fn waits(&self) -> bool {
-        !self.signals.schedule.holds.is_empty()
     }
 
     fn too_long(&self, most_steps: Option<u64>) -> EmitError {

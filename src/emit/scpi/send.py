@@ -82,10 +82,8 @@ def switch_off(open_ones, says):
     for one, device in open_ones:
         for output in (output for output in one["outputs"] if output not in one["stay_on"]):
             rest_v = one["rest_v"].get(str(output))
-            try:
-                device.write(f":OUTP{output} OFF" if rest_v is None else f":SOUR{output}:APPL:DC DEF,DEF,{rest_v}")
-            except Exception as error:  # every other output is still to be switched off
-                lost.append(f"{one['name']}: output {output} may still be on ({error})")
+            off = f":OUTP{output} OFF" if rest_v is None else f":SOUR{output}:APPL:DC DEF,DEF,{rest_v}"
+            lost += failure(f"{one['name']}: output {output} may still be on", lambda: device.write(off))
         stay = f", {one['stay_on']} stay on for their stages" if one["stay_on"] else ""
         rest = ", ".join(f"{output} rests at {volts} V" for output, volts in one["rest_v"].items())
         says(f"{one['name']}: outputs off{stay}" + (f", {rest}" if rest else ""))
@@ -134,9 +132,11 @@ def play(manager, addresses, arguments, says):
             check(device, one["name"], b"the schedule")
         says(f"{PLAYS['name']}: played" + ("" if PLAYS["holds"] else f", {PLAYS['duration_s']} s"))
     finally:
-        switch_off(open_ones, says)
-        for _, device in open_ones:
-            device.close()
+        try:
+            switch_off(open_ones, says)
+        finally:
+            for one, device in open_ones:
+                failure(f"{one['name']} is not closed", device.close)
 
 
 def connect(addresses, arguments):

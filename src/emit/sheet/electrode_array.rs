@@ -9,9 +9,9 @@ use crate::claims::electrode_array::{
 use crate::device::electrode_array::{ElectrodeCell, Electrodes, droplets};
 use crate::emit::electrode_array::course::at_chosen_places;
 use crate::quantity::{Dimension, Quantity, fraction};
-use crate::schedule::ScheduledStep;
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{Schedule, State};
+use crate::schedule::{ScheduledOperation, ScheduledStep};
 use crate::verify::Verified;
 use crate::verify::electrode_array::{DropletAfter, droplets_after};
 use std::borrow::Cow;
@@ -195,7 +195,7 @@ fn operations_of(order: &ElectrodeArrayOrder) -> impl Iterator<Item = &AssayOper
     })
 }
 
-/// What a step does, with the times of its operations where they overlap.
+/// What a step does, with the times of its operations.
 fn rows_of(
     order: &ElectrodeArrayOrder,
     action: &ElectrodeArrayAction,
@@ -210,11 +210,18 @@ fn rows_of(
             let timed = operations.iter().zip(&step.operations);
             timed
                 .map(|(operation, on)| {
-                    ([on.start_ns, on.end_ns()], done(order, operation, on.end_ns() - on.arrival_ns))
+                    let stay_ns = on.end_ns() - on.arrival_ns;
+                    ([begins_ns(operation, on), on.end_ns()], done(order, operation, stay_ns))
                 })
                 .collect()
         }
     }
+}
+
+/// When an operation begins: as soon as its droplets are where it takes place, or, where they only go somewhere, are free to go.
+fn begins_ns(operation: &AssayOperation, on: &ScheduledOperation) -> u64 {
+    let only_goes = operation.with.is_none() && operation.splits.is_none() && on.end_ns() == on.arrival_ns;
+    if only_goes { on.start_ns } else { on.arrival_ns }
 }
 
 fn name(order: &ElectrodeArrayOrder, part: usize) -> String {

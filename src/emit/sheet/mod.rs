@@ -23,7 +23,8 @@ pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<
     }
     let mut sheet = Sheet::default();
     sheet.line(&format!("# {}", schedule.name));
-    let file = provenance.files.first().map_or(String::new(), |(name, _)| format!("`{name}`, "));
+    let with: String = schedule.source.settings.iter().map(|setting| format!(" with `{setting}`,")).collect();
+    let file = provenance.files.first().map_or(String::new(), |(name, _)| format!("`{name}`,{with} "));
     let (lasts, version) = (time(schedule.duration_ns), env!("CARGO_PKG_VERSION"));
     sheet.paragraph(&format!(
         "{file}{lasts}, verified by tweeze {version}. Droplets are counted as reservoirs dispense them."

@@ -199,11 +199,14 @@ class Mcs2:
             raise RuntimeError(f"{self.address}: a stage has left its way")
 
     def stop(self):
+        lost = []
         if self.stream is not None:
-            self.ctl.AbortStream(self.handle, self.stream)
-            self.stream = None
+            stream, self.stream = self.stream, None
+            lost += failure("the stream", lambda: self.ctl.AbortStream(self.handle, stream))
         for channel in self.channels:
-            self.ctl.Stop(self.handle, channel, 0)
+            lost += failure(f"channel {channel}", lambda: self.ctl.Stop(self.handle, channel, 0))
+        if lost:
+            raise RuntimeError("; ".join(lost))
 
     def close(self):
         self.ctl.Close(self.handle)
@@ -276,11 +279,8 @@ def play(addresses, folder, commands):
     finally:
         lost = []
         for player in players:
-            try:
-                player.stop()
-            except Exception as error:  # every other controller is still to be stopped
-                lost.append(f"{player.address} may still move ({error})")
-            player.close()
+            lost += failure(f"{player.address} may still move", player.stop)
+            lost += failure(f"{player.address} is not closed", player.close)
         print("; ".join(lost) or "stages hold where they are", flush=True)
 
 

@@ -226,6 +226,8 @@ fn judged_of(fixture: (Verified, Provenance), change: impl FnOnce(&mut serde_jso
 #[test]
 fn json_keeps_to_its_schema() {
     assert_eq!(judged(|_| ()), (true, true));
+    assert_eq!(judged(|value| value["source"]["settings"] = serde_json::json!(["pitch=80um"])), (true, true));
+    assert_eq!(judged_of(crate::emit::frames::tests::board_with_magnet(), |_| ()), (true, true));
     let changes: &[fn(&mut serde_json::Value)] = &[
         |value| value["version"] = 1.into(),
         |value| value["format"] = "schedule".into(),

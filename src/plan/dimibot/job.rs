@@ -219,14 +219,8 @@ impl<'a> DimibotTaskSearch<'a> {
 
     fn begins_clear(&self, sink: &mut Sink) -> bool {
         let covering = self.scene.field.covering(self.start);
-        let obstacles: Vec<(&str, Span)> = covering
-            .iter()
-            .map(|index| &self.order.obstacles[*index])
-            .map(|obstacle| (obstacle.name.as_str(), obstacle.span))
-            .collect();
-        if !obstacles.is_empty() {
-            let (task, at) = (&self.job.task, self.start.to_string());
-            sink.push(errors::start_covered(self.job.run_span, task, &at, &obstacles));
+        if !covering.is_empty() {
+            sink.push(self.order.start_covered(self.start, &covering, self.job));
         }
         covering.is_empty()
     }

@@ -69,7 +69,7 @@ fn bare(claims: &Claims) -> Schedule {
         holds: Vec::new(),
         bench: Default::default(),
         name: claims.name.clone(),
-        source: SourceRef { file: "day.twz".into(), sha256: "00".into() },
+        source: SourceRef { file: "day.twz".into(), sha256: "00".into(), settings: Vec::new() },
         duration_ns: 0,
         channels: Vec::new(),
         actuations: Vec::new(),

@@ -1,7 +1,8 @@
 """A stand-in for the package of the DropBot, for tests of the sender: a proxy with the attributes that its page shows.
 
 Each state of the channels that takes effect, and each setting, goes into the file that STANDIN_LOG names, with its time. STANDIN_FAULT
-is the number of the state at which the connection breaks for once.
+is the number of the state at which the connection breaks for once, STANDIN_LOST that at which the first board is lost for good. A second
+board has a file of its own, which ends with .2.
 """
 
 import json
@@ -13,22 +14,29 @@ CHANNELS = 120
 
 class SerialProxy:
     number_of_channels = CHANNELS
+    made = 0
 
     def __init__(self, port=None):
-        self.states = 0
+        SerialProxy.made += 1
+        self.number, self.states = SerialProxy.made, 0
         self.log("port", port)
 
-    @staticmethod
-    def log(name, value):
-        with open(os.environ["STANDIN_LOG"], "a", encoding="utf-8") as log:
+    def log(self, name, value):
+        ending = "" if self.number == 1 else f".{self.number}"
+        with open(os.environ["STANDIN_LOG"] + ending, "a", encoding="utf-8") as log:
             log.write(json.dumps([time.monotonic(), name, value]) + "\n")
 
+    def is_lost(self):
+        return self.number == 1 and self.states >= int(os.environ.get("STANDIN_LOST", "1000000"))
+
     def __setattr__(self, name, value):
+        if name not in ("number", "states") and self.is_lost():
+            raise OSError("the board is lost")
         if name in ("voltage", "frequency", "hv_output_enabled", "hv_output_selected"):
             self.log(name, value)
         elif name == "state_of_channels":
             self.states += 1
-            if os.environ.get("STANDIN_FAULT") == str(self.states):
+            if self.is_lost() or os.environ.get("STANDIN_FAULT") == str(self.states):
                 raise OSError("the board does not answer")
             # It takes one state for each channel, no list of numbers.
             assert value.shape == (CHANNELS,) and set(value.tolist()) <= {0, 1}
@@ -36,4 +44,6 @@ class SerialProxy:
         super().__setattr__(name, value)
 
     def terminate(self):
+        if self.is_lost():
+            raise OSError("the board is lost")
         self.log("terminate", None)

@@ -8,7 +8,7 @@ use crate::claims::{Job, Relation};
 use crate::device::Verb;
 use crate::device::electrode_array::{ElectrodeCell, MAX_PLACES, SPLIT_APART, droplets};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::{Dimension, Quantity, fraction};
+use crate::quantity::{Dimension, Quantity, digits, fraction};
 use crate::source::Span;
 use std::collections::BTreeSet;
 
@@ -301,8 +301,11 @@ pub fn unknown_fluid(
     let near = nearest_name(name, fluids.iter().copied());
     let volume = if code == Code::E0559 { ", and have a `volume`" } else { "" };
     let diagnostic = Diagnostic::new(code, format!("no fluid of this scene is called `{name}`"))
-        .label(span, "neither a reservoir nor a part with a place")
-        .near_or(near, format!("droplets can contain {}{more}{volume}", known.join(", ")));
+        .label(span, "neither a reservoir nor a part with a place");
+    let diagnostic = match near {
+        Some(near) => diagnostic.near_object(name, near),
+        None => diagnostic.help(format!("droplets can contain {}{more}{volume}", known.join(", "))),
+    };
     match scene {
         Some(scene) => diagnostic.label_elsewhere(scene, span, "the scene"),
         None => diagnostic,
@@ -455,6 +458,25 @@ pub fn volume_out_of_limits(
         fraction(limit)
     );
     Diagnostic::new(Code::E0559, title).label(span, "after this").help(help)
+}
+
+/// A droplet that has become so wide that it would touch another one on the board: each with its name, its volume and half of its width
+/// in electrodes; and how many electrodes keep two droplets apart.
+pub fn wide_droplets(
+    span: Span,
+    [(name, volume, half_width), (other, others, others_half)]: [(&str, f64, f64); 2],
+    device: &str,
+    apart: u32,
+) -> Diagnostic {
+    let width = digits((20.0 * half_width).ceil() / 10.0);
+    let title = format!("`{name}` becomes so wide that it can touch `{other}`, {apart} electrodes from it");
+    Diagnostic::new(Code::W0517, title)
+        .label(span, format!("{} by then, some {width} electrodes wide; `{other}` is {}", droplets(volume), droplets(others)))
+        .help(format!(
+            "write `separation: {}` for `{device}`, or, if it carries such droplets and they stay away from each other, `most_volume: {}`",
+            (half_width + others_half).ceil(),
+            fraction(volume)
+        ))
 }
 
 /// A limit that excludes every droplet that is dispensed.

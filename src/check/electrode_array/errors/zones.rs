@@ -104,3 +104,40 @@ pub fn no_heater_so_warm(
             other.unwrap_or_default()
         ))
 }
+
+/// A droplet that a magnet of the scene holds while every magnet that the bench switches is down; `output` switches one of these.
+pub fn no_magnet_raised(magnet: &str, span: Span, output: &str) -> Diagnostic {
+    let title = format!("`{magnet}` holds a droplet while the magnets of the bench are down");
+    Diagnostic::new(Code::W0516, title).label(span, "nothing is held here").help(format!(
+        "write `set {output} to high` before the `assay` with this `hold`, and `set {output} to low` behind it"
+    ))
+}
+
+/// A droplet that was held and is then split, with its other half, where both end, and whether they then are over the magnet.
+pub fn beads_left_behind(
+    [part, half]: [&str; 2],
+    [end, other_end]: [ElectrodeCell; 2],
+    stays: [bool; 2],
+    magnet: &BoardZone,
+    span: Span,
+) -> Diagnostic {
+    let name = &magnet.name;
+    let (title, help) = match stays {
+        [false, true] => (
+            format!("magnet `{name}` holds what is in `{part}`, and `{half}` gets it"),
+            format!("write `to {end}`, so that `{part}` stays over the magnet"),
+        ),
+        [false, false] => (
+            format!("magnet `{name}` holds what is in `{part}`, and neither `{part}` nor `{half}` stays over it"),
+            format!("give `{name}` an electrode more, where `{part}` ends: {end}"),
+        ),
+        [true, _] => (
+            format!("magnet `{name}` holds what is in `{part}`, and both `{part}` and `{half}` stay over it"),
+            format!("split it at the edge of `{name}`, so that one of them stays over the magnet"),
+        ),
+    };
+    Diagnostic::new(Code::W0515, title)
+        .label(span, format!("`{part}` ends at {end}, `{half}` at {other_end}"))
+        .label_elsewhere(magnet.span, span, "the magnet")
+        .help(help)
+}

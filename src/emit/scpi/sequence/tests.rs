@@ -58,3 +58,117 @@ proptest! {
         prop_assert!(sequence.steps.iter().all(|step| (1..=7).contains(&step.repeats)));
     }
 }
+
+mod waits {
+    use super::*;
+    use crate::device::instrument::{Awaited, Family, HoldTerms};
+    use crate::emit::fixture;
+    use crate::emit::scpi::{Generator, Playing};
+    use crate::emit::tests::bench::{generator, on_generators};
+    use crate::emit::wired::wired;
+    use crate::emit::{Format, Provenance};
+    use crate::schedule::{Actuation, Channel, ChannelUnit, ScheduledHold};
+    use crate::verify::Verified;
+
+    /// Levels and waits, each with its length in units of 50 ms: a level that is not there is rest.
+    #[derive(Debug, Clone)]
+    enum Stretch {
+        Level(Option<f64>, u64),
+        Wait(u64),
+    }
+
+    const UNIT_NS: u64 = 50_000_000;
+
+    fn stretch() -> impl Strategy<Value = Stretch> {
+        prop_oneof![
+            (prop::option::of(prop_oneof![Just(2.0), Just(5.0)]), 1u64..40)
+                .prop_map(|(v, units)| Stretch::Level(v, units)),
+            (1u64..40).prop_map(Stretch::Wait),
+        ]
+    }
+
+    /// The stretches one after the other: a wait holds the level before it.
+    fn scheduled(stretches: &[Stretch]) -> Verified {
+        fixture::changed(&fixture::idle().0, |schedule| {
+            let channel = Channel {
+                name: "lamp.out".into(),
+                device: "lamp".into(),
+                unit: ChannelUnit::Volt,
+                wire: None,
+                rest_v: 0.0,
+            };
+            (schedule.channels, schedule.actuations, schedule.duration_ns) = (vec![channel], Vec::new(), 0);
+            let mut level_v = None;
+            for stretch in stretches {
+                let (start_ns, units) = match *stretch {
+                    Stretch::Level(v, units) => {
+                        level_v = v;
+                        (schedule.duration_ns, units)
+                    }
+                    Stretch::Wait(units) => {
+                        let awaited = Awaited::Person { prompt: "go".to_owned() };
+                        let terms = HoldTerms { awaited, duration_ns: units * UNIT_NS, is_bounded: false };
+                        schedule.holds.push(ScheduledHold { step: 0, start_ns: schedule.duration_ns, terms });
+                        (schedule.duration_ns, units)
+                    }
+                };
+                schedule.duration_ns += units * UNIT_NS;
+                let Some(v) = level_v else { continue };
+                match schedule.actuations.last_mut() {
+                    Some(last) if last.from == v && last.end_ns() == start_ns => last.duration_ns += units * UNIT_NS,
+                    Some(_) | None => schedule.actuations.push(Actuation {
+                        channel: 0,
+                        start_ns,
+                        duration_ns: units * UNIT_NS,
+                        from: v,
+                        to: v,
+                        swing: None,
+                        step: 0,
+                    }),
+                }
+            }
+        })
+    }
+
+    proptest! {
+        /// What a generator gives from each trigger on is what the schedule has from there on, and no segment that waits is long.
+        #[test]
+        fn between_waits_a_generator_plays_the_schedule(stretches in prop::collection::vec(stretch(), 1..12)) {
+            let verified = on_generators((scheduled(&stretches), Provenance::default())).0;
+            let schedule = verified.schedule();
+            let all = wired(Format::Scpi, schedule, Family::WaveformGenerator).expect("it is wired");
+            let facts = generator();
+            let made = Generator::new(&all[0], &facts).expect("it can be played");
+            let Playing::Sequence(sequence) = &made.outputs[0].playing else {
+                prop_assert!(schedule.holds.is_empty() || schedule.actuations.is_empty()
+                    || made.outputs[0].span_v() <= 0.0);
+                return Ok(());
+            };
+            let period_ns = made.sampling.period_ns;
+            let signals = Signals::new(schedule);
+            let starts = std::iter::once(0).chain(schedule.holds.iter().map(|hold| hold.end_ns()));
+            let ends = schedule.holds.iter().map(|hold| hold.start_ns).chain([schedule.duration_ns]);
+            let mut steps = sequence.steps.iter().peekable();
+            for (start_ns, end_ns) in starts.zip(ends) {
+                let waiting = steps.next().expect("a part begins with a trigger");
+                if waiting.control == Control::RepeatForever {
+                    prop_assert_eq!((start_ns, end_ns), (schedule.duration_ns, schedule.duration_ns));
+                    break;
+                }
+                prop_assert_eq!(waiting.control, Control::OnceWaitTrigger);
+                prop_assert!(sequence.segments[waiting.segment].len() as u64 * period_ns <= 1_000_000);
+                let mut t_ns = start_ns;
+                while let Some(step) = steps.next_if(|step| matches!(step.control, Control::Once | Control::Repeat)) {
+                    for code in sequence.segments[step.segment].repeat(step.repeats as usize) {
+                        // The wait holds what is there when it begins; what is padded lasts no longer than a segment that waits.
+                        let due_v = signals.value(0, t_ns.min(end_ns.max(start_ns + 1) - 1));
+                        let is_due = t_ns >= end_ns || code == made.outputs[0].code(due_v);
+                        prop_assert!(is_due, "{} ns after {} ns", t_ns - start_ns, start_ns);
+                        t_ns += period_ns;
+                    }
+                }
+                prop_assert!(t_ns >= end_ns && t_ns <= end_ns + 2_000_000, "{} to {}", t_ns, end_ns);
+            }
+        }
+    }
+}

@@ -1,6 +1,7 @@
 """A stand-in for National Instruments' package: the calls that senders use, as its documentation describes them.
 
-Nothing is played. At its close each task writes a line to the file that STANDIN_LOG names. STANDIN_FAULT makes one call raise. Lines that are
+Nothing is played. At its close each task writes a line to the file that STANDIN_LOG names. STANDIN_FAULT makes a call raise each time, or,
+as `write:3`, the third time. What a task with a clock was given is reserved for it until it is closed. Lines that are
 read are low STANDIN_LOW times, then high.
 """
 
@@ -17,8 +18,13 @@ class DaqError(Exception):
     """As the package's errors."""
 
 
+CALLS = {}
+RESERVED = {}
+
+
 def attempt(call):
-    if os.environ.get("STANDIN_FAULT") == call:
+    CALLS[call] = CALLS.get(call, 0) + 1
+    if os.environ.get("STANDIN_FAULT") in (call, f"{call}:{CALLS[call]}"):
         raise DaqError(f"{call} failed, as it was asked to")
     if os.environ.get("STANDIN_INTERRUPT") == call:
         raise KeyboardInterrupt
@@ -75,6 +81,10 @@ class Task:
         rows = [data] if alone else data
         assert len(rows) == len(self.record["channels"]), "a row for each channel"
         clocked = bool(self.record["clock"])
+        if any(RESERVED.get(channel, self) is not self for channel in self.record["channels"]):
+            raise DaqError("the specified resource is reserved")
+        if clocked:
+            RESERVED.update(dict.fromkeys(self.record["channels"], self))
         assert auto_start != clocked, "a clocked task is started on its own, one without a clock at once"
         for row in rows:
             for level in row if clocked else [row]:
@@ -104,6 +114,8 @@ class Task:
     def close(self):
         if not self.record["closed"]:
             self.record["closed"] = True
+            for channel in [channel for channel, task in RESERVED.items() if task is self]:
+                del RESERVED[channel]
             if os.environ.get("STANDIN_LOG"):
                 with open(os.environ["STANDIN_LOG"], "a", encoding="utf-8") as log:
                     log.write(json.dumps(self.record) + "\n")

@@ -1,6 +1,6 @@
 """A stand-in for SmarAct's package: the calls of an MCS2 that the sender uses, as the maker's examples and its header have them.
 
-A line of JSON for each call goes to the file that STANDIN_LOG names. STANDIN_FAULT makes one call raise, STANDIN_INTERRUPT is one at which
+A line of JSON for each call goes to the file that STANDIN_LOG names. STANDIN_FAULT names calls that raise, STANDIN_INTERRUPT is one at which
 Ctrl-C is pressed.
 """
 
@@ -32,7 +32,7 @@ def called(name, *arguments):
     if os.environ.get("STANDIN_LOG"):
         with open(os.environ["STANDIN_LOG"], "a", encoding="utf-8") as log:
             log.write(json.dumps([name, *arguments]) + "\n")
-    if os.environ.get("STANDIN_FAULT") == name:
+    if name in os.environ.get("STANDIN_FAULT", "").split(","):
         raise Error(f"{name} failed, as it was asked to")
     if os.environ.get("STANDIN_INTERRUPT") == name:
         raise KeyboardInterrupt
