@@ -170,6 +170,18 @@ pub fn first_of_each_rule(broken: &Sink) -> Vec<Diagnostic> {
     firsts.into_iter().map(counted).collect()
 }
 
+/// A file that `tweeze verify` was given and that is no log.
+pub fn not_a_log(path: &Path) -> Diagnostic {
+    let shown = path.display();
+    let help = match path.extension().is_some_and(|extension| extension == "twz") {
+        true => format!(
+            "a program is checked by `tweeze check {shown}`; `tweeze verify` reads the `.mcap` file of its build"
+        ),
+        false => "`tweeze verify` reads the `.mcap` file that `tweeze build` writes".to_owned(),
+    };
+    Diagnostic::new(Code::E0840, format!("`{shown}` does not begin like an MCAP log")).help(help)
+}
+
 /// Note that a log was built with other settings than the trusted program; `None` if they are the same.
 pub fn other_settings(log: &Path, program: &Path, of_log: &[String], given: &[String]) -> Option<Diagnostic> {
     let lacking = |of: &[String], list: &[String]| -> Vec<String> {

@@ -101,7 +101,10 @@ pub fn refused_bytes(path: &Path, bytes: &[u8]) -> Option<RefusedLog> {
 
 /// As [`judge_bytes`], with what was read from the bytes.
 fn judge_log(path: &Path, bytes: &[u8], log: Result<Log, LogError>) -> Result<Judged, Box<Refusal>> {
-    let log = log.map_err(|error| Refusal::one(error.diagnostic(), Exit::Files))?;
+    let log = log.map_err(|error| match error {
+        LogError::NotALog => Refusal::one(errors::not_a_log(path), Exit::Files),
+        error => Refusal::one(error.diagnostic(), Exit::Files),
+    })?;
     let version = log.version.clone();
     // Another version may derive something else from the same program: that is no sign of an edit.
     let of_its_version = |refusal| if version == env!("CARGO_PKG_VERSION") { refusal } else { not_ours(&version) };

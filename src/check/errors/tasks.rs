@@ -192,14 +192,17 @@ pub fn level_of_trigger(step: &Step, (name, declared): (&str, Span)) -> Diagnost
 
 /// A step that waits for an input or a person, in a wrong form.
 pub fn bad_hold_step(step: &Step) -> Diagnostic {
-    let (takes, form) = match step.head.text.as_str() {
+    let (takes, help) = match step.head.text.as_str() {
         "prompt" => (
             "`prompt` takes a text in quotes, and `for at most` a time if it is not to wait for ever",
-            "prompt \"add the sample\"",
+            "write `prompt \"add the sample\"`",
         ),
-        _ => ("`wait until` takes an input, and `for at most` a time", "wait until card.port0.line5 for at most 5 s"),
+        _ => (
+            "`wait until` takes an input, and `for at most` a time",
+            "write `wait until card.port0.line5 for at most 5 s` for a line of an instrument, or `wait until \"ready\" for at most 5 s` for what a command of yours reads",
+        ),
     };
-    Diagnostic::new(Code::E0509, takes).label(step.span, "incomplete, or too much").help(format!("write `{form}`"))
+    Diagnostic::new(Code::E0509, takes).label(step.span, "incomplete, or too much").help(help)
 }
 
 pub fn no_input(span: Span) -> Diagnostic {

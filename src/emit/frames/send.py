@@ -10,8 +10,8 @@
 An OpenDrop needs the package pyserial (`pip install pyserial`); a PurpleDrop needs its server `pdserver` only; a DropBot needs the
 package `dropbot`. Voltage and frequency are set on the device, but a DropBot is set to those of the program. All electrodes are switched off before the start, at the end, on an error and on Ctrl-C, but outputs that rest on. A frame that cannot be sent within its own
 time is an error. Where the program waits, the frame that is on stays so; the frames after it are due from the end of the wait, and a wait
-that is too long ends like an error. The electrodes of reservoirs are not played: droplets that are dispensed are named when they are due, each at the
-electrode of its outlet, which is on by then. Exit status: 0 played, 1 a driver refused or was late, 2 wrong usage, 130 Ctrl-C.
+that is too long ends like an error. Reservoirs with electrodes of their own, as those of an OpenDrop, dispense in the frames; on other boards droplets are put there by
+hand, each named when it is due, at the electrode of its outlet, which is on by then. Exit status: 0 played, 1 a driver refused or was late, 2 wrong usage, 130 Ctrl-C.
 """
 
 import argparse

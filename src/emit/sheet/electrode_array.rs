@@ -265,7 +265,8 @@ fn done(order: &ElectrodeArrayOrder, operation: &AssayOperation, stay_ns: u64) -
         };
     }
     match &operation.fluid {
-        Some(fluid) => format!("reservoir `{fluid}` dispenses {part}{last}"),
+        Some(fluid) if order.facts.reservoirs.is_some() => format!("reservoir `{fluid}` dispenses {part}{last}"),
+        Some(fluid) => format!("{part} comes from reservoir `{fluid}`{last}, by hand where nothing dispenses it"),
         None if operation.leaves => format!("{part} leaves{last}"),
         None if operation.mixes => format!("{part} is mixed{last} for {stay}"),
         None if stay_ns > 0 => format!("{part} stays{last} for {stay}"),

@@ -76,7 +76,6 @@ class Task:
         self.record["leads"] = output_terminal
 
     def write(self, data, auto_start=False, timeout=10.0):
-        attempt("write")
         alone = len(self.record["channels"]) == 1
         rows = [data] if alone else data
         assert len(rows) == len(self.record["channels"]), "a row for each channel"
@@ -85,6 +84,7 @@ class Task:
             raise DaqError("the specified resource is reserved")
         if clocked:
             RESERVED.update(dict.fromkeys(self.record["channels"], self))
+        attempt("write")
         assert auto_start != clocked, "a clocked task is started on its own, one without a clock at once"
         for row in rows:
             for level in row if clocked else [row]:
