@@ -4,11 +4,14 @@ use super::errors;
 use super::grammar::{Node, Rule};
 use super::habits;
 use super::reader::Reader;
+use super::recover;
 use super::slips;
 use super::tree::{
     Doc, Entry, Expr, ExprKind, Field, For, Ident, Object, Phrase, SceneEntry, Step, TextPart, Wire, WireOutput,
     WiringEntry,
 };
+
+use crate::source::Span;
 
 impl Reader<'_> {
     /// Reads the entries of a block; `read` gets each with the doc comment before it.
@@ -43,10 +46,25 @@ impl Reader<'_> {
         self.block(node, |reader, child, doc| match child.as_rule() {
             Rule::field => Some(reader.field(child, doc)),
             _ => {
+                let kept = reader.field_without_value(&child, doc);
                 reader.bad_entry(&child, errors::ListPlace::Fields);
-                None
+                kept
             }
         })
+    }
+
+    /// The field that an unreadable entry is but for its colon: it is there, and is no field that is missing.
+    fn field_without_value(&mut self, node: &Node, doc: Doc) -> Option<Field> {
+        let span = self.trimmed(node);
+        let whole = &self.source[span.range()];
+        let text = recover::field_without_colon(whole)?.to_owned();
+        // `pulse voltage: 20 V` is one name with a blank in it.
+        if slips::blank_in_name(span, whole).is_some() {
+            return None;
+        }
+        let name_span = Span { end: span.start + text.len() as u32, ..span };
+        let value = Expr { kind: ExprKind::Error, span };
+        Some(Field { doc, name: Ident { text, span: name_span }, value, span })
     }
 
     /// Entries of a scene.

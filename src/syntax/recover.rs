@@ -274,7 +274,7 @@ impl Reader<'_> {
         Some((self.source.floor_char_boundary(span.start as usize + at), wants_value))
     }
 
-    fn trimmed(&self, node: &Node) -> Span {
+    pub(super) fn trimmed(&self, node: &Node) -> Span {
         let span = self.span(node);
         let text = &self.text[span.range()];
         let start = span.start as usize + (text.len() - text.trim_start().len());
@@ -328,7 +328,7 @@ fn second_step(text: &str) -> Option<usize> {
 }
 
 /// The name of a field whose colon is missing: a word, blanks, and a value.
-fn field_without_colon(text: &str) -> Option<&str> {
+pub(super) fn field_without_colon(text: &str) -> Option<&str> {
     let name = around::token_at(text, 0);
     let rest = &text[name.len()..];
     let value = rest.trim_start_matches([' ', '\t']);

@@ -304,15 +304,28 @@ pub enum AskedTurn {
     TurnAboutX,
 }
 
-/// An orientation that whole steps miss; `step_deg` is a step of the device that would reach it, if one is known.
+/// What would reach an orientation.
+pub struct OrientationMend {
+    /// A step of the device, if one is known.
+    pub step_deg: Option<f64>,
+    /// A precision with which all orientations of the schedule are reached, as far as it is known.
+    pub needed_rad: f64,
+}
+
+/// A miss as a precision that accepts it: in degrees as messages show it.
+pub fn precision_for(off_rad: f64) -> f64 {
+    rounded_up(off_rad.to_degrees()).to_radians()
+}
+
+/// An orientation that whole steps miss.
 pub fn orientation_missed(
     span: Span,
     asked: AskedTurn,
     off_rad: f64,
     precision_rad: f64,
-    step_deg: Option<f64>,
+    mend: &OrientationMend,
 ) -> Diagnostic {
-    let (what, mend) = match asked {
+    let (what, angles) = match asked {
         AskedTurn::Orientation => ("orientation", "angles that are whole steps"),
         AskedTurn::TurnAboutX => (
             "turn about x",
@@ -324,11 +337,13 @@ pub fn orientation_missed(
         angle(off_rad),
         angle(precision_rad)
     );
-    let precision = digits(rounded_up(off_rad.to_degrees()));
-    Diagnostic::new(Code::E0545, title).label(span, "not reached").help(match step_deg {
+    let precision = digits(rounded_up(mend.needed_rad.max(off_rad).to_degrees()));
+    let whole =
+        if mend.needed_rad > precision_for(off_rad) { "that error and those of the others" } else { "that error" };
+    Diagnostic::new(Code::E0545, title).label(span, "not reached").help(match mend.step_deg {
         Some(step_deg) => format!("write `step: {}` in the device to reach it", step_text(step_deg)),
         None => {
-            format!("take {mend}; or write `precision: {precision} deg` among the settings to accept that error")
+            format!("take {angles}; or write `precision: {precision} deg` among the settings to accept {whole}")
         }
     })
 }

@@ -35,8 +35,34 @@ pub fn relative(goal: Orientation) -> FingersAction {
     FingersAction::Orient { goal: orientation::written(&goal), turns: vec![Vec::new()], left_out_steps: None }
 }
 
+/// How often a greater precision is tried, until one serves all orientations of a schedule.
+const MAX_PRECISIONS: usize = 8;
+
 /// Checks the demands of a schedule on each hand and its part, run after run.
 pub fn hands_agree(jobs: &mut [Job], sink: &mut Sink) {
+    // Walked again with a greater precision, an orientation that is missed may be followed by others that are missed by more.
+    if !jobs.iter().any(|job| matches!(job.order, Order::Fingers(_))) {
+        return;
+    }
+    let mut asked = jobs.to_vec();
+    let Some(mut needed_rad) = walk(jobs, None, sink) else { return };
+    for _ in 0..MAX_PRECISIONS {
+        let mut again = asked.clone();
+        let orders = again
+            .iter_mut()
+            .filter_map(|job| if let Order::Fingers(order) = &mut job.order { Some(order) } else { None });
+        orders.for_each(|order| order.precision_rad = order.precision_rad.max(needed_rad));
+        match walk(&mut again, None, &mut Sink::default()) {
+            Some(more_rad) if more_rad > needed_rad => needed_rad = more_rad,
+            Some(_) | None => break,
+        }
+    }
+    walk(&mut asked, Some(needed_rad), sink);
+}
+
+/// Walks through the runs until something is wrong, which is reported; a missed orientation only with the precision that is `needed_rad`,
+/// and else its own is returned, rounded as messages show it.
+fn walk(jobs: &mut [Job], needed_rad: Option<f64>, sink: &mut Sink) -> Option<f64> {
     let mut hands: BTreeMap<String, HandWalk> = BTreeMap::new();
     for job in jobs {
         let (span, run_span) = (job.span, job.run_span);
@@ -44,20 +70,25 @@ pub fn hands_agree(jobs: &mut [Job], sink: &mut Sink) {
         let hand = hands.entry(job.device.clone()).or_insert_with(|| HandWalk::of(order));
         if !hand.is_alike(&order.part) {
             sink.push(errors::other_part(run_span, &job.device, &hand.part.name, &order.part.name));
-            return;
+            return None;
         }
+        hand.needed_rad = needed_rad;
         order.part = Arc::clone(&hand.part);
         for index in 0..order.steps.len() {
             let at = order.steps[index].span;
             let run = if run_span == span { at } else { run_span };
             let mut action = order.steps[index].action.clone();
             if let Err(wrong) = hand.advance(&mut action, at, order) {
+                if let (None, Some(missed_rad)) = (needed_rad, hand.missed_rad) {
+                    return Some(errors::precision_for(missed_rad));
+                }
                 sink.push(wrong.label_elsewhere(run, at, "run here"));
-                return;
+                return None;
             }
             order.steps[index].action = action;
         }
     }
+    None
 }
 
 /// Whether fingers hold the part.
@@ -79,6 +110,10 @@ struct HandWalk {
     position_um: [f64; 3],
     /// Why the part cannot go over from one plane to the other, if it cannot.
     junction_fault: Option<String>,
+    /// The precision that serves all orientations of the schedule, where it is known.
+    needed_rad: Option<f64>,
+    /// By how much the orientation is missed that is wrong, if one is.
+    missed_rad: Option<f64>,
 }
 
 /// The decompositions of an orientation, and the fewest steps of those that were left out, if any.
@@ -93,6 +128,8 @@ impl HandWalk {
             reached: vec![Orientation::identity()],
             position_um: order.part.position_um,
             junction_fault: part::junction_fault(&order.part, &order.facts),
+            needed_rad: None,
+            missed_rad: None,
         }
     }
 
@@ -182,7 +219,9 @@ impl HandWalk {
         ways.retain(|way| way.off_rad <= precision_rad);
         if ways.is_empty() {
             let step_deg = self.mending((asked, goal), order);
-            return Err(Box::new(errors::orientation_missed(at, asked, best_rad, precision_rad, step_deg)));
+            self.missed_rad = Some(best_rad);
+            let mend = errors::OrientationMend { step_deg, needed_rad: self.needed_rad.unwrap_or(best_rad) };
+            return Err(Box::new(errors::orientation_missed(at, asked, best_rad, precision_rad, &mend)));
         }
         if let Some(why) = &self.junction_fault {
             let planes = |turns: &[FingersTurn]| {
