@@ -236,8 +236,13 @@ fn describe_point(coordinates: &[Quantity]) -> String {
 /// The largest whole number that a double counts exactly.
 const MAX_WHOLE: f64 = 9_007_199_254_740_992.0;
 
-/// The whole number that a quantity is, if it is a plain one.
+/// What quotients and sums may be off by rounding, as a share of them or of 1.
+const ROUNDING: f64 = 1e-12;
+
+/// The whole number that a quantity is, if it is a plain one; but for rounding, as `0.3 / 0.1` is 3.
 pub fn whole(quantity: Quantity) -> Option<i64> {
-    let whole = quantity.dimension == Dimension::NUMBER && quantity.si.fract() == 0.0 && quantity.si.abs() <= MAX_WHOLE;
-    whole.then_some(quantity.si as i64)
+    let nearest = quantity.si.round();
+    let is_near = (quantity.si - nearest).abs() <= ROUNDING * nearest.abs().max(1.0);
+    let is_whole = quantity.dimension == Dimension::NUMBER && is_near && nearest.abs() <= MAX_WHOLE;
+    is_whole.then_some(nearest as i64)
 }
