@@ -107,7 +107,7 @@ pub fn nothing_left_to_try(step: Span, to: &str, bound: u64, is_divisible: bool)
     Diagnostic::new(Code::E0602, "the search found no plan and has nothing left to try")
         .label(step, undecided(to, &format!("{bound} steps")))
         .help(format!(
-            "a larger budget does not help: move parts away from places that others need, with `move PART to CELL`{several}"
+            "a larger budget hardly helps: move parts away from places that others need, with `move PART to CELL`{several}"
         ))
 }
 

@@ -57,10 +57,11 @@ fn raises_a_magnet(bench: &Bench, drive: &Drive) -> bool {
 fn set<'c>(up: &mut BTreeSet<&'c str>, switches: &BTreeSet<&'c str>, output: &str, action: AuxiliaryAction) {
     let Some(output) = switches.get(output) else { return };
     match action {
-        AuxiliaryAction::High => drop(up.insert(output)),
+        // How long a pulse lasts is not asked: whoever writes one has thought of the magnet.
+        AuxiliaryAction::High | AuxiliaryAction::Pulse => drop(up.insert(output)),
         AuxiliaryAction::Low => drop(up.remove(output)),
-        // A magnet is switched by digital outputs and triggers alone, and a pulse holds nothing for long.
-        AuxiliaryAction::Pulse | AuxiliaryAction::Volts(_) => {}
+        // Graded outputs switch no magnet.
+        AuxiliaryAction::Volts(_) => {}
     }
 }
 

@@ -49,3 +49,36 @@ fn assays_of_many_droplets_are_planned() {
         assert!(plan.bound <= plan.cost && plan.cost <= 2.0 * plan.bound, "{} and {}", plan.cost, plan.bound);
     }
 }
+
+/// Droplets that crowd a small board and are pooled at two places: whoever comes later stands in the way of those before.
+fn pools(chance: &mut Random) -> String {
+    let apart = |one: (u32, u32), other: (u32, u32)| one.0.abs_diff(other.0).max(one.1.abs_diff(other.1)) >= 2;
+    let spread = |chance: &mut Random, most: usize| {
+        let mut cells: Vec<(u32, u32)> = Vec::new();
+        for _ in 0..200 {
+            let cell = (1 + chance.below(9) as u32, 1 + chance.below(6) as u32);
+            if cells.len() < most && cells.iter().all(|other| apart(*other, cell)) {
+                cells.push(cell);
+            }
+        }
+        cells
+    };
+    let (starts, places) = (spread(chance, 8), spread(chance, 2));
+    let parts: String =
+        starts.iter().enumerate().map(|(part, at)| format!("part p{part} : ea.droplet at {at:?}\n")).collect();
+    let merges = (2..starts.len()).map(|part| format!("merge p{} with p{part} at {:?}\n", part % 2, places[part % 2]));
+    format!(
+        "use std.electrode_array as ea\ndevice chip : ea.droplet_chip {{ columns: 9, rows: 6, most_volume: 8 }}\n\
+         scene bench {{\n{parts}}}\ntask run on chip in bench {{\nassay {{\n{}}}\n}}",
+        merges.collect::<String>()
+    )
+}
+
+/// Lists in the usual orders plan about half of them.
+#[test]
+fn most_crowds_that_are_pooled_are_planned() {
+    let mut chance = Random(77);
+    let all: Vec<String> = (0..12).map(|_| pools(&mut chance)).collect();
+    let planned = all.iter().filter(|text| matches!(answered(text), Answered::Plan(_))).count();
+    assert!(planned >= 10, "{planned} of {}", all.len());
+}

@@ -11,10 +11,11 @@
 use super::super::board::CellIndex;
 use super::bound::{self, AssayBounds};
 use super::route::Ahead;
-use super::{AgentCourse, AssayProblem, Errand, ErrandPlace, Traces, lags};
+use super::{AgentCourse, AssayPlan, AssayProblem, Errand, ErrandPlace, Traces, lags, lists};
 use crate::plan::electrode_array::board::BoardObjective;
 use crate::plan::electrode_array::fast::Distances;
 use crate::plan::search::Meter;
+use crate::random::SplitMix64;
 use std::collections::VecDeque;
 
 /// In assays of more errands nobody steps aside: all pairs of errands are looked at.
@@ -22,6 +23,24 @@ const MAX_ERRANDS: usize = 2_000;
 
 /// One part in this many of the remaining budget for each kind of lists with such errands: the search of all positions has the rest.
 const SHARE: u64 = 3;
+
+/// Most agents of an assay whose plan is looked for by chance,
+const MAX_AGENTS_BY_CHANCE: usize = 64;
+
+/// how often,
+const TRIES_BY_CHANCE: usize = 10_000;
+
+/// how often at most once there is a plan,
+const MORE_TRIES: usize = 40;
+
+/// with these steps of the budget for each errand, which has its bounds anew,
+const STEPS_PER_ERRAND: u64 = 20;
+
+/// and one agent in this many goes somewhere else first.
+const DETOURS_IN: usize = 3;
+
+/// Seed of what chance decides.
+const SEED: u64 = 1;
 
 /// Courses by lists in which agents step aside, if any would be in the way and such lists lead to a plan.
 pub(super) fn by_lists(
@@ -42,6 +61,56 @@ pub(super) fn by_lists(
         let courses = meter.share(share, |meter| lags::by_lists(&aside, &ahead, (objective, &bounds), meter))?;
         lags::are_kept(problem, &courses).then_some(courses)
     })
+}
+
+/// Courses by lists in random order in which some agents first go to some cell or other, out of the way of those that come before them.
+pub(super) fn by_chance(
+    problem: &AssayProblem,
+    (objective, least): (BoardObjective, &AssayBounds),
+    distances: &mut Distances,
+    meter: &mut Meter,
+) -> Option<Vec<AgentCourse>> {
+    let board = &problem.instance.board;
+    let is_there = |agent: &usize| !problem.comes[*agent] && problem.parents[*agent].is_none();
+    let movable: Vec<usize> = (0..problem.errands.len()).filter(is_there).collect();
+    let free: Vec<CellIndex> = (0..board.cells() as CellIndex).filter(|cell| !board.is_blocked(*cell)).collect();
+    if movable.is_empty() || problem.errands.len() > MAX_AGENTS_BY_CHANCE {
+        return None;
+    }
+    let mut random = SplitMix64::new(SEED);
+    let mut below = |count: usize| (random.next_u64() % count as u64) as usize;
+    let mut best: Option<Vec<AgentCourse>> = None;
+    let mut tries = TRIES_BY_CHANCE;
+    while tries > 0 && meter.left().steps > 0 {
+        tries -= 1;
+        meter.charge(STEPS_PER_ERRAND * problem.errands.iter().map(Vec::len).sum::<usize>() as u64);
+        let mut aside = problem.clone();
+        for agent in movable.iter().filter(|_| below(DETOURS_IN) == 0).collect::<Vec<_>>() {
+            insert(&mut aside, ErrandPlace { agent: *agent, errand: 0 }, free[below(free.len())]);
+            shift(&mut aside, *agent);
+        }
+        let ahead = Ahead::new(&aside, distances, meter);
+        let bounds = AssayBounds { costs: least.costs, ..bound::least(&aside, &ahead) };
+        let seed = below(usize::MAX) as u64;
+        let found = lists::by_chance(&aside, &ahead, (objective, &bounds), (seed, meter));
+        let Some(courses) = found.filter(|courses| lags::are_kept(problem, courses)) else { continue };
+        tries = tries.min(MORE_TRIES);
+        let key = |courses: &[AgentCourse]| AssayPlan::costs(courses).key(objective);
+        if best.as_ref().is_none_or(|best| key(&courses) < key(best)) {
+            best = Some(courses);
+        }
+    }
+    best
+}
+
+/// Counts on the places of an agent's errands behind a new first one.
+fn shift(problem: &mut AssayProblem, agent: usize) {
+    let moved = |place: &mut ErrandPlace| place.errand += usize::from(place.agent == agent);
+    problem.afters.iter_mut().flatten().flatten().for_each(moved);
+    for lag in &mut problem.lags {
+        moved(&mut lag.of);
+        lag.after.iter_mut().for_each(moved);
+    }
 }
 
 /// Where agents step aside.

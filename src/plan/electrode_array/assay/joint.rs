@@ -68,6 +68,12 @@ struct JointNode {
     parent: Option<u32>,
 }
 
+/// Whether a problem is small enough to be searched.
+pub(super) fn takes(problem: &AssayProblem) -> bool {
+    let contents = problem.traces.as_ref().map_or(0, |traces| traces.washes.len());
+    problem.errands.len() <= MAX_AGENTS && contents <= u64::BITS as usize
+}
+
 /// The courses of all agents in the fewest steps, none of more than `limit`; a search that gave up leaves it open whether there are any.
 pub(super) fn fewest_steps(
     problem: &AssayProblem,
@@ -75,8 +81,7 @@ pub(super) fn fewest_steps(
     limit: u32,
     meter: &mut Meter,
 ) -> SearchAnswer<Vec<AgentCourse>, AgentCells, ()> {
-    let contents = problem.traces.as_ref().map_or(0, |traces| traces.washes.len());
-    if problem.errands.len() > MAX_AGENTS || contents > u64::BITS as usize {
+    if !takes(problem) {
         return SearchAnswer::GaveUp(());
     }
     let is_due = |agent: usize| problem.comes[agent] || problem.parents[agent].is_some();

@@ -83,6 +83,21 @@ pub(super) fn best(
     best.into_iter().chain(patient).min_by_key(|courses| key(courses))
 }
 
+/// The best courses found from lists in a random order on.
+pub(super) fn by_chance(
+    problem: &AssayProblem,
+    ahead: &Ahead,
+    (objective, bounds): (BoardObjective, &AssayBounds),
+    (seed, meter): (u64, &mut Meter),
+) -> Option<Vec<AgentCourse>> {
+    let mut planner = ListPlanner::new(problem, (ahead, bounds), meter);
+    let mut random = SplitMix64::new(seed);
+    let mut list: Vec<usize> = (0..problem.errands.len()).collect();
+    (1..list.len()).rev().for_each(|last| list.swap(last, below(&mut random, last + 1)));
+    let first = first_eager(&mut planner, (list, 0..2 * KEPT_SEPARATIONS.len()), &mut random)?;
+    Improvement { firsts: vec![first], objective, least: bounds.costs }.best(&mut planner, &mut random)
+}
+
 /// A list that leads to a plan.
 struct FirstList {
     courses: Vec<AgentCourse>,

@@ -6,8 +6,8 @@
 //! Method: list scheduling. The course of one agent after the other, up to the next agent that it meets and that has no course yet (`route`),
 //! is planned around the courses of the others (`bookings`); an agent that finds none comes earlier in the next list. Beside the order of the
 //! list there is that of time, in which nobody comes before it is of use (`turns`). Then lists with two agents exchanged, as long as they are
-//! no worse (`lists`). Where no list leads to a plan, agents that would stay in the way step aside (`aside`); where that does not help, or the
-//! plan may have too many steps, a few agents are planned all at once (`joint`).
+//! no worse (`lists`). Where no list leads to a plan, agents that would stay in the way step aside (`aside`); where that does not help, lists
+//! in random order are gone through, and where no plan is found, or it may have too many steps, a few agents are planned all at once (`joint`).
 //!
 //! Guaranteed: a plan is legal; `bound` holds for every plan; the same input and budget give the same plan. For few agents, while the
 //! budget lasts, a plan is found where there is one, with the fewest steps where these are minimized. Else neither is guaranteed.
@@ -258,6 +258,9 @@ fn looked_ahead(
     }
 }
 
+/// One part in this many of the remaining budget for lists in random order, where the search of all positions has the rest.
+const CHANCE_SHARE: u64 = 3;
+
 /// How far a plan is looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AssayEffort {
@@ -286,6 +289,15 @@ pub fn solve(
             .or_else(|| {
                 let mut courses = aside::by_lists(problem, (objective, &least), &mut distances, meter)?;
                 // Stepping aside, who leaves the board may come to where it leaves too soon.
+                cut_where_gone(problem, &mut courses);
+                Some(courses)
+            })
+            .or_else(|| {
+                let steps = meter.left().steps;
+                let share = if joint::takes(problem) { steps / CHANCE_SHARE } else { steps };
+                let by_chance =
+                    |meter: &mut Meter| aside::by_chance(problem, (objective, &least), &mut distances, meter);
+                let mut courses = meter.share(share, by_chance)?;
                 cut_where_gone(problem, &mut courses);
                 Some(courses)
             })
