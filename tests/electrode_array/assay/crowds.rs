@@ -56,7 +56,7 @@ fn pools(chance: &mut Random) -> String {
     let spread = |chance: &mut Random, most: usize| {
         let mut cells: Vec<(u32, u32)> = Vec::new();
         for _ in 0..200 {
-            let cell = (1 + chance.below(9) as u32, 1 + chance.below(6) as u32);
+            let cell = (1 + chance.below(9), 1 + chance.below(6));
             if cells.len() < most && cells.iter().all(|other| apart(*other, cell)) {
                 cells.push(cell);
             }
