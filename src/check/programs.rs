@@ -192,7 +192,9 @@ impl<'a> Checker<'a> {
             wiring.of(draft.runs.iter().map(|run| run.device).chain(places))
         };
         let switched = on_bench(&outputs).1;
-        outputs.extend(self.resting_outputs(wiring, &switched));
+        for (name, resting) in self.resting_outputs(wiring, &switched) {
+            outputs.entry(name).or_insert(resting);
+        }
         let (wires, bench) = on_bench(&outputs);
         if let Some(finding) = self.starts_apart(&bench, declaration.span) {
             self.sink.push(finding);

@@ -6,7 +6,8 @@
 //! Method: each agent that would stay near where others have something to do is given one more errand, of no step, at the nearest cell that
 //! is in nobody's way, and another one, to come back, where it is to end. So is who would be done too soon for a time lag where it stands:
 //! it stays when it comes back. With traces, who does harm at a stop comes there after those to whom it would.
-//! Guaranteed: courses with these errands do all others, too.
+//! Where lists with these errands lead to no plan either, chance gives some agents a first errand anywhere, and the list its order.
+//! Guaranteed: courses with such errands do all others, too.
 
 use super::super::board::CellIndex;
 use super::bound::{self, AssayBounds};
