@@ -297,7 +297,7 @@ impl Checker<'_> {
             && !self.names_value(path, scope)
         {
             let name = self.joined(&segment.name.text, &segment.indices, scope)?;
-            return Some(Value::Object(ObjectName { noun, name }));
+            return Some(Value::Object(ObjectName { noun, name, word: segment.name.span }));
         }
         if matches!(expr.kind, ExprKind::List(_)) {
             self.sink.push(errors::several_objects(wanted, noun, expr.span));

@@ -75,7 +75,7 @@ impl ObjectNames {
             None if is_cut => None,
             None => {
                 let near = nearest(&object.name, self.indices.keys().map(String::as_str));
-                Some(errors::unknown_object(argument.span, &object.name, object.noun, near, scene))
+                Some(errors::unknown_object(argument.span, object, near, scene))
             }
         };
         argument.unless(wrong, sink)?;

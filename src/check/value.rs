@@ -63,6 +63,8 @@ impl PoseValue {
 pub struct ObjectName {
     pub noun: &'static str,
     pub name: String,
+    /// Where the name stands, without its indices.
+    pub word: Span,
 }
 
 /// A file of triangles, in the file's own unit.

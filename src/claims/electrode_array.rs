@@ -224,6 +224,16 @@ pub struct BoardZone {
     pub span: Span,
 }
 
+impl ElectrodeArrayAction {
+    /// The operations of an assay; none of another step.
+    pub fn operations(&self) -> &[AssayOperation] {
+        match self {
+            ElectrodeArrayAction::Assay(operations) => operations,
+            ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_) => &[],
+        }
+    }
+}
+
 impl BoardZone {
     /// Whether an electrode is one of its own.
     pub fn holds(&self, cell: ElectrodeCell) -> bool {

@@ -2,6 +2,7 @@
 
 use super::difference::Difference;
 use crate::diagnostic::{Code, Diagnostic, Sink};
+use crate::log::LogError;
 use std::io;
 use std::path::Path;
 
@@ -173,13 +174,12 @@ pub fn first_of_each_rule(broken: &Sink) -> Vec<Diagnostic> {
 /// A file that `tweeze verify` was given and that is no log.
 pub fn not_a_log(path: &Path) -> Diagnostic {
     let shown = path.display();
-    let help = match path.extension().is_some_and(|extension| extension == "twz") {
-        true => format!(
-            "a program is checked by `tweeze check {shown}`; `tweeze verify` reads the `.mcap` file of its build"
-        ),
-        false => "`tweeze verify` reads the `.mcap` file that `tweeze build` writes".to_owned(),
-    };
-    Diagnostic::new(Code::E0840, format!("`{shown}` does not begin like an MCAP log")).help(help)
+    let is_program = path.extension().is_some_and(|extension| extension == "twz");
+    let checked = is_program.then(|| {
+        format!("a program is checked by `tweeze check {shown}`; `tweeze verify` reads the `.mcap` file of its build")
+    });
+    let title = format!("`{shown}` does not begin like an MCAP log");
+    Diagnostic { title, ..LogError::NotALog.diagnostic() }.help_if(checked)
 }
 
 /// Note that a log was built with other settings than the trusted program; `None` if they are the same.

@@ -119,18 +119,15 @@ impl Diagnostic {
         }
     }
 
-    /// As [`Self::near`] for the name of an object, which may have been written with an index: `sample[i]` is `sample0`. Of such a name
-    /// only what stands before the index is mended, and nothing where the name was written elsewhere.
+    /// As [`Self::near`] for the name of an object, given with where it stands without its indices: of `sample[i]`, which is `sample0`, only
+    /// `sample` is mended.
     #[must_use]
-    pub fn near_object(self, name: &str, near: &str) -> Self {
-        let Some(span) = self.span().filter(|span| span.range().len() != name.len()) else { return self.near(near) };
-        let family = |name: &'_ str| name.trim_end_matches(|c: char| c.is_ascii_digit() || c == '_').len();
-        let [(own, own_index), (near_own, near_index)] = [name, near].map(|name| name.split_at(family(name)));
-        if own_index.is_empty() || own_index != near_index || span.range().len() < own.len() {
-            return self.help(format!("did you mean `{near}`?"));
+    pub fn near_object(self, (name, word): (&str, Span), near: &str) -> Self {
+        let index = name.get(word.range().len()..).unwrap_or_default();
+        match near.strip_suffix(index) {
+            Some(near) => self.help(format!("did you mean `{near}`?")).mended(word, near),
+            None => self.help(format!("did you mean `{near}`?")),
         }
-        let end = span.start + own.len() as u32;
-        self.help(format!("did you mean `{near_own}`?")).mended(Span { end, ..span }, near_own)
     }
 
     /// As [`Self::near`] where there is a near word; else another help.

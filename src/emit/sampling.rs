@@ -31,12 +31,12 @@ impl Sampling {
         let duration_ns = signals.schedule.duration_ns;
         let common_ns = common_ns(signals);
         let by_rate_ns = ((1e9 / rate_hz).ceil() as u64).max(1);
-        let period_ns = match (steady_ns(signals), gcd(duration_ns, common_ns)) {
-            (None, whole_ns) => match most_ns {
-                Some(most_ns) if whole_ns > 0 => part(whole_ns, most_ns, by_rate_ns),
-                Some(_) | None => whole_ns.max(1),
-            },
-            (Some(steady_ns), _) => {
+        let period_ns = match steady_ns(signals) {
+            None => {
+                let whole_ns = gcd(duration_ns, common_ns).max(1);
+                most_ns.map_or(whole_ns, |most_ns| part(whole_ns, most_ns, by_rate_ns))
+            }
+            Some(steady_ns) => {
                 let wanted_ns = most_ns.map_or(steady_ns, |most_ns| steady_ns.min(most_ns));
                 let by_memory_ns = duration_ns.div_ceil(most_points.saturating_sub(2).max(1));
                 let least_ns = by_memory_ns.max(by_rate_ns);

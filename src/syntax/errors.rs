@@ -494,7 +494,7 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
     }
     // `dispense drop form dye`: what is no preposition was read as a name.
     let before = code_end_before(text, at);
-    let word = &text[text[..before].rfind(|c| !is_word(c)).map_or(0, |end| end + 1)..before];
+    let word = &text[text[..before].trim_end_matches(is_word).len()..before];
     if let Some(meant) = meant_preposition(word) {
         let place = part(span, before - word.len(), before);
         return Diagnostic::new(Code::E0101, format!("`{word}` is no preposition"))

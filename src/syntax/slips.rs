@@ -85,14 +85,15 @@ fn foreign_comment(span: Span, text: &str) -> Option<Diagnostic> {
         (!line[at + mark.len()..].trim().is_empty()).then_some((at, mark))
     });
     let (at, mark) = found.min()?;
-    let words = line[at + mark.len()..].trim();
-    let begin = span.start as usize + at;
-    Some(
-        Diagnostic::new(Code::E0125, format!("a comment behind `{mark}`"))
-            .label(part(span, begin, begin + mark.len()), "comments begin with `//`")
-            .help(format!("write `// {}`", quote(words)))
-            .mended_here("//"),
-    )
+    Some(comment_behind(span, span.start as usize + at, (mark, line[at + mark.len()..].trim())))
+}
+
+/// A comment that begins at a byte with the mark of another language, and its words.
+fn comment_behind(span: Span, at: usize, (mark, words): (&str, &str)) -> Diagnostic {
+    Diagnostic::new(Code::E0125, format!("a comment behind `{mark}`"))
+        .label(part(span, at, at + mark.len()), "comments begin with `//`")
+        .help(format!("write `// {}`", quote(words)))
+        .mended_here("//")
 }
 
 /// `obstacle glass-bead …`, `obstacle 1bead …`.
@@ -292,8 +293,9 @@ fn missing_comma(span: Span, at: usize, open: char, source: &str) -> Option<Diag
 /// `move(to (1, 1))`, where reading stopped at the preposition.
 fn step_in_brackets(span: Span, at: usize, token: &str, source: &str) -> Option<Diagnostic> {
     PREPOSITIONS.contains(&token).then_some(())?;
-    let begin = source[..at].rfind('\n').map_or(0, |end| end + 1);
-    let line = source[begin..].lines().next()?.split("//").next()?;
+    let seen = around::before(source, at);
+    let begin = at - seen.len() + seen.rfind('\n').map_or(0, |end| end + 1);
+    let line = around::after(source, begin).lines().next()?.split("//").next()?;
     let step = line.trim();
     let (verb, inner) = step.split_once('(')?;
     let inner = inner.strip_suffix(')').filter(|_| !verb.is_empty() && verb.chars().all(is_word))?;
@@ -324,12 +326,7 @@ pub(super) fn device_without_kind(span: Span, text: &str) -> Option<Diagnostic> 
 pub(super) fn comment(span: Span, text: &str) -> Option<Diagnostic> {
     let mark = ["--", "/"].into_iter().find(|mark| text.starts_with(mark))?;
     let words = text.trim_start_matches(['-', '/']).trim();
-    Some(
-        Diagnostic::new(Code::E0125, format!("a comment behind `{mark}`"))
-            .label(part(span, span.start as usize, span.start as usize + mark.len()), "comments begin with `//`")
-            .help(format!("write `// {}`", quote(words.lines().next().unwrap_or_default())))
-            .mended_here("//"),
-    )
+    Some(comment_behind(span, span.start as usize, (mark, words.lines().next().unwrap_or_default())))
 }
 
 /// `bot.left = 6` at the top of a file.

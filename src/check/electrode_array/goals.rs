@@ -167,14 +167,19 @@ impl BoardStepJudge<'_> {
         let ContentRequirement { part, share, relation, limit, span } = asked;
         let no_droplet = self.facts.layout.electrodes != Electrodes::Single;
         self.sink.unless(no_droplet.then(|| errors::parts_contain_nothing(*span)))?;
-        let object = Value::Object(ObjectName { noun: "part", name: part.value.clone() });
+        let object = Value::Object(ObjectName { noun: "part", name: part.value.clone(), word: part.span });
         let part = self.part(&Argument { value: object, span: part.span, origin: None })?;
         let fluids = self.tray.fluids();
         let share = match share.value.as_str() {
             "volume" => DropletShare::Volume,
             name if fluids.contains(name) => DropletShare::Fluid(name.to_owned()),
             name => {
-                self.sink.push(errors::unknown_fluid((Code::E0559, share.span), name, &fluids, self.scene));
+                self.sink.push(errors::unknown_fluid(
+                    (Code::E0559, share.span),
+                    (name, share.span),
+                    &fluids,
+                    self.scene,
+                ));
                 return None;
             }
         };

@@ -1,6 +1,6 @@
 //! What a magnet holds: whether the bench raises one meanwhile, and whether the droplet that is split then stays over it.
 
-use super::{errors, zones};
+use super::errors;
 use crate::claims::auxiliary::AuxiliaryAction;
 use crate::claims::electrode_array::{AssayOperation, BoardZone, ElectrodeArrayOrder, ZoneSort};
 use crate::claims::{Claims, Job};
@@ -29,7 +29,7 @@ pub fn raised(claims: &Claims, idle: &[(String, Drive)], sink: &mut Sink) {
         for (index, step) in order.steps.iter().enumerate() {
             let now = job.events.iter().filter(|event| event.step == index);
             now.for_each(|event| set(&mut up, &switches, &event.output, event.action));
-            for operation in zones::operations_of(&step.action).iter().filter(|_| up.is_empty()) {
+            for operation in step.action.operations().iter().filter(|_| up.is_empty()) {
                 if let Some(magnet) =
                     magnet_of(order, operation).filter(|magnet| warned.insert((&job.device, &magnet.name)))
                 {
@@ -77,7 +77,7 @@ pub fn halves_stay(jobs: &[Job], sink: &mut Sink) {
     let mut held: BTreeMap<(&str, &str), &BoardZone> = BTreeMap::new();
     for job in jobs {
         let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
-        for operation in order.steps.iter().flat_map(|step| zones::operations_of(&step.action)) {
+        for operation in order.steps.iter().flat_map(|step| step.action.operations()) {
             let part = (job.device.as_str(), order.parts[operation.part].name.as_str());
             let before = held.remove(&part);
             if let (Some(magnet), Some(half), Some(end)) = (before, operation.splits, operation.stops.last()) {

@@ -89,10 +89,10 @@ impl BoardStepJudge<'_> {
 
     /// A fluid of the scene by its name; `None` after an error.
     fn fluid(&mut self, asked: &Argument) -> Option<String> {
-        let Value::Object(ObjectName { name, .. }) = &asked.value else { return None };
+        let Value::Object(ObjectName { name, word, .. }) = &asked.value else { return None };
         let fluids = self.tray.fluids();
         let wrong = (!fluids.contains(name.as_str()))
-            .then(|| errors::unknown_fluid((Code::E0565, asked.span), name, &fluids, self.scene));
+            .then(|| errors::unknown_fluid((Code::E0565, asked.span), (name, *word), &fluids, self.scene));
         asked.unless(wrong, self.sink)?;
         Some(name.clone())
     }

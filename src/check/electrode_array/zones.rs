@@ -2,9 +2,7 @@
 
 use super::errors;
 use crate::claims::Job;
-use crate::claims::electrode_array::{
-    AssayOperation, BoardZone, ElectrodeArrayAction, ElectrodeArrayOrder, ZoneSort, ZoneStay,
-};
+use crate::claims::electrode_array::{BoardZone, ElectrodeArrayOrder, ZoneSort, ZoneStay};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::device::instrument::{Bench, InstrumentFacts, heater_setting};
 use crate::diagnostic::{Diagnostic, Sink};
@@ -76,19 +74,11 @@ struct Heating<'j> {
 fn heatings(jobs: &[Job]) -> impl Iterator<Item = Heating<'_>> {
     let orders = jobs.iter().filter_map(|job| Some((job.device.as_str(), ElectrodeArrayOrder::of(&job.order)?)));
     orders.flat_map(|(device, order)| {
-        let operations = order.steps.iter().flat_map(|step| operations_of(&step.action));
+        let operations = order.steps.iter().flat_map(|step| step.action.operations());
         let stays = operations.flat_map(|one| one.zone_stays().map(move |stay| (one.span, stay)));
         stays.filter_map(move |(span, ZoneStay { zone, temperature_k })| {
             let heater = order.zones.get(zone)?.name.as_str();
             Some(Heating { device, heater, asked_k: temperature_k?, span })
         })
     })
-}
-
-/// The operations of a step; none if it is no assay.
-pub fn operations_of(action: &ElectrodeArrayAction) -> &[AssayOperation] {
-    match action {
-        ElectrodeArrayAction::Assay(operations) => operations,
-        ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_) => &[],
-    }
 }

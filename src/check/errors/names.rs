@@ -2,6 +2,7 @@
 
 use super::{either, listed, with_article};
 use crate::check::scope::{Declaration, DeclarationSort, function_names, path_text};
+use crate::check::value::ObjectName;
 use crate::device::shape::ShapeForm;
 use crate::device::{Assay, Together, Vocabulary, condition_of_any_kind};
 use crate::diagnostic::{Code, Diagnostic};
@@ -402,16 +403,17 @@ pub fn object_of_other_noun(span: Span, name: &str, noun: &str, found: (&str, Sp
         })
 }
 
-pub fn unknown_object(span: Span, name: &str, noun: &str, near: Option<&str>, scene: Option<Span>) -> Diagnostic {
+pub fn unknown_object(span: Span, object: &ObjectName, near: Option<&str>, scene: Option<Span>) -> Diagnostic {
+    let ObjectName { noun, name, word } = object;
     let title = match scene {
         Some(_) => format!("the scene of this task has no {noun} `{name}`"),
         None => format!("this task has no scene, and no {noun} `{name}`"),
     };
     let diagnostic = Diagnostic::new(Code::E0211, title).label(span, "no such object");
     match (near, scene) {
-        (Some(near), _) => diagnostic.near_object(name, near),
+        (Some(near), _) => diagnostic.near_object((name, *word), near),
         (None, Some(_)) => {
-            let at = if noun == "robot" { "pose(0 um, 0 um, 90 deg)" } else { "(5, 3)" };
+            let at = if *noun == "robot" { "pose(0 um, 0 um, 90 deg)" } else { "(5, 3)" };
             diagnostic.help(format!("declare it in the scene: `{noun} {name} at {at}`"))
         }
         (None, None) => diagnostic.help("say in which scene the task runs, as `task swap on plate in tray`"),

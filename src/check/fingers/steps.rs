@@ -103,7 +103,7 @@ fn the_part(bench: &HandScene, parts: &Parts, scene: Option<Span>, site: &TaskSi
         if !bench.parts.contains_key(&object.name) {
             let known = bench.parts.keys().map(String::as_str);
             let near = nearest(&object.name, known);
-            let wrong = errors::unknown_object(argument.span, &object.name, "part", near, scene);
+            let wrong = errors::unknown_object(argument.span, object, near, scene);
             sink.push(errors::given_at(wrong, argument));
             return None;
         }

@@ -2,7 +2,7 @@
 
 use super::{Note, ReportTopic, ReportedDevice, ReportedOrder, ReportedRun, length};
 use crate::claims::Claims;
-use crate::claims::electrode_array::{BoardZone, ElectrodeArrayAction, ElectrodeArrayOrder};
+use crate::claims::electrode_array::{BoardZone, ElectrodeArrayOrder};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::quantity::{Dimension, Quantity};
 use crate::schedule::State;
@@ -19,10 +19,7 @@ impl ReportedOrder for ElectrodeArrayOrder {
 
 /// The heaters in use, by the indices of their zones, each with its temperature.
 fn temperatures_k(order: &ElectrodeArrayOrder) -> BTreeMap<usize, f64> {
-    let operations = order.steps.iter().flat_map(|step| match &step.action {
-        ElectrodeArrayAction::Assay(operations) => operations.as_slice(),
-        ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_) => &[],
-    });
+    let operations = order.steps.iter().flat_map(|step| step.action.operations());
     operations.flat_map(|one| one.zone_stays()).filter_map(|stay| Some((stay.zone, stay.temperature_k?))).collect()
 }
 
@@ -30,8 +27,9 @@ fn temperatures_k(order: &ElectrodeArrayOrder) -> BTreeMap<usize, f64> {
 fn crossings(order: &ElectrodeArrayOrder, run: &ReportedRun, (heater, k): (&BoardZone, f64)) -> Vec<String> {
     let mut heated: BTreeMap<&str, Vec<[u64; 2]>> = BTreeMap::new();
     for (asked, step) in order.steps.iter().zip(&run.steps) {
-        let ElectrodeArrayAction::Assay(operations) = &asked.action else { continue };
-        for (_, on) in operations.iter().zip(&step.operations).filter(|(operation, _)| operation.zone.is_some()) {
+        for (_, on) in
+            asked.action.operations().iter().zip(&step.operations).filter(|(operation, _)| operation.zone.is_some())
+        {
             on.parts.iter().for_each(|part| heated.entry(part).or_default().push([on.arrival_ns, on.end_ns()]));
         }
     }

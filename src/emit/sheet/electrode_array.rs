@@ -189,10 +189,7 @@ fn row(what: String, place: String, needed: String) -> [String; 4] {
 }
 
 fn operations_of(order: &ElectrodeArrayOrder) -> impl Iterator<Item = &AssayOperation> {
-    order.steps.iter().flat_map(|step| match &step.action {
-        ElectrodeArrayAction::Assay(operations) => operations.as_slice(),
-        ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_) => &[],
-    })
+    order.steps.iter().flat_map(|step| step.action.operations())
 }
 
 /// What a step does, with the times of its operations.

@@ -400,6 +400,14 @@ fn on_a_small_stack(texts: Vec<String>) {
     assert!(handle.expect("a thread starts").join().is_ok());
 }
 
+/// The word before the place where reading stops may stand right behind a sign of several bytes.
+#[test]
+fn a_misspelt_preposition_behind_a_sign_is_cut_at_its_border() {
+    for sign in ["²", "→", "é²"] {
+        holds(&format!("task go on bot {{\n  move (1, 2){sign}form dye\n}}\n"));
+    }
+}
+
 #[test]
 fn deep_nesting_and_long_chains_are_refused_without_a_crash() {
     let nest = |open: &str, close: &str| format!("let a = {}1{}\n", open.repeat(100_000), close.repeat(100_000));

@@ -292,7 +292,7 @@ pub fn parts_contain_nothing(span: Span) -> Diagnostic {
 /// A fluid that the scene does not have.
 pub fn unknown_fluid(
     (code, span): (Code, Span),
-    name: &str,
+    (name, word): (&str, Span),
     fluids: &BTreeSet<&str>,
     scene: Option<Span>,
 ) -> Diagnostic {
@@ -303,7 +303,7 @@ pub fn unknown_fluid(
     let diagnostic = Diagnostic::new(code, format!("no fluid of this scene is called `{name}`"))
         .label(span, "neither a reservoir nor a part with a place");
     let diagnostic = match near {
-        Some(near) => diagnostic.near_object(name, near),
+        Some(near) => diagnostic.near_object((name, word), near),
         None => diagnostic.help(format!("droplets can contain {}{more}{volume}", known.join(", "))),
     };
     match scene {

@@ -79,7 +79,7 @@ pub(super) fn by_chance(
         return None;
     }
     let mut random = SplitMix64::new(SEED);
-    let mut below = |count: usize| (random.next_u64() % count as u64) as usize;
+    let mut below = |count: usize| lists::below(&mut random, count);
     let mut best: Option<Vec<AgentCourse>> = None;
     let mut tries = TRIES_BY_CHANCE;
     while tries > 0 && meter.left().steps > 0 {
@@ -88,7 +88,7 @@ pub(super) fn by_chance(
         let mut aside = problem.clone();
         for agent in movable.iter().filter(|_| below(DETOURS_IN) == 0).collect::<Vec<_>>() {
             insert(&mut aside, ErrandPlace { agent: *agent, errand: 0 }, free[below(free.len())]);
-            shift(&mut aside, *agent);
+            move_places(&mut aside, |place| place.errand += usize::from(place.agent == *agent));
         }
         let ahead = Ahead::new(&aside, distances, meter);
         let bounds = AssayBounds { costs: least.costs, ..bound::least(&aside, &ahead) };
@@ -104,13 +104,12 @@ pub(super) fn by_chance(
     best
 }
 
-/// Counts on the places of an agent's errands behind a new first one.
-fn shift(problem: &mut AssayProblem, agent: usize) {
-    let moved = |place: &mut ErrandPlace| place.errand += usize::from(place.agent == agent);
-    problem.afters.iter_mut().flatten().flatten().for_each(moved);
+/// Moves all places that are named as others' afters or in lags, where errands were inserted.
+fn move_places(problem: &mut AssayProblem, moved: impl Fn(&mut ErrandPlace)) {
+    problem.afters.iter_mut().flatten().flatten().for_each(&moved);
     for lag in &mut problem.lags {
         moved(&mut lag.of);
-        lag.after.iter_mut().for_each(moved);
+        lag.after.iter_mut().for_each(&moved);
     }
 }
 
@@ -187,11 +186,7 @@ impl StepsAside {
         let moved = |place: &mut ErrandPlace| {
             place.errand += self.before[place.agent][..=place.errand].iter().flatten().count();
         };
-        aside.afters.iter_mut().flatten().flatten().for_each(moved);
-        for lag in &mut aside.lags {
-            moved(&mut lag.of);
-            lag.after.iter_mut().for_each(moved);
-        }
+        move_places(&mut aside, moved);
         aside
     }
 }

@@ -301,7 +301,7 @@ fn last_done(courses: &[AgentCourse]) -> Vec<usize> {
 }
 
 /// A number below another; 0 where there is none.
-fn below(random: &mut SplitMix64, count: usize) -> usize {
+pub(super) fn below(random: &mut SplitMix64, count: usize) -> usize {
     (random.next_u64() % count.max(1) as u64) as usize
 }
 
