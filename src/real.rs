@@ -10,7 +10,6 @@ pub trait Real {
     fn cosine(self) -> f64;
     /// Sine and cosine.
     fn sine_cosine(self) -> (f64, f64);
-    fn tangent(self) -> f64;
     /// In -π/2 to π/2; NaN outside of -1 to 1.
     fn arc_sine(self) -> f64;
     /// The angle of the point (`x`, `self`), in -π to π.
@@ -40,10 +39,6 @@ impl Real for f64 {
 
     fn sine_cosine(self) -> (f64, f64) {
         libm::sincos(self)
-    }
-
-    fn tangent(self) -> f64 {
-        libm::tan(self)
     }
 
     fn arc_sine(self) -> f64 {
@@ -101,7 +96,6 @@ mod tests {
             0.7.sine(),
             0.7.cosine(),
             1e5.sine_cosine().0,
-            0.3.tangent(),
             0.3.arc_sine(),
             0.3.arc_tangent_over(-0.8),
             0.3.hypotenuse(0.8),

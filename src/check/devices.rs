@@ -154,16 +154,8 @@ fn owner<R: RootBase>(root: R, name: &str, span: Span) -> Owner {
 
 /// The declaration of a device, an instrument or an output.
 fn with_base(item: &Item) -> Option<&tree::Device> {
-    match item {
-        Item::Device(item) | Item::Instrument(item) | Item::Output(item) => Some(item),
-        Item::Use(_)
-        | Item::Let(_)
-        | Item::Scene(_)
-        | Item::Task(_)
-        | Item::Program(_)
-        | Item::Wiring(_)
-        | Item::Error(_) => None,
-    }
+    let (Item::Device(item) | Item::Instrument(item) | Item::Output(item)) = item else { return None };
+    Some(item)
 }
 
 impl Checker<'_> {

@@ -216,41 +216,13 @@ impl Checker<'_> {
         if text.contains('.') || self.names_value(path, scope) {
             return None;
         }
-        match sort {
-            Sort::CountOrWord { words, .. } => {
-                let names: Vec<&str> = words.iter().map(|word| word.name).collect();
-                let near = nearest(&text, names.iter().copied());
-                Some(errors::neither_count_nor_word(wanted, &names, (expr.span, &text), near))
-            }
-            Sort::Flag => Some(errors::no_truth_value(wanted, expr.span, &text)),
-            Sort::Count { .. }
-            | Sort::Quantity { .. }
-            | Sort::Word(_)
-            | Sort::State
-            | Sort::Target
-            | Sort::Targets
-            | Sort::Cell
-            | Sort::Cells
-            | Sort::CountRows { .. }
-            | Sort::CountTables { .. }
-            | Sort::Size
-            | Sort::Pixel
-            | Sort::Places
-            | Sort::Shape(_)
-            | Sort::Table(_)
-            | Sort::Object(_)
-            | Sort::Site(_)
-            | Sort::Sites(_)
-            | Sort::Name
-            | Sort::Pose
-            | Sort::Control
-            | Sort::Vector { .. }
-            | Sort::Contacts
-            | Sort::Orientation
-            | Sort::Curve
-            | Sort::Text
-            | Sort::Board(_) => None,
+        if matches!(sort, Sort::Flag) {
+            return Some(errors::no_truth_value(wanted, expr.span, &text));
         }
+        let Sort::CountOrWord { words, .. } = sort else { return None };
+        let names: Vec<&str> = words.iter().map(|word| word.name).collect();
+        let near = nearest(&text, names.iter().copied());
+        Some(errors::neither_count_nor_word(wanted, &names, (expr.span, &text), near))
     }
 
     /// A list of cells and of names of things in the task's scene, as it is written; `None` for what has to be evaluated first.
@@ -382,33 +354,7 @@ const SIDES_AT_ONCE: u64 = 16;
 
 /// Whether values of a sort are places and poses of a scene, which may be read off its image.
 fn is_of_scene(sort: Sort) -> bool {
-    match sort {
-        Sort::State | Sort::Target | Sort::Targets | Sort::Pose | Sort::Places => true,
-        Sort::Count { .. }
-        | Sort::Quantity { .. }
-        | Sort::Word(_)
-        | Sort::Cell
-        | Sort::Cells
-        | Sort::CountRows { .. }
-        | Sort::CountTables { .. }
-        | Sort::Size
-        | Sort::Pixel
-        | Sort::CountOrWord { .. }
-        | Sort::Flag
-        | Sort::Shape(_)
-        | Sort::Table(_)
-        | Sort::Object(_)
-        | Sort::Site(_)
-        | Sort::Sites(_)
-        | Sort::Name
-        | Sort::Control
-        | Sort::Vector { .. }
-        | Sort::Contacts
-        | Sort::Orientation
-        | Sort::Curve
-        | Sort::Text
-        | Sort::Board(_) => false,
-    }
+    matches!(sort, Sort::State | Sort::Target | Sort::Targets | Sort::Pose | Sort::Places)
 }
 
 /// `true` or `false`, if that stands there.

@@ -114,7 +114,11 @@ fn power(span: Span, left: Operand, right: Operand) -> Diagnosed<Value> {
         return Err(Box::new(errors::unlike_operands("^", left, right)));
     };
     if base.dimension == Dimension::NUMBER && exponent.dimension == Dimension::NUMBER {
-        return Ok(Value::number(base.si.power(exponent.si)));
+        return match base.si.power(exponent.si) {
+            _ if base.si == 0.0 && exponent.si < 0.0 => Err(Box::new(errors::division_by_zero(left.0))),
+            power if power.is_nan() => Err(Box::new(errors::root_of_negative(left.0, base.si))),
+            power => Ok(Value::number(power)),
+        };
     }
     let Some(whole) = whole(*exponent).and_then(|number| i32::try_from(number).ok()) else {
         return Err(Box::new(errors::bad_exponent(right.0, right.1)));

@@ -144,6 +144,9 @@ impl Loader<'_> {
                     return None;
                 };
                 let stem = path.rsplit('/').next().unwrap_or(&path).trim_end_matches(".twz").to_owned();
+                if let Some(library) = library_named(&path).filter(|_| !is_name(&stem)) {
+                    return Some((library.to_owned(), text.span));
+                }
                 if !is_name(&stem) {
                     self.sink.push(errors::file_without_name(text.span, &path, &stem));
                 }
@@ -187,6 +190,10 @@ impl Loader<'_> {
         match self.library.read(&from, path) {
             Ok((name, text)) => self.module(&name, &text, Origin::User, span),
             Err(why) => {
+                if let Some(name) = library_named(path) {
+                    self.sink.push(errors::library_in_quotes(span, name));
+                    return None;
+                }
                 let chain: Vec<String> = self.open.iter().map(|(name, _)| self.library.shown(name)).collect();
                 self.sink.push(errors::missing_file(span, &format!("`{path}`"), &why, &chain));
                 None
@@ -214,6 +221,13 @@ impl Loader<'_> {
         }
         Some(self.file((name, span), text, origin))
     }
+}
+
+/// The file of the standard library that a path in quotes names: `"std.dimibot"`, `"dimibot.twz"`.
+fn library_named(path: &str) -> Option<&str> {
+    let name = path.strip_prefix("std").map_or(path, |name| name.trim_start_matches(['.', '/']));
+    let name = name.trim_end_matches(".twz");
+    stdlib::file(name).is_some().then_some(name)
 }
 
 /// Whether a file's own name can stand before a dot.

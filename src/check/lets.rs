@@ -110,7 +110,7 @@ impl Checker<'_> {
 
     /// Where the names in the value of a `--set` are looked up: at the top of the program's own file.
     fn top_of_settings(&self) -> Scope {
-        Scope::top(0, self.modules[0].tree.file)
+        Scope::top(0)
     }
 
     /// Evaluates an argument of a step or a run.

@@ -3,7 +3,9 @@
 use super::scope::Scope;
 use super::value::{MeshFile, Value};
 use super::{Checker, errors};
+use crate::diagnostic::Diagnostic;
 use crate::geometry::mesh::Mesh;
+use crate::source::Span;
 use crate::syntax::tree::{self, Expr, ExprKind, Item, SceneEntry, Text};
 use std::rc::Rc;
 
@@ -14,17 +16,10 @@ const FIELD: &str = "file";
 pub fn named(tree: &tree::Tree) -> Vec<&Text> {
     let mut found = Vec::new();
     for item in &tree.items {
-        match item {
-            Item::Let(item) => in_expr(&item.value, &mut found),
-            Item::Scene(item) => in_scene(&item.entries, &mut found),
-            Item::Use(_)
-            | Item::Device(_)
-            | Item::Instrument(_)
-            | Item::Output(_)
-            | Item::Task(_)
-            | Item::Program(_)
-            | Item::Wiring(_)
-            | Item::Error(_) => {}
+        if let Item::Let(item) = item {
+            in_expr(&item.value, &mut found);
+        } else if let Item::Scene(item) = item {
+            in_scene(&item.entries, &mut found);
         }
     }
     found
@@ -74,16 +69,7 @@ fn in_expr<'t>(expr: &'t Expr, found: &mut Vec<&'t Text>) {
 impl Checker<'_> {
     /// The mesh of a file that was read with the program; `None` after an error.
     pub fn accept_mesh(&mut self, expr: &Expr, scope: &Scope) -> Option<Value> {
-        let path = match &expr.kind {
-            ExprKind::Text(text) => text.plain(),
-            ExprKind::Error => return None,
-            _ => None,
-        };
-        let Some(path) = path else {
-            self.sink.push(errors::mesh_file_not_plain(expr.span));
-            return None;
-        };
-        let key = (scope.module, path);
+        let key = self.named_file(expr, scope, errors::mesh_file_not_plain)?;
         if !self.meshes.contains_key(&key) {
             // A file that could not be read was reported where the program was loaded.
             let text = self.modules[scope.module].named_files.get(&key.1)?;
@@ -97,5 +83,23 @@ impl Checker<'_> {
             self.meshes.insert(key.clone(), mesh);
         }
         self.meshes.get(&key).cloned().flatten().map(Value::Mesh)
+    }
+
+    /// The module and the path of a file that a string names; `not_plain` reports what is no string without braces.
+    pub fn named_file(
+        &mut self,
+        expr: &Expr,
+        scope: &Scope,
+        not_plain: fn(Span) -> Diagnostic,
+    ) -> Option<(usize, String)> {
+        let path = match &expr.kind {
+            ExprKind::Text(text) => text.plain(),
+            ExprKind::Error => return None,
+            _ => None,
+        };
+        if path.is_none() {
+            self.sink.push(not_plain(expr.span));
+        }
+        path.map(|path| (scope.module, path))
     }
 }

@@ -128,7 +128,7 @@ fn clock_ns(time: Quantity, span: Span, what: &str, sink: &mut Sink) -> Option<u
         sink.push(errors::time_out_of_clock(span, what, &time.to_string(), &format!("at most {limit} is allowed")));
         return None;
     }
-    if ns < 1.0 && time.si > 0.0 {
+    if time.in_unit("ns") < 1.0 && time.si > 0.0 {
         sink.push(errors::time_out_of_clock(span, what, &time.to_string(), "the least is 1 ns"));
         return None;
     }
@@ -251,6 +251,8 @@ pub(crate) struct Checker<'a> {
     /// Files of boards in the same way.
     boards: BTreeMap<(usize, String), Option<Rc<value::BoardFile>>>,
     repetitions: usize,
+    /// Whether a `for` repeats nothing, so that names in its body are not known to be used.
+    has_idle_loop: bool,
     /// What each name stands for, where an editor asks.
     links: Option<FxHashSet<links::NameLink>>,
     budget: budget::CheckBudget,
@@ -297,6 +299,7 @@ impl<'a> Checker<'a> {
             meshes: BTreeMap::new(),
             boards: BTreeMap::new(),
             repetitions: 0,
+            has_idle_loop: false,
             links: None,
             budget: budget::CheckBudget::default(),
         }
@@ -326,7 +329,7 @@ impl<'a> Checker<'a> {
     }
 
     fn top(&self, place: DeclarationPlace) -> Scope {
-        Scope::top(place.module, self.modules[place.module].tree.file)
+        Scope::top(place.module)
     }
 
     /// The declaration at a place.
@@ -475,6 +478,7 @@ impl<'a> Checker<'a> {
             return;
         }
         let elements = self.elements(&each.over, scope);
+        self.has_idle_loop |= elements.is_empty();
         // Inside another loop, or with parameters, zero iterations may be intended.
         if elements.is_empty() && scope.local_names().next().is_none() {
             self.sink.push(errors::repeats_nothing(each.over.span));

@@ -27,17 +27,10 @@ pub fn leave_out(modules: &mut [Module], faults: &[Span]) -> LeftOut {
     let mut left_out = LeftOut::default();
     for module in modules.iter_mut().filter(|module| !module.is_library()) {
         for item in &mut module.tree.items {
-            match item {
-                Item::Task(task) => of_task(task, faults, &mut left_out),
-                Item::Scene(scene) => of_scene(&mut scene.entries, faults, &mut left_out),
-                Item::Use(_)
-                | Item::Let(_)
-                | Item::Device(_)
-                | Item::Instrument(_)
-                | Item::Output(_)
-                | Item::Program(_)
-                | Item::Wiring(_)
-                | Item::Error(_) => {}
+            if let Item::Task(task) = item {
+                of_task(task, faults, &mut left_out);
+            } else if let Item::Scene(scene) = item {
+                of_scene(&mut scene.entries, faults, &mut left_out);
             }
         }
     }

@@ -5,7 +5,7 @@ use super::errors;
 use super::value::Value;
 use crate::device::{Kind, shape::ShapeForm};
 use crate::diagnostic::Sink;
-use crate::source::{FileId, Origin, Span, Spanned};
+use crate::source::{Origin, Span, Spanned};
 use crate::syntax::tree::{self, Ident, Item, Tree};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -172,7 +172,8 @@ impl Module {
     /// Whether a file that could not be used, or a `use` that could not be read, may be behind a name.
     pub fn has_broken_use(&self, name: &str) -> bool {
         let is_library = crate::stdlib::file(name).is_some();
-        self.imports.values().any(|import| import.module.is_none()) || (is_library && self.has_broken_parts())
+        let may_be_read = is_library || self.is_broken(name);
+        self.imports.values().any(|import| import.module.is_none()) || (may_be_read && self.has_broken_parts())
     }
 
     /// The name that a file of the library was given by `as`, and where.
@@ -221,11 +222,10 @@ pub fn keeper(name: &str) -> Option<&'static str> {
     outcome.then_some("an outcome that `require` compares")
 }
 
-/// Where an expression stands: its file and the names of its block.
+/// Where an expression stands: its module and the names of its block.
 #[derive(Debug, Clone)]
 pub struct Scope {
     pub module: usize,
-    pub file: FileId,
     /// The image that places in pixels refer to here.
     pub view: View,
     locals: Vec<Local>,
@@ -243,8 +243,8 @@ pub struct Local {
 
 impl Scope {
     /// The top of a file.
-    pub fn top(module: usize, file: FileId) -> Scope {
-        Scope { module, file, view: View::None, locals: Vec::new() }
+    pub fn top(module: usize) -> Scope {
+        Scope { module, view: View::None, locals: Vec::new() }
     }
 
     /// The scope with another view.

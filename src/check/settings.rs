@@ -69,7 +69,7 @@ impl Checker<'_> {
         if let Some((module, declaration)) = declared.filter(|(_, d)| d.sort == DeclarationSort::Let) {
             return Some(DeclarationPlace { module, item: declaration.item });
         }
-        let known = self.names_in_reach(&Scope::top(0, own.tree.file), DeclarationSort::Let);
+        let known = self.names_in_reach(&Scope::top(0), DeclarationSort::Let);
         let help = match nearest(name, known.iter().map(String::as_str)) {
             Some(near) => format!("did you mean `{near}`?"),
             None if known.is_empty() => "the file declares no value with `let`".to_owned(),

@@ -6,6 +6,10 @@ use super::value::{TableValue, Value, whole};
 use crate::device::{self, Need, Sort};
 use crate::quantity::{Dimension, digits};
 use crate::source::{Span, Spanned};
+use std::ops::RangeInclusive;
+
+/// Sizes of the quantities of devices and steps, in SI units: products of a few of them stay within the range of numbers.
+const SIZES_SI: RangeInclusive<f64> = 1e-40..=1e40;
 
 /// Whether a value is of a sort.
 pub fn judge(
@@ -217,6 +221,11 @@ fn judge_quantity(
         }
         Value::Quantity(quantity) if !range.holds(quantity.si) => {
             Err(Box::new(errors::out_of_range(wanted, span, &quantity.to_string(), range.text())))
+        }
+        Value::Quantity(quantity) if quantity.si != 0.0 && !SIZES_SI.contains(&quantity.si.abs()) => {
+            let [least, most] = [SIZES_SI.start(), SIZES_SI.end()].map(|si| digits(*si));
+            let limit = format!("0, or from {least} to {most} in SI units");
+            Err(Box::new(errors::out_of_range(wanted, span, &quantity.to_string(), &limit)))
         }
         Value::Quantity(_) => Ok(()),
         _ => Err(Box::new(errors::wrong_dimension(wanted, dimension, span, value))),

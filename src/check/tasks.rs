@@ -314,7 +314,7 @@ impl<'a> Checker<'a> {
 
     /// A scope for words, which are looked up in tables and not among names.
     fn nowhere(&self) -> Scope {
-        Scope::top(0, self.modules[0].tree.file)
+        Scope::top(0)
     }
 
     fn planner(

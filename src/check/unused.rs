@@ -6,12 +6,12 @@ use super::{Checker, errors};
 impl Checker<'_> {
     /// Warns of unused names of the program's own file; other files are there to be used by several.
     ///
-    /// Next to an error they would mislead: an unreadable part may well use the name. A file that builds
-    /// nothing is there to be used as well.
+    /// Next to an error they would mislead: an unreadable part may well use the name, and so may the body of a loop that was never
+    /// entered. A file that builds nothing is there to be used as well.
     pub fn warn_of_unused(&mut self) {
         let module = &self.modules[0];
         let builds = self.declares(DeclarationSort::Task) || self.declares(DeclarationSort::Program);
-        if self.sink.errors() > 0 || !builds {
+        if self.sink.errors() > 0 || self.has_idle_loop || !builds {
             return;
         }
         for (name, declaration) in &module.names {

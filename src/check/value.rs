@@ -177,21 +177,7 @@ impl Value {
                 format!("the plain number {quantity}")
             }
             Value::Quantity(quantity) => format!("{} ({quantity})", quantity.dimension.with_article()),
-            Value::Bool(_)
-            | Value::Text(_)
-            | Value::Word(_)
-            | Value::Point(_)
-            | Value::Pose(_)
-            | Value::List(_)
-            | Value::Range { .. }
-            | Value::Orientation(_)
-            | Value::Curve(_)
-            | Value::Mesh(_)
-            | Value::Board(_)
-            | Value::Shape(_)
-            | Value::Table(_)
-            | Value::Object(_)
-            | Value::Unknown => self.describe(),
+            _ => self.describe(),
         }
     }
 

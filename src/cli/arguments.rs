@@ -246,6 +246,13 @@ pub struct ToleranceArguments {
     pub time_tolerance: u64,
 }
 
+impl ToleranceArguments {
+    /// Whether anything is granted.
+    pub fn is_any(&self) -> bool {
+        self.path_tolerance + self.goal_tolerance + self.heading_tolerance > 0.0 || self.time_tolerance > 0
+    }
+}
+
 #[derive(Debug, Args)]
 pub struct ViewArguments {
     /// The program or the log to show

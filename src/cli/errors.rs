@@ -69,6 +69,12 @@ pub fn not_recorded(path: &Path, error: &io::Error) -> Diagnostic {
     Diagnostic::new(Code::E0804, format!("cannot record in `{}`: {}", path.display(), reason(error))).help(help)
 }
 
+/// A recording that had begun.
+pub fn not_recorded_on(path: &Path, error: &io::Error) -> Diagnostic {
+    Diagnostic::new(Code::E0804, format!("cannot go on recording in `{}`: {}", path.display(), reason(error)))
+        .help("the run was stopped; the file ends in the middle: `mcap recover` saves what it has")
+}
+
 pub fn not_replaced(path: &Path, error: &io::Error) -> Diagnostic {
     Diagnostic::new(Code::E0804, format!("cannot write `{}`: {}", path.display(), reason(error)))
         .help("the file is unchanged; `tweeze fmt - < FILE` writes the canonical form to standard output")

@@ -5,7 +5,7 @@ use super::library::Disk;
 use super::{Exit, terminal};
 use crate::lsp::{self, SessionEnd};
 use lsp_server::{Connection, Message};
-use std::io::{self, BufRead, IsTerminal, Read};
+use std::io::{self, BufRead, IsTerminal, Read, Write};
 use std::sync::{Arc, OnceLock};
 use std::thread;
 
@@ -39,10 +39,14 @@ pub fn run() -> Exit {
         let mut input = io::stdin().lock();
         let read = loop {
             match next(&mut input) {
-                Ok(Some(message)) => match client.send(message) {
+                Ok(Some(Ok(message))) => match client.send(message) {
                     Ok(()) => {}
                     // The session has ended.
                     Err(_) => break Ok(()),
+                },
+                Ok(Some(Err(refused))) => match refused.write() {
+                    Ok(()) => {}
+                    Err(why) => break Err(why),
                 },
                 Ok(None) => break Ok(()),
                 Err(why) => break Err(why),
@@ -53,8 +57,8 @@ pub fn run() -> Exit {
         }
     });
     let writer = thread::spawn(move || {
-        let mut output = io::stdout().lock();
-        receiver.into_iter().try_for_each(|message| message.write(&mut output))
+        // Locked for each message: what is refused is answered in between.
+        receiver.into_iter().try_for_each(|message| message.write(&mut io::stdout().lock()))
     });
     let ended = lsp::serve(&connection, &|path, with| with(&Disk::round(path)), &mut planner);
     drop(planner);
@@ -71,34 +75,66 @@ pub fn run() -> Exit {
     Exit::Errors
 }
 
+/// A message of the right length that says nothing: the next one can be read all the same.
+struct RefusedMessage {
+    /// Of JSON-RPC: -32700 for what is no JSON, -32600 for what is no message.
+    code: i32,
+    why: String,
+}
+
+impl RefusedMessage {
+    /// Answers it. Which request it was is not known.
+    fn write(&self) -> io::Result<()> {
+        let error = serde_json::json!({"code": self.code, "message": self.why});
+        let text = serde_json::json!({"jsonrpc": "2.0", "id": null, "error": error}).to_string();
+        let mut output = io::stdout().lock();
+        write!(output, "Content-Length: {}\r\n\r\n{text}", text.len())?;
+        output.flush()
+    }
+}
+
 /// The next message; `None` at the end. The length that its header gives is judged before there is room made for it.
-fn next(input: &mut impl BufRead) -> io::Result<Option<Message>> {
-    let mut message = Vec::new();
-    let mut length = 0;
+fn next(input: &mut impl BufRead) -> io::Result<Option<Result<Message, RefusedMessage>>> {
+    let mut length = None;
     loop {
-        let start = message.len();
-        input.take(MAX_HEADER_LINE_BYTES).read_until(b'\n', &mut message)?;
-        let line = String::from_utf8_lossy(&message[start..]);
-        let field = line.trim_end().split_once(':');
-        if let Some((_, value)) = field.filter(|(name, _)| name.eq_ignore_ascii_case("Content-Length")) {
+        let mut line = Vec::new();
+        input.take(MAX_HEADER_LINE_BYTES).read_until(b'\n', &mut line)?;
+        if line.is_empty() {
+            return Ok(None);
+        }
+        let line = String::from_utf8_lossy(&line);
+        if line.trim_end().is_empty() {
+            break;
+        }
+        let Some((name, value)) = line.trim_end().split_once(':') else {
+            return Err(invalid(format!(
+                "a header with the line `{}`, which has no colon",
+                terminal::name(line.trim_end())
+            )));
+        };
+        if name.eq_ignore_ascii_case("Content-Length") {
             let wrong = |_| {
                 invalid(format!(
                     "a header with the length `{}`, which is no number of bytes",
                     terminal::name(value.trim())
                 ))
             };
-            length = value.trim().parse().map_err(wrong)?;
-        }
-        // The library refuses a header that is not well formed.
-        if line.trim_end().is_empty() || field.is_none() {
-            break;
+            length = Some(value.trim().parse().map_err(wrong)?);
         }
     }
+    let length: u64 = length.ok_or_else(|| invalid("a header without `Content-Length`".to_owned()))?;
     if length > MAX_MESSAGE_BYTES {
         return Err(invalid(format!("a message of {length} bytes; at most {MAX_MESSAGE_BYTES} are read")));
     }
-    input.take(length).read_to_end(&mut message)?;
-    Message::read(&mut message.as_slice())
+    let mut body = Vec::new();
+    input.take(length).read_to_end(&mut body)?;
+    if (body.len() as u64) < length {
+        return Err(invalid(format!("a message ends after {} of its {length} bytes", body.len())));
+    }
+    Ok(Some(serde_json::from_slice(&body).map_err(|error| match serde_json::from_slice::<serde_json::Value>(&body) {
+        Ok(_) => RefusedMessage { code: -32600, why: "this is no request, answer or notification".to_owned() },
+        Err(_) => RefusedMessage { code: -32700, why: format!("this is no JSON: {error}") },
+    })))
 }
 
 fn invalid(why: String) -> io::Error {

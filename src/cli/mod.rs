@@ -64,6 +64,7 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         }
     };
     terminal::choose_colour(invocation.color);
+    signals::outlive_limits();
     let worker = std::thread::Builder::new().stack_size(STACK_BYTES).spawn(move || dispatch(invocation.command));
     let exit = match worker.map(std::thread::JoinHandle::join) {
         Ok(Ok(exit)) => exit,

@@ -126,6 +126,12 @@ fn say_goodbye() -> MutexGuard<'static, bool> {
     in_place
 }
 
+/// A file beyond the limit of the process is from here on an error of the write, and not the end of the process.
+pub fn outlive_limits() {
+    #[cfg(unix)]
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::<AtomicBool>::default());
+}
+
 /// From here on, signals that ask the process to end wait for [`changing_files`]; asked again, nothing changes.
 pub fn catch() {
     static CAUGHT: Once = Once::new();

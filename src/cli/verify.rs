@@ -55,6 +55,11 @@ fn judge(arguments: &VerifyArguments) -> Result<String, Box<Refusal>> {
         log => judge_log(path, &bytes, log)?,
     };
     drop(bytes);
+    if arguments.tolerances.is_any() {
+        let text =
+            "tweeze: tolerances are for the recording of a controlled run; a plan keeps its claims without any\n";
+        terminal::to_stderr(text);
+    }
     if let Some(trusted) = &arguments.against {
         against(arguments, trusted, &judged)?;
     }

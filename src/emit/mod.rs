@@ -162,51 +162,40 @@ pub struct Provenance {
 pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Result<Vec<OutputFile>, EmitError> {
     let schedule = verified.schedule();
     check_finite(schedule)?;
-    let file = |ending: &str, bytes| OutputFile { name: format!("{}.{ending}", schedule.name), bytes };
     parts::refuse_holds(format, schedule)?;
+    let named = |ending: &str, bytes| (ending.to_owned(), bytes);
     let signals = Signals::new(schedule);
-    match format {
+    let files: Vec<(String, Vec<u8>)> = match format {
         Format::Mcap => {
-            let log = mcap::write(verified, provenance)?;
-            Ok(vec![file("mcap", log), file("lichtblick.json", mcap::layout::write(verified))])
+            let [log, layout] = mcap::write(verified, provenance)?;
+            vec![named("mcap", log), named("lichtblick.json", layout)]
         }
-        Format::Json => Ok(vec![file("json", json::write(schedule))]),
-        Format::Csv => Ok(vec![file("csv", csv::write(&signals)?)]),
+        Format::Json => vec![named("json", json::write(schedule))],
+        Format::Csv => vec![named("csv", csv::write(&signals)?)],
         Format::Vcd => {
             let [waveforms, view] = vcd::write(&signals)?;
-            Ok(vec![file("vcd", waveforms), file("gtkw", view)])
+            vec![named("vcd", waveforms), named("gtkw", view)]
         }
         Format::Pwl => {
             let [sources, deck] = pwl::write(&signals)?;
-            Ok(vec![file("pwl.inc", sources), file("cir", deck)])
+            vec![named("pwl.inc", sources), named("cir", deck)]
         }
-        Format::Nidaqmx => {
-            Ok(nidaqmx::write(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
-        }
-        Format::Frames => Ok(frames::write(schedule, &dispensed(verified))?
-            .into_iter()
-            .map(|(ending, bytes)| file(&ending, bytes))
-            .collect()),
-        Format::Opendrop => {
-            Ok(frames::write_opendrop(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
-        }
-        Format::Microdrop => {
-            let files = write_microdrop(verified)?;
-            Ok(files.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
-        }
-        Format::Stages => {
-            let files = stages::write(schedule, verified.claims())?;
-            Ok(files.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect())
-        }
-        Format::Scpi => Ok(scpi::write(schedule)?.into_iter().map(|(ending, bytes)| file(&ending, bytes)).collect()),
+        Format::Nidaqmx => nidaqmx::write(schedule)?,
+        Format::Frames => frames::write(schedule, &dispensed(verified))?,
+        Format::Opendrop => frames::write_opendrop(schedule)?,
+        Format::Microdrop => write_microdrop(verified)?,
+        Format::Stages => stages::write(schedule, verified.claims())?,
+        Format::Scpi => scpi::write(schedule)?,
         Format::Gcode => {
             let programs = gcode::write(&signals, verified.claims())?;
-            Ok(programs.into_iter().map(|(of, program)| file(&format!("{of}.ngc"), program)).collect())
+            programs.into_iter().map(|(of, program)| (format!("{of}.ngc"), program)).collect()
         }
-        Format::Html => Ok(vec![file("html", html::write(verified, provenance)?)]),
-        Format::Svg => Ok(vec![file("svg", svg::write(verified, None)?)]),
-        Format::Sheet => Ok(vec![file("sheet.md", sheet::write(verified, provenance)?)]),
-    }
+        Format::Html => vec![named("html", html::write(verified, provenance)?)],
+        Format::Svg => vec![named("svg", svg::write(verified, None)?)],
+        Format::Sheet => vec![named("sheet.md", sheet::write(verified, provenance)?)],
+    };
+    let name = |(ending, bytes)| OutputFile { name: format!("{}.{ending}", schedule.name), bytes };
+    Ok(files.into_iter().map(name).collect())
 }
 
 /// The picture of one instant of a schedule, in nanoseconds from its start, instead of the strobes of [`Format::Svg`].

@@ -22,7 +22,10 @@ pub struct EditedText {
 
 impl EditedText {
     pub fn new(text: String) -> EditedText {
-        let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
+        // A CR alone ends a line, too, for an editor.
+        let ends =
+            text.match_indices(['\n', '\r']).filter(|(at, end)| *end == "\n" || !text[at + 1..].starts_with('\n'));
+        let lines = std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect();
         EditedText { text, lines }
     }
 
@@ -124,6 +127,14 @@ mod tests {
         assert_eq!(at(0, 11), text.as_str().find('😀').expect("it is there"));
         assert_eq!(at(0, 999), text.as_str().find('\r').expect("it is there"));
         assert_eq!([at(7, 0), at(1, 99), at(u32::MAX, u32::MAX)], [text.as_str().len(); 3]);
+    }
+
+    #[test]
+    fn a_cr_ends_a_line() {
+        let text = EditedText::new("a\rb\r\nc\n\rd".to_owned());
+        let begins: Vec<usize> =
+            (0..6).map(|line| text.offset(Position { line, character: 0 }, ColumnUnit::Utf16)).collect();
+        assert_eq!(begins, [0, 2, 5, 7, 8, 9]);
     }
 
     #[test]

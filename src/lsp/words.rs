@@ -9,7 +9,7 @@ use super::text::{ColumnUnit, EditedText};
 use crate::check::scope::{FUNCTIONS, function_form};
 use crate::device::instrument::{AuxiliarySort, Family};
 use crate::device::{Kind, Vocabulary, VocabularyField};
-use crate::syntax::tree::{Item, Tree, UsePath};
+use crate::syntax::tree::{Item, Tree, Use, UsePath};
 use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind};
 
 /// The words that begin a declaration, with its form.
@@ -75,20 +75,9 @@ pub fn hover(text: &EditedText, at: usize, unit: ColumnUnit, plans: &ProgramPlan
 /// The kinds that a text uses by their published devices; all if there is none.
 pub(super) fn kinds(tree: &Tree) -> Vec<&'static Vocabulary> {
     let used = |kind: &&Kind| {
-        tree.items.iter().any(|item| match item {
-            Item::Use(item) => match &item.path {
-                UsePath::Library { words, .. } => words.iter().any(|word| word.text == kind.name()),
-                UsePath::File(_) => false,
-            },
-            Item::Let(_)
-            | Item::Device(_)
-            | Item::Instrument(_)
-            | Item::Output(_)
-            | Item::Scene(_)
-            | Item::Task(_)
-            | Item::Program(_)
-            | Item::Wiring(_)
-            | Item::Error(_) => false,
+        tree.items.iter().any(|item| {
+            let Item::Use(Use { path: UsePath::Library { words, .. }, .. }) = item else { return false };
+            words.iter().any(|word| word.text == kind.name())
         })
     };
     let own: Vec<&Kind> = Kind::ALL.iter().filter(used).collect();

@@ -166,20 +166,28 @@ pub fn operations_exclude_one_another(step: Span, parts: &[&str], is_timed: bool
     Diagnostic::new(Code::E0601, title).label(step, searched).help(if is_timed { timed } else { help })
 }
 
+/// Labels the first parts, each place once; the step where there is none.
+fn labelled(
+    mut diagnostic: Diagnostic,
+    step: Span,
+    parts: &[(&str, Span)],
+    says: impl Fn(&str) -> String,
+) -> Diagnostic {
+    for (name, span) in parts.iter().take(MAX_LABELS) {
+        if diagnostic.labels.iter().all(|label| label.span != *span) {
+            diagnostic = diagnostic.label(*span, says(name));
+        }
+    }
+    if diagnostic.labels.is_empty() { diagnostic.label(step, "this step") } else { diagnostic }
+}
+
 /// Parts that block one another on the way to their goals.
 pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)], merge: Option<Span>) -> Diagnostic {
     let others = if parts.len() == 2 { "the other" } else { "the others" };
     let names: Vec<&str> = parts.iter().map(|(name, _)| *name).collect();
     let title = format!("no plan: {} cannot pass one another", all_of(&names));
-    let mut diagnostic = Diagnostic::new(Code::E0601, title);
-    let mut labelled: Vec<Span> = Vec::new();
-    for (name, span) in parts.iter().take(MAX_LABELS) {
-        if !labelled.contains(span) {
-            diagnostic = diagnostic.label(*span, format!("`{name}` is in the way of {others}"));
-            labelled.push(*span);
-        }
-    }
-    let diagnostic = if labelled.is_empty() { diagnostic.label(step, "this step") } else { diagnostic };
+    let says = |name: &str| format!("`{name}` is in the way of {others}");
+    let diagnostic = labelled(Diagnostic::new(Code::E0601, title), step, parts, says);
     match merge {
         Some(merge) => diagnostic.label(merge, "each of the two stays here from its first arrival on").help(
             "there is no room for them to pass as long as those that merge keep their place, as they do in a step: write it as \
@@ -208,16 +216,8 @@ pub fn excluded_by_channels(step: Span, parts: &[(&str, Span)]) -> Diagnostic {
     let names: Vec<&str> = parts.iter().map(|(name, _)| *name).collect();
     let title = format!("no plan: shared channels do not let {} come to their goals", all_of(&names));
     let title = if parts.len() == 1 { title.replace("their goals", "its goal") } else { title };
-    let mut labelled: Vec<Span> = Vec::new();
-    let mut diagnostic = Diagnostic::new(Code::E0601, title);
-    for (name, span) in parts.iter().take(MAX_LABELS) {
-        if !labelled.contains(span) {
-            diagnostic = diagnostic.label(*span, format!("what moves or holds `{name}` pulls others"));
-            labelled.push(*span);
-        }
-    }
-    let diagnostic = if labelled.is_empty() { diagnostic.label(step, "this step") } else { diagnostic };
-    diagnostic.help(UNSHARED)
+    let says = |name: &str| format!("what moves or holds `{name}` pulls others");
+    labelled(Diagnostic::new(Code::E0601, title), step, parts, says).help(UNSHARED)
 }
 
 /// Parts that could do their operations if each electrode had a channel of its own.

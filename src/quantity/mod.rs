@@ -304,11 +304,6 @@ impl Unit {
         let si = scaled * self.factor + self.zero;
         si.is_finite().then_some(Quantity { si, dimension: self.dimension, is_celsius: self.zero != 0.0 })
     }
-
-    /// How many base units one of this unit is.
-    pub fn scale(self) -> f64 {
-        self.factor * 10f64.whole_power(self.ten)
-    }
 }
 
 /// A unit in its usual spelling: `um` for `µm`. A text that is no unit stays as it is.

@@ -82,6 +82,11 @@ impl Cursor<'_> {
     fn stray(&mut self, at: usize) {
         if let Some(head) = self.head_end.take().filter(|_| self.text.as_bytes()[at] == b'}') {
             let line = around::line_before(self.text, head);
+            if line.ends_with(':') {
+                let mark = self.span(head - 1, head);
+                self.report(slips::colon_for_brace(mark, line).mended_here(" {"));
+                return self.replace(head - 1, head, "{");
+            }
             let last = around::token_before_sign(&self.text[..head]).len();
             let mark = self.span(head - last, head);
             self.report(slips::missing_brace(mark, line));

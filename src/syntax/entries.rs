@@ -11,7 +11,11 @@ use super::tree::{
     WiringEntry,
 };
 
+use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
+
+/// Steps that begin with the name of an object, never with the call of a function.
+const MOVERS: [&str; 5] = ["move", "merge", "drive", "dispense", "discard"];
 
 impl Reader<'_> {
     /// Reads the entries of a block; `read` gets each with the doc comment before it.
@@ -30,6 +34,8 @@ impl Reader<'_> {
             // `move to 19, 28`: one mistake, of which the comma makes two entries.
             let is_bad = child.as_rule() == Rule::bad_entry;
             if let Some(slip) = is_bad.then(|| slips::rest_of_place(self.span(&child), self.source)).flatten() {
+                // A bracket that closes what was not opened belongs to it.
+                self.forget_code(Code::E0112, slip.span().unwrap_or_default());
                 self.report(slip);
                 entries.pop();
                 continue;
@@ -152,6 +158,19 @@ impl Reader<'_> {
             }
         }
         let name = name?;
+        let is_place = |finding: &Diagnostic| {
+            finding.code == Code::E0108 && finding.span().is_some_and(|blank| span.contains(blank))
+        };
+        // The place of `part m1 : ea.droplet (1, 2)` was read as arguments.
+        if at.is_none()
+            && let Some(blank) = self.findings.iter().position(is_place)
+            && let Some(finding) = slips::object_without_at(span, &self.source[span.range()])
+        {
+            self.findings.remove(blank);
+            self.report(finding);
+            self.broken_names.push(name.name);
+            return None;
+        }
         if super::RESERVED.contains(&name.name.text.as_str()) {
             self.report(errors::reserved_name(&name.name));
         }
@@ -179,7 +198,14 @@ impl Reader<'_> {
             match part.as_rule() {
                 Rule::head_index => step.indices = self.indices(part),
                 Rule::noun => step.noun = part.into_inner().next().map(|word| self.ident(&word)),
-                Rule::step_expr => step.object = Some(self.object_of_step(part, step.noun.as_ref())),
+                Rule::step_expr => {
+                    let span = self.span(&part);
+                    step.object = Some(self.object_of_step(part, step.noun.as_ref()));
+                    // `move m1 (8, 9)` lacks a preposition, and has no blank too many.
+                    if MOVERS.contains(&step.head.text.as_str()) {
+                        self.forget_code(Code::E0108, span);
+                    }
+                }
                 Rule::phrase | Rule::late_phrase => step.phrases.extend(self.phrase(part)),
                 _ => step.block = Some(self.entries(part)),
             }

@@ -6,7 +6,7 @@ use super::around::{
 };
 use super::grammar::Rule;
 use super::tree::{Column, Ident};
-use super::words::{is_word, meant_preposition, starts_item};
+use super::words::{is_invisible, is_word, meant_preposition, starts_item};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
@@ -346,8 +346,15 @@ pub(super) fn foreign_character(span: Span, text: &str) -> Diagnostic {
         "±" => Some(""),
         _ => None,
     };
+    if written.chars().all(is_invisible) {
+        let codes: Vec<String> = written.chars().take(3).map(|c| format!("U+{:04X}", c as u32)).collect();
+        return Diagnostic::new(Code::E0118, format!("an invisible character, {}", codes.join(" ")))
+            .label(span, "it stands here")
+            .help("remove it: it often comes along with text that was copied from a page")
+            .mended_here("");
+    }
     let shown: String =
-        written.chars().flat_map(|c| if c.is_control() { c.escape_unicode().collect() } else { vec![c] }).collect();
+        written.chars().flat_map(|c| if is_invisible(c) { c.escape_unicode().collect() } else { vec![c] }).collect();
     let finding = Diagnostic::new(Code::E0118, format!("`{}` is not of the language", quote(&shown)))
         .label(span, "this character")
         .help(help);
@@ -423,12 +430,6 @@ pub(super) fn foreign_word(word: Span, text: &str) -> Diagnostic {
     Diagnostic::new(Code::E0122, format!("`{written}` is not a word of the language"))
         .label(word, "of another language")
         .help(super::foreign::help(written).unwrap_or_default())
-}
-
-pub(super) fn bad_loop(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0122, "a `for` in the manner of another language")
-        .label(first_word(span, "for".len()), "expected names, `in`, and a list or range")
-        .help("write `for i in 0..4 { … }` for 0 to 3, or `for p in list { … }`")
 }
 
 pub(super) fn let_in_block(span: Span, text: &str) -> Diagnostic {

@@ -54,44 +54,6 @@ fn method_call(span: Span, object: &str, method: &str) -> Option<Diagnostic> {
     Some(Diagnostic::new(Code::E0101, "a step in the manner of a call").label(whole, "steps are no methods").help(help))
 }
 
-/// `for i = 0:4`, `for i in 0:4`: the range of a loop, in which the end is meant to be.
-pub(super) fn colon_range(span: Span, source: &str) -> Option<Diagnostic> {
-    let text = source[span.range()].lines().next()?;
-    let name = text.strip_prefix("for")?.trim_start();
-    let counter = token_at(name, 0);
-    let rest = name[counter.len()..].trim_start();
-    let range = rest.strip_prefix("in").or_else(|| rest.strip_prefix('='))?.trim_start();
-    let digits = |text: &str| text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit()).len();
-    let (first, last) = range.split_once(':')?;
-    let last = &last[..digits(last)];
-    let end = last.parse::<u32>().ok()?.checked_add(1)?;
-    let start = span.start as usize + (text.len() - range.len());
-    let place = part(span, start, start + first.len() + 1 + last.len());
-    (!first.is_empty() && digits(first) == first.len() && counter.starts_with(is_word)).then(|| {
-        Diagnostic::new(Code::E0122, "a range in the manner of another language")
-            .label(place, "a range is written with `..`, and its end is not in it")
-            .help(format!("write `for {counter} in {first}..{end} {{ … }}` for {first} to {last}"))
-    })
-}
-
-/// A loop as it should be, with something behind its braces on the same line.
-pub(super) fn after_loop(span: Span, source: &str) -> Option<Diagnostic> {
-    let text = &source[span.range()];
-    let (head, body) = text.split_once('{')?;
-    let mut words = head.strip_prefix("for")?.split_whitespace();
-    let is_ours = words.next().is_some_and(|name| name.starts_with(is_word)) && words.any(|word| word == "in");
-    let mut depth = 1;
-    let closes = |(_, sign): &(usize, char)| {
-        depth += i32::from(*sign == '{') - i32::from(*sign == '}');
-        depth == 0
-    };
-    let (close, _) = body.char_indices().filter(|_| is_ours).find(closes)?;
-    let behind = body[close + 1..].lines().next()?;
-    let word = behind.trim_start();
-    let end = span.start as usize + head.len() + 1 + close + 1;
-    (word.starts_with(is_word)).then(|| super::errors::joined(part(span, end, end + behind.len() - word.len()), source))
-}
-
 /// What stopped reading inside the list of a declaration at `at`: a matrix, or a loop.
 pub(super) fn list(span: Span, at: usize, source: &str) -> Option<Diagnostic> {
     let text = &source[span.start as usize..at];

@@ -21,6 +21,35 @@ fn devices(source: &str) -> impl Iterator<Item = &str> {
     declared(source, "device ")
 }
 
+/// `use std.dimibot lab`, `use std/dimibot as lab`, `use std::dimibot`.
+pub(super) fn of_use(span: Span, text: &str) -> Option<Diagnostic> {
+    let line = text.lines().next()?.trim_end();
+    let written = line.strip_prefix("use")?.trim_start();
+    let (path, behind) = match written.strip_prefix('"') {
+        Some(inside) => written.split_at(inside.find('"')? + 2),
+        None => written.split_at(written.find([' ', '\t']).unwrap_or(written.len())),
+    };
+    let words: Vec<&str> = behind.split_whitespace().collect();
+    let alias = match words[..] {
+        [] => String::new(),
+        [alias] | ["as" | "=" | "->" | "named", alias] if alias.chars().all(is_word) => format!(" as {alias}"),
+        _ => return None,
+    };
+    let path = if path.starts_with('"') { path.to_owned() } else { path.replace("::", ".").replace(['/', '\\'], ".") };
+    let is_path = path.starts_with('"') || path.split('.').all(|word| !word.is_empty() && word.chars().all(is_word));
+    let mended = format!("use {path}{alias}");
+    (is_path && mended != line).then(|| {
+        let start = span.start as usize + (line.len() - written.len());
+        Diagnostic::new(Code::E0124, "a `use` in the manner of another language")
+            .label(
+                part(span, start, span.start as usize + line.len()),
+                "expected a file, and `as` before another name for it",
+            )
+            .help(format!("write `{}`", quote(&mended)))
+            .mended_here(&mended["use ".len()..])
+    })
+}
+
 /// The slip in the head of a declaration, of which `rest` could not be read, if it is a known one.
 pub(super) fn slip(rest: Span, rule: Rule, item: Span, source: &str) -> Option<Diagnostic> {
     let written = &source[rest.range()];
@@ -33,6 +62,9 @@ pub(super) fn slip(rest: Span, rule: Rule, item: Span, source: &str) -> Option<D
         return Some(habit);
     }
     if let Some(slip) = device_in_brackets(rest, behind, rule, source) {
+        return Some(slip);
+    }
+    if let Some(slip) = parameter(rest, behind, rule, source) {
         return Some(slip);
     }
     if head.text.starts_with('(') {
@@ -62,6 +94,59 @@ fn device_in_brackets(rest: Span, behind: usize, rule: Rule, source: &str) -> Op
     })
 }
 
+/// `task go(goal) on bot`, `task go(cell goal)`, `task go(goal = (1, 2))`: the first parameter that is none.
+fn parameter(rest: Span, behind: usize, rule: Rule, source: &str) -> Option<Diagnostic> {
+    let written = &source[rest.range()][..behind];
+    let open = written.find('(').filter(|_| matches!(rule, Rule::task_rest | Rule::program_rest))? + 1;
+    let mut at = rest.start as usize + open;
+    for entry in written[open..].strip_suffix(')')?.split(',') {
+        let text = entry.trim();
+        let start = at + (entry.len() - entry.trim_start().len());
+        at += entry.len() + 1;
+        let is_sound = text.split_once(':').is_some_and(|(name, sort)| is_name(name.trim()) && is_name(sort.trim()));
+        if text.is_empty() || is_sound {
+            continue;
+        }
+        let place = part(rest, start, start + text.len());
+        let finding = Diagnostic::new(Code::E0124, format!("`{}` is no parameter", quote(text)));
+        let finding = finding.label(place, "expected `NAME: SORT`");
+        let words: Vec<&str> = text.split_whitespace().collect();
+        let name = &text[..end_of_word(text, 0)];
+        return Some(match words[..] {
+            [first, second] if is_name(first) && is_name(second) => {
+                let (name, sort) = match first {
+                    "int" | "float" | "double" | "real" => (second, "number"),
+                    _ if SORTS.contains(&first) => (second, first),
+                    _ => (first, second),
+                };
+                finding.help(format!("write `{name}: {sort}`")).mended_here(format!("{name}: {sort}"))
+            }
+            _ if text.contains('=') && is_name(name) => finding.help(format!(
+                "write `{name}: SORT`, with a sort such as `cell` or `time`: a parameter has no value until it is run"
+            )),
+            _ => finding.help(format!(
+                "write `{}: SORT`, with a sort such as `number`, `time`, `cell` or `pose`",
+                if is_name(name) { name } else { "NAME" }
+            )),
+        });
+    }
+    None
+}
+
+/// Whether a field begins a text: a name and its colon.
+fn field_of(text: &str) -> bool {
+    let name = text.trim_start();
+    name.split_once(':').is_some_and(|(name, _)| is_name(name.trim_end()))
+}
+
+/// Sorts of parameters that people write before the name.
+const SORTS: [&str; 11] =
+    ["length", "time", "angle", "voltage", "force", "speed", "number", "cell", "place", "pose", "word"];
+
+fn is_name(text: &str) -> bool {
+    text.starts_with(|c: char| is_word(c) && !c.is_ascii_digit()) && text.chars().all(is_word)
+}
+
 /// The rest of a head, from where reading stopped.
 struct BrokenHead<'s> {
     rest: Span,
@@ -86,14 +171,33 @@ impl BrokenHead<'_> {
         finding.help(format!("write `{} {mend}`", self.before))
     }
 
-    /// `device bot = dimibot`, `device bot : dimibot(left: 5)`.
+    /// `device bot = dimibot`, `device bot dimibot {`, `device bot : dimibot(left: 5)`, `device bot : dimibot left: 5 }`.
     fn of_device(&self) -> Option<Diagnostic> {
+        if self.text.starts_with(is_word) {
+            let kind = token_at(self.text, 0);
+            let note = "between a device and its kind stands `:`";
+            let finding = self.wrong("`:` is missing", kind.len(), note, &format!(": {}", quote(self.text)));
+            return Some(finding.mended(self.mark(0, 0), ": "));
+        }
         if self.text.starts_with('=') {
             let mend = format!(": {}", quote(self.text[1..].trim()));
             let finding = self.wrong("`=` where `:` belongs", 1, "between a device and its kind stands `:`", &mend);
             return Some(finding.mended_here(":"));
         }
-        let at = self.text.find('(').filter(|_| self.text.starts_with(':'))?;
+        let base = self.text.strip_prefix(':')?.trim_start();
+        let base = &base[..base.len() - base.trim_start_matches(|c| is_word(c) || c == '.').len()];
+        let behind_base = self.text.find(base)? + base.len();
+        if field_of(&self.text[behind_base..]) {
+            let finding = Diagnostic::new(Code::E0124, "`{` is missing");
+            let finding =
+                finding.label(self.mark(behind_base - base.len(), base.len()), "fields stand in braces behind this");
+            return Some(
+                finding
+                    .help(format!("write `{} : {base} {{ {}", self.before, quote(self.text[behind_base..].trim())))
+                    .mended(self.mark(behind_base, 0), " {"),
+            );
+        }
+        let at = self.text.find('(')?;
         let fields = self.text[at + 1..].trim_end().trim_end_matches(')').trim();
         let finding = Diagnostic::new(Code::E0124, "`(` where `{` belongs");
         let finding = finding.label(self.mark(at, 1), "fields stand in braces");

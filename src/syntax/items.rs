@@ -112,6 +112,9 @@ impl Reader<'_> {
                         let slip = heads::slip(rest, rule, span, self.source);
                         let finding = slip.unwrap_or_else(|| errors::bad_head(rest, rule, span, self.source));
                         self.keep_mended_name(&finding);
+                        if finding.mend.iter().any(|edit| edit.text == " {") {
+                            self.forget_stray_brace(rest.start);
+                        }
                         self.report(finding);
                     }
                 }

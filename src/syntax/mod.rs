@@ -18,6 +18,7 @@ mod habits;
 mod heads;
 mod items;
 mod lexical;
+mod loops;
 mod reader;
 mod recover;
 mod repeated;

@@ -5,11 +5,13 @@ use super::errors::{self, ListPlace};
 use super::foreign;
 use super::grammar::{Grammar, Node, Rule};
 use super::habits;
+use super::heads;
+use super::loops;
 use super::reader::Reader;
 use super::slips;
 use super::tree::{Doc, Expr, Ident, Item};
 use super::words::PREPOSITIONS;
-use super::words::is_word;
+use super::words::{is_word, takes_block};
 use crate::diagnostic::{Code, Diagnostic, SourceEdit};
 use crate::source::Span;
 use pest::Parser;
@@ -31,6 +33,9 @@ const ITEMS: [(&str, Rule); 9] = [
 /// Steps that every kind of device knows: a second one of them on a line is a second step.
 const COMMON_HEADS: [&str; 10] =
     ["run", "wait", "pulse", "set", "together", "assay", "minimize", "require", "using", "start"];
+
+/// The words by which a file is taken, here and in other languages.
+const USES: [&str; 4] = ["use", "import", "include", "from"];
 
 /// Greatest number of wrong letters in a misspelt word.
 const MISSPELT: usize = 2;
@@ -61,12 +66,10 @@ impl Reader<'_> {
         }
         let finding = match word {
             "for" if place != ListPlace::Fields => {
-                self.forget_within(span);
                 // What its body would call the counter is no further mistake.
                 self.keep_name(span);
-                habits::colon_range(span, self.source)
-                    .or_else(|| habits::after_loop(span, self.source))
-                    .unwrap_or_else(|| errors::bad_loop(span))
+                let closes = self.rest_of_loop(span);
+                loops::slip(span, closes, self.source)
             }
             "let" => errors::let_in_block(span, text),
             _ if ITEMS.iter().any(|item| item.0 == word) => errors::item_in_block(span, word),
@@ -76,6 +79,26 @@ impl Reader<'_> {
             _ => self.diagnose(span, place),
         };
         self.report(finding);
+    }
+
+    /// Passes by what else stands on the line of a loop that could not be read, and by the `}` of a block that it did not open;
+    /// whether there is one.
+    fn rest_of_loop(&mut self, span: Span) -> bool {
+        let line = &self.source[span.start as usize..];
+        let line = &line[..line.find('\n').unwrap_or(line.len())];
+        let end = (span.start as usize + line.len()).max(span.end as usize);
+        self.forget_within(around::part(span, span.start as usize, end));
+        self.passed = end as u32;
+        !self.source[span.range()].contains('{') && !line.contains('{') && self.forget_stray_brace(span.end)
+    }
+
+    /// Drops the finding about the first `}` behind a place, where a `{` is missing that it would close; whether there is one.
+    pub fn forget_stray_brace(&mut self, behind: u32) -> bool {
+        let is_stray = |finding: &Diagnostic| {
+            finding.code == Code::E0112
+                && finding.span().is_some_and(|at| at.start >= behind && self.source[at.range()] == *"}")
+        };
+        self.findings.iter().position(is_stray).map(|stray| self.findings.remove(stray)).is_some()
     }
 
     /// Reports words that no declaration begins with; a declaration whose first word is misspelt is read all the same.
@@ -88,6 +111,9 @@ impl Reader<'_> {
             self.keep_name(span);
         }
         if foreign::help(word).is_some() {
+            if USES.contains(&word) {
+                self.keep_name(span);
+            }
             self.foreign_word(word.len(), span);
             return None;
         }
@@ -95,8 +121,10 @@ impl Reader<'_> {
             return None;
         }
         if let Some((_, rule)) = known {
-            if let Some(slip) = slips::colon_for_brace(span, text) {
-                self.report(slip);
+            let line = text.lines().next().unwrap_or_default().trim_end();
+            if line.ends_with(':') && takes_block(line) {
+                let at = span.start as usize + line.len();
+                self.report(slips::colon_for_brace(around::part(span, at - 1, at), line));
                 return None;
             }
             if wants_more(text) {
@@ -111,7 +139,10 @@ impl Reader<'_> {
                 return None;
             }
             let finding = match rule {
-                Rule::use_rest | Rule::let_rest => match habits::list(span, place, self.source) {
+                Rule::use_rest => {
+                    heads::of_use(span, text).unwrap_or_else(|| errors::bad_short_item(rest, *rule, self.source))
+                }
+                Rule::let_rest => match habits::list(span, place, self.source) {
                     Some(habit) => {
                         self.forget_within(span);
                         habit
@@ -144,6 +175,9 @@ impl Reader<'_> {
         let mut words = text.split([' ', '\t']).filter(|word| !word.is_empty()).skip(1);
         let slip = slips::comment(span, text).or_else(|| slips::field_outside(span, text));
         if let Some(slip) = slip.or_else(|| habits::import(span, text)) {
+            if USES.contains(&around::token_at(text, 0)) {
+                self.keep_name(span);
+            }
             return self.report(slip);
         }
         let finding = match words.next() {
@@ -179,10 +213,17 @@ impl Reader<'_> {
         }
     }
 
-    /// Keeps the name that a broken declaration would have declared: its second word, or its first before a `=`.
+    /// Keeps the name that a broken declaration would have declared: its second word, its first before a `=`, or the last of a `use`.
     fn keep_name(&mut self, span: Span) {
         let text = &self.source[span.range()];
         let first = around::token_at(text, 0);
+        if USES.contains(&first) {
+            let line = text.lines().next().unwrap_or_default().trim_end();
+            let name = &line[line.trim_end_matches(is_word).len()..];
+            let end = span.start as usize + line.len();
+            let place = around::part(span, end - name.len(), end);
+            return self.broken_names.push(Ident { text: name.to_owned(), span: place });
+        }
         let second =
             first.len() + (text[first.len()..].len() - text[first.len()..].trim_start_matches([' ', '\t']).len());
         let word = around::token_at(text, second);
@@ -214,6 +255,11 @@ impl Reader<'_> {
         let behind = rest.len() - rest.trim_start_matches([' ', '\t', ';']).len();
         let span = around::part(span, span.start as usize, span.end as usize + behind);
         self.findings.retain(|finding| !finding.span().is_some_and(|place| span.contains(place)));
+    }
+
+    /// Drops the findings of a code inside of a span.
+    pub fn forget_code(&mut self, code: Code, span: Span) {
+        self.findings.retain(|finding| finding.code != code || finding.span().is_none_or(|at| !span.contains(at)));
     }
 
     /// The finding for a fragment of which only its place is known: where parsing stopped and what was expected there.

@@ -56,8 +56,8 @@ impl Cursor<'_> {
             '/' if self.rest().starts_with("//") => return self.comment(),
             '/' if self.rest().starts_with("/*") => return lexical::block_comment(self),
             '#' => return lexical::foreign_comment(self),
-            // A unit elsewhere, but no line begins with one.
-            '%' if self.is_line_start => return lexical::foreign_comment(self),
+            // A unit elsewhere, but no line and no block begins with one.
+            '%' if self.is_line_start || self.last == b'{' => return lexical::foreign_comment(self),
             _ => {}
         }
         if self.is_line_start && first == '|' && self.outer_bars() {

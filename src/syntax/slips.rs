@@ -4,16 +4,19 @@
 use super::around::{self, part, quote, token_at};
 use super::errors::ListPlace;
 use super::habits;
-use super::words::{PREPOSITIONS, end_of_word, is_word, takes_block};
+use super::words::{PREPOSITIONS, end_of_word, is_word};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
 /// The slip that an unreadable entry of a block is, if it is a known one.
 pub(super) fn entry(span: Span, place: ListPlace, source: &str) -> Option<Diagnostic> {
     let text = &source[span.range()];
+    if let Some(finding) = foreign_comment(span, text) {
+        return Some(finding);
+    }
     match place {
         ListPlace::Wires => wire(span, source),
-        ListPlace::Scene => object_name(span, text),
+        ListPlace::Scene => object_name(span, text).or_else(|| object_without_at(span, text)),
         ListPlace::Steps => habits::step(span, source),
         ListPlace::Fields => None,
     }
@@ -24,9 +27,6 @@ fn wire(span: Span, source: &str) -> Option<Diagnostic> {
     let text = &source[span.range()];
     let channel = text.len() - text.trim_start_matches(|c| is_word(c) || matches!(c, '.' | '[' | ']')).len();
     let rest = text[channel..].trim_start();
-    if let Some(finding) = foreign_comment(span, text) {
-        return Some(finding);
-    }
     let sign = ["->", "=>", ":=", ":", "="].into_iter().find(|sign| rest.starts_with(sign))?;
     let output = rest[sign.len()..].trim();
     // The letter before the quotes of other languages.
@@ -79,7 +79,11 @@ fn foreign_comment(span: Span, text: &str) -> Option<Diagnostic> {
     let found = ["--", "%"].into_iter().filter_map(|mark| {
         let at = line.match_indices(mark).map(|(at, _)| at).find(|at| {
             let before = &line[..*at];
-            let is_percent = mark == "%" && before.trim_end().ends_with(|c: char| c.is_ascii_digit());
+            // A unit behind a number, or a remainder of names.
+            let words = line[at + mark.len()..].trim();
+            let are_words = words.contains(' ') && words.chars().all(|c| c.is_alphabetic() || " ,.".contains(c));
+            let is_unit = before.trim_end().ends_with(|c: char| c.is_ascii_digit());
+            let is_percent = mark == "%" && (is_unit || before.trim_end().ends_with(is_word) && !are_words);
             !is_percent && before.matches('"').count().is_multiple_of(2) && before.ends_with([' ', '\t'])
         })?;
         (!line[at + mark.len()..].trim().is_empty()).then_some((at, mark))
@@ -119,6 +123,21 @@ fn object_name(span: Span, text: &str) -> Option<Diagnostic> {
     )
 }
 
+/// `obstacle dust (12, 7)`, `part m1 : ea.droplet (12, 7)`.
+pub(super) fn object_without_at(span: Span, text: &str) -> Option<Diagnostic> {
+    let line = text.lines().next()?.trim_end();
+    let place = line.rfind('(').filter(|_| line.ends_with(')'))?;
+    let before = line[..place].trim_end();
+    let is_object = before.split_whitespace().count() == 2 || before.contains(':');
+    let at = span.start as usize + place;
+    (is_object && !before.ends_with(" at")).then(|| {
+        Diagnostic::new(Code::E0101, "`at` is missing")
+            .label(part(span, at, span.start as usize + line.len()), "`at` stands before the place of an object")
+            .help(format!("write `{} at {}`", quote(before), quote(&line[place..])))
+            .mended(part(span, at, at), "at ")
+    })
+}
+
 /// Where the value begins that ends a line, after `to`, `at`, `from`, `via` or `visit`.
 fn places_from(before: &str) -> Option<usize> {
     let seen = before.len() - around::before(before, before.len()).len();
@@ -144,6 +163,12 @@ pub(super) fn rest_of_place(span: Span, source: &str) -> Option<Diagnostic> {
     let (title, mend, brackets) = match written.starts_with('(') {
         true if is_via => ("places without a word between them", repeated_via(written), None),
         true => ("places without brackets around them", format!("write a list: `[{}]`", quote(written)), Some("[]")),
+        false if written.ends_with(')') && !written.contains('(') => {
+            let help = format!("write `({}`", quote(written));
+            let finding =
+                Diagnostic::new(Code::E0114, "`(` is missing").label(place, "it begins before this").help(help);
+            return Some(finding.mended(part(place, place.start as usize, place.start as usize), "("));
+        }
         false => ("coordinates without brackets around them", format!("write `({})`", quote(written)), Some("()")),
     };
     let finding = Diagnostic::new(Code::E0127, title).label(place, "a comma ends an entry here").help(mend);
@@ -369,15 +394,12 @@ pub(super) fn thousands_comma(span: Span, written: &str) -> Diagnostic {
         .help(format!("write `{}` or `{}`", quote(&thousand), quote(&one)))
 }
 
-/// `task fetch on bot:` with a block by indentation.
-pub(super) fn colon_for_brace(span: Span, text: &str) -> Option<Diagnostic> {
-    let head = text.lines().next()?.trim_end().strip_suffix(':')?;
-    let at = span.start as usize + head.len();
-    takes_block(head).then(|| {
-        Diagnostic::new(Code::E0124, "`:` where `{` belongs")
-            .label(part(span, at, at + 1), "a block stands in braces, however it is indented")
-            .help(format!("write `{} {{`, and `}}` where the block ends", quote(head.trim_end())))
-    })
+/// `task fetch on bot:`, with a block by indentation or one that `}` closes; `mark` is the colon, `head` the line.
+pub(super) fn colon_for_brace(mark: Span, head: &str) -> Diagnostic {
+    let head = head.trim_end_matches(':').trim_end();
+    Diagnostic::new(Code::E0124, "`:` where `{` belongs")
+        .label(mark, "a block stands in braces, however it is indented")
+        .help(format!("write `{} {{`, and `}}` where the block ends", quote(head)))
 }
 
 /// A file whose lines end in CR alone.

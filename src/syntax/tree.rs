@@ -59,20 +59,12 @@ impl Item {
 
     /// What `run` takes, if it is that: a task or a program.
     pub fn runnable(&self) -> Option<Runnable<'_>> {
-        match self {
-            Item::Task(Task { name, parameters, doc, entries, .. })
-            | Item::Program(Program { name, parameters, doc, entries, .. }) => {
-                Some(Runnable { name, parameters, doc, entries })
-            }
-            Item::Use(_)
-            | Item::Let(_)
-            | Item::Device(_)
-            | Item::Instrument(_)
-            | Item::Output(_)
-            | Item::Scene(_)
-            | Item::Wiring(_)
-            | Item::Error(_) => None,
-        }
+        let (Item::Task(Task { name, parameters, doc, entries, .. })
+        | Item::Program(Program { name, parameters, doc, entries, .. })) = self
+        else {
+            return None;
+        };
+        Some(Runnable { name, parameters, doc, entries })
     }
 }
 

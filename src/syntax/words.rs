@@ -64,3 +64,9 @@ pub(super) fn starts_item(line: &str) -> bool {
 pub(super) fn takes_block(item: &str) -> bool {
     ["scene", "task", "program", "wiring"].iter().any(|word| item.starts_with(word))
 }
+
+/// Control characters, and those that steer how text is laid out.
+pub(super) fn is_invisible(c: char) -> bool {
+    c.is_control()
+        || matches!(c, '\u{ad}' | '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
+}

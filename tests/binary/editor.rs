@@ -334,17 +334,28 @@ fn what_is_no_message_ends_the_server_with_a_sentence() {
     let reported = says_of(format!("Content-Length: {}\r\n\r\n{early}", early.len()).as_bytes());
     assert!(reported.contains("must be `initialize`") && !reported.contains("Notification"), "{reported}");
     let endless = [b'a'; 10_000];
-    for bytes in [
-        &b"Content-Length: 7\r\n\r\n{}"[..],
-        b"hello\r\n",
-        b"\r\n\r\n",
-        b"\xff\xfe",
-        &endless,
-        b"Content-Length: 2\r\n\r\n7}",
-    ] {
+    for bytes in [&b"Content-Length: 7\r\n\r\n{}"[..], b"hello\r\n", b"\r\n\r\n", b"\xff\xfe", &endless] {
         let reported = says_of(bytes);
         assert!(reported.starts_with("tweeze lsp: ") && reported.lines().count() == 1, "{reported}");
     }
+}
+
+#[test]
+fn a_message_that_says_nothing_is_refused_and_the_next_one_read() {
+    let framed = |body: &[u8]| [format!("Content-Length: {}\r\n\r\n", body.len()).as_bytes(), body].concat();
+    let initialize = br#"{"jsonrpc":"2.0","id":1,"method":"initialize","params":{"capabilities":{}}}"#;
+    let messages = [&b"{bad"[..], b"", b"\xff", b"{}", b"[]", initialize].map(framed).concat();
+    let mut server = Plain::new(env!("CARGO_BIN_EXE_tweeze"))
+        .arg("lsp")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    server.stdin.take().expect("it is open").write_all(&messages).expect("it reads");
+    let answers = String::from_utf8(server.wait_with_output().expect("it ends").stdout).expect("it is text");
+    assert_eq!((answers.matches("-32700").count(), answers.matches("-32600").count()), (3, 2), "{answers}");
+    assert!(answers.contains("\"capabilities\""), "{answers}");
 }
 
 /// The words of a program under test, by the place of the first letter of each, as `line:column`.

@@ -212,7 +212,7 @@ fn a_run_straight_ahead_begins_without_a_circle() {
 fn no_drive_goes_through_a_stone() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut chance = Random(5);
-    let (mut finished, mut blocked) = (0, 0);
+    let mut finished = 0;
     for _ in 0..CASES {
         let stones: String = (0..1 + chance.below(4))
             .map(|nth| {
@@ -235,15 +235,11 @@ fn no_drive_goes_through_a_stone() {
         match ended(folder.path(), &text, robots) {
             None => {}
             Some(Ended::Finished) => finished += 1,
-            Some(Ended::Blocked(thing)) => {
-                blocked += 1;
-                assert!(thing.starts_with("stone"), "{thing}\n{text}");
-                assert!(include_str!("../../schema/control.schema.json").contains("\"blocked\""), "the schema has it");
-            }
+            // A robot alone with stones at rest finds another way.
+            Some(Ended::Blocked(thing)) => panic!("it stopped before {thing}\n{text}"),
         }
     }
-    println!("{finished} finished, {blocked} stopped before a stone");
-    assert!(3 * finished > 2 * CASES && blocked >= 1, "{finished} finished, {blocked} stopped before a stone");
+    assert!(3 * finished > 2 * CASES, "{finished} finished");
 }
 
 #[test]

@@ -12,6 +12,7 @@ mod guaranteed;
 #[cfg(unix)]
 #[path = "../support/ignored.rs"]
 mod ignored;
+mod lost;
 #[path = "../support/random.rs"]
 mod random;
 mod recorded;

@@ -33,17 +33,9 @@ struct DrawnElectrode {
 
 /// The strings of a file that name boards: those after `map:` in its devices.
 pub fn named(tree: &tree::Tree) -> Vec<&Text> {
-    let devices = tree.items.iter().filter_map(|item| match item {
-        Item::Device(device) => Some(device),
-        Item::Use(_)
-        | Item::Let(_)
-        | Item::Scene(_)
-        | Item::Instrument(_)
-        | Item::Output(_)
-        | Item::Task(_)
-        | Item::Program(_)
-        | Item::Wiring(_)
-        | Item::Error(_) => None,
+    let devices = tree.items.iter().filter_map(|item| {
+        let Item::Device(device) = item else { return None };
+        Some(device)
     });
     let fields = devices.flat_map(|device| &device.fields).filter(|field| field.name.text == FIELD);
     fields
@@ -78,16 +70,7 @@ fn read(path: &str, text: &str, limits: BoardLimits) -> Result<BoardFile, String
 impl Checker<'_> {
     /// The board of a file that was read with the program; `None` after an error.
     pub fn accept_board(&mut self, limits: BoardLimits, expr: &Expr, scope: &Scope) -> Option<Value> {
-        let path = match &expr.kind {
-            ExprKind::Text(text) => text.plain(),
-            ExprKind::Error => return None,
-            _ => None,
-        };
-        let Some(path) = path else {
-            self.sink.push(errors::board_file_not_plain(expr.span));
-            return None;
-        };
-        let key = (scope.module, path);
+        let key = self.named_file(expr, scope, errors::board_file_not_plain)?;
         if !self.boards.contains_key(&key) {
             // A file that could not be read was reported where the program was loaded.
             let text = self.modules[scope.module].named_files.get(&key.1)?;

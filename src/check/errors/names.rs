@@ -175,10 +175,21 @@ pub fn missing_file(span: Span, what: &str, why: &str, chain: &[String]) -> Diag
     Diagnostic::new(Code::E0204, format!("{what} cannot be used: {why}")).label(span, "used here").help(help)
 }
 
+/// `use "std.dimibot"`, `use "dimibot.twz"`: a file of the library in quotes.
+pub fn library_in_quotes(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0204, "a file of the standard library in quotes")
+        .label(span, "quotes hold the path of a file of yours")
+        .help(format!("write `use std.{name}`"))
+        .mended_here(format!("std.{name}"))
+}
+
 pub fn unknown_library(span: Span, name: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {
     let finding =
         Diagnostic::new(Code::E0204, format!("the standard library has no `{name}`")).label(span, "used here");
-    if name.ends_with(".twz") {
+    if let Some(file) = name.strip_suffix(".twz") {
+        if known.contains(&file) {
+            return finding.help(format!("write `use {file}`: its files have no extension")).mended_here(file);
+        }
         return finding.help(format!("write `use \"{name}\"` for a file of yours")).mended_here(format!("\"{name}\""));
     }
     finding.near_or(near, format!("the standard library has {}", listed(known.iter().copied())))

@@ -310,6 +310,12 @@ pub fn not_finite(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0305, "a number too large to count with").label(span, "does not fit a double")
 }
 
+pub fn root_of_negative(span: Span, base: f64) -> Diagnostic {
+    Diagnostic::new(Code::E0305, "a negative number to a power that is not whole")
+        .label(span, format!("this is {base}"))
+        .help("no real number is its power: take the power of its size, `abs(…)`")
+}
+
 pub fn division_by_zero(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0305, "a division by zero").label(span, "this is 0")
 }

@@ -170,7 +170,7 @@ impl<'a> Checker<'a> {
         for (module, file) in modules.iter().enumerate().filter(|(_, file)| !file.is_library()) {
             for item in &file.tree.items {
                 let Item::Wiring(item) = item else { continue };
-                let mut scope = Scope::top(module, file.tree.file);
+                let mut scope = Scope::top(module);
                 let Some(mut panel) = self.panel(item, &scope) else { continue };
                 if let Some(earlier) = wirings.insert(panel.place, item.device.span) {
                     self.sink.push(errors::wired_twice(&panel.name, item.device.span, earlier));

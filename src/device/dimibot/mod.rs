@@ -157,11 +157,6 @@ impl DimibotFacts {
         1 << self.modules(side)
     }
 
-    /// Whether a cell exists.
-    pub fn holds(&self, cell: LatticeCell) -> bool {
-        cell.x < self.cells(Side::Left) && cell.y < self.cells(Side::Right)
-    }
-
     /// Nominal place of the end-effector in a cell, in the frame R1 from word 0.
     pub fn place_um(&self, cell: LatticeCell) -> [f64; 2] {
         [f64::from(cell.x) * self.pitch_um(Side::Left), f64::from(cell.y) * self.pitch_um(Side::Right)]

@@ -277,11 +277,6 @@ impl ElectrodeArrayFacts {
         (MAX_DROPLET_STEPS / room.min(parts as u64).max(1)).clamp(least, most)
     }
 
-    /// The middle of an electrode; the middle of electrode (1, 1) is the origin.
-    pub fn place_um(&self, cell: ElectrodeCell) -> [f64; 2] {
-        [f64::from(cell.column) - 1.0, f64::from(cell.row) - 1.0].map(|pitches| pitches * self.pitch_um())
-    }
-
     /// The channel of an electrode that shares it with none, without the device's name; a shared one has the name of the first of its
     /// electrodes.
     pub fn channel(cell: ElectrodeCell) -> String {

@@ -127,7 +127,7 @@ const VERBS: &[Verb] = &[
         object: Some(Sort::Object("part")),
         phrases: &[VocabularyPhrase { preposition: "at", sort: Sort::Contacts, count: Count::AtMostOnce }],
         block: None,
-        doc: "takes an object, or changes fingers, until each one holds the contact of its number; 0 is a free finger; \
+        doc: "takes an object, or changes fingers, until each one holds the contact of its number, and may roll it there and back; 0 is a free finger; \
               without `at` the planner chooses",
         example: "grasp bead at (1, 38)",
     },

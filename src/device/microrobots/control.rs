@@ -42,6 +42,8 @@ pub enum StopReason {
     Doubtful,
     /// A robot was measured too many times in a row where its commands cannot have brought it.
     Astray,
+    /// A robot was measured twice in a row at a place to which it cannot have come.
+    Moved,
     /// What would have to be driven next brings a robot into an obstacle or into another robot.
     Blocked,
     /// No measurement came in time.
@@ -54,4 +56,8 @@ pub enum StopReason {
     Garbled,
     /// A signal asked the controller to end.
     Interrupted,
+    /// A command could not be handed over in time.
+    Unread,
+    /// The recording could not be written.
+    Unrecorded,
 }

@@ -12,7 +12,8 @@ use std::io::{self, Write};
 /// log may be anything: unreadable parts count as different.
 pub fn difference(log_bytes: &[u8], verified: &Verified, provenance: &Provenance) -> Option<String> {
     let mut comparison = Comparison::with(log_bytes);
-    let written = super::write_to(&mut comparison, verified, provenance);
+    let topics = super::read_topics(verified).map(|(topics, _)| topics);
+    let written = topics.and_then(|topics| super::write_to(&mut comparison, topics, verified, provenance));
     match written {
         Ok(()) if comparison.is_whole() => None,
         Err(error) if !comparison.differs => Some(error.diagnostic().title),

@@ -72,7 +72,7 @@ const OUTLINE_POINTS: f64 = 300.0;
 
 impl Mover {
     /// `/<frame>/points`: the outline as points that go with the frame, for viewers that show no scenes; no points while it is gone.
-    pub fn points(&self) -> Option<LogTopic> {
+    pub(in crate::emit) fn points(&self) -> Option<LogTopic> {
         if self.outline.is_empty() {
             return None;
         }

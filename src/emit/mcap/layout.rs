@@ -5,8 +5,7 @@
 
 use super::foxglove::PointCloud;
 use super::frames::Mover;
-use super::{LogTopic, PictureBench, pictures, topics_and_movers};
-use crate::emit::Signals;
+use super::{LogTopic, PictureBench, pictures};
 use crate::log::{BOUND_SUFFIX, PERIOD_SUFFIX};
 use crate::verify::Verified;
 use prost::Message as _;
@@ -29,22 +28,20 @@ const DISTANCE_PER_SIZE: f64 = 1.4;
 const INSET_PART: f64 = 0.15;
 
 /// The bytes of the file.
-pub fn write(verified: &Verified) -> Vec<u8> {
-    let signals = Signals::new(verified.schedule());
-    let (topics, movers) = topics_and_movers(verified, &signals);
+pub(super) fn write(verified: &Verified, topics: &[LogTopic], movers: &[Mover]) -> Vec<u8> {
     let mut panels = Panels::default();
     let benches = PictureBench::all(verified);
     let mut views = Vec::new();
     for bench in benches.iter().take(MAX_DEVICES) {
-        let Some(scene) = SceneBox::of(&topics, bench.device) else { continue };
+        let Some(scene) = SceneBox::of(topics, bench.device) else { continue };
         let tilt_deg = pictures(&bench.job.order).tilt_deg();
-        let shown = scenes(&topics, bench.device);
+        let shown = scenes(topics, bench.device);
         views.push(panels.add("3D", view(bench.device, scene.middle, scene.size, tilt_deg, &shown)));
         if let Some(mover) = movers.iter().find(|mover: &&Mover| mover.device == bench.device) {
             views.push(panels.add("3D", view(&mover.frame, [0.0; 3], scene.size * INSET_PART, tilt_deg, &shown)));
         }
     }
-    let mut sides: Vec<String> = plots(verified, &topics).into_iter().map(|plot| panels.add("Plot", plot)).collect();
+    let mut sides: Vec<String> = plots(verified, topics).into_iter().map(|plot| panels.add("Plot", plot)).collect();
     sides.push(
         panels.add("RosOut", json!({ "topicToRender": "/log", "minLogLevel": 1, "searchTerms": [], "nameFilter": {} })),
     );
@@ -181,7 +178,8 @@ fn line(topic: &str, field: &str) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::emit::fixture;
+    use crate::emit::mcap::topics_and_movers;
+    use crate::emit::{Signals, fixture};
 
     /// Every panel of three dimensions, with its camera.
     fn views(layout: &Value) -> Vec<&Value> {
@@ -193,8 +191,8 @@ mod tests {
     fn a_layout_names_topics_of_the_log_and_its_cameras_see_the_scenes() {
         for make in [fixture::fetch, fixture::pair, fixture::bed, fixture::hand] {
             let (verified, _) = make();
-            let layout: Value = serde_json::from_slice(&write(&verified)).unwrap();
             let (topics, movers) = topics_and_movers(&verified, &Signals::new(verified.schedule()));
+            let layout: Value = serde_json::from_slice(&write(&verified, &topics, &movers)).unwrap();
             let names: BTreeSet<&str> = topics.iter().map(|topic| topic.name.as_str()).collect();
             let views = views(&layout);
             assert_eq!(views.len(), 2 * PictureBench::all(&verified).len(), "a view and a small one for each device");

@@ -110,27 +110,38 @@ fn pictures(order: &Order) -> &dyn Pictures {
     each_kind!(Order, order, order => order)
 }
 
-/// The bytes of the log.
+/// The bytes of the log, and those of a layout that shows it.
 ///
 /// # Errors
 /// [`EmitError::TooLarge`] beyond the limits of the log's reader; [`EmitError::Failed`] if the library fails.
-pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
+pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<[Vec<u8>; 2], EmitError> {
+    let (topics, movers) = read_topics(verified)?;
+    let layout = layout::write(verified, &topics, &movers);
+    drop(movers);
     let mut bytes = Vec::new();
-    write_to(&mut bytes, verified, provenance)?;
+    write_to(&mut bytes, topics, verified, provenance)?;
     bytes.shrink_to_fit();
-    Ok(bytes)
+    Ok([bytes, layout])
+}
+
+/// The topics of a log that its reader takes, and what moves in it.
+fn read_topics(verified: &Verified) -> Result<(Vec<LogTopic>, Vec<Mover>), EmitError> {
+    let signals = Signals::new(verified.schedule());
+    EmitError::refuse_size(Format::Mcap, voltages::estimated_bytes(&signals), log::MAX_DATA_BYTES)?;
+    let (topics, movers) = topics_and_movers(verified, &signals);
+    refuse_what_is_not_read(&topics)?;
+    Ok((topics, movers))
 }
 
 /// Writes the log. Its messages together, and the schedule that it carries, may each take several hundred megabytes: the former are
 /// gone before the latter is made.
-fn write_to(to: &mut dyn Write, verified: &Verified, provenance: &Provenance) -> Result<(), EmitError> {
+fn write_to(
+    to: &mut dyn Write,
+    topics: Vec<LogTopic>,
+    verified: &Verified,
+    provenance: &Provenance,
+) -> Result<(), EmitError> {
     let failed = |error: McapError| EmitError::Failed { format: Format::Mcap, detail: error.to_string() };
-    let topics = {
-        let signals = Signals::new(verified.schedule());
-        EmitError::refuse_size(Format::Mcap, voltages::estimated_bytes(&signals), log::MAX_DATA_BYTES)?;
-        topics(verified, &signals)
-    };
-    refuse_what_is_not_read(&topics)?;
     let mut writer = options().create(NoSeek::new(to)).map_err(failed)?;
     write_messages(&mut writer, topics).map_err(failed)?;
     let schedule = json::write(verified.schedule());

@@ -13,7 +13,7 @@ use crate::source::MAX_FILE_BYTES;
 use ::mcap::write::NoSeek;
 use ::mcap::{McapError, Writer, records};
 use std::collections::BTreeMap;
-use std::io::Write;
+use std::io::{self, Write};
 
 /// Messages after which the file is brought up to date.
 const FLUSHED_MESSAGES: u32 = 100;
@@ -67,23 +67,23 @@ impl<W: Write> Recorder<W> {
     /// Adds a line at the time of its measurement.
     ///
     /// # Errors
-    /// [`EmitError::Failed`] if it cannot be written.
-    pub fn add(&mut self, line: RecordedLine, t_ns: u64, json: &str) -> Result<(), EmitError> {
+    /// If it cannot be written.
+    pub fn add(&mut self, line: RecordedLine, t_ns: u64, json: &str) -> io::Result<()> {
         let (channel_id, sequence) = &mut self.topics[line as usize];
         let header =
             records::MessageHeader { channel_id: *channel_id, sequence: *sequence, log_time: t_ns, publish_time: t_ns };
         *sequence += 1;
         let is_due = *sequence % FLUSHED_MESSAGES == 0;
-        self.writer.write_to_known_channel(&header, json.as_bytes()).map_err(failed)?;
-        if is_due { self.writer.flush().map_err(failed) } else { Ok(()) }
+        self.writer.write_to_known_channel(&header, json.as_bytes()).map_err(of_disk)?;
+        if is_due { self.writer.flush().map_err(of_disk) } else { Ok(()) }
     }
 
     /// Ends the recording.
     ///
     /// # Errors
-    /// [`EmitError::Failed`] if it cannot be written.
-    pub fn finish(mut self) -> Result<(), EmitError> {
-        self.writer.finish().map(drop).map_err(failed)
+    /// If it cannot be written.
+    pub fn finish(mut self) -> io::Result<()> {
+        self.writer.finish().map(drop).map_err(of_disk)
     }
 }
 
@@ -108,9 +108,17 @@ fn again(
             ControlLine::Command(line) => (RecordedLine::Command, line.t_ns),
         };
         last_ns = t_ns;
-        recorder.add(kind, t_ns, text)?;
+        recorder.add(kind, t_ns, text).map_err(|error| failed(McapError::Io(error)))?;
     }
-    recorder.finish()
+    recorder.finish().map_err(|error| failed(McapError::Io(error)))
+}
+
+/// Lines of any length fit: only the disk can refuse one.
+fn of_disk(error: McapError) -> io::Error {
+    match error {
+        McapError::Io(error) => error,
+        other => io::Error::other(other.to_string()),
+    }
 }
 
 fn failed(error: McapError) -> EmitError {

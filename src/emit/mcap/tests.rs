@@ -39,7 +39,7 @@ fn edited(bytes: &[u8], edit: Edit, attach: impl Fn(&mut Attachment)) -> Vec<u8>
 
 fn found(edit: Edit, attach: impl Fn(&mut Attachment)) -> String {
     let (verified, provenance) = fixture::pair();
-    let bytes = write(&verified, &provenance).unwrap();
+    let [bytes, _] = write(&verified, &provenance).unwrap();
     difference(&edited(&bytes, edit, attach), &verified, &provenance).expect("an edited log differs")
 }
 
@@ -56,7 +56,7 @@ fn a_log_is_no_different_from_itself() {
         fixture::hand,
     ] {
         let (verified, provenance) = make();
-        let bytes = write(&verified, &provenance).unwrap();
+        let [bytes, _] = write(&verified, &provenance).unwrap();
         assert_eq!(difference(&bytes, &verified, &provenance), None);
     }
 }

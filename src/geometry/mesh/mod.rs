@@ -95,11 +95,6 @@ impl Mesh {
         stl::text(self)
     }
 
-    /// Number of triangles.
-    pub fn triangle_count(&self) -> usize {
-        self.triangles.len()
-    }
-
     /// The corners of each triangle, counter-clockwise seen from outside.
     pub fn corners(&self) -> impl Iterator<Item = [[f64; 3]; 3]> + '_ {
         self.triangles.iter().map(|triangle| self.places(*triangle))

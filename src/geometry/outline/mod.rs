@@ -120,7 +120,6 @@ pub struct Curve {
     area_um2: f64,
     centre_um: [f64; 2],
     reach_um: f64,
-    width_um: f64,
     least_curvature_per_um: f64,
 }
 
@@ -152,7 +151,7 @@ impl Curve {
         (perimeter_um, area_um2, centre_um): (f64, f64, [f64; 2]),
     ) -> Result<Curve, OutlineError> {
         let opposite_um = opposite.map_or(perimeter_um / 2.0, |place| way_at(&course, place));
-        let (reach_um, width_um, least_curvature_per_um) = (0.0, 0.0, 0.0);
+        let (reach_um, least_curvature_per_um) = (0.0, 0.0);
         let mut curve = Curve {
             form,
             course,
@@ -162,7 +161,6 @@ impl Curve {
             area_um2,
             centre_um,
             reach_um,
-            width_um,
             least_curvature_per_um,
         };
         if curve.nearest([0.0, 0.0]).distance_um > -MIN_INSIDE_UM {
@@ -172,7 +170,6 @@ impl Curve {
             return Err(OutlineError::Thin);
         }
         curve.reach_um = -curve.least(|spot| -norm(spot.point_um));
-        curve.width_um = -curve.least(|spot| -spot.point_um[0]) - curve.least(|spot| spot.point_um[0]);
         curve.least_curvature_per_um = curve.least(|spot| spot.curvature_per_um);
         Ok(curve)
     }
@@ -195,11 +192,6 @@ impl Curve {
     /// The centre of the area that it encloses.
     pub fn centre_um(&self) -> [f64; 2] {
         self.centre_um
-    }
-
-    /// From its least to its greatest x.
-    pub fn longest_x_um(&self) -> f64 {
-        self.width_um
     }
 
     /// The place at an arc length, which may exceed the perimeter or be negative (laps). The normal's angle counts laps too.

@@ -5,7 +5,7 @@
 //! within about the unevenness of the polyline, unless corners are sharper than the finest step.
 
 use super::jet::{cross, dot, minus, norm};
-use super::{MAX_POINTS, MAX_UM, MIN_POINTS, Outline, OutlineError, spline_form};
+use super::{MAX_UM, MIN_POINTS, Outline, OutlineError, spline_form};
 use crate::real::Real;
 use std::f64::consts::{PI, TAU};
 
@@ -28,22 +28,6 @@ const ORDER: i32 = 6;
 const NEAR: [f64; 2] = [1e-4, 1e-2];
 
 impl Outline {
-    /// The spline through samples of a smooth closed curve, in order; the first point may be repeated at the end.
-    ///
-    /// # Errors
-    /// The fault of the points; [`Curve::of`](super::Curve::of) reports whether the curve intersects itself.
-    pub fn sampled(points_um: &[[f64; 2]]) -> Result<Outline, OutlineError> {
-        let open = match points_um {
-            [first, inner @ .., last] if first == last && inner.len() + 1 >= MIN_POINTS => &points_um[..=inner.len()],
-            all => all,
-        };
-        if open.len() > MAX_POINTS {
-            return Err(OutlineError::TooManyPoints(open.len()));
-        }
-        spline_form(open)?;
-        Ok(Outline::Spline { points_um: open.to_vec() })
-    }
-
     /// A smooth outline along a closed polyline of up to [`MAX_POLYGON`] points, clockwise or not.
     ///
     /// Points are spread evenly, by arc length along the polyline, and short waves are damped: those that come from its straight

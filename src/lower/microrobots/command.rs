@@ -55,6 +55,9 @@ pub fn stopped(order: &MicrorobotsOrder, stop: Stop) -> String {
         StopReason::Astray => format!(
             "`{robot}` does not follow the commands: it was measured too often in a row where they cannot have brought it"
         ),
+        StopReason::Moved => format!(
+            "`{robot}` was measured twice in a row where it cannot have come to: it was moved, or another robot is taken for it"
+        ),
         StopReason::Blocked => match stop.in_the_way {
             Some(InTheWay::Robot(other)) => format!("`{robot}` and `{}` would run into each other next", name(other)),
             Some(obstacle @ InTheWay::Obstacle(_)) => {
@@ -64,11 +67,13 @@ pub fn stopped(order: &MicrorobotsOrder, stop: Stop) -> String {
         },
         StopReason::Silence => {
             let watchdog_s = order.facts.watchdog_ns() as f64 / 1e9;
-            format!("no measurement came for {} s after the end of the last command", digits(watchdog_s))
+            format!("no measurement after the end of the last command came within {} s of it", digits(watchdog_s))
         }
         StopReason::Closed => "the measurements ended before the task was done".to_owned(),
         StopReason::Clock => "the time of a measurement lies before that of the last one".to_owned(),
         StopReason::Garbled => "too many lines in a row are no measurements".to_owned(),
         StopReason::Interrupted => "the controller was interrupted".to_owned(),
+        StopReason::Unread => "whoever carries the commands out does not take them".to_owned(),
+        StopReason::Unrecorded => "the recording cannot be written".to_owned(),
     }
 }

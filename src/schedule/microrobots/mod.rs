@@ -29,7 +29,7 @@ pub struct MicrorobotsState {
 
 /// Where a robot is, measured or planned, in the coordinates of the scene: the middle of its body.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with `x_um`, `y_um` and `heading_deg`, or null")]
 pub struct RecordedPose {
     pub x_um: f64,
     pub y_um: f64,

@@ -2,7 +2,8 @@
 
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::{SocketAddr, TcpListener, ToSocketAddrs};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::time::{Duration, Instant};
 
 /// The longest line that is read, in bytes.
 const MAX_LINE_BYTES: u64 = 1024 * 1024;
@@ -20,7 +21,68 @@ pub struct Incoming {
 /// Both directions of a connection.
 pub struct Link {
     pub lines: Receiver<Incoming>,
-    pub answers: Box<dyn Write>,
+    pub answers: Answers,
+}
+
+/// How often a signal is looked for while nothing comes, nobody connects, or nobody reads.
+pub const INTERRUPT_LOOK: Duration = Duration::from_millis(20);
+
+/// Lines to whoever carries the commands out. They are written in a thread of its own, so that waiting for a reader can end.
+pub struct Answers {
+    texts: SyncSender<String>,
+    written: Receiver<bool>,
+    /// Whether a line is still waiting for its reader: no other one can go out.
+    is_stuck: bool,
+}
+
+/// Why a line did not go out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NotTaken {
+    /// The reader has gone, or did not read in time.
+    Unread,
+    Interrupted,
+}
+
+impl Answers {
+    fn to(to: impl Write + Send + 'static) -> Answers {
+        let ((texts, lines), (done, written)) = (sync_channel::<String>(1), sync_channel(1));
+        std::thread::spawn(move || write(to, &lines, &done));
+        Answers { texts, written, is_stuck: false }
+    }
+
+    /// Hands a line over, within some time.
+    ///
+    /// # Errors
+    /// If it is not taken; then no other line is.
+    pub fn send(&mut self, text: &str, within: Duration, is_interrupted: impl Fn() -> bool) -> Result<(), NotTaken> {
+        if self.is_stuck || self.texts.send(text.to_owned()).is_err() {
+            return Err(NotTaken::Unread);
+        }
+        let begun = Instant::now();
+        loop {
+            match self.written.recv_timeout(INTERRUPT_LOOK) {
+                Ok(true) => return Ok(()),
+                Err(RecvTimeoutError::Timeout) if is_interrupted() => {
+                    self.is_stuck = true;
+                    return Err(NotTaken::Interrupted);
+                }
+                Err(RecvTimeoutError::Timeout) if begun.elapsed() < within => {}
+                Ok(false) | Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => {
+                    self.is_stuck = true;
+                    return Err(NotTaken::Unread);
+                }
+            }
+        }
+    }
+}
+
+fn write(mut to: impl Write, lines: &Receiver<String>, done: &SyncSender<bool>) {
+    for line in lines {
+        let is_written = to.write_all(line.as_bytes()).and_then(|()| to.flush()).is_ok();
+        if done.send(is_written).is_err() || !is_written {
+            return;
+        }
+    }
 }
 
 /// Where to listen.
@@ -57,7 +119,7 @@ impl Address {
 
 /// Standard input and output.
 pub fn standard() -> Link {
-    Link { lines: reader(io::stdin()), answers: Box::new(io::stdout()) }
+    Link { lines: reader(io::stdin()), answers: Answers::to(io::stdout()) }
 }
 
 /// Whether an address can be listened at, before work is done for a connection that nobody can make.
@@ -69,34 +131,71 @@ pub fn check(address: &Address) -> io::Result<()> {
         Address::Tcp(address) => TcpListener::bind(address).map(drop),
         #[cfg(unix)]
         Address::Unix(path) => {
-            std::os::unix::net::UnixListener::bind(path)?;
+            bound(path)?;
             std::fs::remove_file(path)
         }
     }
 }
 
-/// Waits for one connection; `ready` is called with the address once it can be made.
+/// Listens at a path. A socket at which nobody listens any more was left by a process that was killed.
+#[cfg(unix)]
+fn bound(path: &std::path::Path) -> io::Result<std::os::unix::net::UnixListener> {
+    use std::os::unix::net::{UnixListener, UnixStream};
+    let is_left = || UnixStream::connect(path).is_err_and(|error| error.kind() == io::ErrorKind::ConnectionRefused);
+    match UnixListener::bind(path) {
+        Err(error) if error.kind() == io::ErrorKind::AddrInUse && is_left() => {
+            std::fs::remove_file(path)?;
+            UnixListener::bind(path)
+        }
+        bound => bound,
+    }
+}
+
+/// Waits for one connection; `ready` is called with the address once it can be made. `None` if it was interrupted before.
 ///
 /// # Errors
 /// If the address cannot be listened at.
-pub fn accepted(address: &Address, ready: impl FnOnce(&str)) -> io::Result<Link> {
+pub fn accepted(
+    address: &Address,
+    ready: impl FnOnce(&str),
+    is_interrupted: impl Fn() -> bool,
+) -> io::Result<Option<Link>> {
     match address {
         Address::Tcp(address) => {
             let listener = TcpListener::bind(address)?;
+            listener.set_nonblocking(true)?;
             ready(&listener.local_addr()?.to_string());
-            let (stream, _) = listener.accept()?;
+            let Some((stream, _)) = first(|| listener.accept(), is_interrupted)? else { return Ok(None) };
+            stream.set_nonblocking(false)?;
             stream.set_nodelay(true)?;
-            Ok(Link { lines: reader(stream.try_clone()?), answers: Box::new(stream) })
+            Ok(Some(Link { lines: reader(stream.try_clone()?), answers: Answers::to(stream) }))
         }
         #[cfg(unix)]
         Address::Unix(path) => {
-            let listener = std::os::unix::net::UnixListener::bind(path)?;
+            let listener = bound(path)?;
+            listener.set_nonblocking(true)?;
             ready(&format!("unix:{}", path.display()));
-            let (stream, _) = listener.accept()?;
+            let accepted = first(|| listener.accept(), is_interrupted);
             // The name has done its work.
             let _ = std::fs::remove_file(path);
-            Ok(Link { lines: reader(stream.try_clone()?), answers: Box::new(stream) })
+            let Some((stream, _)) = accepted? else { return Ok(None) };
+            stream.set_nonblocking(false)?;
+            Ok(Some(Link { lines: reader(stream.try_clone()?), answers: Answers::to(stream) }))
         }
+    }
+}
+
+/// The first connection; `None` if it was interrupted before.
+fn first<C>(accept: impl Fn() -> io::Result<C>, is_interrupted: impl Fn() -> bool) -> io::Result<Option<C>> {
+    loop {
+        match accept() {
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+            connection => return connection.map(Some),
+        }
+        if is_interrupted() {
+            return Ok(None);
+        }
+        std::thread::sleep(INTERRUPT_LOOK);
     }
 }
 

@@ -22,9 +22,9 @@ use crate::plan::microrobots::control::{Command, Controller, StopReason};
 use crate::plan::watch::SearchWatch;
 use crate::source::Sources;
 pub use link::Address;
-use link::Incoming;
+use link::{Answers, INTERRUPT_LOOK, Incoming, Link, NotTaken};
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::BufWriter;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -32,9 +32,6 @@ use std::time::{Duration, Instant};
 
 /// So many lines in a row may be no measurements.
 const MAX_GARBLED: u32 = 5;
-
-/// How often a signal is looked for while no line comes.
-const INTERRUPT_LOOK: Duration = Duration::from_millis(20);
 
 /// Builds and verifies the program, then controls its task until it is done or given up.
 pub fn run(arguments: &ControlArguments) -> Exit {
@@ -141,28 +138,52 @@ fn serve(
             return Exit::Files;
         }
     };
-    let link = match &arguments.listen {
-        None => link::standard(),
-        Some(address) => {
-            let ready = |at: &str| terminal::to_stderr(&format!("tweeze: listening at {at}\n"));
-            match link::accepted(address, ready) {
-                Ok(link) => link,
-                Err(error) => return not_listening(&error),
-            }
-        }
-    };
     signals::catch();
     let interrupt = signals::stop_run_first();
-    let (answers, incoming) = (link.answers, link.lines);
-    let mut session =
-        Session { order, controller, lines, recorder, answers, interrupt, t_ns: 0, until_ns: None, garbled: 0 };
-    let exit = session.greet(&claims.name).and_then(|()| session.control(&incoming)).unwrap_or_else(|exit| exit);
-    match session.recorder.take().map(Recorder::finish) {
-        None | Some(Ok(())) => exit,
-        Some(Err(error)) => {
-            terminal::report_one(error.diagnostic(), arguments.report.format);
-            Exit::Files
+    let link = match connected(arguments.listen.as_ref(), &interrupt) {
+        Ok(link) => link,
+        Err(exit) => {
+            drop(recorder);
+            // Nothing was exchanged: what has been begun is no recording.
+            arguments.record.iter().for_each(|path| drop(std::fs::remove_file(path)));
+            return exit;
         }
+    };
+    let (answers, incoming) = (link.answers, link.lines);
+    let (record_path, is_unrecorded) = (arguments.record.as_deref(), false);
+    let (t_ns, late, garbled) = (0, None, 0);
+    let report = arguments.report.format;
+    let mut session = Session {
+        order,
+        controller,
+        lines,
+        recorder,
+        record_path,
+        is_unrecorded,
+        report,
+        answers,
+        interrupt,
+        t_ns,
+        late,
+        garbled,
+    };
+    let greeted = session.greet(&claims.name);
+    let exit = greeted.and_then(|()| session.control(&incoming)).unwrap_or_else(|reason| session.give_up(reason));
+    session.finish_recording();
+    if session.is_unrecorded { Exit::Files } else { exit }
+}
+
+/// The connection to whoever measures and carries the commands out.
+fn connected(listen: Option<&Address>, interrupt: &RunStop) -> Result<Link, Exit> {
+    let Some(address) = listen else { return Ok(link::standard()) };
+    let ready = |at: &str| terminal::to_stderr(&format!("tweeze: listening at {at}\n"));
+    match link::accepted(address, ready, || interrupt.is_asked()) {
+        Ok(Some(link)) => Ok(link),
+        Ok(None) => {
+            terminal::to_stderr("tweeze: interrupted before a connection was made\n");
+            Err(Exit::Stopped)
+        }
+        Err(error) => Err(not_listening(&error)),
     }
 }
 
@@ -185,7 +206,10 @@ fn recorder(
     provenance: &Provenance,
 ) -> Result<Recorder<BufWriter<File>>, Box<crate::diagnostic::Diagnostic>> {
     let file = File::create_new(path).map_err(|error| Box::new(errors::not_recorded(path, &error)))?;
-    Recorder::begin(BufWriter::new(file), claims, provenance).map_err(|error| Box::new(error.diagnostic()))
+    Recorder::begin(BufWriter::new(file), claims, provenance).map_err(|error| {
+        let _ = std::fs::remove_file(path);
+        Box::new(error.diagnostic())
+    })
 }
 
 /// A controller with its connection.
@@ -194,68 +218,70 @@ struct Session<'a> {
     controller: Controller<'a>,
     lines: Vec<u32>,
     recorder: Option<Recorder<BufWriter<File>>>,
-    answers: Box<dyn Write>,
+    record_path: Option<&'a Path>,
+    /// Whether the recording could not be written to its end, which was reported.
+    is_unrecorded: bool,
+    report: ReportFormat,
+    answers: Answers,
     interrupt: RunStop,
     /// Time of the last measurement.
     t_ns: u64,
-    /// When the last command ends; `None` before the first measurement.
-    until_ns: Option<u64>,
+    /// When the watchdog ends the task, by this machine's clock; `None` before the first measurement, when the robots rest. Only a new
+    /// command moves it: a camera whose clock stands still sends measurements for ever.
+    late: Option<Instant>,
     /// Lines in a row that were no measurements.
     garbled: u32,
 }
 
 impl Session<'_> {
-    fn greet(&mut self, task: &str) -> Result<(), Exit> {
+    fn greet(&mut self, task: &str) -> Result<(), StopReason> {
         self.answer(&protocol::greeting(self.order, task))
     }
 
-    /// Answers lines until the task is over. The error is the exit of a connection that failed.
-    fn control(&mut self, incoming: &Receiver<Incoming>) -> Result<Exit, Exit> {
+    /// Answers lines until the task is over. The error is why it is to be given up.
+    fn control(&mut self, incoming: &Receiver<Incoming>) -> Result<Exit, StopReason> {
         loop {
-            let over = match self.next(incoming) {
-                Ok(Incoming { number, line: Ok(line) }) => self.take(number, &line)?,
-                Ok(Incoming { number, line: Err(why) }) => self.refuse(number, why)?,
-                Err(reason) => self.stop(reason)?,
-            };
-            if let Some(exit) = over {
-                return Ok(exit);
+            match self.next(incoming)? {
+                Incoming { number, line: Ok(line) } => {
+                    if let Some(exit) = self.take(number, &line)? {
+                        return Ok(exit);
+                    }
+                }
+                Incoming { number, line: Err(why) } => self.refuse(number, why)?,
             }
         }
     }
 
     /// The next line, or why none is waited for any more.
     fn next(&self, incoming: &Receiver<Incoming>) -> Result<Incoming, StopReason> {
-        // The robots rest before the first measurement: nothing is late.
-        let late = self.until_ns.and_then(|until_ns| {
-            let left_ns = until_ns.saturating_sub(self.t_ns).saturating_add(self.order.facts.watchdog_ns());
-            Instant::now().checked_add(Duration::from_nanos(left_ns))
-        });
         loop {
-            let left = late.map_or(INTERRUPT_LOOK, |late| late.saturating_duration_since(Instant::now()));
+            let left = self.late.map_or(INTERRUPT_LOOK, |late| late.saturating_duration_since(Instant::now()));
             match incoming.recv_timeout(left.min(INTERRUPT_LOOK)) {
                 _ if self.interrupt.is_asked() => return Err(StopReason::Interrupted),
+                _ if self.late.is_some() && left.is_zero() => return Err(StopReason::Silence),
                 Ok(incoming) => return Ok(incoming),
-                Err(RecvTimeoutError::Timeout) if left > INTERRUPT_LOOK || late.is_none() => {}
-                Err(RecvTimeoutError::Timeout) => return Err(StopReason::Silence),
+                Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return Err(StopReason::Closed),
             }
         }
     }
 
     /// A line of measured poses; the exit if the task is over.
-    fn take(&mut self, number: u64, line: &str) -> Result<Option<Exit>, Exit> {
+    fn take(&mut self, number: u64, line: &str) -> Result<Option<Exit>, StopReason> {
         let measured = match protocol::measured(self.order, line) {
             Ok(measured) => measured,
-            Err(why) => return self.refuse(number, &why),
+            Err(why) => return self.refuse(number, &why).map(|()| None),
         };
         self.garbled = 0;
         self.record(RecordedLine::Measured, measured.t_ns.max(self.t_ns), line.trim_end())?;
         let command = self.controller.observe(&measured.poses, measured.t_ns);
         let over = match command {
-            Command::Drive { until_ns, .. } | Command::Rest { until_ns } | Command::Continue { until_ns } => {
-                self.until_ns = Some(until_ns);
+            Command::Drive { until_ns, .. } | Command::Rest { until_ns } => {
+                let left_ns = until_ns.saturating_sub(measured.t_ns).saturating_add(self.order.facts.watchdog_ns());
+                self.late = Instant::now().checked_add(Duration::from_nanos(left_ns));
                 None
             }
+            Command::Continue { .. } => None,
             Command::Finished => Some(Exit::Done),
             Command::Stop(_) => Some(Exit::Stopped),
         };
@@ -265,19 +291,21 @@ impl Session<'_> {
         Ok(over)
     }
 
-    /// Refuses a line; the exit if there were too many of them in a row.
-    fn refuse(&mut self, number: u64, why: &str) -> Result<Option<Exit>, Exit> {
+    /// Refuses a line. The error is that there were too many of them in a row.
+    fn refuse(&mut self, number: u64, why: &str) -> Result<(), StopReason> {
         self.garbled += 1;
         self.answer(&protocol::error(number, why))?;
-        if self.garbled > MAX_GARBLED { self.stop(StopReason::Garbled) } else { Ok(None) }
+        if self.garbled > MAX_GARBLED { Err(StopReason::Garbled) } else { Ok(()) }
     }
 
-    fn stop(&mut self, reason: StopReason) -> Result<Option<Exit>, Exit> {
+    /// Gives the task up, unless it is over. Whoever carries the commands out may have gone, and the disk may be full: each is tried.
+    fn give_up(&mut self, reason: StopReason) -> Exit {
         self.controller.stop(reason, None);
-        // Whoever measures may have gone; the recording has the command all the same.
-        let sent = self.command();
+        let line = self.command_line();
+        let _ = self.record(RecordedLine::Command, self.t_ns, line.trim_end());
+        let _ = self.answer(&line);
         self.say_why();
-        sent.map(|()| Some(Exit::Stopped)).or(Ok(Some(Exit::Stopped)))
+        Exit::Stopped
     }
 
     /// Says at the terminal why the task was given up, if it was.
@@ -288,23 +316,42 @@ impl Session<'_> {
     }
 
     /// Answers with the controller's last command.
-    fn command(&mut self) -> Result<(), Exit> {
-        let line = command_line(self.order, &self.lines, &self.controller, self.t_ns);
-        let text = protocol::written(&line);
-        self.record(RecordedLine::Command, self.t_ns, text.trim_end())?;
-        self.answer(&text)
+    fn command(&mut self) -> Result<(), StopReason> {
+        let line = self.command_line();
+        self.record(RecordedLine::Command, self.t_ns, line.trim_end())?;
+        self.answer(&line)
     }
 
-    fn answer(&mut self, text: &str) -> Result<(), Exit> {
-        // A reader that has gone ends the control: nobody would carry the commands out.
-        self.answers.write_all(text.as_bytes()).and_then(|()| self.answers.flush()).map_err(|_| Exit::Stopped)
+    fn command_line(&self) -> String {
+        protocol::written(&command_line(self.order, &self.lines, &self.controller, self.t_ns))
     }
 
-    fn record(&mut self, line: RecordedLine, t_ns: u64, json: &str) -> Result<(), Exit> {
-        let Some(recorder) = &mut self.recorder else { return Ok(()) };
-        recorder.add(line, t_ns, json).map_err(|error| {
-            terminal::report_one(error.diagnostic(), ReportFormat::Human);
-            Exit::Files
+    fn answer(&mut self, text: &str) -> Result<(), StopReason> {
+        let within = Duration::from_nanos(self.order.facts.watchdog_ns());
+        self.answers.send(text, within, || self.interrupt.is_asked()).map_err(|why| match why {
+            NotTaken::Unread => StopReason::Unread,
+            NotTaken::Interrupted => StopReason::Interrupted,
         })
+    }
+
+    fn record(&mut self, line: RecordedLine, t_ns: u64, json: &str) -> Result<(), StopReason> {
+        let Some(recorder) = &mut self.recorder else { return Ok(()) };
+        let added = recorder.add(line, t_ns, json);
+        self.recorded(added)
+    }
+
+    fn finish_recording(&mut self) {
+        let finished = self.recorder.take().map_or(Ok(()), Recorder::finish);
+        let _ = self.recorded(finished);
+    }
+
+    /// Reports a recording that cannot be written, once; nothing more is added to it.
+    fn recorded(&mut self, written: std::io::Result<()>) -> Result<(), StopReason> {
+        let Err(error) = written else { return Ok(()) };
+        self.recorder = None;
+        self.is_unrecorded = true;
+        let path = self.record_path.unwrap_or(Path::new(""));
+        terminal::report_one(errors::not_recorded_on(path, &error), self.report);
+        Err(StopReason::Unrecorded)
     }
 }

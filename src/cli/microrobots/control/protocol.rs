@@ -9,6 +9,10 @@ use serde::Serialize;
 /// The latest time of a measurement, so that the ends of commands can be counted: 146 years after 0.
 const MAX_T_NS: u64 = u64::MAX / 4;
 
+/// The farthest coordinate of a measurement, a kilometre, and the largest heading: beyond them no motion of a robot would show in the number.
+const MAX_COORDINATE_UM: f64 = 1e9;
+const MAX_HEADING_DEG: f64 = 1e6;
+
 /// A measurement: its time, and a pose for each robot of an order that was seen.
 #[derive(Debug)]
 pub struct Measured {
@@ -26,7 +30,11 @@ pub fn measured(order: &MicrorobotsOrder, line: &str) -> Result<Measured, String
         return Err(r#"a line is one JSON object: {"t_ns": …, "robots": {…}}"#.to_owned());
     }
     // Of the one line only the column tells anything.
-    let wrong = |error: serde_json::Error| error.to_string().replace(" at line 1 column ", " at column ");
+    let wrong = |error: serde_json::Error| {
+        let said = error.to_string().replace(" at line 1 column ", " at column ");
+        said.replace("expected f64", "expected a number")
+            .replace("expected u64", "expected a whole number without a point")
+    };
     let MeasuredLine { t_ns, robots } = serde_json::from_str(line).map_err(wrong)?;
     if t_ns > MAX_T_NS {
         return Err(format!("`t_ns` is {t_ns}; at most {MAX_T_NS} can be counted on from"));
@@ -34,6 +42,15 @@ pub fn measured(order: &MicrorobotsOrder, line: &str) -> Result<Measured, String
     let names: Vec<&str> = (0..order.robots.len()).map(|robot| order.robot(robot).name.as_str()).collect();
     if let Some(unknown) = robots.keys().find(|name| !names.contains(&name.as_str())) {
         return Err(format!("`{unknown}` is no robot of the scene, which has {}", names.join(", ")));
+    }
+    let is_beyond = |pose: &RecordedPose| {
+        let coordinates = [pose.x_um, pose.y_um];
+        coordinates.iter().any(|um| um.abs() > MAX_COORDINATE_UM) || pose.heading_deg.abs() > MAX_HEADING_DEG
+    };
+    if let Some((name, _)) = robots.iter().find(|(_, pose)| pose.as_ref().is_some_and(is_beyond)) {
+        return Err(format!(
+            "`{name}` is measured beyond {MAX_COORDINATE_UM} um or {MAX_HEADING_DEG} deg, where no motion shows in the number"
+        ));
     }
     let pose = |name: &&str| robots.get(*name)?.as_ref().map(RecordedPose::pose);
     Ok(Measured { t_ns, poses: names.iter().map(pose).collect() })

@@ -68,6 +68,11 @@ pub fn suggest(arguments: &DevicesArguments) -> Exit {
         return Exit::Usage;
     };
     let drive_v = arguments.relax.zip(arguments.flex).map(|(relax_v, flex_v)| [relax_v, flex_v]);
+    if let Some([relax_v, flex_v]) = drive_v.filter(|[relax_v, flex_v]| relax_v >= flex_v) {
+        let (relax, flex) = (volts(relax_v), volts(flex_v));
+        eprintln!("a relax level of {relax} must be below the flex level, which is {flex}");
+        return Exit::Usage;
+    }
     let limits = SuggestLimits { margin_v, max_v, drive_v, swing_v: arguments.swing };
     let suggestion = suggest::suggest(robots as usize, limits);
     match &suggestion.table {

@@ -119,23 +119,37 @@ fn cells(device: &str, moments: &[PartsMoment], duration_ns: u64) -> Option<LogT
 
 /// The frame of each part, written when it moves or is gone.
 fn movers(order: &ElectrodeArrayOrder, device: &str, moments: &[PartsMoment]) -> Vec<Mover> {
-    let of_part = |name: &String| {
-        let mut places: Vec<(u64, FramePlace)> = Vec::new();
-        let mut last: Option<ElectrodeCell> = None;
-        for (index, moment) in moments.iter().enumerate() {
-            let cell = moment.parts.get(name).copied();
-            let moves_next = moments.get(index + 1).is_some_and(|next| next.parts.get(name).copied() != cell);
-            if index == 0 || cell != last || moves_next {
-                let here = cell.map(|cell| place_um(&order.facts, cell)).map(|[x, y]| StandingPose::at([x, y, 0.0]));
-                places.push((moment.t_ns, here));
-            }
-            last = cell;
+    let names: Vec<&String> = names(moments).into_iter().collect();
+    let numbers: BTreeMap<&String, usize> = names.iter().enumerate().map(|(number, name)| (*name, number)).collect();
+    // By part, of one moment: of long assays few parts of many are there at a time, and asking for each at each moment would take longest.
+    let at = |moment: &PartsMoment| {
+        let mut cells: Vec<Option<ElectrodeCell>> = vec![None; names.len()];
+        for (name, cell) in &moment.parts {
+            cells[numbers[name]] = Some(*cell);
         }
+        cells
+    };
+    let mut places: Vec<Vec<(u64, FramePlace)>> = vec![Vec::new(); names.len()];
+    let (mut before, mut here) = (None, moments.first().map(at));
+    for (index, moment) in moments.iter().enumerate() {
+        let next = moments.get(index + 1).map(at);
+        let Some(cells) = here else { break };
+        for (part, cell) in cells.iter().enumerate() {
+            let is_other =
+                |there: &Option<Vec<Option<ElectrodeCell>>>| there.as_ref().is_some_and(|there| there[part] != *cell);
+            if index == 0 || is_other(&before) || is_other(&next) {
+                let place = cell.map(|cell| place_um(&order.facts, cell)).map(|[x, y]| StandingPose::at([x, y, 0.0]));
+                places[part].push((moment.t_ns, place));
+            }
+        }
+        (before, here) = (Some(cells), next);
+    }
+    let of_part = |(name, places): (&String, Vec<(u64, FramePlace)>)| {
         let index = order.parts.iter().position(|part| part.name == *name).unwrap_or_default();
         let outline = vec![SpaceStroke::from(&scene::part_outline(&order.facts, index))];
         Mover { frame: frame(device, name), device: device.to_owned(), places, outline }
     };
-    names(moments).into_iter().map(of_part).collect()
+    names.iter().copied().zip(places).map(of_part).collect()
 }
 
 #[cfg(test)]

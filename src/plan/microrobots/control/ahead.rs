@@ -52,14 +52,32 @@ impl Belief<'_> {
     /// The first collision that some segments lead to from where the robots were measured. Those that `may_touch` are driven against each other or
     /// against docked ones on purpose.
     pub fn collision_ahead(&self, segments: &[Segment], may_touch: [Option<usize>; 2]) -> Option<CollisionAhead> {
+        self.approach_ahead(0.0, segments, may_touch)
+    }
+
+    /// Whether some segments of the drive of a robot lead to no collision, and bring nothing nearer to another thing than this.
+    pub fn has_room(&self, room_um: f64, segments: &[Segment]) -> bool {
+        // What is nearer already does not come near.
+        [0.0, room_um].into_iter().all(|room_um| self.approach_ahead(room_um, segments, [None; 2]).is_none())
+    }
+
+    fn approach_ahead(
+        &self,
+        room_um: f64,
+        segments: &[Segment],
+        may_touch: [Option<usize>; 2],
+    ) -> Option<CollisionAhead> {
         let moving = || (0..self.poses.len()).filter(|robot| !self.docked[*robot]);
-        let into_obstacle = |robot: usize| self.obstacle_ahead(robot, segments).map(InTheWay::Obstacle);
+        let into_obstacle = |robot: usize| self.obstacle_ahead(robot, room_um, segments).map(InTheWay::Obstacle);
         let into_robot = |robot: usize| {
             let meets = |other: &usize| {
                 let is_met_before = *other < robot && !self.docked[*other];
                 let is_on_purpose =
                     [robot, *other].iter().all(|one| self.docked[*one] || may_touch.contains(&Some(*one)));
-                *other != robot && !is_met_before && !is_on_purpose && self.is_led_into([robot, *other], segments)
+                *other != robot
+                    && !is_met_before
+                    && !is_on_purpose
+                    && self.is_led_into([robot, *other], room_um, segments)
             };
             (0..self.poses.len()).find(meets).map(InTheWay::Robot)
         };
@@ -70,7 +88,7 @@ impl Belief<'_> {
     }
 
     /// The first obstacle that some segments bring a robot into.
-    fn obstacle_ahead(&self, robot: usize, segments: &[Segment]) -> Option<usize> {
+    fn obstacle_ahead(&self, robot: usize, room_um: f64, segments: &[Segment]) -> Option<usize> {
         if self.obstacles.is_empty() {
             return None;
         }
@@ -78,7 +96,7 @@ impl Belief<'_> {
         // A body that is smaller by the error of its measurement is surely there.
         let doubt_um = self.doubt_um(self.reach_um(robot));
         let touches = |obstacle: &StrategySolid, pose: Pose, less_um: f64| {
-            obstacle.distance_um(&body(facts, pose, less_um), 0.0) <= 0.0
+            obstacle.distance_um(&body(facts, pose, less_um), 0.0) <= room_um
         };
         let enters = |obstacle: &StrategySolid, pose: Pose, less_um: f64| {
             touches(obstacle, pose, less_um) && !touches(obstacle, start, less_um)
@@ -102,21 +120,21 @@ impl Belief<'_> {
                     .map(|obstacle| obstacle.distance_um(&whole, 0.0))
                     .fold(f64::INFINITY, f64::min);
                 let entered = || self.obstacles.iter().position(|obstacle| is_entered(obstacle, pose));
-                if clear_um <= 0.0 { entered() } else { None }.ok_or(clear_um)
+                if clear_um <= room_um { entered() } else { None }.ok_or(clear_um - room_um)
             })
         })
     }
 
     /// Whether some segments bring two robots into each other.
-    fn is_led_into(&self, pair: [usize; 2], segments: &[Segment]) -> bool {
+    fn is_led_into(&self, pair: [usize; 2], room_um: f64, segments: &[Segment]) -> bool {
         let facts = pair.map(|robot| self.order.robot(robot));
         let start = pair.map(|robot| self.poses[robot]);
         let ways_um = segments.iter().map(|segment| self.way_um(pair[0], segment) + self.way_um(pair[1], segment));
-        if self.least_apart_um(pair, start) > ways_um.sum() {
+        if self.least_apart_um(pair, start) > ways_um.sum::<f64>() + room_um {
             return false;
         }
         let is_entered = |poses: [Pose; 2]| {
-            let (apart_um, start_um) = (self.apart_um(pair, poses), self.apart_um(pair, start));
+            let (apart_um, start_um) = (self.apart_um(pair, poses) - room_um, self.apart_um(pair, start) - room_um);
             let doubt_um = self.doubt_of_both_um(pair);
             apart_um <= 0.0 && (start_um > 0.0 || (apart_um <= -doubt_um && start_um > -doubt_um))
         };
@@ -128,7 +146,7 @@ impl Belief<'_> {
             let widths = way_um / facts[0].width_um.min(facts[1].width_um);
             let met = LooksAhead::new(widths, way_um).find_map(|part| {
                 let at = [0, 1].map(|nth| self.gone(pair[nth], begin[nth], segment, part));
-                let clear_um = self.least_apart_um(pair, at);
+                let clear_um = self.least_apart_um(pair, at) - room_um;
                 if clear_um <= 0.0 && is_entered(at) { Ok(()) } else { Err(clear_um) }
             });
             met.is_some()

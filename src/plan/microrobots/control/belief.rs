@@ -14,7 +14,8 @@ use crate::plan::microrobots::world::OrientedRectangle;
 use crate::real::Real;
 use std::f64::consts::{FRAC_PI_6, TAU};
 
-/// How far from its start a robot may be set down by hand, in lengths of its body, and how far it may be turned there.
+/// How far from its start a robot may be set down by hand, in lengths of its body, and how far it may be turned there; what is farther from
+/// where its commands lead is no slip.
 const PLACED_LENGTHS: f64 = 1.0;
 const PLACED_RAD: f64 = FRAC_PI_6;
 
@@ -73,6 +74,8 @@ pub enum Sighting {
     Doubtful(usize),
     /// This robot has not followed its commands too many times in a row.
     Astray(usize),
+    /// This robot is, and stays, where neither its commands nor chance can have brought it.
+    Moved(usize),
 }
 
 impl<'a> Belief<'a> {
@@ -109,6 +112,9 @@ impl<'a> Belief<'a> {
         if let Some(robot) = self.doubtful(measured).or_else(|| self.overlapping(measured)) {
             return Sighting::Doubtful(robot);
         }
+        if let Some(robot) = self.moved(measured) {
+            return Sighting::Moved(robot);
+        }
         let astray = self.follow(measured, may_touch);
         self.is_first = false;
         self.since.fill([0.0; 2]);
@@ -141,6 +147,19 @@ impl<'a> Belief<'a> {
             }
         }
         doubtful
+    }
+
+    /// The first robot whose place was confirmed by the next measurement, but is far from where the commands bring it, too: not its last
+    /// place was wrong, and no robot slips so far, but it was moved, or is taken for another one.
+    fn moved(&self, measured: &[Option<Pose>]) -> Option<usize> {
+        let is_moved = |robot: usize, pose: Pose| {
+            let slipped_um = PLACED_LENGTHS * self.order.robot(robot).length_um;
+            !self.can_reach(robot, self.poses[robot], pose, self.since[robot])
+                && !self.courses[robot].leads_within(&self.errors, pose, [slipped_um, PLACED_RAD])
+        };
+        (0..self.poses.len())
+            .filter(|_| !self.is_first)
+            .find(|robot| at(measured, *robot).is_some_and(|pose| is_moved(*robot, pose)))
     }
 
     /// Whether a robot is where it was set down, as far as a hand can do that, and is not taken for another one.
@@ -303,6 +322,11 @@ impl<'a> Belief<'a> {
     /// Bound on the error of the place of a point at this distance from a measured robot.
     pub fn doubt_um(&self, lever_um: f64) -> f64 {
         self.errors.place_um + self.errors.heading_rad * lever_um
+    }
+
+    /// Bound on how far a robot whose place and heading are known parts from its nominal path over a stretch.
+    pub fn astray_um(&self, way_um: f64) -> f64 {
+        (self.errors.turning_rad_per_um * way_um / 2.0 + self.errors.speed_ratio) * way_um
     }
 
     fn place_structure(&mut self) {

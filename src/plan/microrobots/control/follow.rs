@@ -61,14 +61,17 @@ impl CommandedCourse {
         self.way_um += way_um;
     }
 
+    /// Whether a robot that follows, but for a slip of that distance and angle, may be measured there.
+    pub fn leads_within(&self, errors: &Errors, measured: Pose, [slipped_um, slipped_rad]: [f64; 2]) -> bool {
+        let off_um = self.off_um + errors.place_um + slipped_um;
+        let off_rad = self.off_rad + errors.heading_rad + slipped_rad;
+        is_within(measured, self.nominal, [off_um, off_rad])
+    }
+
     /// Compares a measurement with it. It begins anew there, unless that measurement tells nothing.
     pub fn follow(&mut self, errors: &Errors, measured: Pose) -> Following {
-        let is_within = |pose: Pose, off_um: f64, off_rad: f64| {
-            (measured.x_um - pose.x_um).hypotenuse(measured.y_um - pose.y_um) <= off_um + SLACK_UM
-                && wrapped_rad(measured.heading_rad - pose.heading_rad).abs() <= off_rad + SLACK_RAD
-        };
-        let is_there = is_within(self.nominal, self.off_um + errors.place_um, self.off_rad + errors.heading_rad);
-        let may_stand = is_within(self.from, GATE * errors.place_um, GATE * errors.heading_rad);
+        let is_there = self.leads_within(errors, measured, [0.0; 2]);
+        let may_stand = is_within(measured, self.from, [GATE * errors.place_um, GATE * errors.heading_rad]);
         let following = match (is_there, may_stand) {
             (true, true) => return Following::Unclear,
             (true, false) => Following::Followed,
@@ -80,4 +83,10 @@ impl CommandedCourse {
         *self = CommandedCourse { astray, ..CommandedCourse::new(measured, errors) };
         following
     }
+}
+
+/// Whether a measured pose is that near to another one.
+fn is_within(measured: Pose, pose: Pose, [off_um, off_rad]: [f64; 2]) -> bool {
+    (measured.x_um - pose.x_um).hypotenuse(measured.y_um - pose.y_um) <= off_um + SLACK_UM
+        && wrapped_rad(measured.heading_rad - pose.heading_rad).abs() <= off_rad + SLACK_RAD
 }

@@ -226,6 +226,7 @@ impl<'a> Controller<'a> {
             Sighting::Unseen(robot) => (StopReason::Unseen, robot),
             Sighting::Doubtful(robot) => (StopReason::Doubtful, robot),
             Sighting::Astray(robot) => return self.stop(StopReason::Astray, Some(robot)),
+            Sighting::Moved(robot) => return self.stop(StopReason::Moved, Some(robot)),
         };
         self.unusable += 1;
         if self.unusable > MAX_UNUSABLE {
@@ -236,11 +237,16 @@ impl<'a> Controller<'a> {
 
     fn decide(&mut self, now_ns: u64) {
         while let Some(stage) = self.stages.get_mut(self.at) {
+            let held = self.drive.held;
             match stage.stage.proceed(&mut self.belief, &mut self.drive, now_ns) {
                 Progress::Driving => {
                     self.may_touch = stage.stage.may_touch();
                     if let Some(ahead) = self.belief.collision_ahead(&self.drive.segments, self.may_touch) {
                         self.drive.segments.clear();
+                        self.drive.held = held;
+                        if stage.stage.find_new_way(&self.belief) {
+                            continue;
+                        }
                         return self.stop_before(StopReason::Blocked, Some(ahead.robot), Some(ahead.with));
                     }
                     (self.last, self.until_ns) = (LastCommand::Drive, now_ns.saturating_add(self.duration_ns()));

@@ -60,12 +60,17 @@ fn a_measurement_that_is_lost_on_the_way_does_no_harm() {
     }
 }
 
-/// A jump is not believed at once, and believed if the next measurement confirms it.
+/// A jump is not believed at once; if the next measurement confirms it, it is a slip, or somebody's hand where it is a long one.
 #[test]
 fn jumps_are_confirmed_first() {
     let (order, motion) = single(pose(1500.0, 900.0, 30.0), turning(), errors(100));
     let mut controller = Controller::new(&order, &motion).expect("the errors are known");
     let Command::Drive { until_ns, .. } = controller.observe(&seen(), 0) else { panic!("a drive") };
+    let far = [Some(pose(1900.0, 900.0, 30.0)), Some(pose(0.0, 0.0, 0.0))];
+    let mut moved = controller.clone();
+    let Command::Drive { segments: [], until_ns: again_ns } = moved.observe(&far, until_ns) else { panic!("it holds") };
+    let Command::Stop(Stop { reason, .. }) = moved.observe(&far, again_ns) else { panic!("it stops") };
+    assert_eq!(reason, StopReason::Moved);
     let jumped = [Some(pose(1700.0, 900.0, 30.0)), Some(pose(0.0, 0.0, 0.0))];
     let Command::Drive { segments: [], until_ns } = controller.observe(&jumped, until_ns) else { panic!("it holds") };
     let mut wrong = controller.clone();

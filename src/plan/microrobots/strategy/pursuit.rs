@@ -102,6 +102,19 @@ impl Pursuit {
         }
     }
 
+    /// The turn that is due before it runs on, nominally; in micrometres of the robot's path.
+    pub fn due_turn_um(&self, driver: &Driver, measured: Pose) -> f64 {
+        match self.phase {
+            Phase::Facing | Phase::Running if self.next < self.centres_um.len() => {
+                let target = self.target(driver, measured);
+                let turn_rad = self.turn_rad(driver, &target);
+                let may_wait = target.circle(driver, turn_rad).is_some();
+                if may_wait { 0.0 } else { turn_rad * driver.robot.turning_radius_um }
+            }
+            Phase::Facing | Phase::Running | Phase::Finishing | Phase::Turning | Phase::Arrived => 0.0,
+        }
+    }
+
     fn skip_captured(&mut self, driver: &Driver, measured: Pose) {
         while self.phase == Phase::Facing && self.target(driver, measured).distance_um <= driver.left_alone_um() {
             self.pass();

@@ -76,6 +76,11 @@ impl<'r, 'a> Tracked<'r, 'a> {
         self.farthest.map(|(_, deviation)| deviation)
     }
 
+    /// Whether there was a measurement that could be used.
+    pub fn has_begun(&self) -> bool {
+        self.anchor.is_some()
+    }
+
     /// Adds what is driven from now on.
     pub fn drive(&mut self, legs: &[CommandedLeg], docked: &[bool]) {
         let order = self.run.order;

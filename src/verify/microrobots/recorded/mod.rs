@@ -246,8 +246,17 @@ impl<'r, 'a> Walk<'r, 'a> {
         }
         let stops = command.command == CommandWord::Stop;
         let Some(measured) = measured else {
-            let unasked = [StopReason::Silence, StopReason::Closed, StopReason::Garbled, StopReason::Interrupted];
-            return match stops && unasked.map(Some).contains(&command.reason) {
+            let is_unasked = matches!(
+                command.reason,
+                Some(
+                    StopReason::Silence
+                        | StopReason::Closed
+                        | StopReason::Garbled
+                        | StopReason::Interrupted
+                        | StopReason::Unread
+                )
+            );
+            return match stops && is_unasked {
                 true => Ok(()),
                 false => Err(self.exchange(now_ns, "a command answers no measurement".to_owned())),
             };
@@ -278,6 +287,12 @@ impl<'r, 'a> Walk<'r, 'a> {
         }
         let at_ns = self.since_ns(now_ns);
         let poses = self.poses(measured)?;
+        let holds = command.command == CommandWord::Drive && command.segments.as_ref().is_some_and(Vec::is_empty);
+        // Nothing was driven before, and nothing is on account of this: the next one is as good to begin with.
+        if holds && !self.tracked.has_begun() {
+            self.set_aside += 1;
+            return self.follow(command, at_ns, None, findings);
+        }
         match self.tracked.see(&poses, (self.step, at_ns), findings) {
             Seen::Usable(places) => {
                 self.goals.pass(self.step, &places);
@@ -286,8 +301,6 @@ impl<'r, 'a> Walk<'r, 'a> {
             Seen::SetAside(_) if stops => Ok(()),
             Seen::SetAside(why) => {
                 self.set_aside += 1;
-                let holds =
-                    command.command == CommandWord::Drive && command.segments.as_ref().is_some_and(Vec::is_empty);
                 match holds {
                     true => self.follow(command, at_ns, None, findings),
                     false => Err(Halt::Broken(why)),

@@ -11,14 +11,31 @@ use crate::geometry::Pose;
 use crate::plan::microrobots::Leg;
 use crate::plan::microrobots::control::belief::Belief;
 use crate::plan::microrobots::control::{Drive, Segment};
+use crate::plan::microrobots::drive;
 use crate::plan::microrobots::strategy::{Cylinder, Driver, Phase, Pursuit, PursuitCircle, centres, poses_of};
+use crate::plan::microrobots::world::{BedPoses, World};
+use crate::plan::search::SearchBudget;
 use crate::real::Real;
 use std::f64::consts::TAU;
+
+/// How often a new way is searched for from where a robot was measured, and how long: an answer must not be late. A step is one of the
+/// planner of drives.
+const MAX_NEW_WAYS: usize = 64;
+const NEW_WAY_BUDGET: SearchBudget = SearchBudget::of(6_000);
+
+/// Clearances that a new way keeps, as shares of the device's: a robot that was led astray may have less room than the plan keeps.
+const CLEARANCES: [f64; 2] = [1.0, 0.5];
+const NO_CLEARANCE: [f64; 1] = [0.0];
 
 /// A robot on its way through stops.
 #[derive(Debug, Clone)]
 pub struct DriveStage<'a> {
     pub robot: usize,
+    order: &'a MicrorobotsOrder,
+    stops: Vec<MicrorobotsStop>,
+    new_ways: usize,
+    /// Whether the last command turned it for all of its length.
+    is_turning: bool,
     driver: Driver<'a>,
     /// Indices of the control states in which it turns and runs straight.
     states: [usize; 2],
@@ -48,7 +65,50 @@ impl<'a> DriveStage<'a> {
             pursuits.push(Pursuit::new(&driver, via_um, stop.pose));
             begins = ends;
         }
-        Some(DriveStage { robot, driver, states, pursuits, at: 0, rounds: 0, left_um: None })
+        let (stops, new_ways, is_turning) = (stops.to_vec(), 0, false);
+        Some(DriveStage {
+            robot,
+            order,
+            stops,
+            new_ways,
+            is_turning,
+            driver,
+            states,
+            pursuits,
+            at: 0,
+            rounds: 0,
+            left_um: None,
+        })
+    }
+
+    /// Plans the rest of the way anew from where all robots were measured; `false` if no way was found, or too often.
+    pub fn find_new_way(&mut self, belief: &Belief) -> bool {
+        self.find_way_with(&CLEARANCES, belief) || self.find_way_with(&NO_CLEARANCE, belief)
+    }
+
+    fn find_way_with(&mut self, clearances: &[f64], belief: &Belief) -> bool {
+        self.new_ways += 1;
+        let rest = self.stops[self.at.min(self.stops.len())..].to_vec();
+        let stops: Vec<Pose> = rest.iter().map(|stop| stop.pose).collect();
+        let bed = BedPoses::new(belief.poses.clone(), belief.docked.clone());
+        let world = World::new(self.order);
+        let [keep_um, _] = world.keeps_um();
+        let driven = |share: f64| {
+            let world = world.widened(-keep_um * (1.0 - share));
+            let request =
+                drive::Drive { order: self.order, world: &world, bed: &bed, robot: self.robot, stops: &stops };
+            drive::drive(&request, NEW_WAY_BUDGET).ok()
+        };
+        let found = if self.new_ways <= MAX_NEW_WAYS { clearances.iter().copied().find_map(driven) } else { None };
+        let begun = (self.robot, belief.poses[self.robot]);
+        let stage = found.and_then(|found| DriveStage::new(self.order, begun, &rest, &belief.docked, &found.legs));
+        match stage {
+            Some(stage) => {
+                *self = DriveStage { new_ways: self.new_ways, is_turning: true, ..stage };
+                true
+            }
+            None => false,
+        }
     }
 
     /// How far from its stops it is measured at most when it counts as there.
@@ -58,8 +118,15 @@ impl<'a> DriveStage<'a> {
 
     pub fn proceed(&mut self, belief: &mut Belief, drive: &mut Drive) -> Progress {
         let measured = belief.poses[self.robot];
-        let driver = &self.driver;
         loop {
+            let has_no_room = self.begins_turn_without_room(belief, measured);
+            if has_no_room && !self.find_way_with(&CLEARANCES, belief) {
+                if self.runs_on(belief, drive) {
+                    return Progress::Driving;
+                }
+                self.find_way_with(&NO_CLEARANCE, belief);
+            }
+            let driver = &self.driver;
             let Some(pursuit) = self.pursuits.get_mut(self.at) else { return Progress::Done };
             let circle_um = TAU * driver.robot.turning_radius_um;
             let left_um = self.left_um.get_or_insert(MAX_TIMES * (pursuit.left_um(driver, measured) + circle_um));
@@ -75,13 +142,13 @@ impl<'a> DriveStage<'a> {
                 pursuit.retry(driver, measured);
             }
             let [turning, straight] = self.states;
+            let room_um = room_um(belief, driver);
             // A circle for the lag alone is put off until the errors of the run ask for one, and one that there is no room for as well.
             let is_put_off = |circle: PursuitCircle| {
-                let strokes = strokes(belief, self.robot, circle.way_um);
-                let circle_on = [Segment { state: turning, strokes, sets_arms: false }];
-                circle.is_for_lag || belief.collision_ahead(&circle_on, [None; 2]).is_some()
+                circle.is_for_lag || !has_room(belief, (self.robot, turning), circle.way_um, room_um)
             };
             let pieces = pursuit.pieces_without(driver, measured, driver.interval_um, is_put_off);
+            self.is_turning = pieces[0].arm == Arm::Down && pieces[0].way_um >= driver.interval_um;
             *left_um -= pieces.iter().map(|piece| piece.way_um).sum::<f64>();
             if *left_um < 0.0 {
                 return Progress::Failed(StopReason::TimeLimit, self.robot);
@@ -90,6 +157,39 @@ impl<'a> DriveStage<'a> {
             return Progress::Driving;
         }
     }
+
+    /// Runs straight on until the next measurement, where there is room for that: farther on there may be room to turn. `false` otherwise.
+    fn runs_on(&mut self, belief: &Belief, drive: &mut Drive) -> bool {
+        let (way_um, straight) = (self.driver.interval_um, self.states[1]);
+        let left_um = self.left_um.get_or_insert(f64::INFINITY);
+        if *left_um < way_um || !has_room(belief, (self.robot, straight), way_um, room_um(belief, &self.driver)) {
+            return false;
+        }
+        *left_um -= way_um;
+        drive.add(straight, strokes(belief, self.robot, way_um));
+        true
+    }
+
+    /// Whether it is about to begin a turn that leads into something: drift may ask for one where the plan has none.
+    fn begins_turn_without_room(&self, belief: &Belief, measured: Pose) -> bool {
+        let Some(pursuit) = self.pursuits.get(self.at).filter(|_| !self.is_turning) else { return false };
+        let turn_um = pursuit.due_turn_um(&self.driver, measured);
+        turn_um > self.driver.interval_um
+            && !has_room(belief, (self.robot, self.states[0]), turn_um, room_um(belief, &self.driver))
+    }
+}
+
+/// How near to other things a turn may lead: once begun it has to be gone on with, and where it leads is less certain than where the robot
+/// is.
+fn room_um(belief: &Belief, driver: &Driver) -> f64 {
+    belief.doubt_um(2.0 * driver.robot.turning_radius_um) + belief.astray_um(driver.interval_um)
+}
+
+/// Whether a robot can turn that far in a control state.
+fn has_room(belief: &Belief, (robot, turning): (usize, usize), way_um: f64, room_um: f64) -> bool {
+    let strokes = strokes(belief, robot, way_um);
+    let turn = [Segment { state: turning, strokes, sets_arms: false }];
+    belief.has_room(room_um, &turn)
 }
 
 /// The state in which a robot's arm is so: of those of the legs the one with most strokes, otherwise the first that keeps docked arms up.

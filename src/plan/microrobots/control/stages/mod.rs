@@ -61,6 +61,14 @@ impl ControlStage<'_> {
         }
     }
 
+    /// Looks for another way where what it has commanded would lead into something; `false` if there is none.
+    pub fn find_new_way(&mut self, belief: &Belief) -> bool {
+        match self {
+            ControlStage::Drive(stage) => stage.find_new_way(belief),
+            ControlStage::Written(_) | ControlStage::Rest(_) | ControlStage::Pair(_) | ControlStage::Single(_) => false,
+        }
+    }
+
     pub fn phase(&self) -> ControlPhase {
         match self {
             ControlStage::Written(_) => ControlPhase::Legs,

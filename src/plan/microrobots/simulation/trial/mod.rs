@@ -73,7 +73,7 @@ impl FailureReason {
             StopReason::Misplaced => FailureReason::Misplaced,
             StopReason::TimeLimit => FailureReason::TimeLimit,
             StopReason::Unseen | StopReason::Doubtful => FailureReason::Unmeasured,
-            StopReason::Astray => FailureReason::Astray,
+            StopReason::Astray | StopReason::Moved => FailureReason::Astray,
             StopReason::Blocked => {
                 FailureReason::Blocked(stop.in_the_way.map_or("something", |thing| thing.name(order)).to_owned())
             }
@@ -81,7 +81,9 @@ impl FailureReason {
             | StopReason::Closed
             | StopReason::Clock
             | StopReason::Garbled
-            | StopReason::Interrupted => FailureReason::Silence,
+            | StopReason::Interrupted
+            | StopReason::Unread
+            | StopReason::Unrecorded => FailureReason::Silence,
         }
     }
 }
