@@ -236,6 +236,8 @@ impl<'a> Controller<'a> {
     }
 
     fn decide(&mut self, now_ns: u64) {
+        // One search in an answer: it must not be late.
+        let mut has_searched = false;
         while let Some(stage) = self.stages.get_mut(self.at) {
             let held = self.drive.held;
             match stage.stage.proceed(&mut self.belief, &mut self.drive, now_ns) {
@@ -244,7 +246,7 @@ impl<'a> Controller<'a> {
                     if let Some(ahead) = self.belief.collision_ahead(&self.drive.segments, self.may_touch) {
                         self.drive.segments.clear();
                         self.drive.held = held;
-                        if stage.stage.find_new_way(&self.belief) {
+                        if !std::mem::replace(&mut has_searched, true) && stage.stage.find_new_way(&self.belief) {
                             continue;
                         }
                         return self.stop_before(StopReason::Blocked, Some(ahead.robot), Some(ahead.with));

@@ -20,7 +20,7 @@ use std::f64::consts::TAU;
 
 /// How often a new way is searched for from where a robot was measured, and how long: an answer must not be late. A step is one of the
 /// planner of drives.
-const MAX_NEW_WAYS: usize = 64;
+const MAX_NEW_WAYS: usize = 32;
 const NEW_WAY_BUDGET: SearchBudget = SearchBudget::of(6_000);
 
 /// Clearances that a new way keeps, as shares of the device's: a robot that was led astray may have less room than the plan keeps.
