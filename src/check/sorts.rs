@@ -224,7 +224,8 @@ fn judge_quantity(
         }
         Value::Quantity(quantity) if quantity.si != 0.0 && !SIZES_SI.contains(&quantity.si.abs()) => {
             let [least, most] = [SIZES_SI.start(), SIZES_SI.end()].map(|si| digits(*si));
-            let limit = format!("0, or from {least} to {most} in SI units");
+            let or_none = if range.holds(0.0) { "0, or " } else { "" };
+            let limit = format!("{or_none}from {least} to {most} in SI units");
             Err(Box::new(errors::out_of_range(wanted, span, &quantity.to_string(), &limit)))
         }
         Value::Quantity(_) => Ok(()),

@@ -2,7 +2,7 @@
 
 use super::around;
 use super::cursor::{Brackets, Cursor, OpenBracket};
-use super::words::takes_block;
+use super::words::{takes_block, takes_fields};
 use super::{MAX_NESTING, errors, slips};
 use crate::source::Span;
 
@@ -80,7 +80,9 @@ impl Cursor<'_> {
     }
 
     fn stray(&mut self, at: usize) {
-        if let Some(head) = self.head_end.take().filter(|_| self.text.as_bytes()[at] == b'}') {
+        // On the head's own line it tells nothing of where a block begins.
+        let opens = |head: &usize| *head <= at && self.text.as_bytes()[at] == b'}';
+        if let Some(head) = self.head_end.take().filter(opens) {
             let line = around::line_before(self.text, head);
             if line.ends_with(':') {
                 let mark = self.span(head - 1, head);
@@ -133,8 +135,8 @@ impl Cursor<'_> {
     fn head_begins(&mut self) {
         let end = self.end_of_line();
         let code = around::code_end_before(self.text, end);
-        self.head_end =
-            Some(code).filter(|code| takes_block(self.rest()) && *code > self.at && *code < self.text.len());
+        let has_braces = takes_block(self.rest()) || takes_fields(self.rest());
+        self.head_end = Some(code).filter(|code| has_braces && *code > self.at && *code < self.text.len());
     }
 
     pub fn end_of_text(&mut self) {

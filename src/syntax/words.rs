@@ -65,6 +65,11 @@ pub(super) fn takes_block(item: &str) -> bool {
     ["scene", "task", "program", "wiring"].iter().any(|word| item.starts_with(word))
 }
 
+/// Whether a declaration, of which this is the beginning, may have fields.
+pub(super) fn takes_fields(item: &str) -> bool {
+    ["device", "instrument", "output"].iter().any(|word| item.starts_with(word))
+}
+
 /// Control characters, and those that steer how text is laid out.
 pub(super) fn is_invisible(c: char) -> bool {
     c.is_control()

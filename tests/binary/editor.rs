@@ -304,16 +304,17 @@ fn after_shutdown_only_the_exit_is_taken() {
     assert_eq!(editor.status(), Some(DONE));
 }
 
+/// The program as a client starts it.
+fn server() -> Child {
+    let mut server = Plain::new(env!("CARGO_BIN_EXE_tweeze"));
+    server.arg("lsp").stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    server.spawn().expect("the server starts")
+}
+
 #[test]
 fn what_is_no_message_ends_the_server_with_a_sentence() {
     let says_of = |bytes: &[u8]| {
-        let mut server = Plain::new(env!("CARGO_BIN_EXE_tweeze"))
-            .arg("lsp")
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("the server starts");
+        let mut server = server();
         // It may end before all of it is written.
         let _ = server.stdin.take().expect("it is open").write_all(bytes);
         let ended = server.wait_with_output().expect("it ends");
@@ -345,13 +346,7 @@ fn a_message_that_says_nothing_is_refused_and_the_next_one_read() {
     let framed = |body: &[u8]| [format!("Content-Length: {}\r\n\r\n", body.len()).as_bytes(), body].concat();
     let initialize = br#"{"jsonrpc":"2.0","id":1,"method":"initialize","params":{"capabilities":{}}}"#;
     let messages = [&b"{bad"[..], b"", b"\xff", b"{}", b"[]", initialize].map(framed).concat();
-    let mut server = Plain::new(env!("CARGO_BIN_EXE_tweeze"))
-        .arg("lsp")
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("the program starts");
+    let mut server = server();
     server.stdin.take().expect("it is open").write_all(&messages).expect("it reads");
     let answers = String::from_utf8(server.wait_with_output().expect("it ends").stdout).expect("it is text");
     assert_eq!((answers.matches("-32700").count(), answers.matches("-32600").count()), (3, 2), "{answers}");

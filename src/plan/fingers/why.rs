@@ -169,8 +169,11 @@ impl HandReasons<'_> {
                 format!("no sequence of stable grasps carries out the turns up to {}, or those after it", self.what())
             }
         };
+        let leans = blocked.farthest.is_none() && self.order.facts.adhesion == Adhesion::Absent;
+        let leans = leans && self.order.load_un.iter().any(|un| *un != 0.0);
+        let without = if leans { "; tips that only push must hold without the load, too" } else { "" };
         Diagnostic::new(Code::E0601, title)
-            .label(self.span(), format!("{}{}", self.where_blocked(blocked, leg, next), self.kept_back()))
+            .label(self.span(), format!("{}{without}{}", self.where_blocked(blocked, leg, next), self.kept_back()))
             .help_if(self.openings(&trials))
             .reached(self.reach(blocked, leg))
     }

@@ -258,12 +258,17 @@ impl Session<'_> {
             let left = self.late.map_or(INTERRUPT_LOOK, |late| late.saturating_duration_since(Instant::now()));
             match incoming.recv_timeout(left.min(INTERRUPT_LOOK)) {
                 _ if self.interrupt.is_asked() => return Err(StopReason::Interrupted),
-                _ if self.late.is_some() && left.is_zero() => return Err(StopReason::Silence),
                 Ok(incoming) => return Ok(incoming),
+                Err(RecvTimeoutError::Timeout) if self.is_late() => return Err(StopReason::Silence),
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return Err(StopReason::Closed),
             }
         }
+    }
+
+    /// Whether the watchdog's time is over.
+    fn is_late(&self) -> bool {
+        self.late.is_some_and(|late| late <= Instant::now())
     }
 
     /// A line of measured poses; the exit if the task is over.
@@ -274,6 +279,7 @@ impl Session<'_> {
         };
         self.garbled = 0;
         self.record(RecordedLine::Measured, measured.t_ns.max(self.t_ns), line.trim_end())?;
+        let is_late = self.is_late();
         let command = self.controller.observe(&measured.poses, measured.t_ns);
         let over = match command {
             Command::Drive { until_ns, .. } | Command::Rest { until_ns } => {
@@ -281,6 +287,7 @@ impl Session<'_> {
                 self.late = Instant::now().checked_add(Duration::from_nanos(left_ns));
                 None
             }
+            Command::Continue { .. } if is_late => return Err(StopReason::Silence),
             Command::Continue { .. } => None,
             Command::Finished => Some(Exit::Done),
             Command::Stop(_) => Some(Exit::Stopped),
