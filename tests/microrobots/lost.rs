@@ -167,9 +167,13 @@ fn nothing_is_left_of_a_run_that_nobody_joined() {
     let folder = tempfile::tempdir().expect("a folder");
     let program = drive(&folder, "1 s");
     let (socket, record) = (folder.path().join("bed.sock"), folder.path().join("run.mcap"));
-    // The socket of a process that was killed does not keep the next one out.
-    drop(std::os::unix::net::UnixListener::bind(&socket).expect("a socket"));
     let listen = format!("unix:{}", socket.display());
+    // One that a process left, or listens at, is for its owner to delete.
+    drop(std::os::unix::net::UnixListener::bind(&socket).expect("a socket"));
+    let run = control(&program, &["--listen", &listen]).output().expect("it runs");
+    let said = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.code() == Some(FILES) && said.contains("if a process that was killed has left it"), "{said}");
+    std::fs::remove_file(&socket).expect("the socket");
     let mut child = begun(&mut control(&program, &["--listen", &listen, "--record", &record.to_string_lossy()]));
     let mut words = BufReader::new(child.stderr.take().expect("its words")).lines().map_while(Result::ok);
     assert!(words.any(|line| line.contains("listening at")));

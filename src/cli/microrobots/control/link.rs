@@ -131,23 +131,9 @@ pub fn check(address: &Address) -> io::Result<()> {
         Address::Tcp(address) => TcpListener::bind(address).map(drop),
         #[cfg(unix)]
         Address::Unix(path) => {
-            bound(path)?;
+            std::os::unix::net::UnixListener::bind(path)?;
             std::fs::remove_file(path)
         }
-    }
-}
-
-/// Listens at a path. A socket at which nobody listens any more was left by a process that was killed.
-#[cfg(unix)]
-fn bound(path: &std::path::Path) -> io::Result<std::os::unix::net::UnixListener> {
-    use std::os::unix::net::{UnixListener, UnixStream};
-    let is_left = || UnixStream::connect(path).is_err_and(|error| error.kind() == io::ErrorKind::ConnectionRefused);
-    match UnixListener::bind(path) {
-        Err(error) if error.kind() == io::ErrorKind::AddrInUse && is_left() => {
-            std::fs::remove_file(path)?;
-            UnixListener::bind(path)
-        }
-        bound => bound,
     }
 }
 
@@ -172,7 +158,7 @@ pub fn accepted(
         }
         #[cfg(unix)]
         Address::Unix(path) => {
-            let listener = bound(path)?;
+            let listener = std::os::unix::net::UnixListener::bind(path)?;
             listener.set_nonblocking(true)?;
             ready(&format!("unix:{}", path.display()));
             let accepted = first(|| listener.accept(), is_interrupted);

@@ -58,8 +58,10 @@ pub fn run(arguments: &ControlArguments) -> Exit {
         Ok(order) => order,
         Err(why) => return refused(&why),
     };
-    if let Some(Err(error)) = arguments.listen.as_ref().map(link::check) {
-        return not_listening(&error);
+    if let Some(address) = &arguments.listen
+        && let Err(error) = link::check(address)
+    {
+        return not_listening(address, &error);
     }
     let search = Arc::<SearchWatch>::default();
     let waiting = ProgressLine::begin(&search);
@@ -115,8 +117,18 @@ fn not_one(shown: &str, all: &[Claims]) -> Exit {
     Exit::Usage
 }
 
-fn not_listening(error: &std::io::Error) -> Exit {
-    terminal::to_stderr(&format!("tweeze: cannot listen there: {error}\n"));
+fn not_listening(address: &Address, error: &std::io::Error) -> Exit {
+    let left = match address {
+        #[cfg(unix)]
+        Address::Unix(path) if error.kind() == std::io::ErrorKind::AddrInUse => {
+            // To find out would take the place of whoever the other one waits for.
+            format!("; delete `{}` if a process that was killed has left it", path.display())
+        }
+        #[cfg(unix)]
+        Address::Unix(_) => String::new(),
+        Address::Tcp(_) => String::new(),
+    };
+    terminal::to_stderr(&format!("tweeze: cannot listen there: {error}{left}\n"));
     Exit::Files
 }
 
@@ -183,7 +195,7 @@ fn connected(listen: Option<&Address>, interrupt: &RunStop) -> Result<Link, Exit
             terminal::to_stderr("tweeze: interrupted before a connection was made\n");
             Err(Exit::Stopped)
         }
-        Err(error) => Err(not_listening(&error)),
+        Err(error) => Err(not_listening(address, &error)),
     }
 }
 
