@@ -13,6 +13,7 @@ use crate::device::Kind;
 use crate::device::instrument::AuxiliaryOutput;
 use crate::quantity::Dimension;
 use crate::source::{Span, Spanned};
+use crate::syntax::PARAMETER_SORTS;
 use crate::syntax::tree::{self, Entry, Expr, ExprKind, Item};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -526,13 +527,10 @@ fn object_nouns() -> impl Iterator<Item = &'static str> {
 
 /// The words that name the sort of a parameter.
 pub fn parameter_sorts() -> impl Iterator<Item = &'static str> {
-    ParameterSort::NAMES.iter().copied().chain(object_nouns())
+    PARAMETER_SORTS.iter().copied().chain(object_nouns())
 }
 
 impl ParameterSort {
-    const NAMES: &'static [&'static str] =
-        &["length", "time", "angle", "voltage", "force", "speed", "number", "cell", "place", "pose", "word"];
-
     fn find(name: &str) -> Option<ParameterSort> {
         Some(match name {
             "length" => ParameterSort::Quantity(Dimension::LENGTH),

@@ -2,7 +2,7 @@
 
 use super::around::{self, part, quote, token_at, token_before};
 use super::grammar::Rule;
-use super::words::{end_of_word, is_word};
+use super::words::{PARAMETER_SORTS, end_of_word, is_name, is_word};
 use super::{habits, slips};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
@@ -116,7 +116,7 @@ fn parameter(rest: Span, behind: usize, rule: Rule, source: &str) -> Option<Diag
             [first, second] if is_name(first) && is_name(second) => {
                 let (name, sort) = match first {
                     "int" | "float" | "double" | "real" => (second, "number"),
-                    _ if SORTS.contains(&first) => (second, first),
+                    _ if PARAMETER_SORTS.contains(&first) => (second, first),
                     _ => (first, second),
                 };
                 finding.help(format!("write `{name}: {sort}`")).mended_here(format!("{name}: {sort}"))
@@ -137,14 +137,6 @@ fn parameter(rest: Span, behind: usize, rule: Rule, source: &str) -> Option<Diag
 fn field_of(text: &str) -> bool {
     let name = text.trim_start();
     name.split_once(':').is_some_and(|(name, _)| is_name(name.trim_end()))
-}
-
-/// Sorts of parameters that people write before the name.
-const SORTS: [&str; 11] =
-    ["length", "time", "angle", "voltage", "force", "speed", "number", "cell", "place", "pose", "word"];
-
-fn is_name(text: &str) -> bool {
-    text.starts_with(|c: char| is_word(c) && !c.is_ascii_digit()) && text.chars().all(is_word)
 }
 
 /// The rest of a head, from where reading stopped.

@@ -2,7 +2,7 @@
 
 use super::around::{self, part, quote};
 use super::errors;
-use super::words::is_word;
+use super::words::{is_name, is_word};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
@@ -126,10 +126,6 @@ fn behind(last: &str) -> String {
         .ok()
         .and_then(|last| last.checked_add(1))
         .map_or_else(|| format!("{last} + 1"), |end| end.to_string())
-}
-
-fn is_name(text: &str) -> bool {
-    text.starts_with(|c: char| is_word(c) && !c.is_ascii_digit()) && text.chars().all(is_word)
 }
 
 /// Whether a list or range has nothing in it that only another language knows.

@@ -29,7 +29,7 @@ mod values;
 mod words;
 
 pub use words::RESERVED;
-pub(crate) use words::{PREPOSITIONS, is_word};
+pub(crate) use words::{PARAMETER_SORTS, PREPOSITIONS, is_word};
 
 use crate::diagnostic::{MAX_DIAGNOSTICS, Sink};
 use crate::source::{FileId, Span};

@@ -34,6 +34,10 @@ pub const RESERVED: [&str; 26] = [
 pub(crate) const PREPOSITIONS: [&str; 13] =
     ["to", "from", "by", "about", "after", "for", "at", "among", "via", "with", "within", "in", "on"];
 
+/// The sorts of parameters that are no objects of a scene.
+pub(crate) const PARAMETER_SORTS: [&str; 11] =
+    ["length", "time", "angle", "voltage", "force", "speed", "number", "cell", "place", "pose", "word"];
+
 /// The preposition that a word is, but for a letter; of two letters, anything is near.
 pub(super) fn meant_preposition(word: &str) -> Option<&'static str> {
     PREPOSITIONS.into_iter().find(|known| known.len() > 2 && strsim::osa_distance(word, known) == 1)
@@ -42,6 +46,11 @@ pub(super) fn meant_preposition(word: &str) -> Option<&'static str> {
 /// Whether a character may stand in a name.
 pub(crate) fn is_word(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_' || (!c.is_ascii() && c.is_alphabetic())
+}
+
+/// Whether a text is a name, reserved or not.
+pub(super) fn is_name(text: &str) -> bool {
+    text.starts_with(|c: char| is_word(c) && !c.is_ascii_digit()) && text.chars().all(is_word)
 }
 
 /// Where the run of name characters at an offset ends.

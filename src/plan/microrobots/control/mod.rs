@@ -236,7 +236,7 @@ impl<'a> Controller<'a> {
     }
 
     fn decide(&mut self, now_ns: u64) {
-        // One search in an answer: it must not be late.
+        // One new way for a command that leads into something: an answer must not be late.
         let mut has_searched = false;
         while let Some(stage) = self.stages.get_mut(self.at) {
             let held = self.drive.held;

@@ -88,6 +88,9 @@ impl<'a> DriveStage<'a> {
 
     fn find_way_with(&mut self, clearances: &[f64], belief: &Belief) -> bool {
         self.new_ways += 1;
+        if self.new_ways > MAX_NEW_WAYS {
+            return false;
+        }
         let rest = self.stops[self.at.min(self.stops.len())..].to_vec();
         let stops: Vec<Pose> = rest.iter().map(|stop| stop.pose).collect();
         let bed = BedPoses::new(belief.poses.clone(), belief.docked.clone());
@@ -99,7 +102,7 @@ impl<'a> DriveStage<'a> {
                 drive::Drive { order: self.order, world: &world, bed: &bed, robot: self.robot, stops: &stops };
             drive::drive(&request, NEW_WAY_BUDGET).ok()
         };
-        let found = if self.new_ways <= MAX_NEW_WAYS { clearances.iter().copied().find_map(driven) } else { None };
+        let found = clearances.iter().copied().find_map(driven);
         let begun = (self.robot, belief.poses[self.robot]);
         let stage = found.and_then(|found| DriveStage::new(self.order, begun, &rest, &belief.docked, &found.legs));
         match stage {
@@ -128,8 +131,7 @@ impl<'a> DriveStage<'a> {
             }
             let driver = &self.driver;
             let Some(pursuit) = self.pursuits.get_mut(self.at) else { return Progress::Done };
-            let circle_um = TAU * driver.robot.turning_radius_um;
-            let left_um = self.left_um.get_or_insert(MAX_TIMES * (pursuit.left_um(driver, measured) + circle_um));
+            let left_um = self.left_um.get_or_insert_with(|| most_um(pursuit, driver, measured));
             if pursuit.phase == Phase::Arrived {
                 if driver.accepted().holds(pursuit.approach, measured) {
                     (self.at, self.rounds, self.left_um) = (self.at + 1, 0, None);
@@ -161,7 +163,9 @@ impl<'a> DriveStage<'a> {
     /// Runs straight on until the next measurement, where there is room for that: farther on there may be room to turn. `false` otherwise.
     fn runs_on(&mut self, belief: &Belief, drive: &mut Drive) -> bool {
         let (way_um, straight) = (self.driver.interval_um, self.states[1]);
-        let left_um = self.left_um.get_or_insert(f64::INFINITY);
+        let Some(pursuit) = self.pursuits.get(self.at) else { return false };
+        let measured = belief.poses[self.robot];
+        let left_um = self.left_um.get_or_insert_with(|| most_um(pursuit, &self.driver, measured));
         if *left_um < way_um || !has_room(belief, (self.robot, straight), way_um, room_um(belief, &self.driver)) {
             return false;
         }
@@ -177,6 +181,11 @@ impl<'a> DriveStage<'a> {
         turn_um > self.driver.interval_um
             && !has_room(belief, (self.robot, self.states[0]), turn_um, room_um(belief, &self.driver))
     }
+}
+
+/// The longest path to a stop before the drive is given up.
+fn most_um(pursuit: &Pursuit, driver: &Driver, measured: Pose) -> f64 {
+    MAX_TIMES * (pursuit.left_um(driver, measured) + TAU * driver.robot.turning_radius_um)
 }
 
 /// How near to other things a turn may lead: once begun it has to be gone on with, and where it leads is less certain than where the robot
