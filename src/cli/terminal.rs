@@ -99,7 +99,10 @@ pub fn answer(text: &str) -> Exit {
     match io::stdout().lock().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
         Ok(()) => Exit::Done,
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Exit::Done,
-        Err(_) => Exit::Files,
+        Err(error) => {
+            to_stderr(&format!("tweeze: standard output cannot be written: {error}\n"));
+            Exit::Files
+        }
     }
 }
 

@@ -92,7 +92,7 @@ fn every_line_has_an_answer_and_nonsense_stops_it() {
     // An empty line is passed over, but counts.
     input.push_str("\nnonsense\n{\"t_ns\": 1}\n{\"t_ns\": 2, \"robots\": {\"D9\": null}}\n");
     input
-        .push_str("{\"t_ns\": -1, \"robots\": {}}\n[3, {}]\n{\"t_ns\": 4, \"robots\": {\"D1\": null, \"D1\": null}}\n");
+        .push_str("{\"t_ns\": 1.5, \"robots\": {}}\n[3, {}]\n{\"t_ns\": 4, \"robots\": {\"D1\": null, \"D1\": null}}\n");
     let run = tweeze(&["control", &path]).write_stdin(input).assert().code(STOPPED);
     let answers = answers(&run.get_output().stdout);
     assert_eq!(answers[0]["control"], "quartet");
@@ -101,11 +101,26 @@ fn every_line_has_an_answer_and_nonsense_stops_it() {
     assert!(answers[2..8].iter().all(|answer| answer["error"].is_string()), "{answers:?}");
     assert_eq!([2, 7].map(|nth: usize| answers[nth]["input_line"].as_u64()), [Some(3), Some(8)], "{answers:?}");
     assert!(answers[4]["error"].as_str().is_some_and(|why| why.contains("`D9` is no robot of the scene")));
+    assert!(answers[5]["error"].as_str().is_some_and(|why| why.contains("expected a whole number of ns")));
     assert!(answers[6]["error"].as_str().is_some_and(|why| why.contains("one JSON object")));
     assert!(answers[7]["error"].as_str().is_some_and(|why| why.contains("`D1` is there twice")));
     assert!(String::from_utf8_lossy(&run.get_output().stderr).contains("tweeze: stopped: "));
     assert_eq!((&answers[8]["command"], &answers[8]["reason"]), (&json!("stop"), &json!("garbled")));
     assert_eq!(answers.len(), 9);
+}
+
+#[test]
+fn times_of_a_program_of_floating_point_numbers_are_whole_too() {
+    let folder = folder();
+    let path = four(&folder);
+    let path = path.to_string_lossy();
+    let (whole, float) = (measured(7), measured(7).replace("\"t_ns\":7}", "\"t_ns\":7.0}"));
+    assert_ne!(whole, float);
+    let answered = |measured: &str| {
+        let run = tweeze(&["control", &path]).write_stdin(measured.to_owned()).assert().code(STOPPED);
+        answers(&run.get_output().stdout)
+    };
+    assert_eq!(answered(&whole), answered(&float));
 }
 
 /// The end of the input is the loss of measurements, and the same measurements are recorded in the same bytes.

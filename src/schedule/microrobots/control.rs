@@ -5,7 +5,7 @@
 
 use super::RecordedPose;
 use crate::device::microrobots::control::{ControlPhase, StopReason};
-use serde::de::{Error, MapAccess, Visitor};
+use serde::de::{Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -15,10 +15,36 @@ use std::marker::PhantomData;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MeasuredLine {
+    #[serde(deserialize_with = "whole")]
     pub t_ns: u64,
     /// By the names of the scene, each once; `None`, like a missing one, was not seen.
     #[serde(deserialize_with = "each_once")]
     pub robots: BTreeMap<String, Option<RecordedPose>>,
+}
+
+/// From here on a floating-point number stands for several whole ones.
+const EXACT_BELOW: f64 = 9_007_199_254_740_992.0;
+
+/// Reads a whole number, also one that a program of floating-point numbers wrote as `1.0` or `1e9`.
+fn whole<'de, D: Deserializer<'de>>(reader: D) -> Result<u64, D::Error> {
+    struct Whole;
+    impl Visitor<'_> for Whole {
+        type Value = u64;
+
+        fn expecting(&self, text: &mut fmt::Formatter) -> fmt::Result {
+            text.write_str("a whole number of ns from 0 on")
+        }
+
+        fn visit_u64<E: Error>(self, number: u64) -> Result<u64, E> {
+            Ok(number)
+        }
+
+        fn visit_f64<E: Error>(self, number: f64) -> Result<u64, E> {
+            let is_whole = number.fract() == 0.0 && (0.0..EXACT_BELOW).contains(&number);
+            if is_whole { Ok(number as u64) } else { Err(E::invalid_value(Unexpected::Float(number), &self)) }
+        }
+    }
+    reader.deserialize_any(Whole)
 }
 
 /// Reads a map of which no key comes twice: of two poses of a robot none can be trusted.

@@ -31,9 +31,7 @@ pub fn measured(order: &MicrorobotsOrder, line: &str) -> Result<Measured, String
     }
     // Of the one line only the column tells anything.
     let wrong = |error: serde_json::Error| {
-        let said = error.to_string().replace(" at line 1 column ", " at column ");
-        said.replace("expected f64", "expected a number")
-            .replace("expected u64", "expected a whole number without a point")
+        error.to_string().replace(" at line 1 column ", " at column ").replace("expected f64", "expected a number")
     };
     let MeasuredLine { t_ns, robots } = serde_json::from_str(line).map_err(wrong)?;
     if t_ns > MAX_T_NS {
