@@ -1,7 +1,8 @@
 //! Expressions to values: every operator and function checked for the dimensions of its operands.
 
 use super::budget::MAX_LIST_DEPTH;
-use super::scope::{ANGLE_NAME, DeclarationSort, Scope, function_names, nearest, path_text};
+use super::scope::{ANGLE_NAME, DeclarationSort, Scope, nearest, path_text};
+use crate::syntax::functions::function_names;
 use super::value::{ListValue, ModuleWord, TableValue, Value, whole};
 use super::{Checker, errors, functions};
 use crate::device::MAX_WORD_DIGITS;

@@ -155,7 +155,7 @@ pub fn is_equality(operator: Operator, a: &Value, b: &Value) -> bool {
         && !matches!(a, Value::Quantity(_) | Value::Unknown)
 }
 
-/// Applies one of [`super::scope::FUNCTIONS`]; `span` is the whole call.
+/// Applies one of [`crate::syntax::functions::FUNCTIONS`]; `span` is the whole call.
 pub fn apply_function(name: &str, span: Span, arguments: &[Spanned<Value>]) -> Diagnosed<Value> {
     if arguments.iter().any(|argument| argument.value.is_unknown()) {
         return Ok(Value::Unknown);

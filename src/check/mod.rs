@@ -433,6 +433,12 @@ impl<'a> Checker<'a> {
                 let near = scope::in_a_used_file(&text, &known);
                 let near = near.or_else(|| scope::nearest(&text, known.iter().map(String::as_str)));
                 let finding = errors::unknown_name(path.span, &text, sort, near);
+                let object = file.object_of_scenes(&text).filter(|_| sort == DeclarationSort::Let);
+                if let Some(object) = object {
+                    let finding = errors::object_for_place(path.span, &object.noun.text, &object.name.name);
+                    self.sink.push(finding);
+                    return None;
+                }
                 let beside = text.rfind('.').filter(|_| near.is_none()).map(|dot| &text[..=dot]);
                 let beside =
                     beside.map(|file| known.iter().map(String::as_str).filter(move |name| name.starts_with(file)));

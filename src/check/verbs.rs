@@ -36,7 +36,8 @@ impl Checker<'_> {
             let written = (step.head.span, step.head.text.as_str());
             self.sink.push(match step.head.text.as_str() {
                 "maximize" | "maximise" => errors::maximized(step.head.span, vocabulary),
-                "then" => errors::second_objective(step.head.span),
+                "then" if step.noun.is_none() && step.phrases.is_empty() => errors::second_objective(step.head.span),
+                "then" => errors::then_before_step(step.head.span),
                 "start" if vocabulary.state.is_some() => errors::start_without_at(step.head.span),
                 word if vocabulary.settings.iter().any(|setting| setting.name == word) => {
                     errors::setting_without_colon(&step.head)

@@ -166,7 +166,7 @@ fn write(
         emit::follow(&mut files, &failed::follower(program), provenance);
     }
     let compiled = Compiled { tally: compiled.tally, schedules };
-    let to = Destination { folder: &arguments.output, program, force: arguments.force };
+    let to = Destination { folder: &arguments.output, program, logged: None, force: arguments.force };
     if let Err(diagnostic) = disk::write_all(&to, &files) {
         terminal::report_one(*diagnostic, report_format);
         return Err(Exit::Files);

@@ -29,7 +29,7 @@ pub fn too_large(path: &Path, limit: usize) -> Diagnostic {
 
 pub fn not_utf8(path: &Path, bytes: &[u8], at: usize) -> Diagnostic {
     let line = bytes[..at].iter().filter(|byte| **byte == b'\n').count() + 1;
-    let is_wide = bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]);
+    let is_wide = bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) || bytes[at] == 0;
     let guess = match bytes[at] {
         _ if is_wide => "it is UTF-16, as some shells write with `>`: ",
         0xB5 => "this byte is `µ` in Latin-1: ",

@@ -88,7 +88,7 @@ pub fn forget(program: &Path, arguments: &BuildArguments) -> Result<(), Exit> {
 }
 
 fn destination<'a>(program: &'a Path, arguments: &'a BuildArguments) -> Destination<'a> {
-    Destination { folder: &arguments.output, program, force: arguments.force }
+    Destination { folder: &arguments.output, program, logged: None, force: arguments.force }
 }
 
 /// The name of the script by which pages follow a program.

@@ -7,7 +7,7 @@ use super::formats::EmitChoice;
 use super::glances::Glances;
 use super::verify::{Refusal, RefusedLog};
 use super::{Exit, build, errors, report, terminal, verify, watch};
-use crate::emit::{self, Format, RefusedSchedule};
+use crate::emit::{self, Format, Provenance, RefusedSchedule};
 use std::path::{Path, PathBuf};
 
 /// Writes the pages of a program, or the page of a log once it is verified, and opens them.
@@ -87,7 +87,7 @@ fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, FailedBuild> {
         terminal::report_one(error.diagnostic(), format);
         Exit::Errors
     })?;
-    let to = Destination { folder: &arguments.output, program: path, force: arguments.force };
+    let to = destination(arguments, &judged.provenance);
     let pages = failed::put(&pages, &to, format)?;
     let schedule = judged.verified.schedule();
     let names: Vec<String> = pages.iter().map(|page| page.to_string_lossy().into_owned()).collect();
@@ -101,6 +101,12 @@ fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, FailedBuild> {
     let mut text = terminal::line("Verified", &schedule.name, width, &replayed);
     names.iter().for_each(|name| text.push_str(&terminal::line("Wrote", name, width, "")));
     Ok((terminal::answer(&text), pages))
+}
+
+/// Where the page of a log goes.
+fn destination<'a>(arguments: &'a ViewArguments, provenance: &'a Provenance) -> Destination<'a> {
+    let logged = provenance.files.first().map(|(name, _)| name.as_str());
+    Destination { folder: &arguments.output, program: &arguments.file, logged, force: arguments.force }
 }
 
 /// The page of a log that was refused, where it breaks rules.
@@ -119,7 +125,7 @@ fn of_refused_log(arguments: &ViewArguments, bytes: &[u8], refusal: &Refusal) ->
             return exit.into();
         }
     };
-    let to = Destination { folder: &arguments.output, program: path, force: arguments.force };
+    let to = destination(arguments, &provenance);
     match failed::put(&[page], &to, format) {
         Ok(mut names) => FailedBuild { exit, page: names.pop() },
         Err(exit) => exit.into(),

@@ -41,7 +41,7 @@ impl LogError {
                 .help("`tweeze verify` reads the `.mcap` file that `tweeze build` writes"),
             LogError::Truncated { offset } => {
                 Diagnostic::new(Code::E0841, format!("the log breaks off: something should follow byte {offset}"))
-                    .help(AGAIN)
+                    .help(format!("{AGAIN}; of the recording of a controlled run `mcap recover` saves what there is"))
             }
             LogError::Damaged { offset, what } => {
                 Diagnostic::new(Code::E0842, format!("the log is damaged at byte {offset}: {what}")).help(AGAIN)

@@ -1,7 +1,7 @@
 //! What the brackets round the cursor take: the arguments of a function, a task or a program.
 
 use super::outline;
-use crate::check::scope::FUNCTIONS;
+use crate::syntax::functions::FUNCTIONS;
 use crate::syntax::is_word;
 use crate::syntax::tree::{Item, Parameter, Runnable};
 use lsp_types::{Documentation, ParameterInformation, ParameterLabel, SignatureHelp, SignatureInformation};

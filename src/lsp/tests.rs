@@ -1,7 +1,8 @@
 //! The words that colour programs in editors, on pages and in books are those of the compiler.
 
 use crate::check::frames;
-use crate::check::scope::{STEP_WORDS, function_names};
+use crate::check::scope::STEP_WORDS;
+use crate::syntax::functions::function_names;
 use crate::device::Kind;
 use crate::quantity::{PLAIN, PREFIXED, PREFIXES};
 use crate::syntax::RESERVED;

@@ -6,7 +6,7 @@
 use super::outline;
 use super::planning::ProgramPlans;
 use super::text::{ColumnUnit, EditedText};
-use crate::check::scope::{FUNCTIONS, function_form};
+use crate::syntax::functions::{FUNCTIONS, function_form};
 use crate::device::instrument::{AuxiliarySort, Family};
 use crate::device::{Kind, Vocabulary, VocabularyField};
 use crate::syntax::tree::{Item, Tree, Use, UsePath};

@@ -1,21 +1,34 @@
 //! Content of braces: fields, objects, steps, wires, and the loops over them.
 
 use super::errors;
+use super::functions::function_names;
 use super::grammar::{Node, Rule};
 use super::habits;
 use super::reader::Reader;
 use super::recover;
 use super::slips;
+use super::stops;
 use super::tree::{
     Doc, Entry, Expr, ExprKind, Field, For, Ident, Object, Phrase, SceneEntry, Step, TextPart, Wire, WireOutput,
     WiringEntry,
 };
-
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
-/// Steps that begin with the name of an object, never with the call of a function.
-const MOVERS: [&str; 5] = ["move", "merge", "drive", "dispense", "discard"];
+/// Whether a bracket follows a name that is no function's.
+fn is_no_function(value: &Expr) -> bool {
+    let ExprKind::Call { function, .. } = &value.kind else { return false };
+    let called = match function.segments.as_slice() {
+        [only] if only.indices.is_empty() => only.name.text.as_str(),
+        _ => return true,
+    };
+    !function_names().any(|name| name == called)
+}
+
+/// Whether a finding is about a blank before a bracket in a span.
+fn is_blank_in(finding: &Diagnostic, span: Span) -> bool {
+    finding.code == Code::E0108 && finding.span().is_some_and(|blank| span.contains(blank))
+}
 
 impl Reader<'_> {
     /// Reads the entries of a block; `read` gets each with the doc comment before it.
@@ -158,9 +171,7 @@ impl Reader<'_> {
             }
         }
         let name = name?;
-        let is_place = |finding: &Diagnostic| {
-            finding.code == Code::E0108 && finding.span().is_some_and(|blank| span.contains(blank))
-        };
+        let is_place = |finding: &Diagnostic| is_blank_in(finding, span);
         // The place of `part m1 : ea.droplet (1, 2)` was read as arguments.
         if at.is_none()
             && let Some(blank) = self.findings.iter().position(is_place)
@@ -185,6 +196,12 @@ impl Reader<'_> {
             self.foreign_word(head.text.len(), span);
             return None;
         }
+        if head.text == "and" {
+            self.forget_code(Code::E0103, head.span);
+            let finding = stops::joined_by_and(head.span, self.source);
+            self.report(finding);
+            return None;
+        }
         // Of other steps, which may be long, the words are not even looked at.
         if head.text == "set"
             && let Some(finding) = slips::level_on(span, self.source)
@@ -202,7 +219,7 @@ impl Reader<'_> {
                     let span = self.span(&part);
                     step.object = Some(self.object_of_step(part, step.noun.as_ref()));
                     // `move m1 (8, 9)` lacks a preposition, and has no blank too many.
-                    if MOVERS.contains(&step.head.text.as_str()) {
+                    if step.object.as_ref().is_some_and(is_no_function) {
                         self.forget_code(Code::E0108, span);
                     }
                 }
@@ -233,7 +250,17 @@ impl Reader<'_> {
         let text =
             if text.contains([' ', '\t']) { text.split_whitespace().collect::<Vec<_>>().join(" ") } else { text };
         let preposition = Ident { text, span: at };
-        let value = self.value(parts.next(), span);
+        let mut value = self.value(parts.next(), span);
+        // `merge a with b (8, 4)` lacks a word before the place, too.
+        if is_no_function(&value) && self.findings.iter().any(|finding| is_blank_in(finding, value.span)) {
+            self.forget_code(Code::E0108, value.span);
+            let bracket = value.span.start as usize + self.source[value.span.range()].find('(')?;
+            let line = super::around::line_before(self.source, bracket);
+            let place = super::around::part(span, bracket, bracket + 1);
+            let finding = stops::word_missing(place, line, self.source);
+            finding.into_iter().for_each(|finding| self.report(finding));
+            value.kind = ExprKind::Error;
+        }
         Some(Phrase { preposition, value, span })
     }
 

@@ -6,7 +6,7 @@ use super::around::{
 };
 use super::grammar::Rule;
 use super::tree::{Column, Ident};
-use super::words::{is_invisible, is_word, meant_preposition, starts_item};
+use super::words::{is_invisible, starts_item};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
@@ -463,73 +463,6 @@ pub(super) fn missing_colon(span: Span, name: &str, text: &str) -> Diagnostic {
         .label(first_word(span, name.len()), "a field takes `:` before its value")
         .help(format!("write `{name}: {}`", quote(value)))
         .mended(first_word(span, name.len()).after(), ":")
-}
-
-/// Reading stopped at `at`, inside of the bracket `open` if there is one.
-pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<char>, text: &str) -> Diagnostic {
-    let token = token_at(&text[..span.end as usize], at);
-    let wanted = match (wants_value, open) {
-        (true, _) => "expected a value",
-        (false, Some('(')) => "expected `,` or `)`",
-        (false, Some('[')) => "expected `,` or `]`",
-        (false, _) => "expected a line end",
-    };
-    if token.is_empty() {
-        let before = code_end_before(text, span.end as usize);
-        let start = before - token_before_sign(&text[..before]).len();
-        return Diagnostic::new(Code::E0101, "this ends too early")
-            .label(part(span, start, before), "more belongs behind this")
-            .help("complete the line, or remove it");
-    }
-    let line = quote(line_before(text, at));
-    if let Some(found) = in_requirement(part(span, at, at + token.len()), &line, token) {
-        return found;
-    }
-    let place = part(span, at, at + token.len());
-    let finding = Diagnostic::new(Code::E0101, format!("`{token}` does not belong here")).label(place, wanted);
-    if let Some((_, ours)) = FOREIGN_PREPOSITIONS.iter().find(|(theirs, _)| *theirs == token) {
-        return finding.help(format!("write `{ours}`")).mended(place, *ours);
-    }
-    if let Some(meant) = meant_preposition(token) {
-        return finding.help(format!("did you mean `{meant}`?")).mended(place, meant);
-    }
-    // `dispense drop form dye`: what is no preposition was read as a name.
-    let before = code_end_before(text, at);
-    let word = &text[text[..before].trim_end_matches(is_word).len()..before];
-    if let Some(meant) = meant_preposition(word) {
-        let place = part(span, before - word.len(), before);
-        return Diagnostic::new(Code::E0101, format!("`{word}` is no preposition"))
-            .label(place, "expected a preposition")
-            .help(format!("did you mean `{meant}`?"))
-            .mended(place, meant);
-    }
-    finding.help(format!("`{line}` is complete; remove the rest, or start a new line"))
-}
-
-/// Prepositions that people write for ours, and ours.
-const FOREIGN_PREPOSITIONS: &[(&str, &str)] =
-    &[("around", "about"), ("onto", "to"), ("into", "to"), ("amongst", "among")];
-
-/// What people write in a `require` where reading stops.
-fn in_requirement(token_span: Span, line: &str, token: &str) -> Option<Diagnostic> {
-    let step = line.rsplit(['{', ',']).next().unwrap_or("").trim_start();
-    step.strip_prefix("require").filter(|rest| rest.starts_with([' ', '\t']))?;
-    let found = |title: &str, label: &str| Diagnostic::new(Code::E0101, title).label(token_span, label);
-    match token {
-        "=" if step.trim_end().ends_with("==") => {
-            Some(found("`===` does not compare", "one `=` too many").help("write `==`").mended_here(""))
-        }
-        "=" => Some(found("`=` does not compare", "sets a value").help("write `==`").mended_here("==")),
-        "and" => Some(
-            found("`and` does not join conditions", "one condition each")
-                .help("write a `require` of its own for each, one below the other: all of them hold"),
-        ),
-        "or" => Some(
-            found("`or` does not join conditions", "no alternatives")
-                .help("choose one of them: every `require` of a task holds"),
-        ),
-        _ => None,
-    }
 }
 
 pub(super) fn not_an_entry(span: Span, place: ListPlace, text: &str) -> Diagnostic {

@@ -257,7 +257,7 @@ fn merged(step: Span, text: &str, words: &[&str]) -> Option<Diagnostic> {
 fn split_into(step: Span, words: &[&str]) -> Option<Diagnostic> {
     let (droplet, half) = match words {
         [droplet, "into", "half" | "halves" | "two" | "2", ..] | [droplet, "in", ..] => (droplet, "half"),
-        [droplet, "into", .., half] if is_name(half) => (droplet, *half),
+        [droplet, "into", half, "at" | "to", ..] | [droplet, "into", .., half] if is_name(half) => (droplet, *half),
         _ => return None,
     };
     is_name(droplet).then(|| {

@@ -32,6 +32,7 @@ pub(super) fn of_use(span: Span, text: &str) -> Option<Diagnostic> {
     let words: Vec<&str> = behind.split_whitespace().collect();
     let alias = match words[..] {
         [] => String::new(),
+        ["as"] => return Some(without_alias(span, line)),
         [alias] | ["as" | "=" | "->" | "named", alias] if alias.chars().all(is_word) => format!(" as {alias}"),
         _ => return None,
     };
@@ -48,6 +49,15 @@ pub(super) fn of_use(span: Span, text: &str) -> Option<Diagnostic> {
             .help(format!("write `{}`", quote(&mended)))
             .mended_here(&mended["use ".len()..])
     })
+}
+
+/// `use std.dimibot as`.
+fn without_alias(span: Span, line: &str) -> Diagnostic {
+    let end = span.start as usize + line.len();
+    let path = quote(line.trim_end_matches("as").trim_end());
+    Diagnostic::new(Code::E0124, "a `use` ends with `as`")
+        .label(part(span, end - "as".len(), end), "a name belongs behind this")
+        .help(format!("write `{path} as NAME`, or `{path}` alone"))
 }
 
 /// The slip in the head of a declaration, of which `rest` could not be read, if it is a known one.
@@ -72,9 +82,11 @@ pub(super) fn slip(rest: Span, rule: Rule, item: Span, source: &str) -> Option<D
     }
     match rule {
         Rule::device_rest if head.text.is_empty() => slips::device_without_kind(item, &source[item.range()]),
-        Rule::device_rest => head.of_device(),
+        Rule::device_rest => head.of_base("a device and its kind"),
+        Rule::instrument_rest => head.of_base("an instrument and its family"),
         Rule::output_rest => head.of_output(),
         Rule::program_rest => head.of_program(),
+        Rule::wiring_rest => head.of_wiring(),
         Rule::task_rest => head.of_task(),
         _ => None,
     }
@@ -139,6 +151,13 @@ fn field_of(text: &str) -> bool {
     name.split_once(':').is_some_and(|(name, _)| is_name(name.trim_end()))
 }
 
+/// A text without the article that English has before a name; `a` may be one itself.
+fn without_article(text: &str) -> &str {
+    let word = token_at(text, 0);
+    let rest = text[word.len()..].trim_start();
+    if matches!(word, "the" | "an" | "a") && rest.starts_with(is_word) { rest } else { text }
+}
+
 /// The rest of a head, from where reading stopped.
 struct BrokenHead<'s> {
     rest: Span,
@@ -163,20 +182,27 @@ impl BrokenHead<'_> {
         finding.help(format!("write `{} {mend}`", self.before))
     }
 
-    /// `device bot = dimibot`, `device bot dimibot {`, `device bot : dimibot(left: 5)`, `device bot : dimibot left: 5 }`.
-    fn of_device(&self) -> Option<Diagnostic> {
+    /// `device bot = dimibot`, `device bot dimibot {`, `device bot : dimibot(left: 5)`, `device bot : dimibot left: 5 }`; `both` are what
+    /// the colon stands between.
+    fn of_base(&self, both: &str) -> Option<Diagnostic> {
+        let note = format!("between {both} stands `:`");
+        let word = token_at(self.text, 0);
+        let behind = self.text[word.len()..].trim_start();
+        if matches!(word, "is" | "as" | "of" | "=") && behind.starts_with(is_word) {
+            let base = without_article(behind);
+            let length = self.text.len() - behind.len();
+            let title = format!("`{word}` where `:` belongs");
+            let finding = self.wrong(&title, word.len(), &note, &format!(": {}", quote(base)));
+            return Some(finding.mended(self.mark(0, length + (behind.len() - base.len())), ": "));
+        }
         if self.text.starts_with(is_word) {
-            let kind = token_at(self.text, 0);
-            let note = "between a device and its kind stands `:`";
-            let finding = self.wrong("`:` is missing", kind.len(), note, &format!(": {}", quote(self.text)));
+            let finding = self.wrong("`:` is missing", word.len(), &note, &format!(": {}", quote(self.text)));
             return Some(finding.mended(self.mark(0, 0), ": "));
         }
-        if self.text.starts_with('=') {
-            let mend = format!(": {}", quote(self.text[1..].trim()));
-            let finding = self.wrong("`=` where `:` belongs", 1, "between a device and its kind stands `:`", &mend);
-            return Some(finding.mended_here(":"));
-        }
         let base = self.text.strip_prefix(':')?.trim_start();
+        if without_article(base).len() < base.len() {
+            return Some(self.article(self.text.len() - base.len()));
+        }
         let base = &base[..base.len() - base.trim_start_matches(|c| is_word(c) || c == '.').len()];
         let behind_base = self.text.find(base)? + base.len();
         if field_of(&self.text[behind_base..]) {
@@ -197,6 +223,16 @@ impl BrokenHead<'_> {
         Some(finding.help(format!("write `{} {base} {{ {} }}`", self.before, quote(fields))))
     }
 
+    /// An article at a byte of the text.
+    fn article(&self, at: usize) -> Diagnostic {
+        let rest = &self.text[at..];
+        let word = token_at(rest, 0);
+        Diagnostic::new(Code::E0101, format!("`{word}` is not of the language"))
+            .label(self.mark(at, word.len()), "names stand without an article")
+            .help("leave it out")
+            .mended(self.mark(at, rest.len() - without_article(rest).len()), "")
+    }
+
     /// `output camera : trigger 5 ms -> "Dev1/pfi0"`.
     fn of_output(&self) -> Option<Diagnostic> {
         let (sort, wire) = self.text.strip_prefix(':')?.split_once("->")?;
@@ -208,6 +244,14 @@ impl BrokenHead<'_> {
         let finding = Diagnostic::new(Code::E0124, "a wire in the declaration of an output");
         let finding = finding.label(self.mark(self.text.find("->")?, "->".len()), "wires stand in a `wiring`");
         Some(finding.help(format!("write `{declaration}`, and `wiring {name} {{ out -> {wire} }}`")))
+    }
+
+    /// `wiring bot -> card`.
+    fn of_wiring(&self) -> Option<Diagnostic> {
+        let output = self.text.strip_prefix("->")?.trim();
+        let finding = Diagnostic::new(Code::E0124, "a wire without braces around it");
+        let finding = finding.label(self.mark(0, "->".len()), "wires stand in the braces of a wiring");
+        Some(finding.help(format!("write `{} {{ all -> {} }}`", self.before, quote(output))))
     }
 
     /// `program day on bot`.
@@ -234,6 +278,14 @@ impl BrokenHead<'_> {
         }
         if word != "on" {
             let device = self.text[word.len()..].trim_start();
+            let first = token_before(self.source, self.start);
+            if token_at(device, 0) == "on" && word.starts_with(is_word) {
+                let name = format!("{first}_{word}");
+                let end = self.source[..self.start].trim_end().len();
+                let finding = Diagnostic::new(Code::E0110, format!("a name of two words, `{first} {word}`"));
+                let finding = finding.label(part(self.rest, end - first.len(), self.start + word.len()), "names have no blanks");
+                return Some(finding.help(format!("write `task {name} {}`", quote(device))).mended_here(name));
+            }
             let title = format!("`{word}` where `on` belongs");
             let mend = format!("on {} {{", quote(device));
             let finding = self.wrong(&title, word.len(), "a task runs `on` a device", &mend);
@@ -297,13 +349,16 @@ impl BrokenHead<'_> {
                 finding.help("write a task for each, and run them by `together { run A, run B }` in a program"),
             );
         }
+        let scene = after[word.len()..].trim_start();
+        if word == "in" && without_article(scene).len() < scene.len() {
+            return Some(self.article(self.text.len() - scene.len()));
+        }
         if !word.starts_with(is_word) || word == "in" {
             return None;
         }
         if let Some(finding) = self.lacking(at, "in", declared(self.source, "scene ")) {
             return Some(finding);
         }
-        let scene = after[word.len()..].trim_start();
         let mend = format!("{} {}in {} {{", self.before, &self.text[..at], quote(scene));
         Some(
             Diagnostic::new(Code::E0124, format!("`{word}` where `in` belongs"))

@@ -4,7 +4,8 @@ use super::errors;
 use super::grammar::{Node, Rule};
 use super::heads;
 use super::reader::Reader;
-use super::tree::{Device, Doc, Ident, Item, Let, Parameter, Path, Program, Scene, Task, Use, UsePath, Wiring};
+use super::slips;
+use super::tree::{Device, Doc, ExprKind, Ident, Item, Let, Parameter, Path, Program, Scene, Task, Use, UsePath, Wiring};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
@@ -30,6 +31,7 @@ impl Reader<'_> {
             match child.as_rule() {
                 Rule::docs => doc = Some(child),
                 Rule::EOI => {}
+                Rule::bad_item if self.belongs_to_let(&child, items.last_mut()) => {}
                 _ => {
                     let takes_doc = child.as_rule() != Rule::use_item;
                     let doc = doc.take().filter(|_| takes_doc).and_then(|docs| self.doc(docs));
@@ -38,6 +40,15 @@ impl Reader<'_> {
             }
         }
         (file_doc, items)
+    }
+
+    /// Whether what is no declaration is the rest of a value before it that lacks its brackets; then it is reported, and has no value.
+    fn belongs_to_let(&mut self, node: &Node, last: Option<&mut Item>) -> bool {
+        let Some(Item::Let(Let { value, .. })) = last else { return false };
+        let Some(finding) = slips::let_without_brackets(value.span, self.span(node), self.source) else { return false };
+        self.report(finding);
+        value.kind = ExprKind::Error;
+        true
     }
 
     fn item(&mut self, node: Node, doc: Doc) -> Item {

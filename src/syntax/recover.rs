@@ -9,6 +9,7 @@ use super::heads;
 use super::loops;
 use super::reader::Reader;
 use super::slips;
+use super::stops;
 use super::tree::{Doc, Expr, Ident, Item};
 use super::words::PREPOSITIONS;
 use super::words::{is_word, takes_block};
@@ -297,7 +298,7 @@ impl Reader<'_> {
             Some((at, wants_value)) if at > span.start as usize => {
                 let open = open_bracket(&self.text[span.start as usize..at]);
                 slips::in_value(span, at, open, self.source)
-                    .unwrap_or_else(|| errors::stopped(span, at, wants_value, open, self.source))
+                    .unwrap_or_else(|| stops::stopped(span, at, wants_value, open, self.source))
             }
             _ => errors::not_an_entry(span, place, self.source),
         }

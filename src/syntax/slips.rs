@@ -4,6 +4,7 @@
 use super::around::{self, part, quote, token_at};
 use super::errors::ListPlace;
 use super::habits;
+use super::tree::{Expr, ExprKind};
 use super::words::{PREPOSITIONS, end_of_word, is_word};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
@@ -157,7 +158,12 @@ pub(super) fn rest_of_place(span: Span, source: &str) -> Option<Diagnostic> {
     let start = places_from(before)?;
     let line = around::after(source, start).lines().next().unwrap_or_default();
     let end = line.find(['}', '{']).unwrap_or(line.len());
-    let written = line[..end].split("//").next().unwrap_or_default().trim_end_matches([' ', '\t', ';']);
+    let written = line[..end].split("//").next().unwrap_or_default();
+    // `move to 19, 28 via (3, 4)`: the place ends before the next word.
+    let ends = PREPOSITIONS.iter().filter(|word| **word != "via").filter_map(|word| written.find(&format!(" {word} ")));
+    let via = written.find(" via ").filter(|_| !written.starts_with('('));
+    let end = ends.chain(via).min().unwrap_or(written.len());
+    let written = written[..end].trim_end_matches([' ', '\t', ';']);
     let place = part(span, start, start + written.len());
     let is_via = before[..start].trim_end().ends_with(" via");
     let (title, mend, brackets) = match written.starts_with('(') {
@@ -188,6 +194,27 @@ fn repeated_via(places: &str) -> String {
 
 fn places_with_via(places: &str) -> String {
     places.replace("),", ") via ").replace("  ", " ")
+}
+
+/// `let k = 5, 4`, of which `rest` was read as a declaration of its own; `value` is what stands before the comma.
+pub(super) fn let_without_brackets(value: Span, rest: Span, source: &str) -> Option<Diagnostic> {
+    let between = source.get(value.end as usize..rest.start as usize)?;
+    let is_value = source[rest.range()].starts_with(|c: char| c.is_ascii_digit() || matches!(c, '(' | '[' | '-'));
+    if between.trim() != "," || between.contains('\n') || !is_value {
+        return None;
+    }
+    let line = source[rest.range()].lines().next().unwrap_or_default();
+    let end = rest.start as usize + line.split("//").next().unwrap_or_default().trim_end().len();
+    let whole = part(value, value.start as usize, end);
+    let written = &source[whole.range()];
+    let [open, close] = if written.contains('(') { ["[", "]"] } else { ["(", ")"] };
+    Some(
+        Diagnostic::new(Code::E0127, "values without brackets around them")
+            .label(whole, "a comma ends a declaration here")
+            .help(format!("write `{open}{}{close}`", quote(written)))
+            .mended(part(whole, whole.start as usize, whole.start as usize), open)
+            .mended(whole.after(), close),
+    )
 }
 
 /// `let k: cell = …`.
@@ -384,6 +411,28 @@ pub(super) fn decimal_comma(span: Span, written: &str) -> Diagnostic {
         .label(span, "numbers take a point")
         .help(format!("write `{}`", quote(&written.replacen(',', ".", 1))))
         .mended_here(written.replacen(',', ".", 1))
+}
+
+/// The commas in numbers such as those of `(3,2 um, 5,9 um)`: without a blank behind a bare number, and a unit behind the digits.
+pub(super) fn decimal_commas(values: &[Expr], source: &str) -> Vec<Span> {
+    let is_whole = |value: &Expr| matches!(&value.kind, ExprKind::Number(digits) if digits.bytes().all(|b| b.is_ascii_digit()));
+    let has_unit = |value: &Expr| matches!(&value.kind, ExprKind::Quantity { .. });
+    let pairs = values.windows(2).filter(|pair| is_whole(&pair[0]) && has_unit(&pair[1]));
+    let between = pairs.map(|pair| part(pair[0].span, pair[0].span.end as usize, pair[1].span.start as usize));
+    let commas: Vec<Span> = between.filter(|between| source[between.range()] == *",").collect();
+    if (2..=3).contains(&(values.len() - commas.len())) { commas } else { Vec::new() }
+}
+
+/// A place with decimal commas.
+pub(super) fn comma_coordinates(place: Span, commas: &[Span], source: &str) -> Diagnostic {
+    let mut mended = source[place.range()].to_owned();
+    for comma in commas {
+        let at = (comma.start - place.start) as usize;
+        mended.replace_range(at..=at, ".");
+    }
+    let finding = Diagnostic::new(Code::E0116, "decimal commas in a place").label(place, "numbers take a point");
+    let finding = finding.help(format!("write `{}`", quote(&mended)));
+    commas.iter().fold(finding, |finding, comma| finding.mended(*comma, "."))
 }
 
 /// `1,000`, which may be a thousand or one.

@@ -3,6 +3,7 @@
 use super::cursor::HOLE;
 use super::grammar::{Grammar, Node, Rule, STRENGTHS};
 use super::reader::Reader;
+use super::slips;
 use super::tree::{Column, Expr, ExprKind, Field, Ident, IndexedName, Operator, Path, Row, Table, Text, TextPart};
 use super::{MAX_OPERATORS, errors};
 use crate::source::Span;
@@ -74,6 +75,11 @@ impl Reader<'_> {
     fn tuple(&mut self, node: Node) -> Expr {
         let span = self.span(&node);
         let mut values = self.values(node);
+        let commas = slips::decimal_commas(&values, self.source);
+        if !commas.is_empty() {
+            self.report(slips::comma_coordinates(span, &commas, self.source));
+            return Expr { kind: ExprKind::Error, span };
+        }
         match values.len() {
             1 => Expr { span, ..values.swap_remove(0) },
             2 | 3 => Expr { kind: ExprKind::Tuple(values), span },

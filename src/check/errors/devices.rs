@@ -277,6 +277,14 @@ pub fn all_to_a_name(span: Span) -> Diagnostic {
         .help("declare the instrument, `instrument card : instruments.ni_usb_6343`, and write `all -> card`")
 }
 
+/// All channels in their order, where they have numbers.
+pub fn all_of_numbered(span: Span, (channel, number): (&str, u32), instrument: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0427, format!("`all` leads to the outputs of `{instrument}` in turn, whatever their numbers"))
+        .label(span, format!("here `{channel}` has the number {number}"))
+        .mended_here("electrodes")
+        .help(format!("write `electrodes -> {instrument}`: each electrode goes to the output of its number"))
+}
+
 /// All channels to one output.
 pub fn all_to_one_output(span: Span, name: &str) -> Diagnostic {
     Diagnostic::new(Code::E0427, "`all` to one output")

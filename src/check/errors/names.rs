@@ -1,7 +1,7 @@
 //! Names: E02xx.
 
 use super::{either, listed, with_article};
-use crate::check::scope::{Declaration, DeclarationSort, function_names, path_text};
+use crate::check::scope::{Declaration, DeclarationSort, path_text};
 use crate::check::value::ObjectName;
 use crate::device::shape::ShapeForm;
 use crate::device::{Assay, Together, Vocabulary, condition_of_any_kind};
@@ -9,6 +9,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Unit;
 use crate::source::Span;
 use crate::stdlib;
+use crate::syntax::functions::function_names;
 use crate::syntax::tree::{Field, Ident, Path};
 use std::collections::BTreeSet;
 
@@ -42,6 +43,15 @@ pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<
             DeclarationSort::Program => Some(format!("declare it: `program {name} {{ … }}`")),
         }),
     }
+}
+
+/// The name of an object of a scene where a value belongs.
+pub fn object_for_place(span: Span, noun: &str, declared: &Ident) -> Diagnostic {
+    let name = &declared.text;
+    Diagnostic::new(Code::E0201, format!("`{name}` is {} of a scene, not a value", with_article(noun)))
+        .label(span, "a value belongs here")
+        .label_elsewhere(declared.span, span, "declared here")
+        .help("write the cell or the place itself, as `(10, 6)`: an object's name does not stand for where it is")
 }
 
 /// What a used file declares instead of what was looked for.
@@ -345,6 +355,12 @@ pub fn second_objective(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0208, "a second objective")
         .label(span, "a task minimizes one figure")
         .help("limit the others, as in `require energy <= 2 mJ`; ties are broken by the other figures anyway")
+}
+
+pub fn then_before_step(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0208, "`then` is not of the language")
+        .label(span, "not a verb")
+        .help("leave it out: steps follow each other in the order in which they are written")
 }
 
 pub fn unknown_field(name: &Ident, owner: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {

@@ -1,7 +1,7 @@
 //! Units and values: E03xx.
 
 use super::either;
-use crate::check::scope::function_form;
+use crate::syntax::functions::function_form;
 use crate::check::value::Value;
 use crate::device;
 use crate::diagnostic::{Code, Diagnostic};
@@ -295,6 +295,13 @@ pub fn unknown_unit(span: Span, part: &str, near: Option<&str>) -> Diagnostic {
         return Diagnostic::new(Code::E0303, "`degC` stands in no product of units")
             .label(span, "its zero is not that of a product")
             .help("write `degC` alone, as in `60 degC`, and `K` for a difference of temperatures");
+    }
+    // `kg/m3`
+    let letters = part.trim_end_matches(|c: char| c.is_ascii_digit());
+    if letters.len() < part.len() && Unit::parse(letters).is_ok() {
+        return Diagnostic::new(Code::E0303, format!("no unit is called `{part}`"))
+            .label(span, "unknown unit")
+            .help(format!("a power is written with `^`, as in `{letters}^{}`", &part[letters.len()..]));
     }
     Diagnostic::new(Code::E0303, format!("no unit is called `{part}`"))
         .label(span, "unknown unit")

@@ -46,6 +46,16 @@ impl Checker<'_> {
         }
     }
 
+    /// Whether channels that are left have numbers, which are those of the driver's outputs: in their order they would go to others.
+    fn is_numbered(&mut self, wire: &tree::Wire, (panel, left): (&Panel, &[String]), instrument: &str) -> bool {
+        let numbered = panel.owner.as_ref().and_then(|owner| owner.numbered_channels());
+        let is_left = |(channel, _): &&(String, u32)| left.contains(channel);
+        let found = numbered.as_ref().and_then(|numbered| numbered.channels.iter().find(is_left));
+        let Some((channel, number)) = found else { return false };
+        self.sink.push(errors::all_of_numbered(wire.channel.span, (channel, *number), instrument));
+        true
+    }
+
     /// The first of the channels that are left to the free outputs of an instrument; `None` after an error.
     fn fill(
         &mut self,
@@ -72,6 +82,9 @@ impl Checker<'_> {
         let is_stage = panel.owner.as_ref()?.moves_stages();
         let has_field = wire.fields.iter().any(|field| field.name.text == SWITCHES);
         let facts = &instrument.facts;
+        if facts.family() == Family::ElectrodeDriver && self.is_numbered(wire, (panel, left), &name) {
+            return None;
+        }
         let has_lines_only = facts.family() == Family::ElectrodeDriver;
         let by_lines = has_field || panel.defaults.contains_key(SWITCHES) || has_lines_only;
         let fits = |output: &String| {

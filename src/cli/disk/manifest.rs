@@ -25,8 +25,11 @@ pub struct Manifest {
 struct ProgramId {
     /// The program's file without its folder, for messages.
     program: String,
-    /// SHA-256 of the relative path from the folder to the program, in hexadecimal.
+    /// SHA-256 of the relative path from the folder to the program, in hexadecimal; of the log where it is known from a log.
     place: String,
+    /// Whether it is known from a log, which does not know its place.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    is_logged: bool,
 }
 
 impl Manifest {
@@ -47,10 +50,10 @@ impl Manifest {
     /// A file stands there that was built from another program, and it is not to be replaced.
     pub fn enter(&mut self, to: &Destination, files: &[OutputFile]) -> Diagnosed<bool> {
         let before = self.files.clone();
-        let origin = ProgramId::of(to.folder, to.program);
+        let origin = ProgramId::of(to);
         for file in files {
             let is_there = to.folder.join(&file.name).symlink_metadata().is_ok();
-            let other = self.files.get(&file.name).filter(|other| is_there && other.place != origin.place);
+            let other = self.files.get(&file.name).filter(|other| is_there && other.differs_from(&origin));
             if let Some(other) = other.filter(|_| !to.force) {
                 return Err(Box::new(errors::of_another_program(&to.folder.join(&file.name), &other.program)));
             }
@@ -64,7 +67,7 @@ impl Manifest {
 
     /// Whether a file was built from a program.
     pub fn is_own(&self, to: &Destination, name: &str) -> bool {
-        self.files.get(name).is_some_and(|origin| *origin == ProgramId::of(to.folder, to.program))
+        self.files.get(name).is_some_and(|origin| *origin == ProgramId::of(to))
     }
 
     /// Its serialised form.
@@ -76,16 +79,25 @@ impl Manifest {
 }
 
 impl ProgramId {
-    fn of(folder: &Path, program: &Path) -> ProgramId {
-        let name = program.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    fn of(to: &Destination) -> ProgramId {
+        let Destination { folder, program, logged, force: _ } = to;
+        let named = logged.map_or(*program, Path::new);
+        let name = named.file_name().unwrap_or_default().to_string_lossy().into_owned();
         // Standard input has no place, and some systems cannot resolve places: then the paths as typed are used.
         let way = match (folder.canonicalize(), program.canonicalize()) {
             (Ok(folder), Ok(program)) => way_to(&folder, &program),
-            (_, Err(_)) => program.to_owned(),
+            (_, Err(_)) => program.to_path_buf(),
             (Err(_), Ok(program)) => way_to(folder, &program),
         };
         let digest = Sha256::digest(way.to_string_lossy().replace('\\', "/").as_bytes());
-        ProgramId { program: name, place: digest.iter().map(|byte| format!("{byte:02x}")).collect() }
+        let place = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+        ProgramId { program: name, place, is_logged: logged.is_some() }
+    }
+
+    /// Whether it is another program. The page of a log and the page of the program of its name may replace each other.
+    fn differs_from(&self, other: &ProgramId) -> bool {
+        let is_same = (self.is_logged || other.is_logged) && self.program == other.program;
+        self.place != other.place && !is_same
     }
 }
 

@@ -21,10 +21,17 @@ pub const MAX_LOG_BYTES: usize = 1024 * 1024 * 1024;
 /// # Errors
 /// A diagnostic: the file cannot be read, is too large, or is not UTF-8.
 pub fn read_program(path: &Path) -> Diagnosed<String> {
-    let bytes = read_bytes(path, MAX_FILE_BYTES)?;
+    text_of(path, read_bytes(path, MAX_FILE_BYTES)?)
+}
+
+/// The text of a file; a letter with a zero byte beside it is none, though it is UTF-8.
+fn text_of(name: &Path, bytes: Vec<u8>) -> Diagnosed<String> {
+    if let Some(at) = bytes.iter().take(2).position(|byte| *byte == 0) {
+        return Err(Box::new(errors::not_utf8(name, &bytes, at)));
+    }
     String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
-        Box::new(errors::not_utf8(path, error.as_bytes(), at))
+        Box::new(errors::not_utf8(name, error.as_bytes(), at))
     })
 }
 
@@ -74,10 +81,7 @@ fn read_standard_input() -> Diagnosed<String> {
     if bytes.len() > MAX_FILE_BYTES {
         return Err(Box::new(errors::too_large(name, MAX_FILE_BYTES)));
     }
-    String::from_utf8(bytes).map_err(|error| {
-        let at = error.utf8_error().valid_up_to();
-        Box::new(errors::not_utf8(name, error.as_bytes(), at))
-    })
+    text_of(name, bytes)
 }
 
 /// The `.twz` files of a folder and of its folders, by path; hidden folders and links to folders are left out.
@@ -129,8 +133,10 @@ fn replaced(path: &Path, text: &str) -> io::Result<()> {
 /// Target of a set of files.
 pub struct Destination<'a> {
     pub folder: &'a Path,
-    /// The program that the files are built from.
+    /// The program that the files are built from, or the log that they show.
     pub program: &'a Path,
+    /// Of a log: the program that it was built from, by the name that the log has for it.
+    pub logged: Option<&'a str>,
     /// Whether files of other programs are replaced.
     pub force: bool,
 }

@@ -1,0 +1,141 @@
+//! What stands where reading an entry stopped: a word too many, a word that is missing, or one that means another.
+
+use super::around::{code_end_before, line_after, line_before, part, quote, token_at, token_before_sign, with_blanks};
+use super::words::{is_word, meant_preposition};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::source::Span;
+
+/// Reading stopped at `at`, inside of the bracket `open` if there is one.
+pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<char>, text: &str) -> Diagnostic {
+    let token = token_at(&text[..span.end as usize], at);
+    let wanted = match (wants_value, open) {
+        (true, _) => "expected a value",
+        (false, Some('(')) => "expected `,` or `)`",
+        (false, Some('[')) => "expected `,` or `]`",
+        (false, _) => "expected a line end",
+    };
+    if token.is_empty() {
+        let before = code_end_before(text, span.end as usize);
+        let start = before - token_before_sign(&text[..before]).len();
+        return Diagnostic::new(Code::E0101, "this ends too early")
+            .label(part(span, start, before), "more belongs behind this")
+            .help("complete the line, or remove it");
+    }
+    let line = quote(line_before(text, at));
+    let place = part(span, at, at + token.len());
+    if let Some(found) = in_requirement(place, &line, token) {
+        return found;
+    }
+    if token == "." && line.ends_with("..") {
+        return Diagnostic::new(Code::E0101, "`...` continues no line")
+            .label(part(span, at - 2, at + 1), "not of the language")
+            .help("leave it out: a line continues after an operator, and inside of brackets")
+            .mended(part(span, at - 2, at + 1), "");
+    }
+    let finding = Diagnostic::new(Code::E0101, format!("`{token}` does not belong here")).label(place, wanted);
+    if let Some((_, ours)) = FOREIGN_PREPOSITIONS.iter().find(|(theirs, _)| *theirs == token) {
+        return finding.help(format!("write `{ours}`")).mended(place, *ours);
+    }
+    if let Some(meant) = meant_preposition(token) {
+        return finding.help(format!("did you mean `{meant}`?")).mended(place, meant);
+    }
+    if token == "and" {
+        return joined_by_and(place, text);
+    }
+    // What is no preposition was read as a name: `dispense drop form dye`, `dispense drop from the dye`.
+    let before = code_end_before(text, at);
+    let word = &text[text[..before].trim_end_matches(is_word).len()..before];
+    let word_place = part(span, before - word.len(), before);
+    if ARTICLES.contains(&word) {
+        return Diagnostic::new(Code::E0101, format!("`{word}` is not of the language"))
+            .label(word_place, "names stand without an article")
+            .help("leave it out")
+            .mended(part(span, before - word.len(), at), "");
+    }
+    if let Some(meant) = meant_preposition(word) {
+        return Diagnostic::new(Code::E0101, format!("`{word}` is no preposition"))
+            .label(word_place, "expected a preposition")
+            .help(format!("did you mean `{meant}`?"))
+            .mended(word_place, meant);
+    }
+    if let (None, Some(finding)) = (open, word_missing(place, &line, text)) {
+        return finding;
+    }
+    finding.help(format!("remove it, or start a new line: `{line}` can end here"))
+}
+
+/// `move to (2, 2) and wait 5 ms`.
+pub(super) fn joined_by_and(word: Span, text: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0101, "`and` joins no steps")
+        .label(word, "the step before this ends here")
+        .help("write a comma in its place, or each step on a line of its own")
+        .mended(with_blanks(word, text), ", ")
+}
+
+/// A value behind a step without the word that belongs before it, as the time in `mix a at (5, 3) 3 s`; `value` is its first word.
+pub(super) fn word_missing(value: Span, line: &str, text: &str) -> Option<Diagnostic> {
+    let at = value.start as usize;
+    let rest = line_after(text, at);
+    let is_number = rest.starts_with(|c: char| c.is_ascii_digit());
+    if !rest.starts_with(|c: char| is_word(c) || c == '(') {
+        return None;
+    }
+    let number = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.').len();
+    let unit = token_at(rest[number..].trim_start(), 0);
+    let has = |word: &str| line.split([' ', '\t']).any(|known| known == word);
+    let word = match unit {
+        "ns" | "us" | "ms" | "s" | "min" | "h" if is_number => Some("for"),
+        "deg" | "rad" | "rev" if is_number => Some("by"),
+        "x" | "y" | "z" if !is_number => Some("about"),
+        _ if rest.starts_with('(') => ["at", "to"].into_iter().find(|word| !has(word)),
+        _ => None,
+    };
+    let before = code_end_before(text, at);
+    let shown = quote(token_at(rest, 0));
+    let finding = Diagnostic::new(Code::E0101, format!("no word stands before `{shown}`"))
+        .label(value, "the step takes a value only behind a word such as `at` or `for`");
+    Some(match word.filter(|word| !has(word)) {
+        Some(word) => finding
+            .help(format!("write `{} {word} {}`", quote(line), quote(rest)))
+            .mended(part(value, before, at), format!(" {word} ")),
+        None => finding.help("write the word that it belongs to before it, or remove it; a new step begins on a new line"),
+    })
+}
+
+/// Words that English has before a name; `a` may be one itself.
+const ARTICLES: [&str; 2] = ["the", "an"];
+
+/// Prepositions that people write for ours, and ours.
+const FOREIGN_PREPOSITIONS: &[(&str, &str)] = &[
+    ("around", "about"),
+    ("round", "about"),
+    ("onto", "to"),
+    ("into", "to"),
+    ("towards", "to"),
+    ("amongst", "among"),
+    ("through", "via"),
+    ("during", "for"),
+    ("using", "with"),
+];
+
+/// What people write in a `require` where reading stops.
+fn in_requirement(token_span: Span, line: &str, token: &str) -> Option<Diagnostic> {
+    let step = line.rsplit(['{', ',']).next().unwrap_or("").trim_start();
+    step.strip_prefix("require").filter(|rest| rest.starts_with([' ', '\t']))?;
+    let found = |title: &str, label: &str| Diagnostic::new(Code::E0101, title).label(token_span, label);
+    match token {
+        "=" if step.trim_end().ends_with("==") => {
+            Some(found("`===` does not compare", "one `=` too many").help("write `==`").mended_here(""))
+        }
+        "=" => Some(found("`=` does not compare", "sets a value").help("write `==`").mended_here("==")),
+        "and" => Some(
+            found("`and` does not join conditions", "one condition each")
+                .help("write a `require` of its own for each, one below the other: all of them hold"),
+        ),
+        "or" => Some(
+            found("`or` does not join conditions", "no alternatives")
+                .help("choose one of them: every `require` of a task holds"),
+        ),
+        _ => None,
+    }
+}
