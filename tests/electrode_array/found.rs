@@ -54,6 +54,18 @@ fn the_least_sum_of_costs_is_found_whatever_is_minimised() {
 }
 
 #[test]
+fn a_part_alone_waits_for_a_sum_from_below() {
+    let text = text("ea_waits_for_a_sum_from_below");
+    let plan = planned(&text);
+    assert_eq!((plan.outcomes["sum_of_costs"], plan.outcomes["steps"]), (5.0, 5.0));
+    let moves = planned(&text.replace("sum_of_costs >= 5", "moves >= 5"));
+    // The cells are coloured like a chessboard: a way of five moves does not end there.
+    assert_eq!(moves.outcomes["moves"], 6.0);
+    let two = planned(&text.replace("move a to (6, 2)", "move a to (6, 2)\n  move a to (5, 2)").replace(">= 5", ">= 8"));
+    assert_eq!(two.outcomes["sum_of_costs"], 8.0);
+}
+
+#[test]
 fn a_limit_in_time_is_one_in_steps() {
     let time = text("ea_time_limit_not_searched");
     for text in [time.clone(), time.replace("require time <= 2400 ms", "require steps <= 40")] {
@@ -221,6 +233,7 @@ fn a_limit_from_below_is_met_by_waiting_where_channels_let_all_rest() {
 #[test]
 fn who_is_dispensed_where_another_leaves_meets_its_traces() {
     assert_eq!(planned(&text("ea_dispensed_as_another_leaves")).cost, 5.0);
+    assert_eq!(planned(&text("ea_leaves_where_another_is_dispensed")).cost, 3.0);
 }
 
 #[test]

@@ -70,8 +70,9 @@ pub fn front(
     let choices = vec![(paths.clone(), figures(paths))];
     let shared = instance.board.channels().map(|channels| (channels.clone(), standing));
     let front = PlanFront { choices, bounds, is_whole: true, reaches: false, shared };
-    if instance.agents.len() == 1 {
-        // A shortest path has the least of every figure.
+    let [_, least_sum, least_moves] = asked.limits.least;
+    if instance.agents.len() == 1 && [least_sum, least_moves] == [0, 0] {
+        // A shortest path has the least of every figure, and waits for more steps where it is to have more.
         return front;
     }
     let mut meter = Meter::new(SearchBudget::of(asked.expansions / LABELS_SHARE));

@@ -478,6 +478,13 @@ fn assays_on_shared_channels_agree_with_brute_force() {
     agree(Random(17), 30, |chance, assay| assay.pinned(chance));
 }
 
+/// As above, on boards on which parts leave where others are dispensed.
+#[test]
+fn assays_that_leave_at_outlets_agree_with_brute_force() {
+    let [planned, .., clean] = agree(Random(41), 12, |chance, assay| assay.at_outlets(chance));
+    assert!(2 * clean > planned, "{clean} with `avoid`");
+}
+
 /// As above, with places that the plan chooses: the truth is the best of all that it can choose.
 #[test]
 fn assays_at_places_of_choice_agree_with_brute_force() {

@@ -2,6 +2,7 @@
 
 use crate::pins::Pins;
 use crate::scenes::Random;
+use std::collections::VecDeque;
 
 pub type Cell = (i32, i32);
 
@@ -252,6 +253,38 @@ impl Assay {
             self.operations.push(Operation::Discard(part, if chance.below(2) == 0 { place } else { out }));
         }
         Some(self)
+    }
+
+    /// The same board, on which parts leave at the outlets at which others are dispensed; one may leave traces for the other.
+    pub fn at_outlets(self, chance: &mut Random) -> Assay {
+        let mut assay = Assay { blocks: vec![], parts: vec![], reservoirs: vec![], ..self };
+        (assay.operations, assay.afters, assay.avoided, assay.washes) = (vec![], vec![], vec![], vec![]);
+        let outlet = assay.cell(chance);
+        assay.reservoirs.push(outlet);
+        assay.parts.extend(assay.far(chance, &[outlet]));
+        assay.parts.extend([NOWHERE, NOWHERE].into_iter().take(1 + chance.below(2) as usize));
+        let lists = assay.parts.iter().enumerate().map(|(part, start)| {
+            let first = if *start == NOWHERE { Operation::Dispense(part, 0) } else { Operation::Incubate(part, None, 1) };
+            let stays = *start == NOWHERE && chance.below(2) == 0;
+            let leaves = Operation::Discard(part, if chance.below(4) > 0 { outlet } else { assay.cell(chance) });
+            [first, leaves].into_iter().take(if stays { 1 } else { 2 }).collect::<VecDeque<Operation>>()
+        });
+        let mut lists: Vec<VecDeque<Operation>> = lists.collect();
+        while lists.iter().any(|list| !list.is_empty()) {
+            let next = chance.below(lists.len() as u32) as usize;
+            assay.operations.extend(lists[next].pop_front());
+        }
+        for place in 0..assay.operations.len() {
+            let own = assay.operations[place].parts();
+            let earlier = assay.operations[..place].iter().flat_map(Operation::parts).find(|part| !own.contains(part));
+            assay.afters.push(earlier.filter(|_| chance.below(4) == 0));
+        }
+        let (placed, reservoir) = (Fluid::Part(0), Fluid::Reservoir(0));
+        let pairs = [(placed, reservoir), (reservoir, placed)];
+        if assay.parts[0] != NOWHERE {
+            assay.avoided.extend(pairs.into_iter().filter(|_| chance.below(3) > 0));
+        }
+        assay
     }
 
     /// Has some operations come after those of other parts.

@@ -273,11 +273,32 @@ impl Bookings<'_> {
         let booked = self.bookings[cell as usize].since(since).iter().filter(|booking| !is_met(booking));
         let booked = booked.map(|booking| (booking.from, booking.to));
         let Some((traces, content)) = self.traces.zip(content) else { return between(booked, out) };
+        let mut closed: Vec<(u32, u32)> = booked.collect();
+        self.append_closed(cell, (traces, content), met, &mut closed);
+        closed.sort_unstable();
+        between(closed.into_iter(), out);
+    }
+
+    /// Whether what it contains, or what others do, does harm on a cell at an instant.
+    pub(super) fn does_harm(&self, cell: CellIndex, Asking { met, content, .. }: Asking, at: u32) -> bool {
+        let Some(own) = self.traces.zip(content) else { return false };
+        let mut closed = Vec::new();
+        self.append_closed(cell, own, met, &mut closed);
+        closed.iter().any(|(from, to)| (*from..*to).contains(&at))
+    }
+
+    /// Appends the instants `from..to` at which a content does harm on a cell.
+    fn append_closed(
+        &self,
+        cell: CellIndex,
+        (traces, content): (&Traces, usize),
+        met: &[(usize, CellIndex)],
+        closed: &mut Vec<(u32, u32)>,
+    ) {
         let here = &self.touches[cell as usize];
         let is_other = |touch: &&Touch| !met.contains(&(touch.agent, cell));
         let touches: Vec<Touch> = here.iter().filter(is_other).copied().collect();
-        let mut closed: Vec<(u32, u32)> = booked.collect();
-        traces.append_closed(&touches, content, &mut closed);
+        traces.append_closed(&touches, content, closed);
         // Where it merges it comes to the other one, not to what that has left; but what that left there before it came back does harm
         // until then.
         for (other, _) in met.iter().filter(|(_, at)| *at == cell) {
@@ -289,8 +310,6 @@ impl Bookings<'_> {
             traces.append_closed(&before, content, &mut dirty);
             closed.extend(dirty.into_iter().map(|(from, to)| (from, to.min(back.from))));
         }
-        closed.sort_unstable();
-        between(closed.into_iter(), out);
     }
 }
 

@@ -224,6 +224,8 @@ impl JointSearch<'_> {
     fn trodden(&self, cells: &[Option<CellIndex>], stands: &[JointStand], left: &[u64]) -> Option<Box<[u64]>> {
         let mut left: Box<[u64]> = left.into();
         let Some(traces) = &self.problem.traces else { return Some(left) };
+        // Who is dispensed where another one leaves at that instant is there with it.
+        let mut now: Vec<(CellIndex, usize)> = Vec::new();
         for (agent, stand) in stands.iter().enumerate() {
             let contents = &traces.contents[agent];
             let (cell, done) = match stand {
@@ -237,6 +239,10 @@ impl JointSearch<'_> {
                 *own = 0;
                 continue;
             }
+            if now.iter().any(|(there, with)| *there == cell && traces.harms[content][*with]) {
+                return None;
+            }
+            now.push((cell, content));
             let does_harm = |before: &usize| *own >> before & 1 == 1 && traces.harms[*before][content];
             if (0..traces.washes.len()).any(|before| does_harm(&before)) {
                 return None;

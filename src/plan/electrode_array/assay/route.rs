@@ -204,8 +204,13 @@ impl<'a> Router<'a> {
             return self.span_at(search, bookings, (start, 0), since).map(|span| (span, since)).into_iter().collect();
         }
         let (first, end) = self.list(search, bookings, (start, 0));
-        // Where others have just been it may come at once: it was nowhere in the step in which they went.
-        let earliest = |span: u32| self.spans[span as usize].from.saturating_sub(1).max(since);
+        // Where others have just been it may come at once: it was nowhere in the step in which they went. But with one that leaves at that
+        // instant it is there together.
+        let earliest = |span: u32| {
+            let from = self.spans[span as usize].from;
+            let at_once = from.saturating_sub(1).max(since);
+            if bookings.does_harm(start, search.asking(self.problem, 0), at_once) { from.max(since) } else { at_once }
+        };
         (first..end).map(|span| (span, earliest(span))).collect()
     }
 
