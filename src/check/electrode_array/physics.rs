@@ -128,7 +128,9 @@ fn step(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &CheckedDe
     match settling_s {
         Some(settling_s) if step.si >= settling_s * (1.0 - SLACK) => {}
         Some(settling_s) => {
-            let wrong = errors::step_too_short(&step.to_string(), &time(settling_s), &time(rounded_up(settling_s)));
+            let (step, least) = (step.to_string(), time(rounded_up(settling_s)));
+            let settling = Some(time(settling_s)).filter(|settling| *settling != step);
+            let wrong = errors::step_too_short(&step, settling.as_ref().unwrap_or(&least), &least);
             let why = if by == "settling" { "known to take this long" } else { "a part of these electrodes" };
             let mut labels = vec![DeviceLabel::field("step_duration", "too short"), DeviceLabel::field(by, why)];
             let is_own = |name: &&str| device.fields.get(name).is_some_and(|field| field.span.file == device.span.file);

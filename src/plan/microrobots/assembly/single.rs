@@ -5,7 +5,7 @@ use super::closing::{detours, stretches};
 use super::ground::AssemblyGround;
 use super::track::{ArmTrack, TrackAim, whole};
 use super::{PlannedFineMotion, STRAIGHT_PART, StuckAssembly};
-use crate::claims::microrobots::Dock;
+use crate::claims::microrobots::{Dock, Precision};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::plan::microrobots::AssemblyStage;
@@ -73,7 +73,13 @@ impl<'a> Visit<'a> {
             PlannedFineMotion::LeftOut => whole.backward(robot, ARMS, goal),
         };
         let motion = cycles.forward(robot, ARMS, Pose::at(0.0, 0.0));
-        let aim = TrackAim { goal, precision: bed.order.precision, motion };
+        // What ends within a wide precision, but not where it sticks, comes together in no trial.
+        let (docking, wide) = (bed.order.facts.docking, bed.order.precision);
+        let precision = Precision {
+            place_um: wide.place_um.min(docking.tolerance_um),
+            heading_rad: wide.heading_rad.min(docking.sticking_rad),
+        };
+        let aim = TrackAim { goal, precision, motion };
         let mut before = ArmTrack::default();
         let others = [Arm::Up, Arm::Down].into_iter().zip(states);
         others.filter(|(_, state)| bed.last_state() == Some(*state)).for_each(|(other, _)| before.push(other, 1));

@@ -96,16 +96,23 @@ pub fn obstacles(order: &MicrorobotsOrder) -> Vec<StrategySolid> {
 }
 
 /// Signed distance between a robot's front at its goal and the nearest of some bodies that it faces; `None` if none is within the
-/// tolerance.
+/// tolerance. A body beside its way, whose side is farther forward, is not faced.
 pub fn edge_gap_um(robot: &Robot, goal: Pose, bodies: &[(&Robot, Pose)], tolerance_um: f64) -> Option<f64> {
     let (sin, cos) = goal.heading_rad.sine_cosine();
     let at_goal = body(robot, goal, 0.0);
     let ahead_um = |corner: &Point2<f64>| (corner.x - goal.x_um) * cos + (corner.y - goal.y_um) * sin;
+    let aside_um = |corner: &Point2<f64>| (corner.y - goal.y_um) * cos - (corner.x - goal.x_um) * sin;
     let gap_um = |&(other, pose): &(&Robot, Pose)| {
         let touches = StrategySolid::standing(other, pose).distance_um(&at_goal, tolerance_um) <= tolerance_um;
-        let nearest_um = body(other, pose, 0.0).iter().map(ahead_um).fold(f64::INFINITY, f64::min);
+        let corners = body(other, pose, 0.0);
+        let nearest_um = corners.iter().map(ahead_um).fold(f64::INFINITY, f64::min);
+        let (right_um, left_um) = corners
+            .iter()
+            .map(aside_um)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), aside| (least.min(aside), most.max(aside)));
+        let is_ahead = right_um < robot.width_um / 2.0 && left_um > -robot.width_um / 2.0;
         let gap_um = nearest_um - robot.length_um / 2.0;
-        (touches && gap_um >= -tolerance_um - 1e-6).then_some(gap_um)
+        (touches && is_ahead && gap_um >= -tolerance_um - 1e-6).then_some(gap_um)
     };
     bodies.iter().filter_map(gap_um).min_by(f64::total_cmp)
 }
