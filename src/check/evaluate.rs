@@ -2,13 +2,13 @@
 
 use super::budget::MAX_LIST_DEPTH;
 use super::scope::{ANGLE_NAME, DeclarationSort, Scope, nearest, path_text};
-use crate::syntax::functions::function_names;
 use super::value::{ListValue, ModuleWord, TableValue, Value, whole};
 use super::{Checker, errors, functions};
 use crate::device::MAX_WORD_DIGITS;
 use crate::device::shape::ShapeForm;
 use crate::quantity::{Quantity, Unit, UnitError};
 use crate::source::{Span, Spanned};
+use crate::syntax::functions::function_names;
 use crate::syntax::tree::{Expr, ExprKind, Field, Ident, Operator, Path, Table, Text, TextPart};
 use std::borrow::Cow;
 use std::rc::Rc;

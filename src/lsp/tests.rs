@@ -2,10 +2,10 @@
 
 use crate::check::frames;
 use crate::check::scope::STEP_WORDS;
-use crate::syntax::functions::function_names;
 use crate::device::Kind;
 use crate::quantity::{PLAIN, PREFIXED, PREFIXES};
 use crate::syntax::RESERVED;
+use crate::syntax::functions::function_names;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The list that the highlighters in `editors` are made from.

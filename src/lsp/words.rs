@@ -6,9 +6,9 @@
 use super::outline;
 use super::planning::ProgramPlans;
 use super::text::{ColumnUnit, EditedText};
-use crate::syntax::functions::{FUNCTIONS, function_form};
 use crate::device::instrument::{AuxiliarySort, Family};
 use crate::device::{Kind, Vocabulary, VocabularyField};
+use crate::syntax::functions::{FUNCTIONS, function_form};
 use crate::syntax::tree::{Item, Tree, Use, UsePath};
 use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind};
 

@@ -283,7 +283,8 @@ impl BrokenHead<'_> {
                 let name = format!("{first}_{word}");
                 let end = self.source[..self.start].trim_end().len();
                 let finding = Diagnostic::new(Code::E0110, format!("a name of two words, `{first} {word}`"));
-                let finding = finding.label(part(self.rest, end - first.len(), self.start + word.len()), "names have no blanks");
+                let finding =
+                    finding.label(part(self.rest, end - first.len(), self.start + word.len()), "names have no blanks");
                 return Some(finding.help(format!("write `task {name} {}`", quote(device))).mended_here(name));
             }
             let title = format!("`{word}` where `on` belongs");

@@ -5,7 +5,9 @@ use super::grammar::{Node, Rule};
 use super::heads;
 use super::reader::Reader;
 use super::slips;
-use super::tree::{Device, Doc, ExprKind, Ident, Item, Let, Parameter, Path, Program, Scene, Task, Use, UsePath, Wiring};
+use super::tree::{
+    Device, Doc, ExprKind, Ident, Item, Let, Parameter, Path, Program, Scene, Task, Use, UsePath, Wiring,
+};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 

@@ -415,7 +415,8 @@ pub(super) fn decimal_comma(span: Span, written: &str) -> Diagnostic {
 
 /// The commas in numbers such as those of `(3,2 um, 5,9 um)`: without a blank behind a bare number, and a unit behind the digits.
 pub(super) fn decimal_commas(values: &[Expr], source: &str) -> Vec<Span> {
-    let is_whole = |value: &Expr| matches!(&value.kind, ExprKind::Number(digits) if digits.bytes().all(|b| b.is_ascii_digit()));
+    let is_whole =
+        |value: &Expr| matches!(&value.kind, ExprKind::Number(digits) if digits.bytes().all(|b| b.is_ascii_digit()));
     let has_unit = |value: &Expr| matches!(&value.kind, ExprKind::Quantity { .. });
     let pairs = values.windows(2).filter(|pair| is_whole(&pair[0]) && has_unit(&pair[1]));
     let between = pairs.map(|pair| part(pair[0].span, pair[0].span.end as usize, pair[1].span.start as usize));

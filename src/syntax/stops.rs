@@ -98,7 +98,9 @@ pub(super) fn word_missing(value: Span, line: &str, text: &str) -> Option<Diagno
         Some(word) => finding
             .help(format!("write `{} {word} {}`", quote(line), quote(rest)))
             .mended(part(value, before, at), format!(" {word} ")),
-        None => finding.help("write the word that it belongs to before it, or remove it; a new step begins on a new line"),
+        None => {
+            finding.help("write the word that it belongs to before it, or remove it; a new step begins on a new line")
+        }
     })
 }
 

@@ -61,7 +61,8 @@ fn a_part_alone_waits_for_a_sum_from_below() {
     let moves = planned(&text.replace("sum_of_costs >= 5", "moves >= 5"));
     // The cells are coloured like a chessboard: a way of five moves does not end there.
     assert_eq!(moves.outcomes["moves"], 6.0);
-    let two = planned(&text.replace("move a to (6, 2)", "move a to (6, 2)\n  move a to (5, 2)").replace(">= 5", ">= 8"));
+    let two =
+        planned(&text.replace("move a to (6, 2)", "move a to (6, 2)\n  move a to (5, 2)").replace(">= 5", ">= 8"));
     assert_eq!(two.outcomes["sum_of_costs"], 8.0);
 }
 

@@ -91,8 +91,9 @@ fn every_line_has_an_answer_and_nonsense_stops_it() {
     let mut input = measured(1000);
     // An empty line is passed over, but counts.
     input.push_str("\nnonsense\n{\"t_ns\": 1}\n{\"t_ns\": 2, \"robots\": {\"D9\": null}}\n");
-    input
-        .push_str("{\"t_ns\": 1.5, \"robots\": {}}\n[3, {}]\n{\"t_ns\": 4, \"robots\": {\"D1\": null, \"D1\": null}}\n");
+    input.push_str(
+        "{\"t_ns\": 1.5, \"robots\": {}}\n[3, {}]\n{\"t_ns\": 4, \"robots\": {\"D1\": null, \"D1\": null}}\n",
+    );
     let run = tweeze(&["control", &path]).write_stdin(input).assert().code(STOPPED);
     let answers = answers(&run.get_output().stdout);
     assert_eq!(answers[0]["control"], "quartet");

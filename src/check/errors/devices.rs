@@ -279,10 +279,13 @@ pub fn all_to_a_name(span: Span) -> Diagnostic {
 
 /// All channels in their order, where they have numbers.
 pub fn all_of_numbered(span: Span, (channel, number): (&str, u32), instrument: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0427, format!("`all` leads to the outputs of `{instrument}` in turn, whatever their numbers"))
-        .label(span, format!("here `{channel}` has the number {number}"))
-        .mended_here("electrodes")
-        .help(format!("write `electrodes -> {instrument}`: each electrode goes to the output of its number"))
+    Diagnostic::new(
+        Code::E0427,
+        format!("`all` leads to the outputs of `{instrument}` in turn, whatever their numbers"),
+    )
+    .label(span, format!("here `{channel}` has the number {number}"))
+    .mended_here("electrodes")
+    .help(format!("write `electrodes -> {instrument}`: each electrode goes to the output of its number"))
 }
 
 /// All channels to one output.

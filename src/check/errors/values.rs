@@ -1,12 +1,12 @@
 //! Units and values: E03xx.
 
 use super::either;
-use crate::syntax::functions::function_form;
 use crate::check::value::Value;
 use crate::device;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{self, Dimension, Quantity, Unit, digits};
 use crate::source::Span;
+use crate::syntax::functions::function_form;
 use crate::syntax::tree::{Expr, ExprKind, Ident};
 
 /// Name of a field, an argument or a parameter in messages, and where it is declared.

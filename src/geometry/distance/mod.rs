@@ -54,6 +54,33 @@ pub fn segment_core(segment: Segment, core: &Core) -> f64 {
     through(Fault::Distance, distance_um)
 }
 
+/// Distance of a point from the outline of the core of a body.
+pub fn point_outline(point: Point2<f64>, core: &Core) -> f64 {
+    let distance_um = match core {
+        Core::Point(other) => point_segment(point, [*other; 2]),
+        Core::Segment(segment) => point_segment(point, *segment),
+        Core::Polygon(corners) => edges(corners).map(|edge| point_segment(point, edge)).fold(f64::INFINITY, f64::min),
+    };
+    through(Fault::Distance, distance_um)
+}
+
+/// Distance of a point from the core of a body, 0 inside.
+pub fn point_core(point: Point2<f64>, core: &Core) -> f64 {
+    match core {
+        Core::Polygon(corners) if inside(point, corners) => 0.0,
+        Core::Polygon(_) | Core::Point(_) | Core::Segment(_) => point_outline(point, core),
+    }
+}
+
+/// Whether a segment crosses the outline of the core of a body.
+pub fn crosses(segment: Segment, core: &Core) -> bool {
+    match core {
+        Core::Point(_) => false,
+        Core::Segment(other) => cross(segment, *other),
+        Core::Polygon(corners) => edges(corners).any(|edge| cross(segment, edge)),
+    }
+}
+
 /// Distance of a filled quadrilateral, corners in order around it, from the core of a body.
 pub fn quadrilateral_core(quadrilateral: [Point2<f64>; 4], core: &Core) -> f64 {
     let within = match core {

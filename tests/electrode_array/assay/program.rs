@@ -264,7 +264,8 @@ impl Assay {
         assay.parts.extend(assay.far(chance, &[outlet]));
         assay.parts.extend([NOWHERE, NOWHERE].into_iter().take(1 + chance.below(2) as usize));
         let lists = assay.parts.iter().enumerate().map(|(part, start)| {
-            let first = if *start == NOWHERE { Operation::Dispense(part, 0) } else { Operation::Incubate(part, None, 1) };
+            let first =
+                if *start == NOWHERE { Operation::Dispense(part, 0) } else { Operation::Incubate(part, None, 1) };
             let stays = *start == NOWHERE && chance.below(2) == 0;
             let leaves = Operation::Discard(part, if chance.below(4) > 0 { outlet } else { assay.cell(chance) });
             [first, leaves].into_iter().take(if stays { 1 } else { 2 }).collect::<VecDeque<Operation>>()

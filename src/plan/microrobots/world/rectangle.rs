@@ -1,7 +1,7 @@
 //! A robot's body as an oriented rectangle, and its distances.
 
-use crate::geometry::distance::quadrilateral_core;
-use crate::geometry::{Pose, Rounded};
+use crate::geometry::distance::{Segment, crosses, point_outline, quadrilateral_core};
+use crate::geometry::{Core, Pose, Rounded};
 use crate::real::Real;
 use nalgebra::Point2;
 
@@ -58,6 +58,47 @@ impl OrientedRectangle {
     /// Distance to a body, 0 on contact; negative if it has a radius and its core is nearer.
     pub fn to_rounded_um(&self, body: &Rounded) -> f64 {
         quadrilateral_core(self.corners().map(|[x, y]| Point2::new(x, y)), &body.core) - body.radius_um
+    }
+
+    /// As [`Self::to_rounded_um`], or something less that is above `enough_um`: how far the body lies beyond one of the sides, which is much
+    /// cheaper to know.
+    pub fn nearly_to_rounded_um(&self, body: &Rounded, enough_um: f64) -> f64 {
+        let points = match &body.core {
+            Core::Point(point) => std::slice::from_ref(point),
+            Core::Segment(ends) => ends.as_slice(),
+            Core::Polygon(corners) => corners.as_slice(),
+        };
+        let [a_um, b_um] = self.half_um;
+        let (mut back_um, mut front_um, mut right_um, mut left_um) =
+            (f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY);
+        let mut nearest_um2 = f64::INFINITY;
+        for point in points {
+            let [along_um, aside_um] = self.local([point.x, point.y]);
+            (back_um, front_um) = (back_um.min(along_um), front_um.max(along_um));
+            (right_um, left_um) = (right_um.min(aside_um), left_um.max(aside_um));
+            let (ahead_um, beside_um) = ((along_um.abs() - a_um).max(0.0), (aside_um.abs() - b_um).max(0.0));
+            nearest_um2 = nearest_um2.min(ahead_um * ahead_um + beside_um * beside_um);
+        }
+        let beyond_um = (back_um.max(-front_um) - a_um).max(right_um.max(-left_um) - b_um);
+        if beyond_um - body.radius_um > enough_um {
+            return beyond_um - body.radius_um;
+        }
+        let theirs_um = nearest_um2.sqrt();
+        if beyond_um > 0.0 {
+            // A line lies between the two, so that a corner of one of them is nearest to the other.
+            let own = self.corners().into_iter().map(|[x, y]| point_outline(Point2::new(x, y), &body.core));
+            return own.fold(theirs_um, f64::min) - body.radius_um;
+        }
+        match theirs_um == 0.0 || crosses(self.spine(), &body.core) {
+            true => -body.radius_um,
+            false => self.to_rounded_um(body),
+        }
+    }
+
+    /// The line through its middle, along its length.
+    fn spine(&self) -> Segment {
+        let ([x_um, y_um], [cos, sin], along_um) = (self.centre_um, self.axis, self.half_um[0]);
+        [-along_um, along_um].map(|along_um| Point2::new(x_um + along_um * cos, y_um + along_um * sin))
     }
 
     /// Distance between two rectangles; negative where they overlap, by the least translation that separates them.

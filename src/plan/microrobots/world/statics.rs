@@ -3,7 +3,7 @@
 use super::tracks::{MotionKind, RobotTrack, first_near};
 use super::{MARGIN_UM, OrientedRectangle, World, WorldObstacle};
 use crate::device::microrobots::Arm;
-use crate::geometry::distance::{point_segment, segment_core};
+use crate::geometry::distance::{point_core, point_segment};
 use crate::geometry::{Pose, Rounded};
 use crate::plan::microrobots::free::ArmSegment;
 use crate::real::Real;
@@ -39,6 +39,9 @@ impl Nearness {
     }
 }
 
+/// A robot that is farther from an obstacle than the clearance and this goes on by what is known of the distance for less work.
+const ENOUGH_UM: f64 = 2.0;
+
 /// A disc, as swept by an orbiting robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OrbitDisc {
@@ -50,7 +53,7 @@ impl OrbitDisc {
     /// Distance to an obstacle; negative where they overlap.
     pub fn to_rounded_um(&self, body: &Rounded) -> f64 {
         let [x, y] = self.centre_um;
-        segment_core([Point2::new(x, y); 2], &body.core) - body.radius_um - self.radius_um
+        point_core(Point2::new(x, y), &body.core) - body.radius_um - self.radius_um
     }
 
     /// Distance to another disc; negative where they overlap.
@@ -155,15 +158,12 @@ pub(super) fn meets_obstacle(track: &RobotTrack, obstacle: &WorldObstacle, asked
     if point_segment(Point2::new(*x, *y), segment) - bound_um >= near_um {
         return None;
     }
-    let apart_um = segment_core(segment, &body.core) - body.radius_um;
-    if apart_um >= near_um {
+    // What runs is asked for all that it sweeps at once.
+    if track.kind == MotionKind::Turns && point_core(segment[0], &body.core) - body.radius_um >= near_um {
         return None;
     }
-    let is_straight = track.kind != MotionKind::Turns;
-    if is_straight && asked.instant == MeetingInstant::Any && apart_um < asked.keep_um + track.inner_um() {
-        return Some(track.strokes);
-    }
-    meets(track, asked, |rectangle| rectangle.to_rounded_um(body))
+    let enough_um = asked.keep_um + ENOUGH_UM;
+    meets(track, asked, |rectangle| rectangle.nearly_to_rounded_um(body, enough_um))
 }
 
 /// The instant at which a robot is too near to a disc.

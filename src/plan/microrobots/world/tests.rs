@@ -164,3 +164,35 @@ fn who_docks_may_touch_but_not_overlap() {
     assert_eq!(docks(10.01, false), None);
     assert!(docks(9.99, false).is_some());
 }
+
+/// What is known for less work is the distance where that matters, and never more than it.
+#[test]
+fn the_cheap_distance_is_the_distance_where_it_is_small() {
+    let mut random = crate::random::SplitMix64::new(7);
+    let mut draw = |least: f64, most: f64| least + (most - least) * random.unit();
+    let (mut exact, mut cheap) = (0, 0);
+    for _ in 0..20_000 {
+        let pose = Pose { x_um: draw(-200.0, 200.0), y_um: draw(-200.0, 200.0), heading_rad: draw(-4.0, 4.0) };
+        let rectangle = OrientedRectangle::new(pose, [draw(10.0, 150.0), draw(5.0, 60.0)]);
+        let shape = match draw(0.0, 4.0) as u32 {
+            0 => Shape::Disc { radius_um: draw(1.0, 80.0) },
+            1 => Shape::Capsule { length_um: draw(1.0, 200.0), radius_um: draw(1.0, 60.0) },
+            2 => Shape::Box { size_um: [draw(1.0, 200.0), draw(1.0, 200.0)] },
+            // Not convex: a box with a notch.
+            _ => Shape::Polygon {
+                points_um: vec![[-80.0, -60.0], [80.0, -60.0], [80.0, 60.0], [draw(-60.0, 60.0), -20.0], [-80.0, 60.0]],
+            },
+        };
+        let body = shape.grown(&Pose::at(0.0, 0.0), 0.0).expect("a shape");
+        let truth_um = rectangle.to_rounded_um(&body);
+        let known_um = rectangle.nearly_to_rounded_um(&body, 12.0);
+        if known_um > 12.0 {
+            assert!(known_um <= truth_um + 1e-9, "{known_um} of {truth_um}");
+            cheap += 1;
+        } else {
+            assert!((known_um - truth_um).abs() < 1e-9, "{known_um} for {truth_um}");
+            exact += 1;
+        }
+    }
+    assert!(exact > 3_000 && cheap > 3_000, "{exact} and {cheap}");
+}

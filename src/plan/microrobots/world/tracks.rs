@@ -84,11 +84,6 @@ impl RobotTrack {
         Pose { x_um, y_um, heading_rad: sin.arc_tangent_over(cos) }
     }
 
-    /// Radius of the discs that the body always covers round its centre.
-    pub(super) fn inner_um(&self) -> f64 {
-        self.half_um[0].min(self.half_um[1])
-    }
-
     /// A capsule (segment and radius) that contains the body at all times.
     pub(super) fn bound(&self) -> (Segment, f64) {
         let here = Point2::new(self.pose.x_um, self.pose.y_um);
