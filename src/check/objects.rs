@@ -10,6 +10,7 @@ use crate::device::Vocabulary;
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::Span;
 use std::any::Any;
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -48,6 +49,8 @@ pub struct ObjectNames {
     indices: BTreeMap<String, Option<usize>>,
     /// Objects that no step can name in their place, each with its noun.
     others: BTreeMap<String, (&'static str, Span)>,
+    /// Whether it was reported that the task has no scene, which is one mistake however many names it has.
+    lacks_scene: Cell<bool>,
 }
 
 impl ObjectNames {
@@ -72,7 +75,7 @@ impl ObjectNames {
         let is_cut = scene.is_some() && !is_whole && self.indices.is_empty();
         let wrong = match self.others.get(&object.name) {
             Some(found) => Some(errors::object_of_other_noun(argument.span, &object.name, object.noun, *found)),
-            None if is_cut => None,
+            None if is_cut || (scene.is_none() && self.lacks_scene.replace(true)) => None,
             None => {
                 let near = nearest(&object.name, self.indices.keys().map(String::as_str));
                 Some(errors::unknown_object(argument.span, object, near, scene))

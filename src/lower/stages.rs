@@ -80,6 +80,25 @@ impl FollowingStage<'_> {
         )
     }
 
+    /// The stages of the same device, this one among them; a mend of one should be one of all.
+    fn of_device(&self) -> impl Iterator<Item = FollowingStage<'_>> {
+        let (schedule, device) = (self.schedule, &self.channel.device);
+        let channels = schedule.channels.iter().enumerate().filter(move |(_, channel)| channel.device == *device);
+        channels.filter_map(move |(index, channel)| {
+            let drive = schedule.bench.drives.get(&channel.name)?;
+            Some(FollowingStage { schedule, channel, index, drive, actuations: schedule.actuations_of(index) })
+        })
+    }
+
+    /// The least and the greatest value of its way, if it moves or stands at all.
+    fn ends_um(&self) -> Option<[f64; 2]> {
+        let values = self.actuations.iter().flat_map(|one| [one.from, one.to]);
+        values.fold(None, |ends, value| {
+            let [low, high] = ends.unwrap_or([value; 2]);
+            Some([value.min(low), value.max(high)])
+        })
+    }
+
     /// A place that lies beyond the travel of the stage.
     fn beyond_travel(&self) -> Option<Diagnostic> {
         let Link::Axis { origin_um, direction, least_um, most_um } = self.drive.link else { return None };
@@ -94,9 +113,10 @@ impl FollowingStage<'_> {
         let [least, most] = [least_um, most_um].map(micrometres);
         let title = format!("`{name}` at {at} is {own} of its stage, which travels from {least} to {most}");
         let at_wire = format!("`origin` of {}", micrometres(origin_um));
-        let values = || places().map(|(value, _)| value);
-        let ends_um = [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)];
-        let help = origin_help(ends_um, [least_um, most_um], direction);
+        // One wire may lead many channels to stages, with one origin for all of them.
+        let of_wire = self.of_device().filter(|stage| stage.drive.span == self.drive.span);
+        let ends_um: Vec<[f64; 2]> = of_wire.filter_map(|stage| stage.ends_um()).collect();
+        let help = origin_help(&ends_um, self.ends_um()?, [least_um, most_um], direction);
         Some(self.finding(title, at_wire, actuation.step).help(help))
     }
 
@@ -110,14 +130,19 @@ impl FollowingStage<'_> {
         let asked = size(&actuation);
         let title =
             format!("`{}` moves at {}, its stage at {} at the most", self.channel.name, speed(asked), speed(most));
-        Some(self.finding(title, format!("`speed` of {}", speed(most)), actuation.step).help(slower(most / asked)))
+        let shares = self.of_device().filter_map(|stage| {
+            let fastest = stage.actuations.iter().map(|one| one.speed_um_per_s().abs()).fold(0.0, f64::max);
+            Some(stage.drive.limits.speed_um_per_s? / fastest)
+        });
+        let share = shares.fold(most / asked, f64::min);
+        Some(self.finding(title, format!("`speed` of {}", speed(most)), actuation.step).help(slower(share)))
     }
 
     /// A corner that takes the stage too far off its way, with the points of the controller `period_s` apart.
     fn turns_too_sharply(&self, spare_um: f64, period_s: f64) -> Option<Diagnostic> {
-        let limits = self.drive.limits;
+        let (limits, schedule) = (self.drive.limits, self.schedule);
         let share = |turn: &Turn| slowed(limits, turn, period_s, spare_um);
-        let turns = self.schedule.turns(self.index).into_iter();
+        let turns = schedule.turns(self.index).into_iter();
         let turn = turns.reduce(|worst, next| if share(&next) < share(&worst) { next } else { worst })?;
         if share(&turn) * ROUNDING >= 1.0 {
             return None;
@@ -139,7 +164,11 @@ impl FollowingStage<'_> {
         let by_places = Some(format!("places {} apart, ", seconds(period_s))).filter(|_| period_s > 0.0);
         let at_wire: String = by_stage.into_iter().chain(by_places).collect();
         let at_wire = format!("{at_wire}half of the tolerance is {}", micrometres(spare_um));
-        Some(self.finding(title, at_wire, turn.step).help(slower(share(&turn))))
+        let shares = self.of_device().flat_map(|stage| {
+            let turns = schedule.turns(stage.index).into_iter();
+            turns.map(move |turn| slowed(stage.drive.limits, &turn, period_s, spare_um)).collect::<Vec<f64>>()
+        });
+        Some(self.finding(title, at_wire, turn.step).help(slower(shares.fold(share(&turn), f64::min))))
     }
 }
 
@@ -163,22 +192,36 @@ fn slowed(limits: StageLimits, turn: &Turn, period_s: f64, spare_um: f64) -> f64
     within.min((turn.room_ns as f64 / takes_ns).sqrt())
 }
 
-/// Where the origin may lie for a way between two places to lie within a travel.
-fn origin_help([low_um, high_um]: [f64; 2], [least_um, most_um]: [f64; 2], direction: Direction) -> String {
+/// Where the origin may lie for the ways between pairs of places to lie within a travel, or at least one's `own`.
+fn origin_help(ways_um: &[[f64; 2]], own_um: [f64; 2], travel_um: [f64; 2], direction: Direction) -> String {
+    let widest = |[low, high]: [f64; 2], way: &[f64; 2]| [low.min(way[0]), high.max(way[1])];
+    let all_um = ways_um.iter().fold(own_um, widest);
+    let way = micrometres(own_um[1] - own_um[0]);
+    match (origin_within(all_um, travel_um, direction), origin_within(own_um, travel_um, direction)) {
+        (Some(origin_um), _) => format!("position 0 may lie elsewhere on the stage: `origin: {origin_um} um`"),
+        (None, Some(origin_um)) => format!(
+            "no `origin` fits all stages of this wire: give each channel a wire of its own, this one with `origin: {origin_um} um`"
+        ),
+        (None, None) => {
+            format!("the way is {way} long: take a stage that travels as far, or keep the hand in less room")
+        }
+    }
+}
+
+/// The origin in the middle of those with which a way lies within a travel, if there are any.
+fn origin_within([low_um, high_um]: [f64; 2], [least_um, most_um]: [f64; 2], direction: Direction) -> Option<f64> {
     let [low_um, high_um] = match direction {
         Direction::Forward => [low_um, high_um],
         Direction::Backward => [-high_um, -low_um],
     };
     let [first_um, last_um] = [least_um - low_um, most_um - high_um];
     if first_um > last_um {
-        let way = micrometres(high_um - low_um);
-        return format!("the way is {way} long: take a stage that travels as far, or keep the hand in less room");
+        return None;
     }
     let middle_um = (first_um + last_um) / 2.0;
     let round_um = middle_um.round();
     let nanometres_um = (middle_um * 1e3).round() / 1e3;
-    let origin_um = if (first_um..=last_um).contains(&round_um) { round_um } else { nanometres_um };
-    format!("position 0 may lie elsewhere on the stage: `origin: {origin_um} um`")
+    Some(if (first_um..=last_um).contains(&round_um) { round_um } else { nanometres_um })
 }
 
 #[cfg(test)]
@@ -187,7 +230,7 @@ mod tests {
 
     #[test]
     fn an_origin_is_where_the_whole_way_has_room() {
-        let help = |ends_um, direction| origin_help(ends_um, [0.0, 100.0], direction);
+        let help = |ends_um, direction| origin_help(&[ends_um], ends_um, [0.0, 100.0], direction);
         assert!(help([-30.0, 50.0], Direction::Forward).ends_with("`origin: 40 um`"));
         assert!(help([-30.0, 50.0], Direction::Backward).ends_with("`origin: 60 um`"));
         assert!(
@@ -196,6 +239,9 @@ mod tests {
             help([-0.1, 99.7], Direction::Forward)
         );
         assert!(help([-30.0, 71.0], Direction::Forward).starts_with("the way is 101 um long"));
+        let beside = |other_um| origin_help(&[[-30.0, 50.0], other_um], [-30.0, 50.0], [0.0, 100.0], Direction::Forward);
+        assert!(beside([-45.0, 20.0]).ends_with("`origin: 48 um`"), "{}", beside([-45.0, 20.0]));
+        assert!(beside([20.0, 90.0]).starts_with("no `origin` fits all"), "{}", beside([20.0, 90.0]));
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::recover;
 use super::slips;
 use super::stops;
 use super::tree::{
-    Doc, Entry, Expr, ExprKind, Field, For, Ident, Object, Phrase, SceneEntry, Step, TextPart, Wire, WireOutput,
+    Doc, Entry, Expr, ExprKind, Field, For, Ident, Object, Path, Phrase, SceneEntry, Step, TextPart, Wire, WireOutput,
     WiringEntry,
 };
 use crate::diagnostic::{Code, Diagnostic};
@@ -217,7 +217,12 @@ impl Reader<'_> {
                 Rule::noun => step.noun = part.into_inner().next().map(|word| self.ident(&word)),
                 Rule::step_expr => {
                     let span = self.span(&part);
-                    step.object = Some(self.object_of_step(part, step.noun.as_ref()));
+                    let mut object = self.object_of_step(part, step.noun.as_ref());
+                    // Behind `run` stands a task with its arguments.
+                    if step.head.text != "run" {
+                        self.mend_index(&mut object);
+                    }
+                    step.object = Some(object);
                     // `move m1 (8, 9)` lacks a preposition, and has no blank too many.
                     if step.object.as_ref().is_some_and(is_no_function) {
                         self.forget_code(Code::E0108, span);
@@ -242,6 +247,24 @@ impl Reader<'_> {
         }
     }
 
+    /// Reads `drop(2)` as `drop[2]`, and reports it.
+    fn mend_index(&mut self, value: &mut Expr) {
+        let ExprKind::Call { function, arguments } = &mut value.kind else { return };
+        let bracket = function.span.end as usize;
+        let [argument] = arguments.as_slice() else { return };
+        let is_index = matches!(argument.kind, ExprKind::Path(_) | ExprKind::Number(_) | ExprKind::Binary { .. });
+        let [.., last] = function.segments.as_mut_slice() else { return };
+        let is_name = !function_names().any(|name| name == last.name.text) && last.indices.is_empty();
+        if is_index && is_name && self.source[bracket..].starts_with('(') {
+            let finding = stops::round_index(value.span, bracket, self.source);
+            last.indices = std::mem::take(arguments);
+            last.span.end = value.span.end;
+            let path = Path { span: value.span, segments: std::mem::take(&mut function.segments) };
+            value.kind = ExprKind::Path(path);
+            self.report(finding);
+        }
+    }
+
     fn phrase(&mut self, node: Node) -> Option<Phrase> {
         let span = self.span(&node);
         let mut parts = self.children(node).into_iter();
@@ -251,6 +274,7 @@ impl Reader<'_> {
             if text.contains([' ', '\t']) { text.split_whitespace().collect::<Vec<_>>().join(" ") } else { text };
         let preposition = Ident { text, span: at };
         let mut value = self.value(parts.next(), span);
+        self.mend_index(&mut value);
         // `merge a with b (8, 4)` lacks a word before the place, too.
         if is_no_function(&value) && self.findings.iter().any(|finding| is_blank_in(finding, value.span)) {
             self.forget_code(Code::E0108, value.span);

@@ -1,7 +1,7 @@
 //! What stands where reading an entry stopped: a word too many, a word that is missing, or one that means another.
 
 use super::around::{code_end_before, line_after, line_before, part, quote, token_at, token_before_sign, with_blanks};
-use super::words::{is_word, meant_preposition};
+use super::words::{PREPOSITIONS, is_word, meant_preposition};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
@@ -58,6 +58,9 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
             .help(format!("did you mean `{meant}`?"))
             .mended(word_place, meant);
     }
+    if line.ends_with('}') && PREPOSITIONS.contains(&token) {
+        return finding.help("an index stands in `[ ]`, as in `drop[2]`; a block ends the step");
+    }
     if let (None, Some(finding)) = (open, word_missing(place, &line, text)) {
         return finding;
     }
@@ -70,6 +73,17 @@ pub(super) fn joined_by_and(word: Span, text: &str) -> Diagnostic {
         .label(word, "the step before this ends here")
         .help("write a comma in its place, or each step on a line of its own")
         .mended(with_blanks(word, text), ", ")
+}
+
+/// `drop(2)`, whose bracket opens at a byte.
+pub(super) fn round_index(whole: Span, bracket: usize, text: &str) -> Diagnostic {
+    let end = whole.end as usize;
+    let (name, index) = (&text[whole.start as usize..bracket], &text[bracket + 1..end - 1]);
+    Diagnostic::new(Code::E0101, "an index in round brackets")
+        .label(part(whole, bracket, end), "an index stands in `[ ]`, and counts from 0")
+        .help(format!("write `{name}[{}]`", quote(index)))
+        .mended(part(whole, bracket, bracket + 1), "[")
+        .mended(part(whole, end - 1, end), "]")
 }
 
 /// A value behind a step without the word that belongs before it, as the time in `mix a at (5, 3) 3 s`; `value` is its first word.
