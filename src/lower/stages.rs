@@ -80,12 +80,11 @@ impl FollowingStage<'_> {
         )
     }
 
-    /// The stages of the same device, this one among them; a mend of one should be one of all.
-    fn of_device(&self) -> impl Iterator<Item = FollowingStage<'_>> {
-        let (schedule, device) = (self.schedule, &self.channel.device);
-        let channels = schedule.channels.iter().enumerate().filter(move |(_, channel)| channel.device == *device);
-        channels.filter_map(move |(index, channel)| {
-            let drive = schedule.bench.drives.get(&channel.name)?;
+    /// The stages of the same wire, this one among them: a mend for one is one for all of them.
+    fn of_wire(&self) -> impl Iterator<Item = FollowingStage<'_>> {
+        let (schedule, wire) = (self.schedule, self.drive.span);
+        schedule.channels.iter().enumerate().filter_map(move |(index, channel)| {
+            let drive = schedule.bench.drives.get(&channel.name).filter(|drive| drive.span == wire)?;
             Some(FollowingStage { schedule, channel, index, drive, actuations: schedule.actuations_of(index) })
         })
     }
@@ -113,9 +112,7 @@ impl FollowingStage<'_> {
         let [least, most] = [least_um, most_um].map(micrometres);
         let title = format!("`{name}` at {at} is {own} of its stage, which travels from {least} to {most}");
         let at_wire = format!("`origin` of {}", micrometres(origin_um));
-        // One wire may lead many channels to stages, with one origin for all of them.
-        let of_wire = self.of_device().filter(|stage| stage.drive.span == self.drive.span);
-        let ends_um: Vec<[f64; 2]> = of_wire.filter_map(|stage| stage.ends_um()).collect();
+        let ends_um: Vec<[f64; 2]> = self.of_wire().filter_map(|stage| stage.ends_um()).collect();
         let help = origin_help(&ends_um, self.ends_um()?, [least_um, most_um], direction);
         Some(self.finding(title, at_wire, actuation.step).help(help))
     }
@@ -130,7 +127,7 @@ impl FollowingStage<'_> {
         let asked = size(&actuation);
         let title =
             format!("`{}` moves at {}, its stage at {} at the most", self.channel.name, speed(asked), speed(most));
-        let shares = self.of_device().filter_map(|stage| {
+        let shares = self.of_wire().filter_map(|stage| {
             let fastest = stage.actuations.iter().map(|one| one.speed_um_per_s().abs()).fold(0.0, f64::max);
             Some(stage.drive.limits.speed_um_per_s? / fastest)
         });
@@ -164,7 +161,7 @@ impl FollowingStage<'_> {
         let by_places = Some(format!("places {} apart, ", seconds(period_s))).filter(|_| period_s > 0.0);
         let at_wire: String = by_stage.into_iter().chain(by_places).collect();
         let at_wire = format!("{at_wire}half of the tolerance is {}", micrometres(spare_um));
-        let shares = self.of_device().flat_map(|stage| {
+        let shares = self.of_wire().flat_map(|stage| {
             let turns = schedule.turns(stage.index).into_iter();
             turns.map(move |turn| slowed(stage.drive.limits, &turn, period_s, spare_um)).collect::<Vec<f64>>()
         });
@@ -239,7 +236,8 @@ mod tests {
             help([-0.1, 99.7], Direction::Forward)
         );
         assert!(help([-30.0, 71.0], Direction::Forward).starts_with("the way is 101 um long"));
-        let beside = |other_um| origin_help(&[[-30.0, 50.0], other_um], [-30.0, 50.0], [0.0, 100.0], Direction::Forward);
+        let beside =
+            |other_um| origin_help(&[[-30.0, 50.0], other_um], [-30.0, 50.0], [0.0, 100.0], Direction::Forward);
         assert!(beside([-45.0, 20.0]).ends_with("`origin: 48 um`"), "{}", beside([-45.0, 20.0]));
         assert!(beside([20.0, 90.0]).starts_with("no `origin` fits all"), "{}", beside([20.0, 90.0]));
     }

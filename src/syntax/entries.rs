@@ -25,6 +25,11 @@ fn is_no_function(value: &Expr) -> bool {
     !function_names().any(|name| name == called)
 }
 
+/// Whether a list follows `any`, which stands before a name.
+fn is_any(value: &Expr) -> bool {
+    matches!(&value.kind, ExprKind::Path(Path { segments, .. }) if segments.iter().any(|word| word.name.text == "any"))
+}
+
 /// Whether a finding is about a blank before a bracket in a span.
 fn is_blank_in(finding: &Diagnostic, span: Span) -> bool {
     finding.code == Code::E0108 && finding.span().is_some_and(|blank| span.contains(blank))
@@ -90,6 +95,13 @@ impl Reader<'_> {
     pub fn scene_entries(&mut self, node: Node) -> Vec<SceneEntry> {
         self.block(node, |reader, child, doc| {
             let span = reader.span(&child);
+            if let Some((finding, whole)) = slips::word_before_name(span, reader.source) {
+                reader.forget_within(whole);
+                reader.report(finding);
+                reader.keep_name_behind(whole);
+                reader.passed = whole.end;
+                return Some(SceneEntry::Error(whole));
+            }
             Some(match child.as_rule() {
                 Rule::object => reader.object(child, doc).map_or(SceneEntry::Error(span), SceneEntry::Object),
                 Rule::scene_loop => SceneEntry::For(reader.each(child, Self::scene_entries)),
@@ -223,8 +235,8 @@ impl Reader<'_> {
                         self.mend_index(&mut object);
                     }
                     step.object = Some(object);
-                    // `move m1 (8, 9)` lacks a preposition, and has no blank too many.
-                    if step.object.as_ref().is_some_and(is_no_function) {
+                    // `move m1 (8, 9)` lacks a preposition, and has no blank too many; `move any [a, b]` names no `any`.
+                    if step.object.as_ref().is_some_and(|object| is_no_function(object) || is_any(object)) {
                         self.forget_code(Code::E0108, span);
                     }
                 }

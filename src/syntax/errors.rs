@@ -6,7 +6,7 @@ use super::around::{
 };
 use super::grammar::Rule;
 use super::tree::{Column, Ident};
-use super::words::{is_invisible, starts_item};
+use super::words::{is_invisible, is_name, starts_item};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
@@ -473,13 +473,19 @@ pub(super) fn not_an_entry(span: Span, place: ListPlace, text: &str) -> Diagnost
 }
 
 pub(super) fn bad_short_item(rest: Span, rule: Rule, text: &str) -> Diagnostic {
-    let form = match rule {
-        Rule::use_rest => "use std.dimibot` or `use \"bench.twz\" as lab",
-        _ => "let pitch = 70 um",
-    };
-    Diagnostic::new(Code::E0124, "this declaration cannot be read to its end")
-        .label(visible(rest, text), "reading stopped here")
-        .help(format!("write it as `{form}`"))
+    let finding = Diagnostic::new(Code::E0124, "this declaration cannot be read to its end")
+        .label(visible(rest, text), "reading stopped here");
+    if rule == Rule::use_rest {
+        return finding.help("write it as `use std.dimibot` or `use \"bench.twz\" as lab`");
+    }
+    // `let n 3`
+    let (line, at) = (line_before(text, rest.start as usize), rest.start as usize);
+    match line.strip_prefix("let ").map(str::trim) {
+        Some(name) if is_name(name) => finding
+            .help(format!("write `let {name} = {}`", quote(line_after(text, at).trim_start_matches('=').trim())))
+            .mended(part(rest, at, at), "= "),
+        Some(_) | None => finding.help("write it as `let pitch = 70 um`"),
+    }
 }
 
 pub(super) fn misspelt_item(span: Span, text: &str, right: &str) -> Diagnostic {

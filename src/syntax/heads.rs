@@ -60,6 +60,16 @@ fn without_alias(span: Span, line: &str) -> Diagnostic {
         .help(format!("write `{path} as NAME`, or `{path}` alone"))
 }
 
+/// `wiring bot -> card`.
+pub(super) fn wire_without_braces(span: Span, text: &str) -> Option<Diagnostic> {
+    let line = text.lines().next()?;
+    let (wiring, output) = line.split_once("->").filter(|(wiring, _)| wiring.starts_with("wiring "))?;
+    let at = span.start as usize + wiring.len();
+    let finding = Diagnostic::new(Code::E0124, "a wire without braces around it");
+    let finding = finding.label(part(span, at, at + "->".len()), "wires stand in the braces of a wiring");
+    Some(finding.help(format!("write `{} {{ all -> {} }}`", quote(wiring.trim_end()), quote(output.trim()))))
+}
+
 /// The slip in the head of a declaration, of which `rest` could not be read, if it is a known one.
 pub(super) fn slip(rest: Span, rule: Rule, item: Span, source: &str) -> Option<Diagnostic> {
     let written = &source[rest.range()];
@@ -86,7 +96,6 @@ pub(super) fn slip(rest: Span, rule: Rule, item: Span, source: &str) -> Option<D
         Rule::instrument_rest => head.of_base("an instrument and its family"),
         Rule::output_rest => head.of_output(),
         Rule::program_rest => head.of_program(),
-        Rule::wiring_rest => head.of_wiring(),
         Rule::task_rest => head.of_task(),
         _ => None,
     }
@@ -246,14 +255,6 @@ impl BrokenHead<'_> {
         Some(finding.help(format!("write `{declaration}`, and `wiring {name} {{ out -> {wire} }}`")))
     }
 
-    /// `wiring bot -> card`.
-    fn of_wiring(&self) -> Option<Diagnostic> {
-        let output = self.text.strip_prefix("->")?.trim();
-        let finding = Diagnostic::new(Code::E0124, "a wire without braces around it");
-        let finding = finding.label(self.mark(0, "->".len()), "wires stand in the braces of a wiring");
-        Some(finding.help(format!("write `{} {{ all -> {} }}`", self.before, quote(output))))
-    }
-
     /// `program day on bot`.
     fn of_program(&self) -> Option<Diagnostic> {
         let device = self.text.strip_prefix("on")?.trim_start();
@@ -269,7 +270,8 @@ impl BrokenHead<'_> {
             return Some(self.without_device());
         }
         if word == "in" {
-            let mend = format!("on DEVICE {} {{", quote(self.text));
+            let (scene, device) = self.text.split_once(" on ").unwrap_or((self.text, "DEVICE"));
+            let mend = format!("on {} {} {{", quote(device.trim()), quote(scene));
             let note = "`on` and a device belong before this";
             return Some(self.wrong("a task without its device", word.len(), note, &mend));
         }

@@ -135,7 +135,9 @@ impl Reader<'_> {
             let place = self.stop(Rule::one_item, span).map_or(span.start as usize, |(at, _)| at);
             let token = around::token_at(&self.source[..span.end as usize], place);
             let rest = around::part(span, place, place + token.len());
-            if let Some(slip) = slips::device_without_kind(span, text) {
+            if let Some(slip) =
+                slips::device_without_kind(span, text).or_else(|| heads::wire_without_braces(span, text))
+            {
                 self.report(slip);
                 return None;
             }
@@ -234,6 +236,15 @@ impl Reader<'_> {
             let place = around::part(span, start, start + name.len());
             self.broken_names.push(Ident { text: name.to_owned(), span: place });
         }
+    }
+
+    /// Keeps the name in an object that has a word too many before it.
+    pub fn keep_name_behind(&mut self, object: Span) {
+        let text = &self.source[object.range()];
+        let Some(word) = text.split([' ', '\t']).filter(|word| !word.is_empty()).nth(2) else { return };
+        let at = object.start as usize + (word.as_ptr() as usize - text.as_ptr() as usize);
+        let name = &word[..super::words::end_of_word(word, 0)];
+        self.broken_names.push(Ident { text: name.to_owned(), span: around::part(object, at, at + name.len()) });
     }
 
     /// Reports a construct of another language as one mistake, whatever else is wrong inside of it.

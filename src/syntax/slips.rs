@@ -5,7 +5,7 @@ use super::around::{self, part, quote, token_at};
 use super::errors::ListPlace;
 use super::habits;
 use super::tree::{Expr, ExprKind};
-use super::words::{PREPOSITIONS, end_of_word, is_word};
+use super::words::{PREPOSITIONS, end_of_word, is_name, is_word};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
@@ -122,6 +122,31 @@ fn object_name(span: Span, text: &str) -> Option<Diagnostic> {
             .help(format!("write `{noun} {}`", quote(&mended)))
             .mended_here(mended),
     )
+}
+
+/// `part part m1 …`, `obstacle the dust …`: a word too many before a name, and the line of it.
+pub(super) fn word_before_name(span: Span, source: &str) -> Option<(Diagnostic, Span)> {
+    let start = span.start as usize;
+    let line = around::after(source, start).lines().next().unwrap_or_default();
+    let words: Vec<&str> = line.split([' ', '\t']).filter(|word| !word.is_empty()).take(3).collect();
+    let [noun, extra, name] = words[..] else { return None };
+    let is_extra = is_name(noun) && (extra == noun || matches!(extra, "the" | "an" | "a"));
+    let name = &name[..end_of_word(name, 0)];
+    if !is_extra || !is_name(name) || PREPOSITIONS.contains(&name) {
+        return None;
+    }
+    let at = start + noun.len() + line[noun.len()..].find(extra)?;
+    let next = at + extra.len() + line[at + extra.len() - start..].find(name)?;
+    let title = match extra == noun {
+        true => format!("`{noun}` stands there twice"),
+        false => format!("`{extra}` is not of the language"),
+    };
+    let finding = Diagnostic::new(Code::E0101, title)
+        .label(part(span, at, at + extra.len()), "a name belongs here")
+        .help(format!("write `{noun} {name}`"))
+        .mended(part(span, at, next), "");
+    let end = start + line.find(['}', ';']).filter(|_| !line.contains('{')).unwrap_or(line.len());
+    Some((finding, part(span, start, end.max(span.end as usize))))
 }
 
 /// `obstacle dust (12, 7)`, `part m1 : ea.droplet (12, 7)`.

@@ -1,6 +1,8 @@
 //! What stands where reading an entry stopped: a word too many, a word that is missing, or one that means another.
 
-use super::around::{code_end_before, line_after, line_before, part, quote, token_at, token_before_sign, with_blanks};
+use super::around::{
+    code_end_before, line_after, line_before, part, quote, token_at, token_before_sign, value_in, with_blanks,
+};
 use super::words::{PREPOSITIONS, is_word, meant_preposition};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
@@ -89,7 +91,8 @@ pub(super) fn round_index(whole: Span, bracket: usize, text: &str) -> Diagnostic
 /// A value behind a step without the word that belongs before it, as the time in `mix a at (5, 3) 3 s`; `value` is its first word.
 pub(super) fn word_missing(value: Span, line: &str, text: &str) -> Option<Diagnostic> {
     let at = value.start as usize;
-    let rest = line_after(text, at);
+    let rest = value_in(line_after(text, at));
+    let line = line.rsplit('{').next().unwrap_or_default().trim_start();
     let is_number = rest.starts_with(|c: char| c.is_ascii_digit());
     if !rest.starts_with(|c: char| is_word(c) || c == '(') {
         return None;

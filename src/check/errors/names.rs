@@ -20,6 +20,9 @@ pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<
         Some(near) => diagnostic.near(near),
         None => diagnostic.help_if(match sort {
             _ if name.contains('.') => None,
+            DeclarationSort::Let if matches!(name, "pi" | "Pi" | "PI") => {
+                Some("angles have units: write `180 deg`, or `3.14159265 rad`".to_owned())
+            }
             DeclarationSort::Let if Unit::parse(name).is_ok() => {
                 Some(format!("a unit stands behind a number: write `1 {name}`"))
             }
@@ -51,7 +54,7 @@ pub fn object_for_place(span: Span, noun: &str, declared: &Ident) -> Diagnostic 
     Diagnostic::new(Code::E0201, format!("`{name}` is {} of a scene, not a value", with_article(noun)))
         .label(span, "a value belongs here")
         .label_elsewhere(declared.span, span, "declared here")
-        .help("write the cell or the place itself, as `(10, 6)`: an object's name does not stand for where it is")
+        .help("an object's name does not stand for where it is: write the cell or the place, as `(10, 6)`")
 }
 
 /// What a used file declares instead of what was looked for.
@@ -293,10 +296,10 @@ fn verb_synonym(name: &str, vocabulary: &Vocabulary) -> Option<&'static str> {
     let ours: &[&'static str] = match name.to_lowercase().as_str() {
         "go" | "goto" | "mv" | "travel" | "carry" | "bring" | "send" | "transport" => &["move", "drive", "translate"],
         "shift" | "lift" => &["translate", "move"],
-        "turn" | "spin" => &["rotate"],
+        "turn" | "spin" | "roll" => &["rotate"],
         "align" | "tilt" => &["orient"],
         "grab" | "grip" | "pick" | "take" | "clamp" | "pinch" => &["grasp"],
-        "drop" | "ungrasp" | "put" => &["release"],
+        "drop" | "ungrasp" | "put" | "place" | "deposit" => &["release"],
         "dispose" | "remove" | "trash" | "dump" | "eject" => &["discard"],
         "combine" | "join" | "fuse" => &["merge"],
         "halve" | "divide" | "cut" | "aliquot" => &["split"],
@@ -304,6 +307,10 @@ fn verb_synonym(name: &str, vocabulary: &Vocabulary) -> Option<&'static str> {
         "detect" | "read" | "measure" | "heat" | "store" | "stay" | "rest" | "keep" | "react" => &["incubate"],
         "hold" => &["incubate", "grasp"],
         "sleep" | "pause" | "delay" => return Some("wait"),
+        "begin" if vocabulary.state.is_some() => return Some("start"),
+        "parallel" | "simultaneously" | "concurrently" if vocabulary.together == Together::Yes => {
+            return Some("together");
+        }
         "trigger" | "fire" | "flash" | "snap" => return Some("pulse"),
         "optimize" | "optimise" => return Some("minimize"),
         "tour" | "scan" | "traverse" => &["visit"],
@@ -368,9 +375,15 @@ pub fn unknown_field(name: &Ident, owner: &str, near: Option<&str>, known: &[&st
         [] => "it has no fields".to_owned(),
         known => format!("it has {}", listed(known.iter().copied())),
     };
+    let own = match name.text.as_str() {
+        "voltage" => Some("potential"),
+        "cols" | "width" => Some("columns"),
+        "height" => Some("rows"),
+        _ => None,
+    };
     Diagnostic::new(Code::E0209, format!("{owner} has no field `{}`", name.text))
         .label(name.span, "unknown field")
-        .near_or(near, list)
+        .near_or(own.filter(|own| known.contains(own)).or(near), list)
 }
 
 /// A width and a height, where a size is asked for.
@@ -388,10 +401,23 @@ pub fn extents(width: &Field, height: &Field, owner: &str) -> Diagnostic {
 
 pub fn unknown_noun(span: Span, noun: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {
     let known: BTreeSet<&str> = known.iter().copied().collect();
+    let own = noun_synonym(noun).filter(|own| known.contains(own));
     let list = format!("a scene may hold {}", listed(known));
     Diagnostic::new(Code::E0210, format!("no object of a scene is called `{noun}`"))
         .label(span, "not a noun of this device")
-        .near_or(near, list)
+        .near_or(own.or(near), list)
+}
+
+/// The noun that another word means elsewhere.
+fn noun_synonym(noun: &str) -> Option<&'static str> {
+    Some(match noun.to_lowercase().as_str() {
+        "droplet" | "drop" | "sample" | "bead" | "particle" | "micropart" | "object" => "part",
+        "microrobot" | "bot" => "robot",
+        "wall" | "block" | "barrier" => "obstacle",
+        "port" | "source" | "inlet" | "supply" => "reservoir",
+        "sensor" | "reader" | "camera" => "detector",
+        _ => return None,
+    })
 }
 
 pub fn unused(span: Span, sort: DeclarationSort, name: &str) -> Diagnostic {

@@ -154,7 +154,7 @@ pub fn setting_twice(name: &Ident, earlier: Span) -> Diagnostic {
 
 pub fn bad_setting_form(span: Span, head: &str, example: &str) -> Diagnostic {
     Diagnostic::new(Code::E0509, format!("`{head}` takes one thing"))
-        .label(span, "incomplete, or too much")
+        .label(span, format!("expected `{head}` and one value"))
         .help(format!("write `{head} {example}`"))
 }
 

@@ -27,7 +27,13 @@ pub fn run(arguments: &DevicesArguments) -> Exit {
     }
     let kinds = Kind::ALL.iter().map(|kind| kind.name());
     let near = nearest(subject, kinds.chain(Family::ALL.iter().map(|family| family.name())));
-    let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+    let near = match (crate::stdlib::declaring("device", subject), near) {
+        (Some(file), _) => format!(
+            "; it is a device of `std.{file}`, to start from as `device mine : {file}.{subject}`: `tweeze devices {file}` has its words"
+        ),
+        (None, Some(near)) => format!("; did you mean `{near}`?"),
+        (None, None) => String::new(),
+    };
     eprintln!("no device kind or family of instruments is named `{subject}`{near}\n`tweeze devices` lists them all");
     Exit::Usage
 }
