@@ -68,7 +68,10 @@ pub fn judge(
         Sort::CountRows { .. } => wrong("a list for each row", "[[4, 5, none], [1, 2, 3]]"),
         Sort::CountTables { .. } => wrong("a list of lists of lists", "[[[3], [3, 2], [0, 9]]]"),
         Sort::Size if is_point(value, Dimension::LENGTH) => Ok(()),
-        Sort::Size => wrong("a width and a height", "(4 um, 0.5 um)"),
+        Sort::Size => wrong("a width and a height", "(4 um, 0.5 um)").map_err(|wrong| match value {
+            Value::Point(sizes) if sizes.len() == 3 => Box::new(wrong.help("a body of three sizes is a `rounded_box`")),
+            _ => wrong,
+        }),
         Sort::Pixel if is_point(value, Dimension::PIXELS) => Ok(()),
         Sort::Pixel => wrong("a place in pixels", "(640 px, 512 px)"),
         Sort::Places => match value {

@@ -186,7 +186,7 @@ pub struct BuildArguments {
     /// Build again whenever a file of the programs changes, until interrupted; pages of --emit html follow
     #[arg(long)]
     pub watch: bool,
-    /// On Ctrl-C go on with the best plan that was found, for each search that still has none with its first one; once more ends
+    /// On Ctrl-C go on with the best plan that was found; a search that has none yet goes on until its first. A second Ctrl-C ends
     #[arg(long)]
     pub keep_best: bool,
     /// With `--emit svg`: draw this one instant, such as 120ms, instead of numbered positions

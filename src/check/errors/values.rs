@@ -277,7 +277,7 @@ const WITHOUT_UNITS: [(&[&str], &str); 2] = [
 
 pub fn unknown_unit(span: Span, part: &str, near: Option<&str>) -> Diagnostic {
     let list =
-        "units are m s V A N J W Hz g F C Pa K with prefixes f p n u m c d k M G T, and deg rad turn min h % degC";
+        "units are m s V A N J W Hz g F C Pa K with prefixes f p n u m c d k M G T, and deg rad turn min h % degC px";
     let spelt_out = SPELT_OUT.iter().find(|(word, _)| *word == part.to_lowercase()).map(|(_, unit)| *unit);
     let pair =
         part.strip_prefix(['x', 'X']).filter(|rest| !rest.is_empty() && rest.bytes().all(|b| b.is_ascii_digit()));

@@ -8,7 +8,7 @@
     python NAME.frames.py db=/dev/ttyACM0        the serial port of a DropBot; without it the one that its package finds
 
 An OpenDrop needs the package pyserial (`pip install pyserial`); a PurpleDrop needs its server `pdserver` only; a DropBot needs the
-package `dropbot`. Voltage and frequency are set on the device, but a DropBot is set to those of the program. All electrodes are switched off before the start, at the end, on an error and on Ctrl-C, but outputs that rest on. A frame that cannot be sent within its own
+package `dropbot`. Set voltage and frequency on the device yourself; only a DropBot gets those of the program. Before the start, at the end, on an error and on Ctrl-C all electrodes are switched off; only outputs that rest high stay on. A frame that cannot be sent within its own
 time is an error. Where the program waits, the frame that is on stays so; the frames after it are due from the end of the wait, and a wait
 that is too long ends like an error. Reservoirs with electrodes of their own, as those of an OpenDrop, dispense in the frames; on other boards droplets are put there by
 hand, each named when it is due, at the electrode of its outlet, which is on by then. Exit status: 0 played, 1 a driver refused or was late, 2 wrong usage, 130 Ctrl-C.
