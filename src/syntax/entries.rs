@@ -233,12 +233,12 @@ impl Reader<'_> {
                     // Behind `run` stands a task with its arguments.
                     if step.head.text != "run" {
                         self.mend_index(&mut object);
+                        // `move m1 (8, 9)` lacks a preposition, and has no blank too many; `move any [a, b]` names no `any`.
+                        if is_no_function(&object) || is_any(&object) {
+                            self.forget_code(Code::E0108, span);
+                        }
                     }
                     step.object = Some(object);
-                    // `move m1 (8, 9)` lacks a preposition, and has no blank too many; `move any [a, b]` names no `any`.
-                    if step.object.as_ref().is_some_and(|object| is_no_function(object) || is_any(object)) {
-                        self.forget_code(Code::E0108, span);
-                    }
                 }
                 Rule::phrase | Rule::late_phrase => step.phrases.extend(self.phrase(part)),
                 _ => step.block = Some(self.entries(part)),
