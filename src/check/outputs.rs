@@ -4,7 +4,7 @@ use super::Checker;
 use super::devices::CheckedDeclaration;
 use super::errors::{self, WantedName};
 use super::figures::Figures;
-use super::scope::{DeclarationPlace, DeclarationSort, Scope};
+use super::scope::{DeclarationPlace, DeclarationSort, Scope, path_text};
 use super::value::Value;
 use super::wiring::Wiring;
 use crate::claims::auxiliary::AuxiliaryAction;
@@ -91,7 +91,10 @@ impl Checker<'_> {
         let to = step.phrases.iter().find(|phrase| step.phrases.len() == 1 && phrase.preposition.text == "to");
         let (Some(ExprKind::Path(path)), Some(phrase)) = (object, to) else {
             let name = written_output(step).unwrap_or("light");
-            self.sink.push(errors::bad_output_step(step, &format!("set {name} to high")));
+            let asked = step.object.iter().chain(step.phrases.iter().map(|phrase| &phrase.value));
+            let is_low = |value: &Expr| matches!(&value.kind, ExprKind::Path(path) if matches!(path_text(path).as_str(), "low" | "off"));
+            let level = if asked.into_iter().any(is_low) { "low" } else { "high" };
+            self.sink.push(errors::bad_output_step(step, &format!("set {name} to {level}")));
             return None;
         };
         let place = self.resolve(path, scope, DeclarationSort::Output);

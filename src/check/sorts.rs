@@ -68,10 +68,7 @@ pub fn judge(
         Sort::CountRows { .. } => wrong("a list for each row", "[[4, 5, none], [1, 2, 3]]"),
         Sort::CountTables { .. } => wrong("a list of lists of lists", "[[[3], [3, 2], [0, 9]]]"),
         Sort::Size if is_point(value, Dimension::LENGTH) => Ok(()),
-        Sort::Size => wrong("a width and a height", "(4 um, 0.5 um)").map_err(|wrong| match value {
-            Value::Point(sizes) if sizes.len() == 3 => Box::new(wrong.help("a body of three sizes is a `rounded_box`")),
-            _ => wrong,
-        }),
+        Sort::Size => Err(not_a_size(value, span, wanted)),
         Sort::Pixel if is_point(value, Dimension::PIXELS) => Ok(()),
         Sort::Pixel => wrong("a place in pixels", "(640 px, 512 px)"),
         Sort::Places => match value {
@@ -91,6 +88,13 @@ pub fn judge(
         Sort::Text => wrong("the name of a file", "\"bead.stl\""),
         Sort::Board(_) => wrong("the name of a file", "\"board.json\""),
     }
+}
+
+/// What has not a width and a height.
+fn not_a_size(value: &Value, span: Span, wanted: &WantedName) -> Box<crate::diagnostic::Diagnostic> {
+    let wrong = errors::wrong_value(wanted, "a width and a height", "(4 um, 0.5 um)", span, value);
+    let is_in_space = matches!(value, Value::Point(sizes) if sizes.len() == 3);
+    Box::new(if is_in_space { wrong.help("a body of three sizes is a `rounded_box`") } else { wrong })
 }
 
 /// Whether a value is a list of values of a sort; else it says what it should be.

@@ -226,7 +226,14 @@ impl Reader<'_> {
         for part in parts {
             match part.as_rule() {
                 Rule::head_index => step.indices = self.indices(part),
-                Rule::noun => step.noun = part.into_inner().next().map(|word| self.ident(&word)),
+                Rule::noun => {
+                    step.noun = part.into_inner().next().map(|word| self.ident(&word));
+                    // `set the lamp to high`
+                    if let Some(article) = step.noun.take_if(|noun| stops::is_article(&noun.text)) {
+                        let finding = stops::article(article.span, self.source);
+                        self.report(finding);
+                    }
+                }
                 Rule::step_expr => {
                     let span = self.span(&part);
                     let mut object = self.object_of_step(part, step.noun.as_ref());
@@ -293,7 +300,13 @@ impl Reader<'_> {
             let bracket = value.span.start as usize + self.source[value.span.range()].find('(')?;
             let line = super::around::line_before(self.source, bracket);
             let place = super::around::part(span, bracket, bracket + 1);
-            let finding = stops::word_missing(place, line, self.source);
+            let name = super::around::part(span, value.span.start as usize, value.span.start as usize + 3);
+            // `start at the (0, 0)`
+            let finding =
+                match stops::is_article(self.source[value.span.range()].split([' ', '\t']).next().unwrap_or("")) {
+                    true => Some(stops::article(name, self.source)),
+                    false => stops::word_missing(place, line, self.source),
+                };
             finding.into_iter().for_each(|finding| self.report(finding));
             value.kind = ExprKind::Error;
         }

@@ -278,6 +278,10 @@ impl BrokenHead<'_> {
         if let Some(finding) = self.lacking(0, "on", devices(self.source)) {
             return Some(finding);
         }
+        let device = self.text[word.len()..].trim_start();
+        if word == "on" && without_article(device).len() < device.len() {
+            return Some(self.article(self.text.len() - device.len()));
+        }
         if word != "on" {
             let device = self.text[word.len()..].trim_start();
             let first = token_before(self.source, self.start);

@@ -150,7 +150,8 @@ impl Reader<'_> {
                         self.forget_within(span);
                         habit
                     }
-                    None => slips::sort_of_let(span, text)
+                    None => slips::foreign_comment(span, text)
+                        .or_else(|| slips::sort_of_let(span, text))
                         .unwrap_or_else(|| errors::bad_short_item(rest, *rule, self.source)),
                 },
                 _ => habits::name(around::part(span, place, span.end as usize), self.source)

@@ -35,10 +35,14 @@ fn wire(span: Span, source: &str) -> Option<Diagnostic> {
     // An output of an instrument stands as it is, `card.port0.line3 { … }`.
     let path = output.split([' ', '\t', '{']).next().unwrap_or_default();
     let is_path = path.contains('.') && path.chars().all(|c| is_word(c) || matches!(c, '.' | '[' | ']'));
-    let is_indexed = output.contains('.') && output.chars().all(|c| is_word(c) || matches!(c, '.' | '(' | ')'));
+    // `card.port0.line(2 * i) { … }`
+    let (written, fields) = output.split_at(output.find('{').unwrap_or(output.len()));
+    let is_indexed = written.contains('.')
+        && written.contains('(')
+        && written.chars().all(|c| is_word(c) || matches!(c, '.' | '(' | ')' | ' ' | '*' | '+' | '-'));
     let quoted = match is_path || bare.starts_with('"') {
         true => bare.to_owned(),
-        false if is_indexed => output.replace('(', "[").replace(')', "]"),
+        false if is_indexed => format!("{}{fields}", written.replace('(', "[").replace(')', "]")),
         false => format!("\"{output}\""),
     };
     let mend = format!("write `{} -> {}`", &text[..channel], quote(&quoted));
@@ -67,15 +71,19 @@ fn wire(span: Span, source: &str) -> Option<Diagnostic> {
         );
     }
     (quoted != output && !output.is_empty() && !output.starts_with('"')).then(|| {
-        Diagnostic::new(Code::E0101, "an output without quotes")
-            .label(part(span, at, at + output.len()), "an output is a string")
+        let (title, note) = match is_indexed {
+            true => ("an index in round brackets", "an index stands in `[ ]`"),
+            false => ("an output without quotes", "an output is a string"),
+        };
+        Diagnostic::new(Code::E0101, title)
+            .label(part(span, at, at + output.len()), note)
             .help(mend)
             .mended_here(quoted)
     })
 }
 
 /// `… -- the supply` or `… % the supply` behind an entry.
-fn foreign_comment(span: Span, text: &str) -> Option<Diagnostic> {
+pub(super) fn foreign_comment(span: Span, text: &str) -> Option<Diagnostic> {
     let line = text.lines().next().unwrap_or_default();
     let found = ["--", "%"].into_iter().filter_map(|mark| {
         let at = line.match_indices(mark).map(|(at, _)| at).find(|at| {
@@ -84,7 +92,12 @@ fn foreign_comment(span: Span, text: &str) -> Option<Diagnostic> {
             let words = line[at + mark.len()..].trim();
             let are_words = words.contains(' ') && words.chars().all(|c| c.is_alphabetic() || " ,.".contains(c));
             let is_unit = before.trim_end().ends_with(|c: char| c.is_ascii_digit());
-            let is_percent = mark == "%" && (is_unit || before.trim_end().ends_with(is_word) && !are_words);
+            // Behind a quantity, as in `wait 5 ms % settle`, nothing is left over.
+            let mut last = before.trim_end().rsplit([' ', '\t']);
+            let is_name = last.next().is_some_and(|unit| unit.ends_with(is_word));
+            let is_quantity =
+                is_name && last.next().is_some_and(|number| number.ends_with(|c: char| c.is_ascii_digit()));
+            let is_percent = mark == "%" && (is_unit || is_name && !are_words && !is_quantity);
             !is_percent && before.matches('"').count().is_multiple_of(2) && before.ends_with([' ', '\t'])
         })?;
         (!line[at + mark.len()..].trim().is_empty()).then_some((at, mark))
@@ -155,12 +168,12 @@ pub(super) fn object_without_at(span: Span, text: &str) -> Option<Diagnostic> {
     let place = line.rfind('(').filter(|_| line.ends_with(')'))?;
     let before = line[..place].trim_end();
     let is_object = before.split_whitespace().count() == 2 || before.contains(':');
-    let at = span.start as usize + place;
-    (is_object && !before.ends_with(" at")).then(|| {
+    let (at, gap) = (span.start as usize + place, if line[..place].ends_with([' ', '\t']) { "at " } else { " at " });
+    (is_object && !before.ends_with(" at") && !before.contains(" at ")).then(|| {
         Diagnostic::new(Code::E0101, "`at` is missing")
             .label(part(span, at, span.start as usize + line.len()), "`at` stands before the place of an object")
             .help(format!("write `{} at {}`", quote(before), quote(&line[place..])))
-            .mended(part(span, at, at), "at ")
+            .mended(part(span, at, at), gap)
     })
 }
 
@@ -193,6 +206,12 @@ pub(super) fn rest_of_place(span: Span, source: &str) -> Option<Diagnostic> {
     let is_via = before[..start].trim_end().ends_with(" via");
     let (title, mend, brackets) = match written.starts_with('(') {
         true if is_via => ("places without a word between them", repeated_via(written), None),
+        true if before[..start].trim_end().ends_with("move to") => {
+            let help =
+                "write a step for each place, or `via` before those on the way, as in `move to (8, 3) via (3, 9)`";
+            let finding = Diagnostic::new(Code::E0127, "places without a word between them");
+            return Some(finding.label(place, "a comma ends an entry here").help(help));
+        }
         true => ("places without brackets around them", format!("write a list: `[{}]`", quote(written)), Some("[]")),
         false if written.ends_with(')') && !written.contains('(') => {
             let help = format!("write `({}`", quote(written));

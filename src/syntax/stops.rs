@@ -1,10 +1,12 @@
 //! What stands where reading an entry stopped: a word too many, a word that is missing, or one that means another.
 
 use super::around::{
-    code_end_before, line_after, line_before, part, quote, token_at, token_before_sign, value_in, with_blanks,
+    blanks_end, code_end_before, line_after, line_before, part, quote, token_at, token_before_sign, value_in,
+    with_blanks,
 };
 use super::words::{PREPOSITIONS, is_word, meant_preposition};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::Unit;
 use crate::source::Span;
 
 /// Reading stopped at `at`, inside of the bracket `open` if there is one.
@@ -48,11 +50,14 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
     let before = code_end_before(text, at);
     let word = &text[text[..before].trim_end_matches(is_word).len()..before];
     let word_place = part(span, before - word.len(), before);
-    if ARTICLES.contains(&word) {
-        return Diagnostic::new(Code::E0101, format!("`{word}` is not of the language"))
-            .label(word_place, "names stand without an article")
-            .help("leave it out")
-            .mended(part(span, before - word.len(), at), "");
+    if is_article(word) {
+        return article(word_place, text);
+    }
+    if let Some((_, ours)) = FOREIGN_PREPOSITIONS.iter().find(|(theirs, _)| *theirs == word) {
+        return Diagnostic::new(Code::E0101, format!("`{word}` is no preposition"))
+            .label(word_place, "expected a preposition")
+            .help(format!("write `{ours}`"))
+            .mended(word_place, *ours);
     }
     if let Some(meant) = meant_preposition(word) {
         return Diagnostic::new(Code::E0101, format!("`{word}` is no preposition"))
@@ -63,10 +68,15 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
     if line.ends_with('}') && PREPOSITIONS.contains(&token) {
         return finding.help("an index stands in `[ ]`, as in `drop[2]`; a block ends the step");
     }
+    if token == "(" && before == at && !word.is_empty() {
+        return Diagnostic::new(Code::E0101, "an index in round brackets")
+            .label(place, "an index stands in `[ ]`")
+            .help(format!("write `{word}[…]`"));
+    }
     if let (None, Some(finding)) = (open, word_missing(place, &line, text)) {
         return finding;
     }
-    finding.help(format!("remove it, or start a new line: `{line}` can end here"))
+    finding.help("remove it, or begin a new line before it")
 }
 
 /// `move to (2, 2) and wait 5 ms`.
@@ -94,7 +104,15 @@ pub(super) fn word_missing(value: Span, line: &str, text: &str) -> Option<Diagno
     let rest = value_in(line_after(text, at));
     let line = line.rsplit('{').next().unwrap_or_default().trim_start();
     let is_number = rest.starts_with(|c: char| c.is_ascii_digit());
-    if !rest.starts_with(|c: char| is_word(c) || c == '(') {
+    let is_axis = matches!(token_at(rest, 0), "x" | "y" | "z");
+    let mut behind = line.rsplit([' ', '\t']);
+    let ends_in_number = |word: Option<&str>| word.is_some_and(|word| word.ends_with(|c: char| c.is_ascii_digit()));
+    // `wait 5 000 ms` and `5 min 30 s` are numbers side by side.
+    let follows_number = is_number && {
+        let last = behind.next();
+        ends_in_number(last) || last.is_some_and(|unit| Unit::parse(unit).is_ok()) && ends_in_number(behind.next())
+    };
+    if follows_number || !(is_number || is_axis || rest.starts_with('(')) {
         return None;
     }
     let number = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.').len();
@@ -103,7 +121,8 @@ pub(super) fn word_missing(value: Span, line: &str, text: &str) -> Option<Diagno
     let word = match unit {
         "ns" | "us" | "ms" | "s" | "min" | "h" if is_number => Some("for"),
         "deg" | "rad" | "rev" if is_number => Some("by"),
-        "x" | "y" | "z" if !is_number => Some("about"),
+        _ if is_axis => Some("about"),
+        _ if rest.starts_with('(') && line.starts_with("move") => ["to", "via"].into_iter().find(|word| !has(word)),
         _ if rest.starts_with('(') => ["at", "to"].into_iter().find(|word| !has(word)),
         _ => None,
     };
@@ -121,8 +140,19 @@ pub(super) fn word_missing(value: Span, line: &str, text: &str) -> Option<Diagno
     })
 }
 
-/// Words that English has before a name; `a` may be one itself.
-const ARTICLES: [&str; 2] = ["the", "an"];
+/// Whether English has a word before a name; `a` may be a name itself.
+pub(super) fn is_article(word: &str) -> bool {
+    matches!(word, "the" | "an")
+}
+
+/// An article before a name.
+pub(super) fn article(word: Span, text: &str) -> Diagnostic {
+    let end = blanks_end(text, word.end as usize);
+    Diagnostic::new(Code::E0101, format!("`{}` is not of the language", &text[word.range()]))
+        .label(word, "names stand without an article")
+        .help("leave it out")
+        .mended(part(word, word.start as usize, end), "")
+}
 
 /// Prepositions that people write for ours, and ours.
 const FOREIGN_PREPOSITIONS: &[(&str, &str)] = &[
@@ -143,6 +173,10 @@ fn in_requirement(token_span: Span, line: &str, token: &str) -> Option<Diagnosti
     step.strip_prefix("require").filter(|rest| rest.starts_with([' ', '\t']))?;
     let found = |title: &str, label: &str| Diagnostic::new(Code::E0101, title).label(token_span, label);
     match token {
+        "=" if step.ends_with(['<', '>']) => {
+            let sign = &step[step.len() - 1..];
+            Some(found(&format!("a blank in `{sign}=`"), "no blank before this").help(format!("write `{sign}=`")))
+        }
         "=" if step.trim_end().ends_with("==") => {
             Some(found("`===` does not compare", "one `=` too many").help("write `==`").mended_here(""))
         }

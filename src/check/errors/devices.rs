@@ -319,11 +319,22 @@ pub fn nothing_free(span: Span, (name, declared): (&str, Span), by_lines: bool) 
 }
 
 /// More channels than free outputs.
-pub fn channels_left_over(span: Span, device: &str, first: &str, [left, total]: [usize; 2]) -> Diagnostic {
-    let title = format!("{left} of {total} channels of `{device}` find no free output, `{first}` the first of them");
-    Diagnostic::new(Code::E0426, title).label(span, "the last instrument is full").help(
-        "declare another instrument with `start: trigger`, and write one more `all -> NAME`: it takes what is left",
-    )
+pub fn channels_left_over(
+    span: Span,
+    (device, first): (&str, &str),
+    [left, total]: [usize; 2],
+    by_lines: bool,
+) -> Diagnostic {
+    let (what, lines) = match by_lines {
+        true => ("digital line", ""),
+        false => {
+            ("output of voltage or position", "; for digital lines give the voltage that they switch, `switches: 5 V`")
+        }
+    };
+    let title = format!("{left} of {total} channels of `{device}` find no free {what}, `{first}` the first of them");
+    Diagnostic::new(Code::E0426, title).label(span, format!("no {what} is left")).help(format!(
+        "declare another instrument with `start: trigger`, and write one more `all -> NAME`: it takes what is left{lines}"
+    ))
 }
 
 /// Two instruments of a program, each with a wire that leads to it, that begin when the sender says so.

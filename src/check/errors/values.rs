@@ -40,10 +40,20 @@ fn dimension_help(wanted: &WantedName, dimension: Dimension, found: &Value, exam
     let about = if wanted.doc.is_empty() { String::new() } else { format!(" ({})", wanted.doc) };
     match found {
         Value::Quantity(quantity) if quantity.dimension == Dimension::NUMBER && !unit.is_empty() => {
-            format!("give the number its unit, as `{example}`{about}")
+            let other = if dimension == Dimension::TIME { second_time(example) } else { String::new() };
+            format!("give the number its unit, as `{example}`{other}{about}")
         }
         _ if unit.is_empty() => format!("write a plain number without a unit{about}"),
         _ => format!("write {} with its unit, as `{example}`{about}", dimension.with_article()),
+    }
+}
+
+/// Of a time, milliseconds and seconds are equally likely: both are shown, and neither is written.
+fn second_time(example: &str) -> String {
+    match example.split_once(' ') {
+        Some((number, "ms")) => format!(" or `{number} s`"),
+        Some((number, "s")) => format!(" or `{number} ms`"),
+        _ => String::new(),
     }
 }
 
@@ -103,6 +113,9 @@ pub fn unit_mended(
     };
     if finding.code != Code::E0301 || unit.is_empty() || !is_plain(number) {
         return finding;
+    }
+    if dimension == Dimension::TIME && matches!(inner.kind, ExprKind::Number(_)) {
+        return finding.help(dimension_help(wanted, dimension, found, &format!("{sign}{number} {unit}")));
     }
     let keeps_size = kept_unit(dimension, found).is_none_or(|numerator| match &inner.kind {
         ExprKind::Quantity { unit, .. } => unit.text == numerator,

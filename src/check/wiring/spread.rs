@@ -42,7 +42,10 @@ impl Checker<'_> {
             }
         }
         if let Some(first) = left.first() {
-            self.sink.push(errors::channels_left_over(last.span, &panel.name, first, [left.len(), total]));
+            let by_lines =
+                last.fields.iter().any(|field| field.name.text == SWITCHES) || panel.defaults.contains_key(SWITCHES);
+            let names = (panel.name.as_str(), first.as_str());
+            self.sink.push(errors::channels_left_over(last.span, names, [left.len(), total], by_lines));
         }
     }
 
