@@ -24,6 +24,8 @@ pub(crate) struct CheckedDeclaration<R> {
     pub fields: Accepted,
     /// Where the value of a field was given, if a name stands in it.
     pub origins: FieldOrigins,
+    /// Whether it, or one of its bases, gives a field that is not known: of what the field was meant for, the value is not that of the base.
+    has_unknown_field: bool,
 }
 
 /// A device and its kind.
@@ -135,15 +137,15 @@ impl<R: RootBase> CheckedDeclaration<R> {
         owner(self.root, &self.name, self.span)
     }
 
-    /// Whether it has all that its kind requires and no unknown value; what is missing is reported.
+    /// Whether it has all that its kind requires and nothing unknown; what is missing is reported, unless an unknown field may be meant for it.
     pub fn is_complete(&self, checker: &mut Checker) -> bool {
         let missing = Checker::missing(&self.fields, self.root.fields());
-        if !missing.is_empty() {
+        if !missing.is_empty() && !self.has_unknown_field {
             let (name, library) = (self.owner().name, self.root.library());
             checker.sink.push(errors::missing_fields(self.span, &name, &missing, library));
             return false;
         }
-        !self.fields.values().any(|field| field.value.is_unknown())
+        !self.has_unknown_field && !self.fields.values().any(|field| field.value.is_unknown())
     }
 }
 
@@ -191,10 +193,11 @@ impl Checker<'_> {
         let chain = self.lineage(place, &|checker, at| R::checked(checker).contains_key(&at), &Checker::base::<R>);
         for (at, base) in chain.into_iter().rev() {
             let inherited = match base {
-                Base::Root(root) => Some((root, Accepted::new(), FieldOrigins::new())),
+                Base::Root(root) => Some((root, Accepted::new(), FieldOrigins::new(), false)),
                 Base::Of(base) => {
                     let known = R::checked(self).get(&base).and_then(Option::as_ref);
-                    known.map(|known| (known.root, known.fields.clone(), known.origins.clone()))
+                    known
+                        .map(|known| (known.root, known.fields.clone(), known.origins.clone(), known.has_unknown_field))
                 }
                 Base::Broken => None,
             };
@@ -207,24 +210,27 @@ impl Checker<'_> {
     fn inherit<R: RootBase>(
         &mut self,
         place: DeclarationPlace,
-        inherited: Option<(R, Accepted, FieldOrigins)>,
+        inherited: Option<(R, Accepted, FieldOrigins, bool)>,
     ) -> Option<CheckedDeclaration<R>> {
         let item = with_base(self.item(place))?;
         let scope = self.top(place);
-        let Some((root, mut fields, mut origins)) = inherited else {
+        let Some((root, mut fields, mut origins, mut has_unknown_field)) = inherited else {
             self.read_for_errors(&item.fields, &scope);
             return None;
         };
         let owner = owner(root, &item.name.text, item.name.span);
         let given: Vec<Given> = item.fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
         let own = self.read_fields(&owner, &given, root.fields());
+        let is_known = |field: &tree::Field| root.fields().iter().any(|known| known.name == field.name.text);
+        has_unknown_field |= !item.fields.iter().all(is_known);
         origins.retain(|name, _| !own.contains_key(name));
         for field in &item.fields {
             let name = own.keys().find(|name| **name == field.name.text);
             origins.extend(name.copied().zip(self.origin(&field.value, &scope)));
         }
         fields.extend(own);
-        Some(CheckedDeclaration { root, name: item.name.text.clone(), span: item.name.span, fields, origins })
+        let (name, span) = (item.name.text.clone(), item.name.span);
+        Some(CheckedDeclaration { root, name, span, fields, origins, has_unknown_field })
     }
 
     fn base<R: RootBase>(&mut self, place: DeclarationPlace) -> Base<R> {
