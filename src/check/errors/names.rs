@@ -20,6 +20,9 @@ pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<
         Some(near) => diagnostic.near(near),
         None => diagnostic.help_if(match sort {
             _ if name.contains('.') => None,
+            DeclarationSort::Let if function_names().any(|function| function == name) => {
+                Some(format!("arguments stand in round brackets: write `{name}(…)`"))
+            }
             DeclarationSort::Let if matches!(name, "pi" | "Pi" | "PI") => {
                 Some("angles have units: write `180 deg`, or `3.14159265 rad`".to_owned())
             }
