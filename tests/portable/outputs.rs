@@ -28,21 +28,8 @@ pub fn fingerprints(environment: &[(&str, &Path)]) -> String {
     for example in examples() {
         let stem = example.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let out = tempfile::tempdir().expect("a folder");
-        let program = std::fs::read_to_string(&example).expect("an example");
-        // G-code is of stages only, a sheet of droplets, and instruments play what is wired to them.
-        let further = [
-            (stem.starts_with("fingers"), ",gcode"),
-            (program.contains(": ea.droplet"), ",sheet"),
-            (program.contains(": instruments.keysight"), ",scpi"),
-            (program.contains(": instruments.ni_"), ",nidaqmx"),
-        ];
-        let further: String =
-            further.into_iter().filter_map(|(is_played, format)| is_played.then_some(format)).collect();
-        // Tables and waveforms have one clock.
-        let of_one_clock = if program.contains("  prompt ") { "" } else { ",csv,vcd,pwl" };
-        let formats = format!("mcap,json{of_one_clock},svg{further}");
         let mut command = tweeze(root());
-        command.arg("build").arg(&example).args(["--emit", &formats, "-o"]).arg(out.path());
+        command.arg("build").arg(&example).args(["--emit", "all", "-o"]).arg(out.path());
         command.envs(environment.iter().copied());
         done(&mut command);
         for (name, bytes) in files(out.path()) {
