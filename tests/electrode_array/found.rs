@@ -238,6 +238,12 @@ fn who_is_dispensed_where_another_leaves_meets_its_traces() {
 }
 
 #[test]
+fn traces_that_touch_nobody_cost_no_plan() {
+    let plan = planned(&text("ea_traces_that_touch_nobody"));
+    assert_eq!((plan.cost, plan.bound), (20.0, 20.0));
+}
+
+#[test]
 fn who_goes_on_where_another_was_meanwhile_is_washed_for() {
     let plan = planned(&text("ea_washed_while_away"));
     assert!(plan.cost <= 12.0 && plan.cost == plan.bound, "{} of at least {}", plan.cost, plan.bound);

@@ -67,12 +67,17 @@ impl Traces {
         }
         // Who was here in this step already; who leaves as another is dispensed there is there with it.
         let mut now: Vec<(Cell, u32)> = Vec::new();
-        for (part, stand) in stands.iter().enumerate() {
+        let there = stands.iter().enumerate().filter_map(|(part, stand)| {
             let (cell, own) = match stand {
                 Some((cell, done, ..)) => (Some(*cell), self.fluids[part][*done]),
                 None => (cells[part], self.fluids[part][self.fluids[part].len() - 1]),
             };
-            let Some((column, row)) = cell.filter(|cell| *cell != NOWHERE) else { continue };
+            Some((cell.filter(|cell| *cell != NOWHERE)?, own))
+        });
+        let mut there: Vec<(Cell, u32)> = there.collect();
+        // What a wash takes away is gone at the instant at which it comes.
+        there.sort_by_key(|(_, own)| own & !self.washes != 0);
+        for ((column, row), own) in there {
             let here = &mut left[((row - 1) * self.size.0 + column - 1) as usize];
             if own & !self.washes == 0 {
                 *here = 0;

@@ -226,17 +226,22 @@ impl JointSearch<'_> {
         let Some(traces) = &self.problem.traces else { return Some(left) };
         // Who is dispensed where another one leaves at that instant is there with it.
         let mut now: Vec<(CellIndex, usize)> = Vec::new();
-        for (agent, stand) in stands.iter().enumerate() {
+        let touch = |(agent, stand): (usize, &JointStand)| {
             let contents = &traces.contents[agent];
             let (cell, done) = match stand {
-                JointStand::Due => continue,
+                JointStand::Due => return None,
                 JointStand::There(stand) => (Some(stand.cell), stand.done as usize),
                 JointStand::Gone => (cells[agent], contents.len() - 1),
             };
-            let (Some(cell), content) = (cell, contents[done]) else { continue };
+            Some((cell?, contents[done]))
+        };
+        // What a wash takes away is gone at the instant at which it comes.
+        for (cell, _) in stands.iter().enumerate().filter_map(touch).filter(|(_, content)| traces.washes[*content]) {
+            left[cell as usize] = 0;
+        }
+        for (cell, content) in stands.iter().enumerate().filter_map(touch) {
             let own = &mut left[cell as usize];
             if traces.washes[content] {
-                *own = 0;
                 continue;
             }
             if now.iter().any(|(there, with)| *there == cell && traces.harms[content][*with]) {

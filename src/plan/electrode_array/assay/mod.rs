@@ -261,6 +261,9 @@ fn looked_ahead(
 /// One part in this many of the remaining budget for lists in random order, where the search of all positions has the rest.
 const CHANCE_SHARE: u64 = 3;
 
+/// One part in this many of the remaining budget for the search without regard to traces.
+const CAREFREE_SHARE: u64 = 3;
+
 /// How far a plan is looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AssayEffort {
@@ -314,7 +317,7 @@ pub fn solve(
     // Only fewer steps than those at hand are of use.
     let below = if let AssayEffort::Below(steps) = effort { Some(steps) } else { steps };
     let limit = below.and_then(|steps| u32::try_from(steps.checked_sub(1)?).ok()).unwrap_or(u32::MAX);
-    match joint::fewest_steps(problem, &ahead, limit, meter) {
+    match fewest_steps(problem, &ahead, limit, meter) {
         SearchAnswer::Found(courses) => {
             let makespan = AssayPlan::costs(&courses).makespan;
             found(Some(courses), BoardCosts { makespan, ..bounds })
@@ -325,6 +328,28 @@ pub fn solve(
         SearchAnswer::Impossible(_) => found(by_lists, BoardCosts { makespan: u64::from(limit) + 1, ..bounds }),
         SearchAnswer::GaveUp(()) => found(by_lists, bounds),
     }
+}
+
+/// The courses of fewest steps, by all positions. Without regard to traces there are far fewer of them: courses that do no harm all the same
+/// have the fewest steps with it, too, and where there are none there are none with it.
+fn fewest_steps(
+    problem: &AssayProblem,
+    ahead: &route::Ahead,
+    limit: u32,
+    meter: &mut Meter,
+) -> SearchAnswer<Vec<AgentCourse>, Vec<Vec<CellIndex>>, ()> {
+    if let Some(traces) = &problem.traces {
+        let carefree = AssayProblem { traces: None, ..problem.clone() };
+        let share = meter.left().steps / CAREFREE_SHARE;
+        match meter.share(share, |meter| joint::fewest_steps(&carefree, ahead, limit, meter)) {
+            SearchAnswer::Found(courses) if traces.harmed(problem, &courses).is_none() => {
+                return SearchAnswer::Found(courses);
+            }
+            SearchAnswer::Impossible(reached) => return SearchAnswer::Impossible(reached),
+            SearchAnswer::Found(_) | SearchAnswer::GaveUp(()) => {}
+        }
+    }
+    joint::fewest_steps(problem, ahead, limit, meter)
 }
 
 fn found(courses: Option<Vec<AgentCourse>>, bounds: BoardCosts) -> SearchAnswer<AssayPlan, NoAssayPlan, BoardCosts> {

@@ -44,18 +44,23 @@ impl Traces {
         touches
     }
 
-    /// The first agent of some touches of one cell, in their order, that comes to what others do harm with.
+    /// The first agent of some touches of one cell, in their order, that comes to what others do harm with, or is there together with them.
     fn harmed_here<'t>(&self, touches: impl Iterator<Item = &'t Touch>) -> Option<usize> {
-        let mut left: Vec<usize> = Vec::new();
+        let mut left: Vec<&Touch> = Vec::new();
         for touch in touches {
             if self.washes[touch.content] {
                 left.clear();
                 continue;
             }
-            if left.iter().any(|left| self.harms[*left][touch.content]) {
+            if left.iter().any(|left| self.harms[left.content][touch.content]) {
                 return Some(touch.agent);
             }
-            left.push(touch.content);
+            // Who leaves as this one is dispensed is there with it.
+            let is_with = |other: &&&Touch| other.to >= touch.from && self.harms[touch.content][other.content];
+            if let Some(other) = left.iter().find(is_with) {
+                return Some(other.agent);
+            }
+            left.push(touch);
         }
         None
     }
@@ -67,7 +72,8 @@ impl Traces {
         for (agent, (course, done_at)) in courses.iter().zip(&done_at).enumerate() {
             touches.extend(self.touches(agent, course, done_at));
         }
-        touches.sort_by_key(|(cell, touch)| (*cell, touch.from, touch.agent));
+        // What a wash takes away is gone at the instant at which it comes.
+        touches.sort_by_key(|(cell, touch)| (*cell, touch.from, !self.washes[touch.content], touch.agent));
         let mut cells = touches.chunk_by(|(one, _), (other, _)| one == other);
         cells.find_map(|of_cell| self.harmed_here(of_cell.iter().map(|(_, touch)| touch)))
     }
