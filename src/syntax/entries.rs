@@ -300,13 +300,12 @@ impl Reader<'_> {
             let bracket = value.span.start as usize + self.source[value.span.range()].find('(')?;
             let line = super::around::line_before(self.source, bracket);
             let place = super::around::part(span, bracket, bracket + 1);
-            let name = super::around::part(span, value.span.start as usize, value.span.start as usize + 3);
+            let name = super::around::token_at(&self.source[value.span.range()], 0);
             // `start at the (0, 0)`
-            let finding =
-                match stops::is_article(self.source[value.span.range()].split([' ', '\t']).next().unwrap_or("")) {
-                    true => Some(stops::article(name, self.source)),
-                    false => stops::word_missing(place, line, self.source),
-                };
+            let finding = match stops::is_article(name) {
+                true => Some(stops::article(super::around::first_word(value.span, name.len()), self.source)),
+                false => stops::word_missing(place, line, self.source),
+            };
             finding.into_iter().for_each(|finding| self.report(finding));
             value.kind = ExprKind::Error;
         }

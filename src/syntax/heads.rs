@@ -202,7 +202,10 @@ impl BrokenHead<'_> {
             let length = self.text.len() - behind.len();
             let title = format!("`{word}` where `:` belongs");
             let finding = self.wrong(&title, word.len(), &note, &format!(": {}", quote(base)));
-            return Some(finding.mended(self.mark(0, length + (behind.len() - base.len())), ": "));
+            return Some(match behind.len() - base.len() {
+                0 => finding.mended_here(":"),
+                article => finding.mended(self.mark(0, length + article), ": "),
+            });
         }
         if self.text.starts_with(is_word) {
             let finding = self.wrong("`:` is missing", word.len(), &note, &format!(": {}", quote(self.text)));

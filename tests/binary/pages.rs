@@ -23,7 +23,12 @@ fn a_log_is_shown_as_its_program_is_once_it_is_verified() {
     fs::write(bench.path("logs/go.mcap"), log).expect("the log is damaged");
     let refused = bench.run(&["view", "logs/go.mcap", "-o", "none", "--no-open"]).get_output().status.code();
     assert!(refused != Some(DONE) && bench.names("none").is_empty());
-    bench.run(&["view", "a.twz", "-o", "pages", "--no-open"]).code(FILES);
+    // It is the page of the same program, which a program of another name does not replace.
+    bench.run(&["view", "a.twz", "-o", "pages", "--no-open"]).code(DONE);
+    bench.run(&["build", "a.twz", "-o", "logs", "--force"]).code(DONE);
+    bench.run(&["view", "logs/go.mcap", "-o", "pages", "--no-open"]).code(DONE);
+    fs::write(bench.path("b.twz"), SMALL).expect("written");
+    bench.run(&["view", "b.twz", "-o", "pages", "--no-open"]).code(FILES);
     says(&err(&bench.run(&["view", "go.json", "--no-open"]).code(FILES)), &["E0801", "`FILE.mcap`"]);
 }
 

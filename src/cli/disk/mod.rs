@@ -24,9 +24,11 @@ pub fn read_program(path: &Path) -> Diagnosed<String> {
     text_of(path, read_bytes(path, MAX_FILE_BYTES)?)
 }
 
-/// The text of a file; a letter with a zero byte beside it is none, though it is UTF-8.
+/// The text of a file; letters with a zero byte beside each are UTF-16, though they are UTF-8, too.
 fn text_of(name: &Path, bytes: Vec<u8>) -> Diagnosed<String> {
-    if let Some(at) = bytes.iter().take(2).position(|byte| *byte == 0) {
+    let zeros = bytes.first_chunk::<4>().map(|first| first.map(|byte| byte == 0));
+    if let Some([false, true, false, true] | [true, false, true, false]) = zeros {
+        let at = bytes.iter().position(|byte| *byte == 0).unwrap_or(0);
         return Err(Box::new(errors::not_utf8(name, &bytes, at)));
     }
     String::from_utf8(bytes).map_err(|error| {
