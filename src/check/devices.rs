@@ -139,13 +139,16 @@ impl<R: RootBase> CheckedDeclaration<R> {
 
     /// Whether it has all that its kind requires and nothing unknown; what is missing is reported, unless an unknown field may be meant for it.
     pub fn is_complete(&self, checker: &mut Checker) -> bool {
+        if self.has_unknown_field {
+            return false;
+        }
         let missing = Checker::missing(&self.fields, self.root.fields());
-        if !missing.is_empty() && !self.has_unknown_field {
+        if !missing.is_empty() {
             let (name, library) = (self.owner().name, self.root.library());
             checker.sink.push(errors::missing_fields(self.span, &name, &missing, library));
             return false;
         }
-        !self.has_unknown_field && !self.fields.values().any(|field| field.value.is_unknown())
+        !self.fields.values().any(|field| field.value.is_unknown())
     }
 }
 
@@ -193,11 +196,10 @@ impl Checker<'_> {
         let chain = self.lineage(place, &|checker, at| R::checked(checker).contains_key(&at), &Checker::base::<R>);
         for (at, base) in chain.into_iter().rev() {
             let inherited = match base {
-                Base::Root(root) => Some((root, Accepted::new(), FieldOrigins::new(), false)),
+                Base::Root(root) => Some((root, None)),
                 Base::Of(base) => {
-                    let known = R::checked(self).get(&base).and_then(Option::as_ref);
-                    known
-                        .map(|known| (known.root, known.fields.clone(), known.origins.clone(), known.has_unknown_field))
+                    let known = R::checked(self).get(&base).cloned().flatten();
+                    known.map(|known| (known.root, Some(known)))
                 }
                 Base::Broken => None,
             };
@@ -210,11 +212,11 @@ impl Checker<'_> {
     fn inherit<R: RootBase>(
         &mut self,
         place: DeclarationPlace,
-        inherited: Option<(R, Accepted, FieldOrigins, bool)>,
+        inherited: Option<(R, Option<Rc<CheckedDeclaration<R>>>)>,
     ) -> Option<CheckedDeclaration<R>> {
         let item = with_base(self.item(place))?;
         let scope = self.top(place);
-        let Some((root, mut fields, mut origins, mut has_unknown_field)) = inherited else {
+        let Some((root, base)) = inherited else {
             self.read_for_errors(&item.fields, &scope);
             return None;
         };
@@ -222,7 +224,10 @@ impl Checker<'_> {
         let given: Vec<Given> = item.fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
         let own = self.read_fields(&owner, &given, root.fields());
         let is_known = |field: &tree::Field| root.fields().iter().any(|known| known.name == field.name.text);
-        has_unknown_field |= !item.fields.iter().all(is_known);
+        let has_unknown_field =
+            base.as_ref().is_some_and(|base| base.has_unknown_field) || !item.fields.iter().all(is_known);
+        let (mut fields, mut origins) =
+            base.map(|base| (base.fields.clone(), base.origins.clone())).unwrap_or_default();
         origins.retain(|name, _| !own.contains_key(name));
         for field in &item.fields {
             let name = own.keys().find(|name| **name == field.name.text);

@@ -8,7 +8,7 @@ use crate::device::MAX_WORD_DIGITS;
 use crate::device::shape::ShapeForm;
 use crate::quantity::{Quantity, Unit, UnitError};
 use crate::source::{Span, Spanned};
-use crate::syntax::functions::function_names;
+use crate::syntax::functions::{function_names, is_function};
 use crate::syntax::tree::{Expr, ExprKind, Field, Ident, Operator, Path, Table, Text, TextPart};
 use std::borrow::Cow;
 use std::rc::Rc;
@@ -270,7 +270,7 @@ impl Checker<'_> {
         let name = path_text(function);
         let values: Vec<Spanned<Value>> =
             arguments.iter().map(|argument| self.evaluate_spanned(argument, scope)).collect();
-        if !function_names().any(|function| function == name) {
+        if !is_function(&name) {
             let near = nearest(&name, function_names());
             return self.unknown(errors::unknown_function(function.span, &name, near));
         }

@@ -6,7 +6,7 @@ use super::value::Value;
 use crate::device::{Kind, shape::ShapeForm};
 use crate::diagnostic::Sink;
 use crate::source::{Origin, Span, Spanned};
-use crate::syntax::functions::function_names;
+use crate::syntax::functions::is_function;
 use crate::syntax::tree::{self, Ident, Item, SceneEntry, Tree};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -187,7 +187,7 @@ pub fn keeper(name: &str) -> Option<&'static str> {
     if ShapeForm::find(name).is_some() {
         return Some("a shape");
     }
-    if function_names().any(|function| function == name) {
+    if is_function(name) {
         return Some("a function");
     }
     let outcome = Kind::ALL.iter().flat_map(|kind| kind.vocabulary().outcomes).any(|outcome| outcome.name == name);

@@ -1,7 +1,8 @@
 //! Content of braces: fields, objects, steps, wires, and the loops over them.
 
+use super::around;
 use super::errors;
-use super::functions::function_names;
+use super::functions::is_function;
 use super::grammar::{Node, Rule};
 use super::habits;
 use super::reader::Reader;
@@ -18,11 +19,7 @@ use crate::source::Span;
 /// Whether a bracket follows a name that is no function's.
 fn is_no_function(value: &Expr) -> bool {
     let ExprKind::Call { function, .. } = &value.kind else { return false };
-    let called = match function.segments.as_slice() {
-        [only] if only.indices.is_empty() => only.name.text.as_str(),
-        _ => return true,
-    };
-    !function_names().any(|name| name == called)
+    !matches!(function.segments.as_slice(), [only] if only.indices.is_empty() && is_function(&only.name.text))
 }
 
 /// Whether a list follows `any`, which stands before a name.
@@ -273,7 +270,7 @@ impl Reader<'_> {
         let [argument] = arguments.as_slice() else { return };
         let is_index = matches!(argument.kind, ExprKind::Path(_) | ExprKind::Number(_) | ExprKind::Binary { .. });
         let [.., last] = function.segments.as_mut_slice() else { return };
-        let is_name = !function_names().any(|name| name == last.name.text) && last.indices.is_empty();
+        let is_name = !is_function(&last.name.text) && last.indices.is_empty();
         if is_index && is_name && self.source[bracket..].starts_with('(') {
             let finding = stops::round_index(value.span, bracket, self.source);
             last.indices = std::mem::take(arguments);
@@ -282,6 +279,22 @@ impl Reader<'_> {
             value.kind = ExprKind::Path(path);
             self.report(finding);
         }
+    }
+
+    /// Reports what parts the place of `merge a with b (8, 4)` and of `start at the (0, 0)` from its step, in the stead of a blank too many.
+    fn part_place(&mut self, value: &Expr) {
+        self.forget_code(Code::E0108, value.span);
+        let written = &self.source[value.span.range()];
+        let name = around::token_at(written, 0);
+        let finding = match stops::is_article(name) {
+            true => Some(stops::article(around::first_word(value.span, name.len()), self.source)),
+            false => written.find('(').and_then(|bracket| {
+                let at = value.span.start as usize + bracket;
+                let line = around::line_before(self.source, at);
+                stops::word_missing(around::part(value.span, at, at + 1), line, self.source)
+            }),
+        };
+        finding.into_iter().for_each(|finding| self.report(finding));
     }
 
     fn phrase(&mut self, node: Node) -> Option<Phrase> {
@@ -294,19 +307,8 @@ impl Reader<'_> {
         let preposition = Ident { text, span: at };
         let mut value = self.value(parts.next(), span);
         self.mend_index(&mut value);
-        // `merge a with b (8, 4)` lacks a word before the place, too.
         if is_no_function(&value) && self.findings.iter().any(|finding| is_blank_in(finding, value.span)) {
-            self.forget_code(Code::E0108, value.span);
-            let bracket = value.span.start as usize + self.source[value.span.range()].find('(')?;
-            let line = super::around::line_before(self.source, bracket);
-            let place = super::around::part(span, bracket, bracket + 1);
-            let name = super::around::token_at(&self.source[value.span.range()], 0);
-            // `start at the (0, 0)`
-            let finding = match stops::is_article(name) {
-                true => Some(stops::article(super::around::first_word(value.span, name.len()), self.source)),
-                false => stops::word_missing(place, line, self.source),
-            };
-            finding.into_iter().for_each(|finding| self.report(finding));
+            self.part_place(&value);
             value.kind = ExprKind::Error;
         }
         Some(Phrase { preposition, value, span })

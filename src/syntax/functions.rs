@@ -40,6 +40,11 @@ pub fn function_form(name: &str) -> Option<String> {
     Some(format!("{name}({})", form.parameters.join(", ")))
 }
 
+/// Whether a function has this name.
+pub fn is_function(name: &str) -> bool {
+    function_names().any(|function| function == name)
+}
+
 /// The names of the functions.
 pub fn function_names() -> impl Iterator<Item = &'static str> + Clone {
     FUNCTIONS.iter().map(|form| form.name)

@@ -3,7 +3,7 @@
 use super::around::{self, part, quote, token_at, token_before};
 use super::grammar::Rule;
 use super::words::{PARAMETER_SORTS, end_of_word, is_name, is_word};
-use super::{habits, slips};
+use super::{habits, slips, stops};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
@@ -237,12 +237,7 @@ impl BrokenHead<'_> {
 
     /// An article at a byte of the text.
     fn article(&self, at: usize) -> Diagnostic {
-        let rest = &self.text[at..];
-        let word = token_at(rest, 0);
-        Diagnostic::new(Code::E0101, format!("`{word}` is not of the language"))
-            .label(self.mark(at, word.len()), "names stand without an article")
-            .help("leave it out")
-            .mended(self.mark(at, rest.len() - without_article(rest).len()), "")
+        stops::article(self.mark(at, token_at(&self.text[at..], 0).len()), self.source)
     }
 
     /// `output camera : trigger 5 ms -> "Dev1/pfi0"`.
@@ -286,7 +281,6 @@ impl BrokenHead<'_> {
             return Some(self.article(self.text.len() - device.len()));
         }
         if word != "on" {
-            let device = self.text[word.len()..].trim_start();
             let first = token_before(self.source, self.start);
             if token_at(device, 0) == "on" && word.starts_with(is_word) {
                 let name = format!("{first}_{word}");
@@ -301,7 +295,6 @@ impl BrokenHead<'_> {
             let finding = self.wrong(&title, word.len(), "a task runs `on` a device", &mend);
             return word.starts_with(is_word).then(|| finding.mended_here("on"));
         }
-        let device = self.text[word.len()..].trim_start();
         let after = device.trim_start_matches(|c| is_word(c) || c == '.').trim_start();
         self.behind_device(self.text.len() - after.len())
     }

@@ -37,11 +37,8 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
             .mended(part(span, at - 2, at + 1), "");
     }
     let finding = Diagnostic::new(Code::E0101, format!("`{token}` does not belong here")).label(place, wanted);
-    if let Some((_, ours)) = FOREIGN_PREPOSITIONS.iter().find(|(theirs, _)| *theirs == token) {
-        return finding.help(format!("write `{ours}`")).mended(place, *ours);
-    }
-    if let Some(meant) = meant_preposition(token) {
-        return finding.help(format!("did you mean `{meant}`?")).mended(place, meant);
+    if let Some((ours, help)) = preposition(token) {
+        return finding.help(help).mended(place, ours);
     }
     if token == "and" {
         return joined_by_and(place, text);
@@ -53,17 +50,11 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
     if is_article(word) {
         return article(word_place, text);
     }
-    if let Some((_, ours)) = FOREIGN_PREPOSITIONS.iter().find(|(theirs, _)| *theirs == word) {
+    if let Some((ours, help)) = preposition(word) {
         return Diagnostic::new(Code::E0101, format!("`{word}` is no preposition"))
             .label(word_place, "expected a preposition")
-            .help(format!("write `{ours}`"))
-            .mended(word_place, *ours);
-    }
-    if let Some(meant) = meant_preposition(word) {
-        return Diagnostic::new(Code::E0101, format!("`{word}` is no preposition"))
-            .label(word_place, "expected a preposition")
-            .help(format!("did you mean `{meant}`?"))
-            .mended(word_place, meant);
+            .help(help)
+            .mended(word_place, ours);
     }
     if line.ends_with('}') && PREPOSITIONS.contains(&token) {
         return finding.help("an index stands in `[ ]`, as in `drop[2]`; a block ends the step");
@@ -166,6 +157,13 @@ const FOREIGN_PREPOSITIONS: &[(&str, &str)] = &[
     ("during", "for"),
     ("using", "with"),
 ];
+
+/// The preposition that a word stands for, and what to say of it.
+fn preposition(word: &str) -> Option<(&'static str, String)> {
+    let foreign = FOREIGN_PREPOSITIONS.iter().find(|(theirs, _)| *theirs == word);
+    let foreign = foreign.map(|(_, ours)| (*ours, format!("write `{ours}`")));
+    foreign.or_else(|| meant_preposition(word).map(|meant| (meant, format!("did you mean `{meant}`?"))))
+}
 
 /// What people write in a `require` where reading stops.
 fn in_requirement(token_span: Span, line: &str, token: &str) -> Option<Diagnostic> {

@@ -304,14 +304,18 @@ pub fn idle_wire_field(span: Span, device: &str, name: &str) -> Diagnostic {
         .help(format!("leave it out; it is for wires to {}", others.join(", to ")))
 }
 
+/// What the wires of all channels take.
+fn output_sort(by_lines: bool) -> &'static str {
+    if by_lines { "digital line" } else { "output of voltage or position" }
+}
+
+/// How they take lines.
+const LINES: &str = "for digital lines give the voltage that they switch, `switches: 5 V`";
+
 /// An instrument without an output for any channel.
 pub fn nothing_free(span: Span, (name, declared): (&str, Span), by_lines: bool) -> Diagnostic {
-    let (what, other) = match by_lines {
-        true => ("digital line", "leave `switches` out for outputs of voltage"),
-        false => {
-            ("output of voltage or position", "for digital lines give the voltage that they switch, `switches: 5 V`")
-        }
-    };
+    let (what, other) =
+        (output_sort(by_lines), if by_lines { "leave `switches` out for outputs of voltage" } else { LINES });
     Diagnostic::new(Code::E0426, format!("`{name}` has no {what} that is free"))
         .label(span, "nothing to wire to")
         .label_elsewhere(declared, span, "declared here")
@@ -325,12 +329,7 @@ pub fn channels_left_over(
     [left, total]: [usize; 2],
     by_lines: bool,
 ) -> Diagnostic {
-    let (what, lines) = match by_lines {
-        true => ("digital line", ""),
-        false => {
-            ("output of voltage or position", "; for digital lines give the voltage that they switch, `switches: 5 V`")
-        }
-    };
+    let (what, lines) = (output_sort(by_lines), if by_lines { String::new() } else { format!("; {LINES}") });
     let title = format!("{left} of {total} channels of `{device}` find no free {what}, `{first}` the first of them");
     Diagnostic::new(Code::E0426, title).label(span, format!("no {what} is left")).help(format!(
         "declare another instrument with `start: trigger`, and write one more `all -> NAME`: it takes what is left{lines}"

@@ -9,7 +9,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Unit;
 use crate::source::Span;
 use crate::stdlib;
-use crate::syntax::functions::function_names;
+use crate::syntax::functions::{function_names, is_function};
 use crate::syntax::tree::{Field, Ident, Path};
 use std::collections::BTreeSet;
 
@@ -20,7 +20,7 @@ pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<
         Some(near) => diagnostic.near(near),
         None => diagnostic.help_if(match sort {
             _ if name.contains('.') => None,
-            DeclarationSort::Let if function_names().any(|function| function == name) => {
+            DeclarationSort::Let if is_function(name) => {
                 Some(format!("arguments stand in round brackets: write `{name}(…)`"))
             }
             DeclarationSort::Let if matches!(name, "pi" | "Pi" | "PI") => {

@@ -36,14 +36,12 @@ impl Checker<'_> {
         let mut left = owner.channels();
         left.retain(|channel| !panel.wired.contains_key(channel));
         let total = left.len();
+        let mut by_lines = false;
         for wire in &wires {
-            if self.fill(wire, scope, (panel, &mut left), outputs).is_none() {
-                return;
-            }
+            let Some(takes_lines) = self.fill(wire, scope, (panel, &mut left), outputs) else { return };
+            by_lines = takes_lines;
         }
         if let Some(first) = left.first() {
-            let by_lines =
-                last.fields.iter().any(|field| field.name.text == SWITCHES) || panel.defaults.contains_key(SWITCHES);
             let names = (panel.name.as_str(), first.as_str());
             self.sink.push(errors::channels_left_over(last.span, names, [left.len(), total], by_lines));
         }
@@ -59,14 +57,14 @@ impl Checker<'_> {
         true
     }
 
-    /// The first of the channels that are left to the free outputs of an instrument; `None` after an error.
+    /// The first of the channels that are left to the free outputs of an instrument: whether these are digital lines; `None` after an error.
     fn fill(
         &mut self,
         wire: &tree::Wire,
         scope: &Scope,
         (panel, left): (&mut Panel, &mut Vec<String>),
         outputs: &mut Outputs,
-    ) -> Option<()> {
+    ) -> Option<bool> {
         let path = match &wire.output {
             WireOutput::Instrument(path) => path,
             WireOutput::Named(text) => {
@@ -109,6 +107,6 @@ impl Checker<'_> {
             let drive = Drive { instrument: name.clone(), output, link, limits, span: wire.span };
             panel.wired.insert(channel, Wired { output: shown, drive: Some(drive), span: wire.channel.span });
         }
-        Some(())
+        Some(by_lines)
     }
 }
