@@ -2,32 +2,8 @@
 
 /// The words that cannot be names.
 pub const RESERVED: [&str; 26] = [
-    "use",
-    "as",
-    "let",
-    "device",
-    "instrument",
-    "output",
-    "scene",
-    "task",
-    "program",
-    "wiring",
-    "table",
-    "true",
-    "false",
-    "to",
-    "from",
-    "by",
-    "about",
-    "after",
-    "for",
-    "at",
-    "among",
-    "via",
-    "with",
-    "within",
-    "in",
-    "on",
+    "use", "as", "let", "device", "instrument", "output", "scene", "task", "program", "wiring", "table", "true",
+    "false", "to", "from", "by", "about", "after", "for", "at", "among", "via", "with", "within", "in", "on",
 ];
 
 /// The words before the values of a step. `for` and `in` stand in the head of a loop, too.

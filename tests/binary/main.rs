@@ -27,18 +27,7 @@ const SMALL: &str = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on 
 const ALL_FORMATS: &str = "mcap,json,csv,vcd,pwl,nidaqmx,html,svg";
 
 const ENDINGS: [&str; 12] = [
-    "mcap",
-    "lichtblick.json",
-    "json",
-    "csv",
-    "vcd",
-    "gtkw",
-    "pwl.inc",
-    "cir",
-    "card.daq",
-    "nidaqmx.py",
-    "html",
-    "svg",
+    "mcap", "lichtblick.json", "json", "csv", "vcd", "gtkw", "pwl.inc", "cir", "card.daq", "nidaqmx.py", "html", "svg",
 ];
 
 fn example(name: &str) -> PathBuf {

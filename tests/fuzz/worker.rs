@@ -48,11 +48,7 @@ impl Tally {
 
     fn numbers(&mut self) -> [&mut u64; 6] {
         [
-            &mut self.parsed,
-            &mut self.checked,
-            &mut self.built,
-            &mut self.verified,
-            &mut self.altered,
+            &mut self.parsed, &mut self.checked, &mut self.built, &mut self.verified, &mut self.altered,
             &mut self.accepted,
         ]
     }

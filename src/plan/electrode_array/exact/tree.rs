@@ -328,11 +328,7 @@ impl ConstraintTree<'_, '_> {
             return Ok(Some(layers.clone()));
         }
         let layers = Rc::new(MultiValueDecisionDiagram::new(
-            self.task.field,
-            self.task.group[member],
-            &plan.demand,
-            cost,
-            self.meter,
+            self.task.field, self.task.group[member], &plan.demand, cost, self.meter,
         )?);
         if self.waits.len() >= MOST_WAITS {
             self.waits.clear();
