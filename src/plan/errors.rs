@@ -101,14 +101,16 @@ fn undecided(to: &str, bound: &str) -> String {
     format!("the way to {to} is neither found nor disproved; none costs less than {bound}")
 }
 
-/// The search of an assay found no plan, and has budget left; `is_divisible` where the task may have several assays.
-pub fn nothing_left_to_try(step: Span, to: &str, bound: u64, is_divisible: bool) -> Diagnostic {
-    let several = if is_divisible { ", or write the operations into several `assay` steps" } else { "" };
+/// The search of an assay found no plan, and has budget left; `avoids` where the task keeps traces apart, and so has one assay.
+pub fn nothing_left_to_try(step: Span, to: &str, bound: u64, avoids: bool) -> Diagnostic {
+    let help = if avoids {
+        "give droplets that must not touch each other's traces ways of their own, or send a wash over what they both cross, with `after` what soils it"
+    } else {
+        "move parts away from places that others need, with `move PART to CELL`, or write the operations into several `assay` steps"
+    };
     Diagnostic::new(Code::E0602, "the search found no plan and has nothing left to try")
         .label(step, undecided(to, &format!("{bound} steps")))
-        .help(format!(
-            "a larger budget hardly helps: move parts away from places that others need, with `move PART to CELL`{several}"
-        ))
+        .help(format!("a larger budget hardly helps: {help}"))
 }
 
 /// A greedy planner gave up; its failure proves nothing. `first` is what Tweeze's own planner needs before it plans this, such as another field.

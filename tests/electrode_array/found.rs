@@ -289,3 +289,24 @@ fn limits_on_moves_are_searched_on_shared_channels() {
     let fewer = refused(&limited.replace("moves <= 20", "moves <= 19"));
     assert!(fewer.contains("no plan keeps") && fewer.contains("raise the limit to 20"), "{fewer}");
 }
+
+#[test]
+fn droplets_negotiate_about_traces() {
+    for (name, most) in [
+        ("ea_panel_of_two_samples", 380.0),
+        ("ea_panel_of_four_samples", 620.0),
+        ("ea_replicates_on_opendrop", 260.0),
+        ("ea_lanes_on_purpledrop", 190.0),
+        ("ea_six_reactions_in_three_ovens", 1000.0),
+        ("ea_long_way_round_traces", 360.0),
+    ] {
+        let plan = planned(&text(name));
+        assert!(plan.cost >= plan.bound && plan.cost <= most, "{name}: {} of {}", plan.cost, plan.bound);
+    }
+}
+
+#[test]
+fn a_wash_does_not_leave_before_it_has_washed() {
+    let plan = planned(&text("ea_wash_that_leaves_too_soon"));
+    assert!(plan.cost >= 37.0 && plan.cost <= 60.0, "{}", plan.cost);
+}

@@ -96,6 +96,20 @@ impl BoardGrid {
         }
     }
 
+    /// The corners, lowest and highest column and row, of the rectangle that the free cells fill; `None` where they fill none.
+    pub fn free_rectangle(&self) -> Option<[(u32, u32); 2]> {
+        let mut free =
+            (0..self.cells() as CellIndex).filter(|cell| !self.is_blocked(*cell)).map(|cell| self.place(cell));
+        let first = free.next()?;
+        let (mut low, mut high, mut count) = (first, first, 1);
+        for (column, row) in free {
+            low = (low.0.min(column), low.1.min(row));
+            high = (high.0.max(column), high.1.max(row));
+            count += 1;
+        }
+        (u64::from(high.0 - low.0 + 1) * u64::from(high.1 - low.1 + 1) == count).then_some([low, high])
+    }
+
     /// The cells nearer than `distance` (Chebyshev) to a cell, including itself and blocked ones.
     #[inline]
     pub fn around(&self, cell: CellIndex, distance: u32) -> impl Iterator<Item = CellIndex> + use<> {

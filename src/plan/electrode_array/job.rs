@@ -367,8 +367,8 @@ impl Tasks<'_> {
 
     /// A search that ended before its budget did.
     fn nothing_left_to_try(&mut self, step: &ElectrodeArrayStep, to: &str, bounds: BoardCosts) {
-        let is_divisible = self.order.contamination.is_unheeded();
-        let diagnostic = errors::nothing_left_to_try(step.span, to, bounds.makespan, is_divisible);
+        let avoids = !self.order.contamination.is_unheeded();
+        let diagnostic = errors::nothing_left_to_try(step.span, to, bounds.makespan, avoids);
         self.sink.push(self.with_avoided(diagnostic, step));
     }
 

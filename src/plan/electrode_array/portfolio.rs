@@ -16,7 +16,9 @@
 //! budget is spent. Same instance and budget, same answer. The figure that is not minimised is improved too, but only while that is
 //! quick, and it is not proven optimal where that takes a search. Cost: one step of the budget is one node of one search.
 
-use super::board::{BoardAnswer, BoardCosts, BoardObjective, BoardPlan, HeldBoardPlan, Instance, NoBoardPlan, Paths};
+use super::board::{
+    BoardAnswer, BoardCosts, BoardObjective, BoardPlan, CellIndex, HeldBoardPlan, Instance, NoBoardPlan, Paths,
+};
 use super::exact::field::ExactTables;
 use super::joint::{self, JointAim};
 use super::{alone, channels, exact, fast, lacam, timing};
@@ -42,8 +44,13 @@ const OTHER_SHARE: u64 = 8;
 /// Most of the makespan's bound, in per cent, that the first round allows: a limit makes the search of each path smaller.
 const ROOMY_PERCENT: u64 = 150;
 
+/// Parts with the cells within their separation, counted for each part, that are more than this many per cent of the free cells are
+/// dense: an order of them hardly ever works, and none is tried in the first rounds.
+const DENSE_PERCENT: u64 = 112;
+const DENSE_ROUNDS: u64 = 3;
+
 /// A first plan of configurations may take as many steps as it takes all parts to walk this many times the makespan's bound.
-const WALK_BOUNDS: u64 = 4;
+const WALK_BOUNDS: u64 = 16;
 
 /// With more parts a proof is unlikely, so better plans get the whole remaining budget except one part in [`IMPROVE_SHARE`]. Then
 const CROWD: usize = 36;
@@ -151,7 +158,10 @@ impl PortfolioSearch<'_> {
         while self.meter.left().steps > reserve {
             let most = self.meter.left().steps - reserve;
             let roomy = (seed == 1).then_some(bounds.makespan * ROOMY_PERCENT / 100);
-            let mut plan = self.within(limit.into_iter().chain(roomy).min(), seed, steps.min(most));
+            let mut plan = None;
+            if seed > DENSE_ROUNDS || !self.is_dense() {
+                plan = self.within(limit.into_iter().chain(roomy).min(), seed, steps.min(most));
+            }
             if plan.is_none() {
                 plan = self.crowded(seed, steps.min(most)).and_then(|paths| self.shortened(paths));
             }
@@ -167,6 +177,14 @@ impl PortfolioSearch<'_> {
             seed += 1;
         }
         None
+    }
+
+    /// Whether the parts are so close that an order of them hardly ever works.
+    fn is_dense(&self) -> bool {
+        let Instance { board, separation, agents, .. } = self.instance;
+        let free = (0..board.cells() as CellIndex).filter(|cell| !board.is_blocked(*cell)).count() as u64;
+        let around = u64::from(2 * separation + 1).pow(2);
+        agents.len() as u64 * around * 100 > free * DENSE_PERCENT
     }
 
     /// A plan of any length for a crowded board: the best of three searches of configurations.
@@ -246,10 +264,11 @@ impl PortfolioSearch<'_> {
         let (mut round_steps, mut squeeze_steps) = (ROUND_STEPS + more, SQUEEZE_STEPS + more);
         let (mut seed, mut failures) = (1, 0);
         while !self.is_met(&best) && self.meter.left().steps > end {
-            let before = BoardCosts::of(&best).makespan;
+            let before = self.lateness(&best);
             best = self.round(best, seed, round_steps.min(self.meter.left().steps - end));
             let makespan = BoardCosts::of(&best).makespan;
-            let is_stalled = before.saturating_sub(makespan) * SHORTER < before && makespan > self.bounds.makespan;
+            let lateness = self.lateness(&best);
+            let is_stalled = before.saturating_sub(lateness) * SHORTER < before && makespan > self.bounds.makespan;
             let left = self.meter.left().steps.saturating_sub(end);
             if self.objective == BoardObjective::Makespan && is_stalled && left > 0 {
                 let is_far = makespan * 100 > self.bounds.makespan * FAR_PERCENT;
@@ -271,6 +290,11 @@ impl PortfolioSearch<'_> {
             seed += 1;
         }
         best
+    }
+
+    /// Steps after the bound on the makespan, summed over all parts.
+    fn lateness(&self, paths: &Paths) -> u64 {
+        paths.iter().map(|path| (path.len() as u64 - 1).saturating_sub(self.bounds.makespan)).sum()
     }
 
     /// A plan nearer to the bound on the makespan, if one is found.

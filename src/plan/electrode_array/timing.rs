@@ -7,12 +7,11 @@
 //! Guaranteed: legal paths of no more steps and of the same moves. Cost: for each move the cells nearer than the separation.
 
 use super::board::{CellIndex, Instance, Paths};
-use rustc_hash::FxHashMap;
 
 /// The same moves, each as early as possible; the paths must be legal.
 pub fn earliest(instance: &Instance, paths: &Paths) -> Paths {
-    let mut timing =
-        Timing { instance, left: FxHashMap::default(), early: paths.iter().map(|path| vec![path[0]]).collect() };
+    let early = paths.iter().map(|path| vec![path[0]]).collect();
+    let mut timing = Timing { instance, left: vec![Vec::new(); instance.board.cells()], early };
     let last = paths.iter().map(Vec::len).max().unwrap_or(0);
     for instant in 1..last {
         for (agent, path) in paths.iter().enumerate().filter(|(_, path)| instant < path.len()) {
@@ -27,7 +26,7 @@ pub fn earliest(instance: &Instance, paths: &Paths) -> Paths {
 struct Timing<'a> {
     instance: &'a Instance,
     /// By cell: the agents that left it, each with the instant at which it was last gone.
-    left: FxHashMap<CellIndex, Vec<(usize, usize)>>,
+    left: Vec<Vec<(usize, usize)>>,
     early: Paths,
 }
 
@@ -40,7 +39,7 @@ impl Timing<'_> {
         let instant = own.max(gone) + 1;
         self.early[agent].resize(instant, here);
         self.early[agent].push(to);
-        let visits = self.left.entry(here).or_default();
+        let visits = &mut self.left[here as usize];
         match visits.iter_mut().find(|(known, _)| *known == agent) {
             Some(visit) => visit.1 = instant,
             None => visits.push((agent, instant)),
@@ -50,9 +49,8 @@ impl Timing<'_> {
     /// The instant by which all agents that were too near to a cell have left.
     fn gone(&self, agent: usize, to: CellIndex) -> usize {
         let near = self.instance.board.around(to, self.instance.separation);
-        let visits = near.filter_map(|cell| Some((cell, self.left.get(&cell)?)));
-        let instants = visits.flat_map(|(cell, visits)| {
-            let others = visits.iter().filter(move |(other, _)| *other != agent);
+        let instants = near.flat_map(|cell| {
+            let others = self.left[cell as usize].iter().filter(move |(other, _)| *other != agent);
             others.filter(move |(other, _)| self.instance.too_near((agent, to), (*other, cell)))
         });
         instants.map(|(_, instant)| *instant).max().unwrap_or(0)

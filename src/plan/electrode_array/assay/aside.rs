@@ -11,6 +11,7 @@
 
 use super::super::board::CellIndex;
 use super::bound::{self, AssayBounds};
+use super::replay::cut_where_gone;
 use super::route::Ahead;
 use super::{AgentCourse, AssayPlan, AssayProblem, Errand, ErrandPlace, Traces, lags, lists};
 use crate::plan::electrode_array::board::BoardObjective;
@@ -60,7 +61,7 @@ pub(super) fn by_lists(
         let bounds = AssayBounds { costs: least.costs, ..bound::least(&aside, &ahead) };
         let share = meter.left().steps / SHARE;
         let courses = meter.share(share, |meter| lags::by_lists(&aside, &ahead, (objective, &bounds), meter))?;
-        lags::are_kept(problem, &courses).then_some(courses)
+        as_replayed(problem, courses)
     })
 }
 
@@ -94,7 +95,7 @@ pub(super) fn by_chance(
         let bounds = AssayBounds { costs: least.costs, ..bound::least(&aside, &ahead) };
         let seed = below(usize::MAX) as u64;
         let found = lists::by_chance(&aside, &ahead, (objective, &bounds), (seed, meter));
-        let Some(courses) = found.filter(|courses| lags::are_kept(problem, courses)) else { continue };
+        let Some(courses) = found.and_then(|courses| as_replayed(problem, courses)) else { continue };
         tries = tries.min(MORE_TRIES);
         let key = |courses: &[AgentCourse]| AssayPlan::costs(courses).key(objective);
         if best.as_ref().is_none_or(|best| key(&courses) < key(best)) {
@@ -102,6 +103,14 @@ pub(super) fn by_chance(
         }
     }
     best
+}
+
+/// Courses with errands of their own as whoever replays them without these sees them: who leaves the board may come too soon to where it
+/// leaves, and an errand may be done on the way. `None` where lags or traces are not kept then.
+pub(super) fn as_replayed(problem: &AssayProblem, mut courses: Vec<AgentCourse>) -> Option<Vec<AgentCourse>> {
+    cut_where_gone(problem, &mut courses);
+    let is_clean = problem.traces.as_ref().is_none_or(|traces| traces.harmed(problem, &courses).is_none());
+    (is_clean && lags::are_kept(problem, &courses)).then_some(courses)
 }
 
 /// Moves all places that are named as others' afters or in lags, where errands were inserted.

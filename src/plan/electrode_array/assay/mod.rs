@@ -6,8 +6,8 @@
 //! Method: list scheduling. The course of one agent after the other, up to the next agent that it meets and that has no course yet (`route`),
 //! is planned around the courses of the others (`bookings`); an agent that finds none comes earlier in the next list. Beside the order of the
 //! list there is that of time, in which nobody comes before it is of use (`turns`). Then lists with two agents exchanged, as long as they are
-//! no worse (`lists`). Where no list leads to a plan, agents that would stay in the way step aside (`aside`); where that does not help, lists
-//! in random order are gone through, and where no plan is found, or it may have too many steps, a few agents are planned all at once (`joint`).
+//! no worse (`lists`). Where no list leads to a plan, agents that would stay in the way step aside (`aside`); where that does not help, or where
+//! they leave traces, droplets take turns and negotiate about cells (`negotiated`); then lists in random order are gone through, and where no plan is found, or it may have too many steps, a few agents are planned all at once (`joint`).
 //!
 //! Guaranteed: a plan is legal; `bound` holds for every plan; the same input and budget give the same plan. For few agents, while the
 //! budget lasts, a plan is found where there is one, with the fewest steps where these are minimized. Else neither is guaranteed.
@@ -21,6 +21,7 @@ mod channels;
 mod joint;
 mod lags;
 mod lists;
+mod negotiated;
 mod replay;
 mod route;
 mod traces;
@@ -261,6 +262,10 @@ fn looked_ahead(
 /// One part in this many of the remaining budget for lists in random order, where the search of all positions has the rest.
 const CHANCE_SHARE: u64 = 3;
 
+/// One part in this many of the remaining budget for droplets that negotiate, where the search of all positions has the rest, and elsewhere.
+const NEGOTIATED_SHARE_OF_FEW: u64 = 16;
+const NEGOTIATED_SHARE: u64 = 3;
+
 /// One part in this many of the remaining budget for the search without regard to traces.
 const CAREFREE_SHARE: u64 = 3;
 
@@ -287,24 +292,11 @@ pub fn solve(
     };
     let by_lists = match effort {
         AssayEffort::Below(_) => None,
-        // Lists pay no regard to shared channels.
-        AssayEffort::Whole | AssayEffort::Lists => lags::by_lists(problem, &ahead, (objective, &least), meter)
-            .or_else(|| {
-                let mut courses = aside::by_lists(problem, (objective, &least), &mut distances, meter)?;
-                // Stepping aside, who leaves the board may come to where it leaves too soon.
-                cut_where_gone(problem, &mut courses);
-                Some(courses)
-            })
-            .or_else(|| {
-                let steps = meter.left().steps;
-                let share = if joint::takes(problem) { steps / CHANCE_SHARE } else { steps };
-                let by_chance =
-                    |meter: &mut Meter| aside::by_chance(problem, (objective, &least), &mut distances, meter);
-                let mut courses = meter.share(share, by_chance)?;
-                cut_where_gone(problem, &mut courses);
-                Some(courses)
-            })
-            .filter(|courses| are_kept_by_courses(problem, courses)),
+        AssayEffort::Whole | AssayEffort::Lists => {
+            let site = SolveSite { problem, ahead: &ahead, objective, least: &least };
+            // Neither of them pays regard to shared channels.
+            site.in_order(&mut distances, meter).filter(|courses| are_kept_by_courses(problem, courses))
+        }
     };
     let bounds = least.costs;
     let steps = by_lists.as_ref().map(|courses| AssayPlan::costs(courses).makespan);
@@ -327,6 +319,39 @@ pub fn solve(
         }
         SearchAnswer::Impossible(_) => found(by_lists, BoardCosts { makespan: u64::from(limit) + 1, ..bounds }),
         SearchAnswer::GaveUp(()) => found(by_lists, bounds),
+    }
+}
+
+/// A problem with what is known of it beforehand.
+struct SolveSite<'a> {
+    problem: &'a AssayProblem<'a>,
+    ahead: &'a route::Ahead,
+    objective: BoardObjective,
+    least: &'a bound::AssayBounds,
+}
+
+impl SolveSite<'_> {
+    /// Courses that were planned one after the other, in some order.
+    fn in_order(&self, distances: &mut fast::Distances, meter: &mut Meter) -> Option<Vec<AgentCourse>> {
+        let SolveSite { problem, ahead, objective, least } = *self;
+        let key = |courses: &Vec<AgentCourse>| AssayPlan::costs(courses).key(objective);
+        let listed = lags::by_lists(problem, ahead, (objective, least), meter)
+            .or_else(|| aside::by_lists(problem, (objective, least), distances, meter));
+        let is_least = |courses: &Vec<AgentCourse>| key(courses).0 <= least.costs.key(objective).0;
+        // Lists lead to long ways round where there are traces, if to any plan.
+        let negotiated = match &listed {
+            Some(courses) if problem.traces.is_none() || is_least(courses) => None,
+            Some(_) | None => {
+                let part = if joint::takes(problem) { NEGOTIATED_SHARE_OF_FEW } else { NEGOTIATED_SHARE };
+                let share = meter.left().steps / part;
+                meter.share(share, |meter| negotiated::best(problem, ahead, (objective, least), meter))
+            }
+        };
+        listed.into_iter().chain(negotiated).min_by_key(key).or_else(|| {
+            let steps = meter.left().steps;
+            let share = if joint::takes(problem) { steps / CHANCE_SHARE } else { steps };
+            meter.share(share, |meter| aside::by_chance(problem, (objective, least), distances, meter))
+        })
     }
 }
 

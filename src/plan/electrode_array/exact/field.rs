@@ -6,7 +6,6 @@
 use super::super::board::{CellIndex, Instance};
 use super::super::broadcast::AgentStep;
 use fixedbitset::FixedBitSet;
-use std::collections::VecDeque;
 
 /// A cell and the number of stops visited: `stage * cells + cell`.
 pub type StagedCell = u32;
@@ -76,21 +75,22 @@ impl<'a> ExactTables<'a> {
         }
         let mut field =
             ExactTables { instance, cells, places, steps, restless, ways: Vec::with_capacity(count), merged };
+        let open = if board.channels().is_none() { board.free_rectangle() } else { None };
+        let mut flooding = Flooding { back, open, queue: Vec::with_capacity(cells as usize) };
         for agent in 0..count {
-            let way = field.way(agent, &back)?;
+            let way = field.way(agent, &mut flooding)?;
             field.ways.push(way);
         }
         Ok(field)
     }
 
-    /// `back` has the cells from which an agent comes to each.
-    fn way(&self, agent: usize, back: &[[CellIndex; 5]]) -> Result<AgentDistances, Closed> {
+    fn way(&self, agent: usize, flooding: &mut Flooding) -> Result<AgentDistances, Closed> {
         let stops = &self.instance.agents[agent].stops;
         let mut distances = vec![FAR; stops.len() * self.cells as usize];
         let mut onward = 0;
         for (stage, stop) in stops.iter().enumerate().rev() {
             let layer = &mut distances[stage * self.cells as usize..][..self.cells as usize];
-            flood(back, *stop, onward, layer);
+            flooding.flood(self, *stop, onward, layer);
             let before = if stage == 0 { self.instance.agents[agent].start } else { stops[stage - 1] };
             onward = layer[before as usize];
             if onward == FAR {
@@ -223,15 +223,40 @@ fn steps_at(instance: &Instance, cell: CellIndex, is_taken: impl Fn(CellIndex) -
     steps
 }
 
-/// Distances from a cell, counted from `first`.
-fn flood(steps: &[[CellIndex; 5]], from: CellIndex, first: u32, distances: &mut [u32]) {
-    distances[from as usize] = first;
-    let mut queue = VecDeque::from([from]);
-    while let Some(cell) = queue.pop_front() {
-        for to in steps[cell as usize] {
-            if distances[to as usize] == FAR {
-                distances[to as usize] = distances[cell as usize] + 1;
-                queue.push_back(to);
+/// What the distances to all stops are found with.
+struct Flooding {
+    /// The cells from which an agent comes to each.
+    back: Vec<[CellIndex; 5]>,
+    /// The corners of the free cells, if they fill a rectangle in which nothing tears an agent.
+    open: Option<[(u32, u32); 2]>,
+    queue: Vec<CellIndex>,
+}
+
+impl Flooding {
+    /// Distances from a cell, counted from `first`.
+    fn flood(&mut self, field: &ExactTables, from: CellIndex, first: u32, distances: &mut [u32]) {
+        if let Some([low, high]) = self.open {
+            let board = &field.instance.board;
+            let (column, row) = board.place(from);
+            for r in low.1..=high.1 {
+                let across = first + r.abs_diff(row);
+                let line = &mut distances[board.cell(low.0, r) as usize..=board.cell(high.0, r) as usize];
+                line.iter_mut().zip(low.0..).for_each(|(steps, c)| *steps = across + c.abs_diff(column));
+            }
+            return;
+        }
+        distances[from as usize] = first;
+        self.queue.clear();
+        self.queue.push(from);
+        let mut head = 0;
+        while let Some(&cell) = self.queue.get(head) {
+            head += 1;
+            let onward = distances[cell as usize] + 1;
+            for to in &self.back[cell as usize][1..] {
+                if distances[*to as usize] == FAR {
+                    distances[*to as usize] = onward;
+                    self.queue.push(*to);
+                }
             }
         }
     }

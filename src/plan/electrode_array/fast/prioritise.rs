@@ -13,6 +13,9 @@ use crate::plan::search::Meter;
 /// Number of orders that are tried: where these leave agents without a path, repair is quicker than further ones.
 const ORDERS: usize = 3;
 
+/// Fewer than one agent in this many without a path are not worth another order.
+const FEW: usize = 32;
+
 /// Steps of one search,
 const SEARCH_STEPS: u64 = 4_000;
 
@@ -50,7 +53,7 @@ pub(super) fn prioritise(crew: &mut PlannedInstance, meter: &mut Meter) -> Prior
         if failed.len() < fewest {
             (best, fewest) = (paths, failed.len());
         }
-        if meter.left().steps == 0 {
+        if meter.left().steps == 0 || fewest * FEW < crew.count() {
             break;
         }
         order.retain(|agent| !failed.contains(agent));

@@ -35,6 +35,8 @@ struct Constraint {
 
 struct LacamSearch<'a> {
     field: &'a ExactTables<'a>,
+    /// The agents, the one with the greatest distance first.
+    farthest: Vec<usize>,
     states: States,
     /// For each state and each agent: the steps since it was last on its goal.
     waited: Vec<u16>,
@@ -47,8 +49,11 @@ struct LacamSearch<'a> {
 /// A plan, if one is found before the meter or the memory runs out.
 pub fn first(instance: &Instance, seed: u64, meter: &mut Meter) -> Option<Paths> {
     let field = ExactTables::new(instance).ok()?;
+    let mut farthest: Vec<usize> = (0..field.agents()).collect();
+    farthest.sort_by_key(|agent| std::cmp::Reverse(field.least(*agent)));
     let mut search = LacamSearch {
         field: &field,
+        farthest,
         states: States::new(field.agents()),
         waited: vec![],
         open: vec![],
@@ -110,8 +115,8 @@ impl LacamSearch<'_> {
     fn order(&self, state: u32) -> Vec<usize> {
         let count = self.field.agents();
         let waited = &self.waited[state as usize * count..][..count];
-        let mut order: Vec<usize> = (0..count).collect();
-        order.sort_by_key(|agent| std::cmp::Reverse((waited[*agent], self.field.least(*agent))));
+        let mut order = self.farthest.clone();
+        order.sort_by_key(|agent| std::cmp::Reverse(waited[*agent]));
         order
     }
 

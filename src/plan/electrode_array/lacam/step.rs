@@ -6,19 +6,59 @@
 //! block it choose before all others: the first move of a shortest path, past nothing but blocked cells and the pushing agent, to a
 //! cell outside its path.
 
-use super::super::board::CellIndex;
+use super::super::board::{CellIndex, Instance};
 use super::super::exact::field::{ExactTables, StagedCell};
 use super::NONE;
 use crate::random::SplitMix64;
-use rustc_hash::FxHashSet;
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-/// Most agents on one cell: two that merge.
-const MOST_ON_CELL: usize = 2;
+/// Most agents in one block: two that merge.
+const MOST_IN_BLOCK: usize = 2;
 
-/// Agents by cell.
-type Places = Vec<[u32; MOST_ON_CELL]>;
+/// Agents with their cells by blocks of as many columns and rows as the separation: of agents that keep it no two are in one block, so that
+/// whoever is near a cell is found in nine of them.
+struct Places {
+    separation: i32,
+    /// Blocks in a row, with one more at either side.
+    across: i32,
+    blocks: Vec<[(u32, CellIndex); MOST_IN_BLOCK]>,
+}
+
+impl Places {
+    fn new(instance: &Instance) -> Places {
+        let across = |cells: u32| cells.div_ceil(instance.separation) + 2;
+        let (width, height) = (across(instance.board.width()), across(instance.board.height()));
+        let blocks = vec![[(NONE, 0); MOST_IN_BLOCK]; (width * height) as usize];
+        Places { separation: instance.separation as i32, across: width as i32, blocks }
+    }
+
+    fn block(&self, (column, row): (i32, i32)) -> usize {
+        ((row / self.separation + 1) * self.across + column / self.separation + 1) as usize
+    }
+
+    fn put(&mut self, agent: usize, cell: CellIndex, place: (i32, i32)) {
+        let block = self.block(place);
+        let slots = &mut self.blocks[block];
+        let free = slots.iter().position(|(slot, _)| *slot == NONE).unwrap_or(MOST_IN_BLOCK - 1);
+        slots[free] = (agent as u32, cell);
+    }
+
+    fn clear(&mut self, place: (i32, i32)) {
+        let block = self.block(place);
+        self.blocks[block] = [(NONE, 0); MOST_IN_BLOCK];
+    }
+
+    /// The agents, with their cells, in the blocks around a place.
+    fn around(&self, place: (i32, i32)) -> impl Iterator<Item = (usize, CellIndex)> + '_ {
+        let reach = if self.separation == 1 { 0 } else { 1 };
+        let middle = self.block(place) as i32;
+        let rows = -reach..=reach;
+        let blocks = rows.flat_map(move |row| (-reach..=reach).map(move |column| middle + row * self.across + column));
+        let agents = blocks.flat_map(|block| self.blocks[block as usize]);
+        agents.filter(|(agent, _)| *agent != NONE).map(|(agent, cell)| (agent as usize, cell))
+    }
+}
 
 /// Length of the path that an agent wants free, in separations.
 const WAY_SEPARATIONS: u32 = 3;
@@ -46,19 +86,21 @@ pub(super) struct ConfigurationGenerator<'a> {
     to: Vec<Option<StagedCell>>,
     /// Agents that choose next, with the push to which they react.
     queue: VecDeque<(usize, Option<Rc<Push>>)>,
-    seen: FxHashSet<CellIndex>,
+    /// By cell: the last search for a way out that came there.
+    seen: Vec<u32>,
+    searches: u32,
 }
 
 impl<'a> ConfigurationGenerator<'a> {
     pub(super) fn new(field: &'a ExactTables<'a>) -> ConfigurationGenerator<'a> {
-        let empty = vec![[NONE; MOST_ON_CELL]; field.instance.board.cells()];
         ConfigurationGenerator {
             field,
-            here: empty.clone(),
-            next: empty,
+            here: Places::new(field.instance),
+            next: Places::new(field.instance),
             to: vec![None; field.agents()],
             queue: VecDeque::new(),
-            seen: FxHashSet::default(),
+            seen: vec![0; field.instance.board.cells()],
+            searches: 0,
         }
     }
 
@@ -71,7 +113,8 @@ impl<'a> ConfigurationGenerator<'a> {
         random: &mut SplitMix64,
     ) -> Option<Vec<StagedCell>> {
         for (agent, node) in from.iter().enumerate() {
-            put(&mut self.here, self.field.cell(*node), agent);
+            let cell = self.field.cell(*node);
+            self.here.put(agent, cell, self.field.place(cell));
         }
         let fits = fixed.iter().all(|(agent, node)| {
             let clear = self.is_clear(&self.here, *agent, *node) && self.is_clear(&self.next, *agent, *node);
@@ -95,17 +138,18 @@ impl<'a> ConfigurationGenerator<'a> {
 
     fn clear(&mut self, from: &[StagedCell]) {
         for node in from {
-            self.here[self.field.cell(*node) as usize] = [NONE; MOST_ON_CELL];
+            self.here.clear(self.field.place(self.field.cell(*node)));
         }
         for to in &mut self.to {
             if let Some(node) = to.take() {
-                self.next[self.field.cell(node) as usize] = [NONE; MOST_ON_CELL];
+                self.next.clear(self.field.place(self.field.cell(node)));
             }
         }
     }
 
     fn go(&mut self, agent: usize, node: StagedCell) {
-        put(&mut self.next, self.field.cell(node), agent);
+        let cell = self.field.cell(node);
+        self.next.put(agent, cell, self.field.place(cell));
         self.to[agent] = Some(node);
     }
 
@@ -139,8 +183,9 @@ impl<'a> ConfigurationGenerator<'a> {
         };
         way.extend(push.iter().flat_map(|push| push.way.iter().copied()));
         let push = Rc::new(Push { at: self.field.cell(here), way });
-        let blocking: Vec<usize> = self.near(&self.here, agent, to).collect();
-        self.queue.extend(blocking.into_iter().map(|other| (other, Some(push.clone()))));
+        let mut blocking: Vec<(CellIndex, usize)> = self.near(&self.here, agent, to).collect();
+        blocking.sort_unstable();
+        self.queue.extend(blocking.into_iter().map(|(_, other)| (other, Some(push.clone()))));
     }
 
     /// The cells of an agent's next steps on a shortest path.
@@ -170,22 +215,26 @@ impl<'a> ConfigurationGenerator<'a> {
     /// The moves out of the pushing agent's path, the shortest way out first.
     fn aside(&mut self, agent: usize, here: StagedCell, push: &Push, random: &mut SplitMix64) -> Vec<StagedCell> {
         let (field, instance) = (self.field, self.field.instance);
-        let is_out = |cell: CellIndex| push.way.iter().all(|at| instance.board.apart(cell, *at) >= instance.separation);
+        let way: Vec<(i32, i32)> = push.way.iter().map(|cell| field.place(*cell)).collect();
+        let pusher = field.place(push.at);
+        let is_near =
+            |(c, r): (i32, i32), (d, s): (i32, i32)| (c - d).abs().max((r - s).abs()) < instance.separation as i32;
         let mut moves: Vec<StagedCell> = field.next(agent, here).skip(1).collect();
         random.shuffle(&mut moves);
         let mut lengths = vec![NONE; moves.len()];
-        self.seen.clear();
-        self.seen.insert(field.cell(here));
+        self.searches += 1;
+        self.seen[field.cell(here) as usize] = self.searches;
         let firsts = moves.iter().enumerate().map(|(first, node)| (field.cell(*node), first, 1));
         let mut open: VecDeque<(CellIndex, usize, u32)> = firsts.collect();
         let mut looks = 0;
         while let Some((cell, first, length)) = open.pop_front() {
-            let taken = instance.board.apart(cell, push.at) < instance.separation;
-            if taken || !self.seen.insert(cell) {
+            let place = field.place(cell);
+            if is_near(place, pusher) || self.seen[cell as usize] == self.searches {
                 continue;
             }
-            looks += push.way.len();
-            if is_out(cell) {
+            self.seen[cell as usize] = self.searches;
+            looks += way.len();
+            if !way.iter().any(|at| is_near(place, *at)) {
                 lengths[first] = lengths[first].min(length);
                 continue;
             }
@@ -203,20 +252,14 @@ impl<'a> ConfigurationGenerator<'a> {
         self.near(places, agent, self.field.cell(node)).next().is_none()
     }
 
-    /// The other agents that are too near to a cell.
-    fn near<'s>(&'s self, places: &'s Places, agent: usize, cell: CellIndex) -> impl Iterator<Item = usize> + 's {
-        let around = self.field.instance.board.around(cell, self.field.instance.separation);
-        let others = around.flat_map(|at| places[at as usize].iter().map(move |other| (at, *other as usize)));
-        others
-            .filter(move |(at, other)| {
-                *other != NONE as usize && *other != agent && self.field.too_near(agent, cell, *other, *at)
-            })
-            .map(|(_, other)| other)
+    /// The other agents that are too near to a cell, with their cells.
+    fn near<'s>(
+        &'s self,
+        places: &'s Places,
+        agent: usize,
+        cell: CellIndex,
+    ) -> impl Iterator<Item = (CellIndex, usize)> + 's {
+        let others = places.around(self.field.place(cell)).filter(move |(other, _)| *other != agent);
+        others.filter(move |(other, at)| self.field.too_near(agent, cell, *other, *at)).map(|(other, at)| (at, other))
     }
-}
-
-fn put(places: &mut Places, cell: CellIndex, agent: usize) {
-    let slots = &mut places[cell as usize];
-    let free = slots.iter().position(|slot| *slot == NONE).unwrap_or(MOST_ON_CELL - 1);
-    slots[free] = agent as u32;
 }

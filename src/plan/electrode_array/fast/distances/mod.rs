@@ -61,7 +61,7 @@ pub(in crate::plan::electrode_array) struct Distances {
 
 impl Distances {
     pub(in crate::plan::electrode_array) fn of(board: &BoardGrid) -> Distances {
-        Distances { open: is_rectangle(board), tables: FxHashMap::default(), oldest: VecDeque::new() }
+        Distances { open: board.free_rectangle().is_some(), tables: FxHashMap::default(), oldest: VecDeque::new() }
     }
 
     /// The distances to a free cell.
@@ -87,19 +87,6 @@ impl Distances {
         self.tables.insert(stop, Rc::clone(&table));
         DistanceField::Table(table)
     }
-}
-
-/// Whether the free cells are exactly those of a rectangle.
-fn is_rectangle(board: &BoardGrid) -> bool {
-    let free = (0..board.cells() as CellIndex).filter(|cell| !board.is_blocked(*cell));
-    let Some((low, high, count)) = free.fold(None, |span: Option<([u32; 2], [u32; 2], u64)>, cell| {
-        let (c, r) = board.place(cell);
-        let (low, high, count) = span.unwrap_or(([c, r], [c, r], 0));
-        Some(([low[0].min(c), low[1].min(r)], [high[0].max(c), high[1].max(r)], count + 1))
-    }) else {
-        return true;
-    };
-    u64::from(high[0] - low[0] + 1) * u64::from(high[1] - low[1] + 1) == count
 }
 
 /// Breadth-first search over the free cells.

@@ -45,13 +45,3 @@ fn tables_are_charged_once() {
     distances.to(&board, 0, &mut meter);
     assert_eq!(meter.spent(), 64 * 64 / CELLS_PER_STEP);
 }
-
-#[test]
-fn only_a_full_rectangle_counts_as_open() {
-    let mut board = BoardGrid::new(3, 3);
-    assert!(is_rectangle(&board));
-    board.block(4);
-    assert!(!is_rectangle(&board));
-    (0..9).for_each(|cell| board.block(cell));
-    assert!(is_rectangle(&board));
-}
