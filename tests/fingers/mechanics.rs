@@ -2,7 +2,7 @@
 
 use super::support::build;
 use tweeze::check::Options;
-use tweeze::check::imports::Library;
+use tweeze::check::imports::NoFiles;
 use tweeze::compile::{self, ProgramSource};
 use tweeze::diagnostic::Sink;
 use tweeze::source::Sources;
@@ -11,14 +11,6 @@ use tweeze::source::Sources;
 fn found(name: &str) -> String {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/found/{name}.twz"));
     std::fs::read_to_string(path).expect("a program")
-}
-
-struct NoFiles;
-
-impl Library for NoFiles {
-    fn read(&self, _: &str, path: &str) -> Result<(String, String), String> {
-        Err(format!("no {path}"))
-    }
 }
 
 /// Everything that is said of a program: code, title, labels and help of each report.

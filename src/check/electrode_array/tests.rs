@@ -3,7 +3,7 @@
 
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
 use super::motion::{Glide, Pull};
-use crate::check::imports::{self, Library};
+use crate::check::imports::{self, NoFiles};
 use crate::check::{Checked, Options, check};
 use crate::claims::electrode_array::{
     Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayObstacle,
@@ -15,18 +15,10 @@ use crate::device::electrode_array::{
 use crate::diagnostic::Sink;
 use crate::source::{Sources, Span};
 
-struct Nothing;
-
-impl Library for Nothing {
-    fn read(&self, _from: &str, _path: &str) -> Result<(String, String), String> {
-        Err("there is none".to_owned())
-    }
-}
-
 fn checked(text: &str) -> (Option<Checked>, Vec<String>) {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let text = format!("use std.electrode_array as ea\n{text}");
-    let modules = imports::load(&mut sources, "main.twz", &text, &Nothing, &mut sink);
+    let modules = imports::load(&mut sources, "main.twz", &text, &NoFiles, &mut sink);
     let checked = check(&mut sources, &modules, &Options::default(), &mut sink);
     let codes = sink.sorted().iter().map(|diagnostic| diagnostic.code.to_string()).collect();
     (checked, codes)

@@ -2,7 +2,7 @@
 
 use super::bodies::{ObstacleSolid, RobotBody};
 use super::docking::{Docked, HeadOn, incidence_rad};
-use crate::check::imports::{self, Library};
+use crate::check::imports::{self, NoFiles};
 use crate::check::{Checked, Options, check};
 use crate::claims::microrobots::{Assurance, MicrorobotsAction, MicrorobotsObstacle, MicrorobotsOrder};
 use crate::device::microrobots::{Docking, MAX_ROBOTS, Robot, Turning};
@@ -11,19 +11,11 @@ use crate::geometry::{Pose, Shape};
 use crate::source::{Sources, Span};
 use std::f64::consts::PI;
 
-struct Nothing;
-
-impl Library for Nothing {
-    fn read(&self, _from: &str, _path: &str) -> Result<(String, String), String> {
-        Err("there is none".to_owned())
-    }
-}
-
 /// The checked program, the codes, and each help.
 fn reported(text: &str) -> (Option<Checked>, Vec<String>, Vec<String>) {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let text = format!("use std.microrobots as m\n{text}");
-    let modules = imports::load(&mut sources, "main.twz", &text, &Nothing, &mut sink);
+    let modules = imports::load(&mut sources, "main.twz", &text, &NoFiles, &mut sink);
     let checked = check(&mut sources, &modules, &Options::default(), &mut sink);
     let codes = sink.sorted().iter().map(|diagnostic| diagnostic.code.to_string()).collect();
     let helps = sink.sorted().iter().filter_map(|diagnostic| diagnostic.help.clone()).collect();
