@@ -5,7 +5,7 @@ use super::docking::{Docked, HeadOn, incidence_rad};
 use crate::check::imports::{self, NoFiles};
 use crate::check::{Checked, Options, check};
 use crate::claims::microrobots::{Assurance, MicrorobotsAction, MicrorobotsObstacle, MicrorobotsOrder};
-use crate::device::microrobots::{Docking, MAX_ROBOTS, Robot, Turning};
+use crate::device::microrobots::{Docking, MAX_ROBOTS, Robot, Turning, fixture};
 use crate::diagnostic::Sink;
 use crate::geometry::{Pose, Shape};
 use crate::source::{Sources, Span};
@@ -461,16 +461,7 @@ fn a_table_that_is_not_string_docks_in_whatever_order_fits() {
 }
 
 fn robot() -> Robot {
-    Robot {
-        name: "D1".to_owned(),
-        snap_down_v: 110.0,
-        release_v: 20.0,
-        turning_radius_um: 165.0,
-        step_um: 0.01,
-        turning: Turning::Clockwise,
-        length_um: 260.0,
-        width_um: 60.0,
-    }
+    Robot { length_um: 260.0, ..fixture::robot("D1", 165.0, 0.01) }
 }
 
 fn near(one: f64, other: f64) -> bool {
