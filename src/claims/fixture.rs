@@ -1,6 +1,11 @@
 //! Orders for tests.
 
+use super::electrode_array::{
+    BoardPart, Bystanders, ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayOrder, ElectrodeArrayPlanner,
+    ElectrodeArrayStep,
+};
 use super::microrobots::{Assurance, MicrorobotsOrder, Placed, Precision};
+use crate::device::electrode_array::ElectrodeArrayFacts;
 use crate::device::microrobots::{ControlState, MicrorobotsFacts, MicrorobotsObjective};
 use crate::geometry::Pose;
 use crate::source::Span;
@@ -23,5 +28,25 @@ pub fn bed_order(
         precision: Precision { place_um: 0.5, heading_rad: 0.01 },
         assurance: Assurance::Reported,
         steps: Vec::new(),
+    }
+}
+
+/// A task on a board without obstacles.
+pub fn board_order(
+    facts: ElectrodeArrayFacts,
+    parts: impl IntoIterator<Item = BoardPart>,
+    steps: Vec<ElectrodeArrayStep>,
+) -> ElectrodeArrayOrder {
+    ElectrodeArrayOrder {
+        facts,
+        obstacles: Arc::default(),
+        parts: Arc::new(parts.into_iter().collect()),
+        zones: Arc::default(),
+        objective: ElectrodeArrayObjective::Makespan,
+        planner: ElectrodeArrayPlanner { method: ElectrodeArrayMethod::Portfolio, expansions: 1000 },
+        bystanders: Bystanders::Stay,
+        contents: Vec::new(),
+        contamination: Default::default(),
+        steps,
     }
 }
