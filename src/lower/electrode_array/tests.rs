@@ -5,8 +5,8 @@ use crate::claims::electrode_array::{
     BoardPart, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayPlanner, ElectrodeArrayStep as TaskStep,
     ElectrodeArrayStop,
 };
-use crate::claims::fixture::board_order;
-use crate::claims::{Claims, Job, Order, Timeline};
+use crate::claims::fixture::{self, board_order};
+use crate::claims::{Claims, Order, Timeline};
 use crate::device::electrode_array::fixture::{droplets, microparts};
 use crate::diagnostic::Sink;
 use crate::lower::lower;
@@ -57,27 +57,8 @@ pub(crate) fn carried(facts: &ElectrodeArrayFacts, steps: &[Vec<Vec<(u32, u32)>>
         remarks: Vec::new(),
         motion: ElectrodeArrayMotion { start, steps: ways.iter().map(motion).collect() },
     };
-    let job = Job {
-        task: "carry".to_owned(),
-        device: "plate".to_owned(),
-        requirements: Vec::new(),
-        events: Vec::new(),
-        holds: Vec::new(),
-        order: Order::ElectrodeArray(order),
-        span: Span::default(),
-        run_span: Span::default(),
-    };
-    let claims = Claims {
-        name: "carry".to_owned(),
-        timeline: Timeline::Run(0),
-        jobs: vec![job],
-        wires: Default::default(),
-        bench: Default::default(),
-        outputs: Default::default(),
-        shared: Vec::new(),
-        not_held: Vec::new(),
-        span: Span::default(),
-    };
+    let jobs = vec![fixture::job("carry", "plate", Order::ElectrodeArray(order))];
+    let claims = fixture::claims("carry", jobs, Timeline::Run(0));
     let mut sources = Sources::default();
     sources.add("carry.twz", "task carry on plate {}\n");
     let order = ElectrodeArrayOrder::of(&claims.jobs[0].order).expect("its order");

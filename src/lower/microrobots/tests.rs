@@ -1,10 +1,10 @@
 //! Lowering of legs, and a schedule for the tests of later stages.
 
 use super::*;
-use crate::claims::fixture::bed_order;
+use crate::claims::fixture::{self, bed_order};
 use crate::claims::microrobots::{Dock, MicrorobotsAction, MicrorobotsObstacle, MicrorobotsStep, MicrorobotsStop};
-use crate::claims::{Claims, Job, Order, Timeline};
-use crate::device::microrobots::fixture;
+use crate::claims::{Claims, Order, Timeline};
+use crate::device::microrobots::fixture as bed;
 use crate::device::microrobots::{Docking as Meeting, Fine, MicrorobotsFacts, Robot, Turning};
 use crate::diagnostic::Sink;
 use crate::geometry::Pose;
@@ -23,7 +23,7 @@ pub(crate) fn facts() -> MicrorobotsFacts {
         release_v: 250.0 - snap_down_v,
         turning,
         length_um: 120.0,
-        ..fixture::robot(name, 150.0, 2.0)
+        ..bed::robot(name, 150.0, 2.0)
     };
     let robots = vec![
         robot("D1", 140.0, Turning::Clockwise),
@@ -38,7 +38,7 @@ pub(crate) fn facts() -> MicrorobotsFacts {
         orbit_clearance_um: 40.0,
         docking: Meeting { self_aligning_rad: 1.0, self_aligning_um: 80.0, sticking_rad: 0.75, tolerance_um: 2.0 },
         fine: Fine { length_um: 300.0, cycle_um: 30.0 },
-        ..fixture::facts(robots)
+        ..bed::facts(robots)
     }
 }
 
@@ -55,7 +55,7 @@ pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
         pose: Pose { x_um: -400.0, y_um: 300.0, heading_rad: 0.5 },
         span: Span::default(),
     };
-    let states = fixture::string_states(3, 2.0, |down| LEVELS_V[down].to_vec());
+    let states = bed::string_states(3, 2.0, |down| LEVELS_V[down].to_vec());
     let order = MicrorobotsOrder {
         obstacles: Arc::new(vec![post]),
         expansions: 1,
@@ -74,27 +74,9 @@ pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
         remarks: Vec::new(),
         motion: MicrorobotsMotion { start: Crew { poses: start.to_vec(), docked: vec![false; 3] }, steps },
     };
-    let job = Job {
-        task: "assemble".to_owned(),
-        device: "m".to_owned(),
-        requirements: Vec::new(),
-        events: Vec::new(),
-        holds: Vec::new(),
-        order: Order::Microrobots(order),
-        span: Span::default(),
-        run_span: Span::default(),
-    };
-    let mut claims = Claims {
-        name: "bed".to_owned(),
-        timeline: Timeline::Run(0),
-        jobs: vec![job],
-        wires: [("m.bed".to_owned(), "Dev2/ao0".to_owned())].into(),
-        bench: Default::default(),
-        outputs: Default::default(),
-        shared: Vec::new(),
-        not_held: Vec::new(),
-        span: Span::default(),
-    };
+    let jobs = vec![fixture::job("assemble", "m", Order::Microrobots(order))];
+    let mut claims = fixture::claims("bed", jobs, Timeline::Run(0));
+    claims.wires = [("m.bed".to_owned(), "Dev2/ao0".to_owned())].into();
     let mut sources = Sources::default();
     sources.add("bed.twz", SOURCE);
     let order = MicrorobotsOrder::of(&claims.jobs[0].order).expect("its order");

@@ -8,7 +8,7 @@ use crate::claims::electrode_array::{
     ElectrodeArrayObjective, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
     ElectrodeArrayPlanner, ElectrodeArrayStep, ElectrodeArrayStop, OperationPlace,
 };
-use crate::claims::fixture::board_order;
+use crate::claims::fixture::{self, board_order};
 use crate::claims::{Job, Order, Relation, Requirement};
 use crate::device::electrode_array::fixture::{droplets, microparts};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
@@ -60,16 +60,8 @@ fn wall(name: &str, from: (u32, u32), to: (u32, u32)) -> ElectrodeArrayObstacle 
 }
 
 fn job(order: ElectrodeArrayOrder, requirements: Vec<Requirement>) -> Job {
-    Job {
-        task: "swap".to_owned(),
-        device: "plate".to_owned(),
-        requirements,
-        events: Vec::new(),
-        holds: Vec::new(),
-        order: Order::ElectrodeArray(order),
-        span: span(1),
-        run_span: span(2),
-    }
+    let usual = fixture::job("swap", "plate", Order::ElectrodeArray(order));
+    Job { requirements, span: span(1), run_span: span(2), ..usual }
 }
 
 fn limit(outcome: &str, limit: f64) -> Requirement {

@@ -4,7 +4,7 @@ use crate::claims::dimibot::{
     Asked, DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacle, DimibotObstacleBody, DimibotOrder,
     DimibotPlanner, DimibotStep, DimibotStop,
 };
-use crate::claims::{Claims, Job, Order, Timeline};
+use crate::claims::{Claims, Job, Order, Timeline, fixture};
 use crate::device::Kind;
 use crate::device::dimibot::tests::femto_st;
 use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Simultaneous};
@@ -51,41 +51,17 @@ pub fn order(facts: DimibotFacts, actions: Vec<DimibotAction>) -> DimibotOrder {
 }
 
 pub fn job(task: &str, device: &str, order: DimibotOrder) -> Job {
-    job_of(task, device, Order::Dimibot(order))
-}
-
-/// A job of any kind.
-pub fn job_of(task: &str, device: &str, order: Order) -> Job {
-    Job {
-        task: task.into(),
-        device: device.into(),
-        requirements: Vec::new(),
-        events: Vec::new(),
-        holds: Vec::new(),
-        order,
-        span: Span::default(),
-        run_span: Span::default(),
-    }
+    fixture::job(task, device, Order::Dimibot(order))
 }
 
 pub fn claims(jobs: Vec<Job>, timeline: Timeline) -> Claims {
-    Claims {
-        name: "day".into(),
-        timeline,
-        jobs,
-        wires: BTreeMap::new(),
-        bench: Default::default(),
-        outputs: Default::default(),
-        shared: Vec::new(),
-        not_held: Vec::new(),
-        span: Span::default(),
-    }
+    fixture::claims("day", jobs, timeline)
 }
 
 /// The claims of tasks `task0`, `task1`, ... of one device, one after the other.
 pub fn in_turn(device: &str, orders: impl IntoIterator<Item = Order>) -> Claims {
     let orders = orders.into_iter().enumerate();
-    let jobs: Vec<Job> = orders.map(|(at, order)| job_of(&format!("task{at}"), device, order)).collect();
+    let jobs: Vec<Job> = orders.map(|(at, order)| fixture::job(&format!("task{at}"), device, order)).collect();
     let timeline = Timeline::Sequence((0..jobs.len()).map(Timeline::Run).collect());
     claims(jobs, timeline)
 }

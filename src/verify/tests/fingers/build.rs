@@ -1,6 +1,7 @@
 //! Makes claims on a hand, and schedules of its tips by the law of rolling, with records of its own.
 
-use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, FingersStep, HandPart, Section};
+use crate::claims::fingers::{FingersAction, FingersOrder, FingersStep, Section};
+use crate::claims::fixture::hand_order;
 use crate::claims::{Claims, Job, Order};
 use crate::device::Kind;
 use crate::device::fingers::{AXES, FingersFacts, Plane, channel, fixture};
@@ -48,23 +49,12 @@ pub fn with_contacts(outline: Outline) -> Section {
 }
 
 pub fn order() -> FingersOrder {
-    FingersOrder {
-        facts: Arc::new(facts()),
-        part: Arc::new(HandPart {
-            name: "bead".into(),
-            xy: section([16.0, 11.845]),
-            xz: Some(section([16.0, 11.845])),
-            centre_um: [0.0; 3],
-            position_um: [1.0, -2.0, 3.0],
-            span: Span::default(),
-        }),
-        precision_rad: 0.01,
-        load_un: [0.0; 3],
-        planner: FingersPlanner::JointAstar,
-        expansions: 1000,
-        looks: None,
-        steps: Vec::new(),
-    }
+    let mut order = hand_order(facts(), Vec::new());
+    let part = Arc::make_mut(&mut order.part);
+    part.xy = section([16.0, 11.845]);
+    part.xz = Some(section([16.0, 11.845]));
+    part.position_um = [1.0, -2.0, 3.0];
+    order
 }
 
 pub fn in_turn(orders: Vec<FingersOrder>) -> Claims {
