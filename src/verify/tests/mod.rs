@@ -63,6 +63,42 @@ fn passes(schedule: &Schedule, claims: &Claims) {
     assert!(rules(schedule, claims).is_empty());
 }
 
+/// Why claims cannot be judged; `None` if they were.
+fn why(schedule: &Schedule, claims: &Claims) -> Option<String> {
+    match verify(schedule.clone(), claims) {
+        Verdict::Inconclusive { why } => Some(why),
+        Verdict::Accepted(_) | Verdict::Rejected(_) => None,
+    }
+}
+
+/// Asserts that claims cannot be judged, for a reason of these words.
+#[track_caller]
+fn inconclusive(schedule: &Schedule, claims: &Claims, expected: &str) {
+    let why = why(schedule, claims).unwrap_or_else(|| panic!("claims were judged, not {expected}"));
+    assert!(why.contains(expected), "{why}, not {expected}");
+}
+
+/// The words of a reason, and the edit of an order that is one.
+type UnfitOrder<O> = (&'static str, fn(&mut O));
+
+/// Asserts that sound claims can be judged, and that each edit of their first order makes them unfit for its reason.
+#[track_caller]
+fn each_unfit<O>(sound: (&Schedule, &Claims), order_of: fn(&mut Claims, usize) -> &mut O, cases: &[UnfitOrder<O>]) {
+    let (schedule, claims) = sound;
+    passes(schedule, claims);
+    for (expected, spoil) in cases {
+        let mut claims = claims.clone();
+        spoil(order_of(&mut claims, 0));
+        inconclusive(schedule, &claims, expected);
+    }
+}
+
+/// Edits one item of a list, wherever an index points.
+fn write<T>(list: &mut [T], at: usize, edit: impl FnOnce(&mut T)) {
+    let len = list.len().max(1);
+    list.get_mut(at % len).map(edit);
+}
+
 /// A schedule of some claims in which nothing happens.
 fn bare(claims: &Claims) -> Schedule {
     Schedule {

@@ -1,4 +1,4 @@
-use super::{Edit, each_alone, only, passes, rules};
+use super::{Edit, each_alone, only, passes, rules, why};
 use crate::claims::Claims;
 use crate::claims::electrode_array::{
     Bystanders, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObjective, ElectrodeArrayObstacleBody,
