@@ -9,10 +9,12 @@ mod case;
 mod found;
 mod programs;
 mod scene;
+#[path = "../support/mod.rs"]
+mod support;
 
 use brute::Figures;
 use case::Case;
-use scene::{KEYS, Limit, OUTCOMES, Random, Scene};
+use scene::{KEYS, Limit, OUTCOMES, Random, Scene, cases};
 use tweeze::compile::{CompileOutcome, ProgramSource, compile};
 use tweeze::diagnostic::{Diagnostic, Sink};
 use tweeze::schedule::{PlanRecord, Schedule};
@@ -46,10 +48,6 @@ fn schedules(text: &str) -> Result<Vec<Schedule>, Vec<Diagnostic>> {
         }
         CompileOutcome::Refused => panic!("the verifier refuses it: {:?}\n{text}", sink.sorted()),
     }
-}
-
-fn cases(usual: usize) -> usize {
-    std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(usual)
 }
 
 fn close(a: f64, b: f64) -> bool {

@@ -1,17 +1,11 @@
 //! Holding, the reserve, and the messages if nothing holds: programs that once were answered wrongly.
 
-use super::support::build;
+use super::support::{build, found};
 use tweeze::check::Options;
 use tweeze::check::imports::NoFiles;
 use tweeze::compile::{self, ProgramSource};
 use tweeze::diagnostic::Sink;
 use tweeze::source::Sources;
-
-/// A program of the folder of failures.
-fn found(name: &str) -> String {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/found/{name}.twz"));
-    std::fs::read_to_string(path).expect("a program")
-}
 
 /// Everything that is said of a program: code, title, labels and help of each report.
 pub fn reported(text: &str) -> Vec<String> {

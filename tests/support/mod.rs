@@ -2,7 +2,7 @@
 
 #![allow(dead_code, reason = "each test uses the part that it needs")]
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use tweeze::check::Options;
 use tweeze::check::imports::Library;
 use tweeze::claims::electrode_array::ElectrodeArrayOrder;
@@ -27,6 +27,17 @@ pub struct Built {
     /// Whether the verifier, and not the checker or a planner, stopped it.
     pub refused: bool,
     provenance: Provenance,
+}
+
+/// Where a program that was answered wrongly once is kept.
+pub fn found_path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/found").join(format!("{name}.twz"))
+}
+
+/// Its text.
+pub fn found(name: &str) -> String {
+    let path = found_path(name);
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 /// The files in a folder of the project.
