@@ -33,7 +33,7 @@ impl<'a> JudgedRun<'a> {
 
     /// The first instant after the run.
     pub fn end_ns(&self) -> u64 {
-        self.plan.start_ns + self.plan.duration_ns
+        self.plan.end_ns()
     }
 }
 
@@ -112,7 +112,7 @@ fn steps(run: &JudgedRun, findings: &mut Findings) {
             let title = format!("step {index} starts at {}, but is due at {}", ms(step.start_ns), ms(due_ns));
             findings.push(Violation::new(Rule::Step, step.start_ns, title).step(*index));
         }
-        due_ns = step.start_ns + step.duration_ns;
+        due_ns = step.end_ns();
     }
     if due_ns != run.end_ns() {
         let title =
@@ -125,7 +125,7 @@ fn intervals(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     findings.asked(Rule::Interval, of_devices(schedule, claims).count());
     for (index, actuation) in of_devices(schedule, claims) {
         let step = &schedule.steps[actuation.step as usize];
-        let end_ns = step.start_ns + step.duration_ns;
+        let end_ns = step.end_ns();
         if actuation.start_ns < step.start_ns || actuation.end_ns() > end_ns {
             let title = format!(
                 "actuation {index} lasts from {} to {}, outside its step from {} to {}",
@@ -240,7 +240,7 @@ fn busy(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
         findings.asked(Rule::Busy, runs.len());
         for pair in runs.windows(2) {
             let ((first, one), (second, other)) = (pair[0], pair[1]);
-            let end_ns = first.start_ns + first.duration_ns;
+            let end_ns = first.end_ns();
             if second.start_ns < end_ns {
                 let title = format!(
                     "`{device}` begins `{}` at {}, but runs `{}` until {}",

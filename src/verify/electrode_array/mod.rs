@@ -110,7 +110,7 @@ impl Judge for ElectrodeArrayOrder {
             }
         }
         for wrong in contents::broken(claims, run.job, &run.tally) {
-            let end_ns = run.plan.start_ns + run.plan.duration_ns;
+            let end_ns = run.plan.end_ns();
             findings.push(Violation::new(Rule::Requirement, end_ns, wrong.title).label(wrong.span, "this droplet"));
         }
         standing.insert(&run.job.device, board.state());
@@ -284,7 +284,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         stage.gone().for_each(|part| self.cells[part] = None);
         if beats > 0 {
             self.idle(nth, moved, findings);
-            self.record(step.start_ns + step.duration_ns)?;
+            self.record(step.end_ns())?;
         }
         Ok(())
     }
@@ -371,7 +371,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             if missed.is_empty() && assay.end() < beats {
                 findings.push(self.idle_assay(nth, assay.end()));
             }
-            self.record(step.start_ns + step.duration_ns)?;
+            self.record(step.end_ns())?;
         }
         Ok(())
     }
@@ -488,7 +488,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let step = self.run.step(nth);
         findings.asked(Rule::Idle, 1);
         if moved == 0 {
-            let end_ns = step.start_ns + step.duration_ns;
+            let end_ns = step.end_ns();
             let from_ns = end_ns - self.order.facts.step_ns;
             let title = format!("no part moves from {} to the end of the step at {}", ms(from_ns), ms(end_ns));
             findings.push(self.within(Rule::Idle, nth, from_ns, title));
@@ -498,7 +498,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     /// Parts come by their stops in order, and end at their goals.
     fn goals(&self, nth: usize, stage: &JudgedStage, findings: &mut Findings) {
         let step = self.run.step(nth);
-        let end_ns = step.start_ns + step.duration_ns;
+        let end_ns = step.end_ns();
         for (part, stop) in stage.empty(&self.cells) {
             let name = &self.order.parts[part].name;
             let title = format!(
@@ -521,7 +521,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     /// Parts that yielded are back where they were.
     fn returns(&self, nth: usize, homes: impl Iterator<Item = (usize, ElectrodeCell)>, findings: &mut Findings) {
         let step = self.run.step(nth);
-        let end_ns = step.start_ns + step.duration_ns;
+        let end_ns = step.end_ns();
         for (part, home) in homes {
             findings.asked(Rule::Bystander, 1);
             let Some(end) = self.cells[part].filter(|cell| *cell != home) else { continue };

@@ -134,7 +134,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
     /// When a step ends.
     pub(super) fn end_ns(&self, nth: usize) -> u64 {
         let step = self.run.step(nth);
-        step.start_ns + step.duration_ns
+        step.end_ns()
     }
 
     pub(super) fn is_release(&self, nth: usize) -> bool {

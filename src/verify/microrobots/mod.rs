@@ -235,7 +235,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
     /// When a step ends.
     fn end_ns(&self, nth: usize) -> u64 {
         let step = self.run.step(nth);
-        step.start_ns + step.duration_ns
+        step.end_ns()
     }
 
     fn wait(&mut self, start_ns: u64, duration_ns: u64) -> Result<(), Halt> {

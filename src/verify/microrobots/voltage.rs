@@ -141,7 +141,7 @@ impl DrivenBed<'_, '_> {
                 Some(swing) => legs.push(self.train(nth, actuation, swing, cycle_ns.take())?),
             }
         }
-        self.gap(nth, due_ns, step.start_ns + step.duration_ns, findings);
+        self.gap(nth, due_ns, step.end_ns(), findings);
         self.run.tally.asked(Rule::Train, 1);
         if let Some(cycle_ns) = cycle_ns {
             let title = format!("a control cycle from {} on is not followed by strokes", ms(cycle_ns));

@@ -84,7 +84,7 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
     }),
     ("a step more", Rule::Step, |s| {
         let mut step = s.steps[6].clone();
-        (step.start_ns, step.duration_ns) = (step.start_ns + step.duration_ns, 0);
+        (step.start_ns, step.duration_ns) = (step.end_ns(), 0);
         s.steps.push(step);
     }),
     ("a step of another task", Rule::Step, |s| s.steps[0].task = "back".into()),
