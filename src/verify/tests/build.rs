@@ -5,7 +5,6 @@ use crate::claims::dimibot::{
     DimibotPlanner, DimibotStep, DimibotStop,
 };
 use crate::claims::{Claims, Job, Order, Timeline, fixture};
-use crate::device::Kind;
 use crate::device::dimibot::tests::femto_st;
 use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Simultaneous};
 use crate::geometry::shape::{Pose, Shape};
@@ -134,23 +133,7 @@ fn empty_plan(job: &Job) -> PlanRecord {
         DimibotObjective::Time => ("time", "ms"),
         DimibotObjective::Energy => ("energy", "mJ"),
     };
-    PlanRecord {
-        task: job.task.clone(),
-        device: job.device.clone(),
-        kind: Kind::Dimibot,
-        planner: "staged_astar".into(),
-        objective: objective.into(),
-        unit: unit.into(),
-        cost: 0.0,
-        bound: 0.0,
-        optimal: true,
-        bounds: Default::default(),
-        outcomes: BTreeMap::new(),
-        start_ns: 0,
-        duration_ns: 0,
-        states: Vec::new(),
-        remarks: Vec::new(),
-    }
+    PlanRecord { optimal: true, ..super::record_of(job, "staged_astar", [objective, unit], [0, 0]) }
 }
 
 fn lay(part: &Timeline, start_ns: u64, claims: &Claims, pulses: Pulses, schedule: &mut Schedule) -> u64 {

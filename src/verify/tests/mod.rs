@@ -15,7 +15,8 @@ mod outputs;
 
 use super::*;
 use crate::claims::Job;
-use crate::schedule::{ScheduledStep, SourceRef};
+use crate::schedule::dimibot::DimibotState;
+use crate::schedule::{PlanRecord, ScheduledStep, SourceRef};
 use crate::source::Span;
 use build::*;
 
@@ -52,6 +53,30 @@ fn each_alone(sound: &Schedule, claims: &Claims, broken: &[(&str, Rule, Edit)]) 
     });
     let expected: Vec<_> = broken.iter().map(|(name, rule, _)| (*name, vec![*rule])).collect();
     assert_eq!(found.collect::<Vec<_>>(), expected);
+}
+
+/// Edits of a record that are caught whatever kind it is of.
+const RECORD: &[(&str, Rule, Edit)] = &[
+    ("a state too late", Rule::State, |s| s.plans[0].states[1].t_ns += 1),
+    ("a state less", Rule::State, |s| drop(s.plans[0].states.pop())),
+    ("a state twice", Rule::State, |s| {
+        let last = s.plans[0].states.last().cloned();
+        s.plans[0].states.extend(last);
+    }),
+    ("a state of another kind", Rule::State, |s| {
+        s.plans[0].states[1].state = State::Dimibot(DimibotState { word: 0, cell: [0, 0], position_um: [0.0, 0.0] });
+    }),
+    ("no states", Rule::State, |s| s.plans[0].states.clear()),
+];
+
+/// Asserts that each edit of a sound schedule breaks nothing.
+#[track_caller]
+fn each_passes(sound: &Schedule, claims: &Claims, near: &[(&str, Edit)]) {
+    for (name, edit) in near {
+        let mut near = sound.clone();
+        edit(&mut near);
+        assert_eq!(rules(&near, claims), [], "{name}");
+    }
 }
 
 /// Asserts that nothing is broken.
@@ -128,5 +153,26 @@ fn step_of(job: &Job, plan: usize, [start_ns, end_ns]: [u64; 2]) -> ScheduledSte
         reached: Vec::new(),
         operations: Vec::new(),
         span: Span::default(),
+    }
+}
+
+/// The planner's record of a job, from an instant to another; not proven, and without states.
+fn record_of(job: &Job, planner: &str, [objective, unit]: [&str; 2], [start_ns, end_ns]: [u64; 2]) -> PlanRecord {
+    PlanRecord {
+        task: job.task.clone(),
+        device: job.device.clone(),
+        kind: job.kind(),
+        planner: planner.into(),
+        objective: objective.into(),
+        unit: unit.into(),
+        cost: 0.0,
+        bound: 0.0,
+        optimal: false,
+        bounds: Default::default(),
+        outcomes: Default::default(),
+        start_ns,
+        duration_ns: end_ns - start_ns,
+        states: Vec::new(),
+        remarks: Vec::new(),
     }
 }

@@ -7,12 +7,11 @@ use crate::claims::electrode_array::{
 };
 use crate::claims::fixture::board_order;
 use crate::claims::{Claims, Job, Order};
-use crate::device::Kind;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, fixture};
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, TimedState};
 use crate::source::Span;
-use crate::verify::tests::{bare, build, step_of};
+use crate::verify::tests::{bare, build, record_of, step_of};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A beat.
@@ -250,21 +249,12 @@ impl Writer {
             ElectrodeArrayObjective::SumOfCosts => ("sum_of_costs", costs as f64),
         };
         PlanRecord {
-            task: job.task.clone(),
-            device: job.device.clone(),
-            kind: Kind::ElectrodeArray,
-            planner: "portfolio".into(),
-            objective: objective.into(),
-            unit: String::new(),
             cost,
             bound: cost,
             optimal: true,
             outcomes: outcomes.map(|(name, value)| (name.to_owned(), value)).collect(),
-            bounds: BTreeMap::new(),
-            start_ns,
-            duration_ns,
             states,
-            remarks: Vec::new(),
+            ..record_of(job, "portfolio", [objective, ""], [start_ns, self.at_ns])
         }
     }
 

@@ -3,14 +3,13 @@
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersStep, Section};
 use crate::claims::fixture::hand_order;
 use crate::claims::{Claims, Job, Order};
-use crate::device::Kind;
 use crate::device::fingers::{AXES, FingersFacts, Plane, channel, fixture};
 use crate::geometry::outline::{Curve, Outline};
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::fingers::FingersState;
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, TimedState};
 use crate::source::Span;
-use crate::verify::tests::{bare, build, step_of};
+use crate::verify::tests::{bare, build, record_of, step_of};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -349,21 +348,10 @@ fn run(schedule: &mut Schedule, job: &Job, index: usize, day: &Day) {
     let outcomes =
         [("effort_deg", effort_deg), ("reconfigurations", reconfigurations), ("time_ns", (at_ns - start_ns) as f64)];
     schedule.plans.push(PlanRecord {
-        task: job.task.clone(),
-        device: job.device.clone(),
-        kind: Kind::Fingers,
-        planner: "joint_astar".into(),
-        objective: "effort".into(),
-        unit: "deg".into(),
         cost: effort_deg,
-        bound: 0.0,
-        optimal: false,
         outcomes: outcomes.map(|(name, value)| (name.to_owned(), value)).into(),
-        bounds: BTreeMap::new(),
-        start_ns,
-        duration_ns: at_ns - start_ns,
         states,
-        remarks: Vec::new(),
+        ..record_of(job, "joint_astar", ["effort", "deg"], [start_ns, at_ns])
     });
     schedule.duration_ns = at_ns;
 }

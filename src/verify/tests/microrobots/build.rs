@@ -5,15 +5,13 @@ use crate::claims::microrobots::{
     Dock, MicrorobotsAction, MicrorobotsObstacle, MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop,
 };
 use crate::claims::{Claims, Job, Order};
-use crate::device::Kind;
 pub use crate::device::microrobots::fixture::pose;
 use crate::device::microrobots::{Arm, ControlState, Docking, Fine, MicrorobotsFacts, Robot, Turning, fixture};
 use crate::geometry::{Pose, Shape};
 use crate::schedule::microrobots::{MicrorobotsState, RecordedPose};
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, Swing, TimedState};
 use crate::source::Span;
-use crate::verify::tests::{bare, build, step_of};
-use std::collections::BTreeMap;
+use crate::verify::tests::{bare, build, record_of, step_of};
 use std::f64::consts::TAU;
 
 /// A stroke.
@@ -238,21 +236,10 @@ impl Writer {
             ("strokes", strokes as f64),
         ];
         self.schedule.plans.push(PlanRecord {
-            task: job.task.clone(),
-            device: job.device.clone(),
-            kind: Kind::Microrobots,
-            planner: "one_way_dubins".into(),
-            objective: "time".into(),
-            unit: "s".into(),
             cost: seconds,
-            bound: 0.0,
-            optimal: false,
             outcomes: outcomes.map(|(name, value)| (name.to_owned(), value)).into(),
-            bounds: BTreeMap::new(),
-            start_ns,
-            duration_ns: self.at_ns - start_ns,
             states,
-            remarks: Vec::new(),
+            ..record_of(job, "one_way_dubins", ["time", "s"], [start_ns, self.at_ns])
         });
     }
 
