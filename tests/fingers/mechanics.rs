@@ -1,18 +1,11 @@
 //! Holding, the reserve, and the messages if nothing holds: programs that once were answered wrongly.
 
-use super::support::{build, found};
-use tweeze::check::Options;
+use super::support::{build, compiled, found};
 use tweeze::check::imports::NoFiles;
-use tweeze::compile::{self, ProgramSource};
-use tweeze::diagnostic::Sink;
-use tweeze::source::Sources;
 
 /// Everything that is said of a program: code, title, labels and help of each report.
 pub fn reported(text: &str) -> Vec<String> {
-    let options = Options::default();
-    let program = ProgramSource { name: "test.twz", text, library: &NoFiles, options: &options };
-    let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    compile::compile(&program, &mut sources, &mut sink, &mut ());
+    let (_, _, sink) = compiled(&NoFiles, text);
     sink.sorted().into_iter().map(|diagnostic| format!("{diagnostic:?}")).collect()
 }
 
