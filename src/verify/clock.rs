@@ -9,6 +9,7 @@ use super::form::is_auxiliary;
 use super::rule::{Findings, Rule, Violation, ms};
 use crate::claims::{Claims, Job, Timeline};
 use crate::schedule::{Actuation, PlanRecord, Schedule, ScheduledStep};
+use crate::source::Span;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -20,6 +21,8 @@ pub(super) struct JudgedRun<'a> {
     pub plan: &'a PlanRecord,
     /// Indices of the schedule's steps, in order.
     pub steps: Vec<usize>,
+    /// Where each of the job's steps is written.
+    pub spans: Vec<Span>,
     /// By start, then channel.
     pub actuations: Vec<&'a Actuation>,
     pub tally: Rc<Tally>,
@@ -34,6 +37,21 @@ impl<'a> JudgedRun<'a> {
     /// The first instant after the run.
     pub fn end_ns(&self) -> u64 {
         self.plan.end_ns()
+    }
+
+    /// A violation in a step of the run.
+    pub fn violation(&self, rule: Rule, nth: usize, time_ns: u64, title: String) -> Violation {
+        Violation::new(rule, time_ns, title).step(self.steps[nth]).label(self.spans[nth], "in this step")
+    }
+
+    /// A wait lasts as long as claimed.
+    pub fn wait_lasts(&self, nth: usize, duration_ns: u64, findings: &mut Findings) {
+        findings.asked(Rule::Wait, 1);
+        let step = self.step(nth);
+        if step.duration_ns != duration_ns {
+            let title = format!("wait lasts {}, {} is claimed", ms(step.duration_ns), ms(duration_ns));
+            findings.push(self.violation(Rule::Wait, nth, step.start_ns, title));
+        }
     }
 }
 
@@ -73,8 +91,8 @@ fn plans(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
 
 fn paired<'a>(schedule: &'a Schedule, claims: &'a Claims, tally: &Rc<Tally>) -> Vec<JudgedRun<'a>> {
     let pair = |(plan, job)| {
-        let (steps, actuations, tally) = (Vec::new(), Vec::new(), tally.clone());
-        JudgedRun { schedule, job, plan, steps, actuations, tally }
+        let (steps, spans, actuations) = (Vec::new(), Job::step_spans(job), Vec::new());
+        JudgedRun { schedule, job, plan, steps, spans, actuations, tally: tally.clone() }
     };
     let mut runs: Vec<JudgedRun> = schedule.plans.iter().zip(&claims.jobs).map(pair).collect();
     for (index, step) in schedule.steps.iter().enumerate() {

@@ -274,8 +274,7 @@ impl DimibotRun<'_> {
 
     /// A violation at a pulse, with its step.
     fn at(&self, rule: Rule, pulse: &PulseInstant, title: String) -> Violation {
-        let span = self.order.steps[pulse.nth].span;
-        Violation::new(rule, pulse.start_ns, title).step(pulse.step).label(span, "in this step")
+        self.run.violation(rule, pulse.nth, pulse.start_ns, title)
     }
 
     /// A violation of a step as a whole.

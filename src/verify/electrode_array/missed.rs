@@ -40,7 +40,7 @@ impl JudgedBoard<'_, '_> {
             None => format!("`{name}` is to come to {cell}, but does not in its turn; {ends}"),
         };
         let span = missed.stop.map_or(missed.operation.span, |stop| stop.span);
-        self.within(Rule::Goal, nth, end_ns, title).label(span, "this operation")
+        self.run.violation(Rule::Goal, nth, end_ns, title).label(span, "this operation")
     }
 
     /// An assay ends with its last operation.
@@ -48,6 +48,6 @@ impl JudgedBoard<'_, '_> {
         let step = self.run.step(nth);
         let (done_ns, end_ns) = (step.start_ns + beats * self.order.facts.step_ns, step.end_ns());
         let title = format!("all operations are done at {}, but the step ends at {}", ms(done_ns), ms(end_ns));
-        self.within(Rule::Idle, nth, done_ns, title)
+        self.run.violation(Rule::Idle, nth, done_ns, title)
     }
 }
