@@ -1,3 +1,4 @@
+use super::dimibot::build::*;
 use super::*;
 use crate::claims::dimibot::{DimibotAction, DimibotMethod, DimibotObjective};
 use crate::claims::{Job, Relation, Requirement, Timeline};

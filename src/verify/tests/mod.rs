@@ -1,24 +1,33 @@
 //! Every rule is broken by hand in a way that it alone catches, and nearly broken in a way that passes.
 
-mod beside;
-mod build;
 mod dimibot;
 mod electrode_array;
 mod faults;
 mod fingers;
-mod garbage;
 mod general;
 mod holds;
 mod microrobots;
-mod mutants;
 mod outputs;
 
 use super::*;
-use crate::claims::Job;
+use crate::claims::{Job, Order, Timeline, fixture};
 use crate::schedule::dimibot::DimibotState;
 use crate::schedule::{PlanRecord, ScheduledStep, SourceRef};
 use crate::source::Span;
-use build::*;
+
+const MS: u64 = 1_000_000;
+
+fn claims(jobs: Vec<Job>, timeline: Timeline) -> Claims {
+    fixture::claims("day", jobs, timeline)
+}
+
+/// The claims of tasks `task0`, `task1`, ... of one device, one after the other.
+fn in_turn(device: &str, orders: impl IntoIterator<Item = Order>) -> Claims {
+    let orders = orders.into_iter().enumerate();
+    let jobs: Vec<Job> = orders.map(|(at, order)| fixture::job(&format!("task{at}"), device, order)).collect();
+    let timeline = Timeline::Sequence((0..jobs.len()).map(Timeline::Run).collect());
+    claims(jobs, timeline)
+}
 
 /// The rules that a schedule breaks, each once, in the order of the ledger.
 fn rules(schedule: &Schedule, claims: &Claims) -> Vec<Rule> {

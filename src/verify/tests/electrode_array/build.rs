@@ -11,7 +11,7 @@ use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electro
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, TimedState};
 use crate::source::Span;
-use crate::verify::tests::{bare, build, record_of, step_of};
+use crate::verify::tests::{self, bare, record_of, step_of};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A beat.
@@ -119,7 +119,7 @@ pub fn alone(order: ElectrodeArrayOrder) -> Claims {
 
 /// Tasks of one device, one after the other.
 pub fn in_turn(orders: Vec<ElectrodeArrayOrder>) -> Claims {
-    build::in_turn("board", orders.into_iter().map(Order::ElectrodeArray))
+    tests::in_turn("board", orders.into_iter().map(Order::ElectrodeArray))
 }
 
 pub fn order_of(claims: &mut Claims, job: usize) -> &mut ElectrodeArrayOrder {

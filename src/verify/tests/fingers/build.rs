@@ -9,7 +9,7 @@ use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::fingers::FingersState;
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, TimedState};
 use crate::source::Span;
-use crate::verify::tests::{bare, build, record_of, step_of};
+use crate::verify::tests::{self, bare, record_of, step_of};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -57,7 +57,7 @@ pub fn order() -> FingersOrder {
 }
 
 pub fn in_turn(orders: Vec<FingersOrder>) -> Claims {
-    build::in_turn("hand", orders.into_iter().map(Order::Fingers))
+    tests::in_turn("hand", orders.into_iter().map(Order::Fingers))
 }
 
 pub fn order_of(claims: &mut Claims, job: usize) -> &mut FingersOrder {

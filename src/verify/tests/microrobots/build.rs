@@ -11,7 +11,7 @@ use crate::geometry::{Pose, Shape};
 use crate::schedule::microrobots::{MicrorobotsState, RecordedPose};
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, Swing, TimedState};
 use crate::source::Span;
-use crate::verify::tests::{bare, build, record_of, step_of};
+use crate::verify::tests::{self, bare, record_of, step_of};
 use std::f64::consts::TAU;
 
 /// A stroke.
@@ -64,7 +64,7 @@ pub fn obstacle(name: &str, shape: Shape, pose: Pose) -> MicrorobotsObstacle {
 
 /// Tasks of one device, one after the other.
 pub fn in_turn(orders: Vec<MicrorobotsOrder>) -> Claims {
-    build::in_turn("fleet", orders.into_iter().map(Order::Microrobots))
+    tests::in_turn("fleet", orders.into_iter().map(Order::Microrobots))
 }
 
 pub fn order_of(claims: &mut Claims, job: usize) -> &mut MicrorobotsOrder {

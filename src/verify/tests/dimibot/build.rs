@@ -11,9 +11,8 @@ use crate::geometry::shape::{Pose, Shape};
 use crate::schedule::dimibot::DimibotState;
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, TimedState};
 use crate::source::Span;
+use crate::verify::tests::{MS, bare, claims, record_of, step_of};
 use std::collections::BTreeMap;
-
-pub const MS: u64 = 1_000_000;
 
 pub fn facts(left: u32, right: u32) -> DimibotFacts {
     DimibotFacts { rest_ns: 5 * MS, tip_radius_um: 0.01, ..femto_st(left, right) }
@@ -53,18 +52,6 @@ pub fn job(task: &str, device: &str, order: DimibotOrder) -> Job {
     fixture::job(task, device, Order::Dimibot(order))
 }
 
-pub fn claims(jobs: Vec<Job>, timeline: Timeline) -> Claims {
-    fixture::claims("day", jobs, timeline)
-}
-
-/// The claims of tasks `task0`, `task1`, ... of one device, one after the other.
-pub fn in_turn(device: &str, orders: impl IntoIterator<Item = Order>) -> Claims {
-    let orders = orders.into_iter().enumerate();
-    let jobs: Vec<Job> = orders.map(|(at, order)| fixture::job(&format!("task{at}"), device, order)).collect();
-    let timeline = Timeline::Sequence((0..jobs.len()).map(Timeline::Run).collect());
-    claims(jobs, timeline)
-}
-
 /// The claims of a single task.
 pub fn alone(order: DimibotOrder) -> Claims {
     claims(vec![job("fetch", "bot", order)], Timeline::Run(0))
@@ -94,7 +81,7 @@ pub fn schedule(claims: &Claims, pulses: Pulses) -> Schedule {
         bench: Default::default(),
         channels: channels(claims),
         plans: claims.jobs.iter().map(empty_plan).collect(),
-        ..super::bare(claims)
+        ..bare(claims)
     };
     schedule.duration_ns = lay(&claims.timeline, 0, claims, pulses, &mut schedule);
     schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
@@ -133,7 +120,7 @@ fn empty_plan(job: &Job) -> PlanRecord {
         DimibotObjective::Time => ("time", "ms"),
         DimibotObjective::Energy => ("energy", "mJ"),
     };
-    PlanRecord { optimal: true, ..super::record_of(job, "staged_astar", [objective, unit], [0, 0]) }
+    PlanRecord { optimal: true, ..record_of(job, "staged_astar", [objective, unit], [0, 0]) }
 }
 
 fn lay(part: &Timeline, start_ns: u64, claims: &Claims, pulses: Pulses, schedule: &mut Schedule) -> u64 {
@@ -177,7 +164,7 @@ fn lay_run(index: usize, start_ns: u64, claims: &Claims, pulses: &[&[&str]], sch
         if let DimibotAction::Wait(duration_ns) = claimed.action {
             at_ns = step_ns + duration_ns;
         }
-        schedule.steps.push(super::step_of(job, index, [step_ns, at_ns]));
+        schedule.steps.push(step_of(job, index, [step_ns, at_ns]));
     }
     schedule.plans[index].start_ns = start_ns;
     schedule.plans[index].duration_ns = at_ns - start_ns;
