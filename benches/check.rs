@@ -6,7 +6,7 @@
 use std::fmt::Write;
 use std::time::Instant;
 use tweeze::check::Options;
-use tweeze::check::imports::Library;
+use tweeze::check::imports::NoFiles;
 use tweeze::compile::{ProgramSource, check_program};
 use tweeze::diagnostic::render::{Characters, Colour, Look, human};
 use tweeze::diagnostic::{Code, Diagnostic, Sink};
@@ -15,14 +15,6 @@ use tweeze::source::{FileId, Sources, Span};
 const STEPS: u32 = 10_000;
 const RUNS: usize = 21;
 const REPORTS: usize = 200;
-
-struct Nothing;
-
-impl Library for Nothing {
-    fn read(&self, _: &str, _: &str) -> Result<(String, String), String> {
-        Err("there are no files here".to_owned())
-    }
-}
 
 fn main() {
     let text = program();
@@ -37,13 +29,13 @@ fn main() {
     });
     let checking = median_ms(|| {
         let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
-        let program = ProgramSource { name: "steps.twz", text: &text, library: &Nothing, options: &options };
+        let program = ProgramSource { name: "steps.twz", text: &text, library: &NoFiles, options: &options };
         assert!(check_program(&program, &mut sources, &mut sink).is_some(), "the program has no errors");
     });
     let crowded = crowded();
     let judging = median_ms(|| {
         let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
-        let program = ProgramSource { name: "crowd.twz", text: &crowded, library: &Nothing, options: &options };
+        let program = ProgramSource { name: "crowd.twz", text: &crowded, library: &NoFiles, options: &options };
         check_program(&program, &mut sources, &mut sink);
     });
     let mut sources = Sources::default();

@@ -4,7 +4,7 @@
 use crate::clock::timed;
 use std::fmt::Write;
 use tweeze::check::Options;
-use tweeze::check::imports::Library;
+use tweeze::check::imports::NoFiles;
 use tweeze::claims::Claims;
 use tweeze::compile::{self, ProgramSource};
 use tweeze::diagnostic::Sink;
@@ -23,15 +23,6 @@ const ENDS: [([f64; 3], [f64; 3]); 5] = [
     ([-1.5, -1.0, 0.0], [1.44, 1.26, 0.0]),
     ([5.5, 1.5, 90.0], [1.76, 1.24, 180.0]),
 ];
-
-/// Programs of the benchmark use no file beside them.
-struct Alone;
-
-impl Library for Alone {
-    fn read(&self, _: &str, path: &str) -> Result<(String, String), String> {
-        Err(format!("no file is named {path}"))
-    }
-}
 
 /// `count` robots whose table is the best for so many.
 fn program(count: usize) -> String {
@@ -57,7 +48,7 @@ fn program(count: usize) -> String {
 
 fn claims(text: &str) -> Claims {
     let options = Options::default();
-    let program = ProgramSource { name: "bench.twz", text, library: &Alone, options: &options };
+    let program = ProgramSource { name: "bench.twz", text, library: &NoFiles, options: &options };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let checked = compile::check_program(&program, &mut sources, &mut sink).expect("the program is right");
     checked.claims.into_iter().next().expect("it has a task")

@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use tweeze::check::Options;
-use tweeze::check::imports::Library;
+use tweeze::check::imports::NoFiles;
 use tweeze::claims::Claims;
 use tweeze::claims::microrobots::MicrorobotsOrder;
 use tweeze::compile::{self, ProgramSource};
@@ -33,19 +33,10 @@ const SEATS: [[f64; 3]; 6] = [
     [-160.0, 90.0, 0.0],
 ];
 
-/// Programs of the benchmark use no file beside them.
-struct Alone;
-
-impl Library for Alone {
-    fn read(&self, _: &str, path: &str) -> Result<(String, String), String> {
-        Err(format!("no file is named {path}"))
-    }
-}
-
 /// A program as checked; `None` where the checker refuses it.
 pub fn checked(text: &str) -> Option<Claims> {
     let options = Options::default();
-    let program = ProgramSource { name: "bench.twz", text, library: &Alone, options: &options };
+    let program = ProgramSource { name: "bench.twz", text, library: &NoFiles, options: &options };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     compile::check_program(&program, &mut sources, &mut sink)?.claims.into_iter().next()
 }

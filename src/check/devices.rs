@@ -6,7 +6,7 @@ use super::scope::{DeclarationPlace, DeclarationSort, in_a_used_file, nearest, p
 use super::value::Accepted;
 use super::{Checker, KindFacts, checks, errors};
 use crate::claims::ValueOrigin;
-use crate::device::instrument::{AuxiliarySort, Family};
+use crate::device::instrument::{AuxiliaryOutput, AuxiliarySort, Family, Instrument};
 use crate::device::{Kind, VocabularyField};
 use crate::source::Span;
 use crate::syntax::tree::{self, Item};
@@ -31,17 +31,26 @@ pub(crate) struct CheckedDeclaration<R> {
 /// A device and its kind.
 pub(crate) type CheckedDevice = CheckedDeclaration<Kind>;
 
-/// An instrument and its family.
-pub(crate) type CheckedInstrument = CheckedDeclaration<Family>;
-
 /// Where values were given, by the names of their fields.
 pub type FieldOrigins = BTreeMap<&'static str, ValueOrigin>;
 
-/// Declarations that were checked; `None` after an error.
-pub(crate) type CheckedDeclarations<R> = BTreeMap<DeclarationPlace, Option<Rc<CheckedDeclaration<R>>>>;
+/// Declarations of one sort that were checked, each `None` after an error.
+pub(crate) struct CheckedDeclarations<R: RootBase> {
+    /// With all that they inherit.
+    inherited: BTreeMap<DeclarationPlace, Option<Rc<CheckedDeclaration<R>>>>,
+    /// Of those that were asked for: one that only serves as a base may lack fields.
+    pub facts: BTreeMap<DeclarationPlace, Option<R::Facts>>,
+}
+
+impl<R: RootBase> CheckedDeclarations<R> {
+    pub fn new() -> Self {
+        CheckedDeclarations { inherited: BTreeMap::new(), facts: BTreeMap::new() }
+    }
+}
 
 /// What a line of bases ends in: a device kind, a family of instruments, or a sort of outputs.
 pub(crate) trait RootBase: Copy + 'static {
+    type Facts: Clone;
     const SORT: DeclarationSort;
     /// "a device of the kind".
     const OF: &'static str;
@@ -50,11 +59,17 @@ pub(crate) trait RootBase: Copy + 'static {
     fn fields(self) -> &'static [VocabularyField];
     /// Declares something published to start from, if there is such: the file, and its name there.
     fn library(self) -> Option<(&'static str, &'static str)>;
-    fn checked<'c>(checker: &'c Checker<'_>) -> &'c CheckedDeclarations<Self>;
-    fn checked_mut<'c>(checker: &'c mut Checker<'_>) -> &'c mut CheckedDeclarations<Self>;
+    fn checked<'c>(checker: &'c mut Checker<'_>) -> &'c mut CheckedDeclarations<Self>;
+    /// The facts of a declaration that lacks no field; `None` after an error.
+    fn facts(
+        checker: &mut Checker,
+        place: DeclarationPlace,
+        declared: &CheckedDeclaration<Self>,
+    ) -> Option<Self::Facts>;
 }
 
 impl RootBase for Kind {
+    type Facts = KindFacts;
     const SORT: DeclarationSort = DeclarationSort::Device;
     const OF: &'static str = "a device of the kind";
     const ALL: &'static [Kind] = Kind::ALL;
@@ -71,16 +86,17 @@ impl RootBase for Kind {
         Some(self.vocabulary().library)
     }
 
-    fn checked<'c>(checker: &'c Checker<'_>) -> &'c CheckedDeclarations<Kind> {
-        &checker.devices
+    fn checked<'c>(checker: &'c mut Checker<'_>) -> &'c mut CheckedDeclarations<Kind> {
+        &mut checker.devices
     }
 
-    fn checked_mut<'c>(checker: &'c mut Checker<'_>) -> &'c mut CheckedDeclarations<Kind> {
-        &mut checker.devices
+    fn facts(checker: &mut Checker, _: DeclarationPlace, declared: &CheckedDeclaration<Kind>) -> Option<KindFacts> {
+        checks(declared.root).facts(declared, checker.sink)
     }
 }
 
 impl RootBase for Family {
+    type Facts = Instrument;
     const SORT: DeclarationSort = DeclarationSort::Instrument;
     const OF: &'static str = "an instrument of the family";
     const ALL: &'static [Family] = Family::ALL;
@@ -97,16 +113,23 @@ impl RootBase for Family {
         Some(Family::library(self))
     }
 
-    fn checked<'c>(checker: &'c Checker<'_>) -> &'c CheckedDeclarations<Family> {
-        &checker.instruments
+    fn checked<'c>(checker: &'c mut Checker<'_>) -> &'c mut CheckedDeclarations<Family> {
+        &mut checker.instruments
     }
 
-    fn checked_mut<'c>(checker: &'c mut Checker<'_>) -> &'c mut CheckedDeclarations<Family> {
-        &mut checker.instruments
+    fn facts(
+        checker: &mut Checker,
+        place: DeclarationPlace,
+        declared: &CheckedDeclaration<Family>,
+    ) -> Option<Instrument> {
+        let item = with_base(checker.item(place))?;
+        let facts = checker.facts_of_instrument(declared)?;
+        Some(Instrument { model: path_text(&item.base), facts })
     }
 }
 
 impl RootBase for AuxiliarySort {
+    type Facts = AuxiliaryOutput;
     const SORT: DeclarationSort = DeclarationSort::Output;
     const OF: &'static str = "an output of the sort";
     const ALL: &'static [AuxiliarySort] = AuxiliarySort::ALL;
@@ -123,12 +146,16 @@ impl RootBase for AuxiliarySort {
         None
     }
 
-    fn checked<'c>(checker: &'c Checker<'_>) -> &'c CheckedDeclarations<AuxiliarySort> {
-        &checker.outputs
+    fn checked<'c>(checker: &'c mut Checker<'_>) -> &'c mut CheckedDeclarations<AuxiliarySort> {
+        &mut checker.outputs
     }
 
-    fn checked_mut<'c>(checker: &'c mut Checker<'_>) -> &'c mut CheckedDeclarations<AuxiliarySort> {
-        &mut checker.outputs
+    fn facts(
+        checker: &mut Checker,
+        _: DeclarationPlace,
+        declared: &CheckedDeclaration<AuxiliarySort>,
+    ) -> Option<AuxiliaryOutput> {
+        checker.facts_of_output(declared)
     }
 }
 
@@ -164,19 +191,18 @@ fn with_base(item: &Item) -> Option<&tree::Device> {
 }
 
 impl Checker<'_> {
-    /// Checks every device of the user's files; one that only serves as a base may lack fields.
-    pub fn check_devices(&mut self) {
-        let own = self.own_places(DeclarationSort::Device);
+    /// Checks every declaration of a sort in the user's files; one that only serves as a base may lack fields.
+    pub fn check_declared<R: RootBase>(&mut self) {
+        let own = self.own_places(R::SORT);
         let mut bases: BTreeSet<DeclarationPlace> = BTreeSet::new();
         for (place, _) in &own {
             let Some(item) = with_base(self.item(*place)) else { continue };
-            let base = self.find(&item.base, &self.top(*place)).map(|(base, _)| base);
-            bases.extend(base);
-            self.inherited::<Kind>(*place);
+            bases.extend(self.find(&item.base, &self.top(*place)).map(|(base, _)| base));
+            self.inherited::<R>(*place);
         }
         for (place, _) in own {
             if !bases.contains(&place) {
-                self.facts(place);
+                self.facts::<R>(place);
             }
         }
     }
@@ -184,29 +210,30 @@ impl Checker<'_> {
     /// The devices of the user's files whose facts are known, by name; one that only serves as a base may lack fields.
     pub fn known_devices(&self) -> Vec<(String, KindFacts)> {
         let own = self.own_places(DeclarationSort::Device).into_iter();
-        let known = |place| Some((self.named(place).0.to_owned(), self.facts.get(&place)?.clone()?));
+        let known = |place| Some((self.named(place).0.to_owned(), self.devices.facts.get(&place)?.clone()?));
         own.filter_map(|(place, _)| known(place)).collect()
     }
 
     /// A device, an instrument or an output with all that it inherits; `None` after an error.
     pub fn inherited<R: RootBase>(&mut self, place: DeclarationPlace) -> Option<Rc<CheckedDeclaration<R>>> {
-        if let Some(known) = R::checked(self).get(&place) {
+        if let Some(known) = R::checked(self).inherited.get(&place) {
             return known.clone();
         }
-        let chain = self.lineage(place, &|checker, at| R::checked(checker).contains_key(&at), &Checker::base::<R>);
+        let chain =
+            self.lineage(place, &|checker, at| R::checked(checker).inherited.contains_key(&at), &Checker::base::<R>);
         for (at, base) in chain.into_iter().rev() {
             let inherited = match base {
                 Base::Root(root) => Some((root, None)),
                 Base::Of(base) => {
-                    let known = R::checked(self).get(&base).cloned().flatten();
+                    let known = R::checked(self).inherited.get(&base).cloned().flatten();
                     known.map(|known| (known.root, Some(known)))
                 }
                 Base::Broken => None,
             };
             let declaration = self.inherit(at, inherited).map(Rc::new);
-            R::checked_mut(self).insert(at, declaration);
+            R::checked(self).inherited.insert(at, declaration);
         }
-        R::checked(self).get(&place).cloned().flatten()
+        R::checked(self).inherited.get(&place).cloned().flatten()
     }
 
     fn inherit<R: RootBase>(
@@ -266,17 +293,15 @@ impl Checker<'_> {
         self.sink.push(errors::unknown_base(item.base.span, &text, R::SORT, near, &roots));
     }
 
-    /// The facts of a complete device; `None` after an error.
-    pub fn facts(&mut self, place: DeclarationPlace) -> Option<KindFacts> {
-        if let Some(known) = self.facts.get(&place) {
+    /// The facts of a complete device, instrument or output; `None` after an error.
+    pub fn facts<R: RootBase>(&mut self, place: DeclarationPlace) -> Option<R::Facts> {
+        if let Some(known) = R::checked(self).facts.get(&place) {
             return known.clone();
         }
-        let facts = self.inherited::<Kind>(place).and_then(|device| self.facts_of(&device));
-        self.facts.insert(place, facts.clone());
+        let declared = self.inherited::<R>(place);
+        let facts = declared
+            .and_then(|declared| if declared.is_complete(self) { R::facts(self, place, &declared) } else { None });
+        R::checked(self).facts.insert(place, facts.clone());
         facts
-    }
-
-    fn facts_of(&mut self, device: &CheckedDevice) -> Option<KindFacts> {
-        if device.is_complete(self) { checks(device.root).facts(device, self.sink) } else { None }
     }
 }

@@ -111,7 +111,7 @@ impl Checker<'_> {
             }
         };
         let (place, words) = self.instrument_of(path, scope)?;
-        let facts = self.instrument(place)?.facts;
+        let facts = self.facts::<Family>(place)?.facts;
         let input = self.channel_name(&path.segments[words..], scope)?;
         let (name, declared) = self.named(place);
         let name = name.to_owned();

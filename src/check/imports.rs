@@ -35,6 +35,15 @@ pub trait Library {
     }
 }
 
+/// No file beside the program.
+pub struct NoFiles;
+
+impl Library for NoFiles {
+    fn read(&self, _: &str, path: &str) -> Result<(String, String), String> {
+        Err(format!("`{path}` is not there"))
+    }
+}
+
 /// Reads a program's own file and every file that it uses, each once. The first module is the program's own.
 pub fn load(sources: &mut Sources, name: &str, text: &str, library: &dyn Library, sink: &mut Sink) -> Vec<Module> {
     let (known, texts) = (BTreeMap::new(), BTreeMap::new());

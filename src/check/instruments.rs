@@ -1,51 +1,19 @@
 //! Instruments: the facts that their families derive from their fields.
 
-use super::devices::CheckedInstrument;
+use super::devices::CheckedDeclaration;
 use super::figures::Figures;
-use super::scope::{DeclarationPlace, DeclarationSort, path_text};
 use super::value::Accepted;
 use super::{Checker, errors};
 use crate::device::instrument::{
-    DRIVER_HEATER_DEGC, DataAcquisitionFacts, ElectrodeDriverFacts, Family, HEATERS, Instrument, InstrumentFacts,
+    DRIVER_HEATER_DEGC, DataAcquisitionFacts, ElectrodeDriverFacts, Family, HEATERS, InstrumentFacts,
     MachineControllerFacts, Protocol, StageControllerFacts, StageProtocol, Start, VoltageOutput,
     WaveformGeneratorFacts, heater_setting,
 };
-use crate::syntax::tree::Item;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 impl Checker<'_> {
-    /// Checks every instrument of the user's files; one that only serves as a base may lack fields.
-    pub fn check_instruments(&mut self) {
-        let own = self.own_places(DeclarationSort::Instrument);
-        let mut bases: BTreeSet<DeclarationPlace> = BTreeSet::new();
-        for (place, _) in &own {
-            let Item::Instrument(item) = self.item(*place) else { continue };
-            bases.extend(self.find(&item.base, &self.top(*place)).map(|(base, _)| base));
-            self.inherited::<Family>(*place);
-        }
-        for (place, _) in own {
-            if !bases.contains(&place) {
-                self.instrument(place);
-            }
-        }
-    }
-
-    /// A complete instrument; `None` after an error.
-    pub fn instrument(&mut self, place: DeclarationPlace) -> Option<Instrument> {
-        if let Some(known) = self.instrument_facts.get(&place) {
-            return known.clone();
-        }
-        let declared = self.inherited::<Family>(place);
-        let instrument = declared.and_then(|declared| {
-            let Item::Instrument(item) = self.item(place) else { return None };
-            let facts = if declared.is_complete(self) { self.facts_of_instrument(&declared) } else { None };
-            Some(Instrument { model: path_text(&item.base), facts: facts? })
-        });
-        self.instrument_facts.insert(place, instrument.clone());
-        instrument
-    }
-
-    fn facts_of_instrument(&mut self, declared: &CheckedInstrument) -> Option<InstrumentFacts> {
+    /// The facts of an instrument that lacks no field; `None` after an error.
+    pub fn facts_of_instrument(&mut self, declared: &CheckedDeclaration<Family>) -> Option<InstrumentFacts> {
         let fields = &declared.fields;
         let voltage = || {
             Some(VoltageOutput { peak_v: fields.si("peak")?, bits: fields.count("bits")?, rate_hz: fields.si("rate")? })

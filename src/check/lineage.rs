@@ -19,7 +19,7 @@ impl Checker<'_> {
     pub fn lineage<R>(
         &mut self,
         place: DeclarationPlace,
-        is_known: &dyn Fn(&Self, DeclarationPlace) -> bool,
+        is_known: &dyn Fn(&mut Self, DeclarationPlace) -> bool,
         base: &dyn Fn(&mut Self, DeclarationPlace) -> Base<R>,
     ) -> Vec<(DeclarationPlace, Base<R>)> {
         let mut chain: Vec<(DeclarationPlace, Base<R>)> = Vec::new();

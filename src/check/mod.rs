@@ -48,12 +48,13 @@ mod verbs;
 mod wiring;
 
 use crate::claims::{Claims, Job, Order};
-use crate::device::instrument::{AuxiliaryOutput, AuxiliarySort, Drive, Family, Instrument};
+use crate::device::instrument::{AuxiliarySort, Drive, Family};
 use crate::device::{self, Kind, each_kind, for_each_kind};
 use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity};
 use crate::source::{Sources, Span, Spanned};
 use crate::syntax::tree::{Expr, For, Item, Path};
+use devices::CheckedDeclarations;
 use imports::Library;
 use lets::LetState;
 use rustc_hash::FxHashSet;
@@ -228,12 +229,9 @@ pub(crate) struct Checker<'a> {
     lets: BTreeMap<DeclarationPlace, LetState>,
     /// What `--set` puts in the place of the values of some `let`s.
     replaced: BTreeMap<DeclarationPlace, Rc<Expr>>,
-    devices: devices::CheckedDeclarations<Kind>,
-    instruments: devices::CheckedDeclarations<Family>,
-    outputs: devices::CheckedDeclarations<AuxiliarySort>,
-    facts: BTreeMap<DeclarationPlace, Option<KindFacts>>,
-    instrument_facts: BTreeMap<DeclarationPlace, Option<Instrument>>,
-    output_facts: BTreeMap<DeclarationPlace, Option<AuxiliaryOutput>>,
+    devices: CheckedDeclarations<Kind>,
+    instruments: CheckedDeclarations<Family>,
+    outputs: CheckedDeclarations<AuxiliarySort>,
     /// Where each output that some task switches is declared.
     outputs_by_name: BTreeMap<String, DeclarationPlace>,
     scenes: BTreeMap<DeclarationPlace, Option<Rc<scenes::CheckedScene>>>,
@@ -264,9 +262,9 @@ impl<'a> Checker<'a> {
         let overrides = settings::parse(sources, &options.settings, self.sink);
         self.apply_settings(overrides);
         self.check_values();
-        self.check_devices();
-        self.check_instruments();
-        self.check_outputs();
+        self.check_declared::<Kind>();
+        self.check_declared::<Family>();
+        self.check_declared::<AuxiliarySort>();
         self.check_scenes();
         let wiring = self.wiring();
         let claims = self.schedules(options.only.as_deref(), &wiring);
@@ -282,12 +280,9 @@ impl<'a> Checker<'a> {
             sink,
             lets: BTreeMap::new(),
             replaced: BTreeMap::new(),
-            devices: BTreeMap::new(),
-            instruments: BTreeMap::new(),
-            outputs: BTreeMap::new(),
-            facts: BTreeMap::new(),
-            instrument_facts: BTreeMap::new(),
-            output_facts: BTreeMap::new(),
+            devices: CheckedDeclarations::new(),
+            instruments: CheckedDeclarations::new(),
+            outputs: CheckedDeclarations::new(),
             outputs_by_name: BTreeMap::new(),
             scenes: BTreeMap::new(),
             used: BTreeSet::new(),

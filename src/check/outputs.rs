@@ -12,42 +12,15 @@ use crate::claims::{Claims, Job};
 use crate::device::instrument::{AuxiliaryOutput, AuxiliarySort, Bench, Drive, Level};
 use crate::device::{Range, Sort};
 use crate::quantity::Dimension;
-use crate::syntax::tree::{Expr, ExprKind, Item, Step};
+use crate::syntax::tree::{Expr, ExprKind, Step};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Voltage of the high level of an output that names none: that of TTL and of most digital lines.
 const HIGH_V: f64 = 5.0;
 
 impl Checker<'_> {
-    /// Checks every output of the user's files; one that only serves as a base may lack fields.
-    pub fn check_outputs(&mut self) {
-        let own = self.own_places(DeclarationSort::Output);
-        let mut bases: BTreeSet<DeclarationPlace> = BTreeSet::new();
-        for (place, _) in &own {
-            let Item::Output(item) = self.item(*place) else { continue };
-            bases.extend(self.find(&item.base, &self.top(*place)).map(|(base, _)| base));
-            self.inherited::<AuxiliarySort>(*place);
-        }
-        for (place, _) in own {
-            if !bases.contains(&place) {
-                self.output(place);
-            }
-        }
-    }
-
-    /// A complete output; `None` after an error.
-    pub fn output(&mut self, place: DeclarationPlace) -> Option<AuxiliaryOutput> {
-        if let Some(known) = self.output_facts.get(&place) {
-            return *known;
-        }
-        let declared = self.inherited::<AuxiliarySort>(place);
-        let facts = declared
-            .and_then(|declared| if declared.is_complete(self) { self.facts_of_output(&declared) } else { None });
-        self.output_facts.insert(place, facts);
-        facts
-    }
-
-    fn facts_of_output(&mut self, declared: &CheckedDeclaration<AuxiliarySort>) -> Option<AuxiliaryOutput> {
+    /// The facts of an output that lacks no field; `None` after an error.
+    pub fn facts_of_output(&mut self, declared: &CheckedDeclaration<AuxiliarySort>) -> Option<AuxiliaryOutput> {
         let fields = &declared.fields;
         if declared.root == AuxiliarySort::Level {
             let (low_v, high_v) = (fields.si("from").unwrap_or(0.0), fields.si("to")?);
@@ -75,7 +48,7 @@ impl Checker<'_> {
             return None;
         };
         let place = self.resolve(path, scope, DeclarationSort::Output)?;
-        let facts = self.output(place)?;
+        let facts = self.facts::<AuxiliarySort>(place)?;
         let (name, declared) = self.named(place);
         if facts.pulse_ns.is_none() {
             self.sink.push(errors::pulse_of_level(step.head.span, (name, declared), facts.is_graded));
@@ -98,7 +71,7 @@ impl Checker<'_> {
             return None;
         };
         let place = self.resolve(path, scope, DeclarationSort::Output);
-        let facts = place.and_then(|place| self.output(place));
+        let facts = place.and_then(|place| self.facts::<AuxiliarySort>(place));
         let is_graded = facts.is_some_and(|facts| facts.is_graded);
         let (sort, name) = match place.filter(|_| is_graded) {
             Some(place) => {
@@ -148,7 +121,7 @@ impl Checker<'_> {
         let names: BTreeSet<&String> = jobs.iter().flat_map(|job| &job.events).map(|event| &event.output).collect();
         let known = |name: &String| {
             let place = *self.outputs_by_name.get(name)?;
-            Some((name.clone(), (self.output_facts.get(&place).copied().flatten()?, place)))
+            Some((name.clone(), (self.outputs.facts.get(&place).copied().flatten()?, place)))
         };
         names.into_iter().filter_map(known).collect()
     }
@@ -160,7 +133,7 @@ impl Checker<'_> {
         wiring: &Wiring,
         bench: &Bench,
     ) -> BTreeMap<String, (AuxiliaryOutput, DeclarationPlace)> {
-        let all = self.output_facts.iter().filter_map(|(place, facts)| Some((*place, (*facts)?)));
+        let all = self.outputs.facts.iter().filter_map(|(place, facts)| Some((*place, (*facts)?)));
         let resting = all.filter(|(place, facts)| {
             let mut drives = wiring.drives(*place);
             facts.rest_v != 0.0 && drives.any(|drive| bench.instruments.contains_key(&drive.instrument))
@@ -170,7 +143,7 @@ impl Checker<'_> {
 
     /// The outputs of the user's files that are wired to instruments of a program and that it does not switch.
     pub fn idle_outputs(&self, wiring: &Wiring, claims: &Claims) -> Vec<(String, Drive)> {
-        let all = self.output_facts.keys().map(|place| (self.named(*place).0, *place));
+        let all = self.outputs.facts.keys().map(|place| (self.named(*place).0, *place));
         let idle = all.filter(|(name, _)| !claims.outputs.contains_key(*name));
         let wired =
             idle.flat_map(|(name, place)| wiring.drives(place).map(move |drive| (name.to_owned(), drive.clone())));

@@ -7,6 +7,8 @@ pub mod auxiliary;
 pub mod dimibot;
 pub mod electrode_array;
 pub mod fingers;
+#[cfg(test)]
+pub(crate) mod fixture;
 pub mod microrobots;
 
 use crate::device::instrument::{AuxiliaryOutput, Bench};

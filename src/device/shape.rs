@@ -1,5 +1,6 @@
 //! The shapes that every kind may use: their words and their fields.
 
+use super::words::words;
 use super::{Need, Range, Sort, VocabularyField, optional, required};
 use crate::quantity::Dimension;
 use serde::{Deserialize, Serialize};
@@ -45,42 +46,26 @@ impl Plane {
     }
 }
 
-/// The forms of a shape.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum ShapeForm {
-    Disc,
-    Box,
-    Polygon,
-    Capsule,
-    Cells,
-    Layout,
-    Ellipsoid,
-    Superellipsoid,
-    RoundedBox,
-    Profile,
-    Sections,
-    Mesh,
-    Image,
+words! {
+    /// The forms of a shape, in the order of the handbook.
+    pub enum ShapeForm {
+        Disc = "disc": "all that lies within a radius of its origin",
+        Box = "box": "a rectangle with its middle at the origin",
+        Polygon = "polygon": "a closed outline through its points, convex or not",
+        Capsule = "capsule": "all that lies within a radius of a segment along its own x axis, its middle at the origin",
+        Cells = "cells": "a block of lattice cells, both corners included",
+        Layout = "layout": "a part carried by electrodes: the electrodes under it, and its width",
+        Ellipsoid = "ellipsoid": "an ellipsoid with its axes along x, y and z",
+        Superellipsoid = "superellipsoid": "an ellipsoid whose flanks are flattened: |x/a|^n + |y/b|^n + |z/c|^n = 1",
+        RoundedBox = "rounded_box": "a box with its middle at the origin, its edges and corners rounded",
+        Profile = "profile": "a flat part: its outline in the plane xy, by points or by a curve; it turns about z only",
+        Sections = "sections": "a solid given by its outlines in the planes xy and xz, which meet on the x axis",
+        Mesh = "mesh": "a solid of triangles from an STL file, whose sections through the origin are taken",
+        Image = "image": "a camera image of the scene: x along its rows, y down its columns, in pixels",
+    }
 }
 
 impl ShapeForm {
-    /// Every form, in the order of the handbook.
-    pub const ALL: &'static [ShapeForm] = &[
-        ShapeForm::Disc,
-        ShapeForm::Box,
-        ShapeForm::Polygon,
-        ShapeForm::Capsule,
-        ShapeForm::Cells,
-        ShapeForm::Layout,
-        ShapeForm::Ellipsoid,
-        ShapeForm::Superellipsoid,
-        ShapeForm::RoundedBox,
-        ShapeForm::Profile,
-        ShapeForm::Sections,
-        ShapeForm::Mesh,
-        ShapeForm::Image,
-    ];
-
     /// The forms that take up room wherever they are put.
     pub const SOLID: &'static [ShapeForm] =
         &[ShapeForm::Disc, ShapeForm::Box, ShapeForm::Polygon, ShapeForm::Capsule, ShapeForm::Cells];
@@ -104,25 +89,6 @@ impl ShapeForm {
         }
     }
 
-    /// The form's word in the language.
-    pub fn name(self) -> &'static str {
-        match self {
-            ShapeForm::Disc => "disc",
-            ShapeForm::Box => "box",
-            ShapeForm::Polygon => "polygon",
-            ShapeForm::Capsule => "capsule",
-            ShapeForm::Cells => "cells",
-            ShapeForm::Layout => "layout",
-            ShapeForm::Ellipsoid => "ellipsoid",
-            ShapeForm::Superellipsoid => "superellipsoid",
-            ShapeForm::RoundedBox => "rounded_box",
-            ShapeForm::Profile => "profile",
-            ShapeForm::Sections => "sections",
-            ShapeForm::Mesh => "mesh",
-            ShapeForm::Image => "image",
-        }
-    }
-
     /// Its word with an article: `a disc`, `an ellipsoid`.
     pub fn with_article(self) -> String {
         match self {
@@ -138,11 +104,6 @@ impl ShapeForm {
             | ShapeForm::Profile
             | ShapeForm::Mesh => format!("a {}", self.name()),
         }
-    }
-
-    /// The form of a word.
-    pub fn find(name: &str) -> Option<ShapeForm> {
-        ShapeForm::ALL.iter().copied().find(|form| form.name() == name)
     }
 
     /// The fields of its dimensions.
@@ -161,29 +122,6 @@ impl ShapeForm {
             ShapeForm::Sections => &SECTIONS,
             ShapeForm::Mesh => &MESH,
             ShapeForm::Image => &IMAGE,
-        }
-    }
-
-    /// Its description.
-    pub fn doc(self) -> &'static str {
-        match self {
-            ShapeForm::Disc => "all that lies within a radius of its origin",
-            ShapeForm::Box => "a rectangle with its middle at the origin",
-            ShapeForm::Polygon => "a closed outline through its points, convex or not",
-            ShapeForm::Capsule => {
-                "all that lies within a radius of a segment along its own x axis, its middle at the origin"
-            }
-            ShapeForm::Cells => "a block of lattice cells, both corners included",
-            ShapeForm::Layout => "a part carried by electrodes: the electrodes under it, and its width",
-            ShapeForm::Ellipsoid => "an ellipsoid with its axes along x, y and z",
-            ShapeForm::Superellipsoid => "an ellipsoid whose flanks are flattened: |x/a|^n + |y/b|^n + |z/c|^n = 1",
-            ShapeForm::RoundedBox => "a box with its middle at the origin, its edges and corners rounded",
-            ShapeForm::Profile => {
-                "a flat part: its outline in the plane xy, by points or by a curve; it turns about z only"
-            }
-            ShapeForm::Sections => "a solid given by its outlines in the planes xy and xz, which meet on the x axis",
-            ShapeForm::Mesh => "a solid of triangles from an STL file, whose sections through the origin are taken",
-            ShapeForm::Image => "a camera image of the scene: x along its rows, y down its columns, in pixels",
         }
     }
 }

@@ -5,8 +5,8 @@ use crate::claims::dimibot::{
     Asked, DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacle, DimibotObstacleBody, DimibotOrder,
     DimibotPlanner, DimibotStep as Claim, DimibotStop,
 };
-use crate::claims::fingers::{self, FingersOrder, HandPart, Section};
-use crate::claims::{Claims, Job, Order, Timeline};
+use crate::claims::fingers::{self, FingersOrder, Section};
+use crate::claims::{self, Claims, Job, Order, Timeline};
 use crate::device::Kind;
 use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Simultaneous, Switch, tests::femto_st};
 use crate::device::fingers::{FingersFacts as Hand, Plane, fixture};
@@ -94,17 +94,8 @@ fn build(name: &str, runs: &[(Robot, Vec<LatticeCell>, u64)]) -> (Verified, Prov
         steps: Vec::new(),
         plans: Vec::new(),
     };
-    let mut claims = Claims {
-        name: name.to_owned(),
-        timeline: Timeline::Together((0..runs.len()).map(Timeline::Run).collect()),
-        jobs: Vec::new(),
-        wires: BTreeMap::new(),
-        outputs: BTreeMap::new(),
-        bench: Default::default(),
-        shared: Vec::new(),
-        not_held: Vec::new(),
-        span: Span::default(),
-    };
+    let timeline = Timeline::Together((0..runs.len()).map(Timeline::Run).collect());
+    let mut claims = claims::fixture::claims(name, Vec::new(), timeline);
     for (robot, way, start_ns) in runs {
         add_channels(&mut schedule, &mut claims, robot);
         claims.jobs.push(job(robot, way));
@@ -151,16 +142,7 @@ fn job(robot: &Robot, way: &[LatticeCell]) -> Job {
         start: None,
         steps: way.iter().map(step).collect(),
     };
-    Job {
-        task: format!("go_{}", robot.device),
-        device: robot.device.to_owned(),
-        requirements: Vec::new(),
-        events: Vec::new(),
-        holds: Vec::new(),
-        order: Order::Dimibot(order),
-        span: Span::default(),
-        run_span: Span::default(),
-    }
+    claims::fixture::job(&format!("go_{}", robot.device), robot.device, Order::Dimibot(order))
 }
 
 fn obstacles() -> Vec<DimibotObstacle> {
@@ -408,16 +390,7 @@ pub fn hand() -> (Verified, Provenance) {
     let mut claims = verified.claims().clone();
     claims.name = "turn".to_owned();
     claims.wires = BTreeMap::from([("hand.f1.x".to_owned(), "stage1/x".to_owned())]);
-    claims.jobs = vec![Job {
-        task: "turn".to_owned(),
-        device: "hand".to_owned(),
-        requirements: Vec::new(),
-        events: Vec::new(),
-        holds: Vec::new(),
-        order: Order::Fingers(hand_order(facts)),
-        span: Span::default(),
-        run_span: Span::default(),
-    }];
+    claims.jobs = vec![claims::fixture::job("turn", "hand", Order::Fingers(hand_order(facts)))];
     let provenance = Provenance { files: vec![("turn.twz".to_owned(), text.to_owned())], settings: Vec::new() };
     (Verified::assume(schedule, claims), provenance)
 }
@@ -439,14 +412,6 @@ fn hand_facts() -> Hand {
 fn hand_order(facts: Hand) -> FingersOrder {
     let outline = Outline::Ellipse { semi_um: [BALL_UM; 2] };
     let section = Section { outline, contacts: CONTACTS, opposite: Some(1 + CONTACTS / 2), step_rad: step_rad() };
-    let part = HandPart {
-        name: "bead".to_owned(),
-        xy: section.clone(),
-        xz: Some(section),
-        centre_um: [0.0; 3],
-        position_um: [0.0; 3],
-        span: Span::default(),
-    };
     let actions = [
         fingers::FingersAction::Grasp(Some(vec![1, 38, 0])),
         fingers::FingersAction::Rotate { plane: Plane::Xy, steps: 2, angle_rad: 2.0 * step_rad() },
@@ -454,16 +419,11 @@ fn hand_order(facts: Hand) -> FingersOrder {
         fingers::FingersAction::Wait(50_000_000),
     ];
     let steps = actions.into_iter().map(|action| fingers::FingersStep { action, span: Span::default() }).collect();
-    FingersOrder {
-        facts: std::sync::Arc::new(facts),
-        part: std::sync::Arc::new(part),
-        precision_rad: 0.01,
-        load_un: [0.0; 3],
-        planner: fingers::FingersPlanner::JointAstar,
-        expansions: 1,
-        looks: None,
-        steps,
-    }
+    let mut order = claims::fixture::hand_order(facts, steps);
+    let part = std::sync::Arc::make_mut(&mut order.part);
+    part.xy = section.clone();
+    part.xz = Some(section);
+    FingersOrder { expansions: 1, ..order }
 }
 
 /// Motion of three fingers, move by move.

@@ -32,87 +32,34 @@ mod wired;
 pub use error::EmitError;
 pub use html::{FAILED_ENDING, FailedProgram, RefusedSchedule};
 
+use crate::device::words::words;
 use crate::schedule::{Reached, Schedule, json};
 use crate::verify::Verified;
 use electrode_array::{dispensed, write_microdrop};
 use signal::Signals;
 
-/// The forms that a schedule can be written in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Format {
-    /// A log that Foxglove, Lichtblick and Rerun play.
-    Mcap,
-    /// The schedule itself, for other programs.
-    Json,
-    /// One row for each change, one column for each channel.
-    Csv,
-    /// Waveforms for GTKWave and its kin.
-    Vcd,
-    /// Voltage sources for SPICE.
-    Pwl,
-    /// Upload script for arbitrary-waveform generators.
-    Scpi,
-    /// Digital lines and analog outputs for cards of National Instruments.
-    Nidaqmx,
-    /// Frames of electrodes that are on, for OpenDrop, PurpleDrop and DropBot.
-    Frames,
-    /// Frames for the program that comes with an OpenDrop.
-    Opendrop,
-    /// Steps and the device for MicroDrop, which drives DropBot and OpenDrop.
-    Microdrop,
-    /// Places of translation stages, for controllers of PI and SmarAct.
-    Stages,
-    /// Moves of translation stages, for LinuxCNC.
-    Gcode,
-    /// A page that plays the schedule in any browser.
-    Html,
-    /// A static picture for papers.
-    Svg,
-    /// What to load, what happens when, and what is there afterwards, for the person at the bench.
-    Sheet,
+words! {
+    /// The forms that a schedule can be written in, in the order of the handbook; the words are those of `--emit`.
+    pub enum Format {
+        Mcap = "mcap": "a log that Foxglove, Lichtblick and Rerun play",
+        Json = "json": "the schedule itself, for other programs",
+        Csv = "csv": "one row for each change, one column for each channel",
+        Vcd = "vcd": "waveforms for GTKWave and its kin",
+        Pwl = "pwl": "voltage sources for SPICE",
+        Scpi = "scpi": "upload script for arbitrary-waveform generators",
+        Nidaqmx = "nidaqmx": "digital lines and analog outputs for cards of National Instruments",
+        Frames = "frames": "frames of electrodes that are on, for OpenDrop, PurpleDrop and DropBot",
+        Opendrop = "opendrop": "frames for the program that comes with an OpenDrop",
+        Microdrop = "microdrop": "steps and the device for MicroDrop, which drives DropBot and OpenDrop",
+        Stages = "stages": "places of translation stages, for controllers of PI and SmarAct",
+        Gcode = "gcode": "moves of translation stages, for LinuxCNC",
+        Html = "html": "a page that plays the schedule in any browser",
+        Svg = "svg": "a static picture for papers",
+        Sheet = "sheet": "what to load, what happens when, and what is there afterwards, for the person at the bench",
+    }
 }
 
 impl Format {
-    /// Every format, in the order of the handbook.
-    pub const ALL: &'static [Format] = &[
-        Format::Mcap,
-        Format::Json,
-        Format::Csv,
-        Format::Vcd,
-        Format::Pwl,
-        Format::Scpi,
-        Format::Nidaqmx,
-        Format::Frames,
-        Format::Opendrop,
-        Format::Microdrop,
-        Format::Stages,
-        Format::Gcode,
-        Format::Html,
-        Format::Svg,
-        Format::Sheet,
-    ];
-
-    /// The name used by `--emit`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Format::Mcap => "mcap",
-            Format::Json => "json",
-            Format::Csv => "csv",
-            Format::Vcd => "vcd",
-            Format::Pwl => "pwl",
-            Format::Scpi => "scpi",
-            Format::Nidaqmx => "nidaqmx",
-            Format::Frames => "frames",
-            Format::Opendrop => "opendrop",
-            Format::Microdrop => "microdrop",
-            Format::Stages => "stages",
-            Format::Gcode => "gcode",
-            Format::Html => "html",
-            Format::Svg => "svg",
-            Format::Sheet => "sheet",
-        }
-    }
-
     /// The endings of a schedule's files, but for those that are named after instruments or devices.
     pub fn endings(self) -> &'static [&'static str] {
         match self {
@@ -130,11 +77,6 @@ impl Format {
             Format::Svg => &["svg"],
             Format::Sheet => &["sheet.md"],
         }
-    }
-
-    /// The format of a name.
-    pub fn find(name: &str) -> Option<Format> {
-        Format::ALL.iter().copied().find(|format| format.name() == name)
     }
 }
 

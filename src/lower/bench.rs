@@ -199,7 +199,7 @@ impl WiredChannel<'_> {
                     change(swing.levels[1] - swing.levels[0], swing.period_ns / 2, *actuation);
                 }
             }
-            last = (actuation.start_ns + actuation.duration_ns, actuation.to);
+            last = (actuation.end_ns(), actuation.to);
         }
         let (share, step_v, actuation) = slowest.filter(|(share, ..)| *share > 1.0)?;
         let takes = seconds(step_v.abs() / slew * 1e9);
@@ -244,7 +244,7 @@ fn shorter_than_a_frame(schedule: &Schedule, claims: &Claims) -> Vec<Diagnostic>
         let Some((drive, instrument)) = claims.bench.drive(&channel.name) else { continue };
         let InstrumentFacts::ElectrodeDriver(facts) = &instrument.facts else { continue };
         let (_, _, at) = changes.entry(&drive.instrument).or_insert((drive, facts.least_frame_ns, BTreeMap::new()));
-        at.extend([(actuation.start_ns, actuation), (actuation.start_ns + actuation.duration_ns, actuation)]);
+        at.extend([(actuation.start_ns, actuation), (actuation.end_ns(), actuation)]);
     }
     let too_short = changes.into_values().filter_map(|(drive, least_ns, at)| {
         let instants = at.keys().zip(at.iter().skip(1));

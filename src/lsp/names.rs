@@ -6,7 +6,7 @@
 use super::findings::Overlay;
 use super::outline;
 use super::text::{self, ColumnUnit, EditedText};
-use crate::check::imports::Library;
+use crate::check::imports::{Library, NoFiles};
 use crate::check::{Options, ProgramSource, check_program, links};
 use crate::diagnostic::Sink;
 use crate::source::{Origin, Sources, Span};
@@ -48,15 +48,6 @@ fn is_free_name(name: &str) -> bool {
     let request = ProgramSource { name: "", text: &text, library: &NoFiles, options: &Options::default() };
     check_program(&request, &mut Sources::default(), &mut sink);
     is_name && sink.errors() == 0
-}
-
-/// No file to be used.
-struct NoFiles;
-
-impl Library for NoFiles {
-    fn read(&self, _: &str, path: &str) -> Result<(String, String), String> {
-        Err(format!("`{path}` is not there"))
-    }
 }
 
 /// The names that a text declares at its top and in its scenes.

@@ -179,6 +179,13 @@ pub struct ScheduledStep {
     pub span: Span,
 }
 
+impl ScheduledStep {
+    /// The instant at which it ends.
+    pub fn end_ns(&self) -> u64 {
+        self.start_ns + self.duration_ns
+    }
+}
+
 /// One operation of a step in which several take place at the same time, on the clock. Those of one part follow each other without a
 /// gap.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -236,6 +243,13 @@ pub struct PlanRecord {
     /// Further notes of the planner.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remarks: Vec<Remark>,
+}
+
+impl PlanRecord {
+    /// The first instant after it.
+    pub fn end_ns(&self) -> u64 {
+        self.start_ns + self.duration_ns
+    }
 }
 
 /// A state from an instant on.

@@ -9,6 +9,7 @@ use super::form::is_auxiliary;
 use super::rule::{Findings, Rule, Violation, ms};
 use crate::claims::{Claims, Job, Timeline};
 use crate::schedule::{Actuation, PlanRecord, Schedule, ScheduledStep};
+use crate::source::Span;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -20,6 +21,8 @@ pub(super) struct JudgedRun<'a> {
     pub plan: &'a PlanRecord,
     /// Indices of the schedule's steps, in order.
     pub steps: Vec<usize>,
+    /// Where each of the job's steps is written.
+    pub spans: Vec<Span>,
     /// By start, then channel.
     pub actuations: Vec<&'a Actuation>,
     pub tally: Rc<Tally>,
@@ -33,7 +36,22 @@ impl<'a> JudgedRun<'a> {
 
     /// The first instant after the run.
     pub fn end_ns(&self) -> u64 {
-        self.plan.start_ns + self.plan.duration_ns
+        self.plan.end_ns()
+    }
+
+    /// A violation in a step of the run.
+    pub fn violation(&self, rule: Rule, nth: usize, time_ns: u64, title: String) -> Violation {
+        Violation::new(rule, time_ns, title).step(self.steps[nth]).label(self.spans[nth], "in this step")
+    }
+
+    /// A wait lasts as long as claimed.
+    pub fn wait_lasts(&self, nth: usize, duration_ns: u64, findings: &mut Findings) {
+        findings.asked(Rule::Wait, 1);
+        let step = self.step(nth);
+        if step.duration_ns != duration_ns {
+            let title = format!("wait lasts {}, {} is claimed", ms(step.duration_ns), ms(duration_ns));
+            findings.push(self.violation(Rule::Wait, nth, step.start_ns, title));
+        }
     }
 }
 
@@ -73,8 +91,8 @@ fn plans(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
 
 fn paired<'a>(schedule: &'a Schedule, claims: &'a Claims, tally: &Rc<Tally>) -> Vec<JudgedRun<'a>> {
     let pair = |(plan, job)| {
-        let (steps, actuations, tally) = (Vec::new(), Vec::new(), tally.clone());
-        JudgedRun { schedule, job, plan, steps, actuations, tally }
+        let (steps, spans, actuations) = (Vec::new(), Job::step_spans(job), Vec::new());
+        JudgedRun { schedule, job, plan, steps, spans, actuations, tally: tally.clone() }
     };
     let mut runs: Vec<JudgedRun> = schedule.plans.iter().zip(&claims.jobs).map(pair).collect();
     for (index, step) in schedule.steps.iter().enumerate() {
@@ -112,7 +130,7 @@ fn steps(run: &JudgedRun, findings: &mut Findings) {
             let title = format!("step {index} starts at {}, but is due at {}", ms(step.start_ns), ms(due_ns));
             findings.push(Violation::new(Rule::Step, step.start_ns, title).step(*index));
         }
-        due_ns = step.start_ns + step.duration_ns;
+        due_ns = step.end_ns();
     }
     if due_ns != run.end_ns() {
         let title =
@@ -125,7 +143,7 @@ fn intervals(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     findings.asked(Rule::Interval, of_devices(schedule, claims).count());
     for (index, actuation) in of_devices(schedule, claims) {
         let step = &schedule.steps[actuation.step as usize];
-        let end_ns = step.start_ns + step.duration_ns;
+        let end_ns = step.end_ns();
         if actuation.start_ns < step.start_ns || actuation.end_ns() > end_ns {
             let title = format!(
                 "actuation {index} lasts from {} to {}, outside its step from {} to {}",
@@ -240,7 +258,7 @@ fn busy(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
         findings.asked(Rule::Busy, runs.len());
         for pair in runs.windows(2) {
             let ((first, one), (second, other)) = (pair[0], pair[1]);
-            let end_ns = first.start_ns + first.duration_ns;
+            let end_ns = first.end_ns();
             if second.start_ns < end_ns {
                 let title = format!(
                     "`{device}` begins `{}` at {}, but runs `{}` until {}",

@@ -141,7 +141,7 @@ const REACHED_TOLERANCE: f64 = 5e-3;
 fn nearness(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     for nth in 0..run.steps.len() {
         let step = run.step(nth);
-        let end_ns = step.start_ns + step.duration_ns;
+        let end_ns = step.end_ns();
         if step.reached.is_empty() {
             continue;
         }

@@ -110,18 +110,10 @@ mod tests {
     use super::super::{Verdict, verify_program};
     use super::*;
     use crate::check::Options;
-    use crate::check::imports::Library;
+    use crate::check::imports::NoFiles;
     use crate::compile::{CompileOutcome, ProgramSource, compile};
     use crate::diagnostic::Sink;
     use crate::schedule::{ScheduledOperation, ScheduledStep};
-
-    struct Nothing;
-
-    impl Library for Nothing {
-        fn read(&self, _from: &str, _path: &str) -> Result<(String, String), String> {
-            Err("there are no files here".to_owned())
-        }
-    }
 
     const TEXT: &str =
         "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot {\n  wait 1 ms\n  move to (1,\n    1)\n}\n";
@@ -130,7 +122,7 @@ mod tests {
     fn built(text: &str) -> (Schedule, Claims, Sources) {
         let (mut sources, mut sink) = (Sources::default(), Sink::default());
         let options = Options::default();
-        let program = ProgramSource { name: "a.twz", text, library: &Nothing, options: &options };
+        let program = ProgramSource { name: "a.twz", text, library: &NoFiles, options: &options };
         let CompileOutcome::Compiled(compiled) = compile(&program, &mut sources, &mut sink, &mut ()) else {
             panic!("{:?}", sink.sorted())
         };

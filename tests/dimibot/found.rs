@@ -1,15 +1,11 @@
 //! Programs that were answered wrongly once, from `tests/found`.
 
+use super::support::found;
 use super::{answer, answers};
-
-fn program(name: &str) -> String {
-    let path = format!("{}/tests/found/{name}.twz", env!("CARGO_MANIFEST_DIR"));
-    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"))
-}
 
 #[test]
 fn the_order_of_a_visit_looks_at_what_comes_after() {
-    let plans = answers(&program("dimibot_visit_then_move")).expect("all three tasks have a plan");
+    let plans = answers(&found("dimibot_visit_then_move")).expect("all three tasks have a plan");
     assert_eq!(plans.len(), 3);
     for plan in plans {
         assert!((plan.cost - 17.0767).abs() < 1e-3 && plan.optimal && plan.bound == plan.cost, "{plan:?}");
@@ -18,7 +14,7 @@ fn the_order_of_a_visit_looks_at_what_comes_after() {
 
 #[test]
 fn two_limits_are_kept_where_a_plan_keeps_them() {
-    let text = program("dimibot_limits_not_searched");
+    let text = found("dimibot_limits_not_searched");
     for objective in ["distance", "switches", "time", "energy"] {
         let plan = answer(&text.replace("minimize time", &format!("minimize {objective}")));
         let plan = plan.unwrap_or_else(|reported| panic!("{objective}: {reported:?}"));
@@ -30,7 +26,7 @@ fn two_limits_are_kept_where_a_plan_keeps_them() {
 #[test]
 fn of_the_plans_with_the_fewest_switches_the_shortest_is_taken() {
     for objective in ["switches", "time", "energy"] {
-        let text = program("dimibot_ties_broken_badly").replace("minimize switches", &format!("minimize {objective}"));
+        let text = found("dimibot_ties_broken_badly").replace("minimize switches", &format!("minimize {objective}"));
         let plan = answer(&text).unwrap_or_else(|reported| panic!("{objective}: {reported:?}"));
         assert_eq!(plan.outcomes["switches"], 7.0);
         assert!((plan.outcomes["distance_um"] - 23.054).abs() < 1e-2 && plan.optimal, "{plan:?}");
@@ -39,7 +35,7 @@ fn of_the_plans_with_the_fewest_switches_the_shortest_is_taken() {
 
 #[test]
 fn the_blame_for_a_way_that_is_shut_has_its_own_budget() {
-    let reported = answer(&program("dimibot_slow_no_plan")).expect_err("there is no way");
+    let reported = answer(&found("dimibot_slow_no_plan")).expect_err("there is no way");
     assert_eq!(reported.len(), 1);
     assert_eq!(reported[0].code.name(), "E0601");
     // The budget ends before the smallest set is known, and the report says so.

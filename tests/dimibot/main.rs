@@ -4,19 +4,19 @@
 //! `TWEEZE_ORACLE_CASES` sets the number of random scenes.
 
 mod brute;
-#[path = "../support/case.rs"]
-mod case;
 mod found;
 mod programs;
 mod scene;
+#[path = "../support/mod.rs"]
+mod support;
 
 use brute::Figures;
-use case::Case;
-use scene::{KEYS, Limit, OUTCOMES, Random, Scene};
-use tweeze::compile::{CompileOutcome, ProgramSource, compile};
-use tweeze::diagnostic::{Diagnostic, Sink};
+use scene::{KEYS, Limit, OUTCOMES, Random, Scene, cases};
+use support::compiled;
+use tweeze::check::imports::NoFiles;
+use tweeze::compile::CompileOutcome;
+use tweeze::diagnostic::Diagnostic;
 use tweeze::schedule::{PlanRecord, Schedule};
-use tweeze::source::Sources;
 
 const UNITS: [f64; 4] = [1.0, 1.0, 1e-6, 1e3];
 
@@ -33,11 +33,8 @@ fn answers(text: &str) -> Result<Vec<PlanRecord>, Vec<Diagnostic>> {
 }
 
 fn schedules(text: &str) -> Result<Vec<Schedule>, Vec<Diagnostic>> {
-    let case = Case { name: "test.twz".to_owned(), text: text.to_owned(), ..Case::default() };
-    let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let library = case::Shelf(&case);
-    let program = ProgramSource { name: &case.name, text: &case.text, library: &library, options: &case.options };
-    match compile(&program, &mut sources, &mut sink, &mut ()) {
+    let (outcome, _, sink) = compiled(&NoFiles, text);
+    match outcome {
         CompileOutcome::Compiled(compiled) => {
             Ok(compiled.schedules.iter().map(|verified| verified.schedule().clone()).collect())
         }
@@ -46,10 +43,6 @@ fn schedules(text: &str) -> Result<Vec<Schedule>, Vec<Diagnostic>> {
         }
         CompileOutcome::Refused => panic!("the verifier refuses it: {:?}\n{text}", sink.sorted()),
     }
-}
-
-fn cases(usual: usize) -> usize {
-    std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(usual)
 }
 
 fn close(a: f64, b: f64) -> bool {

@@ -4,7 +4,7 @@
 mod random;
 
 use super::brute::{Block, Cell, Figures, Lattice, Part};
-pub use random::Random;
+pub use random::{Random, cases};
 use std::fmt::Write;
 
 pub const OUTCOMES: [&str; 4] = ["distance", "switches", "time", "energy"];

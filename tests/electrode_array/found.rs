@@ -1,11 +1,7 @@
 //! Programs that once got a wrong answer or none.
 
 use crate::programs::{Answered, answered};
-
-fn text(name: &str) -> String {
-    let path = format!("{}/tests/found/{name}.twz", env!("CARGO_MANIFEST_DIR"));
-    std::fs::read_to_string(path).expect("the program lies beside the tests")
-}
+use crate::support::found;
 
 fn planned(text: &str) -> tweeze::plan::Plan<()> {
     match answered(text) {
@@ -23,19 +19,19 @@ fn refused(text: &str) -> String {
 
 #[test]
 fn four_droplets_pass_in_the_siding() {
-    let plan = planned(&text("ea_siding_gave_up"));
+    let plan = planned(&found("ea_siding_gave_up"));
     assert!(plan.outcomes["steps"] <= 60.0 && plan.bound >= 19.0, "{} of {}", plan.cost, plan.bound);
 }
 
 #[test]
 fn more_room_means_a_plan_too() {
-    let plan = planned(&text("ea_more_room_and_no_plan"));
+    let plan = planned(&found("ea_more_room_and_no_plan"));
     assert!(plan.outcomes["steps"] <= 99.0, "{}", plan.cost);
 }
 
 #[test]
 fn four_hundred_parts_are_planned_by_default() {
-    let plan = planned(&text("ea_400_parts_gave_up"));
+    let plan = planned(&found("ea_400_parts_gave_up"));
     assert!(plan.bound >= 287.0 && plan.cost >= plan.bound, "{} of {}", plan.cost, plan.bound);
     // A search of configurations alone ends at 623; the best that is known is 311, found with 200 million expansions.
     assert!(plan.cost <= 360.0, "{} of {}", plan.cost, plan.bound);
@@ -43,7 +39,7 @@ fn four_hundred_parts_are_planned_by_default() {
 
 #[test]
 fn the_least_sum_of_costs_is_found_whatever_is_minimised() {
-    let sum = text("ea_sum_worse_than_makespan");
+    let sum = found("ea_sum_worse_than_makespan");
     let plan = planned(&sum);
     assert_eq!((plan.outcomes["sum_of_costs"], plan.outcomes["steps"], plan.bound), (51.0, 19.0, 51.0));
     let makespan = sum.replace("minimize sum_of_costs", "minimize makespan\n  require sum_of_costs <= 51");
@@ -55,7 +51,7 @@ fn the_least_sum_of_costs_is_found_whatever_is_minimised() {
 
 #[test]
 fn a_part_alone_waits_for_a_sum_from_below() {
-    let text = text("ea_waits_for_a_sum_from_below");
+    let text = found("ea_waits_for_a_sum_from_below");
     let plan = planned(&text);
     assert_eq!((plan.outcomes["sum_of_costs"], plan.outcomes["steps"]), (5.0, 5.0));
     let moves = planned(&text.replace("sum_of_costs >= 5", "moves >= 5"));
@@ -68,7 +64,7 @@ fn a_part_alone_waits_for_a_sum_from_below() {
 
 #[test]
 fn a_limit_in_time_is_one_in_steps() {
-    let time = text("ea_time_limit_not_searched");
+    let time = found("ea_time_limit_not_searched");
     for text in [time.clone(), time.replace("require time <= 2400 ms", "require steps <= 40")] {
         let plan = planned(&text);
         assert_eq!((plan.cost, plan.bound), (118.0, 118.0));
@@ -78,46 +74,46 @@ fn a_limit_in_time_is_one_in_steps() {
 
 #[test]
 fn a_help_does_not_name_what_is_written() {
-    let reported = refused(&text("ea_help_names_what_is_written"));
+    let reported = refused(&found("ea_help_names_what_is_written"));
     assert!(reported.contains("no plan keeps `steps <= 40` and `sum_of_costs <= 110`"), "{reported}");
     assert!(!reported.contains("minimize") && reported.contains("raise"), "{reported}");
 }
 
 #[test]
 fn a_droplet_is_not_split_beside_the_one_that_its_half_meets() {
-    let plan = planned(&text("ea_split_beside_another"));
+    let plan = planned(&found("ea_split_beside_another"));
     assert_eq!((plan.cost, plan.bound), (6.0, 6.0));
 }
 
 #[test]
 fn a_droplet_is_dispensed_before_the_one_that_it_meets_comes_near() {
     // Planning panics where the verifier refuses what was planned.
-    let plan = planned(&text("ea_dispensed_too_late"));
+    let plan = planned(&found("ea_dispensed_too_late"));
     assert!(plan.bound <= plan.cost, "{} of {}", plan.cost, plan.bound);
 }
 
 #[test]
 fn a_droplet_does_not_merge_on_traces_that_its_partner_left_before() {
-    let plan = planned(&text("ea_merge_on_own_outlet"));
+    let plan = planned(&found("ea_merge_on_own_outlet"));
     assert_eq!(plan.outcomes["steps"], 19.0);
 }
 
 #[test]
 fn a_loop_that_leaves_the_board_is_no_plan_from_there() {
-    let reported = refused(&text("ea_mixed_at_the_rim"));
+    let reported = refused(&found("ea_mixed_at_the_rim"));
     assert!(reported.starts_with("E0602"), "{reported}");
 }
 
 #[test]
 fn droplets_that_harm_each_other_are_given_places_of_their_own() {
-    let plan = planned(&text("ea_traces_at_places_of_choice"));
+    let plan = planned(&found("ea_traces_at_places_of_choice"));
     assert_eq!((plan.outcomes["steps"], plan.bound), (11.0, 11.0));
 }
 
 #[test]
 fn droplets_that_merge_at_a_detector_are_read_there() {
     // 4 steps of the later one to the detector, and 84 of 60 ms there.
-    let plan = planned(&text("ea_read_where_merged"));
+    let plan = planned(&found("ea_read_where_merged"));
     assert_eq!((plan.cost, plan.bound), (88.0, 88.0));
 }
 
@@ -168,122 +164,122 @@ fn many_droplets_share_mixers_and_exits() {
 #[test]
 fn droplets_step_aside() {
     for (name, most) in [("ea_waits_in_the_way", 85.0), ("ea_takes_turns", 75.0), ("ea_comes_back", 25.0)] {
-        let plan = planned(&text(name));
+        let plan = planned(&found(name));
         assert!(plan.outcomes["steps"] <= most, "{name}: {} of {}", plan.cost, plan.bound);
     }
 }
 
 #[test]
 fn a_droplet_is_met_where_it_has_merged_before() {
-    let plan = planned(&text("ea_meets_where_it_waits"));
+    let plan = planned(&found("ea_meets_where_it_waits"));
     assert_eq!((plan.cost, plan.bound), (53.0, 53.0));
 }
 
 #[test]
 fn a_droplet_leaves_where_it_merges_and_comes_back() {
     let cost = |name: &str| {
-        let plan = planned(&text(name));
+        let plan = planned(&found(name));
         assert_eq!(plan.cost, plan.bound, "{name}");
         plan.cost
     };
     let names = ["ea_merges_where_it_stands", "ea_merges_beside_the_outlet", "ea_aside_for_a_stop"];
     assert_eq!(names.map(cost), [8.0, 5.0, 10.0]);
-    let as_a_step = refused(&text("ea_aside_for_a_stop").replace("assay", "together"));
+    let as_a_step = refused(&found("ea_aside_for_a_stop").replace("assay", "together"));
     assert!(as_a_step.contains("in which they may leave it again"), "{as_a_step}");
 }
 
 #[test]
 fn a_time_counts_from_the_last_of_several_ends() {
-    assert_eq!(planned(&text("ea_within_the_last_of_two")).cost, 10.0);
+    assert_eq!(planned(&found("ea_within_the_last_of_two")).cost, 10.0);
 }
 
 #[test]
 fn who_leaves_beside_the_outlet_makes_room_at_once() {
-    let plan = planned(&text("ea_gone_beside_the_outlet"));
+    let plan = planned(&found("ea_gone_beside_the_outlet"));
     assert_eq!((plan.cost, plan.bound), (3.0, 3.0));
 }
 
 #[test]
 fn nobody_waits_where_another_one_passes() {
-    assert!(refused(&text("ea_stays_where_others_pass")).contains("cannot do these operations in time"));
+    assert!(refused(&found("ea_stays_where_others_pass")).contains("cannot do these operations in time"));
 }
 
 #[test]
 fn a_limit_on_the_steps_is_kept_at_a_larger_sum() {
-    let plan = planned(&text("ea_sum_within_steps"));
+    let plan = planned(&found("ea_sum_within_steps"));
     assert_eq!((plan.outcomes["steps"], plan.outcomes["sum_of_costs"]), (3.0, 4.0));
 }
 
 #[test]
 fn a_stay_is_put_off_by_leaving() {
-    let plan = planned(&text("ea_within_comes_back"));
+    let plan = planned(&found("ea_within_comes_back"));
     assert_eq!((plan.cost, plan.bound), (11_671.0, 11_671.0));
 }
 
 #[test]
 fn who_leaves_too_soon_while_it_steps_aside_is_gone() {
-    assert!(planned(&text("ea_leaves_while_aside")).outcomes["sum_of_costs"] <= 32.0);
+    assert!(planned(&found("ea_leaves_while_aside")).outcomes["sum_of_costs"] <= 32.0);
 }
 
 #[test]
 fn a_limit_from_below_is_met_by_waiting_where_channels_let_all_rest() {
-    let plan = planned(&text("ea_waits_where_it_can_rest"));
+    let plan = planned(&found("ea_waits_where_it_can_rest"));
     assert_eq!((plan.cost, plan.bound), (4.0, 4.0));
 }
 
 #[test]
 fn who_is_dispensed_where_another_leaves_meets_its_traces() {
-    assert_eq!(planned(&text("ea_dispensed_as_another_leaves")).cost, 5.0);
-    assert_eq!(planned(&text("ea_leaves_where_another_is_dispensed")).cost, 3.0);
+    assert_eq!(planned(&found("ea_dispensed_as_another_leaves")).cost, 5.0);
+    assert_eq!(planned(&found("ea_leaves_where_another_is_dispensed")).cost, 3.0);
 }
 
 #[test]
 fn traces_that_touch_nobody_cost_no_plan() {
-    let plan = planned(&text("ea_traces_that_touch_nobody"));
+    let plan = planned(&found("ea_traces_that_touch_nobody"));
     assert_eq!((plan.cost, plan.bound), (20.0, 20.0));
 }
 
 #[test]
 fn who_goes_on_where_another_was_meanwhile_is_washed_for() {
-    let plan = planned(&text("ea_washed_while_away"));
+    let plan = planned(&found("ea_washed_while_away"));
     assert!(plan.cost <= 12.0 && plan.cost == plan.bound, "{} of at least {}", plan.cost, plan.bound);
 }
 
 #[test]
 fn a_plan_that_leaves_a_part_on_an_obstacle_of_the_next_scene_is_named() {
-    let said = refused(&text("ea_left_on_an_obstacle"));
+    let said = refused(&found("ea_left_on_an_obstacle"));
     assert!(said.contains("E0530: `a` is at (3, 1) by then, on obstacle `o`"), "{said}");
 }
 
 #[test]
 fn who_goes_on_does_not_come_to_rest_beside_a_part_that_yields() {
     for (name, steps) in [("ea_leaves_beside_one_that_yields", 4.0), ("ea_goes_on_to_places_of_choice", 14.0)] {
-        let plan = planned(&text(name));
+        let plan = planned(&found(name));
         assert_eq!((plan.cost, plan.bound), (steps, steps), "{name}");
     }
 }
 
 #[test]
 fn places_of_choice_in_which_no_schedule_fits_are_drawn() {
-    let plan = planned(&text("ea_many_places_of_choice"));
+    let plan = planned(&found("ea_many_places_of_choice"));
     assert!(plan.bound == 15.0 && plan.cost <= 20.0, "{} of {}", plan.cost, plan.bound);
 }
 
 #[test]
 fn the_best_of_many_places_of_choice_is_proven() {
-    let plan = planned(&text("ea_best_of_many_places"));
+    let plan = planned(&found("ea_best_of_many_places"));
     assert_eq!((plan.cost, plan.bound), (16.0, 16.0));
 }
 
 #[test]
 fn a_third_droplet_may_hold_the_electrode_that_pulls_a_half() {
-    let plan = planned(&text("ea_split_held_elsewhere"));
+    let plan = planned(&found("ea_split_held_elsewhere"));
     assert_eq!((plan.cost, plan.bound), (6.0, 6.0));
 }
 
 #[test]
 fn limits_on_moves_are_searched_on_shared_channels() {
-    let limited = text("ea_moves_on_shared_channels");
+    let limited = found("ea_moves_on_shared_channels");
     let plan = planned(&limited);
     assert_eq!((plan.outcomes["moves"], plan.cost, plan.bound), (20.0, 24.0, 24.0));
     let fewer = refused(&limited.replace("moves <= 20", "moves <= 19"));

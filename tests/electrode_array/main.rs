@@ -7,6 +7,8 @@ mod found;
 mod pins;
 mod programs;
 mod scenes;
+#[path = "../support/mod.rs"]
+mod support;
 mod task;
 mod teams;
 mod tiny;

@@ -1,7 +1,7 @@
 //! Programs as text, planned, and each plan verified.
 
 use tweeze::check::Options;
-use tweeze::check::imports::Library;
+use tweeze::check::imports::NoFiles;
 use tweeze::claims::Claims;
 use tweeze::compile::{self, ProgramSource};
 use tweeze::diagnostic::Sink;
@@ -20,20 +20,11 @@ pub enum Answered {
     Unfit,
 }
 
-/// No other files.
-struct Alone;
-
-impl Library for Alone {
-    fn read(&self, _from: &str, _path: &str) -> Result<(String, String), String> {
-        Err("there is no such file".to_owned())
-    }
-}
-
 /// The claims of the only task of a program, with its texts; none if it has errors.
 pub fn checked(text: &str) -> Option<(Claims, Sources, Sink)> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();
-    let program = ProgramSource { name: "task.twz", text, library: &Alone, options: &options };
+    let program = ProgramSource { name: "task.twz", text, library: &NoFiles, options: &options };
     let mut checked = compile::check_program(&program, &mut sources, &mut sink)?;
     assert_eq!(checked.claims.len(), 1, "one task: {text}");
     Some((checked.claims.pop()?, sources, sink))

@@ -1,7 +1,7 @@
 //! Instances: random ones from seeds, the droplet routing set, and the five parts of the paper's Table 6.
 
 #[path = "../support/random.rs"]
-mod random;
+pub mod random;
 
 pub use random::Random;
 use serde_json::Value;

@@ -6,6 +6,7 @@
 
 use crate::programs::{Answered, answered};
 use crate::scenes::Random;
+use crate::scenes::random::cases;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap, HashMap};
 use tweeze::plan::Optimality;
@@ -335,7 +336,7 @@ fn compare(case: &Case, truth: [Option<u64>; 3], (by_sum, limit): (bool, Option<
 
 #[test]
 fn goals_of_a_team_agree_with_brute_force() {
-    let cases = std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(60);
+    let cases = cases(60);
     let mut chance = Random(0x7465_616d);
     let (mut seen, mut single, mut done) = (Seen::default(), Seen::default(), 0);
     while done < cases {

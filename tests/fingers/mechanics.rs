@@ -1,32 +1,11 @@
 //! Holding, the reserve, and the messages if nothing holds: programs that once were answered wrongly.
 
-use super::support::build;
-use tweeze::check::Options;
-use tweeze::check::imports::Library;
-use tweeze::compile::{self, ProgramSource};
-use tweeze::diagnostic::Sink;
-use tweeze::source::Sources;
-
-/// A program of the folder of failures.
-fn found(name: &str) -> String {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/found/{name}.twz"));
-    std::fs::read_to_string(path).expect("a program")
-}
-
-struct NoFiles;
-
-impl Library for NoFiles {
-    fn read(&self, _: &str, path: &str) -> Result<(String, String), String> {
-        Err(format!("no {path}"))
-    }
-}
+use super::support::{build, compiled, found};
+use tweeze::check::imports::NoFiles;
 
 /// Everything that is said of a program: code, title, labels and help of each report.
 pub fn reported(text: &str) -> Vec<String> {
-    let options = Options::default();
-    let program = ProgramSource { name: "test.twz", text, library: &NoFiles, options: &options };
-    let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    compile::compile(&program, &mut sources, &mut sink, &mut ());
+    let (_, _, sink) = compiled(&NoFiles, text);
     sink.sorted().into_iter().map(|diagnostic| format!("{diagnostic:?}")).collect()
 }
 

@@ -4,7 +4,7 @@
 //! touch with the tips, by least squares over all tips; it is integrated by the midpoint rule along the motion of the stages. Recorded poses
 //! and the figures of `reached` must agree with it.
 
-use crate::random::Random;
+use crate::random::{Random, cases};
 use crate::support::build;
 use nalgebra::{Matrix3, Quaternion, Rotation2, Rotation3, UnitQuaternion, Vector2, Vector3};
 use std::collections::BTreeMap;
@@ -254,16 +254,12 @@ fn random_case(chance: &mut Random) -> (String, BTreeMap<Plane, Outline>) {
     (text, outlines)
 }
 
-/// How many cases a run looks at; `TWEEZE_ORACLE_CASES` for a long one.
-fn cases() -> u32 {
-    std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(24)
-}
-
 #[test]
 fn recorded_poses_are_where_the_tips_have_rolled_the_part() {
+    let cases = cases(24_u32);
     let mut chance = Random(1211);
     let (mut planned, mut crossed, mut worst) = (0, 0, [0.0_f64; 2]);
-    for case in 0..cases() {
+    for case in 0..cases {
         let (text, outlines) = random_case(&mut chance);
         let built = build(&text);
         let known = ["E0542", "E0601", "E0602"];
@@ -277,8 +273,8 @@ fn recorded_poses_are_where_the_tips_have_rolled_the_part() {
         crossed += u32::from(outlines.len() > 1 && schedule.steps.len() > 1);
         worst = [worst[0].max(off_deg), worst[1].max(off_um)];
     }
-    println!("{planned} of {} planned, {crossed} in both planes, at worst {worst:?} deg and um off", cases());
-    assert!(planned * 3 >= cases(), "{planned} of {}", cases());
+    println!("{planned} of {cases} planned, {crossed} in both planes, at worst {worst:?} deg and um off");
+    assert!(planned * 3 >= cases, "{planned} of {cases}");
     assert!(crossed > 0);
 }
 

@@ -13,7 +13,7 @@ mod camera;
 mod oracle;
 
 use oracle::least_gap_um;
-use random::Random;
+use random::{Random, cases};
 use support::{Built, build};
 use tweeze::claims::{Claims, Order};
 use tweeze::schedule::{Reached, Schedule};
@@ -21,11 +21,6 @@ use tweeze::verify::{Rule, violations};
 
 /// Two tips that come nearer than this to touching are not asked about: the oracle rounds in its own way.
 const HAIR_UM: f64 = 1e-6;
-
-/// How many random programs are tried; `TWEEZE_ORACLE_CASES` says another number.
-fn cases(usual: u64) -> u64 {
-    std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
-}
 
 const BOTS: &str = "use std.dimibot\n\
     device left : dimibot.femto_st { left: 5, right: 5, tip_radius: 0.2 um }\n\

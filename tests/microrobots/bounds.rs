@@ -2,7 +2,7 @@
 //!
 //! The model of motion is independent: it shares nothing with the planner or the verifier. `TWEEZE_ORACLE_CASES=1000` runs more cases.
 
-use super::random::Random;
+use super::random::{Random, cases};
 use super::support::{Folder, build};
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -18,11 +18,6 @@ use tweeze::source::Sources;
 
 /// A pose: x and y in micrometres, heading in radians.
 type Place = [f64; 3];
-
-/// How many random programs of each kind are looked at.
-fn cases(usual: usize) -> usize {
-    std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
-}
 
 /// Clockwise on a circle with the arm down, straight on with the arm up.
 fn gone(place: Place, radius_um: f64, way_um: f64, is_down: bool) -> Place {

@@ -1,21 +1,17 @@
 //! Programs of beds that once hung, were refused by the verifier, or got a false answer. The first line of each gives the right one.
 
-use super::support::{Built, build};
-use std::path::{Path, PathBuf};
+use super::support::{Built, build, found, found_path};
+use std::path::Path;
 use std::process::Command;
 
-fn path(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/found").join(format!("{name}.twz"))
-}
-
 fn built(name: &str) -> Built {
-    build(&std::fs::read_to_string(path(name)).expect("the program is there"))
+    build(&found(name))
 }
 
 /// What the tool says to standard output of a command on a program.
 fn output_of(command: &[&str], name: &str) -> String {
     let mut tool = Command::new(env!("CARGO_BIN_EXE_tweeze"));
-    tool.args(command).arg(path(name)).current_dir(env!("CARGO_TARGET_TMPDIR"));
+    tool.args(command).arg(found_path(name)).current_dir(env!("CARGO_TARGET_TMPDIR"));
     let output = tool.output().expect("the tool runs");
     assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8_lossy(&output.stdout).into_owned()
@@ -145,7 +141,7 @@ fn robots_in_the_way_move_away_first() {
 
 #[test]
 fn a_plan_that_is_likely_to_fail_is_warned_of_and_another_chosen_on_demand() {
-    let text = std::fs::read_to_string(path("microrobots-e0538-goal-moved-first")).expect("the program is there");
+    let text = found("microrobots-e0538-goal-moved-first");
     let printed = |text: &str| {
         let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("likely-to-fail.twz");
         std::fs::write(&file, text).expect("a file");
@@ -169,7 +165,7 @@ fn a_plan_that_is_likely_to_fail_is_warned_of_and_another_chosen_on_demand() {
 /// Fewer control cycles than the fastest plan, or as many, and never fewer than are applied.
 #[test]
 fn switches_are_minimized() {
-    let text = std::fs::read_to_string(path("microrobots-e0602-untimely")).expect("the program is there");
+    let text = found("microrobots-e0602-untimely");
     let plan = |text: &str| build(text).schedules[0].schedule().plans[0].clone();
     let fewest = plan(&text.replacen("  assemble {", "  minimize switches\n  assemble {", 1));
     let fastest = plan(&text);

@@ -2,7 +2,7 @@
 //! where the robots really stand at the beginning, so that a robot docks as far from its place as can be. It moves robots by its own
 //! formulas and knows nothing of the bounds. `TWEEZE_ORACLE_CASES=200` tries more programs.
 
-use super::random::Random;
+use super::random::{Random, cases};
 use super::recorded::Bench;
 use std::f64::consts::TAU;
 use tweeze::claims::microrobots::MicrorobotsOrder;
@@ -273,10 +273,6 @@ fn scaled(errors: Errors, multiple: f64) -> Errors {
         heading_rad: errors.heading_rad * multiple,
         ..errors
     }
-}
-
-fn cases(usual: u64) -> u64 {
-    std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 
 #[test]

@@ -3,6 +3,7 @@
 //! The simulated bed keeps the bounds on the device's errors, and its robots move by other code than the judge's, so that a refusal of one of its
 //! runs would be a false alarm. `TWEEZE_ORACLE_CASES=1000` runs more trials.
 
+use super::random::cases;
 use super::support::Folder;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -156,10 +157,6 @@ impl Pilot for RecordingPilot<'_> {
     fn phase(&self) -> ControlPhase {
         self.controller.phase()
     }
-}
-
-fn cases(usual: u64) -> u64 {
-    std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 
 /// A drive among errors ends as near as they allow, which the task does not ask for.

@@ -2,7 +2,7 @@
 
 use super::bench::{Bench, DONE, REFUSED, USAGE, found, says};
 use tweeze::check::Options;
-use tweeze::check::imports::Library;
+use tweeze::check::imports::NoFiles;
 use tweeze::compile::{CompileOutcome, ProgramSource, compile};
 use tweeze::diagnostic::Sink;
 use tweeze::emit::{Format, Provenance, emit};
@@ -89,14 +89,6 @@ fn a_name_forges_no_line_and_commands_no_terminal() {
         let text = String::from_utf8_lossy(&bytes);
         assert!(!text.contains(['\x1b', '\x07', '\u{202e}']), "{file}: {text:?}");
         assert!(!text.lines().any(|line| line.trim_start().starts_with("Matches")), "{file}: {text}");
-    }
-}
-
-struct NoFiles;
-
-impl Library for NoFiles {
-    fn read(&self, _from: &str, _path: &str) -> Result<(String, String), String> {
-        Err("there are no files here".to_owned())
     }
 }
 

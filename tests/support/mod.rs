@@ -2,9 +2,9 @@
 
 #![allow(dead_code, reason = "each test uses the part that it needs")]
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use tweeze::check::Options;
-use tweeze::check::imports::Library;
+use tweeze::check::imports::{Library, NoFiles};
 use tweeze::claims::electrode_array::ElectrodeArrayOrder;
 use tweeze::compile::{self, CompileOutcome, ProgramSource};
 use tweeze::device::electrode_array::Electrodes;
@@ -29,6 +29,17 @@ pub struct Built {
     provenance: Provenance,
 }
 
+/// Where a program that was answered wrongly once is kept.
+pub fn found_path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/found").join(format!("{name}.twz"))
+}
+
+/// Its text.
+pub fn found(name: &str) -> String {
+    let path = found_path(name);
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
 /// The files in a folder of the project.
 pub struct Folder<'a>(pub &'a Path);
 
@@ -39,12 +50,18 @@ impl Library for Folder<'_> {
     }
 }
 
-/// Compiles a text, whose used files lie in a folder.
-pub fn build_in(folder: &Path, text: &str) -> Built {
+/// Compiles a text as far as it goes.
+pub fn compiled(library: &dyn Library, text: &str) -> (CompileOutcome, Sources, Sink) {
     let options = Options::default();
-    let program = ProgramSource { name: "test.twz", text, library: &Folder(folder), options: &options };
+    let program = ProgramSource { name: "test.twz", text, library, options: &options };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let outcome = compile::compile(&program, &mut sources, &mut sink, &mut ());
+    (outcome, sources, sink)
+}
+
+/// Compiles a text, whose used files lie in a folder.
+pub fn build_in(folder: &Path, text: &str) -> Built {
+    let (outcome, sources, sink) = compiled(&Folder(folder), text);
     let (schedules, refused) = match outcome {
         CompileOutcome::Compiled(compiled) => (compiled.schedules, false),
         CompileOutcome::Errors => (Vec::new(), false),
@@ -116,10 +133,7 @@ pub fn carries_droplets(verified: &Verified) -> bool {
 
 /// What is said of a text that uses no file beside it: the codes, and the helps where there are any.
 pub fn complaints(text: &str) -> (Vec<&'static str>, Vec<String>) {
-    let options = Options::default();
-    let program = ProgramSource { name: "test.twz", text, library: &Folder(Path::new(".")), options: &options };
-    let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    compile::compile(&program, &mut sources, &mut sink, &mut ());
+    let (_, _, sink) = compiled(&NoFiles, text);
     let sorted = sink.sorted();
     let codes = sorted.iter().map(|diagnostic| diagnostic.code.name()).collect();
     (codes, sorted.iter().filter_map(|diagnostic| diagnostic.help.clone()).collect())

@@ -5,6 +5,11 @@
 /// A source of numbers that its seed determines.
 pub struct Random(pub u64);
 
+/// How many random cases a test looks at; `TWEEZE_ORACLE_CASES` says another number.
+pub fn cases<T: std::str::FromStr>(usual: T) -> T {
+    std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
+}
+
 impl Random {
     /// The next number.
     pub fn next(&mut self) -> u64 {

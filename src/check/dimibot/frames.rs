@@ -7,6 +7,7 @@ use crate::check::scope::DeclarationPlace;
 use crate::check::{Checker, KindFacts};
 use crate::claims::dimibot::{DimibotObstacle, DimibotObstacleBody, in_scene_um};
 use crate::claims::{Job, Order};
+use crate::device::Kind;
 use crate::device::dimibot::DimibotFacts;
 use crate::geometry::shape::{Pose, Shape};
 use std::collections::BTreeMap;
@@ -17,7 +18,7 @@ impl Checker<'_> {
     /// The other placed robots of a scene, with their facts; those with errors in them are left out.
     pub fn placed_beside(&mut self, scene: &CheckedScene, device: DeclarationPlace) -> Vec<(Rc<DimibotFacts>, Pose)> {
         let others = scene.frames.values().filter(|frame| frame.device != device);
-        let facts = others.map(|frame| (self.facts(frame.device), frame.pose));
+        let facts = others.map(|frame| (self.facts::<Kind>(frame.device), frame.pose));
         facts.filter_map(|(facts, pose)| Some((robot_facts(facts?)?, pose))).collect()
     }
 
@@ -43,7 +44,7 @@ impl Checker<'_> {
 
     /// The tip of a robot that stands at home.
     fn idle_robot(&mut self, frame: &DeviceFrame) -> Option<DimibotObstacle> {
-        let facts = robot_facts(self.facts(frame.device)?)?;
+        let facts = robot_facts(self.facts::<Kind>(frame.device)?)?;
         let [x_um, y_um] = in_scene_um(facts.place_um(facts.home), Some(&frame.pose));
         let shape = Shape::Disc { radius_um: facts.growth_um() };
         let body = DimibotObstacleBody::Solid { shape, pose: Pose::at(x_um, y_um) };

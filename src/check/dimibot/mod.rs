@@ -125,9 +125,6 @@ fn warn_of_coarseness(facts: &DimibotFacts, device: &CheckedDevice, sink: &mut S
 
 /// A length for a message.
 fn length(um: f64) -> String {
-    if um == 0.0 {
-        return "0 um".to_owned();
-    }
     Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
 }
 

@@ -12,6 +12,7 @@ use crate::device::electrode_array::{
     DEFAULT_MIXER, ElectrodeArrayFacts, Electrodes, Hold, Layout, MAX_SIDE, Separation,
 };
 use crate::diagnostic::Sink;
+use crate::quantity::digits;
 
 /// The facts of a complete device; `None` where parts cannot even be placed.
 pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFacts> {
@@ -117,7 +118,7 @@ fn covers_electrodes(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: 
         let wrong = errors::body_too_small(half, rounded_up(reach));
         sink.push(device.labelled(
             wrong,
-            [DeviceLabel::field("part", format!("reaches {} pitches from its centre", number(half)))],
+            [DeviceLabel::field("part", format!("reaches {} pitches from its centre", digits(half)))],
         ));
     }
 }
@@ -183,9 +184,4 @@ fn warn_of_published(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: 
             device.labelled(errors::published_separation(), [DeviceLabel::field("separation", "as it is printed")]),
         );
     }
-}
-
-/// A plain number for a message.
-pub fn number(value: f64) -> String {
-    crate::quantity::digits(value)
 }

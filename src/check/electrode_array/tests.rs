@@ -3,30 +3,21 @@
 
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
 use super::motion::{Glide, Pull};
-use crate::check::imports::{self, Library};
+use crate::check::imports::{self, NoFiles};
 use crate::check::{Checked, Options, check};
 use crate::claims::electrode_array::{
     Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayObstacle,
     ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
 };
-use crate::device::electrode_array::{
-    DEFAULT_MIXER, ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, Separation,
-};
+use crate::device::electrode_array::fixture::microparts;
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::diagnostic::Sink;
 use crate::source::{Sources, Span};
-
-struct Nothing;
-
-impl Library for Nothing {
-    fn read(&self, _from: &str, _path: &str) -> Result<(String, String), String> {
-        Err("there is none".to_owned())
-    }
-}
 
 fn checked(text: &str) -> (Option<Checked>, Vec<String>) {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let text = format!("use std.electrode_array as ea\n{text}");
-    let modules = imports::load(&mut sources, "main.twz", &text, &Nothing, &mut sink);
+    let modules = imports::load(&mut sources, "main.twz", &text, &NoFiles, &mut sink);
     let checked = check(&mut sources, &modules, &Options::default(), &mut sink);
     let codes = sink.sorted().iter().map(|diagnostic| diagnostic.code.to_string()).collect();
     (checked, codes)
@@ -87,27 +78,7 @@ fn the_example_of_the_language_becomes_an_order() {
            together { move m1 to (26, 31), move m2 to (5, 3) }
          }",
     )[0];
-    let facts = ElectrodeArrayFacts {
-        columns: 50,
-        rows: 50,
-        radius_um: 35.0,
-        pitch_ratio: 0.7,
-        potential_v: 100.0,
-        step_ns: 3_000_000,
-        layout: Layout { electrodes: Electrodes::Quad, half_width_pitches: 1.5 },
-        hold: Hold::Off,
-        dispense_ns: None,
-        mixer: DEFAULT_MIXER,
-        least_volume: None,
-        most_volume: None,
-        least_temperature_k: None,
-        most_temperature_k: None,
-        separation: Separation::Apart(4),
-        clearance: 3,
-        map: None,
-        reservoirs: None,
-    };
-    assert_eq!(order.facts, facts);
+    assert_eq!(order.facts, board(50, 50));
     assert_eq!(
         order.obstacles[0].body,
         ElectrodeArrayObstacleBody::Electrodes { from: ElectrodeCell::new(20, 20), to: ElectrodeCell::new(23, 23) }
@@ -462,26 +433,7 @@ fn droplets_merge_where_they_are_held() {
 }
 
 fn board(columns: u32, rows: u32) -> ElectrodeArrayFacts {
-    ElectrodeArrayFacts {
-        columns,
-        rows,
-        radius_um: 35.0,
-        pitch_ratio: 0.7,
-        potential_v: 100.0,
-        step_ns: 3_000_000,
-        layout: Layout { electrodes: Electrodes::Quad, half_width_pitches: 1.5 },
-        hold: Hold::Off,
-        dispense_ns: None,
-        mixer: DEFAULT_MIXER,
-        least_volume: None,
-        most_volume: None,
-        least_temperature_k: None,
-        most_temperature_k: None,
-        separation: Separation::Apart(4),
-        clearance: 3,
-        map: None,
-        reservoirs: None,
-    }
+    ElectrodeArrayFacts { step_ns: 3_000_000, ..microparts(columns, rows) }
 }
 
 /// Numbers that look random, below `most`.

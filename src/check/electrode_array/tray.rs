@@ -22,6 +22,7 @@ use crate::device::electrode_array::{
 };
 use crate::device::shape::ShapeForm;
 use crate::diagnostic::{Code, Diagnostic, Sink};
+use crate::quantity::digits;
 use crate::source::{Span, Spanned};
 use std::collections::BTreeSet;
 use std::rc::Rc;
@@ -239,7 +240,7 @@ impl TrayReader<'_> {
         if !is_own {
             let describe = |shape: &ShapeValue| {
                 let half = shape.fields.si("half_width").unwrap_or_default();
-                (board::electrodes_text(shape), board::number(half))
+                (board::electrodes_text(shape), digits(half))
             };
             let carried = self.device.fields.get("part").map(|part| (&part.value, part.span));
             let Some((Value::Shape(carried), span)) = carried else { return false };

@@ -17,15 +17,10 @@ fn angle(rad: f64) -> String {
 }
 
 /// A length of at most five digits for a message.
-fn length(um: f64) -> String {
+pub fn length(um: f64) -> String {
     // A mere rounding difference is printed as 0.
     let um: f64 = if um.abs() < 1e-7 { 0.0 } else { format!("{um:.4e}").parse().unwrap_or(um) };
     Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
-}
-
-/// A length as [`length`], for a text that goes into a message.
-pub fn length_text(um: f64) -> String {
-    length(um)
 }
 
 /// A force of at most four digits for a message.

@@ -198,8 +198,8 @@ pub fn junction_fault(part: &HandPart, facts: &FingersFacts) -> Option<String> {
         (apart_um > most_um).then(|| {
             format!(
                 "where the {side} x axis leaves it, its outlines put a tip {} apart, {} is allowed (they lean by {:.2} deg and {:.2} deg)",
-                errors::length_text(apart_um),
-                errors::length_text(most_um),
+                errors::length(apart_um),
+                errors::length(most_um),
                 leaning[0],
                 leaning[1]
             )

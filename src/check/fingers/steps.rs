@@ -343,7 +343,7 @@ impl HandStepJudge<'_> {
         if let Some((contact, deep_um)) = cuts {
             let what = format!(
                 "a tip at contact {contact} would cut {} into `{}` elsewhere",
-                errors::length_text(deep_um),
+                errors::length(deep_um),
                 self.part.name
             );
             return Some(errors::bad_grasp(span, what, "take a contact outside of the hollow".to_owned()));

@@ -2,28 +2,20 @@
 
 use super::bodies::{ObstacleSolid, RobotBody};
 use super::docking::{Docked, HeadOn, incidence_rad};
-use crate::check::imports::{self, Library};
+use crate::check::imports::{self, NoFiles};
 use crate::check::{Checked, Options, check};
 use crate::claims::microrobots::{Assurance, MicrorobotsAction, MicrorobotsObstacle, MicrorobotsOrder};
-use crate::device::microrobots::{Docking, MAX_ROBOTS, Robot, Turning};
+use crate::device::microrobots::{Docking, MAX_ROBOTS, Robot, Turning, fixture};
 use crate::diagnostic::Sink;
 use crate::geometry::{Pose, Shape};
 use crate::source::{Sources, Span};
 use std::f64::consts::PI;
 
-struct Nothing;
-
-impl Library for Nothing {
-    fn read(&self, _from: &str, _path: &str) -> Result<(String, String), String> {
-        Err("there is none".to_owned())
-    }
-}
-
 /// The checked program, the codes, and each help.
 fn reported(text: &str) -> (Option<Checked>, Vec<String>, Vec<String>) {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let text = format!("use std.microrobots as m\n{text}");
-    let modules = imports::load(&mut sources, "main.twz", &text, &Nothing, &mut sink);
+    let modules = imports::load(&mut sources, "main.twz", &text, &NoFiles, &mut sink);
     let checked = check(&mut sources, &modules, &Options::default(), &mut sink);
     let codes = sink.sorted().iter().map(|diagnostic| diagnostic.code.to_string()).collect();
     let helps = sink.sorted().iter().filter_map(|diagnostic| diagnostic.help.clone()).collect();
@@ -469,16 +461,7 @@ fn a_table_that_is_not_string_docks_in_whatever_order_fits() {
 }
 
 fn robot() -> Robot {
-    Robot {
-        name: "D1".to_owned(),
-        snap_down_v: 110.0,
-        release_v: 20.0,
-        turning_radius_um: 165.0,
-        step_um: 0.01,
-        turning: Turning::Clockwise,
-        length_um: 260.0,
-        width_um: 60.0,
-    }
+    Robot { length_um: 260.0, ..fixture::robot("D1", 165.0, 0.01) }
 }
 
 fn near(one: f64, other: f64) -> bool {

@@ -9,6 +9,7 @@ use super::fields::{Given, Owner};
 use super::figures::Figures;
 use super::scope::{DeclarationPlace, DeclarationSort, Scope};
 use super::value::Accepted;
+use crate::device::Kind;
 use crate::device::instrument::{
     ANY_WIRE, AuxiliarySort, Bench, Direction, Drive, Family, Instrument, Link, LinkSort, OutputSort, StageLimits,
     Start,
@@ -195,7 +196,7 @@ impl<'a> Checker<'a> {
         let name = self.named(place).0.to_owned();
         let owner = match sort {
             DeclarationSort::Output => Some(WiredOwner::AuxiliaryOutput),
-            _ => self.facts(place).map(WiredOwner::Device),
+            _ => self.facts::<Kind>(place).map(WiredOwner::Device),
         };
         let own = item.entries.iter().filter_map(|entry| match entry {
             WiringEntry::Field(field) => Some(Given { field, scope: scope.clone() }),
@@ -306,7 +307,7 @@ impl<'a> Checker<'a> {
         outputs: &mut Outputs,
     ) -> Option<NamedOutput> {
         let (place, words) = self.instrument_of(path, scope)?;
-        let instrument = self.instrument(place)?;
+        let instrument = self.facts::<Family>(place)?;
         let (name, declared) = self.named(place);
         let output = self.channel_name(&path.segments[words..], scope)?;
         let Some(sort) = instrument.facts.output(&output) else {
@@ -371,7 +372,7 @@ impl<'a> Checker<'a> {
         outputs: &mut Outputs,
     ) -> Option<()> {
         let (place, words) = self.instrument_of(path, scope)?;
-        let instrument = self.instrument(place)?;
+        let instrument = self.facts::<Family>(place)?;
         let (name, declared) = self.named(place);
         let facts = &instrument.facts;
         let known = facts.outputs();
@@ -480,7 +481,7 @@ impl<'a> Checker<'a> {
         let owner = Owner { name: format!("the wire to `{name}`"), declared: None };
         let given = given_in(&wire.fields, scope);
         self.read_fields(&owner, &given, &[]);
-        let facts = self.output(panel.place)?;
+        let facts = self.facts::<AuxiliarySort>(panel.place)?;
         let declared = self.named(panel.place).1;
         self.sink
             .unless(facts.is_graded.then(|| errors::share_of_accessory(wire.span, (&panel.name, declared), name)))?;

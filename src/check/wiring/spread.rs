@@ -73,7 +73,7 @@ impl Checker<'_> {
             }
         };
         let (place, words) = self.instrument_of(path, scope)?;
-        let instrument = self.instrument(place)?;
+        let instrument = self.facts::<Family>(place)?;
         let (name, declared) = self.named(place);
         let name = name.to_owned();
         if words < path.segments.len() {

@@ -76,7 +76,7 @@ pub fn page(vocabulary: &'static Vocabulary) -> String {
     page.section("using", vocabulary.planners.iter().map(|planner| (planner.name.to_owned(), planner.doc.to_owned())));
     page.section("In a scene", vocabulary.nouns.iter().map(|noun| (noun.name.to_owned(), noun.doc.to_owned())));
     let used = |form: &&ShapeForm| vocabulary.nouns.iter().any(|noun| noun.shapes.contains(form));
-    page.section("Shapes", ShapeForm::ALL.iter().filter(used).map(|form| (shape(*form), form.doc().to_owned())));
+    page.section("Shapes", ShapeForm::ALL.iter().filter(used).map(|form| (shape(*form), form.choice().doc.to_owned())));
     page.text("\nChannels");
     for line in wrapped(vocabulary.channels, PAGE_WIDTH - 2) {
         page.text(&format!("  {line}"));

@@ -12,9 +12,7 @@ use std::ops::RangeInclusive;
 impl ReportedOrder for DimibotOrder {
     fn notes(&self, run: &ReportedRun) -> Vec<Note> {
         let visits = run.steps.iter().zip(&self.steps).filter_map(|(step, claim)| match &claim.action {
-            DimibotAction::Visit(stops) => {
-                Some(visited(stops, &run.plan.states, step.start_ns..=step.start_ns + step.duration_ns))
-            }
+            DimibotAction::Visit(stops) => Some(visited(stops, &run.plan.states, step.start_ns..=step.end_ns())),
             DimibotAction::Move(_) | DimibotAction::Wait(_) => None,
         });
         let visits = visits.map(|line| (ReportTopic::Visits, line));

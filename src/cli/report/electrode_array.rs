@@ -63,7 +63,7 @@ fn parts_of<'r>(run: &'r ReportedRun) -> BTreeSet<&'r str> {
 /// From when until when a part is on electrodes of a zone, without a break.
 fn stays(run: &ReportedRun, part: &str, zone: &BoardZone) -> Vec<[u64; 2]> {
     let ends = run.plan.states.iter().skip(1).map(|timed| timed.t_ns);
-    let ends = ends.chain([run.plan.start_ns + run.plan.duration_ns]);
+    let ends = ends.chain([run.plan.end_ns()]);
     let mut stays: Vec<[u64; 2]> = Vec::new();
     for (timed, end_ns) in run.plan.states.iter().zip(ends) {
         let State::ElectrodeArray(state) = &timed.state else { continue };

@@ -9,6 +9,8 @@ use crate::quantity::fraction;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
+#[cfg(test)]
+pub(crate) mod fixture;
 mod map;
 mod reservoirs;
 mod words;

@@ -3,40 +3,21 @@
 
 use super::Level;
 use super::words::{DIGITAL, LEVEL, TRIGGER};
-use crate::device::{VocabularyField, WordChoice};
+use crate::device::{VocabularyField, words::words};
 use serde::{Deserialize, Serialize};
 
-/// The sorts of auxiliary outputs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum AuxiliarySort {
-    Trigger,
-    Digital,
-    Level,
+words! {
+    /// The sorts of auxiliary outputs, in the order of the handbook.
+    pub enum AuxiliarySort {
+        Trigger = "trigger": "an output that gives a pulse of one length, by `pulse NAME`",
+        Digital = "digital": "an output of two levels, by `set NAME to high` and `set NAME to low`",
+        Level = "level": "an output of any voltage between two, by `set NAME to 60 %`",
+    }
 }
 
 impl AuxiliarySort {
-    /// Every sort, in the order of the handbook.
-    pub const ALL: &'static [AuxiliarySort] = &[AuxiliarySort::Trigger, AuxiliarySort::Digital, AuxiliarySort::Level];
-
     /// The name of its one channel.
     pub const CHANNEL: &'static str = "out";
-
-    /// The sort's word in the language with its meaning.
-    pub fn choice(self) -> WordChoice {
-        let (name, doc) = match self {
-            AuxiliarySort::Trigger => ("trigger", "an output that gives a pulse of one length, by `pulse NAME`"),
-            AuxiliarySort::Digital => {
-                ("digital", "an output of two levels, by `set NAME to high` and `set NAME to low`")
-            }
-            AuxiliarySort::Level => ("level", "an output of any voltage between two, by `set NAME to 60 %`"),
-        };
-        WordChoice { name, doc }
-    }
-
-    /// The sort's word in the language.
-    pub fn name(self) -> &'static str {
-        self.choice().name
-    }
 
     /// The fields of an output.
     pub fn fields(self) -> &'static [VocabularyField] {

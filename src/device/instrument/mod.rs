@@ -15,7 +15,7 @@ pub use machine::{AXIS_LETTERS, MachineControllerFacts};
 pub use stages::{Direction, StageControllerFacts, StageLimits, StageProtocol, cut_um};
 pub use words::{ANY_WIRE, HEATERS};
 
-use crate::device::{VocabularyField, WordChoice, words::words};
+use crate::device::{VocabularyField, words::words};
 use crate::quantity::{CELSIUS, Quantity};
 use crate::source::Span;
 use serde::{Deserialize, Serialize};
@@ -37,62 +37,18 @@ pub fn heater_setting(temperature: Quantity) -> Option<u32> {
     DRIVER_HEATER_DEGC.into_iter().find(|whole| (degrees - f64::from(*whole)).abs() < ROUNDING_DEGC)
 }
 
-/// The families of instruments.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Family {
-    WaveformGenerator,
-    DataAcquisition,
-    ElectrodeDriver,
-    StageController,
-    MachineController,
+words! {
+    /// The families of instruments, in the order of the handbook.
+    pub enum Family {
+        WaveformGenerator = "waveform_generator": "an arbitrary-waveform generator of the Keysight 33500 and 33600 series, or one that takes their commands",
+        DataAcquisition = "data_acquisition": "a card with digital lines and analog outputs on a sample clock, played by NI-DAQmx",
+        ElectrodeDriver = "electrode_driver": "the driver of a board of electrodes, which takes frame after frame of those that are on: OpenDrop, PurpleDrop, DropBot",
+        StageController = "stage_controller": "a controller that moves stages along a table of places: of PI by its commands GCS, of SmarAct by the streams of an MCS2",
+        MachineController = "machine_controller": "a controller whose stages are the axes of a machine that runs G-code: LinuxCNC",
+    }
 }
 
 impl Family {
-    /// Every family, in the order of the handbook.
-    pub const ALL: &'static [Family] = &[
-        Family::WaveformGenerator,
-        Family::DataAcquisition,
-        Family::ElectrodeDriver,
-        Family::StageController,
-        Family::MachineController,
-    ];
-
-    /// The family's word in the language with its meaning.
-    pub fn choice(self) -> WordChoice {
-        let (name, doc) = match self {
-            Family::WaveformGenerator => (
-                "waveform_generator",
-                "an arbitrary-waveform generator of the Keysight 33500 and 33600 series, or one that takes their commands",
-            ),
-            Family::DataAcquisition => (
-                "data_acquisition",
-                "a card with digital lines and analog outputs on a sample clock, played by NI-DAQmx",
-            ),
-            Family::ElectrodeDriver => (
-                "electrode_driver",
-                "the driver of a board of electrodes, which takes frame after frame of those that are on: OpenDrop, PurpleDrop, DropBot",
-            ),
-            Family::StageController => (
-                "stage_controller",
-                "a controller that moves stages along a table of places: of PI by its commands GCS, of SmarAct by the streams of an MCS2",
-            ),
-            Family::MachineController => {
-                ("machine_controller", "a controller whose stages are the axes of a machine that runs G-code: LinuxCNC")
-            }
-        };
-        WordChoice { name, doc }
-    }
-
-    /// The family's word in the language.
-    pub fn name(self) -> &'static str {
-        self.choice().name
-    }
-
-    /// The family of a word.
-    pub fn find(name: &str) -> Option<Family> {
-        Family::ALL.iter().copied().find(|family| family.name() == name)
-    }
-
     /// A published instrument to start from: the file, and its name there.
     pub fn library(self) -> (&'static str, &'static str) {
         let name = match self {

@@ -12,6 +12,8 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 pub mod control;
+#[cfg(test)]
+pub(crate) mod fixture;
 mod words;
 
 pub use words::{MicrorobotsObjective, MicrorobotsOutcome, MicrorobotsPlanner, VOCABULARY};

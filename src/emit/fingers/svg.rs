@@ -89,8 +89,7 @@ fn strobes(course: &HandCourse, subject: Subject) -> Strobes {
         all.extend(changed.map(|pair| pair[1].t_ns));
     }
     let own = |plan: u32| schedule.plans.get(plan as usize).is_some_and(|plan| plan.device == subject.device);
-    let stops: BTreeSet<u64> =
-        schedule.steps.iter().filter(|step| own(step.plan)).map(|step| step.start_ns + step.duration_ns).collect();
+    let stops: BTreeSet<u64> = schedule.steps.iter().filter(|step| own(step.plan)).map(|step| step.end_ns()).collect();
     let last_ns = all.last().copied().unwrap_or(0);
     // What ends after the last state changes nothing.
     all.extend(stops.iter().filter(|t_ns| **t_ns < last_ns));
@@ -188,14 +187,14 @@ impl GraspPanel<'_> {
             schedule.plans.get(plan as usize).is_some_and(|plan| plan.device == self.picture.subject.device)
         };
         let during = schedule.steps.iter().filter(|step| own(step.plan)).find(|step| {
-            let end_ns = step.start_ns + step.duration_ns;
+            let end_ns = step.end_ns();
             step.start_ns <= self.t_ns && self.t_ns <= end_ns
         });
         let held = grasp.contacts.iter().enumerate().filter(|(_, contact)| **contact > 0);
         let held: Vec<String> = held.map(|(finger, contact)| format!("f{} on {contact}", finger + 1)).collect();
         let held = if held.is_empty() { "no finger holds".to_owned() } else { held.join(", ") };
         let angle = format!("{} deg in {}", decimal(turn.turned_rad.to_degrees(), 1), turn.plane.name());
-        let step = during.map(|step| match step.start_ns + step.duration_ns == self.t_ns {
+        let step = during.map(|step| match step.end_ns() == self.t_ns {
             true => format!("end of: {}", step.text),
             false => format!("in: {}", step.text),
         });

@@ -59,7 +59,7 @@ fn numbered_board(protocol: Protocol, number: fn(ElectrodeCell) -> Option<u32>) 
 pub fn prompting_board(protocol: Protocol) -> (Verified, Provenance) {
     let (verified, provenance) = board_on_driver(protocol);
     let waiting = fixture::changed(&verified, |schedule| {
-        let rest_ns = schedule.steps[0].start_ns + schedule.steps[0].duration_ns;
+        let rest_ns = schedule.steps[0].end_ns();
         let shift = |t_ns: u64| t_ns + 1_000_000 + if t_ns > rest_ns { 1_000_000 } else { 0 };
         let over_ns = shift(schedule.duration_ns);
         for actuation in &mut schedule.actuations {
@@ -81,7 +81,7 @@ pub fn board_with_magnet() -> (Verified, Provenance) {
     let (verified, provenance) = board_on_driver(Protocol::Opendrop);
     let switched = fixture::changed(&verified, |schedule| {
         let end_ns = schedule.duration_ns;
-        let first = schedule.steps[0].start_ns + schedule.steps[0].duration_ns;
+        let first = schedule.steps[0].end_ns();
         for (name, output, [start_ns, end_ns]) in
             [("lift", "magnet1", [0, first]), ("stove", "heater2", [7_000_000, end_ns])]
         {

@@ -61,7 +61,7 @@ fn of_operations(step: &ScheduledStep) -> impl Iterator<Item = (u64, Vec<u8>)> +
 /// The beats of a step, if it has several.
 fn of_step(beats: &[(u64, String)], step: &ScheduledStep) -> Vec<(u64, Vec<u8>)> {
     let first = beats.partition_point(|(t_ns, _)| *t_ns < step.start_ns);
-    let after = beats.partition_point(|(t_ns, _)| *t_ns < step.start_ns + step.duration_ns).max(first);
+    let after = beats.partition_point(|(t_ns, _)| *t_ns < step.end_ns()).max(first);
     let own = &beats[first..after];
     let line = |(index, (t_ns, moves)): (usize, &(u64, String))| {
         let words = format!("beat {} of {}: {moves}", index + 1, own.len());

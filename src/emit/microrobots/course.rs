@@ -153,7 +153,7 @@ impl<'a> BedPlanCourse<'a> {
             let State::Microrobots(MicrorobotsState { control, arms, docked, poses }) = &timed.state else {
                 return None;
             };
-            let end_ns = plan.states.get(index + 1).map_or(plan.start_ns + plan.duration_ns, |next| next.t_ns);
+            let end_ns = plan.states.get(index + 1).map_or(plan.end_ns(), |next| next.t_ns);
             let first = trains.partition_point(|train| train.start_ns < timed.t_ns);
             let train = trains.get(first).filter(|train| train.start_ns < end_ns);
             let strokes = train.and_then(|train| Some(train.duration_ns / train.swing?.period_ns.max(1))).unwrap_or(0);

@@ -55,7 +55,7 @@ impl Pictured for MicrorobotsOrder {
         let schedule = subject.verified.schedule();
         let own = |plan: u32| schedule.plans.get(plan as usize).is_some_and(|plan| plan.device == subject.device);
         let steps = schedule.steps.iter().filter(|step| own(step.plan));
-        let stops: BTreeSet<u64> = steps.map(|step| step.start_ns + step.duration_ns).collect();
+        let stops: BTreeSet<u64> = steps.map(|step| step.end_ns()).collect();
         let most = (MAX_NUMBERS / course.robots.len().max(1)).min(MAX_STROBES);
         let strobes = Strobes::chosen(&all, &stops, most);
         let is_dock = |order: &MicrorobotsOrder| {

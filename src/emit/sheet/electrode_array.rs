@@ -198,7 +198,7 @@ fn rows_of(
     action: &ElectrodeArrayAction,
     step: &ScheduledStep,
 ) -> Vec<([u64; 2], String)> {
-    let all = [step.start_ns, step.start_ns + step.duration_ns];
+    let all = [step.start_ns, step.end_ns()];
     match action {
         ElectrodeArrayAction::Wait(0) => vec![(all, step.text.clone())],
         ElectrodeArrayAction::Wait(_) => vec![(all, "nothing moves".to_owned())],

@@ -2,44 +2,24 @@
 
 use super::*;
 use crate::claims::electrode_array::{
-    BoardPart, Bystanders, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayObjective, ElectrodeArrayPlanner,
-    ElectrodeArrayStep as TaskStep, ElectrodeArrayStop,
+    BoardPart, ElectrodeArrayMethod, ElectrodeArrayMove, ElectrodeArrayPlanner, ElectrodeArrayStep as TaskStep,
+    ElectrodeArrayStop,
 };
-use crate::claims::{Claims, Job, Order, Timeline};
-use crate::device::electrode_array::{DEFAULT_MIXER, Layout, Separation};
+use crate::claims::fixture::{self, board_order};
+use crate::claims::{Claims, Order, Timeline};
+use crate::device::electrode_array::fixture::{droplets, microparts};
 use crate::diagnostic::Sink;
 use crate::lower::lower;
 use crate::plan::{Motion, Optimality, Plan, Planned};
 use crate::schedule::Schedule;
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::source::{Sources, Span};
-use std::sync::Arc;
 
 /// A board for four-electrode parts, or for droplets.
 pub(crate) fn facts(electrodes: Electrodes) -> ElectrodeArrayFacts {
-    let (half_width_pitches, hold, separation) = match electrodes {
-        Electrodes::Quad => (1.5, Hold::Off, 4),
-        Electrodes::Single => (0.5, Hold::On, 2),
-    };
-    ElectrodeArrayFacts {
-        columns: 20,
-        rows: 12,
-        radius_um: 35.0,
-        pitch_ratio: 0.7,
-        potential_v: 100.0,
-        step_ns: 5_000_000,
-        layout: Layout { electrodes, half_width_pitches },
-        hold,
-        dispense_ns: None,
-        mixer: DEFAULT_MIXER,
-        least_volume: None,
-        most_volume: None,
-        least_temperature_k: None,
-        most_temperature_k: None,
-        separation: Separation::Apart(separation),
-        clearance: 1,
-        map: None,
-        reservoirs: None,
+    match electrodes {
+        Electrodes::Quad => ElectrodeArrayFacts { clearance: 1, ..microparts(20, 12) },
+        Electrodes::Single => droplets(20, 12),
     }
 }
 
@@ -58,16 +38,8 @@ pub(crate) fn carried(facts: &ElectrodeArrayFacts, steps: &[Vec<Vec<(u32, u32)>>
         span: Span::default(),
     };
     let order = ElectrodeArrayOrder {
-        facts: facts.clone(),
-        obstacles: Arc::new(Vec::new()),
-        parts: Arc::new(start.iter().enumerate().map(part).collect()),
-        zones: Default::default(),
-        objective: ElectrodeArrayObjective::Makespan,
         planner: ElectrodeArrayPlanner { method: ElectrodeArrayMethod::Portfolio, expansions: 1 },
-        bystanders: Bystanders::Stay,
-        contents: Vec::new(),
-        contamination: Default::default(),
-        steps: ways.iter().map(|ways| asked(ways)).collect(),
+        ..board_order(facts.clone(), start.iter().enumerate().map(part), ways.iter().map(|ways| asked(ways)).collect())
     };
     let motion = |ways: &Vec<Vec<ElectrodeCell>>| match ways.is_empty() {
         true => ElectrodeArrayStepMotion::Wait(1_000_000),
@@ -85,27 +57,8 @@ pub(crate) fn carried(facts: &ElectrodeArrayFacts, steps: &[Vec<Vec<(u32, u32)>>
         remarks: Vec::new(),
         motion: ElectrodeArrayMotion { start, steps: ways.iter().map(motion).collect() },
     };
-    let job = Job {
-        task: "carry".to_owned(),
-        device: "plate".to_owned(),
-        requirements: Vec::new(),
-        events: Vec::new(),
-        holds: Vec::new(),
-        order: Order::ElectrodeArray(order),
-        span: Span::default(),
-        run_span: Span::default(),
-    };
-    let claims = Claims {
-        name: "carry".to_owned(),
-        timeline: Timeline::Run(0),
-        jobs: vec![job],
-        wires: Default::default(),
-        bench: Default::default(),
-        outputs: Default::default(),
-        shared: Vec::new(),
-        not_held: Vec::new(),
-        span: Span::default(),
-    };
+    let jobs = vec![fixture::job("carry", "plate", Order::ElectrodeArray(order))];
+    let claims = fixture::claims("carry", jobs, Timeline::Run(0));
     let mut sources = Sources::default();
     sources.add("carry.twz", "task carry on plate {}\n");
     let order = ElectrodeArrayOrder::of(&claims.jobs[0].order).expect("its order");

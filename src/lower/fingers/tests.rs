@@ -1,38 +1,19 @@
 //! Lowering of stretches.
 
 use super::*;
-use crate::claims::fingers::{FingersAction, FingersPlanner, FingersStep, HandPart, Section};
+use crate::claims::fingers::{FingersAction, FingersStep};
+use crate::claims::fixture::hand_order;
 use crate::device::fingers::Plane;
 use crate::device::fingers::fixture::hand;
-use crate::geometry::outline::Outline;
 use crate::plan::fingers::Stance;
 use crate::schedule::fingers::FingersState;
 use crate::source::Span;
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 /// An order of `steps` steps; their content does not matter here.
 fn order(steps: usize) -> FingersOrder {
-    let outline = Outline::Ellipse { semi_um: [16.0, 11.845] };
-    let xy = Section { outline, contacts: 74, opposite: Some(38), step_rad: 0.349 };
-    let part = HandPart {
-        name: "bead".to_owned(),
-        xy,
-        xz: None,
-        centre_um: [0.0; 3],
-        position_um: [0.0; 3],
-        span: Span::default(),
-    };
-    FingersOrder {
-        facts: Arc::new(hand()),
-        part: Arc::new(part),
-        precision_rad: 0.01,
-        load_un: [0.0; 3],
-        planner: FingersPlanner::JointAstar,
-        expansions: 1_000,
-        looks: None,
-        steps: (0..steps).map(|_| FingersStep { action: FingersAction::Release, span: Span::default() }).collect(),
-    }
+    let step = |_| FingersStep { action: FingersAction::Release, span: Span::default() };
+    hand_order(hand(), (0..steps).map(step).collect())
 }
 
 fn hold(grasp: [u32; 3], angle_index: i64) -> HeldGrasp {

@@ -1,11 +1,11 @@
 //! Lowering of legs, and a schedule for the tests of later stages.
 
 use super::*;
-use crate::claims::microrobots::{
-    Assurance, Dock, MicrorobotsAction, MicrorobotsObstacle, MicrorobotsStep, MicrorobotsStop, Placed, Precision,
-};
-use crate::claims::{Claims, Job, Order, Timeline};
-use crate::device::microrobots::{ControlState, Docking as Meeting, Fine, MicrorobotsFacts, Robot, Turning};
+use crate::claims::fixture::{self, bed_order};
+use crate::claims::microrobots::{Dock, MicrorobotsAction, MicrorobotsObstacle, MicrorobotsStep, MicrorobotsStop};
+use crate::claims::{Claims, Order, Timeline};
+use crate::device::microrobots::fixture as bed;
+use crate::device::microrobots::{Docking as Meeting, Fine, MicrorobotsFacts, Robot, Turning};
 use crate::diagnostic::Sink;
 use crate::geometry::Pose;
 use crate::geometry::Shape;
@@ -19,14 +19,11 @@ use std::sync::Arc;
 /// Three robots, the last of which turns the other way; a stroke of 50 us carries them by 2 um.
 pub(crate) fn facts() -> MicrorobotsFacts {
     let robot = |name: &str, snap_down_v: f64, turning| Robot {
-        name: name.to_owned(),
         snap_down_v,
         release_v: 250.0 - snap_down_v,
-        turning_radius_um: 150.0,
-        step_um: 2.0,
         turning,
         length_um: 120.0,
-        width_um: 60.0,
+        ..bed::robot(name, 150.0, 2.0)
     };
     let robots = vec![
         robot("D1", 140.0, Turning::Clockwise),
@@ -34,31 +31,19 @@ pub(crate) fn facts() -> MicrorobotsFacts {
         robot("D3", 180.0, Turning::Counterclockwise),
     ];
     MicrorobotsFacts {
-        robots,
         margin_v: 3.0,
-        max_v: 200.0,
         relax_v: 115.0,
         flex_v: 130.0,
-        period_ns: 50_000,
-        dwell_ns: 1_000_000,
         clearance_um: 20.0,
         orbit_clearance_um: 40.0,
         docking: Meeting { self_aligning_rad: 1.0, self_aligning_um: 80.0, sticking_rad: 0.75, tolerance_um: 2.0 },
         fine: Fine { length_um: 300.0, cycle_um: 30.0 },
-        errors: None,
-        watchdog_ns: None,
+        ..bed::facts(robots)
     }
 }
 
-/// The states that lower the robots that snap first.
-fn states() -> Vec<ControlState> {
-    let state = |down: usize, levels_v: &[f64]| ControlState {
-        arms: (0..3).map(|row| if row < down { Arm::Down } else { Arm::Up }).collect(),
-        levels_v: levels_v.to_vec(),
-        slack_v: 2.0,
-    };
-    vec![state(0, &[0.0]), state(1, &[0.0, 150.0]), state(2, &[0.0, 170.0]), state(3, &[200.0])]
-}
+/// The levels of the states, of which each lowers one arm more.
+const LEVELS_V: [&[f64]; 4] = [&[0.0], &[0.0, 150.0], &[0.0, 170.0], &[200.0]];
 
 /// The claims and the schedule of a task on the bed `m` with these steps; where robots dock, that was the goal.
 pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
@@ -70,17 +55,12 @@ pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
         pose: Pose { x_um: -400.0, y_um: 300.0, heading_rad: 0.5 },
         span: Span::default(),
     };
-    let placed = |(row, pose): (usize, Pose)| Placed { row, pose, span: Span::default() };
+    let states = bed::string_states(3, 2.0, |down| LEVELS_V[down].to_vec());
     let order = MicrorobotsOrder {
-        facts: Arc::new(facts()),
-        states: Arc::new(states()),
         obstacles: Arc::new(vec![post]),
-        robots: Arc::new(start.into_iter().enumerate().map(placed).collect()),
         expansions: 1,
-        objective: crate::device::microrobots::MicrorobotsObjective::Time,
-        precision: Precision { place_um: 0.5, heading_rad: 0.01 },
-        assurance: Assurance::Reported,
         steps: steps.iter().map(asked).collect(),
+        ..bed_order(facts(), states, start.into_iter().enumerate())
     };
     let plan = Plan {
         planner: "one_way_dubins",
@@ -94,27 +74,9 @@ pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
         remarks: Vec::new(),
         motion: MicrorobotsMotion { start: Crew { poses: start.to_vec(), docked: vec![false; 3] }, steps },
     };
-    let job = Job {
-        task: "assemble".to_owned(),
-        device: "m".to_owned(),
-        requirements: Vec::new(),
-        events: Vec::new(),
-        holds: Vec::new(),
-        order: Order::Microrobots(order),
-        span: Span::default(),
-        run_span: Span::default(),
-    };
-    let mut claims = Claims {
-        name: "bed".to_owned(),
-        timeline: Timeline::Run(0),
-        jobs: vec![job],
-        wires: [("m.bed".to_owned(), "Dev2/ao0".to_owned())].into(),
-        bench: Default::default(),
-        outputs: Default::default(),
-        shared: Vec::new(),
-        not_held: Vec::new(),
-        span: Span::default(),
-    };
+    let jobs = vec![fixture::job("assemble", "m", Order::Microrobots(order))];
+    let mut claims = fixture::claims("bed", jobs, Timeline::Run(0));
+    claims.wires = [("m.bed".to_owned(), "Dev2/ao0".to_owned())].into();
     let mut sources = Sources::default();
     sources.add("bed.twz", SOURCE);
     let order = MicrorobotsOrder::of(&claims.jobs[0].order).expect("its order");

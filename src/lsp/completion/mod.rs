@@ -143,10 +143,10 @@ impl<'t> Suggestions<'t> {
             }
             ["instrument", _, ":"] => {
                 self.names(&[Instrument]);
-                self.choices(&Family::ALL.iter().map(|family| family.choice()).collect::<Vec<_>>());
+                self.choices(Family::CHOICES);
             }
             ["output", _, ":"] => {
-                self.choices(&AuxiliarySort::ALL.iter().map(|sort| sort.choice()).collect::<Vec<_>>());
+                self.choices(AuxiliarySort::CHOICES);
             }
             ["scene", _, ":"] | ["task", .., "in"] => self.names(&[Scene]),
             ["task", .., "on"] => self.names(&[Device]),

@@ -8,10 +8,10 @@ use crate::claims::electrode_array::{
     ElectrodeArrayObjective, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
     ElectrodeArrayPlanner, ElectrodeArrayStep, ElectrodeArrayStop, OperationPlace,
 };
+use crate::claims::fixture::{self, board_order};
 use crate::claims::{Job, Order, Relation, Requirement};
-use crate::device::electrode_array::{
-    DEFAULT_MIXER, ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, Separation,
-};
+use crate::device::electrode_array::fixture::{droplets, microparts};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::diagnostic::{Code, Sink};
 use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
 use crate::plan::{Optimality, Plan};
@@ -24,37 +24,6 @@ fn span(at: usize) -> Span {
     Span::new(FileId(0), at, at + 1)
 }
 
-fn facts(columns: u32, rows: u32, electrodes: Electrodes, separation: u32, clearance: u32) -> ElectrodeArrayFacts {
-    ElectrodeArrayFacts {
-        columns,
-        rows,
-        radius_um: 35.0,
-        pitch_ratio: 0.7,
-        potential_v: 100.0,
-        step_ns: 5_000_000,
-        layout: Layout { electrodes, half_width_pitches: if electrodes == Electrodes::Quad { 1.5 } else { 0.5 } },
-        hold: if electrodes == Electrodes::Quad { Hold::Off } else { Hold::On },
-        dispense_ns: None,
-        mixer: DEFAULT_MIXER,
-        least_volume: None,
-        most_volume: None,
-        least_temperature_k: None,
-        most_temperature_k: None,
-        separation: Separation::Apart(separation),
-        clearance,
-        map: None,
-        reservoirs: None,
-    }
-}
-
-fn microparts(columns: u32, rows: u32) -> ElectrodeArrayFacts {
-    facts(columns, rows, Electrodes::Quad, 4, 3)
-}
-
-fn droplets(columns: u32, rows: u32) -> ElectrodeArrayFacts {
-    facts(columns, rows, Electrodes::Single, 2, 1)
-}
-
 /// A task without obstacles and without moves.
 fn order(facts: ElectrodeArrayFacts, cells: &[(u32, u32)]) -> ElectrodeArrayOrder {
     let part = |(index, (column, row)): (usize, &(u32, u32))| BoardPart {
@@ -63,16 +32,8 @@ fn order(facts: ElectrodeArrayFacts, cells: &[(u32, u32)]) -> ElectrodeArrayOrde
         span: span(100 + index),
     };
     ElectrodeArrayOrder {
-        facts,
-        obstacles: Arc::new(Vec::new()),
-        parts: Arc::new(cells.iter().enumerate().map(part).collect()),
-        zones: Default::default(),
-        objective: ElectrodeArrayObjective::Makespan,
         planner: ElectrodeArrayPlanner { method: ElectrodeArrayMethod::Portfolio, expansions: 200_000 },
-        bystanders: Bystanders::Stay,
-        contents: Vec::new(),
-        contamination: Default::default(),
-        steps: Vec::new(),
+        ..board_order(facts, cells.iter().enumerate().map(part), Vec::new())
     }
 }
 
@@ -99,16 +60,8 @@ fn wall(name: &str, from: (u32, u32), to: (u32, u32)) -> ElectrodeArrayObstacle 
 }
 
 fn job(order: ElectrodeArrayOrder, requirements: Vec<Requirement>) -> Job {
-    Job {
-        task: "swap".to_owned(),
-        device: "plate".to_owned(),
-        requirements,
-        events: Vec::new(),
-        holds: Vec::new(),
-        order: Order::ElectrodeArray(order),
-        span: span(1),
-        run_span: span(2),
-    }
+    let usual = fixture::job("swap", "plate", Order::ElectrodeArray(order));
+    Job { requirements, span: span(1), run_span: span(2), ..usual }
 }
 
 fn limit(outcome: &str, limit: f64) -> Requirement {

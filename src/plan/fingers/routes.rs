@@ -188,33 +188,10 @@ fn route(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::claims::fingers::{FingersPlanner, FingersStep, HandPart, Section};
-    use crate::device::fingers::fixture;
-    use crate::geometry::outline::Outline;
+    use crate::claims::fingers::FingersStep;
+    use crate::claims::fixture::hand_order;
+    use crate::device::fingers::fixture::hand;
     use crate::source::Span;
-    use std::sync::Arc;
-
-    fn order(steps: Vec<FingersStep>, load_un: [f64; 3]) -> FingersOrder {
-        let outline = Outline::Ellipse { semi_um: [16.0, 11.845] };
-        let part = HandPart {
-            name: "bead".to_owned(),
-            xy: Section { outline, contacts: 74, opposite: Some(38), step_rad: 0.349 },
-            xz: None,
-            centre_um: [0.0; 3],
-            position_um: [0.0; 3],
-            span: Span::default(),
-        };
-        FingersOrder {
-            facts: Arc::new(fixture::hand()),
-            part: Arc::new(part),
-            precision_rad: 0.01,
-            load_un,
-            planner: FingersPlanner::JointAstar,
-            expansions: 1000,
-            looks: None,
-            steps,
-        }
-    }
 
     /// Orientations of so many ways each: what the ways turn is different for each of them.
     fn asked(ways: [i32; 3], is_loaded: bool) -> Routes {
@@ -224,7 +201,8 @@ mod tests {
             FingersStep { action, span: Span::default() }
         };
         let load_un = if is_loaded { [0.0, 0.0, -0.1] } else { [0.0; 3] };
-        routes(&order([1, 10, 100].into_iter().zip(ways).map(step).collect(), load_un), 0..3, None)
+        let steps = [1, 10, 100].into_iter().zip(ways).map(step).collect();
+        routes(&FingersOrder { load_un, ..hand_order(hand(), steps) }, 0..3, None)
     }
 
     /// Beyond the cap the routes that turn most are left out, and it is known how little they turn.

@@ -274,8 +274,7 @@ impl DimibotRun<'_> {
 
     /// A violation at a pulse, with its step.
     fn at(&self, rule: Rule, pulse: &PulseInstant, title: String) -> Violation {
-        let span = self.order.steps[pulse.nth].span;
-        Violation::new(rule, pulse.start_ns, title).step(pulse.step).label(span, "in this step")
+        self.run.violation(rule, pulse.nth, pulse.start_ns, title)
     }
 
     /// A violation of a step as a whole.
@@ -352,7 +351,7 @@ fn rests(task: &DimibotRun, findings: &mut Findings) {
     for nth in 0..task.run.steps.len() {
         let step = task.run.step(nth);
         let Some(pulse) = task.of_step(nth).next_back() else { continue };
-        let left_ns = step.start_ns + step.duration_ns - pulse.start_ns;
+        let left_ns = step.end_ns() - pulse.start_ns;
         if left_ns < task.slot_ns() {
             let (left, due) = (ms(left_ns), ms(task.slot_ns()));
             let title = format!("step ends {left} after the beginning of its last pulse, pulse and rest need {due}");
@@ -372,7 +371,7 @@ fn idle(task: &DimibotRun, findings: &mut Findings) {
         findings.asked(Rule::Idle, 1);
         let step = task.run.step(nth);
         let mut due_ns = step.start_ns;
-        let ends = task.of_step(nth).map(|pulse| pulse.start_ns).chain([step.start_ns + step.duration_ns]);
+        let ends = task.of_step(nth).map(|pulse| pulse.start_ns).chain([step.end_ns()]);
         for at_ns in ends {
             if at_ns > due_ns {
                 let title = format!("nothing happens from {} to {} in a step of moves", ms(due_ns), ms(at_ns));
@@ -523,7 +522,7 @@ fn goals(task: &DimibotRun, findings: &mut Findings) {
             DimibotAction::Visit(stops) => missed_of_all(stops, &cells),
         };
         let step = task.run.step(nth);
-        let end_ns = step.start_ns + step.duration_ns;
+        let end_ns = step.end_ns();
         if let Some((stop, why)) = missed {
             findings.push(task.of(Rule::Goal, nth, end_ns, why).label(stop.span, "this stop"));
         }

@@ -45,7 +45,7 @@ pub(super) type Pulls = Vec<(usize, PartPull)>;
 
 impl JudgedBoard<'_, '_> {
     fn broken(&self, rule: Rule, moment: &StepBeat, title: String, parts: &[usize]) -> Violation {
-        let violation = self.within(rule, moment.nth, moment.at_ns, title);
+        let violation = self.run.violation(rule, moment.nth, moment.at_ns, title);
         parts.iter().fold(violation, |violation, part| violation.label(self.order.parts[*part].span, "this part"))
     }
 
@@ -193,7 +193,7 @@ impl JudgedBoard<'_, '_> {
         };
         let stuck = &self.order.obstacles[stuck];
         let title = format!("electrode {electrode} at {} pulls the stuck part `{}`", ms(at_ns), stuck.name);
-        Err(self.within(rule, nth, at_ns, title).label(stuck.span, "this obstacle"))
+        Err(self.run.violation(rule, nth, at_ns, title).label(stuck.span, "this obstacle"))
     }
 
     /// A part without a goal moves only where such parts may yield.

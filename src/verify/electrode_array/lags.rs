@@ -16,7 +16,7 @@ impl JudgedBoard<'_, '_> {
             let (passed, most) = (ms((begins - ended) * step_ns), ms(within.most_ns));
             let title = format!("`{name}` begins {passed} after what it comes after is done, {most} are allowed");
             let at_ns = start_ns + begins * step_ns;
-            findings.push(self.within(Rule::Lag, nth, at_ns, title).label(within.span, "this time"));
+            findings.push(self.run.violation(Rule::Lag, nth, at_ns, title).label(within.span, "this time"));
         }
     }
 }

@@ -10,7 +10,7 @@ impl JudgedBoard<'_, '_> {
     pub(super) fn not_done(&self, nth: usize, missed: &MissedOperation) -> Violation {
         let step = self.run.step(nth);
         let MissedOperation { part, cell, beats, with, .. } = *missed;
-        let (name, end_ns) = (&self.order.parts[part].name, step.start_ns + step.duration_ns);
+        let (name, end_ns) = (&self.order.parts[part].name, step.end_ns());
         let ends = match self.cells[part] {
             Some(end) => format!("it ends at {end}"),
             None if missed.operation.comes || missed.operation.splits.is_some() => "it never comes".to_owned(),
@@ -40,14 +40,14 @@ impl JudgedBoard<'_, '_> {
             None => format!("`{name}` is to come to {cell}, but does not in its turn; {ends}"),
         };
         let span = missed.stop.map_or(missed.operation.span, |stop| stop.span);
-        self.within(Rule::Goal, nth, end_ns, title).label(span, "this operation")
+        self.run.violation(Rule::Goal, nth, end_ns, title).label(span, "this operation")
     }
 
     /// An assay ends with its last operation.
     pub(super) fn idle_assay(&self, nth: usize, beats: u64) -> Violation {
         let step = self.run.step(nth);
-        let (done_ns, end_ns) = (step.start_ns + beats * self.order.facts.step_ns, step.start_ns + step.duration_ns);
+        let (done_ns, end_ns) = (step.start_ns + beats * self.order.facts.step_ns, step.end_ns());
         let title = format!("all operations are done at {}, but the step ends at {}", ms(done_ns), ms(end_ns));
-        self.within(Rule::Idle, nth, done_ns, title)
+        self.run.violation(Rule::Idle, nth, done_ns, title)
     }
 }

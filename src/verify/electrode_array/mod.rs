@@ -110,7 +110,7 @@ impl Judge for ElectrodeArrayOrder {
             }
         }
         for wrong in contents::broken(claims, run.job, &run.tally) {
-            let end_ns = run.plan.start_ns + run.plan.duration_ns;
+            let end_ns = run.plan.end_ns();
             findings.push(Violation::new(Rule::Requirement, end_ns, wrong.title).label(wrong.span, "this droplet"));
         }
         standing.insert(&run.job.device, board.state());
@@ -177,12 +177,6 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         })
     }
 
-    /// A violation in a step of the run.
-    fn within(&self, rule: Rule, nth: usize, time_ns: u64, title: String) -> Violation {
-        let span = self.order.steps[nth].span;
-        Violation::new(rule, time_ns, title).step(self.run.steps[nth]).label(span, "in this step")
-    }
-
     /// Every electrode is on at the potential of the device.
     fn potentials(&self, findings: &mut Findings) {
         let volts = self.order.facts.potential_v;
@@ -191,7 +185,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             if part.from != volts || part.to != volts {
                 let (name, from, to, at) = (name(), part.from, part.to, ms(part.start_ns));
                 let title = format!("{name} goes from {from} V to {to} V at {at}, {volts} V is needed");
-                findings.push(self.within(Rule::Potential, nth, part.start_ns, title));
+                findings.push(self.run.violation(Rule::Potential, nth, part.start_ns, title));
             }
         };
         for (nth, (pulses, pads)) in self.pulses.iter().zip(&self.pads).enumerate() {
@@ -210,19 +204,15 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             for (cell, part) in pulses.iter().filter(|(cell, _)| is_dead(cell)) {
                 let at = ms(part.start_ns);
                 let title = format!("electrode {cell} is on at {at}, but does not work");
-                findings.push(self.within(Rule::Disabled, nth, part.start_ns, title));
+                findings.push(self.run.violation(Rule::Disabled, nth, part.start_ns, title));
             }
         }
     }
 
     /// Nothing moves for the claimed duration; holding electrodes stay on.
     fn wait(&mut self, nth: usize, duration_ns: u64, findings: &mut Findings) -> Result<(), Halt> {
+        self.run.wait_lasts(nth, duration_ns, findings);
         let step = self.run.step(nth);
-        findings.asked(Rule::Wait, 1);
-        if step.duration_ns != duration_ns {
-            let title = format!("wait lasts {}, {} is claimed", ms(step.duration_ns), ms(duration_ns));
-            findings.push(self.within(Rule::Wait, nth, step.start_ns, title));
-        }
         if step.duration_ns == 0 {
             return Ok(());
         }
@@ -240,7 +230,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         if let Some((part, pull)) = pulls.iter().find(|(_, pull)| pull.moves()) {
             let (name, at) = (&self.order.parts[*part].name, ms(step.start_ns));
             let title = format!("`{name}` moves from {} to {} in a wait at {at}", pull.from, pull.to);
-            return Err(self.within(Rule::Wait, nth, step.start_ns, title).into());
+            return Err(self.run.violation(Rule::Wait, nth, step.start_ns, title).into());
         }
         Ok(())
     }
@@ -284,7 +274,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         stage.gone().for_each(|part| self.cells[part] = None);
         if beats > 0 {
             self.idle(nth, moved, findings);
-            self.record(step.start_ns + step.duration_ns)?;
+            self.record(step.end_ns())?;
         }
         Ok(())
     }
@@ -371,7 +361,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             if missed.is_empty() && assay.end() < beats {
                 findings.push(self.idle_assay(nth, assay.end()));
             }
-            self.record(step.start_ns + step.duration_ns)?;
+            self.record(step.end_ns())?;
         }
         Ok(())
     }
@@ -446,7 +436,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         }
         let (lasts, due) = (ms(step.duration_ns), ms(step_ns));
         let title = format!("step lasts {lasts}, not a multiple of the board's step of {due}");
-        Err(self.within(Rule::Beat, nth, step.start_ns, title))
+        Err(self.run.violation(Rule::Beat, nth, step.start_ns, title))
     }
 
     /// Changes of electrodes in a step, provided that they are between beats and pull no stuck part.
@@ -477,7 +467,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             let (from, to, beat) = (ms(part.start_ns), ms(part.end_ns()), ms(beat_ns));
             let (name, begins) = (name(), ms(step.start_ns));
             let title = format!("{name} is on from {from} to {to}; whole steps of {beat} from {begins} on are needed");
-            return Err(self.within(Rule::Beat, nth, part.start_ns, title));
+            return Err(self.run.violation(Rule::Beat, nth, part.start_ns, title));
         }
         let (from, beats) = (after_ns / beat_ns, part.duration_ns / beat_ns);
         Ok(SwitchPulse { switch, from, to: from + beats })
@@ -488,24 +478,24 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let step = self.run.step(nth);
         findings.asked(Rule::Idle, 1);
         if moved == 0 {
-            let end_ns = step.start_ns + step.duration_ns;
+            let end_ns = step.end_ns();
             let from_ns = end_ns - self.order.facts.step_ns;
             let title = format!("no part moves from {} to the end of the step at {}", ms(from_ns), ms(end_ns));
-            findings.push(self.within(Rule::Idle, nth, from_ns, title));
+            findings.push(self.run.violation(Rule::Idle, nth, from_ns, title));
         }
     }
 
     /// Parts come by their stops in order, and end at their goals.
     fn goals(&self, nth: usize, stage: &JudgedStage, findings: &mut Findings) {
         let step = self.run.step(nth);
-        let end_ns = step.start_ns + step.duration_ns;
+        let end_ns = step.end_ns();
         for (part, stop) in stage.empty(&self.cells) {
             let name = &self.order.parts[part].name;
             let title = format!(
                 "no part is at {} when the step ends, which is a goal of `{name}` and those with it",
                 stop.cell
             );
-            findings.push(self.within(Rule::Goal, nth, end_ns, title).label(stop.span, "this goal"));
+            findings.push(self.run.violation(Rule::Goal, nth, end_ns, title).label(stop.span, "this goal"));
         }
         for (part, stop, is_goal) in stage.missed(&self.cells) {
             let name = &self.order.parts[part].name;
@@ -514,20 +504,20 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 (Some(end), true) => format!("`{name}` is to end at {}, but ends at {end}", stop.cell),
                 (Some(end), false) => format!("`{name}` does not come by {} in its turn, it ends at {end}", stop.cell),
             };
-            findings.push(self.within(Rule::Goal, nth, end_ns, title).label(stop.span, "this stop"));
+            findings.push(self.run.violation(Rule::Goal, nth, end_ns, title).label(stop.span, "this stop"));
         }
     }
 
     /// Parts that yielded are back where they were.
     fn returns(&self, nth: usize, homes: impl Iterator<Item = (usize, ElectrodeCell)>, findings: &mut Findings) {
         let step = self.run.step(nth);
-        let end_ns = step.start_ns + step.duration_ns;
+        let end_ns = step.end_ns();
         for (part, home) in homes {
             findings.asked(Rule::Bystander, 1);
             let Some(end) = self.cells[part].filter(|cell| *cell != home) else { continue };
             let part = &self.order.parts[part];
             let title = format!("`{}` steps aside from {home} and ends at {end}, but must return", part.name);
-            findings.push(self.within(Rule::Bystander, nth, end_ns, title).label(part.span, "this part"));
+            findings.push(self.run.violation(Rule::Bystander, nth, end_ns, title).label(part.span, "this part"));
         }
     }
 

@@ -17,7 +17,7 @@ impl JudgedBoard<'_, '_> {
         let open = operations.iter().filter(|operation| !operation.among.is_empty()).count();
         let chosen = step.operations.iter().filter(|recorded| recorded.at.is_some()).count();
         findings.asked(Rule::Choice, open.max(chosen));
-        let wrong = |title: String| self.within(Rule::Choice, nth, step.start_ns, title);
+        let wrong = |title: String| self.run.violation(Rule::Choice, nth, step.start_ns, title);
         if open == 0 {
             return match step.operations.iter().find_map(|recorded| recorded.at) {
                 Some([column, row]) => {

@@ -148,6 +148,6 @@ impl<'r> JudgedBoard<'r, '_> {
                 format!("electrode {outlet} is on at {at}, but is off in frame {frame} of what makes `{}`", name(*part))
             }
         };
-        self.within(Rule::Reservoir, nth, at_ns, title)
+        self.run.violation(Rule::Reservoir, nth, at_ns, title)
     }
 }

@@ -93,7 +93,7 @@ impl JudgedBoard<'_, '_> {
             } else {
                 continue;
             };
-            let wrong = self.within(Rule::Zone, nth, now_ns, title);
+            let wrong = self.run.violation(Rule::Zone, nth, now_ns, title);
             findings.push(wrong.label(operation.span, "this operation").label(zone.span, "this zone"));
         }
     }

@@ -1,6 +1,6 @@
 //! Compares the goal of each step of a hand with the result.
 
-use super::super::rule::{Findings, Rule, ms};
+use super::super::rule::{Findings, Rule};
 use super::Point;
 use super::hand::{JudgedHand, nominal_step_rad, planes_after};
 use crate::claims::fingers::FingersAction;
@@ -29,7 +29,7 @@ impl JudgedHand<'_, '_> {
             FingersAction::Orient { goal, .. } => self.orientation_fault(*goal),
             FingersAction::Translate(by_um) => self.place_fault(Point::from(*by_um)).or_else(|| self.turn_fault(None)),
             FingersAction::Release => self.release_fault(),
-            FingersAction::Wait(duration_ns) => return self.check_wait(nth, *duration_ns, findings),
+            FingersAction::Wait(duration_ns) => return self.run.wait_lasts(nth, *duration_ns, findings),
         };
         let by_um = match &self.order.steps[nth].action {
             FingersAction::Translate(_) => return self.tell(fault, nth, findings),
@@ -53,7 +53,7 @@ impl JudgedHand<'_, '_> {
             if (reached_deg - turned_deg).abs() > TOLD_DEG {
                 let title =
                     format!("a turn is recorded as {reached_deg} deg, but the tips turn the part by {turned_deg} deg");
-                findings.push(self.violation(Rule::Figure, nth, self.end_ns(nth), title));
+                findings.push(self.run.violation(Rule::Figure, nth, self.end_ns(nth), title));
             }
         }
     }
@@ -61,16 +61,7 @@ impl JudgedHand<'_, '_> {
     fn tell(&self, fault: Option<String>, nth: usize, findings: &mut Findings) {
         findings.asked(Rule::Goal, 1);
         if let Some(title) = fault {
-            findings.push(self.violation(Rule::Goal, nth, self.end_ns(nth), title));
-        }
-    }
-
-    fn check_wait(&self, nth: usize, duration_ns: u64, findings: &mut Findings) {
-        findings.asked(Rule::Wait, 1);
-        let step = self.run.step(nth);
-        if step.duration_ns != duration_ns {
-            let title = format!("wait lasts {}, {} is claimed", ms(step.duration_ns), ms(duration_ns));
-            findings.push(self.violation(Rule::Wait, nth, step.start_ns, title));
+            findings.push(self.run.violation(Rule::Goal, nth, self.end_ns(nth), title));
         }
     }
 

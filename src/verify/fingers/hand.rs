@@ -127,14 +127,9 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         })
     }
 
-    pub(super) fn violation(&self, rule: Rule, nth: usize, time_ns: u64, title: String) -> Violation {
-        Violation::new(rule, time_ns, title).step(self.run.steps[nth]).label(self.order.steps[nth].span, "in this step")
-    }
-
     /// When a step ends.
     pub(super) fn end_ns(&self, nth: usize) -> u64 {
-        let step = self.run.step(nth);
-        step.start_ns + step.duration_ns
+        self.run.step(nth).end_ns()
     }
 
     pub(super) fn is_release(&self, nth: usize) -> bool {
@@ -202,7 +197,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
                 let due_um = clearance::clear_um(&self.order.facts);
                 let hit = TipHit { time_ns, distance_um: self.order.facts.tip_radius_um, due_um };
                 let title = self.pierce(finger, &hit);
-                findings.push(self.violation(Rule::Pierce, nth, time_ns, title));
+                findings.push(self.run.violation(Rule::Pierce, nth, time_ns, title));
             }
         }
         self.check_goal(nth, findings);
@@ -221,7 +216,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         let nearest = clearance::nearest(stretch).inspect(|nearest| self.note_apart(stretch, *nearest));
         if let Some((pair, apart_um, share)) = nearest.filter(|near| near.1 < due_um) {
             let time_ns = stretch.instant_ns(share);
-            findings.push(self.violation(Rule::Apart, nth, time_ns, self.apart(pair, apart_um, time_ns)));
+            findings.push(self.run.violation(Rule::Apart, nth, time_ns, self.apart(pair, apart_um, time_ns)));
         }
         if matches!(self.order.steps[nth].action, FingersAction::Wait(_)) {
             self.check_still(nth, stretch)?;
@@ -260,7 +255,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         self.run.tally.asked(Rule::Wait, 1);
         let Some(finger) = (0..stretch.from_um.len()).find(|finger| !stretch.rests(*finger)) else { return Ok(()) };
         let title = format!("finger {} moves during a wait, at {}", finger + 1, ms(stretch.start_ns));
-        Err(self.violation(Rule::Wait, nth, stretch.start_ns, title).into())
+        Err(self.run.violation(Rule::Wait, nth, stretch.start_ns, title).into())
     }
 
     /// The fingers that leave: they go off while others stay.
@@ -304,7 +299,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         }
         self.reported = ReportedGrip::Weak;
         let title = format!("{} are not in equilibrium at {}", self.holding(), ms(time_ns));
-        findings.push(self.violation(Rule::Equilibrium, nth, time_ns, title));
+        findings.push(self.run.violation(Rule::Equilibrium, nth, time_ns, title));
     }
 
     fn remove(&mut self, nth: usize, finger: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
@@ -325,7 +320,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         findings.asked(Rule::Contact, 1);
         if self.grip.holds.len() < 2 {
             let title = format!("finger {} leaves the part to one finger at {}", finger + 1, ms(time_ns));
-            return Err(self.violation(Rule::Contact, nth, time_ns, title).into());
+            return Err(self.run.violation(Rule::Contact, nth, time_ns, title).into());
         }
         self.check_hold(nth, time_ns, findings);
         if let Some((_, leaving)) = leaving.filter(|_| self.reported == ReportedGrip::Nothing) {
@@ -359,7 +354,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
                 finger + 1,
                 ms(time_ns)
             );
-            findings.push(self.violation(Rule::Removal, nth, time_ns, title));
+            findings.push(self.run.violation(Rule::Removal, nth, time_ns, title));
         }
     }
 
@@ -374,7 +369,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
             let (pull, support) = (digits(pull_un), digits(facts.support_un));
             let title =
                 format!("the last fingers pull with {pull} uN, but the support holds the part with {support} uN");
-            findings.push(self.violation(Rule::Support, nth, stretch.start_ns, title));
+            findings.push(self.run.violation(Rule::Support, nth, stretch.start_ns, title));
         }
         self.held = Held::Supported;
         let due = if self.grip.holds.is_empty() { Due::Always } else { Due::Perhaps };
@@ -396,7 +391,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
             let touched = self.touched(nth, &stretch.to_um[finger], &stretch.to_um);
             if let Err(hit) = followed {
                 self.flights[finger] = Flight::default();
-                findings.push(self.violation(Rule::Pierce, nth, hit.time_ns, self.pierce(finger, &hit)));
+                findings.push(self.run.violation(Rule::Pierce, nth, hit.time_ns, self.pierce(finger, &hit)));
             }
             if let Some(plane) = touched {
                 self.place(nth, (finger, plane), stretch, findings)?;
@@ -436,7 +431,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         if self.grip.holds.len() == MAX_HOLDING {
             let title =
                 format!("finger {} touches the part at {} while {MAX_HOLDING} others hold it", finger + 1, ms(time_ns));
-            return Err(self.violation(Rule::Contact, nth, time_ns, title).into());
+            return Err(self.run.violation(Rule::Contact, nth, time_ns, title).into());
         }
         self.spans.end(time_ns.saturating_sub(1));
         if plane != self.grip.plane {
@@ -444,7 +439,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         }
         let tip_um = stretch.to_um[finger];
         if let Err(hit) = self.flights[finger].lands(&tip_um, &self.order.facts) {
-            findings.push(self.violation(Rule::Pierce, nth, hit.time_ns, self.pierce(finger, &hit)));
+            findings.push(self.run.violation(Rule::Pierce, nth, hit.time_ns, self.pierce(finger, &hit)));
         }
         self.flights[finger] = Flight::default();
         let kept = self.paces[finger].lands(&tip_um, &self.order.facts);
@@ -486,7 +481,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
                     digits(off_um),
                     ms(time_ns)
                 );
-                findings.push(self.violation(Rule::Contact, nth, time_ns, title));
+                findings.push(self.run.violation(Rule::Contact, nth, time_ns, title));
                 return;
             }
         }

@@ -98,7 +98,7 @@ impl Judge for FingersOrder {
         let mut next = 0;
         for nth in 0..self.steps.len() {
             let step = run.step(nth);
-            let step_end_ns = step.start_ns + step.duration_ns;
+            let step_end_ns = step.end_ns();
             hand.begin_step(nth);
             while next < tracks.len() && tracks.start_ns(next) < step_end_ns {
                 hand.follow(nth, &tracks.stretch(next), findings)?;

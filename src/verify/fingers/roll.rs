@@ -35,7 +35,7 @@ impl JudgedHand<'_, '_> {
         if self.grip.holds.len() < 2 {
             let finger = self.grip.holds.first().map_or(0, |hold| hold.finger);
             let title = format!("finger {} alone moves along the part at {}", finger + 1, ms(time_ns));
-            return Err(self.violation(Rule::Slip, nth, time_ns, title).into());
+            return Err(self.run.violation(Rule::Slip, nth, time_ns, title).into());
         }
         self.take_load(nth, time_ns, findings);
         self.spans.end(time_ns);
@@ -123,7 +123,7 @@ impl JudgedHand<'_, '_> {
         let moved = self.grip.follow(self.surface()?, &tips_um);
         let Some((grip, misfit)) = moved else {
             let title = format!("{} move as no part between them can, at {}", self.holding(), ms(time_ns));
-            return Err(self.violation(Rule::Gap, nth, time_ns, title).into());
+            return Err(self.run.violation(Rule::Gap, nth, time_ns, title).into());
         };
         self.check_misfit(nth, time_ns, &misfit)?;
         self.grip = grip;
@@ -131,7 +131,7 @@ impl JudgedHand<'_, '_> {
         let pose = self.grip.pose();
         for finger in 0..tips_um.len() {
             if let Some(hit) = self.strays(finger, &pose, time_ns, &tips_um) {
-                return Err(self.violation(Rule::Pierce, nth, time_ns, self.pierce(finger, &hit)).into());
+                return Err(self.run.violation(Rule::Pierce, nth, time_ns, self.pierce(finger, &hit)).into());
             }
         }
         Ok(())
@@ -148,11 +148,11 @@ impl JudgedHand<'_, '_> {
             let way = if gap_um > 0.0 { "off" } else { "into" };
             let (finger, gap) = (gapped + 1, digits(gap_um.abs()));
             let title = format!("finger {finger} moves {gap} um {way} the part at {when}, {allowed} um are allowed");
-            self.violation(Rule::Gap, nth, time_ns, title)
+            self.run.violation(Rule::Gap, nth, time_ns, title)
         } else {
             let (finger, slip) = (slipped + 1, digits(slip_um.abs()));
             let title = format!("finger {finger} slips by {slip} um at {when}, {allowed} um are allowed");
-            self.violation(Rule::Slip, nth, time_ns, title)
+            self.run.violation(Rule::Slip, nth, time_ns, title)
         };
         Err(violation.into())
     }

@@ -47,7 +47,7 @@ impl JudgedHand<'_, '_> {
             let [found, due] = [fast.um_per_s, fast.due_um_per_s].map(digits);
             let (finger, doing, when) = (finger + 1, fast.doing, ms(fast.time_ns));
             let title = format!("finger {finger} {doing} at {when} and moves at {found} um/s, {due} um/s are allowed");
-            findings.push(self.violation(Rule::Speed, nth, fast.time_ns, title));
+            findings.push(self.run.violation(Rule::Speed, nth, fast.time_ns, title));
         }
     }
 

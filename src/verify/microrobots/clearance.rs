@@ -48,7 +48,7 @@ pub(super) fn check(bed: &JudgedBed, findings: &mut Findings) -> Result<(), Halt
             let at_ns = train.leg.train_ns;
             let title =
                 format!("bodies go on so close to their limits at {} that it takes too long to tell", ms(at_ns));
-            bed.within(Rule::Meet, train.nth, at_ns, title)
+            bed.run.violation(Rule::Meet, train.nth, at_ns, title)
         })?;
     }
     Ok(())
@@ -278,7 +278,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         let stroke = (share * train.leg.strokes as f64) as u64;
         let after_ns = stroke.saturating_mul(self.bed.order.facts.period_ns);
         let time_ns = train.leg.train_ns.saturating_add(after_ns);
-        self.bed.within(rule, train.nth, time_ns, title(&ms(time_ns)))
+        self.bed.run.violation(rule, train.nth, time_ns, title(&ms(time_ns)))
     }
 
     fn report(&mut self, meeting: ReportedMeeting, violation: Violation) {

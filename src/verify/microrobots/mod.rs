@@ -34,7 +34,7 @@ use motion::{Ride, RobotPlace, turn_between};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use sweep::ROUNDING_UM;
-use voltage::{VoltageLeg, within};
+use voltage::VoltageLeg;
 
 /// Tolerance of a recorded place: above the rounding on the longest path of one `apply`, 100 m.
 const PLACE_TOLERANCE_UM: f64 = 1e-4;
@@ -224,18 +224,13 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         }
     }
 
-    fn within(&self, rule: Rule, nth: usize, time_ns: u64, title: String) -> Violation {
-        within(self.run, self.order, rule, nth, time_ns, title)
-    }
-
     fn name(&self, robot: usize) -> &str {
         &self.order.robot(robot).name
     }
 
     /// When a step ends.
     fn end_ns(&self, nth: usize) -> u64 {
-        let step = self.run.step(nth);
-        step.start_ns + step.duration_ns
+        self.run.step(nth).end_ns()
     }
 
     fn wait(&mut self, start_ns: u64, duration_ns: u64) -> Result<(), Halt> {
@@ -271,7 +266,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
             ms(leg.train_ns),
             self.name(robot)
         );
-        Some(self.within(Rule::Twist, nth, leg.train_ns, title))
+        Some(self.run.violation(Rule::Twist, nth, leg.train_ns, title))
     }
 
     fn ride(&self, robot: usize, leg: &VoltageLeg) -> Ride {
@@ -331,7 +326,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
             [_] => return,
             [] | [_, ..] => format!("`apply` has {} legs, 1 is needed", legs.len()),
         };
-        findings.push(self.within(Rule::Apply, nth, step.start_ns, title));
+        findings.push(self.run.violation(Rule::Apply, nth, step.start_ns, title));
     }
 
     /// A robot comes by its stops in order, at ends of legs, and ends at the last one.
@@ -352,7 +347,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
             None if self.is_at(self.places[robot], &goal.pose) => return,
             None => (goal, format!("`{name}` misses its goal, {}", self.off(robot, &goal.pose))),
         };
-        findings.push(self.within(Rule::Goal, nth, end_ns, title).label(missed.span, "this stop"));
+        findings.push(self.run.violation(Rule::Goal, nth, end_ns, title).label(missed.span, "this stop"));
     }
 
     /// Distance of a robot from its goal, in words.
@@ -381,7 +376,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
                     format!("`{name}` is to dock, but is farther than {tolerance} um from every robot that is docked")
                 }
             };
-            let violation = self.within(Rule::Dock, nth, self.end_ns(nth), title);
+            let violation = self.run.violation(Rule::Dock, nth, self.end_ns(nth), title);
             findings.push(violation.label(goal.span, "this goal"));
         }
     }

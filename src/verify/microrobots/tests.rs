@@ -4,7 +4,7 @@ use super::bodies::JudgedBody;
 use super::motion::{Ride, RobotPlace, turn_between};
 use super::relay::Relays;
 use super::sweep::{Looks, SweptGap};
-use crate::device::microrobots::{Arm, Docking, Fine, MicrorobotsFacts, Robot, Turning};
+use crate::device::microrobots::{Arm, MicrorobotsFacts, Robot, Turning, fixture};
 use crate::geometry::Pose;
 use crate::geometry::distance::quadrilateral_core;
 use crate::geometry::shape::Core;
@@ -14,34 +14,7 @@ use proptest::prelude::*;
 use std::f64::consts::TAU;
 
 fn robot([snap_down_v, release_v]: [f64; 2], turning: Turning) -> Robot {
-    Robot {
-        name: "D".into(),
-        snap_down_v,
-        release_v,
-        turning_radius_um: 130.0,
-        step_um: 0.5,
-        turning,
-        length_um: 240.0,
-        width_um: 60.0,
-    }
-}
-
-fn facts(robots: Vec<Robot>, margin_v: f64) -> MicrorobotsFacts {
-    MicrorobotsFacts {
-        robots,
-        margin_v,
-        max_v: 200.0,
-        relax_v: 60.0,
-        flex_v: 100.0,
-        period_ns: 2,
-        dwell_ns: 1,
-        clearance_um: 0.0,
-        orbit_clearance_um: 0.0,
-        docking: Docking { self_aligning_rad: 1.0, self_aligning_um: 80.0, sticking_rad: 0.75, tolerance_um: 5.0 },
-        fine: Fine { length_um: 200.0, cycle_um: 20.0 },
-        errors: None,
-        watchdog_ns: None,
-    }
+    Robot { snap_down_v, release_v, turning, ..fixture::robot("D", 130.0, 0.5) }
 }
 
 /// The arms that the relays of a robot can end in, at the ends of both margins and from both arms.
@@ -66,7 +39,7 @@ proptest! {
         levels in prop::collection::vec(0.0..200.0f64, 0..6),
     ) {
         let robot = robot([snap_down_v, snap_down_v - gap_v], Turning::Clockwise);
-        let facts = facts(vec![robot.clone()], margin_v);
+        let facts = MicrorobotsFacts { margin_v, ..fixture::facts(vec![robot.clone()]) };
         let mut relays = Relays::new(&facts);
         levels.iter().for_each(|level_v| relays.visit(*level_v));
         let ends = extremes(&robot, margin_v, &levels);

@@ -59,18 +59,6 @@ pub(super) fn legs(
     Ok(legs)
 }
 
-/// A violation in a step of the run.
-pub(super) fn within(
-    run: &JudgedRun,
-    order: &MicrorobotsOrder,
-    rule: Rule,
-    nth: usize,
-    time_ns: u64,
-    title: String,
-) -> Violation {
-    Violation::new(rule, time_ns, title).step(run.steps[nth]).label(order.steps[nth].span, "in this step")
-}
-
 /// The bed in the course of a run.
 struct DrivenBed<'r, 'a> {
     run: &'r JudgedRun<'a>,
@@ -81,10 +69,6 @@ struct DrivenBed<'r, 'a> {
 }
 
 impl DrivenBed<'_, '_> {
-    fn within(&self, rule: Rule, nth: usize, time_ns: u64, title: String) -> Violation {
-        within(self.run, self.order, rule, nth, time_ns, title)
-    }
-
     fn name(&self, row: usize) -> &str {
         &self.order.facts.robots[row].name
     }
@@ -96,7 +80,7 @@ impl DrivenBed<'_, '_> {
         let Some(row) = self.relays.not_up() else { return Ok(()) };
         let title = format!("the arm of `{}` may stay down at 0 V, at {}", self.name(row), ms(time_ns));
         Err(match nth {
-            Some(nth) => self.within(Rule::Arm, nth, time_ns, title),
+            Some(nth) => self.run.violation(Rule::Arm, nth, time_ns, title),
             None => Violation::new(Rule::Arm, time_ns, title),
         })
     }
@@ -108,17 +92,12 @@ impl DrivenBed<'_, '_> {
         here: &[&Actuation],
         findings: &mut Findings,
     ) -> Result<(), Violation> {
-        findings.asked(Rule::Wait, 1);
-        let step = self.run.step(nth);
-        if step.duration_ns != duration_ns {
-            let title = format!("wait lasts {}, {} is claimed", ms(step.duration_ns), ms(duration_ns));
-            findings.push(self.within(Rule::Wait, nth, step.start_ns, title));
-        }
+        self.run.wait_lasts(nth, duration_ns, findings);
         if let Some(first) = here.first() {
             let title = format!("the bed is driven during a wait, at {}", ms(first.start_ns));
-            return Err(self.within(Rule::Wait, nth, first.start_ns, title));
+            return Err(self.run.violation(Rule::Wait, nth, first.start_ns, title));
         }
-        self.rest(step.start_ns, Some(nth))
+        self.rest(self.run.step(nth).start_ns, Some(nth))
     }
 
     fn drive(
@@ -141,11 +120,11 @@ impl DrivenBed<'_, '_> {
                 Some(swing) => legs.push(self.train(nth, actuation, swing, cycle_ns.take())?),
             }
         }
-        self.gap(nth, due_ns, step.start_ns + step.duration_ns, findings);
+        self.gap(nth, due_ns, step.end_ns(), findings);
         self.run.tally.asked(Rule::Train, 1);
         if let Some(cycle_ns) = cycle_ns {
             let title = format!("a control cycle from {} on is not followed by strokes", ms(cycle_ns));
-            return Err(self.within(Rule::Train, nth, cycle_ns, title));
+            return Err(self.run.violation(Rule::Train, nth, cycle_ns, title));
         }
         Ok(legs)
     }
@@ -158,7 +137,7 @@ impl DrivenBed<'_, '_> {
         }
         self.relays.visit(0.0);
         let title = format!("the bed is without voltage from {} to {}, within a step", ms(from_ns), ms(to_ns));
-        findings.push(self.within(Rule::Idle, nth, from_ns, title));
+        findings.push(self.run.violation(Rule::Idle, nth, from_ns, title));
     }
 
     /// A level of a control cycle.
@@ -178,7 +157,7 @@ impl DrivenBed<'_, '_> {
             self.relays.visit(from);
             return Ok(());
         };
-        Err(self.within(Rule::Level, nth, start_ns, title))
+        Err(self.run.violation(Rule::Level, nth, start_ns, title))
     }
 
     /// A train of strokes.
@@ -200,20 +179,20 @@ impl DrivenBed<'_, '_> {
             let shown =
                 |Swing { period_ns, levels: [one, other] }| format!("{one} V and {other} V every {}", ms(period_ns));
             let title = format!("the bed swings between {} at {at}, {} is needed", shown(swing), shown(due));
-            return Err(self.within(Rule::Train, nth, train_ns, title));
+            return Err(self.run.violation(Rule::Train, nth, train_ns, title));
         }
         let Some(start_ns) = cycle_ns else {
             let title = format!("strokes at {at} without a control cycle before them");
-            return Err(self.within(Rule::Train, nth, train_ns, title));
+            return Err(self.run.violation(Rule::Train, nth, train_ns, title));
         };
         if let Some(row) = self.relays.unknown() {
             let title = format!("the arm of `{}` may be up or down when strokes begin at {at}", self.name(row));
-            return Err(self.within(Rule::Arm, nth, train_ns, title));
+            return Err(self.run.violation(Rule::Arm, nth, train_ns, title));
         }
         for level_v in swing.levels {
             if let Some(row) = self.relays.moved_by(level_v) {
                 let title = format!("a stroke to {level_v} V at {at} may move the arm of `{}`", self.name(row));
-                return Err(self.within(Rule::Arm, nth, train_ns, title));
+                return Err(self.run.violation(Rule::Arm, nth, train_ns, title));
             }
         }
         let control = self.control(nth, train_ns)?;
@@ -226,7 +205,7 @@ impl DrivenBed<'_, '_> {
         self.controls.get(arms.as_slice()).copied().ok_or_else(|| {
             let digits: String = arms.iter().map(|arm| char::from(b'0' + arm.digit())).collect();
             let title = format!("the arms are at {digits} at {}, not a control state of the device", ms(train_ns));
-            self.within(Rule::Control, nth, train_ns, title)
+            self.run.violation(Rule::Control, nth, train_ns, title)
         })
     }
 }

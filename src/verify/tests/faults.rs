@@ -5,21 +5,13 @@
 
 use super::*;
 use crate::check::Options;
-use crate::check::imports::Library;
+use crate::check::imports::NoFiles;
 use crate::compile::{ProgramSource, check_program};
 use crate::diagnostic::Sink;
 use crate::geometry::fault::{Fault, Wrong, with};
 use crate::lower::lower;
 use crate::plan::plan;
 use crate::source::Sources;
-
-struct Nothing;
-
-impl Library for Nothing {
-    fn read(&self, _from: &str, _path: &str) -> Result<(String, String), String> {
-        Err("there are no files here".to_owned())
-    }
-}
 
 /// Outcome of a build.
 #[derive(Debug, PartialEq)]
@@ -36,7 +28,7 @@ enum Built {
 fn built(text: &str) -> Built {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();
-    let program = ProgramSource { name: "a.twz", text, library: &Nothing, options: &options };
+    let program = ProgramSource { name: "a.twz", text, library: &NoFiles, options: &options };
     let checked = check_program(&program, &mut sources, &mut sink);
     let planned = checked.and_then(|checked| {
         let claims = checked.claims.into_iter().next()?;

@@ -1,3 +1,4 @@
+use super::dimibot::build::*;
 use super::*;
 use crate::claims::auxiliary::{AuxiliaryAction, AuxiliaryEvent, Hold};
 use crate::claims::dimibot::DimibotAction;

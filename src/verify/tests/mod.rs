@@ -1,23 +1,33 @@
 //! Every rule is broken by hand in a way that it alone catches, and nearly broken in a way that passes.
 
-mod beside;
-mod build;
 mod dimibot;
 mod electrode_array;
 mod faults;
 mod fingers;
-mod garbage;
 mod general;
 mod holds;
 mod microrobots;
-mod mutants;
 mod outputs;
 
 use super::*;
-use crate::claims::Job;
-use crate::schedule::{ScheduledStep, SourceRef};
+use crate::claims::{Job, Order, Timeline, fixture};
+use crate::schedule::dimibot::DimibotState;
+use crate::schedule::{PlanRecord, ScheduledStep, SourceRef};
 use crate::source::Span;
-use build::*;
+
+const MS: u64 = 1_000_000;
+
+fn claims(jobs: Vec<Job>, timeline: Timeline) -> Claims {
+    fixture::claims("day", jobs, timeline)
+}
+
+/// The claims of tasks `task0`, `task1`, ... of one device, one after the other.
+fn in_turn(device: &str, orders: impl IntoIterator<Item = Order>) -> Claims {
+    let orders = orders.into_iter().enumerate();
+    let jobs: Vec<Job> = orders.map(|(at, order)| fixture::job(&format!("task{at}"), device, order)).collect();
+    let timeline = Timeline::Sequence((0..jobs.len()).map(Timeline::Run).collect());
+    claims(jobs, timeline)
+}
 
 /// The rules that a schedule breaks, each once, in the order of the ledger.
 fn rules(schedule: &Schedule, claims: &Claims) -> Vec<Rule> {
@@ -54,6 +64,30 @@ fn each_alone(sound: &Schedule, claims: &Claims, broken: &[(&str, Rule, Edit)]) 
     assert_eq!(found.collect::<Vec<_>>(), expected);
 }
 
+/// Edits of a record that are caught whatever kind it is of.
+const RECORD: &[(&str, Rule, Edit)] = &[
+    ("a state too late", Rule::State, |s| s.plans[0].states[1].t_ns += 1),
+    ("a state less", Rule::State, |s| drop(s.plans[0].states.pop())),
+    ("a state twice", Rule::State, |s| {
+        let last = s.plans[0].states.last().cloned();
+        s.plans[0].states.extend(last);
+    }),
+    ("a state of another kind", Rule::State, |s| {
+        s.plans[0].states[1].state = State::Dimibot(DimibotState { word: 0, cell: [0, 0], position_um: [0.0, 0.0] });
+    }),
+    ("no states", Rule::State, |s| s.plans[0].states.clear()),
+];
+
+/// Asserts that each edit of a sound schedule breaks nothing.
+#[track_caller]
+fn each_passes(sound: &Schedule, claims: &Claims, near: &[(&str, Edit)]) {
+    for (name, edit) in near {
+        let mut near = sound.clone();
+        edit(&mut near);
+        assert_eq!(rules(&near, claims), [], "{name}");
+    }
+}
+
 /// Asserts that nothing is broken.
 #[track_caller]
 fn passes(schedule: &Schedule, claims: &Claims) {
@@ -61,6 +95,42 @@ fn passes(schedule: &Schedule, claims: &Claims) {
         panic!("{violations:#?}");
     }
     assert!(rules(schedule, claims).is_empty());
+}
+
+/// Why claims cannot be judged; `None` if they were.
+fn why(schedule: &Schedule, claims: &Claims) -> Option<String> {
+    match verify(schedule.clone(), claims) {
+        Verdict::Inconclusive { why } => Some(why),
+        Verdict::Accepted(_) | Verdict::Rejected(_) => None,
+    }
+}
+
+/// Asserts that claims cannot be judged, for a reason of these words.
+#[track_caller]
+fn inconclusive(schedule: &Schedule, claims: &Claims, expected: &str) {
+    let why = why(schedule, claims).unwrap_or_else(|| panic!("claims were judged, not {expected}"));
+    assert!(why.contains(expected), "{why}, not {expected}");
+}
+
+/// The words of a reason, and the edit of an order that is one.
+type UnfitOrder<O> = (&'static str, fn(&mut O));
+
+/// Asserts that sound claims can be judged, and that each edit of their first order makes them unfit for its reason.
+#[track_caller]
+fn each_unfit<O>(sound: (&Schedule, &Claims), order_of: fn(&mut Claims, usize) -> &mut O, cases: &[UnfitOrder<O>]) {
+    let (schedule, claims) = sound;
+    passes(schedule, claims);
+    for (expected, spoil) in cases {
+        let mut claims = claims.clone();
+        spoil(order_of(&mut claims, 0));
+        inconclusive(schedule, &claims, expected);
+    }
+}
+
+/// Edits one item of a list, wherever an index points.
+fn write<T>(list: &mut [T], at: usize, edit: impl FnOnce(&mut T)) {
+    let len = list.len().max(1);
+    list.get_mut(at % len).map(edit);
 }
 
 /// A schedule of some claims in which nothing happens.
@@ -92,5 +162,26 @@ fn step_of(job: &Job, plan: usize, [start_ns, end_ns]: [u64; 2]) -> ScheduledSte
         reached: Vec::new(),
         operations: Vec::new(),
         span: Span::default(),
+    }
+}
+
+/// The planner's record of a job, from an instant to another; not proven, and without states.
+fn record_of(job: &Job, planner: &str, [objective, unit]: [&str; 2], [start_ns, end_ns]: [u64; 2]) -> PlanRecord {
+    PlanRecord {
+        task: job.task.clone(),
+        device: job.device.clone(),
+        kind: job.kind(),
+        planner: planner.into(),
+        objective: objective.into(),
+        unit: unit.into(),
+        cost: 0.0,
+        bound: 0.0,
+        optimal: false,
+        bounds: Default::default(),
+        outcomes: Default::default(),
+        start_ns,
+        duration_ns: end_ns - start_ns,
+        states: Vec::new(),
+        remarks: Vec::new(),
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::programs::{Answered, answered};
 use crate::scenes::Random;
+use crate::scenes::random::cases;
 
 /// Where droplets meet: corners of loops of 4 × 2 electrodes, with lanes between them.
 const PLACES: [(u32, u32); 8] = [(4, 3), (9, 3), (4, 8), (9, 8), (4, 13), (9, 13), (4, 18), (9, 18)];
@@ -40,7 +41,7 @@ fn panel(chance: &mut Random) -> String {
 
 #[test]
 fn assays_of_many_droplets_are_planned() {
-    let cases = std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(3);
+    let cases = cases(3);
     let mut chance = Random(1_507);
     for _ in 0..cases {
         let text = panel(&mut chance);

@@ -10,6 +10,7 @@ mod traces;
 use crate::pins::Droplet;
 use crate::programs::{Answered, answered};
 use crate::scenes::Random;
+use crate::scenes::random::cases;
 use program::{Assay, Cell, NOWHERE, Operation, apart};
 use std::collections::HashSet;
 use traces::Traces;
@@ -493,7 +494,7 @@ fn assays_at_places_of_choice_agree_with_brute_force() {
 
 /// `usual` assays, or as many as are asked for: the plans found, and those of them with splits, with mixing, and with traces that are avoided.
 fn agree(mut chance: Random, usual: usize, changed: fn(&mut Random, Assay) -> Assay) -> [usize; 4] {
-    let cases = std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(usual);
+    let cases = cases(usual);
     let (mut judged, mut planned, mut missed, mut optimal) = (0, 0, 0, 0);
     let (mut none, mut proven, mut split, mut mixed, mut ordered, mut clean) = (0, 0, 0, 0, 0, 0);
     let mut tries = 0;

@@ -11,6 +11,7 @@ mod pins;
 use crate::pins::{Droplet, Pins};
 use crate::programs::{Answered, answered};
 use crate::scenes::Random;
+use crate::scenes::random::cases;
 use advice::{advice, remedied};
 use std::collections::{BTreeSet, HashSet};
 use tweeze::plan::{Optimality, Plan};
@@ -545,7 +546,7 @@ fn compare(task: &Task, all: &BTreeSet<Figures>, seen: &mut Seen) {
 
 #[test]
 fn tasks_agree_with_all_their_plans() {
-    let cases = std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(30);
+    let cases = cases(30);
     let mut chance = Random(0x7461_736b);
     let (mut seen, mut done) = (Seen::default(), 0);
     let (mut kinds, mut yields, mut merges) = ([0; 5], 0, 0);

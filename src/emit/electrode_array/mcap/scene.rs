@@ -85,13 +85,9 @@ fn points(order: &ElectrodeArrayOrder, strokes: &[Stroke], device: &str, t_ns: u
     spaced_cloud(strokes, device, t_ns, POINTS * order.facts.pitch_um())
 }
 
-fn color_of(part: usize) -> Color {
-    color::in_turn(part)
-}
-
 /// The colour of the part that is asked to go there; one of its own for a goal that any of several may take.
 fn color_of_stop(part: Option<usize>) -> Color {
-    part.map_or(color::STOP, color_of)
+    part.map_or(color::STOP, color::in_turn)
 }
 
 fn scenery(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> Vec<SceneEntity> {
@@ -102,13 +98,13 @@ fn scenery(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> Vec<SceneEnt
         let mut entity = drawing::entity(format!("{device}/part/{}", part.name), &frame(device, &part.name), t_ns);
         let (half, pitch_um) = (facts.layout.half_width_pitches * facts.pitch_um(), facts.pitch_um());
         let (bottom_um, height_um) = (ELECTRODE_HEIGHT * pitch_um, PART_HEIGHT * pitch_um);
-        let slab = Slab { bottom_um, height_um, color: color_of(index) };
+        let slab = Slab { bottom_um, height_um, color: color::in_turn(index) };
         match facts.layout.electrodes {
             Electrodes::Quad => drawing::cuboid(&mut entity, [-half, -half], [half, half], slab),
             Electrodes::Single => drawing::disc(&mut entity, Point2::origin(), half, slab),
         }
         if index < MAX_LABELS {
-            drawing::text(&mut entity, [0.0, 0.0, LABEL_HEIGHT * pitch_um], part.name.clone(), color_of(index));
+            drawing::text(&mut entity, [0.0, 0.0, LABEL_HEIGHT * pitch_um], part.name.clone(), color::in_turn(index));
         }
         entities.push(entity);
     }
@@ -122,7 +118,7 @@ pub fn part_outline(facts: &ElectrodeArrayFacts, index: usize) -> Stroke {
         Electrodes::Quad => rectangle([-half_um; 2], [half_um; 2]),
         Electrodes::Single => circle(Point2::origin(), half_um, CIRCLE_CORNERS),
     };
-    Stroke { corners, color: color_of(index) }
+    Stroke { corners, color: color::in_turn(index) }
 }
 
 /// Corners that are given in pitches, in micrometres.
@@ -221,7 +217,7 @@ fn way_lines(
             let [x, y] = place_um(&order.facts, *cell);
             [x, y, PLAN_HEIGHT * order.facts.pitch_um()]
         });
-        drawing::line(&mut entity, places, line_primitive::Type::LineStrip, color_of(*part));
+        drawing::line(&mut entity, places, line_primitive::Type::LineStrip, color::in_turn(*part));
     }
     entity
 }
@@ -257,7 +253,7 @@ fn scene_strokes(order: &ElectrodeArrayOrder) -> Vec<Stroke> {
 fn way_strokes(order: &ElectrodeArrayOrder, ways: &[(usize, Vec<ElectrodeCell>)]) -> Vec<Stroke> {
     let ways = ways.iter().map(|(part, way)| Stroke {
         corners: way.iter().map(|cell| Point2::from(place_um(&order.facts, *cell))).collect(),
-        color: color_of(*part),
+        color: color::in_turn(*part),
     });
     let stops = asked(order).map(|(part, cell)| Stroke {
         corners: circle(

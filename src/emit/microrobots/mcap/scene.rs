@@ -43,10 +43,6 @@ const DOCKED: Color = Color { r: 0.6, g: 0.6, b: 0.6, a: 1.0 };
 /// Opacity of an orbit.
 const ORBIT_ALPHA: f64 = 0.25;
 
-fn color_of(robot: usize) -> Color {
-    color::in_turn(robot)
-}
-
 /// `/<device>/scene`, `/<device>/plan`, `/<device>/state` and the first two as points.
 pub fn topics(course: &BedCourse, device: &str) -> Vec<LogTopic> {
     let (mut scenes, mut scene_points) = (Vec::new(), Vec::new());
@@ -94,7 +90,7 @@ fn scenery(order: &MicrorobotsOrder, device: &str, t_ns: u64) -> Vec<SceneEntity
             drawing::text(&mut obstacles, place, obstacle.name.clone(), color::OBSTACLE);
         }
     }
-    let robots = (0..order.robots.len()).map(|robot| body(order.robot(robot), color_of(robot), device, t_ns));
+    let robots = (0..order.robots.len()).map(|robot| body(order.robot(robot), color::in_turn(robot), device, t_ns));
     std::iter::once(obstacles).chain(robots).collect()
 }
 
@@ -126,7 +122,7 @@ fn trails(plan: &BedPlanCourse, device: &str) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/trails"), device, plan.start_ns);
     for (robot, way) in ways(plan) {
         let places = way.iter().map(|place| [place.x, place.y, PLAN_HEIGHT_UM]);
-        drawing::line(&mut entity, places, line_primitive::Type::LineStrip, color_of(robot));
+        drawing::line(&mut entity, places, line_primitive::Type::LineStrip, color::in_turn(robot));
     }
     entity
 }
@@ -144,7 +140,7 @@ fn silhouette(robot: &Robot, pose: &Pose) -> Vec<Vec<Point2<f64>>> {
 /// A robot's outline and nose in its own frame.
 pub fn outline(robot: &Robot, index: usize) -> Vec<SpaceStroke> {
     let lines = silhouette(robot, &Pose { x_um: 0.0, y_um: 0.0, heading_rad: 0.0 }).into_iter();
-    lines.map(|corners| SpaceStroke::from(&Stroke { corners, color: color_of(index) })).collect()
+    lines.map(|corners| SpaceStroke::from(&Stroke { corners, color: color::in_turn(index) })).collect()
 }
 
 fn goal_marks(plan: &BedPlanCourse, device: &str) -> SceneEntity {
@@ -153,11 +149,16 @@ fn goal_marks(plan: &BedPlanCourse, device: &str) -> SceneEntity {
         let facts = plan.order.robot(robot);
         for line in silhouette(facts, &stop.pose) {
             let places = line.iter().map(|place| [place.x, place.y, PLAN_HEIGHT_UM]);
-            drawing::line(&mut entity, places, line_primitive::Type::LineStrip, color_of(robot));
+            drawing::line(&mut entity, places, line_primitive::Type::LineStrip, color::in_turn(robot));
         }
         if index < MAX_LABELS {
             let [x, y, _] = stand(&stop.pose).place;
-            drawing::text(&mut entity, [x, y, PLAN_HEIGHT_UM], format!("goal of {}", facts.name), color_of(robot));
+            drawing::text(
+                &mut entity,
+                [x, y, PLAN_HEIGHT_UM],
+                format!("goal of {}", facts.name),
+                color::in_turn(robot),
+            );
         }
     }
     entity
@@ -187,11 +188,11 @@ fn discs(order: &MicrorobotsOrder, orbits: &[SweptDisc], device: &str, t_ns: u64
     let mut entity = drawing::entity(format!("{device}/orbits"), device, t_ns);
     for orbit in orbits.iter().filter(|orbit| orbit.start_ns <= t_ns && t_ns < orbit.end_ns) {
         let centre = drawing::snap(Point2::from(orbit.centre_um));
-        let color = Color { a: ORBIT_ALPHA, ..color_of(orbit.robot) };
+        let color = Color { a: ORBIT_ALPHA, ..color::in_turn(orbit.robot) };
         let slab = Slab { bottom_um: 0.0, height_um: ORBIT_HEIGHT_UM, color };
         drawing::disc(&mut entity, centre, drawing::snapped(orbit.reach_um), slab);
         let text = format!("orbit of {}", order.robot(orbit.robot).name);
-        drawing::text(&mut entity, [centre.x, centre.y, ORBIT_HEIGHT_UM], text, color_of(orbit.robot));
+        drawing::text(&mut entity, [centre.x, centre.y, ORBIT_HEIGHT_UM], text, color::in_turn(orbit.robot));
     }
     entity
 }
@@ -230,14 +231,14 @@ fn scene_strokes(order: &MicrorobotsOrder) -> Vec<Stroke> {
 }
 
 fn plan_strokes(plan: &BedPlanCourse) -> Vec<Stroke> {
-    let ways = ways(plan).map(|(robot, corners)| Stroke { corners, color: color_of(robot) });
+    let ways = ways(plan).map(|(robot, corners)| Stroke { corners, color: color::in_turn(robot) });
     let goals = goals(plan.order).flat_map(|(robot, stop)| {
         let lines = silhouette(plan.order.robot(robot), &stop.pose).into_iter();
-        lines.map(move |corners| Stroke { corners, color: color_of(robot) })
+        lines.map(move |corners| Stroke { corners, color: color::in_turn(robot) })
     });
     let orbits = plan.orbits().into_iter().map(|orbit| Stroke {
         corners: circle(Point2::from(orbit.centre_um), orbit.reach_um, CIRCLE_CORNERS),
-        color: Color { a: ORBIT_ALPHA, ..color_of(orbit.robot) },
+        color: Color { a: ORBIT_ALPHA, ..color::in_turn(orbit.robot) },
     });
     ways.chain(goals).chain(orbits).collect()
 }

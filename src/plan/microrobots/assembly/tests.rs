@@ -2,10 +2,10 @@
 
 use super::track::{ArmTrack, TrackAim};
 use super::*;
-use crate::claims::microrobots::{Assurance, MicrorobotsObstacle, MicrorobotsStop, Placed, Precision};
-use crate::device::microrobots::{
-    Arm, ControlState, Docking as Limits, Fine, MicrorobotsFacts, Robot, Turning, wrapped_rad,
-};
+use crate::claims::fixture::bed_order;
+use crate::claims::microrobots::{MicrorobotsObstacle, MicrorobotsStop, Precision};
+use crate::device::microrobots::fixture::{self, pose};
+use crate::device::microrobots::{Arm, ControlState, Docking as Limits, MicrorobotsFacts, Robot, Turning, wrapped_rad};
 use crate::geometry::Shape;
 use crate::plan::microrobots::world::World;
 use crate::plan::search::SearchBudget;
@@ -18,32 +18,25 @@ const DOWN: Arm = Arm::Down;
 /// A row of the table; robots differ slightly in all their figures.
 fn row(index: usize) -> Robot {
     Robot {
-        name: format!("D{}", index + 1),
         snap_down_v: 90.0 + 16.0 * index as f64,
         release_v: 30.0 + 15.0 * index as f64,
-        turning_radius_um: 160.0 + 5.0 * (index * 3 % 5) as f64,
-        step_um: 0.0095 + 0.0002 * (index * 2 % 5) as f64,
-        turning: Turning::Clockwise,
         length_um: 260.0,
-        width_um: 60.0,
+        ..fixture::robot(
+            &format!("D{}", index + 1),
+            160.0 + 5.0 * (index * 3 % 5) as f64,
+            0.0095 + 0.0002 * (index * 2 % 5) as f64,
+        )
     }
 }
 
 fn facts(count: usize) -> MicrorobotsFacts {
     MicrorobotsFacts {
-        robots: (0..count).map(row).collect(),
         margin_v: 5.0,
-        max_v: 200.0,
         relax_v: 110.0,
         flex_v: 60.0,
-        period_ns: 50_000,
         dwell_ns: 500_000,
-        clearance_um: 10.0,
-        orbit_clearance_um: 20.0,
         docking: Limits { self_aligning_rad: 1.0, self_aligning_um: 80.0, sticking_rad: PI / 4.0, tolerance_um: 2.0 },
-        fine: Fine { length_um: 200.0, cycle_um: 10.0 },
-        errors: None,
-        watchdog_ns: None,
+        ..fixture::facts((0..count).map(row).collect())
     }
 }
 
@@ -63,7 +56,7 @@ fn state(arms: Vec<Arm>) -> ControlState {
 
 /// The states of a STRING table: the arms that snap first are down.
 fn string_states(count: usize) -> Vec<ControlState> {
-    (0..=count).map(|downs| state((0..count).map(|row| if row < downs { DOWN } else { UP }).collect())).collect()
+    fixture::string_states(count, 1.0, |_| vec![1.0, 2.0])
 }
 
 /// All patterns of arms.
@@ -72,22 +65,12 @@ fn all_states(count: usize) -> Vec<ControlState> {
     (0..1 << count).map(|pattern| state((0..count).map(|row| arm(pattern, row)).collect())).collect()
 }
 
-fn pose(x_um: f64, y_um: f64, heading_deg: f64) -> Pose {
-    Pose { x_um, y_um, heading_rad: heading_deg.to_radians() }
-}
-
 fn order(starts: &[Pose], states: Vec<ControlState>, obstacles: Vec<MicrorobotsObstacle>) -> MicrorobotsOrder {
-    let placed = |(row, pose): (usize, &Pose)| Placed { row, pose: *pose, span: Default::default() };
     MicrorobotsOrder {
-        facts: Arc::new(facts(starts.len())),
-        states: Arc::new(states),
         obstacles: Arc::new(obstacles),
-        robots: Arc::new(starts.iter().enumerate().map(placed).collect()),
         expansions: 100_000,
-        objective: crate::device::microrobots::MicrorobotsObjective::Time,
         precision: Precision { place_um: 0.5, heading_rad: 0.5_f64.to_radians() },
-        assurance: Assurance::Reported,
-        steps: Vec::new(),
+        ..bed_order(facts(starts.len()), states, starts.iter().copied().enumerate())
     }
 }
 

@@ -1,5 +1,6 @@
 use super::*;
-use crate::plan::microrobots::simulation::tests::{errors, pose, single};
+use crate::device::microrobots::fixture::pose;
+use crate::plan::microrobots::simulation::tests::{errors, single};
 
 const INTERVAL_NS: u64 = 100_000_000;
 

@@ -2,15 +2,16 @@
 
 use super::*;
 use crate::device::microrobots::Turning;
+use crate::device::microrobots::fixture::{self, pose};
 
 fn robot(turning: Turning, turning_radius_um: f64) -> Robot {
-    let step_um = 0.01;
-    let (snap_down_v, release_v, length_um, width_um) = (100.0, 40.0, 260.0, 60.0);
-    Robot { name: "D1".into(), snap_down_v, release_v, turning_radius_um, step_um, turning, length_um, width_um }
-}
-
-fn pose(x_um: f64, y_um: f64, heading_deg: f64) -> Pose {
-    Pose { x_um, y_um, heading_rad: heading_deg.to_radians() }
+    Robot {
+        snap_down_v: 100.0,
+        release_v: 40.0,
+        turning,
+        length_um: 260.0,
+        ..fixture::robot("D1", turning_radius_um, 0.01)
+    }
 }
 
 /// The radius of the circle that leaves the origin along its heading, to the right, and passes through a point.

@@ -1,20 +1,11 @@
 //! Shortest paths compared with all sums of two of many directions, and their ends.
 
 use super::*;
-use crate::device::microrobots::Turning;
+use crate::device::microrobots::{Turning, fixture};
 use proptest::prelude::*;
 
 fn robot(radius_um: f64, turning: Turning) -> Robot {
-    Robot {
-        name: "D1".to_owned(),
-        snap_down_v: 110.0,
-        release_v: 20.0,
-        turning_radius_um: radius_um,
-        step_um: 0.015,
-        turning,
-        length_um: 250.0,
-        width_um: 60.0,
-    }
+    Robot { turning, ..fixture::robot("D1", radius_um, 0.015) }
 }
 
 fn pose(x_um: f64, y_um: f64, heading_rad: f64) -> Pose {

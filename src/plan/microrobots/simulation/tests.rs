@@ -1,8 +1,7 @@
 use super::*;
-use crate::claims::microrobots::{Assurance, Placed, Precision};
-use crate::device::microrobots::{
-    Arm, ControlState, Docking as Limits, Errors, Fine, MicrorobotsFacts, Robot, Turning,
-};
+use crate::claims::fixture::bed_order;
+use crate::device::microrobots::fixture::{self, pose};
+use crate::device::microrobots::{Docking as Limits, Errors, Fine, MicrorobotsFacts, Robot, Turning};
 use crate::geometry::Pose;
 use crate::plan::microrobots::control::Segment;
 use crate::plan::microrobots::guarantee::{Containment, ContainmentCheck, guarantees};
@@ -24,63 +23,23 @@ pub fn errors(replan_ms: u64) -> Errors {
 }
 
 pub fn robot(name: &str, turning: Turning) -> Robot {
-    Robot {
-        name: name.to_owned(),
-        snap_down_v: 120.0,
-        release_v: 40.0,
-        turning_radius_um: 165.0,
-        step_um: 0.01,
-        turning,
-        length_um: 260.0,
-        width_um: 60.0,
-    }
+    Robot { snap_down_v: 120.0, release_v: 40.0, turning, length_um: 260.0, ..fixture::robot(name, 165.0, 0.01) }
 }
 
 /// A bed with `count` robots of one kind; state j lowers the first j.
 pub fn order(count: usize, turning: Turning, errors: Errors, poses: &[Pose]) -> MicrorobotsOrder {
-    let robots = (0..count).map(|index| robot(&format!("D{}", index + 1), turning)).collect();
-    let arm = |state: usize, row: usize| if row < state { Arm::Down } else { Arm::Up };
-    let state = |state: usize| ControlState {
-        arms: (0..count).map(|row| arm(state, row)).collect(),
-        levels_v: vec![9.0, 120.0],
-        slack_v: 1.0,
-    };
+    let usual = fixture::facts((0..count).map(|index| robot(&format!("D{}", index + 1), turning)).collect());
     let facts = MicrorobotsFacts {
-        robots,
-        margin_v: 2.0,
-        max_v: 200.0,
-        relax_v: 60.0,
-        flex_v: 100.0,
-        period_ns: 50_000,
         dwell_ns: 2_000_000,
         clearance_um: 20.0,
         orbit_clearance_um: 30.0,
-        docking: Limits {
-            self_aligning_rad: 60_f64.to_radians(),
-            self_aligning_um: 80.0,
-            sticking_rad: 45_f64.to_radians(),
-            tolerance_um: 5.0,
-        },
+        docking: Limits { tolerance_um: 5.0, ..usual.docking },
         fine: Fine { length_um: 250.0, cycle_um: 10.0 },
         errors: Some(errors),
-        watchdog_ns: None,
+        ..usual
     };
-    let placed = poses.iter().enumerate().map(|(row, pose)| Placed { row, pose: *pose, span: Span::default() });
-    MicrorobotsOrder {
-        facts: Arc::new(facts),
-        states: Arc::new((0..=count).map(state).collect()),
-        obstacles: Arc::new(Vec::new()),
-        robots: Arc::new(placed.collect()),
-        expansions: 1000,
-        objective: crate::device::microrobots::MicrorobotsObjective::Time,
-        precision: Precision { place_um: 0.5, heading_rad: 0.01 },
-        assurance: Assurance::Reported,
-        steps: Vec::new(),
-    }
-}
-
-pub fn pose(x_um: f64, y_um: f64, degrees: f64) -> Pose {
-    Pose { x_um, y_um, heading_rad: degrees.to_radians() }
+    let states = fixture::string_states(count, 1.0, |_| vec![9.0, 120.0]);
+    bed_order(facts, states, poses.iter().copied().enumerate())
 }
 
 /// The pose from which a share `share` of turning leads a robot to a goal.

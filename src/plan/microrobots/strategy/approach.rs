@@ -1,7 +1,7 @@
 //! Fine motion: the curvature with which a robot docks in its place.
 
-use super::{Driver, angle};
-use crate::device::microrobots::Robot;
+use super::Driver;
+use crate::device::microrobots::{Robot, wrapped_rad};
 use crate::geometry::Pose;
 use crate::real::Real;
 
@@ -53,7 +53,7 @@ impl GoalFrame {
         Pose {
             x_um: dx_um * cos + dy_um * sin,
             y_um: self.side * (dy_um * cos - dx_um * sin),
-            heading_rad: self.side * angle(pose.heading_rad - self.goal.heading_rad),
+            heading_rad: self.side * wrapped_rad(pose.heading_rad - self.goal.heading_rad),
         }
     }
 
@@ -98,7 +98,7 @@ impl GoalFrame {
         Pose {
             x_um: self.goal.x_um + seen.x_um * cos - y_um * sin,
             y_um: self.goal.y_um + seen.x_um * sin + y_um * cos,
-            heading_rad: angle(self.goal.heading_rad + self.side * seen.heading_rad),
+            heading_rad: wrapped_rad(self.goal.heading_rad + self.side * seen.heading_rad),
         }
     }
 }

@@ -40,7 +40,7 @@ pub use episode::{Episode, centres, driven, episodes, poses_of};
 pub use pursuit::{Phase, Pursuit, PursuitCircle};
 
 use crate::claims::microrobots::MicrorobotsOrder;
-use crate::device::microrobots::{Arm, Errors, Robot};
+use crate::device::microrobots::{Arm, Errors, Robot, wrapped_rad};
 use crate::geometry::Pose;
 use crate::real::Real;
 use std::f64::consts::TAU;
@@ -97,7 +97,7 @@ impl Cylinder {
     /// Whether it contains `pose` when centred on `about`.
     pub fn holds(&self, about: Pose, pose: Pose) -> bool {
         let off_um = (pose.x_um - about.x_um).hypotenuse(pose.y_um - about.y_um);
-        off_um <= self.radius_um && angle(pose.heading_rad - about.heading_rad).abs() <= self.heading_rad
+        off_um <= self.radius_um && wrapped_rad(pose.heading_rad - about.heading_rad).abs() <= self.heading_rad
     }
 }
 
@@ -209,9 +209,4 @@ impl<'a> Driver<'a> {
 pub fn turn(angle_rad: f64) -> f64 {
     let turned_rad = angle_rad.rem_euclid(TAU);
     if turned_rad >= TAU { 0.0 } else { turned_rad }
-}
-
-/// An angle reduced to the range between minus and plus half a turn.
-pub fn angle(angle_rad: f64) -> f64 {
-    crate::device::microrobots::wrapped_rad(angle_rad)
 }

@@ -1,7 +1,7 @@
 //! Gross motion: from centre to centre, always with a lag, and finally to a heading.
 
-use super::{Driver, StrategyPiece, angle, turn};
-use crate::device::microrobots::Arm;
+use super::{Driver, StrategyPiece, turn};
+use crate::device::microrobots::{Arm, wrapped_rad};
 use crate::geometry::Pose;
 use crate::real::Real;
 use std::f64::consts::{PI, TAU};
@@ -52,7 +52,7 @@ impl Pursuit {
 
     /// Continues after a final measurement that was not accepted: turns further if that suffices, otherwise restarts.
     pub fn retry(&mut self, driver: &Driver, measured: Pose) {
-        let ahead_rad = driver.side() * angle(self.approach.heading_rad - measured.heading_rad);
+        let ahead_rad = driver.side() * wrapped_rad(self.approach.heading_rad - measured.heading_rad);
         let [x_um, y_um] = driver.robot.orbit_centre_um(measured);
         let [last_x_um, last_y_um] = self.last_um();
         let is_near = (last_x_um - x_um).hypotenuse(last_y_um - y_um) <= driver.left_alone_um();

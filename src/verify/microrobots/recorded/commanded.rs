@@ -9,7 +9,7 @@ use crate::claims::microrobots::MicrorobotsAction;
 use crate::device::microrobots::Arm;
 use crate::schedule::control::{CommandLine, CommandWord, SegmentLine};
 use crate::verify::Halt;
-use crate::verify::rule::{Findings, Rule, Violation, ms};
+use crate::verify::rule::{Findings, Rule, ms};
 
 /// Strokes in a control state of the order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,10 +38,6 @@ impl<'r, 'a> Commanded<'r, 'a> {
         relays.visit(0.0);
         let docked = vec![false; run.order.robots.len()];
         Commanded { run, relays, until_ns: None, docked, strokes: 0, applied: Vec::new(), rested: None }
-    }
-
-    fn within(&self, rule: Rule, step: usize, at_ns: u64, title: String) -> Violation {
-        self.run.within(rule, step, at_ns, title)
     }
 
     /// Whether step, line and names of a command are those of the program; robots once held for docked stay so.
@@ -102,7 +98,7 @@ impl<'r, 'a> Commanded<'r, 'a> {
         if command.until_ns != due_ns || due_ns.is_none() {
             let at = ms(at_ns);
             let title = format!("the command at {at} lasts longer or shorter than what it commands");
-            return Err(self.within(Rule::Exchange, command.step, at_ns, title).into());
+            return Err(self.run.within(Rule::Exchange, command.step, at_ns, title).into());
         }
         self.until_ns = command.until_ns;
         self.applied.extend(&legs);
@@ -160,7 +156,7 @@ impl<'r, 'a> Commanded<'r, 'a> {
         if let Some(robot) = (0..self.docked.len()).find(is_down) {
             let name = self.run.name(robot);
             let title = format!("strokes at {at} are driven while the arm of docked robot `{name}` is down");
-            findings.push(self.within(Rule::Twist, step, at_ns, title));
+            findings.push(self.run.within(Rule::Twist, step, at_ns, title));
         }
         Ok(CommandedLeg { control, strokes: segment.strokes })
     }
@@ -179,13 +175,13 @@ impl<'r, 'a> Commanded<'r, 'a> {
                     }
                     None => return,
                 };
-                findings.push(self.within(Rule::Apply, step, at_ns, title));
+                findings.push(self.run.within(Rule::Apply, step, at_ns, title));
             }
             MicrorobotsAction::Wait(duration_ns) if duration_ns > 0 => {
                 let is_kept = applied.is_empty() && rested.is_some();
                 if !is_kept {
                     let title = format!("the bed is driven in a wait of {}, or does not rest", ms(duration_ns));
-                    findings.push(self.within(Rule::Wait, step, at_ns, title));
+                    findings.push(self.run.within(Rule::Wait, step, at_ns, title));
                 }
             }
             MicrorobotsAction::Wait(_) | MicrorobotsAction::Drive { .. } | MicrorobotsAction::Assemble(_) => {}

@@ -3,7 +3,7 @@
 //! Input: the lines of the exchange in their order, and the claims of the program. Output: a [`RecordedRun`], or the violations by time.
 //! Promise: nothing of the controller is used. The arms come from the levels of the voltage, the paths from strokes, and what a robot
 //! may be off its path from the bounds on the device's errors. The walk ends at the first line after which the state is unknown. Cost: for
-//! each measurement its robots and the pairs and obstacles near one another.
+//! each measurement its robots and the pairs and obstacles near one another. Its tests are `tests/microrobots/recorded.rs`.
 
 mod commanded;
 mod goals;
@@ -370,6 +370,3 @@ impl<'r, 'a> Walk<'r, 'a> {
         }
     }
 }
-
-#[cfg(test)]
-mod tests;

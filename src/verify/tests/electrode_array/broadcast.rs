@@ -1,14 +1,12 @@
 //! Shared channels: all electrodes of a channel are on together, and every droplet in reach is judged against all of them.
 
 use super::build::*;
-use super::{one_step, rules};
+use super::{judged, moving, one_step, rules, why};
 use crate::claims::Claims;
-use crate::claims::electrode_array::{
-    ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
-};
+use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayObstacleBody, ElectrodeArrayOrder};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, ElectrodeMap, Hold};
 use crate::schedule::Schedule;
-use crate::verify::{Rule, Verdict, verify};
+use crate::verify::Rule;
 use std::sync::Arc;
 
 /// Electrodes, each list of them on one channel.
@@ -26,25 +24,11 @@ fn shared(columns: u32, rows: u32, lists: Lists) -> ElectrodeArrayFacts {
     ElectrodeArrayFacts { map: Some(Arc::new(map)), ..chip(columns, rows) }
 }
 
-fn moving(
-    facts: ElectrodeArrayFacts,
-    parts: &[(&str, u32, u32)],
-    moves: Vec<ElectrodeArrayMove>,
-) -> ElectrodeArrayOrder {
-    order(facts, parts, vec![ElectrodeArrayAction::Move(moves)])
-}
-
-#[track_caller]
-fn found(order: ElectrodeArrayOrder, words: &[&str], expected: &[Rule]) {
-    let (schedule, claims) = one_step(order, words);
-    assert_eq!(rules(&schedule, &claims), expected, "{words:?}");
-}
-
 const BROADCAST: &[Rule] = &[Rule::Broadcast];
 
 /// One droplet goes two to the right; the electrode at a cell is on with the one that it comes to first.
 fn alone_with(other: (u32, u32), expected: &[Rule]) {
-    found(moving(shared(9, 9, &[&[(5, 5), other]]), &[("a", 4, 5)], vec![go(0, &[(6, 5)])]), &["RR"], expected);
+    judged(moving(shared(9, 9, &[&[(5, 5), other]]), &[("a", 4, 5)], vec![go(0, &[(6, 5)])]), &["RR"], expected);
 }
 
 #[test]
@@ -62,7 +46,7 @@ fn another_electrode_in_reach_of_the_droplet_that_moves_tears_it() {
 fn a_droplet_that_is_held_may_be_torn_as_well() {
     let resting = |other: (u32, u32), expected: &[Rule]| {
         let facts = shared(9, 9, &[&[(4, 5), other]]);
-        found(moving(facts, &[("a", 4, 5), ("b", 8, 8)], vec![go(1, &[(8, 9)])]), &["", "U"], expected);
+        judged(moving(facts, &[("a", 4, 5), ("b", 8, 8)], vec![go(1, &[(8, 9)])]), &["", "U"], expected);
     };
     resting((5, 6), BROADCAST);
     resting((2, 5), &[]);
@@ -80,7 +64,7 @@ fn what_moves_one_droplet_pulls_another() {
             vec![go(1, &[moved(cell(8, 5), word.chars().next().unwrap()).pair().into()])]
         };
         let moves = std::iter::once(go(0, &[(3, 5)])).chain(goal).collect();
-        found(moving(shared(12, 9, &[&[(3, 5), other]]), &[("a", 2, 5), ("b", 8, 5)], moves), &["R", word], expected);
+        judged(moving(shared(12, 9, &[&[(3, 5), other]]), &[("a", 2, 5), ("b", 8, 5)], moves), &["R", word], expected);
     };
     // Near one that rests, before it and after it moves; where it goes itself both are on for both.
     beside((9, 6), "", BROADCAST);
@@ -101,7 +85,7 @@ fn an_edit_of_what_is_on_is_caught_by_this_rule_alone() {
     let lists: [&[(u32, u32)]; 3] =
         [&[(1, 1), (4, 1), (7, 1)], &[(2, 1), (5, 1), (8, 1)], &[(3, 1), (6, 1), (9, 1), (1, 3)]];
     let bus = || moving(shared(9, 3, &lists), &[("a", 1, 1), ("c", 9, 3)], vec![go(0, &[(5, 1)])]);
-    found(bus(), &["RRRR", ""], &[]);
+    judged(bus(), &["RRRR", ""], &[]);
     let names = |schedule: &Schedule| -> Vec<String> { schedule.channels.iter().map(|own| own.name.clone()).collect() };
     let (schedule, _) = one_step(bus(), &["RRRR", ""]);
     assert_eq!(names(&schedule), ["board.e2_1", "board.e3_1", "board.e1_1", "board.e9_3"]);
@@ -136,7 +120,7 @@ fn the_same_moves_keep_the_rule_or_break_it_by_the_channels_of_the_board() {
         (&[&[(5, 5), (8, 8)]], &[]),
     ];
     for (lists, expected) in cases {
-        found(moving(shared(12, 9, lists), &[("a", 2, 5), ("b", 8, 5)], moves()), &["RRR", "UUU"], expected);
+        judged(moving(shared(12, 9, lists), &[("a", 2, 5), ("b", 8, 5)], moves()), &["RRR", "UUU"], expected);
     }
 }
 
@@ -162,7 +146,7 @@ fn stuck_parts_are_pulled_by_no_electrode_of_a_channel() {
     let stuck = |other: (u32, u32), expected: &[Rule]| {
         let order = moving(shared(9, 9, &[&[(4, 5), other]]), &[("a", 3, 5)], vec![go(0, &[(4, 5)])]);
         let fixed = obstacle("s", ElectrodeArrayObstacleBody::Fixed(cell(8, 8)));
-        found(ElectrodeArrayOrder { obstacles: vec![fixed].into(), ..order }, &["R"], expected);
+        judged(ElectrodeArrayOrder { obstacles: vec![fixed].into(), ..order }, &["R"], expected);
     };
     stuck((7, 7), BROADCAST);
     stuck((8, 8), BROADCAST);
@@ -175,7 +159,7 @@ fn an_electrode_that_does_not_work_pulls_nothing_though_its_channel_is_on() {
         let facts = shared(9, 9, &[&[(5, 5), (4, 6)]]);
         let map = ElectrodeMap { disabled: disabled.to_vec(), ..(**facts.map.as_ref().expect("a map")).clone() };
         let facts = ElectrodeArrayFacts { map: Some(Arc::new(map)), ..facts };
-        found(moving(facts, &[("a", 4, 5)], vec![go(0, &[(5, 5)])]), &["R"], expected);
+        judged(moving(facts, &[("a", 4, 5)], vec![go(0, &[(5, 5)])]), &["R"], expected);
     };
     dead(&[], BROADCAST);
     dead(&[cell(4, 6)], &[]);
@@ -193,7 +177,7 @@ fn without_holding_a_droplet_may_rest_on_an_electrode_that_is_on_for_another() {
     let unheld = |other: (u32, u32), word: &str, expected: &[Rule]| {
         let facts = ElectrodeArrayFacts { hold: Hold::Off, ..shared(12, 9, &[&[(3, 5), other]]) };
         let words = [word, ""];
-        found(moving(facts, &[("a", 2, 5), ("b", 8, 5)], vec![go(0, &[(4, 5)])]), &words, expected);
+        judged(moving(facts, &[("a", 2, 5), ("b", 8, 5)], vec![go(0, &[(4, 5)])]), &words, expected);
     };
     unheld((8, 5), "RR", &[]);
     unheld((8, 6), "RR", &[Rule::Bystander]);
@@ -216,7 +200,7 @@ fn without_holding_a_droplet_may_rest_on_an_electrode_that_is_on_for_another() {
 fn droplets_merge_and_split_by_their_own_electrodes_alone() {
     let merging = |lists: Lists, expected: &[Rule]| {
         let order = moving(shared(12, 9, lists), &[("a", 3, 5), ("b", 7, 5)], vec![merge(0, 1, (5, 5))]);
-        found(order, &["RR", "LL"], expected);
+        judged(order, &["RR", "LL"], expected);
     };
     merging(&[], &[]);
     // Both come at once over one channel, and over one that tears one of them.
@@ -241,17 +225,20 @@ fn split_of(lists: Lists) -> (Schedule, Claims) {
 
 #[test]
 fn claims_of_shared_channels_are_sound() {
-    let judged = |order: ElectrodeArrayOrder, words: &[&str]| {
+    let is_judged = |order: ElectrodeArrayOrder, words: &[&str]| {
         let claims = alone(order);
-        !matches!(verify(schedule(&claims, &[&[words]]), &claims), Verdict::Inconclusive { .. })
+        why(&schedule(&claims, &[&[words]]), &claims).is_none()
     };
     let lists: [&[(u32, u32)]; 1] = [&[(4, 4), (9, 9)]];
     let dispensed = |lists: Lists| {
         let order = assay(&[("a", 1, 1)], vec![dispense(0, (4, 4), 2)]);
         without_places(ElectrodeArrayOrder { facts: shared(14, 14, lists), ..order }, &[0])
     };
-    assert!(judged(dispensed(&[]), &["o."]) && !judged(dispensed(&lists), &["o."]), "an outlet on a shared channel");
+    assert!(
+        is_judged(dispensed(&[]), &["o."]) && !is_judged(dispensed(&lists), &["o."]),
+        "an outlet on a shared channel"
+    );
     let facts = shared(14, 14, &lists);
     let micro = ElectrodeArrayFacts { map: facts.map, ..platform(14, 14) };
-    assert!(!judged(moving(micro, &[("a", 5, 5)], vec![go(0, &[(6, 5)])]), &["R"]), "microparts");
+    assert!(!is_judged(moving(micro, &[("a", 5, 5)], vec![go(0, &[(6, 5)])]), &["R"]), "microparts");
 }

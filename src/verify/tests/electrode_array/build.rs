@@ -1,19 +1,17 @@
 //! Makes claims on a board, and schedules from the words that its parts follow, with a lowering and records of its own.
 
 use crate::claims::electrode_array::{
-    AssayOperation, BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayMove,
-    ElectrodeArrayObjective, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder,
-    ElectrodeArrayPlanner, ElectrodeArrayStep, ElectrodeArrayStop, SplitDroplet,
+    AssayOperation, BoardPart, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObjective,
+    ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ElectrodeArrayOrder, ElectrodeArrayStep, ElectrodeArrayStop,
+    SplitDroplet,
 };
+use crate::claims::fixture::board_order;
 use crate::claims::{Claims, Job, Order};
-use crate::device::Kind;
-use crate::device::electrode_array::{
-    DEFAULT_MIXER, ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, Separation,
-};
+use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, Layout, fixture};
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, TimedState};
 use crate::source::Span;
-use crate::verify::tests::{bare, build, step_of};
+use crate::verify::tests::{self, bare, record_of, step_of};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A beat.
@@ -25,42 +23,17 @@ pub fn cell(column: u32, row: u32) -> ElectrodeCell {
 
 /// A board of microparts.
 pub fn platform(columns: u32, rows: u32) -> ElectrodeArrayFacts {
-    ElectrodeArrayFacts {
-        columns,
-        rows,
-        radius_um: 35.0,
-        pitch_ratio: 0.5,
-        potential_v: 100.0,
-        step_ns: BEAT,
-        layout: Layout { electrodes: Electrodes::Quad, half_width_pitches: 1.5 },
-        hold: Hold::Off,
-        dispense_ns: None,
-        mixer: DEFAULT_MIXER,
-        least_volume: None,
-        most_volume: None,
-        least_temperature_k: None,
-        most_temperature_k: None,
-        separation: Separation::Apart(4),
-        clearance: 3,
-        map: None,
-        reservoirs: None,
-    }
+    ElectrodeArrayFacts { pitch_ratio: 0.5, step_ns: BEAT, ..fixture::microparts(columns, rows) }
 }
 
 /// A board of droplets.
 pub fn chip(columns: u32, rows: u32) -> ElectrodeArrayFacts {
     ElectrodeArrayFacts {
+        pitch_ratio: 0.5,
+        step_ns: BEAT,
         layout: Layout { electrodes: Electrodes::Single, half_width_pitches: 0.55 },
-        hold: Hold::On,
-        dispense_ns: None,
-        mixer: DEFAULT_MIXER,
-        least_volume: None,
-        most_volume: None,
-        least_temperature_k: None,
-        most_temperature_k: None,
-        separation: Separation::Apart(2),
         clearance: 2,
-        ..platform(columns, rows)
+        ..fixture::droplets(columns, rows)
     }
 }
 
@@ -81,18 +54,8 @@ pub fn order(
         cell: Some(cell(*column, *row)),
         span: Span::default(),
     };
-    ElectrodeArrayOrder {
-        facts,
-        obstacles: Default::default(),
-        parts: std::sync::Arc::new(parts.iter().map(part).collect()),
-        zones: Default::default(),
-        objective: ElectrodeArrayObjective::Makespan,
-        planner: ElectrodeArrayPlanner { method: ElectrodeArrayMethod::Portfolio, expansions: 1000 },
-        bystanders: Bystanders::Stay,
-        contents: Vec::new(),
-        contamination: Default::default(),
-        steps: actions.into_iter().map(|action| ElectrodeArrayStep { action, span: Span::default() }).collect(),
-    }
+    let step = |action| ElectrodeArrayStep { action, span: Span::default() };
+    board_order(facts, parts.iter().map(part), actions.into_iter().map(step).collect())
 }
 
 pub fn go(part: usize, stops: &[(u32, u32)]) -> ElectrodeArrayMove {
@@ -156,7 +119,7 @@ pub fn alone(order: ElectrodeArrayOrder) -> Claims {
 
 /// Tasks of one device, one after the other.
 pub fn in_turn(orders: Vec<ElectrodeArrayOrder>) -> Claims {
-    build::in_turn("board", orders.into_iter().map(Order::ElectrodeArray))
+    tests::in_turn("board", orders.into_iter().map(Order::ElectrodeArray))
 }
 
 pub fn order_of(claims: &mut Claims, job: usize) -> &mut ElectrodeArrayOrder {
@@ -286,21 +249,12 @@ impl Writer {
             ElectrodeArrayObjective::SumOfCosts => ("sum_of_costs", costs as f64),
         };
         PlanRecord {
-            task: job.task.clone(),
-            device: job.device.clone(),
-            kind: Kind::ElectrodeArray,
-            planner: "portfolio".into(),
-            objective: objective.into(),
-            unit: String::new(),
             cost,
             bound: cost,
             optimal: true,
             outcomes: outcomes.map(|(name, value)| (name.to_owned(), value)).collect(),
-            bounds: BTreeMap::new(),
-            start_ns,
-            duration_ns,
             states,
-            remarks: Vec::new(),
+            ..record_of(job, "portfolio", [objective, ""], [start_ns, self.at_ns])
         }
     }
 

@@ -1,14 +1,14 @@
 //! Reservoirs with pads: the frames that make a droplet, and who may be near meanwhile.
 
 use super::build::{BEAT, alone, assay, cell, chip, dispense, go, operation, order, schedule, without_places};
-use super::{one_step, rules};
+use super::{one_step, rules, why};
 use crate::claims::Claims;
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayAction, ElectrodeArrayOrder};
 use crate::device::electrode_array::{
     DispenseFrame, DispenseSequence, ElectrodeArrayFacts, ElectrodeMap, ReservoirPads,
 };
 use crate::schedule::{Actuation, Channel, ChannelUnit, Schedule};
-use crate::verify::{Rule, Verdict, verify};
+use crate::verify::Rule;
 use std::sync::Arc;
 
 /// Two beats of a frame, and two frames before the outlet is pulled; the last one holds the droplet alone.
@@ -140,7 +140,7 @@ fn claims_of_reservoirs_are_sound() {
     let judged = |pads: ReservoirPads, beats: u64| {
         let order = assay(&[("a", 1, 1)], vec![dispense(0, (4, 4), beats)]);
         let claims = alone(without_places(ElectrodeArrayOrder { facts: facts(pads), ..order }, &[0]));
-        !matches!(verify(schedule(&claims, &[&[&["o"]]]), &claims), Verdict::Inconclusive { .. })
+        why(&schedule(&claims, &[&[&["o"]]]), &claims).is_none()
     };
     let pads = |frame_ns, sequences| ReservoirPads { frame_ns, sequences };
     let own = || sequence((4, 4), &FRAMES);

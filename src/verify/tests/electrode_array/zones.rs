@@ -1,10 +1,10 @@
 //! Heaters, detectors and magnets, and who stays there.
 
 use super::build::{alone, assay, cell, incubate, merge, operation, schedule};
-use super::judged;
+use super::{judged, why};
 use crate::claims::electrode_array::{AssayOperation, BoardZone, ElectrodeArrayOrder, ZoneSort, ZoneStay};
 use crate::source::Span;
-use crate::verify::{Rule, Verdict, verify};
+use crate::verify::Rule;
 use std::sync::Arc;
 
 /// One zone between two corners.
@@ -67,7 +67,7 @@ fn a_droplet_is_read_where_it_has_merged() {
 fn claims_of_zones_are_sound() {
     let is_judged = |order: ElectrodeArrayOrder| {
         let claims = alone(order);
-        !matches!(verify(schedule(&claims, &[&[&[""]]]), &claims), Verdict::Inconclusive { .. })
+        why(&schedule(&claims, &[&[&[""]]]), &claims).is_none()
     };
     let sound = || read([(6, 4), (6, 4)]);
     assert!(is_judged(sound()));

@@ -1,15 +1,15 @@
 //! Makes claims on a hand, and schedules of its tips by the law of rolling, with records of its own.
 
-use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, FingersStep, HandPart, Section};
+use crate::claims::fingers::{FingersAction, FingersOrder, FingersStep, Section};
+use crate::claims::fixture::hand_order;
 use crate::claims::{Claims, Job, Order};
-use crate::device::Kind;
 use crate::device::fingers::{AXES, FingersFacts, Plane, channel, fixture};
 use crate::geometry::outline::{Curve, Outline};
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::fingers::FingersState;
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, TimedState};
 use crate::source::Span;
-use crate::verify::tests::{bare, build, step_of};
+use crate::verify::tests::{self, bare, record_of, step_of};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -48,27 +48,16 @@ pub fn with_contacts(outline: Outline) -> Section {
 }
 
 pub fn order() -> FingersOrder {
-    FingersOrder {
-        facts: Arc::new(facts()),
-        part: Arc::new(HandPart {
-            name: "bead".into(),
-            xy: section([16.0, 11.845]),
-            xz: Some(section([16.0, 11.845])),
-            centre_um: [0.0; 3],
-            position_um: [1.0, -2.0, 3.0],
-            span: Span::default(),
-        }),
-        precision_rad: 0.01,
-        load_un: [0.0; 3],
-        planner: FingersPlanner::JointAstar,
-        expansions: 1000,
-        looks: None,
-        steps: Vec::new(),
-    }
+    let mut order = hand_order(facts(), Vec::new());
+    let part = Arc::make_mut(&mut order.part);
+    part.xy = section([16.0, 11.845]);
+    part.xz = Some(section([16.0, 11.845]));
+    part.position_um = [1.0, -2.0, 3.0];
+    order
 }
 
 pub fn in_turn(orders: Vec<FingersOrder>) -> Claims {
-    build::in_turn("hand", orders.into_iter().map(Order::Fingers))
+    tests::in_turn("hand", orders.into_iter().map(Order::Fingers))
 }
 
 pub fn order_of(claims: &mut Claims, job: usize) -> &mut FingersOrder {
@@ -359,21 +348,10 @@ fn run(schedule: &mut Schedule, job: &Job, index: usize, day: &Day) {
     let outcomes =
         [("effort_deg", effort_deg), ("reconfigurations", reconfigurations), ("time_ns", (at_ns - start_ns) as f64)];
     schedule.plans.push(PlanRecord {
-        task: job.task.clone(),
-        device: job.device.clone(),
-        kind: Kind::Fingers,
-        planner: "joint_astar".into(),
-        objective: "effort".into(),
-        unit: "deg".into(),
         cost: effort_deg,
-        bound: 0.0,
-        optimal: false,
         outcomes: outcomes.map(|(name, value)| (name.to_owned(), value)).into(),
-        bounds: BTreeMap::new(),
-        start_ns,
-        duration_ns: at_ns - start_ns,
         states,
-        remarks: Vec::new(),
+        ..record_of(job, "joint_astar", ["effort", "deg"], [start_ns, at_ns])
     });
     schedule.duration_ns = at_ns;
 }

@@ -1,20 +1,18 @@
 //! Makes claims on a bed, and schedules from legs, with a lowering, a motion in tiny steps and records of its own.
 
+use crate::claims::fixture::bed_order;
 use crate::claims::microrobots::{
-    Assurance, Dock, MicrorobotsAction, MicrorobotsObstacle, MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop,
-    Placed, Precision,
+    Dock, MicrorobotsAction, MicrorobotsObstacle, MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop,
 };
 use crate::claims::{Claims, Job, Order};
-use crate::device::Kind;
-use crate::device::microrobots::{Arm, ControlState, Docking, Fine, MicrorobotsFacts, Robot, Turning};
+pub use crate::device::microrobots::fixture::pose;
+use crate::device::microrobots::{Arm, ControlState, Docking, Fine, MicrorobotsFacts, Robot, Turning, fixture};
 use crate::geometry::{Pose, Shape};
 use crate::schedule::microrobots::{MicrorobotsState, RecordedPose};
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, Swing, TimedState};
 use crate::source::Span;
-use crate::verify::tests::{bare, build, step_of};
-use std::collections::BTreeMap;
+use crate::verify::tests::{self, bare, record_of, step_of};
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 /// A stroke.
 pub const PERIOD: u64 = 100_000;
@@ -23,16 +21,7 @@ pub const PERIOD: u64 = 100_000;
 pub const DWELL: u64 = 5_000_000;
 
 fn robot(name: &str, snap_down_v: f64, release_v: f64) -> Robot {
-    Robot {
-        name: name.into(),
-        snap_down_v,
-        release_v,
-        turning_radius_um: 100.0,
-        step_um: 0.5,
-        turning: Turning::Clockwise,
-        length_um: 240.0,
-        width_um: 60.0,
-    }
+    Robot { snap_down_v, release_v, length_um: 240.0, ..fixture::robot(name, 100.0, 0.5) }
 }
 
 /// The table of the design notes, which is an example and not measured; D4 turns the other way, wider and with longer steps.
@@ -45,53 +34,24 @@ pub fn facts() -> MicrorobotsFacts {
         ..robot("D4", 150.0, 50.0)
     };
     MicrorobotsFacts {
-        robots: vec![robot("D1", 110.0, 20.0), robot("D2", 110.0, 35.0), robot("D3", 130.0, 35.0), last],
-        margin_v: 2.0,
-        max_v: 200.0,
-        relax_v: 60.0,
-        flex_v: 100.0,
         period_ns: PERIOD,
         dwell_ns: DWELL,
-        clearance_um: 10.0,
-        orbit_clearance_um: 20.0,
         docking: Docking { self_aligning_rad: 1.0, self_aligning_um: 80.0, sticking_rad: 0.75, tolerance_um: 5.0 },
         fine: Fine { length_um: 200.0, cycle_um: 20.0 },
-        errors: None,
-        watchdog_ns: None,
+        ..fixture::facts(vec![robot("D1", 110.0, 20.0), robot("D2", 110.0, 35.0), robot("D3", 130.0, 35.0), last])
     }
 }
 
 /// The five control states of the table.
 pub fn states() -> Vec<ControlState> {
     let cycles: [&[f64]; 5] = [&[9.0], &[176.0, 27.5], &[9.0, 120.0], &[9.0, 140.0], &[176.0]];
-    let arms = |down: usize| (0..4).map(|row| if row < down { Arm::Down } else { Arm::Up }).collect();
-    let state =
-        |(down, cycle): (usize, &&[f64])| ControlState { arms: arms(down), levels_v: cycle.to_vec(), slack_v: 0.5 };
-    cycles.iter().enumerate().map(state).collect()
-}
-
-pub fn pose(x_um: f64, y_um: f64, heading_deg: f64) -> Pose {
-    Pose { x_um, y_um, heading_rad: heading_deg.to_radians() }
+    fixture::string_states(4, 0.5, |down| cycles[down].to_vec())
 }
 
 /// Robots by row, x, y and heading.
 pub fn order(robots: &[(usize, f64, f64, f64)]) -> MicrorobotsOrder {
-    let place = |(row, x, y, deg): &(usize, f64, f64, f64)| Placed {
-        row: *row,
-        pose: pose(*x, *y, *deg),
-        span: Span::default(),
-    };
-    MicrorobotsOrder {
-        facts: Arc::new(facts()),
-        states: Arc::new(states()),
-        obstacles: Default::default(),
-        robots: Arc::new(robots.iter().map(place).collect()),
-        expansions: 1000,
-        objective: crate::device::microrobots::MicrorobotsObjective::Time,
-        precision: Precision { place_um: 0.5, heading_rad: 0.01 },
-        assurance: Assurance::Reported,
-        steps: Vec::new(),
-    }
+    let place = |(row, x, y, deg): &(usize, f64, f64, f64)| (*row, pose(*x, *y, *deg));
+    bed_order(facts(), states(), robots.iter().map(place))
 }
 
 pub fn stop(pose: Pose) -> MicrorobotsStop {
@@ -104,7 +64,7 @@ pub fn obstacle(name: &str, shape: Shape, pose: Pose) -> MicrorobotsObstacle {
 
 /// Tasks of one device, one after the other.
 pub fn in_turn(orders: Vec<MicrorobotsOrder>) -> Claims {
-    build::in_turn("fleet", orders.into_iter().map(Order::Microrobots))
+    tests::in_turn("fleet", orders.into_iter().map(Order::Microrobots))
 }
 
 pub fn order_of(claims: &mut Claims, job: usize) -> &mut MicrorobotsOrder {
@@ -276,21 +236,10 @@ impl Writer {
             ("strokes", strokes as f64),
         ];
         self.schedule.plans.push(PlanRecord {
-            task: job.task.clone(),
-            device: job.device.clone(),
-            kind: Kind::Microrobots,
-            planner: "one_way_dubins".into(),
-            objective: "time".into(),
-            unit: "s".into(),
             cost: seconds,
-            bound: 0.0,
-            optimal: false,
             outcomes: outcomes.map(|(name, value)| (name.to_owned(), value)).into(),
-            bounds: BTreeMap::new(),
-            start_ns,
-            duration_ns: self.at_ns - start_ns,
             states,
-            remarks: Vec::new(),
+            ..record_of(job, "one_way_dubins", ["time", "s"], [start_ns, self.at_ns])
         });
     }
 

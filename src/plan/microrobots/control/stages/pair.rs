@@ -5,11 +5,11 @@ use super::single::{
 };
 use super::{ControlPhase, Progress, StopReason, add_pieces, strokes};
 use crate::claims::microrobots::MicrorobotsOrder;
-use crate::device::microrobots::{Arm, Robot};
+use crate::device::microrobots::{Arm, Robot, wrapped_rad};
 use crate::geometry::Pose;
 use crate::plan::microrobots::control::Drive;
 use crate::plan::microrobots::control::belief::Belief;
-use crate::plan::microrobots::strategy::{Couple, Episode, Phase, Pursuit, SHARES, angle, centres, poses_of, steered};
+use crate::plan::microrobots::strategy::{Couple, Episode, Phase, Pursuit, SHARES, centres, poses_of, steered};
 use crate::plan::microrobots::{AssemblyStage, Leg};
 use crate::real::Real;
 use std::f64::consts::PI;
@@ -302,7 +302,7 @@ impl<'a> PairStage<'a> {
         let noses = [0, 1].map(|at| nose(robots[at], measured[at]));
         let doubt_um = belief.doubt_um((robots[0].length_um + robots[1].length_um) / 2.0);
         let apart_um = (noses[1][0] - noses[0][0]).hypotenuse(noses[1][1] - noses[0][1]);
-        let askew_rad = angle(measured[0].heading_rad - measured[1].heading_rad - PI).abs();
+        let askew_rad = wrapped_rad(measured[0].heading_rad - measured[1].heading_rad - PI).abs();
         let most_um = 2.0 * doubt_um + touching_um(belief, robots[0].width_um);
         let are_head_on = apart_um <= most_um && askew_rad <= 2.0 * belief.errors.heading_rad + 0.01;
         are_head_on.then_some(apart_um)

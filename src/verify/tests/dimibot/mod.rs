@@ -4,6 +4,12 @@ use crate::claims::dimibot::{Asked, DimibotAction, DimibotObstacle, DimibotStop}
 use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Simultaneous};
 use crate::geometry::shape::{Pose, Shape};
 use crate::source::{Span, Spanned};
+use build::*;
+
+mod beside;
+pub(super) mod build;
+mod garbage;
+mod mutants;
 
 /// Far less than a planner's margin of errors in shapes, far more than rounding.
 const HAIR_UM: f64 = 1e-9;

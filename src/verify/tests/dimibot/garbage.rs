@@ -49,11 +49,6 @@ fn spoil() -> impl Strategy<Value = Spoil> {
     ]
 }
 
-fn write<T>(list: &mut [T], at: usize, edit: impl FnOnce(&mut T)) {
-    let len = list.len().max(1);
-    list.get_mut(at % len).map(edit);
-}
-
 fn spoiled(schedule: &mut Schedule, spoil: &Spoil) {
     let Schedule { duration_ns, channels, actuations, steps, plans, .. } = schedule;
     match *spoil {
@@ -161,14 +156,6 @@ proptest! {
     }
 }
 
-#[track_caller]
-fn inconclusive(claims: &Claims, schedule: &Schedule, expected: &str) {
-    match verify(schedule.clone(), claims) {
-        Verdict::Inconclusive { why } => assert!(why.contains(expected), "{why}"),
-        Verdict::Accepted(_) | Verdict::Rejected(_) => panic!("claims that {expected} were judged"),
-    }
-}
-
 #[test]
 fn claims_that_no_program_has_are_inconclusive() {
     let (claims, schedule) = sound();
@@ -180,24 +167,24 @@ fn claims_that_no_program_has_are_inconclusive() {
     };
     let twice =
         with(|claims| claims.timeline = Timeline::Sequence(vec![Timeline::Run(0), Timeline::Run(0), Timeline::Run(1)]));
-    inconclusive(&twice, &schedule, "2 times");
-    inconclusive(&with(|claims| claims.timeline = Timeline::Run(0)), &schedule, "run job 1 0 times");
-    inconclusive(&with(|claims| claims.timeline = Timeline::Run(7)), &schedule, "job 7 of 2");
+    inconclusive(&schedule, &twice, "2 times");
+    inconclusive(&schedule, &with(|claims| claims.timeline = Timeline::Run(0)), "run job 1 0 times");
+    inconclusive(&schedule, &with(|claims| claims.timeline = Timeline::Run(7)), "job 7 of 2");
     let deep = with(|claims| {
         for _ in 0..300 {
             claims.timeline = Timeline::Sequence(vec![claims.timeline.clone()]);
         }
     });
-    inconclusive(&deep, &schedule, "deeper than 256");
-    inconclusive(&with(|claims| claims.jobs[1].device = "bot".into()), &schedule, "two sets of facts");
-    inconclusive(&with(|claims| order_of(claims, 0).facts.left = 21), &schedule, "too many");
-    inconclusive(&with(|claims| order_of(claims, 0).facts.gain = f64::NAN), &schedule, "out of its range");
-    inconclusive(&with(|claims| order_of(claims, 0).facts.rest_ns = u64::MAX), &schedule, "rest without end");
-    inconclusive(&with(|claims| order_of(claims, 0).facts.home.x = 8), &schedule, "does not have");
+    inconclusive(&schedule, &deep, "deeper than 256");
+    inconclusive(&schedule, &with(|claims| claims.jobs[1].device = "bot".into()), "two sets of facts");
+    inconclusive(&schedule, &with(|claims| order_of(claims, 0).facts.left = 21), "too many");
+    inconclusive(&schedule, &with(|claims| order_of(claims, 0).facts.gain = f64::NAN), "out of its range");
+    inconclusive(&schedule, &with(|claims| order_of(claims, 0).facts.rest_ns = u64::MAX), "rest without end");
+    inconclusive(&schedule, &with(|claims| order_of(claims, 0).facts.home.x = 8), "does not have");
     let flat = with(|claims| {
         order_of(claims, 0).obstacles = vec![solid("bead", Shape::Disc { radius_um: -1.0 }, 0.0, 0.0)].into()
     });
-    inconclusive(&flat, &schedule, "no shape");
+    inconclusive(&schedule, &flat, "no shape");
 }
 
 #[test]

@@ -4,17 +4,15 @@ use crate::claims::dimibot::{
     Asked, DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacle, DimibotObstacleBody, DimibotOrder,
     DimibotPlanner, DimibotStep, DimibotStop,
 };
-use crate::claims::{Claims, Job, Order, Timeline};
-use crate::device::Kind;
+use crate::claims::{Claims, Job, Order, Timeline, fixture};
 use crate::device::dimibot::tests::femto_st;
 use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Simultaneous};
 use crate::geometry::shape::{Pose, Shape};
 use crate::schedule::dimibot::DimibotState;
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, State, TimedState};
 use crate::source::Span;
+use crate::verify::tests::{MS, bare, claims, record_of, step_of};
 use std::collections::BTreeMap;
-
-pub const MS: u64 = 1_000_000;
 
 pub fn facts(left: u32, right: u32) -> DimibotFacts {
     DimibotFacts { rest_ns: 5 * MS, tip_radius_um: 0.01, ..femto_st(left, right) }
@@ -51,43 +49,7 @@ pub fn order(facts: DimibotFacts, actions: Vec<DimibotAction>) -> DimibotOrder {
 }
 
 pub fn job(task: &str, device: &str, order: DimibotOrder) -> Job {
-    job_of(task, device, Order::Dimibot(order))
-}
-
-/// A job of any kind.
-pub fn job_of(task: &str, device: &str, order: Order) -> Job {
-    Job {
-        task: task.into(),
-        device: device.into(),
-        requirements: Vec::new(),
-        events: Vec::new(),
-        holds: Vec::new(),
-        order,
-        span: Span::default(),
-        run_span: Span::default(),
-    }
-}
-
-pub fn claims(jobs: Vec<Job>, timeline: Timeline) -> Claims {
-    Claims {
-        name: "day".into(),
-        timeline,
-        jobs,
-        wires: BTreeMap::new(),
-        bench: Default::default(),
-        outputs: Default::default(),
-        shared: Vec::new(),
-        not_held: Vec::new(),
-        span: Span::default(),
-    }
-}
-
-/// The claims of tasks `task0`, `task1`, ... of one device, one after the other.
-pub fn in_turn(device: &str, orders: impl IntoIterator<Item = Order>) -> Claims {
-    let orders = orders.into_iter().enumerate();
-    let jobs: Vec<Job> = orders.map(|(at, order)| job_of(&format!("task{at}"), device, order)).collect();
-    let timeline = Timeline::Sequence((0..jobs.len()).map(Timeline::Run).collect());
-    claims(jobs, timeline)
+    fixture::job(task, device, Order::Dimibot(order))
 }
 
 /// The claims of a single task.
@@ -119,7 +81,7 @@ pub fn schedule(claims: &Claims, pulses: Pulses) -> Schedule {
         bench: Default::default(),
         channels: channels(claims),
         plans: claims.jobs.iter().map(empty_plan).collect(),
-        ..super::bare(claims)
+        ..bare(claims)
     };
     schedule.duration_ns = lay(&claims.timeline, 0, claims, pulses, &mut schedule);
     schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
@@ -158,23 +120,7 @@ fn empty_plan(job: &Job) -> PlanRecord {
         DimibotObjective::Time => ("time", "ms"),
         DimibotObjective::Energy => ("energy", "mJ"),
     };
-    PlanRecord {
-        task: job.task.clone(),
-        device: job.device.clone(),
-        kind: Kind::Dimibot,
-        planner: "staged_astar".into(),
-        objective: objective.into(),
-        unit: unit.into(),
-        cost: 0.0,
-        bound: 0.0,
-        optimal: true,
-        bounds: Default::default(),
-        outcomes: BTreeMap::new(),
-        start_ns: 0,
-        duration_ns: 0,
-        states: Vec::new(),
-        remarks: Vec::new(),
-    }
+    PlanRecord { optimal: true, ..record_of(job, "staged_astar", [objective, unit], [0, 0]) }
 }
 
 fn lay(part: &Timeline, start_ns: u64, claims: &Claims, pulses: Pulses, schedule: &mut Schedule) -> u64 {
@@ -218,7 +164,7 @@ fn lay_run(index: usize, start_ns: u64, claims: &Claims, pulses: &[&[&str]], sch
         if let DimibotAction::Wait(duration_ns) = claimed.action {
             at_ns = step_ns + duration_ns;
         }
-        schedule.steps.push(super::step_of(job, index, [step_ns, at_ns]));
+        schedule.steps.push(step_of(job, index, [step_ns, at_ns]));
     }
     schedule.plans[index].start_ns = start_ns;
     schedule.plans[index].duration_ns = at_ns - start_ns;
