@@ -296,13 +296,13 @@ fn droplets_negotiate_about_traces() {
         ("ea_six_reactions_in_three_ovens", 1000.0),
         ("ea_long_way_round_traces", 360.0),
     ] {
-        let plan = planned(&text(name));
+        let plan = planned(&found(name));
         assert!(plan.cost >= plan.bound && plan.cost <= most, "{name}: {} of {}", plan.cost, plan.bound);
     }
 }
 
 #[test]
 fn a_wash_does_not_leave_before_it_has_washed() {
-    let plan = planned(&text("ea_wash_that_leaves_too_soon"));
+    let plan = planned(&found("ea_wash_that_leaves_too_soon"));
     assert!(plan.cost >= 37.0 && plan.cost <= 60.0, "{}", plan.cost);
 }

@@ -2,9 +2,9 @@
 //!
 //! Problem: one stage, many parts to their goals at the same time. A single part takes its shortest path ([`alone`]). Method for
 //! several, in this order (where channels are shared, [`channels`] has another):
-//! - In rounds of increasing length, [`fast::first`] searches for a plan, then [`lacam::first`] and, one part moving at a time,
-//!   [`joint`]; then [`exact::prove`] for a reason why there is none (small joint spaces, parts that block each other), until one
-//!   of them succeeds.
+//! - In rounds of increasing length, [`fast::first`] searches for a plan, but not where the parts are dense, then [`lacam::first`] and,
+//!   one part moving at a time, [`joint`]; then [`exact::prove`] for a reason why there is none (small joint spaces, parts that block
+//!   each other), until one of them succeeds.
 //! - A small joint space is searched exhaustively.
 //! - Until the objective meets its bound or their share of the budget is spent: [`fast::improve`] in rounds and, where a round
 //!   hardly shortens the makespan, [`fast::first`] and [`fast::tighten`] within a limit between the bound and the makespan held:
@@ -179,12 +179,12 @@ impl PortfolioSearch<'_> {
         None
     }
 
-    /// Whether the parts are so close that an order of them hardly ever works.
+    /// Whether the parts are so many and so close that an order of them hardly ever works.
     fn is_dense(&self) -> bool {
         let Instance { board, separation, agents, .. } = self.instance;
         let free = (0..board.cells() as CellIndex).filter(|cell| !board.is_blocked(*cell)).count() as u64;
         let around = u64::from(2 * separation + 1).pow(2);
-        agents.len() as u64 * around * 100 > free * DENSE_PERCENT
+        agents.len() > CROWD && agents.len() as u64 * around * 100 > free * DENSE_PERCENT
     }
 
     /// A plan of any length for a crowded board: the best of three searches of configurations.

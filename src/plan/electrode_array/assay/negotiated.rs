@@ -73,6 +73,9 @@ pub(super) fn best(
         }
         let other = negotiation.changed(&order, best.as_deref().filter(|_| idle % LAST_IN == 0), &mut random);
         idle += 1;
+        if best.is_none() {
+            negotiation.tolls.fill(0);
+        }
         let tolls = negotiation.tolls.clone();
         let rounds = if best.is_some() { ROUNDS_OF_OTHERS } else { ROUNDS };
         let found = negotiation.courses(&other, rounds, meter);
@@ -97,7 +100,7 @@ struct Negotiation<'a> {
     befores: Vec<Vec<usize>>,
     /// By cell: what a step to it costs beyond the usual.
     tolls: Vec<u32>,
-    ways: WaySearch<'a>,
+    ways: CheapestWay<'a>,
 }
 
 impl<'a> Negotiation<'a> {
@@ -111,7 +114,7 @@ impl<'a> Negotiation<'a> {
             befores[*drop].extend(others.filter(|other| other != drop));
         }
         let cells = problem.instance.board.cells();
-        Negotiation { problem, drops, befores, tolls: vec![0; cells], ways: WaySearch::new(ahead, cells) }
+        Negotiation { problem, drops, befores, tolls: vec![0; cells], ways: CheapestWay::new(ahead, cells) }
     }
 
     /// The droplet of the agent whose course is the longest.
@@ -165,7 +168,7 @@ impl<'a> Negotiation<'a> {
         let order = &self.sorted(order);
         for _ in 0..rounds {
             meter.step()?;
-            let mut turns = Turns::new(self.problem);
+            let mut turns = DropletTurns::new(self.problem);
             turns.run(self, order, meter)?;
             if turns.harmed.is_empty() {
                 return as_replayed(self.problem, turns.courses);
@@ -180,7 +183,7 @@ impl<'a> Negotiation<'a> {
 type Leavers = [Option<(usize, u32)>; 2];
 
 /// The agents while they take turns.
-struct Turns<'a> {
+struct DropletTurns<'a> {
     problem: &'a AssayProblem<'a>,
     courses: Vec<AgentCourse>,
     /// By agent, where it is, if it is there.
@@ -195,10 +198,10 @@ struct Turns<'a> {
     harmed: Vec<CellIndex>,
 }
 
-impl<'a> Turns<'a> {
-    fn new(problem: &'a AssayProblem<'a>) -> Turns<'a> {
+impl<'a> DropletTurns<'a> {
+    fn new(problem: &'a AssayProblem<'a>) -> DropletTurns<'a> {
         let (count, cells) = (problem.errands.len(), problem.instance.board.cells());
-        let mut turns = Turns {
+        let mut turns = DropletTurns {
             problem,
             courses: vec![AgentCourse::default(); count],
             stands: vec![None; count],
@@ -216,7 +219,7 @@ impl<'a> Turns<'a> {
     /// All errands in turn; `None` if one cannot be done.
     fn run(&mut self, negotiation: &mut Negotiation, order: &[usize], meter: &mut Meter) -> Option<()> {
         let Negotiation { drops, tolls, ways, .. } = negotiation;
-        let mut operate = |turns: &mut Turns<'a>, drop: &usize| {
+        let mut operate = |turns: &mut DropletTurns<'a>, drop: &usize| {
             let agent = turns.next_of(&drops[*drop])?;
             turns.operate(agent, &mut |turns, query| ways.cheapest(turns, tolls, query, meter))
         };
@@ -458,10 +461,10 @@ struct WayQuery {
 }
 
 /// The cells of a cheapest way after the first one.
-type WayFinder<'w, 'a> = dyn FnMut(&Turns<'a>, WayQuery) -> Option<Vec<CellIndex>> + 'w;
+type WayFinder<'w, 'a> = dyn FnMut(&DropletTurns<'a>, WayQuery) -> Option<Vec<CellIndex>> + 'w;
 
 /// The search of a cheapest way, with buffers that consecutive searches reuse.
-struct WaySearch<'a> {
+struct CheapestWay<'a> {
     ahead: &'a Ahead,
     /// By cell: its least cost so far, and the cell before it.
     costs: Vec<(u32, CellIndex)>,
@@ -470,13 +473,19 @@ struct WaySearch<'a> {
     open: BinaryHeap<Reverse<(u32, Reverse<u32>, CellIndex)>>,
 }
 
-impl WaySearch<'_> {
-    fn new(ahead: &Ahead, cells: usize) -> WaySearch<'_> {
-        WaySearch { ahead, costs: vec![(u32::MAX, 0); cells], is_taken: vec![false; cells], open: BinaryHeap::new() }
+impl CheapestWay<'_> {
+    fn new(ahead: &Ahead, cells: usize) -> CheapestWay<'_> {
+        CheapestWay { ahead, costs: vec![(u32::MAX, 0); cells], is_taken: vec![false; cells], open: BinaryHeap::new() }
     }
 
     /// A cheapest way round those that are there; `None` if there is none.
-    fn cheapest(&mut self, turns: &Turns, tolls: &[u32], query: WayQuery, meter: &mut Meter) -> Option<Vec<CellIndex>> {
+    fn cheapest(
+        &mut self,
+        turns: &DropletTurns,
+        tolls: &[u32],
+        query: WayQuery,
+        meter: &mut Meter,
+    ) -> Option<Vec<CellIndex>> {
         let from = turns.stands[query.agent]?;
         let instance = turns.problem.instance;
         self.costs.fill((u32::MAX, 0));
