@@ -292,8 +292,11 @@ impl PortfolioSearch<'_> {
         best
     }
 
-    /// Steps after the bound on the makespan, summed over all parts.
+    /// What a round is to shorten: the makespan or, of a crowd, of which many parts are late, the steps after its bound, summed over all parts.
     fn lateness(&self, paths: &Paths) -> u64 {
+        if self.instance.agents.len() <= CROWD {
+            return BoardCosts::of(paths).makespan;
+        }
         paths.iter().map(|path| (path.len() as u64 - 1).saturating_sub(self.bounds.makespan)).sum()
     }
 
