@@ -11,7 +11,8 @@
 //! droplet has another place, as long as they are no worse.
 //!
 //! Guaranteed: a plan is legal. Not guaranteed: that one is found, or that it is short: nobody steps aside for a droplet that comes later.
-//! Cost: one step of the budget for each [`CELLS_PER_STEP`] cells that the search of a way expands.
+//! Cost: one step of the budget for each [`CELLS_PER_STEP`] cells that the search of a way expands, and for each [`INSTANTS_PER_STEP`]
+//! instants of the courses.
 
 use super::super::board::{BoardObjective, CellIndex};
 use super::aside::as_replayed;
@@ -35,6 +36,9 @@ const ROUNDS_OF_OTHERS: usize = 12;
 
 /// Cells of the search of a way for one step of the budget.
 const CELLS_PER_STEP: u64 = 4;
+
+/// Instants of courses for one step of the budget.
+const INSTANTS_PER_STEP: u64 = 16;
 
 /// What a step costs,
 const STEP_COST: u32 = 2;
@@ -169,7 +173,10 @@ impl<'a> Negotiation<'a> {
         for _ in 0..rounds {
             meter.step()?;
             let mut turns = DropletTurns::new(self.problem);
-            turns.run(self, order, meter)?;
+            let is_done = turns.run(self, order, meter);
+            let instants: u64 = turns.courses.iter().map(|course| course.cells.len() as u64).sum();
+            meter.charge(instants / INSTANTS_PER_STEP);
+            is_done?;
             if turns.harmed.is_empty() {
                 return as_replayed(self.problem, turns.courses);
             }
