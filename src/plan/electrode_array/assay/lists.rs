@@ -206,7 +206,7 @@ impl Improvement {
     }
 
     fn is_least(&self, courses: &[AgentCourse]) -> bool {
-        self.key(courses).0 <= self.least.key(self.objective).0
+        AssayPlan::is_least(courses, self.objective, self.least)
     }
 
     fn key(&self, courses: &[AgentCourse]) -> (u64, u64) {
@@ -274,8 +274,12 @@ fn length(problem: &AssayProblem, ahead: &Ahead, agent: usize) -> u64 {
 
 /// A list with one agent at another place.
 fn moved(list: &[usize], random: &mut SplitMix64) -> Vec<usize> {
+    moved_to(list, below(random, list.len()), below(random, list.len()))
+}
+
+/// A list with what stands at one place at another one.
+pub(super) fn moved_to(list: &[usize], from: usize, to: usize) -> Vec<usize> {
     let mut list = list.to_vec();
-    let (from, to) = (below(random, list.len()), below(random, list.len()));
     if from < list.len() {
         let agent = list.remove(from);
         list.insert(to, agent);
@@ -294,7 +298,7 @@ fn advanced(list: &[usize], drops: &[usize], some: &[usize], random: &mut SplitM
 }
 
 /// The agents whose courses are the longest.
-fn last_done(courses: &[AgentCourse]) -> Vec<usize> {
+pub(super) fn last_done(courses: &[AgentCourse]) -> Vec<usize> {
     let length = |agent: &usize| courses[*agent].until();
     let longest = (0..courses.len()).map(|agent| length(&agent)).max();
     (0..courses.len()).filter(|agent| Some(length(agent)) == longest).collect()

@@ -223,6 +223,11 @@ impl AssayPlan {
             sum_of_costs: courses.iter().map(|course| u64::from(course.last_arrival())).sum(),
         }
     }
+
+    /// Whether courses meet the bound of what is minimized.
+    fn is_least(courses: &[AgentCourse], objective: BoardObjective, least: BoardCosts) -> bool {
+        AssayPlan::costs(courses).key(objective).0 <= least.key(objective).0
+    }
 }
 
 /// Why an assay has no plan.
@@ -293,9 +298,9 @@ pub fn solve(
     let by_lists = match effort {
         AssayEffort::Below(_) => None,
         AssayEffort::Whole | AssayEffort::Lists => {
-            let site = SolveSite { problem, ahead: &ahead, objective, least: &least };
-            // Neither of them pays regard to shared channels.
-            site.in_order(&mut distances, meter).filter(|courses| are_kept_by_courses(problem, courses))
+            // Shared channels are not looked at until then.
+            let courses = in_order(problem, &ahead, (objective, &least), &mut distances, meter);
+            courses.filter(|courses| are_kept_by_courses(problem, courses))
         }
     };
     let bounds = least.costs;
@@ -322,37 +327,31 @@ pub fn solve(
     }
 }
 
-/// A problem with what is known of it beforehand.
-struct SolveSite<'a> {
-    problem: &'a AssayProblem<'a>,
-    ahead: &'a route::Ahead,
-    objective: BoardObjective,
-    least: &'a bound::AssayBounds,
-}
-
-impl SolveSite<'_> {
-    /// Courses that were planned one after the other, in some order.
-    fn in_order(&self, distances: &mut fast::Distances, meter: &mut Meter) -> Option<Vec<AgentCourse>> {
-        let SolveSite { problem, ahead, objective, least } = *self;
-        let key = |courses: &Vec<AgentCourse>| AssayPlan::costs(courses).key(objective);
-        let listed = lags::by_lists(problem, ahead, (objective, least), meter)
-            .or_else(|| aside::by_lists(problem, (objective, least), distances, meter));
-        let is_least = |courses: &Vec<AgentCourse>| key(courses).0 <= least.costs.key(objective).0;
-        // Lists lead to long ways round where there are traces, if to any plan.
-        let negotiated = match &listed {
-            Some(courses) if problem.traces.is_none() || is_least(courses) => None,
-            Some(_) | None => {
-                let part = if joint::takes(problem) { NEGOTIATED_SHARE_OF_FEW } else { NEGOTIATED_SHARE };
-                let share = meter.left().steps / part;
-                meter.share(share, |meter| negotiated::best(problem, ahead, (objective, least), meter))
-            }
-        };
-        listed.into_iter().chain(negotiated).min_by_key(key).or_else(|| {
-            let steps = meter.left().steps;
-            let share = if joint::takes(problem) { steps / CHANCE_SHARE } else { steps };
-            meter.share(share, |meter| aside::by_chance(problem, (objective, least), distances, meter))
-        })
-    }
+/// Courses that were planned one after the other, in some order.
+fn in_order(
+    problem: &AssayProblem,
+    ahead: &route::Ahead,
+    (objective, least): (BoardObjective, &bound::AssayBounds),
+    distances: &mut fast::Distances,
+    meter: &mut Meter,
+) -> Option<Vec<AgentCourse>> {
+    let listed = lags::by_lists(problem, ahead, (objective, least), meter)
+        .or_else(|| aside::by_lists(problem, (objective, least), distances, meter));
+    // Lists lead to long ways round where there are traces, if to any plan.
+    let negotiated = match &listed {
+        Some(courses) if problem.traces.is_none() || AssayPlan::is_least(courses, objective, least.costs) => None,
+        Some(_) | None => {
+            let part = if joint::takes(problem) { NEGOTIATED_SHARE_OF_FEW } else { NEGOTIATED_SHARE };
+            let share = meter.left().steps / part;
+            meter.share(share, |meter| negotiated::best(problem, ahead, (objective, least), meter))
+        }
+    };
+    let key = |courses: &Vec<AgentCourse>| AssayPlan::costs(courses).key(objective);
+    listed.into_iter().chain(negotiated).min_by_key(key).or_else(|| {
+        let steps = meter.left().steps;
+        let share = if joint::takes(problem) { steps / CHANCE_SHARE } else { steps };
+        meter.share(share, |meter| aside::by_chance(problem, (objective, least), distances, meter))
+    })
 }
 
 /// The courses of fewest steps, by all positions. Without regard to traces there are far fewer of them: courses that do no harm all the same

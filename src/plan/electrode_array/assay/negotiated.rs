@@ -17,9 +17,9 @@
 use super::super::board::{BoardObjective, CellIndex};
 use super::aside::as_replayed;
 use super::bound::{self, AssayBounds};
-use super::lists::below;
+use super::lists::{below, last_done, moved_to};
 use super::route::Ahead;
-use super::{AgentCourse, AssayPlan, AssayProblem, Errand, SplitErrand};
+use super::{AgentCourse, AssayPlan, AssayProblem, Errand, SplitErrand, Traces};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 use std::cmp::Reverse;
@@ -72,21 +72,21 @@ pub(super) fn best(
     let mut best = negotiation.courses(&order, ROUNDS, meter);
     let mut idle = 0;
     while idle < ORDERS && order.len() > 1 && meter.left().steps > 0 {
-        if best.as_ref().is_some_and(|best| key(best).0 <= least.costs.key(objective).0) {
+        if best.as_ref().is_some_and(|best| AssayPlan::is_least(best, objective, least.costs)) {
             break;
         }
         let other = negotiation.changed(&order, best.as_deref().filter(|_| idle % LAST_IN == 0), &mut random);
         idle += 1;
         if best.is_none() {
-            negotiation.tolls.fill(0);
+            negotiation.ways.tolls.fill(0);
         }
-        let tolls = negotiation.tolls.clone();
+        let tolls = negotiation.ways.tolls.clone();
         let rounds = if best.is_some() { ROUNDS_OF_OTHERS } else { ROUNDS };
         let found = negotiation.courses(&other, rounds, meter);
         let keys = [&best, &found].map(|courses| courses.as_ref().map(|courses| key(courses)));
         match keys {
-            [Some(_), None] => negotiation.tolls = tolls,
-            [Some(known), Some(new)] if new > known => negotiation.tolls = tolls,
+            [Some(_), None] => negotiation.ways.tolls = tolls,
+            [Some(known), Some(new)] if new > known => negotiation.ways.tolls = tolls,
             [known, new] => {
                 idle = if known == new { idle } else { 0 };
                 (best, order) = (found, other);
@@ -102,8 +102,6 @@ struct Negotiation<'a> {
     drops: Vec<Vec<usize>>,
     /// By droplet: those whose errands come before some of its own.
     befores: Vec<Vec<usize>>,
-    /// By cell: what a step to it costs beyond the usual.
-    tolls: Vec<u32>,
     ways: CheapestWay<'a>,
 }
 
@@ -117,13 +115,13 @@ impl<'a> Negotiation<'a> {
             let others = problem.afters[agent].iter().flatten().map(|before| heads[before.agent]);
             befores[*drop].extend(others.filter(|other| other != drop));
         }
-        let cells = problem.instance.board.cells();
-        Negotiation { problem, drops, befores, tolls: vec![0; cells], ways: CheapestWay::new(ahead, cells) }
+        let ways = CheapestWay::new(ahead, problem.instance.board.cells());
+        Negotiation { problem, drops, befores, ways }
     }
 
-    /// The droplet of the agent whose course is the longest.
+    /// The droplet of an agent whose course is the longest.
     fn last_done(&self, courses: &[AgentCourse]) -> Option<usize> {
-        let last = (0..courses.len()).max_by_key(|agent| courses[*agent].until())?;
+        let last = last_done(courses).pop()?;
         self.drops.iter().position(|agents| agents.contains(&last))
     }
 
@@ -144,10 +142,7 @@ impl<'a> Negotiation<'a> {
         let place = order.iter().position(|drop| Some(*drop) == last);
         let from = place.unwrap_or(below(random, order.len()));
         let to = below(random, place.map_or(order.len(), |place| place + 1));
-        let mut changed = order.to_vec();
-        let drop = changed.remove(from);
-        changed.insert(to, drop);
-        changed
+        moved_to(order, from, to)
     }
 
     /// An order with each droplet behind those that come before it, as far as that is possible.
@@ -173,14 +168,14 @@ impl<'a> Negotiation<'a> {
         for _ in 0..rounds {
             meter.step()?;
             let mut turns = DropletTurns::new(self.problem);
-            let is_done = turns.run(self, order, meter);
+            let is_done = turns.run(&self.drops, order, &mut self.ways);
             let instants: u64 = turns.courses.iter().map(|course| course.cells.len() as u64).sum();
-            meter.charge(instants / INSTANTS_PER_STEP);
+            meter.charge(std::mem::take(&mut self.ways.steps) + instants / INSTANTS_PER_STEP);
             is_done?;
             if turns.harmed.is_empty() {
                 return as_replayed(self.problem, turns.courses);
             }
-            turns.harmed.iter().for_each(|cell| self.tolls[*cell as usize] += TOLL);
+            turns.harmed.iter().for_each(|cell| self.ways.tolls[*cell as usize] += TOLL);
         }
         None
     }
@@ -223,15 +218,11 @@ impl<'a> DropletTurns<'a> {
         turns
     }
 
-    /// All errands in turn; `None` if one cannot be done.
-    fn run(&mut self, negotiation: &mut Negotiation, order: &[usize], meter: &mut Meter) -> Option<()> {
-        let Negotiation { drops, tolls, ways, .. } = negotiation;
-        let mut operate = |turns: &mut DropletTurns<'a>, drop: &usize| {
-            let agent = turns.next_of(&drops[*drop])?;
-            turns.operate(agent, &mut |turns, query| ways.cheapest(turns, tolls, query, meter))
-        };
+    /// All errands in turn, of the droplets in an order; `None` if one cannot be done.
+    fn run(&mut self, drops: &[Vec<usize>], order: &[usize], ways: &mut CheapestWay) -> Option<()> {
+        let mut operate = |drop: &usize| self.operate(self.next_of(&drops[*drop])?, ways);
         // Whose way is barred waits for those behind it.
-        while order.iter().any(|drop| operate(self, drop).is_some()) {}
+        while order.iter().any(|drop| operate(drop).is_some()) {}
         let is_done = |(errands, done): (&Vec<Errand>, &Vec<u32>)| errands.len() == done.len();
         self.problem.errands.iter().zip(&self.done_at).all(is_done).then_some(())
     }
@@ -276,25 +267,25 @@ impl<'a> DropletTurns<'a> {
         self.courses[agent].until() - 1
     }
 
-    fn operate(&mut self, agent: usize, way: &mut WayFinder<'_, 'a>) -> Option<()> {
+    fn operate(&mut self, agent: usize, ways: &mut CheapestWay) -> Option<()> {
         let errand = self.errand(agent)?;
         let begins = self.begins(agent);
         if let Some(split) = errand.splits {
             return self.split(agent, (errand, split), begins);
         }
         if let Some(other) = errand.meets {
-            return self.merge([agent, other], errand.stop, way);
+            return self.merge([agent, other], errand.stop, ways);
         }
         if let Some(around) = errand.mixes {
             let board = &self.problem.instance.board;
-            let is_open = |cell: &CellIndex| self.is_clear(*cell, &[agent]) && !board.is_blocked(*cell);
+            let is_open = |cell: &CellIndex| self.is_clear(*cell, agent) && !board.is_blocked(*cell);
             self.problem.loops[around].iter().all(is_open).then_some(())?;
         }
         if self.stands[agent].is_none() {
-            self.is_clear(errand.stop, &[agent]).then_some(())?;
+            self.is_clear(errand.stop, agent).then_some(())?;
             self.appear(agent, begins.max(self.free_from(errand.stop, agent)));
         }
-        self.travel(agent, errand.stop, None, way)?;
+        self.travel(agent, errand.stop, None, ways)?;
         match errand.mixes {
             Some(around) => self.mix(agent, (around, errand.stay), begins),
             None => self.rest(agent, self.now(agent).max(begins) + errand.stay),
@@ -344,30 +335,33 @@ impl<'a> DropletTurns<'a> {
         near.flatten().filter(|(other, _)| *other != agent).map(|(_, at)| at + 1).max().unwrap_or(0)
     }
 
-    /// Whether a cell is clear of all agents that are there but some.
-    fn is_clear(&self, cell: CellIndex, but: &[usize]) -> bool {
+    /// Whether a cell is clear of all agents that are there but one.
+    fn is_clear(&self, cell: CellIndex, but: usize) -> bool {
         let instance = self.problem.instance;
         let is_apart = |at: &CellIndex| instance.board.apart(*at, cell) >= instance.separation;
-        (0..self.stands.len()).filter(|agent| !but.contains(agent)).all(|agent| self.stands[agent].iter().all(is_apart))
+        (0..self.stands.len()).filter(|agent| *agent != but).all(|agent| self.stands[agent].iter().all(is_apart))
+    }
+
+    /// What an agent contains after some errands more, where traces matter.
+    fn content(&self, agent: usize, more: usize) -> Option<(&'a Traces, usize)> {
+        let traces = self.problem.traces.as_ref()?;
+        Some((traces, traces.contents[agent][self.done_at[agent].len() + more]))
     }
 
     /// Whether what an agent contains after some errands more comes to harm on a cell.
     fn is_harmful(&self, agent: usize, cell: CellIndex, more: usize) -> bool {
-        let Some(traces) = &self.problem.traces else { return false };
-        let content = traces.contents[agent][self.done_at[agent].len() + more];
-        self.soil[cell as usize].iter().any(|left| traces.harms[*left][content])
+        self.content(agent, more)
+            .is_some_and(|(traces, content)| self.soil[cell as usize].iter().any(|left| traces.harms[*left][content]))
     }
 
     /// Whether an agent takes away what others left.
     fn washes(&self, agent: usize) -> bool {
-        let done = self.done_at[agent].len();
-        self.problem.traces.as_ref().is_some_and(|traces| traces.washes[traces.contents[agent][done]])
+        self.content(agent, 0).is_some_and(|(traces, content)| traces.washes[content])
     }
 
     /// Notes what an agent does and leaves on a cell, with what it contains after some errands more.
     fn touch(&mut self, agent: usize, cell: CellIndex, more: usize) {
-        let Some(traces) = &self.problem.traces else { return };
-        let content = traces.contents[agent][self.done_at[agent].len() + more];
+        let Some((traces, content)) = self.content(agent, more) else { return };
         if self.is_harmful(agent, cell, more) {
             self.harmed.push(cell);
         }
@@ -385,11 +379,11 @@ impl<'a> DropletTurns<'a> {
         agent: usize,
         to: CellIndex,
         waits: Option<(usize, u32)>,
-        way: &mut WayFinder<'_, 'a>,
+        ways: &mut CheapestWay,
     ) -> Option<()> {
         let instance = self.problem.instance;
         let query = WayQuery { agent, to, waits: waits.map(|(other, _)| other) };
-        for cell in way(self, query)? {
+        for cell in ways.cheapest(self, query)? {
             let is_near = instance.board.apart(cell, to) < instance.separation;
             let near_from = waits.filter(|_| is_near).map_or(0, |(_, from)| from);
             self.step(agent, cell, (self.now(agent) + 1).max(self.free_from(cell, agent)).max(near_from));
@@ -400,17 +394,17 @@ impl<'a> DropletTurns<'a> {
     }
 
     /// Two agents merge at a cell: one of them waits there for the other.
-    fn merge(&mut self, both: [usize; 2], stop: CellIndex, way: &mut WayFinder<'_, 'a>) -> Option<()> {
+    fn merge(&mut self, both: [usize; 2], stop: CellIndex, ways: &mut CheapestWay) -> Option<()> {
         let begins = both.map(|agent| self.begins(agent)).into_iter().fold(0, u32::max);
         let [first, second] = if self.stands[both[1]] == Some(stop) { [both[1], both[0]] } else { both };
-        let [waits, comes] = match self.travel(first, stop, None, way) {
+        let [waits, comes] = match self.travel(first, stop, None, ways) {
             Some(()) => [first, second],
             None => {
-                self.travel(second, stop, None, way)?;
+                self.travel(second, stop, None, ways)?;
                 [second, first]
             }
         };
-        self.travel(comes, stop, Some((waits, self.now(waits).max(begins) + 1)), way)?;
+        self.travel(comes, stop, Some((waits, self.now(waits).max(begins) + 1)), ways)?;
         let at = both.map(|agent| self.now(agent)).into_iter().fold(begins, u32::max);
         both.iter().for_each(|agent| self.rest(*agent, at));
         both.iter().for_each(|agent| self.note_done(*agent));
@@ -438,7 +432,7 @@ impl<'a> DropletTurns<'a> {
     /// An agent is pulled apart.
     fn split(&mut self, agent: usize, (errand, split): (Errand, SplitErrand), begins: u32) -> Option<()> {
         let cells = [errand.stop, self.problem.instance.agents[split.child].start];
-        cells.iter().all(|cell| self.is_clear(*cell, &[agent])).then_some(())?;
+        cells.iter().all(|cell| self.is_clear(*cell, agent)).then_some(())?;
         let free = cells.map(|cell| self.free_from(cell, agent)).into_iter().fold(0, u32::max);
         let at = (self.now(agent).max(begins) + 1).max(free);
         self.step(agent, errand.stop, at);
@@ -467,12 +461,13 @@ struct WayQuery {
     waits: Option<usize>,
 }
 
-/// The cells of a cheapest way after the first one.
-type WayFinder<'w, 'a> = dyn FnMut(&DropletTurns<'a>, WayQuery) -> Option<Vec<CellIndex>> + 'w;
-
 /// The search of a cheapest way, with buffers that consecutive searches reuse.
 struct CheapestWay<'a> {
     ahead: &'a Ahead,
+    /// By cell: what a step to it costs beyond the usual.
+    tolls: Vec<u32>,
+    /// Steps of the budget that were taken and not charged yet.
+    steps: u64,
     /// By cell: its least cost so far, and the cell before it.
     costs: Vec<(u32, CellIndex)>,
     is_taken: Vec<bool>,
@@ -482,17 +477,12 @@ struct CheapestWay<'a> {
 
 impl CheapestWay<'_> {
     fn new(ahead: &Ahead, cells: usize) -> CheapestWay<'_> {
-        CheapestWay { ahead, costs: vec![(u32::MAX, 0); cells], is_taken: vec![false; cells], open: BinaryHeap::new() }
+        let (tolls, costs, is_taken) = (vec![0; cells], vec![(u32::MAX, 0); cells], vec![false; cells]);
+        CheapestWay { ahead, tolls, steps: 0, costs, is_taken, open: BinaryHeap::new() }
     }
 
-    /// A cheapest way round those that are there; `None` if there is none.
-    fn cheapest(
-        &mut self,
-        turns: &DropletTurns,
-        tolls: &[u32],
-        query: WayQuery,
-        meter: &mut Meter,
-    ) -> Option<Vec<CellIndex>> {
+    /// The cells of a cheapest way round those that are there, after the first one; `None` if there is none.
+    fn cheapest(&mut self, turns: &DropletTurns, query: WayQuery) -> Option<Vec<CellIndex>> {
         let from = turns.stands[query.agent]?;
         let instance = turns.problem.instance;
         self.costs.fill((u32::MAX, 0));
@@ -515,13 +505,12 @@ impl CheapestWay<'_> {
                 continue;
             }
             if cell == query.to {
-                meter.charge(expanded / CELLS_PER_STEP);
-                return Some(self.way(from, cell));
+                break;
             }
             expanded += 1;
             for next in instance.board.neighbours(cell).filter(|next| !self.is_taken[*next as usize]) {
                 let more = usize::from(query.waits.is_some() && next == query.to);
-                let toll = tolls[next as usize];
+                let toll = self.tolls[next as usize];
                 let cost = cost
                     + match washes {
                         // A wash goes where it is of use.
@@ -536,17 +525,21 @@ impl CheapestWay<'_> {
                 }
             }
         }
-        meter.charge(expanded / CELLS_PER_STEP);
-        None
+        self.steps += expanded / CELLS_PER_STEP;
+        self.way(from, query.to)
     }
 
-    fn way(&self, from: CellIndex, mut cell: CellIndex) -> Vec<CellIndex> {
+    /// The way that was found; `None` if its end was not reached.
+    fn way(&self, from: CellIndex, mut cell: CellIndex) -> Option<Vec<CellIndex>> {
         let mut way = Vec::new();
+        if self.costs[cell as usize].0 == u32::MAX {
+            return None;
+        }
         while cell != from {
             way.push(cell);
             cell = self.costs[cell as usize].1;
         }
         way.reverse();
-        way
+        Some(way)
     }
 }

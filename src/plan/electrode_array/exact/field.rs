@@ -201,11 +201,16 @@ impl<'a> ExactTables<'a> {
         self.merged[one * self.ways.len() + other]
     }
 
+    /// Whether two places are nearer to each other than the separation.
+    #[inline]
+    pub fn are_near(&self, (c, r): (i32, i32), (d, s): (i32, i32)) -> bool {
+        (c - d).abs().max((r - s).abs()) < self.instance.separation as i32
+    }
+
     /// Whether the cells of two agents at the same or at neighbouring instants violate the separation.
     #[inline]
     pub fn too_near(&self, one: usize, at: CellIndex, other: usize, other_at: CellIndex) -> bool {
-        let ((c, r), (d, s)) = (self.place(at), self.place(other_at));
-        if (c - d).abs().max((r - s).abs()) >= self.instance.separation as i32 {
+        if !self.are_near(self.place(at), self.place(other_at)) {
             return false;
         }
         let goal = self.cell(self.ways[one].goal);

@@ -217,8 +217,6 @@ impl<'a> ConfigurationGenerator<'a> {
         let (field, instance) = (self.field, self.field.instance);
         let way: Vec<(i32, i32)> = push.way.iter().map(|cell| field.place(*cell)).collect();
         let pusher = field.place(push.at);
-        let is_near =
-            |(c, r): (i32, i32), (d, s): (i32, i32)| (c - d).abs().max((r - s).abs()) < instance.separation as i32;
         let mut moves: Vec<StagedCell> = field.next(agent, here).skip(1).collect();
         random.shuffle(&mut moves);
         let mut lengths = vec![NONE; moves.len()];
@@ -229,12 +227,12 @@ impl<'a> ConfigurationGenerator<'a> {
         let mut looks = 0;
         while let Some((cell, first, length)) = open.pop_front() {
             let place = field.place(cell);
-            if is_near(place, pusher) || self.seen[cell as usize] == self.searches {
+            if field.are_near(place, pusher) || self.seen[cell as usize] == self.searches {
                 continue;
             }
             self.seen[cell as usize] = self.searches;
             looks += way.len();
-            if !way.iter().any(|at| is_near(place, *at)) {
+            if !way.iter().any(|at| field.are_near(place, *at)) {
                 lengths[first] = lengths[first].min(length);
                 continue;
             }
