@@ -181,8 +181,31 @@ impl<'a> Negotiation<'a> {
     }
 }
 
-/// Who left a cell last, with the instant at which it was gone, and who did so last but for that one.
-type Leavers = [Option<(usize, u32)>; 2];
+/// From when on a cell is clear of the agent that was near it last, and of all others.
+#[derive(Clone, Copy, Default)]
+struct ClearFrom {
+    last: usize,
+    of_last: u32,
+    of_others: u32,
+}
+
+impl ClearFrom {
+    /// The instant from which on the cell is clear of all agents but one.
+    fn but(self, agent: usize) -> u32 {
+        if self.last == agent { self.of_others } else { self.of_last }
+    }
+
+    /// Notes that the cell is clear of an agent from an instant on.
+    fn note(&mut self, agent: usize, from: u32) {
+        if self.last == agent {
+            self.of_last = self.of_last.max(from);
+        } else if from >= self.of_last {
+            *self = ClearFrom { last: agent, of_last: from, of_others: self.of_last };
+        } else {
+            self.of_others = self.of_others.max(from);
+        }
+    }
+}
 
 /// The agents while they take turns.
 struct DropletTurns<'a> {
@@ -193,7 +216,7 @@ struct DropletTurns<'a> {
     /// By agent, of the errands done so far.
     done_at: Vec<Vec<u32>>,
     /// By cell.
-    left: Vec<Leavers>,
+    clear_from: Vec<ClearFrom>,
     /// By cell, the contents that were left there since it was washed.
     soil: Vec<Vec<usize>>,
     /// The cells at which harm was done.
@@ -208,7 +231,7 @@ impl<'a> DropletTurns<'a> {
             courses: vec![AgentCourse::default(); count],
             stands: vec![None; count],
             done_at: vec![Vec::new(); count],
-            left: vec![[None; 2]; cells],
+            clear_from: vec![ClearFrom::default(); cells],
             soil: vec![Vec::new(); cells],
             harmed: Vec::new(),
         };
@@ -321,18 +344,15 @@ impl<'a> DropletTurns<'a> {
     /// An agent is no longer where it is from an instant on.
     fn leave(&mut self, agent: usize, at: u32) {
         let Some(cell) = self.stands[agent].take() else { return };
-        let leavers = &mut self.left[cell as usize];
-        *leavers = match leavers[0] {
-            Some((last, _)) if last == agent => [Some((agent, at)), leavers[1]],
-            last => [Some((agent, at)), last],
-        };
+        let instance = self.problem.instance;
+        for near in instance.board.around(cell, instance.separation) {
+            self.clear_from[near as usize].note(agent, at + 1);
+        }
     }
 
     /// The instant from which on a cell is clear of all others that were near it.
     fn free_from(&self, cell: CellIndex, agent: usize) -> u32 {
-        let instance = self.problem.instance;
-        let near = instance.board.around(cell, instance.separation).flat_map(|near| self.left[near as usize]);
-        near.flatten().filter(|(other, _)| *other != agent).map(|(_, at)| at + 1).max().unwrap_or(0)
+        self.clear_from[cell as usize].but(agent)
     }
 
     /// Whether a cell is clear of all agents that are there but one.
