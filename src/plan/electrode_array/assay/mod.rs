@@ -274,6 +274,9 @@ const NEGOTIATED_SHARE: u64 = 3;
 /// One part in this many of the remaining budget for the search without regard to traces.
 const CAREFREE_SHARE: u64 = 3;
 
+/// One part in this many of the share of droplets that negotiate for lists without regard to traces, whose order they begin with.
+const CAREFREE_LISTS_SHARE: u64 = 16;
+
 /// How far a plan is looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AssayEffort {
@@ -343,7 +346,12 @@ fn in_order(
         Some(_) | None => {
             let part = if joint::takes(problem) { NEGOTIATED_SHARE_OF_FEW } else { NEGOTIATED_SHARE };
             let share = meter.left().steps / part;
-            meter.share(share, |meter| negotiated::best(problem, ahead, (objective, least), meter))
+            let carefree = AssayProblem { traces: None, ..problem.clone() };
+            let carefree = meter.share(share / CAREFREE_LISTS_SHARE, |meter| {
+                lags::by_lists(&carefree, ahead, (objective, least), meter)
+            });
+            let known: Vec<_> = listed.iter().cloned().chain(carefree).collect();
+            meter.share(share, |meter| negotiated::best(problem, (ahead, &known), (objective, least), meter))
         }
     };
     let key = |courses: &Vec<AgentCourse>| AssayPlan::costs(courses).key(objective);

@@ -1,44 +1,14 @@
-//! Droplets one after the other, which negotiate about the cells that their traces would close to others.
-//!
-//! Where droplets keep out of each other's traces, lists fail: each agent takes its shortest way, and leaves there what closes it to those
-//! that come later. Here nobody is closed out at first.
-//!
-//! Method: the droplets (agents that merge, or come out of one another) do their errands in turn, the first of an order as far as it
-//! can. Each way is a cheapest one, on which cells with harmful traces are dear, but open. Each cell at which harm was done gets dearer
-//! for everyone, and all ways are planned anew, until none does harm: negotiated congestion (PathFinder: McMurchie and Ebeling, FPGA 1995),
-//! with traces in place of wires. In time, each move is made as soon as those that were near its cell before, in this order, have left, so
-//! droplets that keep apart do their errands at the same time, and who comes to a cell after whom stays what it was. Then orders in which a
-//! droplet has another place, as long as they are no worse.
-//!
-//! Guaranteed: a plan is legal. Not guaranteed: that one is found, or that it is short: nobody steps aside for a droplet that comes later.
-//! Cost: one step of the budget for each [`CELLS_PER_STEP`] cells that the search of a way expands, and for each [`INSTANTS_PER_STEP`]
-//! instants of the courses.
+//! Agents that take turns: each goes where its errand is, as soon as those that were near the cells of its way have left. Its way is a
+//! cheapest one, on which it may do harm and must wait, at a price.
 
-use super::super::board::{BoardObjective, CellIndex};
-use super::aside::as_replayed;
-use super::bound::{self, AssayBounds};
-use super::lists::{below, last_done, moved_to};
-use super::route::Ahead;
-use super::{AgentCourse, AssayPlan, AssayProblem, Errand, SplitErrand, Traces};
-use crate::plan::search::Meter;
-use crate::random::SplitMix64;
+use crate::plan::electrode_array::assay::route::Ahead;
+use crate::plan::electrode_array::assay::{AgentCourse, AssayProblem, Errand, ErrandPlace, SplitErrand, Traces};
+use crate::plan::electrode_array::board::CellIndex;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Most rounds of negotiation until an order is given up.
-const ROUNDS: usize = 240;
-
-/// Orders that are tried until there is a plan, and then without a better one.
-const ORDERS: usize = 500;
-
-/// Most rounds of negotiation of an order that is to be better than a known one.
-const ROUNDS_OF_OTHERS: usize = 12;
-
 /// Cells of the search of a way for one step of the budget.
-const CELLS_PER_STEP: u64 = 4;
-
-/// Instants of courses for one step of the budget.
-const INSTANTS_PER_STEP: u64 = 16;
+pub(super) const CELLS_PER_STEP: u64 = 4;
 
 /// What a step costs,
 const STEP_COST: u32 = 2;
@@ -46,140 +16,12 @@ const STEP_COST: u32 = 2;
 /// what one of a wash to a cell about which nobody negotiates, or where nothing is left,
 const IDLE_WASH_COST: u32 = 5;
 
-/// what more to a cell with harmful traces,
+/// and what more to a cell with harmful traces.
 const HARM_COST: u32 = 120;
 
-/// and what more from then on to a cell at which harm was done.
-const TOLL: u32 = 3;
-
-/// One change of an order in this many brings forward the droplet that is done last.
-const LAST_IN: usize = 4;
-
-/// Seed of the changes of orders.
-const SEED: u64 = 1;
-
-/// The best courses found, if any.
-pub(super) fn best(
-    problem: &AssayProblem,
-    ahead: &Ahead,
-    (objective, least): (BoardObjective, &AssayBounds),
-    meter: &mut Meter,
-) -> Option<Vec<AgentCourse>> {
-    let mut negotiation = Negotiation::new(problem, ahead);
-    let mut random = SplitMix64::new(SEED);
-    let key = |courses: &[AgentCourse]| AssayPlan::costs(courses).key(objective);
-    let mut order = negotiation.in_order_of_program();
-    let mut best = negotiation.courses(&order, ROUNDS, meter);
-    let mut idle = 0;
-    while idle < ORDERS && order.len() > 1 && meter.left().steps > 0 {
-        if best.as_ref().is_some_and(|best| AssayPlan::is_least(best, objective, least.costs)) {
-            break;
-        }
-        let other = negotiation.changed(&order, best.as_deref().filter(|_| idle % LAST_IN == 0), &mut random);
-        idle += 1;
-        if best.is_none() {
-            negotiation.ways.tolls.fill(0);
-        }
-        let tolls = negotiation.ways.tolls.clone();
-        let rounds = if best.is_some() { ROUNDS_OF_OTHERS } else { ROUNDS };
-        let found = negotiation.courses(&other, rounds, meter);
-        let keys = [&best, &found].map(|courses| courses.as_ref().map(|courses| key(courses)));
-        match keys {
-            [Some(_), None] => negotiation.ways.tolls = tolls,
-            [Some(known), Some(new)] if new > known => negotiation.ways.tolls = tolls,
-            [known, new] => {
-                idle = if known == new { idle } else { 0 };
-                (best, order) = (found, other);
-            }
-        }
-    }
-    best
-}
-
-struct Negotiation<'a> {
-    problem: &'a AssayProblem<'a>,
-    /// By droplet, its agents.
-    drops: Vec<Vec<usize>>,
-    /// By droplet: those whose errands come before some of its own.
-    befores: Vec<Vec<usize>>,
-    ways: CheapestWay<'a>,
-}
-
-impl<'a> Negotiation<'a> {
-    fn new(problem: &'a AssayProblem<'a>, ahead: &'a Ahead) -> Negotiation<'a> {
-        let heads = bound::drops(problem);
-        let mut drops: Vec<Vec<usize>> = vec![Vec::new(); problem.errands.len()];
-        let mut befores = drops.clone();
-        for (agent, drop) in heads.iter().enumerate() {
-            drops[*drop].push(agent);
-            let others = problem.afters[agent].iter().flatten().map(|before| heads[before.agent]);
-            befores[*drop].extend(others.filter(|other| other != drop));
-        }
-        let ways = CheapestWay::new(ahead, problem.instance.board.cells());
-        Negotiation { problem, drops, befores, ways }
-    }
-
-    /// The droplet of an agent whose course is the longest.
-    fn last_done(&self, courses: &[AgentCourse]) -> Option<usize> {
-        let last = last_done(courses).pop()?;
-        self.drops.iter().position(|agents| agents.contains(&last))
-    }
-
-    /// The droplets in the order of their first operations.
-    fn in_order_of_program(&self) -> Vec<usize> {
-        let first = |drop: &usize| {
-            let own = self.drops[*drop].iter().flat_map(|agent| &self.problem.operations[*agent]);
-            own.flatten().copied().min().unwrap_or(usize::MAX)
-        };
-        let mut order: Vec<usize> = (0..self.drops.len()).filter(|drop| !self.drops[*drop].is_empty()).collect();
-        order.sort_by_key(first);
-        order
-    }
-
-    /// An order in which a droplet has another place; that which some courses end with comes earlier.
-    fn changed(&self, order: &[usize], ends_with: Option<&[AgentCourse]>, random: &mut SplitMix64) -> Vec<usize> {
-        let last = ends_with.and_then(|courses| self.last_done(courses));
-        let place = order.iter().position(|drop| Some(*drop) == last);
-        let from = place.unwrap_or(below(random, order.len()));
-        let to = below(random, place.map_or(order.len(), |place| place + 1));
-        moved_to(order, from, to)
-    }
-
-    /// An order with each droplet behind those that come before it, as far as that is possible.
-    fn sorted(&self, order: &[usize]) -> Vec<usize> {
-        let mut sorted = Vec::with_capacity(order.len());
-        let mut is_seen = vec![false; self.drops.len()];
-        // A droplet is there twice: until those before it are sorted, and then.
-        let mut open: Vec<(usize, bool)> = order.iter().rev().map(|drop| (*drop, false)).collect();
-        while let Some((drop, is_last)) = open.pop() {
-            if is_last {
-                sorted.push(drop);
-            } else if !std::mem::replace(&mut is_seen[drop], true) {
-                open.push((drop, true));
-                open.extend(self.befores[drop].iter().rev().map(|before| (*before, false)));
-            }
-        }
-        sorted
-    }
-
-    /// Courses that do no harm, with the droplets in an order.
-    fn courses(&mut self, order: &[usize], rounds: usize, meter: &mut Meter) -> Option<Vec<AgentCourse>> {
-        let order = &self.sorted(order);
-        for _ in 0..rounds {
-            meter.step()?;
-            let mut turns = DropletTurns::new(self.problem);
-            let is_done = turns.run(&self.drops, order, &mut self.ways);
-            let instants: u64 = turns.courses.iter().map(|course| course.cells.len() as u64).sum();
-            meter.charge(std::mem::take(&mut self.ways.steps) + instants / INSTANTS_PER_STEP);
-            is_done?;
-            if turns.harmed.is_empty() {
-                return as_replayed(self.problem, turns.courses);
-            }
-            turns.harmed.iter().for_each(|cell| self.ways.tolls[*cell as usize] += TOLL);
-        }
-        None
-    }
-}
+/// What it costs to wait for as long as the least plan lasts: some harm, so that who waits long for a cell goes elsewhere, whatever the stays
+/// are.
+const WAIT_COST: u64 = 200;
 
 /// From when on a cell is clear of the agent that was near it last, and of all others.
 #[derive(Clone, Copy, Default)]
@@ -208,9 +50,9 @@ impl ClearFrom {
 }
 
 /// The agents while they take turns.
-struct DropletTurns<'a> {
+pub(super) struct DropletTurns<'a> {
     problem: &'a AssayProblem<'a>,
-    courses: Vec<AgentCourse>,
+    pub(super) courses: Vec<AgentCourse>,
     /// By agent, where it is, if it is there.
     stands: Vec<Option<CellIndex>>,
     /// By agent, of the errands done so far.
@@ -220,11 +62,11 @@ struct DropletTurns<'a> {
     /// By cell, the contents that were left there since it was washed.
     soil: Vec<Vec<usize>>,
     /// The cells at which harm was done.
-    harmed: Vec<CellIndex>,
+    pub(super) harmed: Vec<CellIndex>,
 }
 
 impl<'a> DropletTurns<'a> {
-    fn new(problem: &'a AssayProblem<'a>) -> DropletTurns<'a> {
+    pub(super) fn new(problem: &'a AssayProblem<'a>) -> DropletTurns<'a> {
         let (count, cells) = (problem.errands.len(), problem.instance.board.cells());
         let mut turns = DropletTurns {
             problem,
@@ -241,22 +83,22 @@ impl<'a> DropletTurns<'a> {
         turns
     }
 
-    /// All errands in turn, of the droplets in an order; `None` if one cannot be done.
-    fn run(&mut self, drops: &[Vec<usize>], order: &[usize], ways: &mut CheapestWay) -> Option<()> {
-        let mut operate = |drop: &usize| self.operate(self.next_of(&drops[*drop])?, ways);
+    /// All errands in an order; `None` if one cannot be done.
+    pub(super) fn run(&mut self, order: &[ErrandPlace], ways: &mut CheapestWay) -> Option<()> {
+        let mut open = order.to_vec();
         // Whose way is barred waits for those behind it.
-        while order.iter().any(|drop| operate(drop).is_some()) {}
-        let is_done = |(errands, done): (&Vec<Errand>, &Vec<u32>)| errands.len() == done.len();
-        self.problem.errands.iter().zip(&self.done_at).all(is_done).then_some(())
+        while let Some(done) =
+            open.iter().position(|place| self.is_next(*place) && self.operate(place.agent, ways).is_some())
+        {
+            open.remove(done);
+            open.retain(|place| self.done_at[place.agent].len() <= place.errand);
+        }
+        open.is_empty().then_some(())
     }
 
-    /// Of some agents the one whose next errand comes first in the program, of those that can be done.
-    fn next_of(&self, agents: &[usize]) -> Option<usize> {
-        let operation = |agent: &&usize| {
-            let own = &self.problem.operations[**agent];
-            own[self.done_at[**agent].len()..].iter().flatten().next().copied().unwrap_or(usize::MAX)
-        };
-        agents.iter().filter(|agent| self.is_due(**agent)).min_by_key(operation).copied()
+    /// Whether an errand is its agent's next one, and can be done.
+    fn is_next(&self, place: ErrandPlace) -> bool {
+        self.done_at[place.agent].len() == place.errand && self.is_due(place.agent)
     }
 
     fn is_due(&self, agent: usize) -> bool {
@@ -482,23 +324,35 @@ struct WayQuery {
 }
 
 /// The search of a cheapest way, with buffers that consecutive searches reuse.
-struct CheapestWay<'a> {
+pub(super) struct CheapestWay<'a> {
     ahead: &'a Ahead,
+    /// A bound on the steps of every plan.
+    least: u64,
     /// By cell: what a step to it costs beyond the usual.
-    tolls: Vec<u32>,
+    pub(super) tolls: Vec<u32>,
     /// Steps of the budget that were taken and not charged yet.
-    steps: u64,
+    pub(super) steps: u64,
     /// By cell: its least cost so far, and the cell before it.
     costs: Vec<(u32, CellIndex)>,
+    /// By cell: the instant at which the agent comes to it so.
+    arrivals: Vec<u32>,
     is_taken: Vec<bool>,
     /// By least cost of the whole way, the longer part of it first.
     open: BinaryHeap<Reverse<(u32, Reverse<u32>, CellIndex)>>,
 }
 
 impl CheapestWay<'_> {
-    fn new(ahead: &Ahead, cells: usize) -> CheapestWay<'_> {
-        let (tolls, costs, is_taken) = (vec![0; cells], vec![(u32::MAX, 0); cells], vec![false; cells]);
-        CheapestWay { ahead, tolls, steps: 0, costs, is_taken, open: BinaryHeap::new() }
+    pub(super) fn new(ahead: &Ahead, least: u64, cells: usize) -> CheapestWay<'_> {
+        CheapestWay {
+            ahead,
+            least: least.max(1),
+            tolls: vec![0; cells],
+            steps: 0,
+            costs: vec![(u32::MAX, 0); cells],
+            arrivals: vec![0; cells],
+            is_taken: vec![false; cells],
+            open: BinaryHeap::new(),
+        }
     }
 
     /// The cells of a cheapest way round those that are there, after the first one; `None` if there is none.
@@ -515,6 +369,7 @@ impl CheapestWay<'_> {
             }
         }
         self.costs[from as usize] = (0, from);
+        self.arrivals[from as usize] = turns.now(query.agent);
         let mut expanded = 0;
         let washes = turns.washes(query.agent);
         let errand = turns.done_at[query.agent].len();
@@ -531,7 +386,10 @@ impl CheapestWay<'_> {
             for next in instance.board.neighbours(cell).filter(|next| !self.is_taken[*next as usize]) {
                 let more = usize::from(query.waits.is_some() && next == query.to);
                 let toll = self.tolls[next as usize];
+                let arrival = (self.arrivals[cell as usize] + 1).max(turns.free_from(next, query.agent));
+                let waited = arrival - self.arrivals[cell as usize] - 1;
                 let cost = cost
+                    + u32::try_from(u64::from(waited) * WAIT_COST / self.least).unwrap_or(HARM_COST)
                     + match washes {
                         // A wash goes where it is of use.
                         true if toll > 0 && !turns.soil[next as usize].is_empty() => STEP_COST,
@@ -541,6 +399,7 @@ impl CheapestWay<'_> {
                     };
                 if cost < self.costs[next as usize].0 {
                     self.costs[next as usize] = (cost, cell);
+                    self.arrivals[next as usize] = arrival;
                     self.open.push(Reverse((cost.saturating_add(ahead(next)), Reverse(cost), next)));
                 }
             }
