@@ -306,3 +306,22 @@ fn a_wash_does_not_leave_before_it_has_washed() {
     let plan = planned(&found("ea_wash_that_leaves_too_soon"));
     assert!(plan.cost >= 37.0 && plan.cost <= 60.0, "{}", plan.cost);
 }
+
+#[test]
+fn long_incubations_stand_side_by_side() {
+    // One after the other they take 60,229 steps.
+    let plan = planned(&found("ea_long_incubations"));
+    assert!(plan.cost >= plan.bound && plan.cost <= 30_400.0, "{} of {}", plan.cost, plan.bound);
+}
+
+#[test]
+fn who_comes_by_a_split_does_harm_only_after_it() {
+    let no_plan = refused(&found("ea_split_onto_what_is_discarded"));
+    assert!(no_plan.contains("keep one another from these operations"), "{no_plan}");
+}
+
+#[test]
+fn who_is_discarded_where_it_came_is_gone_at_once() {
+    let plan = planned(&found("ea_discard_where_it_came"));
+    assert!(plan.cost >= plan.bound && plan.cost <= 24.0, "{} of {}", plan.cost, plan.bound);
+}

@@ -171,9 +171,12 @@ impl StepsAside {
     fn inserted<'a>(&self, problem: &AssayProblem<'a>) -> AssayProblem<'a> {
         let mut aside = problem.clone();
         if let Some(traces) = &problem.traces {
-            for (agent, afters) in aside.afters.iter_mut().enumerate() {
-                for (errand, afters) in afters.iter_mut().enumerate() {
-                    afters.extend(harmed_later(problem, traces, ErrandPlace { agent, errand }));
+            for agent in 0..problem.errands.len() {
+                for errand in 0..problem.errands[agent].len() {
+                    let place = ErrandPlace { agent, errand };
+                    // Who is given off is there from then on: the other one must wait.
+                    let held = problem.given_off_by(agent).filter(|_| errand == 0).unwrap_or(place);
+                    aside.afters[held.agent][held.errand].extend(harmed_later(problem, traces, place));
                 }
             }
         }

@@ -506,7 +506,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         let first = progress.done[agent];
         let errands = &problem.errands[agent][first..];
         let DueErrands { waits, begins, held } = self.due_errands(progress, agent, terms);
-        let last = errands[waits.len() - 1];
+        let last = waits.len().checked_sub(1).map(|last| errands[last]).ok_or(agent)?;
         let is_last = first + waits.len() == problem.errands[agent].len();
         let must_wait = last.meets.is_some() && waits.last().is_some_and(Option::is_none);
         let is_gone = is_last && problem.is_gone[agent] && !must_wait;

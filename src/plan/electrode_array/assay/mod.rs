@@ -339,6 +339,7 @@ fn in_order(
     meter: &mut Meter,
 ) -> Option<Vec<AgentCourse>> {
     let listed = lags::by_lists(problem, ahead, (objective, least), meter)
+        .and_then(|courses| aside::as_replayed(problem, courses))
         .or_else(|| aside::by_lists(problem, (objective, least), distances, meter));
     // Lists lead to long ways round where there are traces, if to any plan.
     let negotiated = match &listed {
