@@ -298,5 +298,5 @@ fn hearsay(schedule: &Schedule) -> String {
         (1, 1) => ", and that the plan is optimal".to_owned(),
         (optimal, plans) => format!(", and that {optimal} of {plans} plans are optimal"),
     };
-    format!("the planner's bounds and estimates{optima}: recorded, and not derived again")
+    format!("the planner's bounds, estimates, guarantees and remarks{optima}: recorded, and not derived again")
 }

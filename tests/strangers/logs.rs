@@ -64,7 +64,7 @@ fn what_was_not_derived_again_is_called_so() {
         &reported,
         &[
             "Unchecked",
-            "the planner's bounds and estimates, and that the plan is optimal: recorded, and not derived again",
+            "the planner's bounds, estimates, guarantees and remarks, and that the plan is optimal: recorded, and not derived again",
         ],
     );
 }
