@@ -38,6 +38,7 @@ const counted = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;
 function drawClaims(root, model, seek) {
   // What could not be planned claims nothing.
   const runs = model.devices.flatMap((device) => device.runs).filter(({ index }) => !model.failure || model.steps.some((step) => step.plan === index));
+  const isRecorded = Boolean(model.page.recorded);
   for (const { plan, order, requirements } of runs.sort((a, b) => a.index - b.index)) {
     const card = add(root, "section", "", "card");
     const title = add(card, "button", `${plan.task} on ${plan.device}`, "jump");
@@ -45,10 +46,11 @@ function drawClaims(root, model, seek) {
     title.title = `jump to ${timeText(plan.start_ns)}`;
     title.addEventListener("click", () => seek(plan.start_ns));
     const unit = plan.unit ? ` ${plan.unit}` : "";
-    card.append(claimRow(`least ${plan.objective.replaceAll("_", " ")}`, plan.optimal ? "proven" : "best found", plan.optimal ? "good" : "open"));
+    const proof = isRecorded ? "proven, says the log" : "proven";
+    card.append(claimRow(`least ${plan.objective.replaceAll("_", " ")}`, plan.optimal ? proof : "best found", plan.optimal && !isRecorded ? "good" : "open"));
     card.append(claimRow("cost", short(plan.cost, 6) + unit));
     const bound = claimRow("bound", short(plan.bound, 6) + unit);
-    bound.title = "no plan costs less";
+    bound.title = isRecorded ? "no plan costs less, says the log" : "no plan costs less";
     card.append(bound);
     for (const [outcome, value] of Object.entries(plan.outcomes).map((entry) => outcomeOf(...entry))) {
       const limits = requirements.filter((requirement) => requirement.outcome === outcome);
@@ -68,6 +70,7 @@ function drawClaims(root, model, seek) {
     if (washes.length) card.append(claimRow("washed with", washes.join(", ")));
     card.append(claimRow("planner", plan.planner));
     for (const { subject, text } of plan.remarks || []) add(card, "p", `${subject}: ${text}`, "remark");
+    if (isRecorded) add(card, "p", "Bounds, proofs and remarks are as the log records them; the verifier does not derive them again.", "remark");
   }
   const reached = model.steps.flatMap((step) => (step.reached || []).map((one) => ({ step, one })));
   if (reached.length) {

@@ -125,7 +125,7 @@ pub fn misused(name: &str, what: &str) -> Exit {
 pub fn provenance(sources: &Sources, options: &Options) -> Provenance {
     let own = sources.files().filter(|(_, file)| file.origin == Origin::User);
     let files = own.map(|(_, file)| (file.name.clone(), file.text.to_string())).collect();
-    Provenance { files, settings: options.settings.clone() }
+    Provenance { files, settings: options.settings.clone(), is_recorded: false }
 }
 
 fn write(

@@ -101,7 +101,7 @@ pub fn refused_bytes(path: &Path, bytes: &[u8]) -> Option<RefusedLog> {
     let recorded = Embedding { name: &schedule.name, claims: &claims, files: &files, settings: &settings };
     let derived = own_claims(path, &recorded).ok()?;
     let violations = verify::violations(&schedule, &derived.claims).ok().filter(|list| !list.is_empty())?;
-    Some(RefusedLog { schedule, derived, violations, provenance: Provenance { files, settings } })
+    Some(RefusedLog { schedule, derived, violations, provenance: Provenance { files, settings, is_recorded: true } })
 }
 
 /// As [`judge_bytes`], with what was read from the bytes.
@@ -126,7 +126,7 @@ fn judge_log(path: &Path, bytes: &[u8], log: Result<Log, LogError>) -> Result<Ju
         return Err(of_its_version(Refusal::one(fault.diagnostic(), Exit::Refused)));
     }
     drop(voltages);
-    let provenance = Provenance { files, settings };
+    let provenance = Provenance { files, settings, is_recorded: true };
     match mcap::difference(bytes, &verified, &provenance) {
         Some(difference) => Err(of_its_version(Refusal::one(mcap::difference_diagnostic(&difference), Exit::Refused))),
         None => Ok(Judged { verified, provenance, version }),

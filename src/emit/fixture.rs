@@ -103,7 +103,7 @@ fn build(name: &str, runs: &[(Robot, Vec<LatticeCell>, u64)]) -> (Verified, Prov
     }
     schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
     let files = vec![(format!("{name}.twz"), text), ("lab/bench.twz".to_owned(), "scene bench { }\n".to_owned())];
-    let provenance = Provenance { files, settings: vec!["pitch=80um".to_owned()] };
+    let provenance = Provenance { files, settings: vec!["pitch=80um".to_owned()], is_recorded: false };
     (Verified::assume(schedule, claims), provenance)
 }
 
@@ -255,7 +255,7 @@ pub fn crowd() -> (Verified, Provenance) {
 pub fn bed() -> (Verified, Provenance) {
     let (claims, schedule) = crate::lower::microrobots::tests::bed();
     let files = vec![("bed.twz".to_owned(), crate::lower::microrobots::tests::SOURCE.to_owned())];
-    (Verified::assume(schedule, claims), Provenance { files, settings: Vec::new() })
+    (Verified::assume(schedule, claims), Provenance { files, settings: Vec::new(), is_recorded: false })
 }
 
 /// The same bed with a single drive train of `strokes` strokes of 50 us.
@@ -391,7 +391,8 @@ pub fn hand() -> (Verified, Provenance) {
     claims.name = "turn".to_owned();
     claims.wires = BTreeMap::from([("hand.f1.x".to_owned(), "stage1/x".to_owned())]);
     claims.jobs = vec![claims::fixture::job("turn", "hand", Order::Fingers(hand_order(facts)))];
-    let provenance = Provenance { files: vec![("turn.twz".to_owned(), text.to_owned())], settings: Vec::new() };
+    let provenance =
+        Provenance { files: vec![("turn.twz".to_owned(), text.to_owned())], settings: Vec::new(), is_recorded: false };
     (Verified::assume(schedule, claims), provenance)
 }
 

@@ -95,6 +95,8 @@ pub struct Provenance {
     pub files: Vec<(String, String)>,
     /// The `--set` values as they were given.
     pub settings: Vec<String>,
+    /// Whether a log was read back, whose bounds, proofs and remarks nothing derived again.
+    pub is_recorded: bool,
 }
 
 /// A schedule in one format: one file, or several that belong together. All names begin with the schedule's.

@@ -196,10 +196,21 @@ pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)], merge: Option<
              `assay { … }`, in which they may leave it again",
         ),
         None => diagnostic.help(
-            "there is no room for them to pass, whatever the other parts do: give one of them a goal on its own \
-             side, or move an obstacle",
+            "give one of them a goal on its own side, or move an obstacle: there is no room for them to pass",
         ),
     }
+}
+
+/// Why something is impossible as long as these parts, which no operation moves, stay where they are.
+pub fn where_others_stay<'a>(diagnostic: Diagnostic, names: impl Iterator<Item = &'a str>) -> Diagnostic {
+    let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+    if names.is_empty() {
+        return diagnostic;
+    }
+    let (verb, they) = if names.len() == 1 { ("stays where it is", "it") } else { ("stay where they are", "they") };
+    let stay = format!("{} {verb}; with `may_yield: true` {they} may make room", listed(names, MAX_LABELS));
+    let help = diagnostic.help.as_ref().map_or(stay.clone(), |own| format!("{stay}. Otherwise, {own}"));
+    diagnostic.help(help)
 }
 
 /// A part that electrodes on shared channels keep from its goal.
@@ -266,9 +277,9 @@ pub fn goals_out_of_reach(step: Span, name: &str, [goals, parts]: [usize; 2], go
         0 => format!("no plan: no part of `any {name}` can come to its goal {goal}"),
         _ => format!("no plan: {goals} {all} of `any {name}` {verb} where only {parts} of its {few} can come{beside}"),
     };
-    Diagnostic::new(Code::E0601, title).label(step, "obstacles, or parts that stay, lie between").help(
-        "move a goal to the side of the parts, move an obstacle, or let parts that stay step aside: `may_yield: true`",
-    )
+    Diagnostic::new(Code::E0601, title)
+        .label(step, "obstacles, or parts that stay, lie between")
+        .help("move a goal to the side of the parts, or move an obstacle")
 }
 
 /// Parts that cannot pass one another, whichever of their goals each takes.

@@ -325,3 +325,9 @@ fn who_is_discarded_where_it_came_is_gone_at_once() {
     let plan = planned(&found("ea_discard_where_it_came"));
     assert!(plan.cost >= plan.bound && plan.cost <= 24.0, "{} of {}", plan.cost, plan.bound);
 }
+
+#[test]
+fn who_merges_waits_until_the_other_one_has_stopped_near_there() {
+    let plan = planned(&found("ea_stop_beside_merge"));
+    assert!(plan.cost >= plan.bound && plan.cost <= 90.0, "{} of {}", plan.cost, plan.bound);
+}

@@ -179,7 +179,7 @@ fn written(verified: &Verified, sources: &Sources) -> Result<(), String> {
 fn provenance(sources: &Sources) -> Provenance {
     let own = sources.files().filter(|(_, file)| file.origin == Origin::User);
     let files = own.map(|(_, file)| (file.name.clone(), file.text.to_string())).collect();
-    Provenance { files, settings: Vec::new() }
+    Provenance { files, settings: Vec::new(), is_recorded: false }
 }
 
 /// The log of the first schedule of a text that builds.
@@ -219,6 +219,6 @@ pub fn verify(bytes: &[u8]) -> Result<(), String> {
     if let Some(fault) = log.voltage_fault() {
         return Err(fault.to_string());
     }
-    let provenance = Provenance { files: log.files.clone(), settings: log.settings.clone() };
+    let provenance = Provenance { files: log.files.clone(), settings: log.settings.clone(), is_recorded: true };
     mcap::difference(bytes, &verified, &provenance).map_or(Ok(()), Err)
 }

@@ -1,4 +1,5 @@
-"""Pages of logs that were refused, in a real browser: each violation with its instant, and the scene at the first of them.
+"""Pages of logs, in a real browser: of those that were refused each violation with its instant, and the scene at the first of them;
+of others what only the log says.
 
 `TWEEZE` names the program; `CHROMIUM` the browser, if it is not on the path.
 """
@@ -145,4 +146,20 @@ def test_parts_that_do_not_fit_are_not_shown(browser, tmp_path):
     assert tab.data["schedule"] is None
     assert "E0706" in tab.locator("#claims .card.error").first.text_content()
     assert tab.faults == []
+    tab.close()
+
+
+def test_the_page_of_a_log_says_what_only_the_log_does(browser, tmp_path):
+    log = built("dimibot_fetch", tmp_path / "whole")
+    subprocess.run([TWEEZE, "view", log, "-o", tmp_path, "--no-open"], capture_output=True, check=True)
+    tab = opened(browser, tmp_path / f"{log.stem}.html")
+    check_schema(tab.data)
+    assert tab.data["recorded"] is True
+    claims = tab.locator("#claims").text_content()
+    assert "proven, says the log" in claims and "does not derive them again" in claims
+    tab.close()
+    subprocess.run([TWEEZE, "build", ROOT / "examples/dimibot_fetch.twz", "--emit", "html", "-o", tmp_path / "own", "-q"], check=True)
+    tab = opened(browser, tmp_path / "own" / f"{log.stem}.html")
+    claims = tab.locator("#claims").text_content()
+    assert "recorded" not in tab.data and "proven" in claims and "says the log" not in claims
     tab.close()

@@ -101,7 +101,8 @@ fn carrying(text: &str, settings: &[&str]) -> Vec<u8> {
         panic!("{:?}", sink.sorted())
     };
     let files = vec![("a.twz".to_owned(), text.to_owned())];
-    let provenance = Provenance { files, settings: settings.iter().map(|text| (*text).to_owned()).collect() };
+    let provenance =
+        Provenance { files, settings: settings.iter().map(|text| (*text).to_owned()).collect(), is_recorded: false };
     let mut set = emit(Format::Mcap, &compiled.schedules[0], &provenance).expect("a log");
     set.remove(0).bytes
 }

@@ -71,7 +71,13 @@ pub fn build_in(folder: &Path, text: &str) -> Built {
     let titles = sink.sorted().into_iter().map(|diagnostic| diagnostic.title.clone()).collect();
     let own = sources.files().filter(|(_, file)| file.origin == Origin::User);
     let files = own.map(|(_, file)| (file.name.clone(), file.text.to_string())).collect();
-    Built { schedules, codes, titles, refused, provenance: Provenance { files, settings: Vec::new() } }
+    Built {
+        schedules,
+        codes,
+        titles,
+        refused,
+        provenance: Provenance { files, settings: Vec::new(), is_recorded: false },
+    }
 }
 
 /// Compiles a text that uses no file beside it.

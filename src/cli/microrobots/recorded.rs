@@ -25,7 +25,7 @@ pub fn judge(arguments: &VerifyArguments, bytes: &[u8]) -> Result<String, Box<Re
     let of_its_version = |refusal| if version == env!("CARGO_PKG_VERSION") { refusal } else { not_ours(&version) };
     let within = Embedding { name: &task, claims: &claims, files: &files, settings: &settings };
     let own = own_claims(path, &within).map_err(of_its_version)?;
-    let provenance = Provenance { files, settings };
+    let provenance = Provenance { files, settings, is_recorded: true };
     if !is_as_recorded(bytes, &own.claims, &provenance, &lines) {
         return Err(of_its_version(Refusal::one(errors::recording_differs(path), Exit::Refused)));
     }

@@ -60,6 +60,9 @@ struct PageData<'a> {
     /// The program's own file first, then those that it uses.
     sources: Vec<PageSource<'a>>,
     settings: &'a [String],
+    /// Of the page of a log: nothing derived the bounds, proofs and remarks of its plans again.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    recorded: bool,
     /// What was verified; none of a log that was refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     evidence: Option<PageEvidence<'a>>,
@@ -121,6 +124,7 @@ fn page(
         claims: claims.as_deref(),
         sources: provenance.files.iter().map(|(name, text)| PageSource { name, text }).collect(),
         settings: &provenance.settings,
+        recorded: provenance.is_recorded,
         evidence,
         failure,
     };

@@ -281,7 +281,7 @@ impl Tasks<'_> {
                 let excluded = errors::operations_exclude_one_another(step.span, &parts, is_timed);
                 let diagnostic = match is_torn {
                     true => errors::operations_excluded_by_channels(step.span, &parts),
-                    false => self.with_avoided(excluded, step),
+                    false => errors::where_others_stay(self.with_avoided(excluded, step), stage.standing_names()),
                 };
                 let reaches = parts.iter().zip(reached).map(|(part, cells)| reach(self.order, part, cells.clone()));
                 self.sink.push(diagnostic.reached(reaches));
@@ -466,16 +466,16 @@ impl Tasks<'_> {
                     self.sink.push(diagnostic);
                     return;
                 }
-                let actors = agents.iter().map(|agent| &stage.agents[*agent]);
-                let parts: Vec<(&str, Span)> = actors
-                    .map(|actor| {
-                        let part = &self.order.parts[actor.part];
-                        (part.name.as_str(), actor.asked.map_or(part.span, |action| action.span))
-                    })
-                    .collect();
+                let named = |agent: &usize| {
+                    let actor = &stage.agents[*agent];
+                    let part = &self.order.parts[actor.part];
+                    (part.name.as_str(), actor.asked.map_or(part.span, |action| action.span))
+                };
+                let parts: Vec<(&str, Span)> = agents.iter().map(named).collect();
                 let merge =
                     agents.iter().find_map(|agent| stage.agents[*agent].asked.filter(|asked| asked.with.is_some()));
-                let diagnostic = errors::blocked_by_one_another(step, &parts, merge.map(|merge| merge.span));
+                let blocked = errors::blocked_by_one_another(step, &parts, merge.map(|merge| merge.span));
+                let diagnostic = errors::where_others_stay(blocked, stage.standing_names());
                 let reached = exact::reached(&stage.instance, agents).unwrap_or_default();
                 let reaches = parts.iter().zip(reached).map(|((name, _), cells)| reach(self.order, name, cells));
                 self.sink.push(diagnostic.reached(reaches));

@@ -47,10 +47,10 @@ impl Shut<'_> {
         let alone = format!("without {} `{}` has a way", self.names(self.blamed), self.part);
         Some(match tried {
             Tried::Planned => format!("{} there is a plan{}", self.remedy(), self.extent()),
-            Tried::Impossible => format!("{alone}{}; but then the task has no plan either", self.extent()),
+            Tried::Impossible => format!("{alone}{}; but {} the task has no plan either", self.extent(), self.then()),
             Tried::NotFound(budget) => {
                 let within = format!("within {budget} expansions a step");
-                format!("{alone}{}; no plan of the task was found then {within}", self.extent())
+                format!("{alone}{}; no plan of the task was found {} {within}", self.extent(), self.then())
             }
             Tried::LeftOut => format!("{alone}{}; the others were not looked at", self.extent()),
         })
@@ -70,6 +70,14 @@ impl Shut<'_> {
         let without = (!obstacles.is_empty()).then(|| format!("without {}", self.names(&obstacles)));
         let yields = self.has_part().then(|| "with `may_yield: true`".to_owned());
         without.into_iter().chain(yields).collect::<Vec<_>>().join(" and ")
+    }
+
+    /// Names what was tried where it differs from what opens the way of the part alone: a part that stays is not taken away.
+    fn then(&self) -> String {
+        match self.has_part() {
+            true => self.remedy(),
+            false => "then".to_owned(),
+        }
     }
 
     fn names(&self, blamed: &[usize]) -> String {

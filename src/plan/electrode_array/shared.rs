@@ -42,14 +42,16 @@ pub fn solve(
         SearchAnswer::Impossible(NoTeamPlan::Alone(why)) => SharedGoals::Alone(why),
         SearchAnswer::Impossible(NoTeamPlan::Blocked) => {
             let all = stage.agents.iter().map(|actor| order.parts[actor.part].name.as_str());
-            SharedGoals::Refused(errors::blocked_with_any_goals(step, &all.collect::<Vec<_>>()))
+            let blocked = errors::blocked_with_any_goals(step, &all.collect::<Vec<_>>());
+            SharedGoals::Refused(errors::where_others_stay(blocked, stage.standing_names()))
         }
         SearchAnswer::Impossible(NoTeamPlan::Cut { team, goal, goals, agents }) => {
             let first = &stage.agents[teams[team][0]];
             let span = first.asked.map_or(step, |one| one.span);
             let part = &order.parts[first.part];
             let (name, goal) = (part.family().unwrap_or(&part.name), stage::cell(order, goal).to_string());
-            SharedGoals::Refused(errors::goals_out_of_reach(span, name, [goals, agents], &goal))
+            let cut = errors::goals_out_of_reach(span, name, [goals, agents], &goal);
+            SharedGoals::Refused(errors::where_others_stay(cut, stage.standing_names()))
         }
     }
 }

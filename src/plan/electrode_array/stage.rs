@@ -205,6 +205,11 @@ impl<'a> BoardStage<'a> {
         self.standing.iter().filter_map(|blocker| Some((blocker.name, flat(order, blocker.at?))))
     }
 
+    /// The names of the parts that stay.
+    pub fn standing_names(&self) -> impl Iterator<Item = &str> {
+        self.standing.iter().map(|blocker| blocker.name)
+    }
+
     /// All blockers, obstacles first.
     pub fn blockers(&self) -> impl Iterator<Item = &CellBlocker<'a>> {
         self.ground.obstacles.iter().chain(&self.standing)

@@ -144,7 +144,8 @@ fn a_part_in_a_corridor_yields_only_where_it_may() {
     let (code, reported) = refused(order.clone());
     assert_eq!(code, Code::E0601);
     assert!(
-        reported.contains("without `m2 at (5, 2)` `m1` has a way; but then the task has no plan either"),
+        reported
+            .contains("without `m2 at (5, 2)` `m1` has a way; but with `may_yield: true` the task has no plan either"),
         "{reported}"
     );
     order.bystanders = Bystanders::Yield;

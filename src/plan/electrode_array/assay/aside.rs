@@ -4,8 +4,9 @@
 //! from their stops there, no list leads to a plan.
 //!
 //! Method: each agent that would stay near where others have something to do is given one more errand, of no step, at the nearest cell that
-//! is in nobody's way, and another one, to come back, where it is to end. So is who would be done too soon for a time lag where it stands:
-//! it stays when it comes back. With traces, who does harm at a stop comes there after those to whom it would.
+//! is in nobody's way, and another one, to come back, where it is to end. So is who would be done too soon
+//! for a time lag where it stands: it stays when it comes back. Who merges goes to where it does so only once the other one has done what
+//! it does near there. With traces, who does harm at a stop comes there after those to whom it would.
 //! Where lists with these errands lead to no plan either, chance gives some agents a first errand anywhere, and the list its order.
 //! Guaranteed: courses with such errands do all others, too.
 
@@ -148,9 +149,11 @@ impl StepsAside {
         let awaited = problem.awaited();
         for (agent, errands) in problem.errands.iter().enumerate() {
             for (index, errand) in errands.iter().enumerate() {
-                let waits = problem.afters[agent].get(index).into_iter().flatten().any(|after| after.agent != agent);
+                let place = ErrandPlace { agent, errand: index };
+                let waits = problem.afters[agent].get(index).into_iter().flatten().any(|after| after.agent != agent)
+                    || met_later(problem, place).is_some();
                 let pauses = index.checked_sub(1).is_some_and(|errand| awaited.contains(&(agent, errand)));
-                let is_too_soon = begins_too_soon(problem, ErrandPlace { agent, errand: index });
+                let is_too_soon = begins_too_soon(problem, place);
                 let is_there = index > 0 || (!problem.comes[agent] && problem.parents[agent].is_none());
                 if !(waits || pauses || is_too_soon) || !is_there || errand.splits.is_some() {
                     continue;
@@ -170,6 +173,11 @@ impl StepsAside {
     /// The problem with these errands among the others.
     fn inserted<'a>(&self, problem: &AssayProblem<'a>) -> AssayProblem<'a> {
         let mut aside = problem.clone();
+        for agent in 0..problem.errands.len() {
+            for errand in 0..problem.errands[agent].len() {
+                aside.afters[agent][errand].extend(met_later(problem, ErrandPlace { agent, errand }));
+            }
+        }
         if let Some(traces) = &problem.traces {
             for agent in 0..problem.errands.len() {
                 for errand in 0..problem.errands[agent].len() {
@@ -250,6 +258,17 @@ fn can_be_ordered(problem: &AssayProblem) -> bool {
         }
     }
     problem.errands.iter().zip(&done).all(|(errands, done)| errands.len() == *done)
+}
+
+/// The last errand near the stop of a merge that the other agent does before it: as long as that is not done, who waits at that stop keeps
+/// the other one from it.
+fn met_later(problem: &AssayProblem, place: ErrandPlace) -> Option<ErrandPlace> {
+    let Errand { meets, stop, .. } = problem.errands[place.agent][place.errand];
+    let (agent, board) = (meets?, &problem.instance.board);
+    let theirs = &problem.errands[agent];
+    let met = theirs.iter().position(|errand| errand.meets == Some(place.agent))?;
+    let errand = (0..met).rev().find(|before| board.apart(theirs[*before].stop, stop) < problem.instance.separation)?;
+    Some(ErrandPlace { agent, errand })
 }
 
 /// The errands of others at the stop of one that must be done before it, since its agent leaves there what harms them.
