@@ -20,7 +20,8 @@ pub struct HandSolid {
     pub xz: Option<Outline>,
     /// Its volume, where it is known, in cubic micrometres.
     pub volume_um3: Option<f64>,
-    pub centre_um: [f64; 3],
+    /// Its centre of mass; `None` where its outlines do not tell.
+    pub centre_um: Option<[f64; 3]>,
     /// Its greatest distance from its origin, as far as known.
     pub reach_um: f64,
     pub density_kg_per_m3: Option<f64>,
@@ -30,6 +31,13 @@ pub struct HandSolid {
 
 /// Greatest relative deviation of a section from a rectangle as which it is treated.
 const SAME_SHARE: f64 = 1e-6;
+
+/// Greatest distance of a centre of mass from the origin that is rounding, as a share of the reach of the outline.
+const ROUNDING_SHARE: f64 = 1e-9;
+
+/// Greatest distance of the centre of an outline from the origin, as a share of its reach, with which it counts as centred: the corners of
+/// an outline are often rounded to three digits.
+const CENTRED_SHARE: f64 = 1e-3;
 
 /// The radius of the corners of a rectangle of a mesh, as a share of half its lesser width: a tip stands in them by 0.2 % of that.
 const CORNER_SHARE: f64 = 0.005;
@@ -78,22 +86,47 @@ pub fn of(shape: &ShapeValue, span: Span) -> Diagnosed<HandSolid> {
         | ShapeForm::Layout
         | ShapeForm::Image => field("axes"),
     };
-    for outline in std::iter::once(&solid.xy).chain(&solid.xz) {
-        Curve::of(outline).map_err(|fault| Box::new(outline_fault(&fault, outline, size)))?;
+    let curve = |outline: &Outline| Curve::of(outline).map_err(|fault| Box::new(outline_fault(&fault, outline, size)));
+    let (xy, xz) = (curve(&solid.xy)?, solid.xz.as_ref().map(curve).transpose()?);
+    let centre_um = match (shape.form, xz) {
+        (ShapeForm::Profile, _) => Some(of_flat_um(&xy)),
+        (ShapeForm::Sections, Some(xz)) => of_sections_um(shape, [&xy, &xz])?,
+        _ => solid.centre_um,
+    };
+    Ok(HandSolid { density_kg_per_m3: density, centre_um, ..solid })
+}
+
+/// The centre of mass of a flat part, which is equally thick everywhere: that of the area in its outline.
+fn of_flat_um(outline: &Curve) -> [f64; 3] {
+    let [x, y] = outline.centre_um();
+    // Of a symmetrical outline it is the origin but for rounding.
+    if x.hypotenuse(y) <= ROUNDING_SHARE * outline.reach_um() { [0.0; 3] } else { [x, y, 0.0] }
+}
+
+/// The centre of mass of a solid of two sections: as stated, or the origin if both have their centre there.
+///
+/// # Errors
+/// The stated one is outside of the part.
+fn of_sections_um(shape: &ShapeValue, outlines: [&Curve; 2]) -> Diagnosed<Option<[f64; 3]>> {
+    let Some(stated) = shape.fields.get("centre_of_mass") else {
+        let is_centred = |outline: &&Curve| {
+            let [x, y] = outline.centre_um();
+            x.hypotenuse(y) <= CENTRED_SHARE * outline.reach_um()
+        };
+        return Ok(outlines.iter().all(is_centred).then_some([0.0; 3]));
+    };
+    let [x, y, z] = vector_um(shape, "centre_of_mass");
+    let reach_um = outlines.map(Curve::reach_um).into_iter().fold(0.0, f64::max);
+    if x.hypotenuse(y).hypotenuse(z) > reach_um {
+        let what = format!("a centre of mass farther from the origin than the part reaches, {} um", digits(reach_um));
+        let help = "give it in the axes of the outlines, or check its unit";
+        return Err(Box::new(errors::bad_shape(stated.span, &what, "outside of the part", help)));
     }
-    Ok(HandSolid { density_kg_per_m3: density, ..solid })
+    Ok(Some([x, y, z]))
 }
 
 fn flat(xy: Outline) -> HandSolid {
-    HandSolid {
-        xy,
-        xz: None,
-        volume_um3: None,
-        centre_um: [0.0; 3],
-        reach_um: 0.0,
-        density_kg_per_m3: None,
-        surface: None,
-    }
+    HandSolid { xy, xz: None, volume_um3: None, centre_um: None, reach_um: 0.0, density_kg_per_m3: None, surface: None }
 }
 
 fn vector_um(shape: &ShapeValue, field: &str) -> [f64; 3] {
@@ -109,7 +142,7 @@ fn ellipsoid(shape: &ShapeValue) -> HandSolid {
         xy: Outline::Ellipse { semi_um: [a, b] },
         xz: Some(Outline::Ellipse { semi_um: [a, c] }),
         volume_um3: Some(4.0 / 3.0 * PI * a * b * c),
-        centre_um: [0.0; 3],
+        centre_um: Some([0.0; 3]),
         reach_um: a.max(b).max(c),
         density_kg_per_m3: None,
         surface: None,
@@ -139,7 +172,7 @@ fn superellipsoid(shape: &ShapeValue) -> Diagnosed<HandSolid> {
         xy: Outline::Superellipse { semi_um: [a, b], exponent },
         xz: Some(Outline::Superellipse { semi_um: [a, c], exponent }),
         volume_um3: Some(8.0 * a * b * c * super_share(exponent)),
-        centre_um: [0.0; 3],
+        centre_um: Some([0.0; 3]),
         reach_um: super_reach([a, b, c], exponent),
         density_kg_per_m3: None,
         surface: None,
@@ -207,7 +240,7 @@ fn rounded_box(shape: &ShapeValue) -> Diagnosed<HandSolid> {
                 + PI * radius.whole_power(2) * (a + b + c)
                 + 4.0 / 3.0 * PI * radius.whole_power(3),
         ),
-        centre_um: [0.0; 3],
+        centre_um: Some([0.0; 3]),
         reach_um: inner.iter().map(|inner| inner * inner).sum::<f64>().sqrt() + radius,
         density_kg_per_m3: None,
         surface: None,
@@ -241,7 +274,7 @@ fn mesh(shape: &ShapeValue, span: Span) -> Diagnosed<HandSolid> {
         xy: outline(Plane::Xy)?,
         xz: Some(outline(Plane::Xz)?),
         volume_um3: Some(surface.volume_um3()),
-        centre_um: surface.centre_um(),
+        centre_um: Some(surface.centre_um()),
         reach_um,
         density_kg_per_m3: None,
         surface: Some(Rc::new(surface)),

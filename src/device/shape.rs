@@ -188,9 +188,15 @@ const PROFILE: [VocabularyField; 3] = [
     optional("x", Sort::Curve, "`points`", "along x, as an expression of the angle `t`: `16 um * cos(t)`"),
     optional("y", Sort::Curve, "`points`", "along y, as an expression of the angle `t`: `12 um * sin(t)`"),
 ];
-const SECTIONS: [VocabularyField; 2] = [
+const SECTIONS: [VocabularyField; 3] = [
     required("xy", Sort::Shape(ShapeForm::Profile), "its outline in the plane xy, by x and y"),
     required("xz", Sort::Shape(ShapeForm::Profile), "its outline in the plane xz, by x and z (written as x and y)"),
+    optional(
+        "centre_of_mass",
+        Sort::Vector { dimension: Dimension::LENGTH, range: Range::Any },
+        "the origin, where both outlines are centred there",
+        "where a load acts, in the axes of the outlines",
+    ),
 ];
 const MESH: [VocabularyField; 3] = [
     required("file", Sort::Text, "an STL file beside the program, ASCII or binary; a closed surface"),

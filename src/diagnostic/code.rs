@@ -207,6 +207,7 @@ ledger! {
     E0574 "a heater, detector or magnet where none can be"
     E0575 "a temperature that a heater does not have"
     E0576 "places that leave nothing to choose"
+    E0577 "a load at a centre of mass that is not known"
     W0501 "an obstacle outside the workspace"
     W0502 "a task that is never run"
     W0503 "nothing to build"

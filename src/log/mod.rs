@@ -59,7 +59,7 @@ pub const SOURCE_PREFIX: &str = "source/";
 
 /// Version of the log's content; increased when a log of the version before would be misjudged, because its records, its claims,
 /// or the consequences of a program have changed. Logs without it are of version 1.
-pub const SCHEMA: u64 = 4;
+pub const SCHEMA: u64 = 5;
 
 /// The word in `format` of the attached claims.
 pub const CLAIMS_FORMAT: &str = "tweeze-claims";

@@ -41,6 +41,20 @@ fn more_friction_never_finds_less() {
 }
 
 #[test]
+fn a_load_acts_where_the_mass_of_an_outline_is() {
+    assert_eq!(cost(&found("fingers-load-at-centre")), [0.0; 2]);
+    let off = reported(&found("fingers-load-off-centre"));
+    assert!(off[0].contains("E0601") && off[0].contains("exerts 0.6 uN um"), "{off:?}");
+    let sections = found("fingers-load-on-sections");
+    assert!(reported(&sections)[0].contains("E0577"));
+    let stated = sections.replace(" } } }", " }, centre_of_mass: (6 um, 0 um, 0 um) } }");
+    assert!(reported(&stated)[0].contains("exerts 0.6 uN um"), "{:?}", reported(&stated));
+    // Optima that a search of its own found, with the load at the centre of the area.
+    assert_eq!(cost(&found("fingers-loaded-bean")), [1656.0; 2]);
+    assert_eq!(cost(&found("fingers-loaded-bean-pushed")), [1002.0; 2]);
+}
+
+#[test]
 fn a_search_that_ends_says_what_ended() {
     let text = found("fingers-optimal-but-reserve");
     let little = text.replace("  rotate bead by 160", "  using joint_astar { expansions: 10 }\n  rotate bead by 160");

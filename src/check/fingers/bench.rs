@@ -11,7 +11,6 @@ use crate::diagnostic::Sink;
 use crate::source::Span;
 use std::collections::BTreeMap;
 use std::rc::Rc;
-use std::sync::Arc;
 
 /// Greatest number of parts in one scene.
 pub const MAX_PARTS: usize = 64;
@@ -23,7 +22,7 @@ const PART_TURNS: usize = 4_000;
 #[derive(Debug, Clone)]
 pub struct Lying {
     /// `None` if it has a fault, already reported.
-    pub judged: Option<(Arc<crate::claims::fingers::HandPart>, f64)>,
+    pub judged: Option<JudgedPart>,
 }
 
 /// A scene as a hand uses it.
@@ -66,7 +65,6 @@ fn judged(scene: &CheckedScene, device: &CheckedDevice, facts: &FingersFacts, si
             continue;
         }
         let judged = PartReader { object, device, facts, sink }.part();
-        let judged = judged.map(|JudgedPart { part, weight_un }| (Arc::new(part), weight_un));
         parts.insert(object.name.clone(), Lying { judged });
     }
     HandScene { parts }

@@ -8,6 +8,10 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::real::Real;
 use crate::source::Span;
+use std::f64::consts::TAU;
+
+/// The greatest turn of one step, in radians: once round, and rounding.
+pub const MOST_RAD: f64 = TAU + 1e-9;
 
 /// An angle of at most six digits for a message.
 fn angle(rad: f64) -> String {
@@ -63,6 +67,13 @@ pub fn load_too_large(span: Span, force_un: f64, most_un: f64) -> Diagnostic {
     Diagnostic::new(Code::E0403, format!("`load` is {force}, but must be at most {most}"))
         .label(span, "no micro-gripper bears this")
         .help("write the force on the part, as `load: (0 uN, 0 uN, -0.2 uN)`, or check the unit")
+}
+
+pub fn load_without_centre(span: Span, name: &str, shape: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0577, format!("a load on `{name}`, whose centre of mass is not known"))
+        .label(span, "acts at the centre of mass")
+        .label(shape, "outlines that are not centred at the origin do not tell where that is")
+        .help("state it with the outlines, as `centre_of_mass: (1.5 um, 0 um, 0 um)`")
 }
 
 pub fn part_too_heavy(span: Span, name: &str, weight_un: f64, most_un: f64) -> Diagnostic {
@@ -254,24 +265,29 @@ pub fn no_whole_steps(
     step_deg: Option<f64>,
 ) -> Diagnostic {
     let below = (asked_rad / step_rad).floor();
-    let [low, high] = [below * step_rad, (below + 1.0) * step_rad];
-    let off_deg = (asked_rad - low).min(high - asked_rad).to_degrees();
-    let title = format!(
-        "a turn by {}, steps of {} come to {} and {}",
-        angle(asked_rad),
-        angle(step_rad),
-        angle(low),
-        angle(high)
-    );
+    // One step of a task turns no farther than once round.
+    let within: Vec<f64> = [below, below + 1.0]
+        .map(|steps| steps * step_rad)
+        .into_iter()
+        .filter(|end_rad| end_rad.abs() <= MOST_RAD)
+        .collect();
+    let off_deg = within.iter().map(|end_rad| (asked_rad - end_rad).abs()).fold(f64::INFINITY, f64::min).to_degrees();
+    let ends = within.iter().map(|end_rad| angle(*end_rad)).collect::<Vec<_>>().join(" and ");
+    let (past, once, these) = if within.len() == 2 {
+        ("", "", "one of these angles")
+    } else {
+        (", then past 360 deg", " and at most 360 deg", "this angle")
+    };
+    let title = format!("a turn by {}, steps of {} come to {ends}{past}", angle(asked_rad), angle(step_rad));
     Diagnostic::new(Code::E0543, title)
-        .label(span, format!("no whole number of steps within {}", angle(precision_rad)))
+        .label(span, format!("no whole number of steps within {}{once}", angle(precision_rad)))
         .help(match step_deg {
             Some(step_deg) => format!(
-                "write `step: {}` in the device, so that this task's turns are whole steps; or use one of these angles",
+                "write `step: {}` in the device, so that this task's turns are whole steps; or use {these}",
                 step_text(step_deg)
             ),
             None => format!(
-                "write one of these angles, or `precision: {} deg` among the settings to accept that error",
+                "write {these}, or `precision: {} deg` among the settings to accept that error",
                 digits(rounded_up(off_deg))
             ),
         })

@@ -14,6 +14,7 @@ use crate::quantity::{Dimension, Quantity};
 use crate::real::Real;
 use crate::source::Span;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Places sampled to find where an outline bends inwards most.
 const LOOKS: usize = 4096;
@@ -24,7 +25,9 @@ const STANDARD_GRAVITY_M_PER_S2: f64 = 9.806_65;
 /// A part with the further data that a task needs.
 #[derive(Debug, Clone)]
 pub struct JudgedPart {
-    pub part: HandPart,
+    pub part: Arc<HandPart>,
+    /// The shape, if its centre of mass is not known.
+    pub uncentred: Option<Span>,
     /// Its weight, in micronewtons; 0 without a material.
     pub weight_un: f64,
 }
@@ -63,8 +66,8 @@ impl PartReader<'_> {
         self.within_its_sections(&solid, &xy, xz.as_ref(), shape.span)?;
         self.clear_of_surface(&solid, &xy, Plane::Xy, shape.span)?;
         xz.as_ref().map_or(Some(()), |xz| self.clear_of_surface(&solid, xz, Plane::Xz, shape.span))?;
-        let part =
-            HandPart { name: object.name.clone(), xy, xz, centre_um: solid.centre_um, position_um, span: object.span };
+        let centre_um = solid.centre_um.unwrap_or_default();
+        let part = HandPart { name: object.name.clone(), xy, xz, centre_um, position_um, span: object.span };
         if let Some(wrong) = out_of_range(&part, position_um, self.facts) {
             let at = object.at.as_ref().map_or(object.span, |at| at.span);
             let diagnostic = errors::part_out_of_range(at, &part.name, &wrong);
@@ -76,7 +79,8 @@ impl PartReader<'_> {
             self.sink.push(errors::part_too_heavy(shape.span, &part.name, weight_un, MAX_LOAD_UN));
             return None;
         }
-        Some(JudgedPart { part, weight_un })
+        let uncentred = solid.centre_um.is_none().then_some(shape.span);
+        Some(JudgedPart { part: Arc::new(part), uncentred, weight_un })
     }
 
     fn position_um(&mut self) -> Option<[f64; 3]> {

@@ -3,7 +3,7 @@
 use super::bench::HandScene;
 use super::errors;
 use super::orientation;
-use super::part::{self, MAX_LOAD_UN};
+use super::part::{self, JudgedPart, MAX_LOAD_UN};
 use super::step;
 use crate::check::Checker;
 use crate::check::lets::Argument;
@@ -18,7 +18,6 @@ use crate::geometry::outline::Curve;
 use crate::real::Real;
 use crate::source::Span;
 use nalgebra::Vector3;
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Default limit of grasps that a search may expand.
@@ -30,18 +29,16 @@ const DEFAULT_PRECISION_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// The largest `precision`: a turn that ends farther off is no such turn.
 const MAX_PRECISION_RAD: f64 = 90.0 * std::f64::consts::PI / 180.0;
 
-/// Rounding allowed beyond 360 deg in one step, in radians.
-const FULL_TURN_SLACK: f64 = 1e-9;
-
 impl Checker<'_> {
     /// A task's body in the kind's own terms; `None` after an error. Orientations are made turns when the runs of a schedule are walked.
     pub fn fingers_order(&mut self, site: &TaskSite, facts: &Arc<FingersFacts>, parts: Parts) -> Option<FingersOrder> {
         let bench = self.bench(site, facts);
         let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
         let lying = the_part(&bench, &parts, scene, site, self.sink)?;
-        let (part, weight_un) = lying?;
+        let judged = lying?;
         let precision_rad = precision_rad(&parts, self.sink)?;
-        let load_un = load_un(&parts, weight_un, self.sink)?;
+        let load_un = load_un(&parts, &judged, self.sink)?;
+        let part = judged.part;
         let turns = turns(&parts.steps);
         let mut judge = HandStepJudge { facts, part: &part, precision_rad, turns, sink: self.sink };
         let planes = grasp_planes(&parts.steps, &part);
@@ -77,7 +74,7 @@ fn planner(parts: &Parts) -> Option<FingersPlanner> {
 }
 
 /// The force on the part with its weight; `None` where it is unknown, or after an error.
-fn load_un(parts: &Parts, weight_un: f64, sink: &mut Sink) -> Option<[f64; 3]> {
+fn load_un(parts: &Parts, judged: &JudgedPart, sink: &mut Sink) -> Option<[f64; 3]> {
     let mut load_un = [0.0; 3];
     if let Some(setting) = parts.settings.get("load") {
         let Value::Point(point) = &setting.value else { return None };
@@ -87,12 +84,16 @@ fn load_un(parts: &Parts, weight_un: f64, sink: &mut Sink) -> Option<[f64; 3]> {
             sink.push(errors::load_too_large(setting.span, size_un, MAX_LOAD_UN));
             return None;
         }
+        if let Some(shape) = judged.uncentred.filter(|_| size_un > 0.0) {
+            sink.push(errors::load_without_centre(setting.span, &judged.part.name, shape));
+            return None;
+        }
     }
-    load_un[2] -= weight_un;
+    load_un[2] -= judged.weight_un;
     Some(load_un)
 }
 
-type Lain = Option<(Arc<HandPart>, f64)>;
+type Lain = Option<JudgedPart>;
 
 /// The one part of a task: that which its steps name, or the only one of its scene.
 fn the_part(bench: &HandScene, parts: &Parts, scene: Option<Span>, site: &TaskSite, sink: &mut Sink) -> Option<Lain> {
@@ -223,7 +224,7 @@ impl HandStepJudge<'_> {
         let (by, about) = (phrase(call, "by")?, phrase(call, "about")?);
         let (Value::Quantity(angle), Value::Text(axis)) = (&by.value, &about.value) else { return None };
         let asked_rad = angle.si;
-        if asked_rad.abs() > TAU + FULL_TURN_SLACK {
+        if asked_rad.abs() > errors::MOST_RAD {
             return self.wrong(errors::turn_too_far(by.span, asked_rad), by);
         }
         let plane = match axis.as_str() {

@@ -10,6 +10,7 @@ use crate::claims::Claims;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, FingersTurn};
 use crate::device::fingers::{Adhesion, Plane};
 use crate::diagnostic::Sink;
+use crate::random::SplitMix64;
 use crate::source::Sources;
 use std::f64::consts::PI;
 
@@ -163,6 +164,13 @@ fn angles_are_whole_steps_within_the_precision() {
     steps("rotate bead by 80.51 deg about z", &["E0543"]);
     steps("rotate bead by -80.49 deg about y", &[]);
     steps("precision: 0.1 deg, rotate bead by 80.49 deg about z", &["E0543"]);
+    // An angle that is advised can be written: 360.98 deg would be too far.
+    let program = |asked: &str| {
+        let bead = "ellipsoid { axes: (16 um, 11.845 um, 11.845 um) }";
+        program("step: 18 deg", bead, &format!("precision: 0.5 deg, rotate bead by {asked} deg about z"))
+    };
+    assert_codes(&program("360"), &["E0543"]);
+    assert_codes(&program("342.93"), &[]);
     steps("rotate bead by 360 deg about z", &[]);
     steps("rotate bead by -360.1 deg about z", &["E0544"]);
     steps("rotate bead by 0 deg about z", &[]);
@@ -235,7 +243,7 @@ fn volumes_agree_with_sums() {
 /// Volumes and with them weights against how many of many random points lie within a shape, by its definition in the handbook.
 #[test]
 fn weights_are_those_of_the_points_within_a_shape() {
-    let mut random = crate::random::SplitMix64::new(31);
+    let mut random = SplitMix64::new(31);
     let mut counted = |text: &str, half_um: [f64; 3], within: &dyn Fn([f64; 3]) -> bool| {
         let order = order("range: (1 mm, 1 mm, 1 mm)", &format!("{text}, material: 2330 kg/m^3 }}"), "grasp bead");
         let points = 200_000;
@@ -269,6 +277,59 @@ fn a_mesh_is_its_ball() {
     assert!(order.part.centre_um.iter().all(|um| um.abs() < 0.01));
     // A circle of 16 um: 18 (1 + 16/4.5) = 82.
     assert_eq!((order.part.xy.contacts, order.part.xy.opposite), (82, Some(42)));
+}
+
+#[test]
+fn the_mass_of_a_profile_is_that_of_the_points_within_it() {
+    let mut random = SplitMix64::new(7);
+    for _ in 0..8 {
+        let mut um = |most: f64| (random.signed_unit() * most * 100.0).round() / 100.0;
+        let ([dx, dy], [bend, lobe]) = ([um(4.0), um(4.0)], [um(3.0), um(1.5)]);
+        let shape = format!(
+            "profile {{ x: {dx} um + 16 um * cos(t) + {bend} um * cos(2 * t), y: {dy} um + 12 um * sin(t) + {lobe} um * sin(3 * t) }}"
+        );
+        // Once round in chords; the points of a grid to whose left it passes an odd number of times lie inside.
+        let at = |nth: u32| {
+            let t = f64::from(nth) / 2000.0 * 2.0 * PI;
+            [dx + 16.0 * t.cos() + bend * (2.0 * t).cos(), dy + 12.0 * t.sin() + lobe * (3.0 * t).sin()]
+        };
+        let chords: Vec<_> = (0..2000).map(|nth| [at(nth), at(nth + 1)]).collect();
+        let (mut count, mut sum) = (0.0, [0.0; 2]);
+        for row in -120..=120 {
+            let y = f64::from(row) * 0.2 + 0.0137;
+            let mut ends: Vec<f64> = chords
+                .iter()
+                .filter(|[a, b]| (a[1] > y) != (b[1] > y))
+                .map(|[a, b]| a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
+                .collect();
+            ends.sort_by(f64::total_cmp);
+            for inside in ends.chunks_exact(2) {
+                let width = inside[1] - inside[0];
+                count += width;
+                sum = [sum[0] + width * (inside[0] + inside[1]) / 2.0, sum[1] + width * y];
+            }
+        }
+        let order = order("tip_radius: 3 um", &shape, "grasp bead");
+        let [x, y, z] = order.part.centre_um;
+        let off = (x - sum[0] / count).hypot(y - sum[1] / count);
+        assert!(off < 0.01 && z == 0.0, "{shape}: ({x}, {y}), {off} um off");
+    }
+    let order = order("", "profile { x: 16 um * cos(t), y: 12 um * sin(t) }", "grasp bead");
+    assert_eq!(order.part.centre_um, [0.0; 3]);
+}
+
+#[test]
+fn a_load_on_sections_needs_to_know_where_it_acts() {
+    let round = |at: f64| format!("profile {{ x: {at} um + 12 um * cos(t), y: 12 um * sin(t) }}");
+    let of = |at: f64, more: &str| format!("sections {{ xy: {0}, xz: {0}{more} }}", round(at));
+    let loaded = "load: (0 uN, 0 uN, -0.1 uN), grasp bead";
+    assert_codes(&program("torsion: 1 um", &of(0.0, ""), loaded), &[]);
+    assert_codes(&program("torsion: 1 um", &of(2.0, ""), loaded), &["E0577"]);
+    assert_codes(&program("torsion: 1 um", &of(2.0, ""), "load: (0 uN, 0 uN, 0 uN), grasp bead"), &[]);
+    assert_codes(&program("torsion: 1 um", &of(2.0, ""), "grasp bead"), &[]);
+    let stated = of(2.0, ", centre_of_mass: (2 um, 0.5 um, -1 um)");
+    assert_eq!(order("torsion: 1 um", &stated, loaded).part.centre_um, [2.0, 0.5, -1.0]);
+    shape(&of(2.0, ", centre_of_mass: (20 um, 0 um, 0 um)"), &["E0514"]);
 }
 
 #[test]
