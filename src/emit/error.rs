@@ -37,6 +37,8 @@ pub enum EmitError {
     NoSampleClock { instrument: String },
     /// No channel is wired to an instrument that plays the format.
     NotWired { format: Format, name: String, family: Family },
+    /// The schedule has no channel: nothing is switched or moved.
+    NothingSwitched { format: Format, name: String },
     /// A position jumps, and the format only has straight lines between positions.
     Leap { format: Format, channel: String, t_ns: u64, from: f64, to: f64 },
     /// The format only represents positions of stages: the first channel that is none, if there is a channel.
@@ -84,6 +86,7 @@ impl EmitError {
             | EmitError::OtherProtocol { .. }
             | EmitError::NoSampleClock { .. }
             | EmitError::NotWired { .. }
+            | EmitError::NothingSwitched { .. }
             | EmitError::Leap { .. }
             | EmitError::NotPositions { .. }
             | EmitError::Unsayable { .. }
@@ -140,6 +143,7 @@ impl EmitError {
                     .help("wire to the lines of a clocked port; if these are, give the instrument its `digital_rate`")
             }
             EmitError::NotWired { format, name, family } => not_wired(*format, name, *family),
+            EmitError::NothingSwitched { format, name } => nothing_switched(*format, name),
             EmitError::Leap { format, channel, t_ns, from, to } => Diagnostic::new(
                 Code::E0826,
                 format!("`{channel}` leaps from {from} um to {to} um at {t_ns} ns, but `{}` only has straight lines", format.name()),
@@ -189,6 +193,14 @@ fn not_positions(format: Format, channel: Option<&str>) -> Diagnostic {
     };
     Diagnostic::new(Code::E0827, format!("{what}, but `{}` only holds stage positions", format.name()))
         .help("write voltages with `--emit csv`, `pwl` or `scpi`, and the tasks of stages on their own with `--task`")
+}
+
+fn nothing_switched(format: Format, name: &str) -> Diagnostic {
+    let title = format!("`{name}` switches and moves nothing, so that a file of `{}` would be empty", format.name());
+    Diagnostic::new(Code::E0824, title).help(format!(
+        "leave `{}` out for this schedule; `--emit json` or `mcap` write what takes place without channels",
+        format.name()
+    ))
 }
 
 fn not_wired(format: Format, name: &str, family: Family) -> Diagnostic {

@@ -2,6 +2,7 @@
 
 use crate::programs::{Answered, answered};
 use crate::support::found;
+use tweeze::schedule::State;
 
 fn planned(text: &str) -> tweeze::plan::Plan<()> {
     match answered(text) {
@@ -330,4 +331,21 @@ fn who_is_discarded_where_it_came_is_gone_at_once() {
 fn who_merges_waits_until_the_other_one_has_stopped_near_there() {
     let plan = planned(&found("ea_stop_beside_merge"));
     assert!(plan.cost >= plan.bound && plan.cost <= 90.0, "{} of {}", plan.cost, plan.bound);
+}
+
+#[test]
+fn who_leaves_in_a_step_without_a_beat_is_gone_in_the_states() {
+    let built = crate::support::build(&found("ea_discarded_in_no_steps"));
+    assert_eq!(built.codes, Vec::<&str>::new());
+    let parts = |plan: &tweeze::schedule::PlanRecord| -> Vec<(u64, String)> {
+        let names = |state: &State| match state {
+            State::ElectrodeArray(state) => state.parts.keys().map(String::as_str).collect(),
+            other => panic!("{other:?}"),
+        };
+        plan.states.iter().map(|timed| (timed.t_ns / 1_000_000, names(&timed.state))).collect()
+    };
+    let plans = &built.schedules[0].schedule().plans;
+    let of = |states: &[(u64, &str)]| states.iter().map(|(at, names)| (*at, (*names).to_owned())).collect::<Vec<_>>();
+    assert_eq!(parts(&plans[0]), of(&[(0, "abc"), (0, "ab"), (60, "ab"), (60, "a")]));
+    assert_eq!(parts(&plans[1]), of(&[(390, "a"), (390, "")]));
 }

@@ -246,6 +246,11 @@ fn what_cannot_be_written_says_why() {
         emit(format, &fixture.0, &fixture.1).map(|files| files.len()).map_err(|error| error.diagnostic().code)
     };
     assert_eq!(code(Format::Frames, fixture::fetch()), Err(Code::E0824), "no driver");
+    // A wiring is no help where no channel is there.
+    let (idle, provenance) = fixture::idle();
+    let still = fixture::changed(&idle, |schedule| schedule.channels.clear());
+    let error = emit(Format::Opendrop, &still, &provenance).map(|_| ()).unwrap_err().diagnostic();
+    assert!(error.code == Code::E0824 && error.title.contains("switches and moves nothing"), "{}", error.title);
     assert_eq!(code(Format::Opendrop, on_driver(fixture::fetch(), Protocol::Purpledrop)), Err(Code::E0824));
     assert_eq!(code(Format::Frames, on_driver(fixture::fetch(), Protocol::Purpledrop)), Ok(2));
     let long = fixture::changed(&on_driver(fixture::fetch(), Protocol::Opendrop).0, |schedule| {

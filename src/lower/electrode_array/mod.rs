@@ -111,7 +111,12 @@ impl LoweringBoard<'_> {
             let done = courses.iter().zip(cells).filter(|(course, _)| course.is_gone && course.until() <= instant + 1);
             done.for_each(|(_, cell)| *cell = None);
         };
+        let there = self.cells.iter().flatten().count();
         gone_after(&mut self.cells, 0);
+        if instants == 0 && self.cells.iter().flatten().count() < there {
+            // No step of the board follows after which that would be recorded.
+            self.record(self.run.duration_ns);
+        }
         for instant in 0..instants {
             let start_ns = self.run.duration_ns;
             for (part, course) in courses.iter().enumerate() {

@@ -307,8 +307,12 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let mut assay = JudgedAssay::new(operations, &self.order.facts, &self.cells);
         let mut zones = JudgedZones::new(self.order, operations);
         let mut reservoirs = self.reservoirs(nth)?;
+        let before = self.cells.iter().flatten().count();
         let mut there = self.settle(0, &mut assay, &mut zones);
         self.tread((nth, step.start_ns), (operations, &assay), &there, findings);
+        if beats == 0 && self.cells.iter().flatten().count() < before {
+            self.record(step.start_ns)?;
+        }
         for beat in 0..beats {
             let at_ns = step.start_ns + beat * step_ns;
             if beat > 0 {
@@ -553,12 +557,16 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         here.eq(parts.iter().map(|(name, cell)| (name.as_str(), *cell)))
     }
 
-    /// Number of states that a record of this run must have: one at first and one after each beat of its steps.
+    /// Number of states that a record of this run must have: one at first, one after each beat of its steps, and one where parts leave in
+    /// a step without any.
     fn due_states(&self) -> u64 {
-        let beats = self.order.steps.iter().enumerate().map(|(nth, step)| match step.action {
+        let of_beats = |nth: usize| self.run.step(nth).duration_ns / self.order.facts.step_ns;
+        let beats = self.order.steps.iter().enumerate().map(|(nth, step)| match &step.action {
             ElectrodeArrayAction::Wait(_) => 0,
-            ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Assay(_) => {
-                self.run.step(nth).duration_ns / self.order.facts.step_ns
+            ElectrodeArrayAction::Move(_) => of_beats(nth),
+            ElectrodeArrayAction::Assay(operations) => {
+                let leaves = operations.iter().any(|operation| operation.gone().is_some());
+                of_beats(nth).max(u64::from(leaves))
             }
         });
         beats.fold(1, u64::saturating_add)
