@@ -35,10 +35,8 @@ pub enum EmitError {
     OtherProtocol { format: Format, name: String },
     /// Digital lines of a card that has no sample clock for them.
     NoSampleClock { instrument: String },
-    /// No channel is wired to an instrument that plays the format.
-    NotWired { format: Format, name: String, family: Family },
-    /// The schedule has no channel: nothing is switched or moved.
-    NothingSwitched { format: Format, name: String },
+    /// No channel is wired to an instrument of the family that plays the format; no family where there is no channel at all.
+    NotWired { format: Format, name: String, family: Option<Family> },
     /// A position jumps, and the format only has straight lines between positions.
     Leap { format: Format, channel: String, t_ns: u64, from: f64, to: f64 },
     /// The format only represents positions of stages: the first channel that is none, if there is a channel.
@@ -86,7 +84,6 @@ impl EmitError {
             | EmitError::OtherProtocol { .. }
             | EmitError::NoSampleClock { .. }
             | EmitError::NotWired { .. }
-            | EmitError::NothingSwitched { .. }
             | EmitError::Leap { .. }
             | EmitError::NotPositions { .. }
             | EmitError::Unsayable { .. }
@@ -143,7 +140,6 @@ impl EmitError {
                     .help("wire to the lines of a clocked port; if these are, give the instrument its `digital_rate`")
             }
             EmitError::NotWired { format, name, family } => not_wired(*format, name, *family),
-            EmitError::NothingSwitched { format, name } => nothing_switched(*format, name),
             EmitError::Leap { format, channel, t_ns, from, to } => Diagnostic::new(
                 Code::E0826,
                 format!("`{channel}` leaps from {from} um to {to} um at {t_ns} ns, but `{}` only has straight lines", format.name()),
@@ -203,7 +199,8 @@ fn nothing_switched(format: Format, name: &str) -> Diagnostic {
     ))
 }
 
-fn not_wired(format: Format, name: &str, family: Family) -> Diagnostic {
+fn not_wired(format: Format, name: &str, family: Option<Family>) -> Diagnostic {
+    let Some(family) = family else { return nothing_switched(format, name) };
     let wires = match family {
         Family::ElectrodeDriver => "electrodes -> NAME",
         Family::WaveformGenerator | Family::DataAcquisition | Family::StageController | Family::MachineController => {

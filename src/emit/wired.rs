@@ -21,7 +21,7 @@ pub struct WiredInstrument<'a> {
 /// The instruments of a family with what each plays, by their names.
 ///
 /// # Errors
-/// [`EmitError::NothingSwitched`] without a channel; [`EmitError::NotWired`] where none is wired to an instrument of the family.
+/// [`EmitError::NotWired`] where no channel is wired to an instrument of the family.
 pub fn wired(format: Format, schedule: &Schedule, family: Family) -> Result<Vec<WiredInstrument<'_>>, EmitError> {
     let bench = &schedule.bench;
     let of_family = bench.instruments.iter().filter(|(_, instrument)| instrument.facts.family() == family);
@@ -39,11 +39,10 @@ pub fn wired(format: Format, schedule: &Schedule, family: Family) -> Result<Vec<
         })
         .filter(|wired| !wired.drives.is_empty())
         .collect();
-    let name = || schedule.name.clone();
-    match (found.is_empty(), schedule.channels.is_empty()) {
-        (true, true) => Err(EmitError::NothingSwitched { format, name: name() }),
-        (true, false) => Err(EmitError::NotWired { format, name: name(), family }),
-        (false, _) => Ok(found),
+    let family = (!schedule.channels.is_empty()).then_some(family);
+    match found.is_empty() {
+        true => Err(EmitError::NotWired { format, name: schedule.name.clone(), family }),
+        false => Ok(found),
     }
 }
 

@@ -2,6 +2,8 @@
 
 use super::support::{build, compiled, found};
 use tweeze::check::imports::NoFiles;
+use tweeze::claims::Order;
+use tweeze::verify::{Rule, Verdict, verify_program};
 
 /// Everything that is said of a program: code, title, labels and help of each report.
 pub fn reported(text: &str) -> Vec<String> {
@@ -52,6 +54,28 @@ fn a_load_acts_where_the_mass_of_an_outline_is() {
     // Optima that a search of its own found, with the load at the centre of the area.
     assert_eq!(cost(&found("fingers-loaded-bean")), [1656.0; 2]);
     assert_eq!(cost(&found("fingers-loaded-bean-pushed")), [1002.0; 2]);
+}
+
+#[test]
+fn a_grasp_that_is_kept_must_bear_the_load_of_each_task() {
+    let text = found("fingers-load-while-waiting");
+    let refused = reported(&text);
+    assert!(refused[0].contains("E0601") && refused[0].contains("exerts 230 uN um"), "{refused:?}");
+    assert_eq!(build(&text.replace("-25 uN", "-0.1 uN")).codes, Vec::<&str>::new());
+    // A release hands the part to its support.
+    assert_eq!(
+        build(&text.replace("wait 1 s", "release").replace("{ step", "{ support: 1 N, step")).codes,
+        Vec::<&str>::new()
+    );
+    // The verifier, too, holds what waits against the load.
+    let unloaded = text.replace("load: (0 uN, 0 uN, -25 uN), ", "");
+    let (built, (_, sources, _)) = (build(&unloaded), compiled(&NoFiles, &unloaded));
+    let (schedule, mut claims) = (built.schedules[0].schedule().clone(), built.schedules[0].claims().clone());
+    assert!(matches!(verify_program(schedule.clone(), &claims, &sources), Verdict::Accepted(_)));
+    let Order::Fingers(order) = &mut claims.jobs[1].order else { panic!("an order of a hand") };
+    order.load_un = [0.0, 0.0, -25.0];
+    let Verdict::Rejected(violations) = verify_program(schedule, &claims, &sources) else { panic!("it lets go") };
+    assert!(violations.iter().all(|violation| violation.rule == Rule::Equilibrium) && violations.len() == 1);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 pub use crate::check::errors::*;
 
 use crate::check::value::Value;
-use crate::device::fingers::{MAX_GRASPS, Plane};
+use crate::device::fingers::{FingersFacts, MAX_GRASPS, Plane};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::real::Real;
@@ -67,6 +67,14 @@ pub fn load_too_large(span: Span, force_un: f64, most_un: f64) -> Diagnostic {
     Diagnostic::new(Code::E0403, format!("`load` is {force}, but must be at most {most}"))
         .label(span, "no micro-gripper bears this")
         .help("write the force on the part, as `load: (0 uN, 0 uN, -0.2 uN)`, or check the unit")
+}
+
+pub fn tolerance_as_large_as_retract(facts: &FingersFacts) -> Diagnostic {
+    let [tolerance, away] = [facts.tolerance_um, facts.retract_um.max(facts.clearance_um)].map(length);
+    let title =
+        format!("`tolerance` is {tolerance}, but must be less than how far a tip is off when it is off, {away}");
+    Diagnostic::new(Code::E0403, title)
+        .help("a tip within `tolerance` of its contact counts as touching: write a smaller `tolerance`, or a larger `retract`")
 }
 
 pub fn load_without_centre(span: Span, name: &str, shape: Span) -> Diagnostic {

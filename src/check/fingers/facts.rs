@@ -61,6 +61,10 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<FingersFacts> {
         torsion_um: figures.length_um("torsion").unwrap_or(0.0),
         rolling_reserve: figures.reserve("rolling_reserve"),
     };
+    if facts.retract_um.max(facts.clearance_um) <= facts.tolerance_um {
+        let labels = ["tolerance", "retract"].map(|field| DeviceLabel::field(field, "compared with the other one"));
+        sink.push(device.labelled(errors::tolerance_as_large_as_retract(&facts), labels));
+    }
     (sink.errors() == errors).then_some(facts)
 }
 

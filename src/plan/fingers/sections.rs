@@ -252,6 +252,18 @@ impl<'a> Sections<'a> {
         Some(order)
     }
 
+    /// Whether a grasp holds under the load without a motion.
+    pub fn bears(&mut self, holding: Holding, orientation: UnitQuaternion<f64>) -> bool {
+        if self.order.load_un == [0.0; 3] {
+            return true;
+        }
+        let facts = &self.order.facts;
+        let load = Load::seen(holding.plane, &orientation, self.order.load_un, self.order.part.centre_um);
+        let contacts = self.ready(holding.plane).contacts(facts);
+        let held: Vec<usize> = (0..facts.fingers as usize).filter_map(|f| holding.grasp.contact(f)).collect();
+        Lazy::of(facts, &contacts, load, Rc::clone(&self.looks)).holds(0, &held)
+    }
+
     /// Lazy evaluation under the load of a leg, unless it has tables of its own.
     fn lazy(&mut self, plane: Plane, orientation: UnitQuaternion<f64>) -> Option<Rc<Lazy>> {
         if self.order.load_un == [0.0; 3] || self.loaded == LoadedSections::Tabulated {

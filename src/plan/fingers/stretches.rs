@@ -92,6 +92,8 @@ pub enum NoCourse {
     GaveUp { at: usize, end: GraspSearchEnd },
     /// A section has no tables.
     NoTables { at: usize, none: NoTables },
+    /// The grasp with which a stretch begins, which no turn changes, does not hold under the load.
+    LetsGo { at: usize, held: Holding, orientation: UnitQuaternion<f64> },
     /// No finger may leave the grasp that a release meets.
     NoRelease { at: usize },
     /// The fingers cannot follow the path.
@@ -105,6 +107,7 @@ impl NoCourse {
             NoCourse::Blocked { planned, .. } => {
                 planned.left_out.is_none() && order.planner != FingersPlanner::GreedyDecomposition
             }
+            NoCourse::LetsGo { .. } => true,
             NoCourse::GaveUp { .. } | NoCourse::NoTables { .. } | NoCourse::NoRelease { .. } | NoCourse::NoWay(_) => {
                 false
             }
@@ -203,6 +206,12 @@ impl<'a> HandTally<'a> {
         self.stretches.push(TaskStretch { cost: 0, gaits: 0, is_best: true });
         if stretch.clone().any(|step| takes_hold(&self.order.steps[step].action)) {
             self.turn(sections, (index, stretch.clone()))?;
+        } else if let Some(held) =
+            self.held.filter(|_| self.order.steps[stretch.start].action != FingersAction::Release)
+            && !sections.bears(held, self.orientation)
+        {
+            let (at, orientation) = (stretch.start, self.orientation);
+            return Err(Box::new(NoCourse::LetsGo { at, held, orientation }));
         }
         for step in stretch {
             match &self.order.steps[step].action {

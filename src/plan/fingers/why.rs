@@ -1,10 +1,10 @@
 //! Explanation of a stretch without a plan: which turn, how far it gets, and what would make it possible.
 
 use super::Stance;
-use super::graph::{FarthestRoute, GraspAnswer, GraspSearchEnd};
+use super::graph::{FarthestRoute, Grasp, GraspAnswer, GraspSearchEnd};
 use super::looks::LooksBudget;
 use super::mechanics::{Contacts, GripModel, Load, NoTables};
-use super::routes::{RouteTurn, Routes, routes};
+use super::routes::{Holding, RouteTurn, Routes, routes};
 use super::sections::Sections;
 use super::stretches::{AskedStretch, Begins, FirstCriterion, NoCourse, carried_out, kept_back, most_looks, sound};
 use super::ways::WayError;
@@ -18,6 +18,7 @@ use crate::diagnostic::{Code, Diagnostic, Reach, ReachExtent};
 use crate::geometry::outline::{Curve, OutlineError};
 use crate::plan::search::GaveUp;
 use crate::quantity::digits;
+use nalgebra::UnitQuaternion;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -62,6 +63,7 @@ pub fn no_plan(asked: &AskedStretch, none: NoCourse) -> Diagnostic {
         NoCourse::Blocked { at, blocked, planned, begins } => reasons(at).impossible(&blocked, &planned, begins),
         NoCourse::GaveUp { at, end } => reasons(at).search_ended(&end),
         NoCourse::NoTables { at, none } => reasons(at).no_tables(&none),
+        NoCourse::LetsGo { at, held, orientation } => reasons(at).lets_go(held, &orientation),
         NoCourse::NoRelease { at } => reasons(at).stuck_fingers(),
         NoCourse::NoWay(error) => reasons(0).no_way(&error),
     }
@@ -178,6 +180,15 @@ impl HandReasons<'_> {
             .reached(self.reach(blocked, leg))
     }
 
+    /// Report: the load of a task that changes no finger is too much for the grasp of the one before.
+    fn lets_go(&self, held: Holding, orientation: &UnitQuaternion<f64>) -> Diagnostic {
+        let title = "the grasp with which this task begins does not hold under its load";
+        let torque = self.torque_of(held.grasp, held.plane, orientation);
+        Diagnostic::new(Code::E0601, title)
+            .label(self.span(), torque.unwrap_or_else(|| "no finger comes or leaves in this task".to_owned()))
+            .help("let the task before it end with a `grasp` that holds under this load, or lessen the load")
+    }
+
     /// How far the turn comes that has no end, where that was found out.
     fn reach(&self, blocked: &FarthestRoute, leg: RouteTurn) -> Option<Reach> {
         let reached = blocked.farthest.filter(|_| blocked.is_known)?;
@@ -213,8 +224,12 @@ impl HandReasons<'_> {
 
     /// Torque of the load about the line through the two contacts with which a stretch must begin, where tips cannot bear it.
     fn torque_left(&self, planned: &Routes, (_, orientation, _): &Begins) -> Option<String> {
-        let (order, grasp) = (self.order, planned.start?);
-        let plane = planned.routes.first()?.first()?.turn.plane;
+        self.torque_of(planned.start?, planned.routes.first()?.first()?.turn.plane, orientation)
+    }
+
+    /// Torque of the load about the line through two contacts that hold, where tips cannot bear it.
+    fn torque_of(&self, grasp: Grasp, plane: Plane, orientation: &UnitQuaternion<f64>) -> Option<String> {
+        let order = self.order;
         let section = order.part.section(plane)?;
         let curve = Curve::of(&section.outline).ok()?;
         let contacts = Contacts::of(section, &curve, order.facts.tip_radius_um);
@@ -301,14 +316,21 @@ impl HandReasons<'_> {
             true => "there is a plan",
             false => "without its `require` the task has a plan",
         };
+        // The tasks before are not planned again.
+        let from = match self.stance {
+            Some(_) => {
+                ", from the grasp with which this task begins: the tasks before it may then end with another one"
+            }
+            None => "",
+        };
         match (changes.as_slice(), trials.looks.are_spent()) {
             ([], true) => Some(format!("{ended} without a result")),
             ([], false) => Some(format!(
                 "neither friction up to {MOST_FRICTION}, nor a weaker `removal_safety`, nor half the step opens it: \
                  turn it otherwise, or take another object or other tips"
             )),
-            (changes, true) => Some(format!("{there} with {}; {ended}", changes.join(", or with "))),
-            (changes, false) => Some(format!("{there} with {}", changes.join(", or with "))),
+            (changes, true) => Some(format!("{there} with {}{from}; {ended}", changes.join(", or with "))),
+            (changes, false) => Some(format!("{there} with {}{from}", changes.join(", or with "))),
         }
     }
 

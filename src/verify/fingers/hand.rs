@@ -145,6 +145,10 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         let start_ns = self.run.plan.start_ns;
         self.spans.begin(start_ns, Due::Always, self.views());
         self.spans.end(start_ns);
+        // The load of this run may be another one than that of the run before.
+        if self.held == Held::ByFingers && !self.order.steps.is_empty() && !self.is_release(0) {
+            self.check_hold(0, start_ns, findings);
+        }
         if self.run.plan.duration_ns == 0 {
             return;
         }

@@ -280,6 +280,18 @@ fn a_mesh_is_its_ball() {
 }
 
 #[test]
+fn a_tip_that_is_off_is_farther_away_than_the_tolerance() {
+    let bead = "ellipsoid { axes: (16 um, 11.845 um, 11.845 um) }";
+    for (fields, codes) in [
+        ("retract: 0.5 um, clearance: 0.2 um, tolerance: 0.5 um", &["E0403"][..]),
+        ("retract: 0.51 um, clearance: 0.2 um, tolerance: 0.5 um", &[]),
+        ("retract: 0.1 um, clearance: 0.6 um, tolerance: 0.5 um", &[]),
+    ] {
+        assert_codes(&program(fields, bead, "grasp bead"), codes);
+    }
+}
+
+#[test]
 fn the_mass_of_a_profile_is_that_of_the_points_within_it() {
     let mut random = SplitMix64::new(7);
     for _ in 0..8 {
