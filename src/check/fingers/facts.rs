@@ -62,7 +62,10 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<FingersFacts> {
         rolling_reserve: figures.reserve("rolling_reserve"),
     };
     if facts.retract_um.max(facts.clearance_um) <= facts.tolerance_um {
-        let labels = ["tolerance", "retract"].map(|field| DeviceLabel::field(field, "compared with the other one"));
+        let labels = [
+            DeviceLabel::field("tolerance", "a tip this far off counts as touching"),
+            DeviceLabel::field("retract", "how far a tip goes off, or `clearance` if that is more"),
+        ];
         sink.push(device.labelled(errors::tolerance_as_large_as_retract(&facts), labels));
     }
     (sink.errors() == errors).then_some(facts)
