@@ -79,6 +79,23 @@ fn a_grasp_that_is_kept_must_bear_the_load_of_each_task() {
 }
 
 #[test]
+fn advice_says_that_an_earlier_grasp_is_kept_only_where_one_is() {
+    let of = |first: &str| {
+        let text = format!(
+            "use std.fingers as f\ndevice hand : f.three_fingers {{ adhesion: false }}\n\
+             scene cell {{ part bead : ellipsoid {{ axes: (16 um, 11.845 um, 11.845 um) }} }}\n\
+             task first on hand in cell {{ {first} }}\ntask flip on hand in cell {{\n  rotate bead by 80 deg about z\n  \
+             rotate bead by 220 deg about y\n  rotate bead by 100 deg about z\n}}\nprogram day {{ run first, run flip }}\n"
+        );
+        reported(&text).concat()
+    };
+    let suffix = "from the grasp with which this task begins";
+    let [kept, released] = [of("grasp bead"), of("grasp bead, release")];
+    assert!(kept.contains("there is a plan with") && kept.contains(suffix), "{kept}");
+    assert!(released.contains("there is a plan with") && !released.contains(suffix), "{released}");
+}
+
+#[test]
 fn a_search_that_ends_says_what_ended() {
     let text = found("fingers-optimal-but-reserve");
     let little = text.replace("  rotate bead by 160", "  using joint_astar { expansions: 10 }\n  rotate bead by 160");

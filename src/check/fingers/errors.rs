@@ -70,7 +70,7 @@ pub fn load_too_large(span: Span, force_un: f64, most_un: f64) -> Diagnostic {
 }
 
 pub fn tolerance_as_large_as_retract(facts: &FingersFacts) -> Diagnostic {
-    let [tolerance, away] = [facts.tolerance_um, facts.retract_um.max(facts.clearance_um)].map(length);
+    let [tolerance, away] = [facts.tolerance_um, facts.slow_um()].map(length);
     let title =
         format!("`tolerance` is {tolerance}, but must be less than {away}, as far as a tip goes off its contact");
     Diagnostic::new(Code::E0403, title).help("write a smaller `tolerance`, or a larger `retract`")

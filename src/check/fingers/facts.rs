@@ -61,10 +61,11 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<FingersFacts> {
         torsion_um: figures.length_um("torsion").unwrap_or(0.0),
         rolling_reserve: figures.reserve("rolling_reserve"),
     };
-    if facts.retract_um.max(facts.clearance_um) <= facts.tolerance_um {
+    if facts.slow_um() <= facts.tolerance_um {
         let labels = [
             DeviceLabel::field("tolerance", "a tip this far off counts as touching"),
-            DeviceLabel::field("retract", "how far a tip goes off, or `clearance` if that is more"),
+            DeviceLabel::field("retract", "a tip goes off its contact by this"),
+            DeviceLabel::field("clearance", "and by no less than this"),
         ];
         sink.push(device.labelled(errors::tolerance_as_large_as_retract(&facts), labels));
     }

@@ -316,8 +316,8 @@ impl HandReasons<'_> {
             true => "there is a plan",
             false => "without its `require` the task has a plan",
         };
-        // The tasks before are not planned again.
-        let from = match self.stance {
+        // A grasp that is held from the beginning is that of a task before, which is not planned again.
+        let from = match trials.begins.0 {
             Some(_) => {
                 ", from the grasp with which this task begins: the tasks before it may then end with another one"
             }
