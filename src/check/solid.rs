@@ -88,10 +88,10 @@ pub fn of(shape: &ShapeValue, span: Span) -> Diagnosed<HandSolid> {
     };
     let curve = |outline: &Outline| Curve::of(outline).map_err(|fault| Box::new(outline_fault(&fault, outline, size)));
     let (xy, xz) = (curve(&solid.xy)?, solid.xz.as_ref().map(curve).transpose()?);
-    let centre_um = match (shape.form, xz) {
-        (ShapeForm::Profile, _) => Some(of_flat_um(&xy)),
-        (ShapeForm::Sections, Some(xz)) => of_sections_um(shape, [&xy, &xz])?,
-        _ => solid.centre_um,
+    let centre_um = match (solid.centre_um, xz) {
+        (Some(centre_um), _) => Some(centre_um),
+        (None, None) => Some(of_flat_um(&xy)),
+        (None, Some(xz)) => of_sections_um(shape, [&xy, &xz])?,
     };
     Ok(HandSolid { density_kg_per_m3: density, centre_um, ..solid })
 }
@@ -100,7 +100,13 @@ pub fn of(shape: &ShapeValue, span: Span) -> Diagnosed<HandSolid> {
 fn of_flat_um(outline: &Curve) -> [f64; 3] {
     let [x, y] = outline.centre_um();
     // Of a symmetrical outline it is the origin but for rounding.
-    if x.hypotenuse(y) <= ROUNDING_SHARE * outline.reach_um() { [0.0; 3] } else { [x, y, 0.0] }
+    if is_centred(outline, ROUNDING_SHARE) { [0.0; 3] } else { [x, y, 0.0] }
+}
+
+/// Whether the centre of an outline is at the origin, to a share of its reach.
+fn is_centred(outline: &Curve, share: f64) -> bool {
+    let [x, y] = outline.centre_um();
+    x.hypotenuse(y) <= share * outline.reach_um()
 }
 
 /// The centre of mass of a solid of two sections: as stated, or the origin if both have their centre there.
@@ -109,11 +115,8 @@ fn of_flat_um(outline: &Curve) -> [f64; 3] {
 /// The stated one is outside of the part.
 fn of_sections_um(shape: &ShapeValue, outlines: [&Curve; 2]) -> Diagnosed<Option<[f64; 3]>> {
     let Some(stated) = shape.fields.get("centre_of_mass") else {
-        let is_centred = |outline: &&Curve| {
-            let [x, y] = outline.centre_um();
-            x.hypotenuse(y) <= CENTRED_SHARE * outline.reach_um()
-        };
-        return Ok(outlines.iter().all(is_centred).then_some([0.0; 3]));
+        let is_origin = outlines.iter().all(|outline| is_centred(outline, CENTRED_SHARE));
+        return Ok(is_origin.then_some([0.0; 3]));
     };
     let [x, y, z] = vector_um(shape, "centre_of_mass");
     let reach_um = outlines.map(Curve::reach_um).into_iter().fold(0.0, f64::max);

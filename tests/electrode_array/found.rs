@@ -11,6 +11,12 @@ fn planned(text: &str) -> tweeze::plan::Plan<()> {
     }
 }
 
+/// The plan of a program keeps its bound and costs no more than this.
+fn ends_within(name: &str, most: f64) {
+    let plan = planned(&found(name));
+    assert!(plan.cost >= plan.bound && plan.cost <= most, "{name}: {} of {}", plan.cost, plan.bound);
+}
+
 fn refused(text: &str) -> String {
     match answered(text) {
         Answered::Errors(errors) => errors.join("\n"),
@@ -297,8 +303,7 @@ fn droplets_negotiate_about_traces() {
         ("ea_six_reactions_in_three_ovens", 1000.0),
         ("ea_long_way_round_traces", 360.0),
     ] {
-        let plan = planned(&found(name));
-        assert!(plan.cost >= plan.bound && plan.cost <= most, "{name}: {} of {}", plan.cost, plan.bound);
+        ends_within(name, most);
     }
 }
 
@@ -311,8 +316,7 @@ fn a_wash_does_not_leave_before_it_has_washed() {
 #[test]
 fn long_incubations_stand_side_by_side() {
     // One after the other they take 60,229 steps.
-    let plan = planned(&found("ea_long_incubations"));
-    assert!(plan.cost >= plan.bound && plan.cost <= 30_400.0, "{} of {}", plan.cost, plan.bound);
+    ends_within("ea_long_incubations", 30_400.0);
 }
 
 #[test]
@@ -323,14 +327,12 @@ fn who_comes_by_a_split_does_harm_only_after_it() {
 
 #[test]
 fn who_is_discarded_where_it_came_is_gone_at_once() {
-    let plan = planned(&found("ea_discard_where_it_came"));
-    assert!(plan.cost >= plan.bound && plan.cost <= 24.0, "{} of {}", plan.cost, plan.bound);
+    ends_within("ea_discard_where_it_came", 24.0);
 }
 
 #[test]
 fn who_merges_waits_until_the_other_one_has_stopped_near_there() {
-    let plan = planned(&found("ea_stop_beside_merge"));
-    assert!(plan.cost >= plan.bound && plan.cost <= 90.0, "{} of {}", plan.cost, plan.bound);
+    ends_within("ea_stop_beside_merge", 90.0);
 }
 
 #[test]

@@ -109,11 +109,10 @@ impl LoweringBoard<'_> {
         let mut on: BTreeMap<BoardSwitch, u64> = BTreeMap::new();
         let gone_after = |cells: &mut [Option<ElectrodeCell>], instant: usize| {
             let done = courses.iter().zip(cells).filter(|(course, _)| course.is_gone && course.until() <= instant + 1);
-            done.for_each(|(_, cell)| *cell = None);
+            done.fold(false, |is_any, (_, cell)| cell.take().is_some() || is_any)
         };
-        let there = self.cells.iter().flatten().count();
-        gone_after(&mut self.cells, 0);
-        if instants == 0 && self.cells.iter().flatten().count() < there {
+        let is_any_gone = gone_after(&mut self.cells, 0);
+        if instants == 0 && is_any_gone {
             // No step of the board follows after which that would be recorded.
             self.record(self.run.duration_ns);
         }

@@ -466,12 +466,8 @@ impl Tasks<'_> {
                     self.sink.push(diagnostic);
                     return;
                 }
-                let named = |agent: &usize| {
-                    let actor = &stage.agents[*agent];
-                    let part = &self.order.parts[actor.part];
-                    (part.name.as_str(), actor.asked.map_or(part.span, |action| action.span))
-                };
-                let parts: Vec<(&str, Span)> = agents.iter().map(named).collect();
+                let parts: Vec<(&str, Span)> =
+                    agents.iter().map(|agent| stage.agents[*agent].named(self.order)).collect();
                 let merge =
                     agents.iter().find_map(|agent| stage.agents[*agent].asked.filter(|asked| asked.with.is_some()));
                 let blocked = errors::blocked_by_one_another(step, &parts, merge.map(|merge| merge.span));

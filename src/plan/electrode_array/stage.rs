@@ -68,6 +68,14 @@ pub struct Actor<'a> {
     pub asked: Option<&'a ElectrodeArrayMove>,
 }
 
+impl Actor<'_> {
+    /// Its part's name, and where a message about it points: to its move, or to its part if it only steps aside.
+    pub fn named<'o>(&self, order: &'o ElectrodeArrayOrder) -> (&'o str, Span) {
+        let part = &order.parts[self.part];
+        (&part.name, self.asked.map_or(part.span, |action| action.span))
+    }
+}
+
 /// A rectangle of cells closed to the centres of parts.
 pub struct CellBlocker<'a> {
     name: &'a str,

@@ -21,9 +21,8 @@ pub fn torn(order: &ElectrodeArrayOrder, stage: &BoardStage, (agent, stop): (usi
     let (actor, asked) = (&stage.agents[agent], &stage.instance.agents[agent]);
     let from = if stop == 0 { asked.start } else { asked.stops[stop - 1] };
     let [from, to] = [from, asked.stops[stop]].map(|cell| stage::cell(order, cell).to_string());
-    let part = &order.parts[actor.part];
-    let span = actor.asked.map_or(part.span, |action| action.span);
-    errors::torn_by_channels(errors::StepEnds { step: span, from: &from, to: &to }, &part.name)
+    let (name, span) = actor.named(order);
+    errors::torn_by_channels(errors::StepEnds { step: span, from: &from, to: &to }, name)
 }
 
 /// Agents that have a plan if every electrode has a channel of its own; `None` where that is not known.
@@ -35,12 +34,7 @@ pub fn excluded(order: &ElectrodeArrayOrder, step: Span, stage: &BoardStage, age
     let own = agents.iter().map(|agent| all[*agent].clone()).collect();
     let unshared = Instance { board: board.unshared(), separation, agents: own, merges };
     let answer = portfolio::solve(&unshared, BoardObjective::Makespan, None, SearchBudget::of(OWN_BUDGET));
-    let parts: Vec<(&str, Span)> = (agents.iter().map(|agent| &stage.agents[*agent]))
-        .map(|actor| {
-            let part = &order.parts[actor.part];
-            (part.name.as_str(), actor.asked.map_or(part.span, |action| action.span))
-        })
-        .collect();
+    let parts: Vec<(&str, Span)> = agents.iter().map(|agent| stage.agents[*agent].named(order)).collect();
     matches!(answer, BoardAnswer::Found(_)).then(|| errors::excluded_by_channels(step, &parts))
 }
 

@@ -257,11 +257,14 @@ impl<'a> Sections<'a> {
         if self.order.load_un == [0.0; 3] {
             return true;
         }
+        self.under_load(holding.plane, orientation).holds(0, &contacts_of(holding.grasp))
+    }
+
+    /// Evaluation of grasps in a plane under the load, of a part in an orientation.
+    fn under_load(&mut self, plane: Plane, orientation: UnitQuaternion<f64>) -> Lazy {
         let facts = &self.order.facts;
-        let load = Load::seen(holding.plane, &orientation, self.order.load_un, self.order.part.centre_um);
-        let contacts = self.ready(holding.plane).contacts(facts);
-        let held: Vec<usize> = (0..facts.fingers as usize).filter_map(|f| holding.grasp.contact(f)).collect();
-        Lazy::of(facts, &contacts, load, Rc::clone(&self.looks)).holds(0, &held)
+        let load = Load::seen(plane, &orientation, self.order.load_un, self.order.part.centre_um);
+        Lazy::of(facts, &self.ready(plane).contacts(facts), load, Rc::clone(&self.looks))
     }
 
     /// Lazy evaluation under the load of a leg, unless it has tables of its own.
@@ -273,9 +276,7 @@ impl<'a> Sections<'a> {
         if let Some(known) = self.lazy.get(&key) {
             return Some(Rc::clone(known));
         }
-        let load = Load::seen(plane, &orientation, self.order.load_un, self.order.part.centre_um);
-        let facts = &self.order.facts;
-        let lazy = Rc::new(Lazy::of(facts, &self.ready(plane).contacts(facts), load, Rc::clone(&self.looks)));
+        let lazy = Rc::new(self.under_load(plane, orientation));
         self.lazy.insert(key, Rc::clone(&lazy));
         Some(lazy)
     }

@@ -173,19 +173,12 @@ impl StepsAside {
     /// The problem with these errands among the others.
     fn inserted<'a>(&self, problem: &AssayProblem<'a>) -> AssayProblem<'a> {
         let mut aside = problem.clone();
-        for agent in 0..problem.errands.len() {
-            for errand in 0..problem.errands[agent].len() {
-                aside.afters[agent][errand].extend(met_later(problem, ErrandPlace { agent, errand }));
-            }
-        }
-        if let Some(traces) = &problem.traces {
-            for agent in 0..problem.errands.len() {
-                for errand in 0..problem.errands[agent].len() {
-                    let place = ErrandPlace { agent, errand };
-                    // Who is given off is there from then on: the other one must wait.
-                    let held = problem.given_off_by(agent).filter(|_| errand == 0).unwrap_or(place);
-                    aside.afters[held.agent][held.errand].extend(harmed_later(problem, traces, place));
-                }
+        for place in problem.places() {
+            aside.afters[place.agent][place.errand].extend(met_later(problem, place));
+            if let Some(traces) = &problem.traces {
+                // Who is given off is there from then on: the other one must wait.
+                let held = problem.given_off_by(place.agent).filter(|_| place.errand == 0).unwrap_or(place);
+                aside.afters[held.agent][held.errand].extend(harmed_later(problem, traces, place));
             }
         }
         for agent in 0..problem.errands.len() {
@@ -263,12 +256,11 @@ fn can_be_ordered(problem: &AssayProblem) -> bool {
 /// The last errand near the stop of a merge that the other agent does before it: as long as that is not done, who waits at that stop keeps
 /// the other one from it.
 fn met_later(problem: &AssayProblem, place: ErrandPlace) -> Option<ErrandPlace> {
-    let Errand { meets, stop, .. } = problem.errands[place.agent][place.errand];
-    let (agent, board) = (meets?, &problem.instance.board);
-    let theirs = &problem.errands[agent];
-    let met = theirs.iter().position(|errand| errand.meets == Some(place.agent))?;
-    let errand = (0..met).rev().find(|before| board.apart(theirs[*before].stop, stop) < problem.instance.separation)?;
-    Some(ErrandPlace { agent, errand })
+    let (instance, stop) = (problem.instance, problem.errands[place.agent][place.errand].stop);
+    let ErrandPlace { agent, errand: met } = problem.partner(place)?;
+    let is_near =
+        |errand: &usize| instance.board.apart(problem.errands[agent][*errand].stop, stop) < instance.separation;
+    Some(ErrandPlace { agent, errand: (0..met).rev().find(is_near)? })
 }
 
 /// The errands of others at the stop of one that must be done before it, since its agent leaves there what harms them.
@@ -298,8 +290,7 @@ fn others_near(problem: &AssayProblem, (agent, stop): (usize, CellIndex)) -> Vec
 
 /// All errands of other agents.
 fn others(problem: &AssayProblem, agent: usize) -> impl Iterator<Item = ErrandPlace> {
-    let others = problem.errands.iter().enumerate().filter(move |(other, _)| *other != agent);
-    others.flat_map(|(agent, errands)| (0..errands.len()).map(move |errand| ErrandPlace { agent, errand }))
+    problem.places().filter(move |place| place.agent != agent)
 }
 
 /// Whether others must follow an errand soon that begins at once where its agent stands, and that it can put off by leaving.

@@ -79,7 +79,9 @@ fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
                 let Some(begins) = begins(problem, (agent, index), (&heads, &changes)) else { break };
                 let mut head = arrival.max(begins);
                 if let Some(other) = problem.errands[agent][index].meets {
-                    let theirs = meeting(problem, other, (agent, index), |errands| heads[errands].len());
+                    let partner = problem.partner(ErrandPlace { agent, errand: index });
+                    // Known once all before it are timed.
+                    let theirs = partner.map(|place| place.errand).filter(|place| heads[other].len() >= *place);
                     let Some(theirs) = theirs else { break };
                     let Some(comes) = given_off(problem, other, &heads) else { break };
                     let since = theirs
@@ -172,9 +174,9 @@ fn tails(
                 .get(index + 1)
                 .map(|next| way(agent, index + 1) + u64::from(next.stay) + tails[agent][index + 1]);
             // What is gone lives on in the other.
-            let others = errands[index].meets.filter(|_| problem.is_gone[agent] && index + 1 == errands.len());
-            let lives_on = others.and_then(|other| {
-                let place = problem.errands[other].iter().position(|errand| errand.meets == Some(agent))?;
+            let is_gone = problem.is_gone[agent] && index + 1 == errands.len();
+            let others = problem.partner(ErrandPlace { agent, errand: index }).filter(|_| is_gone);
+            let lives_on = others.and_then(|ErrandPlace { agent: other, errand: place }| {
                 let next = problem.errands[other].get(place + 1)?;
                 Some(way(other, place + 1) + u64::from(next.stay) + tails[other][place + 1])
             });
@@ -270,19 +272,6 @@ impl TurnPlace {
             .flatten()
             .map(move |is_loop| TurnPlace { stop, is_loop })
     }
-}
-
-/// The errand of another agent in which it meets this one, if all before it are timed.
-fn meeting(
-    problem: &AssayProblem,
-    other: usize,
-    (agent, index): (usize, usize),
-    timed: impl Fn(usize) -> usize,
-) -> Option<usize> {
-    let nth = problem.errands[agent][..index].iter().filter(|errand| errand.meets == Some(other)).count();
-    let meets = |(place, errand): (usize, &Errand)| (errand.meets == Some(agent)).then_some(place);
-    let place = problem.errands[other].iter().enumerate().filter_map(meets).nth(nth)?;
-    (timed(other) >= place).then_some(place)
 }
 
 /// Agents that stay at one stop take turns: for each set of those that can begin no earlier than one of them, the earliest start of the

@@ -185,6 +185,20 @@ impl AssayProblem<'_> {
         }
     }
 
+    /// All errands, agent after agent.
+    fn places(&self) -> impl Iterator<Item = ErrandPlace> + use<'_> {
+        let agents = self.errands.iter().enumerate();
+        agents.flat_map(|(agent, own)| (0..own.len()).map(move |errand| ErrandPlace { agent, errand }))
+    }
+
+    /// For an errand in which two meet, that of the other one.
+    fn partner(&self, ErrandPlace { agent, errand }: ErrandPlace) -> Option<ErrandPlace> {
+        let other = self.errands[agent][errand].meets?;
+        let nth = self.errands[agent][..errand].iter().filter(|before| before.meets == Some(other)).count();
+        let theirs = self.errands[other].iter().enumerate().filter(|(_, errand)| errand.meets == Some(agent));
+        Some(ErrandPlace { agent: other, errand: theirs.map(|(place, _)| place).nth(nth)? })
+    }
+
     /// The errand by which an agent is given off; `None` if it comes otherwise.
     fn given_off_by(&self, agent: usize) -> Option<ErrandPlace> {
         let parent = self.parents[agent]?;
@@ -347,9 +361,12 @@ fn in_order(
         Some(_) | None => {
             let part = if joint::takes(problem) { NEGOTIATED_SHARE_OF_FEW } else { NEGOTIATED_SHARE };
             let share = meter.left().steps / part;
-            let carefree = AssayProblem { traces: None, ..problem.clone() };
-            let carefree = meter.share(share / CAREFREE_LISTS_SHARE, |meter| {
-                lags::by_lists(&carefree, ahead, (objective, least), meter)
+            // Without traces these lists were tried already.
+            let carefree = problem.traces.as_ref().and_then(|_| {
+                let carefree = AssayProblem { traces: None, ..problem.clone() };
+                meter.share(share / CAREFREE_LISTS_SHARE, |meter| {
+                    lags::by_lists(&carefree, ahead, (objective, least), meter)
+                })
             });
             let known: Vec<_> = listed.iter().cloned().chain(carefree).collect();
             meter.share(share, |meter| negotiated::best(problem, (ahead, &known), (objective, least), meter))

@@ -3,8 +3,8 @@
 //! Where droplets keep out of each other's traces, lists fail: each agent takes its shortest way, and leaves there what closes it to those
 //! that come later. Here nobody is closed out at first.
 //!
-//! Method: errands are done in turn, the first of an order that can be done. Each way is a cheapest one, on which cells with harmful traces are dear, but open. Each cell at which harm was done gets dearer
-//! for everyone, and all ways are planned anew, until none does harm: negotiated congestion (PathFinder: McMurchie and Ebeling, FPGA 1995),
+//! Method: errands are done in turn, the first of an order that can be done. Each way is a cheapest one, on which cells with harmful traces
+//! are dear, but open. Each cell at which harm was done gets dearer for everyone, and all ways are planned anew, until none does harm: negotiated congestion (PathFinder: McMurchie and Ebeling, FPGA 1995),
 //! with traces in place of wires. In time, each move is made as soon as those that were near its cell before, in this order, have left, so
 //! droplets that keep apart do their errands at the same time, and who comes to a cell after whom stays what it was. Orders to begin with: one
 //! droplet (agents that merge, or come out of one another) after the other, and those of courses that were planned otherwise, such as without
@@ -23,7 +23,7 @@ use super::bound::{self, AssayBounds};
 use super::lists::{below, last_done, moved_to};
 use super::replay::done_by;
 use super::route::Ahead;
-use super::{AgentCourse, AssayPlan, AssayProblem, Errand, ErrandPlace};
+use super::{AgentCourse, AssayPlan, AssayProblem, ErrandPlace};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 use droplet_turns::{CheapestWay, DropletTurns};
@@ -91,7 +91,7 @@ fn in_order_of(problem: &AssayProblem, courses: &[AgentCourse]) -> ErrandOrder {
         let done = done_by[place.agent].get(place.errand).copied().unwrap_or(u32::MAX);
         done.saturating_sub(problem.errands[place.agent][place.errand].work())
     };
-    let mut order = all_errands(problem);
+    let mut order: ErrandOrder = problem.places().collect();
     order.sort_by_key(comes);
     order
 }
@@ -101,10 +101,25 @@ fn next_operation(problem: &AssayProblem, from: ErrandPlace) -> usize {
     problem.operations[from.agent][from.errand..].iter().flatten().next().copied().unwrap_or(usize::MAX)
 }
 
-/// The errands of all agents, agent after agent.
-fn all_errands(problem: &AssayProblem) -> ErrandOrder {
-    let agents = problem.errands.iter().enumerate();
-    agents.flat_map(|(agent, own)| (0..own.len()).map(move |errand| ErrandPlace { agent, errand })).collect()
+/// An order with each item behind those that come before it, as far as that is possible; `befores` puts these on the stack that it is
+/// given, and `is_first` tells the first time that it is asked about an item from the others.
+fn behind_befores<T: Copy>(
+    order: impl DoubleEndedIterator<Item = T>,
+    mut is_first: impl FnMut(T) -> bool,
+    befores: impl Fn(T, &mut Vec<(T, bool)>),
+) -> Vec<T> {
+    let mut sorted = Vec::new();
+    // An item is there twice: until those before it are sorted, and then.
+    let mut open: Vec<(T, bool)> = order.rev().map(|item| (item, false)).collect();
+    while let Some((item, is_last)) = open.pop() {
+        if is_last {
+            sorted.push(item);
+        } else if is_first(item) {
+            open.push((item, true));
+            befores(item, &mut open);
+        }
+    }
+    sorted
 }
 
 struct Negotiation<'a> {
@@ -123,7 +138,7 @@ impl<'a> Negotiation<'a> {
         let heads = bound::drops(problem);
         let mut drops: Vec<ErrandOrder> = vec![Vec::new(); heads.len()];
         let mut befores: Vec<Vec<usize>> = vec![Vec::new(); heads.len()];
-        all_errands(problem).into_iter().for_each(|place| drops[heads[place.agent]].push(place));
+        problem.places().for_each(|place| drops[heads[place.agent]].push(place));
         drops.iter_mut().for_each(|own| own.sort_by_key(|place| next_operation(problem, *place)));
         for (agent, drop) in heads.iter().enumerate() {
             let others = problem.afters[agent].iter().flatten().map(|before| heads[before.agent]);
@@ -142,19 +157,13 @@ impl<'a> Negotiation<'a> {
 
     /// The errands of one droplet after the other, with each droplet behind those that come before it, as far as that is possible.
     fn in_turn(&self, order: &[usize]) -> ErrandOrder {
-        let mut errands = ErrandOrder::new();
         let mut is_seen = vec![false; self.drops.len()];
-        // A droplet is there twice: until those before it have their place, and then.
-        let mut open: Vec<(usize, bool)> = order.iter().rev().map(|drop| (*drop, false)).collect();
-        while let Some((drop, is_last)) = open.pop() {
-            if is_last {
-                errands.extend(&self.drops[drop]);
-            } else if !std::mem::replace(&mut is_seen[drop], true) {
-                open.push((drop, true));
-                open.extend(self.befores[drop].iter().rev().map(|before| (*before, false)));
-            }
-        }
-        errands
+        let drops = behind_befores(
+            order.iter().copied(),
+            |drop| !std::mem::replace(&mut is_seen[drop], true),
+            |drop, open| open.extend(self.befores[drop].iter().rev().map(|before| (*before, false))),
+        );
+        drops.into_iter().flat_map(|drop| self.drops[drop].iter().copied()).collect()
     }
 
     /// Courses in an order about which nothing is known yet.
@@ -209,29 +218,20 @@ impl<'a> Negotiation<'a> {
     /// An order with each errand behind those that come before it, as far as that is possible.
     fn sorted(&self, order: &[ErrandPlace]) -> ErrandOrder {
         let problem = self.problem;
-        let mut sorted = Vec::with_capacity(order.len());
         let mut is_seen: Vec<Vec<bool>> = problem.errands.iter().map(|errands| vec![false; errands.len()]).collect();
-        // An errand is there twice: until those before it are sorted, and then.
-        let mut open: Vec<(ErrandPlace, bool)> = order.iter().rev().map(|place| (*place, false)).collect();
-        while let Some((place, is_last)) = open.pop() {
-            if is_last {
-                sorted.push(place);
-            } else if !std::mem::replace(&mut is_seen[place.agent][place.errand], true) {
-                open.push((place, true));
-                let other = problem.errands[place.agent][place.errand].meets.and_then(|other| {
-                    let meets = |errand: &Errand| errand.meets == Some(place.agent);
-                    Some(ErrandPlace { agent: other, errand: problem.errands[other].iter().position(meets)? })
-                });
+        behind_befores(
+            order.iter().copied(),
+            |place| !std::mem::replace(&mut is_seen[place.agent][place.errand], true),
+            |place, open| {
                 // Those of who comes to it last, so that they are sorted first.
-                for of in std::iter::once(place).chain(other) {
+                for of in std::iter::once(place).chain(problem.partner(place)) {
                     let own = of.errand.checked_sub(1).map(|errand| ErrandPlace { errand, ..of });
                     let before = own.or_else(|| problem.given_off_by(of.agent));
                     let afters = problem.afters[of.agent].get(of.errand).into_iter().flatten().copied();
                     open.extend(before.into_iter().chain(afters).map(|before| (before, false)));
                 }
-            }
-        }
-        sorted
+            },
+        )
     }
 
     /// Courses that do no harm, with errands in an order.
