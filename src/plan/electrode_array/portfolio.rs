@@ -5,7 +5,7 @@
 //! - In rounds of increasing length, [`fast::first`] searches for a plan, but not where the parts are dense, then [`lacam::first`] and,
 //!   one part moving at a time, [`joint`]; then [`exact::prove`] for a reason why there is none (small joint spaces, parts that block
 //!   each other), until one of them succeeds.
-//! - A small joint space is searched exhaustively.
+//! - A small joint space is searched exhaustively; of a larger one pairs of parts may raise the bound on the makespan.
 //! - Until the objective meets its bound or their share of the budget is spent: [`fast::improve`] in rounds and, where a round
 //!   hardly shortens the makespan, [`fast::first`] and [`fast::tighten`] within a limit between the bound and the makespan held:
 //!   with many parts a new plan within a limit is found sooner than a long one is shortened. Where the bound is not met, the same
@@ -40,6 +40,9 @@ const HARD_SHARE: u64 = 4;
 /// One part in this many of the remaining budget goes to better plans, and one to better plans via the other objective.
 const IMPROVE_SHARE: u64 = 4;
 const OTHER_SHARE: u64 = 8;
+
+/// One part in this many of the remaining budget goes to a greater bound on the makespan.
+const RAISE_SHARE: u64 = 16;
 
 /// Most of the makespan's bound, in per cent, that the first round allows: a limit makes the search of each path smaller.
 const ROOMY_PERCENT: u64 = 150;
@@ -236,6 +239,12 @@ impl PortfolioSearch<'_> {
                 }
                 Some((BoardAnswer::Impossible(_) | BoardAnswer::GaveUp(_), false)) | None => {}
             }
+        }
+        if !self.is_met(&first) {
+            let (instance, known) = (self.instance, self.bounds.makespan);
+            let most = BoardCosts::of(&first).makespan;
+            let share = self.meter.left().steps / RAISE_SHARE;
+            self.bounds.makespan = self.meter.share(share, |meter| exact::raised(instance, known, most, meter));
         }
         let all = self.meter.left().steps;
         let share = if self.instance.agents.len() > CROWD { all - all / IMPROVE_SHARE } else { all / IMPROVE_SHARE };

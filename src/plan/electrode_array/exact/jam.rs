@@ -8,6 +8,7 @@
 //! Intelligence 195, 2013).
 
 use super::super::board::CellIndex;
+use super::demand::AgentConstraint;
 use super::field::ExactTables;
 use super::layers::MultiValueDecisionDiagram;
 use super::pair::{CompatiblePairs, PairSide};
@@ -84,6 +85,19 @@ pub fn search(field: &ExactTables, members: &[Member], meter: &mut Meter) -> Jam
         stack.push(if instant + 1 == end { vec![] } else { search.followers(instant + 1) });
     }
     Jam::Stuck
+}
+
+/// Whether the layers prove that there is no plan in which everyone arrives within `steps` steps. Agents with the least time to spare come
+/// first, and those are left out for which the budget does not suffice.
+pub fn excludes(field: &ExactTables, steps: u32, meter: &mut Meter) -> bool {
+    let mut agents: Vec<usize> = (0..field.agents()).collect();
+    agents.sort_by_key(|agent| std::cmp::Reverse(field.least(*agent)));
+    let demand = AgentConstraint { bans: Vec::new(), least: steps, most: steps };
+    let mut layers = |agent| MultiValueDecisionDiagram::new(field, agent, &demand, steps, meter).ok();
+    let layers: Vec<_> = agents.iter().map_while(|agent| layers(*agent)).collect();
+    let member = |(agent, layers)| Member { agent, layers: Rc::new(layers), path: &[] };
+    let members: Vec<Member> = agents.into_iter().zip(layers).map(member).collect();
+    Consistent::new(field, &members, meter).is_none()
 }
 
 fn stack_instant(trail: &[Vec<u16>]) -> u32 {

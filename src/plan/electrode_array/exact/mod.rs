@@ -6,7 +6,7 @@
 //! - A small joint space is searched exhaustively ([`joint`]); that decides every question.
 //! - Without a plan, pairs of agents that cannot pass one another, whatever the others do, are sought in the pairs' joint space.
 //! - Conflict-based search on independent groups (`tree`, `groups`): for the sum of costs directly; for the makespan by testing
-//!   increasing numbers of steps, starting from the lower bound.
+//!   increasing numbers of steps, starting from the lower bound. Before that, pairs of agents often prove that a number is too small (`jam`).
 //! - Still without a plan: the joint space of all, as far as the budget allows.
 //!
 //! Guaranteed: bounds and reasons are proven, plans keep the rule, and everything ends within the budget. With an unlimited budget
@@ -59,6 +59,9 @@ const OPEN_SHARE: u64 = 2;
 /// One part in this many of the remaining budget goes to a better sum of costs at the least makespan.
 const POLISH_SHARE: u64 = 4;
 
+/// One part in this many of the remaining budget goes to the proof by pairs that a number of steps is too small.
+const RAISE_SHARE: u64 = 16;
+
 /// Proves as much as the budget allows: improves the bounds and the incumbent until they meet, or proves that there is no plan.
 ///
 /// The incumbent must be a legal plan. With `limit`, plans of more steps do not count. The bounds of the answer hold for every plan
@@ -97,6 +100,13 @@ pub fn small(
         Some(ProofEnd::Proven) => Some((unsearched(prover.best, prover.bounds), true)),
         None => Some((unsearched(prover.best, prover.bounds), false)),
     }
+}
+
+/// A lower bound on the makespan: a known one, raised step by step where pairs of agents prove that nobody keeps it, up to `most` steps.
+pub fn raised(instance: &Instance, known: u64, most: u64, meter: &mut Meter) -> u64 {
+    let Ok(field) = ExactTables::new(instance) else { return known };
+    let is_excluded = |steps: &u64| u32::try_from(*steps).is_ok_and(|steps| jam::excludes(&field, steps, meter));
+    known + (known..most).take_while(is_excluded).count() as u64
 }
 
 /// The cells that each of some agents without a plan comes to while they keep apart, by agent; `None` where that is too much to visit.
@@ -392,7 +402,7 @@ impl<'a, 'm> Prover<'a, 'm> {
                 return Some(self.too_few_steps());
             }
             let steps = self.bounds.makespan as u32;
-            match groups::search(self.field, exactly(steps), meter) {
+            match within(self.field, steps, meter) {
                 End::Found { paths, .. } => {
                     self.offer(paths);
                     return Some(ProofEnd::Proven);
@@ -452,7 +462,7 @@ impl<'a, 'm> Prover<'a, 'm> {
         loop {
             let steps = self.bounds.makespan as u32;
             let share = self.meter.left().steps / OPEN_SHARE;
-            match self.spend(share, |field, meter| groups::search(field, exactly(steps), meter)) {
+            match self.spend(share, |field, meter| within(field, steps, meter)) {
                 End::Nothing => self.bounds.makespan += 1,
                 End::Found { .. } | End::GaveUp { .. } => break,
             }
@@ -474,6 +484,15 @@ impl<'a, 'm> Prover<'a, 'm> {
         }
         None
     }
+}
+
+/// A plan in which everyone arrives within `steps` steps, whatever the sum of costs.
+fn within(field: &ExactTables, steps: u32, meter: &mut Meter) -> End {
+    let share = meter.left().steps / RAISE_SHARE;
+    if meter.share(share, |meter| jam::excludes(field, steps, meter)) {
+        return End::Nothing;
+    }
+    groups::search(field, exactly(steps), meter)
 }
 
 /// Plans in which everyone arrives within `steps` steps, whatever their sum of costs.

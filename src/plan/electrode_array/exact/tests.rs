@@ -67,6 +67,31 @@ fn conflict_based_search_agrees_with_plain_searches() {
     assert!(compared > 120, "{compared}");
 }
 
+/// Pairs never exclude a number of steps that a plain search keeps, and exclude many of those that it does not.
+#[test]
+fn steps_excluded_by_pairs_agree_with_plain_searches() {
+    let mut chance = Chance(0xbead);
+    let (mut kept, mut excluded, mut missed) = (0, 0, 0);
+    for shape in tiny() {
+        for _ in 0..60 {
+            let Some(instance) = random(shape, &mut chance) else { continue };
+            let Ok(field) = ExactTables::new(&instance) else { continue };
+            let Some(makespan) = least(&instance, BoardObjective::Makespan) else { continue };
+            let alone = (0..field.agents()).map(|agent| u64::from(field.least(agent))).max().unwrap();
+            assert!(raised(&instance, alone, u64::MAX, &mut meter()) <= makespan, "{instance:?} takes {makespan}");
+            for steps in makespan..makespan + 3 {
+                assert!(!jam::excludes(&field, steps as u32, &mut meter()), "{instance:?} in {steps}");
+                kept += 1;
+            }
+            if makespan > alone {
+                let is_excluded = jam::excludes(&field, makespan as u32 - 1, &mut meter());
+                *(if is_excluded { &mut excluded } else { &mut missed }) += 1;
+            }
+        }
+    }
+    assert!(kept > 900 && excluded > 4 * missed, "{kept} kept, {excluded} excluded, {missed} missed");
+}
+
 #[test]
 fn proofs_agree_with_plain_searches() {
     let mut chance = Chance(0xfeed);
