@@ -26,7 +26,7 @@ pub struct Droplet {
     pub to: Cell,
     /// Where the droplet goes with which it is about to merge, or that is pulled from it.
     pub partner: Option<Cell>,
-    /// It is pulled apart: what pulls the other half acts on it even if its channel is on for its own.
+    /// It is pulled apart: what pulls the other half acts on it, whatever else that channel is on for.
     pub is_split: bool,
 }
 
@@ -63,13 +63,13 @@ impl Pins {
         for droplet in droplets.iter().filter(|droplet| self.is_held || droplet.from != droplet.to) {
             meant.insert(droplet.to);
             let on = cells().filter(|cell| self.number(*cell) == self.number(droplet.to) && *cell != droplet.to);
-            let on = on.filter(|cell| has_electrode(*cell) && !self.dead.contains(cell));
-            besides.extend(on.filter(|cell| !(droplet.is_split && droplet.partner == Some(*cell))));
+            besides.extend(on.filter(|cell| has_electrode(*cell) && !self.dead.contains(cell)));
         }
         let on: Vec<Cell> = meant.union(&besides).copied().collect();
         let holds_together = |droplet: &Droplet| {
             let acting = on.iter().filter(|on| near(**on, droplet.from) || near(**on, droplet.to));
-            { acting }.all(|on| *on == droplet.to || (droplet.partner == Some(*on) && !besides.contains(on)))
+            let of_partner = |on: &Cell| droplet.partner == Some(*on) && (droplet.is_split || !besides.contains(on));
+            { acting }.all(|on| *on == droplet.to || of_partner(on))
         };
         droplets.iter().all(holds_together) && !self.stuck.iter().any(|stuck| on.iter().any(|on| near(*on, *stuck)))
     }

@@ -1,11 +1,13 @@
 //! All agents of a small assay at once, where lists lead to no plan or to one that may not be the shortest.
 //!
-//! Method: A* over the positions of all agents with what each has done, one step of the board at a time; the estimate is that of the agent
-//! with the longest way to its end. Guaranteed: a plan is legal and has the fewest steps, and "impossible" is said only after all positions
-//! have been seen, with the cells that they reach. Cost: one step of the budget for each joint position generated; no more than
+//! Method: A* over the positions of all agents with what each has done, one step of the board at a time. For the fewest steps the estimate is
+//! that of the agent with the longest way to its end. For the least sum of costs each agent costs one for each step until it settles: it then
+//! moves no more, which it may do as soon as all that it has left to do is where it is; the estimate adds up what each needs until then.
+//! Guaranteed: a plan is legal and costs least, and "impossible" is said only after all positions have been seen, with the cells that they
+//! reach; the bound of a search that gave up holds. Cost: one step of the budget for each joint position generated; no more than
 //! [`MAX_POSITIONS`] are kept.
 
-use super::super::board::{CellIndex, MetCells};
+use super::super::board::{BoardObjective, CellIndex, MetCells};
 use super::super::broadcast::{AgentStep, PulledStep, SharedChannels};
 use super::super::fast::UNREACHABLE;
 use super::route::Ahead;
@@ -56,6 +58,8 @@ struct JointPosition {
     left: Box<[u64]>,
     /// By lag, the steps since what its errand comes after was done; [`IDLE`] before that, and once the errand is done.
     waits: Box<[u32]>,
+    /// One bit for each agent that moves no more, where sums are minimized.
+    settled: u8,
 }
 
 /// The cells to which each agent has come, ascending.
@@ -65,7 +69,17 @@ pub(super) type AgentCells = Vec<Vec<CellIndex>>;
 struct JointNode {
     position: JointPosition,
     instant: u32,
+    /// What is minimized, so far.
+    cost: u32,
     parent: Option<u32>,
+}
+
+/// What is looked for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct JointTerms {
+    pub objective: BoardObjective,
+    /// Most steps of a plan.
+    pub limit: u32,
 }
 
 /// Whether a problem is small enough to be searched.
@@ -74,31 +88,33 @@ pub(super) fn takes(problem: &AssayProblem) -> bool {
     problem.errands.len() <= MAX_AGENTS && contents <= u64::BITS as usize
 }
 
-/// The courses of all agents in the fewest steps, none of more than `limit`; a search that gave up leaves it open whether there are any.
-pub(super) fn fewest_steps(
+/// The courses of all agents that cost least; a search that gave up leaves it open whether there are any, and answers with a lower bound
+/// on what is minimized.
+pub(super) fn least(
     problem: &AssayProblem,
     ahead: &Ahead,
-    limit: u32,
+    terms: JointTerms,
     meter: &mut Meter,
-) -> SearchAnswer<Vec<AgentCourse>, AgentCells, ()> {
+) -> SearchAnswer<Vec<AgentCourse>, AgentCells, u32> {
     if !takes(problem) {
-        return SearchAnswer::GaveUp(());
+        return SearchAnswer::GaveUp(0);
     }
     let is_due = |agent: usize| problem.comes[agent] || problem.parents[agent].is_some();
     let stand = |agent: usize| if is_due(agent) { JointStand::Due } else { start(problem, agent) };
     let before: Vec<JointStand> = (0..problem.errands.len()).map(stand).collect();
     let mut search =
-        JointSearch { problem, ahead, limit, nodes: Vec::new(), known: FxHashMap::default(), open: BinaryHeap::new() };
+        JointSearch { problem, ahead, terms, nodes: Vec::new(), known: FxHashMap::default(), open: BinaryHeap::new() };
     let cells = problem.traces.as_ref().map_or(0, |_| problem.instance.board.cells());
     let mut starts = Vec::new();
-    search.arrive(before.into(), (&vec![0; cells], &vec![IDLE; problem.lags.len()]), &mut starts);
-    starts.into_iter().for_each(|start| search.enter(start, 0, None));
-    while let Some(Reverse((_, _, index))) = search.open.pop() {
+    let none_before = PositionBefore { left: &vec![0; cells], waits: &vec![IDLE; problem.lags.len()], settled: 0 };
+    search.arrive(before.into(), none_before, &mut starts);
+    starts.into_iter().for_each(|start| search.enter(start, (0, 0), None));
+    while let Some(Reverse((bound, _, index))) = search.open.pop() {
         if search.is_end(index) {
             return SearchAnswer::Found(search.courses(index));
         }
         if search.expand(index, meter).is_none() {
-            return SearchAnswer::GaveUp(());
+            return SearchAnswer::GaveUp(bound);
         }
     }
     SearchAnswer::Impossible(search.reached())
@@ -107,13 +123,20 @@ pub(super) fn fewest_steps(
 struct JointSearch<'a> {
     problem: &'a AssayProblem<'a>,
     ahead: &'a Ahead,
-    /// Most steps of a plan.
-    limit: u32,
+    terms: JointTerms,
     nodes: Vec<JointNode>,
-    /// The earliest instant of each joint position.
-    known: FxHashMap<JointPosition, u32>,
-    /// By estimated end, the later instant first.
+    /// The earliest instant of each joint position, and the least cost, of one node.
+    known: FxHashMap<JointPosition, (u32, u32)>,
+    /// By estimated cost of the whole, the later instant first.
     open: BinaryHeap<Reverse<(u32, Reverse<u32>, u32)>>,
+}
+
+/// What a joint position takes over from the one before it.
+#[derive(Clone, Copy)]
+struct PositionBefore<'a> {
+    left: &'a [u64],
+    waits: &'a [u32],
+    settled: u8,
 }
 
 impl JointSearch<'_> {
@@ -140,72 +163,124 @@ impl JointSearch<'_> {
         self.nodes[index as usize].position.stands.iter().enumerate().all(has_done)
     }
 
-    fn enter(&mut self, position: JointPosition, instant: u32, parent: Option<u32>) {
-        let Some(left) = self.left(&position.stands) else { return };
-        let least = instant.saturating_add(left);
-        if least > self.limit || self.known.get(&position).is_some_and(|known| *known <= instant) {
+    fn enter(&mut self, position: JointPosition, (instant, cost): (u32, u32), parent: Option<u32>) {
+        let Some((longest, sum)) = self.left(&position) else { return };
+        let is_known = |known: &(u32, u32)| match self.terms {
+            JointTerms { objective: BoardObjective::SumOfCosts, limit: u32::MAX } => known.1 <= cost,
+            JointTerms { .. } => known.0 <= instant && known.1 <= cost,
+        };
+        if instant.saturating_add(longest) > self.terms.limit || self.known.get(&position).is_some_and(is_known) {
             return;
         }
-        self.known.insert(position.clone(), instant);
+        let least = match self.terms.objective {
+            BoardObjective::Makespan => instant.saturating_add(longest),
+            BoardObjective::SumOfCosts => cost.saturating_add(sum),
+        };
+        self.known.insert(position.clone(), (instant, cost));
         let index = self.nodes.len() as u32;
-        self.nodes.push(JointNode { position, instant, parent });
+        self.nodes.push(JointNode { position, instant, cost, parent });
         self.open.push(Reverse((least, Reverse(instant), index)));
     }
 
-    /// Least steps to the end; `None` if an agent cannot come there.
-    fn left(&self, stands: &[JointStand]) -> Option<u32> {
-        let mut most = 0;
-        for (agent, stand) in stands.iter().enumerate() {
-            let AgentStand { cell, done, rested } = match stand {
+    /// Least steps to the end, and the least steps of all agents that are not settled until they last move; `None` if an agent cannot come
+    /// to its end.
+    fn left(&self, position: &JointPosition) -> Option<(u32, u32)> {
+        let (mut longest, mut sum) = (0, 0u32);
+        for (agent, stand) in position.stands.iter().enumerate() {
+            let stand = match stand {
                 JointStand::Due => at_start(self.problem, agent),
                 JointStand::There(stand) => *stand,
                 JointStand::Gone => continue,
             };
-            let errands = &self.problem.errands[agent];
-            let (mut from, mut left) = (cell, 0u32);
-            for (index, errand) in errands.iter().enumerate().skip((done as usize).min(errands.len() - 1)) {
-                let is_mixing = index as u32 == done && errand.mixes.is_some() && rested > 0;
-                let way = if is_mixing { 0 } else { self.ahead.steps(agent, index, from) };
-                if way == UNREACHABLE {
-                    return None;
-                }
-                let stay = if index as u32 == done { errand.stay - rested } else { errand.stay };
-                let is_due = index as u32 >= done;
-                left = left.saturating_add(way).saturating_add(if is_due { stay } else { 0 });
-                from = errand.stop;
+            let (end, moves) = self.left_of(agent, stand)?;
+            longest = longest.max(end);
+            if position.settled >> agent & 1 == 0 {
+                sum = sum.saturating_add(moves);
             }
-            most = most.max(left);
         }
-        Some(most)
+        Some((longest, sum))
+    }
+
+    /// Least steps of an agent to its end, and until it last moves.
+    fn left_of(&self, agent: usize, AgentStand { cell, done, rested }: AgentStand) -> Option<(u32, u32)> {
+        let errands = &self.problem.errands[agent];
+        let (mut from, mut left, mut moves) = (cell, 0u32, 0);
+        for (index, errand) in errands.iter().enumerate().skip((done as usize).min(errands.len() - 1)) {
+            let is_mixing = index as u32 == done && errand.mixes.is_some() && rested > 0;
+            let way = if is_mixing { 0 } else { self.ahead.steps(agent, index, from) };
+            if way == UNREACHABLE {
+                return None;
+            }
+            let stay = if index as u32 == done { errand.stay - rested } else { errand.stay };
+            let is_due = index as u32 >= done;
+            left = left.saturating_add(way);
+            moves = if way > 0 { left } else { moves };
+            left = left.saturating_add(if is_due { stay } else { 0 });
+            moves = if is_due && errand.mixes.is_some() && stay > 0 { left } else { moves };
+            from = errand.stop;
+        }
+        Some((left, moves))
     }
 
     /// Adds all joint positions one step later; `None` when the meter or the room runs out.
     fn expand(&mut self, index: u32, meter: &mut Meter) -> Option<()> {
-        let JointNode { position: JointPosition { stands, left, waits }, instant, .. } = &self.nodes[index as usize];
-        let (instant, mut moved) = (*instant, Vec::new());
-        self.extend(stands, &mut Vec::with_capacity(stands.len()), &mut moved);
+        let JointNode { position, instant, cost, .. } = &self.nodes[index as usize];
+        let JointPosition { stands, left, waits, settled } = position;
+        let (instant, settled, mut moved) = (*instant, *settled, Vec::new());
+        let charged = match self.terms.objective {
+            BoardObjective::Makespan => 1,
+            BoardObjective::SumOfCosts => (0..stands.len()).filter(|agent| settled >> agent & 1 == 0).count() as u32,
+        };
+        let cost = cost + charged;
+        self.extend((stands, settled), &mut Vec::with_capacity(stands.len()), &mut moved);
         let mut found = Vec::new();
-        moved.into_iter().for_each(|next| self.arrive(next, (left, waits), &mut found));
+        let before = PositionBefore { left, waits, settled };
+        moved.into_iter().for_each(|next| self.arrive(next, before, &mut found));
         for next in found {
             meter.step()?;
-            self.enter(next, instant + 1, Some(index));
+            self.enter(next, (instant + 1, cost), Some(index));
         }
         (self.nodes.len() <= MAX_POSITIONS).then_some(())
     }
 
     /// Does what can be done where the agents have come to, and adds the positions with those that come then; none that does harm.
-    fn arrive(&self, mut next: Box<[JointStand]>, (left, waits): (&[u64], &[u32]), found: &mut Vec<JointPosition>) {
+    fn arrive(&self, mut next: Box<[JointStand]>, before: PositionBefore, found: &mut Vec<JointPosition>) {
         let cell = |stand: &JointStand| Some(stand.there()?.cell);
         let cells = self.problem.traces.as_ref().map_or(Vec::new(), |_| next.iter().map(cell).collect());
         settle(self.problem, &mut next);
         let mut with_new = Vec::new();
         self.come(&next, 0, &mut with_new);
-        let position = |stands: Box<[JointStand]>| {
-            let left = self.trodden(&cells, &stands, left)?;
-            let waits = self.waited(&stands, waits)?;
-            Some(JointPosition { stands, left, waits })
-        };
-        found.extend(with_new.into_iter().filter_map(position));
+        for stands in with_new {
+            let left = self.trodden(&cells, &stands, before.left);
+            let Some((left, waits)) = left.zip(self.waited(&stands, before.waits)) else { continue };
+            for settled in self.settlings(&stands, before.settled) {
+                let (stands, left, waits) = (stands.clone(), left.clone(), waits.clone());
+                found.push(JointPosition { stands, left, waits, settled });
+            }
+        }
+    }
+
+    /// The sets of agents that may be settled from a position on, one bit for each agent: with those that are so already, and those that are
+    /// gone, any of those that need not move any more.
+    fn settlings(&self, stands: &[JointStand], settled: u8) -> Vec<u8> {
+        if self.terms.objective == BoardObjective::Makespan {
+            return vec![0];
+        }
+        let mut sets = vec![settled];
+        for agent in (0..stands.len()).filter(|agent| settled >> agent & 1 == 0) {
+            let stand = match stands[agent] {
+                JointStand::Gone => {
+                    sets.iter_mut().for_each(|set| *set |= 1 << agent);
+                    continue;
+                }
+                JointStand::There(stand) => stand,
+                JointStand::Due => at_start(self.problem, agent),
+            };
+            if self.left_of(agent, stand).is_some_and(|(_, moves)| moves == 0) {
+                sets.extend(sets.clone().into_iter().map(|set| set | 1 << agent));
+            }
+        }
+        sets
     }
 
     /// The waits of all lags a step later; `None` if one is too long for what must be done by its end.
@@ -258,7 +333,12 @@ impl JointSearch<'_> {
     }
 
     /// All steps of the agents from one on, round those of the agents before it.
-    fn extend(&self, from: &[JointStand], next: &mut Vec<JointStand>, found: &mut Vec<Box<[JointStand]>>) {
+    fn extend(
+        &self,
+        (from, settled): (&[JointStand], u8),
+        next: &mut Vec<JointStand>,
+        found: &mut Vec<Box<[JointStand]>>,
+    ) {
         let agent = next.len();
         let Some(stand) = from.get(agent) else {
             found.extend(self.with_given_off(from, next));
@@ -266,17 +346,18 @@ impl JointSearch<'_> {
         };
         let JointStand::There(own) = stand else {
             next.push(*stand);
-            self.extend(from, next, found);
+            self.extend((from, settled), next, found);
             next.pop();
             return;
         };
         for stand in self.steps_of(from, (agent, *own)) {
-            if self.is_torn(from, (agent, *own), stand) {
+            let is_settled = settled >> agent & 1 == 1;
+            if (is_settled && stand.cell != own.cell) || self.is_torn(from, (agent, *own), stand) {
                 continue;
             }
             if (0..agent).all(|other| self.keeps_apart(from, (agent, stand), (other, next[other]))) {
                 next.push(JointStand::There(stand));
-                self.extend(from, next, found);
+                self.extend((from, settled), next, found);
                 next.pop();
             }
         }
@@ -579,7 +660,8 @@ mod tests {
         };
         let mut meter = Meter::new(SearchBudget::of(100_000));
         let ahead = Ahead::new(&problem, &mut Distances::of(&instance.board), &mut meter);
-        let SearchAnswer::Found(courses) = fewest_steps(&problem, &ahead, u32::MAX, &mut meter) else {
+        let terms = JointTerms { objective: BoardObjective::Makespan, limit: u32::MAX };
+        let SearchAnswer::Found(courses) = least(&problem, &ahead, terms, &mut meter) else {
             panic!("there is a plan")
         };
         assert_eq!(AssayPlan::costs(&courses).makespan, 5);

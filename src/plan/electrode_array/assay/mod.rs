@@ -10,7 +10,7 @@
 //! they leave traces, droplets take turns and negotiate about cells (`negotiated`); then lists in random order are gone through, and where no plan is found, or it may have too many steps, a few agents are planned all at once (`joint`).
 //!
 //! Guaranteed: a plan is legal; `bound` holds for every plan; the same input and budget give the same plan. For few agents, while the
-//! budget lasts, a plan is found where there is one, with the fewest steps where these are minimized. Else neither is guaranteed.
+//! budget lasts, a plan is found where there is one, with the fewest steps or the least sum of costs. Else neither is guaranteed.
 //! Cost: one step of the budget is one expanded node of the search of one course, or one joint position of several agents; of many agents
 //! their courses cost some, too.
 
@@ -32,6 +32,7 @@ use super::fast;
 use crate::plan::search::{Meter, SearchAnswer};
 pub use bound::{LoopRoom, families, steps_between};
 pub use channels::are_kept_by_courses;
+use joint::JointTerms;
 pub use lags::are_kept;
 pub use replay::{cut_where_gone, done_by};
 use rustc_hash::FxHashSet;
@@ -288,6 +289,9 @@ const NEGOTIATED_SHARE: u64 = 3;
 /// One part in this many of the remaining budget for the search without regard to traces.
 const CAREFREE_SHARE: u64 = 3;
 
+/// One part in this many of the remaining budget for the least sum of costs by all positions.
+const SUM_SHARE: u64 = 2;
+
 /// One part in this many of the share of droplets that negotiate for lists without regard to traces, whose order they begin with.
 const CAREFREE_LISTS_SHARE: u64 = 16;
 
@@ -320,27 +324,93 @@ pub fn solve(
             courses.filter(|courses| are_kept_by_courses(problem, courses))
         }
     };
-    let bounds = least.costs;
-    let steps = by_lists.as_ref().map(|courses| AssayPlan::costs(courses).makespan);
-    let is_enough = steps.is_some_and(|steps| steps == bounds.makespan || objective != BoardObjective::Makespan);
-    if is_enough || effort == AssayEffort::Lists {
-        return found(by_lists, bounds);
+    if effort == AssayEffort::Lists {
+        return found(by_lists, least.costs);
+    }
+    let (known, bounds) = match (objective, effort) {
+        (BoardObjective::SumOfCosts, AssayEffort::Whole) => {
+            match least_sum(problem, &ahead, (by_lists, least.costs), meter) {
+                Ok(known) => known,
+                Err(why) => return SearchAnswer::Impossible(why),
+            }
+        }
+        (BoardObjective::Makespan, _) | (BoardObjective::SumOfCosts, AssayEffort::Lists | AssayEffort::Below(_)) => {
+            (by_lists, least.costs)
+        }
+    };
+    match &known {
+        Some(courses) if AssayPlan::is_least(courses, objective, bounds) => found(known, bounds),
+        Some(_) | None => fewer_steps(problem, &ahead, (known, bounds), (objective, effort), meter),
+    }
+}
+
+/// Courses, if any are known, and lower bounds on every plan.
+type KnownCourses = (Option<Vec<AgentCourse>>, BoardCosts);
+
+/// The least sum of costs of a small assay by all positions, with the bound that this proves; where the search gave up, the courses that are
+/// known.
+fn least_sum(
+    problem: &AssayProblem,
+    ahead: &route::Ahead,
+    (known, mut bounds): KnownCourses,
+    meter: &mut Meter,
+) -> Result<KnownCourses, NoAssayPlan> {
+    let objective = BoardObjective::SumOfCosts;
+    if known.as_ref().is_some_and(|courses| AssayPlan::is_least(courses, objective, bounds)) {
+        return Ok((known, bounds));
+    }
+    let (share, terms) = (meter.left().steps / SUM_SHARE, JointTerms { objective, limit: u32::MAX });
+    match meter.share(share, |meter| joint::least(problem, ahead, terms, meter)) {
+        SearchAnswer::Found(courses) => {
+            bounds.sum_of_costs = AssayPlan::costs(&courses).sum_of_costs;
+            Ok((better(objective, known, courses), bounds))
+        }
+        SearchAnswer::Impossible(reached) => Err(NoAssayPlan::Excluded { reached }),
+        SearchAnswer::GaveUp(sum) => {
+            bounds.sum_of_costs = bounds.sum_of_costs.max(u64::from(sum));
+            Ok((known, bounds))
+        }
+    }
+}
+
+/// The better one of some courses and those that are known.
+fn better(
+    objective: BoardObjective,
+    known: Option<Vec<AgentCourse>>,
+    courses: Vec<AgentCourse>,
+) -> Option<Vec<AgentCourse>> {
+    known.into_iter().chain([courses]).min_by_key(|courses| AssayPlan::costs(courses).key(objective))
+}
+
+/// The courses of fewest steps by all positions, where these are fewer than those of the courses that are known and, if sums are minimized,
+/// their sum is smaller.
+fn fewer_steps(
+    problem: &AssayProblem,
+    ahead: &route::Ahead,
+    (known, bounds): KnownCourses,
+    (objective, effort): (BoardObjective, AssayEffort),
+    meter: &mut Meter,
+) -> SearchAnswer<AssayPlan, NoAssayPlan, BoardCosts> {
+    let steps = known.as_ref().map(|courses| AssayPlan::costs(courses).makespan);
+    if steps == Some(bounds.makespan) {
+        return found(known, bounds);
     }
     let begin = |courses: &Vec<AgentCourse>| HeldBoardPlan::begin(objective, AssayPlan::costs(courses), bounds);
-    let _held = by_lists.as_ref().map(begin);
+    let _held = known.as_ref().map(begin);
     // Only fewer steps than those at hand are of use.
     let below = if let AssayEffort::Below(steps) = effort { Some(steps) } else { steps };
     let limit = below.and_then(|steps| u32::try_from(steps.checked_sub(1)?).ok()).unwrap_or(u32::MAX);
-    match fewest_steps(problem, &ahead, limit, meter) {
+    let raised = |makespan: u64| BoardCosts { makespan: makespan.max(bounds.makespan), ..bounds };
+    match fewest_steps(problem, ahead, limit, meter) {
         SearchAnswer::Found(courses) => {
-            let makespan = AssayPlan::costs(&courses).makespan;
-            found(Some(courses), BoardCosts { makespan, ..bounds })
+            let bounds = raised(AssayPlan::costs(&courses).makespan);
+            found(better(objective, known, courses), bounds)
         }
         SearchAnswer::Impossible(reached) if below.is_none() => {
             SearchAnswer::Impossible(NoAssayPlan::Excluded { reached })
         }
-        SearchAnswer::Impossible(_) => found(by_lists, BoardCosts { makespan: u64::from(limit) + 1, ..bounds }),
-        SearchAnswer::GaveUp(()) => found(by_lists, bounds),
+        SearchAnswer::Impossible(_) => found(known, raised(u64::from(limit) + 1)),
+        SearchAnswer::GaveUp(steps) => found(known, raised(u64::from(steps.min(limit.saturating_add(1))))),
     }
 }
 
@@ -387,19 +457,20 @@ fn fewest_steps(
     ahead: &route::Ahead,
     limit: u32,
     meter: &mut Meter,
-) -> SearchAnswer<Vec<AgentCourse>, Vec<Vec<CellIndex>>, ()> {
+) -> SearchAnswer<Vec<AgentCourse>, Vec<Vec<CellIndex>>, u32> {
+    let terms = JointTerms { objective: BoardObjective::Makespan, limit };
     if let Some(traces) = &problem.traces {
         let carefree = AssayProblem { traces: None, ..problem.clone() };
         let share = meter.left().steps / CAREFREE_SHARE;
-        match meter.share(share, |meter| joint::fewest_steps(&carefree, ahead, limit, meter)) {
+        match meter.share(share, |meter| joint::least(&carefree, ahead, terms, meter)) {
             SearchAnswer::Found(courses) if traces.harmed(problem, &courses).is_none() => {
                 return SearchAnswer::Found(courses);
             }
             SearchAnswer::Impossible(reached) => return SearchAnswer::Impossible(reached),
-            SearchAnswer::Found(_) | SearchAnswer::GaveUp(()) => {}
+            SearchAnswer::Found(_) | SearchAnswer::GaveUp(_) => {}
         }
     }
-    joint::fewest_steps(problem, ahead, limit, meter)
+    joint::least(problem, ahead, terms, meter)
 }
 
 fn found(courses: Option<Vec<AgentCourse>>, bounds: BoardCosts) -> SearchAnswer<AssayPlan, NoAssayPlan, BoardCosts> {
