@@ -38,6 +38,10 @@ impl KindOrder for MicrorobotsOrder {
     fn kind(&self) -> Kind {
         Kind::Microrobots
     }
+
+    fn margin_v(&self) -> Option<f64> {
+        Some(self.facts.margin_v)
+    }
 }
 
 impl MicrorobotsOrder {

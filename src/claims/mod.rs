@@ -73,6 +73,12 @@ impl Claims {
         own.filter_map(|job| job.order.asked().tolerance_um()).reduce(f64::min)
     }
 
+    /// How well the voltages are known at which a device does what it does: the least figure of its jobs, if its kind has one.
+    pub fn margin_v(&self, device: &str) -> Option<f64> {
+        let own = self.jobs.iter().filter(|job| job.device == device);
+        own.filter_map(|job| job.order.asked().margin_v()).reduce(f64::min)
+    }
+
     /// Where a device stands in pictures and beside others: the same in every scene of a program that places it.
     pub fn frame(&self, device: &str) -> Option<Pose> {
         let shared = self.shared.iter().find_map(|scene| scene.frames.get(device));
@@ -234,6 +240,11 @@ pub trait KindOrder {
 
     /// How far the device may be off the ways of its job, in micrometres, if its kind has such a figure. Planned ways use half of it.
     fn tolerance_um(&self) -> Option<f64> {
+        None
+    }
+
+    /// How well the voltages are known at which the device does what it does, in volts, if its kind has such a figure.
+    fn margin_v(&self) -> Option<f64> {
         None
     }
 }

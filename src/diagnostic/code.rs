@@ -234,6 +234,7 @@ ledger! {
     E0622 "a change too fast for an amplifier"
     E0623 "times too fine for a sample clock"
     E0624 "a way that a stage cannot follow"
+    E0625 "levels too coarse for a device"
     E0701 "a schedule names a channel, step or plan that it does not have"
     E0702 "a number in a schedule cannot be"
     E0703 "actuations are not in order of time"

@@ -3,7 +3,7 @@
 use super::{Format, Signals};
 use crate::device::instrument::Family;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::{Dimension, Quantity, three_digits};
 
 /// The largest text file that is written, in bytes: it is made in memory, and its readers load it whole.
 pub const MAX_TEXT_BYTES: u64 = 1 << 28;
@@ -33,6 +33,11 @@ pub enum EmitError {
     TooLongForTable { instrument: String, points: u64, limit: u64, period_ns: f64 },
     /// Electrodes are wired to a driver, but to none that the format is for.
     OtherProtocol { format: Format, name: String },
+    /// Edges, or where waits cut the schedule, fall between the samples of an instrument.
+    TooFine { instrument: String, period_ns: u64, rate_hz: f64 },
+    /// A stage moves further from one sample to the next than the tolerance of its device, both in `um`: the memory of the instrument is too
+    /// small, or its clock too slow.
+    CoarseStages { instrument: String, channel: String, um: [f64; 2], period_ns: u64, is_by_memory: bool },
     /// Digital lines of a card that has no sample clock for them.
     NoSampleClock { instrument: String },
     /// No channel is wired to an instrument of the family that plays the format; no family where there is no channel at all.
@@ -82,6 +87,8 @@ impl EmitError {
             | EmitError::TooManyFrames { .. }
             | EmitError::TooLongForTable { .. }
             | EmitError::OtherProtocol { .. }
+            | EmitError::TooFine { .. }
+            | EmitError::CoarseStages { .. }
             | EmitError::NoSampleClock { .. }
             | EmitError::NotWired { .. }
             | EmitError::Leap { .. }
@@ -135,6 +142,10 @@ impl EmitError {
                 let title = format!("no electrode of `{name}` is wired to a driver that `{}` is for", format.name());
                 Diagnostic::new(Code::E0824, title).help("write `--emit frames`, which every electrode driver has")
             }
+            EmitError::TooFine { instrument, period_ns, rate_hz } => too_fine(instrument, *period_ns, *rate_hz),
+            EmitError::CoarseStages { instrument, channel, um, period_ns, is_by_memory } => {
+                coarse_stages((instrument, channel), *um, *period_ns, *is_by_memory)
+            }
             EmitError::NoSampleClock { instrument } => {
                 Diagnostic::new(Code::E0829, format!("the lines of `{instrument}` have no sample clock, so that nothing holds their times"))
                     .help("wire to the lines of a clocked port; if these are, give the instrument its `digital_rate`")
@@ -172,6 +183,36 @@ fn too_many_frames(instrument: &str, [frames, limit]: [u64; 2], period_ns: u64) 
     let title = format!("{frames} frames of {period} for `{instrument}`, its own program loads {limit}");
     Diagnostic::new(Code::E0823, title)
         .help("write `--emit frames`, whose sender has no limit, or build the tasks one at a time with `--task`")
+}
+
+fn too_fine(instrument: &str, period_ns: u64, rate_hz: f64) -> Diagnostic {
+    let [period, least] = [period_ns as f64 / 1e9, 1.0 / rate_hz].map(|s| Quantity::new(s, Dimension::TIME));
+    let title = format!("edges and waits on multiples of {period}, but `{instrument}` samples every {least}");
+    Diagnostic::new(Code::E0623, title)
+        .help(format!("choose pulse durations, rests and waits as multiples of {least} or of a longer time"))
+}
+
+fn coarse_stages(
+    (instrument, channel): (&str, &str),
+    [step_um, tolerance_um]: [f64; 2],
+    period_ns: u64,
+    is_by_memory: bool,
+) -> Diagnostic {
+    let [step, tolerance] = [step_um, tolerance_um].map(|um| Quantity::new(three_digits(um) / 1e6, Dimension::LENGTH));
+    let period = Quantity::new(three_digits(period_ns as f64) / 1e9, Dimension::TIME);
+    let title = format!(
+        "`{channel}` moves by {step} from one sample of `{instrument}` to the next, the tolerance of its device is {tolerance}"
+    );
+    let help = match (is_by_memory, (tolerance_um / step_um * 100.0).floor()) {
+        (true, _) => format!(
+            "its memory makes samples {period} apart: build the tasks one at a time with `--task`, or take an instrument of more points"
+        ),
+        (false, percent) if percent >= 1.0 => format!(
+            "its samples are {period} apart: lower the speeds of the device to {percent} % of what they are, or take a faster instrument"
+        ),
+        (false, _) => format!("its samples are {period} apart: take a faster instrument"),
+    };
+    Diagnostic::new(Code::E0624, title).help(help)
 }
 
 fn too_long_for_table(instrument: &str, [points, limit]: [u64; 2], period_ns: f64) -> Diagnostic {

@@ -124,12 +124,12 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
             let [sources, deck] = pwl::write(&signals)?;
             vec![named("pwl.inc", sources), named("cir", deck)]
         }
-        Format::Nidaqmx => nidaqmx::write(schedule)?,
+        Format::Nidaqmx => nidaqmx::write(schedule, verified.claims())?,
         Format::Frames => frames::write(schedule, &dispensed(verified))?,
         Format::Opendrop => frames::write_opendrop(schedule)?,
         Format::Microdrop => write_microdrop(verified)?,
         Format::Stages => stages::write(schedule, verified.claims())?,
-        Format::Scpi => scpi::write(schedule)?,
+        Format::Scpi => scpi::write(schedule, verified.claims())?,
         Format::Gcode => {
             let programs = gcode::write(&signals, verified.claims())?;
             programs.into_iter().map(|(of, program)| (format!("{of}.ngc"), program)).collect()

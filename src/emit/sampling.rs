@@ -1,16 +1,32 @@
 //! Sample period of the outputs.
 //!
-//! Voltages have their edges on samples, so that they are exact. Positions are sampled often enough for their speed.
+//! Voltages have their edges on samples, so that they are exact. Positions are sampled often enough for their speed; where an instrument
+//! is too slow or its memory too small for that, by no more than the tolerance of their device.
 
 use super::signal::half_ns;
-use super::{Signals, parts};
+use super::wired::WiredInstrument;
+use super::{EmitError, Signals, parts};
+use crate::claims::Claims;
 use crate::schedule::{Actuation, ChannelUnit};
 
-/// Greatest move of a stage from one sample to the next, in micrometres, unless the instrument's memory is too small.
+/// Greatest move of a stage from one sample to the next, in micrometres, where the instrument is fast enough and its memory suffices.
 pub const SAMPLE_UM: f64 = 0.05;
 
 /// Greatest number of parts into which the common period of voltages is divided for positions.
 const MAX_PARTS: u64 = 100_000;
+
+/// Room for the rounding of a quotient of two figures of the program.
+const ROUNDING: f64 = 1.0 + 1e-12;
+
+/// What an instrument takes.
+pub struct SampleLimits {
+    /// At least and at most so many points.
+    pub points: [u64; 2],
+    /// Most of them in a second.
+    pub rate_hz: f64,
+    /// The longest period that will do, if there is one.
+    pub most_ns: Option<u64>,
+}
 
 /// The samples of all channels, before they are scaled.
 pub struct Sampling {
@@ -20,25 +36,30 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// The sampling of what an instrument plays that has at least and at most so many points, and at most so many in a second; where it
-    /// is to be no coarser than some period, that too.
+    /// The sampling of what an instrument plays.
+    ///
+    /// # Errors
+    /// [`EmitError::TooFine`], [`EmitError::CoarseStages`].
     pub fn new(
         signals: &Signals,
-        [least_points, most_points]: [u64; 2],
-        rate_hz: f64,
-        most_ns: Option<u64>,
-    ) -> Sampling {
+        wired: &WiredInstrument,
+        claims: &Claims,
+        limits: &SampleLimits,
+    ) -> Result<Sampling, EmitError> {
         let duration_ns = signals.schedule.duration_ns;
         let common_ns = common_ns(signals);
-        let by_rate_ns = ((1e9 / rate_hz).ceil() as u64).max(1);
+        let by_rate_ns = ((1e9 / limits.rate_hz).ceil() as u64).max(1);
+        let [least_points, most_points] = limits.points;
+        let by_memory_ns = duration_ns.div_ceil(most_points.saturating_sub(2).max(1));
         let period_ns = match steady_ns(signals) {
             None => {
-                let whole_ns = gcd(duration_ns, common_ns).max(1);
-                most_ns.map_or(whole_ns, |most_ns| part(whole_ns, most_ns, by_rate_ns))
+                let exact_ns = gcd(duration_ns, common_ns);
+                // After the last edge nothing changes, so that the end may be a little later.
+                let whole_ns = if exact_ns < by_rate_ns { common_ns.max(exact_ns) } else { exact_ns }.max(1);
+                limits.most_ns.map_or(whole_ns, |most_ns| part(whole_ns, most_ns, by_rate_ns))
             }
             Some(steady_ns) => {
-                let wanted_ns = most_ns.map_or(steady_ns, |most_ns| steady_ns.min(most_ns));
-                let by_memory_ns = duration_ns.div_ceil(most_points.saturating_sub(2).max(1));
+                let wanted_ns = limits.most_ns.map_or(steady_ns, |most_ns| steady_ns.min(most_ns));
                 let least_ns = by_memory_ns.max(by_rate_ns);
                 match common_ns {
                     0 => wanted_ns.clamp(1, duration_ns.max(1)).max(least_ns),
@@ -46,7 +67,37 @@ impl Sampling {
                 }
             }
         };
-        Sampling { period_ns, points: (duration_ns.div_ceil(period_ns) + 2).max(least_points) }
+        if common_ns > 0 && period_ns as f64 * limits.rate_hz < 1e9 / ROUNDING {
+            let (instrument, rate_hz) = (wired.name.to_owned(), limits.rate_hz);
+            return Err(EmitError::TooFine { instrument, period_ns, rate_hz });
+        }
+        let sampling = Sampling { period_ns, points: (duration_ns.div_ceil(period_ns) + 2).max(least_points) };
+        sampling.keeps_tolerance(signals, wired, (claims, by_memory_ns > by_rate_ns))?;
+        Ok(sampling)
+    }
+
+    /// An error if a stage moves by more than the tolerance of its device from one sample to the next.
+    fn keeps_tolerance(
+        &self,
+        signals: &Signals,
+        wired: &WiredInstrument,
+        (claims, is_by_memory): (&Claims, bool),
+    ) -> Result<(), EmitError> {
+        for index in signals.in_unit(ChannelUnit::Micrometre) {
+            let channel = &signals.schedule.channels[index];
+            let Some(tolerance_um) = claims.tolerance_um(&channel.device) else { continue };
+            let step_um = um_per_ns(signals, index) * self.period_ns as f64;
+            if step_um > tolerance_um * ROUNDING {
+                return Err(EmitError::CoarseStages {
+                    instrument: wired.name.to_owned(),
+                    channel: channel.name.clone(),
+                    um: [step_um, tolerance_um],
+                    period_ns: self.period_ns,
+                    is_by_memory,
+                });
+            }
+        }
+        Ok(())
     }
 
     /// Where a stage is at each sample, in micrometres: at the first one where it is at the beginning, as at the second.
@@ -93,9 +144,13 @@ fn steady_ns(signals: &Signals) -> Option<u64> {
 
 /// The greatest speed of a stage; `None` without stages.
 fn fastest_um_per_ns(signals: &Signals) -> Option<f64> {
+    signals.in_unit(ChannelUnit::Micrometre).map(|channel| um_per_ns(signals, channel)).reduce(f64::max)
+}
+
+/// The greatest speed of one stage.
+fn um_per_ns(signals: &Signals, channel: usize) -> f64 {
     let speed = |actuation: &&Actuation| (actuation.to - actuation.from).abs() / actuation.duration_ns as f64;
-    let stages = signals.in_unit(ChannelUnit::Micrometre);
-    stages.map(|channel| signals.of(channel).iter().map(speed).fold(0.0, f64::max)).reduce(f64::max)
+    signals.of(channel).iter().map(speed).fold(0.0, f64::max)
 }
 
 /// A whole part of a period: the greatest that is as short as wanted, or else the shortest found that is not below the least.

@@ -2,10 +2,10 @@
 //!
 //! Input: a schedule and the claims with the program's bench. Promise: of a schedule that passes, every level lies within the
 //! range of the output that plays it and of the amplifier behind it, a switched channel has no level but the two of its switch,
-//! no amplifier needs longer for a change than the new level lasts, and every edge falls on a sample of its
-//! instrument's clock; stages can follow their channels ([`super::stages`]). What is wrong is pointed out at the wire, with the step that asks for it.
+//! no amplifier needs longer for a change than the new level lasts; stages can follow their channels ([`super::stages`]), and every edge
+//! falls on a sample of its instrument's clock, of levels that are as fine as the device needs ([`super::sampled`]). What is wrong is pointed out at the wire, with the step that asks for it.
 
-use super::stages;
+use super::{sampled, stages};
 use crate::claims::Claims;
 use crate::device::instrument::{Drive, Instrument, InstrumentFacts, Link, OutputSort};
 use crate::diagnostic::{Code, Diagnostic, Sink};
@@ -26,9 +26,10 @@ pub fn holds(schedule: &Schedule, claims: &Claims, sink: &mut Sink) -> bool {
         let finding = wired.beyond_range().or_else(|| wired.unswitched()).or_else(|| wired.beyond_driver());
         let finding = finding.or_else(|| wired.rests_beyond()).or_else(|| wired.too_fast());
         let finding = finding.or_else(|| stages::beyond_stage(schedule, index, claims, (drive, instrument)));
+        let finding = finding.or_else(|| sampled::coarser_than_its_use(schedule, index, claims, (drive, instrument)));
         finding.into_iter().for_each(|finding| sink.push(finding));
     }
-    finer_than_a_sample(schedule, claims).into_iter().for_each(|finding| sink.push(finding));
+    sampled::finer_than_a_sample(schedule, claims).into_iter().for_each(|finding| sink.push(finding));
     shorter_than_a_frame(schedule, claims).into_iter().for_each(|finding| sink.push(finding));
     sink.errors() == before
 }
@@ -49,11 +50,6 @@ fn volts(value: f64) -> Quantity {
 
 fn seconds(ns: f64) -> Quantity {
     Quantity::new(ns / 1e9, Dimension::TIME)
-}
-
-/// The values at the ends of an actuation, or the levels of its swing.
-fn levels(actuation: &Actuation) -> [f64; 2] {
-    actuation.swing.map_or([actuation.from, actuation.to], |swing| swing.levels)
 }
 
 impl WiredChannel<'_> {
@@ -140,7 +136,7 @@ impl WiredChannel<'_> {
 
     /// The value with the greatest size, and its actuation.
     fn largest(&self, size: impl Fn(f64) -> f64) -> Option<(f64, &Actuation)> {
-        let all = self.actuations.iter().flat_map(|actuation| levels(actuation).map(|value| (value, *actuation)));
+        let all = self.actuations.iter().flat_map(|actuation| actuation.levels().map(|value| (value, *actuation)));
         all.reduce(|best, next| if size(next.0) > size(best.0) { next } else { best })
     }
 
@@ -148,8 +144,10 @@ impl WiredChannel<'_> {
     fn unswitched(&self) -> Option<Diagnostic> {
         let Link::Switch { on_v } = self.drive.link else { return None };
         let other = |value: &f64| *value != 0.0 && *value != on_v;
-        let found =
-            self.actuations.iter().find_map(|actuation| Some((levels(actuation).into_iter().find(other)?, *actuation)));
+        let found = self
+            .actuations
+            .iter()
+            .find_map(|actuation| Some((actuation.levels().into_iter().find(other)?, *actuation)));
         let (value, actuation) = found?;
         let name = &self.channel.name;
         let title = format!("`{name}` needs {}, its switch gives {}", self.shown(value), volts(on_v));
@@ -215,27 +213,6 @@ impl WiredChannel<'_> {
     }
 }
 
-/// For each instrument the greatest sample period that every edge of its voltages falls on, against its clock.
-fn finer_than_a_sample(schedule: &Schedule, claims: &Claims) -> Vec<Diagnostic> {
-    let mut common: BTreeMap<(&str, bool), (u64, &Drive, &Actuation, f64)> = BTreeMap::new();
-    for actuation in &schedule.actuations {
-        let channel = &schedule.channels[actuation.channel as usize];
-        let Some((drive, instrument)) = claims.bench.drive(&channel.name) else { continue };
-        let Some(rate_hz) = rate_hz(drive, instrument).filter(|_| channel.unit == ChannelUnit::Volt) else { continue };
-        let half_ns = actuation.swing.map_or(0, |swing| swing.period_ns / 2);
-        let times = [actuation.start_ns, actuation.duration_ns, half_ns];
-        let is_digital = matches!(drive.link, Link::Switch { .. });
-        let entry = common.entry((&drive.instrument, is_digital)).or_insert((0, drive, actuation, rate_hz));
-        let period_ns = times.into_iter().fold(entry.0, gcd);
-        if period_ns != entry.0 {
-            *entry = (period_ns, drive, actuation, rate_hz);
-        }
-    }
-    let too_fine =
-        common.into_values().filter(|(period_ns, _, _, rate_hz)| *period_ns as f64 * rate_hz < 1e9 / ROUNDING);
-    too_fine.map(|found| finer(schedule, found)).collect()
-}
-
 /// For each electrode driver the shortest time between two changes of its electrodes, against that of its frames.
 fn shorter_than_a_frame(schedule: &Schedule, claims: &Claims) -> Vec<Diagnostic> {
     let mut changes: BTreeMap<&str, (&Drive, u64, BTreeMap<u64, &Actuation>)> = BTreeMap::new();
@@ -261,37 +238,4 @@ fn shorter_than_a_frame(schedule: &Schedule, claims: &Claims) -> Vec<Diagnostic>
         })
     });
     too_short.collect()
-}
-
-fn finer(schedule: &Schedule, (period_ns, drive, actuation, rate_hz): (u64, &Drive, &Actuation, f64)) -> Diagnostic {
-    let step = &schedule.steps[actuation.step as usize];
-    let least = seconds(1e9 / rate_hz);
-    let rate = Quantity::new(rate_hz, Dimension::FREQUENCY);
-    let title = format!(
-        "edges on multiples of {}, but `{}` samples every {least}",
-        seconds(period_ns as f64),
-        drive.instrument
-    );
-    Diagnostic::new(Code::E0623, title)
-        .label(drive.span, format!("at most {rate}"))
-        .label_elsewhere(step.span, drive.span, "the times of this step make it so fine")
-        .help(format!("choose pulse durations, rests and waits as multiples of {least} or of a longer time"))
-}
-
-/// The greatest sample rate of an output, in hertz; `None` where it has no clock.
-fn rate_hz(drive: &Drive, instrument: &Instrument) -> Option<f64> {
-    let sort = instrument.facts.output(&drive.output)?;
-    match (&instrument.facts, sort) {
-        (InstrumentFacts::DataAcquisition(facts), OutputSort::Digital) => {
-            Some(facts.digital_rate_hz).filter(|rate_hz| *rate_hz > 0.0)
-        }
-        (facts, _) => Some(facts.voltage()?.rate_hz),
-    }
-}
-
-fn gcd(mut a: u64, mut b: u64) -> u64 {
-    while b > 0 {
-        (a, b) = (b, a % b);
-    }
-    a
 }

@@ -11,6 +11,7 @@ pub(crate) mod fingers;
 mod holds;
 pub mod microrobots;
 mod outputs;
+mod sampled;
 mod stages;
 pub mod timeline;
 

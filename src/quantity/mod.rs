@@ -448,6 +448,11 @@ const MAX_DENOMINATOR: u32 = 4_096;
 /// Relative difference from a fraction that is rounding.
 const FRACTION_ROUNDING: f64 = 1e-12;
 
+/// A value to three digits: a measure, not a figure to count with.
+pub fn three_digits(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}
+
 /// A share or a volume, as `3/8` where it is such a fraction; else as [`digits`] has it.
 pub fn fraction(value: f64) -> String {
     let is_of = |denominator: &u32| {

@@ -153,6 +153,11 @@ impl Actuation {
     pub fn end_ns(&self) -> u64 {
         self.start_ns + self.duration_ns
     }
+
+    /// The values at its ends, or the levels of its swing.
+    pub fn levels(&self) -> [f64; 2] {
+        self.swing.map_or([self.from, self.to], |swing| swing.levels)
+    }
 }
 
 /// One step of a task, on the clock.

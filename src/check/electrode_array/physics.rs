@@ -190,15 +190,15 @@ fn voltage(v: f64) -> String {
 }
 
 fn time(s: f64) -> String {
-    Quantity::new(three_digits(s), Dimension::TIME).to_string()
+    Quantity::new(four_digits(s), Dimension::TIME).to_string()
 }
 
-/// A force for a message; of three digits, like those of the table.
+/// A force for a message; of four digits, one more than those of the table.
 fn force(n: f64) -> String {
-    Quantity::new(three_digits(n), Dimension::FORCE).to_string()
+    Quantity::new(four_digits(n), Dimension::FORCE).to_string()
 }
 
-fn three_digits(si: f64) -> f64 {
+fn four_digits(si: f64) -> f64 {
     format!("{si:.3e}").parse().unwrap_or(si)
 }
 

@@ -16,9 +16,10 @@
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::parts::played;
-use super::sampling::Sampling;
+use super::sampling::{SampleLimits, Sampling};
 use super::wired::WiredInstrument;
 use super::{Format, Signals};
+use crate::claims::Claims;
 use crate::device::instrument::{DataAcquisitionFacts, Family, InstrumentFacts, Start};
 use crate::schedule::Schedule;
 use std::collections::{BTreeMap, BTreeSet};
@@ -37,12 +38,12 @@ const SENDER: &str = include_str!("send.py");
 ///
 /// # Errors
 /// [`EmitError::NotWired`], [`EmitError::NoSampleClock`], [`EmitError::Ramp`], [`EmitError::TooManyPoints`],
-/// [`EmitError::TooLarge`].
-pub(super) fn write(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
+/// [`EmitError::TooLarge`], and those of [`Sampling::new`].
+pub(super) fn write(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     let of = (Format::Nidaqmx, Family::DataAcquisition);
     played(schedule, of, ("cards", SENDER), |wired, number| {
         let InstrumentFacts::DataAcquisition(facts) = &wired.instrument.facts else { return Ok(None) };
-        let card = Card::new(wired, facts)?;
+        let card = Card::new(wired, facts, claims)?;
         let ending = format!("{}{number}.daq", wired.name);
         Ok(Some((card.listing(&ending), (ending, card.text()?.into_bytes()))))
     })
@@ -64,7 +65,11 @@ struct Card<'a> {
 type Levels = (BTreeMap<u32, u32>, Vec<f64>);
 
 impl<'a> Card<'a> {
-    fn new(wired: &'a WiredInstrument<'a>, facts: &'a DataAcquisitionFacts) -> Result<Card<'a>, EmitError> {
+    fn new(
+        wired: &'a WiredInstrument<'a>,
+        facts: &'a DataAcquisitionFacts,
+        claims: &Claims,
+    ) -> Result<Card<'a>, EmitError> {
         let signals = Signals::new(&wired.schedule);
         EmitError::refuse_ramps(Format::Nidaqmx, &signals)?;
         let (mut lines, mut analog) = (BTreeMap::new(), BTreeMap::new());
@@ -81,7 +86,8 @@ impl<'a> Card<'a> {
         let digital_hz = Some(facts.digital_rate_hz).filter(|_| !lines.is_empty());
         let analog_hz = facts.voltage.map(|voltage| voltage.rate_hz).filter(|_| !analog.is_empty());
         let rate_hz = digital_hz.into_iter().chain(analog_hz).fold(f64::INFINITY, f64::min);
-        let Sampling { period_ns, points } = Sampling::new(&signals, [2, MOST_SAMPLES], rate_hz, None);
+        let limits = SampleLimits { points: [2, MOST_SAMPLES], rate_hz, most_ns: None };
+        let Sampling { period_ns, points } = Sampling::new(&signals, wired, claims, &limits)?;
         if points > MOST_SAMPLES {
             let (instrument, duration_ns) = (wired.name.to_owned(), signals.schedule.duration_ns);
             let limit = MOST_SAMPLES;

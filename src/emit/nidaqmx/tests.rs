@@ -73,6 +73,33 @@ fn what_a_card_cannot_play_is_refused() {
     };
     assert_eq!(code(on_card(fixture::fetch(), 0.0)), Code::E0829);
     assert_eq!(code(fixture::fetch()), Code::E0824);
-    let one_ns = fixture::changed(&on_card(fixture::fetch(), 1e6).0, |schedule| schedule.duration_ns += 1);
-    assert_eq!(code((one_ns, Provenance::default())), Code::E0823);
+    let edge_later = |rate_hz: f64| {
+        let (card, provenance) = on_card(fixture::fetch(), rate_hz);
+        (fixture::changed(&card, |schedule| schedule.actuations[0].duration_ns += 1), provenance)
+    };
+    assert_eq!(code(edge_later(1e9)), Code::E0823, "samples of 1 ns are more than the sender takes");
+    assert_eq!(code(edge_later(1e6)), Code::E0623, "and finer than those of the card");
+    let slow = |rate_hz: f64| {
+        let (card, provenance) = on_card(fixture::hand(), 0.0);
+        let slowed = fixture::changed(&card, |schedule| {
+            for instrument in schedule.bench.instruments.values_mut() {
+                let InstrumentFacts::DataAcquisition(facts) = &mut instrument.facts else { continue };
+                facts.voltage = Some(VoltageOutput { peak_v: 10.0, bits: 16, rate_hz });
+            }
+        });
+        (slowed, provenance)
+    };
+    assert_eq!(code(slow(20.0)), Code::E0624, "stages leap from sample to sample");
+    assert!(emit(Format::Nidaqmx, &slow(20e3).0, &slow(20e3).1).is_ok());
+}
+
+/// Nothing changes after the last edge, so that the end of the schedule needs no sample of its own.
+#[test]
+fn an_end_between_samples_is_played_to_the_next_one() {
+    let (card, provenance) = on_card(fixture::fetch(), 1e6);
+    let later = fixture::changed(&card, |schedule| schedule.duration_ns += 1);
+    let text = text(&(later, provenance));
+    assert!(text.contains("15000000 ns"), "{text}");
+    let samples: u64 = rows(&text).iter().map(|row| row[0].parse::<u64>().expect("a number")).sum();
+    assert_eq!(samples, 150 / 15 + 2);
 }

@@ -12,21 +12,22 @@
 //! The sample period is the greatest common divisor of all times, or a part of it, so that every edge falls on a sample. One sample at rest
 //! comes before the schedule and one after it: a generator waits at its first sample and rests at its last, and an actuator
 //! left under voltage burns. An output that does not rest at 0 V stays on as a DC source when all is over. A channel of positions waits at its first one and rests at its last one. Straight lines are sampled:
-//! between two samples no stage moves by more than `SAMPLE_UM`, unless the instrument's memory is too small for that; the
-//! description gives the distance.
+//! between two samples no stage moves by more than `SAMPLE_UM` or, where the instrument's memory is too small for that, than the
+//! tolerance of its device; the description gives the distance.
 //!
 //! Where a channel has drive trains, the schedule waits for inputs or people, or several instruments play together, all outputs of the instrument play sequences instead: a train is one segment and the number of its
 //! repetitions, a wait a segment that holds its value until the next trigger. Such a segment is played to its end before a trigger counts,
-//! and so samples are fine enough for it to be short.
+//! and so samples are fine enough for it to be short, as far as rate and memory allow.
 
 mod description;
 mod sequence;
 
 use super::error::EmitError;
 use super::parts::{self, listing as holds_listing};
-use super::sampling::Sampling;
+use super::sampling::{SampleLimits, Sampling};
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
+use crate::claims::Claims;
 use crate::device::instrument::{Family, InstrumentFacts, Link, Start, WaveformGeneratorFacts, number_after};
 use crate::schedule::{ChannelUnit, Schedule};
 use sequence::{Sequence, sequence};
@@ -112,13 +113,13 @@ const SENDER: &str = include_str!("send.py");
 /// The files, each with its ending.
 ///
 /// # Errors
-/// [`EmitError::NotWired`], [`EmitError::Ramp`], [`EmitError::TooManyPoints`].
-pub(super) fn write(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
+/// [`EmitError::NotWired`], [`EmitError::Ramp`], [`EmitError::TooManyPoints`], and those of [`Sampling::new`].
+pub(super) fn write(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     let mut files = Vec::new();
     let mut plays = Vec::new();
     for wired in wired(Format::Scpi, schedule, Family::WaveformGenerator)? {
         let InstrumentFacts::WaveformGenerator(facts) = &wired.instrument.facts else { continue };
-        let generator = Generator::new(&wired, facts)?;
+        let generator = Generator::new(&wired, facts, claims)?;
         files.push((format!("{}.scpi", wired.name), generator.script()));
         files.push((format!("{}.scpi.txt", wired.name), generator.description().into_bytes()));
         plays.push(generator.listing());
@@ -170,11 +171,7 @@ enum Playing {
 impl GeneratorOutput {
     /// The output of a channel, with nothing to play yet.
     fn new(signals: &Signals, channel: usize, number: u32, link: Link) -> GeneratorOutput {
-        let actuations = signals.of(channel).iter();
-        let levels = actuations.flat_map(|actuation| {
-            let levels = actuation.swing.map_or([actuation.from, actuation.to], |swing| swing.levels);
-            levels.into_iter()
-        });
+        let levels = signals.of(channel).iter().flat_map(|actuation| actuation.levels());
         // Where it is at rest counts too.
         let ends = [0, signals.schedule.duration_ns].map(|t_ns| signals.value(channel, t_ns));
         let rest = signals.rest_v(channel);
@@ -204,7 +201,11 @@ impl GeneratorOutput {
 }
 
 impl<'a> Generator<'a> {
-    fn new(wired: &'a WiredInstrument<'a>, facts: &'a WaveformGeneratorFacts) -> Result<Generator<'a>, EmitError> {
+    fn new(
+        wired: &'a WiredInstrument<'a>,
+        facts: &'a WaveformGeneratorFacts,
+        claims: &Claims,
+    ) -> Result<Generator<'a>, EmitError> {
         let signals = Signals::new(&wired.schedule);
         EmitError::refuse_ramps(Format::Scpi, &signals)?;
         let points = [facts.least_points, facts.most_points].map(u64::from);
@@ -212,7 +213,8 @@ impl<'a> Generator<'a> {
         let has_trains = signals.schedule.actuations.iter().any(|actuation| actuation.swing.is_some());
         let is_sequenced = !wired.is_alone || has_trains || !signals.schedule.holds.is_empty();
         let most_ns = is_sequenced.then(|| MOST_WAITING_NS / points[0].max(1));
-        let sampling = Sampling::new(&signals, points, facts.voltage.rate_hz, most_ns);
+        let limits = SampleLimits { points, rate_hz: facts.voltage.rate_hz, most_ns };
+        let sampling = Sampling::new(&signals, wired, claims, &limits)?;
         let channels = wired.drives.iter().enumerate();
         let outputs = channels.filter_map(|(channel, drive)| {
             let number = number_after("ch", &drive.output)?;

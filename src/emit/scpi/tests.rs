@@ -64,8 +64,12 @@ fn what_the_memory_does_not_take_is_refused() {
     assert_eq!(code(&with(11)), Code::E0823);
     let error = emit(Format::Scpi, &with(11).0, &Provenance::default()).unwrap_err().diagnostic();
     assert_eq!(error.title, "the schedule of 150000000 ns needs 12 points of 15000000 ns, but `awg` takes 11");
-    let one_ns = fixture::changed(&with(1_000_000).0, |schedule| schedule.duration_ns += 1);
-    assert_eq!(code(&(one_ns, Provenance::default())), Code::E0823);
+    let later = |ns| {
+        let edge = fixture::changed(&with(1_000_000).0, |schedule| schedule.actuations[0].duration_ns += ns);
+        code(&(edge, Provenance::default()))
+    };
+    assert_eq!(later(16), Code::E0823, "16 ns are its shortest sample");
+    assert_eq!(later(1), Code::E0623);
     assert_eq!(code(&fixture::fetch()), Code::E0824);
 }
 
@@ -126,5 +130,6 @@ fn stages_are_sampled_within_the_period_of_voltages() {
     };
     let alone_ns = period(&on_generators(fixture::hand()));
     assert_eq!(period(&both(3_000_000)), 3_000_000 / 3_000_000u64.div_ceil(alone_ns));
-    assert_eq!(code(&both(7)), Code::E0823);
+    assert_eq!(code(&both(17)), Code::E0823);
+    assert_eq!(code(&both(7)), Code::E0623);
 }

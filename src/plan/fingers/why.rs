@@ -17,7 +17,7 @@ use crate::device::fingers::{AXES, Adhesion, FingersFacts, MAX_CONTACTS, MAX_GRA
 use crate::diagnostic::{Code, Diagnostic, Reach, ReachExtent};
 use crate::geometry::outline::{Curve, OutlineError};
 use crate::plan::search::GaveUp;
-use crate::quantity::digits;
+use crate::quantity::{digits, three_digits};
 use nalgebra::UnitQuaternion;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -238,7 +238,7 @@ impl HandReasons<'_> {
         let [i, j] = held[..] else { return None };
         let [a, b] = [i, j].map(|contact| contacts.one(contact, 0.0));
         let grip = GripModel::of(&order.facts, contacts.reach_um());
-        let [asked, borne] = grip.torque_left_un_um([&a, &b], &load)?.map(|torque| digits(rounded(torque)));
+        let [asked, borne] = grip.torque_left_un_um([&a, &b], &load)?.map(|torque| digits(three_digits(torque)));
         Some(format!(
             "the load exerts {asked} uN um about the line through contacts {} and {}; the tips bear at most {borne} uN um",
             i + 1,
@@ -392,11 +392,6 @@ impl HandReasons<'_> {
             }
         }
     }
-}
-
-/// Rounded to three significant digits.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.2e}").parse().unwrap_or(value)
 }
 
 fn axis(plane: Plane) -> &'static str {

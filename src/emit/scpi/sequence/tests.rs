@@ -138,7 +138,7 @@ mod waits {
             let schedule = verified.schedule();
             let all = wired(Format::Scpi, schedule, Family::WaveformGenerator).expect("it is wired");
             let facts = generator();
-            let made = Generator::new(&all[0], &facts).expect("it can be played");
+            let made = Generator::new(&all[0], &facts, verified.claims()).expect("it can be played");
             let Playing::Sequence(sequence) = &made.outputs[0].playing else {
                 prop_assert!(schedule.holds.is_empty() || schedule.actuations.is_empty()
                     || made.outputs[0].span_v() <= 0.0);

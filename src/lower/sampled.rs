@@ -1,0 +1,174 @@
+//! Holds a schedule against the samples of its instruments: their clock and their bits.
+//!
+//! Lines and outputs of one card share a clock, as the sender plays them, so that the slowest of them holds for all. Levels are rounded to
+//! the bits of an output; where a device says how well its voltages are known, or how far its stages may be off, that is held against it.
+
+use crate::claims::Claims;
+use crate::device::instrument::{Drive, Instrument, InstrumentFacts, OutputSort, VoltageOutput};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::{Dimension, Quantity, three_digits};
+use crate::schedule::{Actuation, ChannelUnit, Schedule};
+use std::collections::BTreeMap;
+
+/// Room for the rounding of a quotient of two figures of the program.
+const ROUNDING: f64 = 1.0 + 1e-12;
+
+/// Voltages are rounded by no more than one part in this many of the device's margin: little beside what that is for.
+const MARGIN_SHARE: f64 = 10.0;
+
+/// The voltages of one instrument and what samples them.
+struct SampledVoltages<'a> {
+    /// The greatest sample period that every edge falls on, with the drive and the actuation that make it so fine.
+    period_ns: u64,
+    finest: (&'a Drive, &'a Actuation),
+    /// The least of the rates of the outputs that are used, with its drive.
+    rate_hz: f64,
+    slowest: &'a Drive,
+}
+
+/// For each instrument the greatest sample period that every edge of its voltages falls on, against its clock.
+pub fn finer_than_a_sample(schedule: &Schedule, claims: &Claims) -> Vec<Diagnostic> {
+    let mut common: BTreeMap<&str, SampledVoltages> = BTreeMap::new();
+    for actuation in &schedule.actuations {
+        let channel = &schedule.channels[actuation.channel as usize];
+        let Some((drive, instrument)) = claims.bench.drive(&channel.name) else { continue };
+        let Some(rate_hz) = rate_hz(drive, instrument) else { continue };
+        let entry = common.entry(&drive.instrument).or_insert(SampledVoltages {
+            period_ns: 0,
+            finest: (drive, actuation),
+            rate_hz,
+            slowest: drive,
+        });
+        if rate_hz < entry.rate_hz {
+            (entry.rate_hz, entry.slowest) = (rate_hz, drive);
+        }
+        if channel.unit == ChannelUnit::Volt {
+            let half_ns = actuation.swing.map_or(0, |swing| swing.period_ns / 2);
+            let times = [actuation.start_ns, actuation.duration_ns, half_ns];
+            let period_ns = times.into_iter().fold(entry.period_ns, gcd);
+            if period_ns != entry.period_ns {
+                (entry.period_ns, entry.finest) = (period_ns, (drive, actuation));
+            }
+        }
+    }
+    let is_too_fine =
+        |found: &SampledVoltages| found.period_ns > 0 && (found.period_ns as f64) * found.rate_hz < 1e9 / ROUNDING;
+    common.into_values().filter(is_too_fine).map(|found| finer(schedule, &found)).collect()
+}
+
+fn finer(schedule: &Schedule, found: &SampledVoltages) -> Diagnostic {
+    let (drive, actuation) = found.finest;
+    let step = &schedule.steps[actuation.step as usize];
+    let least = Quantity::new(1.0 / found.rate_hz, Dimension::TIME);
+    let rate = Quantity::new(found.rate_hz, Dimension::FREQUENCY);
+    let period = Quantity::new(found.period_ns as f64 / 1e9, Dimension::TIME);
+    let title = format!("edges on multiples of {period}, but `{}` samples every {least}", drive.instrument);
+    let finding = Diagnostic::new(Code::E0623, title).label(found.slowest.span, format!("at most {rate}"));
+    let finding = match drive.span == found.slowest.span {
+        true => finding,
+        false => finding.label(drive.span, "on the same clock"),
+    };
+    finding
+        .label_elsewhere(step.span, drive.span, "the times of this step make it so fine")
+        .help(format!("choose pulse durations, rests and waits as multiples of {least} or of a longer time"))
+}
+
+/// The greatest sample rate of an output, in hertz; `None` where it has no clock.
+fn rate_hz(drive: &Drive, instrument: &Instrument) -> Option<f64> {
+    let sort = instrument.facts.output(&drive.output)?;
+    match (&instrument.facts, sort) {
+        (InstrumentFacts::DataAcquisition(facts), OutputSort::Digital) => {
+            Some(facts.digital_rate_hz).filter(|rate_hz| *rate_hz > 0.0)
+        }
+        (facts, _) => Some(facts.voltage()?.rate_hz),
+    }
+}
+
+/// A channel whose output rounds its values further than the device bears.
+pub fn coarser_than_its_use(
+    schedule: &Schedule,
+    index: usize,
+    claims: &Claims,
+    (drive, instrument): (&Drive, &Instrument),
+) -> Option<Diagnostic> {
+    let channel = &schedule.channels[index];
+    let voltage = instrument.facts.voltage()?;
+    if instrument.facts.output(&drive.output) != Some(OutputSort::Voltage) {
+        return None;
+    }
+    let of = schedule.actuations_of(index).into_iter().flat_map(Actuation::levels);
+    let at_output = |value| drive.link.at_output(value);
+    let (rounded_v, borne, figure, dimension) = match channel.unit {
+        ChannelUnit::Volt => {
+            let borne_v = claims.margin_v(&channel.device)? / MARGIN_SHARE;
+            let values: Vec<f64> = of.chain([channel.rest_v]).map(at_output).collect();
+            let codes = OutputCodes::new(instrument, voltage, &values)?;
+            let most_v = values.iter().map(|value| codes.rounds_by(*value)).fold(0.0, f64::max);
+            (most_v, borne_v, "a tenth of its `margin`", Dimension::VOLTAGE)
+        }
+        ChannelUnit::Micrometre => {
+            let borne_um = claims.tolerance_um(&channel.device)? / 2.0;
+            let values: Vec<f64> = of.map(at_output).collect();
+            // A stage comes by all values between two.
+            let most_v = OutputCodes::new(instrument, voltage, &values)?.step_v / 2.0;
+            (most_v, borne_um, "half of its `tolerance`", Dimension::LENGTH)
+        }
+    };
+    let rounded = (drive.link.value(rounded_v) - drive.link.value(0.0)).abs();
+    if rounded <= borne * ROUNDING {
+        return None;
+    }
+    let shown = |value: f64| match channel.unit {
+        ChannelUnit::Volt => Quantity::new(value, dimension),
+        ChannelUnit::Micrometre => Quantity::new(value / 1e6, dimension),
+    };
+    let title = format!(
+        "`{}` comes out up to {} off, its device bears {}, {figure}",
+        channel.name,
+        shown(three_digits(rounded)),
+        shown(three_digits(borne)),
+    );
+    let help = match channel.unit {
+        ChannelUnit::Volt => "take an output of more bits",
+        ChannelUnit::Micrometre => "take an output of more bits, or a stage with more volts for each micrometre",
+    };
+    Some(Diagnostic::new(Code::E0625, title).label(drive.span, format!("{} bits", voltage.bits)).help(help))
+}
+
+/// The voltages that an output gives: those of a generator span what it plays, those of a card its whole range.
+struct OutputCodes {
+    middle_v: f64,
+    step_v: f64,
+}
+
+impl OutputCodes {
+    /// Of an output that plays these voltages; `None` for one without codes, or with one voltage all the time.
+    fn new(instrument: &Instrument, voltage: VoltageOutput, played_v: &[f64]) -> Option<OutputCodes> {
+        let least_v = played_v.iter().copied().reduce(f64::min)?;
+        let most_v = played_v.iter().copied().reduce(f64::max)?;
+        let codes = f64::from(voltage.bits).exp2();
+        let (middle_v, step_v) = match &instrument.facts {
+            InstrumentFacts::WaveformGenerator(_) => {
+                (f64::midpoint(least_v, most_v), (most_v - least_v) / (codes - 2.0))
+            }
+            InstrumentFacts::DataAcquisition(_) => (0.0, 2.0 * voltage.peak_v / codes),
+            InstrumentFacts::ElectrodeDriver(_)
+            | InstrumentFacts::StageController(_)
+            | InstrumentFacts::MachineController(_) => return None,
+        };
+        (step_v > 0.0).then_some(OutputCodes { middle_v, step_v })
+    }
+
+    /// How far a voltage is from the nearest one that the output gives.
+    fn rounds_by(&self, played_v: f64) -> f64 {
+        let codes = (played_v - self.middle_v) / self.step_v;
+        (codes - codes.round()).abs() * self.step_v
+    }
+}
+
+fn gcd(mut a: u64, mut b: u64) -> u64 {
+    while b > 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
