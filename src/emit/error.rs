@@ -114,24 +114,9 @@ impl EmitError {
                 format!("the {} file would take about {} MiB; the limit is {} MiB", format.name(), bytes >> 20, limit >> 20),
             )
             .help("write `--emit json`, which grows with the number of changes only, or build the tasks one at a time with `--task`"),
-            EmitError::TooManyPoints { instrument, points, limit, period_ns, duration_ns, most_steps: None } => Diagnostic::new(
-                Code::E0823,
-                format!("the schedule of {duration_ns} ns needs {points} points of {period_ns} ns, but `{instrument}` takes {limit}"),
-            )
-            .help(format!(
-                "choose pulse duration, rest and waits as multiples of a longer time: {} ns or more would fit",
-                duration_ns.div_ceil(limit.saturating_sub(2).max(1))
-            )),
-            EmitError::TooManyPoints { instrument, points, limit, period_ns, duration_ns, most_steps: Some(steps) } => Diagnostic::new(
-                Code::E0823,
-                format!(
-                    "{points} points of {period_ns} ns make up the {duration_ns} ns of the schedule, `{instrument}` repeats {limit} \
-                     in at most {steps} steps"
-                ),
-            )
-            .help(
-                "build the tasks one by one with `--task`, or choose the times of the device and the waits as multiples of a longer time",
-            ),
+            EmitError::TooManyPoints { instrument, points, limit, period_ns, duration_ns, most_steps } => {
+                too_many_points(instrument, [*points, *limit], [*period_ns, *duration_ns], *most_steps)
+            }
             EmitError::TooManyFrames { instrument, frames, limit, period_ns } => {
                 too_many_frames(instrument, [*frames, *limit], *period_ns)
             }
@@ -176,6 +161,30 @@ impl EmitError {
             }
         }
     }
+}
+
+fn too_many_points(
+    instrument: &str,
+    [points, limit]: [u64; 2],
+    [period_ns, duration_ns]: [u64; 2],
+    most_steps: Option<u64>,
+) -> Diagnostic {
+    let Some(steps) = most_steps else {
+        let title = format!(
+            "the schedule of {duration_ns} ns needs {points} points of {period_ns} ns, but `{instrument}` takes {limit}"
+        );
+        return Diagnostic::new(Code::E0823, title).help(format!(
+            "choose pulse duration, rest and waits as multiples of a longer time: {} ns or more would fit",
+            duration_ns.div_ceil(limit.saturating_sub(2).max(1))
+        ));
+    };
+    let title = format!(
+        "{points} points of {period_ns} ns make up the {duration_ns} ns of the schedule, `{instrument}` repeats {limit} in at most {steps} \
+         steps"
+    );
+    Diagnostic::new(Code::E0823, title).help(
+        "build the tasks one by one with `--task`, or choose the times of the device and the waits as multiples of a longer time",
+    )
 }
 
 fn too_many_frames(instrument: &str, [frames, limit]: [u64; 2], period_ns: u64) -> Diagnostic {

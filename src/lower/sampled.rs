@@ -146,7 +146,7 @@ impl OutputCodes {
     fn new(instrument: &Instrument, voltage: VoltageOutput, played_v: &[f64]) -> Option<OutputCodes> {
         let least_v = played_v.iter().copied().reduce(f64::min)?;
         let most_v = played_v.iter().copied().reduce(f64::max)?;
-        let codes = f64::from(voltage.bits).exp2();
+        let codes = f64::from(2_u32.saturating_pow(voltage.bits));
         let (middle_v, step_v) = match &instrument.facts {
             InstrumentFacts::WaveformGenerator(_) => {
                 (f64::midpoint(least_v, most_v), (most_v - least_v) / (codes - 2.0))

@@ -263,9 +263,13 @@ pub fn heedless_of_channels(step: Span) -> Diagnostic {
 }
 
 /// A step of which what is proven depends on where an earlier one has brought parts whose goals are interchangeable.
-pub fn not_from_here(step: Span) -> Diagnostic {
+pub fn not_from_here(step: Span, tried: usize) -> Diagnostic {
+    let others = match tried {
+        0 => "others were not tried".to_owned(),
+        _ => format!("none of the {tried} that were tried leads to a plan"),
+    };
     Diagnostic::new(Code::E0602, "no plan was found for this step from where the plan has brought the parts before")
-        .label(step, "who stands where before it is the plan's choice; others were not tried")
+        .label(step, format!("who stands where before it is the plan's choice; {others}"))
         .help("send the parts that this step moves to goals of their own before, instead of with `any` or `among`")
 }
 

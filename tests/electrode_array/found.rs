@@ -107,8 +107,9 @@ fn a_droplet_does_not_merge_on_traces_that_its_partner_left_before() {
 
 #[test]
 fn a_loop_that_leaves_the_board_is_no_plan_from_there() {
-    let reported = refused(&found("ea_mixed_at_the_rim"));
-    assert!(reported.starts_with("E0602"), "{reported}");
+    // From the goals that come first the loop leaves the board; whoever is mixed takes another one.
+    let plan = planned(&found("ea_mixed_at_the_rim"));
+    assert!(plan.bound <= plan.cost && plan.cost <= 61.0, "{} of {}", plan.cost, plan.bound);
 }
 
 #[test]
@@ -350,4 +351,32 @@ fn who_leaves_in_a_step_without_a_beat_is_gone_in_the_states() {
     let of = |states: &[(u64, &str)]| states.iter().map(|(at, names)| (*at, (*names).to_owned())).collect::<Vec<_>>();
     assert_eq!(parts(&plans[0]), of(&[(0, "abc"), (0, "ab"), (60, "ab"), (60, "a")]));
     assert_eq!(parts(&plans[1]), of(&[(390, "a"), (390, "")]));
+}
+
+/// The choice that comes first leaves the part that is named next no way; the other one has a plan of 6 steps, as brute force says.
+#[test]
+fn parts_of_any_take_goals_from_which_a_later_step_has_a_plan() {
+    let plan = planned(&found("ea_any_then_by_name"));
+    assert_eq!(plan.outcomes["steps"], 6.0);
+    assert!(plan.bound <= 10.0 && plan.cost == 10.0, "{} of {}", plan.cost, plan.bound);
+}
+
+/// In a single row nobody passes, whoever takes which goal. The step after the one without a plan would begin where no plan leads.
+#[test]
+fn only_the_first_step_that_no_choice_leads_on_from_is_reported() {
+    let errors = refused(
+        "use std.electrode_array as ea\n\
+         device chip : ea.droplet_chip { columns: 5, rows: 1 }\n\
+         scene s {\npart m[0] : ea.droplet at (1, 1)\npart m[1] : ea.droplet at (5, 1)\n}\n\
+         task t on chip in s {\n\
+         move any m to [(1, 1), (3, 1)]\nmove m[0] to (5, 1)\nmove any m to [(1, 1), (3, 1)]\n}\n",
+    );
+    assert_eq!(errors.lines().filter(|line| line.starts_with("E0")).count(), 1, "{errors}");
+    assert!(errors.starts_with("E0602") && errors.contains("where the plan has brought the parts"), "{errors}");
+}
+
+#[test]
+fn an_assay_of_few_droplets_has_the_least_sum_of_costs() {
+    let plan = planned(&found("ea_assay_of_least_sum"));
+    assert_eq!((plan.cost, plan.bound, plan.outcomes["steps"]), (24.0, 24.0, 13.0));
 }

@@ -7,6 +7,7 @@
 //! positions is too near to any of three positions of another; pairs of moves need no check.
 
 use super::broadcast::SharedChannels;
+use crate::claims::electrode_array::ElectrodeArrayObjective;
 use crate::plan::search::SearchAnswer;
 use crate::plan::watch::HeldPlan;
 use fixedbitset::FixedBitSet;
@@ -211,6 +212,16 @@ pub enum BoardObjective {
     Makespan,
     /// The sum over all agents of the instant of their last arrival.
     SumOfCosts,
+}
+
+impl BoardObjective {
+    /// That of a task.
+    pub fn of(objective: ElectrodeArrayObjective) -> BoardObjective {
+        match objective {
+            ElectrodeArrayObjective::Makespan => BoardObjective::Makespan,
+            ElectrodeArrayObjective::SumOfCosts => BoardObjective::SumOfCosts,
+        }
+    }
 }
 
 /// A makespan and a sum of costs, of a plan or as lower bounds.

@@ -6,7 +6,7 @@
 
 use super::arranged::{self, NoArrangement, PlacedPlan};
 use super::assay::NoAssayPlan;
-use super::board::{self, BoardAnswer, BoardCosts, BoardPlan, NoBoardPlan, Paths};
+use super::board::{self, BoardAnswer, BoardCosts, BoardObjective, BoardPlan, NoBoardPlan, Paths};
 use super::errands::{self, AssaySite};
 use super::exact;
 use super::labels::{BoardFigures, PlanLimits};
@@ -14,19 +14,19 @@ use super::limited::{self, AskedStep, PlanFront, UNLIMITED};
 use super::limits;
 use super::loose::LooseParts;
 use super::motion::{ElectrodeArrayMotion, ElectrodeArrayStepMotion};
-use super::published::{self, Heuristic, PairCheck, PaperReading, PublishedOutcome, Ties, Zero};
+use super::published::Heuristic;
 use super::remedy::{Shut, Tried};
 use super::shared::{self, SharedGoals};
 use super::stage::{self, BoardGround, BoardStage, CellBlocker};
 use super::standings::{self, BoardStandings};
-use super::{channels, portfolio, torn, why};
+use super::{assigned, portfolio, torn, why};
 use crate::claims::electrode_array::{
     AssayOperation, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayOrder,
     ElectrodeArrayStep,
 };
 use crate::claims::{Job, Requirement};
 use crate::device::MAX_EXPANSIONS;
-use crate::device::electrode_array::{ElectrodeArrayOutcome, ElectrodeCell, Separation};
+use crate::device::electrode_array::{ElectrodeArrayOutcome, ElectrodeCell};
 use crate::diagnostic::{CellRun, Code, Diagnostic, Reach, ReachExtent, Sink};
 use crate::plan::errors::{self, Removal};
 use crate::plan::requirements::{Kept, KnownLimit, require};
@@ -34,13 +34,6 @@ use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
 use crate::plan::{KindPlanner, Optimality, Plan};
 use crate::source::Span;
 use std::collections::BTreeMap;
-
-/// Horizon of the published planner as a multiple of half the circumference of the board: the paper uses 100 steps on a board of 50
-/// by 50.
-const PUBLISHED_HORIZON: usize = 4;
-
-/// Pair checks of the published planner that take as long as one expansion of another planner.
-const LOOKS_PER_EXPANSION: u64 = 20;
 
 impl KindPlanner for ElectrodeArrayOrder {}
 
@@ -67,17 +60,36 @@ fn planned(
     sink: &mut Sink,
 ) -> (Option<Plan<ElectrodeArrayMotion>>, Vec<Option<ElectrodeCell>>) {
     let ground = BoardGround::new(order);
-    let cells = start.clone();
-    let (known, assays, loose) = (Vec::new(), Vec::new(), LooseParts::default());
-    let mut tasks = Tasks { job, order, ground: &ground, start: &start, cells, loose, known, assays, may_remedy, sink };
+    let (cells, before) = (start.clone(), sink.errors());
+    let mut tasks = Tasks {
+        job,
+        order,
+        ground: &ground,
+        start: &start,
+        cells,
+        loose: LooseParts::default(),
+        known: Vec::new(),
+        assays: Vec::new(),
+        stranded: None,
+        may_remedy,
+        sink,
+    };
     let steps: Vec<Option<ElectrodeArrayStepMotion>> = order.steps.iter().map(|step| tasks.step(step)).collect();
-    let (known, assays, end) = (tasks.known, tasks.assays, tasks.cells);
-    let Some(steps) = steps.into_iter().collect::<Option<Vec<ElectrodeArrayStepMotion>>>() else { return (None, end) };
+    let (known, assays, end, stranded) = (tasks.known, tasks.assays, tasks.cells, tasks.stranded);
+    let bounds = limits::total(known.iter().map(|(_, bounds)| *bounds).chain(assays.iter().copied()));
+    let Some(steps) = steps.into_iter().collect::<Option<Vec<ElectrodeArrayStepMotion>>>() else {
+        let alone = stranded.filter(|_| sink.errors() == before);
+        let others = if alone.is_some() && may_remedy { assigned::orders(order) } else { Vec::new() };
+        if let Some((plan, end)) = best_assigned(job, order, (&others, bounds), start) {
+            return (Some(plan), end);
+        }
+        stranded.into_iter().for_each(|step| sink.push(errors::not_from_here(step, others.len())));
+        return (None, end);
+    };
     let motion = ElectrodeArrayMotion { start, steps };
     if order.planner.method == ElectrodeArrayMethod::Portfolio && assays.is_empty() {
         return (within_limits(job, order, &ground, (motion, known), sink), end);
     }
-    let bounds = limits::total(known.iter().map(|(_, bounds)| *bounds).chain(assays.iter().copied()));
     let plan = finished(order, motion, bounds, None);
     // The bounds of an assay hold whatever the limits are; those of a published plan are not asked for.
     let least = |requirement: &Requirement| match assays.is_empty() {
@@ -95,6 +107,21 @@ fn planned(
     }
     sink.append(broken);
     (None, end)
+}
+
+/// The best plan of some orders in which interchangeable parts have goals of their own, with bounds that hold for all of them, and the cells
+/// of the parts after it.
+fn best_assigned(
+    job: &Job,
+    order: &ElectrodeArrayOrder,
+    (others, bounds): (&[ElectrodeArrayOrder], BoardCosts),
+    start: Vec<Option<ElectrodeCell>>,
+) -> Option<(Plan<ElectrodeArrayMotion>, Vec<Option<ElectrodeCell>>)> {
+    let plans = others.iter().filter_map(|other| {
+        let (plan, end) = planned(job, other, start.clone(), false, &mut Sink::default());
+        Some((finished(order, plan?.motion, bounds, None), end))
+    });
+    plans.min_by(|(one, _), (other, _)| one.cost.total_cmp(&other.cost))
 }
 
 /// A plan of fewer steps than the one of the least sum of costs, if that keeps the limits, and the cells of the parts after it.
@@ -125,7 +152,7 @@ fn within_limits(
     if !limits::breaks(figures, limits) {
         return Some(finished(order, motion, bounds, None));
     }
-    let objective = objective(order.objective);
+    let objective = BoardObjective::of(order.objective);
     let is_only = known.len() == 1;
     let fronts = fronts(order, ground, &motion.start, (&known, limits), is_only);
     match limited::choose(&fronts, limits, objective) {
@@ -170,7 +197,7 @@ fn fronts(
             most => most.saturating_sub(rest[figure]),
         });
         let asked = AskedStep {
-            objective: objective(order.objective),
+            objective: BoardObjective::of(order.objective),
             limits: PlanLimits { most, least: limits.least },
             is_only,
             expansions: order.planner.expansions,
@@ -182,9 +209,9 @@ fn fronts(
 }
 
 /// State of a job whose steps are being planned.
-struct Tasks<'a> {
-    job: &'a Job,
-    order: &'a ElectrodeArrayOrder,
+pub(super) struct Tasks<'a> {
+    pub(super) job: &'a Job,
+    pub(super) order: &'a ElectrodeArrayOrder,
     ground: &'a BoardGround<'a>,
     /// Cells of the parts before the job.
     start: &'a [Option<ElectrodeCell>],
@@ -196,9 +223,11 @@ struct Tasks<'a> {
     known: Vec<(Paths, BoardCosts)>,
     /// The bounds of the assays, and of the steps with interchangeable goals.
     assays: Vec<BoardCosts>,
+    /// The first step without a plan from where the plan has brought the parts, though it may have one from elsewhere.
+    stranded: Option<Span>,
     /// Whether a remedy may still be tried, once per job, since each try costs as much as planning.
     may_remedy: bool,
-    sink: &'a mut Sink,
+    pub(super) sink: &'a mut Sink,
 }
 
 impl Tasks<'_> {
@@ -209,9 +238,12 @@ impl Tasks<'_> {
                 let stage = BoardStage::new(self.order, self.ground, &self.cells, &[]);
                 let restless = torn::restless(self.order, &stage, step.span).filter(|_| *duration_ns > 0);
                 let is_fixed = self.loose.is_fixed_in(&step.action);
-                let wrong = restless.map(|wrong| if is_fixed { wrong } else { errors::not_from_here(step.span) });
-                let is_possible = wrong.is_none();
-                wrong.into_iter().for_each(|wrong| self.sink.push(wrong));
+                let is_possible = restless.is_none();
+                match restless {
+                    Some(wrong) if is_fixed => self.sink.push(wrong),
+                    Some(_) => self.strand(step),
+                    None => {}
+                }
                 is_possible.then_some(ElectrodeArrayStepMotion::Wait(*duration_ns))
             }
             ElectrodeArrayAction::Move(moves) => {
@@ -238,13 +270,19 @@ impl Tasks<'_> {
         }
     }
 
+    /// Notes that a step has no plan from here. What comes after it would begin where no plan leads.
+    fn strand(&mut self, step: &ElectrodeArrayStep) {
+        self.stranded.get_or_insert(step.span);
+    }
+
     /// The motion of all parts in an assay.
     fn operated(
         &mut self,
         step: &ElectrodeArrayStep,
         operations: &[AssayOperation],
     ) -> Option<ElectrodeArrayStepMotion> {
-        let (objective, budget) = (objective(self.order.objective), SearchBudget::of(self.order.planner.expansions));
+        let (objective, budget) =
+            (BoardObjective::of(self.order.objective), SearchBudget::of(self.order.planner.expansions));
         let cells = self.cells.clone();
         let site = AssaySite { order: self.order, ground: self.ground, cells: &cells };
         let mut meter = Meter::new(budget);
@@ -254,14 +292,14 @@ impl Tasks<'_> {
                 return Some(ElectrodeArrayStepMotion::Assay { operations, courses });
             }
             SearchAnswer::Impossible(_) if !self.loose.is_fixed_in(&step.action) => {
-                self.sink.push(errors::not_from_here(step.span));
+                self.strand(step);
             }
             SearchAnswer::Impossible(why) => {
                 let is_torn = torn::excludes_operations(&site, &why);
                 arranged::with_problem(&site, &why.operations, |stage, _| self.no_courses(step, stage, &why, is_torn));
             }
             SearchAnswer::GaveUp(bounds) => {
-                let goals = arranged::with_problem(&site, operations, |stage, _| goals(stage));
+                let goals = arranged::with_problem(&site, operations, |stage, _| stage.goals());
                 match meter.left().steps {
                     0 => self.gave_up(step, &goals, bounds, budget),
                     _ => self.nothing_left_to_try(step, &goals, bounds),
@@ -314,13 +352,13 @@ impl Tasks<'_> {
 
     fn by_portfolio(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage) -> Option<Paths> {
         let budget = SearchBudget::of(self.order.planner.expansions);
-        match portfolio::solve(&stage.instance, objective(self.order.objective), None, budget) {
+        match portfolio::solve(&stage.instance, BoardObjective::of(self.order.objective), None, budget) {
             BoardAnswer::Found(BoardPlan { paths, bounds }) => {
                 self.add(&paths, self.least_of(step, bounds));
                 Some(paths)
             }
             BoardAnswer::Impossible(_) if !self.loose.is_fixed_in(&step.action) => {
-                self.sink.push(errors::not_from_here(step.span));
+                self.strand(step);
                 None
             }
             BoardAnswer::Impossible(why) => {
@@ -328,7 +366,7 @@ impl Tasks<'_> {
                 None
             }
             BoardAnswer::GaveUp(bounds) => {
-                self.gave_up(step, &goals(stage), bounds, budget);
+                self.gave_up(step, &stage.goals(), bounds, budget);
                 None
             }
         }
@@ -337,14 +375,14 @@ impl Tasks<'_> {
     /// The paths of a step with interchangeable goals.
     fn by_teams(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage) -> Option<Paths> {
         let budget = SearchBudget::of(self.order.planner.expansions);
-        match shared::solve(self.order, step.span, stage, (objective(self.order.objective), budget)) {
+        match shared::solve(self.order, step.span, stage, (BoardObjective::of(self.order.objective), budget)) {
             SharedGoals::Found(BoardPlan { paths, bounds }) => {
                 self.assays.push(self.least_of(step, bounds));
                 return Some(paths);
             }
-            SharedGoals::GaveUp(bounds) => self.gave_up(step, &goals(stage), bounds, budget),
+            SharedGoals::GaveUp(bounds) => self.gave_up(step, &stage.goals(), bounds, budget),
             SharedGoals::Alone(_) | SharedGoals::Refused(_) if !self.loose.is_fixed_in(&step.action) => {
-                self.sink.push(errors::not_from_here(step.span));
+                self.strand(step);
             }
             SharedGoals::Alone(why) => self.impossible(step.span, stage, &why),
             SharedGoals::Refused(diagnostic) => self.sink.push(diagnostic),
@@ -391,71 +429,11 @@ impl Tasks<'_> {
         marks.fold(diagnostic, |diagnostic, (span, text)| diagnostic.label_elsewhere(span, step.span, text))
     }
 
-    /// The paper's algorithm; it is greedy, so its failure proves nothing.
-    fn as_published(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage, heuristic: Heuristic) -> Option<Paths> {
-        let check = match self.order.facts.separation {
-            Separation::Apart(_) => PairCheck::Clean,
-            Separation::AsPublished => PairCheck::AsPublished(Zero::Printed),
-        };
-        let facts = &self.order.facts;
-        let horizon = PUBLISHED_HORIZON * (facts.columns + facts.rows) as usize;
-        let reading = PaperReading { heuristic, check, ties: Ties::default() };
-        if !self.affords(stage, horizon) {
-            let (what, to) = ("the greedy planner", goals(stage));
-            let planner = self.order.planner.method.name();
-            self.sink.push(errors::gave_up(step.span, &to, what, self.order.planner.expansions, "0 steps", planner));
-            return None;
-        }
-        let bounds = match super::fast::bounds(&stage.instance) {
-            Ok(bounds) => bounds,
-            Err(why) => {
-                self.impossible(step.span, stage, &why);
-                return None;
-            }
-        };
-        let mut paths = Vec::with_capacity(stage.agents.len());
-        for (agent, outcome) in published::plan(&stage.instance, reading, horizon).into_iter().enumerate() {
-            match outcome {
-                PublishedOutcome::Arrived(path) => paths.push(path),
-                PublishedOutcome::Stuck(path) => self.stuck(stage, agent, &path, "stuck"),
-                PublishedOutcome::OutOfTime(path) => self.stuck(stage, agent, &path, "still on its way"),
-            }
-        }
-        if paths.len() < stage.agents.len() {
-            return None;
-        }
-        if !channels::are_kept_by_paths(&stage.instance, &paths) {
-            self.sink.push(errors::heedless_of_channels(step.span));
-            return None;
-        }
-        self.add(&paths, bounds);
-        Some(paths)
-    }
-
-    /// Whether the budget allows the published planner, which checks every pair of parts at every instant up to its horizon.
-    fn affords(&self, stage: &BoardStage, horizon: usize) -> bool {
-        let agents = stage.agents.len() as u64;
-        let looks = agents.saturating_mul(agents).saturating_mul(horizon as u64);
-        looks / LOOKS_PER_EXPANSION <= self.order.planner.expansions
-    }
-
-    fn stuck(&mut self, stage: &BoardStage, agent: usize, path: &[board::CellIndex], how: &str) {
-        let actor = &stage.agents[agent];
-        let name = &self.order.parts[actor.part].name;
-        let at = path.last().map(|cell| stage::cell(self.order, *cell)).unwrap_or(ElectrodeCell::new(1, 1));
-        let span = actor.asked.map_or(self.job.run_span, |action| action.span);
-        let first = match self.order.facts.separation {
-            Separation::Apart(_) => "",
-            Separation::AsPublished => "give the device `separation: 4` and ",
-        };
-        self.sink.push(errors::greedy_gave_up(span, (name, &at.to_string()), path.len() - 1, how, first));
-    }
-
     fn part_name(&self, stage: &BoardStage, agent: usize) -> &str {
         &self.order.parts[stage.agents[agent].part].name
     }
 
-    fn impossible(&mut self, step: Span, stage: &BoardStage, reason: &NoBoardPlan) {
+    pub(super) fn impossible(&mut self, step: Span, stage: &BoardStage, reason: &NoBoardPlan) {
         match reason {
             NoBoardPlan::Closed { agent, stop } => self.closed(stage, *agent, *stop),
             NoBoardPlan::Torn { agent, stop } => {
@@ -527,7 +505,7 @@ impl Tasks<'_> {
         if is_proven { Tried::Impossible } else { Tried::NotFound(order.planner.expansions) }
     }
 
-    fn add(&mut self, paths: &Paths, bounds: BoardCosts) {
+    pub(super) fn add(&mut self, paths: &Paths, bounds: BoardCosts) {
         self.known.push((paths.clone(), bounds));
     }
 }
@@ -547,20 +525,6 @@ fn more_may_do(budget: u64) -> String {
     }
     let more = budget.saturating_mul(8).min(most);
     format!("no budget is known to do; a larger one may: `using portfolio {{ expansions: {more} }}`")
-}
-
-/// The first few goals of a stage, as text.
-fn goals(stage: &BoardStage) -> String {
-    const MAX_NAMED: usize = 3;
-    let asked = stage.agents.iter().filter_map(|actor| actor.asked);
-    errors::listed(asked.map(|action| action.goal().cell.to_string()), MAX_NAMED)
-}
-
-fn objective(objective: ElectrodeArrayObjective) -> board::BoardObjective {
-    match objective {
-        ElectrodeArrayObjective::Makespan => board::BoardObjective::Makespan,
-        ElectrodeArrayObjective::SumOfCosts => board::BoardObjective::SumOfCosts,
-    }
 }
 
 /// The plan with its figures; `bounds` hold for every plan, `bound` for those that keep the limits of the task.

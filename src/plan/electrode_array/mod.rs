@@ -8,6 +8,7 @@
 mod alone;
 mod arranged;
 pub mod assay;
+mod assigned;
 pub mod board;
 pub mod broadcast;
 pub mod channels;
@@ -15,6 +16,7 @@ mod critical_path;
 mod errands;
 pub mod exact;
 pub mod fast;
+mod greedy;
 mod job;
 pub mod joint;
 pub mod labels;

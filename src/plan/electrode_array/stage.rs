@@ -11,6 +11,7 @@ use crate::claims::electrode_array::{
     ElectrodeArrayOrder,
 };
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
+use crate::plan::errors;
 use crate::source::Span;
 use std::ops::RangeInclusive;
 
@@ -211,6 +212,13 @@ impl<'a> BoardStage<'a> {
     /// The parts that stay, each with its cell.
     pub fn standing_parts(&self, order: &ElectrodeArrayOrder) -> impl Iterator<Item = (&str, board::CellIndex)> {
         self.standing.iter().filter_map(|blocker| Some((blocker.name, flat(order, blocker.at?))))
+    }
+
+    /// The first few goals, as text.
+    pub fn goals(&self) -> String {
+        const MAX_NAMED: usize = 3;
+        let asked = self.agents.iter().filter_map(|actor| actor.asked);
+        errors::listed(asked.map(|action| action.goal().cell.to_string()), MAX_NAMED)
     }
 
     /// The names of the parts that stay.

@@ -1,0 +1,48 @@
+//! Goals of their own for interchangeable parts, where the plan's choice of who goes where leaves a later step without a plan.
+
+use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayOrder};
+use std::collections::BTreeMap;
+
+/// Most assignments of all steps together that are tried.
+const MOST_ASSIGNMENTS: usize = 64;
+
+/// One part in this many of the budget of a step for each of them.
+const SHARE: u64 = 16;
+
+/// The order with a goal of its own for each part of a team, in several ways: all there are, or the first [`MOST_ASSIGNMENTS`]; none where
+/// there is no team of several.
+pub fn orders(order: &ElectrodeArrayOrder) -> Vec<ElectrodeArrayOrder> {
+    let sizes = order.steps.iter().flat_map(|step| teams(&step.action).into_values().map(|team| team.len()));
+    let all = sizes.flat_map(|size| 1..=size).fold(1usize, usize::saturating_mul);
+    let tried = if all > 1 { all.min(MOST_ASSIGNMENTS) } else { 0 };
+    (0..tried).map(|nth| assigned(order, nth)).collect()
+}
+
+/// The places of the moves of each team among those of a step.
+fn teams(action: &ElectrodeArrayAction) -> BTreeMap<usize, Vec<usize>> {
+    let mut teams: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    if let ElectrodeArrayAction::Move(moves) = action {
+        let of_teams = moves.iter().enumerate().filter_map(|(place, one)| Some((one.team?, place)));
+        of_teams.for_each(|(team, place)| teams.entry(team).or_default().push(place));
+    }
+    teams
+}
+
+/// One of the assignments: a number with a digit for each part of a team, of as many values as goals are left for it.
+fn assigned(order: &ElectrodeArrayOrder, mut nth: usize) -> ElectrodeArrayOrder {
+    let mut order = order.clone();
+    order.planner.expansions = (order.planner.expansions / SHARE).max(1);
+    for step in &mut order.steps {
+        let teams = teams(&step.action);
+        let ElectrodeArrayAction::Move(moves) = &mut step.action else { continue };
+        for places in teams.values() {
+            let mut goals: Vec<_> = places.iter().map(|place| moves[*place].stops.clone()).collect();
+            for place in places {
+                let goal = goals.remove(nth % goals.len());
+                nth /= goals.len() + 1;
+                moves[*place] = ElectrodeArrayMove { stops: goal, team: None, ..moves[*place].clone() };
+            }
+        }
+    }
+    order
+}
