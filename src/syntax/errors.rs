@@ -480,10 +480,13 @@ pub(super) fn bad_short_item(rest: Span, rule: Rule, text: &str) -> Diagnostic {
     }
     // `let n 3`
     let (line, at) = (line_before(text, rest.start as usize), rest.start as usize);
+    let value = line_after(text, at).trim_start_matches('=').trim();
+    // Words one after the other are no value.
+    let is_value = is_name(value) || !value.starts_with(|c: char| c.is_alphabetic());
     match line.strip_prefix("let ").map(str::trim) {
-        Some(name) if is_name(name) => finding
-            .help(format!("write `let {name} = {}`", quote(line_after(text, at).trim_start_matches('=').trim())))
-            .mended(part(rest, at, at), "= "),
+        Some(name) if is_name(name) && is_value => {
+            finding.help(format!("write `let {name} = {}`", quote(value))).mended(part(rest, at, at), "= ")
+        }
         Some(_) | None => finding.help("write it as `let pitch = 70 um`"),
     }
 }

@@ -365,6 +365,9 @@ fn missing_comma(span: Span, at: usize, open: char, source: &str) -> Option<Diag
         return None;
     }
     let before = around::code_end_before(source, at);
+    if source[..before].ends_with(',') {
+        return None;
+    }
     if let Some(finding) = step_in_brackets(span, at, token, source) {
         return Some(finding);
     }
@@ -443,10 +446,11 @@ pub(super) fn field_outside(span: Span, text: &str) -> Option<Diagnostic> {
 
 /// A head whose block has a `}` and no `{`.
 pub(super) fn missing_brace(mark: Span, head: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0124, "`{` is missing")
-        .label(mark, "a block begins behind this")
-        .help(format!("write `{} {{`", quote(head)))
-        .mended(mark.after(), " {")
+    let finding = Diagnostic::new(Code::E0124, "`{` is missing").label(mark, "a block begins behind this");
+    if head.ends_with('{') {
+        return finding.help("the `{` that is here belongs to a string or a comment");
+    }
+    finding.help(format!("write `{} {{`", quote(head))).mended(mark.after(), " {")
 }
 
 /// `0,8` where a point belongs.

@@ -5,11 +5,12 @@
 //! - In rounds of increasing length, [`fast::first`] searches for a plan, but not where the parts are dense, then [`lacam::first`] and,
 //!   one part moving at a time, [`joint`]; then [`exact::prove`] for a reason why there is none (small joint spaces, parts that block
 //!   each other), until one of them succeeds.
-//! - A small joint space is searched exhaustively; of a larger one pairs of parts may raise the bound on the makespan.
+//! - A small joint space is searched exhaustively.
 //! - Until the objective meets its bound or their share of the budget is spent: [`fast::improve`] in rounds and, where a round
 //!   hardly shortens the makespan, [`fast::first`] and [`fast::tighten`] within a limit between the bound and the makespan held:
 //!   with many parts a new plan within a limit is found sooner than a long one is shortened. Where the bound is not met, the same
-//!   again from the same first plan for the other objective, and from there back: a change that helps one may help the other.
+//!   again from the same first plan for the other objective, and from there back: a change that helps one may help the other. Once a round
+//!   hardly helps, pairs of parts are asked for a greater bound on the makespan ([`exact::raised`]).
 //! - [`exact::prove`] with the rest of the budget, which improves plan and bounds until they meet.
 //!
 //! Guaranteed: the answer is a legal plan with bounds that hold for every plan, a proof that there is none, or neither when the
@@ -106,7 +107,7 @@ pub fn solve_metered(
         Ok(bounds) => bounds,
         Err(why) => return BoardAnswer::Impossible(why),
     };
-    let mut search = PortfolioSearch { instance, objective, limit, bounds, meter, held: None };
+    let mut search = PortfolioSearch { instance, objective, limit, bounds, is_raised: false, meter, held: None };
     match search.first() {
         Some(BoardAnswer::Found(BoardPlan { paths, .. })) => search.better(paths),
         Some(decided) => decided,
@@ -118,7 +119,7 @@ pub fn solve_metered(
 pub fn first(instance: &Instance, objective: BoardObjective, budget: SearchBudget) -> Option<Paths> {
     let bounds = fast::bounds(instance).ok()?;
     let meter = &mut Meter::new(budget);
-    match (PortfolioSearch { instance, objective, limit: None, bounds, meter, held: None }).first()? {
+    match (PortfolioSearch { instance, objective, limit: None, bounds, is_raised: false, meter, held: None }).first()? {
         BoardAnswer::Found(BoardPlan { paths, .. }) => Some(paths),
         BoardAnswer::Impossible(_) | BoardAnswer::GaveUp(_) => None,
     }
@@ -145,8 +146,10 @@ struct PortfolioSearch<'a> {
     instance: &'a Instance,
     objective: BoardObjective,
     limit: Option<u64>,
-    /// Lower bounds from the parts alone.
+    /// Lower bounds, at first from the parts alone.
     bounds: BoardCosts,
+    /// Whether pairs were asked for a greater one.
+    is_raised: bool,
     meter: &'a mut Meter,
     /// Once there is a plan.
     held: Option<HeldBoardPlan>,
@@ -240,12 +243,6 @@ impl PortfolioSearch<'_> {
                 Some((BoardAnswer::Impossible(_) | BoardAnswer::GaveUp(_), false)) | None => {}
             }
         }
-        if !self.is_met(&first) {
-            let (instance, known) = (self.instance, self.bounds.makespan);
-            let most = BoardCosts::of(&first).makespan;
-            let share = self.meter.left().steps / RAISE_SHARE;
-            self.bounds.makespan = self.meter.share(share, |meter| exact::raised(instance, known, most, meter));
-        }
         let all = self.meter.left().steps;
         let share = if self.instance.agents.len() > CROWD { all - all / IMPROVE_SHARE } else { all / IMPROVE_SHARE };
         let mut best = self.bettered(first.clone(), share);
@@ -278,6 +275,10 @@ impl PortfolioSearch<'_> {
             let makespan = BoardCosts::of(&best).makespan;
             let lateness = self.lateness(&best);
             let is_stalled = before.saturating_sub(lateness) * SHORTER < before && makespan > self.bounds.makespan;
+            if is_stalled && !std::mem::replace(&mut self.is_raised, true) {
+                self.raise(makespan);
+                continue;
+            }
             let left = self.meter.left().steps.saturating_sub(end);
             if self.objective == BoardObjective::Makespan && is_stalled && left > 0 {
                 let is_far = makespan * 100 > self.bounds.makespan * FAR_PERCENT;
@@ -299,6 +300,13 @@ impl PortfolioSearch<'_> {
             seed += 1;
         }
         best
+    }
+
+    /// Raises the bound on the makespan, up to one that is known to be reached.
+    fn raise(&mut self, most: u64) {
+        let (instance, known) = (self.instance, self.bounds.makespan);
+        let share = self.meter.left().steps / RAISE_SHARE;
+        self.bounds.makespan = self.meter.share(share, |meter| exact::raised(instance, known, most, meter));
     }
 
     /// What a round is to shorten: the makespan or, of a crowd, of which many parts are late, the steps after its bound, summed over all parts.
