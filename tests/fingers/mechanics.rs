@@ -329,3 +329,13 @@ fn an_upright_cube_of_a_mesh_is_taken() {
     assert_eq!(built.codes, Vec::<&str>::new());
     assert!(built.schedules[0].schedule().plans[0].optimal);
 }
+
+/// The end of the cheapest plan that was found first could not be left; others that cost the same can.
+#[test]
+fn a_part_is_released_from_a_grasp_that_the_fingers_can_leave() {
+    for (name, least) in [("fingers-released-after-a-turn", 756.0), ("fingers-released-after-two-turns", 1296.0)] {
+        let text = found(name);
+        assert_eq!(cost(&text), [least; 2], "{name}");
+        assert_eq!(cost(&text.replace("  release\n", "")), [least; 2], "{name} without a release");
+    }
+}

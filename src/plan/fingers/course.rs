@@ -1,7 +1,7 @@
 //! From a path through the grasp graph to the acts of the fingers in each step of the task.
 
 use super::graph::{GraspNode, GraspPath};
-use super::routes::TurnRoute;
+use super::routes::{LegEnd, TurnRoute};
 use super::ways::FingerAct;
 
 /// Appends the finger acts of a stretch's path to the acts of the task's steps.
@@ -18,7 +18,9 @@ pub fn follow(
             steps[step].push(FingerAct::Begin { plane: turning.turn.plane, grasp: first.grasp.list(fingers) });
         }
         let acts = &mut steps[turning.step];
-        acts.push(FingerAct::Turn(turning.turn.plane));
+        if turning.end != LegEnd::Released {
+            acts.push(FingerAct::Turn(turning.turn.plane));
+        }
         nodes.windows(2).for_each(|pair| acts.extend(act(&pair[0], &pair[1], fingers)));
     }
 }

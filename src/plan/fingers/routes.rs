@@ -20,8 +20,17 @@ pub struct RouteTurn {
     /// Index into the order's steps.
     pub step: usize,
     pub turn: FingersTurn,
-    /// The grasp at its end, if the task names one.
-    pub pin: Option<Grasp>,
+    pub end: LegEnd,
+}
+
+/// Which grasps a leg may end with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LegEnd {
+    Any,
+    /// The one that the task names.
+    Pinned(Grasp),
+    /// Those that all fingers can leave. Such a leg turns nothing: it is there for a grasp with which the part is released.
+    Released,
 }
 
 /// The turns of a stretch, one after the other.
@@ -57,6 +66,18 @@ pub fn routes(order: &FingersOrder, steps: Range<usize>, held: Option<Holding>) 
     let routes = planes.into_iter().flat_map(in_plane).collect();
     let start = held.map(|held| held.grasp).or_else(|| first_grasp(order, steps));
     Routes { routes, start, left_out }
+}
+
+impl Routes {
+    /// The routes, each with a last leg to a grasp that all fingers can leave; `None` where the task names the grasp.
+    pub fn released(&self) -> Option<Routes> {
+        let mut routes = self.clone();
+        for route in &mut routes.routes {
+            let last = *route.last().filter(|last| !matches!(last.end, LegEnd::Pinned(_)))?;
+            route.push(RouteTurn { turn: FingersTurn { steps: 0, ..last.turn }, end: LegEnd::Released, ..last });
+        }
+        Some(routes)
+    }
 }
 
 /// Least number of steps that a choice of turns rolls.
@@ -166,12 +187,16 @@ fn route(
     for step in steps {
         if let FingersAction::Grasp(contacts) = &order.steps[step].action {
             if let Some(pin) = contacts.as_ref().filter(|_| is_held).and_then(|contacts| Grasp::of(contacts)) {
-                route.push(RouteTurn { step, turn: FingersTurn { plane: plane_at(step), steps: 0 }, pin: Some(pin) });
+                route.push(RouteTurn {
+                    step,
+                    turn: FingersTurn { plane: plane_at(step), steps: 0 },
+                    end: LegEnd::Pinned(pin),
+                });
             }
             is_held = true;
         }
         for (_, turn) in turns.iter().filter(|(of, _)| *of == step) {
-            route.push(RouteTurn { step, turn: *turn, pin: None });
+            route.push(RouteTurn { step, turn: *turn, end: LegEnd::Any });
         }
         // An orientation that is reached already turns nothing, but any grasp may hold the part there.
         is_held |= matches!(order.steps[step].action, FingersAction::Rotate { .. } | FingersAction::Orient { .. });
@@ -180,7 +205,7 @@ fn route(
     let changes_plane = held.is_some_and(|held| held.plane != first.1);
     if route.is_empty() || changes_plane {
         let plane = held.map_or(first.1, |held| held.plane);
-        route.insert(0, RouteTurn { step: first.0, turn: FingersTurn { plane, steps: 0 }, pin: None });
+        route.insert(0, RouteTurn { step: first.0, turn: FingersTurn { plane, steps: 0 }, end: LegEnd::Any });
     }
     route
 }

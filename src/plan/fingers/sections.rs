@@ -4,7 +4,7 @@
 use super::graph::{Grasp, GraspNode, GraspPath, Regrasp, TurnLeg};
 use super::looks::LooksBudget;
 use super::mechanics::{self, Closer, Contacts, Lazy, Load, NoTables, TableRequest, forbid};
-use super::routes::{Holding, RouteTurn, TurnRoute};
+use super::routes::{Holding, LegEnd, RouteTurn, TurnRoute};
 use super::tables::Tables;
 use super::ways::{ContactReach, HandSections, PreparedSection};
 use crate::claims::fingers::{FingersOrder, FingersTurn, Section};
@@ -148,20 +148,23 @@ impl<'a> Sections<'a> {
         let mut legs = Vec::with_capacity(route.len());
         let mut orientation = start;
         let mut before: Option<Plane> = None;
-        for RouteTurn { turn, pin, .. } in route {
+        for RouteTurn { turn, end, .. } in route {
             let entry = match before {
                 Some(plane) if plane != turn.plane => {
                     Regrasp::Across { old: [0, self.opposite(plane)], new: [0, self.opposite(turn.plane)] }
                 }
                 Some(_) | None => Regrasp::Same,
             };
-            let [lowest, highest] = self.angles(*turn);
+            let is_release = *end == LegEnd::Released;
+            let [lowest, highest] = if is_release { [0, 0] } else { self.angles(*turn) };
             let lazy = self.lazy(turn.plane, orientation);
             let tables = match &lazy {
+                _ if is_release => self.releasable(turn.plane, orientation)?,
                 Some(_) => self.loosest(turn.plane)?,
                 None => self.tables(turn.plane, orientation, [lowest, highest])?,
             };
-            legs.push(TurnLeg { tables, steps: turn.steps, lowest, highest, entry, end: *pin, lazy });
+            let end = if let LegEnd::Pinned(grasp) = end { Some(*grasp) } else { None };
+            legs.push(TurnLeg { tables, steps: turn.steps, lowest, highest, entry, end, lazy });
             orientation = self.turned(orientation, *turn);
             before = Some(turn.plane);
         }
@@ -225,31 +228,44 @@ impl<'a> Sections<'a> {
     ///
     /// Of three fingers the first one leaves as in a turn; against the last two, the support holds the part.
     pub fn leaving(&mut self, holding: Holding, orientation: UnitQuaternion<f64>) -> Option<Vec<usize>> {
-        let tables =
-            self.lazy(holding.plane, orientation).is_none().then(|| self.tables(holding.plane, orientation, [0, 0]));
-        let tables = tables.transpose().ok()?;
         let lazy = self.lazy(holding.plane, orientation);
-        let reach = &self.ready(holding.plane).reach;
-        let held = |finger: &usize| Some((*finger, holding.grasp.contact(*finger)?));
-        let mut stay: Vec<(usize, usize)> = (0..self.order.facts.fingers as usize).filter_map(|f| held(&f)).collect();
+        let tables = lazy.is_none().then(|| self.tables(holding.plane, orientation, [0, 0])).transpose().ok()?;
+        let leaves = |rest: [usize; 2], contact: usize| match (&lazy, &tables) {
+            (Some(lazy), _) => lazy.leaves(0, rest, contact),
+            (None, Some(tables)) => tables.layer(0).leave.has(tables.three(rest[0], rest[1], contact)),
+            (None, None) => false,
+        };
+        let held = |finger: usize| Some((finger, holding.grasp.contact(finger)?));
+        let stay: Vec<(usize, usize)> = (0..self.order.facts.fingers as usize).filter_map(held).collect();
         let mut order = Vec::new();
-        while !stay.is_empty() {
-            let goes = (0..stay.len()).find(|index| {
-                let rest: Vec<usize> =
-                    stay.iter().map(|(_, contact)| *contact).filter(|c| *c != stay[*index].1).collect();
-                let holds = match rest.as_slice() {
-                    [i, j] => match (&lazy, &tables) {
-                        (Some(lazy), _) => lazy.leaves(0, [*i, *j], stay[*index].1),
-                        (None, Some(tables)) => tables.layer(0).leave.has(tables.three(*i, *j, stay[*index].1)),
-                        (None, None) => false,
-                    },
-                    _ => true,
-                };
-                holds && reach.way(stay[*index].1, &rest).is_some()
-            })?;
-            order.push(stay.remove(goes).0);
+        let reach = &self.ready(holding.plane).reach;
+        leave_in_turn(&stay, &leaves, &|contact, rest| reach.way(contact, rest).is_some(), &mut order).then_some(order)
+    }
+
+    /// Tables of a plane in which only those grasps hold that all fingers can leave, without a load.
+    fn releasable(&mut self, plane: Plane, orientation: UnitQuaternion<f64>) -> Result<Arc<Tables>, NoTables> {
+        let whole = self.tables(plane, orientation, [0, 0])?;
+        let mut tables = Tables { contacts: whole.contacts, layers: vec![whole.layer(0).clone()] };
+        let (whole, count, reach) = (whole.layer(0), tables.contacts, &self.ready(plane).reach);
+        let has_way = |contact: usize, rest: &[usize]| reach.way(contact, rest).is_some();
+        let can_leave = |tables: &Tables, contacts: &[usize]| {
+            let stay: Vec<(usize, usize)> = contacts.iter().copied().enumerate().collect();
+            let leaves = |rest: [usize; 2], contact| whole.leave.has(tables.three(rest[0], rest[1], contact));
+            leave_in_turn(&stay, &leaves, &has_way, &mut Vec::new())
+        };
+        for i in 0..count {
+            for j in i + 1..count {
+                if whole.pair.has(tables.two(i, j)) && !can_leave(&tables, &[i, j]) {
+                    tables.remove(&[i, j]);
+                }
+                for k in j + 1..count {
+                    if whole.triple.has(tables.three(i, j, k)) && !can_leave(&tables, &[i, j, k]) {
+                        tables.remove(&[i, j, k]);
+                    }
+                }
+            }
         }
-        Some(order)
+        Ok(Arc::new(tables))
     }
 
     /// Whether a grasp holds under the load without a motion.
@@ -319,6 +335,28 @@ impl<'a> Sections<'a> {
         self.known.insert(key, Arc::clone(&tables));
         Ok(tables)
     }
+}
+
+/// Whether fingers on these contacts, by finger, can leave one after the other; `order` gets them as they leave. `leaves` tells whether the
+/// third of three may go while two stay, `has_way` whether one has a way out beside those that stay.
+fn leave_in_turn(
+    stay: &[(usize, usize)],
+    leaves: &dyn Fn([usize; 2], usize) -> bool,
+    has_way: &dyn Fn(usize, &[usize]) -> bool,
+    order: &mut Vec<usize>,
+) -> bool {
+    stay.is_empty()
+        || stay.iter().any(|(finger, contact)| {
+            let others: Vec<(usize, usize)> = stay.iter().copied().filter(|(other, _)| other != finger).collect();
+            let rest: Vec<usize> = others.iter().map(|(_, contact)| *contact).collect();
+            let may_go = if let [i, j] = *rest { leaves([i, j], *contact) } else { true };
+            order.push(*finger);
+            let is_free = may_go && has_way(*contact, &rest) && leave_in_turn(&others, leaves, has_way, order);
+            if !is_free {
+                order.pop();
+            }
+            is_free
+        })
 }
 
 fn ready<'s, 'a>(xy: &'s Ready<'a>, xz: Option<&'s Ready<'a>>, plane: Plane) -> &'s Ready<'a> {

@@ -9,7 +9,7 @@ use super::graph::{
     Start, Within,
 };
 use super::mechanics::NoTables;
-use super::routes::{Holding, RouteTurn, Routes, routes, takes_hold};
+use super::routes::{Holding, LegEnd, RouteTurn, Routes, routes, takes_hold};
 use super::sections::{LoadedSections, Sections, Sifted};
 use super::ways::{self, FingerAct, FingersCourse, WayError};
 use super::{FingersMotion, HeldGrasp, Stance};
@@ -232,8 +232,23 @@ impl<'a> HandTally<'a> {
             let least = planned.routes.iter().map(|route| steps_of(route)).min().unwrap_or_default();
             planned.left_out = Some(planned.left_out.map_or(least, |known| known.min(least)));
         }
-        let gaits = self.asked.gaits.get(index).copied().flatten();
-        let way = match sound(self.order, sections, &planned, self.orientation, (self.asked.first, gaits)) {
+        let chosen = (self.asked.first, self.asked.gaits.get(index).copied().flatten());
+        let way = match sound(self.order, sections, &planned, self.orientation, chosen) {
+            Ok(GraspAnswer::Found(way)) if self.is_stuck_after(sections, (&planned, &way), stretch.end) => {
+                let released = planned.released().map(|released| {
+                    let answer = sound(self.order, sections, &released, self.orientation, chosen);
+                    (released, answer)
+                });
+                match released {
+                    Some((released, Ok(GraspAnswer::Found(other)))) => {
+                        planned = released;
+                        // The bound is that of all grasps.
+                        GraspPath { bound: way.bound, ..other }
+                    }
+                    // What is done about the first one is said at the release.
+                    Some(_) | None => way,
+                }
+            }
             Ok(GraspAnswer::Found(way)) => way,
             Ok(GraspAnswer::Impossible(blocked)) => {
                 let at = step_of(&planned, blocked.route, blocked.leg);
@@ -265,7 +280,8 @@ impl<'a> HandTally<'a> {
         let is_free = |step: usize| matches!(self.order.steps[step].action, FingersAction::Orient { .. });
         self.may_differ |= planned.routes.len() > 1;
         if route.iter().any(|turning| is_free(turning.step)) {
-            let turns: Vec<String> = route.iter().map(|turning| turn_text(sections, turning.turn)).collect();
+            let turning = route.iter().filter(|turning| turning.end != LegEnd::Released);
+            let turns: Vec<String> = turning.map(|turning| turn_text(sections, turning.turn)).collect();
             self.sums.remarks.push(Remark { subject: "turns".to_owned(), text: turns.join(", ") });
         }
         for turning in route {
@@ -275,6 +291,19 @@ impl<'a> HandTally<'a> {
         self.held =
             route.last().zip(last).map(|(turning, last)| Holding { grasp: last.grasp, plane: turning.turn.plane });
         Ok(())
+    }
+
+    /// Whether the steps up to one end with a release and fingers cannot leave the grasp at the end of a path. Under a load no other one is
+    /// looked for.
+    fn is_stuck_after(&self, sections: &mut Sections, (planned, way): (&Routes, &GraspPath), end: usize) -> bool {
+        let is_released = self.order.steps[..end].last().is_some_and(|step| step.action == FingersAction::Release);
+        let (mut orientation, route) = (self.orientation, &planned.routes[way.route]);
+        route.iter().for_each(|turning| orientation = sections.turned(orientation, turning.turn));
+        let last = route.last().zip(way.legs.last().and_then(|nodes| nodes.last()));
+        let held = last.map(|(turning, last)| Holding { grasp: last.grasp, plane: turning.turn.plane });
+        is_released
+            && self.order.load_un == [0.0; 3]
+            && held.is_some_and(|held| sections.leaving(held, orientation).is_none())
     }
 
     /// All fingers leave, in an order in which the remaining ones always hold.

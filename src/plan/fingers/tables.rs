@@ -96,6 +96,36 @@ impl Tables {
     }
 }
 
+impl Tables {
+    /// Removes a grasp of two or three contacts from all layers, with the ways to it and from it.
+    pub fn remove(&mut self, contacts: &[usize]) {
+        let count = self.contacts;
+        let bits: Vec<usize> = match *contacts {
+            [i, j] => (0..count).flat_map(|k| [self.three(i, j, k), self.three(j, i, k)]).collect(),
+            [i, j, k] => {
+                let orders = [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]];
+                orders.map(|[i, j, k]| self.three(i, j, k)).to_vec()
+            }
+            _ => return,
+        };
+        let pairs = if let [i, j] = *contacts { vec![self.two(i, j), self.two(j, i)] } else { Vec::new() };
+        for layer in &mut self.layers {
+            for bit in &pairs {
+                layer.pair.take(*bit);
+                layer.roll_pair.take(*bit);
+            }
+            for bit in &bits {
+                layer.place.take(*bit);
+                layer.leave.take(*bit);
+                if pairs.is_empty() {
+                    layer.triple.take(*bit);
+                    layer.roll_triple.take(*bit);
+                }
+            }
+        }
+    }
+}
+
 /// Grasps at one angle. Sets of pairs are symmetric; sets of triples too, except in the last contact of `place` and `leave`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AngleLayer {

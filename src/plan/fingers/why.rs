@@ -345,8 +345,12 @@ impl HandReasons<'_> {
 
     /// Report of a grasp that no finger may leave.
     fn stuck_fingers(&self) -> Diagnostic {
-        Diagnostic::new(Code::E0602, "no finger can leave the grasp that was found first")
-            .label(self.span(), "of the fingers that hold here; other grasps were not tried")
+        let others = match self.order.load_un == [0.0; 3] {
+            true => "none was found at the end of a plan that they can leave one after the other",
+            false => "under a load other grasps were not tried",
+        };
+        Diagnostic::new(Code::E0602, "the fingers cannot leave the grasp that was found first")
+            .label(self.span(), format!("of the fingers that hold here; {others}"))
             .help("end with two fingers: put `grasp … at (…)` before it")
     }
 
