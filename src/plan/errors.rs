@@ -130,9 +130,9 @@ fn all_of(names: &[&str]) -> String {
 
 /// A part whose own way takes longer than the time within which it must do its next operation.
 pub fn too_far_in_time(step: Span, part: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0601, format!("no plan: the way of `{part}` takes longer than `within` allows"))
+    Diagnostic::new(Code::E0601, format!("no plan: ways and stays of `{part}` take longer than `within` allows"))
         .label(step, "even if no other part were there")
-        .help("allow more time, or choose places that are nearer to each other")
+        .help("allow more time, choose places that are nearer to each other, or shorten what it does between")
 }
 
 /// A part that is to be mixed where the loop has no room.

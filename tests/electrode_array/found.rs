@@ -380,3 +380,9 @@ fn an_assay_of_few_droplets_has_the_least_sum_of_costs() {
     let plan = planned(&found("ea_assay_of_least_sum"));
     assert_eq!((plan.cost, plan.bound, plan.outcomes["steps"]), (24.0, 24.0, 13.0));
 }
+
+#[test]
+fn what_comes_soon_after_another_cannot_come_behind_a_long_stay() {
+    let errors = refused(&found("ea_within_what_it_comes_after"));
+    assert!(errors.starts_with("E0601") && errors.contains("`p0` take longer than `within`"), "{errors}");
+}

@@ -324,9 +324,13 @@ impl Tasks<'_> {
                 let reaches = parts.iter().zip(reached).map(|(part, cells)| reach(self.order, part, cells.clone()));
                 self.sink.push(diagnostic.reached(reaches));
             }
-            NoAssayPlan::TooLate { agent } => {
+            NoAssayPlan::TooLate { agent, operation } => {
                 let diagnostic = errors::too_far_in_time(step.span, self.part_name(stage, *agent));
-                self.sink.push(self.with_avoided(diagnostic, step));
+                let within = operation.and_then(|nth| none.operations.get(nth)?.within.as_ref());
+                self.sink.push(match within {
+                    Some(within) => diagnostic.label_elsewhere(within.span, step.span, "within this time"),
+                    None => diagnostic,
+                });
             }
             NoAssayPlan::LoopOffBoard { agent } => {
                 self.sink.push(errors::loop_off_board(step.span, self.part_name(stage, *agent)));

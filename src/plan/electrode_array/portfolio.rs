@@ -43,7 +43,7 @@ const IMPROVE_SHARE: u64 = 4;
 const OTHER_SHARE: u64 = 8;
 
 /// One part in this many of the remaining budget goes to a greater bound on the makespan.
-const RAISE_SHARE: u64 = 16;
+const RAISE_SHARE: u64 = 64;
 
 /// Most of the makespan's bound, in per cent, that the first round allows: a limit makes the search of each path smaller.
 const ROOMY_PERCENT: u64 = 150;
@@ -277,7 +277,9 @@ impl PortfolioSearch<'_> {
             let is_stalled = before.saturating_sub(lateness) * SHORTER < before && makespan > self.bounds.makespan;
             if is_stalled && !std::mem::replace(&mut self.is_raised, true) {
                 self.raise(makespan);
-                continue;
+                if self.is_met(&best) {
+                    break;
+                }
             }
             let left = self.meter.left().steps.saturating_sub(end);
             if self.objective == BoardObjective::Makespan && is_stalled && left > 0 {

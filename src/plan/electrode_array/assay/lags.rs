@@ -77,21 +77,30 @@ fn late(problem: &AssayProblem, courses: &[AgentCourse]) -> Vec<(ErrandPlace, u3
     problem.lags.iter().filter_map(of_lag).collect()
 }
 
-/// An agent that cannot come from one of its errands to a later one in time, even alone.
-pub(super) fn hopeless(problem: &AssayProblem, ahead: &Ahead) -> Option<usize> {
+/// An errand to which its agent cannot come from an earlier one in time, even alone. The earlier one is what the later one must follow
+/// soon, or itself comes after that.
+pub(super) fn hopeless(problem: &AssayProblem, ahead: &Ahead) -> Option<ErrandPlace> {
     let is_far = |lag: &&ErrandLag| {
-        let agent = lag.of.agent;
+        let ErrandPlace { agent, errand: last } = lag.of;
+        let errands = &problem.errands[agent];
+        // The steps from the end of an errand on until the agent is where the last one is, and begins that.
+        let steps_from = |first: usize| {
+            let way = |index: usize| match ahead.steps(agent, index, errands[index - 1].stop) {
+                UNREACHABLE => 0,
+                way => way,
+            };
+            let ways = (first + 1..=last).map(way);
+            ways.chain(errands[first + 1..last].iter().map(|errand| errand.stay)).fold(0u32, u32::saturating_add)
+        };
         // What others do may end later, near to its time.
-        let is_alone = lag.after.iter().all(|place| place.agent == agent && place.errand < lag.of.errand);
-        let ways = lag.after.iter().map(|place| {
-            let between = place.errand + 1..=lag.of.errand;
-            let stays = (place.errand + 1..lag.of.errand).map(|index| problem.errands[agent][index].stay);
-            let ways = between.map(|index| ahead.steps(agent, index, problem.errands[agent][index - 1].stop));
-            let is_cut = |way: u32| if way == UNREACHABLE { 0 } else { way };
-            ways.map(is_cut).chain(stays).fold(0u32, u32::saturating_add)
-        });
-        let is_split = problem.errands[agent][lag.of.errand].splits.is_some();
-        is_alone && !is_split && ways.min().is_some_and(|ways| ways > lag.most)
+        let is_alone = lag.after.iter().all(|place| place.agent == agent && place.errand < last);
+        let own = is_alone.then(|| lag.after.iter().map(|place| steps_from(place.errand)).min()).flatten();
+        // An errand before the last one that comes after all that, and so begins no sooner than that is done.
+        let afters = &problem.afters[agent];
+        let waits = |index: &usize| lag.after.iter().all(|place| afters[*index].contains(place));
+        let behind = (0..last).filter(waits).map(|index| steps_from(index).saturating_add(errands[index].work())).max();
+        let is_split = errands[last].splits.is_some();
+        !is_split && own.into_iter().chain(behind).any(|steps| steps > lag.most)
     };
-    problem.lags.iter().find(is_far).map(|lag| lag.of.agent)
+    problem.lags.iter().find(is_far).map(|lag| lag.of)
 }

@@ -250,8 +250,8 @@ impl AssayPlan {
 pub enum NoAssayPlan {
     /// Agents cannot come to their stops, whatever the others do.
     Alone(NoBoardPlan),
-    /// This agent cannot come from one of its errands to another in time, even alone.
-    TooLate { agent: usize },
+    /// This agent cannot come from one of its errands to another in time, even alone: to that of an operation, if it is for one.
+    TooLate { agent: usize, operation: Option<usize> },
     /// The loop round which this agent is to be mixed leaves the board.
     LoopOffBoard { agent: usize },
     /// The agents keep one another from their operations, in every order; by agent, the cells that it came to.
@@ -274,7 +274,10 @@ fn looked_ahead(
     let ahead = route::Ahead::new(problem, distances, meter);
     let least = bound::least(problem, &ahead);
     match lags::hopeless(problem, &ahead) {
-        Some(agent) => Err(NoAssayPlan::TooLate { agent }),
+        Some(ErrandPlace { agent, errand }) => {
+            let operation = problem.operations.get(agent).and_then(|own| *own.get(errand)?);
+            Err(NoAssayPlan::TooLate { agent, operation })
+        }
         None => Ok((ahead, least)),
     }
 }
