@@ -104,7 +104,6 @@ const SHARED: &[(&str, &str)] = &[
     ("axes", "the unit vectors of a hand's two planes"),
     ("normal", "the unit vectors across them"),
     ("digit", "what stands for an arm in words and states: 0 or 1"),
-    ("objective", "names of the vocabulary: what `minimize` takes"),
     ("watchdog_ns", "a figure of the device, or five of its intervals where it states none"),
     ("outcome", "names of the vocabulary: what `require` compares"),
     ("dimension", "whether an outcome is a length, a time or a count"),

@@ -7,13 +7,16 @@
 //! reach; the bound of a search that gave up holds. Cost: one step of the budget for each joint position generated; no more than
 //! [`MAX_POSITIONS`] are kept.
 
-use super::super::board::{BoardObjective, CellIndex, MetCells};
-use super::super::broadcast::{AgentStep, PulledStep, SharedChannels};
-use super::super::fast::UNREACHABLE;
+mod stands;
+
 use super::route::Ahead;
-use super::{AgentCourse, AssayProblem, Errand, ErrandLag, ErrandPlace, SplitErrand};
+use super::{AgentCourse, AssayProblem, ErrandLag, SplitErrand};
+use crate::plan::electrode_array::board::{BoardObjective, CellIndex, MetCells};
+use crate::plan::electrode_array::broadcast::{AgentStep, PulledStep, SharedChannels};
+use crate::plan::electrode_array::fast::UNREACHABLE;
 use crate::plan::search::{Meter, SearchAnswer};
 use rustc_hash::FxHashMap;
+use stands::{AgentStand, JointStand, at_start, due, is_done, may_begin, meeting, settle, start};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -25,30 +28,6 @@ const MAX_POSITIONS: usize = 400_000;
 
 /// Nothing waits.
 const IDLE: u32 = u32::MAX;
-
-/// Where an agent is, and what it has done.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum JointStand {
-    /// It has not come yet.
-    Due,
-    There(AgentStand),
-    Gone,
-}
-
-impl JointStand {
-    fn there(self) -> Option<AgentStand> {
-        if let JointStand::There(stand) = self { Some(stand) } else { None }
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-struct AgentStand {
-    cell: CellIndex,
-    /// Errands done.
-    done: u32,
-    /// Steps for which it has been where the next one is, or on its loop, and no more than that takes.
-    rested: u32,
-}
 
 /// Where all agents are and what they have done.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -537,92 +516,12 @@ impl JointSearch<'_> {
     }
 }
 
-/// An agent at its start.
-fn at_start(problem: &AssayProblem, agent: usize) -> AgentStand {
-    AgentStand { cell: problem.instance.agents[agent].start, done: 0, rested: 0 }
-}
-
-fn start(problem: &AssayProblem, agent: usize) -> JointStand {
-    JointStand::There(at_start(problem, agent))
-}
-
-/// The errand that an agent is to do next.
-fn due(problem: &AssayProblem, stands: &[JointStand], agent: usize) -> Option<Errand> {
-    problem.errands[agent].get(stands[agent].there()?.done as usize).copied()
-}
-
-/// Whether what the next errand of an agent comes after is done.
-fn may_begin(problem: &AssayProblem, stands: &[JointStand], agent: usize) -> bool {
-    let errand = match stands[agent] {
-        JointStand::Due => 0,
-        JointStand::There(stand) => stand.done as usize,
-        JointStand::Gone => return true,
-    };
-    problem.afters[agent].get(errand).is_none_or(|before| before.iter().all(|place| is_done(stands, place)))
-}
-
-/// Whether an errand is done.
-fn is_done(stands: &[JointStand], place: &ErrandPlace) -> bool {
-    match stands[place.agent] {
-        JointStand::Due => false,
-        JointStand::There(stand) => stand.done as usize > place.errand,
-        JointStand::Gone => true,
-    }
-}
-
-/// The agent with which another is to merge next, if that one is to merge with it next too and nothing comes before, and where.
-fn meeting(problem: &AssayProblem, stands: &[JointStand], agent: usize) -> Option<(usize, CellIndex)> {
-    let own = due(problem, stands, agent)?;
-    let other = own.meets.filter(|_| may_begin(problem, stands, agent))?;
-    let theirs = due(problem, stands, other)?;
-    (theirs.meets == Some(agent) && theirs.stop == own.stop).then_some((other, own.stop))
-}
-
-/// Does all errands that can be done where the agents are.
-fn settle(problem: &AssayProblem, stands: &mut [JointStand]) {
-    let ready = |stands: &[JointStand], agent: usize| {
-        let own = due(problem, stands, agent)?;
-        let stand = stands[agent].there()?;
-        if stand.cell != own.stop
-            || stand.rested < own.stay
-            || own.splits.is_some()
-            || !may_begin(problem, stands, agent)
-        {
-            return None;
-        }
-        match own.meets {
-            None => Some((agent, None)),
-            Some(_) => {
-                let (other, stop) = meeting(problem, stands, agent)?;
-                stands[other].there().is_some_and(|theirs| theirs.cell == stop).then_some((agent, Some(other)))
-            }
-        }
-    };
-    while let Some((agent, other)) = (0..stands.len()).find_map(|agent| ready(stands, agent)) {
-        for one in std::iter::once(agent).chain(other) {
-            let JointStand::There(stand) = &mut stands[one] else { continue };
-            (stand.done, stand.rested) = (stand.done + 1, 0);
-            if problem.is_gone[one] && stand.done as usize == problem.errands[one].len() {
-                stands[one] = JointStand::Gone;
-            }
-        }
-    }
-    for agent in 0..stands.len() {
-        let stay = due(problem, stands, agent)
-            .filter(|own| own.mixes.is_some() || stands[agent].there().is_some_and(|stand| stand.cell == own.stop))
-            .map_or(0, |own| own.stay);
-        if let JointStand::There(stand) = &mut stands[agent] {
-            stand.rested = stand.rested.min(stay);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::super::board::{Agent, BoardGrid, Instance};
-    use super::super::super::fast::Distances;
-    use super::super::AssayPlan;
+    use super::super::{AssayPlan, Errand, ErrandPlace};
     use super::*;
+    use crate::plan::electrode_array::board::{Agent, BoardGrid, Instance};
+    use crate::plan::electrode_array::fast::Distances;
     use crate::plan::search::SearchBudget;
 
     /// One agent is pulled apart after two steps, in the third; the other rests for two steps after that.
