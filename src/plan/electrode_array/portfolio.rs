@@ -275,7 +275,8 @@ impl PortfolioSearch<'_> {
             let makespan = BoardCosts::of(&best).makespan;
             let lateness = self.lateness(&best);
             let is_stalled = before.saturating_sub(lateness) * SHORTER < before && makespan > self.bounds.makespan;
-            if is_stalled && !std::mem::replace(&mut self.is_raised, true) {
+            let is_crowd = self.instance.agents.len() > CROWD;
+            if is_stalled && !is_crowd && !std::mem::replace(&mut self.is_raised, true) {
                 self.raise(makespan);
                 if self.is_met(&best) {
                     break;
@@ -284,7 +285,7 @@ impl PortfolioSearch<'_> {
             let left = self.meter.left().steps.saturating_sub(end);
             if self.objective == BoardObjective::Makespan && is_stalled && left > 0 {
                 let is_far = makespan * 100 > self.bounds.makespan * FAR_PERCENT;
-                let is_new = failures == 0 && is_far && self.instance.agents.len() > CROWD;
+                let is_new = failures == 0 && is_far && is_crowd;
                 let aim = if is_new { SqueezeAim::New } else { SqueezeAim::turn(failures) };
                 let most = if is_new { squeeze_steps.max(steps / FAR_SHARE) } else { squeeze_steps };
                 match self.squeezed(&best, aim, seed, most.min(left)) {
