@@ -9,7 +9,8 @@ use super::{EmitError, Signals, parts};
 use crate::claims::Claims;
 use crate::schedule::{Actuation, ChannelUnit};
 
-/// Greatest move of a stage from one sample to the next, in micrometres, where the instrument is fast enough and its memory suffices.
+/// Greatest move of a stage from one sample to the next, in micrometres, where the instrument is fast enough, its memory suffices and the
+/// tolerance of its device is no less.
 pub const SAMPLE_UM: f64 = 0.05;
 
 /// Greatest number of parts into which the common period of voltages is divided for positions.
@@ -51,7 +52,7 @@ impl Sampling {
         let by_rate_ns = ((1e9 / limits.rate_hz).ceil() as u64).max(1);
         let [least_points, most_points] = limits.points;
         let by_memory_ns = duration_ns.div_ceil(most_points.saturating_sub(2).max(1));
-        let period_ns = match steady_ns(signals) {
+        let period_ns = match steady_ns(signals, claims) {
             None => {
                 let exact_ns = gcd(duration_ns, common_ns);
                 // After the last edge nothing changes, so that the end may be a little later.
@@ -108,7 +109,8 @@ impl Sampling {
 
     /// Greatest move of a stage in a period, in micrometres; `None` without stages.
     pub fn step_um(&self, signals: &Signals) -> Option<f64> {
-        let step_um = fastest_um_per_ns(signals)? * self.period_ns as f64;
+        let fastest = signals.in_unit(ChannelUnit::Micrometre).map(|index| um_per_ns(signals, index)).reduce(f64::max);
+        let step_um = fastest? * self.period_ns as f64;
         // Rounded up, but for the rounding of the product.
         Some(((step_um * 1e4 - 1e-6).ceil() / 1e4).abs())
     }
@@ -131,20 +133,20 @@ pub fn gcd(mut a: u64, mut b: u64) -> u64 {
     a
 }
 
-/// The greatest round period in which no stage moves by more than [`SAMPLE_UM`]; `None` without stages.
-fn steady_ns(signals: &Signals) -> Option<u64> {
-    let exact_ns = SAMPLE_UM / fastest_um_per_ns(signals)?;
+/// The greatest round period in which no stage moves by more than [`SAMPLE_UM`], or the tolerance of its device if that is less; `None`
+/// without stages.
+fn steady_ns(signals: &Signals, claims: &Claims) -> Option<u64> {
+    let of_stage = |index: usize| {
+        let tolerance_um = claims.tolerance_um(&signals.schedule.channels[index].device);
+        tolerance_um.map_or(SAMPLE_UM, |tolerance_um| tolerance_um.min(SAMPLE_UM)) / um_per_ns(signals, index)
+    };
+    let exact_ns = signals.in_unit(ChannelUnit::Micrometre).map(of_stage).reduce(f64::min)?;
     let mut decade_ns = 1;
     while 10.0 * decade_ns as f64 <= exact_ns && decade_ns < signals.schedule.duration_ns {
         decade_ns *= 10;
     }
     let round_ns = [5, 2, 1].map(|digit| digit * decade_ns);
     round_ns.into_iter().find(|period_ns| *period_ns as f64 <= exact_ns).or(Some(1))
-}
-
-/// The greatest speed of a stage; `None` without stages.
-fn fastest_um_per_ns(signals: &Signals) -> Option<f64> {
-    signals.in_unit(ChannelUnit::Micrometre).map(|channel| um_per_ns(signals, channel)).reduce(f64::max)
 }
 
 /// The greatest speed of one stage.

@@ -214,11 +214,16 @@ impl<'a> BoardStage<'a> {
         self.standing.iter().filter_map(|blocker| Some((blocker.name, flat(order, blocker.at?))))
     }
 
-    /// The first few goals, as text.
+    /// The first few goals, each once, as text.
     pub fn goals(&self) -> String {
         const MAX_NAMED: usize = 3;
-        let asked = self.agents.iter().filter_map(|actor| actor.asked);
-        errors::listed(asked.map(|action| action.goal().cell.to_string()), MAX_NAMED)
+        let mut goals: Vec<ElectrodeCell> = Vec::new();
+        for goal in self.agents.iter().filter_map(|actor| Some(actor.asked?.goal().cell)) {
+            if !goals.contains(&goal) {
+                goals.push(goal);
+            }
+        }
+        errors::listed(goals.iter().map(ElectrodeCell::to_string), MAX_NAMED)
     }
 
     /// The names of the parts that stay.
