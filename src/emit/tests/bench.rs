@@ -21,6 +21,12 @@ pub fn generator() -> WaveformGeneratorFacts {
     }
 }
 
+/// One that plays every nanosecond, as no lab has it.
+pub fn fast_generator() -> WaveformGeneratorFacts {
+    let generator = generator();
+    WaveformGeneratorFacts { voltage: VoltageOutput { rate_hz: 1e9, ..generator.voltage }, ..generator }
+}
+
 /// All channels on one generator `awg`, voltages behind an amplifier x 50, positions behind drivers of 0.1 V/um from -1 V on.
 pub fn on_generators(fixture: (Verified, Provenance)) -> (Verified, Provenance) {
     on(fixture, generator())

@@ -133,7 +133,7 @@ fn write_fixtures() {
         fixture::hand,
         fixture::mixed,
     ] {
-        let make = || bench::on_generators(make());
+        let make = || bench::on(make(), bench::fast_generator());
         formats(&make().0).for_each(|format| write(&folder, format, make()));
     }
     for format in [Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi, Format::Svg] {
