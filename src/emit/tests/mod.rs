@@ -123,19 +123,14 @@ fn write_fixtures() {
     let (slopes, trains) = (folder.join("slopes"), folder.join("trains"));
     std::fs::create_dir_all(&trains).unwrap();
     std::fs::create_dir_all(&slopes).unwrap();
-    for make in [
-        fixture::fetch,
-        fixture::pair,
-        fixture::large,
-        fixture::idle,
-        fixture::bed,
-        fixture::paces,
-        fixture::hand,
-        fixture::mixed,
-    ] {
-        let make = || bench::on(make(), bench::fast_generator());
+    for make in
+        [fixture::fetch, fixture::pair, fixture::large, fixture::idle, fixture::bed, fixture::hand, fixture::mixed]
+    {
+        let make = || bench::on_generators(make());
         formats(&make().0).for_each(|format| write(&folder, format, make()));
     }
+    let paces = || bench::on(fixture::paces(), bench::fast_generator());
+    formats(&paces().0).for_each(|format| write(&folder, format, paces()));
     for format in [Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi, Format::Svg] {
         // Longer than the run of the deck.
         let long = fixture::changed(&fixture::train(12_000), |schedule| schedule.name = "long".to_owned());
