@@ -69,14 +69,17 @@ impl Claims {
 
     /// How far a device may be off its ways, in micrometres: the least figure of its jobs, if its kind has one.
     pub fn tolerance_um(&self, device: &str) -> Option<f64> {
-        let own = self.jobs.iter().filter(|job| job.device == device);
-        own.filter_map(|job| job.order.asked().tolerance_um()).reduce(f64::min)
+        self.least_of(device, |order| order.tolerance_um())
     }
 
     /// How well the voltages are known at which a device does what it does: the least figure of its jobs, if its kind has one.
     pub fn margin_v(&self, device: &str) -> Option<f64> {
+        self.least_of(device, |order| order.margin_v())
+    }
+
+    fn least_of(&self, device: &str, figure: impl Fn(&dyn KindOrder) -> Option<f64>) -> Option<f64> {
         let own = self.jobs.iter().filter(|job| job.device == device);
-        own.filter_map(|job| job.order.asked().margin_v()).reduce(f64::min)
+        own.filter_map(|job| figure(job.order.asked())).reduce(f64::min)
     }
 
     /// Where a device stands in pictures and beside others: the same in every scene of a program that places it.

@@ -7,7 +7,8 @@ use super::signal::half_ns;
 use super::wired::WiredInstrument;
 use super::{EmitError, Signals, parts};
 use crate::claims::Claims;
-use crate::schedule::{Actuation, ChannelUnit};
+use crate::device::instrument::QUOTIENT_ROOM;
+use crate::schedule::{Actuation, ChannelUnit, common_divisor_ns};
 
 /// Greatest move of a stage from one sample to the next, in micrometres, where the instrument is fast enough, its memory suffices and the
 /// tolerance of its device is no less.
@@ -15,9 +16,6 @@ pub const SAMPLE_UM: f64 = 0.05;
 
 /// Greatest number of parts into which the common period of voltages is divided for positions.
 const MAX_PARTS: u64 = 100_000;
-
-/// Room for the rounding of a quotient of two figures of the program.
-const ROUNDING: f64 = 1.0 + 1e-12;
 
 /// What an instrument takes.
 pub struct SampleLimits {
@@ -54,7 +52,7 @@ impl Sampling {
         let by_memory_ns = duration_ns.div_ceil(most_points.saturating_sub(2).max(1));
         let period_ns = match steady_ns(signals, claims) {
             None => {
-                let exact_ns = gcd(duration_ns, common_ns);
+                let exact_ns = common_divisor_ns(duration_ns, common_ns);
                 // After the last edge nothing changes, so that the end may be a little later.
                 let whole_ns = if exact_ns < by_rate_ns { common_ns.max(exact_ns) } else { exact_ns }.max(1);
                 limits.most_ns.map_or(whole_ns, |most_ns| part(whole_ns, most_ns, by_rate_ns))
@@ -68,7 +66,7 @@ impl Sampling {
                 }
             }
         };
-        if common_ns > 0 && period_ns as f64 * limits.rate_hz < 1e9 / ROUNDING {
+        if common_ns > 0 && period_ns as f64 * limits.rate_hz < 1e9 / QUOTIENT_ROOM {
             let (instrument, rate_hz) = (wired.name.to_owned(), limits.rate_hz);
             return Err(EmitError::TooFine { instrument, period_ns, rate_hz });
         }
@@ -88,7 +86,7 @@ impl Sampling {
             let channel = &signals.schedule.channels[index];
             let Some(tolerance_um) = claims.tolerance_um(&channel.device) else { continue };
             let step_um = um_per_ns(signals, index) * self.period_ns as f64;
-            if step_um > tolerance_um * ROUNDING {
+            if step_um > tolerance_um * QUOTIENT_ROOM {
                 return Err(EmitError::CoarseStages {
                     instrument: wired.name.to_owned(),
                     channel: channel.name.clone(),
@@ -122,15 +120,7 @@ fn common_ns(signals: &Signals) -> u64 {
     let times = of_volts().flat_map(|actuation| [actuation.start_ns, actuation.end_ns()]);
     let halves = of_volts().filter_map(|actuation| actuation.swing).map(half_ns);
     let cuts = parts::cuts_ns(signals.schedule).filter(|_| of_volts().next().is_some());
-    times.chain(halves).chain(cuts).fold(0, gcd)
-}
-
-/// The greatest common divisor; that of 0 and a number is the number.
-pub fn gcd(mut a: u64, mut b: u64) -> u64 {
-    while b > 0 {
-        (a, b) = (b, a % b);
-    }
-    a
+    times.chain(halves).chain(cuts).fold(0, common_divisor_ns)
 }
 
 /// The greatest round period in which no stage moves by more than [`SAMPLE_UM`], or the tolerance of its device if that is less; `None`

@@ -5,16 +5,14 @@
 //! no amplifier needs longer for a change than the new level lasts; stages can follow their channels ([`super::stages`]), and every edge
 //! falls on a sample of its instrument's clock, of levels that are as fine as the device needs ([`super::sampled`]). What is wrong is pointed out at the wire, with the step that asks for it.
 
+use super::wired_channel::{WiredChannel, seconds, volts};
 use super::{sampled, stages};
 use crate::claims::Claims;
-use crate::device::instrument::{Drive, Instrument, InstrumentFacts, Link, OutputSort};
+use crate::device::instrument::{Drive, InstrumentFacts, Link, OutputSort, QUOTIENT_ROOM};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::quantity::{Dimension, Quantity};
-use crate::schedule::{Actuation, Channel, ChannelUnit, Schedule};
+use crate::schedule::{Actuation, Schedule};
 use std::collections::BTreeMap;
-
-/// Room for the rounding of a quotient of two figures of the program.
-const ROUNDING: f64 = 1.0 + 1e-12;
 
 /// Whether all instruments can play the schedule; otherwise there are errors.
 pub fn holds(schedule: &Schedule, claims: &Claims, sink: &mut Sink) -> bool {
@@ -22,11 +20,11 @@ pub fn holds(schedule: &Schedule, claims: &Claims, sink: &mut Sink) -> bool {
     for (index, channel) in schedule.channels.iter().enumerate() {
         let Some((drive, instrument)) = claims.bench.drive(&channel.name) else { continue };
         let actuations = schedule.actuations_of(index);
-        let wired = WiredChannel { schedule, channel, drive, instrument, actuations };
+        let wired = WiredChannel { schedule, channel, index, drive, instrument, actuations };
         let finding = wired.beyond_range().or_else(|| wired.unswitched()).or_else(|| wired.beyond_driver());
         let finding = finding.or_else(|| wired.rests_beyond()).or_else(|| wired.too_fast());
-        let finding = finding.or_else(|| stages::beyond_stage(schedule, index, claims, (drive, instrument)));
-        let finding = finding.or_else(|| sampled::coarser_than_its_use(schedule, index, claims, (drive, instrument)));
+        let finding = finding.or_else(|| stages::beyond_stage(&wired, claims));
+        let finding = finding.or_else(|| sampled::coarser_than_its_use(&wired, claims));
         finding.into_iter().for_each(|finding| sink.push(finding));
     }
     sampled::finer_than_a_sample(schedule, claims).into_iter().for_each(|finding| sink.push(finding));
@@ -34,33 +32,7 @@ pub fn holds(schedule: &Schedule, claims: &Claims, sink: &mut Sink) -> bool {
     sink.errors() == before
 }
 
-/// A channel with what plays it.
-struct WiredChannel<'a> {
-    schedule: &'a Schedule,
-    channel: &'a Channel,
-    drive: &'a Drive,
-    instrument: &'a Instrument,
-    /// In order of time.
-    actuations: Vec<&'a Actuation>,
-}
-
-fn volts(value: f64) -> Quantity {
-    Quantity::new(value, Dimension::VOLTAGE)
-}
-
-fn seconds(ns: f64) -> Quantity {
-    Quantity::new(ns / 1e9, Dimension::TIME)
-}
-
 impl WiredChannel<'_> {
-    /// A value of the channel with its unit.
-    fn shown(&self, value: f64) -> String {
-        match self.channel.unit {
-            ChannelUnit::Volt => volts(value).to_string(),
-            ChannelUnit::Micrometre => Quantity::new(value / 1e6, Dimension::LENGTH).to_string(),
-        }
-    }
-
     fn finding(&self, code: Code, title: String, at_wire: String, actuation: &Actuation) -> Diagnostic {
         let step = &self.schedule.steps[actuation.step as usize];
         let begin = seconds(step.start_ns as f64);
@@ -84,7 +56,7 @@ impl WiredChannel<'_> {
         }
         let peak_v = self.instrument.facts.voltage()?.peak_v;
         let needed_v = (value / gain).abs();
-        (needed_v > peak_v * ROUNDING).then(|| {
+        (needed_v > peak_v * QUOTIENT_ROOM).then(|| {
             let title = format!(
                 "`{name}` needs {}, which is {} at output `{output}`; it gives {}",
                 volts(value),
@@ -104,7 +76,7 @@ impl WiredChannel<'_> {
         let (value, actuation) = self.largest(|value| self.drive.link.at_output(value).abs())?;
         let peak_v = self.instrument.facts.voltage()?.peak_v;
         let needed_v = self.drive.link.at_output(value);
-        (needed_v.abs() > peak_v * ROUNDING).then(|| {
+        (needed_v.abs() > peak_v * QUOTIENT_ROOM).then(|| {
             let (name, position) = (&self.channel.name, self.shown(value));
             let title = format!("`{name}` at {position} needs {}, the output gives {}", volts(needed_v), volts(peak_v));
             let at_wire = format!("{zero_v} V at 0 um, {scale_v_per_um} V/um");
@@ -122,7 +94,7 @@ impl WiredChannel<'_> {
             Link::Amplifier { gain, limit_v, .. } => {
                 let peak_v = self.instrument.facts.voltage()?.peak_v * gain.abs();
                 let given_v = limit_v.map_or(peak_v, |limit_v| limit_v.min(peak_v));
-                (rest_v.abs() > given_v * ROUNDING).then(|| (Code::E0620, format!("up to {}", volts(given_v))))?
+                (rest_v.abs() > given_v * QUOTIENT_ROOM).then(|| (Code::E0620, format!("up to {}", volts(given_v))))?
             }
             Link::Switch { on_v } => {
                 (rest_v != 0.0 && rest_v != on_v).then(|| (Code::E0621, format!("0 V or {}", volts(on_v))))?
@@ -165,7 +137,7 @@ impl WiredChannel<'_> {
             return None;
         }
         let (value, actuation) = self.largest(|value| value.abs())?;
-        let range = facts.least_v / ROUNDING..=facts.most_v * ROUNDING;
+        let range = facts.least_v / QUOTIENT_ROOM..=facts.most_v * QUOTIENT_ROOM;
         (!range.contains(&value.abs())).then(|| {
             let [least, most] = [facts.least_v, facts.most_v].map(volts);
             let range = if facts.least_v > 0.0 { format!("{least} to {most}") } else { format!("up to {most}") };

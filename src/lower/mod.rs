@@ -14,6 +14,7 @@ mod outputs;
 mod sampled;
 mod stages;
 pub mod timeline;
+mod wired_channel;
 
 pub use clock::lower;
 

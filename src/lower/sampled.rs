@@ -3,15 +3,13 @@
 //! Lines and outputs of one card share a clock, as the sender plays them, so that the slowest of them holds for all. Levels are rounded to
 //! the bits of an output; where a device says how well its voltages are known, or how far its stages may be off, that is held against it.
 
+use super::wired_channel::WiredChannel;
 use crate::claims::Claims;
-use crate::device::instrument::{Drive, Instrument, InstrumentFacts, OutputSort, VoltageOutput};
+use crate::device::instrument::{Drive, Instrument, InstrumentFacts, OutputSort, QUOTIENT_ROOM, VoltageOutput};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity, three_digits};
-use crate::schedule::{Actuation, ChannelUnit, Schedule};
+use crate::schedule::{Actuation, ChannelUnit, Schedule, common_divisor_ns};
 use std::collections::BTreeMap;
-
-/// Room for the rounding of a quotient of two figures of the program.
-const ROUNDING: f64 = 1.0 + 1e-12;
 
 /// Voltages are rounded by no more than one part in this many of the device's margin: little beside what that is for.
 const MARGIN_SHARE: f64 = 10.0;
@@ -45,14 +43,14 @@ pub fn finer_than_a_sample(schedule: &Schedule, claims: &Claims) -> Vec<Diagnost
         if channel.unit == ChannelUnit::Volt {
             let half_ns = actuation.swing.map_or(0, |swing| swing.period_ns / 2);
             let times = [actuation.start_ns, actuation.duration_ns, half_ns];
-            let period_ns = times.into_iter().fold(entry.period_ns, gcd);
+            let period_ns = times.into_iter().fold(entry.period_ns, common_divisor_ns);
             if period_ns != entry.period_ns {
                 (entry.period_ns, entry.finest) = (period_ns, (drive, actuation));
             }
         }
     }
     let is_too_fine =
-        |found: &SampledVoltages| found.period_ns > 0 && (found.period_ns as f64) * found.rate_hz < 1e9 / ROUNDING;
+        |found: &SampledVoltages| found.period_ns > 0 && (found.period_ns as f64) * found.rate_hz < 1e9 / QUOTIENT_ROOM;
     common.into_values().filter(is_too_fine).map(|found| finer(schedule, &found)).collect()
 }
 
@@ -85,48 +83,39 @@ fn rate_hz(drive: &Drive, instrument: &Instrument) -> Option<f64> {
 }
 
 /// A channel whose output rounds its values further than the device bears.
-pub fn coarser_than_its_use(
-    schedule: &Schedule,
-    index: usize,
-    claims: &Claims,
-    (drive, instrument): (&Drive, &Instrument),
-) -> Option<Diagnostic> {
-    let channel = &schedule.channels[index];
+pub fn coarser_than_its_use(wired: &WiredChannel, claims: &Claims) -> Option<Diagnostic> {
+    let &WiredChannel { channel, drive, instrument, .. } = wired;
     let voltage = instrument.facts.voltage()?;
     if instrument.facts.output(&drive.output) != Some(OutputSort::Voltage) {
         return None;
     }
-    let of = schedule.actuations_of(index).into_iter().flat_map(Actuation::levels);
+    let of = wired.actuations.iter().flat_map(|actuation| actuation.levels());
     let at_output = |value| drive.link.at_output(value);
-    let (rounded_v, borne, figure, dimension) = match channel.unit {
+    let (rounded_v, borne, figure) = match channel.unit {
         ChannelUnit::Volt => {
             let borne_v = claims.margin_v(&channel.device)? / MARGIN_SHARE;
             let values: Vec<f64> = of.chain([channel.rest_v]).map(at_output).collect();
             let codes = OutputCodes::new(instrument, voltage, &values)?;
             let most_v = values.iter().map(|value| codes.rounds_by(*value)).fold(0.0, f64::max);
-            (most_v, borne_v, "a tenth of its `margin`", Dimension::VOLTAGE)
+            (most_v, borne_v, "a tenth of its `margin`")
         }
         ChannelUnit::Micrometre => {
             let borne_um = claims.tolerance_um(&channel.device)? / 2.0;
             let values: Vec<f64> = of.map(at_output).collect();
             // A stage comes by all values between two.
             let most_v = OutputCodes::new(instrument, voltage, &values)?.step_v / 2.0;
-            (most_v, borne_um, "half of its `tolerance`", Dimension::LENGTH)
+            (most_v, borne_um, "half of its `tolerance`")
         }
     };
     let rounded = (drive.link.value(rounded_v) - drive.link.value(0.0)).abs();
-    if rounded <= borne * ROUNDING {
+    if rounded <= borne * QUOTIENT_ROOM {
         return None;
     }
-    let shown = |value: f64| match channel.unit {
-        ChannelUnit::Volt => Quantity::new(value, dimension),
-        ChannelUnit::Micrometre => Quantity::new(value / 1e6, dimension),
-    };
     let title = format!(
         "`{}` comes out up to {} off, its device bears {}, {figure}",
         channel.name,
-        shown(three_digits(rounded)),
-        shown(three_digits(borne)),
+        wired.shown(three_digits(rounded)),
+        wired.shown(three_digits(borne)),
     );
     let help = match channel.unit {
         ChannelUnit::Volt => "take an output of more bits",
@@ -164,11 +153,4 @@ impl OutputCodes {
         let codes = (played_v - self.middle_v) / self.step_v;
         (codes - codes.round()).abs() * self.step_v
     }
-}
-
-fn gcd(mut a: u64, mut b: u64) -> u64 {
-    while b > 0 {
-        (a, b) = (b, a % b);
-    }
-    a
 }

@@ -3,24 +3,17 @@
 //! A way of straight lines changes its speed at once where two of them meet. A stage rounds such a corner, and a controller that knows a
 //! way by points in time cuts it. Both together stay within half of the tolerance of the hand: planned ways use the other half.
 
+use super::wired_channel::WiredChannel;
 use crate::claims::Claims;
-use crate::device::instrument::{Direction, Drive, Instrument, InstrumentFacts, Link, StageLimits, cut_um};
+use crate::device::instrument::{Direction, Drive, InstrumentFacts, Link, QUOTIENT_ROOM, StageLimits, cut_um};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity};
 use crate::schedule::{Actuation, Channel, ChannelUnit, Schedule, Turn};
 
-/// Room for the rounding of a quotient of two figures of the program.
-const ROUNDING: f64 = 1.0 + 1e-12;
-
 /// What a stage cannot follow of its channel, if it is one of positions.
-pub fn beyond_stage(
-    schedule: &Schedule,
-    index: usize,
-    claims: &Claims,
-    (drive, instrument): (&Drive, &Instrument),
-) -> Option<Diagnostic> {
-    let channel = &schedule.channels[index];
-    let stage = FollowingStage { schedule, channel, index, drive, actuations: schedule.actuations_of(index) };
+pub fn beyond_stage(wired: &WiredChannel, claims: &Claims) -> Option<Diagnostic> {
+    let &WiredChannel { schedule, channel, index, drive, instrument, .. } = wired;
+    let stage = FollowingStage { schedule, channel, index, drive, actuations: wired.actuations.clone() };
     match channel.unit {
         ChannelUnit::Volt => None,
         ChannelUnit::Micrometre => {
@@ -123,7 +116,7 @@ impl FollowingStage<'_> {
         let size = |one: &&Actuation| one.speed_um_per_s().abs();
         let fastest =
             self.actuations.iter().copied().reduce(|best, next| if size(&next) > size(&best) { next } else { best });
-        let actuation = fastest.filter(|one| size(one) > most * ROUNDING)?;
+        let actuation = fastest.filter(|one| size(one) > most * QUOTIENT_ROOM)?;
         let asked = size(&actuation);
         let title =
             format!("`{}` moves at {}, its stage at {} at the most", self.channel.name, speed(asked), speed(most));
@@ -141,7 +134,7 @@ impl FollowingStage<'_> {
         let share = |turn: &Turn| slowed(limits, turn, period_s, spare_um);
         let turns = schedule.turns(self.index).into_iter();
         let turn = turns.reduce(|worst, next| if share(&next) < share(&worst) { next } else { worst })?;
-        if share(&turn) * ROUNDING >= 1.0 {
+        if share(&turn) * QUOTIENT_ROOM >= 1.0 {
             return None;
         }
         let (name, change) = (&self.channel.name, speed(turn.change_um_per_s));

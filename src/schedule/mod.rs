@@ -160,6 +160,14 @@ impl Actuation {
     }
 }
 
+/// The greatest common divisor of two times; that of 0 and a time is the time.
+pub fn common_divisor_ns(mut a: u64, mut b: u64) -> u64 {
+    while b > 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
 /// One step of a task, on the clock.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ScheduledStep {

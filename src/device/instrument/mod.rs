@@ -258,6 +258,9 @@ impl ElectrodeDriverFacts {
     }
 }
 
+/// Room for the rounding of a quotient of two figures of the program, where one is held against an instrument.
+pub const QUOTIENT_ROOM: f64 = 1.0 + 1e-12;
+
 /// What the voltage outputs of an instrument can do.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct VoltageOutput {

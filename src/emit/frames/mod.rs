@@ -15,11 +15,10 @@
 
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::parts::{listing as holds_listing, sender};
-use super::sampling::gcd;
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
 use crate::device::instrument::{ElectrodeDriverFacts, Family, InstrumentFacts, Link, Protocol, number_after};
-use crate::schedule::Schedule;
+use crate::schedule::{Schedule, common_divisor_ns};
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -240,7 +239,10 @@ impl<'a> FramedBoard<'a> {
 
     /// The time that each frame of OpenDrop's file stands for, in nanoseconds.
     fn period_ns(&self) -> u64 {
-        self.frames.iter().fold(0, |period_ns, frame| gcd(period_ns, frame.end_ns - frame.start_ns)).max(1)
+        self.frames
+            .iter()
+            .fold(0, |period_ns, frame| common_divisor_ns(period_ns, frame.end_ns - frame.start_ns))
+            .max(1)
     }
 
     /// The file that OpenDrop's program loads: a string of columns for each of the 8 rows from the top.

@@ -38,8 +38,9 @@ fn assigned(order: &ElectrodeArrayOrder, mut nth: usize) -> ElectrodeArrayOrder 
         for places in teams.values() {
             let mut goals: Vec<_> = places.iter().map(|place| moves[*place].stops.clone()).collect();
             for place in places {
-                let goal = goals.remove(nth % goals.len());
-                nth /= goals.len() + 1;
+                let left = goals.len();
+                let goal = goals.remove(nth % left);
+                nth /= left;
                 moves[*place] = ElectrodeArrayMove { stops: goal, team: None, ..moves[*place].clone() };
             }
         }

@@ -42,9 +42,6 @@ const HARD_SHARE: u64 = 4;
 const IMPROVE_SHARE: u64 = 4;
 const OTHER_SHARE: u64 = 8;
 
-/// One part in this many of the remaining budget goes to a greater bound on the makespan.
-const RAISE_SHARE: u64 = 64;
-
 /// Most of the makespan's bound, in per cent, that the first round allows: a limit makes the search of each path smaller.
 const ROOMY_PERCENT: u64 = 150;
 
@@ -308,7 +305,7 @@ impl PortfolioSearch<'_> {
     /// Raises the bound on the makespan, up to one that is known to be reached.
     fn raise(&mut self, most: u64) {
         let (instance, known) = (self.instance, self.bounds.makespan);
-        let share = self.meter.left().steps / RAISE_SHARE;
+        let share = self.meter.left().steps / exact::RAISE_SHARE;
         self.bounds.makespan = self.meter.share(share, |meter| exact::raised(instance, known, most, meter));
     }
 

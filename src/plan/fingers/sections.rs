@@ -256,11 +256,11 @@ impl<'a> Sections<'a> {
         for i in 0..count {
             for j in i + 1..count {
                 if whole.pair.has(tables.two(i, j)) && !can_leave(&tables, &[i, j]) {
-                    tables.remove(&[i, j]);
+                    tables.remove_pair([i, j]);
                 }
                 for k in j + 1..count {
                     if whole.triple.has(tables.three(i, j, k)) && !can_leave(&tables, &[i, j, k]) {
-                        tables.remove(&[i, j, k]);
+                        tables.remove_triple([i, j, k]);
                     }
                 }
             }

@@ -94,36 +94,41 @@ impl Tables {
     pub fn three(&self, i: usize, j: usize, k: usize) -> usize {
         (i * self.contacts + j) * self.contacts + k
     }
-}
 
-impl Tables {
-    /// Removes a grasp of two or three contacts from all layers, with the ways to it and from it.
-    pub fn remove(&mut self, contacts: &[usize]) {
-        let count = self.contacts;
-        let bits: Vec<usize> = match *contacts {
-            [i, j] => (0..count).flat_map(|k| [self.three(i, j, k), self.three(j, i, k)]).collect(),
-            [i, j, k] => {
-                let orders = [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]];
-                orders.map(|[i, j, k]| self.three(i, j, k)).to_vec()
-            }
-            _ => return,
-        };
-        let pairs = if let [i, j] = *contacts { vec![self.two(i, j), self.two(j, i)] } else { Vec::new() };
+    /// The bit indices of two contacts, in both orders.
+    pub fn pair(&self, [i, j]: [usize; 2]) -> [usize; 2] {
+        [self.two(i, j), self.two(j, i)]
+    }
+
+    /// The bit indices of three contacts, in all orders.
+    pub fn triple(&self, [i, j, k]: [usize; 3]) -> [usize; 6] {
+        let orders = [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]];
+        orders.map(|[i, j, k]| self.three(i, j, k))
+    }
+
+    /// Removes a grasp of two contacts from all layers, with the ways to it and from it.
+    pub fn remove_pair(&mut self, [i, j]: [usize; 2]) {
+        let pair = self.pair([i, j]);
+        let ways: Vec<usize> = (0..self.contacts).flat_map(|k| [self.three(i, j, k), self.three(j, i, k)]).collect();
         for layer in &mut self.layers {
-            for bit in &pairs {
-                layer.pair.take(*bit);
-                layer.roll_pair.take(*bit);
-            }
-            for bit in &bits {
-                layer.place.take(*bit);
-                layer.leave.take(*bit);
-                if pairs.is_empty() {
-                    layer.triple.take(*bit);
-                    layer.roll_triple.take(*bit);
-                }
-            }
+            take_all([&mut layer.pair, &mut layer.roll_pair], &pair);
+            take_all([&mut layer.place, &mut layer.leave], &ways);
         }
     }
+
+    /// As [`Self::remove_pair`], of three contacts.
+    pub fn remove_triple(&mut self, contacts: [usize; 3]) {
+        let triple = self.triple(contacts);
+        for layer in &mut self.layers {
+            take_all([&mut layer.triple, &mut layer.roll_triple], &triple);
+            take_all([&mut layer.place, &mut layer.leave], &triple);
+        }
+    }
+}
+
+/// Removes numbers from sets.
+fn take_all(sets: [&mut ContactBits; 2], numbers: &[usize]) {
+    sets.into_iter().for_each(|set| numbers.iter().for_each(|number| set.take(*number)));
 }
 
 /// Grasps at one angle. Sets of pairs are symmetric; sets of triples too, except in the last contact of `place` and `leave`.

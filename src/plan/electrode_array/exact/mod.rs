@@ -59,8 +59,8 @@ const OPEN_SHARE: u64 = 2;
 /// One part in this many of the remaining budget goes to a better sum of costs at the least makespan.
 const POLISH_SHARE: u64 = 4;
 
-/// One part in this many of the remaining budget goes to the proof by pairs that a number of steps is too small.
-const RAISE_SHARE: u64 = 64;
+/// One part in this many of the remaining budget goes to proofs by pairs that a number of steps is too small.
+pub const RAISE_SHARE: u64 = 64;
 
 /// Proves as much as the budget allows: improves the bounds and the incumbent until they meet, or proves that there is no plan.
 ///

@@ -98,15 +98,8 @@ impl<'a> Closer<'a> {
 /// Removes the step of a grasp from a layer, whichever fingers hold it; contacts count from 0.
 pub fn forbid(tables: &mut Tables, layer: usize, contacts: &[usize]) {
     match *contacts {
-        [i, j] => {
-            let bits = [tables.two(i, j), tables.two(j, i)];
-            bits.into_iter().for_each(|bit| tables.layers[layer].roll_pair.take(bit));
-        }
-        [i, j, k] => {
-            let orders = [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]];
-            let bits = orders.map(|[i, j, k]| tables.three(i, j, k));
-            bits.into_iter().for_each(|bit| tables.layers[layer].roll_triple.take(bit));
-        }
+        [i, j] => tables.pair([i, j]).into_iter().for_each(|bit| tables.layers[layer].roll_pair.take(bit)),
+        [i, j, k] => tables.triple([i, j, k]).into_iter().for_each(|bit| tables.layers[layer].roll_triple.take(bit)),
         _ => {}
     }
 }

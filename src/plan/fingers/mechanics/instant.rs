@@ -83,9 +83,7 @@ impl<'a> PairsInstant<'a> {
                 None => self.grip.three_hold([i, j, k].map(|at| &self.contacts[at]), &self.load, &self.demand),
             };
             for k in numbers(&row).filter(|&k| !holds(k)) {
-                for [a, b, c] in [[i, j, k], [i, k, j], [j, i, k], [j, k, i], [k, i, j], [k, j, i]] {
-                    triples.take(tables.three(a, b, c));
-                }
+                tables.triple([i, j, k]).into_iter().for_each(|bit| triples.take(bit));
             }
         }
     }

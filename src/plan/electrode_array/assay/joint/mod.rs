@@ -208,7 +208,7 @@ impl JointSearch<'_> {
         let (instant, settled, mut moved) = (*instant, *settled, Vec::new());
         let charged = match self.terms.objective {
             BoardObjective::Makespan => 1,
-            BoardObjective::SumOfCosts => (0..stands.len()).filter(|agent| settled >> agent & 1 == 0).count() as u32,
+            BoardObjective::SumOfCosts => stands.len() as u32 - settled.count_ones(),
         };
         let cost = cost + charged;
         self.extend((stands, settled), &mut Vec::with_capacity(stands.len()), &mut moved);
