@@ -51,6 +51,7 @@ pub enum Command {
     /// Replay a written log against the device models, independently of the planner; or judge the recording of a controlled run
     #[command(after_help = "Examples:\n  tweeze verify fetch.mcap\n  tweeze verify fetch.mcap --against fetch.twz\n  \
                       tweeze verify fetch.mcap --against fetch.twz --set pitch=80um\n  \
+                      tweeze verify fetch.mcap --replan\n  \
                       tweeze verify run.mcap --against assemble.twz --goal-tolerance 20um")]
     Verify(VerifyArguments),
     /// Write the page that plays a program or a log, and open it in the browser
@@ -220,6 +221,9 @@ pub struct VerifyArguments {
     /// Set a value of the `--against` program; without this option the program's own values apply, whatever the log contains
     #[arg(long = "set", value_name = "NAME=VALUE", requires = "against")]
     pub set: Vec<String>,
+    /// Plan the log's program again too: its bounds, `optimal`, estimates, guarantees and remarks must be what that gives
+    #[arg(long)]
+    pub replan: bool,
     #[command(flatten)]
     pub tolerances: ToleranceArguments,
     #[command(flatten)]

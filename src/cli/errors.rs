@@ -160,6 +160,33 @@ pub fn other_program(log: &Path, program: &Path, first: Option<Difference>, orig
     Diagnostic::new(Code::E0742, title).help(format!("{first}{help}"))
 }
 
+/// A log with another plan than the one that its program gets.
+pub fn plans_another(log: &Path, first: Option<Difference>) -> Diagnostic {
+    let title = format!("`{}` has another plan than its program gets", log.display());
+    let first = first.map_or(String::new(), |Difference { place, of_log, of_program }| {
+        format!("the first difference is in `{place}`: {of_log} in the log, {of_program} where it is planned again; ")
+    });
+    Diagnostic::new(Code::E0779, title).help(format!(
+        "{first}the schedule keeps its claims, but what the log says of its plans is not what Tweeze finds: build the \
+         program again, and use that log"
+    ))
+}
+
+/// A log whose program gets no plan.
+pub fn plans_nothing(log: &Path) -> Diagnostic {
+    let title = format!("`{}` has a plan, and its program gets none", log.display());
+    Diagnostic::new(Code::E0779, title).help(
+        "the schedule keeps its claims, but was not planned by this version of Tweeze; see the errors beside this one",
+    )
+}
+
+/// A recording that is to be planned again.
+pub fn no_plan_in(recording: &Path) -> Diagnostic {
+    let title =
+        format!("`{}` is the recording of a controlled run, which has no plan to find again", recording.display());
+    Diagnostic::new(Code::E0779, title).help("omit `--replan`")
+}
+
 /// The first finding of each rule that the schedule of one program breaks under another one, with the number of the others.
 pub fn first_of_each_rule(broken: &Sink) -> Vec<Diagnostic> {
     let mut firsts: Vec<(Diagnostic, usize)> = Vec::new();

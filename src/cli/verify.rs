@@ -4,6 +4,7 @@ use super::arguments::{ReportFormat, VerifyArguments};
 use super::disk::{self, MAX_LOG_BYTES};
 use super::errors::LogOrigin;
 use super::library::{Disk, Embedded};
+use super::waiting::ProgressLine;
 use super::{Exit, errors, judge_recording, report, terminal};
 use crate::check::Options;
 use crate::claims::Claims;
@@ -12,10 +13,12 @@ use crate::compile::{self, ProgramSource};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::emit::{Provenance, mcap};
 use crate::log::{self, Log, LogError};
+use crate::plan::watch::SearchWatch;
 use crate::schedule::{Schedule, SourceRef};
 use crate::source::Sources;
 use crate::verify::{self, Verdict, Verified, Violation};
 use std::path::Path;
+use std::sync::Arc;
 
 /// A refusal on its way to the terminal: its diagnostics, and the exit status.
 pub struct Refusal {
@@ -51,6 +54,9 @@ fn judge(arguments: &VerifyArguments) -> Result<String, Box<Refusal>> {
     disk::settle(path).map_err(|error| Refusal::one(*error, Exit::Files))?;
     let bytes = disk::read_bytes(path, MAX_LOG_BYTES).map_err(|error| Refusal::one(*error, Exit::Files))?;
     let judged = match log::read(&bytes) {
+        Err(LogError::Recorded) if arguments.replan => {
+            return Err(Refusal::one(errors::no_plan_in(path), Exit::Usage));
+        }
         Err(LogError::Recorded) => return judge_recording(arguments, &bytes),
         log => judge_log(path, &bytes, log)?,
     };
@@ -63,7 +69,39 @@ fn judge(arguments: &VerifyArguments) -> Result<String, Box<Refusal>> {
     if let Some(trusted) = &arguments.against {
         against(arguments, trusted, &judged)?;
     }
+    if arguments.replan {
+        replan(path, &judged, arguments.report.format)?;
+    }
     Ok(report(arguments, &judged))
+}
+
+/// Plans the program in a log again. The schedule must come out as it stands in the log, with all that the planner says of it.
+fn replan(path: &Path, judged: &Judged, format: ReportFormat) -> Result<(), Box<Refusal>> {
+    let (schedule, Provenance { files, settings, .. }) = (judged.verified.schedule(), &judged.provenance);
+    let (name, text) = &files[0];
+    let options = options(&schedule.name, settings);
+    let Derived { claims, sources } =
+        derive(&ProgramSource { name, text, library: &Embedded(files), options: &options })?;
+    let mut sink = Sink::default();
+    let search = Arc::<SearchWatch>::default();
+    let waiting = ProgressLine::begin(&search);
+    let progress = &mut |index, count, task: &str| waiting.at(index, count, task);
+    let replanned = search.over(|| compile::planned(&claims, &sources, &mut sink, progress));
+    drop(waiting);
+    let Some((_, replanned)) = replanned else {
+        sink.push(errors::plans_nothing(path));
+        return Err(Box::new(Refusal { sources, sink, exit: Exit::Refused }));
+    };
+    terminal::report(&sink, &sources, format);
+    // As a log has them: what stays in the memory is not in it.
+    let [of_log, of_program] = [schedule, &replanned].map(|schedule| serde_json::to_vec(schedule).unwrap_or_default());
+    match of_log == of_program {
+        true => Ok(()),
+        false => {
+            let first = difference::first(&of_log, &of_program);
+            Err(Refusal::one(errors::plans_another(path, first), Exit::Refused))
+        }
+    }
 }
 
 /// A log that was accepted.
@@ -272,7 +310,8 @@ fn report(arguments: &VerifyArguments, judged: &Judged) -> String {
     let names: Vec<String> = [file.clone(), schedule.name.clone()].into_iter().chain(trusted.clone()).collect();
     if arguments.report.format == ReportFormat::Json {
         let log = arguments.file.to_string_lossy();
-        return format!("{}\n", report::json::verified(&log, schedule, settings, trusted.as_deref()));
+        let replanned = arguments.replan.then_some(&judged.verified);
+        return format!("{}\n", report::json::verified(&log, schedule, settings, (trusted.as_deref(), replanned)));
     }
     let width = report::width(names.into_iter().chain(settings.iter().map(|setting| format!("--set {setting}"))));
     let program = terminal::name(&judged.provenance.files[0].0);
@@ -286,9 +325,14 @@ fn report(arguments: &VerifyArguments, judged: &Judged) -> String {
         let matches = format!("the log does what this program claims{with}");
         text.push_str(&terminal::line("Matches", &trusted, width, &matches));
     }
-    text.push_str(&terminal::line("Unchecked", &schedule.name, width, &hearsay(schedule)));
+    match arguments.replan {
+        true => text.push_str(&terminal::line("Replanned", &schedule.name, width, REPLANNED)),
+        false => text.push_str(&terminal::line("Unchecked", &schedule.name, width, &hearsay(schedule))),
+    }
     text
 }
+
+const REPLANNED: &str = "the program gives this plan again, with its bounds, estimates, guarantees and remarks";
 
 /// Claims of a log about its plans that no replay can check.
 fn hearsay(schedule: &Schedule) -> String {

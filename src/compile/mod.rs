@@ -55,6 +55,18 @@ pub struct VerifiedPlans<'a> {
     pub verified: Verified,
 }
 
+/// Plans one schedule of a program and times it; `None` if it has no plan, of which the errors were pushed. It is not verified.
+pub fn planned<'a>(
+    claims: &'a Claims,
+    sources: &Sources,
+    sink: &mut Sink,
+    progress: Progress,
+) -> Option<(Vec<Plan<Motion<'a>>>, Schedule)> {
+    let plans = plan::plan(claims, sink, progress)?;
+    let schedule = lower(claims, &plans, sources, sink)?;
+    Some((plans, schedule))
+}
+
 /// Plans, schedules and verifies one schedule of a program.
 ///
 /// # Errors
@@ -65,8 +77,7 @@ pub fn verified_plans<'a>(
     sink: &mut Sink,
     progress: Progress,
 ) -> Result<VerifiedPlans<'a>, CompileOutcome> {
-    let plans = plan::plan(claims, sink, progress).ok_or(CompileOutcome::Errors)?;
-    let schedule = lower(claims, &plans, sources, sink).ok_or(CompileOutcome::Errors)?;
+    let (plans, schedule) = planned(claims, sources, sink, progress).ok_or(CompileOutcome::Errors)?;
     match verify::verify_program(schedule, claims, sources) {
         Verdict::Accepted(verified) => return Ok(VerifiedPlans { plans, verified }),
         Verdict::Rejected(violations) => violations.into_iter().for_each(|violation| sink.push(violation.into())),
@@ -86,8 +97,8 @@ pub fn compile(
     observer.checked(&checked);
     let mut drafts = Vec::with_capacity(checked.claims.len());
     for claims in &checked.claims {
-        let plans = plan::plan(claims, sink, &mut |index, count, task| observer.planning(index, count, task));
-        let Some(draft) = plans.and_then(|plans| lower(claims, &plans, sources, sink)) else { continue };
+        let progress = &mut |index, count, task: &str| observer.planning(index, count, task);
+        let Some((_, draft)) = planned(claims, sources, sink, progress) else { continue };
         observer.scheduled(&draft, claims);
         drafts.push((draft, claims));
     }

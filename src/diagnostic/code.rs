@@ -307,6 +307,7 @@ ledger! {
     E0776 "a wait in which something changes"
     E0777 "a part is not where it is to be heated, read or held"
     E0778 "a reservoir is not switched as its frames have it"
+    E0779 "a log with another plan than its program gets"
     E0785 "an operation begins too late after another"
     E0786 "a shared channel pulls a droplet that it must not"
     E0787 "an operation at a place that the program does not name"

@@ -3,10 +3,12 @@
 use super::bench::{Bench, DONE, REFUSED, USAGE, found, says};
 use tweeze::check::Options;
 use tweeze::check::imports::NoFiles;
-use tweeze::compile::{CompileOutcome, ProgramSource, compile};
-use tweeze::diagnostic::Sink;
+use tweeze::compile::{CompileOutcome, ProgramSource, check_program, compile, planned};
+use tweeze::diagnostic::{Remark, Sink};
 use tweeze::emit::{Format, Provenance, emit};
+use tweeze::schedule::PlanRecord;
 use tweeze::source::Sources;
+use tweeze::verify::{Verdict, verify_program};
 
 const SETTING: &str = "--set bead_radius=0.01um";
 
@@ -69,6 +71,49 @@ fn what_was_not_derived_again_is_called_so() {
     );
 }
 
+#[test]
+fn plans_are_derived_again_where_that_is_asked_for() {
+    let bench = built_with_a_small_bead();
+    let replanned = bench.run(&["verify", "go.mcap", "--replan"]).code(DONE).out;
+    says(&replanned, &["Replanned", "the program gives this plan again", "With", SETTING]);
+    assert!(!replanned.contains("Unchecked"), "{replanned}");
+    let json = bench.run(&["verify", "go.mcap", "--replan", "--format", "json"]).code(DONE).out;
+    says(&json, &[r#""replanned":true"#, r#""optimal":true"#]);
+    let json = bench.run(&["verify", "go.mcap", "--format", "json"]).code(DONE).out;
+    says(&json, &[r#""replanned":false"#]);
+    assert!(!json.contains("optimal"), "{json}");
+
+    for (edit, place) in [
+        (edit_of(|plan| (plan.bound, plan.optimal) = (0.0, false)), "`plans[0].bound`: 0.0 in the log"),
+        (edit_of(|plan| plan.remarks.push(safe())), "`plans[0].remarks`"),
+    ] {
+        bench.write("edited.mcap", edit);
+        bench.run(&["verify", "edited.mcap"]).code(DONE);
+        let refused = bench.run(&["verify", "edited.mcap", "--replan"]).code(REFUSED).err;
+        says(&refused, &["E0779", place]);
+    }
+}
+
+fn safe() -> Remark {
+    Remark { subject: "go".to_owned(), text: "guaranteed up to 90 deg/mm".to_owned() }
+}
+
+/// An intact log, except for what it says of its plan.
+fn edit_of(edit: impl Fn(&mut PlanRecord)) -> Vec<u8> {
+    let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
+    let program = ProgramSource { name: "a.twz", text: HONEST, library: &NoFiles, options: &options };
+    let checked = check_program(&program, &mut sources, &mut sink).expect("no error");
+    let claims = &checked.claims[0];
+    let (_, mut schedule) = planned(claims, &sources, &mut sink, &mut |_, _, _| ()).expect("a plan");
+    edit(&mut schedule.plans[0]);
+    let Verdict::Accepted(edited) = verify_program(schedule, claims, &sources) else {
+        panic!("no replay depends on what the planner says");
+    };
+    let files = vec![("a.twz".to_owned(), HONEST.to_owned())];
+    let provenance = Provenance { files, settings: Vec::new(), is_recorded: false };
+    emit(Format::Mcap, &edited, &provenance).expect("a log").remove(0).bytes
+}
+
 #[cfg(unix)]
 #[test]
 fn a_name_forges_no_line_and_commands_no_terminal() {
@@ -92,11 +137,12 @@ fn a_name_forges_no_line_and_commands_no_terminal() {
     }
 }
 
+const HONEST: &str = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n";
+
 /// A log, sound but for the program that it carries, and the settings.
 fn carrying(text: &str, settings: &[&str]) -> Vec<u8> {
     let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
-    let honest = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n";
-    let program = ProgramSource { name: "a.twz", text: honest, library: &NoFiles, options: &options };
+    let program = ProgramSource { name: "a.twz", text: HONEST, library: &NoFiles, options: &options };
     let CompileOutcome::Compiled(compiled) = compile(&program, &mut sources, &mut sink, &mut ()) else {
         panic!("{:?}", sink.sorted())
     };

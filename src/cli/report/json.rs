@@ -114,7 +114,19 @@ fn plan(plan: &PlanRecord, order: &Order) -> Value {
     })
 }
 
-/// The report of `verify`; bounds and optimality in a log are recorded and not derived again, so they are left out.
-pub fn verified(log: &str, schedule: &Schedule, settings: &[String], against: Option<&str>) -> Value {
-    json!({ "verified": log, "against": against, "settings": settings, "schedule": verified_schedule(schedule) })
+/// The report of `verify`; bounds and optimality in a log are left out unless it was planned again.
+pub fn verified(
+    log: &str,
+    schedule: &Schedule,
+    settings: &[String],
+    (against, replanned): (Option<&str>, Option<&Verified>),
+) -> Value {
+    let report = replanned.map_or_else(|| verified_schedule(schedule), planned_schedule);
+    json!({
+        "verified": log,
+        "against": against,
+        "replanned": replanned.is_some(),
+        "settings": settings,
+        "schedule": report,
+    })
 }
