@@ -70,7 +70,7 @@ function drawClaims(root, model, seek) {
     if (washes.length) card.append(claimRow("washed with", washes.join(", ")));
     card.append(claimRow("planner", plan.planner));
     for (const { subject, text } of plan.remarks || []) add(card, "p", `${subject}: ${text}`, "remark");
-    if (isRecorded) add(card, "p", "Bounds, proofs and remarks are as the log records them; the verifier does not derive them again.", "remark");
+    if (isRecorded) add(card, "p", "Bounds, proofs, estimates, guarantees and remarks are as the log records them; the verifier does not derive them again.", "remark");
   }
   const reached = model.steps.flatMap((step) => (step.reached || []).map((one) => ({ step, one })));
   if (reached.length) {

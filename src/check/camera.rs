@@ -66,8 +66,7 @@ impl Camera {
 
     /// A value with its places and poses in the scene's coordinates; those in lengths stay as they are.
     pub fn seen(&self, value: &Value) -> Value {
-        let place =
-            |x: Quantity, y: Quantity| self.place_um([x.si, y.si]).map(|um| Quantity::new(um / 1e6, Dimension::LENGTH));
+        let place = |x: Quantity, y: Quantity| self.place_um([x.si, y.si]).map(Quantity::length_um);
         match value {
             Value::Point(point) => Value::Point(place(point[0], point[1]).to_vec()),
             Value::Pose(pose) => {

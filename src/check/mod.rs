@@ -51,7 +51,7 @@ use crate::claims::{Claims, Job, Order};
 use crate::device::instrument::{AuxiliarySort, Drive, Family};
 use crate::device::{self, Kind, each_kind, for_each_kind};
 use crate::diagnostic::Sink;
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::Quantity;
 use crate::source::{Sources, Span, Spanned};
 use crate::syntax::tree::{Expr, For, Item, Path};
 use devices::CheckedDeclarations;
@@ -124,7 +124,7 @@ pub const MAX_TIME_NS: u64 = 100_000_000_000_000;
 /// A time as the clock counts it.
 fn clock_ns(time: Quantity, span: Span, what: &str, sink: &mut Sink) -> Option<u64> {
     let ns = time.in_unit("ns").round();
-    let limit = Quantity::new(MAX_TIME_NS as f64 / 1e9, Dimension::TIME);
+    let limit = Quantity::time_ns(MAX_TIME_NS);
     if ns > MAX_TIME_NS as f64 {
         sink.push(errors::time_out_of_clock(span, what, &time.to_string(), &format!("at most {limit} is allowed")));
         return None;

@@ -6,7 +6,7 @@ use crate::device::dimibot;
 pub use crate::device::dimibot::{DimibotMethod, DimibotObjective};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::shape::{Pose, Shape};
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::{Quantity, to_decimals};
 use crate::real::Real;
 use crate::source::{Span, Spanned};
 use nalgebra::Point2;
@@ -103,8 +103,8 @@ impl DimibotOrder {
 
     /// The cell that is taken for the place of a stop, `cell (7, 14), 225.1 nm off`; `None` where a cell was asked for.
     pub fn taken_for(&self, stop: &DimibotStop) -> Option<String> {
-        let off_um = (self.off_um(stop)? * 1e4).round() / 1e4;
-        Some(format!("cell {}, {} off", stop.cell, Quantity::new(off_um / 1e6, Dimension::LENGTH)))
+        let off_um = to_decimals(self.off_um(stop)?, 4);
+        Some(format!("cell {}, {} off", stop.cell, Quantity::length_um(off_um)))
     }
 
     /// How far the cell of a stop lies from the place that was asked for; `None` where that was a cell.

@@ -335,7 +335,7 @@ fn report(arguments: &VerifyArguments, judged: &Judged) -> String {
 const REPLANNED: &str = "the program gives this plan again, with its bounds, estimates, guarantees and remarks";
 
 /// Claims of a log about its plans that no replay can check.
-fn hearsay(schedule: &Schedule) -> String {
+pub fn hearsay(schedule: &Schedule) -> String {
     let optimal = schedule.plans.iter().filter(|plan| plan.optimal).count();
     let optima = match (optimal, schedule.plans.len()) {
         (0, _) => String::new(),

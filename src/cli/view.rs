@@ -99,6 +99,7 @@ fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, FailedBuild> {
     let width = report::width(names.iter().cloned().chain([schedule.name.clone()]));
     let replayed = format!("{} actuations replayed, 0 violations", schedule.actuations.len());
     let mut text = terminal::line("Verified", &schedule.name, width, &replayed);
+    text.push_str(&terminal::line("Unchecked", &schedule.name, width, &verify::hearsay(schedule)));
     names.iter().for_each(|name| text.push_str(&terminal::line("Wrote", name, width, "")));
     Ok((terminal::answer(&text), pages))
 }

@@ -3,7 +3,7 @@
 use super::{Format, Signals};
 use crate::device::instrument::Family;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::{Dimension, Quantity, three_digits};
+use crate::quantity::{Dimension, Quantity, significant};
 
 /// The largest text file that is written, in bytes: it is made in memory, and its readers load it whole.
 pub const MAX_TEXT_BYTES: u64 = 1 << 28;
@@ -150,7 +150,7 @@ impl EmitError {
                     .help("a sheet lists what to load into boards of droplets: write `--emit html` or `svg` for other devices")
             }
             EmitError::OutsideSchedule { name, t_ns, duration_ns } => {
-                let [t, duration] = [*t_ns, *duration_ns].map(|ns| Quantity::new(ns as f64 / 1e9, Dimension::TIME));
+                let [t, duration] = [*t_ns, *duration_ns].map(Quantity::time_ns);
                 Diagnostic::new(Code::E0828, format!("{t} is after the end of `{name}`, which lasts {duration}")).help(
                     format!("choose an instant from 0 ms to {duration}, or build the tasks one at a time with `--task`"),
                 )
@@ -188,7 +188,7 @@ fn too_many_points(
 }
 
 fn too_many_frames(instrument: &str, [frames, limit]: [u64; 2], period_ns: u64) -> Diagnostic {
-    let period = Quantity::new(period_ns as f64 / 1e9, Dimension::TIME);
+    let period = Quantity::time_ns(period_ns);
     let title = format!("{frames} frames of {period} for `{instrument}`, its own program loads {limit}");
     Diagnostic::new(Code::E0823, title)
         .help("write `--emit frames`, whose sender has no limit, or build the tasks one at a time with `--task`")
@@ -207,8 +207,8 @@ fn coarse_stages(
     period_ns: u64,
     is_by_memory: bool,
 ) -> Diagnostic {
-    let [step, tolerance] = [step_um, tolerance_um].map(|um| Quantity::new(three_digits(um) / 1e6, Dimension::LENGTH));
-    let period = Quantity::new(three_digits(period_ns as f64) / 1e9, Dimension::TIME);
+    let [step, tolerance] = [step_um, tolerance_um].map(|um| Quantity::length_um(significant(um, 3)));
+    let period = Quantity::new(significant(period_ns as f64, 3) / 1e9, Dimension::TIME);
     let title = format!(
         "`{channel}` moves by {step} from one sample of `{instrument}` to the next, the tolerance of its device is {tolerance}"
     );

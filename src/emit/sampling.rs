@@ -116,10 +116,11 @@ impl Sampling {
 
 /// The greatest common divisor of all times of voltages, and of where waits cut them; 0 without voltages.
 fn common_ns(signals: &Signals) -> u64 {
-    let of_volts = || signals.in_unit(ChannelUnit::Volt).flat_map(|channel| signals.of(channel));
-    let times = of_volts().flat_map(|actuation| [actuation.start_ns, actuation.end_ns()]);
-    let halves = of_volts().filter_map(|actuation| actuation.swing).map(half_ns);
-    let cuts = parts::cuts_ns(signals.schedule).filter(|_| of_volts().next().is_some());
+    let of_volts = signals.in_unit(ChannelUnit::Volt).flat_map(|channel| signals.away_from_rest(channel));
+    let of_volts: Vec<Actuation> = of_volts.collect();
+    let times = of_volts.iter().flat_map(|actuation| [actuation.start_ns, actuation.end_ns()]);
+    let halves = of_volts.iter().filter_map(|actuation| actuation.swing).map(half_ns);
+    let cuts = parts::cuts_ns(signals.schedule).filter(|_| !of_volts.is_empty());
     times.chain(halves).chain(cuts).fold(0, common_divisor_ns)
 }
 

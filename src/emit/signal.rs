@@ -5,6 +5,7 @@
 //! A swing is one actuation, however long it is. Its ends are [`Signals::breaks`]; the changes between them are only counted, or
 //! listed one by one by [`Edges`], for the formats without a notation for trains.
 
+use crate::schedule::levels::away_from_rest;
 use crate::schedule::{Actuation, ChannelUnit, Schedule, Swing};
 use std::collections::BTreeSet;
 
@@ -31,19 +32,17 @@ pub struct Signals<'a> {
 impl<'a> Signals<'a> {
     /// Sorts the actuations of a schedule by their channels. One channel has at most one value at a time.
     pub fn new(schedule: &'a Schedule) -> Self {
-        let mut by_channel = vec![Vec::new(); schedule.channels.len()];
-        for actuation in &schedule.actuations {
-            if let Some(list) = by_channel.get_mut(actuation.channel as usize) {
-                list.push(actuation);
-            }
-        }
-        by_channel.iter_mut().for_each(|list| list.sort_by_key(|actuation| actuation.start_ns));
-        Signals { schedule, by_channel }
+        Signals { schedule, by_channel: schedule.by_channel() }
     }
 
     /// The actuations of a channel in order of time.
     pub fn of(&self, channel: usize) -> &[&'a Actuation] {
         &self.by_channel[channel]
+    }
+
+    /// The actuations of a channel of voltages between which its value changes, in order of time.
+    pub fn away_from_rest(&self, channel: usize) -> Vec<Actuation> {
+        away_from_rest(self.of(channel).iter().copied(), self.schedule.channels[channel].rest_v)
     }
 
     /// The swings of a channel with their actuations, in order of time.

@@ -5,30 +5,34 @@
 //! no amplifier needs longer for a change than the new level lasts; stages can follow their channels ([`super::stages`]), and every edge
 //! falls on a sample of its instrument's clock, of levels that are as fine as the device needs ([`super::sampled`]). What is wrong is pointed out at the wire, with the step that asks for it.
 
-use super::wired_channel::{WiredChannel, seconds, volts};
+use super::wired_channel::{WiredChannel, seconds};
 use super::{sampled, stages};
 use crate::claims::Claims;
-use crate::device::instrument::{Drive, InstrumentFacts, Link, OutputSort, QUOTIENT_ROOM};
+use crate::device::instrument::{InstrumentFacts, Link, OutputSort, QUOTIENT_ROOM};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::quantity::{Dimension, Quantity};
+use crate::schedule::levels::joined;
 use crate::schedule::{Actuation, Schedule};
 use std::collections::BTreeMap;
 
 /// Whether all instruments can play the schedule; otherwise there are errors.
 pub fn holds(schedule: &Schedule, claims: &Claims, sink: &mut Sink) -> bool {
     let before = sink.errors();
-    for (index, channel) in schedule.channels.iter().enumerate() {
-        let Some((drive, instrument)) = claims.bench.drive(&channel.name) else { continue };
-        let actuations = schedule.actuations_of(index);
-        let wired = WiredChannel { schedule, channel, index, drive, instrument, actuations };
+    let wired = schedule.channels.iter().zip(schedule.by_channel()).enumerate();
+    let wired = wired.filter_map(|(index, (channel, actuations))| {
+        let (drive, instrument) = claims.bench.drive(&channel.name)?;
+        Some(WiredChannel { schedule, channel, index, drive, instrument, actuations })
+    });
+    let wired: Vec<WiredChannel> = wired.collect();
+    for wired in &wired {
         let finding = wired.beyond_range().or_else(|| wired.unswitched()).or_else(|| wired.beyond_driver());
         let finding = finding.or_else(|| wired.rests_beyond()).or_else(|| wired.too_fast());
-        let finding = finding.or_else(|| stages::beyond_stage(&wired, claims));
-        let finding = finding.or_else(|| sampled::coarser_than_its_use(&wired, claims));
+        let finding = finding.or_else(|| stages::beyond_stage(wired, claims));
+        let finding = finding.or_else(|| sampled::coarser_than_its_use(wired, claims));
         finding.into_iter().for_each(|finding| sink.push(finding));
     }
-    sampled::finer_than_a_sample(schedule, claims).into_iter().for_each(|finding| sink.push(finding));
-    shorter_than_a_frame(schedule, claims).into_iter().for_each(|finding| sink.push(finding));
+    sampled::finer_than_a_sample(&wired).into_iter().for_each(|finding| sink.push(finding));
+    shorter_than_a_frame(&wired).into_iter().for_each(|finding| sink.push(finding));
     sink.errors() == before
 }
 
@@ -50,8 +54,13 @@ impl WiredChannel<'_> {
         let (value, actuation) = largest;
         let (name, output) = (&self.channel.name, format!("{}.{}", self.drive.instrument, self.drive.output));
         if let Some(limit_v) = limit_v.filter(|limit_v| value.abs() > *limit_v) {
-            let title = format!("`{name}` needs {}, its amplifier gives {}", volts(value), volts(limit_v));
-            let finding = self.finding(Code::E0620, title, format!("`limit` of {}", volts(limit_v)), actuation);
+            let title = format!(
+                "`{name}` needs {}, its amplifier gives {}",
+                Quantity::voltage(value),
+                Quantity::voltage(limit_v)
+            );
+            let finding =
+                self.finding(Code::E0620, title, format!("`limit` of {}", Quantity::voltage(limit_v)), actuation);
             return Some(finding.help("choose an amplifier of a higher voltage, or lower voltages of the device"));
         }
         let peak_v = self.instrument.facts.voltage()?.peak_v;
@@ -59,9 +68,9 @@ impl WiredChannel<'_> {
         (needed_v > peak_v * QUOTIENT_ROOM).then(|| {
             let title = format!(
                 "`{name}` needs {}, which is {} at output `{output}`; it gives {}",
-                volts(value),
-                volts(needed_v),
-                volts(peak_v)
+                Quantity::voltage(value),
+                Quantity::voltage(needed_v),
+                Quantity::voltage(peak_v)
             );
             let least = 10_f64.max((value.abs() / peak_v).ceil());
             let at_wire = if gain == 1.0 { "no amplifier here".to_owned() } else { format!("gain of {gain}") };
@@ -78,7 +87,11 @@ impl WiredChannel<'_> {
         let needed_v = self.drive.link.at_output(value);
         (needed_v.abs() > peak_v * QUOTIENT_ROOM).then(|| {
             let (name, position) = (&self.channel.name, self.shown(value));
-            let title = format!("`{name}` at {position} needs {}, the output gives {}", volts(needed_v), volts(peak_v));
+            let title = format!(
+                "`{name}` at {position} needs {}, the output gives {}",
+                Quantity::voltage(needed_v),
+                Quantity::voltage(peak_v)
+            );
             let at_wire = format!("{zero_v} V at 0 um, {scale_v_per_um} V/um");
             let reach = |v: f64| self.shown(self.drive.link.value(v));
             let help =
@@ -94,14 +107,14 @@ impl WiredChannel<'_> {
             Link::Amplifier { gain, limit_v, .. } => {
                 let peak_v = self.instrument.facts.voltage()?.peak_v * gain.abs();
                 let given_v = limit_v.map_or(peak_v, |limit_v| limit_v.min(peak_v));
-                (rest_v.abs() > given_v * QUOTIENT_ROOM).then(|| (Code::E0620, format!("up to {}", volts(given_v))))?
+                (rest_v.abs() > given_v * QUOTIENT_ROOM)
+                    .then(|| (Code::E0620, format!("up to {}", Quantity::voltage(given_v))))?
             }
-            Link::Switch { on_v } => {
-                (rest_v != 0.0 && rest_v != on_v).then(|| (Code::E0621, format!("0 V or {}", volts(on_v))))?
-            }
+            Link::Switch { on_v } => (rest_v != 0.0 && rest_v != on_v)
+                .then(|| (Code::E0621, format!("0 V or {}", Quantity::voltage(on_v))))?,
             Link::StageDriver { .. } | Link::Axis { .. } => return None,
         };
-        let title = format!("`{}` rests at {}, its output gives {given}", self.channel.name, volts(rest_v));
+        let title = format!("`{}` rests at {}, its output gives {given}", self.channel.name, Quantity::voltage(rest_v));
         let diagnostic = Diagnostic::new(code, title).label(self.drive.span, given);
         Some(diagnostic.help("choose another `rest` of the output, or wire it to what gives that voltage"))
     }
@@ -122,8 +135,8 @@ impl WiredChannel<'_> {
             .find_map(|actuation| Some((actuation.levels().into_iter().find(other)?, *actuation)));
         let (value, actuation) = found?;
         let name = &self.channel.name;
-        let title = format!("`{name}` needs {}, its switch gives {}", self.shown(value), volts(on_v));
-        let finding = self.finding(Code::E0621, title, format!("`switches` {}", volts(on_v)), actuation);
+        let title = format!("`{name}` needs {}, its switch gives {}", self.shown(value), Quantity::voltage(on_v));
+        let finding = self.finding(Code::E0621, title, format!("`switches` {}", Quantity::voltage(on_v)), actuation);
         Some(finding.help(
             "feed the switch with the voltage of the device, or set the device's to that of the switch; channels of several levels belong to outputs of voltage",
         ))
@@ -139,7 +152,7 @@ impl WiredChannel<'_> {
         let (value, actuation) = self.largest(|value| value.abs())?;
         let range = facts.least_v / QUOTIENT_ROOM..=facts.most_v * QUOTIENT_ROOM;
         (!range.contains(&value.abs())).then(|| {
-            let [least, most] = [facts.least_v, facts.most_v].map(volts);
+            let [least, most] = [facts.least_v, facts.most_v].map(Quantity::voltage);
             let range = if facts.least_v > 0.0 { format!("{least} to {most}") } else { format!("up to {most}") };
             let (name, driver) = (&self.channel.name, &self.drive.instrument);
             let title = format!("`{name}` needs {}, `{driver}` gives {range}", self.shown(value));
@@ -160,13 +173,14 @@ impl WiredChannel<'_> {
                 slowest = Some((share, step_v, actuation));
             }
         };
-        for actuation in &self.actuations {
+        let joined = joined(self.actuations.iter().copied());
+        for actuation in &joined {
             let from_v = if last.0 == actuation.start_ns { last.1 } else { self.channel.rest_v };
             match actuation.swing {
-                None => change(actuation.from - from_v, actuation.duration_ns, *actuation),
+                None => change(actuation.from - from_v, actuation.duration_ns, actuation),
                 Some(swing) => {
-                    change(swing.levels[0] - from_v, swing.period_ns / 2, *actuation);
-                    change(swing.levels[1] - swing.levels[0], swing.period_ns / 2, *actuation);
+                    change(swing.levels[0] - from_v, swing.period_ns / 2, actuation);
+                    change(swing.levels[1] - swing.levels[0], swing.period_ns / 2, actuation);
                 }
             }
             last = (actuation.end_ns(), actuation.to);
@@ -178,7 +192,7 @@ impl WiredChannel<'_> {
         let title = format!(
             "`{}` changes by {} and stays for {lasts}, its amplifier takes {takes}",
             self.channel.name,
-            volts(step_v.abs())
+            Quantity::voltage(step_v.abs())
         );
         let finding = self.finding(Code::E0622, title, format!("`slew` of {slew}"), actuation);
         Some(finding.help("choose a faster amplifier, or longer times of the device"))
@@ -186,22 +200,24 @@ impl WiredChannel<'_> {
 }
 
 /// For each electrode driver the shortest time between two changes of its electrodes, against that of its frames.
-fn shorter_than_a_frame(schedule: &Schedule, claims: &Claims) -> Vec<Diagnostic> {
-    let mut changes: BTreeMap<&str, (&Drive, u64, BTreeMap<u64, &Actuation>)> = BTreeMap::new();
-    for actuation in &schedule.actuations {
-        let channel = &schedule.channels[actuation.channel as usize];
-        let Some((drive, instrument)) = claims.bench.drive(&channel.name) else { continue };
-        let InstrumentFacts::ElectrodeDriver(facts) = &instrument.facts else { continue };
-        let (_, _, at) = changes.entry(&drive.instrument).or_insert((drive, facts.least_frame_ns, BTreeMap::new()));
-        at.extend([(actuation.start_ns, actuation), (actuation.end_ns(), actuation)]);
+fn shorter_than_a_frame(wired: &[WiredChannel]) -> Vec<Diagnostic> {
+    let mut changes: BTreeMap<&str, (&WiredChannel, u64, BTreeMap<u64, Actuation>)> = BTreeMap::new();
+    for wired in wired {
+        let InstrumentFacts::ElectrodeDriver(facts) = &wired.instrument.facts else { continue };
+        let (_, _, at) =
+            changes.entry(&wired.drive.instrument).or_insert((wired, facts.least_frame_ns, BTreeMap::new()));
+        for actuation in wired.away_from_rest() {
+            at.extend([(actuation.start_ns, actuation), (actuation.end_ns(), actuation)]);
+        }
     }
-    let too_short = changes.into_values().filter_map(|(drive, least_ns, at)| {
+    let too_short = changes.into_values().filter_map(|(wired, least_ns, at)| {
+        let drive = wired.drive;
         let instants = at.keys().zip(at.iter().skip(1));
         let (lasts_ns, actuation) =
             instants.map(|(from, (to, actuation))| (to - from, actuation)).min_by_key(|(ns, _)| *ns)?;
         (lasts_ns < least_ns).then(|| {
             let [lasts, least] = [lasts_ns, least_ns].map(|ns| seconds(ns as f64));
-            let step = &schedule.steps[actuation.step as usize];
+            let step = &wired.schedule.steps[actuation.step as usize];
             let title = format!("a frame of {lasts}, but `{}` takes one in {least} or more", drive.instrument);
             Diagnostic::new(Code::E0623, title)
                 .label(drive.span, format!("`least_frame` of {least}"))

@@ -6,7 +6,7 @@ use crate::claims::{Claims, Job};
 use crate::device::Kind;
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::plan::{Motion, Optimality, Plan};
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::Quantity;
 use crate::schedule::reached::{Reached, reached};
 use crate::schedule::{
     Actuation, Channel, ChannelUnit, PlanRecord, Schedule, ScheduledOperation, ScheduledStep, SourceRef, Swing,
@@ -92,7 +92,7 @@ fn between_runs(claims: &Claims, (runs, starts): (&[LoweredRun], &[u64]), sink: 
         if gap_ns == 0 || end.is_none_or(BTreeMap::is_empty) {
             continue;
         }
-        let gap = Quantity::new(gap_ns as f64 / 1e9, Dimension::TIME);
+        let gap = Quantity::time_ns(gap_ns);
         let earlier = &claims.jobs[before];
         let title = format!("nothing holds the parts of `{}` for {gap} before this run", own.device);
         let diagnostic = Diagnostic::new(Code::W0512, title)

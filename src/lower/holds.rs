@@ -6,7 +6,7 @@
 use super::timeline::PlacedStretch;
 use crate::claims::Claims;
 use crate::diagnostic::{Code, Diagnostic, Sink};
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::Quantity;
 use crate::schedule::{Actuation, Schedule, ScheduledHold};
 use crate::source::Span;
 
@@ -68,9 +68,8 @@ fn beside(
 
 /// The diagnostic of something that would end before, in or after a wait, as that ends.
 fn goes_on(hold: &ScheduledHold, span: Span, other: &Other) -> Diagnostic {
-    let time = |ns: u64| Quantity::new(ns as f64 / 1e9, Dimension::TIME);
     let title = format!("{} while the program waits for {}", other.what, hold.terms.awaited.shown());
-    let place = format!("from {}, and nobody knows until when", time(hold.start_ns));
+    let place = format!("from {}, and nobody knows until when", Quantity::time_ns(hold.start_ns));
     let finding = Diagnostic::new(Code::E0608, title).label(span, place);
     let finding = match other.span {
         Some(other_span) => finding.label_elsewhere(other_span, span, "this goes on"),
@@ -78,6 +77,6 @@ fn goes_on(hold: &ScheduledHold, span: Span, other: &Other) -> Diagnostic {
     };
     finding.help(format!(
         "let it end before, at {}: write a `wait` before the step, or run the two one after the other",
-        time(hold.start_ns)
+        Quantity::time_ns(hold.start_ns)
     ))
 }

@@ -4,7 +4,7 @@ use crate::claims::Claims;
 use crate::claims::auxiliary::AuxiliaryAction;
 use crate::device::instrument::{AuxiliaryOutput, AuxiliarySort};
 use crate::diagnostic::{Code, Diagnostic, Sink};
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::Quantity;
 use crate::schedule::{Actuation, Channel, ChannelUnit, Schedule};
 
 /// A switching of an output: the step that does it, and its instant.
@@ -92,10 +92,6 @@ fn add_channel(schedule: &mut Schedule, claims: &Claims, (name, output): (&str, 
     schedule.channels.len() as u32 - 1
 }
 
-fn time(ns: u64) -> Quantity {
-    Quantity::new(ns as f64 / 1e9, Dimension::TIME)
-}
-
 /// The diagnostic of two steps that switch an output, if the second comes too soon.
 fn too_soon(
     schedule: &Schedule,
@@ -108,12 +104,20 @@ fn too_soon(
     let (title, help) = match output.pulse_ns {
         // Two pulses without a gap between them are one.
         Some(pulse_ns) if gap_ns <= pulse_ns => (
-            format!("`{name}` is pulsed again {} after a pulse of {} began", time(gap_ns), time(pulse_ns)),
-            format!("write a `wait` of more than {} between the two, or a shorter `duration`", time(pulse_ns - gap_ns)),
+            format!(
+                "`{name}` is pulsed again {} after a pulse of {} began",
+                Quantity::time_ns(gap_ns),
+                Quantity::time_ns(pulse_ns)
+            ),
+            format!(
+                "write a `wait` of more than {} between the two, or a shorter `duration`",
+                Quantity::time_ns(pulse_ns - gap_ns)
+            ),
         ),
-        None if gap_ns == 0 => {
-            (format!("`{name}` is set twice at {}", time(second.t_ns)), "write a `wait` between the two".to_owned())
-        }
+        None if gap_ns == 0 => (
+            format!("`{name}` is set twice at {}", Quantity::time_ns(second.t_ns)),
+            "write a `wait` between the two".to_owned(),
+        ),
         Some(_) | None => return None,
     };
     let diagnostic = Diagnostic::new(Code::E0607, title).label(later.span, "this one comes too soon");

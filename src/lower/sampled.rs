@@ -7,8 +7,8 @@ use super::wired_channel::WiredChannel;
 use crate::claims::Claims;
 use crate::device::instrument::{Drive, Instrument, InstrumentFacts, OutputSort, QUOTIENT_ROOM, VoltageOutput};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::{Dimension, Quantity, three_digits};
-use crate::schedule::{Actuation, ChannelUnit, Schedule, common_divisor_ns};
+use crate::quantity::{Dimension, Quantity, significant};
+use crate::schedule::{Actuation, ChannelUnit, common_divisor_ns};
 use std::collections::BTreeMap;
 
 /// Voltages are rounded by no more than one part in this many of the device's margin: little beside what that is for.
@@ -16,59 +16,54 @@ const MARGIN_SHARE: f64 = 10.0;
 
 /// The voltages of one instrument and what samples them.
 struct SampledVoltages<'a> {
-    /// The greatest sample period that every edge falls on, with the drive and the actuation that make it so fine.
-    period_ns: u64,
-    finest: (&'a Drive, &'a Actuation),
+    actuations: Vec<(&'a WiredChannel<'a>, Actuation)>,
     /// The least of the rates of the outputs that are used, with its drive.
     rate_hz: f64,
     slowest: &'a Drive,
 }
 
 /// For each instrument the greatest sample period that every edge of its voltages falls on, against its clock.
-pub fn finer_than_a_sample(schedule: &Schedule, claims: &Claims) -> Vec<Diagnostic> {
+pub fn finer_than_a_sample(wired: &[WiredChannel]) -> Vec<Diagnostic> {
     let mut common: BTreeMap<&str, SampledVoltages> = BTreeMap::new();
-    for actuation in &schedule.actuations {
-        let channel = &schedule.channels[actuation.channel as usize];
-        let Some((drive, instrument)) = claims.bench.drive(&channel.name) else { continue };
-        let Some(rate_hz) = rate_hz(drive, instrument) else { continue };
-        let entry = common.entry(&drive.instrument).or_insert(SampledVoltages {
-            period_ns: 0,
-            finest: (drive, actuation),
-            rate_hz,
-            slowest: drive,
-        });
+    for wired in wired.iter().filter(|wired| !wired.actuations.is_empty()) {
+        let drive = wired.drive;
+        let Some(rate_hz) = rate_hz(drive, wired.instrument) else { continue };
+        let none = SampledVoltages { actuations: Vec::new(), rate_hz, slowest: drive };
+        let entry = common.entry(&drive.instrument).or_insert(none);
         if rate_hz < entry.rate_hz {
             (entry.rate_hz, entry.slowest) = (rate_hz, drive);
         }
-        if channel.unit == ChannelUnit::Volt {
-            let half_ns = actuation.swing.map_or(0, |swing| swing.period_ns / 2);
-            let times = [actuation.start_ns, actuation.duration_ns, half_ns];
-            let period_ns = times.into_iter().fold(entry.period_ns, common_divisor_ns);
-            if period_ns != entry.period_ns {
-                (entry.period_ns, entry.finest) = (period_ns, (drive, actuation));
-            }
+        if wired.channel.unit == ChannelUnit::Volt {
+            entry.actuations.extend(wired.away_from_rest().into_iter().map(|actuation| (wired, actuation)));
         }
     }
-    let is_too_fine =
-        |found: &SampledVoltages| found.period_ns > 0 && (found.period_ns as f64) * found.rate_hz < 1e9 / QUOTIENT_ROOM;
-    common.into_values().filter(is_too_fine).map(|found| finer(schedule, &found)).collect()
+    common.into_values().filter_map(finer).collect()
 }
 
-fn finer(schedule: &Schedule, found: &SampledVoltages) -> Diagnostic {
-    let (drive, actuation) = found.finest;
-    let step = &schedule.steps[actuation.step as usize];
-    let least = Quantity::new(1.0 / found.rate_hz, Dimension::TIME);
-    let rate = Quantity::new(found.rate_hz, Dimension::FREQUENCY);
-    let period = Quantity::new(found.period_ns as f64 / 1e9, Dimension::TIME);
+fn finer(voltages: SampledVoltages) -> Option<Diagnostic> {
+    let SampledVoltages { mut actuations, rate_hz, slowest } = voltages;
+    actuations.sort_by_key(|(wired, actuation)| (actuation.start_ns, wired.index));
+    let mut period_ns = 0;
+    let mut first = None;
+    for (wired, actuation) in &actuations {
+        let half_ns = actuation.swing.map_or(0, |swing| swing.period_ns / 2);
+        let times = [actuation.start_ns, actuation.duration_ns, half_ns];
+        period_ns = times.into_iter().fold(period_ns, common_divisor_ns);
+        if (period_ns as f64) * rate_hz < 1e9 / QUOTIENT_ROOM {
+            first = first.or(Some((wired.drive, &wired.schedule.steps[actuation.step as usize])));
+        }
+    }
+    let (drive, step) = first?;
+    let [least, period] = [1.0 / rate_hz, period_ns as f64 / 1e9].map(|s| Quantity::new(s, Dimension::TIME));
+    let rate = Quantity::new(rate_hz, Dimension::FREQUENCY);
     let title = format!("edges on multiples of {period}, but `{}` samples every {least}", drive.instrument);
-    let finding = Diagnostic::new(Code::E0623, title).label(found.slowest.span, format!("at most {rate}"));
-    let finding = match drive.span == found.slowest.span {
+    let finding = Diagnostic::new(Code::E0623, title).label(slowest.span, format!("at most {rate}"));
+    let finding = match drive.span == slowest.span {
         true => finding,
         false => finding.label(drive.span, "on the same clock"),
     };
-    finding
-        .label_elsewhere(step.span, drive.span, "the times of this step make it so fine")
-        .help(format!("choose pulse durations, rests and waits as multiples of {least} or of a longer time"))
+    let finding = finding.label_elsewhere(step.span, drive.span, "the times of this step make it so fine");
+    Some(finding.help(format!("choose pulse durations, rests and waits as multiples of {least} or of a longer time")))
 }
 
 /// The greatest sample rate of an output, in hertz; `None` where it has no clock.
@@ -114,8 +109,8 @@ pub fn coarser_than_its_use(wired: &WiredChannel, claims: &Claims) -> Option<Dia
     let title = format!(
         "`{}` comes out up to {} off, its device bears {}, {figure}",
         channel.name,
-        wired.shown(three_digits(rounded)),
-        wired.shown(three_digits(borne)),
+        wired.shown(significant(rounded, 3)),
+        wired.shown(significant(borne, 3)),
     );
     let help = match channel.unit {
         ChannelUnit::Volt => "take an output of more bits",

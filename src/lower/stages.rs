@@ -46,10 +46,6 @@ struct FollowingStage<'a> {
     actuations: Vec<&'a Actuation>,
 }
 
-fn micrometres(value_um: f64) -> Quantity {
-    Quantity::new(value_um / 1e6, Dimension::LENGTH)
-}
-
 fn speed(um_per_s: f64) -> Quantity {
     Quantity::new(um_per_s / 1e6, Dimension::SPEED)
 }
@@ -101,10 +97,11 @@ impl FollowingStage<'_> {
         };
         let furthest = places().reduce(|best, next| if beyond_um(next.0) > beyond_um(best.0) { next } else { best });
         let (value, actuation) = furthest.filter(|(value, _)| beyond_um(*value) > 0.0)?;
-        let (name, at, own) = (&self.channel.name, micrometres(value), micrometres(self.drive.link.at_output(value)));
-        let [least, most] = [least_um, most_um].map(micrometres);
+        let (name, at, own) =
+            (&self.channel.name, Quantity::length_um(value), Quantity::length_um(self.drive.link.at_output(value)));
+        let [least, most] = [least_um, most_um].map(Quantity::length_um);
         let title = format!("`{name}` at {at} is {own} of its stage, which travels from {least} to {most}");
-        let at_wire = format!("`origin` of {}", micrometres(origin_um));
+        let at_wire = format!("`origin` of {}", Quantity::length_um(origin_um));
         let ends_um: Vec<[f64; 2]> = self.of_wire().filter_map(|stage| stage.ends_um()).collect();
         let help = origin_help(&ends_um, self.ends_um()?, [least_um, most_um], direction);
         Some(self.finding(title, at_wire, actuation.step).help(help))
@@ -145,15 +142,15 @@ impl FollowingStage<'_> {
             let [room, takes] = [room_s, takes_s].map(seconds);
             format!("`{name}` changes its speed by {change} and keeps it for {room}, its stage takes {takes} for that")
         } else {
-            let off = micrometres(rounding_um + cut_um(turn.change_um_per_s, period_s));
+            let off = Quantity::length_um(rounding_um + cut_um(turn.change_um_per_s, period_s));
             format!("`{name}` changes its speed by {change}, its stage is {off} off its way there")
         };
-        let by_stage = limits
-            .acceleration_um_per_s2
-            .map(|most| format!("{} off by its `acceleration` of {}, ", micrometres(rounding_um), acceleration(most)));
+        let by_stage = limits.acceleration_um_per_s2.map(|most| {
+            format!("{} off by its `acceleration` of {}, ", Quantity::length_um(rounding_um), acceleration(most))
+        });
         let by_places = Some(format!("places {} apart, ", seconds(period_s))).filter(|_| period_s > 0.0);
         let at_wire: String = by_stage.into_iter().chain(by_places).collect();
-        let at_wire = format!("{at_wire}half of the tolerance is {}", micrometres(spare_um));
+        let at_wire = format!("{at_wire}half of the tolerance is {}", Quantity::length_um(spare_um));
         let shares = self.of_wire().flat_map(|stage| {
             let turns = schedule.turns(stage.index).into_iter();
             turns.map(move |turn| slowed(stage.drive.limits, &turn, period_s, spare_um)).collect::<Vec<f64>>()
@@ -186,7 +183,7 @@ fn slowed(limits: StageLimits, turn: &Turn, period_s: f64, spare_um: f64) -> f64
 fn origin_help(ways_um: &[[f64; 2]], own_um: [f64; 2], travel_um: [f64; 2], direction: Direction) -> String {
     let widest = |[low, high]: [f64; 2], way: &[f64; 2]| [low.min(way[0]), high.max(way[1])];
     let all_um = ways_um.iter().fold(own_um, widest);
-    let way = micrometres(own_um[1] - own_um[0]);
+    let way = Quantity::length_um(own_um[1] - own_um[0]);
     match (origin_within(all_um, travel_um, direction), origin_within(own_um, travel_um, direction)) {
         (Some(origin_um), _) => format!("position 0 may lie elsewhere on the stage: `origin: {origin_um} um`"),
         (None, Some(origin_um)) => format!(

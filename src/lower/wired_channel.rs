@@ -2,6 +2,7 @@
 
 use crate::device::instrument::{Drive, Instrument};
 use crate::quantity::{Dimension, Quantity};
+use crate::schedule::levels::away_from_rest;
 use crate::schedule::{Actuation, Channel, ChannelUnit, Schedule};
 
 /// A channel with what plays it.
@@ -16,20 +17,21 @@ pub struct WiredChannel<'a> {
     pub actuations: Vec<&'a Actuation>,
 }
 
-pub fn volts(value: f64) -> Quantity {
-    Quantity::new(value, Dimension::VOLTAGE)
-}
-
 pub fn seconds(ns: f64) -> Quantity {
     Quantity::new(ns / 1e9, Dimension::TIME)
 }
 
 impl WiredChannel<'_> {
+    /// The actuations between which its value changes.
+    pub fn away_from_rest(&self) -> Vec<Actuation> {
+        away_from_rest(self.actuations.iter().copied(), self.channel.rest_v)
+    }
+
     /// A value of the channel with its unit.
     pub fn shown(&self, value: f64) -> String {
         match self.channel.unit {
-            ChannelUnit::Volt => volts(value).to_string(),
-            ChannelUnit::Micrometre => Quantity::new(value / 1e6, Dimension::LENGTH).to_string(),
+            ChannelUnit::Volt => Quantity::voltage(value).to_string(),
+            ChannelUnit::Micrometre => Quantity::length_um(value).to_string(),
         }
     }
 }

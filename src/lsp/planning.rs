@@ -4,7 +4,7 @@
 //! what belongs to the text as it is from what belongs to one that was changed since.
 
 use super::text::{ColumnUnit, EditedText};
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::Quantity;
 use lsp_types::{
     Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, Location, MarkupContent, MarkupKind, NumberOrString,
     Range, Uri,
@@ -215,7 +215,7 @@ impl ReportedStep {
     /// `60 ms, 4 switches`.
     fn cost(&self) -> String {
         let takes = self.takes.iter().map(|takes| format!(", {takes}"));
-        format!("{}{}", duration(self.duration_ns), takes.collect::<String>())
+        format!("{}{}", Quantity::time_ns(self.duration_ns), takes.collect::<String>())
     }
 
     /// What it takes, and what it reaches in short.
@@ -237,7 +237,7 @@ impl PlannedStep {
         let times = || self.runs.iter().map(|run| run.duration_ns);
         match (lines.as_slice(), times().min(), times().max()) {
             ([_, _, ..], Some(least), Some(most)) if least < most => {
-                format!("{} to {}", duration(least), duration(most))
+                format!("{} to {}", Quantity::time_ns(least), Quantity::time_ns(most))
             }
             ([first, _, ..], ..) => format!("{first} …"),
             (lines, ..) => lines.concat(),
@@ -264,7 +264,7 @@ impl PlannedStep {
 impl ReportedSchedule {
     /// Its duration with what its runs cost, a line for each.
     fn summary(&self) -> String {
-        let duration = duration(self.duration_ns);
+        let duration = Quantity::time_ns(self.duration_ns);
         match self.plans.as_slice() {
             [plan] => format!("{duration}, {}", plan.summary),
             plans => {
@@ -280,14 +280,10 @@ impl ReportedPlan {
     fn summary(&self, schedules: &[ReportedSchedule]) -> String {
         let runs = schedules.iter().flat_map(|schedule| &schedule.plans).filter(|plan| plan.task == self.task);
         let mut lines: Vec<String> =
-            runs.map(|plan| format!("{}, {}", duration(plan.duration_ns), plan.summary)).collect();
+            runs.map(|plan| format!("{}, {}", Quantity::time_ns(plan.duration_ns), plan.summary)).collect();
         lines.dedup();
         lines.join("\n")
     }
-}
-
-fn duration(duration_ns: u64) -> Quantity {
-    Quantity::new(duration_ns as f64 / 1e9, Dimension::TIME)
 }
 
 fn first_line(text: &str) -> &str {

@@ -3,6 +3,10 @@
 //! A [`Quantity`] is a number in SI base units with its [`Dimension`]. Decimal prefixes are applied to the digits before they
 //! become binary, so `35 um` is the double nearest to 35·10⁻⁶ and not a rounded product.
 
+mod figures;
+
+pub use figures::{digits, fraction, no_less, no_more, significant, to_decimals};
+
 use crate::real::Real;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -389,6 +393,22 @@ impl Quantity {
         Quantity { si, dimension, is_celsius: false }
     }
 
+    pub fn length_um(um: f64) -> Self {
+        Quantity::new(um / 1e6, Dimension::LENGTH)
+    }
+
+    pub fn force_un(un: f64) -> Self {
+        Quantity::new(un / 1e6, Dimension::FORCE)
+    }
+
+    pub fn voltage(volts: f64) -> Self {
+        Quantity::new(volts, Dimension::VOLTAGE)
+    }
+
+    pub fn time_ns(ns: u64) -> Self {
+        Quantity::new(ns as f64 / 1e9, Dimension::TIME)
+    }
+
     /// The value in a unit of its own dimension, read off without the error of a product with a power of ten.
     pub fn in_unit(self, unit: &str) -> f64 {
         let unit = Unit::parse(unit).expect("only units of the closed list are named in the compiler");
@@ -440,48 +460,6 @@ fn prefixed(f: &mut fmt::Formatter<'_>, si: f64, symbol: &str) -> fmt::Result {
     let fits = |&&(_, ten): &&(&str, i32)| ten <= greatest && shift(value.abs(), -ten) >= 0.999_999_5;
     let (prefix, ten) = PRINTED.iter().rev().find(fits).copied().unwrap_or(PRINTED[0]);
     write!(f, "{} {prefix}{symbol}", digits(shift(value, -ten)))
-}
-
-/// Greatest denominator of a fraction that is written as one.
-const MAX_DENOMINATOR: u32 = 4_096;
-
-/// Relative difference from a fraction that is rounding.
-const FRACTION_ROUNDING: f64 = 1e-12;
-
-/// A value to three digits: a measure, not a figure to count with.
-pub fn three_digits(value: f64) -> f64 {
-    format!("{value:.2e}").parse().unwrap_or(value)
-}
-
-/// A share or a volume, as `3/8` where it is such a fraction; else as [`digits`] has it.
-pub fn fraction(value: f64) -> String {
-    let is_of = |denominator: &u32| {
-        let numerator = (value * f64::from(*denominator)).round();
-        (numerator / f64::from(*denominator) - value).abs() <= FRACTION_ROUNDING * value.abs()
-    };
-    match (1..=MAX_DENOMINATOR).find(is_of) {
-        Some(1) | None => digits(value),
-        Some(denominator) => format!("{}/{denominator}", (value * f64::from(denominator)).round()),
-    }
-}
-
-/// A number with at most six significant digits, without trailing zeros; plain notation where it is short.
-pub fn digits(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let exponent = value.abs().common_logarithm().floor();
-    if !(-5.0..15.0).contains(&exponent) {
-        // Read again, it is written without the zeros at its end.
-        let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-        return format!("{rounded:e}");
-    }
-    let decimals = (5.0 - exponent).max(0.0) as usize;
-    let text = format!("{value:.decimals$}");
-    if !text.contains('.') {
-        return text;
-    }
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 #[cfg(test)]

@@ -93,3 +93,22 @@ fn degrees_celsius_count_from_a_zero_of_their_own() {
         |text: &str| matches!(Unit::parse(text), Err(UnitError::Unknown { nearest: Some(near), .. }) if near == "K");
     assert!(unknown("degC/s") && unknown("W/degC") && unknown("degC^2"));
 }
+
+#[test]
+fn figures_are_rounded_to_the_side_on_which_they_stay_true() {
+    for (value, digits, less, nearest, more) in [
+        (0.0123449, 4, 0.01234, 0.01234, 0.01235),
+        (98.76, 2, 98.0, 99.0, 99.0),
+        (99.96, 3, 99.9, 100.0, 100.0),
+        (1234.5, 2, 1200.0, 1200.0, 1300.0),
+        // The rounding of arithmetic is no further digit.
+        (0.1 + 0.2, 2, 0.3, 0.3, 0.3),
+        (50.000_000_000_1, 3, 50.0, 50.0, 50.0),
+        (49.999_999_999_9, 3, 50.0, 50.0, 50.0),
+        (0.0, 3, 0.0, 0.0, 0.0),
+    ] {
+        let rounded = (no_more(value, digits), significant(value, digits), no_less(value, digits));
+        assert_eq!(rounded, (less, nearest, more), "{value}");
+    }
+    assert_eq!((to_decimals(12.345_678, 2), to_decimals(-0.000_05, 4), to_decimals(3.0, 0)), (12.35, -0.000_1, 3.0));
+}

@@ -6,7 +6,7 @@
 use super::PlanRecord;
 use crate::claims::Order;
 use crate::device::each_kind;
-use crate::quantity::digits;
+use crate::quantity::{digits, to_decimals};
 
 /// What a kind says of the cost of a plan, on its orders.
 pub(super) trait Costed {
@@ -39,7 +39,7 @@ pub fn proof(plan: &PlanRecord, figure: impl Fn(f64) -> String) -> String {
 
 /// A figure for the report: two decimals, more where the value is small.
 pub fn rounded(value: f64) -> String {
-    if value.abs() >= 1.0 { digits((value * 100.0).round() / 100.0) } else { digits(value) }
+    if value.abs() >= 1.0 { digits(to_decimals(value, 2)) } else { digits(value) }
 }
 
 /// A figure of a plan by its key; 0 where the plan does not have it.

@@ -9,6 +9,7 @@ pub mod dimibot;
 pub mod electrode_array;
 pub mod fingers;
 pub mod json;
+pub mod levels;
 pub mod microrobots;
 pub mod reached;
 mod turns;

@@ -7,7 +7,7 @@
 use super::State;
 use crate::claims::Order;
 use crate::device::each_kind;
-use crate::quantity::digits;
+use crate::quantity::{digits, to_decimals};
 use serde::{Deserialize, Serialize};
 
 /// A numeric goal, and the value reached. The difference is reached less asked, where it is one number, and
@@ -89,7 +89,7 @@ impl Reached {
 }
 
 fn rounded(value: f64) -> String {
-    digits((value * 1e4).round() / 1e4)
+    digits(to_decimals(value, 4))
 }
 
 fn place(um: &[f64; 2]) -> String {

@@ -6,6 +6,7 @@
 mod brute;
 mod caps;
 mod case;
+mod chains;
 mod ellipse;
 mod forces;
 mod mechanics;

@@ -60,7 +60,7 @@ fn a_load_acts_where_the_mass_of_an_outline_is() {
 fn a_grasp_that_is_kept_must_bear_the_load_of_each_task() {
     let text = found("fingers-load-while-waiting");
     let refused = reported(&text);
-    assert!(refused[0].contains("E0601") && refused[0].contains("exerts 230 uN um"), "{refused:?}");
+    assert!(refused[0].contains("E0602") && refused[0].contains("exerts 230 uN um"), "{refused:?}");
     assert_eq!(build(&text.replace("-25 uN", "-0.1 uN")).codes, Vec::<&str>::new());
     // A release hands the part to its support.
     assert_eq!(

@@ -21,7 +21,7 @@ use crate::device::shape::ShapeForm;
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::geometry::distance;
 use crate::geometry::shape::{Core, MAX_EXTENT_UM, Pose, Shape};
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::Quantity;
 use crate::source::{Span, Spanned};
 use nalgebra::Point2;
 use std::collections::BTreeMap;
@@ -125,7 +125,7 @@ fn warn_of_coarseness(facts: &DimibotFacts, device: &CheckedDevice, sink: &mut S
 
 /// A length for a message.
 fn length(um: f64) -> String {
-    Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
+    Quantity::length_um(um).to_string()
 }
 
 impl Checker<'_> {

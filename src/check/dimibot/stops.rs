@@ -5,6 +5,7 @@ use crate::check::verbs::Call;
 use crate::claims::ValueOrigin;
 use crate::claims::dimibot::{in_robot_um, in_scene_um};
 use crate::diagnostic::Code;
+use crate::quantity::Dimension;
 use crate::real::Real;
 
 /// Number of rings of cells round a covered goal that are searched for a free one.

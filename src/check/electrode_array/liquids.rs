@@ -11,6 +11,9 @@ use crate::quantity::fraction;
 use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Relative difference of two contents that is the rounding of their fractions: `1 - 1 / 7` is 6/7.
+const SAME_CONTENT: f64 = 1e-12;
+
 /// Most fluids of a droplet that a message names.
 const SHOWN: usize = 4;
 
@@ -213,7 +216,7 @@ impl BoardLiquids {
             let name = order.parts[content.part].name.as_str();
             let Some(liquid) = self.liquids.get(name) else { return Some(errors::never_there(content, name)) };
             let reached = liquid.share(&content.share);
-            let is_kept = content.relation.holds(reached, content.limit, 0.0);
+            let is_kept = content.relation.holds(reached, content.limit, SAME_CONTENT * content.limit.abs());
             (!is_kept).then(|| errors::other_content(content, name, (reached, &liquid.text()), liquid.since))
         };
         order.contents.iter().filter_map(|content| Some((content.span, wrong(content)?))).collect()

@@ -29,7 +29,7 @@ use crate::claims::{Claims, Job, Order};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, ElectrodeMap};
 use crate::device::instrument::Drive;
 use crate::diagnostic::Sink;
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::Quantity;
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
@@ -61,7 +61,7 @@ impl CheckedFacts for Rc<ElectrodeArrayFacts> {
     }
 
     fn pitch(&self) -> Option<String> {
-        Some(format!("cells of {}", Quantity::new(self.pitch_um() / 1e6, Dimension::LENGTH)))
+        Some(format!("cells of {}", Quantity::length_um(self.pitch_um())))
     }
 
     fn has_channel(&self, name: &str) -> bool {

@@ -9,7 +9,7 @@ use crate::check::labels::DeviceLabel;
 use crate::device::VocabularyField;
 use crate::device::electrode_array::{ElectrodeArrayFacts, Electrodes, VOCABULARY};
 use crate::diagnostic::Sink;
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::{Dimension, Quantity, no_less, no_more, significant};
 use crate::real::Real;
 
 /// Relative rounding error allowed in the comparison with a limit.
@@ -82,8 +82,10 @@ fn potential(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &Chec
     }
     // The needed potential is at least the one that overcomes friction.
     let least_v = match forces.map(|forces| (forces, forces.net_n(needed_v))) {
-        Some((forces, net_n)) if net_n <= 0.0 => forces.balance_v().map(|balance_v| balance_v * 1.001).map(rounded_up),
-        _ => Some(rounded_up(needed_v)),
+        Some((forces, net_n)) if net_n <= 0.0 => {
+            forces.balance_v().map(|balance_v| balance_v * 1.001).map(|least_v| no_less(least_v, 4))
+        }
+        _ => Some(no_less(needed_v, 4)),
     };
     let balance = forces.map(|forces| errors::Balance {
         lateral: force(forces.lateral_n(potential_v)),
@@ -99,7 +101,7 @@ fn potential(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &Chec
     let radius = length(facts.radius_um / 1e6);
     let (asked, least) = (voltage(potential_v), least_v.map(voltage));
     let most_friction =
-        forces.map(|forces| rounded_down(forces.balance_friction(potential_v) * 0.999)).filter(|_| least_v.is_none());
+        forces.map(|forces| no_more(forces.balance_friction(potential_v) * 0.999, 4)).filter(|_| least_v.is_none());
     let wrong = errors::potential_too_low(&asked, &radius, least.as_deref(), balance.as_ref(), most_friction);
     let mut labels = vec![DeviceLabel::field("potential", "too low")];
     if measured_v.is_some() {
@@ -128,7 +130,7 @@ fn step(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &CheckedDe
     match settling_s {
         Some(settling_s) if step.si >= settling_s * (1.0 - SLACK) => {}
         Some(settling_s) => {
-            let (step, least) = (step.to_string(), time(rounded_up(settling_s)));
+            let (step, least) = (step.to_string(), time(no_less(settling_s, 4)));
             let settling = Some(time(settling_s)).filter(|settling| *settling != step);
             let wrong = errors::step_too_short(&step, settling.as_ref().unwrap_or(&least), &least);
             let why = if by == "settling" { "known to take this long" } else { "a part of these electrodes" };
@@ -186,38 +188,14 @@ fn length(m: f64) -> String {
 }
 
 fn voltage(v: f64) -> String {
-    Quantity::new(v, Dimension::VOLTAGE).to_string()
+    Quantity::voltage(v).to_string()
 }
 
 fn time(s: f64) -> String {
-    Quantity::new(four_digits(s), Dimension::TIME).to_string()
+    Quantity::new(significant(s, 4), Dimension::TIME).to_string()
 }
 
 /// A force for a message; of four digits, one more than those of the table.
 fn force(n: f64) -> String {
-    Quantity::new(four_digits(n), Dimension::FORCE).to_string()
-}
-
-fn four_digits(si: f64) -> f64 {
-    format!("{si:.3e}").parse().unwrap_or(si)
-}
-
-/// The next figure of four digits that is no less: what a message names as the least has to be enough.
-pub fn rounded_up(value: f64) -> f64 {
-    rounded(value * (1.0 - 1e-9), f64::ceil)
-}
-
-/// The next figure of four digits that is no greater.
-pub fn rounded_down(value: f64) -> f64 {
-    rounded(value * (1.0 + 1e-9), f64::floor)
-}
-
-fn rounded(value: f64, to_whole: impl Fn(f64) -> f64) -> f64 {
-    if value <= 0.0 || !value.is_normal() {
-        return value;
-    }
-    let digits = 3 - value.common_logarithm().floor() as i32;
-    // The text of the digits is the nearest double to them; a product with a power of ten need not be.
-    let scaled = to_whole(value * 10f64.whole_power(digits));
-    format!("{scaled}e{}", -digits).parse().ok().filter(|rounded: &f64| rounded.is_finite()).unwrap_or(value)
+    Quantity::new(significant(n, 4), Dimension::FORCE).to_string()
 }

@@ -336,12 +336,24 @@ pub fn channels_left_over(
     ))
 }
 
-/// Two instruments of a program, each with a wire that leads to it, that begin when the sender says so.
-pub fn starts_apart((first, first_wire): (&str, Span), (second, second_wire): (&str, Span)) -> Diagnostic {
+/// Two instruments of a program, each with a wire that leads to it, that begin when the sender says so; whether the second is an electrode
+/// driver, which nothing can trigger.
+pub fn starts_apart(
+    (first, first_wire): (&str, Span),
+    (second, second_wire): (&str, Span),
+    is_driver: bool,
+) -> Diagnostic {
+    let help = match is_driver {
+        false => format!(
+            "lead the trigger output of `{first}` to the trigger input of `{second}`, and give it `start: trigger`"
+        ),
+        true => format!(
+            "`{second}` has no trigger input, so that they cannot begin at the same instant: play them in programs of their own, or give \
+             `{second}` `start: trigger` and start its sender yourself as `{first}` begins"
+        ),
+    };
     Diagnostic::new(Code::E0428, format!("`{first}` and `{second}` are started by the sender, one after the other"))
         .label(second_wire, format!("played by `{second}`"))
         .label_elsewhere(first_wire, second_wire, format!("played by `{first}`"))
-        .help(format!(
-            "lead the trigger output of `{first}` to the trigger input of `{second}`, and give it `start: trigger`"
-        ))
+        .help(help)
 }

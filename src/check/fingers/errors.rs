@@ -5,7 +5,7 @@ pub use crate::check::errors::*;
 use crate::check::value::Value;
 use crate::device::fingers::{FingersFacts, MAX_GRASPS, Plane};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::{Dimension, Quantity, digits};
+use crate::quantity::{Quantity, digits, no_less, no_more, significant};
 use crate::real::Real;
 use crate::source::Span;
 use std::f64::consts::TAU;
@@ -13,42 +13,23 @@ use std::f64::consts::TAU;
 /// The greatest turn of one step, in radians: once round, and rounding.
 pub const MOST_RAD: f64 = TAU + 1e-9;
 
-/// An angle of at most six digits for a message.
+/// An angle of at most five digits for a message.
 fn angle(rad: f64) -> String {
     let deg = rad.to_degrees();
-    let deg: f64 = if deg.abs() < 1e-9 { 0.0 } else { format!("{deg:.4e}").parse().unwrap_or(deg) };
+    let deg = if deg.abs() < 1e-9 { 0.0 } else { significant(deg, 5) };
     format!("{} deg", digits(deg))
 }
 
 /// A length of at most five digits for a message.
 pub fn length(um: f64) -> String {
     // A mere rounding difference is printed as 0.
-    let um: f64 = if um.abs() < 1e-7 { 0.0 } else { format!("{um:.4e}").parse().unwrap_or(um) };
-    Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
+    let um = if um.abs() < 1e-7 { 0.0 } else { significant(um, 5) };
+    Quantity::length_um(um).to_string()
 }
 
 /// A force of at most four digits for a message.
 fn force(un: f64) -> String {
-    let un: f64 = format!("{un:.3e}").parse().unwrap_or(un);
-    Quantity::new(un / 1e6, Dimension::FORCE).to_string()
-}
-
-/// Two digits, and no less.
-fn rounded_up(value: f64) -> f64 {
-    if value <= 0.0 {
-        return 0.0;
-    }
-    let scale = 10f64.whole_power(1 - value.common_logarithm().floor() as i32);
-    (value * scale - 1e-9).ceil() / scale
-}
-
-/// Two digits, and no more.
-fn rounded_down(value: f64) -> f64 {
-    if value <= 0.0 {
-        return 0.0;
-    }
-    let scale = 10f64.whole_power(1 - value.common_logarithm().floor() as i32);
-    (value * scale + 1e-9).floor() / scale
+    Quantity::force_un(significant(un, 4)).to_string()
 }
 
 pub fn hand_figure(name: &str, device: &str, found: &str, limit: &str) -> Diagnostic {
@@ -142,7 +123,7 @@ pub fn tip_too_large(span: Span, at: &Tipped, radius_um: f64, device: Span) -> D
     Diagnostic::new(Code::E0540, title)
         .label(span, format!("near {} in the plane {}", at.place(), at.plane.name()))
         .label(device, "the tips of this device")
-        .help(format!("tips of less than {} reach everywhere", length(rounded_down(radius_um))))
+        .help(format!("tips of less than {} reach everywhere", length(no_more(radius_um, 2))))
 }
 
 /// A place on a part, for a message.
@@ -189,22 +170,37 @@ pub fn too_many_grasps(span: Span, name: &str, [contacts, angles]: [usize; 2], s
         .help(format!("take {step}, or leave the load and the part's `material` out"))
 }
 
-pub fn tip_in_solid(
-    span: Span,
-    name: &str,
-    (contact, plane): (u32, Plane),
-    depth_um: f64,
-    tolerance_um: f64,
-) -> Diagnostic {
-    let title = format!(
-        "a tip at contact {contact} in the plane {} would stand {} deep in `{name}`, {} is allowed",
-        plane.name(),
-        length(depth_um),
-        length(tolerance_um)
-    );
-    Diagnostic::new(Code::E0552, title)
-        .label(span, "its surface leans over the section there")
-        .help("turn or move the solid in its file until its surface stands upright on its planes xy and xz")
+/// A tip that touches the section of a solid and stands in the solid.
+pub struct BuriedTip {
+    pub plane: Plane,
+    pub contact: u32,
+    /// The contact to which it rolls from there; `None` where it is at its contact.
+    pub beyond: Option<u32>,
+    pub depth_um: f64,
+    pub tolerance_um: f64,
+    /// Whether it stands as deep in the section, whose corners are smoothed.
+    pub is_smoothed: bool,
+}
+
+pub fn tip_in_solid(span: Span, name: &str, tip: &BuriedTip) -> Diagnostic {
+    let (plane, contact) = (tip.plane.name(), tip.contact);
+    let place = match tip.beyond {
+        None => format!("a tip at contact {contact} in the plane {plane}"),
+        Some(beyond) => format!("a tip that rolls from contact {contact} to {beyond} in the plane {plane}"),
+    };
+    let [depth, tolerance] = [tip.depth_um, tip.tolerance_um].map(length);
+    let title = format!("{place} would stand {depth} deep in `{name}`, {tolerance} is allowed");
+    let (label, help) = match tip.is_smoothed {
+        true => (
+            "its section has corners there, which are smoothed",
+            "write the solid with more triangles, or give the device a larger `tolerance`",
+        ),
+        false => (
+            "its surface leans over the section there",
+            "turn or move the solid in its file until its surface stands upright on its planes xy and xz",
+        ),
+    };
+    Diagnostic::new(Code::E0552, title).label(span, label).help(help)
 }
 
 pub fn solid_reaches_out(span: Span, name: &str, reach_um: f64, most_um: f64) -> Diagnostic {
@@ -237,7 +233,7 @@ pub fn part_out_of_range(span: Span, name: &str, stage: &ShortStage) -> Diagnost
     );
     Diagnostic::new(Code::E0550, title).label(span, "out of range").help(format!(
         "stay nearer to the hand's origin, or give `range` at least {} there",
-        length(rounded_up(needed_um))
+        length(no_less(needed_um, 2))
     ))
 }
 
@@ -295,7 +291,7 @@ pub fn no_whole_steps(
             ),
             None => format!(
                 "write {these}, or `precision: {} deg` among the settings to accept that error",
-                digits(rounded_up(off_deg))
+                digits(no_less(off_deg, 2))
             ),
         })
 }
@@ -332,7 +328,7 @@ pub struct OrientationMend {
 
 /// A miss as a precision that accepts it: in degrees as messages show it.
 pub fn precision_for(off_rad: f64) -> f64 {
-    rounded_up(off_rad.to_degrees()).to_radians()
+    no_less(off_rad.to_degrees(), 2).to_radians()
 }
 
 /// An orientation that whole steps miss.
@@ -355,7 +351,7 @@ pub fn orientation_missed(
         angle(off_rad),
         angle(precision_rad)
     );
-    let precision = digits(rounded_up(mend.needed_rad.max(off_rad).to_degrees()));
+    let precision = digits(no_less(mend.needed_rad.max(off_rad).to_degrees(), 2));
     let whole =
         if mend.needed_rad > precision_for(off_rad) { "that error and those of the others" } else { "that error" };
     Diagnostic::new(Code::E0545, title).label(span, "not reached").help(match mend.step_deg {

@@ -19,6 +19,9 @@ use std::sync::Arc;
 /// Places sampled to find where an outline bends inwards most.
 const LOOKS: usize = 4096;
 
+/// Greatest number of tips round a section that are held against the surface of its solid.
+const MAX_TIPS: u32 = 20_000;
+
 /// Standard gravity by definition: 3rd General Conference on Weights and Measures, 1901.
 const STANDARD_GRAVITY_M_PER_S2: f64 = 9.806_65;
 
@@ -117,21 +120,39 @@ impl PartReader<'_> {
         Some(Section { outline: outline.clone(), contacts: contacts as u32, opposite, step_rad })
     }
 
-    /// Whether tips that touch a section stand clear of the rest of the surface.
+    /// Whether tips stand clear of the rest of the surface while they touch a section, at its contacts and between them, where they roll.
     fn clear_of_surface(&mut self, solid: &HandSolid, section: &Section, plane: Plane, span: Span) -> Option<()> {
         let Some(surface) = &solid.surface else { return Some(()) };
         let curve = Curve::of(&section.outline).ok()?;
         let (tip_um, tolerance_um) = (self.facts.tip_radius_um, self.facts.tolerance_um);
-        let depths = (1..=section.contacts).map(|contact| {
-            let (centre, _) = tip_um_at(section, &curve, contact, tip_um);
-            (tip_um - surface.distance_um(in_space(plane, centre)), contact)
-        });
-        let (depth_um, contact) = depths.max_by(|one, other| one.0.total_cmp(&other.0))?;
+        // The centre of a tip comes by the tip radius times what it rolls, so that between two places it is never further from both.
+        let apart_um = tip_um * section.step_rad;
+        let between = (apart_um / tolerance_um).ceil().clamp(1.0, f64::from(MAX_TIPS / section.contacts)) as u32;
+        let depth_um = |place: u32| {
+            let rolled_rad = f64::from(place) / f64::from(between) * section.step_rad;
+            let (centre, _) = tip_um_rolled(&curve, rolled_rad, tip_um);
+            (tip_um - surface.distance_um(in_space(plane, centre)), centre)
+        };
+        let depths = (0..section.contacts * between).map(|place| (depth_um(place), place));
+        let ((depth_um, centre), place) = depths.max_by(|one, other| one.0.0.total_cmp(&other.0.0))?;
         if depth_um <= tolerance_um {
             return Some(());
         }
-        let at = (contact, plane);
-        self.sink.push(errors::tip_in_solid(span, &self.object.name, at, depth_um, tolerance_um));
+        let polygon = surface.section(plane.axes()).ok()?;
+        let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
+        let outline_um = sides.map(|(from, to)| from_side_um(centre, [*from, *to])).fold(f64::INFINITY, f64::min);
+        self.sink.push(errors::tip_in_solid(
+            span,
+            &self.object.name,
+            &errors::BuriedTip {
+                plane,
+                contact: place / between + 1,
+                beyond: (!place.is_multiple_of(between)).then_some((place / between + 1) % section.contacts + 1),
+                depth_um,
+                tolerance_um,
+                is_smoothed: tip_um - outline_um > tolerance_um,
+            },
+        ));
         None
     }
 
@@ -150,6 +171,13 @@ impl PartReader<'_> {
     }
 }
 
+/// Distance of a point from a side of a polygon.
+fn from_side_um([x, y]: [f64; 2], [[ax, ay], [bx, by]]: [[f64; 2]; 2]) -> f64 {
+    let (dx, dy) = (bx - ax, by - ay);
+    let share = (((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy)).clamp(0.0, 1.0);
+    (x - ax - share * dx).hypotenuse(y - ay - share * dy)
+}
+
 /// Where an outline bends inwards most.
 fn hollow(curve: &Curve) -> [f64; 2] {
     let ways = (0..LOOKS).map(|look| curve.perimeter_um() * look as f64 / LOOKS as f64);
@@ -161,8 +189,12 @@ fn hollow(curve: &Curve) -> [f64; 2] {
 
 /// Where the centre of a tip is that touches a contact, in the plane's coordinates, and the outward normal there.
 pub fn tip_um_at(section: &Section, curve: &Curve, contact: u32, tip_radius_um: f64) -> ([f64; 2], f64) {
-    let rolled = f64::from(contact - 1) * section.step_rad;
-    let spot = curve.spot(curve.way_rolled_um(rolled, tip_radius_um));
+    tip_um_rolled(curve, f64::from(contact - 1) * section.step_rad, tip_radius_um)
+}
+
+/// The same of a tip that has rolled on from contact 1 until the part would have turned by so much.
+fn tip_um_rolled(curve: &Curve, rolled_rad: f64, tip_radius_um: f64) -> ([f64; 2], f64) {
+    let spot = curve.spot(curve.way_rolled_um(rolled_rad, tip_radius_um));
     let (sine, cosine) = spot.normal_rad.sine_cosine();
     let [x, y] = spot.point_um;
     ([x + tip_radius_um * cosine, y + tip_radius_um * sine], spot.normal_rad)

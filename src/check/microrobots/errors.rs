@@ -7,8 +7,7 @@ pub use crate::check::errors::*;
 use crate::check::value::Value;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Pose;
-use crate::quantity::{Dimension, Quantity, digits};
-use crate::real::Real;
+use crate::quantity::{Dimension, Quantity, digits, no_less, no_more, significant};
 use crate::source::Span;
 
 /// A voltage for a message.
@@ -23,23 +22,12 @@ pub fn length(um: f64) -> String {
 
 /// A length of three digits rounded down, for values that fall short.
 fn at_most(um: f64) -> String {
-    length(three_digits(um, f64::floor))
+    length(no_more(um, 3))
 }
 
 /// A length of three digits rounded up, for excessive values and for fixes.
 fn at_least(um: f64) -> String {
-    length(three_digits(um, f64::ceil))
-}
-
-fn three_digits(value: f64, to_whole: impl Fn(f64) -> f64) -> f64 {
-    if value <= 1e-6 {
-        return 0.0;
-    }
-    let scale = 10f64.whole_power(2 - value.common_logarithm().floor() as i32);
-    // Rounding errors must not add another digit.
-    let scaled = value * scale;
-    let whole = if (scaled - scaled.round()).abs() < 1e-6 { scaled.round() } else { to_whole(scaled) };
-    whole / scale
+    length(no_less(um, 3))
 }
 
 /// An angle for a message.
@@ -49,7 +37,7 @@ fn angle(rad: f64) -> String {
 
 /// A mere rounding difference is printed as 0.
 fn six_digits(value: f64) -> f64 {
-    if value.abs() < 1e-12 { 0.0 } else { format!("{value:.5e}").parse().unwrap_or(value) }
+    if value.abs() < 1e-12 { 0.0 } else { significant(value, 6) }
 }
 
 pub fn too_many_cycles(fine: &str, cycles: f64, most: f64) -> Diagnostic {

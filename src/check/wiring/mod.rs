@@ -413,14 +413,19 @@ impl<'a> Checker<'a> {
         Some(())
     }
 
-    /// The finding for a bench of several instruments that the sender would start one after the other.
+    /// The finding for a bench of several instruments that the sender would start one after the other. All electrode drivers are played by
+    /// one program, on its clock.
     pub fn starts_apart(&self, bench: &Bench, program: Span) -> Option<Diagnostic> {
-        let sent = bench.instruments.iter().filter(|(_, instrument)| instrument.facts.start() == Start::Sender);
-        let mut names = sent.map(|(name, _)| name.as_str());
-        let (first, second) = (names.next()?, names.next()?);
+        let mut sent: Vec<(&String, &Instrument)> =
+            bench.instruments.iter().filter(|(_, instrument)| instrument.facts.start() == Start::Sender).collect();
+        let is_driver = |instrument: &Instrument| instrument.facts.family() == Family::ElectrodeDriver;
+        sent.sort_by_key(|(_, instrument)| is_driver(instrument));
+        let [(first, one), (second, other), ..] = sent[..] else { return None };
         let wire = |name: &str| bench.drives.values().find(|drive| drive.instrument == name).map(|drive| drive.span);
-        let place = wire(second).unwrap_or(program);
-        Some(errors::starts_apart((first, wire(first).unwrap_or(program)), (second, place)))
+        let place = |name: &str| wire(name).unwrap_or(program);
+        let together = [one, other].map(is_driver);
+        (together != [true; 2])
+            .then(|| errors::starts_apart((first, place(first)), (second, place(second)), together[1]))
     }
 
     /// What stands between a channel and its output: the wire's own fields, then those of the wiring.

@@ -8,7 +8,7 @@ use crate::diagnostic::Sink;
 use crate::emit::Provenance;
 use crate::emit::mcap::recording::is_as_recorded;
 use crate::log::{self, Recording};
-use crate::quantity::digits;
+use crate::quantity::{digits, to_decimals};
 use crate::schedule::control::ControlLine;
 use crate::verify::microrobots::recorded::{self, GoalReached, RecordedRun, Tolerances};
 use serde_json::{Value, json};
@@ -116,7 +116,7 @@ fn near(goal: &GoalReached) -> String {
 
 /// To two decimals, enough beside the errors of measurements.
 fn rounded(value: f64) -> String {
-    digits((value * 100.0).round() / 100.0)
+    digits(to_decimals(value, 2))
 }
 
 fn as_json(arguments: &VerifyArguments, (task, settings): (&str, &[String]), run: &RecordedRun) -> Value {

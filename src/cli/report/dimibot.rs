@@ -4,7 +4,7 @@ use super::{Note, ReportTopic, ReportedDevice, ReportedOrder, ReportedRun};
 use crate::claims::Claims;
 use crate::claims::dimibot::{Asked, DimibotAction, DimibotOrder, DimibotStop};
 use crate::device::dimibot::{DimibotFacts, LatticeCell, Side};
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::{Quantity, to_decimals};
 use crate::schedule::dimibot::DimibotState;
 use crate::schedule::{State, TimedState};
 use std::ops::RangeInclusive;
@@ -38,7 +38,7 @@ fn waits(run: &ReportedRun, order: &DimibotOrder) -> Option<String> {
     // Every state but the first follows a pulse.
     let pulses = run.plan.states.len().saturating_sub(1) as u64;
     let idle_ns = lasts_ns.saturating_sub(pulses * (order.facts.pulse_duration_ns + order.facts.rest_ns));
-    let idle = Quantity::new(idle_ns as f64 / 1e9, Dimension::TIME);
+    let idle = Quantity::time_ns(idle_ns);
     (idle_ns > 0).then(|| format!("`{}` waits {idle} to let others pass", run.plan.device))
 }
 
@@ -67,6 +67,6 @@ fn nearest(order: &DimibotOrder) -> Vec<String> {
 }
 
 fn length(um: f64) -> String {
-    let rounded = (um * 1e4).round() / 1e4;
-    Quantity::new(rounded / 1e6, Dimension::LENGTH).to_string()
+    let rounded = to_decimals(um, 4);
+    Quantity::length_um(rounded).to_string()
 }

@@ -42,7 +42,7 @@ fn crossings(order: &ElectrodeArrayOrder, run: &ReportedRun, (heater, k): (&Boar
         let stays: Vec<[u64; 2]> = stays(run, part, heater).into_iter().filter(|stay| !is_heated(*stay)).collect();
         let Some([first_ns, _]) = stays.first() else { continue };
         let lasts_ns: u64 = stays.iter().map(|[from, to]| to - from).sum();
-        let [lasts, since] = [lasts_ns, *first_ns].map(|ns| Quantity::new(ns as f64 / 1e9, Dimension::TIME));
+        let [lasts, since] = [lasts_ns, *first_ns].map(Quantity::time_ns);
         let temperature = Quantity::new(k, Dimension::TEMPERATURE);
         lines.push(format!(
             "`{part}` is over heater `{}` at {temperature} for {lasts} on its way, from {since} on",

@@ -4,7 +4,7 @@ use super::{Note, ReportTopic, ReportedDevice, ReportedOrder, ReportedRun, lengt
 use crate::claims::Claims;
 use crate::claims::fingers::{FingersOrder, Section};
 use crate::device::fingers::{Adhesion, FingersFacts, Plane};
-use crate::quantity::{Dimension, Quantity, digits};
+use crate::quantity::{Quantity, digits, to_decimals};
 use std::collections::BTreeMap;
 
 impl ReportedOrder for FingersOrder {
@@ -24,7 +24,7 @@ impl ReportedDevice for FingersFacts {
         let step = digits(360.0 / f64::from(self.steps_per_turn));
         let sticking = match self.adhesion {
             Adhesion::Sticking => {
-                format!("that stick with {}", Quantity::new(self.pull_off_un / 1e6, Dimension::FORCE))
+                format!("that stick with {}", Quantity::force_un(self.pull_off_un))
             }
             Adhesion::Absent => "that do not stick".to_owned(),
         };
@@ -47,7 +47,7 @@ fn parts(device: &str, claims: &[Claims]) -> BTreeMap<String, String> {
         let lines: Vec<String> = sections
             .map(|(plane, section)| {
                 let opposite = section.opposite.map_or(String::new(), |opposite| format!(", {opposite} opposite 1"));
-                let step = digits((section.step_rad.to_degrees() * 1e4).round() / 1e4);
+                let step = digits(to_decimals(section.step_rad.to_degrees(), 4));
                 format!("{} contacts in the plane {}, {step} deg apart{opposite}", section.contacts, plane.name())
             })
             .collect();

@@ -295,7 +295,7 @@ fn figures(schedule: &Schedule) -> String {
         "{}, {}, {}",
         count(schedule.channels.len(), "channel"),
         count(schedule.actuations.len(), "actuation"),
-        Quantity::new(schedule.duration_ns as f64 / 1e9, Dimension::TIME),
+        Quantity::time_ns(schedule.duration_ns),
     );
     if !energies.is_empty() {
         figures.push_str(&format!(", {}", Quantity::new(energies.iter().sum(), Dimension::ENERGY)));
@@ -305,7 +305,7 @@ fn figures(schedule: &Schedule) -> String {
 
 /// A length for people.
 fn length(um: f64) -> String {
-    Quantity::new(um / 1e6, Dimension::LENGTH).to_string()
+    Quantity::length_um(um).to_string()
 }
 
 /// `1 device, 1 scene, 2 tasks`.

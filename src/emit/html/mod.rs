@@ -60,7 +60,7 @@ struct PageData<'a> {
     /// The program's own file first, then those that it uses.
     sources: Vec<PageSource<'a>>,
     settings: &'a [String],
-    /// Of the page of a log: nothing derived the bounds, proofs and remarks of its plans again.
+    /// Of the page of a log: nothing derived the bounds, proofs, estimates, guarantees and remarks of its plans again.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     recorded: bool,
     /// What was verified; none of a log that was refused.

@@ -4,7 +4,7 @@ use super::sequence::Sequence;
 use super::{ASK_ERROR, BEGIN, Generator, Playing, REST, SWITCH_OFF, numbered, segment_name};
 use crate::device::instrument::{Link, Start};
 use crate::emit::csv::one_line;
-use crate::quantity::three_digits;
+use crate::quantity::significant;
 use crate::schedule::ChannelUnit;
 use std::fmt::Write as _;
 
@@ -76,7 +76,7 @@ impl Generator<'_> {
     fn least_step(&self, span_v: f64, link: Link) -> f64 {
         let codes = f64::from(2_u32.saturating_pow(self.facts.voltage.bits) - 2);
         let step_v = span_v / codes;
-        three_digits((link.value(step_v) - link.value(0.0)).abs())
+        significant((link.value(step_v) - link.value(0.0)).abs(), 3)
     }
 
     /// How the outputs of positions are sampled.

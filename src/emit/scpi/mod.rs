@@ -262,7 +262,7 @@ impl<'a> Generator<'a> {
             ChannelUnit::Volt => {
                 let rest = output.code(self.signals.rest_v(channel).unwrap_or_default());
                 let mut codes = vec![rest; self.sampling.points as usize];
-                for actuation in self.signals.of(channel) {
+                for actuation in self.signals.away_from_rest(channel) {
                     let sample = |t_ns: u64| (1 + t_ns / self.sampling.period_ns) as usize;
                     codes[sample(actuation.start_ns)..sample(actuation.end_ns())].fill(output.code(actuation.from));
                 }

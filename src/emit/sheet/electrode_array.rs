@@ -10,8 +10,7 @@ use crate::device::electrode_array::{ElectrodeCell, Electrodes, droplets};
 use crate::emit::electrode_array::course::at_chosen_places;
 use crate::quantity::{Dimension, Quantity, fraction};
 use crate::schedule::electrode_array::ElectrodeArrayState;
-use crate::schedule::{Schedule, State};
-use crate::schedule::{ScheduledOperation, ScheduledStep};
+use crate::schedule::{Schedule, ScheduledOperation, ScheduledStep, State, TimedState};
 use crate::verify::Verified;
 use crate::verify::electrode_array::{DropletAfter, droplets_after};
 use std::borrow::Cow;
@@ -59,7 +58,12 @@ pub(super) fn run(verified: &Verified, boards: &[SheetBoard]) -> Vec<[String; 4]
     let mut rows: Vec<SheetRow> = holds::rows(verified).collect();
     for board in boards {
         let device = board.device;
-        rows.extend(board.rows().map(|(times, text)| SheetRow { times, end: time(times[1]), device, text }));
+        rows.extend(board.rows().chain(board.gaps()).map(|(times, text)| SheetRow {
+            times,
+            end: time(times[1]),
+            device,
+            text,
+        }));
     }
     rows.sort_by_key(|row| row.times);
     rows.into_iter().map(|row| [time(row.times[0]), row.end, row.device.to_owned(), row.text]).collect()
@@ -127,6 +131,15 @@ impl SheetBoard<'_> {
         zones
     }
 
+    /// The times between runs, in which all electrodes are off.
+    fn gaps(&self) -> impl Iterator<Item = ([u64; 2], String)> {
+        let plans = self.runs.iter().filter_map(|(plan, _)| self.schedule.plans.get(*plan));
+        let times: Vec<[u64; 2]> = plans.map(|plan| [plan.start_ns, plan.end_ns()]).collect();
+        let gaps = times.iter().zip(times.iter().skip(1)).map(|([_, end], [start, _])| [*end, *start]);
+        let gaps: Vec<[u64; 2]> = gaps.filter(|[end, start]| end < start).collect();
+        gaps.into_iter().map(|gap| (gap, "no electrode is on: nothing holds the droplets".to_owned()))
+    }
+
     /// What happens on the board, with its times; but for its waits for an input or a person.
     fn rows(&self) -> impl Iterator<Item = ([u64; 2], String)> {
         let holds: BTreeSet<u32> = self.schedule.holds.iter().map(|hold| hold.step).collect();
@@ -135,7 +148,8 @@ impl SheetBoard<'_> {
         self.runs.iter().flat_map(move |(plan, order)| {
             let own = steps.iter().filter(|(_, step)| step.plan as usize == *plan);
             let asked = order.steps.iter().zip(own).filter(|(_, (is_hold, _))| !is_hold);
-            asked.flat_map(|(asked, (_, step))| rows_of(order, &asked.action, step)).collect::<Vec<_>>()
+            let states = self.schedule.plans.get(*plan).map_or(&[][..], |plan| &plan.states);
+            asked.flat_map(|(asked, (_, step))| rows_of(order, &asked.action, (step, states))).collect::<Vec<_>>()
         })
     }
 
@@ -196,13 +210,22 @@ fn operations_of(order: &ElectrodeArrayOrder) -> impl Iterator<Item = &AssayOper
 fn rows_of(
     order: &ElectrodeArrayOrder,
     action: &ElectrodeArrayAction,
-    step: &ScheduledStep,
+    (step, states): (&ScheduledStep, &[TimedState]),
 ) -> Vec<([u64; 2], String)> {
     let all = [step.start_ns, step.end_ns()];
     match action {
         ElectrodeArrayAction::Wait(0) => vec![(all, step.text.clone())],
         ElectrodeArrayAction::Wait(_) => vec![(all, "nothing moves".to_owned())],
-        ElectrodeArrayAction::Move(moves) => moves.iter().map(|one| (all, moved(order, one))).collect(),
+        ElectrodeArrayAction::Move(moves) => {
+            let during: Vec<&TimedState> =
+                states.iter().filter(|timed| (step.start_ns..=step.end_ns()).contains(&timed.t_ns)).collect();
+            let times = |one: &ElectrodeArrayMove| match (one.with, arrival_ns(order, one, &during)) {
+                (Some(_), Some(met_ns)) => [met_ns; 2],
+                (None, Some(arrival_ns)) => [step.start_ns, arrival_ns],
+                (_, None) => all,
+            };
+            moves.iter().map(|one| (times(one), moved(order, one))).collect()
+        }
         ElectrodeArrayAction::Assay(operations) => {
             let timed = operations.iter().zip(&step.operations);
             timed
@@ -213,6 +236,27 @@ fn rows_of(
                 .collect()
         }
     }
+}
+
+/// When a droplet is where it goes for good, or has merged; `None` if the states do not tell.
+fn arrival_ns(order: &ElectrodeArrayOrder, one: &ElectrodeArrayMove, states: &[&TimedState]) -> Option<u64> {
+    let goal = one.goal().cell;
+    // Of a team, whoever stands there in the end.
+    let at_goal =
+        states.last()?.state.cells()?.iter().find(|(_, [column, row])| ElectrodeCell::new(*column, *row) == goal);
+    let (name, merged) = match one.with {
+        Some(with) => (order.parts.get(with)?.name.as_str(), true),
+        None => (at_goal?.0.as_str(), false),
+    };
+    let arrived = |timed: &&&TimedState| match timed.state.cells().and_then(|cells| cells.get(name)) {
+        Some([column, row]) => !merged && ElectrodeCell::new(*column, *row) == goal,
+        None => merged,
+    };
+    let mut since = None;
+    for timed in states.iter().rev().take_while(|timed| arrived(timed)) {
+        since = Some(timed.t_ns);
+    }
+    since
 }
 
 /// When an operation begins: as soon as its droplets are where it takes place, or, where they only go somewhere, are free to go.
@@ -233,7 +277,11 @@ fn moved(order: &ElectrodeArrayOrder, one: &ElectrodeArrayMove) -> String {
     }
     match one.with {
         Some(with) => format!("{part} and {} merge at {goal}", name(order, with)),
-        None => format!("{part} goes to {goal}"),
+        None => {
+            let by: Vec<String> = one.stops.iter().rev().skip(1).rev().map(|stop| stop.cell.to_string()).collect();
+            let by = if by.is_empty() { String::new() } else { format!(" by way of {}", by.join(", ")) };
+            format!("{part} goes to {goal}{by}")
+        }
     }
 }
 

@@ -7,7 +7,7 @@ mod holds;
 
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::{Format, Provenance};
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::Quantity;
 use crate::verify::Verified;
 use std::fmt::Write as _;
 
@@ -85,5 +85,5 @@ impl Sheet {
 
 /// `20.4 s`
 fn time(ns: u64) -> String {
-    Quantity::new(ns as f64 / 1e9, Dimension::TIME).to_string()
+    Quantity::time_ns(ns).to_string()
 }

@@ -1,6 +1,6 @@
 //! The instants whose positions are drawn and numbered.
 
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::Quantity;
 use std::collections::BTreeSet;
 
 /// Greatest number of numbered instants in a panel.
@@ -73,12 +73,12 @@ fn evenly(list: &[u64], most: usize) -> impl Iterator<Item = u64> {
 
 /// A time for people.
 pub fn time(t_ns: u64) -> String {
-    micro(&Quantity::new(t_ns as f64 / 1e9, Dimension::TIME).to_string())
+    micro(&Quantity::time_ns(t_ns).to_string())
 }
 
 /// A length for people.
 pub fn length(um: f64) -> String {
-    micro(&Quantity::new(um / 1e6, Dimension::LENGTH).to_string())
+    micro(&Quantity::length_um(um).to_string())
 }
 
 /// The text with its micrometres and microseconds as papers write them.

@@ -20,14 +20,14 @@ mod counts;
 mod variables;
 mod view;
 
-use super::csv::{digits, one_line};
+use super::csv::digits;
 use super::error::{EmitError, MAX_TEXT_BYTES};
-use super::{Format, Signals};
+use super::{Format, Signals, identifier};
 use crate::schedule::ChannelUnit;
 pub use counts::COUNT_UM;
 use counts::Counts;
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use std::fmt::Write as _;
 use variables::{Form, Variable};
 
@@ -58,17 +58,16 @@ pub(super) fn write(signals: &Signals) -> Result<[Vec<u8>; 2], EmitError> {
     let mut text = String::new();
     let _ = writeln!(text, "$version tweeze {} $end", env!("CARGO_PKG_VERSION"));
     let _ = writeln!(text, "$comment {} of {} $end", word(&schedule.name), word(&schedule.source.file));
-    for (channel, form) in schedule.channels.iter().zip(&forms) {
-        let wire = one_line(channel.wire.as_deref().unwrap_or("none")).replace('$', "_");
-        let (name, unit) = (word(&channel.name), channel.unit.symbol());
-        let _ =
-            writeln!(text, "$comment {} is {name} [{unit}]{}, wire: {wire} $end", plain(&channel.name), form.says());
+    for own in variables.chunk_by(|one, next| one.channel == next.channel) {
+        let channel = own[0].channel;
+        let _ = writeln!(text, "{}", variables::comment(&schedule.channels[channel], &forms[channel], own));
     }
     let _ = writeln!(text, "$timescale {timescale} $end");
-    declare(&mut text, signals, &variables);
+    let scopes = scopes(signals);
+    declare(&mut text, (signals, &scopes), &variables);
     text.push_str("$enddefinitions $end\n");
     changes(&mut text, signals, &variables, unit_ns);
-    let view = view::write(signals, &forms, &variables, unit_ns);
+    let view = view::write((signals, &scopes), &forms, &variables, unit_ns);
     Ok([text.into_bytes(), view.into_bytes()])
 }
 
@@ -86,15 +85,25 @@ fn timescale(signals: &Signals) -> (u64, &'static str) {
     (10u64.pow(longest as u32), TIMESCALES[longest])
 }
 
+/// The scope of each device.
+fn scopes<'a>(signals: &'a Signals) -> BTreeMap<&'a str, String> {
+    let mut devices: Vec<&str> = signals.schedule.channels.iter().map(|channel| channel.device.as_str()).collect();
+    let mut seen = BTreeSet::new();
+    devices.retain(|device| seen.insert(*device));
+    let names = identifier::distinct_by(devices.iter().copied(), plain);
+    devices.into_iter().zip(names).collect()
+}
+
 /// The scopes and variables: a scope for each device, and one for the wires.
-fn declare(text: &mut String, signals: &Signals, variables: &[Variable]) {
+fn declare(text: &mut String, (signals, scopes): (&Signals, &BTreeMap<&str, String>), variables: &[Variable]) {
     let channels = &signals.schedule.channels;
-    let mut devices: indexmap::IndexMap<String, Vec<String>> = indexmap::IndexMap::new();
+    let mut devices: indexmap::IndexMap<&str, Vec<String>> = indexmap::IndexMap::new();
     for variable in variables {
-        devices.entry(plain(&channels[variable.channel].device)).or_default().push(variable.declaration());
+        devices.entry(&channels[variable.channel].device).or_default().push(variable.declaration());
     }
     let wires: Vec<String> = variables.iter().filter_map(Variable::wire_declaration).collect();
-    let scopes = devices.into_iter().chain(Some((WIRES.to_owned(), wires)).filter(|(_, wires)| !wires.is_empty()));
+    let devices = devices.into_iter().map(|(device, lines)| (scopes[device].clone(), lines));
+    let scopes = devices.chain(Some((WIRES.to_owned(), wires)).filter(|(_, wires)| !wires.is_empty()));
     for (name, lines) in scopes {
         let _ = writeln!(text, "$scope module {name} $end");
         lines.into_iter().for_each(|line| text.push_str(&line));

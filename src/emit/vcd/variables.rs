@@ -2,9 +2,10 @@
 
 use super::counts::{self, COUNT_UM};
 use super::plain;
+use crate::emit::csv::one_line;
 use crate::emit::identifier;
 use crate::emit::signal::{Drive, Signals};
-use crate::schedule::ChannelUnit;
+use crate::schedule::{Channel, ChannelUnit};
 use std::fmt::Write as _;
 
 /// How a channel is written.
@@ -13,8 +14,8 @@ pub enum Form {
     /// A voltage that is either 0 V or this one; `None` where it is 0 V throughout.
     Switch(Option<f64>),
     Volts,
-    /// With drive trains; the name that its four variables begin with.
-    Train(String),
+    /// With drive trains, in four variables.
+    Train,
     Counts,
 }
 
@@ -23,9 +24,7 @@ impl Form {
     pub fn new(signals: &Signals, channel: usize) -> Form {
         match signals.unit(channel) {
             ChannelUnit::Micrometre => Form::Counts,
-            ChannelUnit::Volt if signals.has_trains(channel) => {
-                Form::Train(plain(&signals.schedule.channels[channel].name))
-            }
+            ChannelUnit::Volt if signals.has_trains(channel) => Form::Train,
             ChannelUnit::Volt => {
                 let levels = signals.of(channel).iter().map(|actuation| actuation.to).chain(signals.rest_v(channel));
                 let mut levels = levels.filter(|volts| *volts != 0.0);
@@ -35,17 +34,17 @@ impl Form {
         }
     }
 
-    /// What the comment of the channel says of it.
-    pub fn says(&self) -> String {
-        match self {
-            Form::Switch(Some(volts)) => format!(", 1 stands for {volts} V"),
-            Form::Switch(None) => ", 0 V throughout".to_owned(),
-            Form::Volts => String::new(),
-            Form::Train(name) => format!(
-                ", a drive train while {name}_train is 1: half of each {name}_period_ns at {name}_first, then half at {name}_second, \
+    /// What the comment of the channel says of it and its variables.
+    fn says(&self, names: &[&str]) -> String {
+        match (self, names) {
+            (Form::Switch(Some(volts)), _) => format!(", 1 stands for {volts} V"),
+            (Form::Switch(None), _) => ", 0 V throughout".to_owned(),
+            (Form::Train, [train, first, second, period]) => format!(
+                ", a drive train while {train} is 1: half of each {period} at {first}, then half at {second}, \
                  counted from the last change of the four; while it is 0, both levels are the voltage"
             ),
-            Form::Counts => format!(", the nearest multiple of {COUNT_UM} um"),
+            (Form::Volts | Form::Train, _) => String::new(),
+            (Form::Counts, _) => format!(", the nearest multiple of {COUNT_UM} um"),
         }
     }
 
@@ -53,7 +52,7 @@ impl Form {
         match self {
             Form::Switch(_) => &[Part::Switch],
             Form::Volts => &[Part::Volts],
-            Form::Train(_) => &[Part::Train, Part::First, Part::Second, Part::Period],
+            Form::Train => &[Part::Train, Part::First, Part::Second, Part::Period],
             Form::Counts => &[Part::Counts],
         }
     }
@@ -125,6 +124,17 @@ pub fn all(signals: &Signals, forms: &[Form]) -> Vec<Variable> {
             Variable { channel, part, name, wire, code: code(index), wire_code }
         })
         .collect()
+}
+
+/// The comment of a channel, whose variables these are: what they mean.
+pub fn comment(channel: &Channel, form: &Form, variables: &[Variable]) -> String {
+    let names: Vec<&str> = variables.iter().map(|variable| variable.name.as_str()).collect();
+    let first = names.first().copied().unwrap_or_default();
+    let subject = first.strip_suffix(Part::Train.suffix()).filter(|_| names.len() > 1).unwrap_or(first);
+    let [name, wire] =
+        [&channel.name, channel.wire.as_deref().unwrap_or("none")].map(|text| one_line(text).replace('$', "_"));
+    let unit = channel.unit.symbol();
+    format!("$comment {subject} is {name} [{unit}]{}, wire: {wire} $end", form.says(&names))
 }
 
 impl Variable {

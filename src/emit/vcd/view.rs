@@ -3,8 +3,9 @@
 //! Flags of rows are those of GTKWave's own save files: hexadecimal sums of 0x8 binary, 0x20 aligned to the right, 0x400 signed,
 //! 0x8000 drawn as steps, 0x20000 room for the row above, 0x800200 and 0x1000200 the begin and the end of a group.
 
+use super::Signals;
 use super::variables::{Form, Variable};
-use super::{Signals, plain};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 const BIT: &str = "@28";
@@ -20,7 +21,12 @@ const SCALES_NS: [u64; 4] = [1_000_000_000, 1_000_000, 1000, 1];
 const UNITS_IN_WINDOW: u64 = 4;
 
 /// The save file. Channels that stay at 0 V throughout come last in their device.
-pub fn write(signals: &Signals, forms: &[Form], variables: &[Variable], unit_ns: u64) -> String {
+pub fn write(
+    (signals, scopes): (&Signals, &BTreeMap<&str, String>),
+    forms: &[Form],
+    variables: &[Variable],
+    unit_ns: u64,
+) -> String {
     let name = &signals.schedule.name;
     let scale_ns = SCALES_NS.into_iter().find(|scale_ns| *scale_ns <= unit_ns).unwrap_or(1);
     let units = signals.schedule.duration_ns / scale_ns;
@@ -28,7 +34,7 @@ pub fn write(signals: &Signals, forms: &[Form], variables: &[Variable], unit_ns:
     let mut text = format!("[dumpfile] \"{name}.vcd\"\n[savefile] \"{name}.gtkw\"\n[timestart] 0\n[size] 1400 800\n");
     let _ = writeln!(text, "*-{zoom}.000000 0\n[sst_width] 200\n[signals_width] 260");
     for (device, _, channels) in signals.devices() {
-        let scope = plain(device);
+        let scope = &scopes[device];
         let _ = writeln!(text, "{GROUP}\n-{scope}");
         let (still, busy): (Vec<usize>, Vec<usize>) =
             channels.into_iter().partition(|channel| forms[*channel] == Form::Switch(None));

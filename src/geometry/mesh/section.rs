@@ -10,6 +10,9 @@ use crate::real::Real;
 /// Least area enclosed by a line, as a share of the square of its length.
 const LEAST_AREA: f64 = 1e-12;
 
+/// Distance from a plane, as a share of the greatest coordinate, that is the rounding of numbers of 32 bits: such vertices are on it.
+const SAME_HEIGHT: f64 = 1e-7;
+
 /// A triangle that the plane cuts: the edges on which the section line enters and leaves.
 struct Cut {
     enter: [u32; 2],
@@ -18,7 +21,9 @@ struct Cut {
 
 pub(super) fn loops(mesh: &Mesh, axes: [[f64; 3]; 2]) -> Vec<Vec<[f64; 2]>> {
     let normal = cross(axes[0], axes[1]);
-    let heights: Vec<f64> = mesh.vertices_um.iter().map(|vertex| dot(*vertex, normal)).collect();
+    let reach_um = mesh.vertices_um.iter().flatten().map(|um| um.abs()).fold(0.0, f64::max);
+    let snapped = |height: f64| if height.abs() <= SAME_HEIGHT * reach_um { 0.0 } else { height };
+    let heights: Vec<f64> = mesh.vertices_um.iter().map(|vertex| snapped(dot(*vertex, normal))).collect();
     let mut cuts: Vec<Cut> = mesh.triangles.iter().filter_map(|triangle| cut(*triangle, &heights)).collect();
     cuts.sort_unstable_by_key(|cut| cut.enter);
     let mut is_done = vec![false; cuts.len()];

@@ -129,6 +129,17 @@ fn vertices_on_the_plane_are_no_trouble() {
 }
 
 #[test]
+fn vertices_that_rounding_moves_off_the_plane_are_on_it() {
+    let corners = scaled(&icosphere(3), [16.0, 12.0, 12.0]);
+    let line = Mesh::of(&corners).unwrap().section(XY).unwrap();
+    for sign in [1.0, -1.0] {
+        let off = |[x, y, z]: [f64; 3]| [x, y, if z == 0.0 { sign * 7e-13 * (x + 0.3 * y).signum() } else { z }];
+        let moved = Mesh::of(&corners.iter().map(|corners| corners.map(off)).collect::<Corners>()).unwrap();
+        assert_eq!(moved.section(XY).unwrap(), line);
+    }
+}
+
+#[test]
 fn a_box_is_exact() {
     let mesh = Mesh::of(&cuboid([-3.0, -2.0, -1.0], [5.0, 4.0, 3.0])).unwrap();
     assert!((mesh.volume_um3() - 192.0).abs() < 1e-12);

@@ -3,7 +3,7 @@
 use super::limited::{self, Sooner};
 use super::looks::LooksBudget;
 use super::sections::Sections;
-use super::stretches::{AskedStretch, Done, FirstCriterion, carried_out, most_looks};
+use super::stretches::{AskedStretch, Done, FirstCriterion, LeftOpen, carried_out, most_looks};
 use super::why::{no_plan, not_followed};
 use super::{FingersMotion, Stance};
 use crate::claims::fingers::FingersOrder;
@@ -15,11 +15,18 @@ use crate::plan::{KindPlanner, Optimality, Plan};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
+/// How a job leaves the hand and its part.
+#[derive(Clone)]
+struct LeftStance {
+    stance: Stance,
+    open: LeftOpen,
+}
+
 /// State that the plans of a schedule hand on to later jobs.
 #[derive(Default)]
 pub struct HandStandings {
     /// By device; `None` after a missing plan, since the pose of its part is then unknown.
-    stances: BTreeMap<String, Option<Stance>>,
+    stances: BTreeMap<String, Option<LeftStance>>,
 }
 
 impl KindPlanner for FingersOrder {}
@@ -34,21 +41,23 @@ pub fn plan(
     let known = standing.stances.get(&job.device).cloned();
     let planned = match known {
         Some(None) => None,
-        Some(Some(stance)) => planned(job, order, Some(stance), sink),
+        Some(Some(left)) => planned(job, order, Some(left), sink),
         None => planned(job, order, None, sink),
     };
-    let (plan, stance) = planned.map_or((None, None), |(plan, stance)| (plan, Some(stance)));
-    standing.stances.insert(job.device.clone(), stance);
+    let (plan, left) = planned.map_or((None, None), |(plan, left)| (plan, Some(left)));
+    standing.stances.insert(job.device.clone(), left);
     plan
 }
 
-/// A plan, and the stance after it.
+/// A plan, and what it leaves.
 fn planned(
     job: &Job,
     order: &FingersOrder,
-    stance: Option<Stance>,
+    left: Option<LeftStance>,
     sink: &mut Sink,
-) -> Option<(Option<Plan<FingersMotion>>, Stance)> {
+) -> Option<(Option<Plan<FingersMotion>>, LeftStance)> {
+    let open = left.as_ref().map_or(LeftOpen::default(), |left| left.open);
+    let stance = left.map(|left| left.stance);
     let looks = Rc::new(LooksBudget::of(most_looks(order)));
     let mut sections = match Sections::of(order, looks) {
         Ok(sections) => sections,
@@ -58,7 +67,7 @@ fn planned(
         }
     };
     let mut asked =
-        AskedStretch { job, order, stance: stance.as_ref(), first: FirstCriterion::Effort, gaits: Vec::new() };
+        AskedStretch { job, order, stance: stance.as_ref(), open, first: FirstCriterion::Effort, gaits: Vec::new() };
     let mut done = match carried_out(&mut sections, &asked) {
         Ok(done) => done,
         Err(none) => {
@@ -85,7 +94,7 @@ fn planned(
             Sooner::Missed(plan) => soonest = plan.map(|plan| *plan),
         }
     }
-    let Done { plan, end, .. } = done;
+    let Done { plan, end, open, .. } = done;
     let least_effort_rad = plan.bound.to_radians();
     let least_s = limited::least_s(&sections, order, stance.as_ref());
     let known = &mut |limit: &Requirement| KnownLimit {
@@ -101,5 +110,5 @@ fn planned(
         ..KnownLimit::default()
     };
     let kept = require(job, &plan, known, sink);
-    Some(((kept == Kept::Yes).then_some(plan), end))
+    Some(((kept == Kept::Yes).then_some(plan), LeftStance { stance: end, open }))
 }

@@ -19,7 +19,7 @@ use crate::device::fingers::{FingersObjective, FingersOutcome, Plane};
 use crate::diagnostic::Remark;
 use crate::plan::search::{GaveUp, SearchBudget};
 use crate::plan::{Optimality, Plan};
-use crate::quantity::digits;
+use crate::quantity::{digits, to_decimals};
 use nalgebra::{Quaternion, UnitQuaternion};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -50,9 +50,18 @@ pub struct AskedStretch<'a> {
     pub order: &'a FingersOrder,
     /// Current stance; `None` before the device's first task.
     pub stance: Option<&'a Stance>,
+    pub open: LeftOpen,
     pub first: FirstCriterion,
     /// Limit on the reconfigurations of each stretch; unlimited where there is no number.
     pub gaits: Vec<Option<u32>>,
+}
+
+/// What of a stance the tasks before left open: other plans of theirs, as good as the one that was chosen, end otherwise.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct LeftOpen {
+    /// The grasp, which no task names.
+    pub grasp: bool,
+    pub orientation: bool,
 }
 
 /// A plan, with its limits not yet checked.
@@ -61,6 +70,7 @@ pub struct Done {
     pub plan: Plan<FingersMotion>,
     /// The stance after it.
     pub end: Stance,
+    pub open: LeftOpen,
     pub stretches: Vec<TaskStretch>,
 }
 
@@ -88,12 +98,14 @@ pub type Begins = (Option<Holding>, UnitQuaternion<f64>, Range<usize>);
 pub enum NoCourse {
     /// The stretch has no path.
     Blocked { at: usize, blocked: FarthestRoute, planned: Routes, begins: Begins },
+    /// The stretch has no path from the grasp that the task before left, though it may have one from another: `from`, where it is known.
+    OtherGrasp { at: usize, from: Option<Grasp> },
     /// The search for a path gave up.
     GaveUp { at: usize, end: GraspSearchEnd },
     /// A section has no tables.
     NoTables { at: usize, none: NoTables },
-    /// The grasp with which a stretch begins, which no turn changes, does not hold under the load.
-    LetsGo { at: usize, held: Holding, orientation: UnitQuaternion<f64> },
+    /// The grasp with which a stretch begins, which no turn changes, does not hold under the load; `open` where no task names it.
+    LetsGo { at: usize, held: Holding, orientation: UnitQuaternion<f64>, open: LeftOpen },
     /// No finger may leave the grasp that a release meets.
     NoRelease { at: usize },
     /// The fingers cannot follow the path.
@@ -107,10 +119,12 @@ impl NoCourse {
             NoCourse::Blocked { planned, .. } => {
                 planned.left_out.is_none() && order.planner != FingersPlanner::GreedyDecomposition
             }
-            NoCourse::LetsGo { .. } => true,
-            NoCourse::GaveUp { .. } | NoCourse::NoTables { .. } | NoCourse::NoRelease { .. } | NoCourse::NoWay(_) => {
-                false
-            }
+            NoCourse::LetsGo { open, .. } => !(open.grasp || open.orientation),
+            NoCourse::OtherGrasp { .. }
+            | NoCourse::GaveUp { .. }
+            | NoCourse::NoTables { .. }
+            | NoCourse::NoRelease { .. }
+            | NoCourse::NoWay(_) => false,
         }
     }
 }
@@ -130,8 +144,8 @@ pub fn carried_out(sections: &mut Sections, asked: &AskedStretch) -> Result<Done
         let text = format!("{share} % of friction and forces while it rolls (`rolling_reserve`)");
         tally.sums.remarks.push(Remark { subject: "kept back".to_owned(), text });
     }
-    let stretches = std::mem::take(&mut tally.stretches);
-    Ok(Done { plan: tally.sums.plan(order, motion), end, stretches })
+    let (stretches, open) = (std::mem::take(&mut tally.stretches), tally.open);
+    Ok(Done { plan: tally.sums.plan(order, motion), end, open, stretches })
 }
 
 /// Reserve while tips roll, in percent; `None` if it is zero or has no effect: with adhesion and without a load, every grasp holds.
@@ -162,8 +176,8 @@ struct HandTally<'a> {
     acts: Vec<Vec<FingerAct>>,
     held: Option<Holding>,
     orientation: UnitQuaternion<f64>,
-    /// Whether a different earlier path could have left the part in another orientation.
-    may_differ: bool,
+    /// What the path up to here left open.
+    open: LeftOpen,
     sums: Sums,
     stretches: Vec<TaskStretch>,
 }
@@ -191,7 +205,7 @@ impl<'a> HandTally<'a> {
             acts: vec![Vec::new(); order.steps.len()],
             held: held.map(|grasp| Holding { grasp, plane }),
             orientation: UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)),
-            may_differ: false,
+            open: asked.open,
             stretches: Vec::new(),
             sums: Sums { cost: 0, bound: 0, is_best: true, reconfigurations: 0, remarks: Vec::new() },
         }
@@ -210,8 +224,8 @@ impl<'a> HandTally<'a> {
             self.held.filter(|_| self.order.steps[stretch.start].action != FingersAction::Release)
             && !sections.bears(held, self.orientation)
         {
-            let (at, orientation) = (stretch.start, self.orientation);
-            return Err(Box::new(NoCourse::LetsGo { at, held, orientation }));
+            let (at, orientation, open) = (stretch.start, self.orientation, self.open);
+            return Err(Box::new(NoCourse::LetsGo { at, held, orientation, open }));
         }
         for step in stretch {
             match &self.order.steps[step].action {
@@ -228,7 +242,7 @@ impl<'a> HandTally<'a> {
     fn turn(&mut self, sections: &mut Sections, (index, stretch): (usize, Range<usize>)) -> Result<(), Box<NoCourse>> {
         let mut planned = routes(self.order, stretch.clone(), self.held);
         // Under a load, another earlier path might have left the part where it is easier to hold.
-        if self.may_differ && self.order.load_un != [0.0; 3] {
+        if self.open.orientation && self.order.load_un != [0.0; 3] {
             let least = planned.routes.iter().map(|route| steps_of(route)).min().unwrap_or_default();
             planned.left_out = Some(planned.left_out.map_or(least, |known| known.min(least)));
         }
@@ -250,6 +264,9 @@ impl<'a> HandTally<'a> {
                 }
             }
             Ok(GraspAnswer::Found(way)) => way,
+            Ok(GraspAnswer::Impossible(_)) if let Some(other) = self.other_grasp(sections, &planned, chosen) => {
+                return Err(Box::new(other));
+            }
             Ok(GraspAnswer::Impossible(blocked)) => {
                 let at = step_of(&planned, blocked.route, blocked.leg);
                 let begins = (self.held, self.orientation, stretch);
@@ -260,6 +277,7 @@ impl<'a> HandTally<'a> {
             }
             Err(none) => return Err(Box::new(NoCourse::NoTables { at: stretch.start, none })),
         };
+        let way = self.held_against_any(sections, &planned, way, chosen);
         let route = &planned.routes[way.route];
         let is_grasp = |step: &usize| matches!(self.order.steps[*step].action, FingersAction::Grasp(_));
         let first = route.first().map_or(stretch.start, |turning| turning.step);
@@ -278,7 +296,7 @@ impl<'a> HandTally<'a> {
         self.sums.reconfigurations += reconfigurations(&way);
         self.stretches[index] = TaskStretch { cost, gaits: reconfigurations(&way), is_best };
         let is_free = |step: usize| matches!(self.order.steps[step].action, FingersAction::Orient { .. });
-        self.may_differ |= planned.routes.len() > 1;
+        self.open.orientation |= planned.routes.len() > 1;
         if route.iter().any(|turning| is_free(turning.step)) {
             let turning = route.iter().filter(|turning| turning.end != LegEnd::Released);
             let turns: Vec<String> = turning.map(|turning| turn_text(sections, turning.turn)).collect();
@@ -288,9 +306,81 @@ impl<'a> HandTally<'a> {
             self.orientation = sections.turned(self.orientation, turning.turn);
         }
         let last = way.legs.last().and_then(|nodes| nodes.last());
+        self.open.grasp = !route.last().is_some_and(|turning| matches!(turning.end, LegEnd::Pinned(_)));
         self.held =
             route.last().zip(last).map(|(turning, last)| Holding { grasp: last.grasp, plane: turning.turn.plane });
         Ok(())
+    }
+
+    /// The answer where a stretch may begin with any grasp; `None` where the one that is held is named by a task, or none is held.
+    fn begun_with_any_grasp(
+        &self,
+        sections: &mut Sections,
+        planned: &Routes,
+        chosen: (FirstCriterion, Option<u32>),
+    ) -> Option<Result<GraspAnswer, NoTables>> {
+        let is_chosen = self.held.is_some() && self.open.grasp;
+        let is_exact = self.order.planner != FingersPlanner::GreedyDecomposition;
+        (is_chosen && is_exact).then(|| {
+            let planned = Routes { start: None, ..planned.clone() };
+            sound(self.order, sections, &planned, self.orientation, chosen)
+        })
+    }
+
+    /// Of a stretch without a path: that another grasp at its beginning may have one.
+    fn other_grasp(
+        &self,
+        sections: &mut Sections,
+        planned: &Routes,
+        chosen: (FirstCriterion, Option<u32>),
+    ) -> Option<NoCourse> {
+        let from = match self.begun_with_any_grasp(sections, planned, chosen)? {
+            Ok(GraspAnswer::Impossible(_)) => return None,
+            Ok(GraspAnswer::Found(way)) => first_grasp(&way),
+            Ok(GraspAnswer::GaveUp(_)) | Err(_) => None,
+        };
+        Some(NoCourse::OtherGrasp { at: step_of(planned, 0, 0), from })
+    }
+
+    /// A path with the bound of all paths, whatever grasp the task before left.
+    fn held_against_any(
+        &mut self,
+        sections: &mut Sections,
+        planned: &Routes,
+        way: GraspPath,
+        chosen: (FirstCriterion, Option<u32>),
+    ) -> GraspPath {
+        let roll = match self.asked.first {
+            FirstCriterion::Effort => ROLL,
+            FirstCriterion::Reconfigurations => 1,
+        };
+        let least = planned.routes.iter().map(|route| 2 * roll * steps_of(route)).min().unwrap_or_default();
+        if way.cost <= least {
+            return way;
+        }
+        let Some(any) = self.begun_with_any_grasp(sections, planned, chosen) else { return way };
+        let bound = match any {
+            Ok(GraspAnswer::Found(other)) => {
+                if let Some(grasp) = first_grasp(&other).filter(|_| other.cost < way.cost) {
+                    self.sums.remarks.push(self.better_begun(grasp, &other));
+                }
+                other.bound
+            }
+            Ok(GraspAnswer::GaveUp(GraspSearchEnd::Expansions(GaveUp { bound, .. }))) => bound,
+            Ok(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound })) => bound,
+            Ok(GraspAnswer::GaveUp(GraspSearchEnd::TooLarge { .. }) | GraspAnswer::Impossible(_)) | Err(_) => 0,
+        };
+        GraspPath { bound: way.bound.min(bound.max(least)), ..way }
+    }
+
+    /// Remark: from which other grasp the task would cost less.
+    fn better_begun(&self, grasp: Grasp, way: &GraspPath) -> Remark {
+        let cost = digits(effort(self.order, way) as f64 / f64::from(self.order.facts.steps_per_turn));
+        let text = format!(
+            "with the grasp that the task before ends with; if that ended with `{}`, it would cost {cost} deg",
+            grasp_text(self.order, grasp)
+        );
+        Remark { subject: "begins".to_owned(), text }
     }
 
     /// Whether the steps up to one end with a release and fingers cannot leave the grasp at the end of a path. Under a load no other one is
@@ -309,11 +399,25 @@ impl<'a> HandTally<'a> {
     /// All fingers leave, in an order in which the remaining ones always hold.
     fn release(&mut self, sections: &mut Sections, step: usize) -> Result<(), Box<NoCourse>> {
         let Some(holding) = self.held.take() else { return Ok(()) };
+        self.open.grasp = false;
         let leaving = sections.leaving(holding, self.orientation);
         let order = leaving.ok_or(NoCourse::NoRelease { at: step })?;
         self.acts[step].push(FingerAct::Release { order });
         Ok(())
     }
+}
+
+/// The grasp with which a path begins.
+fn first_grasp(way: &GraspPath) -> Option<Grasp> {
+    Some(way.legs.first()?.first()?.grasp)
+}
+
+/// `grasp bead at (1, 38)`.
+pub fn grasp_text(order: &FingersOrder, grasp: Grasp) -> String {
+    let contacts: Vec<String> =
+        grasp.list(order.facts.fingers as usize).iter().map(|contact| contact.to_string()).collect();
+    let [open, close] = if contacts.len() > 3 { ["[", "]"] } else { ["(", ")"] };
+    format!("grasp {} at {open}{}{close}", order.part.name, contacts.join(", "))
 }
 
 /// The planner's answer whose path holds at every instant, within a limit on reconfigurations.
@@ -445,7 +549,7 @@ fn turn_text(sections: &Sections, turn: FingersTurn) -> String {
         Plane::Xz => "y",
     };
     let degrees = (f64::from(turn.steps) * sections.step_rad(turn.plane)).to_degrees();
-    format!("{} deg about {axis}", digits((degrees * 1e4).round() / 1e4))
+    format!("{} deg about {axis}", digits(to_decimals(degrees, 4)))
 }
 
 impl Sums {

@@ -6,7 +6,9 @@ use super::looks::LooksBudget;
 use super::mechanics::{Contacts, GripModel, Load, NoTables};
 use super::routes::{Holding, RouteTurn, Routes, routes};
 use super::sections::Sections;
-use super::stretches::{AskedStretch, Begins, FirstCriterion, NoCourse, carried_out, kept_back, most_looks, sound};
+use super::stretches::{
+    AskedStretch, Begins, FirstCriterion, LeftOpen, NoCourse, carried_out, grasp_text, kept_back, most_looks, sound,
+};
 use super::ways::WayError;
 use crate::claims::Job;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, HandPart, Section};
@@ -17,7 +19,7 @@ use crate::device::fingers::{AXES, Adhesion, FingersFacts, MAX_CONTACTS, MAX_GRA
 use crate::diagnostic::{Code, Diagnostic, Reach, ReachExtent};
 use crate::geometry::outline::{Curve, OutlineError};
 use crate::plan::search::GaveUp;
-use crate::quantity::{digits, three_digits};
+use crate::quantity::{digits, significant, to_decimals};
 use nalgebra::UnitQuaternion;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -63,7 +65,8 @@ pub fn no_plan(asked: &AskedStretch, none: NoCourse) -> Diagnostic {
         NoCourse::Blocked { at, blocked, planned, begins } => reasons(at).impossible(&blocked, &planned, begins),
         NoCourse::GaveUp { at, end } => reasons(at).search_ended(&end),
         NoCourse::NoTables { at, none } => reasons(at).no_tables(&none),
-        NoCourse::LetsGo { at, held, orientation } => reasons(at).lets_go(held, &orientation),
+        NoCourse::OtherGrasp { at, from } => reasons(at).otherwise_begun(from),
+        NoCourse::LetsGo { at, held, orientation, open } => reasons(at).lets_go(held, &orientation, open),
         NoCourse::NoRelease { at } => reasons(at).stuck_fingers(),
         NoCourse::NoWay(error) => reasons(0).no_way(&error),
     }
@@ -180,11 +183,30 @@ impl HandReasons<'_> {
             .reached(self.reach(blocked, leg))
     }
 
+    /// Report: there is no plan from the grasp with which the task begins, which the planner chose for the one before.
+    fn otherwise_begun(&self, from: Option<Grasp>) -> Diagnostic {
+        let title = format!(
+            "no sequence of stable grasps carries out {} from the grasp with which its task begins",
+            self.what()
+        );
+        let help = match from {
+            Some(grasp) => {
+                let grasp = grasp_text(self.order, grasp);
+                format!("there is a plan from another one: let the task before it end with `{grasp}`, or make one task of the two")
+            }
+            None => "whether there is one from another grasp was not found out: make one task of the two, or let the one before end with a `grasp`".to_owned(),
+        };
+        Diagnostic::new(Code::E0602, title)
+            .label(self.span(), "the grasp is the one that the task before it ends with, which names none")
+            .help(help)
+    }
+
     /// Report: the load of a task that changes no finger is too much for the grasp of the one before.
-    fn lets_go(&self, held: Holding, orientation: &UnitQuaternion<f64>) -> Diagnostic {
+    fn lets_go(&self, held: Holding, orientation: &UnitQuaternion<f64>, open: LeftOpen) -> Diagnostic {
+        let code = if open.grasp || open.orientation { Code::E0602 } else { Code::E0601 };
         let title = "the grasp with which this task begins does not hold under its load";
         let torque = self.torque_of(held.grasp, held.plane, orientation);
-        Diagnostic::new(Code::E0601, title)
+        Diagnostic::new(code, title)
             .label(self.span(), torque.unwrap_or_else(|| "no finger comes or leaves in this task".to_owned()))
             .help("let the task before it end with a `grasp` that holds under this load, or lessen the load")
     }
@@ -238,7 +260,7 @@ impl HandReasons<'_> {
         let [i, j] = held[..] else { return None };
         let [a, b] = [i, j].map(|contact| contacts.one(contact, 0.0));
         let grip = GripModel::of(&order.facts, contacts.reach_um());
-        let [asked, borne] = grip.torque_left_un_um([&a, &b], &load)?.map(|torque| digits(three_digits(torque)));
+        let [asked, borne] = grip.torque_left_un_um([&a, &b], &load)?.map(|torque| digits(significant(torque, 3)));
         Some(format!(
             "the load exerts {asked} uN um about the line through contacts {} and {}; the tips bear at most {borne} uN um",
             i + 1,
@@ -363,7 +385,7 @@ impl HandReasons<'_> {
                 let title = format!(
                     "finger {} would go {} um beyond its range of {} um along {}",
                     finger + 1,
-                    digits((beyond_um * 1e3).round() / 1e3),
+                    digits(to_decimals(beyond_um, 3)),
                     digits(range_um),
                     AXES[axis]
                 );
@@ -380,7 +402,7 @@ impl HandReasons<'_> {
                 let title = format!(
                     "finger {} comes to be {} um off contact {contact}, more than the tolerance of {} um leaves",
                     finger + 1,
-                    digits((off_um * 1e4).round() / 1e4),
+                    digits(to_decimals(off_um, 4)),
                     digits(allowed_um)
                 );
                 Diagnostic::new(Code::E0602, title).label(at(step), "the next turn is in another plane").help(
@@ -418,7 +440,8 @@ impl Trials<'_> {
             Ok(_) | Err(_) => return Known::Nothing,
         }
         let (job, stance) = (self.why.job, self.why.stance);
-        let asked = AskedStretch { job, order, stance, first: FirstCriterion::Effort, gaits: Vec::new() };
+        let open = LeftOpen::default();
+        let asked = AskedStretch { job, order, stance, open, first: FirstCriterion::Effort, gaits: Vec::new() };
         match carried_out(&mut sections, &asked) {
             Ok(_) => Known::There,
             Err(_) => Known::Nothing,

@@ -9,7 +9,7 @@ use crate::claims::microrobots::{MicrorobotsOrder, MicrorobotsStep, MicrorobotsS
 use crate::device::microrobots::MicrorobotsPlanner;
 use crate::diagnostic::{Code, Diagnostic, Reach, ReachExtent};
 use crate::geometry::Pose;
-use crate::quantity::{Dimension, Quantity, digits};
+use crate::quantity::{Dimension, Quantity, digits, to_decimals};
 use crate::source::Span;
 
 /// Text of the messages about one step.
@@ -215,7 +215,7 @@ impl BedReasons<'_> {
             StuckAssembly::NoOrbit { robot, blocker } => {
                 let title =
                     format!("{} has no room for its orbit: {} is in it", self.name(*robot), self.blocker(*blocker));
-                let reach = Quantity::new(self.order.robot(*robot).orbit_reach_um() / 1e6, Dimension::LENGTH);
+                let reach = Quantity::length_um(self.order.robot(*robot).orbit_reach_um());
                 let diagnostic = Diagnostic::new(code, title).label(
                     self.order.robots[*robot].span,
                     format!("sweeps a disc of {} radius while others are driven", rounded(reach)),
@@ -228,7 +228,7 @@ impl BedReasons<'_> {
                     format!("whole strokes do not bring {} to its goal within the precision", self.name(*robot));
                 let facts = self.order.robot(*robot);
                 let (step_um, turn_deg) = (facts.step_um, (facts.step_um / facts.turning_radius_um).to_degrees());
-                let step = Quantity::new(step_um / 1e6, Dimension::LENGTH);
+                let step = Quantity::length_um(step_um);
                 Diagnostic::new(code, title).label(span(*robot), "this goal").help(format!(
                     "a stroke moves it by {step} or turns it by {} deg: give the task a larger `precision` and `heading_precision`, or \
                      the bed a smaller `step_size`",
@@ -241,12 +241,12 @@ impl BedReasons<'_> {
     }
 
     fn loose(&self, code: Code, robot: usize, gap_um: f64, goal: Span) -> Diagnostic {
-        let um = |um: f64| Quantity::new(um / 1e6, Dimension::LENGTH).to_string();
+        let um = |um: f64| Quantity::length_um(um).to_string();
         let tolerance = um(self.order.facts.docking.tolerance_um);
         let title = format!(
             "{} ends {} from its docking partner; the docking tolerance is {tolerance}",
             self.name(robot),
-            um((gap_um * 1e5).round() / 1e5)
+            um(to_decimals(gap_um, 5))
         );
         Diagnostic::new(code, title)
             .label(goal, "as near to this goal as whole strokes brought it")
@@ -408,7 +408,7 @@ fn rounded(quantity: Quantity) -> String {
     match text.split_once(' ') {
         Some((number, unit)) => {
             let value: f64 = number.parse().unwrap_or(quantity.si);
-            format!("{} {unit}", digits((value * 100.0).round() / 100.0))
+            format!("{} {unit}", digits(to_decimals(value, 2)))
         }
         None => text,
     }

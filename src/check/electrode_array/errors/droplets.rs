@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 /// The operations of an assay stay for more steps than a plan may have.
 pub fn stays_too_long(span: Span, [steps, most_steps]: [u64; 2], step_ns: u64) -> Diagnostic {
     let most = Quantity::new(most_steps as f64 * step_ns as f64 / 1e9, Dimension::TIME);
-    let one = Quantity::new(step_ns as f64 / 1e9, Dimension::TIME);
+    let one = Quantity::time_ns(step_ns);
     let title =
         format!("the operations up to here stay for {steps} steps of the board; at most {most_steps} are planned");
     Diagnostic::new(Code::E0554, title)

@@ -18,14 +18,19 @@ struct Nothing;
 
 impl Library for Nothing {
     fn read(&self, _from: &str, path: &str) -> Result<(String, String), String> {
-        let text = (path == "bead.stl").then(|| ball(16.0, 24));
+        let text = match path {
+            "bead.stl" => Some(ball(16.0, 24, None)),
+            "thorn.stl" => Some(ball(16.0, 24, Some((11, 1)))),
+            _ => None,
+        };
         text.map(|text| (path.to_owned(), text)).ok_or_else(|| "there is none".to_owned())
     }
 }
 
-/// A ball of triangles.
-fn ball(radius: f64, count: usize) -> String {
+/// A ball of triangles, one vertex of which may stand out by 1.2 um.
+fn ball(radius: f64, count: usize, thorn: Option<(usize, usize)>) -> String {
     let place = |i: usize, j: usize| {
+        let radius = radius + if thorn == Some((i, j)) { 1.2 } else { 0.0 };
         let (polar, round) = (PI * i as f64 / count as f64, PI * (j % (2 * count)) as f64 / count as f64);
         let [x, y, z] = [polar.sin() * round.cos(), polar.sin() * round.sin(), polar.cos()];
         let on_axis = i == 0 || i == count;
@@ -277,6 +282,17 @@ fn a_mesh_is_its_ball() {
     assert!(order.part.centre_um.iter().all(|um| um.abs() < 0.01));
     // A circle of 16 um: 18 (1 + 16/4.5) = 82.
     assert_eq!((order.part.xy.contacts, order.part.xy.opposite), (82, Some(42)));
+}
+
+/// The thorn stands beside the plane xy, between two contacts there.
+#[test]
+fn a_tip_must_not_roll_into_the_solid_between_two_contacts() {
+    let turn = "precision: 30 deg, rotate bead by 90 deg about z";
+    let turned = |file: &str, fields: &str| program(fields, &format!("mesh {{ file: \"{file}\", unit: 1 um }}"), turn);
+    assert_codes(&turned("bead.stl", "step: 90 deg"), &[]);
+    assert_codes(&turned("thorn.stl", "step: 90 deg"), &["E0552"]);
+    assert_codes(&turned("thorn.stl", "step: 90 deg, tolerance: 0.3 um"), &["E0552"]);
+    assert_codes(&turned("thorn.stl", "step: 90 deg, tolerance: 0.5 um, retract: 1 um"), &[]);
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::cli::Exit;
 use crate::cli::arguments::DevicesArguments;
 use crate::cli::terminal::{self, aligned};
 use crate::device::microrobots::{ControlState, Robot};
-use crate::quantity::{Dimension, Quantity, digits};
+use crate::quantity::{Dimension, Quantity, digits, to_decimals};
 use std::fmt::Write;
 
 /// The table of a bed, and the control states that its voltage can reach.
@@ -59,7 +59,7 @@ fn volts(volts: f64) -> String {
 }
 
 fn rounded(volts: f64) -> String {
-    digits((volts * 100.0).round() / 100.0)
+    digits(to_decimals(volts, 2))
 }
 
 /// A table for robots that are still to be built.

@@ -11,7 +11,7 @@ use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, rectangle, spaced_cloud};
 use crate::emit::mcap::drawing::{self, Slab, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, line_primitive};
-use crate::quantity::{Dimension, Quantity};
+use crate::quantity::Quantity;
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{Channel, PlanRecord, State};
 use crate::verify::Verified;
@@ -143,7 +143,7 @@ fn board(facts: &ElectrodeArrayFacts, device: &str, t_ns: u64) -> SceneEntity {
             }
         }
     }
-    let pitch = Quantity::new(facts.pitch_um() / 1e6, Dimension::LENGTH);
+    let pitch = Quantity::length_um(facts.pitch_um());
     let title = format!("{device}: {} x {} electrodes, {pitch} apart", facts.columns, facts.rows);
     drawing::text(&mut entity, [(x0 + x1) / 2.0, y1 + facts.pitch_um(), 0.0], title, color::LATTICE);
     entity

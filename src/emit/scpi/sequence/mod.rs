@@ -146,7 +146,7 @@ fn pieces(
         pieces.push(SamplePiece { samples: vec![code(rest_v)], count: to_ns.saturating_sub(from_ns) / period_ns });
     };
     let mut at_ns = 0;
-    for actuation in signals.of(channel) {
+    for actuation in signals.away_from_rest(channel) {
         rest(at_ns, actuation.start_ns, &mut pieces);
         pieces.push(match actuation.swing {
             // A value that a wait holds lasts beyond the end of its part.

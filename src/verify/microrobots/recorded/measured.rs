@@ -13,7 +13,7 @@ use super::super::motion::{RobotPlace, turn_between};
 use super::commanded::CommandedLeg;
 use super::{Deviation, JudgedRecording};
 use crate::device::microrobots::Arm;
-use crate::quantity::digits;
+use crate::quantity::{digits, to_decimals};
 use crate::real::Real;
 use crate::verify::rule::{Findings, Rule, Violation, ms};
 use nalgebra::Vector2;
@@ -154,7 +154,7 @@ impl<'r, 'a> Tracked<'r, 'a> {
             } else if !self.was_stopped(robot, anchor[robot], places) {
                 let (name, at) = (self.run.name(robot), ms(at_ns));
                 // Less than a picometre is rounding.
-                let shown = |value: f64| digits((value * 1e6).round() / 1e6);
+                let shown = |value: f64| digits(to_decimals(value, 6));
                 let [off, may] = [off_um, expected.off_um].map(shown);
                 let [turned, may_turn] = [off_rad, expected.off_rad.min(PI)].map(|rad| shown(rad.to_degrees()));
                 let title = format!(

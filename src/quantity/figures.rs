@@ -1,0 +1,84 @@
+//! Figures for people: so many digits, rounded to the nearest or to the side on which a sentence stays true.
+
+use crate::real::Real;
+
+/// Relative distance from a round figure that is the rounding of arithmetic.
+const ROUNDING: f64 = 1e-9;
+
+/// The nearest value of so many significant digits.
+pub fn significant(value: f64, digits: usize) -> f64 {
+    let after_the_first = digits.saturating_sub(1);
+    format!("{value:.after_the_first$e}").parse().unwrap_or(value)
+}
+
+/// The next value of so many significant digits that is no less: of what has to be enough.
+pub fn no_less(value: f64, digits: usize) -> f64 {
+    directed(value * (1.0 - ROUNDING), digits, f64::ceil)
+}
+
+/// The next value of so many significant digits that is no more: of what is available.
+pub fn no_more(value: f64, digits: usize) -> f64 {
+    directed(value * (1.0 + ROUNDING), digits, f64::floor)
+}
+
+fn directed(value: f64, digits: usize, to_whole: impl Fn(f64) -> f64) -> f64 {
+    if value <= 0.0 || !value.is_normal() {
+        return value;
+    }
+    let decimals = digits as i32 - 1 - value.common_logarithm().floor() as i32;
+    // The text of the digits is the nearest double to them; a product with a power of ten need not be.
+    let scaled = to_whole(value * 10f64.whole_power(decimals));
+    format!("{scaled}e{}", -decimals).parse().ok().filter(|rounded: &f64| rounded.is_finite()).unwrap_or(value)
+}
+
+/// The nearest value of so many decimals.
+pub fn to_decimals(value: f64, decimals: u8) -> f64 {
+    let power = 10f64.whole_power(i32::from(decimals));
+    (value * power).round() / power
+}
+
+/// Greatest denominator of a fraction that is written as one.
+const MAX_DENOMINATOR: u32 = 4_096;
+
+/// Halvings of which a fraction is still written as one.
+const MAX_HALVINGS: u32 = 20;
+
+/// Relative difference from a fraction that is rounding.
+const FRACTION_ROUNDING: f64 = 1e-12;
+
+/// A share or a volume, as `3/8` where it is such a fraction; else as [`digits`] has it, and never as 1 if it is less.
+pub fn fraction(value: f64) -> String {
+    let numerator = |denominator: &u32| {
+        let numerator = (value * f64::from(*denominator)).round();
+        let is_it = (numerator / f64::from(*denominator) - value).abs() <= FRACTION_ROUNDING * value.abs();
+        is_it.then_some((numerator, *denominator))
+    };
+    // What is halved again and again has powers of two below the line.
+    let powers = (MAX_DENOMINATOR.ilog2()..=MAX_HALVINGS).map(|halvings| 1 << halvings);
+    match (1..=MAX_DENOMINATOR).chain(powers).find_map(|denominator| numerator(&denominator)) {
+        Some((numerator, denominator)) if denominator > 1 => format!("{numerator}/{denominator}"),
+        Some(_) | None => match digits(value) {
+            one if one == "1" && value < 1.0 => format!("1 - {}", digits(1.0 - value)),
+            shown => shown,
+        },
+    }
+}
+
+/// A number with at most six significant digits, without trailing zeros; plain notation where it is short.
+pub fn digits(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let exponent = value.abs().common_logarithm().floor();
+    if !(-5.0..15.0).contains(&exponent) {
+        // Read again, it is written without the zeros at its end.
+        let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+        return format!("{rounded:e}");
+    }
+    let decimals = (5.0 - exponent).max(0.0) as usize;
+    let text = format!("{value:.decimals$}");
+    if !text.contains('.') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
