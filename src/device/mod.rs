@@ -406,6 +406,11 @@ pub struct Verb {
     pub example: &'static str,
 }
 
+/// A verb of a word, without anything after it.
+const fn verb(word: WordChoice) -> Verb {
+    Verb { name: word.name, noun: None, object: None, phrases: &[], block: None, doc: word.doc, example: "" }
+}
+
 /// The entries of a verb's braces, as `D3 to pose(…)` in `assemble { … }`: an object with prepositions, without a verb.
 #[derive(Debug)]
 pub struct Block {

@@ -3,7 +3,7 @@
 //! Outside of its actuations a voltage is at rest, and a stage stays at its last position, or at its first one before the first actuation.
 //!
 //! A swing is one actuation, however long it is. Its ends are [`Signals::breaks`]; the changes between them are only counted, or
-//! listed one by one by [`Edges`], for the formats without a notation for trains.
+//! listed one by one by [`SignalEdges`], for the formats without a notation for trains.
 
 use crate::schedule::levels::away_from_rest;
 use crate::schedule::{Actuation, ChannelUnit, Schedule, Swing};

@@ -1,6 +1,6 @@
 //! Second round: the runs and steps of the schedule are those of the claims; and the timeline of the claims.
 //!
-//! Input: a schedule that `form` found nothing in. Output: a [`Run`] for each job, and the jobs in the order in which
+//! Input: a schedule that `form` found nothing in. Output: a [`JudgedRun`] for each job, and the jobs in the order in which
 //! devices meet them. Promise: if [`runs`] finds nothing, the steps of a run are those of its task, follow each other without a gap
 //! from the run's start to its end, and hold all their actuations.
 

@@ -16,7 +16,7 @@ use crate::claims::dimibot::{
     DimibotPlanner, DimibotStep, DimibotStop,
 };
 use crate::claims::{Job, Order};
-use crate::device::dimibot::{self, DimibotFacts, LatticeCell, Side, Simultaneous};
+use crate::device::dimibot::{self, DimibotFacts, DimibotVerb, LatticeCell, Side, Simultaneous};
 use crate::device::shape::ShapeForm;
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::geometry::distance;
@@ -420,7 +420,7 @@ fn beyond(
     if method == DimibotMethod::StagedAstar {
         return None;
     }
-    let is_visit = |step: &&tasks::VocabularyStep| matches!(&step.action, tasks::VocabularyAction::Verb(call) if call.verb.name == "visit");
+    let is_visit = |step: &&tasks::VocabularyStep| matches!(&step.action, tasks::VocabularyAction::Verb(call) if call.verb.name == DimibotVerb::Visit.name());
     if let Some(visit) = parts.steps.iter().find(is_visit) {
         return Some(("order the places of a `visit`", visit.span));
     }

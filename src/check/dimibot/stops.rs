@@ -44,7 +44,9 @@ impl<'a> StopJudge<'a> {
     pub fn step(&mut self, step: tasks::VocabularyStep) -> Option<DimibotStep> {
         let action = match step.action {
             tasks::VocabularyAction::Wait(duration_ns) => DimibotAction::Wait(duration_ns),
-            tasks::VocabularyAction::Verb(Call { verb, object: Some(object), .. }) if verb.name == "visit" => {
+            tasks::VocabularyAction::Verb(Call { verb, object: Some(object), .. })
+                if verb.name == DimibotVerb::Visit.name() =>
+            {
                 DimibotAction::Visit(self.visits(&object)?)
             }
             tasks::VocabularyAction::Verb(call) => DimibotAction::Move(self.moves(call.phrases)?),

@@ -16,9 +16,11 @@ use crate::check::{Checker, clock_ns};
 use crate::claims::electrode_array::{
     AssayOperation, Bystanders, DropletContent, DropletShare, ElectrodeArrayAction, ElectrodeArrayMethod,
     ElectrodeArrayMove, ElectrodeArrayObjective, ElectrodeArrayOrder, ElectrodeArrayPlanner, ElectrodeArrayStep,
-    ElectrodeArrayStop, OperationLag, SplitDroplet, ZoneSort,
+    ElectrodeArrayStop, OperationLag, SplitDroplet,
 };
-use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, SPLIT_APART, Separation};
+use crate::device::electrode_array::{
+    ElectrodeArrayFacts, ElectrodeArrayVerb, ElectrodeCell, Electrodes, Hold, SPLIT_APART, Separation,
+};
 use crate::diagnostic::{Code, Sink};
 use crate::source::Span;
 use std::collections::BTreeMap;
@@ -116,7 +118,7 @@ fn beyond_published(
 
 /// What a goal asks that a published method lacks, and where.
 fn beyond_greed(call: &Call) -> Option<(&'static str, Span)> {
-    if call.verb.name == "merge" {
+    if verb(call) == Some(ElectrodeArrayVerb::Merge) {
         return Some(("merge", call.span));
     }
     if call.verb.noun.is_some() {
@@ -134,12 +136,13 @@ fn calls(action: &tasks::VocabularyAction) -> &[Call] {
     }
 }
 
-/// Verbs that do more to a part than bring it to a place.
-const OPERATIONS: [&str; 8] = ["dispense", "split", "mix", "incubate", "heat", "detect", "hold", "discard"];
+fn verb(call: &Call) -> Option<ElectrodeArrayVerb> {
+    ElectrodeArrayVerb::find(call.verb.name)
+}
 
 /// Whether a step is made of operations and not of goals.
 pub(super) fn is_assay(action: &tasks::VocabularyAction) -> bool {
-    let is_operation = |call: &Call| OPERATIONS.contains(&call.verb.name);
+    let is_operation = |call: &Call| verb(call).is_some_and(ElectrodeArrayVerb::is_operation);
     matches!(action, tasks::VocabularyAction::Assay(_)) || calls(action).iter().any(is_operation)
 }
 
@@ -303,22 +306,24 @@ impl BoardStepJudge<'_> {
 
     fn operation(&mut self, call: &Call) -> Option<AssayOperation> {
         self.sink.unless(call.verb.noun.map(|_| errors::team_in_assay(call.span)))?;
-        if !OPERATIONS.contains(&call.verb.name) {
+        let verb = verb(call)?;
+        if !verb.is_operation() {
             return self.passing(call);
         }
         let part = self.part(call.object.as_ref()?);
-        if let Some(sort) = ZoneSort::of_verb(call.verb.name) {
+        if let Some(sort) = verb.zone() {
             return self.in_zone(call, part, sort);
         }
-        match call.verb.name {
-            "dispense" => return self.dispensed(call, part),
-            "split" => return self.split(call, part),
-            _ => (),
+        if verb == ElectrodeArrayVerb::Dispense {
+            return self.dispensed(call, part);
+        }
+        if verb == ElectrodeArrayVerb::Split {
+            return self.split(call, part);
         }
         let places = self.places(call, None);
-        let what = if call.verb.name == "mix" { "`mix`" } else { "`incubate`" };
-        let (leaves, mixes) = (call.verb.name == "discard", call.verb.name == "mix");
-        let stay_ns = if leaves { Some(0) } else { self.stay_ns(phrases(call, "for").next()?, what) };
+        let what = format!("`{}`", verb.name());
+        let (leaves, mixes) = (verb == ElectrodeArrayVerb::Discard, verb == ElectrodeArrayVerb::Mix);
+        let stay_ns = if leaves { Some(0) } else { self.stay_ns(phrases(call, "for").next()?, &what) };
         let places = places?;
         let no_droplet = mixes && self.facts.layout.electrodes != Electrodes::Single;
         self.sink.unless(no_droplet.then(|| errors::parts_do_not_mix(call.span)))?;
@@ -467,19 +472,16 @@ impl BoardStepJudge<'_> {
 
     fn one_move(&mut self, call: &Call) -> Option<ElectrodeArrayMove> {
         let part = self.part(call.object.as_ref()?);
-        let (with, stops) = match call.verb.name {
-            "merge" => {
-                let other = phrases(call, "with").next()?;
-                let with = self.part(other);
-                let stop = self.stop(phrases(call, "at").next()?);
-                self.may_merge(call, part, with)?;
-                (Some(with?), vec![stop?])
-            }
-            _ => {
-                let stops: Vec<Option<ElectrodeArrayStop>> =
-                    phrases(call, "via").chain(phrases(call, "to")).map(|target| self.stop(target)).collect();
-                (None, stops.into_iter().collect::<Option<Vec<ElectrodeArrayStop>>>()?)
-            }
+        let (with, stops) = if verb(call)? == ElectrodeArrayVerb::Merge {
+            let other = phrases(call, "with").next()?;
+            let with = self.part(other);
+            let stop = self.stop(phrases(call, "at").next()?);
+            self.may_merge(call, part, with)?;
+            (Some(with?), vec![stop?])
+        } else {
+            let stops: Vec<Option<ElectrodeArrayStop>> =
+                phrases(call, "via").chain(phrases(call, "to")).map(|target| self.stop(target)).collect();
+            (None, stops.into_iter().collect::<Option<Vec<ElectrodeArrayStop>>>()?)
         };
         Some(ElectrodeArrayMove { with, ..ElectrodeArrayMove::alone(part?, stops, call.span) })
     }

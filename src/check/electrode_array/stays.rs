@@ -18,7 +18,7 @@ impl BoardStepJudge<'_> {
             Some(asked) => Some(self.temperature_k(asked)?),
             None => None,
         };
-        let stay_ns = self.stay_ns(phrases(call, "for").next()?, sort.verb())?;
+        let stay_ns = self.stay_ns(phrases(call, "for").next()?, sort.verb().name())?;
         let zone = places.first().and_then(|place| place.zone);
         let zone = zone.map(|zone| ZoneStay { zone, temperature_k: temperature });
         let passing = AssayOperation::passing(part?, Vec::new(), call.span);

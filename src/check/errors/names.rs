@@ -185,6 +185,7 @@ pub fn missing_file(span: Span, what: &str, why: &str, chain: &[String]) -> Diag
     let help = match chain {
         // It was found, and the path is right.
         _ if why.contains("is not UTF-8") => "save it as text in UTF-8".to_owned(),
+        _ if why.contains("as text") => "write the solid with fewer triangles: some 100,000 are that long".to_owned(),
         [_, _, ..] => format!("it is used by {}", chain.join(" → ")),
         [_] | [] => "the path starts at the folder of this file".to_owned(),
     };

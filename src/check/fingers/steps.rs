@@ -12,7 +12,7 @@ use crate::check::tasks::{self, Parts, TaskSite};
 use crate::check::value::{Value, whole};
 use crate::check::verbs::Call;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, FingersStep, HandPart, Section};
-use crate::device::fingers::{FingersFacts, MAX_HOLDING, Plane};
+use crate::device::fingers::{FingersFacts, FingersVerb, MAX_HOLDING, Plane, TurnAxis};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::geometry::outline::Curve;
 use crate::real::Real;
@@ -157,12 +157,18 @@ fn grasp_planes(steps: &[tasks::VocabularyStep], part: &HandPart) -> Vec<Vec<Pla
 /// The planes that a step may begin to turn in; `None` if it turns nothing.
 fn planes_of(step: &tasks::VocabularyStep, part: &HandPart) -> Option<Vec<Plane>> {
     let tasks::VocabularyAction::Verb(call) = &step.action else { return None };
-    match (call.verb.name, phrase(call, "about").map(|about| &about.value)) {
-        ("rotate", Some(Value::Text(axis))) if axis == "z" => Some(vec![Plane::Xy]),
-        ("rotate", Some(Value::Text(axis))) if axis == "y" => Some(vec![Plane::Xz]),
-        ("rotate" | "orient", _) => {
-            Some(Plane::ALL.into_iter().filter(|plane| part.section(*plane).is_some()).collect())
-        }
+    let any = || Plane::ALL.into_iter().filter(|plane| part.section(*plane).is_some()).collect();
+    match FingersVerb::find(call.verb.name)? {
+        FingersVerb::Rotate => Some(axis(call).and_then(TurnAxis::plane).map_or_else(any, |plane| vec![plane])),
+        FingersVerb::Orient => Some(any()),
+        FingersVerb::Grasp | FingersVerb::Translate | FingersVerb::Release => None,
+    }
+}
+
+/// The axis about which a step turns the part.
+fn axis(call: &Call) -> Option<TurnAxis> {
+    match &phrase(call, "about")?.value {
+        Value::Text(axis) => TurnAxis::find(axis),
         _ => None,
     }
 }
@@ -185,13 +191,8 @@ struct HandStepJudge<'a> {
 fn turns(steps: &[tasks::VocabularyStep]) -> Vec<(Plane, f64)> {
     let turn = |step: &tasks::VocabularyStep| {
         let tasks::VocabularyAction::Verb(call) = &step.action else { return None };
-        let (by, about) = (phrase(call, "by")?, phrase(call, "about")?);
-        let (Value::Quantity(angle), Value::Text(axis)) = (&by.value, &about.value) else { return None };
-        match axis.as_str() {
-            "z" => Some((Plane::Xy, angle.si)),
-            "y" => Some((Plane::Xz, angle.si)),
-            _ => None,
-        }
+        let Value::Quantity(angle) = &phrase(call, "by")?.value else { return None };
+        Some((axis(call)?.plane()?, angle.si))
     };
     steps.iter().filter_map(turn).collect()
 }
@@ -208,30 +209,26 @@ impl HandStepJudge<'_> {
     }
 
     fn call(&mut self, call: &Call, planes: &[Plane]) -> Option<FingersAction> {
-        match call.verb.name {
-            "grasp" => match phrase(call, "at") {
+        match FingersVerb::find(call.verb.name)? {
+            FingersVerb::Grasp => match phrase(call, "at") {
                 None => Some(FingersAction::Grasp(None)),
                 Some(argument) => self.grasp(argument, planes).map(|contacts| FingersAction::Grasp(Some(contacts))),
             },
-            "rotate" => self.rotate(call),
-            "orient" => self.orient(phrase(call, "to")?),
-            "translate" => translate(phrase(call, "by")?),
-            _ => self.release(call.span),
+            FingersVerb::Rotate => self.rotate(call),
+            FingersVerb::Orient => self.orient(phrase(call, "to")?),
+            FingersVerb::Translate => translate(phrase(call, "by")?),
+            FingersVerb::Release => self.release(call.span),
         }
     }
 
     fn rotate(&mut self, call: &Call) -> Option<FingersAction> {
         let (by, about) = (phrase(call, "by")?, phrase(call, "about")?);
-        let (Value::Quantity(angle), Value::Text(axis)) = (&by.value, &about.value) else { return None };
+        let (Value::Quantity(angle), Some(axis)) = (&by.value, axis(call)) else { return None };
         let asked_rad = angle.si;
         if asked_rad.abs() > errors::MOST_RAD {
             return self.wrong(errors::turn_too_far(by.span, asked_rad), by);
         }
-        let plane = match axis.as_str() {
-            "z" => Plane::Xy,
-            "y" => Plane::Xz,
-            _ => return self.about_x(asked_rad, about.span),
-        };
+        let Some(plane) = axis.plane() else { return self.about_x(asked_rad, about.span) };
         let Some(section) = self.part.section(plane) else { return self.flat(about.span, "not about y") };
         let most = i32::try_from(self.facts.steps_per_turn).ok()?;
         let steps = ((asked_rad / section.step_rad).round() as i32).clamp(-most, most);

@@ -113,10 +113,7 @@ fn robot(row: usize, table: &RobotTable, device: &CheckedDevice, period_ns: u64)
         Some(speed) => speed.in_unit("um/s") * period_ns as f64 / 1e9,
         None => device.fields.length_um("step_size")?,
     };
-    let turning = match table.text(row, "turns") {
-        Some("counterclockwise") => Turning::Counterclockwise,
-        Some(_) | None => Turning::Clockwise,
-    };
+    let turning = table.text(row, "turns").and_then(Turning::find).unwrap_or_default();
     Some(Robot {
         name: table.text(row, "robot")?.to_owned(),
         snap_down_v: table.quantity(row, "snap_down")?.si,

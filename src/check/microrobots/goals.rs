@@ -13,7 +13,7 @@ use crate::check::verbs::Call;
 use crate::claims::microrobots::{
     Assurance, Dock, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop, Precision,
 };
-use crate::device::microrobots::MicrorobotsObjective;
+use crate::device::microrobots::{MicrorobotsObjective, MicrorobotsVerb};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::geometry::Pose;
 use crate::real::Real;
@@ -141,10 +141,10 @@ impl BedStepJudge<'_> {
     }
 
     fn call(&mut self, call: &Call) -> Option<MicrorobotsAction> {
-        match call.verb.name {
-            "apply" => self.apply(call),
-            "drive" => self.drive(call),
-            _ => self.assemble(call),
+        match MicrorobotsVerb::find(call.verb.name)? {
+            MicrorobotsVerb::Apply => self.apply(call),
+            MicrorobotsVerb::Drive => self.drive(call),
+            MicrorobotsVerb::Assemble => self.assemble(call),
         }
     }
 

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 mod words;
 
-pub use words::{DimibotMethod, DimibotObjective, DimibotOutcome, PLANNERS, Simultaneous, VOCABULARY};
+pub use words::{DimibotMethod, DimibotObjective, DimibotOutcome, DimibotVerb, PLANNERS, Simultaneous, VOCABULARY};
 
 pub use super::MAX_REACH_UM;
 

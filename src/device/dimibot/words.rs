@@ -5,7 +5,7 @@ use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
     Assay, Count, Frames, Need, Noun, OutcomeUnit, Planner, Range, Sort, Together, Verb, Vocabulary, VocabularyField,
-    VocabularyPhrase, expansions, outcome, planner,
+    VocabularyPhrase, expansions, outcome, planner, verb,
 };
 use crate::quantity::Dimension;
 
@@ -154,27 +154,27 @@ const SETTINGS: &[VocabularyField] = &[
     },
 ];
 
+words! {
+    /// A step of a DiMiBot.
+    pub enum DimibotVerb {
+        Move = "move": "carries the end-effector to a cell or a place, by way of others in the order of writing",
+        Visit = "visit": "carries the end-effector to each of these cells and places, in the best order, and ends at the last one",
+    }
+}
+
 const VERBS: &[Verb] = &[
     Verb {
-        name: "move",
-        noun: None,
-        object: None,
         phrases: &[
             VocabularyPhrase { preposition: "to", sort: Sort::Target, count: Count::Once },
             VocabularyPhrase { preposition: "via", sort: Sort::Target, count: Count::AnyNumber },
         ],
-        block: None,
-        doc: "carries the end-effector to a cell or a place, by way of others in the order of writing",
         example: "move to (3.2 um, 5.9 um) via (3, 9)",
+        ..verb(DimibotVerb::Move.choice())
     },
     Verb {
-        name: "visit",
-        noun: None,
         object: Some(Sort::Targets),
-        phrases: &[],
-        block: None,
-        doc: "carries the end-effector to each of these cells and places, in the best order, and ends at the last one",
         example: "visit [(3, 9), (12, 4), (3.2 um, 5.9 um)]",
+        ..verb(DimibotVerb::Visit.choice())
     },
 ];
 

@@ -6,7 +6,7 @@ use crate::device::words::words;
 use crate::device::{
     Assay, BoardLimits, Count, Frames, Need, Noun, Outcome, OutcomeUnit, Planner, Sort, Together, Verb, Vocabulary,
     VocabularyField, VocabularyPhrase, WordChoice, expansions, not_negative, optional, outcome, planner, positive,
-    required,
+    required, verb,
 };
 use crate::quantity::Dimension;
 
@@ -48,17 +48,12 @@ words! {
 
 impl ZoneSort {
     /// The step that stays there.
-    pub const fn verb(self) -> &'static str {
+    pub const fn verb(self) -> ElectrodeArrayVerb {
         match self {
-            ZoneSort::Heater => "heat",
-            ZoneSort::Detector => "detect",
-            ZoneSort::Magnet => "hold",
+            ZoneSort::Heater => ElectrodeArrayVerb::Heat,
+            ZoneSort::Detector => ElectrodeArrayVerb::Detect,
+            ZoneSort::Magnet => ElectrodeArrayVerb::Hold,
         }
-    }
-
-    /// The sort at which a step of this verb stays.
-    pub fn of_verb(verb: &str) -> Option<ZoneSort> {
-        ZoneSort::ALL.iter().copied().find(|sort| sort.verb() == verb)
     }
 
     const fn noun(self) -> Noun {
@@ -291,10 +286,46 @@ const IN_MAGNET: [VocabularyPhrase; 5] = [
     WITHIN,
 ];
 
+words! {
+    /// A step of a board.
+    pub enum ElectrodeArrayVerb {
+        Move = "move": "carries a part to a cell, by way of others in the order of writing",
+        Dispense = "dispense": "makes a droplet on the electrode at a reservoir's outlet, by the device's `dispense_frames` or in its `dispense_duration`",
+        Merge = "merge": "brings two droplets together at a cell; the first name is that of both from then on",
+        Split = "split": "makes a droplet out of half of another one, which is pulled apart at a cell: the new one comes at the cell after `to` beside it, else at that of the next column, and the other one goes to the opposite side",
+        Mix = "mix": "moves a droplet round the device's `mixer`, anticlockwise and in whole rounds, for at least so long, from where it is or from a cell: the corner of the loop with the least column and row, where it is again at the end",
+        Incubate = "incubate": "leaves a part where it is, or at a cell, for at least so long: to react, to be heated, to be read",
+        Heat = "heat": "keeps a part at a heater, at its middle or at one of its cells, for at least so long; the heater has that temperature in the whole program",
+        Detect = "detect": "keeps a part at a detector, at its middle or at one of its cells, for at least so long, with no other part there meanwhile",
+        Hold = "hold": "keeps a part at a magnet, at its middle or at one of its cells, for at least so long, until it holds the beads in it",
+        Discard = "discard": "takes a part off the board at a cell, as a port or an open rim; its name means nothing from then on",
+    }
+}
+
+impl ElectrodeArrayVerb {
+    /// Whether it does something to a droplet besides carrying it: steps of such verbs are planned as an assay.
+    pub fn is_operation(self) -> bool {
+        match self {
+            ElectrodeArrayVerb::Move | ElectrodeArrayVerb::Merge => false,
+            ElectrodeArrayVerb::Dispense
+            | ElectrodeArrayVerb::Split
+            | ElectrodeArrayVerb::Mix
+            | ElectrodeArrayVerb::Incubate
+            | ElectrodeArrayVerb::Heat
+            | ElectrodeArrayVerb::Detect
+            | ElectrodeArrayVerb::Hold
+            | ElectrodeArrayVerb::Discard => true,
+        }
+    }
+
+    /// The sort of place at which a step of it stays.
+    pub fn zone(self) -> Option<ZoneSort> {
+        ZoneSort::ALL.iter().copied().find(|sort| sort.verb() == self)
+    }
+}
+
 const VERBS: &[Verb] = &[
     Verb {
-        name: "move",
-        noun: None,
         object: Some(Sort::Object("part")),
         phrases: &[
             VocabularyPhrase { preposition: "to", sort: Sort::Cell, count: Count::Once },
@@ -302,35 +333,28 @@ const VERBS: &[Verb] = &[
             AFTER,
             WITHIN,
         ],
-        block: None,
-        doc: "carries a part to a cell, by way of others in the order of writing",
         example: "move m1 to (26, 31) via (5, 20)",
+        ..verb(ElectrodeArrayVerb::Move.choice())
     },
     Verb {
-        name: "move",
         noun: Some(ANY),
         object: Some(Sort::Object("part")),
         phrases: &[VocabularyPhrase { preposition: "to", sort: Sort::Cells, count: Count::Once }],
-        block: None,
         doc: "carries all parts of an indexed name, as `m[0]`, `m[1]` and on, to as many cells; the plan chooses which of them comes to which",
         example: "move any m to [(5, 20), (9, 20), (13, 20)]",
+        ..verb(ElectrodeArrayVerb::Move.choice())
     },
     Verb {
-        name: "dispense",
-        noun: None,
         object: Some(Sort::Object("part")),
         phrases: &[
             VocabularyPhrase { preposition: "from", sort: Sort::Object("reservoir"), count: Count::Once },
             AFTER,
             WITHIN,
         ],
-        block: None,
-        doc: "makes a droplet on the electrode at a reservoir's outlet, by the device's `dispense_frames` or in its `dispense_duration`",
         example: "dispense sample from serum",
+        ..verb(ElectrodeArrayVerb::Dispense.choice())
     },
     Verb {
-        name: "merge",
-        noun: None,
         object: Some(Sort::Object("part")),
         phrases: &[
             VocabularyPhrase { preposition: "with", sort: Sort::Object("part"), count: Count::Once },
@@ -339,13 +363,10 @@ const VERBS: &[Verb] = &[
             AFTER,
             WITHIN,
         ],
-        block: None,
-        doc: "brings two droplets together at a cell; the first name is that of both from then on",
         example: "merge sample with reagent at (7, 4)",
+        ..verb(ElectrodeArrayVerb::Merge.choice())
     },
     Verb {
-        name: "split",
-        noun: None,
         object: Some(Sort::Object("part")),
         phrases: &[
             VocabularyPhrase { preposition: "from", sort: Sort::Object("part"), count: Count::Once },
@@ -354,31 +375,22 @@ const VERBS: &[Verb] = &[
             AFTER,
             WITHIN,
         ],
-        block: None,
-        doc: "makes a droplet out of half of another one, which is pulled apart at a cell: the new one comes at the cell after `to` beside it, else at that of the next column, and the other one goes to the opposite side",
         example: "split half from sample at (7, 4) to (7, 5)",
+        ..verb(ElectrodeArrayVerb::Split.choice())
     },
     Verb {
-        name: "mix",
-        noun: None,
         object: Some(Sort::Object("part")),
         phrases: &FOR_A_TIME,
-        block: None,
-        doc: "moves a droplet round the device's `mixer`, anticlockwise and in whole rounds, for at least so long, from where it is or from a cell: the corner of the loop with the least column and row, where it is again at the end",
         example: "mix sample at (8, 5) for 3 s",
+        ..verb(ElectrodeArrayVerb::Mix.choice())
     },
     Verb {
-        name: "incubate",
-        noun: None,
         object: Some(Sort::Object("part")),
         phrases: &FOR_A_TIME,
-        block: None,
-        doc: "leaves a part where it is, or at a cell, for at least so long: to react, to be heated, to be read",
         example: "incubate sample at (8, 5) for 30 s",
+        ..verb(ElectrodeArrayVerb::Incubate.choice())
     },
     Verb {
-        name: "heat",
-        noun: None,
         object: Some(Sort::Object("part")),
         phrases: &[
             at_site(ZoneSort::Heater),
@@ -388,36 +400,26 @@ const VERBS: &[Verb] = &[
             AFTER,
             WITHIN,
         ],
-        block: None,
-        doc: "keeps a part at a heater, at its middle or at one of its cells, for at least so long; the heater has that temperature in the whole program",
         example: "heat sample at oven to 95 degC for 30 s",
+        ..verb(ElectrodeArrayVerb::Heat.choice())
     },
     Verb {
-        name: "detect",
-        noun: None,
         object: Some(Sort::Object("part")),
         phrases: &IN_DETECTOR,
-        block: None,
-        doc: "keeps a part at a detector, at its middle or at one of its cells, for at least so long, with no other part there meanwhile",
         example: "detect sample at reader for 5 s",
+        ..verb(ElectrodeArrayVerb::Detect.choice())
     },
     Verb {
-        name: "hold",
-        noun: None,
         object: Some(Sort::Object("part")),
         phrases: &IN_MAGNET,
-        block: None,
-        doc: "keeps a part at a magnet, at its middle or at one of its cells, for at least so long, until it holds the beads in it",
         example: "hold beads at pull for 3 s",
+        ..verb(ElectrodeArrayVerb::Hold.choice())
     },
     Verb {
-        name: "discard",
-        noun: None,
         object: Some(Sort::Object("part")),
         phrases: &[AT, AMONG, AFTER, WITHIN],
-        block: None,
-        doc: "takes a part off the board at a cell, as a port or an open rim; its name means nothing from then on",
         example: "discard sample at (16, 1)",
+        ..verb(ElectrodeArrayVerb::Discard.choice())
     },
 ];
 

@@ -1,12 +1,12 @@
 //! The vocabulary of hands.
 
-use super::{MAX_FINGERS, MAX_LOOKS, MIN_FINGERS};
+use super::{MAX_FINGERS, MAX_LOOKS, MIN_FINGERS, Plane};
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
     Assay, Count, Frames, Noun, Outcome, OutcomeUnit, Planner, Range, Sort, Together, Verb, Vocabulary,
-    VocabularyField, VocabularyPhrase, WordChoice, any, budget, expansions, not_negative, optional, outcome, planner,
-    positive, required,
+    VocabularyField, VocabularyPhrase, any, budget, expansions, not_negative, optional, outcome, planner, positive,
+    required, verb,
 };
 use crate::quantity::Dimension;
 
@@ -114,66 +114,71 @@ const SETTINGS: &[VocabularyField] = &[
     ),
 ];
 
-const AXIS_WORDS: [WordChoice; 3] = [
-    WordChoice { name: "x", doc: "by turns about z and y, as the object has no section across x" },
-    WordChoice { name: "y", doc: "in the object's plane xz" },
-    WordChoice { name: "z", doc: "in the object's plane xy" },
-];
+words! {
+    /// The axis of a turn, one of the object's own.
+    pub enum TurnAxis {
+        X = "x": "by turns about z and y, as the object has no section across x",
+        Y = "y": "in the object's plane xz",
+        Z = "z": "in the object's plane xy",
+    }
+}
+
+impl TurnAxis {
+    /// The plane whose section turns about it, if it has one.
+    pub fn plane(self) -> Option<Plane> {
+        match self {
+            TurnAxis::X => None,
+            TurnAxis::Y => Some(Plane::Xz),
+            TurnAxis::Z => Some(Plane::Xy),
+        }
+    }
+}
+
+words! {
+    /// A step of a hand.
+    pub enum FingersVerb {
+        Grasp = "grasp": "takes an object, or changes fingers, until each one holds the contact of its number, and may roll it there and back; 0 is a free finger; \
+              without `at` the planner chooses",
+        Rotate = "rotate": "turns an object about one of its own axes, right-handed; by 220 deg is the long way",
+        Orient = "orient": "turns an object to an orientation in the hand's frame, whichever way is the cheapest",
+        Translate = "translate": "carries an object along x, y and z of the hand's frame, all fingers together",
+        Release = "release": "takes all fingers off; the support must hold the object against the last one",
+    }
+}
 
 const VERBS: &[Verb] = &[
     Verb {
-        name: "grasp",
-        noun: None,
         object: Some(Sort::Object("part")),
         phrases: &[VocabularyPhrase { preposition: "at", sort: Sort::Contacts, count: Count::AtMostOnce }],
-        block: None,
-        doc: "takes an object, or changes fingers, until each one holds the contact of its number, and may roll it there and back; 0 is a free finger; \
-              without `at` the planner chooses",
         example: "grasp bead at (1, 38)",
+        ..verb(FingersVerb::Grasp.choice())
     },
     Verb {
-        name: "rotate",
-        noun: None,
         object: Some(Sort::Object("part")),
         phrases: &[
             VocabularyPhrase { preposition: "by", sort: any(Dimension::ANGLE), count: Count::Once },
-            VocabularyPhrase { preposition: "about", sort: Sort::Word(&AXIS_WORDS), count: Count::Once },
+            VocabularyPhrase { preposition: "about", sort: Sort::Word(TurnAxis::CHOICES), count: Count::Once },
         ],
-        block: None,
-        doc: "turns an object about one of its own axes, right-handed; by 220 deg is the long way",
         example: "rotate bead by 80 deg about z",
+        ..verb(FingersVerb::Rotate.choice())
     },
     Verb {
-        name: "orient",
-        noun: None,
         object: Some(Sort::Object("part")),
         phrases: &[VocabularyPhrase { preposition: "to", sort: Sort::Orientation, count: Count::Once }],
-        block: None,
-        doc: "turns an object to an orientation in the hand's frame, whichever way is the cheapest",
         example: "orient bead to euler(80 deg, 220 deg, 100 deg)",
+        ..verb(FingersVerb::Orient.choice())
     },
     Verb {
-        name: "translate",
-        noun: None,
         object: Some(Sort::Object("part")),
         phrases: &[VocabularyPhrase {
             preposition: "by",
             sort: Sort::Vector { dimension: Dimension::LENGTH, range: Range::Any },
             count: Count::Once,
         }],
-        block: None,
-        doc: "carries an object along x, y and z of the hand's frame, all fingers together",
         example: "translate bead by (5 um, 0 um, 2 um)",
+        ..verb(FingersVerb::Translate.choice())
     },
-    Verb {
-        name: "release",
-        noun: None,
-        object: None,
-        phrases: &[],
-        block: None,
-        doc: "takes all fingers off; the support must hold the object against the last one",
-        example: "release",
-    },
+    Verb { example: "release", ..verb(FingersVerb::Release.choice()) },
 ];
 
 const BUDGET: [VocabularyField; 2] = [

@@ -16,7 +16,7 @@ pub mod control;
 pub(crate) mod fixture;
 mod words;
 
-pub use words::{MicrorobotsObjective, MicrorobotsOutcome, MicrorobotsPlanner, VOCABULARY};
+pub use words::{MicrorobotsObjective, MicrorobotsOutcome, MicrorobotsPlanner, MicrorobotsVerb, Turning, VOCABULARY};
 
 /// Greatest number of robots in one table.
 pub const MAX_ROBOTS: usize = 128;
@@ -48,14 +48,6 @@ impl Arm {
             Arm::Down => 1,
         }
     }
-}
-
-/// To which side a robot turns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Turning {
-    Clockwise,
-    Counterclockwise,
 }
 
 impl Turning {

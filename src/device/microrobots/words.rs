@@ -5,8 +5,7 @@ use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
     Assay, Block, Count, Frames, Noun, Outcome, OutcomeUnit, Planner, Sort, Together, Verb, Vocabulary,
-    VocabularyField, VocabularyPhrase, WordChoice, expansions, not_negative, optional, outcome, planner, positive,
-    required,
+    VocabularyField, VocabularyPhrase, expansions, not_negative, optional, outcome, planner, positive, required, verb,
 };
 use crate::quantity::Dimension;
 
@@ -54,10 +53,13 @@ words! {
     }
 }
 
-const TURNS: [WordChoice; 2] = [
-    WordChoice { name: "clockwise", doc: "its heading falls while its arm is down" },
-    WordChoice { name: "counterclockwise", doc: "its heading rises while its arm is down" },
-];
+words! {
+    /// To which side a robot turns.
+    pub enum Turning {
+        Clockwise = "clockwise": "its heading falls while its arm is down",
+        Counterclockwise = "counterclockwise": "its heading rises while its arm is down",
+    }
+}
 
 const ROBOTS: [VocabularyField; 8] = [
     required("robot", Sort::Name, "its name, as scenes and tasks say it"),
@@ -65,7 +67,7 @@ const ROBOTS: [VocabularyField; 8] = [
     required("release", positive(Dimension::VOLTAGE), "voltage at or below which the arm goes up"),
     required("turning_radius", positive(Dimension::LENGTH), "radius of its circle while the arm is down"),
     optional("speed", positive(Dimension::SPEED), "`step_size` times `drive_frequency`", "while the bed is driven"),
-    optional("turns", Sort::Word(&TURNS), "clockwise", "the side to which it turns"),
+    optional("turns", Sort::Word(Turning::CHOICES), "clockwise", "the side to which it turns"),
     optional("length", positive(Dimension::LENGTH), "the device's", "length of its body, along its heading"),
     optional("width", positive(Dimension::LENGTH), "the device's", "width of its body, across its heading"),
 ];
@@ -152,33 +154,33 @@ const SETTINGS: &[VocabularyField] = &[
 
 const TO_POSE: VocabularyPhrase = VocabularyPhrase { preposition: "to", sort: Sort::Pose, count: Count::Once };
 
+words! {
+    /// A step of a bed of robots.
+    pub enum MicrorobotsVerb {
+        Apply = "apply": "sets the arms of a control state, then drives for so long",
+        Drive = "drive": "brings one robot to a pose, by way of others in the order of writing; the other robots move along",
+        Assemble = "assemble": "brings robots together: the two that snap last at the same time, then the others one by one",
+    }
+}
+
 const VERBS: &[Verb] = &[
     Verb {
-        name: "apply",
         noun: Some("state"),
         object: Some(Sort::Control),
         phrases: &[VocabularyPhrase { preposition: "for", sort: positive(Dimension::TIME), count: Count::Once }],
-        block: None,
-        doc: "sets the arms of a control state, then drives for so long",
         example: "apply state 2 for 3 s",
+        ..verb(MicrorobotsVerb::Apply.choice())
     },
     Verb {
-        name: "drive",
-        noun: None,
         object: Some(Sort::Object("robot")),
         phrases: &[TO_POSE, VocabularyPhrase { preposition: "via", sort: Sort::Pose, count: Count::AnyNumber }],
-        block: None,
-        doc: "brings one robot to a pose, by way of others in the order of writing; the other robots move along",
         example: "drive D3 to pose(1.8 mm, 1.5 mm, 90 deg)",
+        ..verb(MicrorobotsVerb::Drive.choice())
     },
     Verb {
-        name: "assemble",
-        noun: None,
-        object: None,
-        phrases: &[],
         block: Some(&Block { object: Sort::Object("robot"), phrases: &[TO_POSE] }),
-        doc: "brings robots together: the two that snap last at the same time, then the others one by one",
         example: "assemble { D2 to pose(1.8 mm, 1.5 mm, 90 deg), D1 to pose(1.8 mm, 1.76 mm, 270 deg) }",
+        ..verb(MicrorobotsVerb::Assemble.choice())
     },
 ];
 

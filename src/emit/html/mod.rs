@@ -89,7 +89,7 @@ pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<
 /// The bytes of the page of a program that could not be built.
 ///
 /// # Errors
-/// As those of [`write`].
+/// As those of [`write()`].
 pub(super) fn write_failed(failed: &FailedProgram, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
     let part = failed.part.map(|(verified, whole)| (verified.schedule(), whole.unwrap_or(verified.claims())));
     let evidence = failed.part.map(|(verified, _)| PageEvidence::of(verified));
@@ -99,7 +99,7 @@ pub(super) fn write_failed(failed: &FailedProgram, provenance: &Provenance) -> R
 /// The bytes of the page of a schedule that was refused.
 ///
 /// # Errors
-/// As those of [`write`].
+/// As those of [`write()`].
 pub(super) fn write_refused(refused: &RefusedSchedule, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
     page(refused.shown(), provenance, (None, Some(refused.failure())))
 }

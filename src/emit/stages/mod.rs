@@ -3,7 +3,7 @@
 //! `<name>.<controller>.stages.csv` has a row for each point at which some stage may turn: its number from 0, and where each stage is by
 //! then in micrometres of its own travel. Between two rows all stages move on straight lines; points follow each other in the period
 //! that the first line names. Where a way turns between two points, both are there: the way is cut by
-//! [`cut_um`](crate::device::instrument::cut_um) at the most. `<name>.stages.py` plays the rows, on controllers of PI as straight
+//! [`cut_um`] at the most. `<name>.stages.py` plays the rows, on controllers of PI as straight
 //! segments of wave tables, on an MCS2 of SmarAct as a stream of places. At the end, on an error and on Ctrl-C stages stay where they are.
 //!
 //! The period is the shortest of the controller for which its tables hold the schedule, a whole number of its own periods, and no longer

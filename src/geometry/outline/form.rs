@@ -1,6 +1,6 @@
 //! The formulas of outlines: a point and its two derivatives by a parameter.
 //!
-//! Input: an [`Outline`](super::Outline) whose numbers are in range. Output: a [`Form`], which is made of pieces; within a piece it is
+//! Input: an [`Outline`](super::Outline) whose numbers are in range. Output: an [`OutlineForm`], which is made of pieces; within a piece it is
 //! smooth. Promise: pieces follow one another counter-clockwise and without gaps; no parameter makes it panic.
 
 use super::jet::Jet;

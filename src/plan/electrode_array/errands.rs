@@ -1,6 +1,6 @@
 //! An assay of a task as errands of agents, and plans of it as courses of parts.
 //!
-//! Input: the order, the current cells of its parts, and the operations. Output: an [`ErrandStage`], and from the cells of its
+//! Input: the order, the current cells of its parts, and the operations. Output: an [`AssayProblem`], and from the cells of its
 //! agents those of the parts.
 
 use super::assay::{AgentCourse, AssayProblem, Errand, ErrandLag, ErrandPlace, SplitErrand, Traces};

@@ -2,7 +2,7 @@
 //! stands where.
 //!
 //! As long as a team stays together, its parts stand on the same cells whoever is where, and what is proven of a later step holds for
-//! every plan of the task. Once some of its parts are sent elsewhere alone, that depends on the plan: then only the bounds of [`least`]
+//! every plan of the task. Once some of its parts are sent elsewhere alone, that depends on the plan: then only the bounds of [`LooseParts::least`]
 //! hold, and a step without a plan proves nothing of the task.
 
 use super::board::{Agent, BoardCosts, Instance};

@@ -1,6 +1,6 @@
 //! Replays the run of a DiMiBot: pulses into module states, states into places, moves into sweeps.
 //!
-//! Input: a [`Run`] whose steps and channels are sound, and where the device stands. Output: its states and outcomes;
+//! Input: a [`JudgedRun`] whose steps and channels are sound, and where the device stands. Output: its states and outcomes;
 //! one function per rule. A pulse is the set of actuations that begin at one instant on the device; it takes the pulse duration of the
 //! facts and then the rest, in which nothing is switched. A step of moves is pulse after pulse without idle time; it ends with its last
 //! rest.

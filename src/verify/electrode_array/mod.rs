@@ -1,6 +1,6 @@
 //! Replays the run of an electrode array: electrodes that are on into pulls, pulls into moves, moves into swept cells.
 //!
-//! Input: a [`Run`] whose steps and channels are sound, and where the parts stand. Output: their states and the outcomes. A step
+//! Input: a [`JudgedRun`] whose steps and channels are sound, and where the parts stand. Output: their states and the outcomes. A step
 //! of parts is made of steps of the board, here called beats, in which no electrode is switched; a wait is one long beat. Promise:
 //! a part moves only where electrodes pull it, and the first beat that breaks a rule ends the replay of its device, since the places of
 //! parts are unknown after it. Cost: for each beat the parts and the electrodes that are on, but no more beats than the

@@ -39,13 +39,16 @@ pub fn zone_of_other_sort<'n>(
     let (name, is) = (&zone.name, zone.sort);
     let others: Vec<String> = others.take(SHOWN_ZONES).map(|name| format!("`{name}`")).collect();
     let help = match others.as_slice() {
-        [] => format!("at a {} parts stay with `{}`; or declare a {}", is.name(), is.verb(), sort.name()),
+        [] => format!("at a {} parts stay with `{}`; or declare a {}", is.name(), is.verb().name(), sort.name()),
         some => format!("{}s of this scene: {}", sort.name(), some.join(", ")),
     };
-    Diagnostic::new(Code::E0574, format!("`{name}` is a {}, but `{}` takes a {}", is.name(), sort.verb(), sort.name()))
-        .label(span, format!("a {}", is.name()))
-        .label_elsewhere(zone.span, span, "declared here")
-        .help(help)
+    Diagnostic::new(
+        Code::E0574,
+        format!("`{name}` is a {}, but `{}` takes a {}", is.name(), sort.verb().name(), sort.name()),
+    )
+    .label(span, format!("a {}", is.name()))
+    .label_elsewhere(zone.span, span, "declared here")
+    .help(help)
 }
 
 /// A cell without a zone of a sort; `near` is the nearest one with one.
@@ -56,7 +59,7 @@ pub fn no_zone_here(span: Span, cell: ElectrodeCell, sort: ZoneSort, near: Optio
         None => format!("declare one in the scene, as `{noun} NAME at {cell}`"),
     };
     Diagnostic::new(Code::E0574, format!("there is no {noun} at {cell}"))
-        .label(span, format!("`{}` takes a {noun}, or a cell of one", sort.verb()))
+        .label(span, format!("`{}` takes a {noun}, or a cell of one", sort.verb().name()))
         .help(help)
 }
 

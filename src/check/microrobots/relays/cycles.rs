@@ -16,7 +16,7 @@
 //! H of all of U. Both beginnings are followed, and the shorter chain is a shortest cycle. With n arms a level costs O(log n), and
 //! there are at most n + 1, as each but the last settles an arm.
 //!
-//! When. If each arm of D is separated from each of U ([`Table::separates`]), a chain never gets stuck: among the arms that are
+//! When. If each arm of D is separated from each of U ([`VoltageTable::separates`](super::table::VoltageTable::separates)), a chain never gets stuck: among the arms that are
 //! not settled let u be that of U with the lowest snap-down voltage and d that of D with the highest release voltage; if they are
 //! separated by snap-down, raising to H settles d, and if by release, lowering to L settles u. If some d is not separated from some
 //! u, no cycle sets the pattern: a level that settles the one would disturb the other. So pairs tell which patterns can be set.

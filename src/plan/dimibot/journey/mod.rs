@@ -4,7 +4,7 @@
 //! [`super::guided`]); first a short search without them, then with them, and in large lattices with those of much smaller blocks,
 //! found by the same search on the abstraction. A flood from the goal runs alongside, so that a goal in a small pocket is proven
 //! unreachable without visiting the rest. When the budget runs out, weighted A* finds some path, which is returned with the bound
-//! proven so far. Guaranteed: see [`DimibotSearchOutcome`]. One step of the budget is one cell queued.
+//! proven so far. Guaranteed: see [`DimibotAnswer`]. One step of the budget is one cell queued.
 
 use super::blocks::{BlockDistances, Blocks};
 use super::guided::{BlockGuide, Guide, GuidedSearch, Lists, NoBlocks, SearchEnd, SearchSpace, small_difference};

@@ -5,7 +5,7 @@
 //! every plan that meets its constraints meets those of at least one child (Sharon, Stern, Felner, Sturtevant, "Conflict-based
 //! search for optimal multi-agent pathfinding", Artificial Intelligence 219, 2015; boxes for large agents: Li, Surynek, Felner, Ma,
 //! Kumar, Koenig, "Multi-agent path finding for large agents", AAAI 2019). Pairs without any compatible least-cost paths (cardinal
-//! conflicts) are split by their costs instead, and raise the bound of the node ([`cover`]).
+//! conflicts) are split by their costs instead, and raise the bound of the node ([`cover`](super::cover)).
 
 use super::super::board::{CellIndex, Paths};
 use super::cover::{Edge, least_rise};
