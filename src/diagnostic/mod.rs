@@ -43,7 +43,14 @@ pub struct Diagnostic {
     /// How far the search for a plan came, where that can be shown.
     #[serde(skip)]
     pub reaches: Vec<Reach>,
+    /// What remains of a proof that there is no plan, where it does not hold for every start of the task.
+    #[serde(skip)]
+    pub unproven: Option<Box<Diagnostic>>,
 }
+
+/// Of a task that begins where the plan of an earlier one chose to end.
+const FROM_ONE_START: &str = "it was planned from where the plans of the tasks before left everything, which they chose: other places there may have \
+                              a plan; name them, or make one task of them";
 
 /// A result, or the one mistake that prevents it; boxed, since a diagnostic is far larger than most results.
 pub type Diagnosed<T = ()> = Result<T, Box<Diagnostic>>;
@@ -66,7 +73,26 @@ impl Diagnostic {
             mend: Vec::new(),
             device: None,
             reaches: Vec::new(),
+            unproven: None,
         }
+    }
+
+    /// Adds what remains of it where it is no proof.
+    #[must_use]
+    pub fn or_unproven(self, unproven: Diagnostic) -> Self {
+        Diagnostic { unproven: Some(Box::new(unproven)), ..self }
+    }
+
+    /// What it says of a task whose start is only one of several: it proves nothing, and the help says so.
+    fn weakened(self) -> Self {
+        let weaker = match (self.code, self.unproven) {
+            (_, Some(unproven)) => *unproven,
+            (Code::E0601, None) => Diagnostic { code: Code::E0602, unproven: None, ..self },
+            (_, None) => return Diagnostic { unproven: None, ..self },
+        };
+        let help = weaker.help.as_ref().map_or(String::new(), |help| format!("{help}; "));
+        let help = format!("{help}{FROM_ONE_START}");
+        Diagnostic { help: Some(help), ..weaker }
     }
 
     /// Adds a place; the first one added is where the diagnostic points.
@@ -239,6 +265,12 @@ impl Sink {
     /// Says of each finding which device has no plan.
     pub fn about_device(&mut self, device: &str) {
         self.diagnostics.iter_mut().for_each(|diagnostic| diagnostic.device = Some(device.to_owned()));
+    }
+
+    /// The start of the task that the findings are about is only one of several: no finding proves that there is no plan.
+    pub fn weaken(&mut self) {
+        let findings = std::mem::take(&mut self.diagnostics);
+        self.diagnostics = findings.into_iter().map(Diagnostic::weakened).collect();
     }
 
     /// Adds the findings of another sink, with the number of those that it did not keep.

@@ -295,9 +295,11 @@ pub fn blocked_with_any_goals(step: Span, parts: &[&str]) -> Diagnostic {
 }
 
 pub fn too_few_steps(limit_span: Span, limit: u64, least: u64) -> Diagnostic {
+    let unproven = Diagnostic::new(Code::E0603, format!("no plan was found that has {limit} steps or fewer"));
     Diagnostic::new(Code::E0603, format!("no plan has {limit} steps or fewer"))
         .label(limit_span, "this limit")
         .help(format!("every plan takes at least {least} steps: raise the limit"))
+        .or_unproven(unproven.label(limit_span, "this limit").help("it is not known whether there is one"))
 }
 
 pub fn more_allowed(budget: u64, planner: &str) -> String {

@@ -16,7 +16,7 @@ pub mod watch;
 use crate::claims::{self, Claims, Job, Order};
 use crate::device::{each_kind, for_each_kind};
 use crate::diagnostic::{Remark, Sink};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How a job is done, with its motion in whatever form.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,6 +99,10 @@ fn planned<'a>(job: &'a Job, standings: &mut Standings, sink: &mut Sink) -> Opti
 
 /// What a kind may bring to this stage besides, on its orders.
 trait KindPlanner {
+    /// Whether a plan chooses where something is afterwards, so that what is found of a later task only holds for this choice. A kind that
+    /// searches later tasks from every choice says no.
+    fn chooses_its_end(&self) -> bool;
+
     /// The plans of a program, changed where devices of this kind would be in one another's way; asked once. `None` after an error.
     fn settled<'a>(
         &self,
@@ -125,12 +129,20 @@ pub type Progress<'a> = &'a mut dyn FnMut(usize, usize, &str);
 pub fn plan<'a>(claims: &'a Claims, sink: &mut Sink, progress: Progress) -> Option<Vec<Plan<Motion<'a>>>> {
     let mut standings = Standings::default();
     let mut plans = Vec::with_capacity(claims.jobs.len());
+    let mut chosen = BTreeSet::new();
     for (index, job) in claims.jobs.iter().enumerate() {
         progress(index, claims.jobs.len(), &job.task);
         watch::begin_run();
         let mut own = Sink::default();
         let mut plan = planned(job, &mut standings, &mut own);
         own.about_device(&job.device);
+        // Devices of a kind may be in one scene, so that one stands in the way of another.
+        if chosen.contains(&job.kind()) {
+            own.weaken();
+        }
+        if planner(&job.order).chooses_its_end() {
+            chosen.insert(job.kind());
+        }
         sink.append(own);
         if let Some(plan) = plan.as_mut().filter(|plan| plan.proof == Optimality::Open && watch::has_ended_early()) {
             plan.remarks.push(Remark {

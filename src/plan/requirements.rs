@@ -78,6 +78,13 @@ pub fn require<M>(
             LimitTexts { reached, limit, value, enough, floor }
         };
         let missed = errors::requirement_missed(requirement, verdict, job.requirements.len(), &texts);
+        let missed = match verdict {
+            LimitVerdict::Least(_) | LimitVerdict::AtLeast(..) | LimitVerdict::Conflict => {
+                let unproven = LimitVerdict::NotFound;
+                missed.or_unproven(errors::requirement_missed(requirement, unproven, job.requirements.len(), &texts))
+            }
+            LimitVerdict::Elsewhere(..) | LimitVerdict::NotFound => missed,
+        };
         let advice = known.advice.or_else(|| longer(job, index, reached)).filter(|_| verdict == LimitVerdict::NotFound);
         sink.push(missed.help_if(advice));
     }

@@ -55,13 +55,9 @@ impl Violation {
 impl From<Violation> for Diagnostic {
     fn from(violation: Violation) -> Diagnostic {
         Diagnostic {
-            code: violation.rule.code(),
-            title: violation.title,
             labels: violation.labels,
             help: violation.help.or_else(|| Some(NOT_THE_PROGRAM.to_owned())),
-            mend: Vec::new(),
-            device: None,
-            reaches: Vec::new(),
+            ..Diagnostic::new(violation.rule.code(), violation.title)
         }
     }
 }

@@ -114,6 +114,14 @@ impl DimibotStandings {
 }
 
 impl KindPlanner for DimibotOrder {
+    /// The last of the places of a `visit`.
+    fn chooses_its_end(&self) -> bool {
+        self.steps.iter().any(|step| match &step.action {
+            DimibotAction::Visit(stops) => stops.len() > 1,
+            DimibotAction::Move(_) | DimibotAction::Wait(_) => false,
+        })
+    }
+
     fn settled<'a>(
         &self,
         claims: &'a Claims,

@@ -35,7 +35,16 @@ use crate::plan::{KindPlanner, Optimality, Plan};
 use crate::source::Span;
 use std::collections::BTreeMap;
 
-impl KindPlanner for ElectrodeArrayOrder {}
+impl KindPlanner for ElectrodeArrayOrder {
+    /// Which part of a team comes to which goal, and where an operation takes place. Parts that yield come back.
+    fn chooses_its_end(&self) -> bool {
+        self.steps.iter().any(|step| match &step.action {
+            ElectrodeArrayAction::Move(moves) => moves.iter().any(|one| one.team.is_some()),
+            ElectrodeArrayAction::Assay(operations) => operations.iter().any(|one| !one.among.is_empty()),
+            ElectrodeArrayAction::Wait(_) => false,
+        })
+    }
+}
 
 /// A plan for a job; `None` after an error was pushed.
 pub fn plan(

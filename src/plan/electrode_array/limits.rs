@@ -137,7 +137,11 @@ pub fn broken(
     for requirement in requirements {
         diagnostic = diagnostic.label(requirement.span, label(order, requirement, bounds));
     }
-    diagnostic.help_if(help(order, requirements, wider))
+    let diagnostic = diagnostic.help_if(help(order, requirements, wider));
+    match is_proven {
+        true => diagnostic.or_unproven(broken(order, requirements, [&[], wider], false)),
+        false => diagnostic,
+    }
 }
 
 fn label(order: &ElectrodeArrayOrder, requirement: &Requirement, bounds: BoardFigures) -> String {

@@ -29,7 +29,12 @@ pub struct HandStandings {
     stances: BTreeMap<String, Option<LeftStance>>,
 }
 
-impl KindPlanner for FingersOrder {}
+impl KindPlanner for FingersOrder {
+    /// A task is planned from every grasp that the one before could have left: see [`LeftOpen`].
+    fn chooses_its_end(&self) -> bool {
+        false
+    }
+}
 
 /// A plan for a job; without one an error was pushed, for this job or an earlier one of the same hand.
 pub fn plan(

@@ -286,18 +286,21 @@ impl<'a> HandTally<'a> {
         follow(&mut self.acts, (route, &way), self.held.is_none().then_some(begins), fingers);
         let cost = effort(self.order, &way);
         self.sums.cost += cost;
-        let bound = match self.asked.first {
-            FirstCriterion::Effort => way.bound,
-            FirstCriterion::Reconfigurations => 0,
+        let (bound, is_best) = match self.asked.first {
+            FirstCriterion::Effort => {
+                let bound = planned.left_out.map_or(way.bound, |steps| way.bound.min(2 * ROLL * steps));
+                (bound, bound >= way.cost)
+            }
+            FirstCriterion::Reconfigurations => (0, planned.left_out.is_none() && way.bound >= way.cost),
         };
-        self.sums.bound += planned.left_out.map_or(bound, |steps| bound.min(2 * ROLL * steps));
-        let is_best = planned.left_out.is_none() && way.bound >= way.cost;
+        self.sums.bound += bound;
         self.sums.is_best &= is_best;
         self.sums.reconfigurations += reconfigurations(&way);
         self.stretches[index] = TaskStretch { cost, gaits: reconfigurations(&way), is_best };
         let is_free = |step: usize| matches!(self.order.steps[step].action, FingersAction::Orient { .. });
-        self.open.orientation |= planned.routes.len() > 1;
-        if route.iter().any(|turning| is_free(turning.step)) {
+        let has_free = route.iter().any(|turning| is_free(turning.step));
+        self.open.orientation |= has_free && planned.routes.len() > 1;
+        if has_free {
             let turning = route.iter().filter(|turning| turning.end != LegEnd::Released);
             let turns: Vec<String> = turning.map(|turning| turn_text(sections, turning.turn)).collect();
             self.sums.remarks.push(Remark { subject: "turns".to_owned(), text: turns.join(", ") });
@@ -377,7 +380,8 @@ impl<'a> HandTally<'a> {
     fn better_begun(&self, grasp: Grasp, way: &GraspPath) -> Remark {
         let cost = digits(effort(self.order, way) as f64 / f64::from(self.order.facts.steps_per_turn));
         let text = format!(
-            "with the grasp that the task before ends with; if that ended with `{}`, it would cost {cost} deg",
+            "`{}` with the grasp that the task before ends with; if that ended with `{}`, it would cost {cost} deg",
+            self.asked.job.task,
             grasp_text(self.order, grasp)
         );
         Remark { subject: "begins".to_owned(), text }

@@ -152,6 +152,10 @@ impl HandReasons<'_> {
         let route = &planned.routes[blocked.route];
         let leg = route[blocked.leg];
         let next = route.get(blocked.leg + 1).filter(|next| next.turn.plane != leg.turn.plane);
+        let is_free = self.order.steps.iter().any(|step| matches!(step.action, FingersAction::Orient { .. }));
+        if planned.left_out.is_some() && !is_free {
+            return self.otherwise_begun(None);
+        }
         if planned.left_out.is_some() {
             let title = format!(
                 "the search gave up: of the ways to do it the {} that turn least have no plan",
@@ -192,7 +196,10 @@ impl HandReasons<'_> {
         let help = match from {
             Some(grasp) => {
                 let grasp = grasp_text(self.order, grasp);
-                format!("there is a plan from another one: let the task before it end with `{grasp}`, or make one task of the two")
+                format!(
+                    "another grasp may do: one plan would begin with `{grasp}`; let the task before it end with that, if it can, or with another, or \
+                     make one task of the two"
+                )
             }
             None => "whether there is one from another grasp was not found out: make one task of the two, or let the one before end with a `grasp`".to_owned(),
         };

@@ -7,7 +7,7 @@ use super::strategy::{driven, episodes};
 use super::why::BedReasons;
 use super::{Crew, MicrorobotsMotion};
 use super::{refuted, safest};
-use crate::claims::microrobots::{Assurance, MicrorobotsOrder};
+use crate::claims::microrobots::{Assurance, MicrorobotsAction, MicrorobotsOrder};
 use crate::claims::{Job, Requirement};
 use crate::device::microrobots::{MicrorobotsObjective, MicrorobotsOutcome, MicrorobotsPlanner};
 use crate::diagnostic::{Remark, Sink};
@@ -36,7 +36,15 @@ impl BedStandings {
     }
 }
 
-impl KindPlanner for MicrorobotsOrder {}
+impl KindPlanner for MicrorobotsOrder {
+    /// Where a driven robot is within its precision, and where the others have come meanwhile.
+    fn chooses_its_end(&self) -> bool {
+        self.steps.iter().any(|step| match step.action {
+            MicrorobotsAction::Drive { .. } | MicrorobotsAction::Assemble(_) => true,
+            MicrorobotsAction::Apply { .. } | MicrorobotsAction::Wait(_) => false,
+        })
+    }
+}
 
 /// A plan for a job; without one an error was pushed, for this job or an earlier one of the same bed.
 pub fn plan(
