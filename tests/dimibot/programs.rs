@@ -4,6 +4,7 @@ use super::brute::{self, Cell, Figures};
 use super::scene::{KEYS, Limit, OUTCOMES, Random, Scene};
 use super::{UNITS, cases, close};
 use std::collections::{BTreeMap, BTreeSet};
+use tweeze::diagnostic::{Code, Diagnostic};
 use tweeze::schedule::dimibot::DimibotState;
 use tweeze::schedule::{PlanRecord, State};
 
@@ -120,23 +121,35 @@ fn judge(works: &[Work], plans: &[&PlanRecord], text: &str) {
     }
 }
 
-/// Whether some task may be without a plan, from wherever the one before it may have ended.
-fn may_fail(works: &[Work]) -> bool {
+/// Whether some task is without a plan from one of the places where the one before it may have ended (`may`), and from all of them (`must`).
+struct Failure {
+    may: bool,
+    must: bool,
+}
+
+fn failure(works: &[Work]) -> Failure {
     let mut starts = BTreeSet::from([works[0].scene.start]);
+    let mut may = false;
     for work in works {
         let bests: Vec<_> = starts.iter().map(|start| work.best(*start)).collect();
-        if bests.iter().any(|best| best.as_ref().is_none_or(|(figures, _)| !work.holds(*figures))) {
-            return true;
+        let fails = |best: &Option<(_, _)>| best.as_ref().is_none_or(|(figures, _)| !work.holds(*figures));
+        may |= bests.iter().any(fails);
+        if bests.iter().all(fails) {
+            return Failure { may, must: true };
         }
         starts = bests.into_iter().flatten().flat_map(|(_, ends)| ends).collect();
     }
-    false
+    Failure { may, must: false }
+}
+
+fn may_fail(works: &[Work]) -> bool {
+    failure(works).may
 }
 
 #[test]
 fn programs_of_several_tasks_agree_with_brute_force() {
     let mut random = Random(44);
-    let (mut planned, mut refused) = (BTreeMap::new(), 0);
+    let (mut planned, mut refused, mut proven) = (BTreeMap::new(), 0, 0);
     for round in 0..cases(25) {
         // Most programs have a plan for every task.
         let mut draws = (0..1000).map(|_| works(&mut random));
@@ -157,13 +170,19 @@ fn programs_of_several_tasks_agree_with_brute_force() {
                 }
             }
             Err(reported) => {
-                let known = |code: &str| ["E0601", "E0603"].contains(&code);
+                let known = |code: &str| ["E0601", "E0602", "E0603"].contains(&code);
                 assert!(reported.iter().all(|reported| known(reported.code.name())), "{reported:?}\n{text}");
                 assert!(works.iter().any(|works| may_fail(works)), "{reported:?}\n{text}");
+                let is_proof =
+                    |reported: &Diagnostic| reported.code == Code::E0601 || reported.title.starts_with("no plan keeps");
+                if reported.iter().any(is_proof) {
+                    assert!(works.iter().any(|works| failure(works).must), "{reported:?}\n{text}");
+                    proven += 1;
+                }
                 refused += 1;
             }
         }
     }
-    println!("robots by their tasks: {planned:?}, {refused} programs refused");
+    println!("robots by their tasks: {planned:?}, {refused} programs refused, {proven} of them proven impossible");
     assert!(planned.values().sum::<usize>() >= 20 && refused > 0, "{planned:?} {refused}");
 }
