@@ -45,12 +45,12 @@ pub struct Diagnostic {
     pub reaches: Vec<Reach>,
     /// What remains of a proof that there is no plan, where it does not hold for every start of the task.
     #[serde(skip)]
-    pub unproven: Option<Box<Diagnostic>>,
+    pub without_proof: Option<Box<Diagnostic>>,
 }
 
 /// Of a task that begins where the plan of an earlier one chose to end.
-const FROM_ONE_START: &str = "it was planned from where the plans of the tasks before left everything, which they chose: other places there may have \
-                              a plan; name them, or make one task of them";
+const FROM_ONE_START: &str = "the plan of an earlier task chose where this one begins, and from elsewhere it may have a plan: name the place \
+                              there, or make one task of both";
 
 /// A result, or the one mistake that prevents it; boxed, since a diagnostic is far larger than most results.
 pub type Diagnosed<T = ()> = Result<T, Box<Diagnostic>>;
@@ -73,22 +73,22 @@ impl Diagnostic {
             mend: Vec::new(),
             device: None,
             reaches: Vec::new(),
-            unproven: None,
+            without_proof: None,
         }
     }
 
     /// Adds what remains of it where it is no proof.
     #[must_use]
-    pub fn or_unproven(self, unproven: Diagnostic) -> Self {
-        Diagnostic { unproven: Some(Box::new(unproven)), ..self }
+    pub fn or_without_proof(self, rest: Diagnostic) -> Self {
+        Diagnostic { without_proof: Some(Box::new(rest)), ..self }
     }
 
     /// What it says of a task whose start is only one of several: it proves nothing, and the help says so.
     fn weakened(self) -> Self {
-        let weaker = match (self.code, self.unproven) {
-            (_, Some(unproven)) => *unproven,
-            (Code::E0601, None) => Diagnostic { code: Code::E0602, unproven: None, ..self },
-            (_, None) => return Diagnostic { unproven: None, ..self },
+        let weaker = match (self.code, self.without_proof) {
+            (_, Some(rest)) => *rest,
+            (Code::E0601, None) => Diagnostic { code: Code::E0602, without_proof: None, ..self },
+            (_, None) => return Diagnostic { without_proof: None, ..self },
         };
         let help = weaker.help.as_ref().map_or(String::new(), |help| format!("{help}; "));
         let help = format!("{help}{FROM_ONE_START}");

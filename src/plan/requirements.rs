@@ -81,7 +81,12 @@ pub fn require<M>(
         let missed = match verdict {
             LimitVerdict::Least(_) | LimitVerdict::AtLeast(..) | LimitVerdict::Conflict => {
                 let unproven = LimitVerdict::NotFound;
-                missed.or_unproven(errors::requirement_missed(requirement, unproven, job.requirements.len(), &texts))
+                missed.or_without_proof(errors::requirement_missed(
+                    requirement,
+                    unproven,
+                    job.requirements.len(),
+                    &texts,
+                ))
             }
             LimitVerdict::Elsewhere(..) | LimitVerdict::NotFound => missed,
         };
