@@ -40,7 +40,8 @@ fn distinct_in<'a>(
     names
 }
 
-fn plain(word: &str) -> String {
+/// A word as an identifier, which another word may have too.
+pub fn plain(word: &str) -> String {
     let text: String = word.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     match text.as_bytes().first() {
         Some(first) if !first.is_ascii_digit() => text,

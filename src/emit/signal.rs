@@ -5,9 +5,10 @@
 //! A swing is one actuation, however long it is. Its ends are [`Signals::breaks`]; the changes between them are only counted, or
 //! listed one by one by [`SignalEdges`], for the formats without a notation for trains.
 
+use super::identifier;
 use crate::schedule::levels::away_from_rest;
 use crate::schedule::{Actuation, ChannelUnit, Schedule, Swing};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Greatest rounding difference of two equal positions.
 pub const LEAP_UM: f64 = 1e-9;
@@ -159,6 +160,14 @@ impl<'a> Signals<'a> {
         };
         let actuations = channels.into_iter().flat_map(|channel| self.of(channel));
         actuations.map(of_actuation).fold(0, u64::saturating_add)
+    }
+
+    /// The devices that have channels, each with a name that no other has in the grammar of `plain`.
+    pub fn device_names(&self, plain: impl Fn(&str) -> String) -> BTreeMap<&'a str, String> {
+        let devices: indexmap::IndexSet<&str> =
+            self.schedule.channels.iter().map(|channel| channel.device.as_str()).collect();
+        let names = identifier::distinct_by(devices.iter().copied(), plain);
+        devices.into_iter().zip(names).collect()
     }
 
     /// The devices that have channels, with the unit and the indices of their channels, in the order of the channels.

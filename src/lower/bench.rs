@@ -5,7 +5,7 @@
 //! no amplifier needs longer for a change than the new level lasts; stages can follow their channels ([`super::stages`]), and every edge
 //! falls on a sample of its instrument's clock, of levels that are as fine as the device needs ([`super::sampled`]). What is wrong is pointed out at the wire, with the step that asks for it.
 
-use super::wired_channel::{WiredChannel, seconds};
+use super::wired_channel::WiredChannel;
 use super::{sampled, stages};
 use crate::claims::Claims;
 use crate::device::instrument::{InstrumentFacts, Link, OutputSort, QUOTIENT_ROOM};
@@ -24,11 +24,11 @@ pub fn holds(schedule: &Schedule, claims: &Claims, sink: &mut Sink) -> bool {
         Some(WiredChannel { schedule, channel, index, drive, instrument, actuations })
     });
     let wired: Vec<WiredChannel> = wired.collect();
-    for wired in &wired {
-        let finding = wired.beyond_range().or_else(|| wired.unswitched()).or_else(|| wired.beyond_driver());
-        let finding = finding.or_else(|| wired.rests_beyond()).or_else(|| wired.too_fast());
-        let finding = finding.or_else(|| stages::beyond_stage(wired, claims));
-        let finding = finding.or_else(|| sampled::coarser_than_its_use(wired, claims));
+    for channel in &wired {
+        let finding = channel.beyond_range().or_else(|| channel.unswitched()).or_else(|| channel.beyond_driver());
+        let finding = finding.or_else(|| channel.rests_beyond()).or_else(|| channel.too_fast());
+        let finding = finding.or_else(|| stages::beyond_stage(channel, &wired, claims));
+        let finding = finding.or_else(|| sampled::coarser_than_its_use(channel, claims));
         finding.into_iter().for_each(|finding| sink.push(finding));
     }
     sampled::finer_than_a_sample(&wired).into_iter().for_each(|finding| sink.push(finding));
@@ -37,16 +37,6 @@ pub fn holds(schedule: &Schedule, claims: &Claims, sink: &mut Sink) -> bool {
 }
 
 impl WiredChannel<'_> {
-    fn finding(&self, code: Code, title: String, at_wire: String, actuation: &Actuation) -> Diagnostic {
-        let step = &self.schedule.steps[actuation.step as usize];
-        let begin = seconds(step.start_ns as f64);
-        Diagnostic::new(code, title).label(self.drive.span, at_wire).label_elsewhere(
-            step.span,
-            self.drive.span,
-            format!("asked for by this step, from {begin} on"),
-        )
-    }
-
     /// The level that lies furthest beyond what the output or the amplifier gives.
     fn beyond_range(&self) -> Option<Diagnostic> {
         let Link::Amplifier { gain, limit_v, .. } = self.drive.link else { return self.beyond_stage_driver() };
@@ -60,7 +50,7 @@ impl WiredChannel<'_> {
                 Quantity::voltage(limit_v)
             );
             let finding =
-                self.finding(Code::E0620, title, format!("`limit` of {}", Quantity::voltage(limit_v)), actuation);
+                self.finding(Code::E0620, title, format!("`limit` of {}", Quantity::voltage(limit_v)), actuation.step);
             return Some(finding.help("choose an amplifier of a higher voltage, or lower voltages of the device"));
         }
         let peak_v = self.instrument.facts.voltage()?.peak_v;
@@ -75,7 +65,7 @@ impl WiredChannel<'_> {
             let least = 10_f64.max((value.abs() / peak_v).ceil());
             let at_wire = if gain == 1.0 { "no amplifier here".to_owned() } else { format!("gain of {gain}") };
             let help = format!("put an amplifier behind the output and say so: `-> {output} {{ gain: {least} }}`");
-            self.finding(Code::E0620, title, at_wire, actuation).help(help)
+            self.finding(Code::E0620, title, at_wire, actuation.step).help(help)
         })
     }
 
@@ -96,7 +86,7 @@ impl WiredChannel<'_> {
             let reach = |v: f64| self.shown(self.drive.link.value(v));
             let help =
                 format!("this output reaches from {} to {}: check `scale` and `zero`", reach(-peak_v), reach(peak_v));
-            self.finding(Code::E0620, title, at_wire, actuation).help(help)
+            self.finding(Code::E0620, title, at_wire, actuation.step).help(help)
         })
     }
 
@@ -136,7 +126,8 @@ impl WiredChannel<'_> {
         let (value, actuation) = found?;
         let name = &self.channel.name;
         let title = format!("`{name}` needs {}, its switch gives {}", self.shown(value), Quantity::voltage(on_v));
-        let finding = self.finding(Code::E0621, title, format!("`switches` {}", Quantity::voltage(on_v)), actuation);
+        let finding =
+            self.finding(Code::E0621, title, format!("`switches` {}", Quantity::voltage(on_v)), actuation.step);
         Some(finding.help(
             "feed the switch with the voltage of the device, or set the device's to that of the switch; channels of several levels belong to outputs of voltage",
         ))
@@ -158,7 +149,7 @@ impl WiredChannel<'_> {
             let title = format!("`{name}` needs {}, `{driver}` gives {range}", self.shown(value));
             let help =
                 "give the device a `potential` in this range that its droplets move at, or choose another driver";
-            self.finding(Code::E0620, title, range, actuation).help(help)
+            self.finding(Code::E0620, title, range, actuation.step).help(help)
         })
     }
 
@@ -186,15 +177,15 @@ impl WiredChannel<'_> {
             last = (actuation.end_ns(), actuation.to);
         }
         let (share, step_v, actuation) = slowest.filter(|(share, ..)| *share > 1.0)?;
-        let takes = seconds(step_v.abs() / slew * 1e9);
-        let lasts = seconds(step_v.abs() / slew * 1e9 / share);
+        let takes_ns = step_v.abs() / slew * 1e9;
+        let [takes, lasts] = [takes_ns, takes_ns / share].map(|ns| Quantity::new(ns / 1e9, Dimension::TIME));
         let slew = Quantity::new(slew, Dimension::SLEW_RATE);
         let title = format!(
             "`{}` changes by {} and stays for {lasts}, its amplifier takes {takes}",
             self.channel.name,
             Quantity::voltage(step_v.abs())
         );
-        let finding = self.finding(Code::E0622, title, format!("`slew` of {slew}"), actuation);
+        let finding = self.finding(Code::E0622, title, format!("`slew` of {slew}"), actuation.step);
         Some(finding.help("choose a faster amplifier, or longer times of the device"))
     }
 }
@@ -216,7 +207,7 @@ fn shorter_than_a_frame(wired: &[WiredChannel]) -> Vec<Diagnostic> {
         let (lasts_ns, actuation) =
             instants.map(|(from, (to, actuation))| (to - from, actuation)).min_by_key(|(ns, _)| *ns)?;
         (lasts_ns < least_ns).then(|| {
-            let [lasts, least] = [lasts_ns, least_ns].map(|ns| seconds(ns as f64));
+            let [lasts, least] = [lasts_ns, least_ns].map(Quantity::time_ns);
             let step = &wired.schedule.steps[actuation.step as usize];
             let title = format!("a frame of {lasts}, but `{}` takes one in {least} or more", drive.instrument);
             Diagnostic::new(Code::E0623, title)

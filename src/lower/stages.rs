@@ -5,19 +5,18 @@
 
 use super::wired_channel::WiredChannel;
 use crate::claims::Claims;
-use crate::device::instrument::{Direction, Drive, InstrumentFacts, Link, QUOTIENT_ROOM, StageLimits, cut_um};
+use crate::device::instrument::{Direction, InstrumentFacts, Link, QUOTIENT_ROOM, StageLimits, cut_um};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity};
-use crate::schedule::{Actuation, Channel, ChannelUnit, Schedule, Turn};
+use crate::schedule::{Actuation, ChannelUnit, Turn};
 
-/// What a stage cannot follow of its channel, if it is one of positions.
-pub fn beyond_stage(wired: &WiredChannel, claims: &Claims) -> Option<Diagnostic> {
-    let &WiredChannel { schedule, channel, index, drive, instrument, .. } = wired;
-    let stage = FollowingStage { schedule, channel, index, drive, actuations: wired.actuations.clone() };
-    match channel.unit {
+/// What a stage cannot follow of its channel, if it is one of positions; `all` are the channels of the schedule that are wired.
+pub fn beyond_stage(wired: &WiredChannel, all: &[WiredChannel], claims: &Claims) -> Option<Diagnostic> {
+    let stage = FollowingStage { wired, all };
+    match wired.channel.unit {
         ChannelUnit::Volt => None,
         ChannelUnit::Micrometre => {
-            let period_s = match &instrument.facts {
+            let period_s = match &wired.instrument.facts {
                 InstrumentFacts::StageController(facts) => 1.0 / facts.rate_hz,
                 InstrumentFacts::MachineController(facts) => 1.0 / facts.rate_hz,
                 // The sampling of voltages is chosen where they are written.
@@ -26,7 +25,7 @@ pub fn beyond_stage(wired: &WiredChannel, claims: &Claims) -> Option<Diagnostic>
                 | InstrumentFacts::ElectrodeDriver(_) => 0.0,
             };
             let finding = stage.beyond_travel().or_else(|| stage.too_fast());
-            finding.or_else(|| stage.turns_too_sharply(spare_um(claims, &channel.device)?, period_s))
+            finding.or_else(|| stage.turns_too_sharply(spare_um(claims, &wired.channel.device)?, period_s))
         }
     }
 }
@@ -38,12 +37,8 @@ fn spare_um(claims: &Claims, device: &str) -> Option<f64> {
 
 /// A channel of positions with the stage that follows it.
 struct FollowingStage<'a> {
-    schedule: &'a Schedule,
-    channel: &'a Channel,
-    index: usize,
-    drive: &'a Drive,
-    /// In order of time.
-    actuations: Vec<&'a Actuation>,
+    wired: &'a WiredChannel<'a>,
+    all: &'a [WiredChannel<'a>],
 }
 
 fn speed(um_per_s: f64) -> Quantity {
@@ -60,63 +55,55 @@ fn seconds(s: f64) -> Quantity {
 
 impl FollowingStage<'_> {
     fn finding(&self, title: String, at_wire: String, step: u32) -> Diagnostic {
-        let step = &self.schedule.steps[step as usize];
-        let begin = seconds(step.start_ns as f64 / 1e9);
-        Diagnostic::new(Code::E0624, title).label(self.drive.span, at_wire).label_elsewhere(
-            step.span,
-            self.drive.span,
-            format!("asked for by this step, from {begin} on"),
-        )
+        self.wired.finding(Code::E0624, title, at_wire, step)
     }
 
     /// The stages of the same wire, this one among them: a mend for one is one for all of them.
-    fn of_wire(&self) -> impl Iterator<Item = FollowingStage<'_>> {
-        let (schedule, wire) = (self.schedule, self.drive.span);
-        schedule.channels.iter().enumerate().filter_map(move |(index, channel)| {
-            let drive = schedule.bench.drives.get(&channel.name).filter(|drive| drive.span == wire)?;
-            Some(FollowingStage { schedule, channel, index, drive, actuations: schedule.actuations_of(index) })
-        })
-    }
-
-    /// The least and the greatest value of its way, if it moves or stands at all.
-    fn ends_um(&self) -> Option<[f64; 2]> {
-        let values = self.actuations.iter().flat_map(|one| [one.from, one.to]);
-        values.fold(None, |ends, value| {
-            let [low, high] = ends.unwrap_or([value; 2]);
-            Some([value.min(low), value.max(high)])
-        })
+    fn of_wire(&self) -> impl Iterator<Item = &WiredChannel<'_>> {
+        self.all.iter().filter(|other| other.drive.span == self.wired.drive.span)
     }
 
     /// A place that lies beyond the travel of the stage.
     fn beyond_travel(&self) -> Option<Diagnostic> {
-        let Link::Axis { origin_um, direction, least_um, most_um } = self.drive.link else { return None };
-        let places = || self.actuations.iter().flat_map(|one| [one.from, one.to].map(|value| (value, *one)));
+        let Link::Axis { origin_um, direction, least_um, most_um } = self.wired.drive.link else { return None };
+        let places = || self.wired.actuations.iter().flat_map(|one| [one.from, one.to].map(|value| (value, *one)));
         let beyond_um = |value: f64| {
-            let own_um = self.drive.link.at_output(value);
+            let own_um = self.wired.drive.link.at_output(value);
             (least_um - own_um).max(own_um - most_um)
         };
         let furthest = places().reduce(|best, next| if beyond_um(next.0) > beyond_um(best.0) { next } else { best });
         let (value, actuation) = furthest.filter(|(value, _)| beyond_um(*value) > 0.0)?;
-        let (name, at, own) =
-            (&self.channel.name, Quantity::length_um(value), Quantity::length_um(self.drive.link.at_output(value)));
+        let (name, at, own) = (
+            &self.wired.channel.name,
+            Quantity::length_um(value),
+            Quantity::length_um(self.wired.drive.link.at_output(value)),
+        );
         let [least, most] = [least_um, most_um].map(Quantity::length_um);
         let title = format!("`{name}` at {at} is {own} of its stage, which travels from {least} to {most}");
         let at_wire = format!("`origin` of {}", Quantity::length_um(origin_um));
-        let ends_um: Vec<[f64; 2]> = self.of_wire().filter_map(|stage| stage.ends_um()).collect();
-        let help = origin_help(&ends_um, self.ends_um()?, [least_um, most_um], direction);
+        let ways_um: Vec<[f64; 2]> = self.of_wire().filter_map(ends_um).collect();
+        let help = origin_help(&ways_um, ends_um(self.wired)?, [least_um, most_um], direction);
         Some(self.finding(title, at_wire, actuation.step).help(help))
     }
 
     /// A speed beyond that of the stage.
     fn too_fast(&self) -> Option<Diagnostic> {
-        let most = self.drive.limits.speed_um_per_s?;
+        let most = self.wired.drive.limits.speed_um_per_s?;
         let size = |one: &&Actuation| one.speed_um_per_s().abs();
-        let fastest =
-            self.actuations.iter().copied().reduce(|best, next| if size(&next) > size(&best) { next } else { best });
+        let fastest = self
+            .wired
+            .actuations
+            .iter()
+            .copied()
+            .reduce(|best, next| if size(&next) > size(&best) { next } else { best });
         let actuation = fastest.filter(|one| size(one) > most * QUOTIENT_ROOM)?;
         let asked = size(&actuation);
-        let title =
-            format!("`{}` moves at {}, its stage at {} at the most", self.channel.name, speed(asked), speed(most));
+        let title = format!(
+            "`{}` moves at {}, its stage at {} at the most",
+            self.wired.channel.name,
+            speed(asked),
+            speed(most)
+        );
         let shares = self.of_wire().filter_map(|stage| {
             let fastest = stage.actuations.iter().map(|one| one.speed_um_per_s().abs()).fold(0.0, f64::max);
             Some(stage.drive.limits.speed_um_per_s? / fastest)
@@ -127,14 +114,14 @@ impl FollowingStage<'_> {
 
     /// A corner that takes the stage too far off its way, with the points of the controller `period_s` apart.
     fn turns_too_sharply(&self, spare_um: f64, period_s: f64) -> Option<Diagnostic> {
-        let (limits, schedule) = (self.drive.limits, self.schedule);
+        let (limits, schedule) = (self.wired.drive.limits, self.wired.schedule);
         let share = |turn: &Turn| slowed(limits, turn, period_s, spare_um);
-        let turns = schedule.turns(self.index).into_iter();
+        let turns = schedule.turns(self.wired.index).into_iter();
         let turn = turns.reduce(|worst, next| if share(&next) < share(&worst) { next } else { worst })?;
         if share(&turn) * QUOTIENT_ROOM >= 1.0 {
             return None;
         }
-        let (name, change) = (&self.channel.name, speed(turn.change_um_per_s));
+        let (name, change) = (&self.wired.channel.name, speed(turn.change_um_per_s));
         let takes_s = limits.acceleration_um_per_s2.map_or(0.0, |most| turn.change_um_per_s / most);
         let room_s = turn.room_ns as f64 / 1e9;
         let rounding_um = limits.rounding_um(turn.change_um_per_s);
@@ -157,6 +144,15 @@ impl FollowingStage<'_> {
         });
         Some(self.finding(title, at_wire, turn.step).help(slower(shares.fold(share(&turn), f64::min))))
     }
+}
+
+/// The least and the greatest value of a way, if the stage moves or stands at all.
+fn ends_um(wired: &WiredChannel) -> Option<[f64; 2]> {
+    let values = wired.actuations.iter().flat_map(|one| [one.from, one.to]);
+    values.fold(None, |ends, value| {
+        let [low, high] = ends.unwrap_or([value; 2]);
+        Some([value.min(low), value.max(high)])
+    })
 }
 
 /// What to do about speeds that are too high: of which this share is not.

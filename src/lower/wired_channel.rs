@@ -1,7 +1,8 @@
 //! A channel of a schedule with the output that plays it.
 
 use crate::device::instrument::{Drive, Instrument};
-use crate::quantity::{Dimension, Quantity};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::Quantity;
 use crate::schedule::levels::away_from_rest;
 use crate::schedule::{Actuation, Channel, ChannelUnit, Schedule};
 
@@ -17,14 +18,21 @@ pub struct WiredChannel<'a> {
     pub actuations: Vec<&'a Actuation>,
 }
 
-pub fn seconds(ns: f64) -> Quantity {
-    Quantity::new(ns / 1e9, Dimension::TIME)
-}
-
 impl WiredChannel<'_> {
     /// The actuations between which its value changes.
     pub fn away_from_rest(&self) -> Vec<Actuation> {
         away_from_rest(self.actuations.iter().copied(), self.channel.rest_v)
+    }
+
+    /// What the wire does not bear of a step.
+    pub fn finding(&self, code: Code, title: String, at_wire: String, step: u32) -> Diagnostic {
+        let step = &self.schedule.steps[step as usize];
+        let begin = Quantity::time_ns(step.start_ns);
+        Diagnostic::new(code, title).label(self.drive.span, at_wire).label_elsewhere(
+            step.span,
+            self.drive.span,
+            format!("asked for by this step, from {begin} on"),
+        )
     }
 
     /// A value of the channel with its unit.

@@ -9,10 +9,12 @@ use crate::claims::fingers::{HandPart, Section};
 use crate::device::fingers::sampling::{JUNCTION_SHARE, contacts, once_round_rad};
 use crate::device::fingers::{FingersFacts, MAX_CONTACTS, Plane, VOCABULARY};
 use crate::diagnostic::Sink;
+use crate::geometry::distance::point_segment;
 use crate::geometry::outline::{Curve, Outline};
 use crate::quantity::{Dimension, Quantity};
 use crate::real::Real;
 use crate::source::Span;
+use nalgebra::Point2;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -139,8 +141,8 @@ impl PartReader<'_> {
             return Some(());
         }
         let polygon = surface.section(plane.axes()).ok()?;
-        let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
-        let outline_um = sides.map(|(from, to)| from_side_um(centre, [*from, *to])).fold(f64::INFINITY, f64::min);
+        let sides = polygon.iter().zip(polygon.iter().cycle().skip(1)).map(|(from, to)| [*from, *to].map(Point2::from));
+        let outline_um = sides.map(|side| point_segment(centre.into(), side)).fold(f64::INFINITY, f64::min);
         self.sink.push(errors::tip_in_solid(
             span,
             &self.object.name,
@@ -169,13 +171,6 @@ impl PartReader<'_> {
         self.sink.push(errors::solid_reaches_out(span, &self.object.name, solid.reach_um, most_um));
         None
     }
-}
-
-/// Distance of a point from a side of a polygon.
-fn from_side_um([x, y]: [f64; 2], [[ax, ay], [bx, by]]: [[f64; 2]; 2]) -> f64 {
-    let (dx, dy) = (bx - ax, by - ay);
-    let share = (((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy)).clamp(0.0, 1.0);
-    (x - ax - share * dx).hypotenuse(y - ay - share * dy)
 }
 
 /// Where an outline bends inwards most.

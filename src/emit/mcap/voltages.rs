@@ -106,10 +106,7 @@ pub fn topic(signals: &Signals, device: &str, unit: ChannelUnit, channels: &[usi
         }
         metadata.insert(path, all[column.channel].name.clone());
     }
-    let devices: indexmap::IndexSet<&str> = all.iter().map(|channel| channel.device.as_str()).collect();
-    let packages = identifier::distinct(devices.iter().copied());
-    let package = devices.get_index_of(device).and_then(|index| packages.get(index)).map_or("", String::as_str);
-    let package = format!("tweeze.{package}");
+    let package = format!("tweeze.{}", signals.device_names(identifier::plain)[device]);
     let message = match unit {
         ChannelUnit::Volt => "Voltages",
         ChannelUnit::Micrometre => "Positions",

@@ -135,7 +135,7 @@ impl SheetBoard<'_> {
     fn gaps(&self) -> impl Iterator<Item = ([u64; 2], String)> {
         let plans = self.runs.iter().filter_map(|(plan, _)| self.schedule.plans.get(*plan));
         let times: Vec<[u64; 2]> = plans.map(|plan| [plan.start_ns, plan.end_ns()]).collect();
-        let gaps = times.iter().zip(times.iter().skip(1)).map(|([_, end], [start, _])| [*end, *start]);
+        let gaps = times.windows(2).map(|pair| [pair[0][1], pair[1][0]]);
         let gaps: Vec<[u64; 2]> = gaps.filter(|[end, start]| end < start).collect();
         gaps.into_iter().map(|gap| (gap, "no electrode is on: nothing holds the droplets".to_owned()))
     }
@@ -217,9 +217,9 @@ fn rows_of(
         ElectrodeArrayAction::Wait(0) => vec![(all, step.text.clone())],
         ElectrodeArrayAction::Wait(_) => vec![(all, "nothing moves".to_owned())],
         ElectrodeArrayAction::Move(moves) => {
-            let during: Vec<&TimedState> =
-                states.iter().filter(|timed| (step.start_ns..=step.end_ns()).contains(&timed.t_ns)).collect();
-            let times = |one: &ElectrodeArrayMove| match (one.with, arrival_ns(order, one, &during)) {
+            let from = states.partition_point(|timed| timed.t_ns < step.start_ns);
+            let to = states.partition_point(|timed| timed.t_ns <= step.end_ns());
+            let times = |one: &ElectrodeArrayMove| match (one.with, arrival_ns(order, one, &states[from..to])) {
                 (Some(_), Some(met_ns)) => [met_ns; 2],
                 (None, Some(arrival_ns)) => [step.start_ns, arrival_ns],
                 (_, None) => all,
@@ -239,7 +239,7 @@ fn rows_of(
 }
 
 /// When a droplet is where it goes for good, or has merged; `None` if the states do not tell.
-fn arrival_ns(order: &ElectrodeArrayOrder, one: &ElectrodeArrayMove, states: &[&TimedState]) -> Option<u64> {
+fn arrival_ns(order: &ElectrodeArrayOrder, one: &ElectrodeArrayMove, states: &[TimedState]) -> Option<u64> {
     let goal = one.goal().cell;
     // Of a team, whoever stands there in the end.
     let at_goal =
@@ -248,15 +248,11 @@ fn arrival_ns(order: &ElectrodeArrayOrder, one: &ElectrodeArrayMove, states: &[&
         Some(with) => (order.parts.get(with)?.name.as_str(), true),
         None => (at_goal?.0.as_str(), false),
     };
-    let arrived = |timed: &&&TimedState| match timed.state.cells().and_then(|cells| cells.get(name)) {
+    let arrived = |timed: &&TimedState| match timed.state.cells().and_then(|cells| cells.get(name)) {
         Some([column, row]) => !merged && ElectrodeCell::new(*column, *row) == goal,
         None => merged,
     };
-    let mut since = None;
-    for timed in states.iter().rev().take_while(|timed| arrived(timed)) {
-        since = Some(timed.t_ns);
-    }
-    since
+    states.iter().rev().take_while(arrived).last().map(|timed| timed.t_ns)
 }
 
 /// When an operation begins: as soon as its droplets are where it takes place, or, where they only go somewhere, are free to go.
@@ -278,7 +274,8 @@ fn moved(order: &ElectrodeArrayOrder, one: &ElectrodeArrayMove) -> String {
     match one.with {
         Some(with) => format!("{part} and {} merge at {goal}", name(order, with)),
         None => {
-            let by: Vec<String> = one.stops.iter().rev().skip(1).rev().map(|stop| stop.cell.to_string()).collect();
+            let by = one.stops.split_last().map_or(&[][..], |(_, by)| by);
+            let by: Vec<String> = by.iter().map(|stop| stop.cell.to_string()).collect();
             let by = if by.is_empty() { String::new() } else { format!(" by way of {}", by.join(", ")) };
             format!("{part} goes to {goal}{by}")
         }

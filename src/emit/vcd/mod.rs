@@ -22,12 +22,12 @@ mod view;
 
 use super::csv::digits;
 use super::error::{EmitError, MAX_TEXT_BYTES};
-use super::{Format, Signals, identifier};
+use super::{Format, Signals};
 use crate::schedule::ChannelUnit;
 pub use counts::COUNT_UM;
 use counts::Counts;
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+use std::collections::{BTreeMap, BinaryHeap};
 use std::fmt::Write as _;
 use variables::{Form, Variable};
 
@@ -63,7 +63,7 @@ pub(super) fn write(signals: &Signals) -> Result<[Vec<u8>; 2], EmitError> {
         let _ = writeln!(text, "{}", variables::comment(&schedule.channels[channel], &forms[channel], own));
     }
     let _ = writeln!(text, "$timescale {timescale} $end");
-    let scopes = scopes(signals);
+    let scopes = signals.device_names(plain);
     declare(&mut text, (signals, &scopes), &variables);
     text.push_str("$enddefinitions $end\n");
     changes(&mut text, signals, &variables, unit_ns);
@@ -83,15 +83,6 @@ fn timescale(signals: &Signals) -> (u64, &'static str) {
         false => (1..TIMESCALES.len()).take_while(|power| fits(10u64.pow(*power as u32))).last().unwrap_or(0),
     };
     (10u64.pow(longest as u32), TIMESCALES[longest])
-}
-
-/// The scope of each device.
-fn scopes<'a>(signals: &'a Signals) -> BTreeMap<&'a str, String> {
-    let mut devices: Vec<&str> = signals.schedule.channels.iter().map(|channel| channel.device.as_str()).collect();
-    let mut seen = BTreeSet::new();
-    devices.retain(|device| seen.insert(*device));
-    let names = identifier::distinct_by(devices.iter().copied(), plain);
-    devices.into_iter().zip(names).collect()
 }
 
 /// The scopes and variables: a scope for each device, and one for the wires.

@@ -64,6 +64,12 @@ pub struct LeftOpen {
     pub orientation: bool,
 }
 
+impl LeftOpen {
+    pub fn is_any(self) -> bool {
+        self.grasp || self.orientation
+    }
+}
+
 /// A plan, with its limits not yet checked.
 pub struct Done {
     /// Its proof concerns the primary criterion.
@@ -119,7 +125,7 @@ impl NoCourse {
             NoCourse::Blocked { planned, .. } => {
                 planned.left_out.is_none() && order.planner != FingersPlanner::GreedyDecomposition
             }
-            NoCourse::LetsGo { open, .. } => !(open.grasp || open.orientation),
+            NoCourse::LetsGo { open, .. } => !open.is_any(),
             NoCourse::OtherGrasp { .. }
             | NoCourse::GaveUp { .. }
             | NoCourse::NoTables { .. }
@@ -243,7 +249,7 @@ impl<'a> HandTally<'a> {
         let mut planned = routes(self.order, stretch.clone(), self.held);
         // Under a load, another earlier path might have left the part where it is easier to hold.
         if self.open.orientation && self.order.load_un != [0.0; 3] {
-            let least = planned.routes.iter().map(|route| steps_of(route)).min().unwrap_or_default();
+            let least = least_steps(&planned);
             planned.left_out = Some(planned.left_out.map_or(least, |known| known.min(least)));
         }
         let chosen = (self.asked.first, self.asked.gaits.get(index).copied().flatten());
@@ -357,7 +363,7 @@ impl<'a> HandTally<'a> {
             FirstCriterion::Effort => ROLL,
             FirstCriterion::Reconfigurations => 1,
         };
-        let least = planned.routes.iter().map(|route| 2 * roll * steps_of(route)).min().unwrap_or_default();
+        let least = 2 * roll * least_steps(planned);
         if way.cost <= least {
             return way;
         }
@@ -492,9 +498,10 @@ const ROLL: u64 = 360;
 /// Cost of a reconfiguration where their number comes first: larger than the rolling of any path.
 const MORE_THAN_ALL_ROLLING: u32 = 1 << 24;
 
-/// Least number of steps that a route rolls.
-fn steps_of(route: &[RouteTurn]) -> u64 {
-    route.iter().map(|turning| u64::from(turning.turn.steps.unsigned_abs())).sum()
+/// Least number of steps that the routes roll.
+fn least_steps(planned: &Routes) -> u64 {
+    let steps = |route: &Vec<RouteTurn>| route.iter().map(|turning| u64::from(turning.turn.steps.unsigned_abs())).sum();
+    planned.routes.iter().map(steps).min().unwrap_or_default()
 }
 
 /// Cost of a path, in units of [`costs`].

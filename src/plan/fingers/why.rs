@@ -210,7 +210,7 @@ impl HandReasons<'_> {
 
     /// Report: the load of a task that changes no finger is too much for the grasp of the one before.
     fn lets_go(&self, held: Holding, orientation: &UnitQuaternion<f64>, open: LeftOpen) -> Diagnostic {
-        let code = if open.grasp || open.orientation { Code::E0602 } else { Code::E0601 };
+        let code = if open.is_any() { Code::E0602 } else { Code::E0601 };
         let title = "the grasp with which this task begins does not hold under its load";
         let torque = self.torque_of(held.grasp, held.plane, orientation);
         Diagnostic::new(code, title)
