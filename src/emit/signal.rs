@@ -63,8 +63,12 @@ impl<'a> Signals<'a> {
 
     /// The value at an instant; where it jumps, the new one.
     pub fn value(&self, channel: usize, t_ns: u64) -> f64 {
-        let rest = || self.rest(channel, self.begun(channel, t_ns));
-        self.during(channel, t_ns).map_or_else(rest, |actuation| at(actuation, t_ns))
+        self.value_of(channel, self.begun(channel, t_ns), t_ns)
+    }
+
+    /// The value at an instant by which so many actuations have begun.
+    fn value_of(&self, channel: usize, begun: usize, t_ns: u64) -> f64 {
+        self.during_of(channel, begun, t_ns).map_or_else(|| self.rest(channel, begun), |actuation| at(actuation, t_ns))
     }
 
     /// The value just before an instant.
@@ -104,14 +108,6 @@ impl<'a> Signals<'a> {
         self.of(channel).partition_point(|actuation| actuation.start_ns < t_ns)
     }
 
-    /// The lowest and the highest value that a channel takes about an instant: the levels of a swing, else twice the value.
-    pub fn envelope(&self, channel: usize, t_ns: u64) -> [f64; 2] {
-        match self.during(channel, t_ns) {
-            Some(Actuation { swing: Some(Swing { levels: [a, b], .. }), .. }) => [a.min(*b), a.max(*b)],
-            Some(_) | None => [self.value(channel, t_ns); 2],
-        }
-    }
-
     /// Whether a channel has drive trains.
     pub fn has_trains(&self, channel: usize) -> bool {
         self.swings(channel).next().is_some()
@@ -129,7 +125,12 @@ impl<'a> Signals<'a> {
 
     /// The actuation of a channel at an instant, its start included.
     pub fn during(&self, channel: usize, t_ns: u64) -> Option<&'a Actuation> {
-        let last = self.begun(channel, t_ns).checked_sub(1)?;
+        self.during_of(channel, self.begun(channel, t_ns), t_ns)
+    }
+
+    /// The actuation at an instant by which so many have begun.
+    fn during_of(&self, channel: usize, begun: usize, t_ns: u64) -> Option<&'a Actuation> {
+        let last = begun.checked_sub(1)?;
         Some(self.of(channel)[last]).filter(|actuation| t_ns < actuation.end_ns())
     }
 
@@ -200,6 +201,31 @@ impl<'a> Signals<'a> {
             Some((channel, t_ns))
         };
         self.in_unit(ChannelUnit::Micrometre).find_map(leap)
+    }
+}
+
+/// A channel at one instant after the other, in order of time: without a search for each.
+pub struct SignalCursor<'a> {
+    signals: &'a Signals<'a>,
+    channel: usize,
+    /// Number of its actuations that have begun by the last instant.
+    begun: usize,
+}
+
+impl<'a> SignalCursor<'a> {
+    pub fn new(signals: &'a Signals<'a>, channel: usize) -> SignalCursor<'a> {
+        SignalCursor { signals, channel, begun: 0 }
+    }
+
+    /// The lowest and the highest value that the channel takes about an instant that is no earlier than the last one: the levels of a swing,
+    /// else twice the value.
+    pub fn envelope(&mut self, t_ns: u64) -> [f64; 2] {
+        let rest = &self.signals.of(self.channel)[self.begun..];
+        self.begun += rest.iter().take_while(|actuation| actuation.start_ns <= t_ns).count();
+        match self.signals.during_of(self.channel, self.begun, t_ns) {
+            Some(Actuation { swing: Some(Swing { levels: [a, b], .. }), .. }) => [a.min(*b), a.max(*b)],
+            Some(_) | None => [self.signals.value_of(self.channel, self.begun, t_ns); 2],
+        }
     }
 }
 

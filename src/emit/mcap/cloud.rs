@@ -24,6 +24,7 @@ pub struct Stroke {
 }
 
 /// A line through corners in space, of one colour.
+#[derive(Clone)]
 pub struct SpaceStroke {
     pub corners: Vec<Point3<f64>>,
     pub color: Color,
@@ -87,10 +88,8 @@ pub fn space_cloud(strokes: &[SpaceStroke], frame: &str, t_ns: u64, least_step_u
     for SpaceStroke { corners, color } in strokes {
         let rgba = [color.r, color.g, color.b, color.a].map(|part| (part * 255.0).round() as u8);
         let mut add = |point: Point3<f64>| {
-            for value in [point.x as f32, point.y as f32, point.z as f32] {
-                data.extend(value.to_le_bytes());
-            }
-            data.extend(rgba);
+            let [x, y, z] = [point.x, point.y, point.z].map(|value| (value as f32).to_le_bytes());
+            data.extend_from_slice([x, y, z, rgba].as_flattened());
         };
         for pair in corners.windows(2) {
             let parts = (nalgebra::distance(&pair[0], &pair[1]) / step_um).ceil().max(1.0) as usize;

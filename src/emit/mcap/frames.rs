@@ -100,19 +100,23 @@ pub fn topic(stands: &[(&str, StandingPose)], movers: &[Mover]) -> LogTopic {
             moves.entry(*t_ns).or_default().push((index, *place));
         }
     }
-    let mut places: Vec<FramePlace> = vec![None; movers.len()];
+    // Of long assays few parts of many are there at a time.
+    let mut present: BTreeMap<usize, StandingPose> = BTreeMap::new();
     let mut messages = Vec::new();
     for (t_ns, moved) in moves {
         for (index, place) in moved {
-            places[index] = place;
+            match place {
+                Some(place) => present.insert(index, place),
+                None => present.remove(&index),
+            };
         }
         let of_device =
             |(device, stand): &(&str, StandingPose)| transform(t_ns, WORLD.to_owned(), (*device).to_owned(), *stand);
         let standing = stands.iter().map(of_device);
-        let moving = movers
-            .iter()
-            .zip(&places)
-            .filter_map(|(mover, place)| Some(transform(t_ns, mover.device.clone(), mover.frame.clone(), (*place)?)));
+        let moving = present.iter().map(|(index, place)| {
+            let mover = &movers[*index];
+            transform(t_ns, mover.device.clone(), mover.frame.clone(), *place)
+        });
         let transforms = standing.chain(moving).collect();
         messages.push((t_ns, foxglove::encode(&FrameTransforms { transforms })));
     }

@@ -13,6 +13,7 @@
 //! the level of each field, and the periods of the trains.
 
 use super::{LogTopic, Signals, foxglove};
+use crate::emit::signal::SignalCursor;
 use crate::emit::identifier;
 use crate::log::{self, BOUND_SUFFIX, Bound, PERIOD_SUFFIX};
 use crate::schedule::ChannelUnit;
@@ -175,13 +176,19 @@ fn messages(
     let before = breaks.iter().filter_map(|t_ns| t_ns.checked_sub(1));
     let beats = beats(signals.schedule.duration_ns);
     let times: BTreeSet<u64> = breaks.iter().copied().chain(before).chain(beats).collect();
+    let mut cursors: Vec<(SignalCursor, Bound)> =
+        columns.iter().map(|column| (SignalCursor::new(signals, column.channel), column.bound)).collect();
+    let mut values = Vec::with_capacity(columns.len());
     let at = |t_ns| {
-        let value = |column: &MessageColumn| match column.bound {
-            Bound::Exact => signals.value(column.channel, t_ns),
-            Bound::Low => signals.envelope(column.channel, t_ns)[0],
-            Bound::High => signals.envelope(column.channel, t_ns)[1],
-        };
-        (t_ns, encode(&columns.iter().map(value).collect::<Vec<f64>>()))
+        values.clear();
+        values.extend(cursors.iter_mut().map(|(cursor, bound)| {
+            let [low, high] = cursor.envelope(t_ns);
+            match bound {
+                Bound::Exact | Bound::Low => low,
+                Bound::High => high,
+            }
+        }));
+        (t_ns, encode(&values))
     };
     times.into_iter().map(at).collect()
 }

@@ -8,7 +8,7 @@ use crate::claims::electrode_array::{ElectrodeArrayOrder, ZoneSort};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes};
 use crate::emit::electrode_array::course::{asked, body, outline, runs, zone_body};
 use crate::emit::mcap::LogTopic;
-use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, rectangle, spaced_cloud};
+use crate::emit::mcap::cloud::{CIRCLE_CORNERS, SpaceStroke, Stroke, circle, rectangle, space_cloud, spaced_cloud};
 use crate::emit::mcap::drawing::{self, Slab, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, line_primitive};
 use crate::quantity::Quantity;
@@ -283,13 +283,16 @@ fn active(verified: &Verified, device: &str, facts: Option<&ElectrodeArrayFacts>
         }
         (*t_ns, foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities: vec![entity] }))
     };
+    let mut rings: BTreeMap<ElectrodeCell, SpaceStroke> = BTreeMap::new();
     let points = |(t_ns, cells, facts): &(u64, BTreeSet<ElectrodeCell>, &ElectrodeArrayFacts)| {
-        let rings = cells.iter().map(|cell| Stroke {
-            corners: circle(Point2::from(place_um(facts, *cell)), facts.radius_um, ACTIVE_POINTS),
-            color: ACTIVE,
-        });
+        let ring = |cell: &ElectrodeCell| {
+            let corners = || circle(Point2::from(place_um(facts, *cell)), facts.radius_um, ACTIVE_POINTS);
+            let stroke = || SpaceStroke::from(&Stroke { corners: corners(), color: ACTIVE });
+            rings.entry(*cell).or_insert_with(stroke).clone()
+        };
+        let lit: Vec<SpaceStroke> = cells.iter().map(ring).collect();
         // No side of a ring is as long as its radius: its corners are the points.
-        (*t_ns, foxglove::encode(&spaced_cloud(&rings.collect::<Vec<_>>(), device, *t_ns, facts.radius_um)))
+        (*t_ns, foxglove::encode(&space_cloud(&lit, device, *t_ns, facts.radius_um)))
     };
     ActiveTopics {
         scenes: LogTopic::new::<SceneUpdate>(format!("/{device}/active"), on.iter().map(scene).collect()),
