@@ -11,7 +11,7 @@ use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::Span;
 use std::any::Any;
 use std::cell::Cell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 /// Scenes by the scene and the device that meets it, each in the type of the device's kind.
@@ -49,11 +49,18 @@ pub struct ObjectNames {
     indices: BTreeMap<String, Option<usize>>,
     /// Objects that no step can name in their place, each with its noun.
     others: BTreeMap<String, (&'static str, Span)>,
+    /// Names that the device knows, of objects that the scene may lack.
+    known: BTreeSet<String>,
     /// Whether it was reported that the task has no scene, which is one mistake however many names it has.
     lacks_scene: Cell<bool>,
 }
 
 impl ObjectNames {
+    /// Enters names that the device knows: where the scene lacks such an object, no other is meant.
+    pub fn know<'n>(&mut self, names: impl IntoIterator<Item = &'n str>) {
+        self.known.extend(names.into_iter().map(str::to_owned));
+    }
+
     /// Enters a part or a robot.
     pub fn insert(&mut self, name: &str, index: Option<usize>) {
         self.indices.insert(name.to_owned(), index);
@@ -77,7 +84,8 @@ impl ObjectNames {
             Some(found) => Some(errors::object_of_other_noun(argument.span, &object.name, object.noun, *found)),
             None if is_cut || (scene.is_none() && self.lacks_scene.replace(true)) => None,
             None => {
-                let near = nearest(&object.name, self.indices.keys().map(String::as_str));
+                let is_known = self.known.contains(&object.name);
+                let near = nearest(&object.name, self.indices.keys().map(String::as_str)).filter(|_| !is_known);
                 Some(errors::unknown_object(argument.span, object, near, scene))
             }
         };

@@ -91,7 +91,9 @@ impl<'a> Checker<'a> {
     fn roots(&mut self) -> Vec<DeclarationPlace> {
         let programs = self.roots_of(DeclarationSort::Program);
         let roots = if programs.is_empty() { self.roots_of(DeclarationSort::Task) } else { programs };
-        let declares_runs = self.declares(DeclarationSort::Task) || self.declares(DeclarationSort::Program);
+        // Of two things of one name only the first is declared.
+        let declares_runs =
+            self.modules[0].tree.items.iter().any(|item| matches!(item, Item::Task(_) | Item::Program(_)));
         if roots.is_empty() && !declares_runs && !self.modules[0].has_broken_parts() {
             let file = self.modules[0].tree.file;
             self.sink.push(errors::nothing_to_build(Span::new(file, 0, 0)));

@@ -3,7 +3,7 @@
 use super::errors::{self, WantedName};
 use super::scope::nearest;
 use super::value::{TableValue, Value, whole};
-use crate::device::{self, Need, Sort};
+use crate::device::{self, Need, Range, Sort};
 use crate::quantity::{Dimension, digits};
 use crate::source::{Span, Spanned};
 use std::ops::RangeInclusive;
@@ -227,7 +227,11 @@ fn judge_quantity(
             Err(Box::new(errors::wrong_dimension(wanted, dimension, span, value)))
         }
         Value::Quantity(quantity) if !range.holds(quantity.si) => {
-            Err(Box::new(errors::out_of_range(wanted, span, &quantity.to_string(), range.text())))
+            let limit = match (dimension, range) {
+                (Dimension::TEMPERATURE, Range::Positive) => "above -273.15 degC",
+                _ => range.text(),
+            };
+            Err(Box::new(errors::out_of_range(wanted, span, &quantity.to_string(), limit)))
         }
         Value::Quantity(quantity) if quantity.si != 0.0 && !SIZES_SI.contains(&quantity.si.abs()) => {
             let [least, most] = [SIZES_SI.start(), SIZES_SI.end()].map(|si| digits(*si));

@@ -100,7 +100,7 @@ pub fn built(file: &Path, arguments: &BuildArguments, needed: &mut Glances) -> R
     let provenance = provenance(&sources, &loaded.options);
     let exit = match outcome {
         CompileOutcome::Compiled(compiled) => {
-            let written = write((loaded.path(), arguments), (&chosen, live), compiled, &provenance)?;
+            let written = write((loaded.path(), arguments), (&chosen, live), compiled, &provenance, needed)?;
             failed::forget(loaded.path(), arguments)?;
             return Ok(written);
         }
@@ -108,7 +108,8 @@ pub fn built(file: &Path, arguments: &BuildArguments, needed: &mut Glances) -> R
         CompileOutcome::Refused => Exit::Refused,
     };
     let is_shown = chosen.formats.contains(&Format::Html);
-    let page = is_shown.then(|| failed::write(&loaded, arguments, (&sources, &sink), &provenance)).transpose()?;
+    let page =
+        is_shown.then(|| failed::write(&loaded, arguments, (&sources, &sink), &provenance, needed)).transpose()?;
     Err(FailedBuild { exit, page })
 }
 
@@ -133,6 +134,7 @@ fn write(
     (chosen, live): (&ChosenFormats, LiveReport),
     compiled: Compiled,
     provenance: &Provenance,
+    inputs: &Glances,
 ) -> Result<BuiltProgram, Exit> {
     let report_format = arguments.report.format;
     let mut files: Vec<OutputFile> = Vec::new();
@@ -166,7 +168,7 @@ fn write(
         emit::follow(&mut files, &failed::follower(program), provenance);
     }
     let compiled = Compiled { tally: compiled.tally, schedules };
-    let to = Destination { folder: &arguments.output, program, logged: None, force: arguments.force };
+    let to = Destination { folder: &arguments.output, program, logged: None, force: arguments.force, inputs };
     if let Err(diagnostic) = disk::write_all(&to, &files) {
         terminal::report_one(*diagnostic, report_format);
         return Err(Exit::Files);

@@ -90,6 +90,12 @@ pub fn of_another_program(file: &Path, program: &str) -> Diagnostic {
     Diagnostic::new(Code::E0806, title).help("choose another folder with `-o DIR`, or replace it with `--force`")
 }
 
+pub fn would_replace_input(file: &Path) -> Diagnostic {
+    let title = format!("`{}` would be written, and is a file that this build reads", file.display());
+    Diagnostic::new(Code::E0809, title)
+        .help("choose another folder with `-o DIR`, or give the task or the program another name: outputs are named after them")
+}
+
 pub fn written_twice(name: &str) -> Diagnostic {
     Diagnostic::new(Code::E0807, format!("two files of this build have the name `{name}`, apart from capitals"))
         .help("some disks take both for one file: give one of the tasks another name, or build it alone with `--task`")

@@ -2,6 +2,7 @@
 
 use super::arguments::{BuildArguments, ReportFormat};
 use super::disk::{self, Destination};
+use super::glances::Glances;
 use super::loaded::Loaded;
 use super::{Exit, report, terminal};
 use crate::compile;
@@ -29,6 +30,7 @@ pub fn write(
     arguments: &BuildArguments,
     (sources, errors): (&Sources, &Sink),
     provenance: &Provenance,
+    inputs: &Glances,
 ) -> Result<PathBuf, Exit> {
     let report_format = arguments.report.format;
     let part = compile::partial(&loaded.program(&loaded.disk()), errors);
@@ -46,7 +48,7 @@ pub fn write(
     if arguments.watch {
         emit::follow(&mut files, &follower(loaded.path()), provenance);
     }
-    put(&files, &destination(loaded.path(), arguments), report_format).map(|mut names| names.swap_remove(0))
+    put(&files, &destination(loaded.path(), arguments, inputs), report_format).map(|mut names| names.swap_remove(0))
 }
 
 /// Writes files; where each of them stands.
@@ -81,14 +83,14 @@ pub fn tell(program: &Path, page: Option<&Path>, arguments: &BuildArguments) {
 /// The exit status, once it was reported that the page cannot be removed.
 pub fn forget(program: &Path, arguments: &BuildArguments) -> Result<(), Exit> {
     let name = format!("{}.{FAILED_ENDING}", stem(program));
-    disk::remove_own(&destination(program, arguments), &name).map_err(|diagnostic| {
+    disk::remove_own(&destination(program, arguments, &Glances::default()), &name).map_err(|diagnostic| {
         terminal::report_one(*diagnostic, arguments.report.format);
         Exit::Files
     })
 }
 
-fn destination<'a>(program: &'a Path, arguments: &'a BuildArguments) -> Destination<'a> {
-    Destination { folder: &arguments.output, program, logged: None, force: arguments.force }
+fn destination<'a>(program: &'a Path, arguments: &'a BuildArguments, inputs: &'a Glances) -> Destination<'a> {
+    Destination { folder: &arguments.output, program, logged: None, force: arguments.force, inputs }
 }
 
 /// The name of the script by which pages follow a program.

@@ -36,6 +36,10 @@ impl Glances {
         Glances::of(self.0.keys())
     }
 
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.0.keys().map(PathBuf::as_path)
+    }
+
     /// Number of files.
     pub fn len(&self) -> usize {
         self.0.len()

@@ -87,7 +87,8 @@ fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, FailedBuild> {
         terminal::report_one(error.diagnostic(), format);
         Exit::Errors
     })?;
-    let to = destination(arguments, &judged.provenance);
+    let inputs = Glances::of([path]);
+    let to = destination(arguments, &judged.provenance, &inputs);
     let pages = failed::put(&pages, &to, format)?;
     let schedule = judged.verified.schedule();
     let names: Vec<String> = pages.iter().map(|page| page.to_string_lossy().into_owned()).collect();
@@ -105,9 +106,9 @@ fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, FailedBuild> {
 }
 
 /// Where the page of a log goes.
-fn destination<'a>(arguments: &'a ViewArguments, provenance: &'a Provenance) -> Destination<'a> {
+fn destination<'a>(arguments: &'a ViewArguments, provenance: &'a Provenance, inputs: &'a Glances) -> Destination<'a> {
     let logged = provenance.files.first().map(|(name, _)| name.as_str());
-    Destination { folder: &arguments.output, program: &arguments.file, logged, force: arguments.force }
+    Destination { folder: &arguments.output, program: &arguments.file, logged, force: arguments.force, inputs }
 }
 
 /// The page of a log that was refused, where it breaks rules.
@@ -126,7 +127,8 @@ fn of_refused_log(arguments: &ViewArguments, bytes: &[u8], refusal: &Refusal) ->
             return exit.into();
         }
     };
-    let to = destination(arguments, &provenance);
+    let inputs = Glances::of([path]);
+    let to = destination(arguments, &provenance, &inputs);
     match failed::put(&[page], &to, format) {
         Ok(mut names) => FailedBuild { exit, page: names.pop() },
         Err(exit) => exit.into(),

@@ -318,6 +318,7 @@ ledger! {
     E0806 "a file that was built from another program"
     E0807 "two files of one name"
     E0808 "a build that was interrupted"
+    E0809 "an output that would replace a file that the program reads"
     E0820 "a value of the schedule is not a finite number"
     E0821 "a format that only holds voltages meets one that changes steadily"
     E0822 "a file would be larger than its readers take"

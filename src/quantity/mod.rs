@@ -4,6 +4,7 @@
 //! become binary, so `35 um` is the double nearest to 35·10⁻⁶ and not a rounded product.
 
 mod figures;
+pub(crate) mod slip;
 
 pub use figures::{digits, fraction, no_less, no_more, significant, to_decimals};
 

@@ -6,7 +6,7 @@ use super::around::{
 };
 use super::grammar::Rule;
 use super::tree::{Column, Ident};
-use super::words::{is_invisible, is_name, starts_item};
+use super::words::{is_invisible, is_name, is_word, starts_item};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
@@ -270,9 +270,14 @@ pub(super) fn open_text_hole(span: Span) -> Diagnostic {
 pub(super) fn block_comment(span: Span, comment: &str, ends_line: bool) -> Diagnostic {
     let words = comment.trim_start_matches("/*").trim_end_matches("*/").trim();
     let first = words.lines().next().unwrap_or("").trim();
+    let written = format!("// {}", quote(first));
+    let help = match ends_line {
+        true => format!("write `{written}`"),
+        false => format!("write `{written}` on a line of its own, above this one"),
+    };
     let finding = Diagnostic::new(Code::E0125, "a comment in `/* */`")
         .label(span, "comments begin with `//` and end with their line")
-        .help(format!("write `// {}`", quote(first)));
+        .help(help);
     if !ends_line || !comment.ends_with("*/") || comment.len() < "/**/".len() {
         return finding;
     }
@@ -330,6 +335,13 @@ pub(super) fn foreign_quotes(span: Span, inside: &str) -> Diagnostic {
         .label(span, "write strings in plain double quotes")
         .help(format!("write `\"{}\"`", quote(inside)))
         .mended_here(format!("\"{inside}\""))
+}
+
+pub(super) fn transpose(mark: Span) -> Diagnostic {
+    Diagnostic::new(Code::E0118, "`'` is not a sign of the language")
+        .label(mark, "of another language")
+        .help("remove it: lists are neither rows nor columns")
+        .mended_here("")
 }
 
 pub(super) fn foreign_character(span: Span, text: &str) -> Diagnostic {
@@ -514,11 +526,26 @@ pub(super) fn value_without_let(span: Span, text: &str) -> Diagnostic {
     let word = token_at(text, 0);
     let value = line[word.len()..].trim_start_matches([' ', '\t', ':', '=']);
     let start = span.start as usize;
+    if let Some(noun) = declared_with_braces(value) {
+        return Diagnostic::new(Code::E0111, format!("`{word}` is declared without its noun"))
+            .label(first_word(span, word.len()), "a declaration begins with its own word")
+            .help(format!("write `{noun} {word} : {}`", quote(value)))
+            .mended(part(span, start, start), format!("{noun} "))
+            .mended(part(span, start + word.len(), start + (line.len() - value.len())), " : ");
+    }
     Diagnostic::new(Code::E0111, format!("`{word}` is given a value without `let`"))
         .label(first_word(span, word.len()), "a declaration begins with its own word")
         .help(format!("write `let {word} = {}`", quote(value)))
         .mended(part(span, start, start), "let ")
         .mended(part(span, start + word.len(), start + (line.len() - value.len())), " = ")
+}
+
+/// The noun of a declaration whose kind and fields stand for a value: `dimibot.femto_st { … }`.
+fn declared_with_braces(value: &str) -> Option<&'static str> {
+    let kind = value.split('{').next().filter(|kind| kind.len() < value.len())?.trim();
+    let is_kind = kind.starts_with(char::is_alphabetic) && kind.chars().all(|c| is_word(c) || c == '.');
+    let is_instrument = kind.split('.').any(|part| part == "instruments");
+    is_kind.then_some(if is_instrument { "instrument" } else { "device" })
 }
 
 pub(super) fn not_an_item(span: Span, text: &str) -> Diagnostic {

@@ -288,6 +288,14 @@ fn quoted(cursor: &mut Cursor, start: usize, inside: usize) {
     let close = rest.char_indices().find(|(_, c)| is_quote(*c) || *c == '"');
     let (close, end) = close.map_or((line_end, line_end), |(at, c)| (inside + at, inside + at + c.len_utf8()));
     let span = cursor.span(start, end);
+    let is_transpose = close == end && cursor.text[start..inside] == *"'" && cursor.text[..start].ends_with([']', ')']);
+    if is_transpose {
+        let mark = cursor.span(start, inside);
+        cursor.report(errors::transpose(mark));
+        cursor.cover(start, inside);
+        cursor.at = inside;
+        return;
+    }
     cursor.report(errors::foreign_quotes(span, &cursor.text[inside..close]));
     if close == end || cursor.text[inside..close].contains('{') {
         cursor.cover(start, end);

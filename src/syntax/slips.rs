@@ -17,7 +17,9 @@ pub(super) fn entry(span: Span, place: ListPlace, source: &str) -> Option<Diagno
     }
     match place {
         ListPlace::Wires => wire(span, source),
-        ListPlace::Scene => object_name(span, text).or_else(|| object_without_at(span, text)),
+        ListPlace::Scene => {
+            object_name(span, text).or_else(|| object_without_at(span, text)).or_else(|| shape_behind_place(span, text))
+        }
         ListPlace::Steps => habits::step(span, source),
         ListPlace::Fields => None,
     }
@@ -167,6 +169,15 @@ pub(super) fn object_without_at(span: Span, text: &str) -> Option<Diagnostic> {
     let line = text.lines().next()?.trim_end();
     let place = line.rfind('(').filter(|_| line.ends_with(')'))?;
     let before = line[..place].trim_end();
+    let mut words = before.split_whitespace();
+    let (first, second) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
+    if PREPOSITIONS.contains(&second) && second != "at" {
+        return Some(
+            Diagnostic::new(Code::E0101, format!("`{} {second} …` is a step, and this is a scene", quote(first)))
+                .label(part(span, span.start as usize, span.start as usize + line.len()), "not an object")
+                .help("steps stand in the braces of a task: `task go on bot in bench { … }`"),
+        );
+    }
     let is_object = before.split_whitespace().count() == 2 || before.contains(':');
     let (at, gap) = (span.start as usize + place, if line[..place].ends_with([' ', '\t']) { "at " } else { " at " });
     (is_object && !before.ends_with(" at") && !before.contains(" at ")).then(|| {
@@ -175,6 +186,26 @@ pub(super) fn object_without_at(span: Span, text: &str) -> Option<Diagnostic> {
             .help(format!("write `{} at {}`", quote(before), quote(&line[place..])))
             .mended(part(span, at, at), gap)
     })
+}
+
+/// `obstacle bead at (4 um, 2 um) : disc { … }`, with the shape behind its place.
+fn shape_behind_place(span: Span, text: &str) -> Option<Diagnostic> {
+    let line = text.lines().next()?.trim_end();
+    let at = line.find(" at ")?;
+    let colon = at + line[at..].find(':')?;
+    let (object, place, shape) = (&line[..at], line[at + " at ".len()..colon].trim(), line[colon + 1..].trim());
+    let is_whole = place.ends_with(')') && shape.matches('{').count() == shape.matches('}').count();
+    if object.contains(':') || !is_whole || shape.is_empty() {
+        return None;
+    }
+    let whole = part(span, span.start as usize, span.start as usize + line.len());
+    let mended = format!("{object} : {shape} at {place}");
+    Some(
+        Diagnostic::new(Code::E0101, "a shape behind the place of its object")
+            .label(part(span, span.start as usize + colon, span.start as usize + line.len()), "belongs before `at`")
+            .help(format!("write `{}`", quote(&mended)))
+            .mended(whole, mended),
+    )
 }
 
 /// Where the value begins that ends a line, after `to`, `at`, `from`, `via` or `visit`.
@@ -371,6 +402,9 @@ fn missing_comma(span: Span, at: usize, open: char, source: &str) -> Option<Diag
     if let Some(finding) = step_in_brackets(span, at, token, source) {
         return Some(finding);
     }
+    if let Some(finding) = state_in_brackets(span, before, open, source) {
+        return Some(finding);
+    }
     let close = if open == '(' { ')' } else { ']' };
     // Behind a comment there may be nothing of the place that is blamed.
     let own = source.get(span.start as usize..before).unwrap_or_default();
@@ -386,6 +420,27 @@ fn missing_comma(span: Span, at: usize, open: char, source: &str) -> Option<Diag
             .label(part(span, at, at + token.len()), "the value before this is complete")
             .help(help)
             .mended(part(span, before, before), ","),
+    )
+}
+
+/// `state [1 1 0]`, the arms of a control state as a vector.
+fn state_in_brackets(span: Span, before: usize, open: char, source: &str) -> Option<Diagnostic> {
+    let start = before - around::before(source, before).len();
+    let begun = start + source[start..before].rfind(open)?;
+    let line = source[begun..].lines().next()?;
+    let digits = &line[open.len_utf8()..line.find([']', ')'])?];
+    let arms: String = digits.split_whitespace().collect();
+    let is_state =
+        source[..begun].trim_end().ends_with("state") && arms.bytes().all(|digit| matches!(digit, b'0' | b'1'));
+    if !is_state {
+        return None;
+    }
+    let whole = part(span, begun, begun + digits.len() + 2);
+    Some(
+        Diagnostic::new(Code::E0101, "a state in brackets")
+            .label(whole, "the arms of a state are the digits of one number")
+            .help(format!("write `0b{arms}`, or the number of the state"))
+            .mended(whole, format!("0b{arms}")),
     )
 }
 

@@ -31,6 +31,25 @@ fn files_of_another_program_are_not_replaced_in_silence() {
 }
 
 #[test]
+fn what_a_build_reads_is_never_replaced() {
+    let bench = Bench::new();
+    let map = r#"{"layout": {"grid": [[1, 2, 3], [4, 5, 6], [7, 8, 9]]}}"#;
+    bench.write("grid.json", map).write(
+        "board.twz",
+        "use std.electrode_array as ea\ndevice chip : ea.droplet_chip { map: \"grid.json\" }\n\
+         scene lab { part a : ea.droplet at (1, 1) }\ntask grid on chip in lab { move a to (3, 3) }\n",
+    );
+    for force in [&[][..], &["--force"]] {
+        let refused = bench.run(&[&["build", "board.twz", "--emit", "json"], force].concat()).code(FILES);
+        says(&refused.err, &["E0809", "`grid.json`", "-o DIR"]);
+    }
+    assert_eq!(fs::read_to_string(bench.path("grid.json")).expect("still there"), map);
+    // What it has not read may go.
+    bench.run(&["build", "board.twz", "--emit", "svg"]).code(DONE);
+    bench.run(&["build", "board.twz", "--emit", "json", "-o", "out"]).code(DONE);
+}
+
+#[test]
 fn a_folder_that_is_moved_with_its_program_stays_its_own() {
     let bench = Bench::new();
     fs::create_dir(bench.path("here")).expect("a folder");

@@ -154,7 +154,7 @@ pub fn wire_field_in_loop(field: &Ident) -> Diagnostic {
 
 /// `bed: …` for `bed -> …`.
 pub fn colon_in_wire(channel: &Ident) -> Diagnostic {
-    Diagnostic::new(Code::E0119, "`:` where `->` belongs")
+    Diagnostic::new(Code::E0119, format!("`{}` is given an output as a field is its value", channel.text))
         .label(channel.span, "between a channel and its output stands `->`")
         .help(format!("write `{} -> …`", channel.text))
 }

@@ -2,7 +2,7 @@
 
 use super::{listed, with_article};
 use crate::check::lets::Argument;
-use crate::check::value::Value;
+use crate::check::value::{Value, whole};
 use crate::claims::ValueOrigin;
 use crate::device::instrument::Level;
 use crate::device::{Verb, Vocabulary, VocabularyPhrase, condition_of_any_kind};
@@ -345,26 +345,33 @@ pub fn shape_too_large(span: Span, limit: &str) -> Diagnostic {
 }
 
 pub fn wrong_place(span: Span, found: &Value, wanted: &str) -> Diagnostic {
-    if let Some(parts) = part_of_cell(found) {
+    if let Some(parts) = odd_cell(found) {
         let cell = |round: fn(f64) -> f64| {
             let parts: Vec<String> = parts.iter().map(|part| digits(round(*part))).collect();
             format!("({})", parts.join(", "))
         };
+        if parts.iter().all(|part| part.fract() == 0.0) {
+            return Diagnostic::new(Code::E0515, format!("cell {} lies beyond every workspace", cell(|part| part)))
+                .label(span, "cells are counted; places have units")
+                .help("write a cell, as `(12, 7)`, or a place with its unit, as `(4 um, 2.5 um)`");
+        }
+        let place: Vec<String> = parts.iter().map(|part| format!("{} um", digits(*part))).collect();
+        let [below, above, place] = [cell(f64::floor), cell(f64::ceil), format!("({})", place.join(", "))];
         return Diagnostic::new(Code::E0515, format!("cell {} is not whole", cell(|part| part)))
-            .label(span, "cells are counted")
-            .help(format!("write `{}` or `{}`", cell(f64::floor), cell(f64::ceil)));
+            .label(span, "cells are counted; places have units")
+            .help(format!("write the cell `{below}` or `{above}`, or a place with its unit, as `{place}`"));
     }
     Diagnostic::new(Code::E0515, format!("`at` needs {wanted}, but this is {}", found.describe_fully()))
         .label(span, found.describe())
         .help("write `at (12, 7)` for a cell, `at (4 um, 2.5 um)` for a place, `at pose(8 um, 3 um, 30 deg)` for a turned shape")
 }
 
-/// The coordinates of a cell of which one is no whole number.
-fn part_of_cell(found: &Value) -> Option<Vec<f64>> {
+/// The coordinates of a cell of which one is no number that is counted to.
+fn odd_cell(found: &Value) -> Option<Vec<f64>> {
     let Value::Point(coordinates) = found else { return None };
-    let parts: Vec<f64> = coordinates.iter().map(|part| part.si).collect();
     let are_numbers = coordinates.iter().all(|part| part.dimension == Dimension::NUMBER);
-    (are_numbers && parts.iter().any(|part| part.fract() != 0.0)).then_some(parts)
+    let is_odd = are_numbers && coordinates.iter().any(|part| whole(*part).is_none());
+    is_odd.then(|| coordinates.iter().map(|part| part.si).collect())
 }
 
 pub fn noun_of_other_kind(span: Span, noun: &str, kind: &str, known: &[&str]) -> Diagnostic {

@@ -114,6 +114,12 @@ pub fn unit_mended(
     if finding.code != Code::E0301 || unit.is_empty() || !is_plain(number) {
         return finding;
     }
+    if let ExprKind::Quantity { unit: written, .. } = &inner.kind
+        && let Some(meant) = quantity::slip::meant(&written.text, dimension)
+    {
+        let help = dimension_help(wanted, dimension, found, &format!("{sign}{number} {meant}"));
+        return finding.help(help).mended(place, meant);
+    }
     if dimension == Dimension::TIME && matches!(inner.kind, ExprKind::Number(_)) {
         return finding.help(dimension_help(wanted, dimension, found, &format!("{sign}{number} {unit}")));
     }
@@ -243,13 +249,14 @@ pub fn sum_of_celsius(left: (Span, &Value), right: (Span, &Value)) -> Diagnostic
 }
 
 pub fn bad_exponent(span: Span, found: &Value) -> Diagnostic {
-    Diagnostic::new(Code::E0302, format!("a power of {} with a unit must be a whole number", found.describe()))
+    let title = "an exponent must be a whole number without a unit, where it or its base has one";
+    Diagnostic::new(Code::E0302, title)
         .label(span, found.describe_fully())
-        .help("a quantity with a unit is raised to whole powers only; `sqrt(x)` takes the square root")
+        .help("powers of ten are written as `0.25e-6 m`; a quantity with a unit is raised to whole powers only, and `sqrt(x)` takes the square root")
 }
 
 /// Units as spelt out in words, with the symbol that is meant.
-const SPELT_OUT: [(&str, &str); 24] = [
+const SPELT_OUT: [(&str, &str); 25] = [
     ("micron", "um"),
     ("microns", "um"),
     ("micrometer", "um"),
@@ -274,6 +281,7 @@ const SPELT_OUT: [(&str, &str); 24] = [
     ("degrees", "deg"),
     ("radians", "rad"),
     ("newton", "N"),
+    ("cc", "cm^3"),
 ];
 
 /// Units of what is counted otherwise, and how.

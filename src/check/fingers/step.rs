@@ -4,7 +4,7 @@ use super::orientation::{self, Orientation};
 use super::part::junction_fault;
 use crate::claims::fingers::{HandPart, Section};
 use crate::device::fingers::sampling::{contacts, once_round_rad};
-use crate::device::fingers::{FingersFacts, MAX_CONTACTS, MAX_STEPS_PER_TURN, Plane};
+use crate::device::fingers::{FingersFacts, MAX_CONTACTS, MAX_GRASPS, MAX_STEPS_PER_TURN, Plane};
 use crate::geometry::outline::Curve;
 use std::f64::consts::TAU;
 
@@ -22,9 +22,17 @@ pub enum WantedTurn<'a> {
     Orientation(&'a Orientation, &'a [(Plane, f64)]),
 }
 
+/// How a turn has to be made.
+pub struct TurnDemand {
+    pub precision_rad: f64,
+    /// Whether a force acts on the part, so that grasps may differ from angle to angle and are fewer.
+    pub is_loaded: bool,
+}
+
 /// The `step` nearest to a hand's own, in degrees, with which a part is turned as wanted to within a precision; those of whole degrees
 /// come first. `None` where there is none, or none of those that were tried.
-pub fn mending(part: &HandPart, facts: &FingersFacts, wanted: &WantedTurn, precision_rad: f64) -> Option<f64> {
+pub fn mending(part: &HandPart, facts: &FingersFacts, wanted: &WantedTurn, demand: &TurnDemand) -> Option<f64> {
+    let TurnDemand { precision_rad, is_loaded } = *demand;
     let curves = [Some(&part.xy), part.xz.as_ref()].map(|section| Curve::of(&section?.outline).ok());
     let now = f64::from(facts.steps_per_turn);
     let mut tried: Vec<u32> = (FEWEST..=MAX_STEPS_PER_TURN).filter(|steps| *steps != facts.steps_per_turn).collect();
@@ -47,6 +55,15 @@ pub fn mending(part: &HandPart, facts: &FingersFacts, wanted: &WantedTurn, preci
         };
         Some((part, facts))
     });
+    // Where the force is in no plane of a turn more steps could do, but the plane is known only once the runs are walked.
+    let turned: Vec<Plane> = match wanted {
+        WantedTurn::Turns(turns) => turns.iter().map(|(plane, _)| *plane).collect(),
+        WantedTurn::Orientation(..) => Plane::ALL.to_vec(),
+    };
+    let candidates = candidates.filter(|(part, facts)| {
+        let mut sections = turned.iter().filter_map(|plane| part.section(*plane));
+        !is_loaded || sections.all(|section| are_few_grasps(section.contacts, facts.steps_per_turn))
+    });
     let keeps_junction =
         |(part, facts): &(HandPart, FingersFacts)| !had_junction || junction_fault(part, facts).is_none();
     let found = match wanted {
@@ -60,6 +77,11 @@ pub fn mending(part: &HandPart, facts: &FingersFacts, wanted: &WantedTurn, preci
             .find(keeps_junction),
     };
     found.map(|(_, facts)| 360.0 / f64::from(facts.steps_per_turn))
+}
+
+/// Whether the grasps of a section under a load, which differ from angle to angle, are few enough to be searched.
+pub fn are_few_grasps(contacts: u32, steps_per_turn: u32) -> bool {
+    (contacts as usize).pow(3) * (steps_per_turn as usize + 1) <= MAX_GRASPS
 }
 
 /// A section with the contacts that another device would give it.

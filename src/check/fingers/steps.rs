@@ -40,7 +40,8 @@ impl Checker<'_> {
         let load_un = load_un(&parts, &judged, self.sink)?;
         let part = judged.part;
         let turns = turns(&parts.steps);
-        let mut judge = HandStepJudge { facts, part: &part, precision_rad, turns, sink: self.sink };
+        let is_loaded = load_un.iter().any(|force_un| *force_un != 0.0);
+        let mut judge = HandStepJudge { facts, part: &part, precision_rad, is_loaded, turns, sink: self.sink };
         let planes = grasp_planes(&parts.steps, &part);
         let steps: Vec<Option<FingersStep>> =
             parts.steps.iter().zip(&planes).map(|(step, planes)| judge.step(step, planes)).collect();
@@ -182,6 +183,7 @@ struct HandStepJudge<'a> {
     facts: &'a FingersFacts,
     part: &'a HandPart,
     precision_rad: f64,
+    is_loaded: bool,
     /// All turns of the task about z and y, in radians.
     turns: Vec<(Plane, f64)>,
     sink: &'a mut Sink,
@@ -233,7 +235,8 @@ impl HandStepJudge<'_> {
         let most = i32::try_from(self.facts.steps_per_turn).ok()?;
         let steps = ((asked_rad / section.step_rad).round() as i32).clamp(-most, most);
         if (f64::from(steps) * section.step_rad - asked_rad).abs() > self.precision_rad * (1.0 + 1e-9) {
-            let mend = step::mending(self.part, self.facts, &step::WantedTurn::Turns(&self.turns), self.precision_rad);
+            let demand = step::TurnDemand { precision_rad: self.precision_rad, is_loaded: self.is_loaded };
+            let mend = step::mending(self.part, self.facts, &step::WantedTurn::Turns(&self.turns), &demand);
             let wrong = errors::no_whole_steps(by.span, asked_rad, section.step_rad, self.precision_rad, mend);
             return self.wrong(wrong, by);
         }

@@ -9,7 +9,7 @@ use super::part;
 use super::step;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersTurn, HandPart};
 use crate::claims::{Job, Order};
-use crate::device::fingers::{MAX_GRASPS, Plane};
+use crate::device::fingers::Plane;
 use crate::diagnostic::{Diagnosed, Sink};
 use crate::source::Span;
 use nalgebra::Vector3;
@@ -178,10 +178,10 @@ impl HandWalk {
         if !self.reached.iter().all(|from| in_plane_un(from) > LEAST_SHARE * load_un.norm()) {
             return Ok(());
         }
-        let (contacts, angles) = (section.contacts as usize, order.facts.steps_per_turn as usize + 1);
-        if contacts.pow(3) * angles <= MAX_GRASPS {
+        if step::are_few_grasps(section.contacts, order.facts.steps_per_turn) {
             return Ok(());
         }
+        let (contacts, angles) = (section.contacts as usize, order.facts.steps_per_turn as usize + 1);
         Err(Box::new(errors::too_many_grasps(at, &self.part.name, [contacts, angles], order.facts.steps_per_turn)))
     }
 
@@ -258,7 +258,9 @@ impl HandWalk {
             })
             .collect();
         let wanted = step::WantedTurn::Orientation(&(reached.inverse() * goal), &turns);
-        is_known.then(|| step::mending(&self.part, &order.facts, &wanted, order.precision_rad)).flatten()
+        let is_loaded = order.load_un.iter().any(|force_un| *force_un != 0.0);
+        let demand = step::TurnDemand { precision_rad: order.precision_rad, is_loaded };
+        is_known.then(|| step::mending(&self.part, &order.facts, &wanted, &demand)).flatten()
     }
 
     /// Any one of several decompositions has been taken.

@@ -61,6 +61,7 @@ fn judged(objects: &[Rc<SceneObject>], device: &CheckedDevice, facts: &Microrobo
     let before = sink.errors();
     let (mut obstacles, mut standing) = (Vec::new(), Vec::new());
     let mut names = ObjectNames::default();
+    names.know(facts.robots.iter().map(|row| row.name.as_str()));
     for object in objects {
         let mut reader = GroundReader { object, objects, device, facts, sink };
         match object.noun.as_str() {

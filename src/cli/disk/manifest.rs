@@ -80,7 +80,7 @@ impl Manifest {
 
 impl ProgramId {
     fn of(to: &Destination) -> ProgramId {
-        let Destination { folder, program, logged, force: _ } = to;
+        let Destination { folder, program, logged, force: _, inputs: _ } = to;
         let named = logged.map_or(*program, Path::new);
         let name = named.file_name().unwrap_or_default().to_string_lossy().into_owned();
         // Standard input has no place, and some systems cannot resolve places: then the paths as typed are used.

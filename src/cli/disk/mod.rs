@@ -3,6 +3,7 @@
 mod commit;
 mod manifest;
 
+use super::glances::Glances;
 use super::{errors, signals};
 use crate::diagnostic::Diagnosed;
 use crate::emit::OutputFile;
@@ -141,6 +142,17 @@ pub struct Destination<'a> {
     pub logged: Option<&'a str>,
     /// Whether files of other programs are replaced.
     pub force: bool,
+    /// Files that were read for it, which are never replaced.
+    pub inputs: &'a Glances,
+}
+
+impl Destination<'_> {
+    /// The first of some files that would replace one that was read.
+    fn replaced_input(&self, files: &[OutputFile]) -> Option<PathBuf> {
+        let inputs: Vec<PathBuf> = self.inputs.files().filter_map(|input| input.canonicalize().ok()).collect();
+        let mut paths = files.iter().map(|file| self.folder.join(&file.name));
+        paths.find(|path| path.canonicalize().is_ok_and(|path| inputs.contains(&path)))
+    }
 }
 
 /// Where a file of a folder stands, as the user would write it.
@@ -161,6 +173,9 @@ pub fn write_all(to: &Destination, files: &[OutputFile]) -> Diagnosed {
     };
     if let Some(name) = commit::twice(files.iter().map(|file| file.name.as_str())) {
         return Err(Box::new(errors::written_twice(name)));
+    }
+    if let Some(input) = to.replaced_input(files) {
+        return Err(Box::new(errors::would_replace_input(&input)));
     }
     let mut in_place = signals::changing_files();
     let made = !folder.exists();

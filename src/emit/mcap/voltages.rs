@@ -13,8 +13,8 @@
 //! the level of each field, and the periods of the trains.
 
 use super::{LogTopic, Signals, foxglove};
-use crate::emit::signal::SignalCursor;
 use crate::emit::identifier;
+use crate::emit::signal::SignalCursor;
 use crate::log::{self, BOUND_SUFFIX, Bound, PERIOD_SUFFIX};
 use crate::schedule::ChannelUnit;
 use prost::Message;

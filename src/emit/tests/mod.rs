@@ -1,3 +1,4 @@
+use super::signal::SignalCursor;
 use super::{EmitError, Format, Provenance, emit, fixture};
 use crate::device::instrument::Protocol;
 use crate::device::{Kind, Outcome};
@@ -406,8 +407,9 @@ fn signals_tell_every_edge_of_swings_once() {
     let at = |channel, instants: [u64; 6]| instants.map(|t_ns| signals.value(channel, t_ns));
     assert_eq!(at(0, [0, 2, 3, 6, 29, 30]), [5.0, 5.0, -2.5, 5.0, -2.5, 2.0]);
     assert_eq!([3, 6, 30, 50, 61].map(|t_ns| signals.value_before(0, t_ns)), [5.0, -2.5, -2.5, 2.0, 0.0]);
+    let mut cursor = SignalCursor::new(&signals, 1);
     assert_eq!(
-        [0, 7, 12, 45, 52].map(|t_ns| signals.envelope(1, t_ns)),
+        [0, 7, 12, 45, 52].map(|t_ns| cursor.envelope(t_ns)),
         [[4.0; 2], [0.0; 2], [1.0, 3.0], [6.0, 8.0], [0.0; 2]]
     );
     for channels in [0..3, 0..1, 1..2, 2..3] {

@@ -2,6 +2,7 @@
 
 use super::{Edit, bench, code, judged_of, text};
 use crate::diagnostic::Code;
+use crate::emit::signal::SignalCursor;
 use crate::emit::{Format, Provenance, Signals, emit, fixture};
 use crate::schedule::Channel;
 use serde_json::json;
@@ -14,7 +15,7 @@ fn stages_stay_where_they_are_before_and_after_their_runs() {
     assert_eq!([0, 6_999_999, 7_000_000].map(|t_ns| signals.value(0, t_ns)), [28.5; 3]);
     assert_eq!(signals.value_before(0, 0), 28.5);
     assert!((signals.value(0, 57_000_000) - 23.5).abs() < 1e-9, "half way in");
-    assert_eq!(signals.envelope(0, 57_000_000), [signals.value(0, 57_000_000); 2]);
+    assert_eq!(SignalCursor::new(&signals, 0).envelope(57_000_000), [signals.value(0, 57_000_000); 2]);
     let last = signals.of(2).last().unwrap().to;
     assert_eq!([end_ns - 3_000_000, end_ns].map(|t_ns| signals.value(2, t_ns)), [last; 2]);
     assert_eq!(last, 5.0);

@@ -6,7 +6,7 @@
 //! four combinations of the starts and ends of two parts", split into single positions: a path is legal exactly if none of its
 //! positions is too near to any of three positions of another; pairs of moves need no check.
 
-use super::broadcast::SharedChannels;
+use super::channels::broadcast::SharedChannels;
 use crate::claims::electrode_array::ElectrodeArrayObjective;
 use crate::plan::search::SearchAnswer;
 use crate::plan::watch::HeldPlan;

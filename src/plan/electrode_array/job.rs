@@ -4,22 +4,24 @@
 //! form the optimal plan of the job, and its bounds are the sums of theirs. Only limits couple the steps; where the best plan
 //! breaks one, [`limited`] chooses among the plans of each step.
 
-use super::arranged::{self, NoArrangement, PlacedPlan};
 use super::assay::NoAssayPlan;
 use super::board::{self, BoardAnswer, BoardCosts, BoardObjective, BoardPlan, NoBoardPlan, Paths};
 use super::errands::{self, AssaySite};
 use super::exact;
-use super::labels::{BoardFigures, PlanLimits};
-use super::limited::{self, AskedStep, PlanFront, UNLIMITED};
 use super::limits;
-use super::loose::LooseParts;
+use super::limits::labels::{BoardFigures, PlanLimits};
+use super::limits::limited::{self, AskedStep, PlanFront, UNLIMITED};
 use super::motion::{ElectrodeArrayMotion, ElectrodeArrayStepMotion};
+use super::places::arranged::{self, NoArrangement, PlacedPlan};
+use super::portfolio;
 use super::published::Heuristic;
-use super::remedy::{Shut, Tried};
-use super::shared::{self, SharedGoals};
+use super::reasons::remedy::{Shut, Tried};
+use super::reasons::{torn, why};
 use super::stage::{self, BoardGround, BoardStage, CellBlocker};
 use super::standings::{self, BoardStandings};
-use super::{assigned, portfolio, torn, why};
+use super::teams::assigned;
+use super::teams::loose::LooseParts;
+use super::teams::shared::{self, SharedGoals};
 use crate::claims::electrode_array::{
     AssayOperation, ElectrodeArrayAction, ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayOrder,
     ElectrodeArrayStep,

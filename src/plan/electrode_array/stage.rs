@@ -5,7 +5,7 @@
 //! to the model, or a part that stays.
 
 use super::board::{self, Agent, BoardGrid, Instance};
-use super::broadcast::SharedChannels;
+use super::channels::broadcast::SharedChannels;
 use crate::claims::electrode_array::{
     Bystanders, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody,
     ElectrodeArrayOrder,

@@ -373,14 +373,16 @@ fn bounds_of_many_arrangements_hold_for_the_best_of_them() {
         let site = errands::AssaySite { order: &board, ground: &ground, cells: &cells };
         let budget = SearchBudget::of(200_000);
         for objective in [BoardObjective::Makespan, BoardObjective::SumOfCosts] {
-            let solved = |most| arranged::solve_each(&site, &operations, (objective, most), &mut Meter::new(budget));
+            let solved =
+                |most| places::arranged::solve_each(&site, &operations, (objective, most), &mut Meter::new(budget));
             let (best, many) = match (solved(1_000), solved(1)) {
                 (SearchAnswer::Found(best), SearchAnswer::Found(many)) => (best, many),
                 (SearchAnswer::Found(_), SearchAnswer::Impossible(_)) => panic!("there is a plan: {operations:?}"),
                 _ => continue,
             };
-            let ends = |plan: &arranged::PlacedPlan| plan.courses.iter().map(|course| course.until() as u64 - 1).max();
-            let sums = |plan: &arranged::PlacedPlan| -> u64 {
+            let ends =
+                |plan: &places::arranged::PlacedPlan| plan.courses.iter().map(|course| course.until() as u64 - 1).max();
+            let sums = |plan: &places::arranged::PlacedPlan| -> u64 {
                 plan.courses.iter().map(|course| course.last_arrival() as u64).sum()
             };
             let steps = ends(&best).unwrap_or(0);

@@ -10,12 +10,12 @@
 //! Where lists with these errands lead to no plan either, chance gives some agents a first errand anywhere, and the list its order.
 //! Guaranteed: courses with such errands do all others, too.
 
-use super::super::board::CellIndex;
 use super::bound::{self, AssayBounds};
 use super::replay::cut_where_gone;
 use super::route::Ahead;
 use super::{AgentCourse, AssayPlan, AssayProblem, Errand, ErrandPlace, Traces, lags, lists};
 use crate::plan::electrode_array::board::BoardObjective;
+use crate::plan::electrode_array::board::CellIndex;
 use crate::plan::electrode_array::fast::Distances;
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;

@@ -1,10 +1,10 @@
 //! Instants at which the courses of agents forbid the cells around them.
 //!
-//! A position at instant `t` forbids the cells nearer than the separation at `t - 1`, `t` and `t + 1` ([`super::super::board`]).
+//! A position at instant `t` forbids the cells nearer than the separation at `t - 1`, `t` and `t + 1` ([`crate::plan::electrode_array::board`]).
 
-use super::super::board::{BoardGrid, CellIndex};
 use super::AgentCourse;
 use super::traces::{Touch, Traces};
+use crate::plan::electrode_array::board::{BoardGrid, CellIndex};
 
 /// The instant after all others.
 pub(super) const NEVER: u32 = u32::MAX;

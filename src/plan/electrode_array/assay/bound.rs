@@ -5,9 +5,9 @@
 //! So do those that are moved round a loop in which two are always in each other's way before the round is over, also with those that
 //! stay at its corner for as long as that. And of several stops whose agents come at few places, one has to wait for its first.
 
-use super::super::board::{BoardCosts, BoardGrid, CellIndex};
 use super::route::Ahead;
 use super::{AssayProblem, Errand, ErrandPlace};
+use crate::plan::electrode_array::board::{BoardCosts, BoardGrid, CellIndex};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// An errand with its earliest start and end, and the least time from its end to the end of the assay.

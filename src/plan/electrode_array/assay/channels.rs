@@ -1,7 +1,7 @@
 //! Whether courses that were made without regard to shared channels keep their rule.
 
-use super::super::broadcast::{AgentStep, PulledStep};
 use super::{AgentCourse, AssayProblem};
+use crate::plan::electrode_array::channels::broadcast::{AgentStep, PulledStep};
 
 /// Whether the courses of an assay keep the rule until the last errand is done.
 pub fn are_kept_by_courses(problem: &AssayProblem, courses: &[AgentCourse]) -> bool {

@@ -6,12 +6,12 @@
 //! changed: one agent goes to another place, or all agents of one droplet, every other time of one that is done last, go further to the front. The new list is kept if it is no worse. The agents of a
 //! first list also take their turns by time ([`TurnOrder`]): of both plans the better one counts. Of many agents that is mostly the only one.
 
-use super::super::board::{BoardCosts, BoardObjective, CellIndex, HeldBoardPlan};
 use super::bookings::{BookedCourse, Bookings, NEVER};
 use super::bound::AssayBounds;
 use super::replay::done_at;
 use super::route::{Ahead, Course, RouteQuery, Router};
 use super::{AgentCourse, AssayPlan, AssayProblem, Errand, ErrandPlace, bound};
+use crate::plan::electrode_array::board::{BoardCosts, BoardObjective, CellIndex, HeldBoardPlan};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 use rustc_hash::FxHashSet;

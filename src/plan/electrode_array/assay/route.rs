@@ -6,10 +6,10 @@
 //! not long where agents come or are mixed. Guaranteed: the course is legal. Not guaranteed: that one is
 //! found where only one exists that leaves a stop early and does the errand later. Cost: one step for each expanded node.
 
-use super::super::board::CellIndex;
-use super::super::fast::{DistanceField, Distances, UNREACHABLE};
 use super::bookings::{Asking, Bookings, FreeSpan, NEVER};
 use super::{AssayProblem, Errand, SplitErrand};
+use crate::plan::electrode_array::board::CellIndex;
+use crate::plan::electrode_array::fast::{DistanceField, Distances, UNREACHABLE};
 use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
 use std::cmp::Reverse;

@@ -2,8 +2,8 @@
 //!
 //! Contents are numbered: what an agent is while it does one errand after the other is known beforehand, whatever the plan.
 
-use super::super::board::CellIndex;
 use super::{AgentCourse, AssayProblem, replay};
+use crate::plan::electrode_array::board::CellIndex;
 
 /// The contents of agents, by their numbers.
 #[derive(Debug, Clone)]

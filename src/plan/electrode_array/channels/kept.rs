@@ -1,7 +1,7 @@
 //! Whether paths that were made without regard to shared channels keep their rule.
 
-use super::super::board::{CellIndex, Instance, Paths, position};
-use super::super::broadcast::AgentStep;
+use super::broadcast::AgentStep;
+use crate::plan::electrode_array::board::{CellIndex, Instance, Paths, position};
 
 /// Whether the paths of a stage keep the rule until the last arrival.
 pub fn are_kept_by_paths(instance: &Instance, paths: &Paths) -> bool {

@@ -5,10 +5,10 @@
 //! same paths. Not guaranteed: that a plan is found, or a short one. Cost: one step of the meter for each tried move, for each agent
 //! before.
 
-use super::super::board::{BoardCosts, BoardObjective, CellIndex, Paths, position};
-use super::super::broadcast::{AgentStep, SharedChannels};
-use super::super::exact::field::{ExactTables, StagedCell};
 use super::are_kept_by_paths;
+use super::broadcast::{AgentStep, SharedChannels};
+use crate::plan::electrode_array::board::{BoardCosts, BoardObjective, CellIndex, Paths, position};
+use crate::plan::electrode_array::exact::field::{ExactTables, StagedCell};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 use rustc_hash::FxHashSet;
@@ -145,7 +145,7 @@ impl OrderedTurns<'_> {
             at = before;
         }
         path.reverse();
-        super::super::joint::trim(&mut path);
+        crate::plan::electrode_array::joint::trim(&mut path);
         path
     }
 }

@@ -8,12 +8,14 @@
 //! agents. Neither if the budget ends before. Cost: that of [`joint`]: two or three droplets are proven on a board of 100 cells, more where
 //! they are seldom in each other's way.
 
-use super::super::board::{BoardAnswer, BoardCosts, BoardObjective, BoardPlan, Instance, NoBoardPlan, Paths};
-use super::super::broadcast::SharedChannels;
-use super::super::exact::field::{Closed, ExactTables};
-use super::super::fast;
-use super::super::joint::{self, JointAim, JointAnswer, NoJointPlan};
+use super::broadcast::SharedChannels;
 use super::prioritised;
+use crate::plan::electrode_array::board::{
+    BoardAnswer, BoardCosts, BoardObjective, BoardPlan, Instance, NoBoardPlan, Paths,
+};
+use crate::plan::electrode_array::exact::field::{Closed, ExactTables};
+use crate::plan::electrode_array::fast;
+use crate::plan::electrode_array::joint::{self, JointAim, JointAnswer, NoJointPlan};
 use crate::plan::search::Meter;
 
 /// One part in this many of the budget goes to a first plan, to the figure that is not minimised, and to each try for a smaller set of
@@ -22,7 +24,7 @@ const FIRST_SHARE: u64 = 8;
 const TIE_SHARE: u64 = 4;
 const BLAME_SHARE: u64 = 4;
 
-/// A plan within a limit on the steps if there is one, as [`super::super::portfolio::solve`] finds it where no channel is shared.
+/// A plan within a limit on the steps if there is one, as [`crate::plan::electrode_array::portfolio::solve`] finds it where no channel is shared.
 pub fn solve(
     (instance, channels): (&Instance, &SharedChannels),
     objective: BoardObjective,

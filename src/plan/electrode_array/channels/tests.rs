@@ -1,11 +1,12 @@
-use super::super::board::{
-    Agent, BoardAnswer, BoardCosts, BoardGrid, BoardObjective, CellIndex, Instance, NoBoardPlan, Paths,
-};
-use super::super::broadcast::SharedChannels;
-use super::super::joint::oracle::{Chance, Shape, fault_by, least_by, random};
-use super::super::{limited, portfolio};
+use super::broadcast::SharedChannels;
 use super::*;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, ElectrodeMap, Electrodes, Hold};
+use crate::plan::electrode_array::board::{
+    Agent, BoardAnswer, BoardCosts, BoardGrid, BoardObjective, CellIndex, Instance, NoBoardPlan, Paths,
+};
+use crate::plan::electrode_array::joint::oracle::{Chance, Shape, fault_by, least_by, random};
+use crate::plan::electrode_array::limits::limited;
+use crate::plan::electrode_array::portfolio;
 use crate::plan::search::SearchBudget;
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,7 +1,7 @@
 //! Constraints of one agent in a node of the constraint tree, and the least cost at which the agent alone meets them.
 
-use super::super::board::CellIndex;
 use super::field::{ExactTables, FAR, StagedCell};
+use crate::plan::electrode_array::board::CellIndex;
 use crate::plan::search::Meter;
 use rustc_hash::FxHashSet;
 

@@ -3,8 +3,8 @@
 //! A single agent walks over nodes: a node is a cell and the number of stops visited, in one number, `stage * cells + cell`. The
 //! distances respect blocked cells and, where channels are shared, the steps that tear an agent; they are exact for an agent that is alone.
 
-use super::super::board::{CellIndex, Instance};
-use super::super::broadcast::AgentStep;
+use crate::plan::electrode_array::board::{CellIndex, Instance};
+use crate::plan::electrode_array::channels::broadcast::AgentStep;
 use fixedbitset::FixedBitSet;
 
 /// A cell and the number of stops visited: `stage * cells + cell`.

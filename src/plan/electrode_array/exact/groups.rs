@@ -3,10 +3,10 @@
 //! Every agent begins as its own group. Where the paths of two groups clash, the groups are merged and searched again. At any time
 //! the bounds of the groups add up to a bound for all, and once no paths clash the union of the plans is optimal.
 
-use super::super::board::{CellIndex, Paths};
 use super::field::ExactTables;
 use super::split::clashes;
 use super::tree::{self, ConstraintTreeTask, End};
+use crate::plan::electrode_array::board::{CellIndex, Paths};
 use crate::plan::search::Meter;
 
 /// Bounds on everyone's arrival, and the ceiling on the sum of costs.

@@ -7,11 +7,11 @@
 //! pair that has no joint path to the end prunes the tuple (compare the increasing cost tree search, Sharon et al., Artificial
 //! Intelligence 195, 2013).
 
-use super::super::board::CellIndex;
 use super::demand::AgentConstraint;
 use super::field::ExactTables;
 use super::layers::MultiValueDecisionDiagram;
 use super::pair::{CompatiblePairs, PairSide};
+use crate::plan::electrode_array::board::CellIndex;
 use crate::plan::search::Meter;
 use rustc_hash::FxHashSet;
 use std::rc::Rc;
@@ -190,7 +190,7 @@ impl JamSearch<'_> {
         let mut partial: Vec<Vec<u16>> = vec![vec![]];
         let mut tried = 0;
         for (member, asked) in self.members.iter().enumerate() {
-            let wanted = super::super::board::position(asked.path, instant as usize + 1);
+            let wanted = crate::plan::electrode_array::board::position(asked.path, instant as usize + 1);
             let mut edges: Vec<u16> =
                 self.rest.layers[member].edges(instant, here[member] as usize).iter().map(|to| *to as u16).collect();
             edges.sort_by_key(|to| self.cell(member, instant + 1, *to) == wanted);

@@ -1,9 +1,9 @@
 //! All paths of one agent with one cost, as a multi-value decision diagram: one layer per instant (Sharon et al., "The increasing
 //! cost tree search for optimal multi-agent pathfinding", Artificial Intelligence 195, 2013).
 
-use super::super::board::{CellIndex, position};
 use super::demand::{AgentConstraint, Ban, OutOfSteps};
 use super::field::{ExactTables, FAR, StagedCell};
+use crate::plan::electrode_array::board::{CellIndex, position};
 use crate::plan::search::Meter;
 
 /// The nodes on paths of exactly this cost.

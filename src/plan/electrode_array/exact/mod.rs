@@ -31,7 +31,7 @@ use super::board::{
     BoardAnswer, BoardCosts, BoardObjective, BoardPlan, CellIndex, HeldBoardPlan, Instance, NoBoardPlan, Paths,
 };
 use super::joint::{self, JointAim, NoJointPlan, trim};
-use super::timing;
+use super::portfolio::timing;
 use crate::plan::search::{Meter, SearchBudget};
 use demand::ALWAYS;
 use field::{Closed, ExactTables};

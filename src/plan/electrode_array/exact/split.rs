@@ -1,9 +1,9 @@
 //! Clashes of two paths, and the branching on them: pairs of constraints of which every plan meets at least one.
 
-use super::super::board::{CellIndex, position};
 use super::demand::{ALWAYS, AgentConstraint, Ban};
 use super::field::ExactTables;
 use super::layers::MultiValueDecisionDiagram;
+use crate::plan::electrode_array::board::{CellIndex, position};
 
 /// A conflict: positions of two agents at the same or neighbouring instants that are too near.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

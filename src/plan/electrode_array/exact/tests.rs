@@ -1,6 +1,6 @@
-use super::super::board::{Agent, BoardGrid, CellIndex};
-use super::super::joint::oracle::{Chance, Shape, fault, least, random};
 use super::*;
+use crate::plan::electrode_array::board::{Agent, BoardGrid, CellIndex};
+use crate::plan::electrode_array::joint::oracle::{Chance, Shape, fault, least, random};
 
 fn meter() -> Meter {
     Meter::new(SearchBudget::of(20_000_000))

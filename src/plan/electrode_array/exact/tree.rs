@@ -7,7 +7,6 @@
 //! Kumar, Koenig, "Multi-agent path finding for large agents", AAAI 2019). Pairs without any compatible least-cost paths (cardinal
 //! conflicts) are split by their costs instead, and raise the bound of the node ([`cover`](super::cover)).
 
-use super::super::board::{CellIndex, Paths};
 use super::cover::{Edge, least_rise};
 use super::demand::{AgentConstraint, OutOfSteps, least_cost};
 use super::field::ExactTables;
@@ -15,6 +14,7 @@ use super::jam::{self, Jam};
 use super::layers::MultiValueDecisionDiagram;
 use super::pair::{CompatiblePairs, PairSide};
 use super::split::{self, ConstraintBranch, Party, clashes};
+use crate::plan::electrode_array::board::{CellIndex, Paths};
 use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
 use std::cmp::Reverse;

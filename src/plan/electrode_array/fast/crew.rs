@@ -1,10 +1,10 @@
 //! State that all stages of the fast planner share: the instance, distances, reservations and the search of one agent.
 
-use super::super::board::{CellIndex, Instance, NoBoardPlan, Paths};
 use super::distances::Distances;
 use super::reservations::{Asking, Others, Reservations};
 use super::sipp::{Query, Sipp, StopRoute};
 use super::weights::ConflictWeights;
+use crate::plan::electrode_array::board::{CellIndex, Instance, NoBoardPlan, Paths};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 

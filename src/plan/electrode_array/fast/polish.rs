@@ -6,9 +6,9 @@
 //! stays legal and never gets worse; it is optimal where it meets the bounds. Not guaranteed: an optimum within any budget. Cost:
 //! one search for each agent of a neighbourhood ([`SIZES`]).
 
-use super::super::board::{BoardCosts, BoardObjective, CellIndex, Paths};
 use super::crew::{PlannedInstance, Wish};
 use super::reservations::Others;
+use crate::plan::electrode_array::board::{BoardCosts, BoardObjective, CellIndex, Paths};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 

@@ -5,9 +5,9 @@
 //! Guaranteed: a returned plan is legal. Not guaranteed: that one is found; some solvable instances have no order that works. Cost:
 //! at most [`ORDERS`] orders of one search for each agent.
 
-use super::super::board::{CellIndex, Paths};
 use super::crew::{PlannedInstance, Wish};
 use super::reservations::{Others, Reservations};
+use crate::plan::electrode_array::board::{CellIndex, Paths};
 use crate::plan::search::Meter;
 
 /// Number of orders that are tried: where these leave agents without a path, repair is quicker than further ones.

@@ -6,10 +6,10 @@
 //! a corridor, one of them must enter a bay. Guaranteed: a returned plan is legal. Not guaranteed: that one is found; the search
 //! ends with its meter. Cost: one search for each agent of a neighbourhood of at most [`LARGEST`].
 
-use super::super::board::{CellIndex, Paths};
 use super::crew::{PlannedInstance, Wish};
 use super::reservations::Others;
 use super::weights::ConflictWeights;
+use crate::plan::electrode_array::board::{CellIndex, Paths};
 use crate::plan::search::Meter;
 
 /// Most agents that are replanned at once.

@@ -1,7 +1,7 @@
 //! Plans against a checker that knows neither spans nor boxes, on many small instances and some large ones.
 
-use super::super::board::{Agent, BoardGrid, CellIndex, position};
 use super::*;
+use crate::plan::electrode_array::board::{Agent, BoardGrid, CellIndex, position};
 use crate::random::SplitMix64;
 
 const PLENTY: u64 = 3_000_000;

@@ -1,6 +1,6 @@
 //! Plain searches and a plain check for the tests, written from the definitions alone.
 
-use super::super::board::{Agent, BoardGrid, BoardObjective, CellIndex, Instance, Paths, position};
+use crate::plan::electrode_array::board::{Agent, BoardGrid, BoardObjective, CellIndex, Instance, Paths, position};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Cells, number of stops visited, and which agents have arrived for good.

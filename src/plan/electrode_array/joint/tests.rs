@@ -1,7 +1,7 @@
-use super::super::board::{Agent, BoardCosts, BoardGrid, BoardObjective, Instance};
-use super::super::exact::field::ExactTables;
 use super::oracle::{Chance, Shape, fault, least, random};
 use super::*;
+use crate::plan::electrode_array::board::{Agent, BoardCosts, BoardGrid, BoardObjective, Instance};
+use crate::plan::electrode_array::exact::field::ExactTables;
 use crate::plan::search::SearchBudget;
 
 fn meter() -> Meter {

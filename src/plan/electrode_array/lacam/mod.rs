@@ -13,8 +13,9 @@ mod step;
 
 use super::board::{CellIndex, Instance, Paths};
 use super::exact::field::{ExactTables, StagedCell};
+use super::joint;
 use super::joint::states::States;
-use super::{joint, timing};
+use super::portfolio::timing;
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 use std::collections::VecDeque;

@@ -6,9 +6,9 @@
 //! block it choose before all others: the first move of a shortest path, past nothing but blocked cells and the pushing agent, to a
 //! cell outside its path.
 
-use super::super::board::{CellIndex, Instance};
-use super::super::exact::field::{ExactTables, StagedCell};
 use super::NONE;
+use crate::plan::electrode_array::board::{CellIndex, Instance};
+use crate::plan::electrode_array::exact::field::{ExactTables, StagedCell};
 use crate::random::SplitMix64;
 use std::collections::VecDeque;
 use std::rc::Rc;

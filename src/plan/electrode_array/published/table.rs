@@ -4,7 +4,7 @@
 //! quadrants follow by mirroring both motions; beyond 6 on an axis every pair is safe. Several printed entries are unsafe and
 //! others stricter than the rule; they are kept as printed.
 
-use super::super::board::{BoardGrid, CellIndex};
+use crate::plan::electrode_array::board::{BoardGrid, CellIndex};
 
 /// Motion of a part in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

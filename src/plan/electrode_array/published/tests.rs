@@ -11,8 +11,8 @@
 //!   part allows it; Table 3 unmirrored; a plain distance of 5.
 //! - Table A1: all decisions and the values of the chosen cells; six printed entries are wrong (see the test).
 
-use super::super::board::{Agent, BoardGrid, Instance};
 use super::*;
+use crate::plan::electrode_array::board::{Agent, BoardGrid, Instance};
 
 fn reading(heuristic: Heuristic, check: PairCheck) -> PaperReading {
     PaperReading { heuristic, check, ties: Ties::default() }

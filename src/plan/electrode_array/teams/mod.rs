@@ -10,7 +10,10 @@
 //! was proven for any of them. "No plan" is proven for every assignment. The same input and budget give the same plan. Cost: one step of
 //! the budget is one of `portfolio`.
 
+pub mod assigned;
 mod assignment;
+pub mod loose;
+pub mod shared;
 
 use super::board::{
     Agent, BoardAnswer, BoardCosts, BoardObjective, BoardPlan, CellIndex, Instance, NoBoardPlan, Paths,

@@ -12,7 +12,7 @@ mod stands;
 use super::route::Ahead;
 use super::{AgentCourse, AssayProblem, ErrandLag, SplitErrand};
 use crate::plan::electrode_array::board::{BoardObjective, CellIndex, MetCells};
-use crate::plan::electrode_array::broadcast::{AgentStep, PulledStep, SharedChannels};
+use crate::plan::electrode_array::channels::broadcast::{AgentStep, PulledStep, SharedChannels};
 use crate::plan::electrode_array::fast::UNREACHABLE;
 use crate::plan::search::{Meter, SearchAnswer};
 use rustc_hash::FxHashMap;

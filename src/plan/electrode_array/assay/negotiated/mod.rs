@@ -17,13 +17,13 @@
 
 mod droplet_turns;
 
-use super::super::board::BoardObjective;
 use super::aside::as_replayed;
 use super::bound::{self, AssayBounds};
 use super::lists::{below, last_done, moved_to};
 use super::replay::done_by;
 use super::route::Ahead;
 use super::{AgentCourse, AssayPlan, AssayProblem, ErrandPlace};
+use crate::plan::electrode_array::board::BoardObjective;
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 use droplet_turns::{CheapestWay, DropletTurns};

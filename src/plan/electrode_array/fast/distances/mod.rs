@@ -8,7 +8,7 @@ use std::rc::Rc;
 
 use rustc_hash::FxHashMap;
 
-use super::super::board::{BoardGrid, CellIndex};
+use crate::plan::electrode_array::board::{BoardGrid, CellIndex};
 use crate::plan::search::Meter;
 
 /// Memory for all tables together: 400 of a board of 400 by 400.

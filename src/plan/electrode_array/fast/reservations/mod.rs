@@ -4,7 +4,7 @@
 //! moves one cell, only one row or column of the box changes, so a path of `L` moves has about `(2s - 1) (2s - 1 + L)` spans, and
 //! adding or removing it costs no more than that.
 
-use super::super::board::{CellIndex, Instance};
+use crate::plan::electrode_array::board::{CellIndex, Instance};
 
 /// The instant after all others.
 pub(super) const NEVER: u32 = u32::MAX;

@@ -1,7 +1,7 @@
 //! Segments against the separation rule, position by position.
 
-use super::super::super::board::{Agent, BoardGrid, position};
 use super::*;
+use crate::plan::electrode_array::board::{Agent, BoardGrid, position};
 use crate::random::SplitMix64;
 
 const INSTANTS: u32 = 40;

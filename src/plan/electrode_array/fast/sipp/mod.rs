@@ -12,9 +12,9 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::ops::Range;
 
-use super::super::board::{BoardGrid, CellIndex};
 use super::distances::{DistanceField, UNREACHABLE};
 use super::reservations::{Asking, NEVER, Reservations, SafeInterval};
+use crate::plan::electrode_array::board::{BoardGrid, CellIndex};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 

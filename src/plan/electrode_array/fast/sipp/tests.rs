@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use super::super::super::board::{Agent, Instance, Paths, position};
 use super::super::crew::{PlannedInstance, Wish};
 use super::super::reservations::Others;
 use super::*;
+use crate::plan::electrode_array::board::{Agent, Instance, Paths, position};
 use crate::plan::search::SearchBudget;
 
 const HORIZON: u32 = 90;

@@ -1,8 +1,11 @@
 //! The limits of a task as numbers of steps, costs and moves, and the report where no plan is known to keep them.
 
+pub mod labels;
+pub mod limited;
+
+use self::labels::{BoardFigures, PlanLimits};
+use self::limited::{PlanFront, UNLIMITED, exceeds};
 use super::board::{BoardCosts, Paths};
-use super::labels::{BoardFigures, PlanLimits};
-use super::limited::{self, PlanFront, UNLIMITED, exceeds};
 use super::motion::{ElectrodeArrayMotion, ElectrodeArrayStepMotion};
 use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayOrder};
 use crate::claims::{Relation, Requirement};

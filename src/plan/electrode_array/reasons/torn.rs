@@ -1,14 +1,14 @@
 //! Why a step has no plan on a board with shared channels.
 
-use super::arranged::{self, NoArrangement};
-use super::assay::NoAssayPlan;
-use super::board::{BoardAnswer, BoardObjective, Instance};
-use super::errands::AssaySite;
-use super::portfolio;
-use super::stage::{self, BoardGround, BoardStage};
 use crate::claims::electrode_array::ElectrodeArrayOrder;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeMap};
 use crate::diagnostic::Diagnostic;
+use crate::plan::electrode_array::assay::NoAssayPlan;
+use crate::plan::electrode_array::board::{BoardAnswer, BoardObjective, Instance};
+use crate::plan::electrode_array::errands::AssaySite;
+use crate::plan::electrode_array::places::arranged::{self, NoArrangement};
+use crate::plan::electrode_array::portfolio;
+use crate::plan::electrode_array::stage::{self, BoardGround, BoardStage};
 use crate::plan::errors;
 use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
 use crate::source::Span;

@@ -5,8 +5,8 @@
 //! Promise: the help mentions a plan only where one was found; otherwise it states what is known of the
 //! part alone. Cost: each step of the task may expand one [`SHARE`]th of its budget again.
 
-use super::stage::BoardStage;
 use crate::claims::electrode_array::{Bystanders, ElectrodeArrayMethod, ElectrodeArrayOrder, ElectrodeArrayPlanner};
+use crate::plan::electrode_array::stage::BoardStage;
 use crate::plan::errors::{Removal, listed};
 use std::sync::Arc;
 

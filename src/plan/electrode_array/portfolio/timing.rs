@@ -6,7 +6,7 @@
 //! turn, at the first instant after its agent's last move and after every agent that was too near to its target has left.
 //! Guaranteed: legal paths of no more steps and of the same moves. Cost: for each move the cells nearer than the separation.
 
-use super::board::{CellIndex, Instance, Paths};
+use crate::plan::electrode_array::board::{CellIndex, Instance, Paths};
 
 /// The same moves, each as early as possible; the paths must be legal.
 pub fn earliest(instance: &Instance, paths: &Paths) -> Paths {

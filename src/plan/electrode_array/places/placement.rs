@@ -6,10 +6,10 @@
 //! planner. Method: what has most to come after it is urgent at first; then the urgency of one part after the other is changed at random,
 //! and kept where the schedule is no longer than before.
 
-use super::board::CellIndex;
 use super::critical_path::{BoardWays, TimedOperation};
-use super::stage;
 use crate::claims::electrode_array::AssayOperation;
+use crate::plan::electrode_array::board::CellIndex;
+use crate::plan::electrode_array::stage;
 use crate::random::SplitMix64;
 use std::collections::BTreeMap;
 

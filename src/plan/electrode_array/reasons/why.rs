@@ -5,8 +5,8 @@
 //! without the named ones there is a path, and a single named blocker is the smallest set. Not guaranteed: that several are the
 //! fewest. Cost: linear in the cells of the board and of all blockers, once more for each blocker on the path.
 
-use super::board::{self, BoardGrid};
-use super::stage::{BoardStage, CellBlocker};
+use crate::plan::electrode_array::board::{self, BoardGrid};
+use crate::plan::electrode_array::stage::{BoardStage, CellBlocker};
 use crate::plan::errors::Removal;
 use std::collections::VecDeque;
 

@@ -5,11 +5,11 @@
 //! every plan of the task. Once some of its parts are sent elsewhere alone, that depends on the plan: then only the bounds of [`LooseParts::least`]
 //! hold, and a step without a plan proves nothing of the task.
 
-use super::board::{Agent, BoardCosts, Instance};
-use super::fast;
-use super::stage::{self, BoardGround};
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayOrder};
 use crate::device::electrode_array::ElectrodeCell;
+use crate::plan::electrode_array::board::{Agent, BoardCosts, Instance};
+use crate::plan::electrode_array::fast;
+use crate::plan::electrode_array::stage::{self, BoardGround};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The parts whose cells the program leaves open.

@@ -5,7 +5,7 @@
 //! other adds 2, so two stacks replace the queue. Guaranteed: the shortest path, or a proof that there is none. Cost: about the
 //! cells of the path where few cells are blocked, at most the cells of the board for each stop.
 
-use super::board::{BoardGrid, CellIndex, Instance, NoBoardPlan};
+use crate::plan::electrode_array::board::{BoardGrid, CellIndex, Instance, NoBoardPlan};
 use rustc_hash::FxHashMap;
 
 /// The path of the only agent of an instance.

@@ -1,11 +1,11 @@
 //! Steps with interchangeable goals, in the terms of a task.
 
-use super::board::{BoardCosts, BoardObjective, BoardPlan, NoBoardPlan};
-use super::stage::{self, BoardStage};
-use super::teams::{self, NoTeamPlan};
 use crate::claims::electrode_array::{ElectrodeArrayMove, ElectrodeArrayOrder};
 use crate::device::electrode_array::ElectrodeCell;
 use crate::diagnostic::Diagnostic;
+use crate::plan::electrode_array::board::{BoardCosts, BoardObjective, BoardPlan, NoBoardPlan};
+use crate::plan::electrode_array::stage::{self, BoardStage};
+use crate::plan::electrode_array::teams::{self, NoTeamPlan};
 use crate::plan::errors;
 use crate::plan::search::{SearchAnswer, SearchBudget};
 use crate::source::Span;

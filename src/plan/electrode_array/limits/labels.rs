@@ -2,17 +2,17 @@
 //!
 //! Problem: an instance on a small board, and limits on steps, sum of costs and moves. Method: a label-setting search over joint
 //! positions, as in multicriteria shortest paths (E. Q. V. Martins, "On a multicriteria shortest path problem", European Journal of
-//! Operational Research 16, 1984): a joint position keeps all its non-dominated partial plans. As in [`super::joint`], a position
+//! Operational Research 16, 1984): a joint position keeps all its non-dominated partial plans. As in [`crate::plan::electrode_array::joint`], a position
 //! records for each agent whether it has arrived for good. Where a figure must reach a least value, partial plans below that value
 //! are only compared with those of the same value in it.
 //!
 //! Guaranteed: for each plan within the limits the answer contains one that has no more of any figure, and as much of each up to
 //! its least value. Cost: one step of the meter is one joint move; it fits joint spaces of some ten thousand positions.
 
-use super::board::{CellIndex, Instance, Paths};
-use super::exact::field::{ExactTables, FAR, StagedCell};
-use super::joint::states::States;
-use super::joint::trim;
+use crate::plan::electrode_array::board::{CellIndex, Instance, Paths};
+use crate::plan::electrode_array::exact::field::{ExactTables, FAR, StagedCell};
+use crate::plan::electrode_array::joint::states::States;
+use crate::plan::electrode_array::joint::trim;
 use crate::plan::search::Meter;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

@@ -3,12 +3,12 @@
 //! Each part goes from place to place as if it were alone, to whichever is best for what it does next; parts that merge wait for each
 //! other, and what comes after something waits for the earliest end of it.
 
-use super::board::CellIndex;
-use super::errands::AssaySite;
-use super::fast::{Distances, UNREACHABLE};
-use super::stage;
 use crate::claims::electrode_array::AssayOperation;
 use crate::device::electrode_array::ElectrodeCell;
+use crate::plan::electrode_array::board::CellIndex;
+use crate::plan::electrode_array::errands::AssaySite;
+use crate::plan::electrode_array::fast::{Distances, UNREACHABLE};
+use crate::plan::electrode_array::stage;
 use crate::plan::search::Meter;
 
 /// Cells where a part may be, each with an instant.

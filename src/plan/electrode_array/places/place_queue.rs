@@ -5,7 +5,7 @@
 //! mean. Droplets that take turns at a place move out of each other's way in between; and those that come out of one reservoir come
 //! one after the other, so that the heads of later ones are later.
 
-use super::board::CellIndex;
+use crate::plan::electrode_array::board::CellIndex;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most operations of which each set that begins late has a bound of its own: the cost is the square of their number.

@@ -4,14 +4,14 @@
 //! the same places, none takes place while another one is there ([`super::place_queue`]); so it is with droplets that come out of one
 //! reservoir, and with the loops round which droplets are mixed.
 
-use super::assay::{LoopRoom, families, steps_between};
-use super::board::{BoardCosts, BoardGrid, CellIndex};
 use super::critical_path::{BoardWays, ReachedCells, TimedOperation};
-use super::errands::AssaySite;
 use super::place_queue::{DropletSource, PlaceQueue, ServedOperation};
-use super::stage;
 use crate::claims::electrode_array::AssayOperation;
 use crate::device::electrode_array::ElectrodeCell;
+use crate::plan::electrode_array::assay::{LoopRoom, families, steps_between};
+use crate::plan::electrode_array::board::{BoardCosts, BoardGrid, CellIndex};
+use crate::plan::electrode_array::errands::AssaySite;
+use crate::plan::electrode_array::stage;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Bounds on the plans of all arrangements.

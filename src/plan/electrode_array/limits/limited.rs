@@ -9,12 +9,12 @@
 //! Guaranteed: plans keep all limits. Where the answer is proven, no other plan of the task is better, or none keeps the limits.
 //! Cost: each step gets its budget once more.
 
-use super::board::{
+use super::labels::{self, BoardFigures, PlanLimits};
+use crate::plan::electrode_array::board::{
     BoardAnswer, BoardCosts, BoardObjective, BoardPlan, CellIndex, Instance, NoBoardPlan, Paths, position,
 };
-use super::broadcast::SharedChannels;
-use super::labels::{self, BoardFigures, PlanLimits};
-use super::portfolio;
+use crate::plan::electrode_array::channels::broadcast::SharedChannels;
+use crate::plan::electrode_array::portfolio;
 use crate::plan::search::{Meter, SearchBudget};
 
 /// No limit.

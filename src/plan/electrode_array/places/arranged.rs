@@ -9,16 +9,16 @@
 //! Guaranteed: a plan is legal; `bounds` hold for the plans of every arrangement, and they are called impossible only where each one is.
 //! Cost: that of planning the arrangements, on one budget.
 
-use super::assay::{self, AssayEffort, AssayPlan, AssayProblem, NoAssayPlan};
-use super::board::{BoardCosts, BoardObjective};
 use super::critical_path::{self, BoardWays};
-use super::errands::{self, AssaySite, PartCourse, PartErrands};
-use super::one_by_one::one_by_one;
 use super::place_tree::PlaceTree;
 use super::placement::{self, PaperSchedule, PaperTerms, PaperWait};
 use super::relaxed;
-use super::stage::{self, BoardStage};
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayOrder};
+use crate::plan::electrode_array::assay::{self, AssayEffort, AssayPlan, AssayProblem, NoAssayPlan};
+use crate::plan::electrode_array::board::{BoardCosts, BoardObjective};
+use crate::plan::electrode_array::errands::{self, AssaySite, PartCourse, PartErrands};
+use crate::plan::electrode_array::one_by_one::one_by_one;
+use crate::plan::electrode_array::stage::{self, BoardStage};
 use crate::plan::search::{Meter, SearchAnswer};
 use crate::random::SplitMix64;
 
@@ -80,7 +80,7 @@ fn looks(operations: &[AssayOperation]) -> usize {
 }
 
 /// As [`solve`], with a bound of its own for each of so many arrangements at most.
-pub(super) fn solve_each(
+pub(in super::super) fn solve_each(
     site: &AssaySite,
     operations: &[AssayOperation],
     (objective, most): (BoardObjective, usize),

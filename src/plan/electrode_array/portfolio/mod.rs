@@ -17,12 +17,15 @@
 //! budget is spent. Same instance and budget, same answer. The figure that is not minimised is improved too, but only while that is
 //! quick, and it is not proven optimal where that takes a search. Cost: one step of the budget is one node of one search.
 
+mod alone;
+pub mod timing;
+
 use super::board::{
     BoardAnswer, BoardCosts, BoardObjective, BoardPlan, CellIndex, HeldBoardPlan, Instance, NoBoardPlan, Paths,
 };
 use super::exact::field::ExactTables;
 use super::joint::{self, JointAim};
-use super::{alone, channels, exact, fast, lacam, timing};
+use super::{channels, exact, fast, lacam};
 use crate::plan::search::{Meter, SearchBudget};
 
 /// Steps of the first round, or as many for each step of the parts: nearly all instances that are not crowded need fewer.

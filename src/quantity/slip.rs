@@ -1,0 +1,60 @@
+//! The unit that was probably meant where one of another dimension is written.
+
+use super::{Dimension, PREFIXED, PREFIXES, Unit};
+
+/// The greatest power that a slip is mended to.
+const MAX_POWER: u32 = 4;
+
+/// The units of electricity and mechanics that are taken for one another, as `W` for `J`.
+const CONFUSED: [&str; 7] = ["V", "A", "J", "W", "N", "C", "F"];
+
+/// A unit of a dimension that differs from a written one by one power, as `g/cm^3` from `g/cm^2`, or by the name behind its prefix, as `mJ`
+/// from `mW`; `None` where there is none, so that a number would change its meaning with its unit.
+pub fn meant(written: &str, dimension: Dimension) -> Option<String> {
+    with_another_power(written, dimension).or_else(|| with_another_name(written, dimension))
+}
+
+fn with_another_power(written: &str, dimension: Dimension) -> Option<String> {
+    let starts = std::iter::once(0).chain(written.match_indices(['*', '/']).map(|(at, _)| at + 1));
+    let changed = starts.flat_map(|start| {
+        let end = written[start..].find(['*', '/']).map_or(written.len(), |end| start + end);
+        let name = written[start..end].split('^').next().unwrap_or_default();
+        let powers = (1..=MAX_POWER).map(move |power| match power {
+            1 => name.to_owned(),
+            _ => format!("{name}^{power}"),
+        });
+        let kept = powers.map(move |factor| format!("{}{factor}{}", &written[..start], &written[end..]));
+        let left_out = (start > 0).then(|| format!("{}{}", &written[..start - 1], &written[end..]));
+        kept.chain(left_out)
+    });
+    changed.into_iter().find(|unit| Unit::parse(unit).is_ok_and(|unit| unit.dimension == dimension))
+}
+
+fn with_another_name(written: &str, dimension: Dimension) -> Option<String> {
+    let (name, ..) = PREFIXED.iter().find(|(name, _, of)| *of == dimension && CONFUSED.contains(name))?;
+    let prefixes = std::iter::once("").chain(PREFIXES.iter().map(|(prefix, _)| *prefix));
+    prefixes
+        .filter(|prefix| written.strip_prefix(prefix).is_some_and(|rest| CONFUSED.contains(&rest)))
+        .map(|prefix| format!("{prefix}{name}"))
+        .next()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slip_keeps_the_size_of_what_is_written() {
+        let of = |written: &str, dimension| meant(written, dimension);
+        assert_eq!(of("g/cm^2", Dimension::DENSITY).as_deref(), Some("g/cm^3"));
+        assert_eq!(of("kg/m", Dimension::DENSITY).as_deref(), Some("kg/m^3"));
+        assert_eq!(of("mm^2", Dimension::LENGTH).as_deref(), Some("mm"));
+        assert_eq!(of("mm/s^2", Dimension::SPEED).as_deref(), Some("mm/s"));
+        assert_eq!(of("mm/s", Dimension::LENGTH).as_deref(), Some("mm"));
+        assert_eq!(of("mW", Dimension::ENERGY).as_deref(), Some("mJ"));
+        assert_eq!(of("A", Dimension::VOLTAGE).as_deref(), Some("V"));
+        assert_eq!(of("V", Dimension::LENGTH), None);
+        assert_eq!(of("um", Dimension::SPEED), None);
+        assert_eq!(of("", Dimension::LENGTH), None);
+    }
+}
