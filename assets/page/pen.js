@@ -89,6 +89,12 @@ function boxOfText(g, { words, x, y, align, size }) {
   return [left, y - size / 2, left + width, y + size / 2];
 }
 
+/** Where the name of a shape stands: between its corners, which may lie far from its pose. */
+function shapeMiddle(shape, pose) {
+  const { points } = shapePoints(shape, pose);
+  return [0, 1].map((axis) => points.reduce((sum, point) => sum + point[axis], 0) / points.length);
+}
+
 /** Corners of a shape at its pose, grown by a length; round parts as many short sides. */
 function shapePoints(shape, pose, growth_um = 0) {
   const name = typeof shape === "string" ? shape : Object.keys(shape)[0];

@@ -77,10 +77,11 @@ function drawRuler(pen, view, clearance, drawScene) {
   const middle = [0, 1].map((axis) => (marks[0][axis] + marks[1][axis]) / 2);
   const [x, y] = pen.at(middle);
   const [right, bottom] = [box.x + box.width - size, box.y + box.height - size];
-  const corners = [[box.x, box.y]];
-  // The corner at the top right may be taken by the inset of a bed, those at the bottom by the words of a hand.
-  if (view.devices[0].kind !== "microrobots") corners.push([right, box.y]);
-  if (view.devices[0].kind !== "fingers") corners.push([box.x, bottom], [right, bottom]);
+  const all = [[box.x, box.y], [right, box.y]];
+  // A corner may be taken by the inset of a bed, those at the bottom by the words of a hand.
+  if (view.devices[0].kind !== "fingers") all.push([box.x, bottom], [right, bottom]);
+  const isTaken = ([x, y], inset) => Math.abs(x - inset.x) < size && Math.abs(y - inset.y) < size;
+  const corners = all.filter((corner) => !view.inset || !isTaken(corner, view.inset));
   // The nearest corner that is clear of the place itself.
   const off = ([left, top]) => Math.hypot(left + size / 2 - x, top + size / 2 - y);
   const clear = corners.filter((corner) => off(corner) > size * 0.75 + 30);

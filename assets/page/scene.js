@@ -62,7 +62,8 @@ function dimibotView(devices) {
     for (const device of devices) {
       for (const obstacle of solids(device.runs[0])) {
         const { shape, pose } = obstacle.body.solid;
-        if (Math.hypot(x - pose.x_um, y - pose.y_um) < (shape.disc ? shape.disc.radius_um : 0.6)) return obstacle.name;
+        const [u, v] = shapeMiddle(shape, pose);
+        if (Math.hypot(x - u, y - v) < (shape.disc ? shape.disc.radius_um : 0.6)) return obstacle.name;
       }
     }
     return null;
@@ -103,7 +104,7 @@ function dimibotView(devices) {
           const { shape, pose } = obstacle.body.solid;
           drawShape(pen, shapePoints(shape, pose, facts.tip_radius_um + facts.repeatability_um), theme.grown);
           drawObstacle(pen, { name: obstacle.name, shape, pose }, lights);
-          pen.text([pose.x_um, pose.y_um], obstacle.name, theme.ink, { align: "center" });
+          pen.text(shapeMiddle(shape, pose), obstacle.name, theme.ink, { align: "center" });
         } else {
           const { from, to } = obstacle.body.cells;
           const [dx, dy] = pitchUm(facts);
@@ -371,6 +372,7 @@ function bedView(device) {
   const [low, high] = boxAbout(places, 0.02);
   const more = Math.max(...reach) / 2;
   const view = { title: device.name, devices: [device], unit_um: 1, extent: [low.map((v) => v - more), high.map((v) => v + more)] };
+  view.places = places;
   view.things = () => [...new Set(device.runs.flatMap(({ order }) => [...order.obstacles.map((o) => o.name), ...order.robots.map(({ row }) => order.facts.robots[row].name)]))];
   view.hit = ([x, y], t_ns) => {
     for (const robot of robotsAt(device, t_ns)) {
@@ -382,7 +384,7 @@ function bedView(device) {
   view.draw = (pen, t_ns, lights) => {
     drawBed(pen, device, t_ns, lights, true);
     // A loupe shows what is there, and no inset.
-    if (pen === view.pen) drawInset(pen, device, t_ns, lights);
+    if (pen === view.pen) drawInset(pen, view, t_ns, lights);
   };
   return view;
 }
@@ -430,7 +432,7 @@ function drawBed(pen, device, t_ns, lights, withNames) {
   for (const { name, shape, pose } of order.obstacles) {
     drawShape(pen, shapePoints(shape, pose, order.facts.clearance_um), theme.grown);
     drawObstacle(pen, { name, shape, pose }, lights);
-    if (withNames) pen.text([pose.x_um, pose.y_um], name, theme.ink, { align: "center" });
+    if (withNames) pen.text(shapeMiddle(shape, pose), name, theme.ink, { align: "center" });
   }
   for (const { robot, pose } of goalsOf(order)) {
     const facts = order.facts.robots[order.robots[robot].row];
@@ -485,17 +487,32 @@ function trailOf(device, run, robot, t_ns) {
   return [...device.trails.get(key), ...now];
 }
 
+/** The corner of a view in which the least is to be seen while the program lasts, the top right first. */
+function emptiestCorner(pen, places, size, margin) {
+  const { x, y, width, height } = pen.box;
+  const [left, right, top, bottom] = [x + 6, x + width - size - 6, y + 6, y + height - size - 6];
+  const corners = [[right, top], [left, top], [left, bottom], [right, bottom]];
+  const marks = places.map((place) => pen.at(place));
+  const met = ([a, b]) => marks.filter(([u, v]) => u > a - margin && u < a + size + margin && v > b - margin && v < b + size + margin).length;
+  return corners.reduce((best, corner) => (met(corner) < met(best) ? corner : best));
+}
+
 /** What is built, enlarged, once two robots are near their goals. */
-function drawInset(pen, device, t_ns, lights) {
+function drawInset(pen, view, t_ns, lights) {
+  const device = view.devices[0];
   const { plan, order } = runAt(device, t_ns);
   const goals = goalsOf(order);
+  view.inset = null;
   // Without a plan nothing meets.
   if (plan.states.length < 2 || !order.steps.some((step) => step.action.assemble)) return;
   const { box, g, theme } = pen;
   const size = Math.min(box.width, box.height) * 0.34;
   const [low, high] = boxAbout(goals.map(({ pose }) => [pose.x_um, pose.y_um]), 0.1);
   const more = 260;
-  const inset = { x: box.x + box.width - size - 6, y: box.y + 6, width: size, height: size };
+  const half = (Math.max(...order.facts.robots.map((robot) => robot.length_um)) / 2) * pen.scale;
+  const [left, top] = emptiestCorner(pen, view.places, size, half);
+  const inset = { x: left, y: top, width: size, height: size };
+  view.inset = inset;
   const close = new Pen(pen.canvas, inset, [low.map((v) => v - more), high.map((v) => v + more)], theme);
   g.save();
   g.beginPath();

@@ -29,7 +29,7 @@ function rowsOf(model) {
       rows.push({ kind: "ladder", label: `${device.name} (V)`, device, height: 120, gap: 8 });
     } else {
       const used = device.channels.filter((channel) => channel.actuations.length);
-      const values = used.flatMap((channel) => channel.actuations.flatMap(({ from, to }) => [from, to]));
+      const values = used.flatMap((channel) => [channel.rest_v || 0, ...channel.actuations.flatMap(({ from, to }) => [from, to])]);
       const range = [Math.min(0, ...values), Math.max(0, ...values)];
       used.forEach((channel, number) => {
         const label = model.devices.length > 1 ? channel.name : channel.name.slice(device.name.length + 1);
@@ -281,23 +281,28 @@ class Timeline {
     const yOf = (value) => row.y + row.height - 1.5 - ((value - low) / (high - low || 1)) * (row.height - 3);
     const color = channel.unit === "um" ? colorOf(Number((/f(\d+)\./.exec(channel.name) || [0, 1])[1]) - 1) : theme.wave;
     Object.assign(g, { strokeStyle: color, fillStyle: color, lineWidth: 1.25 });
-    const base = yOf(channel.rest_v || 0);
+    // Voltages stand on 0 V, at rest too.
+    const [base, rest_v] = [yOf(0), channel.rest_v || 0];
+    const level = (x0, x1, value) => g.fillRect(x0, Math.min(yOf(value), base), Math.max(1, x1 - x0), Math.abs(base - yOf(value)) || 1);
     if (channel.unit === "V") {
       g.globalAlpha = 0.25;
       g.fillRect(LABELS, base, this.width(), 0.75);
       g.globalAlpha = 1;
     }
     const { actuations } = channel;
+    const first = Math.max(0, lastAtMost(actuations, "start_ns", this.from_ns));
     let drawn = -Infinity;
+    let since = first ? this.xOf(actuations[first].start_ns) : this.xOf(0);
     g.beginPath();
-    for (let at = Math.max(0, lastAtMost(actuations, "start_ns", this.from_ns)); at < actuations.length; at += 1) {
+    for (let at = first; at < actuations.length; at += 1) {
       const { start_ns, duration_ns, from, to } = actuations[at];
       if (start_ns > this.to_ns) break;
       const [x0, x1] = [this.xOf(start_ns), this.xOf(start_ns + duration_ns)];
       if (channel.unit === "V") {
-        const y = Math.min(yOf(from), base);
+        if (rest_v && x0 > since) level(since, x0, rest_v);
+        since = Math.max(since, x1);
         // Pulses closer than a pixel are one block.
-        if (x1 - drawn >= 0.5) g.fillRect(x0, y, Math.max(1, x1 - x0), Math.abs(base - yOf(from)) || 1);
+        if (x1 - drawn >= 0.5) level(x0, x1, from);
         drawn = Math.max(drawn, x1);
       } else {
         g.moveTo(Math.max(x0, LABELS - 10), yOf(from));
@@ -307,6 +312,8 @@ class Timeline {
       }
     }
     if (channel.unit === "um") g.stroke();
+    const end = this.xOf(this.model.duration_ns);
+    if (rest_v && end > since) level(since, end, rest_v);
   }
 
   /** The drive voltage against each robot's release and snap-down voltage, with the margin as a band. */

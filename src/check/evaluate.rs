@@ -271,6 +271,12 @@ impl Checker<'_> {
         let values: Vec<Spanned<Value>> =
             arguments.iter().map(|argument| self.evaluate_spanned(argument, scope)).collect();
         if !is_function(&name) {
+            let declared = self.modules[scope.module].names.get(&name);
+            let is_value =
+                declared.is_some_and(|found| found.sort == DeclarationSort::Let) || scope.local(&name).is_some();
+            if is_value {
+                return self.unknown(errors::index_in_round_brackets(function.span, &name));
+            }
             let near = nearest(&name, function_names());
             return self.unknown(errors::unknown_function(function.span, &name, near));
         }

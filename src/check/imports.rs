@@ -12,20 +12,44 @@ use std::sync::Arc;
 /// Greatest number of files in one program.
 pub const MAX_FILES: usize = 256;
 
+/// Why a file cannot be used, each in words that end a sentence.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum FileFault {
+    /// It is not there, or cannot be read.
+    Unread(String),
+    NotText(String),
+    /// A file of triangles that would be too long as text.
+    LongMesh(String),
+    /// A file of triangles that is no closed surface.
+    NoSurface(String),
+}
+
+impl From<String> for FileFault {
+    fn from(why: String) -> FileFault {
+        FileFault::Unread(why)
+    }
+}
+
+impl From<&str> for FileFault {
+    fn from(why: &str) -> FileFault {
+        FileFault::Unread(why.to_owned())
+    }
+}
+
 /// Where used files come from: the disk, a log, a test's memory.
 pub trait Library {
     /// The text of the file that `path` names, seen from the file named `from`, with the name under which it is to be known;
     /// two paths to one file must give one name.
     ///
     /// # Errors
-    /// Why it cannot be read, in words that end a sentence.
-    fn read(&self, from: &str, path: &str) -> Result<(String, String), String>;
+    /// Why it cannot be used.
+    fn read(&self, from: &str, path: &str) -> Result<(String, String), FileFault>;
 
     /// As for a program, but for a file of triangles, as text whatever its format on the disk.
     ///
     /// # Errors
-    /// Why it cannot be read, as words that end a sentence.
-    fn read_mesh(&self, from: &str, path: &str) -> Result<(String, String), String> {
+    /// Why it cannot be used.
+    fn read_mesh(&self, from: &str, path: &str) -> Result<(String, String), FileFault> {
         self.read(from, path)
     }
 
@@ -39,8 +63,8 @@ pub trait Library {
 pub struct NoFiles;
 
 impl Library for NoFiles {
-    fn read(&self, _: &str, path: &str) -> Result<(String, String), String> {
-        Err(format!("`{path}` is not there"))
+    fn read(&self, _: &str, path: &str) -> Result<(String, String), FileFault> {
+        Err(format!("`{path}` is not there").into())
     }
 }
 
@@ -117,7 +141,7 @@ impl Loader<'_> {
                     });
                     files.insert(path, Arc::clone(known));
                 }
-                Err(why) => self.sink.push(errors::missing_file(text.span, &format!("`{path}`"), &why, &[])),
+                Err(fault) => self.sink.push(errors::unusable_file(text.span, &path, &fault, &[])),
             }
         }
         files
@@ -198,13 +222,13 @@ impl Loader<'_> {
         let from = self.sources.file(from).name.clone();
         match self.library.read(&from, path) {
             Ok((name, text)) => self.module(&name, &text, Origin::User, span),
-            Err(why) => {
+            Err(fault) => {
                 if let Some(name) = library_named(path) {
                     self.sink.push(errors::library_in_quotes(span, name));
                     return None;
                 }
                 let chain: Vec<String> = self.open.iter().map(|(name, _)| self.library.shown(name)).collect();
-                self.sink.push(errors::missing_file(span, &format!("`{path}`"), &why, &chain));
+                self.sink.push(errors::unusable_file(span, path, &fault, &chain));
                 None
             }
         }

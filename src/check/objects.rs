@@ -71,6 +71,16 @@ impl ObjectNames {
         self.others.insert(name.to_owned(), (noun, span));
     }
 
+    /// Whether an object of this name is declared, and something is wrong with it, which was reported.
+    pub fn is_faulty(&self, name: &str) -> bool {
+        matches!(self.indices.get(name), Some(None))
+    }
+
+    /// Whether something is wrong with one of the objects, which was reported.
+    pub fn has_faulty(&self) -> bool {
+        self.indices.values().any(Option::is_none)
+    }
+
     /// The index of the object that an argument names; `None` after an error, be it one of the argument or of the object.
     ///
     /// `scene` is where the task's scene is declared; a scene that was cut for its size knows none of its names, and says so alone.

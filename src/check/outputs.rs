@@ -71,23 +71,27 @@ impl Checker<'_> {
             return None;
         };
         let place = self.resolve(path, scope, DeclarationSort::Output);
-        let facts = place.and_then(|place| self.facts::<AuxiliarySort>(place));
-        let is_graded = facts.is_some_and(|facts| facts.is_graded);
-        let (sort, name) = match place.filter(|_| is_graded) {
-            Some(place) => {
+        let Some((place, facts)) = place.and_then(|place| Some((place, self.facts::<AuxiliarySort>(place)?))) else {
+            // What the level of an output with errors may be is not known.
+            if level_word(&phrase.value).is_none() {
+                self.evaluate(&phrase.value, scope);
+            }
+            return None;
+        };
+        let (sort, name) = match facts.is_graded {
+            true => {
                 let share = Sort::Quantity { dimension: Dimension::NUMBER, range: Range::Share };
                 (share, format!("the level of `{}`", self.named(place).0))
             }
-            None => (Sort::Word(Level::CHOICES), "the level of an output".to_owned()),
+            false => (Sort::Word(Level::CHOICES), "the level of an output".to_owned()),
         };
-        let doc = if is_graded { "a share of it, as `60 %`".to_owned() } else { String::new() };
+        let doc = if facts.is_graded { "a share of it, as `60 %`".to_owned() } else { String::new() };
         let wanted = WantedName { name, doc, declared: None };
-        if let Some(word) = level_word(&phrase.value).filter(|_| is_graded) {
+        if let Some(word) = level_word(&phrase.value).filter(|_| facts.is_graded) {
             self.sink.push(errors::word_for_share(phrase.value.span, &wanted.name, word));
             return None;
         }
         let level = self.accept(sort, &phrase.value, scope, &wanted);
-        let (place, facts) = (place?, facts?);
         let (name, declared) = self.named(place);
         if facts.pulse_ns.is_some() {
             self.sink.push(errors::level_of_trigger(step, (name, declared)));

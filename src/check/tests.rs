@@ -1,6 +1,6 @@
 //! The rules of the language: just inside passes, just outside fails with exactly that code.
 
-use super::imports::{self, Library};
+use super::imports::{self, FileFault, Library};
 use super::{Checked, Options, check};
 use crate::claims::Timeline;
 use crate::diagnostic::Sink;
@@ -12,9 +12,9 @@ const GO: &str = "task fetch on bot { move to (19, 28) }\n";
 struct Shelf<'a>(&'a [(&'a str, &'a str)]);
 
 impl Library for Shelf<'_> {
-    fn read(&self, _from: &str, path: &str) -> Result<(String, String), String> {
+    fn read(&self, _from: &str, path: &str) -> Result<(String, String), FileFault> {
         let found = self.0.iter().find(|(name, _)| *name == path);
-        found.map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).ok_or("there is none".to_owned())
+        found.map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).ok_or("there is none".into())
     }
 }
 
@@ -227,9 +227,11 @@ fn settings_replace_values_of_the_own_and_of_used_files() {
 fn a_file_that_is_no_text_is_to_be_saved_as_one() {
     struct Wide;
     impl Library for Wide {
-        fn read(&self, _from: &str, path: &str) -> Result<(String, String), String> {
-            Err(if path == "wide.twz" { "`wide.twz` is not UTF-8 at byte 0, in line 1" } else { "there is none" }
-                .to_owned())
+        fn read(&self, _from: &str, path: &str) -> Result<(String, String), FileFault> {
+            Err(match path {
+                "wide.twz" => FileFault::NotText("`wide.twz` is not UTF-8 at byte 0, in line 1".to_owned()),
+                _ => "there is none".into(),
+            })
         }
     }
     let help = |text: &str| {

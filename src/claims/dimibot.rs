@@ -50,6 +50,14 @@ impl KindOrder for DimibotOrder {
     }
 }
 
+/// Where a robot stands when a task begins that does not say so itself, and why.
+#[derive(Debug, Clone, Copy)]
+pub enum StandingTip {
+    AtHome(dimibot::LatticeCell),
+    /// Where its last task has ended.
+    LeftThere(dimibot::LatticeCell),
+}
+
 impl DimibotOrder {
     /// A job's order, if it is one of this kind.
     pub fn of(order: &Order) -> Option<&DimibotOrder> {
@@ -74,7 +82,15 @@ impl DimibotOrder {
 
     /// E0505: the robot stands on obstacles, given by their indices, when the task begins. Found by whoever knows the cell, as with
     /// [`Self::start_disagrees`].
-    pub fn start_covered(&self, stands: dimibot::LatticeCell, obstacles: &[usize], job: &Job) -> Diagnostic {
+    pub fn start_covered(&self, stands: StandingTip, obstacles: &[usize], job: &Job) -> Diagnostic {
+        let (stands, help) = match stands {
+            StandingTip::AtHome(cell) => {
+                (cell, "say where it begins with `start at`, or give the device another `home`")
+            }
+            StandingTip::LeftThere(cell) => {
+                (cell, "the task before has ended there: let it go on to a cell that is free in this scene")
+            }
+        };
         let shown = || obstacles.iter().take(SHOWN_OBSTACLES).map(|index| &self.obstacles[*index]);
         let names: Vec<String> = shown().map(|obstacle| format!("`{}`", obstacle.name)).collect();
         let title = format!("task `{}` begins at {stands}, on obstacle {}", job.task, names.join(", "));
@@ -83,7 +99,7 @@ impl DimibotOrder {
             .fold(diagnostic, |diagnostic, obstacle| {
                 diagnostic.label_elsewhere(obstacle.span, job.run_span, "the obstacle")
             })
-            .help("say where it begins with `start at`, or give the device another `home`")
+            .help(help)
     }
 }
 

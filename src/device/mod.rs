@@ -392,6 +392,13 @@ pub struct Noun {
     pub shapes: &'static [shape::ShapeForm],
 }
 
+impl Noun {
+    /// A word of a list of nouns, with the shapes that it may have.
+    pub const fn of(word: WordChoice, shapes: &'static [shape::ShapeForm]) -> Noun {
+        Noun { name: word.name, doc: word.doc, shapes }
+    }
+}
+
 /// A step of a task, or a condition on all of it.
 #[derive(Debug)]
 pub struct Verb {

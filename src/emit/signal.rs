@@ -221,7 +221,7 @@ impl<'a> SignalCursor<'a> {
     /// else twice the value.
     pub fn envelope(&mut self, t_ns: u64) -> [f64; 2] {
         let rest = &self.signals.of(self.channel)[self.begun..];
-        self.begun += rest.iter().take_while(|actuation| actuation.start_ns <= t_ns).count();
+        self.begun += rest.iter().take_while(|actuation| t_ns >= actuation.start_ns).count();
         match self.signals.during_of(self.channel, self.begun, t_ns) {
             Some(Actuation { swing: Some(Swing { levels: [a, b], .. }), .. }) => [a.min(*b), a.max(*b)],
             Some(_) | None => [self.signals.value_of(self.channel, self.begun, t_ns); 2],

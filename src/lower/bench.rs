@@ -128,9 +128,12 @@ impl WiredChannel<'_> {
         let title = format!("`{name}` needs {}, its switch gives {}", self.shown(value), Quantity::voltage(on_v));
         let finding =
             self.finding(Code::E0621, title, format!("`switches` {}", Quantity::voltage(on_v)), actuation.step);
-        Some(finding.help(
-            "feed the switch with the voltage of the device, or set the device's to that of the switch; channels of several levels belong to outputs of voltage",
-        ))
+        let levels = self.actuations.iter().flat_map(|actuation| actuation.levels()).filter(|value| *value != 0.0);
+        let has_several = levels.clone().any(|level| level != value);
+        Some(finding.help(match has_several {
+            true => "a switch gives one voltage, and this channel has several: wire it to an output of voltage",
+            false => "feed the switch with the voltage of the device, or set the device's to that of the switch",
+        }))
     }
 
     /// A level that an electrode driver cannot be set to.

@@ -110,8 +110,9 @@ fn too_soon(
                 Quantity::time_ns(pulse_ns)
             ),
             format!(
-                "write a `wait` of more than {} between the two, or a shorter `duration`",
-                Quantity::time_ns(pulse_ns - gap_ns)
+                "let more than {} pass between the two, {} of it so far, or write a shorter `duration`",
+                Quantity::time_ns(pulse_ns),
+                Quantity::time_ns(gap_ns)
             ),
         ),
         None if gap_ns == 0 => (

@@ -32,10 +32,12 @@ impl<'t> CursorPlace<'t> {
         while at < before.len() {
             let end = end_of_token(before, at);
             let token = &before[at..end];
-            let is_ended = match () {
-                () if token.starts_with("//") => end < before.len(),
-                () if token.starts_with('"') => end < before.len() || token.len() > 1 && token.ends_with('"'),
-                () => true,
+            let is_ended = if token.starts_with("//") {
+                end < before.len()
+            } else if token.starts_with('"') {
+                end < before.len() || token.len() > 1 && token.ends_with('"')
+            } else {
+                true
             };
             if !is_ended {
                 return None;

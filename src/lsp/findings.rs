@@ -2,7 +2,7 @@
 
 use super::hints::CheckedFigures;
 use super::text::{self, ColumnUnit, EditedText};
-use crate::check::imports::Library;
+use crate::check::imports::{FileFault, Library};
 use crate::check::{Options, ProgramSource, check_program};
 use crate::diagnostic::{Diagnostic, Label, Severity, Sink};
 use crate::source::{FileId, Origin, Sources, beside};
@@ -39,7 +39,7 @@ impl<'a> Overlay<'a> {
 }
 
 impl Library for Overlay<'_> {
-    fn read(&self, from: &str, path: &str) -> Result<(String, String), String> {
+    fn read(&self, from: &str, path: &str) -> Result<(String, String), FileFault> {
         let name = beside(from, path);
         match self.texts.get(&self.path(&name)) {
             Some(text) => Ok((name, (*text).to_owned())),
@@ -47,7 +47,7 @@ impl Library for Overlay<'_> {
         }
     }
 
-    fn read_mesh(&self, from: &str, path: &str) -> Result<(String, String), String> {
+    fn read_mesh(&self, from: &str, path: &str) -> Result<(String, String), FileFault> {
         self.disk.read_mesh(from, path)
     }
 

@@ -38,6 +38,16 @@ pub enum LimitVerdict {
     Elsewhere(&'static str, f64),
 }
 
+impl LimitVerdict {
+    /// Whether no plan keeps all limits.
+    pub fn is_proven(self) -> bool {
+        match self {
+            LimitVerdict::Least(_) | LimitVerdict::AtLeast(..) | LimitVerdict::Conflict => true,
+            LimitVerdict::NotFound | LimitVerdict::Elsewhere(..) => false,
+        }
+    }
+}
+
 /// The figures of the report of a missed limit.
 pub struct LimitTexts {
     pub reached: String,
@@ -71,6 +81,11 @@ pub fn listed(names: impl IntoIterator<Item = String>, most: usize) -> String {
     names.truncate(most);
     let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
     format!("{}{rest}", names.join(", "))
+}
+
+/// A number of steps in words.
+pub fn steps_text(steps: u64) -> String {
+    if steps == 1 { "1 step".to_owned() } else { format!("{steps} steps") }
 }
 
 fn removal_help(blamed: &[(&str, Span)], removal: Removal) -> Option<String> {
@@ -109,13 +124,13 @@ pub fn nothing_left_to_try(step: Span, to: &str, bound: u64, avoids: bool) -> Di
         "move parts away from places that others need, with `move PART to CELL`, or write the operations into several `assay` steps"
     };
     Diagnostic::new(Code::E0602, "the search found no plan and has nothing left to try")
-        .label(step, undecided(to, &format!("{bound} steps")))
+        .label(step, undecided(to, &steps_text(bound)))
         .help(format!("a larger budget hardly helps: {help}"))
 }
 
 /// A greedy planner gave up; its failure proves nothing. `first` is what Tweeze's own planner needs before it plans this, such as another field.
 pub fn greedy_gave_up(asked: Span, (part, at): (&str, &str), steps: usize, how: &str, first: &str) -> Diagnostic {
-    let steps = if steps == 1 { "1 step".to_owned() } else { format!("{steps} steps") };
+    let steps = steps_text(steps as u64);
     Diagnostic::new(Code::E0602, format!("the greedy planner leaves `{part}` {how} at {at} after {steps}"))
         .label(asked, "neither planned nor disproved")
         .help(format!("{first}leave `using` out: Tweeze's own planner searches all plans as far as its budget goes"))
@@ -332,16 +347,16 @@ pub fn requirement_missed(
         Relation::AtLeast => ("at or above", "to"),
         Relation::More => ("above", "to"),
     };
-    let others = if all > 1 { " and the other limits" } else { "" };
+    let (others, with_others) = if all > 1 { (" and the other limits", " with the other limits") } else { ("", "") };
     let (title, label, help) = match verdict {
         LimitVerdict::Least(_) => (
             format!("no plan keeps `{name}` {within} {limit}{others}"),
-            format!("proven: the least is {value}"),
+            format!("proven: the least is {value}{with_others}"),
             Some(format!("raise the limit {raise} {value}")),
         ),
         LimitVerdict::AtLeast(_, best) => (
             format!("no plan keeps `{name}` {within} {limit}{others}"),
-            format!("proven: no plan has less than {floor}"),
+            format!("proven: no plan has less than {floor}{with_others}"),
             best.map(|best| format!("the plan found would keep a limit of {}", texts(Some(best)).enough)),
         ),
         LimitVerdict::Conflict => (

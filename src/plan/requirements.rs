@@ -20,8 +20,8 @@ pub enum Kept {
     No,
 }
 
-/// A kind's knowledge of an upper limit that its plan misses. The default knows nothing: the report then says that no plan was
-/// found.
+/// A kind's knowledge of an upper limit, or an upper side of `==`, that its plan misses. The default knows nothing: the report then says
+/// that no plan was found.
 #[derive(Debug, Default)]
 pub struct KnownLimit {
     /// Proven: no plan keeps all limits of the job at once.
@@ -48,9 +48,18 @@ pub fn is_upper(requirement: &Requirement) -> bool {
     }
 }
 
+/// Whether an outcome is more than a requirement allows.
+fn is_missed_above(requirement: &Requirement, reached: f64) -> bool {
+    match requirement.relation {
+        Relation::Less | Relation::AtMost => true,
+        Relation::Equal => reached > requirement.limit,
+        Relation::AtLeast | Relation::More => false,
+    }
+}
+
 /// Whether a plan meets all requirements of its job; missed ones are reported.
 ///
-/// `known` is called for each missed upper limit.
+/// `known` is called for each upper limit, and each upper side of `==`, that is missed.
 pub fn require<M>(
     job: &Job,
     plan: &Plan<M>,
@@ -58,28 +67,36 @@ pub fn require<M>(
     sink: &mut Sink,
 ) -> Kept {
     let mut all_kept = Kept::Yes;
+    let (mut proven, mut open) = (Vec::new(), Vec::new());
     for (index, requirement) in job.requirements.iter().enumerate() {
         let Some(&reached) = plan.outcomes.get(&requirement.outcome) else { continue };
         if keeps(requirement, reached) == Kept::Yes {
             continue;
         }
         all_kept = Kept::No;
-        let known = if is_upper(requirement) { known(requirement) } else { KnownLimit::default() };
+        let known = if is_missed_above(requirement, reached) { known(requirement) } else { KnownLimit::default() };
         let verdict = verdict(job, index, plan, &known);
         let dimension = dimension(job, requirement);
         let limit = requirement.limit;
         let texts = |value: Option<f64>| {
             let reached = show(reached, dimension);
-            let value = value
-                .map(|value| (exact(value, dimension), enough(value, dimension), no_more(value, limit, dimension)));
+            let value = value.map(|value| match requirement.relation {
+                // A rounded figure would be another one.
+                Relation::Equal => {
+                    (in_full(value, dimension), in_full(value, dimension), no_more(value, limit, dimension))
+                }
+                Relation::Less | Relation::AtMost | Relation::AtLeast | Relation::More => {
+                    (exact(value, dimension), enough(value, dimension), no_more(value, limit, dimension))
+                }
+            });
             let beside = value.iter().flat_map(|(value, enough, floor)| [value, enough, floor]).chain([&reached]);
             let limit = limit_text(limit, beside, dimension);
             let (value, enough, floor) = value.unwrap_or_default();
             LimitTexts { reached, limit, value, enough, floor }
         };
         let missed = errors::requirement_missed(requirement, verdict, job.requirements.len(), &texts);
-        let missed = match verdict {
-            LimitVerdict::Least(_) | LimitVerdict::AtLeast(..) | LimitVerdict::Conflict => {
+        let missed = match verdict.is_proven() {
+            true => {
                 let unproven = LimitVerdict::NotFound;
                 missed.or_without_proof(errors::requirement_missed(
                     requirement,
@@ -88,11 +105,15 @@ pub fn require<M>(
                     &texts,
                 ))
             }
-            LimitVerdict::Elsewhere(..) | LimitVerdict::NotFound => missed,
+            false => missed,
         };
         let advice = known.advice.or_else(|| longer(job, index, reached)).filter(|_| verdict == LimitVerdict::NotFound);
-        sink.push(missed.help_if(advice));
+        let missed = missed.help_if(advice);
+        if verdict.is_proven() { proven.push(missed) } else { open.push(missed) }
     }
+    // Where one limit is proven to be too much, it is known that no plan keeps all of them.
+    let reported = if proven.is_empty() { open } else { proven };
+    reported.into_iter().for_each(|missed| sink.push(missed));
     all_kept
 }
 
@@ -122,7 +143,8 @@ fn verdict<M>(job: &Job, index: usize, plan: &Plan<M>, known: &KnownLimit) -> Li
             value(one.1).total_cmp(&value(other.1))
         });
     let best = best.and_then(|(objective, outcomes)| Some((objective, *outcomes.get(&requirement.outcome)?)));
-    let least = known.least.filter(|least| keeps(requirement, *least) == Kept::No);
+    let is_beyond = |least: &f64| *least >= requirement.limit && keeps(requirement, *least) == Kept::No;
+    let least = known.least.filter(is_beyond);
     match (least, best) {
         (_, Some((objective, value))) if keeps(requirement, value) == Kept::Yes && objective != plan.objective => {
             LimitVerdict::Elsewhere(objective, value)

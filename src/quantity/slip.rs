@@ -14,20 +14,23 @@ pub fn meant(written: &str, dimension: Dimension) -> Option<String> {
     with_another_power(written, dimension).or_else(|| with_another_name(written, dimension))
 }
 
+/// By leaving a factor out, or else by another power of one.
 fn with_another_power(written: &str, dimension: Dimension) -> Option<String> {
     let starts = std::iter::once(0).chain(written.match_indices(['*', '/']).map(|(at, _)| at + 1));
-    let changed = starts.flat_map(|start| {
+    let changed = starts.map(|start| {
         let end = written[start..].find(['*', '/']).map_or(written.len(), |end| start + end);
         let name = written[start..end].split('^').next().unwrap_or_default();
         let powers = (1..=MAX_POWER).map(move |power| match power {
             1 => name.to_owned(),
             _ => format!("{name}^{power}"),
         });
-        let kept = powers.map(move |factor| format!("{}{factor}{}", &written[..start], &written[end..]));
+        let kept = powers.map(|factor| format!("{}{factor}{}", &written[..start], &written[end..])).collect();
         let left_out = (start > 0).then(|| format!("{}{}", &written[..start - 1], &written[end..]));
-        kept.chain(left_out)
+        (left_out, kept)
     });
-    changed.into_iter().find(|unit| Unit::parse(unit).is_ok_and(|unit| unit.dimension == dimension))
+    let (left_out, kept): (Vec<Option<String>>, Vec<Vec<String>>) = changed.unzip();
+    let mut all = left_out.into_iter().flatten().chain(kept.into_iter().flatten());
+    all.find(|unit| Unit::parse(unit).is_ok_and(|unit| unit.dimension == dimension))
 }
 
 fn with_another_name(written: &str, dimension: Dimension) -> Option<String> {
@@ -51,6 +54,7 @@ mod tests {
         assert_eq!(of("mm^2", Dimension::LENGTH).as_deref(), Some("mm"));
         assert_eq!(of("mm/s^2", Dimension::SPEED).as_deref(), Some("mm/s"));
         assert_eq!(of("mm/s", Dimension::LENGTH).as_deref(), Some("mm"));
+        assert_eq!(of("us/s", Dimension::TIME).as_deref(), Some("us"));
         assert_eq!(of("mW", Dimension::ENERGY).as_deref(), Some("mJ"));
         assert_eq!(of("A", Dimension::VOLTAGE).as_deref(), Some("V"));
         assert_eq!(of("V", Dimension::LENGTH), None);

@@ -139,6 +139,24 @@ impl Cursor<'_> {
         self.head_end = Some(code).filter(|code| has_braces && *code > self.at && *code < self.text.len());
     }
 
+    /// `robots: table` at the end of a line, whose rows follow without a `{`.
+    pub fn line_ends(&mut self) {
+        if !self.text.get(self.line_start..self.at).is_some_and(|line| line.contains("table")) {
+            return;
+        }
+        let code = around::code_end_before(self.text, self.at);
+        let Some(line) = self.text.get(self.line_start..code) else { return };
+        let is_table = line.strip_suffix("table").is_some_and(|before| before.trim_end().ends_with(':'));
+        let has_bar = |rest: &str| rest.lines().nth(1).is_some_and(|row| row.contains('|'));
+        if !is_table || !self.text[code..self.at].trim().is_empty() || !has_bar(self.rest()) {
+            return;
+        }
+        let mark = self.span(code - "table".len(), code);
+        self.report(slips::missing_brace(mark, line.trim_start()));
+        self.replace(code, code + 1, "{");
+        self.brackets.open.push(OpenBracket { bracket: b'{', at: code, indent: self.indent, line_end: None });
+    }
+
     pub fn end_of_text(&mut self) {
         self.close_all(self.text.len(), None);
     }

@@ -147,6 +147,7 @@ impl<'t> Cursor<'t> {
     }
 
     pub fn newline(&mut self) {
+        self.line_ends();
         self.line_end.get_or_insert(self.at);
         if !self.goes_on() {
             self.brackets.line_ended(self.at);

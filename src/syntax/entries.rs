@@ -1,10 +1,11 @@
 //! Content of braces: fields, objects, steps, wires, and the loops over them.
 
-use super::around;
+use super::around::{self, token_at};
 use super::errors;
 use super::functions::is_function;
 use super::grammar::{Node, Rule};
 use super::habits;
+use super::lexical::is_quote;
 use super::reader::Reader;
 use super::recover;
 use super::slips;
@@ -13,6 +14,7 @@ use super::tree::{
     Doc, Entry, Expr, ExprKind, Field, For, Ident, Object, Path, Phrase, SceneEntry, Step, TextPart, Wire, WireOutput,
     WiringEntry,
 };
+use super::words::is_name;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
@@ -74,16 +76,19 @@ impl Reader<'_> {
         })
     }
 
-    /// The field that an unreadable entry is but for its colon: it is there, and is no field that is missing.
+    /// The field that an unreadable entry is but for its colon, or its value: it is there, and is no field that is missing.
     fn field_without_value(&mut self, node: &Node, doc: Doc) -> Option<Field> {
         let span = self.trimmed(node);
         let whole = &self.source[span.range()];
-        let text = recover::field_without_colon(whole)?.to_owned();
+        let (skipped, text) =
+            recover::field_without_colon(whole).map(|text| (0, text)).or_else(|| named_entry(whole))?;
+        let text = text.to_owned();
         // `pulse voltage: 20 V` is one name with a blank in it.
         if slips::blank_in_name(span, whole).is_some() {
             return None;
         }
-        let name_span = Span { end: span.start + text.len() as u32, ..span };
+        let start = span.start + skipped as u32;
+        let name_span = Span { start, end: start + text.len() as u32, ..span };
         let value = Expr { kind: ExprKind::Error, span };
         Some(Field { doc, name: Ident { text, span: name_span }, value, span })
     }
@@ -139,7 +144,15 @@ impl Reader<'_> {
             Some(match child.as_rule() {
                 Rule::wire => reader.wire(child).map_or(WiringEntry::Error(span), WiringEntry::Wire),
                 Rule::wire_loop => WiringEntry::For(reader.each(child, Self::wires)),
-                Rule::field => WiringEntry::Field(reader.field(child, doc)),
+                Rule::field => {
+                    let field = reader.field(child, doc);
+                    if let Some(finding) = slips::equals_in_wire(&field, reader.source) {
+                        reader.forget_code(Code::E0119, field.span);
+                        reader.report(finding);
+                        return Some(WiringEntry::Error(span));
+                    }
+                    WiringEntry::Field(field)
+                }
                 _ => {
                     reader.bad_entry(&child, errors::ListPlace::Wires);
                     WiringEntry::Error(span)
@@ -335,4 +348,13 @@ impl Reader<'_> {
         let fields = parts.next().map(|fields| self.fields(fields)).unwrap_or_default();
         Some(Wire { channel, output: output?, fields, span })
     }
+}
+
+/// The name of an unreadable field before its colon, and where it begins: `right: 5 5`, `'right': 5`.
+fn named_entry(text: &str) -> Option<(usize, &str)> {
+    let is_quote_mark = |c: char| c == '"' || is_quote(c);
+    let bare = text.trim_start_matches(is_quote_mark);
+    let name = token_at(bare, 0);
+    let rest = bare[name.len()..].trim_start_matches(is_quote_mark).trim_start();
+    (is_name(name) && rest.starts_with([':', '='])).then(|| (text.len() - bare.len(), name))
 }

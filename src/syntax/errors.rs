@@ -165,6 +165,14 @@ pub(super) fn bad_row(span: Span, text: &str) -> Diagnostic {
         .help(format!("a row is one line, such as `D1 | 92 | 31`; this is `{}`", quote(row)))
 }
 
+pub(super) fn bar_before_row(span: Span) -> Diagnostic {
+    let mark = first_word(span, 1);
+    Diagnostic::new(Code::E0128, "a row that begins with `|`")
+        .label(mark, "`|` stands between values")
+        .help("remove it: a row is one line, such as `D1 | 92 | 31`")
+        .mended(mark, "")
+}
+
 pub(super) fn bad_header(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0128, "a table without a header")
         .label(span, "expected the names of the columns")
@@ -344,12 +352,23 @@ pub(super) fn transpose(mark: Span) -> Diagnostic {
         .mended_here("")
 }
 
+/// `'right': 5`.
+pub(super) fn quoted_name(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0118, format!("quotes round the name `{name}`"))
+        .label(span, "names stand without quotes")
+        .help(format!("write `{name}`"))
+        .mended_here(name)
+}
+
 pub(super) fn foreign_character(span: Span, text: &str) -> Diagnostic {
     let written = &text[span.range()];
     let help = match written.chars().next() {
         Some('°') => "write `deg`, as in `80 deg`",
         Some('±') => "remove it: a figure of this kind is taken to both sides",
         Some('&') => "join conditions by two `require` lines",
+        Some('\\') if text[span.end as usize..].starts_with('"') => {
+            "strings have no such signs: use single quotes within, as in `\"the 'blue' chip\"`"
+        }
         Some('\\') => "a line continues after an operator or inside brackets, without a marker",
         _ => "remove it: names are letters, digits and `_`",
     };
@@ -490,6 +509,17 @@ pub(super) fn bad_short_item(rest: Span, rule: Rule, text: &str) -> Diagnostic {
     if rule == Rule::use_rest {
         return finding.help("write it as `use std.dimibot` or `use \"bench.twz\" as lab`");
     }
+    // `let s = [(1, 1) (2, 2)]`
+    let before = code_end_before(text, rest.start as usize);
+    let opens = |line: &str| line.matches(['[', '(']).count() > line.matches([']', ')']).count();
+    if rule == Rule::let_rest && text[..before].ends_with([')', ']', '"']) && opens(line_before(text, before)) {
+        let behind = part(rest, before, before);
+        let token = token_at(text, rest.start as usize);
+        return Diagnostic::new(Code::E0103, format!("a comma is missing before `{}`", quote(token)))
+            .label(visible(rest, text), "the value before this is complete")
+            .help("separate the values of a list with commas, as in `[(3, 9), (8, 3)]`")
+            .mended(behind, ",");
+    }
     // `let n 3`
     let (line, at) = (line_before(text, rest.start as usize), rest.start as usize);
     let value = line_after(text, at).trim_start_matches('=').trim();
@@ -543,7 +573,9 @@ pub(super) fn value_without_let(span: Span, text: &str) -> Diagnostic {
 /// The noun of a declaration whose kind and fields stand for a value: `dimibot.femto_st { … }`.
 fn declared_with_braces(value: &str) -> Option<&'static str> {
     let kind = value.split('{').next().filter(|kind| kind.len() < value.len())?.trim();
+    // One word before braces may be a shape, which is a value.
     let is_kind = kind.starts_with(char::is_alphabetic) && kind.chars().all(|c| is_word(c) || c == '.');
+    let is_kind = is_kind && kind.contains('.');
     let is_instrument = kind.split('.').any(|part| part == "instruments");
     is_kind.then_some(if is_instrument { "instrument" } else { "device" })
 }

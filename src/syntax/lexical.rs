@@ -1,7 +1,7 @@
 //! Words, numbers, strings and signs: their valid forms, and the diagnostics of invalid ones.
 
 use super::cursor::Cursor;
-use super::words::{end_of_word, is_word};
+use super::words::{end_of_word, is_name, is_word};
 use super::{MAX_NESTING, errors, habits, slips};
 
 /// Greatest number of bytes of a name: it is repeated in every channel, file and message that uses it.
@@ -277,7 +277,7 @@ pub(super) fn sign(cursor: &mut Cursor, first: char) {
     cursor.cover(start, end);
 }
 
-fn is_quote(c: char) -> bool {
+pub(super) fn is_quote(c: char) -> bool {
     matches!(c, '“' | '”' | '„' | '‘' | '’' | '\'' | '«' | '»' | '`')
 }
 
@@ -296,7 +296,15 @@ fn quoted(cursor: &mut Cursor, start: usize, inside: usize) {
         cursor.at = inside;
         return;
     }
-    cursor.report(errors::foreign_quotes(span, &cursor.text[inside..close]));
+    let name = &cursor.text[inside..close];
+    if close < end && is_name(name) && cursor.text[end..].trim_start_matches([' ', '\t']).starts_with(':') {
+        cursor.report(errors::quoted_name(span, name));
+        cursor.replace(start, inside, "");
+        cursor.replace(close, end, "");
+        cursor.at = end;
+        return;
+    }
+    cursor.report(errors::foreign_quotes(span, name));
     if close == end || cursor.text[inside..close].contains('{') {
         cursor.cover(start, end);
     } else {

@@ -92,7 +92,8 @@ impl<'s> Reader<'s> {
         children
     }
 
-    fn is_mark(&mut self, node: &Node) -> bool {
+    /// Whether a node stands for what is missing or of no matter; what is missing is reported.
+    pub fn is_mark(&mut self, node: &Node) -> bool {
         let finding: fn(Span, &str) -> Diagnostic = match node.as_rule() {
             Rule::comment_text | Rule::stray_doc | Rule::file_docs => return true,
             Rule::late => errors::late_brace,

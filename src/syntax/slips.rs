@@ -4,7 +4,7 @@
 use super::around::{self, part, quote, token_at};
 use super::errors::ListPlace;
 use super::habits;
-use super::tree::{Expr, ExprKind};
+use super::tree::{Expr, ExprKind, Field};
 use super::words::{PREPOSITIONS, end_of_word, is_name, is_word};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
@@ -23,6 +23,25 @@ pub(super) fn entry(span: Span, place: ListPlace, source: &str) -> Option<Diagno
         ListPlace::Steps => habits::step(span, source),
         ListPlace::Fields => None,
     }
+}
+
+/// `out = card.ao0`, which was read as a field: no field of a wiring is an output.
+pub(super) fn equals_in_wire(field: &Field, source: &str) -> Option<Diagnostic> {
+    let between = part(field.span, field.name.span.end as usize, field.value.span.start as usize);
+    let sign = source[between.range()].trim();
+    let is_output = matches!(&field.value.kind, ExprKind::Path(path) if path.segments.len() > 1);
+    if !is_output || !matches!(sign, "=" | ":=") {
+        return None;
+    }
+    let at = between.start as usize + source[between.range()].find(sign)?;
+    let mark = part(between, at, at + sign.len());
+    let (name, output) = (&field.name.text, &source[field.value.span.range()]);
+    Some(
+        Diagnostic::new(Code::E0119, format!("`{sign}` where `->` belongs"))
+            .label(mark, "between a channel and its output stands `->`")
+            .help(format!("write `{name} -> {}`", quote(output)))
+            .mended(mark, "->"),
+    )
 }
 
 /// `bl0.set: "…"`, `bl0.set = "…"`, or an output without quotes.
@@ -47,18 +66,22 @@ fn wire(span: Span, source: &str) -> Option<Diagnostic> {
         false if is_indexed => format!("{}{fields}", written.replace('(', "[").replace(')', "]")),
         false => format!("\"{output}\""),
     };
-    let mend = format!("write `{} -> {}`", &text[..channel], quote(&quoted));
+    // What is no single word may be a path with a slip in it: in quotes it would be a name, and lead to no instrument.
+    let is_sure =
+        is_path || is_indexed || bare.starts_with('"') || output.chars().all(|c| is_word(c) || "/-".contains(c));
+    let mend = match is_sure {
+        true => format!("write `{} -> {}`", &text[..channel], quote(&quoted)),
+        false => {
+            "an output of an instrument is written as `card.port0.line0`; any other name stands in quotes".to_owned()
+        }
+    };
     let start = span.start as usize + (text.len() - rest.len());
     if sign != "->" {
-        return Some(
-            Diagnostic::new(Code::E0119, format!("`{sign}` where `->` belongs"))
-                .label(part(span, start, start + sign.len()), "between a channel and its output stands `->`")
-                .help(mend)
-                .mended(
-                    part(span, span.start as usize + channel, span.start as usize + text.trim_end().len()),
-                    format!(" -> {quoted}"),
-                ),
-        );
+        let finding = Diagnostic::new(Code::E0119, format!("`{sign}` where `->` belongs"))
+            .label(part(span, start, start + sign.len()), "between a channel and its output stands `->`")
+            .help(mend);
+        let whole = part(span, span.start as usize + channel, span.start as usize + text.trim_end().len());
+        return Some(if is_sure { finding.mended(whole, format!(" -> {quoted}")) } else { finding });
     }
     let at = span.start as usize + (text.len() - rest[sign.len()..].trim_start().len());
     let next = output[path.len()..].trim_start();
@@ -77,10 +100,8 @@ fn wire(span: Span, source: &str) -> Option<Diagnostic> {
             true => ("an index in round brackets", "an index stands in `[ ]`"),
             false => ("an output without quotes", "an output is a string"),
         };
-        Diagnostic::new(Code::E0101, title)
-            .label(part(span, at, at + output.len()), note)
-            .help(mend)
-            .mended_here(quoted)
+        let finding = Diagnostic::new(Code::E0101, title).label(part(span, at, at + output.len()), note).help(mend);
+        if is_sure { finding.mended_here(quoted) } else { finding }
     })
 }
 

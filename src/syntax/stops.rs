@@ -59,6 +59,11 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
     if line.ends_with('}') && PREPOSITIONS.contains(&token) {
         return finding.help("an index stands in `[ ]`, as in `drop[2]`; a block ends the step");
     }
+    if token == "{" && line.ends_with(':') {
+        let has_bar = text[at..].lines().nth(1).is_some_and(|row| row.contains('|'));
+        let word = if has_bar { "table" } else { "disc" };
+        return finding.help(format!("write the word of the value before its braces, as `{line} {word} {{ … }}`"));
+    }
     if token == "(" && before == at && !word.is_empty() {
         return Diagnostic::new(Code::E0101, "an index in round brackets")
             .label(place, "an index stands in `[ ]`")

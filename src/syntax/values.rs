@@ -240,7 +240,13 @@ impl Reader<'_> {
     /// A row with as many cells as there are columns, whatever was written.
     fn row(&mut self, node: Node, columns: &[Column]) -> Row {
         let span = self.span(&node);
-        let mut cells = self.values(node);
+        let mut parts: Vec<Node> = node.into_inner().collect();
+        if self.source[span.range()].starts_with('|') {
+            self.report(errors::bar_before_row(span));
+            parts.remove(0);
+        }
+        parts.retain(|part| !self.is_mark(part));
+        let mut cells: Vec<Expr> = parts.into_iter().map(|cell| self.primary(cell)).collect();
         if cells.len() != columns.len() {
             self.report(errors::row_length(span, cells.len(), columns));
             cells.resize(columns.len(), Expr { kind: ExprKind::Error, span: span.after() });

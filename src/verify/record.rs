@@ -79,15 +79,16 @@ fn estimate(run: &JudgedRun, findings: &mut Findings) {
 }
 
 fn bound(run: &JudgedRun, findings: &mut Findings) {
-    let (cost, bound, unit) = (run.plan.cost, run.plan.bound, &run.plan.unit);
+    let (cost, bound) = (run.plan.cost, run.plan.bound);
+    let unit = if run.plan.unit.is_empty() { String::new() } else { format!(" {}", run.plan.unit) };
     let title = if alike(cost, bound) {
         return;
     } else if bound > cost {
         let (bound, cost) = apart(bound, cost);
-        format!("the lower bound of `{}` is {bound} {unit}, above its cost of {cost} {unit}", run.job.task)
+        format!("the lower bound of `{}` is {bound}{unit}, above its cost of {cost}{unit}", run.job.task)
     } else if run.plan.optimal {
         let (bound, cost) = apart(bound, cost);
-        format!("`{}` is called optimal at {cost} {unit}, but its lower bound is only {bound} {unit}", run.job.task)
+        format!("`{}` is called optimal at {cost}{unit}, but its lower bound is only {bound}{unit}", run.job.task)
     } else {
         return;
     };

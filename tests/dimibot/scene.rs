@@ -38,10 +38,6 @@ pub struct Limit {
 }
 
 impl Limit {
-    pub fn is_upper(&self) -> bool {
-        self.relation.starts_with('<')
-    }
-
     /// Whether a value keeps it from above; limits from below are not searched for.
     pub fn allows(&self, value: f64) -> bool {
         self.relation.starts_with('>') || self.holds(value) || (self.relation == "==" && value < self.value)

@@ -386,3 +386,9 @@ fn what_comes_soon_after_another_cannot_come_behind_a_long_stay() {
     let errors = refused(&found("ea_within_what_it_comes_after"));
     assert!(errors.starts_with("E0601") && errors.contains("`p0` take longer than `within`"), "{errors}");
 }
+
+#[test]
+fn a_droplet_waits_for_the_traces_of_another() {
+    let plan = planned(&found("ea_waits_for_traces"));
+    assert_eq!((plan.cost, plan.bound), (14.0, 14.0));
+}

@@ -1,7 +1,7 @@
 //! One text or log through the compiler, and the forbidden outcomes.
 
 use tweeze::check::Options;
-use tweeze::check::imports::Library;
+use tweeze::check::imports::{FileFault, Library};
 use tweeze::compile::{self, CompileObserver, CompileOutcome, ProgramSource};
 use tweeze::diagnostic::{Sink, SourceEdit, machine, render};
 use tweeze::emit::{self, EmitError, FailedProgram, Format, Provenance, mcap};
@@ -20,10 +20,10 @@ const LOOK: render::Look =
 struct Carried<'a>(&'a [(String, String)]);
 
 impl Library for Carried<'_> {
-    fn read(&self, from: &str, path: &str) -> Result<(String, String), String> {
+    fn read(&self, from: &str, path: &str) -> Result<(String, String), FileFault> {
         let name = beside(from, path);
         let text = self.0.iter().find(|file| file.0 == name).map(|file| file.1.clone());
-        text.map(|text| (name, text)).ok_or_else(|| "there is no such file".to_owned())
+        text.map(|text| (name, text)).ok_or_else(|| "there is no such file".into())
     }
 }
 

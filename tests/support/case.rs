@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 use tweeze::check::Options;
-use tweeze::check::imports::Library;
+use tweeze::check::imports::{FileFault, Library};
 use tweeze::compile::{ProgramSource, compile};
 use tweeze::diagnostic::Sink;
 use tweeze::source::Sources;
@@ -22,7 +22,7 @@ pub struct Case {
 pub struct Shelf<'a>(pub &'a Case);
 
 impl Library for Shelf<'_> {
-    fn read(&self, _from: &str, path: &str) -> Result<(String, String), String> {
+    fn read(&self, _from: &str, path: &str) -> Result<(String, String), FileFault> {
         let own = (path == self.0.name).then_some(&self.0.text);
         let text = own.or_else(|| self.0.files.get(path)).ok_or("there is no such file")?;
         Ok((path.to_owned(), text.clone()))

@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 use tweeze::check::Options;
-use tweeze::check::imports::{Library, NoFiles};
+use tweeze::check::imports::{FileFault, Library, NoFiles};
 use tweeze::claims::electrode_array::ElectrodeArrayOrder;
 use tweeze::compile::{self, CompileOutcome, ProgramSource};
 use tweeze::device::electrode_array::Electrodes;
@@ -44,7 +44,7 @@ pub fn found(name: &str) -> String {
 pub struct Folder<'a>(pub &'a Path);
 
 impl Library for Folder<'_> {
-    fn read(&self, _: &str, path: &str) -> Result<(String, String), String> {
+    fn read(&self, _: &str, path: &str) -> Result<(String, String), FileFault> {
         let text = std::fs::read_to_string(self.0.join(path)).map_err(|error| error.to_string())?;
         Ok((path.to_owned(), text))
     }

@@ -13,7 +13,7 @@ use super::value::{ModuleWord, Value, whole};
 use super::{CheckedFacts, Checker, KindChecks, KindFacts, errors, shapes};
 use crate::claims::dimibot::{
     Asked, DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacle, DimibotObstacleBody, DimibotOrder,
-    DimibotPlanner, DimibotStep, DimibotStop,
+    DimibotPlanner, DimibotStep, DimibotStop, StandingTip,
 };
 use crate::claims::{Job, Order};
 use crate::device::dimibot::{self, DimibotFacts, DimibotVerb, LatticeCell, Side, Simultaneous};
@@ -454,7 +454,8 @@ fn starts_agree(jobs: &[Job], sink: &mut Sink) {
             let covers = |index: &usize| cover::covers(&body(*index), cell, &order.facts);
             let covering: Vec<usize> = (0..order.obstacles.len()).filter(covers).collect();
             if !covering.is_empty() {
-                sink.push(order.start_covered(cell, &covering, job));
+                let stands = if before.is_some() { StandingTip::LeftThere(cell) } else { StandingTip::AtHome(cell) };
+                sink.push(order.start_covered(stands, &covering, job));
             }
         }
         let ends = end_of(order).unwrap_or(begins);

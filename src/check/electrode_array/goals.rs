@@ -19,7 +19,7 @@ use crate::claims::electrode_array::{
     ElectrodeArrayStop, OperationLag, SplitDroplet,
 };
 use crate::device::electrode_array::{
-    ElectrodeArrayFacts, ElectrodeArrayVerb, ElectrodeCell, Electrodes, Hold, SPLIT_APART, Separation,
+    BoardNoun, ElectrodeArrayFacts, ElectrodeArrayVerb, ElectrodeCell, Electrodes, Hold, SPLIT_APART, Separation,
 };
 use crate::diagnostic::{Code, Sink};
 use crate::source::Span;
@@ -170,19 +170,17 @@ impl BoardStepJudge<'_> {
         let ContentRequirement { part, share, relation, limit, span } = asked;
         let no_droplet = self.facts.layout.electrodes != Electrodes::Single;
         self.sink.unless(no_droplet.then(|| errors::parts_contain_nothing(*span)))?;
-        let object = Value::Object(ObjectName { noun: "part", name: part.value.clone(), word: part.span });
+        let object =
+            Value::Object(ObjectName { noun: BoardNoun::Part.name(), name: part.value.clone(), word: part.span });
         let part = self.part(&Argument { value: object, span: part.span, origin: None })?;
         let fluids = self.tray.fluids();
         let share = match share.value.as_str() {
             "volume" => DropletShare::Volume,
             name if fluids.contains(name) => DropletShare::Fluid(name.to_owned()),
+            name if self.tray.is_faulty_fluid(name) => return None,
             name => {
-                self.sink.push(errors::unknown_fluid(
-                    (Code::E0559, share.span),
-                    (name, share.span),
-                    &fluids,
-                    self.scene,
-                ));
+                let asked = (Code::E0559, share.span);
+                self.sink.push(errors::unknown_fluid(asked, (name, share.span), &fluids, self.scene));
                 return None;
             }
         };

@@ -90,6 +90,9 @@ impl BoardStepJudge<'_> {
     /// A fluid of the scene by its name; `None` after an error.
     fn fluid(&mut self, asked: &Argument) -> Option<String> {
         let Value::Object(ObjectName { name, word, .. }) = &asked.value else { return None };
+        if self.tray.is_faulty_fluid(name) {
+            return None;
+        }
         let fluids = self.tray.fluids();
         let wrong = (!fluids.contains(name.as_str()))
             .then(|| errors::unknown_fluid((Code::E0565, asked.span), (name, *word), &fluids, self.scene));

@@ -18,7 +18,7 @@ use crate::claims::electrode_array::{
     BoardPart, BoardZone, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ZoneSort,
 };
 use crate::device::electrode_array::{
-    ElectrodeArrayFacts, ElectrodeCell, Electrodes, MAX_OBSTACLES, MAX_PARTS, MAX_ZONES, VOCABULARY,
+    BoardNoun, ElectrodeArrayFacts, ElectrodeCell, Electrodes, MAX_OBSTACLES, MAX_PARTS, MAX_ZONES, VOCABULARY,
 };
 use crate::device::shape::ShapeForm;
 use crate::diagnostic::{Code, Diagnostic, Sink};
@@ -51,6 +51,11 @@ impl BoardScene {
         let placed = self.parts.iter().filter(|part| part.cell.is_some()).map(|part| part.name.as_str());
         self.outlets.iter().map(|outlet| outlet.name.as_str()).chain(placed).collect()
     }
+
+    /// Whether something is wrong with the reservoir or the part of this name, which was reported.
+    pub fn is_faulty_fluid(&self, name: &str) -> bool {
+        self.names.is_faulty(name) || self.reservoirs.is_faulty(name)
+    }
 }
 
 impl Checker<'_> {
@@ -70,8 +75,10 @@ fn judged_scene(
     sink: &mut Sink,
 ) -> BoardScene {
     let zones = ZoneSort::ALL.iter().map(|sort| (sort.name(), MAX_ZONES));
-    let most: Vec<(&str, usize)> =
-        [("part", MAX_PARTS), ("obstacle", MAX_OBSTACLES)].into_iter().chain(zones).collect();
+    let most: Vec<(&str, usize)> = [(BoardNoun::Part.name(), MAX_PARTS), (BoardNoun::Obstacle.name(), MAX_OBSTACLES)]
+        .into_iter()
+        .chain(zones)
+        .collect();
     if let Some(crowd) = scene.crowd(&most) {
         sink.push(crowd);
         return BoardScene { is_whole: false, ..judged(&[], device, facts, sink) };
@@ -103,39 +110,42 @@ fn judged(
     let (mut names, mut reservoirs) = (ObjectNames::default(), ObjectNames::default());
     let mut sites = ObjectNames::default();
     let is_droplet = facts.layout.electrodes == Electrodes::Single;
-    let may_come = is_droplet || objects.iter().any(|object| object.noun == "reservoir");
+    let may_come = is_droplet || objects.iter().any(|object| object.noun == BoardNoun::Reservoir.name());
     for object in objects {
-        let mut reader = TrayReader { object, device, facts, sink };
         if let Some(sort) = ZoneSort::find(&object.noun) {
-            let zone = reader.zone(sort, &zones);
+            let zone = TrayReader { object, device, facts, sink }.zone(sort, &zones);
             sites.insert(&object.name, zone.as_ref().map(|_| zones.len()));
             names.insert_other(&object.name, sort.name(), object.span);
             reservoirs.insert_other(&object.name, sort.name(), object.span);
             zones.extend(zone);
             continue;
         }
-        let noun = VOCABULARY.nouns.iter().map(|noun| noun.name).find(|noun| *noun == object.noun);
-        noun.into_iter().for_each(|noun| sites.insert_other(&object.name, noun, object.span));
-        match object.noun.as_str() {
-            "part" => {
+        let Some(noun) = BoardNoun::find(&object.noun) else {
+            sink.push(of_other_kind(object, &VOCABULARY));
+            continue;
+        };
+        let names_other = |names: &mut ObjectNames| names.insert_other(&object.name, noun.name(), object.span);
+        names_other(&mut sites);
+        let mut reader = TrayReader { object, device, facts, sink };
+        match noun {
+            BoardNoun::Part => {
                 let part = reader.part(may_come);
                 names.insert(&object.name, part.as_ref().map(|_| standing.len()));
-                reservoirs.insert_other(&object.name, "part", object.span);
+                names_other(&mut reservoirs);
                 standing.extend(part);
             }
-            "reservoir" => {
+            BoardNoun::Reservoir => {
                 let outlet = reader.outlet(&outlets);
                 reservoirs.insert(&object.name, outlet.as_ref().map(|_| outlets.len()));
-                names.insert_other(&object.name, "reservoir", object.span);
+                names_other(&mut names);
                 outlets.extend(outlet);
             }
-            "obstacle" => {
+            BoardNoun::Obstacle => {
                 let obstacle = reader.obstacle();
-                names.insert_other(&object.name, "obstacle", object.span);
-                reservoirs.insert_other(&object.name, "obstacle", object.span);
+                names_other(&mut names);
+                names_other(&mut reservoirs);
                 obstacles.extend(obstacle);
             }
-            _ => sink.push(of_other_kind(object, &VOCABULARY)),
         }
     }
     let cover = ObstacleCells::of(&obstacles, facts);
@@ -218,7 +228,8 @@ impl TrayReader<'_> {
             return Some(cell);
         }
         let nearest = nearest_cell(cell, self.facts, |_| true);
-        let wrong = errors::part_out_of_reach(at.span, &self.object.name, cell, self.facts, nearest);
+        let wrong =
+            errors::part_out_of_reach(at.span, [&self.object.noun, &self.object.name], cell, self.facts, nearest);
         self.sink.push(errors::given_at(wrong, at));
         None
     }

@@ -1,11 +1,12 @@
 //! Devices and wirings: E04xx.
 
+use crate::check::scope::path_text;
 use crate::device::VocabularyField;
 use crate::device::instrument::LinkSort;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Quantity;
 use crate::source::Span;
-use crate::syntax::tree::Ident;
+use crate::syntax::tree::{Ident, Path};
 
 use super::listed;
 
@@ -152,6 +153,19 @@ pub fn wire_field_in_loop(field: &Ident) -> Diagnostic {
         .help("move it out of the loop, or into the braces of a wire: `a -> awg.ch1 { gain: 50 }`")
 }
 
+/// `awg.ch1 -> bed`.
+pub fn wire_turned_round(channel: &Path, output: &Path) -> Diagnostic {
+    let [instrument, channel] = [channel, output].map(|path| (path_text(path), path.span));
+    let finding = Diagnostic::new(Code::E0119, "a wire the wrong way round")
+        .label(instrument.1, "an output of an instrument")
+        .help(format!("the channel of the device stands first: write `{} -> {}`", channel.0, instrument.0));
+    // Not with an index, which is no part of the names.
+    match [&instrument, &channel].iter().all(|(name, span)| name.len() == span.range().len()) {
+        true => finding.mended(instrument.1, channel.0).mended(channel.1, instrument.0),
+        false => finding,
+    }
+}
+
 /// `bed: …` for `bed -> …`.
 pub fn colon_in_wire(channel: &Ident) -> Diagnostic {
     Diagnostic::new(Code::E0119, format!("`{}` is given an output as a field is its value", channel.text))
@@ -240,7 +254,7 @@ pub fn electrodes_to_other_instrument(span: Span, (name, declared): (&str, Span)
     Diagnostic::new(Code::E0427, format!("`electrodes` to `{name}`, which drives no board of electrodes"))
         .label(span, "not an `electrode_driver`")
         .label_elsewhere(declared, span, "declared here")
-        .help("wire them to an electrode driver, or one by one: `e1_1 -> daq.port0.line0 { switches: 60 V }`")
+        .help("wire them to an electrode driver, or one by one: `e1_1 -> daq.port0.line0 { switches: … V }`, with the voltage of its electrodes")
 }
 
 /// All electrodes of a board wired to one output.
@@ -254,7 +268,7 @@ pub fn electrodes_to_one_output(span: Span, name: &str) -> Diagnostic {
 pub fn electrodes_without_numbers(span: Span, device: &str) -> Diagnostic {
     Diagnostic::new(Code::E0427, format!("the electrodes of `{device}` have no numbers"))
         .label(span, "which channel drives which electrode?")
-        .help("give the device its `channels`, a list for each row, or wire electrodes one by one: `e1_1 -> driver.c8 { switches: 60 V }`")
+        .help("give the device its `channels`, a list for each row, or wire electrodes one by one: `e1_1 -> driver.c8 { switches: … V }`, with the voltage of its electrodes")
 }
 
 /// An electrode whose number the driver does not have.
@@ -310,7 +324,7 @@ fn output_sort(by_lines: bool) -> &'static str {
 }
 
 /// How they take lines.
-const LINES: &str = "for digital lines give the voltage that they switch, `switches: 5 V`";
+const LINES: &str = "for digital lines give the voltage that they switch, the one of the device, as `switches: 20 V`";
 
 /// An instrument without an output for any channel.
 pub fn nothing_free(span: Span, (name, declared): (&str, Span), by_lines: bool) -> Diagnostic {

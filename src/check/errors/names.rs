@@ -1,6 +1,7 @@
 //! Names: E02xx.
 
 use super::{either, listed, with_article};
+use crate::check::imports::FileFault;
 use crate::check::scope::{Declaration, DeclarationSort, path_text};
 use crate::check::value::ObjectName;
 use crate::device::shape::ShapeForm;
@@ -85,6 +86,13 @@ pub fn unknown_function(span: Span, name: &str, near: Option<&str>) -> Diagnosti
     Diagnostic::new(Code::E0201, format!("no function is named `{name}`"))
         .label(span, "not a function")
         .near_or(near, known)
+}
+
+/// `s(1)`, as other languages write an index.
+pub fn index_in_round_brackets(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0201, format!("`{name}` is a value, not a function"))
+        .label(span, "followed by round brackets")
+        .help(format!("an index stands in `[ ]`, counted from 0: the first is `{name}[0]`"))
 }
 
 pub fn unknown_shape(span: Span, name: &str, near: Option<&str>) -> Diagnostic {
@@ -181,15 +189,17 @@ pub fn kept_name(name: &Ident, keeper: &str) -> Diagnostic {
 }
 
 /// `chain` are the files that led here, the program's own first.
-pub fn missing_file(span: Span, what: &str, why: &str, chain: &[String]) -> Diagnostic {
-    let help = match chain {
-        // It was found, and the path is right.
-        _ if why.contains("is not UTF-8") => "save it as text in UTF-8".to_owned(),
-        _ if why.contains("as text") => "write the solid with fewer triangles: some 100,000 are that long".to_owned(),
-        [_, _, ..] => format!("it is used by {}", chain.join(" → ")),
-        [_] | [] => "the path starts at the folder of this file".to_owned(),
+pub fn unusable_file(span: Span, path: &str, fault: &FileFault, chain: &[String]) -> Diagnostic {
+    let (why, help) = match (fault, chain) {
+        (FileFault::NoSurface(why), _) => return super::bad_mesh(span, path, why),
+        (FileFault::NotText(why), _) => (why, "save it as text in UTF-8".to_owned()),
+        (FileFault::LongMesh(why), _) => {
+            (why, "write the solid with fewer triangles: some 100,000 are that long".to_owned())
+        }
+        (FileFault::Unread(why), [_, _, ..]) => (why, format!("it is used by {}", chain.join(" → "))),
+        (FileFault::Unread(why), [_] | []) => (why, "the path starts at the folder of this file".to_owned()),
     };
-    Diagnostic::new(Code::E0204, format!("{what} cannot be used: {why}")).label(span, "used here").help(help)
+    Diagnostic::new(Code::E0204, format!("`{path}` cannot be used: {why}")).label(span, "used here").help(help)
 }
 
 /// `use "std.dimibot"`, `use "dimibot.twz"`: a file of the library in quotes.

@@ -52,5 +52,5 @@ pub fn bad_board(span: Span, path: &str, why: &str) -> Diagnostic {
 pub fn bad_mesh(span: Span, path: &str, why: &str) -> Diagnostic {
     Diagnostic::new(Code::E0553, format!("`{path}` {why}"))
         .label(span, "used here")
-        .help("write the file anew from a solid: one closed surface round its origin, as STL, in text or binary")
+        .help("write the file anew from a solid: one closed surface round its origin, as STL, in text or binary; triangles meet where their corners are equal to the last digit")
 }

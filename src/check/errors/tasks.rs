@@ -397,7 +397,7 @@ pub fn limits_exclude(outcome: &str, earlier: Span, later: Span) -> Diagnostic {
     Diagnostic::new(Code::E0603, format!("no plan keeps both limits of `{outcome}`"))
         .label(later, "excludes the other")
         .label_elsewhere(earlier, later, "this one")
-        .help("leave one of the two out, or move them apart")
+        .help("leave one of the two out, or change one until some value keeps both")
 }
 
 pub fn unknown_outcome(span: Span, name: &str, near: Option<&str>, vocabulary: &Vocabulary) -> Diagnostic {

@@ -40,7 +40,7 @@ fn dimension_help(wanted: &WantedName, dimension: Dimension, found: &Value, exam
     let about = if wanted.doc.is_empty() { String::new() } else { format!(" ({})", wanted.doc) };
     match found {
         Value::Quantity(quantity) if quantity.dimension == Dimension::NUMBER && !unit.is_empty() => {
-            let other = if dimension == Dimension::TIME { second_time(example) } else { String::new() };
+            let other = second_unit(dimension, example);
             format!("give the number its unit, as `{example}`{other}{about}")
         }
         _ if unit.is_empty() => format!("write a plain number without a unit{about}"),
@@ -48,11 +48,12 @@ fn dimension_help(wanted: &WantedName, dimension: Dimension, found: &Value, exam
     }
 }
 
-/// Of a time, milliseconds and seconds are equally likely: both are shown, and neither is written.
-fn second_time(example: &str) -> String {
+/// Of a time, milliseconds and seconds are equally likely, and of an angle degrees and radians: both are shown, and neither is written.
+fn second_unit(dimension: Dimension, example: &str) -> String {
     match example.split_once(' ') {
-        Some((number, "ms")) => format!(" or `{number} s`"),
-        Some((number, "s")) => format!(" or `{number} ms`"),
+        Some((number, "ms")) if dimension == Dimension::TIME => format!(" or `{number} s`"),
+        Some((number, "s")) if dimension == Dimension::TIME => format!(" or `{number} ms`"),
+        Some((number, "deg")) if dimension == Dimension::ANGLE => format!(" or `{number} rad`"),
         _ => String::new(),
     }
 }
@@ -93,6 +94,21 @@ fn kept_unit(dimension: Dimension, found: &Value) -> Option<String> {
     is_same.then(|| numerator.to_owned())
 }
 
+/// A quantity whose unit stands the wrong way round, or is a degree Fahrenheit, as it has to be written.
+fn converted(dimension: Dimension, written: &str, found: &Value) -> Option<String> {
+    let Value::Quantity(quantity) = found else { return None };
+    if dimension == Dimension::TEMPERATURE && written == "F" {
+        let celsius = (quantity.si - FAHRENHEIT_AT_0_DEGC) * 5.0 / 9.0;
+        return Some(format!("{} {}", digits(celsius), quantity::CELSIUS));
+    }
+    let unit = dimension.example_unit();
+    let is_reciprocal = quantity.dimension.power(-1) == Some(dimension) && quantity.si != 0.0;
+    is_reciprocal.then(|| format!("{} {unit}", digits(Quantity::new(1.0 / quantity.si, dimension).in_unit(&unit))))
+}
+
+/// The melting point of ice in degrees Fahrenheit, as their definition has it.
+const FAHRENHEIT_AT_0_DEGC: f64 = 32.0;
+
 /// Gives a finding about the dimension of a number the digits that were written, and the edit that gives them the unit, where they make
 /// sense with it.
 pub fn unit_mended(
@@ -114,13 +130,22 @@ pub fn unit_mended(
     if finding.code != Code::E0301 || unit.is_empty() || !is_plain(number) {
         return finding;
     }
-    if let ExprKind::Quantity { unit: written, .. } = &inner.kind
-        && let Some(meant) = quantity::slip::meant(&written.text, dimension)
-    {
-        let help = dimension_help(wanted, dimension, found, &format!("{sign}{number} {meant}"));
-        return finding.help(help).mended(place, meant);
+    if let ExprKind::Quantity { unit: written, .. } = &inner.kind {
+        if let Some(meant) = quantity::slip::meant(&written.text, dimension) {
+            let help = dimension_help(wanted, dimension, found, &format!("{sign}{number} {meant}"));
+            return finding.help(help).mended(place, meant);
+        }
+        if let Some(converted) = converted(dimension, &written.text, found) {
+            let help = dimension_help(wanted, dimension, found, &converted);
+            return finding.help(help).mended(expr.span, converted);
+        }
+        // Any other unit would give the number another meaning: it is shown, and not written.
+        if kept_unit(dimension, found).is_none() {
+            return finding.help(dimension_help(wanted, dimension, found, &format!("{sign}{number} {unit}")));
+        }
     }
-    if dimension == Dimension::TIME && matches!(inner.kind, ExprKind::Number(_)) {
+    let is_open = dimension == Dimension::TIME || dimension == Dimension::ANGLE;
+    if is_open && matches!(inner.kind, ExprKind::Number(_)) {
         return finding.help(dimension_help(wanted, dimension, found, &format!("{sign}{number} {unit}")));
     }
     let keeps_size = kept_unit(dimension, found).is_none_or(|numerator| match &inner.kind {
@@ -256,7 +281,7 @@ pub fn bad_exponent(span: Span, found: &Value) -> Diagnostic {
 }
 
 /// Units as spelt out in words, with the symbol that is meant.
-const SPELT_OUT: [(&str, &str); 25] = [
+const SPELT_OUT: [(&str, &str); 27] = [
     ("micron", "um"),
     ("microns", "um"),
     ("micrometer", "um"),
@@ -282,6 +307,8 @@ const SPELT_OUT: [(&str, &str); 25] = [
     ("radians", "rad"),
     ("newton", "N"),
     ("cc", "cm^3"),
+    ("hr", "h"),
+    ("hrs", "h"),
 ];
 
 /// Units of what is counted otherwise, and how.
@@ -316,6 +343,18 @@ pub fn unknown_unit(span: Span, part: &str, near: Option<&str>) -> Diagnostic {
         return Diagnostic::new(Code::E0303, "`degC` stands in no product of units")
             .label(span, "its zero is not that of a product")
             .help("write `degC` alone, as in `60 degC`, and `K` for a difference of temperatures");
+    }
+    // Millihertz and megahertz, millipascals and megapascals are both meant by some.
+    if let Some(base) = ["Hz", "Pa"].into_iter().find(|base| part.to_lowercase() == format!("m{}", base.to_lowercase()))
+    {
+        return Diagnostic::new(Code::E0303, format!("no unit is called `{part}`"))
+            .label(span, "capitals matter in units")
+            .help(format!("write `M{base}` or `m{base}`"));
+    }
+    if part == "degF" {
+        return Diagnostic::new(Code::E0303, "temperatures in degrees Fahrenheit are not taken")
+            .label(span, "not a unit")
+            .help("write them in `degC`: 100 degF are 37.8 degC");
     }
     // `kg/m3`
     let letters = part.trim_end_matches(|c: char| c.is_ascii_digit());

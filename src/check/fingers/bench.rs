@@ -6,7 +6,7 @@ use crate::check::devices::CheckedDevice;
 use crate::check::objects::of_other_kind;
 use crate::check::scenes::{CheckedScene, SceneObject};
 use crate::check::tasks::TaskSite;
-use crate::device::fingers::{FingersFacts, VOCABULARY};
+use crate::device::fingers::{FingersFacts, HandNoun, VOCABULARY};
 use crate::diagnostic::Sink;
 use crate::source::Span;
 use std::collections::BTreeMap;
@@ -54,18 +54,19 @@ fn broken(scene: &CheckedScene) -> HandScene {
 }
 
 fn judged(scene: &CheckedScene, device: &CheckedDevice, facts: &FingersFacts, sink: &mut Sink) -> HandScene {
-    if let Some(crowd) = scene.crowd(&[("part", MAX_PARTS)]) {
+    if let Some(crowd) = scene.crowd(&[(HandNoun::Part.name(), MAX_PARTS)]) {
         sink.push(crowd);
         return broken(scene);
     }
     let mut parts = BTreeMap::new();
     for object in &scene.objects {
-        if object.noun != "part" {
-            sink.push(of_other_kind(object, &VOCABULARY));
-            continue;
+        match HandNoun::find(&object.noun) {
+            Some(HandNoun::Part) => {
+                let judged = PartReader { object, device, facts, sink }.part();
+                parts.insert(object.name.clone(), Lying { judged });
+            }
+            None => sink.push(of_other_kind(object, &VOCABULARY)),
         }
-        let judged = PartReader { object, device, facts, sink }.part();
-        parts.insert(object.name.clone(), Lying { judged });
     }
     HandScene { parts }
 }

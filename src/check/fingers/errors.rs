@@ -218,23 +218,27 @@ pub fn solid_reaches_out(span: Span, name: &str, reach_um: f64, most_um: f64) ->
 pub struct ShortStage {
     /// 0 to 2 for x to z.
     pub axis: usize,
-    /// From the hand's origin.
-    pub needed_um: f64,
-    pub range_um: f64,
+    /// From the hand's origin, along each axis.
+    pub needed_um: [f64; 3],
+    pub range_um: [f64; 3],
 }
 
 pub fn part_out_of_range(span: Span, name: &str, stage: &ShortStage) -> Diagnostic {
     let ShortStage { axis, needed_um, range_um } = *stage;
-    let axis = crate::device::fingers::AXES[axis];
     let title = format!(
-        "tips around `{name}` must go to {} along {axis}, but the stages reach {}",
-        length(needed_um),
-        length(range_um)
+        "tips around `{name}` must go to {} along {}, but the stages reach {}",
+        length(needed_um[axis]),
+        crate::device::fingers::AXES[axis],
+        length(range_um[axis])
     );
-    Diagnostic::new(Code::E0550, title).label(span, "out of range").help(format!(
-        "stay nearer to the hand's origin, or give `range` at least {} there",
-        length(no_less(needed_um, 2))
-    ))
+    let enough: Vec<String> = needed_um
+        .iter()
+        .zip(range_um)
+        .map(|(needed, range)| if *needed > range { length(no_less(*needed, 2)) } else { length(range) })
+        .collect();
+    Diagnostic::new(Code::E0550, title)
+        .label(span, "out of range")
+        .help(format!("stay nearer to the hand's origin, or use stages of `range: ({})`", enough.join(", ")))
 }
 
 pub fn two_parts(first: (&str, Span), second: (&str, Span)) -> Diagnostic {

@@ -7,14 +7,14 @@ use crate::check::solid::{self, HandSolid};
 use crate::check::value::Value;
 use crate::claims::fingers::{HandPart, Section};
 use crate::device::fingers::sampling::{JUNCTION_SHARE, contacts, once_round_rad};
-use crate::device::fingers::{FingersFacts, MAX_CONTACTS, Plane, VOCABULARY};
-use crate::diagnostic::Sink;
+use crate::device::fingers::{FingersFacts, HandNoun, MAX_CONTACTS, Plane, VOCABULARY};
+use crate::diagnostic::{Diagnosed, Diagnostic, Sink};
 use crate::geometry::distance::point_segment;
 use crate::geometry::outline::{Curve, Outline};
 use crate::quantity::{Dimension, Quantity};
 use crate::real::Real;
 use crate::source::Span;
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector3};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -23,6 +23,9 @@ const LOOKS: usize = 4096;
 
 /// Greatest number of tips round a section that are held against the surface of its solid.
 const MAX_TIPS: u32 = 20_000;
+
+/// The share of a force in a plane that is more than rounding.
+const LEAST_SHARE: f64 = 1e-9;
 
 /// Standard gravity by definition: 3rd General Conference on Weights and Measures, 1901.
 const STANDARD_GRAVITY_M_PER_S2: f64 = 9.806_65;
@@ -35,6 +38,8 @@ pub struct JudgedPart {
     pub uncentred: Option<Span>,
     /// Its weight, in micronewtons; 0 without a material.
     pub weight_un: f64,
+    /// Why tips do not go round its section in the plane xz, which it lacks then: of no matter to tasks that turn it about z alone.
+    pub xz_fault: Option<Diagnostic>,
 }
 
 /// Reads a part of a scene for a device.
@@ -53,7 +58,7 @@ impl PartReader<'_> {
             self.sink.push(errors::part_without_shape(object.span, &object.name));
             return None;
         };
-        let forms = VOCABULARY.noun("part").map_or(&[][..], |noun| noun.shapes);
+        let forms = VOCABULARY.noun(HandNoun::Part.name()).map_or(&[][..], |noun| noun.shapes);
         if !forms.contains(&shape.value.form) {
             let known: Vec<&str> = forms.iter().map(|form| form.name()).collect();
             let form = shape.value.form.name();
@@ -63,14 +68,19 @@ impl PartReader<'_> {
         let position_um = self.position_um()?;
         // An impossible shape was already reported where it was read.
         let solid = solid::of(&shape.value, shape.span).ok()?;
-        let xy = self.section(&solid.xy, Plane::Xy, shape.span)?;
-        let xz = match &solid.xz {
-            Some(outline) => Some(self.section(outline, Plane::Xz, shape.span)?),
-            None => None,
+        let found = self.travelled(&solid, &solid.xy, Plane::Xy, shape.span)?;
+        let xy = self.faultless(found)?;
+        let (xz, xz_fault) = match &solid.xz {
+            Some(outline) => match self.travelled(&solid, outline, Plane::Xz, shape.span)? {
+                Ok(section) => (Some(section), None),
+                Err(fault) => (None, Some(*fault)),
+            },
+            None => (None, None),
         };
-        self.within_its_sections(&solid, &xy, xz.as_ref(), shape.span)?;
-        self.clear_of_surface(&solid, &xy, Plane::Xy, shape.span)?;
-        xz.as_ref().map_or(Some(()), |xz| self.clear_of_surface(&solid, xz, Plane::Xz, shape.span))?;
+        if let Err(reaches_out) = self.within_its_sections(&solid, &xy, xz.as_ref(), shape.span) {
+            self.sink.push(xz_fault.unwrap_or(*reaches_out));
+            return None;
+        }
         let centre_um = solid.centre_um.unwrap_or_default();
         let part = HandPart { name: object.name.clone(), xy, xz, centre_um, position_um, span: object.span };
         if let Some(wrong) = out_of_range(&part, position_um, self.facts) {
@@ -85,7 +95,7 @@ impl PartReader<'_> {
             return None;
         }
         let uncentred = solid.centre_um.is_none().then_some(shape.span);
-        Some(JudgedPart { part: Arc::new(part), uncentred, weight_un })
+        Some(JudgedPart { part: Arc::new(part), uncentred, weight_un, xz_fault })
     }
 
     fn position_um(&mut self) -> Option<[f64; 3]> {
@@ -102,30 +112,40 @@ impl PartReader<'_> {
         }
     }
 
+    fn faultless<T>(&mut self, found: Diagnosed<T>) -> Option<T> {
+        found.map_err(|fault| self.sink.push(*fault)).ok()
+    }
+
+    /// A section that tips reach and go round clear of the solid; `None` where the outline was reported.
+    fn travelled(&self, solid: &HandSolid, outline: &Outline, plane: Plane, span: Span) -> Option<Diagnosed<Section>> {
+        let section = match self.section(outline, plane, span)? {
+            Ok(section) => section,
+            Err(fault) => return Some(Err(fault)),
+        };
+        Some(self.clear_of_surface(solid, &section, plane, span).map(|()| section))
+    }
+
     /// An outline with its contacts, which every tip reaches.
-    fn section(&mut self, outline: &Outline, plane: Plane, span: Span) -> Option<Section> {
+    fn section(&self, outline: &Outline, plane: Plane, span: Span) -> Option<Diagnosed<Section>> {
         let curve = Curve::of(outline).ok()?;
         let tip_um = self.facts.tip_radius_um;
         let least = curve.least_curvature_per_um();
         if least * tip_um <= -1.0 + 1e-9 {
             let at = errors::Tipped { part: &self.object.name, plane, point_um: hollow(&curve), tip_radius_um: tip_um };
-            self.sink.push(errors::tip_too_large(span, &at, -1.0 / least, self.device.span));
-            return None;
+            return Some(Err(Box::new(errors::tip_too_large(span, &at, -1.0 / least, self.device.span))));
         }
         let (contacts, opposite) = contacts(&curve, self.facts);
         if contacts > f64::from(MAX_CONTACTS) {
             let wrong = errors::too_many_contacts(span, &self.object.name, plane, contacts, MAX_CONTACTS);
-            self.sink.push(wrong.label(self.device.span, "of this device"));
-            return None;
+            return Some(Err(Box::new(wrong.label(self.device.span, "of this device"))));
         }
         let step_rad = once_round_rad(&curve, tip_um) / contacts;
-        Some(Section { outline: outline.clone(), contacts: contacts as u32, opposite, step_rad })
+        Some(Ok(Section { outline: outline.clone(), contacts: contacts as u32, opposite, step_rad }))
     }
 
     /// Whether tips stand clear of the rest of the surface while they touch a section, at its contacts and between them, where they roll.
-    fn clear_of_surface(&mut self, solid: &HandSolid, section: &Section, plane: Plane, span: Span) -> Option<()> {
-        let Some(surface) = &solid.surface else { return Some(()) };
-        let curve = Curve::of(&section.outline).ok()?;
+    fn clear_of_surface(&self, solid: &HandSolid, section: &Section, plane: Plane, span: Span) -> Diagnosed {
+        let (Some(surface), Ok(curve)) = (&solid.surface, Curve::of(&section.outline)) else { return Ok(()) };
         let (tip_um, tolerance_um) = (self.facts.tip_radius_um, self.facts.tolerance_um);
         // The centre of a tip comes by the tip radius times what it rolls, so that between two places it is never further from both.
         let apart_um = tip_um * section.step_rad;
@@ -136,40 +156,35 @@ impl PartReader<'_> {
             (tip_um - surface.distance_um(in_space(plane, centre)), centre)
         };
         let depths = (0..section.contacts * between).map(|place| (depth_um(place), place));
-        let ((depth_um, centre), place) = depths.max_by(|one, other| one.0.0.total_cmp(&other.0.0))?;
-        if depth_um <= tolerance_um {
-            return Some(());
-        }
-        let polygon = surface.section(plane.axes()).ok()?;
+        let deepest = depths.max_by(|one, other| one.0.0.total_cmp(&other.0.0));
+        let Some(((depth_um, centre), place)) = deepest.filter(|deepest| deepest.0.0 > tolerance_um) else {
+            return Ok(());
+        };
+        let polygon = surface.section(plane.axes()).unwrap_or_default();
         let sides = polygon.iter().zip(polygon.iter().cycle().skip(1)).map(|(from, to)| [*from, *to].map(Point2::from));
         let outline_um = sides.map(|side| point_segment(centre.into(), side)).fold(f64::INFINITY, f64::min);
-        self.sink.push(errors::tip_in_solid(
-            span,
-            &self.object.name,
-            &errors::BuriedTip {
-                plane,
-                contact: place / between + 1,
-                beyond: (!place.is_multiple_of(between)).then_some((place / between + 1) % section.contacts + 1),
-                depth_um,
-                tolerance_um,
-                is_smoothed: tip_um - outline_um > tolerance_um,
-            },
-        ));
-        None
+        let buried = errors::BuriedTip {
+            plane,
+            contact: place / between + 1,
+            beyond: (!place.is_multiple_of(between)).then_some((place / between + 1) % section.contacts + 1),
+            depth_um,
+            tolerance_um,
+            is_smoothed: tip_um - outline_um > tolerance_um,
+        };
+        Err(Box::new(errors::tip_in_solid(span, &self.object.name, &buried)))
     }
 
     /// Whether no part of the object obstructs tips that travel round its sections.
-    fn within_its_sections(&mut self, solid: &HandSolid, xy: &Section, xz: Option<&Section>, span: Span) -> Option<()> {
+    fn within_its_sections(&self, solid: &HandSolid, xy: &Section, xz: Option<&Section>, span: Span) -> Diagnosed {
         let sections = std::iter::once(xy).chain(xz);
         let reach_um = sections.filter_map(|section| Curve::of(&section.outline).ok()).map(|curve| curve.reach_um());
         let facts = self.facts;
         let sphere_um = facts.sphere_um(0, reach_um.fold(0.0, f64::max));
         let most_um = sphere_um - facts.tip_radius_um - facts.clearance_um - facts.tolerance_um;
         if solid.reach_um <= most_um {
-            return Some(());
+            return Ok(());
         }
-        self.sink.push(errors::solid_reaches_out(span, &self.object.name, solid.reach_um, most_um));
-        None
+        Err(Box::new(errors::solid_reaches_out(span, &self.object.name, solid.reach_um, most_um)))
     }
 }
 
@@ -199,6 +214,11 @@ fn tip_um_rolled(curve: &Curve, rolled_rad: f64, tip_radius_um: f64) -> ([f64; 2
 fn in_space(plane: Plane, [a, b]: [f64; 2]) -> [f64; 3] {
     let axes = plane.axes();
     std::array::from_fn(|axis| a * axes[0][axis] + b * axes[1][axis])
+}
+
+/// Whether a force has a share in a plane that is more than rounding.
+pub fn is_in_plane(force_un: Vector3<f64>, plane: Plane) -> bool {
+    Vector3::from(plane.normal()).cross(&force_un).norm() > LEAST_SHARE * force_un.norm()
 }
 
 /// Why two fingers that hold I and J in one plane do not hold them in the other, if that is so.
@@ -244,11 +264,10 @@ pub fn out_of_range(part: &HandPart, position_um: [f64; 3], facts: &FingersFacts
     let reach_um = sections.filter_map(|section| Curve::of(&section.outline).ok()).map(|curve| curve.reach_um());
     // The tip that is free farthest out, on its whole sphere.
     let last = facts.fingers.saturating_sub(1) as usize;
-    let needed_um = facts.sphere_um(last, reach_um.fold(0.0, f64::max));
-    (0..3).find_map(|axis| {
-        let (needed_um, range_um) = (position_um[axis].abs() + needed_um, facts.range_um[axis]);
-        (needed_um > range_um * (1.0 + 1e-12)).then_some(errors::ShortStage { axis, needed_um, range_um })
-    })
+    let sphere_um = facts.sphere_um(last, reach_um.fold(0.0, f64::max));
+    let (needed_um, range_um) = (position_um.map(|along_um| along_um.abs() + sphere_um), facts.range_um);
+    let axis = (0..3).find(|axis| needed_um[*axis] > range_um[*axis] * (1.0 + 1e-12))?;
+    Some(errors::ShortStage { axis, needed_um, range_um })
 }
 
 /// The largest force on a part, in micronewtons: far more than tips of micrometres bear.

@@ -39,8 +39,12 @@ impl Checker<'_> {
         let precision_rad = precision_rad(&parts, self.sink)?;
         let load_un = load_un(&parts, &judged, self.sink)?;
         let part = judged.part;
+        if let Some(fault) = judged.xz_fault.filter(|_| parts.steps.iter().any(leaves_plane_xy)) {
+            self.sink.push(fault);
+            return None;
+        }
         let turns = turns(&parts.steps);
-        let is_loaded = load_un.iter().any(|force_un| *force_un != 0.0);
+        let is_loaded = turns.iter().any(|(plane, _)| part::is_in_plane(Vector3::from(load_un), *plane));
         let mut judge = HandStepJudge { facts, part: &part, precision_rad, is_loaded, turns, sink: self.sink };
         let planes = grasp_planes(&parts.steps, &part);
         let steps: Vec<Option<FingersStep>> =
@@ -187,6 +191,16 @@ struct HandStepJudge<'a> {
     /// All turns of the task about z and y, in radians.
     turns: Vec<(Plane, f64)>,
     sink: &'a mut Sink,
+}
+
+/// Whether a step may turn the part in the plane xz.
+fn leaves_plane_xy(step: &tasks::VocabularyStep) -> bool {
+    let tasks::VocabularyAction::Verb(call) = &step.action else { return false };
+    match FingersVerb::find(call.verb.name) {
+        Some(FingersVerb::Rotate) => axis(call).and_then(TurnAxis::plane) != Some(Plane::Xy),
+        Some(FingersVerb::Orient) => true,
+        Some(FingersVerb::Grasp | FingersVerb::Translate | FingersVerb::Release) | None => false,
+    }
 }
 
 /// The turns that steps ask for by an angle about z or y.

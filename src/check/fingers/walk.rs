@@ -19,9 +19,6 @@ use std::sync::Arc;
 /// Orientations nearer to each other than this are one.
 const SAME_RAD: f64 = 1e-9;
 
-/// The share of a load in a plane that is more than rounding.
-const LEAST_SHARE: f64 = 1e-9;
-
 /// Greatest number of orientations that a part may have after a step.
 const MAX_REACHED: usize = 256;
 
@@ -173,9 +170,7 @@ impl HandWalk {
     fn looks_at_few(&self, plane: Plane, at: Span, order: &FingersOrder) -> Diagnosed {
         let Some(section) = self.part.section(plane) else { return Ok(()) };
         let load_un = Vector3::from(order.load_un);
-        let axis = Vector3::from(plane.normal());
-        let in_plane_un = |from: &Orientation| axis.cross(&(from.inverse() * load_un)).norm();
-        if !self.reached.iter().all(|from| in_plane_un(from) > LEAST_SHARE * load_un.norm()) {
+        if !self.reached.iter().all(|from| part::is_in_plane(from.inverse() * load_un, plane)) {
             return Ok(());
         }
         if step::are_few_grasps(section.contacts, order.facts.steps_per_turn) {

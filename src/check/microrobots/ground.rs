@@ -13,7 +13,7 @@ use crate::check::shapes::{self, MAX_HEADING_RAD};
 use crate::check::tasks::TaskSite;
 use crate::check::value::Value;
 use crate::claims::microrobots::{MicrorobotsObstacle, Placed};
-use crate::device::microrobots::{MAX_OBSTACLES, MAX_ROBOTS, MicrorobotsFacts, VOCABULARY};
+use crate::device::microrobots::{BedNoun, MAX_OBSTACLES, MAX_ROBOTS, MicrorobotsFacts, VOCABULARY};
 use crate::device::shape::ShapeForm;
 use crate::diagnostic::{Code, Sink};
 use crate::geometry::shape::MAX_EXTENT_UM;
@@ -43,7 +43,8 @@ impl Checker<'_> {
 }
 
 fn judged_scene(scene: &CheckedScene, device: &CheckedDevice, facts: &MicrorobotsFacts, sink: &mut Sink) -> BedScene {
-    if let Some(crowd) = scene.crowd(&[("robot", MAX_ROBOTS), ("obstacle", MAX_OBSTACLES)]) {
+    if let Some(crowd) = scene.crowd(&[(BedNoun::Robot.name(), MAX_ROBOTS), (BedNoun::Obstacle.name(), MAX_OBSTACLES)])
+    {
         sink.push(crowd);
         return BedScene { is_whole: false, ..judged(&[], device, facts, sink) };
     }
@@ -64,17 +65,17 @@ fn judged(objects: &[Rc<SceneObject>], device: &CheckedDevice, facts: &Microrobo
     names.know(facts.robots.iter().map(|row| row.name.as_str()));
     for object in objects {
         let mut reader = GroundReader { object, objects, device, facts, sink };
-        match object.noun.as_str() {
-            "robot" => {
+        match BedNoun::find(&object.noun) {
+            Some(BedNoun::Robot) => {
                 names.insert(&object.name, None);
                 standing.extend(reader.robot());
             }
-            "obstacle" => {
+            Some(BedNoun::Obstacle) => {
                 let obstacle = reader.obstacle();
-                names.insert_other(&object.name, "obstacle", object.span);
+                names.insert_other(&object.name, BedNoun::Obstacle.name(), object.span);
                 obstacles.extend(obstacle);
             }
-            _ => sink.push(of_other_kind(object, &VOCABULARY)),
+            None => sink.push(of_other_kind(object, &VOCABULARY)),
         }
     }
     standing.sort_by_key(|standing| standing.placed.row);
@@ -149,7 +150,7 @@ impl GroundReader<'_> {
 
     fn obstacle(&mut self) -> Option<MicrorobotsObstacle> {
         let object = self.object;
-        let forms = VOCABULARY.noun("obstacle").map_or(&[][..], |noun| noun.shapes);
+        let forms = VOCABULARY.noun(BedNoun::Obstacle.name()).map_or(&[][..], |noun| noun.shapes);
         let shape = match &object.shape {
             None => Shape::Point,
             Some(shape) if forms.contains(&shape.value.form) => shapes::in_plane(&shape.value)?,

@@ -245,6 +245,13 @@ impl<'a> Checker<'a> {
     }
 
     fn wire(&mut self, wire: &tree::Wire, scope: &Scope, panel: &mut Panel, outputs: &mut Outputs) -> Option<()> {
+        let first = self.modules[scope.module].names.get(&wire.channel.segments[0].name.text);
+        if let WireOutput::Instrument(path) = &wire.output
+            && first.is_some_and(|first| first.sort == DeclarationSort::Instrument)
+        {
+            self.sink.push(errors::wire_turned_round(&wire.channel, path));
+            return None;
+        }
         let channel = self.channel_name(&wire.channel.segments, scope);
         if channel.as_deref() == Some(ALL_ELECTRODES)
             && let WireOutput::Instrument(path) = &wire.output
@@ -256,7 +263,7 @@ impl<'a> Checker<'a> {
         if channel.as_deref() == Some(ALL_ELECTRODES) && panel.owner.is_none() {
             return None;
         }
-        let is_stage = panel.owner.as_ref().is_some_and(WiredOwner::moves_stages);
+        let is_stage = panel.owner.as_ref().map(WiredOwner::moves_stages);
         let (span, output, drive) = match &wire.output {
             WireOutput::Named(text) => {
                 if let Some(field) = wire.fields.first() {
@@ -298,12 +305,12 @@ impl<'a> Checker<'a> {
         Some(())
     }
 
-    /// The instrument that the first words of a path name, and the output that the others do.
+    /// The instrument that the first words of a path name, and the output that the others do. `is_stage` is whether the channel moves a stage.
     fn output_of_instrument(
         &mut self,
         path: &tree::Path,
         scope: &Scope,
-        is_stage: bool,
+        is_stage: Option<bool>,
         outputs: &mut Outputs,
     ) -> Option<NamedOutput> {
         let (place, words) = self.instrument_of(path, scope)?;
@@ -319,7 +326,8 @@ impl<'a> Checker<'a> {
             });
             return None;
         };
-        let Some(link) = sort.link(is_stage) else {
+        // Of a device with errors it is not known.
+        let Some(link) = sort.link(is_stage?) else {
             self.sink.push(match sort {
                 OutputSort::Digital | OutputSort::Voltage | OutputSort::Accessory => {
                     errors::line_for_a_stage(path.span)

@@ -150,7 +150,7 @@ impl Destination<'_> {
     /// The first of some files that would replace one that was read.
     fn replaced_input(&self, files: &[OutputFile]) -> Option<PathBuf> {
         let inputs: Vec<PathBuf> = self.inputs.files().filter_map(|input| input.canonicalize().ok()).collect();
-        let mut paths = files.iter().map(|file| self.folder.join(&file.name));
+        let mut paths = files.iter().map(|file| shown(self.folder, &file.name));
         paths.find(|path| path.canonicalize().is_ok_and(|path| inputs.contains(&path)))
     }
 }

@@ -5,7 +5,8 @@
 
 use super::disk;
 use super::glances::Glances;
-use crate::check::imports::Library;
+use crate::check::imports::{FileFault, Library};
+use crate::diagnostic::Code;
 use crate::geometry::mesh::Mesh;
 use crate::source::{MAX_FILE_BYTES, beside};
 use std::cell::RefCell;
@@ -50,13 +51,16 @@ impl<'a> Disk<'a> {
 }
 
 impl Library for Disk<'_> {
-    fn read(&self, from: &str, path: &str) -> Result<(String, String), String> {
+    fn read(&self, from: &str, path: &str) -> Result<(String, String), FileFault> {
         let name = beside(from, path);
-        let text = disk::read_program(&self.ask(&name)).map_err(|diagnostic| diagnostic.title)?;
+        let text = disk::read_program(&self.ask(&name)).map_err(|fault| match fault.code {
+            Code::E0803 => FileFault::NotText(fault.title),
+            _ => FileFault::Unread(fault.title),
+        })?;
         Ok((name, text))
     }
 
-    fn read_mesh(&self, from: &str, path: &str) -> Result<(String, String), String> {
+    fn read_mesh(&self, from: &str, path: &str) -> Result<(String, String), FileFault> {
         let name = beside(from, path);
         let bytes = disk::read_bytes(&self.ask(&name), MAX_FILE_BYTES).map_err(|diagnostic| diagnostic.title)?;
         let is_text = bytes.trim_ascii_start().starts_with(b"solid");
@@ -66,7 +70,7 @@ impl Library for Disk<'_> {
             Err(error) => mesh_text(error.as_bytes())?,
         };
         if text.len() > MAX_FILE_BYTES {
-            return Err(format!("it is larger than {} MiB as text", MAX_FILE_BYTES >> 20));
+            return Err(FileFault::LongMesh(format!("it is larger than {} MiB as text", MAX_FILE_BYTES >> 20)));
         }
         Ok((name, text))
     }
@@ -77,18 +81,18 @@ impl Library for Disk<'_> {
 }
 
 /// The text of a binary file of triangles.
-fn mesh_text(bytes: &[u8]) -> Result<String, String> {
-    Mesh::read(bytes).map(|mesh| mesh.to_text()).map_err(|fault| format!("it {fault}"))
+fn mesh_text(bytes: &[u8]) -> Result<String, FileFault> {
+    Mesh::read(bytes).map(|mesh| mesh.to_text()).map_err(|fault| FileFault::NoSurface(fault.to_string()))
 }
 
 /// The files that a log carries.
 pub struct Embedded<'a>(pub &'a [(String, String)]);
 
 impl Library for Embedded<'_> {
-    fn read(&self, from: &str, path: &str) -> Result<(String, String), String> {
+    fn read(&self, from: &str, path: &str) -> Result<(String, String), FileFault> {
         let name = beside(from, path);
         let text = self.0.iter().find(|file| file.0 == name).map(|file| file.1.clone());
-        text.map(|text| (name, text)).ok_or_else(|| "the log does not carry it".to_owned())
+        text.map(|text| (name, text)).ok_or_else(|| "the log does not carry it".into())
     }
 }
 

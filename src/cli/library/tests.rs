@@ -1,7 +1,7 @@
 //! Files of triangles come as text, whatever they are on the disk.
 
 use super::{Disk, Embedded};
-use crate::check::imports::Library;
+use crate::check::imports::{FileFault, Library};
 use crate::geometry::mesh::Mesh;
 
 const CORNERS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.5, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.3]];
@@ -39,6 +39,6 @@ fn what_is_no_mesh_says_so() {
     let disk = Disk::round(&program);
     std::fs::write(folder.path().join("bead.stl"), [0xff; 200]).expect("it can be written");
     let why = disk.read_mesh("main.twz", "bead.stl").expect_err("it is none");
-    assert!(why.contains("STL"), "{why}");
+    assert!(matches!(&why, FileFault::NoSurface(why) if why.contains("STL")), "{why:?}");
     assert!(disk.read_mesh("main.twz", "none.stl").is_err());
 }

@@ -18,7 +18,8 @@ mod words;
 pub use map::{ElectrodeMap, MAX_CHANNEL, MAX_SHARING};
 pub use reservoirs::{DispenseFrame, DispenseSequence, MAX_DISPENSE_FRAMES, ReservoirPads};
 pub use words::{
-    ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayOutcome, ElectrodeArrayVerb, VOCABULARY, ZoneSort,
+    BoardNoun, ElectrodeArrayMethod, ElectrodeArrayObjective, ElectrodeArrayOutcome, ElectrodeArrayVerb, VOCABULARY,
+    ZoneSort,
 };
 
 /// Greatest number of columns, and of rows, of a board.

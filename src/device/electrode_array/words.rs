@@ -465,6 +465,15 @@ const OUTCOMES: &[Outcome] = &[
     outcome(ElectrodeArrayOutcome::Time.choice(), OutcomeUnit::Nanosecond),
 ];
 
+words! {
+    /// A thing of a board's scene that is no zone.
+    pub enum BoardNoun {
+        Obstacle = "obstacle": "electrodes that no part may come near: a block, one cell, or a part that is stuck",
+        Part = "part": "a part that the electrodes carry; without `at` a droplet that a reservoir dispenses",
+        Reservoir = "reservoir": "a store of liquid; `at` gives the electrode at its outlet",
+    }
+}
+
 /// The words of the kind.
 pub const VOCABULARY: Vocabulary = Vocabulary {
     name: "electrode_array",
@@ -472,17 +481,9 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     library: ("std.electrode_array", "electrode_array.smart_platform"),
     fields: FIELDS,
     nouns: &[
-        Noun {
-            name: "obstacle",
-            doc: "electrodes that no part may come near: a block, one cell, or a part that is stuck",
-            shapes: &[ShapeForm::Cells, ShapeForm::Layout],
-        },
-        Noun {
-            name: "part",
-            doc: "a part that the electrodes carry; without `at` a droplet that a reservoir dispenses",
-            shapes: &[ShapeForm::Layout],
-        },
-        Noun { name: "reservoir", doc: "a store of liquid; `at` gives the electrode at its outlet", shapes: &[] },
+        Noun::of(BoardNoun::Obstacle.choice(), &[ShapeForm::Cells, ShapeForm::Layout]),
+        Noun::of(BoardNoun::Part.choice(), &[ShapeForm::Layout]),
+        Noun::of(BoardNoun::Reservoir.choice(), &[]),
         ZoneSort::Heater.noun(),
         ZoneSort::Detector.noun(),
         ZoneSort::Magnet.noun(),

@@ -14,7 +14,7 @@ pub(crate) mod fixture;
 pub mod sampling;
 mod words;
 
-pub use words::{FingersObjective, FingersOutcome, FingersPlanner, FingersVerb, TurnAxis, VOCABULARY};
+pub use words::{FingersObjective, FingersOutcome, FingersPlanner, FingersVerb, HandNoun, TurnAxis, VOCABULARY};
 
 /// The fewest fingers that can hand an object over.
 pub const MIN_FINGERS: u32 = 3;

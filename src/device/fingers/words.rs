@@ -203,16 +203,22 @@ const OUTCOMES: &[Outcome] = &[
     outcome(FingersOutcome::Time.choice(), OutcomeUnit::Nanosecond),
 ];
 
+words! {
+    /// A thing of a hand's scene.
+    pub enum HandNoun {
+        Part = "part": "the object that the fingers turn",
+    }
+}
+
 /// The words of the kind.
 pub const VOCABULARY: Vocabulary = Vocabulary {
     name: "fingers",
     summary: "fingers on translation stages that roll an object between their tips and change their grasp",
     library: ("std.fingers", "fingers.three_fingers"),
     fields: FIELDS,
-    nouns: &[Noun {
-        name: "part",
-        doc: "the object that the fingers turn",
-        shapes: &[
+    nouns: &[Noun::of(
+        HandNoun::Part.choice(),
+        &[
             ShapeForm::Ellipsoid,
             ShapeForm::Superellipsoid,
             ShapeForm::RoundedBox,
@@ -220,7 +226,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
             ShapeForm::Sections,
             ShapeForm::Mesh,
         ],
-    }],
+    )],
     settings: SETTINGS,
     state: None,
     together: Together::No("a hand turns one part, and no two at the same time"),

@@ -16,7 +16,9 @@ pub mod control;
 pub(crate) mod fixture;
 mod words;
 
-pub use words::{MicrorobotsObjective, MicrorobotsOutcome, MicrorobotsPlanner, MicrorobotsVerb, Turning, VOCABULARY};
+pub use words::{
+    BedNoun, MicrorobotsObjective, MicrorobotsOutcome, MicrorobotsPlanner, MicrorobotsVerb, Turning, VOCABULARY,
+};
 
 /// Greatest number of robots in one table.
 pub const MAX_ROBOTS: usize = 128;

@@ -195,6 +195,14 @@ const OUTCOMES: &[Outcome] = &[
     outcome(MicrorobotsOutcome::Strokes.choice(), OutcomeUnit::Count),
 ];
 
+words! {
+    /// A thing of a bed's scene.
+    pub enum BedNoun {
+        Robot = "robot": "a robot of the device's table, at its start",
+        Obstacle = "obstacle": "something that no robot may come near",
+    }
+}
+
 /// The words of the kind.
 pub const VOCABULARY: Vocabulary = Vocabulary {
     name: "microrobots",
@@ -202,12 +210,11 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     library: ("std.microrobots", "microrobots.bed"),
     fields: FIELDS,
     nouns: &[
-        Noun { name: "robot", doc: "a robot of the device's table, at its start", shapes: &[] },
-        Noun {
-            name: "obstacle",
-            doc: "something that no robot may come near",
-            shapes: &[ShapeForm::Disc, ShapeForm::Box, ShapeForm::Polygon, ShapeForm::Capsule],
-        },
+        Noun::of(BedNoun::Robot.choice(), &[]),
+        Noun::of(
+            BedNoun::Obstacle.choice(),
+            &[ShapeForm::Disc, ShapeForm::Box, ShapeForm::Polygon, ShapeForm::Capsule],
+        ),
     ],
     settings: SETTINGS,
     state: None,

@@ -1,6 +1,7 @@
 //! What is offered at places of programs.
 
 use super::*;
+use crate::check::imports::FileFault;
 use crate::device::Vocabulary;
 use crate::lsp::words;
 use crate::syntax::is_word;
@@ -10,9 +11,9 @@ use std::collections::BTreeSet;
 struct Beside;
 
 impl Library for Beside {
-    fn read(&self, _: &str, path: &str) -> Result<(String, String), String> {
+    fn read(&self, _: &str, path: &str) -> Result<(String, String), FileFault> {
         let text = "use std.dimibot\nuse \"bench.twz\" as own\ndevice picker : dimibot.femto_st\nscene fibre { obstacle thread at (3 um, 4 um) }\n";
-        if path == "bench.twz" { Ok((path.to_owned(), text.to_owned())) } else { Err("there is none".to_owned()) }
+        if path == "bench.twz" { Ok((path.to_owned(), text.to_owned())) } else { Err("there is none".into()) }
     }
 }
 

@@ -11,6 +11,7 @@ use super::{
 };
 use crate::claims::dimibot::{
     DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacleBody, DimibotOrder, DimibotStep, DimibotStop,
+    StandingTip,
 };
 use crate::claims::{self, Claims, Job, Relation, Requirement};
 use crate::device::dimibot::{DimibotFacts, DimibotOutcome, Simultaneous};
@@ -228,7 +229,8 @@ impl<'a> DimibotTaskSearch<'a> {
     fn begins_clear(&self, sink: &mut Sink) -> bool {
         let covering = self.scene.field.covering(self.start);
         if !covering.is_empty() {
-            sink.push(self.order.start_covered(self.start, &covering, self.job));
+            // Of a robot at home that was known before planning.
+            sink.push(self.order.start_covered(StandingTip::LeftThere(self.start), &covering, self.job));
         }
         covering.is_empty()
     }

@@ -412,7 +412,7 @@ impl Tasks<'_> {
     }
 
     fn gave_up(&mut self, step: &ElectrodeArrayStep, to: &str, bounds: BoardCosts, budget: SearchBudget) {
-        let (what, steps) = ("the search for a plan", format!("{} steps", bounds.makespan));
+        let (what, steps) = ("the search for a plan", errors::steps_text(bounds.makespan));
         let diagnostic =
             errors::gave_up(step.span, to, what, budget.steps, &steps, ElectrodeArrayMethod::Portfolio.name());
         self.sink.push(self.with_avoided(diagnostic.help(more_may_do(budget.steps)), step));

@@ -343,15 +343,15 @@ fn nearest(cell: Option<ElectrodeCell>, what: &str) -> Option<String> {
 
 pub fn part_out_of_reach(
     span: Span,
-    name: &str,
+    [noun, name]: [&str; 2],
     cell: ElectrodeCell,
     facts: &ElectrodeArrayFacts,
     near: Option<ElectrodeCell>,
 ) -> Diagnostic {
     let (title, label) = match no_place(facts, cell) {
-        Some(why) => (format!("part `{name}` cannot stand at {cell}: {why}"), "nothing holds it here"),
+        Some(why) => (format!("{noun} `{name}` cannot stand at {cell}: {why}"), "nothing holds it here"),
         None => (
-            format!("part `{name}` at {cell} stands over the rim, parts stand at {}", extent(facts.reach())),
+            format!("{noun} `{name}` at {cell} stands over the rim, parts stand at {}", extent(facts.reach())),
             "its electrodes do not fit on the board here",
         ),
     };

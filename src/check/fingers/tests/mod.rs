@@ -3,7 +3,7 @@
 mod turns;
 
 use super::orientation;
-use crate::check::imports::{self, Library};
+use crate::check::imports::{self, FileFault, Library};
 use crate::check::solid;
 use crate::check::{Checked, Options, check};
 use crate::claims::Claims;
@@ -17,13 +17,14 @@ use std::f64::consts::PI;
 struct Nothing;
 
 impl Library for Nothing {
-    fn read(&self, _from: &str, path: &str) -> Result<(String, String), String> {
+    fn read(&self, _from: &str, path: &str) -> Result<(String, String), FileFault> {
         let text = match path {
             "bead.stl" => Some(ball(16.0, 24, None)),
             "thorn.stl" => Some(ball(16.0, 24, Some((11, 1)))),
+            "spike.stl" => Some(ball(16.0, 24, Some((3, 1)))),
             _ => None,
         };
-        text.map(|text| (path.to_owned(), text)).ok_or_else(|| "there is none".to_owned())
+        text.map(|text| (path.to_owned(), text)).ok_or_else(|| "there is none".into())
     }
 }
 
@@ -293,6 +294,18 @@ fn a_tip_must_not_roll_into_the_solid_between_two_contacts() {
     assert_codes(&turned("thorn.stl", "step: 90 deg"), &["E0552"]);
     assert_codes(&turned("thorn.stl", "step: 90 deg, tolerance: 0.3 um"), &["E0552"]);
     assert_codes(&turned("thorn.stl", "step: 90 deg, tolerance: 0.5 um, retract: 1 um"), &[]);
+}
+
+/// The spike stands beside the plane xz, far from the plane xy.
+#[test]
+fn a_section_round_which_no_step_turns_may_be_what_it_is() {
+    let spike = "mesh { file: \"spike.stl\", unit: 1 um }";
+    let checked = |steps: &str, codes: &[&str]| assert_codes(&program("step: 90 deg", spike, steps), codes);
+    checked("precision: 30 deg, rotate bead by 90 deg about z", &[]);
+    checked("grasp bead, translate bead by (1 um, 0 um, 0 um)", &[]);
+    checked("precision: 30 deg, rotate bead by 90 deg about y", &["E0552"]);
+    checked("precision: 30 deg, rotate bead by 90 deg about z, rotate bead by 90 deg about x", &["E0552"]);
+    checked("precision: 30 deg, orient bead to euler(0 deg, 0 deg, 90 deg)", &["E0552"]);
 }
 
 #[test]

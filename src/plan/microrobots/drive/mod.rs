@@ -281,11 +281,13 @@ impl DriveProgress<'_> {
         let straight = turn_rad.min(std::f64::consts::TAU - turn_rad) <= heading_rad && ahead;
         let [a, b] = [from, goal].map(|pose| facts.orbit_centre_um(pose));
         let about = (a[0] - b[0]).hypotenuse(a[1] - b[1]) <= place_um + facts.turning_radius_um * heading_rad;
-        match () {
-            () if !straight && !has(Arm::Down) => Err(StuckReason::NeverTurns),
-            () if !about && !has(Arm::Up) => Err(StuckReason::NeverRuns),
-            () => Ok(()),
+        if !straight && !has(Arm::Down) {
+            return Err(StuckReason::NeverTurns);
         }
+        if !about && !has(Arm::Up) {
+            return Err(StuckReason::NeverRuns);
+        }
+        Ok(())
     }
 
     fn driven(self) -> Driven {

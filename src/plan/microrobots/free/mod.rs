@@ -220,10 +220,12 @@ impl MirroredJourney {
         }
         let spread_rad = (off_um / self.distance_um).arc_sine() + before.heading_rad;
         let is_ahead = self.aim_rad - spread_rad <= self.turn_rad + off_rad || self.aim_rad + spread_rad >= TAU;
-        match () {
-            () if is_ahead => run_um,
-            () if self.turn_rad + off_rad <= PI => f64::INFINITY,
-            () => self.chord_um(off_um, off_rad, before.heading_rad).max(run_um),
+        if is_ahead {
+            run_um
+        } else if self.turn_rad + off_rad <= PI {
+            f64::INFINITY
+        } else {
+            self.chord_um(off_um, off_rad, before.heading_rad).max(run_um)
         }
     }
 
@@ -249,11 +251,14 @@ pub fn fewest_segments(robot: &Robot, from: Pose, to: Pose, slack: Precision) ->
     let on_first = aside_um.abs() <= off_um;
     let on_last = (aside_um * cos - along_um * sin).abs() <= off_um + journey.distance_um * slack.heading_rad;
     let there = (from.x_um - to.x_um).hypotenuse(from.y_um - to.y_um) <= slack.place_um;
-    match () {
-        () if straight && there => 0,
-        () if journey.distance_um <= off_um || (straight && on_first) => 1,
-        () if on_first || on_last => 2,
-        () => 3,
+    if straight && there {
+        0
+    } else if journey.distance_um <= off_um || (straight && on_first) {
+        1
+    } else if on_first || on_last {
+        2
+    } else {
+        3
     }
 }
 

@@ -3,10 +3,12 @@
 //! Method: A* over the positions of all agents with what each has done, one step of the board at a time. For the fewest steps the estimate is
 //! that of the agent with the longest way to its end. For the least sum of costs each agent costs one for each step until it settles: it then
 //! moves no more, which it may do as soon as all that it has left to do is where it is; the estimate adds up what each needs until then.
+//! Of traces only those are kept that may still harm somebody, and positions with fewer of them stand for those with more.
 //! Guaranteed: a plan is legal and costs least, and "impossible" is said only after all positions have been seen, with the cells that they
 //! reach; the bound of a search that gave up holds. Cost: one step of the budget for each joint position generated; no more than
 //! [`MAX_POSITIONS`] are kept.
 
+mod positions;
 mod stands;
 
 use super::route::Ahead;
@@ -15,7 +17,7 @@ use crate::plan::electrode_array::board::{BoardObjective, CellIndex, MetCells};
 use crate::plan::electrode_array::channels::broadcast::{AgentStep, PulledStep, SharedChannels};
 use crate::plan::electrode_array::fast::UNREACHABLE;
 use crate::plan::search::{Meter, SearchAnswer};
-use rustc_hash::FxHashMap;
+use positions::{IDLE, JointPosition, JointStandings, KnownPositions, LeftTraces, harmful};
 use stands::{AgentStand, JointStand, at_start, due, is_done, may_begin, meeting, settle, start};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -25,21 +27,6 @@ const MAX_AGENTS: usize = 5;
 
 /// Greatest number of joint positions that are kept.
 const MAX_POSITIONS: usize = 400_000;
-
-/// Nothing waits.
-const IDLE: u32 = u32::MAX;
-
-/// Where all agents are and what they have done.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-struct JointPosition {
-    stands: Box<[JointStand]>,
-    /// By cell, where traces matter: one bit for each content that was left there since it was washed.
-    left: Box<[u64]>,
-    /// By lag, the steps since what its errand comes after was done; [`IDLE`] before that, and once the errand is done.
-    waits: Box<[u32]>,
-    /// One bit for each agent that moves no more, where sums are minimized.
-    settled: u8,
-}
 
 /// The cells to which each agent has come, ascending.
 pub(super) type AgentCells = Vec<Vec<CellIndex>>;
@@ -81,8 +68,15 @@ pub(super) fn least(
     let is_due = |agent: usize| problem.comes[agent] || problem.parents[agent].is_some();
     let stand = |agent: usize| if is_due(agent) { JointStand::Due } else { start(problem, agent) };
     let before: Vec<JointStand> = (0..problem.errands.len()).map(stand).collect();
-    let mut search =
-        JointSearch { problem, ahead, terms, nodes: Vec::new(), known: FxHashMap::default(), open: BinaryHeap::new() };
+    let mut search = JointSearch {
+        problem,
+        ahead,
+        terms,
+        nodes: Vec::new(),
+        known: KnownPositions::new(terms.objective == BoardObjective::Makespan || terms.limit != u32::MAX),
+        harmful: harmful(problem),
+        open: BinaryHeap::new(),
+    };
     let cells = problem.traces.as_ref().map_or(0, |_| problem.instance.board.cells());
     let mut starts = Vec::new();
     let none_before = PositionBefore { left: &vec![0; cells], waits: &vec![IDLE; problem.lags.len()], settled: 0 };
@@ -104,8 +98,9 @@ struct JointSearch<'a> {
     ahead: &'a Ahead,
     terms: JointTerms,
     nodes: Vec<JointNode>,
-    /// The earliest instant of each joint position, and the least cost, of one node.
-    known: FxHashMap<JointPosition, (u32, u32)>,
+    known: KnownPositions,
+    /// By agent and number of errands done: one bit for each content whose traces may harm it from then on.
+    harmful: Vec<Vec<u64>>,
     /// By estimated cost of the whole, the later instant first.
     open: BinaryHeap<Reverse<(u32, Reverse<u32>, u32)>>,
 }
@@ -123,7 +118,7 @@ impl JointSearch<'_> {
     fn reached(&self) -> AgentCells {
         let mut met = MetCells::new(self.problem.errands.len(), self.problem.instance.board.cells());
         for node in &self.nodes {
-            for (agent, stand) in node.position.stands.iter().enumerate() {
+            for (agent, stand) in node.position.standings.stands.iter().enumerate() {
                 stand.there().into_iter().for_each(|stand| met.meet(agent, stand.cell));
             }
         }
@@ -139,23 +134,21 @@ impl JointSearch<'_> {
                 stand.done as usize == errands.len() && errands.last().is_none_or(|last| last.stop == stand.cell)
             }
         };
-        self.nodes[index as usize].position.stands.iter().enumerate().all(has_done)
+        self.nodes[index as usize].position.standings.stands.iter().enumerate().all(has_done)
     }
 
     fn enter(&mut self, position: JointPosition, (instant, cost): (u32, u32), parent: Option<u32>) {
-        let Some((longest, sum)) = self.left(&position) else { return };
-        let is_known = |known: &(u32, u32)| match self.terms {
-            JointTerms { objective: BoardObjective::SumOfCosts, limit: u32::MAX } => known.1 <= cost,
-            JointTerms { .. } => known.0 <= instant && known.1 <= cost,
-        };
-        if instant.saturating_add(longest) > self.terms.limit || self.known.get(&position).is_some_and(is_known) {
+        let Some((longest, sum)) = self.least_left(&position.standings) else { return };
+        if instant.saturating_add(longest) > self.terms.limit {
+            return;
+        }
+        if !self.known.takes(&position, instant, cost) {
             return;
         }
         let least = match self.terms.objective {
             BoardObjective::Makespan => instant.saturating_add(longest),
             BoardObjective::SumOfCosts => cost.saturating_add(sum),
         };
-        self.known.insert(position.clone(), (instant, cost));
         let index = self.nodes.len() as u32;
         self.nodes.push(JointNode { position, instant, cost, parent });
         self.open.push(Reverse((least, Reverse(instant), index)));
@@ -163,7 +156,7 @@ impl JointSearch<'_> {
 
     /// Least steps to the end, and the least steps of all agents that are not settled until they last move; `None` if an agent cannot come
     /// to its end.
-    fn left(&self, position: &JointPosition) -> Option<(u32, u32)> {
+    fn least_left(&self, position: &JointStandings) -> Option<(u32, u32)> {
         let (mut longest, mut sum) = (0, 0u32);
         for (agent, stand) in position.stands.iter().enumerate() {
             let stand = match stand {
@@ -204,7 +197,7 @@ impl JointSearch<'_> {
     /// Adds all joint positions one step later; `None` when the meter or the room runs out.
     fn expand(&mut self, index: u32, meter: &mut Meter) -> Option<()> {
         let JointNode { position, instant, cost, .. } = &self.nodes[index as usize];
-        let JointPosition { stands, left, waits, settled } = position;
+        let JointPosition { standings: JointStandings { stands, waits, settled }, left } = position;
         let (instant, settled, mut moved) = (*instant, *settled, Vec::new());
         let charged = match self.terms.objective {
             BoardObjective::Makespan => 1,
@@ -233,8 +226,8 @@ impl JointSearch<'_> {
             let left = self.trodden(&cells, &stands, before.left);
             let Some((left, waits)) = left.zip(self.waited(&stands, before.waits)) else { continue };
             for settled in self.settlings(&stands, before.settled) {
-                let (stands, left, waits) = (stands.clone(), left.clone(), waits.clone());
-                found.push(JointPosition { stands, left, waits, settled });
+                let standings = JointStandings { stands: stands.clone(), waits: waits.clone(), settled };
+                found.push(JointPosition { standings, left: left.clone() });
             }
         }
     }
@@ -275,8 +268,8 @@ impl JointSearch<'_> {
     }
 
     /// What is left on all cells, with agents that have just come to some of them; `None` if one of them comes where that does harm.
-    fn trodden(&self, cells: &[Option<CellIndex>], stands: &[JointStand], left: &[u64]) -> Option<Box<[u64]>> {
-        let mut left: Box<[u64]> = left.into();
+    fn trodden(&self, cells: &[Option<CellIndex>], stands: &[JointStand], left: &[u64]) -> Option<LeftTraces> {
+        let mut left: LeftTraces = left.into();
         let Some(traces) = &self.problem.traces else { return Some(left) };
         // Who is dispensed where another one leaves at that instant is there with it.
         let mut now: Vec<(CellIndex, usize)> = Vec::new();
@@ -308,6 +301,13 @@ impl JointSearch<'_> {
             }
             *own |= 1 << content;
         }
+        let harmful = stands.iter().enumerate().map(|(agent, stand)| match stand {
+            JointStand::Due => self.harmful[agent][0],
+            JointStand::There(stand) => self.harmful[agent][stand.done as usize],
+            JointStand::Gone => 0,
+        });
+        let harmful = harmful.fold(0, |all, bits| all | bits);
+        left.iter_mut().for_each(|left| *left &= harmful);
         Some(left)
     }
 
@@ -498,8 +498,8 @@ impl JointSearch<'_> {
     }
 
     fn course(&self, chain: &[&JointNode], agent: usize) -> AgentCourse {
-        let since = chain.iter().take_while(|node| node.position.stands[agent] == JointStand::Due).count();
-        let there = chain[since..].iter().map_while(|node| node.position.stands[agent].there());
+        let since = chain.iter().take_while(|node| node.position.standings.stands[agent] == JointStand::Due).count();
+        let there = chain[since..].iter().map_while(|node| node.position.standings.stands[agent].there());
         let mut cells: Vec<CellIndex> = there.map(|stand| stand.cell).collect();
         if since + cells.len() < chain.len() {
             // It is gone as soon as it comes to its last stop.
@@ -508,7 +508,8 @@ impl JointSearch<'_> {
         }
         // After its last errand it rests where it came to last.
         let due = self.problem.errands[agent].len() as u32;
-        let is_done = |node: &&JointNode| node.position.stands[agent].there().is_some_and(|stand| stand.done == due);
+        let is_done =
+            |node: &&JointNode| node.position.standings.stands[agent].there().is_some_and(|stand| stand.done == due);
         let done = chain.iter().position(is_done).unwrap_or(0);
         let mut course = AgentCourse { since: since as u32, cells };
         course.end_at(done as u32);
