@@ -8,7 +8,7 @@
 //!   planner of the paper);
 //! - assays: `errands` (operations that depend on each other only by their parts), [`assay`] (their plan), [`places`] (where operations
 //!   take place, where the program leaves it open), `one_by_one` (the plan of last resort);
-//! - [`limits`] (plans of all steps within the limits of the task), `reasons` (why there is no plan, and what would help).
+//! - `limits` (plans of all steps within the limits of the task), `reasons` (why there is no plan, and what would help).
 
 pub mod assay;
 pub mod board;

@@ -2,9 +2,9 @@
 //!
 //! An arrangement has one place for each of them, and is an assay without a choice. Method: as long as there are few arrangements, in
 //! the order of their lower bounds, until no bound is below the plan at hand: all by lists, and then by all positions of the parts. Of
-//! more, those of some schedules on paper ([`placement`]), or, where these have no plan, some at random; the best of them in a better order, and
+//! more, those of some schedules on paper (`placement`), or, where these have no plan, some at random; the best of them in a better order, and
 //! then others that differ from it in one place, as long as plans become better; then as of few those whose lower bounds are least
-//! ([`place_tree`](super::place_tree)). Where there is only one, schedules on paper say in which order its parts may have their turns.
+//! (`place_tree`). Where there is only one, schedules on paper say in which order its parts may have their turns.
 //!
 //! Guaranteed: a plan is legal; `bounds` hold for the plans of every arrangement, and they are called impossible only where each one is.
 //! Cost: that of planning the arrangements, on one budget.

@@ -9,7 +9,7 @@ const MOST_ASSIGNMENTS: usize = 64;
 /// One part in this many of the budget of a step for each of them.
 const SHARE: u64 = 16;
 
-/// The order with a goal of its own for each part of a team, in several ways: all there are, or the first [`MOST_ASSIGNMENTS`]; none where
+/// The order with a goal of its own for each part of a team, in several ways: all there are, or the first `MOST_ASSIGNMENTS`; none where
 /// there is no team of several.
 pub fn orders(order: &ElectrodeArrayOrder) -> Vec<ElectrodeArrayOrder> {
     let sizes = order.steps.iter().flat_map(|step| teams(&step.action).into_values().map(|team| team.len()));
