@@ -80,7 +80,7 @@ function drawRuler(pen, view, clearance, drawScene) {
   const all = [[box.x, box.y], [right, box.y]];
   // A corner may be taken by the inset of a bed, those at the bottom by the words of a hand.
   if (view.devices[0].kind !== "fingers") all.push([box.x, bottom], [right, bottom]);
-  const isTaken = ([x, y], inset) => Math.abs(x - inset.x) < size && Math.abs(y - inset.y) < size;
+  const isTaken = (corner, inset) => Math.abs(corner[0] - inset.x) < size && Math.abs(corner[1] - inset.y) < size;
   const corners = all.filter((corner) => !view.inset || !isTaken(corner, view.inset));
   // The nearest corner that is clear of the place itself.
   const off = ([left, top]) => Math.hypot(left + size / 2 - x, top + size / 2 - y);
