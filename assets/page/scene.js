@@ -510,7 +510,9 @@ function drawInset(pen, view, t_ns, lights) {
   const [low, high] = boxAbout(goals.map(({ pose }) => [pose.x_um, pose.y_um]), 0.1);
   const more = 260;
   const half = (Math.max(...order.facts.robots.map((robot) => robot.length_um)) / 2) * pen.scale;
-  const [left, top] = emptiestCorner(pen, view.places, size, half);
+  // Once for each size of the view, and not for each frame.
+  if (!view.corner || view.corner.pen !== pen) view.corner = { pen, at: emptiestCorner(pen, view.places, size, half) };
+  const [left, top] = view.corner.at;
   const inset = { x: left, y: top, width: size, height: size };
   view.inset = inset;
   const close = new Pen(pen.canvas, inset, [low.map((v) => v - more), high.map((v) => v + more)], theme);

@@ -227,10 +227,8 @@ fn judge_quantity(
             Err(Box::new(errors::wrong_dimension(wanted, dimension, span, value)))
         }
         Value::Quantity(quantity) if !range.holds(quantity.si) => {
-            let limit = match (dimension, range) {
-                (Dimension::TEMPERATURE, Range::Positive) => "above -273.15 degC",
-                _ => range.text(),
-            };
+            let is_absolute = dimension == Dimension::TEMPERATURE && range == Range::Positive;
+            let limit = if is_absolute { "above -273.15 degC" } else { range.text() };
             Err(Box::new(errors::out_of_range(wanted, span, &quantity.to_string(), limit)))
         }
         Value::Quantity(quantity) if quantity.si != 0.0 && !SIZES_SI.contains(&quantity.si.abs()) => {

@@ -16,21 +16,18 @@ pub fn meant(written: &str, dimension: Dimension) -> Option<String> {
 
 /// By leaving a factor out, or else by another power of one.
 fn with_another_power(written: &str, dimension: Dimension) -> Option<String> {
-    let starts = std::iter::once(0).chain(written.match_indices(['*', '/']).map(|(at, _)| at + 1));
-    let changed = starts.map(|start| {
-        let end = written[start..].find(['*', '/']).map_or(written.len(), |end| start + end);
-        let name = written[start..end].split('^').next().unwrap_or_default();
-        let powers = (1..=MAX_POWER).map(move |power| match power {
-            1 => name.to_owned(),
-            _ => format!("{name}^{power}"),
-        });
-        let kept = powers.map(|factor| format!("{}{factor}{}", &written[..start], &written[end..])).collect();
-        let left_out = (start > 0).then(|| format!("{}{}", &written[..start - 1], &written[end..]));
-        (left_out, kept)
+    let starts = || std::iter::once(0).chain(written.match_indices(['*', '/']).map(|(at, _)| at + 1));
+    let end = |start: usize| written[start..].find(['*', '/']).map_or(written.len(), |end| start + end);
+    let left_out = starts().skip(1).map(|start| format!("{}{}", &written[..start - 1], &written[end(start)..]));
+    let repowered = starts().flat_map(|start| {
+        let name = written[start..end(start)].split('^').next().unwrap_or_default();
+        let (before, behind) = (&written[..start], &written[end(start)..]);
+        (1..=MAX_POWER).map(move |power| match power {
+            1 => format!("{before}{name}{behind}"),
+            _ => format!("{before}{name}^{power}{behind}"),
+        })
     });
-    let (left_out, kept): (Vec<Option<String>>, Vec<Vec<String>>) = changed.unzip();
-    let mut all = left_out.into_iter().flatten().chain(kept.into_iter().flatten());
-    all.find(|unit| Unit::parse(unit).is_ok_and(|unit| unit.dimension == dimension))
+    left_out.chain(repowered).find(|unit| Unit::parse(unit).is_ok_and(|unit| unit.dimension == dimension))
 }
 
 fn with_another_name(written: &str, dimension: Dimension) -> Option<String> {

@@ -574,8 +574,8 @@ pub(super) fn value_without_let(span: Span, text: &str) -> Diagnostic {
 fn declared_with_braces(value: &str) -> Option<&'static str> {
     let kind = value.split('{').next().filter(|kind| kind.len() < value.len())?.trim();
     // One word before braces may be a shape, which is a value.
-    let is_kind = kind.starts_with(char::is_alphabetic) && kind.chars().all(|c| is_word(c) || c == '.');
-    let is_kind = is_kind && kind.contains('.');
+    let is_kind =
+        kind.starts_with(char::is_alphabetic) && kind.contains('.') && kind.chars().all(|c| is_word(c) || c == '.');
     let is_instrument = kind.split('.').any(|part| part == "instruments");
     is_kind.then_some(if is_instrument { "instrument" } else { "device" })
 }

@@ -122,41 +122,28 @@ pub fn unit_mended(
         ExprKind::Negative(inner) => ("-", inner.as_ref()),
         _ => ("", expr),
     };
-    let (number, place, mend) = match &inner.kind {
-        ExprKind::Number(number) => (number, inner.span.after(), format!(" {unit}")),
-        ExprKind::Quantity { number, unit: written } => (number, written.span, unit.clone()),
-        _ => return finding,
-    };
+    let (ExprKind::Number(number) | ExprKind::Quantity { number, .. }) = &inner.kind else { return finding };
     if finding.code != Code::E0301 || unit.is_empty() || !is_plain(number) {
         return finding;
     }
-    if let ExprKind::Quantity { unit: written, .. } = &inner.kind {
-        if let Some(meant) = quantity::slip::meant(&written.text, dimension) {
-            let help = dimension_help(wanted, dimension, found, &format!("{sign}{number} {meant}"));
-            return finding.help(help).mended(place, meant);
-        }
-        if let Some(converted) = converted(dimension, &written.text, found) {
-            let help = dimension_help(wanted, dimension, found, &converted);
-            return finding.help(help).mended(expr.span, converted);
-        }
+    let shown = |finding: Diagnostic, example: &str| finding.help(dimension_help(wanted, dimension, found, example));
+    let example = format!("{sign}{number} {unit}");
+    let ExprKind::Quantity { unit: written, .. } = &inner.kind else {
+        let is_open = dimension == Dimension::TIME || dimension == Dimension::ANGLE;
+        let finding = shown(finding, &example);
+        return if is_open { finding } else { finding.mended(inner.span.after(), format!(" {unit}")) };
+    };
+    if let Some(meant) = quantity::slip::meant(&written.text, dimension) {
+        return shown(finding, &format!("{sign}{number} {meant}")).mended(written.span, meant);
+    }
+    if let Some(converted) = converted(dimension, &written.text, found) {
+        return shown(finding, &converted).mended(expr.span, converted);
+    }
+    match kept_unit(dimension, found) {
+        Some(numerator) if written.text == numerator => shown(finding, &example).mended(written.span, unit),
+        Some(_) => finding,
         // Any other unit would give the number another meaning: it is shown, and not written.
-        if kept_unit(dimension, found).is_none() {
-            return finding.help(dimension_help(wanted, dimension, found, &format!("{sign}{number} {unit}")));
-        }
-    }
-    let is_open = dimension == Dimension::TIME || dimension == Dimension::ANGLE;
-    if is_open && matches!(inner.kind, ExprKind::Number(_)) {
-        return finding.help(dimension_help(wanted, dimension, found, &format!("{sign}{number} {unit}")));
-    }
-    let keeps_size = kept_unit(dimension, found).is_none_or(|numerator| match &inner.kind {
-        ExprKind::Quantity { unit, .. } => unit.text == numerator,
-        _ => true,
-    });
-    match keeps_size {
-        true => finding
-            .help(dimension_help(wanted, dimension, found, &format!("{sign}{number} {unit}")))
-            .mended(place, mend),
-        false => finding,
+        None => shown(finding, &example),
     }
 }
 

@@ -68,8 +68,8 @@ impl PartReader<'_> {
         let position_um = self.position_um()?;
         // An impossible shape was already reported where it was read.
         let solid = solid::of(&shape.value, shape.span).ok()?;
-        let found = self.travelled(&solid, &solid.xy, Plane::Xy, shape.span)?;
-        let xy = self.faultless(found)?;
+        let xy = self.travelled(&solid, &solid.xy, Plane::Xy, shape.span)?;
+        let xy = xy.map_err(|fault| self.sink.push(*fault)).ok()?;
         let (xz, xz_fault) = match &solid.xz {
             Some(outline) => match self.travelled(&solid, outline, Plane::Xz, shape.span)? {
                 Ok(section) => (Some(section), None),
@@ -110,10 +110,6 @@ impl PartReader<'_> {
                 None
             }
         }
-    }
-
-    fn faultless<T>(&mut self, found: Diagnosed<T>) -> Option<T> {
-        found.map_err(|fault| self.sink.push(*fault)).ok()
     }
 
     /// A section that tips reach and go round clear of the solid; `None` where the outline was reported.

@@ -34,12 +34,26 @@ struct ReachedPosition {
     cost: u32,
 }
 
+/// The same of a position that may be known already.
+#[derive(Clone, Copy)]
+struct PositionMerits<'a> {
+    left: &'a [u64],
+    instant: u32,
+    cost: u32,
+}
+
 impl ReachedPosition {
+    fn merits(&self) -> PositionMerits<'_> {
+        PositionMerits { left: &self.left, instant: self.instant, cost: self.cost }
+    }
+}
+
+impl PositionMerits<'_> {
     /// Whether all that can be done from another position of the same standings can be done from this one, no later where `counts_instants`,
     /// and for no more: whoever has left fewer traces can do all that others can.
-    fn is_no_worse(&self, other: &ReachedPosition, counts_instants: bool) -> bool {
-        let has_left_less = self.left.iter().zip(&other.left).all(|(own, theirs)| own & !theirs == 0);
-        (!counts_instants || self.instant <= other.instant) && self.cost <= other.cost && has_left_less
+    fn is_no_worse(self, other: PositionMerits, counts_instants: bool) -> bool {
+        let has_left_less = || self.left.iter().zip(other.left).all(|(own, theirs)| own & !theirs == 0);
+        (!counts_instants || self.instant <= other.instant) && self.cost <= other.cost && has_left_less()
     }
 }
 
@@ -58,13 +72,18 @@ impl KnownPositions {
     /// Keeps a position unless one that is known is no worse; whether it was kept.
     pub fn takes(&mut self, position: &JointPosition, instant: u32, cost: u32) -> bool {
         let counts_instants = self.counts_instants;
-        let new = ReachedPosition { left: position.left.clone(), instant, cost };
-        let known = self.reached.entry(position.standings.clone()).or_default();
-        if known.iter().any(|known| known.is_no_worse(&new, counts_instants)) {
+        let new = PositionMerits { left: &position.left, instant, cost };
+        let reached = || ReachedPosition { left: position.left.clone(), instant, cost };
+        // Most positions are known: only a new one is copied.
+        let Some(known) = self.reached.get_mut(&position.standings) else {
+            self.reached.insert(position.standings.clone(), vec![reached()]);
+            return true;
+        };
+        if known.iter().any(|known| known.merits().is_no_worse(new, counts_instants)) {
             return false;
         }
-        known.retain(|known| !new.is_no_worse(known, counts_instants));
-        known.push(new);
+        known.retain(|known| !new.is_no_worse(known.merits(), counts_instants));
+        known.push(reached());
         true
     }
 }
