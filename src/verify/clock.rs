@@ -198,7 +198,7 @@ pub(super) fn timeline(
     findings: &mut Findings,
 ) -> Vec<DueStretch> {
     let mut due = Vec::with_capacity(claims.jobs.len());
-    let run_ns = walk(&claims.timeline, 0, (schedule, claims), &mut due, findings);
+    let run_ns = walk(&claims.timeline, 0, schedule, claims, &mut due, findings);
     let end_ns = run_ns.max(last_pulse_ns(runs, claims));
     findings.asked(Rule::Timeline, claims.jobs.len() + 1);
     if schedule.duration_ns != end_ns {
@@ -214,7 +214,8 @@ pub(super) fn timeline(
 fn walk(
     part: &Timeline,
     start_ns: u64,
-    (schedule, claims): (&Schedule, &Claims),
+    schedule: &Schedule,
+    claims: &Claims,
     due: &mut Vec<DueStretch>,
     findings: &mut Findings,
 ) -> u64 {
@@ -225,11 +226,11 @@ fn walk(
             end_ns
         }
         Timeline::Sequence(parts) => {
-            parts.iter().fold(start_ns, |at_ns, part| walk(part, at_ns, (schedule, claims), due, findings))
+            parts.iter().fold(start_ns, |at_ns, part| walk(part, at_ns, schedule, claims, due, findings))
         }
         Timeline::Together(parts) => parts
             .iter()
-            .fold(start_ns, |end_ns, part| end_ns.max(walk(part, start_ns, (schedule, claims), due, findings))),
+            .fold(start_ns, |end_ns, part| end_ns.max(walk(part, start_ns, schedule, claims, due, findings))),
         Timeline::Run(job) => {
             let end_ns = start_ns.saturating_add(schedule.plans[*job].duration_ns);
             due.push(DueStretch { start_ns, end_ns, job: Some(*job) });

@@ -14,7 +14,8 @@ use crate::schedule::{Schedule, ScheduledHold};
 /// Holds every wait of the schedule against those of the claims, and against all that goes on.
 pub(super) fn check(
     schedule: &Schedule,
-    (runs, stretches): (&[JudgedRun], &[DueStretch]),
+    runs: &[JudgedRun],
+    stretches: &[DueStretch],
     claims: &Claims,
     findings: &mut Findings,
 ) {

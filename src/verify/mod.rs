@@ -92,7 +92,7 @@ pub enum Verdict {
 pub fn verify_program(schedule: Schedule, claims: &Claims, sources: &Sources) -> Verdict {
     let tally = Rc::new(Tally::default());
     let found =
-        judge(&schedule, claims, &tally).map(|found| with_source_map(found, &schedule, (claims, sources), &tally));
+        judge(&schedule, claims, &tally).map(|found| with_source_map(found, &schedule, claims, sources, &tally));
     verdict(found, schedule, claims, &tally)
 }
 
@@ -115,7 +115,8 @@ fn verdict(found: Result<Vec<Violation>, Unfit>, schedule: Schedule, claims: &Cl
 fn with_source_map(
     found: Vec<Violation>,
     schedule: &Schedule,
-    (claims, sources): (&Claims, &Sources),
+    claims: &Claims,
+    sources: &Sources,
     tally: &Rc<Tally>,
 ) -> Vec<Violation> {
     if !found.is_empty() {
@@ -308,7 +309,7 @@ fn judge(schedule: &Schedule, claims: &Claims, tally: &Rc<Tally>) -> Result<Vec<
     let due = clock::timeline(schedule, &runs, claims, &mut findings);
     let order: Vec<usize> = due.iter().filter_map(|stretch| stretch.job).collect();
     outputs::check(schedule, &runs, claims, &mut findings);
-    holds::check(schedule, (&runs, &due), claims, &mut findings);
+    holds::check(schedule, &runs, &due, claims, &mut findings);
     for job in claims.first_of_kinds() {
         judge_of(&job.order).beside(&runs, &order, claims, &mut findings);
     }

@@ -34,7 +34,7 @@ pub(super) fn check(schedule: &Schedule, claims: &Claims, sources: &Sources, fin
             continue;
         };
         let (line, column) = walk.position(file, span);
-        for (which, recorded, written) in differences(&recorded, file, span, (line, column)) {
+        for (which, recorded, written) in differences(&recorded, file, span, line, column) {
             let title = format!("{what} has the {which} `{recorded}`, but the program has `{written}`");
             findings.push(Violation::new(Rule::SourceMap, start_ns, title).step(step).label(span, "the program's own"));
         }
@@ -93,7 +93,8 @@ fn differences(
     recorded: &RecordedText,
     file: &SourceFile,
     span: Span,
-    (line, column): (usize, usize),
+    line: usize,
+    column: usize,
 ) -> Vec<(&'static str, String, String)> {
     let text: Vec<&str> = file.text[span.range()].split_whitespace().collect();
     let pairs = [
@@ -130,7 +131,7 @@ mod tests {
         (verified.schedule().clone(), verified.claims().clone(), sources)
     }
 
-    fn rules(schedule: &Schedule, (claims, sources): (&Claims, &Sources)) -> Vec<Rule> {
+    fn rules(schedule: &Schedule, claims: &Claims, sources: &Sources) -> Vec<Rule> {
         match verify_program(schedule.clone(), claims, sources) {
             Verdict::Accepted(_) => Vec::new(),
             Verdict::Rejected(violations) => violations.into_iter().map(|violation| violation.rule).collect(),
@@ -144,8 +145,7 @@ mod tests {
             "use std.electrode_array as ea\ndevice chip : ea.droplet_chip\nscene s {\n  part a : ea.droplet at (3, 3)\n}\n\
              task go on chip in s {\n  assay {\n    for i in 0..2 { move a to (4 + i, 3) }\n    incubate a at (5,\n      3) for 1 s\n  }\n}\n",
         );
-        let given = (&claims, &sources);
-        assert_eq!(rules(&sound, given), []);
+        assert_eq!(rules(&sound, &claims, &sources), []);
         let places = sound.steps[0].operations.iter().map(|own| (own.text.as_str(), own.line, own.column));
         let expected =
             [("move a to (4 + i, 3)", 8, 21), ("move a to (4 + i, 3)", 8, 21), ("incubate a at (5, 3) for 1 s", 9, 5)];
@@ -156,7 +156,7 @@ mod tests {
             for index in 0..3 {
                 let mut forged = sound.clone();
                 edit(&mut forged.steps[0].operations[index]);
-                assert_eq!(rules(&forged, given), [Rule::SourceMap], "edit {nth} of operation {index}");
+                assert_eq!(rules(&forged, &claims, &sources), [Rule::SourceMap], "edit {nth} of operation {index}");
             }
         }
     }
@@ -164,8 +164,7 @@ mod tests {
     #[test]
     fn each_word_of_a_step_is_read_again_in_the_program() {
         let (sound, claims, sources) = built(TEXT);
-        let given = (&claims, &sources);
-        assert_eq!(rules(&sound, given), []);
+        assert_eq!(rules(&sound, &claims, &sources), []);
         assert_eq!(sound.steps[1].text, "move to (1, 1)");
         let edits: [fn(&mut ScheduledStep); 6] = [
             |step| step.text = "move to safety".to_owned(),
@@ -179,7 +178,7 @@ mod tests {
             for index in 0..sound.steps.len() {
                 let mut forged = sound.clone();
                 edit(&mut forged.steps[index]);
-                assert_eq!(rules(&forged, given), [Rule::SourceMap], "edit {nth} of step {index}");
+                assert_eq!(rules(&forged, &claims, &sources), [Rule::SourceMap], "edit {nth} of step {index}");
             }
         }
     }

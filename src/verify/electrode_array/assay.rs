@@ -276,7 +276,7 @@ impl<'o> JudgedAssay<'o> {
         match due.work {
             DueWork::Mix(around) if !turn.is_spoilt => {
                 if let Some(begins) = begins {
-                    self.mix(part, around, (begins, beat), cells[part]);
+                    self.mix(part, around, begins, beat, cells[part]);
                 }
                 return;
             }
@@ -317,13 +317,13 @@ impl<'o> JudgedAssay<'o> {
     }
 
     /// As [`Self::settle_one`], of a part that is next to be mixed.
-    fn mix(&mut self, part: usize, around: Loop, (begins, beat): (u64, u64), cell: Option<ElectrodeCell>) {
+    fn mix(&mut self, part: usize, around: Loop, begins: u64, beat: u64, cell: Option<ElectrodeCell>) {
         let Some(turn) = self.turns.get_mut(&part) else { return };
         let acted = turn.acted.max(begins);
         let Some(due) = turn.due.get(turn.done) else { return };
         let (beats, ends) = (due.beats, due.ends);
         let Some(cell) = cell else { return };
-        let Some(since) = turn.mixing.since(around, cell, (acted, beat)) else { return };
+        let Some(since) = turn.mixing.since(around, cell, acted, beat) else { return };
         if beat - since < beats || cell != around.corner {
             return;
         }

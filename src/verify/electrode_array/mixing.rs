@@ -54,7 +54,7 @@ impl Mixing {
     }
 
     /// The beat after which it began to go round, if it is on its way after this one; it may do so only after it last did something else.
-    pub fn since(&mut self, around: Loop, cell: ElectrodeCell, (free, beat): (u64, u64)) -> Option<u64> {
+    pub fn since(&mut self, around: Loop, cell: ElectrodeCell, free: u64, beat: u64) -> Option<u64> {
         let (from, _) =
             self.moved.filter(|(from, moved)| *moved == beat && beat > free && around.leads(*from, cell))?;
         self.round = match self.round {

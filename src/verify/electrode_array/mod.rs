@@ -309,7 +309,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let mut reservoirs = self.reservoirs(nth)?;
         let before = self.cells.iter().flatten().count();
         let mut there = self.settle(0, &mut assay, &mut zones);
-        self.tread((nth, step.start_ns), (operations, &assay), &there, findings);
+        self.tread(nth, step.start_ns, operations, &assay, &there, findings);
         if beats == 0 && self.cells.iter().flatten().count() < before {
             self.record(step.start_ns)?;
         }
@@ -320,7 +320,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             }
             switching.advance(beat);
             reservoirs.iter_mut().for_each(|reservoirs| reservoirs.advance(beat));
-            for (part, outlet) in self.dispensed((nth, at_ns), &assay, &switching.on, reservoirs.as_ref()) {
+            for (part, outlet) in self.dispensed(nth, at_ns, &assay, &switching.on, reservoirs.as_ref()) {
                 self.cells[part] = Some(outlet);
                 assay.come(part, beat);
                 reservoirs.iter_mut().for_each(|reservoirs| reservoirs.begin(part, outlet, beat));
@@ -328,14 +328,14 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 // Who leaves the outlet at that instant is there with it.
                 let leaves = there.iter().copied().filter(|(other, cell)| *other != part && *cell == outlet);
                 let both: Vec<_> = std::iter::once((part, outlet)).chain(leaves).collect();
-                self.tread((nth, at_ns), (operations, &assay), &both, findings);
+                self.tread(nth, at_ns, operations, &assay, &both, findings);
             }
             let splits = self.pulled_apart(&assay, &switching.on);
             for split in &splits {
                 self.cells[split.half] = Some(split.at);
                 self.traces.iter_mut().for_each(|traces| traces.split(split.part, split.half));
             }
-            let unheld = self.unheld((nth, at_ns, beat), reservoirs.as_ref(), &switching.on)?;
+            let unheld = self.unheld(nth, at_ns, beat, reservoirs.as_ref(), &switching.on)?;
             let (stage, on) = (&assay.meetings, &switching.on);
             let pulls = self.beat(&StepBeat { nth, at_ns, stage, on, splits: &splits, unheld: &unheld })?;
             splits.iter().for_each(|split| assay.split(split, beat + 1));
@@ -347,8 +347,8 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 }
             }
             there = self.settle(beat + 1, &mut assay, &mut zones);
-            self.stays((nth, at_ns + step_ns), (operations, &assay), &mut zones, findings);
-            self.tread((nth, at_ns + step_ns), (operations, &assay), &there, findings);
+            self.stays(nth, at_ns + step_ns, operations, &assay, &mut zones, findings);
+            self.tread(nth, at_ns + step_ns, operations, &assay, &there, findings);
         }
         self.beats = self.beats.saturating_add(beats);
         self.sum_of_costs = self.sum_of_costs.saturating_add(assay.cost());
@@ -386,7 +386,8 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     /// by its operation.
     fn dispensed(
         &self,
-        (nth, at_ns): (usize, u64),
+        nth: usize,
+        at_ns: u64,
         assay: &JudgedAssay,
         on: &FxHashSet<ElectrodeCell>,
         reservoirs: Option<&JudgedReservoirs>,
@@ -447,7 +448,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     fn switching(&self, nth: usize, beat_ns: u64) -> Result<Switching<ElectrodeCell>, Violation> {
         let mut pulses = Vec::with_capacity(self.pulses[nth].len());
         for (first, part) in &self.pulses[nth] {
-            let pulse = self.in_beats(nth, (*first, part), beat_ns, || format!("electrode {first}"))?;
+            let pulse = self.in_beats(nth, *first, part, beat_ns, || format!("electrode {first}"))?;
             for cell in self.channels.lights(*first) {
                 pulses.push(SwitchPulse { switch: cell, ..pulse });
                 self.leaves_stuck_parts(nth, cell, part.start_ns)?;
@@ -460,7 +461,8 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     fn in_beats<E>(
         &self,
         nth: usize,
-        (switch, part): (E, &Actuation),
+        switch: E,
+        part: &Actuation,
         beat_ns: u64,
         name: impl Fn() -> String,
     ) -> Result<SwitchPulse<E>, Violation> {

@@ -32,15 +32,15 @@ impl JudgedBoard<'_, '_> {
             let pair = [&pulls[one], &pulls[other]];
             if let Some([first, second]) = self.spans(moment, pair) {
                 let cells = first.nearest(&second);
-                let name = self.order.parts[pair[1].0].name.clone();
-                self.keep(Rule::Touch, moment.at_ns, (pair[0], Some(&pair[1].1)), (name, cells));
+                let between = pair.map(|(part, _)| self.order.parts[*part].name.clone());
+                self.keep(Rule::Touch, moment.at_ns, between, &pair[0].1, Some(&pair[1].1), cells);
             }
         }
         let due = needed(&self.order.facts);
-        self.near_bodies(moment, pulls, (Rule::Touch, due), |within, pull| {
+        self.near_bodies(moment, pulls, Rule::Touch, due, |within, pull| {
             self.scene.nearest_stuck(&SweptCells::new(pull.from, pull.to), within)
         });
-        self.near_bodies(moment, pulls, (Rule::Clearance, self.order.facts.clearance), |within, pull| {
+        self.near_bodies(moment, pulls, Rule::Clearance, self.order.facts.clearance, |within, pull| {
             self.scene.nearest_block(pull.to, within)
         });
     }
@@ -50,18 +50,19 @@ impl JudgedBoard<'_, '_> {
         &self,
         moment: &StepBeat,
         pulls: &Pulls,
-        (rule, due): (Rule, u32),
+        rule: Rule,
+        due: u32,
         find: impl Fn(u32, &PartPull) -> Option<(usize, [ElectrodeCell; 2])>,
     ) {
         let farthest = self.order.facts.columns.max(self.order.facts.rows);
-        for pull in pulls {
+        for (part, pull) in pulls {
             let least = self.run.tally.least(rule, &self.run.job.device).min(f64::from(farthest));
             if least <= f64::from(due) {
                 return;
             }
-            let Some((obstacle, cells)) = find(least as u32 - 1, &pull.1) else { continue };
-            let name = self.order.obstacles[obstacle].name.clone();
-            self.keep(rule, moment.at_ns, (pull, None), (name, cells));
+            let Some((obstacle, cells)) = find(least as u32 - 1, pull) else { continue };
+            let between = [&self.order.parts[*part].name, &self.order.obstacles[obstacle].name].map(String::clone);
+            self.keep(rule, moment.at_ns, between, pull, None, cells);
         }
     }
 
@@ -70,8 +71,10 @@ impl JudgedBoard<'_, '_> {
         &self,
         rule: Rule,
         at_ns: u64,
-        ((part, pull), other): (&(usize, PartPull), Option<&PartPull>),
-        (name, cells): (String, [ElectrodeCell; 2]),
+        between: [String; 2],
+        pull: &PartPull,
+        other: Option<&PartPull>,
+        cells: [ElectrodeCell; 2],
     ) {
         let arrives = |pull: &PartPull, cell: ElectrodeCell| pull.moves().then_some(cell == pull.to);
         let both = [arrives(pull, cells[0]), other.and_then(|other| arrives(other, cells[1]))];
@@ -86,7 +89,7 @@ impl JudgedBoard<'_, '_> {
         self.run.tally.near(Clearance {
             rule,
             device: self.run.job.device.clone(),
-            between: [self.order.parts[*part].name.clone(), name],
+            between,
             apart: f64::from(cells[0].apart(cells[1])),
             needed: f64::from(due),
             within: 0.0,

@@ -105,8 +105,7 @@ impl<'r> JudgedBoard<'r, '_> {
     pub(super) fn reservoirs(&self, nth: usize) -> Result<Option<JudgedReservoirs<'r>>, Violation> {
         let Some(pads) = &self.order.facts.reservoirs else { return Ok(None) };
         let beat_ns = self.order.facts.step_ns;
-        let pulse =
-            |(pad, part): &(u32, &Actuation)| self.in_beats(nth, (*pad, part), beat_ns, || format!("pad {pad}"));
+        let pulse = |(pad, part): &(u32, &Actuation)| self.in_beats(nth, *pad, part, beat_ns, || format!("pad {pad}"));
         let pulses: Result<Vec<SwitchPulse<u32>>, Violation> = self.pads[nth].iter().map(pulse).collect();
         Ok(Some(JudgedReservoirs::new(pads, &pulses?, beat_ns)))
     }
@@ -115,7 +114,7 @@ impl<'r> JudgedBoard<'r, '_> {
     pub(super) fn pads_rest(&self, nth: usize) -> Result<(), Violation> {
         self.run.tally.asked(Rule::Reservoir, self.pads[nth].len());
         match self.pads[nth].first() {
-            Some((pad, part)) => Err(self.pad_fault((nth, part.start_ns), &PadFault::Needless(*pad))),
+            Some((pad, part)) => Err(self.pad_fault(nth, part.start_ns, &PadFault::Needless(*pad))),
             None => Ok(()),
         }
     }
@@ -123,19 +122,21 @@ impl<'r> JudgedBoard<'r, '_> {
     /// The parts that lie on an electrode that is off since their reservoirs have it so; pads and outlets are as the frames have them.
     pub(super) fn unheld(
         &self,
-        (nth, at_ns, beat): (usize, u64, u64),
+        nth: usize,
+        at_ns: u64,
+        beat: u64,
         reservoirs: Option<&JudgedReservoirs>,
         on: &FxHashSet<ElectrodeCell>,
     ) -> Result<Vec<usize>, Violation> {
         let Some(reservoirs) = reservoirs else { return Ok(Vec::new()) };
         self.run.tally.asked(Rule::Reservoir, 1);
         match reservoirs.fault(beat, on) {
-            Some(fault) => Err(self.pad_fault((nth, at_ns), &fault)),
+            Some(fault) => Err(self.pad_fault(nth, at_ns, &fault)),
             None => Ok(reservoirs.unheld(beat)),
         }
     }
 
-    fn pad_fault(&self, (nth, at_ns): (usize, u64), fault: &PadFault) -> Violation {
+    fn pad_fault(&self, nth: usize, at_ns: u64, fault: &PadFault) -> Violation {
         let (at, name) = (ms(at_ns), |part: usize| self.order.parts[part].name.as_str());
         let title = match fault {
             PadFault::Needless(pad) => {

@@ -94,8 +94,10 @@ impl JudgedBoard<'_, '_> {
     /// Parts are on cells at an instant, with what is done by then.
     pub(super) fn tread(
         &mut self,
-        (nth, at_ns): (usize, u64),
-        (operations, assay): (&[AssayOperation], &JudgedAssay),
+        nth: usize,
+        at_ns: u64,
+        operations: &[AssayOperation],
+        assay: &JudgedAssay,
         there: &[(usize, ElectrodeCell)],
         findings: &mut Findings,
     ) {

@@ -66,8 +66,10 @@ impl JudgedBoard<'_, '_> {
     /// Operations in zones that are done by now: for all their time the part was within.
     pub(super) fn stays(
         &self,
-        (nth, now_ns): (usize, u64),
-        (operations, assay): (&[AssayOperation], &JudgedAssay),
+        nth: usize,
+        now_ns: u64,
+        operations: &[AssayOperation],
+        assay: &JudgedAssay,
         zones: &mut JudgedZones,
         findings: &mut Findings,
     ) {

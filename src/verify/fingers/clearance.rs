@@ -77,8 +77,10 @@ impl Flight {
     /// Goes along a stretch past a part at rest.
     pub fn follow(
         &mut self,
-        (stretch, finger): (&Stretch, usize),
-        (body, pose): (&PartOutlines, &ObjectPose),
+        stretch: &Stretch,
+        finger: usize,
+        body: &PartOutlines,
+        pose: &ObjectPose,
         facts: &FingersFacts,
     ) -> Result<(), TipHit> {
         let length_um = (stretch.to_um[finger] - stretch.from_um[finger]).norm();

@@ -167,7 +167,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         for one in 0..self.tips_um.len() {
             for other in one + 1..self.tips_um.len() {
                 let (apart_um, _) = clearance::least_um(&still, one, other);
-                self.note_apart(&still, ([one, other], apart_um, 0.0));
+                self.note_apart(&still, [one, other], apart_um, 0.0);
                 if apart_um < due_um {
                     findings.push(Violation::new(Rule::Apart, start_ns, self.apart([one, other], apart_um, start_ns)));
                 }
@@ -217,7 +217,8 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
     /// Goes along one stretch.
     pub fn follow(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
         let due_um = clearance::apart_um(&self.order.facts) - self.order.facts.tolerance_um;
-        let nearest = clearance::nearest(stretch).inspect(|nearest| self.note_apart(stretch, *nearest));
+        let nearest = clearance::nearest(stretch)
+            .inspect(|(pair, apart_um, share)| self.note_apart(stretch, *pair, *apart_um, *share));
         if let Some((pair, apart_um, share)) = nearest.filter(|near| near.1 < due_um) {
             let time_ns = stretch.instant_ns(share);
             findings.push(self.run.violation(Rule::Apart, nth, time_ns, self.apart(pair, apart_um, time_ns)));
@@ -236,7 +237,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
     }
 
     /// Keeps a distance of two tips, where it is less than all before.
-    fn note_apart(&self, stretch: &Stretch, (pair, apart_um, share): ([usize; 2], f64, f64)) {
+    fn note_apart(&self, stretch: &Stretch, pair: [usize; 2], apart_um: f64, share: f64) {
         let JudgedHand { run, order, .. } = self;
         run.tally.asked(Rule::Apart, 1);
         let radius_um = order.facts.tip_radius_um;
@@ -328,7 +329,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         }
         self.check_hold(nth, time_ns, findings);
         if let Some((_, leaving)) = leaving.filter(|_| self.reported == ReportedGrip::Nothing) {
-            self.check_removal(nth, (finger, &leaving), time_ns, findings);
+            self.check_removal(nth, finger, &leaving, time_ns, findings);
         }
         self.count_change();
         self.spans.begin(stretch.end_ns, Due::Always, self.views());
@@ -340,13 +341,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         self.effort_rad += self.order.facts.gaiting_cost_deg.to_radians();
     }
 
-    fn check_removal(
-        &self,
-        nth: usize,
-        (finger, leaving): (usize, &ContactPoint),
-        time_ns: u64,
-        findings: &mut Findings,
-    ) {
+    fn check_removal(&self, nth: usize, finger: usize, leaving: &ContactPoint, time_ns: u64, findings: &mut Findings) {
         findings.asked(Rule::Removal, 1);
         let touches: Vec<ContactPoint> = self.touches().into_iter().map(|(_, touch)| touch).collect();
         if !self.statics().resists(&touches, leaving) {
@@ -389,7 +384,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
                 continue;
             }
             findings.asked(Rule::Pierce, 1);
-            let followed = self.flights[finger].follow((stretch, finger), (&self.body, &pose), &order.facts);
+            let followed = self.flights[finger].follow(stretch, finger, &self.body, &pose, &order.facts);
             let kept = self.paces[finger].follow(stretch, finger, &order.facts);
             self.tell_pace(nth, finger, kept, findings);
             let touched = self.touched(nth, &stretch.to_um[finger], &stretch.to_um);
@@ -398,7 +393,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
                 findings.push(self.run.violation(Rule::Pierce, nth, hit.time_ns, self.pierce(finger, &hit)));
             }
             if let Some(plane) = touched {
-                self.place(nth, (finger, plane), stretch, findings)?;
+                self.place(nth, finger, plane, stretch, findings)?;
             }
         }
         Ok(())
@@ -426,7 +421,8 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
     fn place(
         &mut self,
         nth: usize,
-        (finger, plane): (usize, Plane),
+        finger: usize,
+        plane: Plane,
         stretch: &Stretch,
         findings: &mut Findings,
     ) -> Result<(), Halt> {

@@ -124,7 +124,7 @@ impl<'a> Statics<'a> {
         let depth = problem.add_var(1.0, (f64::NEG_INFINITY, 1.0));
         // Idle forces are unbounded in scale: only their sum is fixed.
         let most = if is_idle { 2.0 } else { facts.max_force_un / unit_un };
-        let bearings = self.bearings(&mut problem, touches, depth, (unit_un, most));
+        let bearings = self.bearings(&mut problem, touches, depth, unit_un, most);
         if is_idle {
             let sum: Vec<_> = bearings.iter().map(|bearing| (bearing.normal, 1.0)).collect();
             problem.add_constraint(&sum, ComparisonOp::Eq, 1.0);
@@ -143,7 +143,8 @@ impl<'a> Statics<'a> {
         problem: &mut Problem,
         touches: &[ContactPoint],
         depth: Variable,
-        (unit_un, most): (f64, f64),
+        unit_un: f64,
+        most: f64,
     ) -> Vec<ContactForces> {
         let facts = &self.order.facts;
         let sticking = pull_off_un(facts) / unit_un;
@@ -152,7 +153,7 @@ impl<'a> Statics<'a> {
             let normal = problem.add_var(0.0, (-sticking, f64::INFINITY));
             let tangential = problem.add_var(0.0, (f64::NEG_INFINITY, f64::INFINITY));
             let room = facts.friction * sticking;
-            let beyond = is_of_space.then(|| self.beyond(problem, normal, (unit_un, sticking)));
+            let beyond = is_of_space.then(|| self.beyond(problem, normal, unit_un, sticking));
             let cone = |sign: f64| [(tangential, sign), (normal, -facts.friction), (depth, 1.0)];
             for sign in [1.0, -1.0] {
                 match beyond {
@@ -172,7 +173,7 @@ impl<'a> Statics<'a> {
 
     /// Forces of a contact out of the plane. The lever of the load is known to the tolerance of contacts: a torque of
     /// that size is ignored.
-    fn beyond(&self, problem: &mut Problem, normal: Variable, (unit_un, sticking): (f64, f64)) -> Beyond {
+    fn beyond(&self, problem: &mut Problem, normal: Variable, unit_un: f64, sticking: f64) -> Beyond {
         let facts = &self.order.facts;
         let across = problem.add_var(0.0, (f64::NEG_INFINITY, f64::INFINITY));
         let torque = problem.add_var(0.0, (f64::NEG_INFINITY, f64::INFINITY));
@@ -236,7 +237,7 @@ impl<'a> Statics<'a> {
         let unit_un = self.order.facts.max_force_un;
         let mut problem = Problem::new(OptimizationDirection::Maximize);
         let depth = problem.add_var(1.0, (-TOLERANCE, 1.0));
-        let bearings = self.bearings(&mut problem, touches, depth, (unit_un, 1.0));
+        let bearings = self.bearings(&mut problem, touches, depth, unit_un, 1.0);
         self.balance(&mut problem, touches, &bearings, None, unit_un);
         let missed = problem.add_var(-SUM_WEIGHT, (0.0, f64::INFINITY));
         for (sign, op) in [(1.0, ComparisonOp::Ge), (-1.0, ComparisonOp::Le)] {

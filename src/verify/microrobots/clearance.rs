@@ -107,10 +107,10 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         }
         for (place, (robot, disc)) in orbits.iter().enumerate() {
             self.obstacles_of_orbit(train, *robot, disc);
-            orbits[place + 1..].iter().for_each(|other| self.orbits(train, (*robot, disc), other));
+            orbits[place + 1..].iter().for_each(|(other, guest)| self.orbits(train, *robot, disc, *other, guest));
             let orbiting = |other: usize| orbits.iter().any(|(orbiting, _)| *orbiting == other);
             for other in (0..train.rides.len()).filter(|other| !orbiting(*other)) {
-                self.guest(train, (*robot, disc), other)?;
+                self.guest(train, *robot, disc, other)?;
             }
         }
         Ok(())
@@ -225,20 +225,20 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     }
 
     /// Two orbits keep clear of each other.
-    fn orbits(&mut self, train: &JudgedTrain, (robot, disc): (usize, &TakenDisc), (other, guest): &(usize, TakenDisc)) {
+    fn orbits(&mut self, train: &JudgedTrain, robot: usize, disc: &TakenDisc, other: usize, guest: &TakenDisc) {
         let needed_um = self.bed.order.facts.orbit_clearance_um;
         let gap_um = (disc.centre - guest.centre).norm() - disc.reach_um - guest.reach_um;
-        let meeting = (Rule::Orbit, robot, *other);
+        let meeting = (Rule::Orbit, robot, other);
         self.findings.asked(Rule::Orbit, 1);
         if gap_um < needed_um - ROUNDING_UM && !self.reported.contains(&meeting) {
-            let name = format!("that of `{}`", self.bed.name(*other));
+            let name = format!("that of `{}`", self.bed.name(other));
             let violation = self.orbit(train, robot, &name, SweptTouch { share: 0.0, gap_um });
             self.report(meeting, violation);
         }
     }
 
     /// A robot that does not orbit keeps clear of an orbit, whether it moves or not.
-    fn guest(&mut self, train: &JudgedTrain, (robot, disc): (usize, &TakenDisc), other: usize) -> Result<(), Endless> {
+    fn guest(&mut self, train: &JudgedTrain, robot: usize, disc: &TakenDisc, other: usize) -> Result<(), Endless> {
         let meeting = (Rule::Orbit, robot, other);
         self.findings.asked(Rule::Orbit, 1);
         if self.reported.contains(&meeting) {

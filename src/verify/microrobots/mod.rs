@@ -106,11 +106,11 @@ impl Judge for MicrorobotsOrder {
                 MicrorobotsAction::Wait(duration_ns) => bed.wait(run.step(nth).start_ns, *duration_ns)?,
                 MicrorobotsAction::Apply { state, duration_ns } => {
                     bed.follow(nth, &legs[nth], &[], findings)?;
-                    bed.applied(nth, &legs[nth], (*state, *duration_ns), findings);
+                    bed.applied(nth, &legs[nth], *state, *duration_ns, findings);
                 }
                 MicrorobotsAction::Drive { robot, stops } => {
                     bed.follow(nth, &legs[nth], &[], findings)?;
-                    bed.stops(nth, ends_from, (*robot, stops), findings);
+                    bed.stops(nth, ends_from, *robot, stops, findings);
                 }
                 MicrorobotsAction::Assemble(docks) => {
                     bed.follow(nth, &legs[nth], docks, findings)?;
@@ -311,7 +311,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
     }
 
     /// An `apply` is one leg of its state, for as many strokes as its duration takes.
-    fn applied(&self, nth: usize, legs: &[VoltageLeg], (state, duration_ns): (usize, u64), findings: &mut Findings) {
+    fn applied(&self, nth: usize, legs: &[VoltageLeg], state: usize, duration_ns: u64, findings: &mut Findings) {
         findings.asked(Rule::Apply, 1);
         let step = self.run.step(nth);
         let strokes = duration_ns.div_ceil(self.order.facts.period_ns);
@@ -330,7 +330,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
     }
 
     /// A robot comes by its stops in order, at ends of legs, and ends at the last one.
-    fn stops(&self, nth: usize, from: usize, (robot, stops): (usize, &[MicrorobotsStop]), findings: &mut Findings) {
+    fn stops(&self, nth: usize, from: usize, robot: usize, stops: &[MicrorobotsStop], findings: &mut Findings) {
         findings.asked(Rule::Goal, stops.len());
         let starts = self.trains[from..].iter().map(|train| train.rides[robot].start);
         let instants = starts.chain([self.places[robot]]);

@@ -75,7 +75,7 @@ impl Nearest<'_, '_, '_, '_, '_> {
             let body = round.body(share).vertices();
             let Some([on_solid, on_body]) = solid.nearest_points(&body) else { continue };
             let between = [self.bed.name(robot), &self.bed.order.obstacles[obstacle].name].map(str::to_owned);
-            self.keep((Rule::Graze, between), (train, share * part), least_um, [on_body, on_solid]);
+            self.keep(Rule::Graze, between, train, share * part, least_um, [on_body, on_solid]);
         }
     }
 
@@ -90,7 +90,7 @@ impl Nearest<'_, '_, '_, '_, '_> {
         };
         let [one, other] = rides.map(|ride| ride.body(share).vertices());
         let Some(points) = nearest_points(&one, &other) else { return };
-        self.keep((Rule::Meet, robots.map(|robot| self.bed.name(robot).to_owned())), (train, share), least_um, points);
+        self.keep(Rule::Meet, robots.map(|robot| self.bed.name(robot).to_owned()), train, share, least_um, points);
     }
 
     /// The least distance of a stretch, and the share of the path at which it is, if it is less than a limit.
@@ -141,8 +141,10 @@ impl Nearest<'_, '_, '_, '_, '_> {
 
     fn keep(
         &self,
-        (rule, between): (Rule, [String; 2]),
-        (train, share): (&JudgedTrain, f64),
+        rule: Rule,
+        between: [String; 2],
+        train: &JudgedTrain,
+        share: f64,
         gap_um: f64,
         points: [Point2<f64>; 2],
     ) {

@@ -63,7 +63,8 @@ impl<'r, 'a> Goals<'r, 'a> {
         &mut self,
         step: usize,
         at_ns: u64,
-        (places, docked): (&[RobotPlace], &[bool]),
+        places: &[RobotPlace],
+        docked: &[bool],
         findings: &mut Findings,
     ) {
         let passed = std::mem::take(&mut self.passed);
@@ -94,7 +95,7 @@ impl<'r, 'a> Goals<'r, 'a> {
                 let violation = self.run.within(Rule::Goal, step, at_ns, title);
                 findings.push(violation.label(missed.unwrap_or(goal).span, "this stop"));
             }
-            MicrorobotsAction::Assemble(docks) => self.assembled(step, at_ns, docks, (places, docked), findings),
+            MicrorobotsAction::Assemble(docks) => self.assembled(step, at_ns, docks, places, docked, findings),
             MicrorobotsAction::Apply { .. } | MicrorobotsAction::Wait(_) => {}
         }
     }
@@ -111,7 +112,8 @@ impl<'r, 'a> Goals<'r, 'a> {
         step: usize,
         at_ns: u64,
         docks: &[Dock],
-        (places, docked): (&[RobotPlace], &[bool]),
+        places: &[RobotPlace],
+        docked: &[bool],
         findings: &mut Findings,
     ) {
         let (run, at) = (self.run, ms(at_ns));

@@ -97,14 +97,14 @@ impl<'r, 'a> Tracked<'r, 'a> {
     }
 
     /// Judges a measurement, and takes it over if it can be used. The step is where a violation belongs.
-    pub fn see(&mut self, poses: &[Option<RobotPlace>], (step, at_ns): (usize, u64), findings: &mut Findings) -> Seen {
+    pub fn see(&mut self, poses: &[Option<RobotPlace>], step: usize, at_ns: u64, findings: &mut Findings) -> Seen {
         let Some(places) = poses.iter().copied().collect::<Option<Vec<RobotPlace>>>() else {
             let robot = poses.iter().position(Option::is_none).unwrap_or(0);
             let title = format!("`{}` is not seen at {}, and the run goes on", self.run.name(robot), ms(at_ns));
             return Seen::SetAside(Box::new(self.run.within(Rule::Path, step, at_ns, title)));
         };
-        let strayed = self.anchor.clone().and_then(|anchor| self.strayed(&anchor, &places, (step, at_ns)));
-        let Some(violation) = strayed.or_else(|| self.overlap(&places, (step, at_ns))) else {
+        let strayed = self.anchor.clone().and_then(|anchor| self.strayed(&anchor, &places, step, at_ns));
+        let Some(violation) = strayed.or_else(|| self.overlap(&places, step, at_ns)) else {
             self.accept(places.clone());
             return Seen::Usable(places);
         };
@@ -142,7 +142,8 @@ impl<'r, 'a> Tracked<'r, 'a> {
         &mut self,
         anchor: &[RobotPlace],
         places: &[RobotPlace],
-        (step, at_ns): (usize, u64),
+        step: usize,
+        at_ns: u64,
     ) -> Option<Box<Violation>> {
         for robot in 0..places.len() {
             let expected = self.expected(robot, anchor[robot]);
@@ -253,7 +254,7 @@ impl<'r, 'a> Tracked<'r, 'a> {
     }
 
     /// A measured body that lies in another one or in an obstacle, by more than the errors of the measurement.
-    fn overlap(&self, places: &[RobotPlace], (step, at_ns): (usize, u64)) -> Option<Box<Violation>> {
+    fn overlap(&self, places: &[RobotPlace], step: usize, at_ns: u64) -> Option<Box<Violation>> {
         let (order, errors) = (self.run.order, self.run.errors);
         let seen_um = |robot: usize| errors.place_um + errors.heading_rad * self.reach_um(robot);
         for robot in 0..places.len() {

@@ -293,7 +293,7 @@ impl<'r, 'a> Walk<'r, 'a> {
             self.set_aside += 1;
             return self.follow(command, at_ns, None, findings);
         }
-        match self.tracked.see(&poses, (self.step, at_ns), findings) {
+        match self.tracked.see(&poses, self.step, at_ns, findings) {
             Seen::Usable(places) => {
                 self.goals.pass(self.step, &places);
                 self.follow(command, at_ns, Some(&places), findings)
@@ -346,7 +346,7 @@ impl<'r, 'a> Walk<'r, 'a> {
                 );
             };
             self.commanded.end_step(step, at_ns, findings);
-            self.goals.end_step(step, at_ns, (places, &self.commanded.docked), findings);
+            self.goals.end_step(step, at_ns, places, &self.commanded.docked, findings);
         }
         self.step = next;
         if is_over {

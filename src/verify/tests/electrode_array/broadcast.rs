@@ -96,7 +96,7 @@ fn an_edit_of_what_is_on_is_caught_by_this_rule_alone() {
         schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
         assert_eq!(rules(&schedule, &claims), BROADCAST);
     };
-    edited(&|schedule| switch_on(schedule, (3, 1), 0, 0, 1));
+    edited(&|schedule| switch_on(schedule, 3, 1, 0, 0, 1));
     edited(&|schedule| schedule.actuations[0].duration_ns += BEAT);
     edited(&|schedule| {
         let third = schedule.actuations.iter_mut().find(|own| own.start_ns == 2 * BEAT).expect("the third step");
@@ -168,7 +168,7 @@ fn an_electrode_that_does_not_work_pulls_nothing_though_its_channel_is_on() {
     let map = ElectrodeMap { disabled: vec![cell(7, 7), cell(7, 9)], ..(**facts.map.as_ref().expect("a map")).clone() };
     let facts = ElectrodeArrayFacts { map: Some(Arc::new(map)), ..facts };
     let (mut schedule, claims) = one_step(moving(facts, &[("a", 4, 5)], vec![go(0, &[(5, 5)])]), &["R"]);
-    switch_on(&mut schedule, (7, 7), 0, 0, 1);
+    switch_on(&mut schedule, 7, 7, 0, 0, 1);
     assert_eq!(rules(&schedule, &claims), [Rule::Disabled]);
 }
 
@@ -187,12 +187,12 @@ fn without_holding_a_droplet_may_rest_on_an_electrode_that_is_on_for_another() {
     let facts = ElectrodeArrayFacts { hold: Hold::Off, ..shared(12, 9, &[&[(8, 5), (12, 9)]]) };
     let (mut schedule, claims) =
         one_step(moving(facts, &[("a", 2, 5), ("b", 8, 5)], vec![go(0, &[(4, 5)])]), &["RR", ""]);
-    switch_on(&mut schedule, (8, 5), 0, 0, 1);
+    switch_on(&mut schedule, 8, 5, 0, 0, 1);
     assert_eq!(rules(&schedule, &claims), [Rule::Hold]);
     // On for nobody at all, it is of no use.
     let (mut schedule, claims) =
         one_step(moving(shared(12, 9, &[&[(11, 5), (12, 9)]]), &[("a", 2, 5)], vec![go(0, &[(4, 5)])]), &["RR"]);
-    switch_on(&mut schedule, (11, 5), 0, 0, 1);
+    switch_on(&mut schedule, 11, 5, 0, 0, 1);
     assert_eq!(rules(&schedule, &claims), [Rule::Unused]);
 }
 

@@ -346,7 +346,7 @@ fn named(cell: ElectrodeCell) -> Channel {
 }
 
 /// One more electrode that is on, in a step.
-pub fn switch_on(schedule: &mut Schedule, (column, row): (u32, u32), step: usize, from: u64, beats: u64) {
+pub fn switch_on(schedule: &mut Schedule, column: u32, row: u32, step: usize, from: u64, beats: u64) {
     let channel = channel(schedule, cell(column, row));
     let start_ns = schedule.steps[step].start_ns + from * BEAT;
     let like = Actuation {

@@ -59,7 +59,7 @@ fn number() -> impl Strategy<Value = f64> {
 }
 
 /// Writes nonsense to one field of a schedule.
-fn spoiled(schedule: &mut Schedule, (what, at): (u8, usize), value: u64, small: u32) {
+fn spoiled(schedule: &mut Schedule, what: u8, at: usize, value: u64, small: u32) {
     let Schedule { duration_ns, channels, actuations, steps, plans, .. } = schedule;
     match what {
         0 => *duration_ns = value,
@@ -93,7 +93,9 @@ proptest! {
         sorts: bool,
     ) {
         let (claims, mut schedule) = sound();
-        spoils.iter().for_each(|(place, value, small)| spoiled(&mut schedule, *place, *value, *small));
+        for ((what, at), value, small) in spoils {
+            spoiled(&mut schedule, what, at, value, small);
+        }
         if sorts {
             schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
         }

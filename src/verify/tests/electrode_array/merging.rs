@@ -103,7 +103,7 @@ fn a_merged_droplet_is_missing_in_the_next_run() {
 #[test]
 fn the_electrode_of_the_goal_serves_only_who_comes() {
     let (mut early, claims) = one_step(chip_pair((8, 5), (5, 5)), &["RR", "LLL"]);
-    switch_on(&mut early, (5, 5), 0, 0, 1);
+    switch_on(&mut early, 5, 5, 0, 0, 1);
     assert_eq!(rules(&early, &claims), [Rule::Unused]);
     let (mut left, claims) = one_step(chip_pair((8, 5), (5, 5)), &["RR", "LLL"]);
     let goal = channel(&mut left, cell(5, 5));

@@ -59,24 +59,24 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
     ("half a pair", Rule::Pull, |s| {
         s.actuations.remove(0);
     }),
-    ("one electrode near a resting part", Rule::Pull, |s| switch_on(s, (13, 13), 0, 0, 1)),
-    ("one right under a resting part", Rule::Pull, |s| switch_on(s, (15, 15), 2, 1, 1)),
-    ("one beside the pair", Rule::Pull, |s| switch_on(s, (5, 5), 0, 0, 1)),
-    ("one that only the end of a move feels", Rule::Pull, |s| switch_on(s, (8, 7), 0, 0, 1)),
-    ("one that pulls nothing", Rule::Unused, |s| switch_on(s, (12, 15), 0, 0, 1)),
+    ("one electrode near a resting part", Rule::Pull, |s| switch_on(s, 13, 13, 0, 0, 1)),
+    ("one right under a resting part", Rule::Pull, |s| switch_on(s, 15, 15, 2, 1, 1)),
+    ("one beside the pair", Rule::Pull, |s| switch_on(s, 5, 5, 0, 0, 1)),
+    ("one that only the end of a move feels", Rule::Pull, |s| switch_on(s, 8, 7, 0, 0, 1)),
+    ("one that pulls nothing", Rule::Unused, |s| switch_on(s, 12, 15, 0, 0, 1)),
     ("one in a wait that pulls nothing", Rule::Unused, |s| {
-        switch_on(s, (18, 2), 1, 0, 1);
+        switch_on(s, 18, 2, 1, 0, 1);
         s.actuations.iter_mut().filter(|a| a.step == 1).for_each(|a| a.duration_ns = 7_000_000);
     }),
     ("a move in a wait", Rule::Wait, |s| {
-        switch_on(s, (17, 14), 1, 0, 1);
-        switch_on(s, (17, 16), 1, 0, 1);
+        switch_on(s, 17, 14, 1, 0, 1);
+        switch_on(s, 17, 16, 1, 0, 1);
         s.actuations.iter_mut().filter(|a| a.step == 1).for_each(|a| a.duration_ns = 7_000_000);
     }),
-    ("half a wait", Rule::Beat, |s| switch_on(s, (18, 2), 1, 0, 1)),
+    ("half a wait", Rule::Beat, |s| switch_on(s, 18, 2, 1, 0, 1)),
     ("a move of a part without a goal", Rule::Bystander, |s| {
-        switch_on(s, (17, 14), 0, 0, 1);
-        switch_on(s, (17, 16), 0, 0, 1);
+        switch_on(s, 17, 14, 0, 0, 1);
+        switch_on(s, 17, 16, 0, 0, 1);
     }),
     ("another start", Rule::Start, |s| parts(s, 0).extend([("a".to_owned(), [5, 6])])),
     ("a start without a part", Rule::Start, |s| {
@@ -138,11 +138,11 @@ fn messages_name_cells_parts_times_and_limits() {
         let Verdict::Rejected(found) = verify(broken, &day()) else { panic!("a broken schedule") };
         found[0].title.clone()
     };
-    let stray = reported(|s| switch_on(s, (13, 13), 0, 1, 1));
+    let stray = reported(|s| switch_on(s, 13, 13, 0, 1, 1));
     assert_eq!(stray, "electrodes (13, 13) at 2.2 ms carry `c` from (15, 15) to no neighbour");
-    let late = reported(|s| switch_on(s, (8, 7), 0, 0, 1));
+    let late = reported(|s| switch_on(s, 8, 7, 0, 0, 1));
     assert_eq!(late, "electrode (8, 7) pulls `a` at (6, 5) too, at 0 ms");
-    let unused = reported(|s| switch_on(s, (12, 15), 0, 2, 1));
+    let unused = reported(|s| switch_on(s, 12, 15, 0, 2, 1));
     assert_eq!(unused, "electrode (12, 15) is on at 4.4 ms and pulls no part");
     let weak = reported(|s| s.actuations[0].to = 50.0);
     assert_eq!(weak, "electrode (4, 14) goes from 100 V to 50 V at 0 ms, 100 V is needed");
@@ -269,7 +269,7 @@ fn stuck_parts_are_parts_that_never_move() {
     judged(stuck(cell(2, 8)), &["RR"], &[Rule::Touch]);
     judged(stuck(cell(1, 8)), &["RR"], &[]);
     let (mut schedule, claims) = one_step(stuck(cell(15, 9)), &["RR"]);
-    switch_on(&mut schedule, (13, 7), 0, 1, 1);
+    switch_on(&mut schedule, 13, 7, 0, 1, 1);
     only(Rule::Pull, &schedule, &claims);
 }
 
@@ -349,10 +349,10 @@ fn held_droplets_are_held_all_the_time() {
         only(Rule::Hold, &less, &claims(Hold::On));
     }
     let mut under = off.clone();
-    switch_on(&mut under, (9, 9), 1, 0, 1);
+    switch_on(&mut under, 9, 9, 1, 0, 1);
     only(Rule::Hold, &under, &claims(Hold::Off));
     let mut torn = on.clone();
-    switch_on(&mut torn, (9, 10), 1, 0, 1);
+    switch_on(&mut torn, 9, 10, 1, 0, 1);
     only(Rule::Pull, &torn, &claims(Hold::On));
     let mut pieces = on;
     let long = pieces.actuations.iter().position(|a| a.duration_ns == 3 * BEAT).expect("a held droplet");

@@ -31,7 +31,7 @@ fn draw() -> impl Strategy<Value = Draw> {
     (0..5u8, (6..24u32, 6..24u32), places(0..4), places(1..7), prop::collection::vec(beats, 1..4))
 }
 
-fn board(sort: u8, (columns, rows): (u32, u32)) -> ElectrodeArrayFacts {
+fn board(sort: u8, columns: u32, rows: u32) -> ElectrodeArrayFacts {
     let platform = platform(columns, rows);
     let chip = chip(columns, rows);
     match sort {
@@ -86,7 +86,7 @@ impl Rules {
 
 fn scenario() -> impl Strategy<Value = Scenario> {
     draw().prop_map(|(sort, size, obstacles, places, steps)| {
-        let facts = board(sort, size);
+        let facts = board(sort, size.0, size.1);
         let place = |(column, row): &(Index, Index)| {
             cell(1 + column.index(size.0 as usize) as u32, 1 + row.index(size.1 as usize) as u32)
         };
@@ -282,7 +282,7 @@ proptest! {
         offsets in (2..8u32, 0..8u32),
         words in prop::collection::vec((0..5usize, 0..5usize), 1..4),
     ) {
-        let facts = board(sort, (30, 30));
+        let facts = board(sort, 30, 30);
         let rule = Rules { facts: facts.clone(), blocks: Vec::new(), stuck: Vec::new() };
         let mut ends = [cell(12, 12), cell(12 + offsets.0, 12 + offsets.1)];
         let starts = ends;

@@ -30,7 +30,7 @@ fn sound() -> (Schedule, Claims) {
 }
 
 /// Writes nonsense to one field of a schedule.
-fn spoiled(schedule: &mut Schedule, (what, at): (u8, usize), value: u64, small: u32, number: f64) {
+fn spoiled(schedule: &mut Schedule, what: u8, at: usize, value: u64, small: u32, number: f64) {
     let Schedule { duration_ns, channels, actuations, steps, plans, .. } = schedule;
     match what {
         0 => *duration_ns = value,
@@ -58,7 +58,7 @@ fn spoiled(schedule: &mut Schedule, (what, at): (u8, usize), value: u64, small: 
 fn shaken(schedule: &mut Schedule, shakes: &[(u32, u32, usize, f64)]) {
     for (finger, axis, line, by_um) in shakes {
         let count = lines(schedule, finger % 3, axis % 3).len();
-        shift(schedule, (finger % 3, axis % 3), line % (count - 1), *by_um);
+        shift(schedule, finger % 3, axis % 3, line % (count - 1), *by_um);
     }
 }
 
@@ -71,7 +71,9 @@ proptest! {
         sorts: bool,
     ) {
         let (mut schedule, claims) = sound();
-        spoils.into_iter().for_each(|(what, value, small, number)| spoiled(&mut schedule, what, value, small, number));
+        for ((what, at), value, small, number) in spoils {
+            spoiled(&mut schedule, what, at, value, small, number);
+        }
         if sorts {
             schedule.actuations.sort_by_key(|line| (line.start_ns, line.channel));
         }

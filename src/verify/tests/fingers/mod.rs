@@ -59,7 +59,7 @@ fn lines(schedule: &mut Schedule, finger: u32, axis: u32) -> Vec<&mut Actuation>
 }
 
 /// Moves one tip where two lines of its axis meet.
-fn shift(schedule: &mut Schedule, (finger, axis): (u32, u32), line: usize, by_um: f64) {
+fn shift(schedule: &mut Schedule, finger: u32, axis: u32, line: usize, by_um: f64) {
     let mut lines = lines(schedule, finger, axis);
     lines[line].to += by_um;
     lines[line + 1].from += by_um;
@@ -108,11 +108,11 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
     ("an axis without a beginning", Rule::Axis, |s| cut(s, 2, 0, 0)),
     ("an axis that jumps", Rule::Axis, |s| lines(s, 2, 0)[4].from += 2e-6),
     ("a line that ends early", Rule::Axis, |s| lines(s, 2, 1)[4].duration_ns -= 1),
-    ("a tip that goes off while it rolls", Rule::Gap, |s| shift(s, (0, 0), ROLL + 11, 0.15)),
-    ("a tip that is pressed in while it rolls", Rule::Gap, |s| shift(s, (0, 0), ROLL + 11, -0.15)),
-    ("a tip that slips across", Rule::Slip, |s| shift(s, (0, 2), ROLL + 11, 0.15)),
-    ("a tip of two that lags in the air", Rule::Slip, |s| shift(s, (0, 2), CARRY, 0.15)),
-    ("a finger that moves in a wait", Rule::Wait, |s| shift(s, (1, 2), CARRY + 1, 1e-3)),
+    ("a tip that goes off while it rolls", Rule::Gap, |s| shift(s, 0, 0, ROLL + 11, 0.15)),
+    ("a tip that is pressed in while it rolls", Rule::Gap, |s| shift(s, 0, 0, ROLL + 11, -0.15)),
+    ("a tip that slips across", Rule::Slip, |s| shift(s, 0, 2, ROLL + 11, 0.15)),
+    ("a tip of two that lags in the air", Rule::Slip, |s| shift(s, 0, 2, CARRY, 0.15)),
+    ("a finger that moves in a wait", Rule::Wait, |s| shift(s, 1, 2, CARRY + 1, 1e-3)),
     ("a part that ends elsewhere", Rule::State, |s| with_state(s, 2, |state| state.3[1] += 2e-3)),
     ("a part that ends turned", Rule::State, |s| with_state(s, 2, |state| state.4[0] *= -1.0)),
     ("a part that never turned", Rule::State, |s| with_state(s, 3, |state| *state.4 = [1.0, 0.0, 0.0, 0.0])),
@@ -163,9 +163,9 @@ fn each_break_is_caught_by_its_rule_alone() {
 fn what_lies_within_the_tolerances_passes() {
     let near: &[(&str, Edit)] = &[
         ("a jump of rounding", |s| lines(s, 2, 0)[4].from += 5e-7),
-        ("a tip a little off", |s| shift(s, (0, 0), ROLL + 11, 0.09)),
-        ("a tip a little in", |s| shift(s, (0, 0), ROLL + 11, -0.09)),
-        ("a tip a little across", |s| shift(s, (0, 2), ROLL + 11, 0.09)),
+        ("a tip a little off", |s| shift(s, 0, 0, ROLL + 11, 0.09)),
+        ("a tip a little in", |s| shift(s, 0, 0, ROLL + 11, -0.09)),
+        ("a tip a little across", |s| shift(s, 0, 2, ROLL + 11, 0.09)),
         ("what is reached", |s| told_turn(s, 0.0)),
         ("what is reached, rounded", |s| told_turn(s, 0.004)),
         ("a place", |s| with_state(s, 2, |state| state.3[1] += 9e-4)),

@@ -31,7 +31,7 @@ fn number() -> impl Strategy<Value = f64> {
 }
 
 /// Writes nonsense to one field of a schedule.
-fn spoiled(schedule: &mut Schedule, (what, at): (u8, usize), value: u64, small: u32, number: f64) {
+fn spoiled(schedule: &mut Schedule, what: u8, at: usize, value: u64, small: u32, number: f64) {
     let Schedule { duration_ns, channels, actuations, steps, plans, .. } = schedule;
     match what {
         0 => *duration_ns = value,
@@ -69,7 +69,9 @@ proptest! {
         sorts: bool,
     ) {
         let (claims, mut schedule) = sound();
-        spoils.iter().for_each(|(place, value, small, number)| spoiled(&mut schedule, *place, *value, *small, *number));
+        for ((what, at), value, small, number) in spoils {
+            spoiled(&mut schedule, what, at, value, small, number);
+        }
         if sorts {
             schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
         }

@@ -43,7 +43,7 @@ fn body(x: f64, y: f64, size_um: f64, sort: u8) -> MicrorobotsObstacle {
 }
 
 /// Steps in which one leg is applied each.
-fn strolled((robots, obstacles, legs): &Draw) -> Day {
+fn strolled(robots: &[(f64, f64, f64)], obstacles: &[(f64, f64, f64, u8)], legs: &[(usize, u64)]) -> Day {
     let rows = [0, 1, 3];
     let robots: Vec<_> = robots.iter().zip(rows).map(|((x, y, deg), row)| (row, *x, *y, *deg)).collect();
     let mut order = order(&robots);
@@ -157,8 +157,8 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn distances_are_those_of_tiny_steps(draw in draw()) {
-        let day = strolled(&draw);
+    fn distances_are_those_of_tiny_steps((robots, obstacles, legs) in draw()) {
+        let day = strolled(&robots, &obstacles, &legs);
         let Least { obstacle_um, pair_um, orbit_um } = least(&day);
         let found = |rule, clearances| with_clearances(&day, clearances).contains(&rule);
         let limits = [(Rule::Graze, obstacle_um, 0), (Rule::Meet, pair_um, 0), (Rule::Orbit, orbit_um, 1)];
