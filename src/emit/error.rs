@@ -129,7 +129,7 @@ impl EmitError {
             }
             EmitError::TooFine { instrument, period_ns, rate_hz } => too_fine(instrument, *period_ns, *rate_hz),
             EmitError::CoarseStages { instrument, channel, um, period_ns, is_by_memory } => {
-                coarse_stages((instrument, channel), *um, *period_ns, *is_by_memory)
+                coarse_stages(instrument, channel, *um, *period_ns, *is_by_memory)
             }
             EmitError::NoSampleClock { instrument } => {
                 Diagnostic::new(Code::E0829, format!("the lines of `{instrument}` have no sample clock, so that nothing holds their times"))
@@ -202,7 +202,8 @@ fn too_fine(instrument: &str, period_ns: u64, rate_hz: f64) -> Diagnostic {
 }
 
 fn coarse_stages(
-    (instrument, channel): (&str, &str),
+    instrument: &str,
+    channel: &str,
     [step_um, tolerance_um]: [f64; 2],
     period_ns: u64,
     is_by_memory: bool,

@@ -21,8 +21,22 @@ use crate::verify::Verified;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
+/// A schedule made by hand, and where it comes from.
+#[derive(Clone)]
+pub struct FixtureSchedule {
+    pub verified: Verified,
+    pub provenance: Provenance,
+}
+
+impl FixtureSchedule {
+    /// The same, changed by hand.
+    pub fn changed(self, change: impl FnOnce(&mut Schedule)) -> FixtureSchedule {
+        FixtureSchedule { verified: changed(&self.verified, change), ..self }
+    }
+}
+
 /// A robot of 5 + 5 modules that goes through every sort of obstacle: nine pulses of 15 ms without rests.
-pub fn fetch() -> (Verified, Provenance) {
+pub fn fetch() -> FixtureSchedule {
     let bot = Robot { device: "bot", facts: facts(5, 5, 0), wired: true };
     build("fetch", &[(bot, vec![LatticeCell { x: 19, y: 28 }, LatticeCell { x: 7, y: 14 }], 0)])
 }
@@ -45,7 +59,7 @@ fn named_step(task: &str, text: &str, file: &str) -> ScheduledStep {
 }
 
 /// Two robots of different sizes at the same time; the second one rests 2.5 ms after each pulse and starts later.
-pub fn pair() -> (Verified, Provenance) {
+pub fn pair() -> FixtureSchedule {
     let bot = Robot { device: "bot", facts: facts(5, 5, 0), wired: true };
     let aid = Robot { device: "Aid", facts: facts(3, 2, 2_500_000), wired: false };
     let way = vec![LatticeCell { x: 5, y: 2 }, LatticeCell { x: 0, y: 0 }];
@@ -53,14 +67,14 @@ pub fn pair() -> (Verified, Provenance) {
 }
 
 /// The largest robot: 20 + 20 modules, 80 channels.
-pub fn large() -> (Verified, Provenance) {
+pub fn large() -> FixtureSchedule {
     let bot = Robot { device: "bot", facts: facts(20, 20, 1_000_000), wired: true };
     let way = (0..40).map(|i| LatticeCell { x: (0x0005_5555 * i) % (1 << 20), y: (0x000a_bcde * i) % (1 << 20) });
     build("large", &[(bot, way.collect(), 0)])
 }
 
 /// Without a single pulse.
-pub fn idle() -> (Verified, Provenance) {
+pub fn idle() -> FixtureSchedule {
     build("idle", &[(Robot { device: "bot", facts: facts(1, 1, 0), wired: false }, Vec::new(), 0)])
 }
 
@@ -81,7 +95,7 @@ fn facts(left: u32, right: u32, rest_ns: u64) -> DimibotFacts {
     DimibotFacts { rest_ns, repeatability_um: 0.05, tip_radius_um: 0.1, ..femto_st(left, right) }
 }
 
-fn build(name: &str, runs: &[(Robot, Vec<LatticeCell>, u64)]) -> (Verified, Provenance) {
+fn build(name: &str, runs: &[(Robot, Vec<LatticeCell>, u64)]) -> FixtureSchedule {
     let text = format!("// {name} µ\ntask {name} on bot {{ }}\n");
     let mut schedule = Schedule {
         holds: Vec::new(),
@@ -104,7 +118,7 @@ fn build(name: &str, runs: &[(Robot, Vec<LatticeCell>, u64)]) -> (Verified, Prov
     schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
     let files = vec![(format!("{name}.twz"), text), ("lab/bench.twz".to_owned(), "scene bench { }\n".to_owned())];
     let provenance = Provenance { files, settings: vec!["pitch=80um".to_owned()], is_recorded: false };
-    (Verified::assume(schedule, claims), provenance)
+    FixtureSchedule { verified: Verified::assume(schedule, claims), provenance }
 }
 
 /// A channel of volts without a wire.
@@ -223,9 +237,8 @@ fn timed(facts: &DimibotFacts, cell: LatticeCell, t_ns: u64) -> TimedState {
 }
 
 /// One device of 301 channels, too many for a field each, three of which change, on slopes too.
-pub fn crowd() -> (Verified, Provenance) {
-    let (verified, provenance) = idle();
-    let crowd = changed(&verified, |schedule| {
+pub fn crowd() -> FixtureSchedule {
+    idle().changed(|schedule| {
         schedule.name = "crowd".to_owned();
         schedule.duration_ns = 1000;
         let channel = |i| voltage(format!("bot.e{i}"), "bot");
@@ -247,21 +260,20 @@ pub fn crowd() -> (Verified, Provenance) {
             pulse(300, 500, 7.0, 7.0),
             pulse(0, 601, 3.0, 3.0),
         ];
-    });
-    (crowd, provenance)
+    })
 }
 
 /// A bed of microrobots: five drive trains with the levels between them, and a rest.
-pub fn bed() -> (Verified, Provenance) {
+pub fn bed() -> FixtureSchedule {
     let (claims, schedule) = crate::lower::microrobots::tests::bed();
     let files = vec![("bed.twz".to_owned(), crate::lower::microrobots::tests::SOURCE.to_owned())];
-    (Verified::assume(schedule, claims), Provenance { files, settings: Vec::new(), is_recorded: false })
+    let provenance = Provenance { files, settings: Vec::new(), is_recorded: false };
+    FixtureSchedule { verified: Verified::assume(schedule, claims), provenance }
 }
 
 /// The same bed with a single drive train of `strokes` strokes of 50 us.
-pub fn train(strokes: u64) -> Verified {
-    let (bed, _) = bed();
-    changed(&bed, |schedule| {
+pub fn train(strokes: u64) -> FixtureSchedule {
+    bed().changed(|schedule| {
         schedule.actuations.truncate(3);
         schedule.steps.truncate(1);
         schedule.actuations[2].duration_ns = strokes * 50_000;
@@ -270,14 +282,13 @@ pub fn train(strokes: u64) -> Verified {
 }
 
 /// Two channels of one device that swing at different paces, one of them with levels of a nanosecond, beside one that does not.
-pub fn paces() -> (Verified, Provenance) {
-    let (verified, provenance) = idle();
-    let paces = changed(&verified, |schedule| {
+pub fn paces() -> FixtureSchedule {
+    idle().changed(|schedule| {
         schedule.name = "paces".to_owned();
         schedule.duration_ns = 100;
         let channel = |i| voltage(format!("bot.e{i}"), "bot");
         schedule.channels = (0..3).map(channel).collect();
-        let crowd = crowd().0;
+        let crowd = crowd().verified;
         schedule.steps = crowd.schedule().steps.clone();
         schedule.steps[0].duration_ns = 100;
         let act = |channel, start_ns, duration_ns, from, to, period_ns: Option<u64>| Actuation {
@@ -298,14 +309,12 @@ pub fn paces() -> (Verified, Provenance) {
             act(1, 40, 12, 8.0, 6.0, Some(2)),
             act(0, 60, 40, 0.0, 1.0, Some(20)),
         ];
-    });
-    (paces, provenance)
+    })
 }
 
 /// The bed, and beside its voltage a stage that goes and comes at instants of its own.
-pub fn mixed() -> (Verified, Provenance) {
-    let (bed, provenance) = bed();
-    let mixed = changed(&bed, |schedule| {
+pub fn mixed() -> FixtureSchedule {
+    bed().changed(|schedule| {
         schedule.name = "mixed".to_owned();
         let channel = schedule.channels.len() as u32;
         let (name, device) = ("hand.f1.x".to_owned(), "hand".to_owned());
@@ -328,8 +337,7 @@ pub fn mixed() -> (Verified, Provenance) {
         let way = [go(1_000_001, 20_000_000, -3.0, 12.0), go(21_000_001, 5_000_000, 12.0, 12.0)];
         schedule.actuations.extend(way.into_iter().chain([go(40_000_000, 20_333_333, 12.0, 5.5)]));
         schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
-    });
-    (mixed, provenance)
+    })
 }
 
 /// The ball between the fingers of [`hand`], and the tips of those.
@@ -347,8 +355,8 @@ fn step_rad() -> f64 {
 
 /// Three fingers that turn a ball by two steps, one of them taking the place of another, and carry it upwards. The run begins 7 ms
 /// after the schedule, and ends 3 ms before it.
-pub fn hand() -> (Verified, Provenance) {
-    let (verified, _) = idle();
+pub fn hand() -> FixtureSchedule {
+    let verified = idle().verified;
     let text = "task turn on hand { }\n";
     let mut schedule = verified.schedule().clone();
     schedule.name = "turn".to_owned();
@@ -393,7 +401,7 @@ pub fn hand() -> (Verified, Provenance) {
     claims.jobs = vec![claims::fixture::job("turn", "hand", Order::Fingers(hand_order(facts)))];
     let provenance =
         Provenance { files: vec![("turn.twz".to_owned(), text.to_owned())], settings: Vec::new(), is_recorded: false };
-    (Verified::assume(schedule, claims), provenance)
+    FixtureSchedule { verified: Verified::assume(schedule, claims), provenance }
 }
 
 fn hand_facts() -> Hand {

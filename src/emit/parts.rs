@@ -97,8 +97,10 @@ pub type PlayedFile = (serde_json::Value, (String, Vec<u8>));
 /// [`EmitError::NotWired`], and those of `one`.
 pub fn played(
     schedule: &Schedule,
-    (format, family): (Format, Family),
-    (noun, template): (&str, &str),
+    format: Format,
+    family: Family,
+    noun: &str,
+    template: &str,
     one: impl Fn(&WiredInstrument, &str) -> Result<Option<PlayedFile>, EmitError>,
 ) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     let mut files = Vec::new();

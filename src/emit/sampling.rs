@@ -71,7 +71,7 @@ impl Sampling {
             return Err(EmitError::TooFine { instrument, period_ns, rate_hz });
         }
         let sampling = Sampling { period_ns, points: (duration_ns.div_ceil(period_ns) + 2).max(least_points) };
-        sampling.keeps_tolerance(signals, wired, (claims, by_memory_ns > by_rate_ns))?;
+        sampling.keeps_tolerance(signals, wired, claims, by_memory_ns > by_rate_ns)?;
         Ok(sampling)
     }
 
@@ -80,7 +80,8 @@ impl Sampling {
         &self,
         signals: &Signals,
         wired: &WiredInstrument,
-        (claims, is_by_memory): (&Claims, bool),
+        claims: &Claims,
+        is_by_memory: bool,
     ) -> Result<(), EmitError> {
         for index in signals.in_unit(ChannelUnit::Micrometre) {
             let channel = &signals.schedule.channels[index];

@@ -269,8 +269,10 @@ fn topic_fault(schedule: &Schedule, by_channel: &[Vec<&Actuation>], series: &Ser
     if !columns.iter().map(|(column, ..)| column).eq(&series.columns) {
         return Some(VoltageFault::Channels { topic: series.topic.clone() });
     }
-    let faults = columns.iter().enumerate();
-    faults.map(|(index, column)| column_fault(schedule, series, index, column)).find_map(|fault| fault)
+    let mut columns = columns.iter().enumerate();
+    columns.find_map(|(index, (column, channel, actuations))| {
+        column_fault(schedule, series, index, column, channel, actuations)
+    })
 }
 
 /// The columns that must be recorded of a channel.
@@ -288,7 +290,9 @@ fn column_fault(
     schedule: &Schedule,
     series: &Series,
     index: usize,
-    (column, channel, actuations): &(SeriesColumn, &Channel, &[&Actuation]),
+    column: &SeriesColumn,
+    channel: &Channel,
+    actuations: &[&Actuation],
 ) -> Option<VoltageFault> {
     if let Some(fault) = gap(schedule.duration_ns, series, actuations) {
         return Some(fault);

@@ -1,14 +1,14 @@
 use super::*;
 use crate::diagnostic::Code;
-use crate::emit::{Format, Provenance, emit, fixture};
-use crate::verify::Verified;
+use crate::emit::fixture::FixtureSchedule;
+use crate::emit::{Format, emit, fixture};
 use mcap::records::op;
 use proptest::prelude::*;
 use prost::Message;
 use std::collections::BTreeSet;
 
-fn written((verified, provenance): &(Verified, Provenance)) -> Vec<u8> {
-    emit(Format::Mcap, verified, provenance).expect("the fixture can be written").remove(0).bytes
+fn written(fixture: &FixtureSchedule) -> Vec<u8> {
+    emit(Format::Mcap, &fixture.verified, &fixture.provenance).expect("the fixture can be written").remove(0).bytes
 }
 
 fn code(bytes: &[u8]) -> Code {
@@ -20,8 +20,9 @@ fn a_log_comes_back_as_it_was() {
     for make in
         [fixture::fetch, fixture::pair, fixture::large, fixture::idle, fixture::crowd, fixture::bed, fixture::paces]
     {
-        let (verified, provenance) = make();
-        let log = read(&written(&(verified.clone(), provenance.clone()))).unwrap();
+        let fixture = make();
+        let log = read(&written(&fixture)).unwrap();
+        let FixtureSchedule { verified, provenance } = fixture;
         assert_eq!(&log.schedule, verified.schedule());
         assert_eq!(log.claims, write_claims(verified.claims()).unwrap());
         assert_eq!((log.files.clone(), log.settings.clone()), (provenance.files, provenance.settings));
@@ -313,10 +314,15 @@ fn a_message_says_every_channel_once() {
 }
 
 /// Messages; head and data of each attachment; metadata.
-type Parts = (Vec<u8>, Vec<(Vec<u8>, Vec<u8>)>, Vec<u8>);
+#[derive(Clone)]
+struct LogParts {
+    messages: Vec<u8>,
+    attachments: Vec<(Vec<u8>, Vec<u8>)>,
+    metadata: Vec<u8>,
+}
 
 /// The records of a good log with the messages unpacked, the attachments and the metadata behind them.
-fn unpacked() -> Parts {
+fn unpacked() -> LogParts {
     use mcap::records::Record;
     let (mut messages, mut attachments, mut metadata) = (Vec::new(), Vec::new(), Vec::new());
     for record in mcap::read::LinearReader::new(&written(&fixture::pair())).unwrap() {
@@ -345,18 +351,18 @@ fn unpacked() -> Parts {
             _ => {}
         }
     }
-    (messages, attachments, metadata)
+    LogParts { messages, attachments, metadata }
 }
 
 /// The parts as a file with right checksums.
-fn packed((messages, attachments, metadata): &Parts) -> Vec<u8> {
-    let mut records = vec![chunk(messages.len() as u64, crc32fast::hash(messages), "", messages)];
-    for (head, data) in attachments {
+fn packed(parts: &LogParts) -> Vec<u8> {
+    let mut records = vec![chunk(parts.messages.len() as u64, crc32fast::hash(&parts.messages), "", &parts.messages)];
+    for (head, data) in &parts.attachments {
         let mut body = [head.as_slice(), &(data.len() as u64).to_le_bytes(), data].concat();
         body.extend(crc32fast::hash(&body).to_le_bytes());
         records.push(record(op::ATTACHMENT, &body));
     }
-    records.push(record(op::METADATA, metadata));
+    records.push(record(op::METADATA, &parts.metadata));
     file(&records)
 }
 
@@ -372,13 +378,13 @@ proptest! {
         at in any::<prop::sample::Index>(),
         bytes in prop::collection::vec(any::<u8>(), 1..6),
     ) {
-        static GOOD: std::sync::LazyLock<Parts> = std::sync::LazyLock::new(unpacked);
+        static GOOD: std::sync::LazyLock<LogParts> = std::sync::LazyLock::new(unpacked);
         let mut parts = GOOD.clone();
-        let count = parts.1.len();
+        let count = parts.attachments.len();
         let place = match part {
-            0 | 1 => &mut parts.0,
-            2 => &mut parts.2,
-            _ => &mut parts.1[part % count].1,
+            0 | 1 => &mut parts.messages,
+            2 => &mut parts.metadata,
+            _ => &mut parts.attachments[part % count].1,
         };
         let at = at.index(place.len());
         let end = (at + bytes.len()).min(place.len());

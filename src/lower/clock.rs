@@ -63,8 +63,8 @@ pub fn lower(claims: &Claims, plans: &[Plan<Motion>], sources: &Sources, sink: &
     for stretch in &placed {
         stretch.job.into_iter().for_each(|job| starts[job] = stretch.start_ns);
     }
-    between_runs(claims, (&runs, &starts), sink);
-    let mut builder = ScheduleBuilder::new(claims, (plans, &runs), sources);
+    between_runs(claims, &runs, &starts, sink);
+    let mut builder = ScheduleBuilder::new(claims, plans, &runs, sources);
     for (job, (run, start_ns)) in runs.into_iter().zip(starts).enumerate() {
         builder.add(job, &plans[job], run, start_ns);
     }
@@ -78,7 +78,7 @@ pub fn lower(claims: &Claims, plans: &[Plan<Motion>], sources: &Sources, sink: &
 }
 
 /// Warns where a device stands still between two of its runs, and what it carries is held in runs only.
-fn between_runs(claims: &Claims, (runs, starts): (&[LoweredRun], &[u64]), sink: &mut Sink) {
+fn between_runs(claims: &Claims, runs: &[LoweredRun], starts: &[u64], sink: &mut Sink) {
     let mut by_start: Vec<usize> = (0..runs.len()).collect();
     by_start.sort_by_key(|job| (starts[*job], *job));
     let mut last: BTreeMap<&str, usize> = BTreeMap::new();
@@ -128,7 +128,7 @@ struct ScheduleBuilder<'a> {
 }
 
 impl<'a> ScheduleBuilder<'a> {
-    fn new(claims: &'a Claims, (plans, runs): (&[Plan<Motion>], &[LoweredRun]), sources: &'a Sources) -> Self {
+    fn new(claims: &'a Claims, plans: &[Plan<Motion>], runs: &[LoweredRun], sources: &'a Sources) -> Self {
         let mut builder = ScheduleBuilder {
             claims,
             sources,
@@ -178,18 +178,13 @@ impl<'a> ScheduleBuilder<'a> {
             let reached = end.map_or_else(Vec::new, |end| reached(&task.order, nth, &end.state));
             let own = run.operations.iter().filter(|operation| operation.step == nth);
             let operations = own.map(|operation| self.operation(operation, start_ns)).collect();
-            let step = self.step(job, (*span, start_ns + at_ns, *duration_ns), reached);
+            let step = self.step(job, *span, start_ns + at_ns, *duration_ns, reached);
             self.steps.push(ScheduledStep { operations, ..step });
         }
         self.plans.push(self.record(job, plan, run, start_ns));
     }
 
-    fn step(
-        &self,
-        job: usize,
-        (span, start_ns, duration_ns): (Span, u64, u64),
-        reached: Vec<Reached>,
-    ) -> ScheduledStep {
+    fn step(&self, job: usize, span: Span, start_ns: u64, duration_ns: u64, reached: Vec<Reached>) -> ScheduledStep {
         let position = self.sources.position(span);
         ScheduledStep {
             task: self.claims.jobs[job].task.clone(),

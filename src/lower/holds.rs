@@ -29,7 +29,7 @@ pub fn add(schedule: &mut Schedule, placed: &[PlacedStretch], claims: &Claims, s
             let step = first_step + hold.step;
             let (start_ns, span) = (schedule.steps[step].start_ns, schedule.steps[step].span);
             let hold = ScheduledHold { step: step as u32, start_ns, terms: hold.terms.clone() };
-            if let Some(other) = beside(schedule, (placed, claims), index, &hold) {
+            if let Some(other) = beside(schedule, placed, claims, index, &hold) {
                 sink.push(goes_on(&hold, span, &other));
             }
             holds.push(hold);
@@ -44,7 +44,8 @@ pub fn add(schedule: &mut Schedule, placed: &[PlacedStretch], claims: &Claims, s
 /// What takes its time beside a wait of a run: another run, a wait of the program, or a pulse.
 fn beside(
     schedule: &Schedule,
-    (placed, claims): (&[PlacedStretch], &Claims),
+    placed: &[PlacedStretch],
+    claims: &Claims,
     job: usize,
     hold: &ScheduledHold,
 ) -> Option<Other> {

@@ -45,7 +45,7 @@ pub fn add(schedule: &mut Schedule, claims: &Claims, sink: &mut Sink) -> Option<
         }
     }
     for ((name, output), events) in claims.outputs.iter().zip(&events) {
-        let channel = add_channel(schedule, claims, (name, output));
+        let channel = add_channel(schedule, claims, name, output);
         let ends = events.iter().skip(1).map(|next| next.t_ns).chain([schedule.duration_ns]);
         for (event, end_ns) in events.iter().zip(ends) {
             let volts = voltage(output, event.action);
@@ -84,7 +84,7 @@ fn voltage(output: &AuxiliaryOutput, action: AuxiliaryAction) -> f64 {
     }
 }
 
-fn add_channel(schedule: &mut Schedule, claims: &Claims, (name, output): (&str, &AuxiliaryOutput)) -> u32 {
+fn add_channel(schedule: &mut Schedule, claims: &Claims, name: &str, output: &AuxiliaryOutput) -> u32 {
     let full = format!("{name}.{}", AuxiliarySort::CHANNEL);
     let wire = claims.wires.get(&full).cloned();
     let (device, rest_v) = (name.to_owned(), output.rest_v);

@@ -14,7 +14,7 @@ pub(super) trait Costed {
     fn cost(&self, plan: &PlanRecord) -> String;
 
     /// What a stretch of a run's time takes, in what the kind counts; `None` where time says it all.
-    fn stretch(&self, _plan: &PlanRecord, _from_to_ns: (u64, u64)) -> Option<String> {
+    fn stretch(&self, _plan: &PlanRecord, _start_ns: u64, _end_ns: u64) -> Option<String> {
         None
     }
 }
@@ -25,8 +25,8 @@ pub fn cost(order: &Order, plan: &PlanRecord) -> String {
 }
 
 /// What a stretch of a run's time takes, in what its kind counts: `9 switches`, `34 steps`; `None` where time says it all.
-pub fn stretch(order: &Order, plan: &PlanRecord, from_to_ns: (u64, u64)) -> Option<String> {
-    each_kind!(Order, order, order => order.stretch(plan, from_to_ns))
+pub fn stretch(order: &Order, plan: &PlanRecord, start_ns: u64, end_ns: u64) -> Option<String> {
+    each_kind!(Order, order, order => order.stretch(plan, start_ns, end_ns))
 }
 
 /// `optimal (bound 29.88 um)`.

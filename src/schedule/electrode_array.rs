@@ -52,7 +52,7 @@ impl Costed for ElectrodeArrayOrder {
     }
 
     /// Steps of the board in it.
-    fn stretch(&self, _plan: &PlanRecord, (start_ns, end_ns): (u64, u64)) -> Option<String> {
+    fn stretch(&self, _plan: &PlanRecord, start_ns: u64, end_ns: u64) -> Option<String> {
         Some(count((end_ns.saturating_sub(start_ns) / self.facts.step_ns.max(1)) as usize, "step"))
     }
 }

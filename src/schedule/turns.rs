@@ -89,7 +89,7 @@ mod tests {
     /// By looking at the speed before and after every instant at which an actuation begins or ends.
     #[test]
     fn turns_are_where_the_speed_changes() {
-        let (hand, _) = fixture::hand();
+        let hand = fixture::hand().verified;
         let schedule = hand.schedule();
         let mut count = 0;
         for channel in 0..schedule.channels.len() {

@@ -76,7 +76,7 @@ fn steps(verified: &Verified) -> Value {
                 "column": column,
                 "start_ns": start_ns,
                 "duration_ns": duration_ns,
-                "takes": stretch(&job.order, plan, (start_ns, start_ns + duration_ns)),
+                "takes": stretch(&job.order, plan, start_ns, start_ns + duration_ns),
                 "reached": reached.iter().filter(|reached| reached.is_off()).map(value).collect::<Value>(),
             }));
         };

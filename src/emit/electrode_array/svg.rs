@@ -289,7 +289,7 @@ fn draw_strobes(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mu
     }
     draw_goals(panel, view, to, key);
     for (index, part) in panel.parts.iter().enumerate() {
-        draw_part(panel, (index, part), view, to);
+        draw_part(panel, index, part, view, to);
     }
     let grey = color::AHEAD;
     key.add(KeyForm::Box, Ink::filled(color::PAPER).edged(grey, THIN_PT), "part at its start");
@@ -312,7 +312,7 @@ fn draw_strobes(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mu
 }
 
 /// The numbered places of a part, with its name at its start and end.
-fn draw_part(panel: &BoardPanel, (index, part): (usize, &str), view: &PaperView, to: &mut Drawing) {
+fn draw_part(panel: &BoardPanel, index: usize, part: &str, view: &PaperView, to: &mut Drawing) {
     let places = StrobedPlace::all(&panel.strobes, |t_ns| panel.place(part, t_ns));
     let radius_pt = 0.4 * panel.facts().layout.half_width_pitches * view.scale;
     for place in &places {

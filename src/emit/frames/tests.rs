@@ -3,6 +3,7 @@ use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electro
 use crate::device::instrument::{Awaited, Bench, Drive, HoldTerms, Instrument, Link, StageLimits, Start};
 use crate::diagnostic::Code;
 use crate::emit::dispensed;
+use crate::emit::fixture::FixtureSchedule;
 use crate::emit::{Provenance, emit, fixture};
 use crate::lower::electrode_array::tests::{carried, facts};
 use crate::schedule::{Actuation, Channel, ChannelUnit, ScheduledHold, ScheduledStep, State};
@@ -28,12 +29,12 @@ fn bench_of(protocol: Protocol) -> Bench {
 }
 
 /// Two droplets on a board of 8 x 5 electrodes without its corner, which has number 5 c + r less 6; both go on, rest 1 ms, and go back.
-pub fn board_on_driver(protocol: Protocol) -> (Verified, Provenance) {
+pub fn board_on_driver(protocol: Protocol) -> FixtureSchedule {
     numbered_board(protocol, |cell| (5 * cell.column + cell.row).checked_sub(7))
 }
 
 /// The same with other numbers under the electrodes.
-fn numbered_board(protocol: Protocol, number: fn(ElectrodeCell) -> Option<u32>) -> (Verified, Provenance) {
+fn numbered_board(protocol: Protocol, number: fn(ElectrodeCell) -> Option<u32>) -> FixtureSchedule {
     let cells = (1..=5).flat_map(|row| (1..=8).map(move |column| ElectrodeCell::new(column, row)));
     let map = ElectrodeMap { columns: 8, channels: cells.map(number).collect(), disabled: Vec::new() };
     let facts = ElectrodeArrayFacts { columns: 8, rows: 5, map: Some(map.clone().into()), ..facts(Electrodes::Single) };
@@ -52,13 +53,12 @@ fn numbered_board(protocol: Protocol, number: fn(ElectrodeCell) -> Option<u32>) 
         let first = ElectrodeArrayFacts::channel(facts.first_on_with(cell));
         schedule.bench.drives.insert(format!("plate.{first}"), drive);
     }
-    (Verified::assume(schedule, claims), Provenance::default())
+    FixtureSchedule { verified: Verified::assume(schedule, claims), provenance: Provenance::default() }
 }
 
 /// The same with waits for a person, each for 1 ms: before the first step, where nothing moves, and at the end.
-pub fn prompting_board(protocol: Protocol) -> (Verified, Provenance) {
-    let (verified, provenance) = board_on_driver(protocol);
-    let waiting = fixture::changed(&verified, |schedule| {
+pub fn prompting_board(protocol: Protocol) -> FixtureSchedule {
+    board_on_driver(protocol).changed(|schedule| {
         let rest_ns = schedule.steps[0].end_ns();
         let shift = |t_ns: u64| t_ns + 1_000_000 + if t_ns > rest_ns { 1_000_000 } else { 0 };
         let over_ns = shift(schedule.duration_ns);
@@ -72,14 +72,12 @@ pub fn prompting_board(protocol: Protocol) -> (Verified, Provenance) {
         let asked = [(0, "fill the board"), (rest_ns + 1_000_000, "add \"oil\""), (over_ns, "done?")];
         schedule.duration_ns = over_ns + 1_000_000;
         schedule.holds = asked.map(|(start_ns, prompt)| hold(start_ns, prompt, false)).to_vec();
-    });
-    (waiting, provenance)
+    })
 }
 
 /// The same board on an OpenDrop, with its first magnet on in the first step, and its second heater from 7 ms on.
-pub fn board_with_magnet() -> (Verified, Provenance) {
-    let (verified, provenance) = board_on_driver(Protocol::Opendrop);
-    let switched = fixture::changed(&verified, |schedule| {
+pub fn board_with_magnet() -> FixtureSchedule {
+    board_on_driver(Protocol::Opendrop).changed(|schedule| {
         let end_ns = schedule.duration_ns;
         let first = schedule.steps[0].end_ns();
         for (name, output, [start_ns, end_ns]) in
@@ -116,8 +114,7 @@ pub fn board_with_magnet() -> (Verified, Provenance) {
             });
         }
         schedule.actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
-    });
-    (switched, provenance)
+    })
 }
 
 fn hold(start_ns: u64, prompt: &str, is_bounded: bool) -> ScheduledHold {
@@ -126,8 +123,8 @@ fn hold(start_ns: u64, prompt: &str, is_bounded: bool) -> ScheduledHold {
 }
 
 /// All voltages of a fixture on a driver, from channel 8 on.
-pub fn on_driver((verified, provenance): (Verified, Provenance), protocol: Protocol) -> (Verified, Provenance) {
-    let wired = fixture::changed(&verified, |schedule| {
+pub fn on_driver(fixture: FixtureSchedule, protocol: Protocol) -> FixtureSchedule {
+    fixture.changed(|schedule| {
         let mut bench = bench_of(protocol);
         let volts = schedule.channels.iter().filter(|channel| channel.unit == ChannelUnit::Volt);
         for (Channel { name, .. }, number) in volts.zip(8..) {
@@ -141,13 +138,12 @@ pub fn on_driver((verified, provenance): (Verified, Provenance), protocol: Proto
             bench.drives.insert(name.clone(), drive);
         }
         schedule.bench = bench;
-    });
-    (wired, provenance)
+    })
 }
 
-fn file(format: Format, fixture: &(Verified, Provenance), ending: &str) -> String {
-    let files = emit(format, &fixture.0, &fixture.1).expect("the fixture can be written");
-    let name = format!("{}.{ending}", fixture.0.schedule().name);
+fn file(format: Format, fixture: &FixtureSchedule, ending: &str) -> String {
+    let files = emit(format, &fixture.verified, &fixture.provenance).expect("the fixture can be written");
+    let name = format!("{}.{ending}", fixture.verified.schedule().name);
     let found = files.into_iter().find(|file| file.name == name).expect("the file is written");
     String::from_utf8(found.bytes).expect("a text")
 }
@@ -165,10 +161,10 @@ fn frames_follow_each_other_from_the_start_to_the_end() {
         assert_eq!((row[0], start), (number.to_string().as_str(), end), "{text}");
         end = start + lasts;
     }
-    assert_eq!(end, fixture.0.schedule().duration_ns as f64 / 1e6);
+    assert_eq!(end, fixture.verified.schedule().duration_ns as f64 / 1e6);
     assert!(rows[1..].windows(2).all(|pair| pair[0][3] != pair[1][3]), "neighbours differ: {text}");
     // Each instant of each channel is that of the schedule.
-    let signals = Signals::new(fixture.0.schedule());
+    let signals = Signals::new(fixture.verified.schedule());
     for row in &rows[1..] {
         let start_ns = (row[1].parse::<f64>().expect("a number") * 1e6).round() as u64;
         let on: Vec<u32> = row[3].split_whitespace().map(|number| number.parse().expect("a channel")).collect();
@@ -213,7 +209,8 @@ fn magnets_and_heaters_stand_beside_the_electrodes() {
                     1,0,5,8 35,magnet1\n2,5,2,13 36,magnet1\n3,7,3,13 36,heater2=60 magnet1\n\
                     4,10,1,13 36,heater2=60\n5,11,5,8 35,heater2=60\n6,16,5,3 34,heater2=60\n";
     assert_eq!(text, expected);
-    let refused = |format| emit(format, &fixture.0, &fixture.1).expect_err("it has no form").diagnostic();
+    let refused =
+        |format| emit(format, &fixture.verified, &fixture.provenance).expect_err("it has no form").diagnostic();
     assert!(refused(Format::Opendrop).title.contains("driver.magnet1"), "{:?}", refused(Format::Opendrop));
     assert!(refused(Format::Microdrop).title.contains("lift.out"), "{:?}", refused(Format::Microdrop));
 }
@@ -242,25 +239,26 @@ fn droplets_that_come_are_named_when_they_are_due() {
 
 #[test]
 fn what_cannot_be_written_says_why() {
-    let code = |format, fixture: (Verified, Provenance)| {
-        emit(format, &fixture.0, &fixture.1).map(|files| files.len()).map_err(|error| error.diagnostic().code)
+    let code = |format, fixture: FixtureSchedule| {
+        emit(format, &fixture.verified, &fixture.provenance)
+            .map(|files| files.len())
+            .map_err(|error| error.diagnostic().code)
     };
     assert_eq!(code(Format::Frames, fixture::fetch()), Err(Code::E0824), "no driver");
     // A wiring is no help where no channel is there.
-    let (idle, provenance) = fixture::idle();
-    let still = fixture::changed(&idle, |schedule| schedule.channels.clear());
-    let error = emit(Format::Opendrop, &still, &provenance).map(|_| ()).unwrap_err().diagnostic();
+    let still = fixture::idle().changed(|schedule| schedule.channels.clear());
+    let error = emit(Format::Opendrop, &still.verified, &still.provenance).map(|_| ()).unwrap_err().diagnostic();
     assert!(error.code == Code::E0824 && error.title.contains("switches and moves nothing"), "{}", error.title);
     assert_eq!(code(Format::Opendrop, on_driver(fixture::fetch(), Protocol::Purpledrop)), Err(Code::E0824));
     assert_eq!(code(Format::Frames, on_driver(fixture::fetch(), Protocol::Purpledrop)), Ok(2));
-    let long = fixture::changed(&on_driver(fixture::fetch(), Protocol::Opendrop).0, |schedule| {
+    let long = on_driver(fixture::fetch(), Protocol::Opendrop).changed(|schedule| {
         schedule.actuations[0].duration_ns -= 1;
     });
-    assert_eq!(code(Format::Opendrop, (long, Provenance::default())), Err(Code::E0823), "frames of 1 ns");
+    assert_eq!(code(Format::Opendrop, long), Err(Code::E0823), "frames of 1 ns");
 }
 
 /// What MicroDrop reads: the steps of a protocol without their names.
-fn microdrop_steps(fixture: &(Verified, Provenance)) -> Vec<serde_json::Value> {
+fn microdrop_steps(fixture: &FixtureSchedule) -> Vec<serde_json::Value> {
     let text = file(Format::Microdrop, fixture, "driver.microdrop.json");
     let protocol: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let rows = protocol["rows"].as_array().expect("rows").iter();
@@ -288,7 +286,7 @@ fn a_shared_channel_is_one_channel_and_all_its_electrodes() {
         _ => (5 * cell.column + cell.row).checked_sub(7),
     };
     let board = numbered_board(Protocol::Dropbot, number);
-    let names: Vec<&str> = board.0.schedule().channels.iter().map(|own| own.name.as_str()).collect();
+    let names: Vec<&str> = board.verified.schedule().channels.iter().map(|own| own.name.as_str()).collect();
     assert_eq!(names, ["plate.e4_1", "plate.e8_1", "plate.e8_2", "plate.e8_3", "plate.e2_5", "plate.e3_5"]);
     let text = file(Format::Frames, &board, "driver.frames.csv");
     let last = text.lines().last().expect("a row");
@@ -344,13 +342,13 @@ fn the_device_of_microdrop_has_the_sizes_of_the_board() {
 
 #[test]
 fn what_microdrop_has_no_form_for_is_refused() {
-    let refused = |fixture: (Verified, Provenance)| {
-        let error = emit(Format::Microdrop, &fixture.0, &fixture.1).expect_err("it has no form").diagnostic();
+    let refused = |fixture: FixtureSchedule| {
+        let error =
+            emit(Format::Microdrop, &fixture.verified, &fixture.provenance).expect_err("it has no form").diagnostic();
         (error.code, error.title)
     };
     let changed = |change: &dyn Fn(&mut Schedule)| {
-        let (verified, provenance) = board_on_driver(Protocol::Dropbot);
-        refused((fixture::changed(&verified, |schedule| change(schedule)), provenance))
+        refused(board_on_driver(Protocol::Dropbot).changed(|schedule| change(schedule)))
     };
     assert_eq!(refused(fixture::fetch()).0, Code::E0824, "no driver");
     assert_eq!(refused(board_on_driver(Protocol::Purpledrop)).0, Code::E0824, "it does not drive it");

@@ -145,7 +145,8 @@ pub struct RefusedSchedule<'a> {
 impl<'a> RefusedSchedule<'a> {
     /// What a schedule breaks of its claims; `is_whole` says whether it can be shown at all.
     pub fn new(
-        (schedule, is_whole): (&'a Schedule, bool),
+        schedule: &'a Schedule,
+        is_whole: bool,
         claims: &'a Claims,
         violations: Vec<Violation>,
         sources: &'a Sources,

@@ -83,7 +83,7 @@ struct PageSource<'a> {
 /// [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`]; [`EmitError::Failed`] if the library that writes JSON fails.
 pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
     let evidence = PageEvidence::of(verified);
-    page(Some((verified.schedule(), verified.claims())), provenance, (Some(evidence), None))
+    page(Some((verified.schedule(), verified.claims())), provenance, Some(evidence), None)
 }
 
 /// The bytes of the page of a program that could not be built.
@@ -93,7 +93,7 @@ pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<
 pub(super) fn write_failed(failed: &FailedProgram, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
     let part = failed.part.map(|(verified, whole)| (verified.schedule(), whole.unwrap_or(verified.claims())));
     let evidence = failed.part.map(|(verified, _)| PageEvidence::of(verified));
-    page(part, provenance, (evidence, Some(failed.failure())))
+    page(part, provenance, evidence, Some(failed.failure()))
 }
 
 /// The bytes of the page of a schedule that was refused.
@@ -101,13 +101,14 @@ pub(super) fn write_failed(failed: &FailedProgram, provenance: &Provenance) -> R
 /// # Errors
 /// As those of [`write()`].
 pub(super) fn write_refused(refused: &RefusedSchedule, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
-    page(refused.shown(), provenance, (None, Some(refused.failure())))
+    page(refused.shown(), provenance, None, Some(refused.failure()))
 }
 
 fn page(
     shown: Option<(&Schedule, &Claims)>,
     provenance: &Provenance,
-    (evidence, failure): (Option<PageEvidence>, Option<PageFailure>),
+    evidence: Option<PageEvidence>,
+    failure: Option<PageFailure>,
 ) -> Result<Vec<u8>, EmitError> {
     let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
     let schedule = shown.map(|(schedule, _)| RawValue::from_string(text(json::write(schedule))));

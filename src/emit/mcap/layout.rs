@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn a_layout_names_topics_of_the_log_and_its_cameras_see_the_scenes() {
         for make in [fixture::fetch, fixture::pair, fixture::bed, fixture::hand] {
-            let (verified, _) = make();
+            let verified = make().verified;
             let (topics, movers) = topics_and_movers(&verified, &Signals::new(verified.schedule()));
             let layout: Value = serde_json::from_slice(&write(&verified, &topics, &movers)).unwrap();
             let names: BTreeSet<&str> = topics.iter().map(|topic| topic.name.as_str()).collect();

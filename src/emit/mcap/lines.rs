@@ -14,7 +14,7 @@ pub fn topic(verified: &Verified) -> LogTopic {
     let schedule = verified.schedule();
     let step_words = |step: &ScheduledStep| {
         let words = std::iter::once(headline(step)).chain(step.reached.iter().map(Reached::to_string));
-        entry(step, (step.line, step.start_ns), foxglove::log::Level::Info, &words.collect::<Vec<_>>().join("; "))
+        entry(step, step.line, step.start_ns, foxglove::log::Level::Info, &words.collect::<Vec<_>>().join("; "))
     };
     let mut messages: Vec<(u64, Vec<u8>)> = schedule.steps.iter().map(step_words).collect();
     messages.extend(schedule.steps.iter().flat_map(of_operations));
@@ -30,7 +30,7 @@ pub fn topic(verified: &Verified) -> LogTopic {
     LogTopic::new::<foxglove::Log>("/log", messages)
 }
 
-fn entry(step: &ScheduledStep, (line, t_ns): (u32, u64), level: foxglove::log::Level, words: &str) -> (u64, Vec<u8>) {
+fn entry(step: &ScheduledStep, line: u32, t_ns: u64, level: foxglove::log::Level, words: &str) -> (u64, Vec<u8>) {
     let line = foxglove::Log {
         timestamp: foxglove::timestamp(t_ns),
         level: level as i32,
@@ -54,7 +54,7 @@ fn headline(step: &ScheduledStep) -> String {
 fn of_operations(step: &ScheduledStep) -> impl Iterator<Item = (u64, Vec<u8>)> + '_ {
     step.operations.iter().map(move |operation| {
         let words = format!("{}: {}", operation.parts.join(", "), operation.text);
-        entry(step, (operation.line, operation.start_ns), foxglove::log::Level::Info, &words)
+        entry(step, operation.line, operation.start_ns, foxglove::log::Level::Info, &words)
     })
 }
 
@@ -65,7 +65,7 @@ fn of_step(beats: &[(u64, String)], step: &ScheduledStep) -> Vec<(u64, Vec<u8>)>
     let own = &beats[first..after];
     let line = |(index, (t_ns, moves)): (usize, &(u64, String))| {
         let words = format!("beat {} of {}: {moves}", index + 1, own.len());
-        entry(step, (step.line, *t_ns), foxglove::log::Level::Debug, &words)
+        entry(step, step.line, *t_ns, foxglove::log::Level::Debug, &words)
     };
     if own.len() > 1 { own.iter().enumerate().map(line).collect() } else { Vec::new() }
 }

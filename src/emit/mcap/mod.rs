@@ -145,13 +145,13 @@ fn write_to(
     let mut writer = options().create(NoSeek::new(to)).map_err(failed)?;
     write_messages(&mut writer, topics).map_err(failed)?;
     let schedule = json::write(verified.schedule());
-    attach(&mut writer, SCHEDULE, "application/json", (&schedule, log::MAX_SCHEDULE_BYTES))?;
+    attach(&mut writer, SCHEDULE, "application/json", &schedule, log::MAX_SCHEDULE_BYTES)?;
     drop(schedule);
     let claims = log::write_claims(verified.claims()).expect("claims have string keys only");
-    attach(&mut writer, CLAIMS, "application/json", (&claims, log::MAX_CLAIMS_BYTES))?;
+    attach(&mut writer, CLAIMS, "application/json", &claims, log::MAX_CLAIMS_BYTES)?;
     for (name, text) in &provenance.files {
-        let text = (text.as_bytes(), MAX_FILE_BYTES as u64);
-        attach(&mut writer, &format!("{SOURCE_PREFIX}{name}"), "text/plain", text)?;
+        let name = format!("{SOURCE_PREFIX}{name}");
+        attach(&mut writer, &name, "text/plain", text.as_bytes(), MAX_FILE_BYTES as u64)?;
     }
     writer.write_metadata(&metadata(verified, provenance)).map_err(failed)?;
     writer.finish().map(drop).map_err(failed)
@@ -174,7 +174,8 @@ fn attach<W: Write + Seek>(
     writer: &mut Writer<W>,
     name: &str,
     media_type: &str,
-    (data, limit): (&[u8], u64),
+    data: &[u8],
+    limit: u64,
 ) -> Result<(), EmitError> {
     EmitError::refuse_size(Format::Mcap, data.len() as u64, limit)?;
     let (name, media_type) = (name.to_owned(), media_type.to_owned());

@@ -53,10 +53,10 @@ impl<W: Write> Recorder<W> {
         let metadata = records::Metadata { name: log::RECORDING.to_owned(), metadata };
         writer.write_metadata(&metadata).map_err(failed)?;
         let written = log::write_claims(claims).map_err(unwritable)?;
-        attach(&mut writer, CLAIMS, "application/json", (&written, log::MAX_CLAIMS_BYTES))?;
+        attach(&mut writer, CLAIMS, "application/json", &written, log::MAX_CLAIMS_BYTES)?;
         for (name, text) in &provenance.files {
-            let text = (text.as_bytes(), MAX_FILE_BYTES as u64);
-            attach(&mut writer, &format!("{SOURCE_PREFIX}{name}"), "text/plain", text)?;
+            let name = format!("{SOURCE_PREFIX}{name}");
+            attach(&mut writer, &name, "text/plain", text.as_bytes(), MAX_FILE_BYTES as u64)?;
         }
         let schema = writer.add_schema("tweeze.Control", "jsonschema", SCHEMA.as_bytes()).map_err(failed)?;
         let mut topic = |name: &str| writer.add_channel(schema, name, "json", &BTreeMap::new()).map_err(failed);

@@ -1,6 +1,6 @@
 use super::*;
 use crate::emit::dimibot::mcap::scene;
-use crate::emit::fixture;
+use crate::emit::fixture::{self, FixtureSchedule};
 use prost::Message as _;
 use std::io::Cursor;
 
@@ -38,7 +38,7 @@ fn edited(bytes: &[u8], edit: Edit, attach: impl Fn(&mut Attachment)) -> Vec<u8>
 }
 
 fn found(edit: Edit, attach: impl Fn(&mut Attachment)) -> String {
-    let (verified, provenance) = fixture::pair();
+    let FixtureSchedule { verified, provenance } = fixture::pair();
     let [bytes, _] = write(&verified, &provenance).unwrap();
     difference(&edited(&bytes, edit, attach), &verified, &provenance).expect("an edited log differs")
 }
@@ -55,7 +55,7 @@ fn a_log_is_no_different_from_itself() {
         fixture::paces,
         fixture::hand,
     ] {
-        let (verified, provenance) = make();
+        let FixtureSchedule { verified, provenance } = make();
         let [bytes, _] = write(&verified, &provenance).unwrap();
         assert_eq!(difference(&bytes, &verified, &provenance), None);
     }
@@ -127,13 +127,13 @@ fn edited_attachments_are_found() {
 
 #[test]
 fn something_that_is_no_log_differs() {
-    let (verified, provenance) = fixture::idle();
+    let FixtureSchedule { verified, provenance } = fixture::idle();
     assert!(difference(b"nothing", &verified, &provenance).unwrap().contains("does not begin like"));
 }
 
 #[test]
 fn the_scene_shows_every_obstacle_twice_and_takes_away_what_is_gone() {
-    let (verified, _) = fixture::fetch();
+    let verified = fixture::fetch().verified;
     let topics = scene::topics(&verified, "bot");
     let update = |topic: &LogTopic| foxglove::SceneUpdate::decode(topic.messages[0].1.as_slice()).unwrap();
     let updates: Vec<_> = topics.iter().map(update).collect();
@@ -149,7 +149,7 @@ fn the_scene_shows_every_obstacle_twice_and_takes_away_what_is_gone() {
 
 /// A second run of the same task, with other obstacles.
 fn twice(change: impl FnOnce(&mut Vec<crate::claims::dimibot::DimibotObstacle>)) -> Verified {
-    let (verified, _) = fixture::fetch();
+    let verified = fixture::fetch().verified;
     let (mut schedule, mut claims) = (verified.schedule().clone(), verified.claims().clone());
     let mut job = claims.jobs[0].clone();
     let crate::claims::Order::Dimibot(order) = &mut job.order else { panic!("an order of a DiMiBot") };
@@ -194,7 +194,7 @@ fn a_crowded_scene_is_drawn_in_part_and_says_so() {
 
 #[test]
 fn the_pose_stays_until_the_pulse_begins_and_is_new_when_it_ends() {
-    let (verified, _) = fixture::pair();
+    let verified = fixture::pair().verified;
     let topics = topics(&verified, &Signals::new(verified.schedule()));
     let poses = topics.iter().find(|topic| topic.name == "/Aid/pose").unwrap();
     let x = |data: &[u8]| foxglove::PoseInFrame::decode(data).unwrap().pose.unwrap().position.unwrap().x;

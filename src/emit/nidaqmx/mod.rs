@@ -40,8 +40,7 @@ const SENDER: &str = include_str!("send.py");
 /// [`EmitError::NotWired`], [`EmitError::NoSampleClock`], [`EmitError::Ramp`], [`EmitError::TooManyPoints`],
 /// [`EmitError::TooLarge`], and those of [`Sampling::new`].
 pub(super) fn write(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
-    let of = (Format::Nidaqmx, Family::DataAcquisition);
-    played(schedule, of, ("cards", SENDER), |wired, number| {
+    played(schedule, Format::Nidaqmx, Family::DataAcquisition, "cards", SENDER, |wired, number| {
         let InstrumentFacts::DataAcquisition(facts) = &wired.instrument.facts else { return Ok(None) };
         let card = Card::new(wired, facts, claims)?;
         let ending = format!("{}{number}.daq", wired.name);
@@ -62,7 +61,11 @@ struct Card<'a> {
 }
 
 /// Ports by number with their words, and volts of the analog outputs, at one sample.
-type Levels = (BTreeMap<u32, u32>, Vec<f64>);
+#[derive(PartialEq)]
+struct CardLevels {
+    words: BTreeMap<u32, u32>,
+    volts: Vec<f64>,
+}
 
 impl<'a> Card<'a> {
     fn new(
@@ -109,7 +112,7 @@ impl<'a> Card<'a> {
     }
 
     /// The levels at a sample; after the schedule, of rest.
-    fn levels(&self, sample: u64) -> Levels {
+    fn levels(&self, sample: u64) -> CardLevels {
         let t_ns = (sample * self.period_ns).min(self.signals.schedule.duration_ns);
         let at_output = |channel: usize| self.wired.drives[channel].link.at_output(self.signals.value(channel, t_ns));
         let mut words: BTreeMap<u32, u32> = self.lines.keys().map(|(port, _)| (*port, 0)).collect();
@@ -118,7 +121,7 @@ impl<'a> Card<'a> {
                 *word |= 1 << line;
             }
         }
-        (words, self.analog.values().map(|channel| at_output(*channel)).collect())
+        CardLevels { words, volts: self.analog.values().map(|channel| at_output(*channel)).collect() }
     }
 
     /// The first sample of each stretch of equal ones: where something changes, or every one while a stage moves.
@@ -155,7 +158,7 @@ impl<'a> Card<'a> {
         self.words().for_each(|port| text.push_str(&format!("\tport{port}")));
         self.analog.keys().for_each(|output| text.push_str(&format!("\tao{output} [V]")));
         text.push('\n');
-        let mut stretch: Option<(u64, Levels)> = None;
+        let mut stretch: Option<(u64, CardLevels)> = None;
         for sample in changes.into_iter().filter(|sample| *sample <= self.samples()) {
             let levels = self.levels(sample);
             if let Some((from, last)) = stretch.take() {
@@ -213,10 +216,10 @@ impl<'a> Card<'a> {
     }
 }
 
-fn line(text: &mut String, samples: u64, (words, volts): &Levels) {
+fn line(text: &mut String, samples: u64, levels: &CardLevels) {
     let _ = write!(text, "{samples}");
-    words.values().for_each(|word| text.push_str(&format!("\t{word:#010x}")));
-    volts.iter().for_each(|volts| text.push_str(&format!("\t{volts}")));
+    levels.words.values().for_each(|word| text.push_str(&format!("\t{word:#010x}")));
+    levels.volts.iter().for_each(|volts| text.push_str(&format!("\t{volts}")));
     text.push('\n');
 }
 

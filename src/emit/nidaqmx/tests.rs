@@ -1,18 +1,18 @@
 use super::*;
 use crate::device::instrument::{Bench, Drive, Instrument, Link, StageLimits, VoltageOutput};
 use crate::diagnostic::Code;
-use crate::emit::{Provenance, emit, fixture};
+use crate::emit::fixture::FixtureSchedule;
+use crate::emit::{emit, fixture};
 use crate::schedule::{Channel, ChannelUnit};
 use crate::source::Span;
-use crate::verify::Verified;
 
 /// All voltages of a fixture on lines, positions on analog outputs.
-pub fn on_card((verified, provenance): (Verified, Provenance), digital_rate_hz: f64) -> (Verified, Provenance) {
+pub fn on_card(fixture: FixtureSchedule, digital_rate_hz: f64) -> FixtureSchedule {
     let voltage = Some(VoltageOutput { peak_v: 10.0, bits: 16, rate_hz: 719e3 });
     let facts =
         DataAcquisitionFacts { ports: 4, lines: 32, digital_rate_hz, analog_outputs: 9, voltage, start: Start::Sender };
     let facts = InstrumentFacts::DataAcquisition(facts);
-    let wired = fixture::changed(&verified, |schedule| {
+    fixture.changed(|schedule| {
         let mut bench = Bench::default();
         bench.instruments.insert("card".to_owned(), Instrument { model: "a.card".to_owned(), facts });
         for (index, Channel { name, unit, .. }) in schedule.channels.iter().enumerate() {
@@ -26,14 +26,13 @@ pub fn on_card((verified, provenance): (Verified, Provenance), digital_rate_hz: 
             bench.drives.insert(name.clone(), Drive { instrument, output, link, limits, span: Span::default() });
         }
         schedule.bench = bench;
-    });
-    (wired, provenance)
+    })
 }
 
-fn text(fixture: &(Verified, Provenance)) -> String {
-    let files = emit(Format::Nidaqmx, &fixture.0, &fixture.1).expect("the fixture can be written");
+fn text(fixture: &FixtureSchedule) -> String {
+    let files = emit(Format::Nidaqmx, &fixture.verified, &fixture.provenance).expect("the fixture can be written");
     let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
-    let name = &fixture.0.schedule().name;
+    let name = &fixture.verified.schedule().name;
     assert_eq!(names, [format!("{name}.card.daq"), format!("{name}.nidaqmx.py")]);
     assert!(String::from_utf8_lossy(&files[1].bytes).contains("\"file\": \""));
     String::from_utf8(files[0].bytes.clone()).expect("a text")
@@ -67,38 +66,33 @@ fn stages_are_volts_of_their_drivers() {
 
 #[test]
 fn what_a_card_cannot_play_is_refused() {
-    let code = |fixture: (Verified, Provenance)| {
-        let error = emit(Format::Nidaqmx, &fixture.0, &fixture.1).expect_err("it cannot be played");
+    let code = |fixture: FixtureSchedule| {
+        let error = emit(Format::Nidaqmx, &fixture.verified, &fixture.provenance).expect_err("it cannot be played");
         error.diagnostic().code
     };
     assert_eq!(code(on_card(fixture::fetch(), 0.0)), Code::E0829);
     assert_eq!(code(fixture::fetch()), Code::E0824);
-    let edge_later = |rate_hz: f64| {
-        let (card, provenance) = on_card(fixture::fetch(), rate_hz);
-        (fixture::changed(&card, |schedule| schedule.actuations[0].duration_ns += 1), provenance)
-    };
+    let edge_later =
+        |rate_hz: f64| on_card(fixture::fetch(), rate_hz).changed(|schedule| schedule.actuations[0].duration_ns += 1);
     assert_eq!(code(edge_later(1e9)), Code::E0823, "samples of 1 ns are more than the sender takes");
     assert_eq!(code(edge_later(1e6)), Code::E0623, "and finer than those of the card");
     let slow = |rate_hz: f64| {
-        let (card, provenance) = on_card(fixture::hand(), 0.0);
-        let slowed = fixture::changed(&card, |schedule| {
+        on_card(fixture::hand(), 0.0).changed(|schedule| {
             for instrument in schedule.bench.instruments.values_mut() {
                 let InstrumentFacts::DataAcquisition(facts) = &mut instrument.facts else { continue };
                 facts.voltage = Some(VoltageOutput { peak_v: 10.0, bits: 16, rate_hz });
             }
-        });
-        (slowed, provenance)
+        })
     };
     assert_eq!(code(slow(20.0)), Code::E0624, "stages leap from sample to sample");
-    assert!(emit(Format::Nidaqmx, &slow(20e3).0, &slow(20e3).1).is_ok());
+    assert!(emit(Format::Nidaqmx, &slow(20e3).verified, &slow(20e3).provenance).is_ok());
 }
 
 /// Nothing changes after the last edge, so that the end of the schedule needs no sample of its own.
 #[test]
 fn an_end_between_samples_is_played_to_the_next_one() {
-    let (card, provenance) = on_card(fixture::fetch(), 1e6);
-    let later = fixture::changed(&card, |schedule| schedule.duration_ns += 1);
-    let text = text(&(later, provenance));
+    let later = on_card(fixture::fetch(), 1e6).changed(|schedule| schedule.duration_ns += 1);
+    let text = text(&later);
     assert!(text.contains("15000000 ns"), "{text}");
     let samples: u64 = rows(&text).iter().map(|row| row[0].parse::<u64>().expect("a number")).sum();
     assert_eq!(samples, 150 / 15 + 2);

@@ -1,24 +1,24 @@
 use super::*;
 use crate::diagnostic::Code;
+use crate::emit::fixture::FixtureSchedule;
 use crate::emit::tests::bench::{generator, on, on_generators};
 use crate::emit::{Provenance, emit, fixture};
 use crate::schedule::{Actuation, Channel, ChannelUnit};
-use crate::verify::Verified;
 
 /// The script, its description and the sender.
-fn files((verified, provenance): &(Verified, Provenance)) -> [(String, Vec<u8>); 3] {
-    let files = emit(Format::Scpi, verified, provenance).expect("the fixture can be written");
+fn files(fixture: &FixtureSchedule) -> [(String, Vec<u8>); 3] {
+    let files = emit(Format::Scpi, &fixture.verified, &fixture.provenance).expect("the fixture can be written");
     let files: Vec<(String, Vec<u8>)> = files.into_iter().map(|file| (file.name, file.bytes)).collect();
     files.try_into().expect("three files")
 }
 
-fn notes(fixture: &(Verified, Provenance)) -> String {
+fn notes(fixture: &FixtureSchedule) -> String {
     let [_, (_, notes), _] = files(fixture);
     String::from_utf8(notes).expect("a text")
 }
 
-fn code(fixture: &(Verified, Provenance)) -> Code {
-    emit(Format::Scpi, &fixture.0, &fixture.1).expect_err("it cannot be played").diagnostic().code
+fn code(fixture: &FixtureSchedule) -> Code {
+    emit(Format::Scpi, &fixture.verified, &fixture.provenance).expect_err("it cannot be played").diagnostic().code
 }
 
 /// The samples of a block.
@@ -62,11 +62,11 @@ fn what_the_memory_does_not_take_is_refused() {
     let with = |most_points| on(fixture::fetch(), WaveformGeneratorFacts { most_points, ..generator() });
     assert_eq!(files(&with(12))[0].0, "fetch.awg.scpi");
     assert_eq!(code(&with(11)), Code::E0823);
-    let error = emit(Format::Scpi, &with(11).0, &Provenance::default()).unwrap_err().diagnostic();
+    let error = emit(Format::Scpi, &with(11).verified, &Provenance::default()).unwrap_err().diagnostic();
     assert_eq!(error.title, "the schedule of 150000000 ns needs 12 points of 15000000 ns, but `awg` takes 11");
     let later = |ns| {
-        let edge = fixture::changed(&with(1_000_000).0, |schedule| schedule.actuations[0].duration_ns += ns);
-        code(&(edge, Provenance::default()))
+        let edge = with(1_000_000).changed(|schedule| schedule.actuations[0].duration_ns += ns);
+        code(&edge)
     };
     assert_eq!(later(16), Code::E0823, "16 ns are its shortest sample");
     assert_eq!(later(1), Code::E0623);
@@ -75,7 +75,7 @@ fn what_the_memory_does_not_take_is_refused() {
 
 #[test]
 fn a_train_is_a_step_of_a_sequence() {
-    let train = on_generators((fixture::train(1_200_000), Provenance::default()));
+    let train = on_generators(fixture::train(1_200_000));
     let [(_, script), (_, notes), _] = files(&train);
     let script = String::from_utf8_lossy(&script).into_owned();
     let steps = "\"CH1\",\"CH1_1\",1,onceWaitTrig,lowAtStart,4,\"CH1_1\",5,repeat,lowAtStart,4,\"CH1_2\",5,repeat,lowAtStart,4,\
@@ -87,7 +87,7 @@ fn a_train_is_a_step_of_a_sequence() {
     let little = |most_points| on(fixture::bed(), WaveformGeneratorFacts { most_steps: 3, most_points, ..generator() });
     assert_eq!(files(&little(10_000))[0].0, "bed.awg.scpi", "all of it written out");
     assert_eq!(code(&little(1_000)), Code::E0823);
-    let error = emit(Format::Scpi, &little(1_000).0, &Provenance::default()).unwrap_err().diagnostic();
+    let error = emit(Format::Scpi, &little(1_000).verified, &Provenance::default()).unwrap_err().diagnostic();
     assert!(error.title.contains("in at most 3 steps"), "{}", error.title);
 }
 
@@ -109,9 +109,8 @@ fn stages_wait_and_rest_where_they_are() {
 
 #[test]
 fn stages_are_sampled_within_the_period_of_voltages() {
-    let (hand, _) = fixture::hand();
     let both = |period_ns: u64| {
-        let changed = fixture::changed(&hand, |schedule| {
+        let changed = fixture::hand().changed(|schedule| {
             let name = "plate.e1_1".to_owned();
             schedule.channels.push(Channel {
                 name,
@@ -123,9 +122,9 @@ fn stages_are_sampled_within_the_period_of_voltages() {
             let pulse = Actuation { channel: 9, from: 50.0, to: 50.0, ..schedule.actuations[0] };
             schedule.actuations.push(Actuation { start_ns: period_ns, duration_ns: 3 * period_ns, ..pulse });
         });
-        on_generators((changed, Provenance::default()))
+        on_generators(changed)
     };
-    let period = |fixture: &(Verified, Provenance)| {
+    let period = |fixture: &FixtureSchedule| {
         notes(fixture).split("A sample lasts ").nth(1).unwrap().split(' ').next().unwrap().parse::<u64>().unwrap()
     };
     let alone_ns = period(&on_generators(fixture::hand()));

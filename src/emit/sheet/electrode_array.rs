@@ -149,7 +149,7 @@ impl SheetBoard<'_> {
             let own = steps.iter().filter(|(_, step)| step.plan as usize == *plan);
             let asked = order.steps.iter().zip(own).filter(|(_, (is_hold, _))| !is_hold);
             let states = self.schedule.plans.get(*plan).map_or(&[][..], |plan| &plan.states);
-            asked.flat_map(|(asked, (_, step))| rows_of(order, &asked.action, (step, states))).collect::<Vec<_>>()
+            asked.flat_map(|(asked, (_, step))| rows_of(order, &asked.action, step, states)).collect::<Vec<_>>()
         })
     }
 
@@ -210,7 +210,8 @@ fn operations_of(order: &ElectrodeArrayOrder) -> impl Iterator<Item = &AssayOper
 fn rows_of(
     order: &ElectrodeArrayOrder,
     action: &ElectrodeArrayAction,
-    (step, states): (&ScheduledStep, &[TimedState]),
+    step: &ScheduledStep,
+    states: &[TimedState],
 ) -> Vec<([u64; 2], String)> {
     let all = [step.start_ns, step.end_ns()];
     match action {

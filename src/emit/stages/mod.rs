@@ -41,8 +41,7 @@ const PARTS_OF_UM: f64 = 1e6;
 /// # Errors
 /// [`EmitError::NotWired`], [`EmitError::Leap`], [`EmitError::Unsayable`], [`EmitError::TooLongForTable`], [`EmitError::TooLarge`].
 pub(super) fn write(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
-    let of = (Format::Stages, Family::StageController);
-    played(schedule, of, ("controllers", SENDER), |wired, number| {
+    played(schedule, Format::Stages, Family::StageController, "controllers", SENDER, |wired, number| {
         let InstrumentFacts::StageController(facts) = &wired.instrument.facts else { return Ok(None) };
         let controller = StageTables::new(wired, facts, claims)?;
         let ending = format!("{}{number}.stages.csv", wired.name);

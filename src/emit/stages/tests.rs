@@ -1,10 +1,10 @@
 use super::*;
 use crate::device::instrument::{Awaited, Bench, Direction, Drive, HoldTerms, Instrument, StageLimits};
 use crate::diagnostic::Code;
+use crate::emit::fixture::FixtureSchedule;
 use crate::emit::{Provenance, emit, fixture};
 use crate::schedule::{Actuation, ScheduledHold};
 use crate::source::Span;
-use crate::verify::Verified;
 
 /// A controller of PI with three axes.
 pub fn gcs(most_points: u32) -> StageControllerFacts {
@@ -30,11 +30,8 @@ pub fn mcs2() -> StageControllerFacts {
 
 /// The stages of a fixture on as many controllers as they need; all but the first of them wait for it. Every other stage counts
 /// backwards.
-pub fn on_controllers(
-    (verified, provenance): (Verified, Provenance),
-    facts: &StageControllerFacts,
-) -> (Verified, Provenance) {
-    let wired = fixture::changed(&verified, |schedule| {
+pub fn on_controllers(fixture: FixtureSchedule, facts: &StageControllerFacts) -> FixtureSchedule {
+    fixture.changed(|schedule| {
         let mut bench = Bench::default();
         for (index, channel) in schedule.channels.iter().enumerate() {
             let [controller, axis] = [index / facts.axes as usize, index % facts.axes as usize];
@@ -49,8 +46,7 @@ pub fn on_controllers(
             bench.drives.insert(channel.name.clone(), Drive { instrument: name, output, link, limits, span });
         }
         schedule.bench = bench;
-    });
-    (wired, provenance)
+    })
 }
 
 /// The rows of a table: points, and the place of each axis.
@@ -60,8 +56,8 @@ fn rows(text: &str) -> Vec<(u64, Vec<f64>)> {
     rows.map(|row| (cells(row)[0] as u64, cells(row)[1..].to_vec())).collect()
 }
 
-fn tables(fixture: &(Verified, Provenance)) -> Vec<String> {
-    let files = emit(Format::Stages, &fixture.0, &fixture.1).expect("the fixture can be written");
+fn tables(fixture: &FixtureSchedule) -> Vec<String> {
+    let files = emit(Format::Stages, &fixture.verified, &fixture.provenance).expect("the fixture can be written");
     let texts = files.into_iter().filter(|file| file.name.ends_with(".csv"));
     texts.map(|file| String::from_utf8(file.bytes).expect("a text")).collect()
 }
@@ -77,7 +73,7 @@ fn between(rows: &[(u64, Vec<f64>)], axis: usize, point: f64) -> f64 {
 fn stages_are_where_the_schedule_has_them_within_what_a_corner_is_cut() {
     for (facts, period_ns) in [(gcs(1 << 20), 50e3), (gcs(9000), 100e3), (mcs2(), 1e6)] {
         let fixture = on_controllers(fixture::hand(), &facts);
-        let (schedule, signals) = (fixture.0.schedule(), Signals::new(fixture.0.schedule()));
+        let (schedule, signals) = (fixture.verified.schedule(), Signals::new(fixture.verified.schedule()));
         let tables = tables(&fixture);
         assert_eq!(tables.len(), schedule.channels.len().div_ceil(facts.axes as usize));
         for (channel, name) in schedule.channels.iter().map(|channel| &channel.name).enumerate() {
@@ -98,8 +94,8 @@ fn stages_are_where_the_schedule_has_them_within_what_a_corner_is_cut() {
 
 #[test]
 fn what_a_wait_holds_is_no_row_of_the_part_before_it() {
-    let waits = |(verified, provenance): (Verified, Provenance)| {
-        let changed = fixture::changed(&verified, |schedule| {
+    let waits = |fixture: FixtureSchedule| {
+        fixture.changed(|schedule| {
             let (start_ns, duration_ns) = (schedule.duration_ns, 60_000_000_000);
             let places: Vec<f64> = {
                 let signals = Signals::new(schedule);
@@ -113,8 +109,7 @@ fn what_a_wait_holds_is_no_row_of_the_part_before_it() {
             let terms = HoldTerms { awaited, duration_ns, is_bounded: false };
             schedule.holds.push(ScheduledHold { step: 0, start_ns, terms });
             schedule.duration_ns += duration_ns;
-        });
-        (changed, provenance)
+        })
     };
     for facts in [gcs(1 << 20), mcs2()] {
         let (plain, waiting) = (fixture::hand(), waits(fixture::hand()));
@@ -125,8 +120,8 @@ fn what_a_wait_holds_is_no_row_of_the_part_before_it() {
 
 #[test]
 fn a_controller_says_whether_it_leads_or_follows() {
-    let files =
-        emit(Format::Stages, &on_controllers(fixture::hand(), &gcs(1 << 20)).0, &Provenance::default()).expect("files");
+    let files = emit(Format::Stages, &on_controllers(fixture::hand(), &gcs(1 << 20)).verified, &Provenance::default())
+        .expect("files");
     let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
     assert_eq!(names, ["turn.pi1.stages.csv", "turn.pi2.stages.csv", "turn.pi3.stages.csv", "turn.stages.py"]);
     let sender = String::from_utf8_lossy(&files[3].bytes);
@@ -136,8 +131,8 @@ fn a_controller_says_whether_it_leads_or_follows() {
 
 #[test]
 fn what_a_controller_cannot_play_is_refused() {
-    let code = |fixture: (Verified, Provenance)| {
-        let error = emit(Format::Stages, &fixture.0, &fixture.1).expect_err("it cannot be played");
+    let code = |fixture: FixtureSchedule| {
+        let error = emit(Format::Stages, &fixture.verified, &fixture.provenance).expect_err("it cannot be played");
         error.diagnostic().code
     };
     assert_eq!(code(fixture::hand()), Code::E0824, "no controller");
@@ -146,8 +141,8 @@ fn what_a_controller_cannot_play_is_refused() {
     assert_eq!(code(on_controllers(fixture::hand(), &few)), Code::E0831, "streams that begin apart");
     let alone = StageControllerFacts { start: Start::Trigger, ..mcs2() };
     assert_eq!(code(on_controllers(fixture::hand(), &alone)), Code::E0831);
-    let leap = fixture::changed(&on_controllers(fixture::hand(), &gcs(1 << 20)).0, |schedule| {
+    let leap = on_controllers(fixture::hand(), &gcs(1 << 20)).changed(|schedule| {
         schedule.actuations.iter_mut().take(1).for_each(|one| one.to += 1.0);
     });
-    assert_eq!(code((leap, Provenance::default())), Code::E0826);
+    assert_eq!(code(leap), Code::E0826);
 }

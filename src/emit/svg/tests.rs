@@ -25,7 +25,7 @@ fn numbers_have_one_form() {
 #[test]
 fn every_text_is_safe() {
     assert_eq!(escaped("a<b>&\"c\"'\u{1}\n"), "a&lt;b&gt;&amp;&quot;c&quot;&#39;\u{fffd} ");
-    let (fetch, _) = fixture::fetch();
+    let fetch = fixture::fetch().verified;
     let named = fixture::changed(&fetch, |schedule| schedule.name = "<b>&\"'\u{0}".to_owned());
     let text = text(&named, None);
     assert!(text.contains("<title>&lt;b&gt;&amp;&quot;&#39;\u{fffd}</title>"));
@@ -100,7 +100,7 @@ fn a_view_keeps_shapes_and_fits() {
 
 #[test]
 fn a_robot_is_drawn_with_its_stops_and_modules() {
-    let (fetch, _) = fixture::fetch();
+    let fetch = fixture::fetch().verified;
     let text = text(&fetch, None);
     assert_eq!(count(&text, "data-module="), 10);
     assert_eq!(count(&text, "data-stop="), 2);
@@ -115,7 +115,7 @@ fn a_robot_is_drawn_with_its_stops_and_modules() {
 /// The states of a plan are drawn where they are, also one by one.
 #[test]
 fn at_a_state_the_place_of_the_state_is_drawn() {
-    let (fetch, _) = fixture::fetch();
+    let fetch = fixture::fetch().verified;
     for timed in &fetch.schedule().plans[0].states {
         let State::Dimibot(DimibotState { position_um: [x, y], .. }) = timed.state else {
             panic!("a state of a robot")
@@ -124,7 +124,7 @@ fn at_a_state_the_place_of_the_state_is_drawn() {
         let text = text(&fetch, Some(timed.t_ns));
         assert!(text.contains(&place), "{place} at {}", timed.t_ns);
     }
-    let (hand, _) = fixture::hand();
+    let hand = fixture::hand().verified;
     for timed in &hand.schedule().plans[0].states {
         let State::Fingers(FingersState { position_um, .. }) = &timed.state else { panic!("a state of a hand") };
         let [x, y, z] = position_um.map(|value| decimal(value, 6));
@@ -136,7 +136,7 @@ fn at_a_state_the_place_of_the_state_is_drawn() {
 #[test]
 fn every_kind_is_drawn_at_any_instant_of_it() {
     for make in [fixture::fetch, fixture::pair, fixture::large, fixture::idle, fixture::bed, fixture::hand] {
-        let (verified, _) = make();
+        let verified = make().verified;
         let last_ns = verified.schedule().duration_ns;
         for t_ns in [0, last_ns.min(1), last_ns / 3, last_ns / 2, last_ns] {
             let text = text(&verified, Some(t_ns));

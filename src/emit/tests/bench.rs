@@ -4,10 +4,9 @@ use crate::device::instrument::{
     AXIS_LETTERS, Bench, Direction, Drive, Instrument, InstrumentFacts, Link, MachineControllerFacts, StageLimits,
     Start, VoltageOutput, WaveformGeneratorFacts,
 };
-use crate::emit::{Provenance, fixture};
+use crate::emit::fixture::FixtureSchedule;
 use crate::schedule::ChannelUnit;
 use crate::source::Span;
-use crate::verify::Verified;
 
 /// A generator as most labs have one, but with an output for every channel.
 pub fn generator() -> WaveformGeneratorFacts {
@@ -28,13 +27,13 @@ pub fn fast_generator() -> WaveformGeneratorFacts {
 }
 
 /// All channels on one generator `awg`, voltages behind an amplifier x 50, positions behind drivers of 0.1 V/um from -1 V on.
-pub fn on_generators(fixture: (Verified, Provenance)) -> (Verified, Provenance) {
+pub fn on_generators(fixture: FixtureSchedule) -> FixtureSchedule {
     on(fixture, generator())
 }
 
 /// All channels on a generator of these facts.
-pub fn on((verified, provenance): (Verified, Provenance), facts: WaveformGeneratorFacts) -> (Verified, Provenance) {
-    let wired = fixture::changed(&verified, |schedule| {
+pub fn on(fixture: FixtureSchedule, facts: WaveformGeneratorFacts) -> FixtureSchedule {
+    fixture.changed(|schedule| {
         let facts = InstrumentFacts::WaveformGenerator(facts);
         let mut bench = Bench::default();
         bench.instruments.insert("awg".to_owned(), Instrument { model: "a.rack".to_owned(), facts });
@@ -49,14 +48,13 @@ pub fn on((verified, provenance): (Verified, Provenance), facts: WaveformGenerat
             bench.drives.insert(channel.name.clone(), drive);
         }
         schedule.bench = bench;
-    });
-    (wired, provenance)
+    })
 }
 
 /// The nine stages of a hand as the axes of a machine, the first channel on the last letter; every other stage counts backwards from
 /// the middle of its travel of 1 mm.
-pub fn on_machine((verified, provenance): (Verified, Provenance)) -> (Verified, Provenance) {
-    let wired = fixture::changed(&verified, |schedule| {
+pub fn on_machine(fixture: FixtureSchedule) -> FixtureSchedule {
+    fixture.changed(|schedule| {
         let facts = InstrumentFacts::MachineController(MachineControllerFacts { axes: 9, rate_hz: 20e3 });
         let mut bench = Bench::default();
         bench.instruments.insert("mill".to_owned(), Instrument { model: "a.machine".to_owned(), facts });
@@ -69,6 +67,5 @@ pub fn on_machine((verified, provenance): (Verified, Provenance)) -> (Verified, 
             bench.drives.insert(channel.name.clone(), drive);
         }
         schedule.bench = bench;
-    });
-    (wired, provenance)
+    })
 }

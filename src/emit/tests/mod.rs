@@ -1,3 +1,4 @@
+use super::fixture::FixtureSchedule;
 use super::signal::SignalCursor;
 use super::{EmitError, Format, Provenance, emit, fixture};
 use crate::device::instrument::Protocol;
@@ -10,12 +11,12 @@ use std::collections::BTreeSet;
 pub(super) mod bench;
 mod positions;
 
-fn one(format: Format, (verified, provenance): &(Verified, Provenance)) -> Vec<u8> {
-    let mut files = emit(format, verified, provenance).expect("the fixture can be written");
+fn one(format: Format, fixture: &FixtureSchedule) -> Vec<u8> {
+    let mut files = emit(format, &fixture.verified, &fixture.provenance).expect("the fixture can be written");
     files.remove(0).bytes
 }
 
-fn text(format: Format, fixture: &(Verified, Provenance)) -> String {
+fn text(format: Format, fixture: &FixtureSchedule) -> String {
     String::from_utf8(one(format, fixture)).expect("the format is text")
 }
 
@@ -49,9 +50,9 @@ fn names_find_their_formats() {
 #[test]
 fn the_same_schedule_gives_the_same_bytes() {
     for make in [fixture::fetch, fixture::pair, fixture::idle, fixture::bed, fixture::paces, fixture::hand] {
-        let (verified, provenance) = make();
+        let FixtureSchedule { verified, provenance } = make();
         for format in formats(&verified) {
-            let (again, _) = make();
+            let again = make().verified;
             let files = emit(format, &verified, &provenance).unwrap();
             assert_eq!(files, emit(format, &again, &provenance).unwrap());
             assert!(!files.is_empty());
@@ -70,7 +71,7 @@ fn json_comes_back_as_it_was() {
         let fixture = make();
         let bytes = one(Format::Json, &fixture);
         let back = json::read(&bytes).unwrap();
-        assert_eq!(&back, fixture.0.schedule());
+        assert_eq!(&back, fixture.verified.schedule());
         assert_eq!(json::write(&back), bytes);
     }
 }
@@ -84,15 +85,15 @@ fn csv_has_a_row_for_each_change_and_units_and_wires_in_the_header() {
     assert_eq!(header.len(), 21);
     let rows: Vec<&str> = lines.collect();
     assert_eq!(rows[0], "0,20,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0");
-    assert_eq!(rows.len(), 1 + fixture::fetch().0.schedule().actuations.len());
+    assert_eq!(rows.len(), 1 + fixture::fetch().verified.schedule().actuations.len());
     assert!(rows.last().unwrap().ends_with(",0,0,0,0"));
-    assert!(super::fixture::pair().0.schedule().channels.last().unwrap().wire.is_none());
+    assert!(super::fixture::pair().verified.schedule().channels.last().unwrap().wire.is_none());
     assert!(self::text(Format::Csv, &fixture::pair()).lines().next().unwrap().ends_with(",Aid.br1.reset [V]"));
 }
 
 #[test]
 fn a_ramp_is_refused_where_voltages_are_held() {
-    let (flat, _) = fixture::fetch();
+    let flat = fixture::fetch().verified;
     let ramp = fixture::changed(&flat, |schedule| schedule.actuations[3].to = 10.0);
     for format in [Format::Csv, Format::Vcd] {
         assert_eq!(code(format, &ramp), Code::E0821);
@@ -105,7 +106,7 @@ fn a_ramp_is_refused_where_voltages_are_held() {
 
 #[test]
 fn what_is_not_finite_is_refused() {
-    let (good, _) = fixture::fetch();
+    let good = fixture::fetch().verified;
     let voltage = fixture::changed(&good, |schedule| schedule.actuations[0].from = f64::INFINITY);
     let cost = fixture::changed(&good, |schedule| schedule.plans[0].cost = f64::NAN);
     for format in Format::ALL {
@@ -128,32 +129,32 @@ fn write_fixtures() {
         [fixture::fetch, fixture::pair, fixture::large, fixture::idle, fixture::bed, fixture::hand, fixture::mixed]
     {
         let make = || bench::on_generators(make());
-        formats(&make().0).for_each(|format| write(&folder, format, make()));
+        formats(&make().verified).for_each(|format| write(&folder, format, &make()));
     }
     let paces = || bench::on(fixture::paces(), bench::fast_generator());
-    formats(&paces().0).for_each(|format| write(&folder, format, paces()));
+    formats(&paces().verified).for_each(|format| write(&folder, format, &paces()));
     for format in [Format::Json, Format::Csv, Format::Vcd, Format::Pwl, Format::Scpi, Format::Svg] {
         // Longer than the run of the deck.
-        let long = fixture::changed(&fixture::train(12_000), |schedule| schedule.name = "long".to_owned());
-        write(&trains, format, bench::on_generators((long, Provenance::default())));
+        let long = fixture::train(12_000).changed(|schedule| schedule.name = "long".to_owned());
+        write(&trains, format, &bench::on_generators(long));
     }
     let cards = folder.join("cards");
     std::fs::create_dir_all(&cards).unwrap();
     for make in [fixture::fetch, fixture::hand] {
         for format in [Format::Json, Format::Nidaqmx] {
-            write(&cards, format, super::nidaqmx::tests::on_card(make(), 1e6));
+            write(&cards, format, &super::nidaqmx::tests::on_card(make(), 1e6));
         }
     }
     let drivers = folder.join("drivers");
     std::fs::create_dir_all(&drivers).unwrap();
     for (name, protocol) in [("od", Protocol::Opendrop), ("pd", Protocol::Purpledrop)] {
         let fixture = super::frames::tests::on_driver(fixture::fetch(), protocol);
-        let named = fixture::changed(&fixture.0, |schedule| schedule.name = name.to_owned());
+        let named = fixture.changed(|schedule| schedule.name = name.to_owned());
         for format in [Format::Json, Format::Frames] {
-            write(&drivers, format, (named.clone(), fixture.1.clone()));
+            write(&drivers, format, &named);
         }
     }
-    type Make = fn(Protocol) -> (Verified, Provenance);
+    type Make = fn(Protocol) -> FixtureSchedule;
     let boards: [(&str, Protocol, Make); 3] = [
         ("db", Protocol::Dropbot, super::frames::tests::board_on_driver),
         ("ob", Protocol::Opendrop, super::frames::tests::board_on_driver),
@@ -161,19 +162,19 @@ fn write_fixtures() {
     ];
     for (name, protocol, make) in boards {
         let fixture = make(protocol);
-        let named = fixture::changed(&fixture.0, |schedule| schedule.name = name.to_owned());
+        let named = fixture.changed(|schedule| schedule.name = name.to_owned());
         for format in [Format::Json, Format::Frames, Format::Microdrop] {
-            write(&drivers, format, (named.clone(), fixture.1.clone()));
+            write(&drivers, format, &named);
         }
     }
     let fixture = super::frames::tests::board_with_magnet();
-    let named = fixture::changed(&fixture.0, |schedule| schedule.name = "lift".to_owned());
+    let named = fixture.changed(|schedule| schedule.name = "lift".to_owned());
     for format in [Format::Json, Format::Frames] {
-        write(&drivers, format, (named.clone(), fixture.1.clone()));
+        write(&drivers, format, &named);
     }
     write_controllers(&folder.join("controllers"));
     for format in [Format::Mcap, Format::Json, Format::Pwl, Format::Svg] {
-        write(&slopes, format, fixture::crowd());
+        write(&slopes, format, &fixture::crowd());
     }
 }
 
@@ -182,21 +183,20 @@ fn write_controllers(folder: &std::path::Path) {
     std::fs::create_dir_all(folder).unwrap();
     for (name, facts) in [("pi", super::stages::tests::gcs(9000)), ("smaract", super::stages::tests::mcs2())] {
         let fixture = super::stages::tests::on_controllers(fixture::hand(), &facts);
-        let named = fixture::changed(&fixture.0, |schedule| schedule.name = name.to_owned());
+        let named = fixture.changed(|schedule| schedule.name = name.to_owned());
         for format in [Format::Json, Format::Stages] {
-            write(folder, format, (named.clone(), fixture.1.clone()));
+            write(folder, format, &named);
         }
     }
-    let (verified, provenance) = bench::on_machine(fixture::hand());
-    let machine = fixture::changed(&verified, |schedule| schedule.name = "mill".to_owned());
+    let machine = bench::on_machine(fixture::hand()).changed(|schedule| schedule.name = "mill".to_owned());
     for format in [Format::Mcap, Format::Json, Format::Gcode] {
-        write(folder, format, (machine.clone(), provenance.clone()));
+        write(folder, format, &machine);
     }
 }
 
 /// Writes the files of a format into a folder.
-fn write(folder: &std::path::Path, format: Format, (verified, provenance): (Verified, Provenance)) {
-    for file in emit(format, &verified, &provenance).unwrap() {
+fn write(folder: &std::path::Path, format: Format, fixture: &FixtureSchedule) {
+    for file in emit(format, &fixture.verified, &fixture.provenance).unwrap() {
         std::fs::write(folder.join(file.name), file.bytes).unwrap();
     }
 }
@@ -209,7 +209,7 @@ fn judged(change: impl FnOnce(&mut serde_json::Value)) -> (bool, bool) {
     judged_of(fixture::pair(), change)
 }
 
-fn judged_of(fixture: (Verified, Provenance), change: impl FnOnce(&mut serde_json::Value)) -> (bool, bool) {
+fn judged_of(fixture: FixtureSchedule, change: impl FnOnce(&mut serde_json::Value)) -> (bool, bool) {
     let schema: serde_json::Value =
         serde_json::from_str(include_str!("../../../schema/schedule.schema.json")).expect("the schema is JSON");
     let validator = jsonschema::validator_for(&schema).expect("the schema is a schema");
@@ -283,7 +283,7 @@ fn numbers_of_json_have_one_unit_each_at_the_end_of_their_keys() {
 
 #[test]
 fn json_with_indices_out_of_range_is_refused() {
-    let last = fixture::pair().0.schedule().channels.len();
+    let last = fixture::pair().verified.schedule().channels.len();
     assert_eq!(judged(|value| value["actuations"][0]["channel"] = (last - 1).into()), (true, true));
     assert_eq!(judged(|value| value["actuations"][0]["channel"] = last.into()), (true, false));
     assert_eq!(judged(|value| value["actuations"][0]["step"] = 3.into()), (true, false));
@@ -308,16 +308,16 @@ fn vcd_finds_channels_under_their_names_and_their_wires() {
 
 #[test]
 fn vcd_has_a_bit_for_a_voltage_of_two_levels_only() {
-    let (fetch, _) = fixture::fetch();
-    let lines = |verified: &Verified| {
-        let text = text(Format::Vcd, &(verified.clone(), Provenance::default()));
+    let fetch = fixture::fetch();
+    let lines = |fixture: &FixtureSchedule| {
+        let text = text(Format::Vcd, fixture);
         let own = text.lines().filter(|line| line.contains("bot_bl0_set")).map(str::to_owned).collect::<Vec<_>>();
         assert_eq!(own.len(), 2, "a comment and a variable");
         own.join("\n")
     };
     assert!(lines(&fetch).contains("1 stands for 20 V") && lines(&fetch).contains("$var wire 1 a "));
     let other = |volts: f64| {
-        fixture::changed(&fetch, |schedule| {
+        fetch.clone().changed(|schedule| {
             let last = Actuation { start_ns: schedule.duration_ns, from: volts, to: volts, ..schedule.actuations[0] };
             schedule.duration_ns = last.end_ns();
             schedule.actuations.push(last);
@@ -325,7 +325,7 @@ fn vcd_has_a_bit_for_a_voltage_of_two_levels_only() {
     };
     assert!(lines(&other(0.0)).contains("$var wire 1 a "), "0 V is no third level");
     assert!(lines(&other(19.0)).contains("[V], wire: ") && lines(&other(19.0)).contains("$var real 64 a "));
-    let never = fixture::changed(&fetch, |schedule| schedule.actuations.retain(|actuation| actuation.channel != 0));
+    let never = fetch.changed(|schedule| schedule.actuations.retain(|actuation| actuation.channel != 0));
     assert!(lines(&never).contains("0 V throughout") && lines(&never).contains("$var wire 1 a "));
 }
 
@@ -336,7 +336,7 @@ fn vcd_of_a_train_changes_only_at_its_ends() {
                     $var real 64 c m_bed_second $end\n$var real 64 d m_bed_period_ns $end\n$upscope $end\n";
     assert!(text.contains(declared), "{text}");
     assert!(text.contains("\n#20\n1a\n1e\nr130 b\nr115 c\nr50000 d\n#320\n"), "{text}");
-    let files = emit(Format::Vcd, &fixture::bed().0, &Provenance::default()).unwrap();
+    let files = emit(Format::Vcd, &fixture::bed().verified, &Provenance::default()).unwrap();
     assert_eq!(files[1].name, "bed.gtkw");
     let view = String::from_utf8(files[1].bytes.clone()).unwrap();
     assert!(view.contains("@800200\n-m\n@28\nm.m_bed_train\n@8420\nm.m_bed_first\n"), "{view}");
@@ -344,7 +344,7 @@ fn vcd_of_a_train_changes_only_at_its_ends() {
 
 #[test]
 fn pwl_steps_rise_in_a_nanosecond_and_slopes_are_exact() {
-    let (crowd, _) = fixture::crowd();
+    let crowd = fixture::crowd().verified;
     let files = emit(Format::Pwl, &crowd, &Provenance::default()).unwrap();
     assert_eq!(files.iter().map(|file| file.name.as_str()).collect::<Vec<_>>(), ["crowd.pwl.inc", "crowd.cir"]);
     let text = String::from_utf8(files[0].bytes.clone()).unwrap();
@@ -389,7 +389,7 @@ fn json_of_swings_keeps_to_its_schema_and_its_sense() {
         assert_eq!(bed(*change), *expected, "change {index}");
     }
     let place = |change: fn(&mut crate::schedule::Schedule)| {
-        let bytes = json::write(fixture::changed(&fixture::bed().0, change).schedule());
+        let bytes = json::write(fixture::changed(&fixture::bed().verified, change).schedule());
         json::read(&bytes).expect_err("a contradiction").to_string()
     };
     let odd = place(|schedule| schedule.actuations[2].swing.as_mut().unwrap().period_ns = 15);
@@ -402,7 +402,7 @@ fn json_of_swings_keeps_to_its_schema_and_its_sense() {
 
 #[test]
 fn signals_tell_every_edge_of_swings_once() {
-    let (paces, _) = fixture::paces();
+    let paces = fixture::paces().verified;
     let signals = super::Signals::new(paces.schedule());
     let at = |channel, instants: [u64; 6]| instants.map(|t_ns| signals.value(channel, t_ns));
     assert_eq!(at(0, [0, 2, 3, 6, 29, 30]), [5.0, 5.0, -2.5, 5.0, -2.5, 2.0]);
@@ -429,7 +429,7 @@ fn signals_tell_every_edge_of_swings_once() {
 #[test]
 fn an_hour_of_strokes_is_a_small_file_in_every_format() {
     let hour = fixture::train(72_000_000);
-    let rows = one(Format::Csv, &(hour.clone(), Provenance::default()));
+    let rows = one(Format::Csv, &hour);
     let rows = String::from_utf8(rows).unwrap();
     assert!(
         rows.starts_with(
@@ -440,7 +440,7 @@ fn an_hour_of_strokes_is_a_small_file_in_every_format() {
     assert!(rows.ends_with("\n2000000,130,115,50000,2000000\n3600002000000,0,0,0,0\n"), "{rows}");
     let formats = [Format::Json, Format::Csv, Format::Vcd, Format::Pwl].map(|format| (format, 10_000));
     for (format, most_bytes) in formats.into_iter().chain([(Format::Mcap, 20 << 20)]) {
-        let files = emit(format, &hour, &Provenance::default()).unwrap();
+        let files = emit(format, &hour.verified, &Provenance::default()).unwrap();
         let bytes: usize = files.iter().map(|file| file.bytes.len()).sum();
         assert!(bytes < most_bytes, "{format:?} takes {bytes} bytes");
     }
@@ -448,20 +448,22 @@ fn an_hour_of_strokes_is_a_small_file_in_every_format() {
 
 #[test]
 fn pwl_puts_a_pulse_source_in_series_for_each_train() {
-    let files = emit(Format::Pwl, &fixture::bed().0, &Provenance::default()).unwrap();
+    let files = emit(Format::Pwl, &fixture::bed().verified, &Provenance::default()).unwrap();
     let text = String::from_utf8(files[0].bytes.clone()).unwrap();
     assert!(text.contains("\nVm_bed m_bed m_bed_train1 PWL(\n+ 0 0\n"));
     assert!(text.contains(
         "\nVm_bed_train1 m_bed_train1 m_bed_train2 PULSE(0 15 0.002 0.000000001 0.000000001 0.000024999 0.00005 600)\n"
     ));
     assert!(text.contains("\nVm_bed_train5 m_bed_train5 0 PULSE(0 15 "));
-    let paces = emit(Format::Pwl, &fixture::paces().0, &Provenance::default()).unwrap();
+    let paces = emit(Format::Pwl, &fixture::paces().verified, &Provenance::default()).unwrap();
     let text = String::from_utf8(paces[0].bytes.clone()).unwrap();
     assert!(text.contains("\nVbot_e1 bot_e1 0 PWL(\n"), "levels of a nanosecond are written out");
     assert!(text.contains("\nVbot_e0_train1 bot_e0_train1 bot_e0_train2 PULSE(0 7.5 0 "));
     let deck = |strokes| {
-        String::from_utf8(emit(Format::Pwl, &fixture::train(strokes), &Provenance::default()).unwrap().remove(1).bytes)
-            .unwrap()
+        String::from_utf8(
+            emit(Format::Pwl, &fixture::train(strokes).verified, &Provenance::default()).unwrap().remove(1).bytes,
+        )
+        .unwrap()
     };
     assert!(deck(9_990).contains("\n.tran 0.0005015 0.5015\n"));
     assert!(deck(1_200_000).contains("\n.tran 0.00050195 0.50195\n"));
@@ -473,15 +475,15 @@ fn pwl_puts_a_pulse_source_in_series_for_each_train() {
 
 #[test]
 fn a_page_holds_its_data_whatever_the_program_says() {
-    let (verified, mut provenance) = fixture::fetch();
-    provenance.files[0].1.push_str("// </script><script>/*script*/ /*data*/ \u{2028} \"\\");
-    let page = text(Format::Html, &(verified.clone(), provenance.clone()));
+    let mut fixture = fixture::fetch();
+    fixture.provenance.files[0].1.push_str("// </script><script>/*script*/ /*data*/ \u{2028} \"\\");
+    let page = text(Format::Html, &fixture);
     assert_eq!(page.matches("</script>").count(), 2, "that of the data, and that of the script");
     let data = page.split_once(r#"<script type="application/json" id="data">"#).expect("the page has data").1;
     let data = data.split_once("</script>").expect("the data end").0;
     let data: serde_json::Value = serde_json::from_str(data).expect("the data are JSON");
-    assert_eq!(data["sources"][0]["text"], provenance.files[0].1);
-    let schedule = serde_json::from_slice::<serde_json::Value>(&json::write(verified.schedule())).unwrap();
+    assert_eq!(data["sources"][0]["text"], fixture.provenance.files[0].1);
+    let schedule = serde_json::from_slice::<serde_json::Value>(&json::write(fixture.verified.schedule())).unwrap();
     assert_eq!(data["schedule"], schedule);
-    assert_eq!(data["claims"]["jobs"].as_array().map(Vec::len), Some(verified.claims().jobs.len()));
+    assert_eq!(data["claims"]["jobs"].as_array().map(Vec::len), Some(fixture.verified.claims().jobs.len()));
 }

@@ -2,6 +2,7 @@
 
 use super::{Edit, bench, code, judged_of, text};
 use crate::diagnostic::Code;
+use crate::emit::fixture::FixtureSchedule;
 use crate::emit::signal::SignalCursor;
 use crate::emit::{Format, Provenance, Signals, emit, fixture};
 use crate::schedule::Channel;
@@ -9,7 +10,7 @@ use serde_json::json;
 
 #[test]
 fn stages_stay_where_they_are_before_and_after_their_runs() {
-    let (hand, _) = fixture::hand();
+    let hand = fixture::hand().verified;
     let signals = Signals::new(hand.schedule());
     let end_ns = hand.schedule().duration_ns;
     assert_eq!([0, 6_999_999, 7_000_000].map(|t_ns| signals.value(0, t_ns)), [28.5; 3]);
@@ -37,7 +38,7 @@ fn csv_has_a_row_for_each_bend_of_a_position() {
 
 #[test]
 fn a_position_that_leaps_is_refused_where_lines_run_between_positions() {
-    let leap = fixture::changed(&fixture::hand().0, |schedule| schedule.actuations[0].from += 1.0);
+    let leap = fixture::changed(&fixture::hand().verified, |schedule| schedule.actuations[0].from += 1.0);
     assert!(emit(Format::Csv, &leap, &Provenance::default()).is_ok(), "it begins elsewhere");
     let leap = fixture::changed(&leap, |schedule| schedule.actuations[0].to += 1.0);
     for format in [Format::Csv, Format::Gcode] {
@@ -50,12 +51,13 @@ fn a_position_that_leaps_is_refused_where_lines_run_between_positions() {
 
 #[test]
 fn vcd_counts_positions_to_the_nearest_hundredth_of_a_micrometre() {
-    let (hand, provenance) = fixture::hand();
-    let text = text(Format::Vcd, &(hand.clone(), provenance));
+    let hand = fixture::hand();
+    let text = text(Format::Vcd, &hand);
     assert!(
         text.contains("$comment hand_f1_x is hand.f1.x [um], the nearest multiple of 0.01 um, wire: stage1/x $end\n")
     );
-    let signals = Signals::new(hand.schedule());
+    let schedule = hand.verified.schedule();
+    let signals = Signals::new(schedule);
     let (mut t_ns, mut count, mut changes, mut last_ns) = (0u64, 28.5, 0, 0);
     let held = |count: f64, t_ns: u64| {
         let off_um = (count - signals.value(0, t_ns)).abs();
@@ -72,12 +74,12 @@ fn vcd_counts_positions_to_the_nearest_hundredth_of_a_micrometre() {
             held(count, t_ns);
         }
     }
-    assert!(changes > 1000 && t_ns == hand.schedule().duration_ns);
+    assert!(changes > 1000 && t_ns == schedule.duration_ns);
 }
 
 #[test]
 fn pwl_bends_without_a_rise_and_says_its_scale() {
-    let files = emit(Format::Pwl, &fixture::hand().0, &Provenance::default()).unwrap();
+    let files = emit(Format::Pwl, &fixture::hand().verified, &Provenance::default()).unwrap();
     let text = String::from_utf8(files[0].bytes.clone()).unwrap();
     let head = "* hand.f1.x [um], 1 V stands for 1 um, wire stage1/x\nVhand_f1_x hand_f1_x 0 PWL(\n";
     assert!(text.contains(&format!("{head}+ 0 28.5\n+ 0.007 28.5\n+ 0.107 18.5\n+ 0.287 18.5\n")), "{text}");
@@ -85,7 +87,7 @@ fn pwl_bends_without_a_rise_and_says_its_scale() {
 
 #[test]
 fn gcode_says_where_all_axes_are_at_their_common_instants() {
-    let (hand, provenance) = fixture::hand();
+    let FixtureSchedule { verified: hand, provenance } = fixture::hand();
     let files = emit(Format::Gcode, &hand, &provenance).unwrap();
     assert_eq!(files.iter().map(|file| file.name.as_str()).collect::<Vec<_>>(), ["turn.hand.ngc"]);
     let text = String::from_utf8(files[0].bytes.clone()).unwrap();
@@ -107,7 +109,7 @@ fn gcode_says_where_all_axes_are_at_their_common_instants() {
 
 #[test]
 fn gcode_moves_the_axes_that_wires_name_in_places_of_their_own_travel() {
-    let (hand, provenance) = bench::on_machine(fixture::hand());
+    let FixtureSchedule { verified: hand, provenance } = bench::on_machine(fixture::hand());
     let files = emit(Format::Gcode, &hand, &provenance).unwrap();
     assert_eq!(files.iter().map(|file| file.name.as_str()).collect::<Vec<_>>(), ["turn.mill.ngc"]);
     let text = String::from_utf8(files[0].bytes.clone()).unwrap();
@@ -142,7 +144,7 @@ fn gcode_moves_the_axes_that_wires_name_in_places_of_their_own_travel() {
 #[test]
 fn gcode_is_refused_below_the_least_feed_of_its_interpreter() {
     let slowed = |times: u64| {
-        fixture::changed(&fixture::hand().0, |schedule| {
+        fixture::changed(&fixture::hand().verified, |schedule| {
             schedule.duration_ns *= times;
             for actuation in &mut schedule.actuations {
                 actuation.start_ns *= times;
@@ -165,7 +167,7 @@ fn gcode_is_refused_below_the_least_feed_of_its_interpreter() {
 
 #[test]
 fn gcode_has_a_file_for_every_three_fingers_and_none_for_voltages() {
-    let (hand, _) = fixture::hand();
+    let hand = fixture::hand().verified;
     let many = fixture::changed(&hand, |schedule| {
         for channel in 0..6 {
             let name = format!("hand.f{}.{}", 4 + channel / 3, ["x", "y", "z"][channel % 3]);
@@ -175,8 +177,8 @@ fn gcode_has_a_file_for_every_three_fingers_and_none_for_voltages() {
     let names: Vec<String> =
         emit(Format::Gcode, &many, &Provenance::default()).unwrap().into_iter().map(|file| file.name).collect();
     assert_eq!(names, ["turn.hand.f1-f3.ngc", "turn.hand.f4-f5.ngc"]);
-    assert_eq!(code(Format::Gcode, &fixture::fetch().0), Code::E0827);
-    let error = emit(Format::Gcode, &fixture::fetch().0, &Provenance::default()).unwrap_err().diagnostic();
+    assert_eq!(code(Format::Gcode, &fixture::fetch().verified), Code::E0827);
+    let error = emit(Format::Gcode, &fixture::fetch().verified, &Provenance::default()).unwrap_err().diagnostic();
     assert_eq!(error.title, "`bot.bl0.set` takes voltages, but `gcode` only holds stage positions");
     let none = fixture::changed(&hand, |schedule| (schedule.channels, schedule.actuations) = Default::default());
     assert_eq!(code(Format::Gcode, &none), Code::E0827);

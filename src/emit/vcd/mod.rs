@@ -64,10 +64,10 @@ pub(super) fn write(signals: &Signals) -> Result<[Vec<u8>; 2], EmitError> {
     }
     let _ = writeln!(text, "$timescale {timescale} $end");
     let scopes = signals.device_names(plain);
-    declare(&mut text, (signals, &scopes), &variables);
+    declare(&mut text, signals, &scopes, &variables);
     text.push_str("$enddefinitions $end\n");
     changes(&mut text, signals, &variables, unit_ns);
-    let view = view::write((signals, &scopes), &forms, &variables, unit_ns);
+    let view = view::write(signals, &scopes, &forms, &variables, unit_ns);
     Ok([text.into_bytes(), view.into_bytes()])
 }
 
@@ -86,7 +86,7 @@ fn timescale(signals: &Signals) -> (u64, &'static str) {
 }
 
 /// The scopes and variables: a scope for each device, and one for the wires.
-fn declare(text: &mut String, (signals, scopes): (&Signals, &BTreeMap<&str, String>), variables: &[Variable]) {
+fn declare(text: &mut String, signals: &Signals, scopes: &BTreeMap<&str, String>, variables: &[Variable]) {
     let channels = &signals.schedule.channels;
     let mut devices: indexmap::IndexMap<&str, Vec<String>> = indexmap::IndexMap::new();
     for variable in variables {

@@ -22,7 +22,8 @@ const UNITS_IN_WINDOW: u64 = 4;
 
 /// The save file. Channels that stay at 0 V throughout come last in their device.
 pub fn write(
-    (signals, scopes): (&Signals, &BTreeMap<&str, String>),
+    signals: &Signals,
+    scopes: &BTreeMap<&str, String>,
     forms: &[Form],
     variables: &[Variable],
     unit_ns: u64,

@@ -5,7 +5,7 @@
 //! the chord. Lengths are integrals by Gauss' rule with eight points; a stretch is halved until halves agree with the whole.
 
 use super::OutlineError;
-use super::form::OutlineForm;
+use super::form::{OutlineForm, PieceParameter};
 use super::jet::{Jet, cross, dot, minus, norm};
 use crate::real::Real;
 
@@ -121,7 +121,7 @@ pub(super) struct FollowedCurve {
 
 impl FollowedCurve {
     /// Follows a form once round from a parameter of a piece.
-    pub fn of(form: &OutlineForm, begin: (usize, f64)) -> Result<FollowedCurve, OutlineError> {
+    pub fn of(form: &OutlineForm, begin: PieceParameter) -> Result<FollowedCurve, OutlineError> {
         let mut course = FollowedCurve::default();
         let most = MAX_STRETCHES + STRETCHES_PER_PIECE * form.pieces();
         let spans = spans(form, begin);
@@ -173,7 +173,7 @@ fn is_sound(jet: &Jet) -> bool {
 }
 
 /// The smooth parts of the pieces, from a beginning once round.
-fn spans(form: &OutlineForm, (first, begin): (usize, f64)) -> Vec<(usize, f64, f64)> {
+fn spans(form: &OutlineForm, begin: PieceParameter) -> Vec<(usize, f64, f64)> {
     let pieces = form.pieces();
     let mut spans = Vec::new();
     let mut add = |piece: usize, low: f64, high: f64| {
@@ -187,9 +187,9 @@ fn spans(form: &OutlineForm, (first, begin): (usize, f64)) -> Vec<(usize, f64, f
             }
         }
     };
-    add(first, begin, f64::INFINITY);
-    (1..pieces).for_each(|step| add((first + step) % pieces, f64::NEG_INFINITY, f64::INFINITY));
-    add(first, f64::NEG_INFINITY, begin);
+    add(begin.piece, begin.t, f64::INFINITY);
+    (1..pieces).for_each(|step| add((begin.piece + step) % pieces, f64::NEG_INFINITY, f64::INFINITY));
+    add(begin.piece, f64::NEG_INFINITY, begin.t);
     spans
 }
 

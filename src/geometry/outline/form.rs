@@ -15,6 +15,13 @@ pub(super) enum OutlineArc {
     Arc { centre: [f64; 2], radius_um: f64, from_rad: f64 },
 }
 
+/// A parameter of a piece.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PieceParameter {
+    pub piece: usize,
+    pub t: f64,
+}
+
 /// An outline as formulas.
 #[derive(Debug, Clone)]
 pub(super) enum OutlineForm {
@@ -52,15 +59,15 @@ impl OutlineForm {
     }
 
     /// The piece of a rectangle's parts that the negative x axis meets, and its parameter there; `None` where that is half way round.
-    pub fn opposite_part(parts: &[(OutlineArc, f64)]) -> Option<(usize, f64)> {
+    pub fn opposite_part(parts: &[(OutlineArc, f64)]) -> Option<PieceParameter> {
         let meets = |(piece, (part, length)): (usize, &(OutlineArc, f64))| match part {
             OutlineArc::Line { from: [_, y], along: [_, down] } if *down < 0.0 => {
-                (0.0..=*length).contains(y).then_some((piece, *y))
+                (0.0..=*length).contains(y).then_some(PieceParameter { piece, t: *y })
             }
             OutlineArc::Line { .. } | OutlineArc::Arc { .. } => None,
         };
         // The left side is cut at its middle.
-        parts.iter().enumerate().find_map(meets).filter(|(piece, y)| *y < parts[*piece].1)
+        parts.iter().enumerate().find_map(meets).filter(|place| place.t < parts[place.piece].1)
     }
 
     /// Number of pieces.

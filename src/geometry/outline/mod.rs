@@ -15,7 +15,7 @@ mod tests;
 use super::fault::{Fault, through};
 use boxes::StretchBoxes;
 use follow::{FollowedCurve, gauss, turn};
-use form::OutlineForm;
+use form::{OutlineForm, PieceParameter};
 use jet::{cross, dot, minus, norm};
 pub use resample::{MAX_POLYGON, MAX_SMOOTHED};
 use serde::{Deserialize, Serialize};
@@ -139,8 +139,7 @@ impl Curve {
         close(&mut course);
         let perimeter_um = course.ways_um[course.stretches.len()];
         let (area_um2, centre_um) = area_and_centre(&form, &course);
-        let numbers = (perimeter_um, area_um2, centre_um);
-        Curve::with(form, course, boxes, opposite, numbers)
+        Curve::with(form, course, boxes, opposite, perimeter_um, area_um2, centre_um)
     }
 
     fn with(
@@ -148,7 +147,9 @@ impl Curve {
         course: FollowedCurve,
         boxes: StretchBoxes,
         opposite: Option<PieceParameter>,
-        (perimeter_um, area_um2, centre_um): (f64, f64, [f64; 2]),
+        perimeter_um: f64,
+        area_um2: f64,
+        centre_um: [f64; 2],
     ) -> Result<Curve, OutlineError> {
         let opposite_um = opposite.map_or(perimeter_um / 2.0, |place| way_at(&course, place));
         let (reach_um, least_curvature_per_um) = (0.0, 0.0);
@@ -449,21 +450,19 @@ fn spline_form(points_um: &[[f64; 2]]) -> Result<OutlineForm, OutlineError> {
 /// Least distance of two neighbours, as a share of the whole.
 const LEAST_GAP: f64 = 1e-9;
 
-/// A piece and a parameter in it.
-type PieceParameter = (usize, f64);
-
 /// Where the x axis leaves a form farthest out: where the curve begins, and the place opposite unless that is half way round.
 fn axis_places(form: &OutlineForm) -> Result<(PieceParameter, Option<PieceParameter>), OutlineError> {
+    let first = PieceParameter { piece: 0, t: 0.0 };
     let cubics = match form {
         OutlineForm::Spline { cubics } => cubics,
-        OutlineForm::Parts { parts } => return Ok(((0, 0.0), OutlineForm::opposite_part(parts))),
-        OutlineForm::Ellipse { .. } | OutlineForm::Superellipse { .. } => return Ok(((0, 0.0), None)),
+        OutlineForm::Parts { parts } => return Ok((first, OutlineForm::opposite_part(parts))),
+        OutlineForm::Ellipse { .. } | OutlineForm::Superellipse { .. } => return Ok((first, None)),
     };
     let roots = (0..cubics.len()).flat_map(|piece| {
         let end_y = cubics[(piece + 1) % cubics.len()].at(0.0).point[1];
-        cubics[piece].roots_y(end_y).into_iter().map(move |t| (piece, t))
+        cubics[piece].roots_y(end_y).into_iter().map(move |t| PieceParameter { piece, t })
     });
-    let x = |place: &PieceParameter| cubics[place.0].at(place.1).point[0];
+    let x = |place: &PieceParameter| cubics[place.piece].at(place.t).point[0];
     let (right, left): (Vec<PieceParameter>, Vec<PieceParameter>) = roots.partition(|place| x(place) > 0.0);
     let begin = right.into_iter().max_by(|a, b| x(a).total_cmp(&x(b)));
     let opposite = left.into_iter().min_by(|a, b| x(a).total_cmp(&x(b)));
@@ -474,13 +473,16 @@ fn axis_places(form: &OutlineForm) -> Result<(PieceParameter, Option<PieceParame
 }
 
 /// The arc length of a place along a course.
-fn way_at(course: &FollowedCurve, (piece, t): PieceParameter) -> f64 {
+fn way_at(course: &FollowedCurve, place: PieceParameter) -> f64 {
     let off = |at: usize| {
         let stretch = &course.stretches[at];
-        if stretch.piece == piece { (stretch.from_t - t).max(t - stretch.to_t).max(0.0) } else { f64::INFINITY }
+        if stretch.piece != place.piece {
+            return f64::INFINITY;
+        }
+        (stretch.from_t - place.t).max(place.t - stretch.to_t).max(0.0)
     };
     let nearest = (0..course.stretches.len()).min_by(|a, b| off(*a).total_cmp(&off(*b)));
-    nearest.map_or(f64::NAN, |at| course.ways_um[at] + course.stretches[at].way_um(t))
+    nearest.map_or(f64::NAN, |at| course.ways_um[at] + course.stretches[at].way_um(place.t))
 }
 
 /// That a curve does not meet itself, and turns just once.

@@ -33,7 +33,7 @@ impl Lowered for Planned<'_, ElectrodeArrayOrder, ElectrodeArrayMotion> {
                     let paths: Vec<&[ElectrodeCell]> = courses.iter().map(|course| course.cells.as_slice()).collect();
                     board.follow(&paths, courses, index)?;
                     if let ElectrodeArrayAction::Assay(asked) = &step.action {
-                        let timed = operations::timed(order, (index, start_ns), (asked, operations), courses);
+                        let timed = operations::timed(order, index, start_ns, asked, operations, courses);
                         board.run.operations.extend(timed);
                     }
                 }

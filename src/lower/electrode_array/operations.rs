@@ -9,8 +9,10 @@ use crate::plan::electrode_array::PartCourse;
 /// that the plan has chosen.
 pub fn timed(
     order: &ElectrodeArrayOrder,
-    (step, step_start_ns): (usize, u64),
-    (asked, placed): (&[AssayOperation], &[AssayOperation]),
+    step: usize,
+    step_start_ns: u64,
+    asked: &[AssayOperation],
+    placed: &[AssayOperation],
     courses: &[PartCourse],
 ) -> Vec<LoweredOperation> {
     let facts = &order.facts;
@@ -27,7 +29,7 @@ pub fn timed(
             None => {
                 let stay = operation.stay_steps(facts) as usize;
                 let begins = operation.after.iter().filter_map(|earlier| ends.get(*earlier)).max();
-                arrival(operation, facts, (&free, begins.copied().unwrap_or(0)), courses)
+                arrival(operation, facts, &free, begins.copied().unwrap_or(0), courses)
                     .map(|arrival| (arrival, arrival + stay))
             }
         };
@@ -59,7 +61,8 @@ fn pulled_apart(course: &PartCourse, from: usize, end: usize) -> Option<usize> {
 fn arrival(
     operation: &AssayOperation,
     facts: &ElectrodeArrayFacts,
-    (free, begins): (&[usize], usize),
+    free: &[usize],
+    begins: usize,
     courses: &[PartCourse],
 ) -> Option<usize> {
     let longest = courses.iter().map(PartCourse::until).max()?;

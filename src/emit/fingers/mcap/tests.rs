@@ -17,7 +17,7 @@ fn scene(topic: &LogTopic, at: usize) -> SceneUpdate {
 
 #[test]
 fn the_part_is_where_the_states_say_and_turns_steadily_between_them() {
-    let (hand, _) = fixture::hand();
+    let hand = fixture::hand().verified;
     let (topics, movers) = device_topics(&hand, "hand");
     let poses = topic(&topics, "/hand/pose");
     let held: Vec<(u64, foxglove::Pose)> = poses
@@ -47,7 +47,7 @@ fn the_part_is_where_the_states_say_and_turns_steadily_between_them() {
 
 #[test]
 fn tips_are_where_the_schedule_has_them() {
-    let (hand, _) = fixture::hand();
+    let hand = fixture::hand().verified;
     let signals = Signals::new(hand.schedule());
     let course = HandCourse::new(&hand, &signals, "hand");
     let moments = &course.plans[0].moments;
@@ -65,7 +65,7 @@ fn tips_are_where_the_schedule_has_them() {
 
 #[test]
 fn a_ball_a_flat_part_and_another_are_drawn_with_their_sections() {
-    let (hand, _) = fixture::hand();
+    let hand = fixture::hand().verified;
     let drawn = |change: &dyn Fn(&mut crate::claims::fingers::HandPart)| {
         let (schedule, mut claims) = (hand.schedule().clone(), hand.claims().clone());
         let crate::claims::Order::Fingers(order) = &mut claims.jobs[0].order else { panic!("a hand") };
@@ -85,7 +85,7 @@ fn a_ball_a_flat_part_and_another_are_drawn_with_their_sections() {
 
 #[test]
 fn grasps_are_shown_from_state_to_state() {
-    let (hand, _) = fixture::hand();
+    let hand = fixture::hand().verified;
     let (topics, _) = device_topics(&hand, "hand");
     let state = topic(&topics, "/hand/state");
     let states = &hand.schedule().plans[0].states;
@@ -123,7 +123,7 @@ fn grasps_are_shown_from_state_to_state() {
 
 #[test]
 fn a_long_way_is_a_bounded_number_of_moments() {
-    let far = fixture::changed(&fixture::hand().0, |schedule| {
+    let far = fixture::changed(&fixture::hand().verified, |schedule| {
         for actuation in &mut schedule.actuations {
             (actuation.from, actuation.to) = (actuation.from * 1e4, actuation.to * 1e4);
         }
@@ -136,7 +136,7 @@ fn a_long_way_is_a_bounded_number_of_moments() {
 
 #[test]
 fn contacts_go_when_the_fingers_begin_to_leave() {
-    let gone = fixture::changed(&fixture::hand().0, |schedule| {
+    let gone = fixture::changed(&fixture::hand().verified, |schedule| {
         let last = schedule.plans[0].states.last_mut().unwrap();
         let State::Fingers(FingersState { grasp, tips_um, .. }) = &mut last.state else { panic!("a state of a hand") };
         (*grasp, *tips_um) = (vec![0; 3], vec![None; 3]);

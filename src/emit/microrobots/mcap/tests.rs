@@ -19,7 +19,7 @@ fn scene(topic: &LogTopic, at: usize) -> SceneUpdate {
 
 #[test]
 fn poses_are_those_of_the_states_and_follow_circles_between_them() {
-    let (bed, _) = fixture::bed();
+    let bed = fixture::bed().verified;
     let (topics, _) = device_topics(&bed, "m");
     let poses = topic(&topics, "/m/poses");
     assert_eq!(poses.metadata["robots"], "D1 D2 D3");
@@ -47,7 +47,7 @@ fn poses_are_those_of_the_states_and_follow_circles_between_them() {
 
 #[test]
 fn arms_are_numbers_that_jump() {
-    let (bed, _) = fixture::bed();
+    let bed = fixture::bed().verified;
     let (topics, _) = device_topics(&bed, "m");
     let arms = topic(&topics, "/m/arms");
     let values = |data: &[u8]| data.chunks(9).map(|chunk| f64::from_le_bytes(chunk[1..].try_into().unwrap())).collect();
@@ -64,7 +64,7 @@ fn arms_are_numbers_that_jump() {
 
 #[test]
 fn an_orbit_is_a_whole_turn_without_interruption() {
-    let (bed, _) = fixture::bed();
+    let bed = fixture::bed().verified;
     let course = BedCourse::new(&bed, "m");
     let orbits = course.plans[0].orbits();
     // 600 strokes of 2 um on a circle of 942 um; the later turns of 300 um are none.
@@ -77,7 +77,7 @@ fn an_orbit_is_a_whole_turn_without_interruption() {
 /// A robot that has docked orbits no longer, though its arm is down.
 #[test]
 fn a_docked_robot_has_no_orbit() {
-    let (bed, _) = fixture::bed();
+    let bed = fixture::bed().verified;
     let mut course = BedCourse::new(&bed, "m");
     let orbits = |course: &BedCourse| -> Vec<(usize, u64)> {
         course.plans[0].orbits().iter().map(|orbit| (orbit.robot, orbit.end_ns)).collect()
@@ -92,7 +92,7 @@ fn a_docked_robot_has_no_orbit() {
 
 #[test]
 fn what_holds_in_a_leg_is_drawn_and_nothing_else() {
-    let (bed, _) = fixture::bed();
+    let bed = fixture::bed().verified;
     let (topics, _) = device_topics(&bed, "m");
     let state = topic(&topics, "/m/state");
     let drawn: Vec<(usize, usize, usize)> = (0..state.messages.len())
@@ -111,7 +111,7 @@ fn what_holds_in_a_leg_is_drawn_and_nothing_else() {
 
 #[test]
 fn robots_have_bodies_in_frames_that_turn() {
-    let (bed, _) = fixture::bed();
+    let bed = fixture::bed().verified;
     let (topics, movers) = device_topics(&bed, "m");
     let standing = scene(topic(&topics, "/m/scene"), 0);
     for name in ["D1", "D2", "D3"] {
@@ -137,7 +137,7 @@ fn robots_have_bodies_in_frames_that_turn() {
 
 #[test]
 fn robots_stand_from_the_beginning_on() {
-    let (bed, _) = fixture::bed();
+    let bed = fixture::bed().verified;
     let later = fixture::changed(&bed, |schedule| {
         schedule.actuations.iter_mut().for_each(|actuation| actuation.start_ns += 1000);
         schedule.plans[0].start_ns += 1000;
@@ -152,13 +152,13 @@ fn robots_stand_from_the_beginning_on() {
 
 #[test]
 fn an_hour_of_motion_is_a_bounded_number_of_poses() {
-    let hour = fixture::changed(&fixture::train(72_000_000), |schedule| {
+    let hour = fixture::train(72_000_000).changed(|schedule| {
         let states = &mut schedule.plans[0].states;
         states.truncate(2);
         states[1].t_ns = schedule.duration_ns;
         schedule.plans[0].duration_ns = schedule.duration_ns;
     });
-    let course = BedCourse::new(&hour, "m");
+    let course = BedCourse::new(&hour.verified, "m");
     let reported = course.plans[0].moments.len() * 3;
     assert!(reported <= MAX_POSES + 9 && reported > MAX_POSES / 2, "{reported} poses");
 }

@@ -62,13 +62,12 @@ proptest! {
 mod waits {
     use super::*;
     use crate::device::instrument::{Awaited, Family, HoldTerms};
-    use crate::emit::fixture;
+    use crate::emit::Format;
+    use crate::emit::fixture::{self, FixtureSchedule};
     use crate::emit::scpi::{Generator, Playing};
     use crate::emit::tests::bench::{generator, on_generators};
     use crate::emit::wired::wired;
-    use crate::emit::{Format, Provenance};
     use crate::schedule::{Actuation, Channel, ChannelUnit, ScheduledHold};
-    use crate::verify::Verified;
 
     /// Levels and waits, each with its length in units of 50 ms: a level that is not there is rest.
     #[derive(Debug, Clone)]
@@ -88,8 +87,8 @@ mod waits {
     }
 
     /// The stretches one after the other: a wait holds the level before it.
-    fn scheduled(stretches: &[Stretch]) -> Verified {
-        fixture::changed(&fixture::idle().0, |schedule| {
+    fn scheduled(stretches: &[Stretch]) -> FixtureSchedule {
+        fixture::idle().changed(|schedule| {
             let channel = Channel {
                 name: "lamp.out".into(),
                 device: "lamp".into(),
@@ -134,7 +133,7 @@ mod waits {
         /// What a generator gives from each trigger on is what the schedule has from there on, and no segment that waits is long.
         #[test]
         fn between_waits_a_generator_plays_the_schedule(stretches in prop::collection::vec(stretch(), 1..12)) {
-            let verified = on_generators((scheduled(&stretches), Provenance::default())).0;
+            let verified = on_generators(scheduled(&stretches)).verified;
             let schedule = verified.schedule();
             let all = wired(Format::Scpi, schedule, Family::WaveformGenerator).expect("it is wired");
             let facts = generator();
