@@ -15,7 +15,7 @@ fn pitch_um(modules: i32) -> f64 {
 }
 
 /// A program for `modules` a side: from one word to another, past cells given by their words.
-fn program(modules: u32, (start, goal): (u32, u32), obstacles: &[u32], settings: &str) -> String {
+fn program(modules: u32, start: u32, goal: u32, obstacles: &[u32], settings: &str) -> String {
     let word = |number: u32| format!("0b{number:0width$b}", width = 2 * modules as usize);
     let cell = |number: u32| format!("({}, {})", number >> modules, number & ((1 << modules) - 1));
     let objects: String = obstacles.iter().map(|o| format!("  obstacle o{o} at {}\n", cell(*o))).collect();
@@ -58,7 +58,7 @@ const PLANNERS: [&str; 5] = ["staged_astar", "dijkstra", "bidirectional_dijkstra
 #[test]
 fn from_six_to_ten_with_two_modules_a_side() {
     for planner in PLANNERS {
-        let go = |obstacles: &[u32]| plan(&program(2, (6, 10), obstacles, &format!("using {planner}")));
+        let go = |obstacles: &[u32]| plan(&program(2, 6, 10, obstacles, &format!("using {planner}")));
         let cost = |obstacles: &[u32]| go(obstacles).map(|plan| cost_r(&plan, 2));
         assert_eq!(cost(&[]), Some(3), "{planner}");
         assert_eq!((cost(&[14]), words(&go(&[14]).expect("a way by 2"))), (Some(3), vec![6, 2, 10]), "{planner}");
@@ -71,7 +71,7 @@ fn from_six_to_ten_with_two_modules_a_side() {
 #[test]
 fn figure_seven_costs_thirty_by_every_planner() {
     for planner in PLANNERS {
-        let plan = plan(&program(4, (0b1000_1000, 0b0111_0111), &[], &format!("using {planner}"))).expect("a way");
+        let plan = plan(&program(4, 0b1000_1000, 0b0111_0111, &[], &format!("using {planner}"))).expect("a way");
         assert_eq!((cost_r(&plan, 4), words(&plan).len()), (30, 9), "{planner}");
         assert_eq!(plan.planner, planner);
     }
@@ -94,7 +94,7 @@ fn table_one_is_a_way_of_thirty_that_the_robot_can_go() {
     assert_eq!((table.first(), table.last()), (Some(&(0b1000_1000, 0)), Some(&(0b0111_0111, 30))));
     for pair in table.windows(2) {
         let ((from, at), (to, then)) = (pair[0], pair[1]);
-        let plan = plan(&program(4, (from, to), &[], "minimize distance")).expect("an edge");
+        let plan = plan(&program(4, from, to, &[], "minimize distance")).expect("an edge");
         assert_eq!((cost_r(&plan, 4), words(&plan).len()), (then - at, 2), "{from:08b} to {to:08b}");
     }
     // The row before the last is where the printed table ends: one move short of the goal.
@@ -103,7 +103,7 @@ fn table_one_is_a_way_of_thirty_that_the_robot_can_go() {
 
 /// The graph for N = 2 as the compiler has it: a pair of words is an edge if a plan switches one module.
 fn edge_weight(from: u32, to: u32, obstacles: &[u32]) -> u32 {
-    let plan = plan(&program(2, (from, to), obstacles, "minimize switches"));
+    let plan = plan(&program(2, from, to, obstacles, "minimize switches"));
     match plan.filter(|plan| words(plan).len() == 2) {
         Some(plan) => (plan.outcomes["distance_um"] / pitch_um(2)).round() as u32,
         None => 0,
@@ -138,8 +138,8 @@ fn an_obstacle_at_six_takes_exactly_six_edges_away() {
     let at_six = [2, 4, 7, 14];
     assert!(at_six.iter().all(|word| edge_weight(6, *word, &[]) > 0));
     assert_eq!((0..16).filter(|word| edge_weight(6, *word, &[]) > 0).count(), at_six.len());
-    assert_eq!(build(&program(2, (2, 6), &[6], "")).codes, ["E0502"]);
-    assert_eq!(build(&program(2, (6, 2), &[6], "")).codes, ["E0505"]);
+    assert_eq!(build(&program(2, 2, 6, &[6], "")).codes, ["E0502"]);
+    assert_eq!(build(&program(2, 6, 2, &[6], "")).codes, ["E0505"]);
 }
 
 /// Published pitches: 1.71 um and a reach of 11.95 um for three modules a side, 213 nm for six, 1.67 nm for thirteen.
@@ -166,7 +166,7 @@ fn published_pitches_are_met() {
 /// What each switch takes: 15 ms and 30 mJ (section 3.2).
 #[test]
 fn time_and_energy_follow_the_switches() {
-    let plan = plan(&program(4, (0b1000_1000, 0b0111_0111), &[], "minimize energy")).expect("a way");
+    let plan = plan(&program(4, 0b1000_1000, 0b0111_0111, &[], "minimize energy")).expect("a way");
     assert!((plan.cost - 240.0).abs() < 1e-9 && plan.unit == "mJ");
     assert_eq!((plan.duration_ns, plan.outcomes["switches"]), (120_000_000, 8.0));
 }

@@ -49,7 +49,9 @@ pub fn field_table() {
     println!("\npublished assays on 15 x 19 electrodes at 100 Hz; planned, lowered and verified");
     println!("assay       droplets  operations     ms   steps  bound  ratio | one after the other");
     let panels = |mixing: MixingPlace| {
-        let named = move |(size, number): (&(u32, u32), u32)| (format!("in-vitro {number}"), in_vitro(*size, mixing));
+        let named = move |((samples, reagents), number): (&(u32, u32), u32)| {
+            (format!("in-vitro {number}"), in_vitro(*samples, *reagents, mixing))
+        };
         IN_VITRO.iter().zip(1..).map(named)
     };
     let protein = PROTEIN.iter().map(|levels| (format!("protein {levels}"), protein(*levels)));
@@ -190,7 +192,7 @@ enum MixingPlace {
 }
 
 /// Every sample with every reagent.
-fn in_vitro((samples, reagents): (u32, u32), mixing: MixingPlace) -> FieldAssay {
+fn in_vitro(samples: u32, reagents: u32, mixing: MixingPlace) -> FieldAssay {
     let mut assay = FieldAssay::default();
     (0..samples).for_each(|sample| assay.reservoir(&format!("s{sample}"), (1, 3 + 4 * sample)));
     (0..reagents).for_each(|reagent| assay.reservoir(&format!("r{reagent}"), (15, 3 + 4 * reagent)));

@@ -37,7 +37,7 @@ impl Schedule {
     }
 
     /// A droplet meets one of a fluid at a place and is mixed with it.
-    fn meet(&mut self, (at, part): (u32, u32), (fluid, place): (&str, u32), after: &[u32]) {
+    fn meet(&mut self, at: u32, part: u32, fluid: &str, place: u32, after: &[u32]) {
         self.drops += 1;
         let (other, cell) = (format!("{fluid}_{}", self.drops), self::place(place));
         self.assay.droplets += 1;
@@ -54,12 +54,12 @@ impl Schedule {
     }
 
     /// A leaf has a place from an instant on.
-    fn leaf(&mut self, (at, part): (u32, u32), place: u32) {
+    fn leaf(&mut self, at: u32, part: u32, place: u32) {
         let before: Vec<u32> = self.free[place as usize].1.into_iter().collect();
         let at = at.max(self.free[place as usize].0);
-        self.meet((at, part), ("b", place), &before);
+        self.meet(at, part, "b", place, &before);
         for (nth, fluid) in (1..).zip(["b", "b", "b", "r"]) {
-            self.meet((at + MEETING * nth, part), (fluid, place), &[]);
+            self.meet(at + MEETING * nth, part, fluid, place, &[]);
         }
         self.add(at + MEETING * 5, format!("incubate d{part} for 30 s"));
         self.add(at + MEETING * 5, format!("discard d{part} at (15, 1)"));
@@ -68,8 +68,8 @@ impl Schedule {
 
     /// Splits a droplet at the splitter, after others have left it, and all that comes out of it; answers with the time, and the droplet
     /// that leaves the splitter last.
-    fn split(&mut self, (at, part): (u32, u32), level: u32, after: &[u32]) -> (u32, u32) {
-        self.meet((at, part), ("b", SPLITTER), after);
+    fn split(&mut self, at: u32, part: u32, level: u32, after: &[u32]) -> (u32, u32) {
+        self.meet(at, part, "b", SPLITTER, after);
         self.add(at, format!("incubate d{part} for 2 s"));
         let (half, is_last) = (part + (1 << (self.levels - level - 1)), level + 1 == self.levels);
         let (column, row) = self::place(SPLITTER);
@@ -81,24 +81,24 @@ impl Schedule {
         self.assay.scene.push(format!("part d{half} : ea.droplet"));
         self.add(at, format!("split d{half} from d{part} at ({}, {row}){}", column + 1, afters(&before)));
         if is_last {
-            self.leaf((at, half), place);
+            self.leaf(at, half, place);
             let is_end = half + 1 == 1 << self.levels;
             if is_end {
-                self.leaf((at, part), SPLITTER);
+                self.leaf(at, part, SPLITTER);
             } else {
                 let (at, before) =
                     self.buffered.filter(|(_, met)| *met > at).map_or((at, None), |(part, met)| (met, Some(part)));
                 self.add(at, format!("move d{part} to {BUFFER:?}{}", afters(before.as_slice())));
                 let place = self.first_free();
                 self.buffered = Some((part, (at + 3).max(self.free[place as usize].0) + MEETING - 1));
-                self.leaf((at + 3, part), place);
+                self.leaf(at + 3, part, place);
                 return (at + 2, part);
             }
             return (at + 2, part);
         }
         self.add(at, format!("move d{half} to {:?}", STORES[self.store(level)]));
-        let (at, last) = self.split((at + 1, part), level + 1, &[]);
-        self.split((at, half), level + 1, &[last])
+        let (at, last) = self.split(at + 1, part, level + 1, &[]);
+        self.split(at, half, level + 1, &[last])
     }
 
     /// The store of the halves of a level, counted from 0.
@@ -121,7 +121,7 @@ pub fn protein(levels: u32) -> FieldAssay {
     schedule.assay.droplets += 1;
     schedule.assay.scene.push("part d0 : ea.droplet".to_owned());
     schedule.add(0, "dispense d0 from s".to_owned());
-    schedule.split((20, 0), 0, &[]);
+    schedule.split(20, 0, 0, &[]);
     schedule.timed.sort_by_key(|(at, _)| *at);
     schedule.assay.operations.extend(schedule.timed.into_iter().map(|(_, text)| text));
     schedule.assay

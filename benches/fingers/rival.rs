@@ -25,9 +25,9 @@ pub fn cost(request: &GraspRequest, most: u64) -> Outcome {
     let list = |grasp: [u16; 6]| [grasp[0], grasp[1], grasp[2]];
     let goal = (list(end.0), leg.steps as u16);
     let expanded = Cell::new(0);
-    let successors = |node: &Node| {
+    let successors = |(grasp, angle): &Node| {
         expanded.set(expanded.get() + 1);
-        neighbours(request, &leg.tables, *node)
+        neighbours(request, &leg.tables, *grasp, *angle)
     };
     let estimate = |node: &Node| estimate(request, leg.tables.contacts as u16, *node, goal);
     let found = astar(&(list(start.0), 0), successors, estimate, |node| *node == goal || expanded.get() >= most);
@@ -58,7 +58,7 @@ fn rolls(tables: &Tables, grasp: [u16; 3]) -> bool {
     }
 }
 
-fn neighbours(request: &GraspRequest, tables: &Tables, (grasp, angle): Node) -> Vec<(Node, u64)> {
+fn neighbours(request: &GraspRequest, tables: &Tables, grasp: [u16; 3], angle: u16) -> Vec<(Node, u64)> {
     let layer = &tables.layers[0];
     let contacts = tables.contacts as u16;
     let held = held(grasp);

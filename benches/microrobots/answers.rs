@@ -52,7 +52,7 @@ impl Pilot for TimedPilot<'_> {
 
 /// Times of all answers in trials of the plan for one field; none without a plan.
 fn answers_us(count: usize, seed: u64) -> Option<Vec<f64>> {
-    let claims = checked(&fields::assembly((count, SIDE_UM), seed, "time"))?;
+    let claims = checked(&fields::assembly(count, SIDE_UM, seed, "time"))?;
     let order: &MicrorobotsOrder = fields::order(&claims);
     let plan = plan::plan(&claims, &mut Sink::default(), &mut |_, _, _| ())?.pop()?;
     let Motion::Microrobots(planned) = &plan.motion else { return None };

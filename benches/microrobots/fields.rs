@@ -84,7 +84,7 @@ fn starts(random: &mut SplitMix64, count: usize, side_um: f64) -> Vec<[f64; 3]> 
 
 /// An assembly of so many robots on a square field: the structure lies in its middle third, turned at random, and the robots that
 /// dock at its sides do so in a random order.
-pub fn assembly((count, side_um): (usize, f64), seed: u64, objective: &str) -> String {
+pub fn assembly(count: usize, side_um: f64, seed: u64, objective: &str) -> String {
     let mut random = SplitMix64::stream(seed, (count as u64) << 32 | side_um as u64);
     let starts = starts(&mut random, count, side_um);
     let middle = [0, 1].map(|_| side_um * (1.0 + random.unit()) / 3.0);

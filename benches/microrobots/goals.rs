@@ -110,7 +110,7 @@ fn assemblies(objective: &str, usual: u64) {
     for count in COUNTS {
         let mut whole = Vec::new();
         for side_um in SIDES_UM {
-            let one = |seed| outcome(&fields::assembly((count, side_um), seed, objective));
+            let one = |seed| outcome(&fields::assembly(count, side_um, seed, objective));
             let found: Vec<Outcome> = (0..programs(usual)).map(one).collect();
             row(&format!("{count}, {} mm", side_um / 1e3), &found);
             whole.extend(found);
@@ -140,7 +140,7 @@ pub fn bounds() {
     println!("| robots | fields | median | p90 |\n|---|---|---|---|");
     for count in COUNTS {
         let of_side = |side_um: f64| {
-            (0..programs(24)).map(move |seed| over_slowest(&fields::assembly((count, side_um), seed, "time")))
+            (0..programs(24)).map(move |seed| over_slowest(&fields::assembly(count, side_um, seed, "time")))
         };
         let gains: Vec<f64> = SIDES_UM.into_iter().flat_map(of_side).collect();
         let [median, p90] = [0.5, 0.9].map(|share| quantile(gains.iter().copied(), share));

@@ -70,7 +70,11 @@ impl Lattice {
 }
 
 /// The next part and the visited cells of it.
-type Progress = (usize, u32);
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct TaskProgress {
+    part: usize,
+    visited: u32,
+}
 
 /// All plans of a task of which none is better in every figure, by their figures.
 pub fn front(lattice: &Lattice, start: Cell, parts: &[Part], with_pulses: bool) -> Vec<Figures> {
@@ -84,14 +88,14 @@ pub fn front(lattice: &Lattice, start: Cell, parts: &[Part], with_pulses: bool) 
 /// The same for each cell in which a plan ends.
 pub fn fronts(lattice: &Lattice, start: Cell, parts: &[Part], with_pulses: bool) -> BTreeMap<Cell, Vec<Figures>> {
     let next = lattice.moves(with_pulses);
-    let mut known: BTreeMap<(Progress, Cell), Vec<Figures>> = BTreeMap::new();
+    let mut known: BTreeMap<(TaskProgress, Cell), Vec<Figures>> = BTreeMap::new();
     let mut ends: BTreeMap<Cell, Vec<Figures>> = BTreeMap::new();
-    let mut queue = BinaryHeap::from([Reverse(([0; 3], (0, 0), start))]);
+    let mut queue = BinaryHeap::from([Reverse(([0; 3], TaskProgress { part: 0, visited: 0 }, start))]);
     while let Some(Reverse((figures, progress, cell))) = queue.pop() {
         if !add(known.entry((progress, cell)).or_default(), figures) {
             continue;
         }
-        if progress.0 == parts.len() {
+        if progress.part == parts.len() {
             add(ends.entry(cell).or_default(), figures);
             continue;
         }
@@ -107,14 +111,15 @@ pub fn fronts(lattice: &Lattice, start: Cell, parts: &[Part], with_pulses: bool)
 }
 
 /// How much of a task is done once the tip stands on a cell, if that is more than before.
-fn advanced(parts: &[Part], (part, before): Progress, cell: Cell) -> Option<Progress> {
-    match &parts[part] {
-        Part::To(goal) => (*goal == cell).then_some((part + 1, 0)),
+fn advanced(parts: &[Part], progress: TaskProgress, cell: Cell) -> Option<TaskProgress> {
+    let next = TaskProgress { part: progress.part + 1, visited: 0 };
+    match &parts[progress.part] {
+        Part::To(goal) => (*goal == cell).then_some(next),
         Part::All(places) => {
             let here = places.iter().enumerate().filter(|(_, place)| **place == cell);
-            let seen = here.fold(before, |seen, (index, _)| seen | 1 << index);
-            let is_done = seen == (1 << places.len()) - 1;
-            (seen != before).then_some(if is_done { (part + 1, 0) } else { (part, seen) })
+            let visited = here.fold(progress.visited, |visited, (index, _)| visited | 1 << index);
+            let is_done = visited == (1 << places.len()) - 1;
+            (visited != progress.visited).then_some(if is_done { next } else { TaskProgress { visited, ..progress } })
         }
     }
 }
@@ -122,10 +127,10 @@ fn advanced(parts: &[Part], (part, before): Progress, cell: Cell) -> Option<Prog
 /// The least figures in the order of a key, which must grow with each figure; for tasks too long for a front.
 pub fn least(lattice: &Lattice, start: Cell, parts: &[Part], key: impl Fn(Figures) -> Figures) -> Option<Figures> {
     let next = lattice.moves(false);
-    let mut done: BTreeSet<(Progress, Cell)> = BTreeSet::new();
-    let mut queue = BinaryHeap::from([Reverse((key([0; 3]), [0; 3], (0, 0), start))]);
+    let mut done: BTreeSet<(TaskProgress, Cell)> = BTreeSet::new();
+    let mut queue = BinaryHeap::from([Reverse((key([0; 3]), [0; 3], TaskProgress { part: 0, visited: 0 }, start))]);
     while let Some(Reverse((_, figures, progress, cell))) = queue.pop() {
-        if progress.0 == parts.len() {
+        if progress.part == parts.len() {
             return Some(figures);
         }
         if !done.insert((progress, cell)) {

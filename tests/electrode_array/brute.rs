@@ -174,10 +174,10 @@ impl<'a> Joint<'a> {
         let ends = |member: usize| [from[member], to[member]].map(|state| self.members[member][state].0);
         let own = ends(last);
         (0..last)
-            .all(|other| ends(other).iter().all(|their| own.iter().all(|at| !self.clash((last, *at), (other, *their)))))
+            .all(|other| ends(other).iter().all(|their| own.iter().all(|at| !self.clash(last, *at, other, *their))))
     }
 
-    fn clash(&self, (member, cell): (usize, CellIndex), (other, at): (usize, CellIndex)) -> bool {
+    fn clash(&self, member: usize, cell: CellIndex, other: usize, at: CellIndex) -> bool {
         let width = i64::from(self.instance.board.width());
         let [one, two] = [cell, at].map(|cell| (i64::from(cell) % width, i64::from(cell) / width));
         let apart = (one.0 - two.0).abs().max((one.1 - two.1).abs());

@@ -117,19 +117,18 @@ impl<'a> Crowd<'a> {
 
     /// A part before this one that is too near to it here.
     fn too_near(&self, part: usize, cell: CellIndex) -> Option<usize> {
-        self.around(self.square(cell))
-            .find(|(other, at)| self.clash((part, cell), (*other, *at)))
-            .map(|(other, _)| *other)
+        let (column, row) = self.square(cell);
+        self.around(column, row).find(|(other, at)| self.clash(part, cell, *other, *at)).map(|(other, _)| *other)
     }
 
-    fn around(&self, (column, row): Place) -> impl Iterator<Item = &(usize, CellIndex)> {
+    fn around(&self, column: i64, row: i64) -> impl Iterator<Item = &(usize, CellIndex)> {
         let columns = (column - 1).max(0)..=(column + 1).min(self.columns - 1);
         let rows = (row - 1).max(0)..=(row + 1).min(self.rows - 1);
         let squares = rows.flat_map(move |row| columns.clone().map(move |column| (row, column)));
         squares.flat_map(|(row, column)| &self.squares[(row * self.columns + column) as usize])
     }
 
-    fn clash(&self, (part, cell): (usize, CellIndex), (other, at): (usize, CellIndex)) -> bool {
+    fn clash(&self, part: usize, cell: CellIndex, other: usize, at: CellIndex) -> bool {
         let (one, two) = (place(self.instance, cell), place(self.instance, at));
         let apart = (one.0 - two.0).abs().max((one.1 - two.1).abs());
         let merge = self.instance.merges.contains(&[other, part]);

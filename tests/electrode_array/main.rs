@@ -122,7 +122,7 @@ fn a_limit_on_the_steps_is_kept_and_a_smaller_one_is_refused() {
 
 #[test]
 fn a_goal_that_is_walled_in_is_closed() {
-    let mut board = rimmed((20, 20), 1);
+    let mut board = rimmed(20, 20, 1);
     block(&mut board, (10, 10), (14, 10));
     block(&mut board, (10, 14), (14, 14));
     block(&mut board, (10, 10), (10, 14));

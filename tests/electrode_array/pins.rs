@@ -44,14 +44,17 @@ impl Pins {
         Pins { size, numbers, is_held: true, dead: Vec::new(), stuck: Vec::new() }
     }
 
-    pub fn number(&self, (column, row): Cell) -> u32 {
+    pub fn number(&self, column: i32, row: i32) -> u32 {
         self.numbers[((row - 1) * self.size.0 + column - 1) as usize]
     }
 
     /// The rows of the device's field, the top one first; `none` where there is no electrode.
     pub fn rows(&self, has_electrode: impl Fn(Cell) -> bool) -> String {
-        let number = |cell: Cell| if has_electrode(cell) { self.number(cell).to_string() } else { "none".to_owned() };
-        let row = |row: i32| (1..=self.size.0).map(|column| number((column, row))).collect::<Vec<_>>().join(", ");
+        let number = |column: i32, row: i32| match has_electrode((column, row)) {
+            true => self.number(column, row).to_string(),
+            false => "none".to_owned(),
+        };
+        let row = |row: i32| (1..=self.size.0).map(|column| number(column, row)).collect::<Vec<_>>().join(", ");
         (1..=self.size.1).rev().map(|at| format!("[{}]", row(at))).collect::<Vec<_>>().join(", ")
     }
 
@@ -62,7 +65,9 @@ impl Pins {
         let (mut meant, mut besides) = (BTreeSet::new(), BTreeSet::new());
         for droplet in droplets.iter().filter(|droplet| self.is_held || droplet.from != droplet.to) {
             meant.insert(droplet.to);
-            let on = cells().filter(|cell| self.number(*cell) == self.number(droplet.to) && *cell != droplet.to);
+            let number = self.number(droplet.to.0, droplet.to.1);
+            let on =
+                cells().filter(|(column, row)| self.number(*column, *row) == number && (*column, *row) != droplet.to);
             besides.extend(on.filter(|cell| has_electrode(*cell) && !self.dead.contains(cell)));
         }
         let on: Vec<Cell> = meant.union(&besides).copied().collect();

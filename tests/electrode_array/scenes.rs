@@ -26,7 +26,7 @@ pub struct Shape {
 impl Shape {
     /// A random instance; none if the parts do not fit.
     pub fn instance(self, chance: &mut Random) -> Option<Instance> {
-        let mut board = rimmed(self.size, self.rim);
+        let mut board = rimmed(self.size.0, self.size.1, self.rim);
         for _ in 0..self.obstacles {
             let corner = (chance.below(self.size.0), chance.below(self.size.1));
             let (wide, high) = (chance.below(self.size.0 / 5 + 1), chance.below(self.size.1 / 5 + 1));
@@ -53,7 +53,7 @@ impl Shape {
 }
 
 /// A board whose outer cells are blocked.
-pub fn rimmed((width, height): (u32, u32), rim: u32) -> BoardGrid {
+pub fn rimmed(width: u32, height: u32, rim: u32) -> BoardGrid {
     let mut board = BoardGrid::new(width, height);
     if rim > 0 {
         block(&mut board, (0, 0), (width, rim - 1));
@@ -111,7 +111,7 @@ fn freed(board: BoardGrid, cells: Vec<CellIndex>) -> BoardGrid {
 
 /// Table 6 of Kritikou et al. 2018: five parts on 50 x 50 electrodes, the outer ring out of reach; its cells count from 1.
 pub fn table_6() -> Instance {
-    let board = rimmed((50, 50), 1);
+    let board = rimmed(50, 50, 1);
     let parts = [((5, 3), (26, 31)), ((26, 31), (5, 3)), ((46, 4), (4, 48)), ((14, 45), (46, 4)), ((3, 20), (48, 30))];
     let at = |(column, row): (u32, u32)| board.cell(column - 1, row - 1);
     let agents = parts.iter().map(|(start, goal)| Agent { start: at(*start), stops: vec![at(*goal)] }).collect();

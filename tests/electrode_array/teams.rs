@@ -289,7 +289,7 @@ struct Seen {
     limits: usize,
 }
 
-fn compare(case: &Case, truth: [Option<u64>; 3], (by_sum, limit): (bool, Option<(usize, u64)>), seen: &mut Seen) {
+fn compare(case: &Case, truth: [Option<u64>; 3], by_sum: bool, limit: Option<(usize, u64)>, seen: &mut Seen) {
     let own = usize::from(by_sum);
     let asked = limit.map_or(String::new(), |(figure, most)| format!("require {} <= {most}", FIGURES[figure]));
     let text = case.text(FIGURES[own].replace("steps", "makespan").as_str(), &asked);
@@ -348,11 +348,11 @@ fn goals_of_a_team_agree_with_brute_force() {
         let is_single = case.steps.len() == 1;
         let kept = if is_single { &mut single } else { &mut seen };
         for by_sum in [false, true] {
-            compare(&case, truth, (by_sum, None), kept);
+            compare(&case, truth, by_sum, None, kept);
         }
         let figure = chance.below(3) as usize;
         let limit = truth[figure].map(|least| (least + u64::from(chance.below(3))).saturating_sub(1));
-        compare(&case, truth, (chance.below(2) == 0, limit.map(|most| (figure, most))), kept);
+        compare(&case, truth, chance.below(2) == 0, limit.map(|most| (figure, most)), kept);
         done += 1;
     }
     println!("one step: {single:?}; two steps: {seen:?}");

@@ -25,7 +25,15 @@ enum Special {
     Merge,
 }
 
-fn instance(((width, height), separation, count, blocked, special): Tiny, chance: &mut Random) -> Option<Instance> {
+fn instance(
+    width: u32,
+    height: u32,
+    separation: u32,
+    count: usize,
+    blocked: u32,
+    special: Special,
+    chance: &mut Random,
+) -> Option<Instance> {
     let mut board = BoardGrid::new(width, height);
     for cell in 0..width * height {
         if chance.below(100) < blocked {
@@ -96,8 +104,8 @@ fn agree(tiny: &[Tiny], rounds: u32, seed: u64, [with, without]: [usize; 2]) {
     let mut chance = Random(seed);
     let mut seen = [0, 0];
     for _ in 0..rounds {
-        for kind in tiny {
-            if let Some(instance) = instance(*kind, &mut chance) {
+        for ((width, height), separation, count, blocked, special) in tiny.iter().copied() {
+            if let Some(instance) = instance(width, height, separation, count, blocked, special, &mut chance) {
                 seen[usize::from(!compare(&instance))] += 1;
             }
         }

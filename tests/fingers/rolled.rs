@@ -136,7 +136,8 @@ type Sweep = Vector3<f64>;
 
 /// How the part moves on with its tips from where it was swept to, by the ways of the tips.
 fn swept(
-    (outline, plane): (&Outline, Plane),
+    outline: &Outline,
+    plane: Plane,
     so_far: &Sweep,
     tips: &[[Vector2<f64>; 2]],
     at: &mut [Option<f64>],
@@ -185,15 +186,15 @@ fn off(schedule: &Schedule, plan: &PlanRecord, outlines: &BTreeMap<Plane, Outlin
             let instants = stages.instants(&fingers, [from_ns as f64, to_ns as f64]);
             let mut at = vec![None; fingers.len()];
             let (start, mut sweep) = (pose, Sweep::zeros());
-            let section = (&outlines[&plane], plane);
+            let outline = &outlines[&plane];
             for ends in instants.windows(2) {
                 for part in 0..PARTS {
                     let time = |part: u32| ends[0] + (ends[1] - ends[0]) * f64::from(part) / f64::from(PARTS);
                     let seen = |finger: usize, t_ns: f64| start.seen(plane, stages.tip_um(finger, t_ns));
                     let tips: Vec<[Vector2<f64>; 2]> =
                         fingers.iter().map(|finger| [part, part + 1].map(|part| seen(*finger, time(part)))).collect();
-                    let half = sweep + swept(section, &sweep, &tips, &mut at, 0.0) / 2.0;
-                    sweep += swept(section, &half, &tips, &mut at, 0.5);
+                    let half = sweep + swept(outline, plane, &sweep, &tips, &mut at, 0.0) / 2.0;
+                    sweep += swept(outline, plane, &half, &tips, &mut at, 0.5);
                 }
             }
             pose = start.moved(plane, sweep.xy(), sweep.z);

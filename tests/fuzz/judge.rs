@@ -66,7 +66,7 @@ fn draw(sink: &Sink, sources: &Sources) {
 }
 
 /// A board by its map, the file's name and its text, through the checker.
-pub fn check_map((name, map): (&str, &str)) -> Result<bool, String> {
+pub fn check_map(name: &str, map: &str) -> Result<bool, String> {
     let program = format!(
         "use std.electrode_array as ea\ndevice chip : ea.droplet_chip {{ map: \"{name}\" }}\n\
          scene bench {{ part drop : ea.droplet at (1, 1) }}\ntask go on chip in bench {{ move drop to (2, 1) }}\n"

@@ -189,7 +189,7 @@ fn carry_out(run: &Run, case: u64) -> Result<Tally, String> {
         Attack::Map => {
             for (name, map) in maps(run, case) {
                 current(&map);
-                judge::check_map((name, &map))?;
+                judge::check_map(name, &map)?;
                 tally.checked += 1;
             }
         }

@@ -147,48 +147,13 @@ impl Small {
 
     /// The least of all sequences of no more than so many strokes, applied ones not counted.
     fn least(&self, tasks: &[Task], strokes: usize, figure: Figure) -> f64 {
-        let mut best = f64::INFINITY;
-        self.search((tasks, figure), &self.starts, (None, strokes, 0.0), &mut best);
-        best
-    }
-
-    fn search(
-        &self,
-        (tasks, figure): (&[Task], Figure),
-        places: &[Place],
-        (state, left, sum): (Option<usize>, usize, f64),
-        best: &mut f64,
-    ) {
-        if sum >= *best {
-            return;
-        }
-        let Some((task, later)) = tasks.split_first() else {
-            *best = sum;
-            return;
-        };
-        match *task {
-            Task::Apply { state, strokes } => {
-                let places = (0..strokes).fold(places.to_vec(), |places, _| self.stroke(&places, state));
-                let sum = sum + self.cycle(state, figure) + figure.stroke() * strokes as f64;
-                self.search((later, figure), &places, (None, left, sum), best);
-            }
-            Task::Stop(robot, goal, is_via) => {
-                if is_within(places[robot], goal, self.precision) {
-                    // A leg may go on through a stop of its step.
-                    let state = state.filter(|_| is_via && matches!(figure, Figure::Switches));
-                    self.search((later, figure), places, (state, left, sum), best);
-                }
-                for next in (0..=self.starts.len()).filter(|_| left > 0) {
-                    let cycle = if state == Some(next) { 0.0 } else { self.cycle(next, figure) };
-                    let sum = sum + cycle + figure.stroke();
-                    self.search((tasks, figure), &self.stroke(places, next), (Some(next), left - 1, sum), best);
-                }
-            }
-        }
+        let mut search = SequenceSearch { small: self, figure, best: f64::INFINITY };
+        search.go(tasks, &self.starts, None, strokes, 0.0);
+        search.best
     }
 
     /// Random strokes to what becomes the next stop, which is a little off.
-    fn somewhere(&self, chance: &mut Random, places: &mut Vec<Place>, (robot, strokes): (usize, usize)) -> Place {
+    fn somewhere(&self, chance: &mut Random, places: &mut Vec<Place>, robot: usize, strokes: usize) -> Place {
         let mut state = chance.below(self.starts.len() as u32 + 1) as usize;
         for _ in 0..strokes {
             if chance.below(3) == 0 {
@@ -199,6 +164,45 @@ impl Small {
         let [x, y, heading] = places[robot];
         let mut off = |limit: f64| 0.6 * limit * (2.0 * chance.unit() - 1.0);
         [x + off(self.precision[0]), y + off(self.precision[0]), heading + off(self.precision[1])]
+    }
+}
+
+/// A search of all sequences of strokes for the least of a figure.
+struct SequenceSearch<'s> {
+    small: &'s Small,
+    figure: Figure,
+    best: f64,
+}
+
+impl SequenceSearch<'_> {
+    /// Goes on from places in a state, with so many strokes left and a sum so far.
+    fn go(&mut self, tasks: &[Task], places: &[Place], state: Option<usize>, left: usize, sum: f64) {
+        if sum >= self.best {
+            return;
+        }
+        let Some((task, later)) = tasks.split_first() else {
+            self.best = sum;
+            return;
+        };
+        match *task {
+            Task::Apply { state, strokes } => {
+                let places = (0..strokes).fold(places.to_vec(), |places, _| self.small.stroke(&places, state));
+                let sum = sum + self.small.cycle(state, self.figure) + self.figure.stroke() * strokes as f64;
+                self.go(later, &places, None, left, sum);
+            }
+            Task::Stop(robot, goal, is_via) => {
+                if is_within(places[robot], goal, self.small.precision) {
+                    // A leg may go on through a stop of its step.
+                    let state = state.filter(|_| is_via && matches!(self.figure, Figure::Switches));
+                    self.go(later, places, state, left, sum);
+                }
+                for next in (0..=self.small.starts.len()).filter(|_| left > 0) {
+                    let cycle = if state == Some(next) { 0.0 } else { self.small.cycle(next, self.figure) };
+                    let sum = sum + cycle + self.figure.stroke();
+                    self.go(tasks, &self.small.stroke(places, next), Some(next), left - 1, sum);
+                }
+            }
+        }
     }
 }
 
@@ -248,7 +252,7 @@ fn no_sequence_of_states_beats_the_bound_of_a_drive() {
         let small = Small::random(chance, 1);
         let mut places = small.starts.clone();
         let strokes = 3 + chance.below(9) as usize;
-        let goal = small.somewhere(chance, &mut places, (0, strokes));
+        let goal = small.somewhere(chance, &mut places, 0, strokes);
         holds(&small, &[Task::Stop(0, goal, false)], 13)
     });
 }
@@ -258,8 +262,8 @@ fn no_sequence_of_states_beats_the_bound_of_stops_and_steps() {
     compared(12, 60, |chance| {
         let small = Small::random(chance, 1);
         let mut places = small.starts.clone();
-        let first = small.somewhere(chance, &mut places, (0, 5));
-        let second = small.somewhere(chance, &mut places, (0, 5));
+        let first = small.somewhere(chance, &mut places, 0, 5);
+        let second = small.somewhere(chance, &mut places, 0, 5);
         let is_via = chance.below(2) == 0;
         holds(&small, &[Task::Stop(0, first, is_via), Task::Stop(0, second, false)], 12)
     });
@@ -274,7 +278,7 @@ fn no_sequence_of_states_beats_the_bound_of_many_stops() {
         let stops = 10 + chance.below(3) as usize;
         let tasks: Vec<Task> = (1..=stops)
             .map(|stop| {
-                let goal = small.somewhere(chance, &mut places, (0, 1));
+                let goal = small.somewhere(chance, &mut places, 0, 1);
                 Task::Stop(0, goal, stop < stops && chance.below(3) != 0)
             })
             .collect();
@@ -294,7 +298,7 @@ fn no_sequence_of_states_beats_the_bound_of_two_robots() {
             tasks.push(Task::Apply { state, strokes });
         }
         for robot in if chance.below(2) == 0 { [0, 1] } else { [1, 0] } {
-            tasks.push(Task::Stop(robot, small.somewhere(chance, &mut places, (robot, 3)), false));
+            tasks.push(Task::Stop(robot, small.somewhere(chance, &mut places, robot, 3), false));
         }
         holds(&small, &tasks, 7)
     });

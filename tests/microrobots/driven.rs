@@ -43,7 +43,7 @@ impl ExactRobot {
         ExactRobot { name, snap_down_v, release_v, radius_um, x_um: 0.0, y_um: 0.0, heading_rad: 0.0, is_down: false }
     }
 
-    fn at(name: &'static str, (x_um, y_um, heading_rad): (f64, f64, f64)) -> Self {
+    fn at(name: &'static str, x_um: f64, y_um: f64, heading_rad: f64) -> Self {
         ExactRobot { x_um, y_um, heading_rad, ..ExactRobot::named(name) }
     }
 
@@ -248,19 +248,16 @@ fn no_drive_goes_through_another_robot() {
     let mut chance = Random(8);
     let (mut finished, mut blocked) = (0, 0);
     for _ in 0..CASES {
-        let mut place = |middle_um: f64| {
+        let mut placed = |name, middle_um: f64| {
             let across_um = chance.thousandths(-900.0, 900.0).round();
-            (
+            ExactRobot::at(
+                name,
                 middle_um + chance.thousandths(-150.0, 150.0).round(),
                 across_um,
                 f64::from(chance.below(360)).to_radians(),
             )
         };
-        let robots = vec![
-            ExactRobot::at("D1", place(-1000.0)),
-            ExactRobot::at("D2", place(0.0)),
-            ExactRobot::at("D3", place(1000.0)),
-        ];
+        let robots = vec![placed("D1", -1000.0), placed("D2", 0.0), placed("D3", 1000.0)];
         let goals: String = ["D1", "D2", "D3"]
             .map(|name| {
                 let [x_um, y_um] = [0; 2].map(|_| chance.thousandths(-1200.0, 1200.0).round());

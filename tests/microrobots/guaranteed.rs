@@ -93,7 +93,7 @@ impl Adversary<'_> {
     }
 
     /// Pose of a robot after a part of a leg, by the errors that were chosen for it.
-    fn moved(&self, (robot, pose): (usize, Pose), (state, strokes): (usize, f64), [speed, turning]: [f64; 2]) -> Pose {
+    fn moved(&self, robot: usize, pose: Pose, state: usize, strokes: f64, [speed, turning]: [f64; 2]) -> Pose {
         let facts = self.order.robot(robot);
         let way = facts.step_um * strokes * (1.0 + speed * self.errors.speed_ratio);
         let down = self.order.states[state].arms[self.order.robots[robot].row] == Arm::Down;
@@ -124,9 +124,9 @@ impl Adversary<'_> {
     /// Pose of a robot before each leg, and after the last one.
     fn followed(&self, robot: usize, choices: &Choices) -> Vec<Pose> {
         let mut poses = vec![self.begun(robot, choices.begin[robot])];
-        for (at, leg) in self.legs().enumerate() {
+        for (at, (state, strokes)) in self.legs().enumerate() {
             let pose = poses[poses.len() - 1];
-            poses.push(self.moved((robot, pose), leg, choices.legs[at][robot]));
+            poses.push(self.moved(robot, pose, state, strokes, choices.legs[at][robot]));
         }
         poses
     }
@@ -204,9 +204,10 @@ impl Adversary<'_> {
             |robot: usize| places.iter().find(|place| place.robot == robot).map_or(usize::MAX, |place| place.leg);
         for (at, (state, strokes)) in self.legs().enumerate() {
             for sample in 0..=SAMPLES {
-                let part = (state, strokes * sample as f64 / SAMPLES as f64);
+                let driven = strokes * sample as f64 / SAMPLES as f64;
                 let body = |robot: usize| {
-                    corners(self, robot, self.moved((robot, followed[robot][at]), part, choices.legs[at][robot]))
+                    let pose = followed[robot][at];
+                    corners(self, robot, self.moved(robot, pose, state, driven, choices.legs[at][robot]))
                 };
                 for robot in (0..robots).filter(|robot| docks(*robot) > at) {
                     for other in (0..robot).filter(|other| docks(*other) > at) {

@@ -16,7 +16,7 @@ pub fn clearance(low: Point, high: Point, body: &Body) -> f64 {
     if holds_a_corner || contains(&body.outline, low) {
         return -body.radius;
     }
-    let pairs = edges(&rectangle).flat_map(|a| edges(&body.outline).map(move |b| segment_gap(a, b)));
+    let pairs = edges(&rectangle).flat_map(|(a, b)| edges(&body.outline).map(move |(c, d)| segment_gap(a, b, c, d)));
     pairs.fold(f64::INFINITY, f64::min) - body.radius
 }
 
@@ -31,7 +31,7 @@ fn contains(outline: &[Point], p: Point) -> bool {
     crossed.count() % 2 == 1
 }
 
-fn segment_gap((a, b): (Point, Point), (c, d): (Point, Point)) -> f64 {
+fn segment_gap(a: Point, b: Point, c: Point, d: Point) -> f64 {
     let (u, v, w) = (minus(b, a), minus(d, c), minus(c, a));
     let area = cross(u, v);
     if area != 0.0 {
@@ -40,10 +40,10 @@ fn segment_gap((a, b): (Point, Point), (c, d): (Point, Point)) -> f64 {
             return 0.0;
         }
     }
-    point_gap(a, (c, d)).min(point_gap(b, (c, d))).min(point_gap(c, (a, b))).min(point_gap(d, (a, b)))
+    point_gap(a, c, d).min(point_gap(b, c, d)).min(point_gap(c, a, b)).min(point_gap(d, a, b))
 }
 
-fn point_gap(p: Point, (a, b): (Point, Point)) -> f64 {
+fn point_gap(p: Point, a: Point, b: Point) -> f64 {
     let (along, to) = (minus(b, a), minus(p, a));
     let length_squared = dot(along, along);
     let share = if length_squared > 0.0 { (dot(along, to) / length_squared).clamp(0.0, 1.0) } else { 0.0 };

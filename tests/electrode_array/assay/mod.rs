@@ -58,7 +58,13 @@ type Stand = Option<(Cell, usize, u64, u64)>;
 
 /// Where all parts are, what is left on the cells, if that matters, for each [`Wait`] the steps since it began, if it has, and the sum of the
 /// instants at which those that are gone moved last.
-type Position = (Vec<Stand>, Vec<u32>, Vec<Option<u64>>, u64);
+#[derive(Clone, PartialEq, Eq, Hash)]
+struct AssayPosition {
+    stands: Vec<Stand>,
+    left: Vec<u32>,
+    waiting: Vec<Option<u64>>,
+    gone: u64,
+}
 
 /// From the end of so many things that a part does to the end of so many that another one does, at most so many steps pass.
 #[derive(Clone, Copy, Debug)]
@@ -172,13 +178,14 @@ impl Assay {
         let (dues, traces) = (self.dues(), Traces::of(self));
         let start: Vec<Stand> = self.parts.iter().map(|cell| Some((*cell, 0, 0, 0))).collect();
         let waits = self.waits(&dues);
-        let waiting = vec![None; waits.len()];
-        let start = self.arrived((&dues, &traces, &waits), start, (&traces.clean(), &waiting, 0));
+        let clean =
+            AssayPosition { stands: start.clone(), left: traces.clean(), waiting: vec![None; waits.len()], gone: 0 };
+        let start = self.arrived(&dues, &traces, &waits, &clean, start);
         let (mut now, mut met) = (HashSet::from_iter(start), HashSet::new());
         let (mut fewest, mut sum) = (None, u64::MAX);
         for step in 0..=MOST_STEPS {
-            let ended = now.iter().filter(|(stands, ..)| self.is_end(&dues, stands));
-            let best = ended.map(|(stands, _, _, gone)| gone + moved_last(stands)).min();
+            let ended = now.iter().filter(|position| self.is_end(&dues, &position.stands));
+            let best = ended.map(|position| position.gone + moved_last(&position.stands)).min();
             if let Some(best) = best {
                 fewest = fewest.or(Some(step));
                 sum = sum.min(best);
@@ -186,10 +193,10 @@ impl Assay {
             if fewest.is_some_and(|fewest| step >= fewest + if self.by_sum { LATER_STEPS } else { 0 }) {
                 break;
             }
-            let mut next: HashSet<Position> = HashSet::new();
-            for (stands, left, waiting, gone) in &now {
-                for moved in self.moves(&dues, stands, step + 1) {
-                    for there in self.arrived((&dues, &traces, &waits), moved, (left, waiting, *gone)) {
+            let mut next: HashSet<AssayPosition> = HashSet::new();
+            for position in &now {
+                for moved in self.moves(&dues, &position.stands, step + 1) {
+                    for there in self.arrived(&dues, &traces, &waits, position, moved) {
                         // With sums, the same places with later last moves are other states.
                         if self.by_sum || met.insert(there.clone()) {
                             next.insert(there);
@@ -233,17 +240,20 @@ impl Assay {
     /// What is done where parts have come to, in all ways in which reservoirs begin to dispense then, if none of them does harm to another.
     fn arrived(
         &self,
-        (dues, traces, waits): (&[Vec<Due>], &Traces, &[Wait]),
+        dues: &[Vec<Due>],
+        traces: &Traces,
+        waits: &[Wait],
+        before: &AssayPosition,
         stands: Vec<Stand>,
-        (left, waiting, gone): (&[u32], &[Option<u64>], u64),
-    ) -> Vec<Position> {
+    ) -> Vec<AssayPosition> {
         let cells: Vec<Option<Cell>> = stands.iter().map(|stand| stand.map(|(cell, ..)| cell)).collect();
         let moved = moved_last(&stands);
         let settled = self.settled(dues, stands).into_iter();
         let position = |stands: Vec<Stand>| {
-            let waiting = still_waiting(waits, &stands, waiting)?;
-            let gone = gone + moved - moved_last(&stands);
-            traces.left(&cells, &stands, left).map(|left| (stands, left, waiting, gone))
+            let waiting = still_waiting(waits, &stands, &before.waiting)?;
+            let gone = before.gone + moved - moved_last(&stands);
+            let left = traces.left(&cells, &stands, &before.left)?;
+            Some(AssayPosition { stands, left, waiting, gone })
         };
         settled.filter_map(position).collect()
     }
@@ -256,8 +266,7 @@ impl Assay {
             for (before, splits) in &all {
                 for way in self.targets(dues, stands, part) {
                     let cell = way.map(Way::end);
-                    let free =
-                        (0..part).all(|other| self.keep_apart(dues, stands, (part, cell), (other, before[other])));
+                    let free = (0..part).all(|other| self.keep_apart(dues, stands, part, cell, other, before[other]));
                     if !free {
                         continue;
                     }
@@ -288,14 +297,14 @@ impl Assay {
         }
         let allowed = |(after, splits): (Vec<Stand>, Vec<Pulled>)| {
             let after = self.with_halves(stands, after, &splits)?;
-            let droplets = self.pins.as_ref().map(|pins| (pins, self.droplets(dues, (stands, &after), &splits)));
+            let droplets = self.pins.as_ref().map(|pins| (pins, self.droplets(dues, stands, &after, &splits)));
             droplets.is_none_or(|(pins, droplets)| pins.allow(&droplets, |_| true)).then_some(after)
         };
         all.into_iter().filter_map(allowed).collect()
     }
 
     /// All droplets on the board in a step, as shared channels see them.
-    fn droplets(&self, dues: &[Vec<Due>], (stands, after): (&[Stand], &[Stand]), splits: &[Pulled]) -> Vec<Droplet> {
+    fn droplets(&self, dues: &[Vec<Due>], stands: &[Stand], after: &[Stand], splits: &[Pulled]) -> Vec<Droplet> {
         let end = |part: usize| after[part].map(|(cell, ..)| cell);
         let meet = |part: usize| {
             let due = dues[part].get(stands[part]?.1).filter(|due| due.may_begin(stands))?;
@@ -376,14 +385,14 @@ impl Assay {
             }
         });
         let may_begin = next.is_none_or(|due| due.may_begin(stands));
-        let round = round.filter(|to| may_begin && self.is_free(*to)).map(Way::Round);
+        let round = round.filter(|to| may_begin && self.is_free(to.0, to.1)).map(Way::Round);
         if rested > 0 && next.is_some_and(|due| due.is_mixed) {
             return round.into_iter().map(Some).collect();
         }
         let split = next.filter(|due| may_begin && due.split.is_some_and(|(from, ..)| from == cell));
         let split = split.map(|due| Way::Split(due.at));
         let beside = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)].map(|(c, r)| (cell.0 + c, cell.1 + r));
-        let plain = beside.into_iter().filter(|cell| self.is_free(*cell)).map(Way::To);
+        let plain = beside.into_iter().filter(|(column, row)| self.is_free(*column, *row)).map(Way::To);
         plain.chain(round).chain(split).map(Some).collect()
     }
 
@@ -392,8 +401,10 @@ impl Assay {
         &self,
         dues: &[Vec<Due>],
         stands: &[Stand],
-        (part, to): (usize, Option<Cell>),
-        (other, other_to): (usize, Stand),
+        part: usize,
+        to: Option<Cell>,
+        other: usize,
+        other_to: Stand,
     ) -> bool {
         let (Some((from, done, ..)), Some((other_from, other_done, ..))) = (stands[part], stands[other]) else {
             return true;

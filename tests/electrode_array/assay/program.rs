@@ -166,7 +166,7 @@ impl Assay {
         for _ in 0..1 + chance.below(5) {
             let Some(part) = left.get(chance.below(left.len().max(1) as u32) as usize).copied() else { break };
             assay.dispense(chance, &mut ends, part);
-            let operation = assay.operation(chance, part, (&mut left, &mut ends))?;
+            let operation = assay.operation(chance, part, &mut left, &mut ends)?;
             ends[part] = match &operation {
                 Operation::Move(_, stops) => stops[stops.len() - 1],
                 Operation::Merge(_, _, at) | Operation::Discard(_, at) => *at,
@@ -186,12 +186,14 @@ impl Assay {
         &mut self,
         chance: &mut Random,
         part: usize,
-        (left, ends): (&mut Vec<usize>, &mut Vec<Cell>),
+        left: &mut Vec<usize>,
+        ends: &mut Vec<Cell>,
     ) -> Option<Operation> {
         Some(match chance.below(17) {
             10..=11 => {
-                let at = Some(ends[part]).filter(|cell| self.is_loop_free(*cell) && chance.below(2) == 0);
-                let corner = (0..40).map(|_| self.cell(chance)).find(|cell| self.is_loop_free(*cell));
+                let at =
+                    Some(ends[part]).filter(|(column, row)| self.is_loop_free(*column, *row) && chance.below(2) == 0);
+                let corner = (0..40).map(|_| self.cell(chance)).find(|(column, row)| self.is_loop_free(*column, *row));
                 Operation::Mix(part, if at.is_some() { None } else { Some(corner?) }, u64::from(1 + chance.below(9)))
             }
             12.. if self.separation == 2 && self.parts.len() < MOST_PARTS => {
@@ -202,7 +204,7 @@ impl Assay {
                 });
                 let (at, (c, r)) = { places }.find(|(at, (c, r))| {
                     let sides = [(0, 0), (*c, *r), (-c, -r)];
-                    sides.iter().all(|(c, r)| self.is_free((at.0 + c, at.1 + r)))
+                    sides.iter().all(|(c, r)| self.is_free(at.0 + c, at.1 + r))
                 })?;
                 self.parts.push(NOWHERE);
                 ends.push((at.0 + c, at.1 + r));
@@ -215,7 +217,8 @@ impl Assay {
             5 => Operation::Incubate(part, Some(self.far(chance, &[])?), u64::from(chance.below(5))),
             6..=7 => {
                 // Often where it is, or where another has been.
-                let known: Vec<Cell> = ends.iter().copied().filter(|cell| self.is_free(*cell)).collect();
+                let known: Vec<Cell> =
+                    ends.iter().copied().filter(|(column, row)| self.is_free(*column, *row)).collect();
                 let at = if chance.below(2) == 0 {
                     known.get(chance.below(known.len().max(1) as u32) as usize).copied()
                 } else {
@@ -246,7 +249,7 @@ impl Assay {
             let out = self.far(chance, &[])?;
             self.operations.push(Operation::Dispense(part, reservoir));
             let steps = u64::from(1 + chance.below(7));
-            self.operations.push(match self.is_loop_free(place) && chance.below(2) == 0 {
+            self.operations.push(match self.is_loop_free(place.0, place.1) && chance.below(2) == 0 {
                 true => Operation::Mix(part, Some(place), steps),
                 false => Operation::Incubate(part, Some(place), steps),
             });
@@ -322,9 +325,9 @@ impl Assay {
             let open = self.among.iter().filter(|others| !others.is_empty()).count();
             if let Some(own) = operation.place().filter(|_| open < 2 && chance.below(2) == 0) {
                 for _ in 0..1 + chance.below(2) {
-                    let may_be = |cell: &Cell| match operation {
-                        Operation::Mix(..) => self.is_loop_free(*cell),
-                        _ => self.is_free(*cell),
+                    let may_be = |(column, row): &Cell| match operation {
+                        Operation::Mix(..) => self.is_loop_free(*column, *row),
+                        _ => self.is_free(*column, *row),
                     };
                     let other = (0..40).map(|_| self.cell(chance)).find(may_be);
                     others.extend(other.filter(|other| *other != own && !others.contains(other)));
@@ -413,19 +416,19 @@ impl Assay {
         (1 + chance.below(self.size.0 as u32) as i32, 1 + chance.below(self.size.1 as u32) as i32)
     }
 
-    pub fn is_free(&self, (column, row): Cell) -> bool {
+    pub fn is_free(&self, column: i32, row: i32) -> bool {
         (1..=self.size.0).contains(&column) && (1..=self.size.1).contains(&row) && !self.blocks.contains(&(column, row))
     }
 
-    fn is_loop_free(&self, (column, row): Cell) -> bool {
+    fn is_loop_free(&self, column: i32, row: i32) -> bool {
         let columns = column..column + self.mixer.0;
         let mut cells = columns.flat_map(|column| (row..row + self.mixer.1).map(move |row| (column, row)));
-        cells.all(|cell| self.is_free(cell))
+        cells.all(|(column, row)| self.is_free(column, row))
     }
 
     fn far(&self, chance: &mut Random, taken: &[Cell]) -> Option<Cell> {
         let keeps = |cell: Cell| taken.iter().all(|other| apart(cell, *other) >= self.separation);
-        (0..40).map(|_| self.cell(chance)).find(|cell| self.is_free(*cell) && keeps(*cell))
+        (0..40).map(|_| self.cell(chance)).find(|cell| self.is_free(cell.0, cell.1) && keeps(*cell))
     }
 
     /// How reservoirs make droplets: in a time, or in one or three steps by frames of their pads, which takes no other time.
@@ -436,7 +439,7 @@ impl Assay {
             return format!("dispense_duration: {} ms{}", self.dispensing * STEP_MS, channels.unwrap_or_default());
         }
         let own = |(column, row): Cell| 100 + (row - 1) * columns + column;
-        let number = |cell: Cell| self.pins.as_ref().map_or(own(cell), |pins| pins.number(cell) as i32);
+        let number = |cell: Cell| self.pins.as_ref().map_or(own(cell), |pins| pins.number(cell.0, cell.1) as i32);
         let row = |row: i32| (1..=columns).map(move |column| number((column, row))).collect::<Vec<i32>>();
         let channels: Vec<Vec<i32>> = (1..=rows).rev().map(row).collect();
         let frames = |(reservoir, outlet): (usize, &Cell)| -> Vec<Vec<i32>> {

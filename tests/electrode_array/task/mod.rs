@@ -391,7 +391,7 @@ impl<'a> Stage<'a> {
         cells.into_iter().filter(free).flat_map(|cell| self.come(part, cell, done, Some(at))).collect()
     }
 
-    fn clash(&self, (one, at): (usize, At), (other, by): (usize, At)) -> bool {
+    fn clash(&self, one: usize, at: At, other: usize, by: At) -> bool {
         let (cell, beside) = ((at.0, at.1), (by.0, by.1));
         let goal = self.parts[one].stops[0];
         let excused = self.parts[one].merges && self.parts[other].merges && (cell == goal || beside == goal);
@@ -408,7 +408,7 @@ impl<'a> Stage<'a> {
                     let fits = head.iter().enumerate().all(|(other, by)| {
                         [from[part], to]
                             .iter()
-                            .all(|at| [from[other], *by].iter().all(|by| !self.clash((part, *at), (other, *by))))
+                            .all(|at| [from[other], *by].iter().all(|by| !self.clash(part, *at, other, *by)))
                     });
                     if fits {
                         longer.push(head.iter().copied().chain([to]).collect());
