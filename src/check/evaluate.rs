@@ -43,7 +43,7 @@ impl Checker<'_> {
                 self.negative(inner, expr.span, scope)
             }
             ExprKind::Binary { left, operator, operator_span, right } => {
-                self.binary(left, (*operator, *operator_span), right, scope)
+                self.binary(left, *operator, *operator_span, right, scope)
             }
             ExprKind::Call { function, arguments } => self.call(function, arguments, expr.span, scope),
             ExprKind::With { base, fields } => self.with_fields(base, fields, scope),
@@ -202,8 +202,8 @@ impl Checker<'_> {
         }
         let Some(first) = coordinates.first() else { return Value::Unknown };
         if let Some(odd) = coordinates.iter().position(|coordinate| coordinate.dimension != first.dimension) {
-            let (first, odd) = ((parts[0].span, &values[0]), (parts[odd].span, &values[odd]));
-            return self.unknown(errors::mixed_point(first, odd, (span, &coordinates)));
+            let at = |index: usize| Spanned::new(&values[index], parts[index].span);
+            return self.unknown(errors::mixed_point(at(0), at(odd), span, &coordinates));
         }
         Value::Point(coordinates)
     }
@@ -253,14 +253,14 @@ impl Checker<'_> {
         }
     }
 
-    fn binary(&mut self, left: &Expr, operator: (Operator, Span), right: &Expr, scope: &Scope) -> Value {
+    fn binary(&mut self, left: &Expr, operator: Operator, at: Span, right: &Expr, scope: &Scope) -> Value {
         let a = self.evaluate_spanned(left, scope);
         let b = self.evaluate_spanned(right, scope);
-        if functions::is_equality(operator.0, &a.value, &b.value) {
-            let is_equal = self.are_equal(&a.value, &b.value, operator.1);
-            return is_equal.map_or(Value::Unknown, |equal| Value::Bool(equal == (operator.0 == Operator::Equal)));
+        if functions::is_equality(operator, &a.value, &b.value) {
+            let is_equal = self.are_equal(&a.value, &b.value, at);
+            return is_equal.map_or(Value::Unknown, |equal| Value::Bool(equal == (operator == Operator::Equal)));
         }
-        match functions::apply_operator(operator, &a, &b) {
+        match functions::apply_operator(operator, at, &a, &b) {
             Ok(value) => value,
             Err(diagnostic) => self.unknown(*diagnostic),
         }

@@ -173,7 +173,7 @@ impl Checker<'_> {
             Err(diagnostic) => {
                 self.sink.push(match sort {
                     Sort::Quantity { dimension, .. } => {
-                        errors::unit_mended(*diagnostic, (wanted, dimension), expr, &value)
+                        errors::unit_mended(*diagnostic, wanted, dimension, expr, &value)
                     }
                     _ => *diagnostic,
                 });
@@ -196,7 +196,7 @@ impl Checker<'_> {
         let found = choices.iter().find(|choice| choice.name == text);
         if found.is_none() {
             let near = nearest(&text, choices.iter().map(|choice| choice.name));
-            self.sink.push(errors::wrong_word(wanted, choices, (expr.span, &text), near));
+            self.sink.push(errors::wrong_word(wanted, choices, expr.span, &text, near));
         }
         found.map(|choice| Value::Text(choice.name.to_owned()))
     }
@@ -222,7 +222,7 @@ impl Checker<'_> {
         let Sort::CountOrWord { words, .. } = sort else { return None };
         let names: Vec<&str> = words.iter().map(|word| word.name).collect();
         let near = nearest(&text, names.iter().copied());
-        Some(errors::neither_count_nor_word(wanted, &names, (expr.span, &text), near))
+        Some(errors::neither_count_nor_word(wanted, &names, expr.span, &text, near))
     }
 
     /// A list of cells and of names of things in the task's scene, as it is written; `None` for what has to be evaluated first.

@@ -12,7 +12,7 @@ use crate::syntax::tree::Operator;
 type Operand<'a> = (Span, &'a Value);
 
 /// Applies a binary operator.
-pub fn apply_operator((operator, span): (Operator, Span), a: &Spanned<Value>, b: &Spanned<Value>) -> Diagnosed<Value> {
+pub fn apply_operator(operator: Operator, span: Span, a: &Spanned<Value>, b: &Spanned<Value>) -> Diagnosed<Value> {
     if a.value.is_unknown() || b.value.is_unknown() {
         return Ok(Value::Unknown);
     }
@@ -306,7 +306,7 @@ mod tests {
     }
 
     fn joined(a: &Spanned<Value>, operator: Operator, b: &Spanned<Value>) -> Option<Spanned<Value>> {
-        let value = apply_operator((operator, Span::default()), a, b).ok()?;
+        let value = apply_operator(operator, Span::default(), a, b).ok()?;
         Some(Spanned::new(value, Span::default()))
     }
 

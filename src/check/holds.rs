@@ -116,11 +116,11 @@ impl Checker<'_> {
         let (name, declared) = self.named(place);
         let name = name.to_owned();
         if facts.family() != Family::DataAcquisition {
-            self.sink.push(errors::instrument_without_inputs(object.span, (&name, declared), facts.family().name()));
+            self.sink.push(errors::instrument_without_inputs(object.span, &name, declared, facts.family().name()));
             return None;
         }
         if facts.output(&input) != Some(OutputSort::Digital) {
-            self.sink.push(errors::unknown_input(object.span, (&name, declared), &input, &lines(&facts)));
+            self.sink.push(errors::unknown_input(object.span, &name, declared, &input, &lines(&facts)));
             return None;
         }
         Some((format!("{name}.{input}"), Some((name, input))))

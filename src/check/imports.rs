@@ -72,7 +72,7 @@ impl Library for NoFiles {
 pub fn load(sources: &mut Sources, name: &str, text: &str, library: &dyn Library, sink: &mut Sink) -> Vec<Module> {
     let (known, texts) = (BTreeMap::new(), BTreeMap::new());
     let mut loader = Loader { sources, library, sink, modules: Vec::new(), known, texts, open: Vec::new() };
-    loader.file((name, Span::default()), text, Origin::User);
+    loader.file(name, Span::default(), text, Origin::User);
     loader.modules.into_iter().flatten().collect()
 }
 
@@ -90,7 +90,7 @@ struct Loader<'a> {
 }
 
 impl Loader<'_> {
-    fn file(&mut self, (name, asked): (&str, Span), text: &str, origin: Origin) -> usize {
+    fn file(&mut self, name: &str, asked: Span, text: &str, origin: Origin) -> usize {
         let index = self.modules.len();
         self.modules.push(None);
         self.known.insert((origin, name.to_owned()), index);
@@ -242,7 +242,7 @@ impl Loader<'_> {
             let shown = |(name, at): &(String, Span)| (*at, self.library.shown(name));
             let uses: Vec<(Span, String)> = self.open[start + 1..].iter().map(shown).collect();
             let uses: Vec<(Span, &str)> = uses.iter().map(|(at, name)| (*at, name.as_str())).collect();
-            self.sink.push(errors::import_cycle((span, &self.library.shown(name)), &uses));
+            self.sink.push(errors::import_cycle(span, &self.library.shown(name), &uses));
             return None;
         }
         if known.is_some() {
@@ -252,7 +252,7 @@ impl Loader<'_> {
             self.sink.push(errors::too_many_files(span, MAX_FILES));
             return None;
         }
-        Some(self.file((name, span), text, origin))
+        Some(self.file(name, span, text, origin))
     }
 }
 

@@ -59,8 +59,8 @@ impl Checker<'_> {
     /// The value of a `let`; `asked` is where its name is used.
     pub fn value_of_let(&mut self, place: DeclarationPlace, asked: Span) -> Value {
         if let Some(LetState::Open) = self.lets.get(&place) {
-            let name = self.named(place);
-            return self.unknown(errors::defined_by_itself(name, asked));
+            let (name, declared) = self.named(place);
+            return self.unknown(errors::defined_by_itself(name, declared, asked));
         }
         self.make_out(place);
         let text_bytes = match self.lets.get(&place).and_then(LetState::value) {

@@ -53,7 +53,8 @@ impl Checker<'_> {
             Item::Use(_) | Item::Let(_) | Item::Task(_) | Item::Program(_) | Item::Wiring(_) | Item::Error(_) => None,
         };
         if let Some(tree::Path { span, .. }) = path {
-            self.sink.push(errors::defined_by_itself(self.named(at), *span));
+            let (name, declared) = self.named(at);
+            self.sink.push(errors::defined_by_itself(name, declared, *span));
         }
     }
 }

@@ -417,7 +417,7 @@ impl<'a> Checker<'a> {
             None if !is_alone => {
                 let near = scope::nearest(&first.name.text, file.imports.keys().map(String::as_str));
                 self.sink.push(match file.used_as(&first.name.text) {
-                    Some(used) => errors::file_used_as(path, used),
+                    Some((alias, used)) => errors::file_used_as(path, alias, used),
                     None => errors::unknown_file(path, sort, near),
                 });
             }

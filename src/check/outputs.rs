@@ -51,7 +51,7 @@ impl Checker<'_> {
         let facts = self.facts::<AuxiliarySort>(place)?;
         let (name, declared) = self.named(place);
         if facts.pulse_ns.is_none() {
-            self.sink.push(errors::pulse_of_level(step.head.span, (name, declared), facts.is_graded));
+            self.sink.push(errors::pulse_of_level(step.head.span, name, declared, facts.is_graded));
             return None;
         }
         Some((self.enlist_output(place)?, AuxiliaryAction::Pulse))
@@ -94,7 +94,7 @@ impl Checker<'_> {
         let level = self.accept(sort, &phrase.value, scope, &wanted);
         let (name, declared) = self.named(place);
         if facts.pulse_ns.is_some() {
-            self.sink.push(errors::level_of_trigger(step, (name, declared)));
+            self.sink.push(errors::level_of_trigger(step, name, declared));
             return None;
         }
         let action = match level? {

@@ -273,7 +273,7 @@ impl<'a> Checker<'a> {
     ) -> Timeline {
         if let Some(first) = draft.open.iter().position(|open| *open == place) {
             if !self.circular.contains(&place) {
-                self.sink.push(errors::defined_by_itself((&item.name.text, item.name.span), span));
+                self.sink.push(errors::defined_by_itself(&item.name.text, item.name.span, span));
             }
             self.circular.extend(&draft.open[first..]);
             draft.become_at_least(DraftState::Broken);
@@ -387,9 +387,8 @@ impl<'a> Checker<'a> {
     ) -> Option<Vec<Spanned<Value>>> {
         let parameters = self.parameters(place);
         if parameters.len() != arguments.len() {
-            let counts = (parameters.len(), arguments.len());
-            let declared = self.declaration(place).span;
-            self.sink.push(errors::wrong_argument_count(span, &self.call_form(place), counts, declared));
+            let (form, declared) = (self.call_form(place), self.declaration(place).span);
+            self.sink.push(errors::wrong_argument_count(span, &form, parameters.len(), arguments.len(), declared));
             return None;
         }
         let mut values = Vec::with_capacity(arguments.len());

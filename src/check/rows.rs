@@ -12,33 +12,31 @@ use crate::syntax::tree::{Expr, ExprKind};
 use std::rc::Rc;
 
 /// What is expected, and an example of it, for messages.
-type ListForm = (&'static str, &'static str);
+#[derive(Clone, Copy)]
+struct ListForm {
+    what: &'static str,
+    example: &'static str,
+}
 
-const ROWS: ListForm = ("a list for each row", "[[4, 5, none], [1, 2, 3]]");
-const TABLES: ListForm = ("a list of lists of lists", "[[[3], [3, 2], [0, 9]]]");
+const ROWS: ListForm = ListForm { what: "a list for each row", example: "[[4, 5, none], [1, 2, 3]]" };
+const TABLES: ListForm = ListForm { what: "a list of lists of lists", example: "[[[3], [3, 2], [0, 9]]]" };
 
 impl Checker<'_> {
     /// A list of rows, each a list of [`Value::Quantity`]s and, at empty places, the text [`NONE`]; `None` after an error. The rows are
     /// written out; each may be a range or the name of a list.
     pub fn accept_rows(&mut self, most: u32, expr: &Expr, scope: &Scope, wanted: &WantedName) -> Option<Value> {
-        self.rows(most, expr, scope, (wanted, ROWS))
+        self.rows(most, expr, scope, wanted, ROWS)
     }
 
-    fn rows(
-        &mut self,
-        most: u32,
-        expr: &Expr,
-        scope: &Scope,
-        (wanted, form): (&WantedName, ListForm),
-    ) -> Option<Value> {
+    fn rows(&mut self, most: u32, expr: &Expr, scope: &Scope, wanted: &WantedName, form: ListForm) -> Option<Value> {
         let ExprKind::List(written) = &expr.kind else {
             let found = self.evaluate(expr, scope);
-            return self.no_rows(&found, expr.span, (wanted, form));
+            return self.no_rows(&found, expr.span, wanted, form);
         };
         let sort = Sort::Count { least: 0, most };
         let mut rows = Vec::with_capacity(written.len());
         for row in written {
-            let mut cells = self.row(row, scope, (wanted, form))?;
+            let mut cells = self.row(row, scope, wanted, form)?;
             for cell in &mut cells {
                 let is_empty = matches!(&cell.value, Value::Text(text) if text == NONE);
                 if !is_empty && let Err(wrong) = judge(sort, &cell.value, cell.span, wanted) {
@@ -55,15 +53,15 @@ impl Checker<'_> {
     pub fn accept_count_tables(&mut self, most: u32, expr: &Expr, scope: &Scope, wanted: &WantedName) -> Option<Value> {
         let ExprKind::List(written) = &expr.kind else {
             let found = self.evaluate(expr, scope);
-            return self.no_rows(&found, expr.span, (wanted, TABLES));
+            return self.no_rows(&found, expr.span, wanted, TABLES);
         };
-        let mut table = |rows: &Expr| Some(Spanned::new(self.rows(most, rows, scope, (wanted, TABLES))?, rows.span));
+        let mut table = |rows: &Expr| Some(Spanned::new(self.rows(most, rows, scope, wanted, TABLES)?, rows.span));
         let tables: Option<Vec<Spanned<Value>>> = written.iter().map(&mut table).collect();
         Some(Value::List(Rc::new(ListValue::new(tables?))))
     }
 
     /// The places of a row, not yet judged.
-    fn row(&mut self, expr: &Expr, scope: &Scope, named: (&WantedName, ListForm)) -> Option<Vec<Spanned<Value>>> {
+    fn row(&mut self, expr: &Expr, scope: &Scope, wanted: &WantedName, form: ListForm) -> Option<Vec<Spanned<Value>>> {
         if let ExprKind::List(written) = &expr.kind {
             let place = |cell: &Expr| match self.empty_place(cell, scope) {
                 Some(empty) => Some(Spanned::new(empty, cell.span)),
@@ -80,7 +78,7 @@ impl Checker<'_> {
                 let number = |n: i64| Value::Quantity(Quantity::new(n as f64, Dimension::NUMBER));
                 self.spend(count, expr.span).then(|| (from..to).map(|n| Spanned::new(number(n), expr.span)).collect())
             }
-            found => self.no_rows(&found, expr.span, named),
+            found => self.no_rows(&found, expr.span, wanted, form),
         }
     }
 
@@ -91,14 +89,9 @@ impl Checker<'_> {
     }
 
     /// Reports what stands in the place of rows.
-    fn no_rows<T>(
-        &mut self,
-        found: &Value,
-        span: Span,
-        (wanted, (form, example)): (&WantedName, ListForm),
-    ) -> Option<T> {
+    fn no_rows<T>(&mut self, found: &Value, span: Span, wanted: &WantedName, form: ListForm) -> Option<T> {
         if !found.is_unknown() {
-            self.sink.push(errors::wrong_value(wanted, form, example, span, found));
+            self.sink.push(errors::wrong_value(wanted, form.what, form.example, span, found));
         }
         None
     }

@@ -20,13 +20,13 @@ pub fn judge(
 ) -> Result<(), Box<crate::diagnostic::Diagnostic>> {
     let wrong = |what: &str, example: &str| Err(Box::new(errors::wrong_value(wanted, what, example, span, value)));
     match sort {
-        Sort::Count { least, most } => judge_count((least, most), value, span, wanted),
+        Sort::Count { least, most } => judge_count(least, most, value, span, wanted),
         Sort::Quantity { dimension, range } => judge_quantity(dimension, range, value, span, wanted),
         Sort::Word(choices) => match value {
             Value::Text(text) if choices.iter().any(|choice| choice.name == text) => Ok(()),
             Value::Text(text) => {
                 let near = nearest(text, choices.iter().map(|choice| choice.name));
-                Err(Box::new(errors::wrong_word(wanted, choices, (span, text), near)))
+                Err(Box::new(errors::wrong_word(wanted, choices, span, text, near)))
             }
             _ => wrong("a word", choices.first().map_or("", |choice| choice.name)),
         },
@@ -34,7 +34,7 @@ pub fn judge(
         Sort::Site(_) if is_point(value, Dimension::NUMBER) || matches!(value, Value::Object(_)) => Ok(()),
         Sort::Site(noun) => wrong(&format!("a cell, or the name of a {noun}"), "(20, 23)"),
         Sort::Sites(noun) => {
-            judge_list(Sort::Site(noun), &format!("a list of cells, or of names of {noun}s"), (value, span), wanted)
+            judge_list(Sort::Site(noun), &format!("a list of cells, or of names of {noun}s"), value, span, wanted)
         }
         Sort::Name if matches!(value, Value::Text(text) if is_name(text)) => Ok(()),
         Sort::Name => wrong("a name", "D1"),
@@ -43,7 +43,7 @@ pub fn judge(
         Sort::Control if matches!(value, Value::Word(_)) => Ok(()),
         Sort::Control if matches!(value, Value::Quantity(number) if whole(*number).is_some_and(|n| n >= 0)) => Ok(()),
         Sort::Control => wrong("the number of a control state, or a word of its arms", "2"),
-        Sort::CountOrWord { least, most, .. } => judge_count((least, most), value, span, wanted),
+        Sort::CountOrWord { least, most, .. } => judge_count(least, most, value, span, wanted),
         Sort::Flag if matches!(value, Value::Bool(_)) => Ok(()),
         Sort::Flag => wrong("true or false", "true"),
         Sort::Shape(form) => match value {
@@ -64,7 +64,7 @@ pub fn judge(
         },
         Sort::Cell if is_point(value, Dimension::NUMBER) => Ok(()),
         Sort::Cell => wrong("a cell", "(20, 23)"),
-        Sort::Cells => judge_list(Sort::Cell, "a list of cells", (value, span), wanted),
+        Sort::Cells => judge_list(Sort::Cell, "a list of cells", value, span, wanted),
         Sort::CountRows { .. } => wrong("a list for each row", "[[4, 5, none], [1, 2, 3]]"),
         Sort::CountTables { .. } => wrong("a list of lists of lists", "[[[3], [3, 2], [0, 9]]]"),
         Sort::Size if is_point(value, Dimension::LENGTH) => Ok(()),
@@ -79,7 +79,7 @@ pub fn judge(
             }),
             _ => wrong("a list of places", "[(9 um, 9 um), (12 um, 9 um), (9 um, 12 um)]"),
         },
-        Sort::Vector { dimension, range } => judge_vector((dimension, range), value, span, wanted),
+        Sort::Vector { dimension, range } => judge_vector(dimension, range, value, span, wanted),
         Sort::Contacts if is_contacts(value) => Ok(()),
         Sort::Contacts => wrong("a contact for each finger", "(1, 38, 0)"),
         Sort::Orientation if matches!(value, Value::Orientation(_)) => Ok(()),
@@ -101,7 +101,8 @@ fn not_a_size(value: &Value, span: Span, wanted: &WantedName) -> Box<crate::diag
 fn judge_list(
     of: Sort,
     what: &str,
-    (value, span): (&Value, Span),
+    value: &Value,
+    span: Span,
     wanted: &WantedName,
 ) -> Result<(), Box<crate::diagnostic::Diagnostic>> {
     match value {
@@ -168,7 +169,8 @@ fn is_contacts(value: &Value) -> bool {
 
 /// Three coordinates of a dimension, each in its range.
 fn judge_vector(
-    (dimension, range): (Dimension, device::Range),
+    dimension: Dimension,
+    range: device::Range,
     value: &Value,
     span: Span,
     wanted: &WantedName,
@@ -199,7 +201,8 @@ fn is_target(value: &Value) -> bool {
 }
 
 fn judge_count(
-    (least, most): (u32, u32),
+    least: u32,
+    most: u32,
     value: &Value,
     span: Span,
     wanted: &WantedName,

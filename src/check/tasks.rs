@@ -109,7 +109,7 @@ struct TaskReading<'a> {
 
 impl TaskReading<'_> {
     /// Notes what a step does to an output. To the device it is a wait of no duration.
-    fn switched(&mut self, (output, action): (String, AuxiliaryAction)) -> VocabularyAction {
+    fn switched(&mut self, output: String, action: AuxiliaryAction) -> VocabularyAction {
         self.parts.events.push(AuxiliaryEvent { step: self.parts.steps.len(), output, action });
         VocabularyAction::Wait(0)
     }
@@ -440,8 +440,8 @@ impl<'a> Checker<'a> {
         match step.head.text.as_str() {
             "wait" | "prompt" if super::holds::is_hold(step) => self.hold(step, scope).map(|terms| reading.held(terms)),
             "wait" => self.wait(step, scope).map(VocabularyAction::Wait),
-            "pulse" => self.pulse(step, scope).map(|event| reading.switched(event)),
-            "set" => self.level(step, scope).map(|event| reading.switched(event)),
+            "pulse" => self.pulse(step, scope).map(|(output, action)| reading.switched(output, action)),
+            "set" => self.level(step, scope).map(|(output, action)| reading.switched(output, action)),
             "together" => self.goals_together(step, scope, reading).map(VocabularyAction::Together),
             "assay" => self.operations(step, scope, reading).map(VocabularyAction::Assay),
             "run" => {
@@ -481,7 +481,7 @@ impl<'a> Checker<'a> {
         let mut calls = Vec::new();
         let block = step.block.as_ref().filter(|_| alone);
         let is_whole =
-            block.is_none_or(|block| self.calls(block, &mut scope.clone(), (&step.head, vocabulary), &mut calls));
+            block.is_none_or(|block| self.calls(block, &mut scope.clone(), &step.head, vocabulary, &mut calls));
         if is_whole && calls.is_empty() {
             self.sink.push(errors::bad_block_in_task(step));
             return None;
@@ -494,7 +494,8 @@ impl<'a> Checker<'a> {
         &mut self,
         entries: &[Entry],
         scope: &mut Scope,
-        (head, vocabulary): (&Ident, &'static Vocabulary),
+        head: &Ident,
+        vocabulary: &'static Vocabulary,
         calls: &mut Vec<Call>,
     ) -> bool {
         let mut is_whole = true;
@@ -514,7 +515,7 @@ impl<'a> Checker<'a> {
                 Entry::For(each) => {
                     let mut all = true;
                     self.repeat(each, scope, &mut |checker, scope| {
-                        all &= checker.calls(&each.entries, scope, (head, vocabulary), calls);
+                        all &= checker.calls(&each.entries, scope, head, vocabulary, calls);
                     });
                     all
                 }

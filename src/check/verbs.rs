@@ -33,7 +33,6 @@ impl Checker<'_> {
         let Some(verb) = vocabulary.verb_of(&step.head.text, noun) else {
             let verbs = vocabulary.verbs.iter().map(|verb| verb.name);
             let near = nearest(&step.head.text, verbs.chain(STEP_WORDS));
-            let written = (step.head.span, step.head.text.as_str());
             self.sink.push(match step.head.text.as_str() {
                 "maximize" | "maximise" => errors::maximized(step.head.span, vocabulary),
                 "then" if step.noun.is_none() && step.phrases.is_empty() => errors::second_objective(step.head.span),
@@ -42,7 +41,7 @@ impl Checker<'_> {
                 word if vocabulary.settings.iter().any(|setting| setting.name == word) => {
                     errors::setting_without_colon(&step.head)
                 }
-                _ => errors::unknown_verb(written, vocabulary, near),
+                verb => errors::unknown_verb(step.head.span, verb, vocabulary, near),
             });
             return None;
         };
@@ -100,7 +99,7 @@ impl Checker<'_> {
             }
             (Some(entries), Some(block)) => {
                 let mut entered = Vec::new();
-                let is_whole = self.entered(entries, &mut scope.clone(), (verb, block), &mut entered);
+                let is_whole = self.entered(entries, &mut scope.clone(), verb, block, &mut entered);
                 is_whole.then_some(entered)
             }
         }
@@ -111,13 +110,14 @@ impl Checker<'_> {
         &mut self,
         entries: &[Entry],
         scope: &mut Scope,
-        (verb, block): (&'static device::Verb, &'static device::Block),
+        verb: &'static device::Verb,
+        block: &'static device::Block,
         found: &mut Vec<Entered>,
     ) -> bool {
         let mut is_whole = true;
         for entry in entries {
             is_whole &= match entry {
-                Entry::Step(step) => match self.one_entered(step, scope, (verb, block)) {
+                Entry::Step(step) => match self.one_entered(step, scope, verb, block) {
                     Some(one) => {
                         found.push(one);
                         true
@@ -127,7 +127,7 @@ impl Checker<'_> {
                 Entry::For(each) => {
                     let mut all = true;
                     self.repeat(each, scope, &mut |checker, scope| {
-                        all &= checker.entered(&each.entries, scope, (verb, block), found);
+                        all &= checker.entered(&each.entries, scope, verb, block, found);
                     });
                     all
                 }
@@ -146,7 +146,8 @@ impl Checker<'_> {
         &mut self,
         step: &tree::Step,
         scope: &Scope,
-        (verb, block): (&'static device::Verb, &'static device::Block),
+        verb: &'static device::Verb,
+        block: &'static device::Block,
     ) -> Option<Entered> {
         if step.noun.is_some() || step.object.is_some() || step.block.is_some() {
             self.sink.push(errors::no_entry(step.span, verb));

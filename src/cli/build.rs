@@ -100,7 +100,7 @@ pub fn built(file: &Path, arguments: &BuildArguments, needed: &mut Glances) -> R
     let provenance = provenance(&sources, &loaded.options);
     let exit = match outcome {
         CompileOutcome::Compiled(compiled) => {
-            let written = write((loaded.path(), arguments), (&chosen, live), compiled, &provenance, needed)?;
+            let written = write(loaded.path(), arguments, &chosen, live, compiled, &provenance, needed)?;
             failed::forget(loaded.path(), arguments)?;
             return Ok(written);
         }
@@ -108,8 +108,7 @@ pub fn built(file: &Path, arguments: &BuildArguments, needed: &mut Glances) -> R
         CompileOutcome::Refused => Exit::Refused,
     };
     let is_shown = chosen.formats.contains(&Format::Html);
-    let page =
-        is_shown.then(|| failed::write(&loaded, arguments, (&sources, &sink), &provenance, needed)).transpose()?;
+    let page = is_shown.then(|| failed::write(&loaded, arguments, &sources, &sink, &provenance, needed)).transpose()?;
     Err(FailedBuild { exit, page })
 }
 
@@ -130,8 +129,10 @@ pub fn provenance(sources: &Sources, options: &Options) -> Provenance {
 }
 
 fn write(
-    (program, arguments): (&Path, &BuildArguments),
-    (chosen, live): (&ChosenFormats, LiveReport),
+    program: &Path,
+    arguments: &BuildArguments,
+    chosen: &ChosenFormats,
+    live: LiveReport,
     compiled: Compiled,
     provenance: &Provenance,
     inputs: &Glances,

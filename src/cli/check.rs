@@ -30,7 +30,7 @@ fn check(arguments: &CheckArguments, needed: &mut Glances) -> Exit {
     let mut reports: Vec<(Sources, Sink)> = Vec::new();
     for file in &arguments.files {
         let (mut sources, mut sink) = (Sources::default(), Sink::default());
-        let checked = one((file, needed), arguments, &mut sources, &mut sink);
+        let checked = one(file, needed, arguments, &mut sources, &mut sink);
         match arguments.format.one_by_one() {
             Some(format) => terminal::report(&sink, &sources, format),
             None => reports.push((sources, sink)),
@@ -60,7 +60,8 @@ struct CheckedProgram {
 
 /// A program without errors, or the exit status after one; the files that it needs are added.
 fn one(
-    (file, needed): (&Path, &mut Glances),
+    file: &Path,
+    needed: &mut Glances,
     arguments: &CheckArguments,
     sources: &mut Sources,
     sink: &mut Sink,
@@ -73,7 +74,7 @@ fn one(
     let (disk, shown) = (loaded.disk(), loaded.shown());
     let program = loaded.program(&disk);
     let checked = match arguments.plan {
-        true => planned((&loaded, &program), arguments, sources, sink),
+        true => planned(&loaded, &program, arguments, sources, sink),
         false => match compile::check_program(&program, sources, sink) {
             Some(Checked { tally, .. }) => Ok(CheckedProgram { shown, tally, schedules: None, exit: Exit::Done }),
             None => Err(Exit::Errors),
@@ -85,7 +86,8 @@ fn one(
 
 /// As `one`, with a verified plan for each of its schedules; reports on both as it goes on.
 fn planned(
-    (loaded, program): (&Loaded, &ProgramSource),
+    loaded: &Loaded,
+    program: &ProgramSource,
     arguments: &CheckArguments,
     sources: &mut Sources,
     sink: &mut Sink,

@@ -28,7 +28,8 @@ impl From<Exit> for FailedBuild {
 pub fn write(
     loaded: &Loaded,
     arguments: &BuildArguments,
-    (sources, errors): (&Sources, &Sink),
+    sources: &Sources,
+    errors: &Sink,
     provenance: &Provenance,
     inputs: &Glances,
 ) -> Result<PathBuf, Exit> {

@@ -248,8 +248,8 @@ fn keeps_the_claims_of(schedule: &Schedule, derived: &Derived) -> Result<(), Box
 fn against(arguments: &VerifyArguments, trusted: &Path, judged: &Judged) -> Result<(), Box<Refusal>> {
     let schedule = judged.verified.schedule();
     let own = written(judged.verified.claims());
-    let derived = trusted_claims(arguments, trusted, (&schedule.name, &judged.provenance.settings), own.as_deref())?;
-    let same = claims_the_same((&arguments.file, LogOrigin::Build), trusted, &derived, own.as_deref());
+    let derived = trusted_claims(arguments, trusted, &schedule.name, &judged.provenance.settings, own.as_deref())?;
+    let same = claims_the_same(&arguments.file, LogOrigin::Build, trusted, &derived, own.as_deref());
     match (keeps_the_claims_of(schedule, &derived), same) {
         (Err(broken), Err(mut other)) => {
             other.sources = broken.sources;
@@ -266,7 +266,8 @@ fn against(arguments: &VerifyArguments, trusted: &Path, judged: &Judged) -> Resu
 pub fn trusted_claims(
     arguments: &VerifyArguments,
     trusted: &Path,
-    (name, settings): (&str, &[String]),
+    name: &str,
+    settings: &[String],
     own: Option<&[u8]>,
 ) -> Result<Derived, Box<Refusal>> {
     let text = disk::read_program(trusted).map_err(|error| Refusal::one(*error, Exit::Files))?;
@@ -290,7 +291,8 @@ pub fn trusted_claims(
 
 /// Refuses a log whose own program claims something else than the trusted one.
 pub fn claims_the_same(
-    (file, origin): (&Path, LogOrigin),
+    file: &Path,
+    origin: LogOrigin,
     trusted: &Path,
     derived: &Derived,
     own: Option<&[u8]>,
@@ -311,7 +313,7 @@ fn report(arguments: &VerifyArguments, judged: &Judged) -> String {
     if arguments.report.format == ReportFormat::Json {
         let log = arguments.file.to_string_lossy();
         let replanned = arguments.replan.then_some(&judged.verified);
-        return format!("{}\n", report::json::verified(&log, schedule, settings, (trusted.as_deref(), replanned)));
+        return format!("{}\n", report::json::verified(&log, schedule, settings, trusted.as_deref(), replanned));
     }
     let width = report::width(names.into_iter().chain(settings.iter().map(|setting| format!("--set {setting}"))));
     let program = terminal::name(&judged.provenance.files[0].0);

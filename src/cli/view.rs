@@ -94,7 +94,7 @@ fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, FailedBuild> {
     let names: Vec<String> = pages.iter().map(|page| page.to_string_lossy().into_owned()).collect();
     if format == ReportFormat::Json {
         let log = path.to_string_lossy();
-        let verified = report::json::verified(&log, schedule, &judged.provenance.settings, (None, None));
+        let verified = report::json::verified(&log, schedule, &judged.provenance.settings, None, None);
         return Ok((terminal::answer(&format!("{verified}\n")), pages));
     }
     let width = report::width(names.iter().cloned().chain([schedule.name.clone()]));

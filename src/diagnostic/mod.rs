@@ -148,7 +148,7 @@ impl Diagnostic {
     /// As [`Self::near`] for the name of an object, given with where it stands without its indices: of `sample[i]`, which is `sample0`, only
     /// `sample` is mended.
     #[must_use]
-    pub fn near_object(self, (name, word): (&str, Span), near: &str) -> Self {
+    pub fn near_object(self, name: &str, word: Span, near: &str) -> Self {
         let index = name.get(word.range().len()..).unwrap_or_default();
         match near.strip_suffix(index) {
             Some(near) => self.help(format!("did you mean `{near}`?")).mended(word, near),

@@ -60,7 +60,8 @@ impl Library for Overlay<'_> {
 pub fn of(
     path: &Path,
     uri: &Uri,
-    (texts, disk): (&BTreeMap<PathBuf, &str>, &dyn Library),
+    texts: &BTreeMap<PathBuf, &str>,
+    disk: &dyn Library,
     unit: ColumnUnit,
 ) -> (Vec<lsp_types::Diagnostic>, CheckedFigures) {
     let Some(text) = texts.get(path) else { return (Vec::new(), CheckedFigures::default()) };

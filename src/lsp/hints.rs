@@ -41,7 +41,8 @@ const MAX_SHOWN: usize = 3;
 /// All that there is to say within a range of a text, in its order.
 pub fn shown(
     text: &EditedText,
-    (figures, plans): (&CheckedFigures, &ProgramPlans),
+    figures: &CheckedFigures,
+    plans: &ProgramPlans,
     within: Range,
     unit: ColumnUnit,
 ) -> Vec<InlayHint> {

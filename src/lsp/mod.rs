@@ -341,11 +341,10 @@ impl Session<'_> {
         for (path, document) in &self.open {
             let (mut found, mut figures) = (Vec::new(), CheckedFigures::default());
             (self.round)(path, &mut |disk| {
-                (found, figures) = findings::of(path, &document.uri, (&texts, disk), self.unit);
+                (found, figures) = findings::of(path, &document.uri, &texts, disk, self.unit);
             });
             all_figures.push(figures);
-            let place = (path.as_path(), &document.uri);
-            found.extend(document.plans.diagnostics(place, &document.text, self.unit, &found));
+            found.extend(document.plans.diagnostics(path, &document.uri, &document.text, self.unit, &found));
             self.publish(document.uri.clone(), found, Some(document.version));
         }
         for (document, figures) in self.open.values_mut().zip(all_figures) {
@@ -412,7 +411,7 @@ impl Session<'_> {
 
     fn hints(&self, asked: &lsp_types::InlayHintParams) -> Option<Vec<lsp_types::InlayHint>> {
         let document = self.document(&asked.text_document.uri)?;
-        Some(hints::shown(&document.text, (&document.figures, &document.plans), asked.range, self.unit))
+        Some(hints::shown(&document.text, &document.figures, &document.plans, asked.range, self.unit))
     }
 
     /// Commands of a client over the heads of tasks and programs; none where the text is in no file.

@@ -169,7 +169,8 @@ impl ProgramPlans {
     /// The planner's findings in a text, but for those that the checker has as well.
     pub fn diagnostics(
         &self,
-        (path, uri): (&Path, &Uri),
+        path: &Path,
+        uri: &Uri,
         text: &EditedText,
         unit: ColumnUnit,
         known: &[Diagnostic],

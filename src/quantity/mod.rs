@@ -276,7 +276,8 @@ impl Unit {
         let mut rest = text;
         loop {
             let end = rest.find(['*', '/']).unwrap_or(rest.len());
-            unit = unit.times(power(&rest[..end])?, sign).ok_or(UnitError::ExponentTooLarge)?;
+            let (factor, exponent) = power(&rest[..end])?;
+            unit = unit.times(factor, exponent * sign).ok_or(UnitError::ExponentTooLarge)?;
             if end == rest.len() {
                 break;
             }
@@ -286,8 +287,7 @@ impl Unit {
         Ok(unit)
     }
 
-    fn times(self, (other, exponent): (Unit, i32), sign: i32) -> Option<Unit> {
-        let exponent = exponent * sign;
+    fn times(self, other: Unit, exponent: i32) -> Option<Unit> {
         Some(Unit {
             ten: self.ten + other.ten * exponent,
             factor: self.factor * other.factor.whole_power(exponent),

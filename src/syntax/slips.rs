@@ -126,11 +126,11 @@ pub(super) fn foreign_comment(span: Span, text: &str) -> Option<Diagnostic> {
         (!line[at + mark.len()..].trim().is_empty()).then_some((at, mark))
     });
     let (at, mark) = found.min()?;
-    Some(comment_behind(span, span.start as usize + at, (mark, line[at + mark.len()..].trim())))
+    Some(comment_behind(span, span.start as usize + at, mark, line[at + mark.len()..].trim()))
 }
 
 /// A comment that begins at a byte with the mark of another language, and its words.
-fn comment_behind(span: Span, at: usize, (mark, words): (&str, &str)) -> Diagnostic {
+fn comment_behind(span: Span, at: usize, mark: &str, words: &str) -> Diagnostic {
     Diagnostic::new(Code::E0125, format!("a comment behind `{mark}`"))
         .label(part(span, at, at + mark.len()), "comments begin with `//`")
         .help(format!("write `// {}`", quote(words)))
@@ -501,7 +501,7 @@ pub(super) fn device_without_kind(span: Span, text: &str) -> Option<Diagnostic> 
 pub(super) fn comment(span: Span, text: &str) -> Option<Diagnostic> {
     let mark = ["--", "/"].into_iter().find(|mark| text.starts_with(mark))?;
     let words = text.trim_start_matches(['-', '/']).trim();
-    Some(comment_behind(span, span.start as usize, (mark, words.lines().next().unwrap_or_default())))
+    Some(comment_behind(span, span.start as usize, mark, words.lines().next().unwrap_or_default()))
 }
 
 /// `bot.left = 6` at the top of a file.

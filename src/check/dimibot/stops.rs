@@ -247,7 +247,7 @@ impl<'a> StopJudge<'a> {
             let place = place(self.scene_um(cell));
             format!("the nearest free cell is {cell}, at {place}")
         });
-        errors::on_obstacle((code, stop.span), &what, (&obstacle.name, obstacle.span), &why, free)
+        errors::on_obstacle(code, stop.span, &what, &obstacle.name, obstacle.span, &why, free)
     }
 
     fn nearest_free(&self, cell: LatticeCell) -> Option<LatticeCell> {

@@ -37,7 +37,7 @@ impl Checker<'_> {
         let tray = self.tray(site, facts);
         let objective = objective(parts.objective.as_ref().map(|objective| objective.value))?;
         let bystanders = bystanders(&parts);
-        let planner = planner(&parts, (objective, bystanders), (facts, tray.parts.len()), self.sink);
+        let planner = planner(&parts, objective, bystanders, facts, tray.parts.len(), self.sink);
         let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
         let hold = site.device.fields.get("hold").map(|field| field.span);
         let mut judge = BoardStepJudge { facts, tray: &tray, scene, device: &site.device.name, hold, sink: self.sink };
@@ -73,8 +73,10 @@ fn bystanders(parts: &Parts) -> Bystanders {
 /// The method and budget of a task; `None` if a method is asked for a feature that it lacks.
 fn planner(
     parts: &Parts,
-    asked: (ElectrodeArrayObjective, Bystanders),
-    (facts, count): (&ElectrodeArrayFacts, usize),
+    objective: ElectrodeArrayObjective,
+    bystanders: Bystanders,
+    facts: &ElectrodeArrayFacts,
+    count: usize,
     sink: &mut Sink,
 ) -> Option<ElectrodeArrayPlanner> {
     let asked_for = parts.planner.as_ref().map(|(planner, _)| planner.value.name);
@@ -89,7 +91,7 @@ fn planner(
         return Some(ElectrodeArrayPlanner { method, expansions: default_expansions(facts, count) });
     };
     if method != ElectrodeArrayMethod::Portfolio
-        && let Some((what, span)) = beyond_published(parts, asked, planner.span)
+        && let Some((what, span)) = beyond_published(parts, objective, bystanders, planner.span)
     {
         let wrong = errors::planner_cannot(planner.span, planner.value.name, what, span);
         let both = "give the device `separation: 4` and leave `using` out: Tweeze's own planner does it".to_owned();
@@ -102,7 +104,8 @@ fn planner(
 /// The features that the task asks of a published method and that it lacks, and where.
 fn beyond_published(
     parts: &Parts,
-    (objective, bystanders): (ElectrodeArrayObjective, Bystanders),
+    objective: ElectrodeArrayObjective,
+    bystanders: Bystanders,
     chosen: Span,
 ) -> Option<(&'static str, Span)> {
     if objective == ElectrodeArrayObjective::SumOfCosts {
@@ -179,8 +182,8 @@ impl BoardStepJudge<'_> {
             name if fluids.contains(name) => DropletShare::Fluid(name.to_owned()),
             name if self.tray.is_faulty_fluid(name) => return None,
             name => {
-                let asked = (Code::E0559, share.span);
-                self.sink.push(errors::unknown_fluid(asked, (name, share.span), &fluids, self.scene));
+                let wrong = errors::unknown_fluid(Code::E0559, share.span, name, share.span, &fluids, self.scene);
+                self.sink.push(wrong);
                 return None;
             }
         };
@@ -383,8 +386,8 @@ impl BoardStepJudge<'_> {
         let (comes, goes) = (free(side), free(side.map(|step| -step)));
         let (part, from) = (part?, from?);
         let wrong = match (comes, goes) {
-            (Err(pair), _) => Some(errors::half_has_no_room(split, (self.name(part), pair), across())),
-            (_, Err(pair)) => Some(errors::half_has_no_room(split, (self.name(from), pair), across())),
+            (Err(pair), _) => Some(errors::half_has_no_room(split, self.name(part), pair, across())),
+            (_, Err(pair)) => Some(errors::half_has_no_room(split, self.name(from), pair, across())),
             (Ok(_), Ok(_)) => None,
         };
         self.sink.unless(wrong)?;

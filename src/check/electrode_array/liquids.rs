@@ -65,7 +65,7 @@ pub fn suit(jobs: &[Job], sink: &mut Sink) {
         board.put(&order.parts);
         for change in order.steps.iter().flat_map(|step| changes(&step.action)) {
             // What is out of the device's limits has been reported.
-            board.change((job, order), &change);
+            board.change(job, order, &change);
             for part in change.gone() {
                 present.remove(name(part));
             }
@@ -156,10 +156,10 @@ impl BoardLiquids {
     }
 
     /// What a change makes of the droplets; an error if one of them is too small or too large.
-    pub fn change(&mut self, of: (&Job, &ElectrodeArrayOrder), change: &LiquidChange) -> Option<Diagnostic> {
+    pub fn change(&mut self, job: &Job, order: &ElectrodeArrayOrder, change: &LiquidChange) -> Option<Diagnostic> {
         match change.cause {
-            LiquidCause::Operation(operation) => self.operate(of, operation),
-            LiquidCause::Merge(with) => self.merge(of, [change.part, with], change.span),
+            LiquidCause::Operation(operation) => self.operate(job, order, operation),
+            LiquidCause::Merge(with) => self.merge(job, order, [change.part, with], change.span),
         }
     }
 
@@ -171,7 +171,8 @@ impl BoardLiquids {
     /// Two droplets become one; the first is what it was, if the device can carry it.
     fn merge(
         &mut self,
-        (job, order): (&Job, &ElectrodeArrayOrder),
+        job: &Job,
+        order: &ElectrodeArrayOrder,
         [part, with]: [usize; 2],
         span: Span,
     ) -> Option<Diagnostic> {
@@ -183,21 +184,17 @@ impl BoardLiquids {
         }
         liquid.since = Some(span);
         let (volume, most) = (liquid.volume(), order.facts.most_volume?);
-        let wrong = || errors::volume_out_of_limits(span, (name, volume), &job.device, (most, true));
+        let wrong = || errors::volume_out_of_limits(span, name, volume, &job.device, most, true);
         (volume > most).then(wrong)
     }
 
-    fn operate(
-        &mut self,
-        (job, order): (&Job, &ElectrodeArrayOrder),
-        operation: &AssayOperation,
-    ) -> Option<Diagnostic> {
+    fn operate(&mut self, job: &Job, order: &ElectrodeArrayOrder, operation: &AssayOperation) -> Option<Diagnostic> {
         let name = |part: usize| order.parts[part].name.as_str();
         if let Some(fluid) = &operation.fluid {
             self.liquids.insert(name(operation.part).to_owned(), Liquid::of(fluid));
         }
         if let Some(with) = operation.with {
-            return self.merge((job, order), [operation.part, with], operation.span);
+            return self.merge(job, order, [operation.part, with], operation.span);
         }
         let half = operation.splits?;
         let liquid = self.liquids.get_mut(name(operation.part))?;
@@ -206,8 +203,8 @@ impl BoardLiquids {
         let (halved, volume) = (liquid.clone(), liquid.volume());
         self.liquids.insert(name(half.part).to_owned(), halved);
         let least = order.facts.least_volume?;
-        let of = (name(half.part), volume);
-        (volume < least).then(|| errors::volume_out_of_limits(operation.span, of, &job.device, (least, false)))
+        let wrong = || errors::volume_out_of_limits(operation.span, name(half.part), volume, &job.device, least, false);
+        (volume < least).then(wrong)
     }
 
     /// The contents that a task requires and that are others at its end, each with where the program asks for it.
@@ -217,7 +214,7 @@ impl BoardLiquids {
             let Some(liquid) = self.liquids.get(name) else { return Some(errors::never_there(content, name)) };
             let reached = liquid.share(&content.share);
             let is_kept = content.relation.holds(reached, content.limit, SAME_CONTENT * content.limit.abs());
-            (!is_kept).then(|| errors::other_content(content, name, (reached, &liquid.text()), liquid.since))
+            (!is_kept).then(|| errors::other_content(content, name, reached, &liquid.text(), liquid.since))
         };
         order.contents.iter().filter_map(|content| Some((content.span, wrong(content)?))).collect()
     }

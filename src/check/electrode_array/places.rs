@@ -55,7 +55,7 @@ pub fn places_agree(jobs: &[Job], sink: &mut Sink) -> Vec<(usize, BoardBefore)> 
                 ElectrodeArrayAction::Move(moves) => board.advance(moves, None, order, &mut walk),
                 ElectrodeArrayAction::Assay(operations) => board.operate(operations, order, &mut walk),
             };
-            found.extend(board.fill((job, order), &step.action, &mut walk));
+            found.extend(board.fill(job, order, &step.action, &mut walk));
             let run = if job.run_span == job.span { step.span } else { job.run_span };
             found.into_iter().for_each(|wrong| sink.push(wrong.label_elsewhere(run, step.span, "run here")));
         }
@@ -173,11 +173,6 @@ impl BoardWalk {
         self.teams.extend(teams.into_values());
     }
 
-    /// The name of a part, and where that is declared.
-    fn named(&self, part: usize) -> (&str, Span) {
-        (&self.parts[part].name, self.parts[part].span)
-    }
-
     fn enter(&mut self, part: usize) {
         if let PartStand::At(cell, _) = self.stands[part] {
             self.spread.put(cell, part);
@@ -216,10 +211,10 @@ impl BoardWalk {
             let PartStand::At(cell, since) = *stand else { continue };
             let Some(obstacle) = cover.covering(cell).map(|index| &order.obstacles[index]) else { continue };
             if walk.reported.insert((job.run_span, Some(cell))) {
-                let distance = distance_to(obstacle, cell, &order.facts);
+                let (distance, apart) = distance_to(obstacle, cell, &order.facts);
                 let place = errors::PartPlace { name: self.name_of(part), cell, span: since };
-                let obstacle = (obstacle.name.as_str(), obstacle.span);
-                found.push(errors::obstacle_comes_near(job.run_span, place, obstacle, distance));
+                let ElectrodeArrayObstacle { name, span, .. } = obstacle;
+                found.push(errors::obstacle_comes_near(job.run_span, place, name, *span, distance, apart));
             }
         }
         found
@@ -247,7 +242,10 @@ impl BoardWalk {
             if let Some((stop, (_, other))) = near
                 && walk.reported.insert((stop.span, Some(stop.cell)))
             {
-                let wrong = self.too_near((step, stop), other, (moves, order), (&walk.cover(order), on.is_some()));
+                let goals = moves.iter().filter(|one| one.part != step.part).map(|one| one.goal().cell);
+                let goals: Vec<ElectrodeCell> = goals.collect();
+                let free = self.nearest_free(stop.cell, &goals, order, &walk.cover(order));
+                let wrong = self.too_near(step, stop, other, order, free, on.is_some());
                 found.push(errors::given_from(wrong, stop.span, stop.origin.as_ref()));
             }
         }
@@ -265,13 +263,14 @@ impl BoardWalk {
     /// What a step makes of the droplets that it merges and splits; findings are reported once.
     fn fill(
         &mut self,
-        of: (&Job, &ElectrodeArrayOrder),
+        job: &Job,
+        order: &ElectrodeArrayOrder,
         action: &ElectrodeArrayAction,
         walk: &mut PartsWalk,
     ) -> Vec<Diagnostic> {
         let changes = liquids::changes(action).into_iter();
         let found: Vec<(Span, Diagnostic)> =
-            changes.filter_map(|change| Some((change.span, self.liquids.change(of, &change)?))).collect();
+            changes.filter_map(|change| Some((change.span, self.liquids.change(job, order, &change)?))).collect();
         found.into_iter().filter(|(span, _)| walk.reported.insert((*span, None))).map(|(_, wrong)| wrong).collect()
     }
 
@@ -292,7 +291,7 @@ impl BoardWalk {
                 if let PartStand::Due = self.stands[part]
                     && walk.reported.insert((operation.span, None))
                 {
-                    found.push(errors::not_there_yet(operation.span, self.named(part)));
+                    found.push(errors::not_there_yet(operation.span, &self.parts[part]));
                 }
                 let fresh = || ElectrodeArrayMove::alone(part, Vec::new(), operation.span);
                 let stops = operation.stops.iter().filter(|_| operation.among.is_empty());
@@ -362,13 +361,10 @@ impl BoardWalk {
         if !walk.reported.insert((span, Some(at))) {
             return None;
         }
-        let cover = walk.cover(order);
-        let free = nearest_cell(at, &order.facts, |place| {
-            cover.covering(place).is_none() && self.spread.near(place).is_none()
-        });
+        let free = self.nearest_free(at, &[], order, &walk.cover(order));
         let moved = errors::PartPlace { name: &self.parts[other].name, cell: at, span };
         let stays = errors::PartPlace { name: &self.parts[part].name, cell, span: since };
-        Some(errors::near_standing_part((moved, stays), order.facts.separation.apart(), free, true))
+        Some(errors::near_standing_part(moved, stays, order.facts.separation.apart(), free, true))
     }
 
     /// The loops in which droplets are mixed are on the board, and clear of obstacles and of the parts that stay where they are.
@@ -396,7 +392,7 @@ impl BoardWalk {
             let mut wrong: Vec<(ElectrodeCell, Option<&ElectrodeArrayStop>, Diagnostic)> = Vec::new();
             for place in &operation.among {
                 let stop = &place.stop;
-                let blocked = blocked_loop((name, stop.span), stop.cell, order, &walk.cover(order));
+                let blocked = blocked_loop(name, stop.span, stop.cell, order, &walk.cover(order));
                 wrong.extend(blocked.map(|blocked| (stop.cell, Some(stop), blocked)));
             }
             let stands = match self.stands[part] {
@@ -404,9 +400,9 @@ impl BoardWalk {
                 PartStand::Due | PartStand::Somewhere(_) | PartStand::Gone(_) => None,
             };
             if let Some(corner) = here.get(&part).copied().unwrap_or(stands) {
-                let place = (name, at.map_or(operation.span, |stop| stop.span));
-                let blocked = blocked_loop(place, corner, order, &walk.cover(order));
-                let blocked = blocked.or_else(|| self.loop_near_part(place, corner, operations, order));
+                let span = at.map_or(operation.span, |stop| stop.span);
+                let blocked = blocked_loop(name, span, corner, order, &walk.cover(order));
+                let blocked = blocked.or_else(|| self.loop_near_part(name, span, corner, operations, order));
                 wrong.extend(blocked.map(|blocked| (corner, at, blocked)));
             }
             for (corner, at, wrong) in wrong {
@@ -424,7 +420,8 @@ impl BoardWalk {
     /// A part that stays too near to a loop.
     fn loop_near_part(
         &self,
-        place: (&str, Span),
+        name: &str,
+        span: Span,
         corner: ElectrodeCell,
         operations: &[AssayOperation],
         order: &ElectrodeArrayOrder,
@@ -436,9 +433,9 @@ impl BoardWalk {
         let around = order.facts.mixing_loop(corner);
         let near = around.iter().find_map(|cell| self.spread.near(*cell).filter(|(_, other)| stays(other)));
         let (cell, other) = near?;
-        let PartStand::At(_, span) = self.stands[other] else { return None };
-        let other = errors::PartPlace { name: &self.parts[other].name, cell, span };
-        Some(errors::loop_near_part(place, corner, other, order.facts.separation.apart()))
+        let PartStand::At(_, since) = self.stands[other] else { return None };
+        let other = errors::PartPlace { name: &self.parts[other].name, cell, span: since };
+        Some(errors::loop_near_part(name, span, corner, other, order.facts.separation.apart()))
     }
 
     /// A droplet is dispensed, or given off by another, once.
@@ -464,7 +461,7 @@ impl BoardWalk {
                 let name = &self.parts[part].name;
                 let wrong = match self.stands[part] {
                     PartStand::At(..) | PartStand::Somewhere(_) => continue,
-                    PartStand::Due => errors::not_there_yet(step.span, self.named(part)),
+                    PartStand::Due => errors::not_there_yet(step.span, &self.parts[part]),
                     PartStand::Gone(departure) => errors::gone_before(step.span, name, departure),
                 };
                 if reported.insert((step.span, None)) {
@@ -475,33 +472,46 @@ impl BoardWalk {
         found
     }
 
-    /// A stop too near to a part that stays, and the nearest cell that is not, nor too near to the goals of others.
+    /// The nearest cell that no obstacle covers and that is not too near to a part that stays, nor to the goals.
+    fn nearest_free(
+        &self,
+        to: ElectrodeCell,
+        goals: &[ElectrodeCell],
+        order: &ElectrodeArrayOrder,
+        cover: &ObstacleCells,
+    ) -> Option<ElectrodeCell> {
+        let apart = order.facts.separation.apart();
+        nearest_cell(to, &order.facts, |cell| {
+            cover.covering(cell).is_none()
+                && self.spread.near(cell).is_none()
+                && goals.iter().all(|goal| goal.apart(cell) >= apart)
+        })
+    }
+
+    /// A stop too near to a part that stays; `free` is the nearest cell that is not.
     fn too_near(
         &self,
-        (step, stop): (&ElectrodeArrayMove, &ElectrodeArrayStop),
+        step: &ElectrodeArrayMove,
+        stop: &ElectrodeArrayStop,
         other: usize,
-        (moves, order): (&[ElectrodeArrayMove], &ElectrodeArrayOrder),
-        (cover, in_assay): (&ObstacleCells, bool),
+        order: &ElectrodeArrayOrder,
+        free: Option<ElectrodeCell>,
+        in_assay: bool,
     ) -> Diagnostic {
         let PartStand::At(cell, since) = self.stands[other] else {
             return errors::gone_before(step.span, &self.parts[other].name, Departure::Merged(step.span));
         };
         let apart = order.facts.separation.apart();
-        let goals = moves.iter().filter(|one| one.part != step.part).map(|one| one.goal().cell);
-        let free = nearest_cell(stop.cell, &order.facts, |cell| {
-            cover.covering(cell).is_none()
-                && self.spread.near(cell).is_none()
-                && goals.clone().all(|goal| goal.apart(cell) >= apart)
-        });
         let moved = errors::PartPlace { name: self.name_of(step.part), cell: stop.cell, span: stop.span };
         let stays = errors::PartPlace { name: self.name_of(other), cell, span: since };
-        errors::near_standing_part((moved, stays), apart, free, in_assay)
+        errors::near_standing_part(moved, stays, apart, free, in_assay)
     }
 }
 
 /// A loop that leaves the board, or in which an obstacle lies.
 fn blocked_loop(
-    place: (&str, Span),
+    name: &str,
+    span: Span,
     corner: ElectrodeCell,
     order: &ElectrodeArrayOrder,
     cover: &ObstacleCells,
@@ -510,5 +520,5 @@ fn blocked_loop(
     let is_free = |cell: &ElectrodeCell| facts.reaches(*cell) && cover.covering(*cell).is_none();
     let cell = facts.mixing_loop(corner).into_iter().find(|cell| !is_free(cell))?;
     let free = nearest_cell(corner, facts, |cell| facts.mixing_loop(cell).iter().all(is_free));
-    Some(errors::loop_blocked(place, (corner, facts.mixer), cell, free))
+    Some(errors::loop_blocked(name, span, corner, facts.mixer, cell, free))
 }

@@ -78,7 +78,7 @@ impl PadReader<'_> {
             return None;
         }
         let Value::List(list) = &frames.value else { return None };
-        let read: Option<Vec<DispenseFrame>> = list.iter().map(|frame| self.frame(frame, (outlet, own))).collect();
+        let read: Option<Vec<DispenseFrame>> = list.iter().map(|frame| self.frame(frame, outlet, own)).collect();
         let read = read?;
         let begins = read.first().is_some_and(|first| !first.pads.is_empty());
         let ends = read.last().is_some_and(|last| last.outlet);
@@ -90,7 +90,7 @@ impl PadReader<'_> {
         Some(DispenseSequence { outlet, frames: read })
     }
 
-    fn frame(&mut self, frame: &Spanned<Value>, (outlet, own): (ElectrodeCell, u32)) -> Option<DispenseFrame> {
+    fn frame(&mut self, frame: &Spanned<Value>, outlet: ElectrodeCell, own: u32) -> Option<DispenseFrame> {
         let Value::List(numbers) = &frame.value else { return None };
         let numbers: &ListValue = numbers;
         let mut read = DispenseFrame { pads: Vec::new(), outlet: false };

@@ -61,7 +61,9 @@ impl BoardStepJudge<'_> {
         let low = beyond("least_temperature", self.facts.least_temperature_k, |asked_k, least_k| asked_k < least_k);
         let high = || beyond("most_temperature", self.facts.most_temperature_k, |asked_k, most_k| asked_k > most_k);
         let wrong = low.or_else(high);
-        let wrong = wrong.map(|limit| errors::temperature_out_of_range(asked.span, temperature, self.device, limit));
+        let wrong = wrong.map(|(field, limit_k)| {
+            errors::temperature_out_of_range(asked.span, temperature, self.device, field, limit_k)
+        });
         asked.unless(wrong, self.sink)?;
         Some(temperature.si)
     }

@@ -18,7 +18,7 @@ impl BoardStepJudge<'_> {
             (0..self.tray.parts.len()).filter(|part| self.tray.parts[*part].family() == Some(name)).collect();
         if parts.is_empty() {
             let families: BTreeSet<&str> = self.tray.parts.iter().filter_map(|part| part.family()).collect();
-            let wrong = errors::no_team((object.span, name), &families, self.scene);
+            let wrong = errors::no_team(object.span, name, &families, self.scene);
             // A scene that was cut for its size says so alone.
             self.sink.unless(self.tray.is_whole.then_some(wrong))?;
             return None;
@@ -34,7 +34,7 @@ impl BoardStepJudge<'_> {
             Some(errors::team_too_large(object.span, name, parts.len()))
         } else if parts.len() != goals.len() {
             let names: Vec<&str> = parts.iter().map(|part| self.name(*part)).collect();
-            Some(errors::goals_of_team((call.span, to.span), name, &names, goals.len()))
+            Some(errors::goals_of_team(call.span, to.span, name, &names, goals.len()))
         } else {
             None
         };

@@ -95,7 +95,7 @@ impl BoardStepJudge<'_> {
         }
         let fluids = self.tray.fluids();
         let wrong = (!fluids.contains(name.as_str()))
-            .then(|| errors::unknown_fluid((Code::E0565, asked.span), (name, *word), &fluids, self.scene));
+            .then(|| errors::unknown_fluid(Code::E0565, asked.span, name, *word, &fluids, self.scene));
         asked.unless(wrong, self.sink)?;
         Some(name.clone())
     }
@@ -113,11 +113,11 @@ pub fn agree(jobs: &mut [Job], before: Vec<(usize, BoardBefore)>, sink: &mut Sin
         }
         let is_cleaned =
             holds.iter().any(|hold| hold.step == 0 && matches!(hold.terms.awaited, Awaited::Person { .. }));
-        let soiling = soiled_before(earlier, (device, order), &board.fluids).filter(|_| !is_cleaned);
+        let soiling = soiled_before(earlier, device, order, &board.fluids).filter(|_| !is_cleaned);
         if let Some((earlier, trace)) = soiling
             && warned.insert((*run_span, trace.span))
         {
-            sink.push(errors::soiled_before((trace.span, &trace.of), earlier));
+            sink.push(errors::soiled_before(trace.span, &trace.of, earlier));
         }
         order.contamination.before = board.fluids;
         let harmed = harmed_at_one_place(order, &board.stands);
@@ -130,7 +130,8 @@ pub fn agree(jobs: &mut [Job], before: Vec<(usize, BoardBefore)>, sink: &mut Sin
 /// The last of the earlier tasks of a device that has led a fluid over the board whose traces an order avoids, and what it avoids.
 fn soiled_before<'a>(
     earlier: &'a [Job],
-    (device, order): (&str, &'a ElectrodeArrayOrder),
+    device: &str,
+    order: &'a ElectrodeArrayOrder,
     before: &[Fluids],
 ) -> Option<(&'a Job, &'a AvoidedTrace)> {
     let own = || order.parts.iter().map(|part| part.name.as_str()).zip(before);
@@ -229,13 +230,13 @@ fn harmed_at_one_place(
         let wrong = match (both, start, end) {
             (Some(other), _, _) => errors::harms_at_one_place(stop.span, [name(other), name(stop)], stop.cell),
             (None, Some(start), _) => {
-                errors::stops_where_another_starts((stop.span, start.span), [name(start), name(stop)], stop.cell)
+                errors::stops_where_another_starts(stop.span, start.span, [name(start), name(stop)], stop.cell)
             }
             (None, None, Some(end)) => {
                 // Washes follow the order of the program.
                 let is_written_before = at(&earlier, place).iter().any(|other| other.part == end.part);
-                let spans = (stop.span, end.span);
-                errors::ends_where_another_stops(spans, [name(stop), name(end)], stop.cell, is_written_before)
+                let names = [name(stop), name(end)];
+                errors::ends_where_another_stops(stop.span, end.span, names, stop.cell, is_written_before)
             }
             (None, None, None) => {
                 earlier.entry(place).or_default().push(stop);

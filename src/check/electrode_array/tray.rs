@@ -416,8 +416,8 @@ pub fn on_obstacle(
     facts: &ElectrodeArrayFacts,
     free: Option<ElectrodeCell>,
 ) -> Diagnostic {
-    let distance = distance_to(obstacle, place.cell, facts);
-    errors::near_obstacle((place.code, place.span), place.cell, (&obstacle.name, obstacle.span), distance, free)
+    let (distance, apart) = distance_to(obstacle, place.cell, facts);
+    errors::near_obstacle(place, &obstacle.name, obstacle.span, distance, apart, free)
 }
 
 /// Actual and required distance of a centre from an obstacle, in electrodes.

@@ -109,7 +109,7 @@ fn visits(operations: &[AssayOperation], facts: &ElectrodeArrayFacts, before: &B
     let mut fluids = before.fluids.clone();
     for (part, stand) in before.stands.iter().enumerate() {
         if let Some((cell, _)) = *stand {
-            walk.come(part, cell, [cell], (None, &fluids[part]));
+            walk.come(part, cell, [cell], None, &fluids[part]);
         }
     }
     for (place, operation) in operations.iter().enumerate() {
@@ -125,10 +125,10 @@ fn visits(operations: &[AssayOperation], facts: &ElectrodeArrayFacts, before: &B
         {
             let mut cells: Vec<ElectrodeCell> = operation.stops.iter().map(|stop| stop.cell).collect();
             cells.extend(if operation.mixes { facts.mixing_loop(cell) } else { vec![cell] });
-            walk.come(part, cell, cells, (Some(place), &fluids[part]));
+            walk.come(part, cell, cells, Some(place), &fluids[part]);
         }
         if let Some(half) = operation.splits {
-            walk.come(half.part, half.cell, [half.cell], (Some(place), &fluids[half.part]));
+            walk.come(half.part, half.cell, [half.cell], Some(place), &fluids[half.part]);
         }
         operation.gone().and_then(|gone| walk.at.remove(&gone));
     }
@@ -154,7 +154,8 @@ impl VisitWalk {
         part: usize,
         cell: ElectrodeCell,
         cells: impl IntoIterator<Item = ElectrodeCell>,
-        (operation, fluids): (Option<usize>, &Fluids),
+        operation: Option<usize>,
+        fluids: &Fluids,
     ) {
         let cells: BTreeSet<ElectrodeCell> = cells.into_iter().collect();
         let lasting = self.at.get(&part).filter(|(at, _)| *at == cell).and_then(|(_, visit)| *visit);

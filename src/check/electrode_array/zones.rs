@@ -33,7 +33,7 @@ pub fn agree(jobs: &[Job], sink: &mut Sink) {
     for Heating { device, heater, asked_k, span } in heatings(jobs) {
         let (first_k, first) = *temperatures.entry((device, heater)).or_insert((asked_k, span));
         if first_k.to_bits() != asked_k.to_bits() {
-            sink.push(errors::two_temperatures(heater, (asked_k, span), (first_k, first)));
+            sink.push(errors::two_temperatures(heater, asked_k, span, first_k, first));
             return;
         }
     }
@@ -56,7 +56,7 @@ pub fn suit(jobs: &[Job], bench: &Bench, sink: &mut Sink) {
         let setting = heater_setting(Quantity::new(heating.asked_k, Dimension::TEMPERATURE));
         let is_set = set.iter().any(|heater| Some(heater.2) == setting);
         if !set.is_empty() && !is_set && warned.insert((heating.device, heating.heater)) {
-            sink.push(errors::no_heater_so_warm((heating.heater, heating.asked_k, heating.span), setting, &set));
+            sink.push(errors::no_heater_so_warm(heating.heater, heating.asked_k, heating.span, setting, &set));
         }
     }
 }

@@ -99,7 +99,8 @@ pub fn wired_twice(device: &str, span: Span, earlier: Span) -> Diagnostic {
 /// The instrument with its declaration; `known` lists its outputs.
 pub fn unknown_output(
     span: Span,
-    (name, declared): (&str, Span),
+    name: &str,
+    declared: Span,
     output: &str,
     known: &str,
     takes_boards: bool,
@@ -124,7 +125,7 @@ pub fn line_for_a_stage(span: Span) -> Diagnostic {
 }
 
 /// A channel of voltages wired to a controller of stages.
-pub fn stage_for_a_voltage(span: Span, (name, declared): (&str, Span)) -> Diagnostic {
+pub fn stage_for_a_voltage(span: Span, name: &str, declared: Span) -> Diagnostic {
     Diagnostic::new(Code::E0427, format!("`{name}` moves stages, and gives no voltage"))
         .label(span, "places a stage")
         .label_elsewhere(declared, span, "declared here")
@@ -234,7 +235,7 @@ pub fn channel_to_accessory(span: Span, channel: &str, output: &str) -> Diagnost
 }
 
 /// An output of many levels wired to a magnet or a heater.
-pub fn share_of_accessory(span: Span, (name, declared): (&str, Span), output: &str) -> Diagnostic {
+pub fn share_of_accessory(span: Span, name: &str, declared: Span, output: &str) -> Diagnostic {
     Diagnostic::new(Code::E0427, format!("`{name}` has many levels, `{output}` is on or off"))
         .label(span, "a magnet or a heater")
         .label_elsewhere(declared, span, "a `level`")
@@ -242,7 +243,7 @@ pub fn share_of_accessory(span: Span, (name, declared): (&str, Span), output: &s
 }
 
 /// A wire to a heater of which nothing says how warm it is.
-pub fn heater_without_temperature(span: Span, (name, declared): (&str, Span), output: &str) -> Diagnostic {
+pub fn heater_without_temperature(span: Span, name: &str, declared: Span, output: &str) -> Diagnostic {
     Diagnostic::new(Code::E0426, format!("instrument `{name}` does not say how warm its `{output}` is"))
         .label(span, "no such output yet")
         .label_elsewhere(declared, span, "declared here")
@@ -250,7 +251,7 @@ pub fn heater_without_temperature(span: Span, (name, declared): (&str, Span), ou
 }
 
 /// All electrodes of a board wired to an instrument that has no channel for each.
-pub fn electrodes_to_other_instrument(span: Span, (name, declared): (&str, Span)) -> Diagnostic {
+pub fn electrodes_to_other_instrument(span: Span, name: &str, declared: Span) -> Diagnostic {
     Diagnostic::new(Code::E0427, format!("`electrodes` to `{name}`, which drives no board of electrodes"))
         .label(span, "not an `electrode_driver`")
         .label_elsewhere(declared, span, "declared here")
@@ -274,8 +275,10 @@ pub fn electrodes_without_numbers(span: Span, device: &str) -> Diagnostic {
 /// An electrode whose number the driver does not have.
 pub fn channel_beyond_driver(
     span: Span,
-    (name, declared): (&str, Span),
-    (channel, number): (&str, u32),
+    name: &str,
+    declared: Span,
+    channel: &str,
+    number: u32,
     known: &str,
 ) -> Diagnostic {
     Diagnostic::new(Code::E0426, format!("electrode `{channel}` is on channel {number}, `{name}` has {known}"))
@@ -292,7 +295,7 @@ pub fn all_to_a_name(span: Span) -> Diagnostic {
 }
 
 /// All channels in their order, where they have numbers.
-pub fn all_of_numbered(span: Span, (channel, number): (&str, u32), instrument: &str) -> Diagnostic {
+pub fn all_of_numbered(span: Span, channel: &str, number: u32, instrument: &str) -> Diagnostic {
     Diagnostic::new(
         Code::E0427,
         format!("`all` leads to the outputs of `{instrument}` in turn, whatever their numbers"),
@@ -327,7 +330,7 @@ fn output_sort(by_lines: bool) -> &'static str {
 const LINES: &str = "for digital lines give the voltage that they switch, the one of the device, as `switches: 20 V`";
 
 /// An instrument without an output for any channel.
-pub fn nothing_free(span: Span, (name, declared): (&str, Span), by_lines: bool) -> Diagnostic {
+pub fn nothing_free(span: Span, name: &str, declared: Span, by_lines: bool) -> Diagnostic {
     let (what, other) =
         (output_sort(by_lines), if by_lines { "leave `switches` out for outputs of voltage" } else { LINES });
     Diagnostic::new(Code::E0426, format!("`{name}` has no {what} that is free"))
@@ -339,7 +342,8 @@ pub fn nothing_free(span: Span, (name, declared): (&str, Span), by_lines: bool) 
 /// More channels than free outputs.
 pub fn channels_left_over(
     span: Span,
-    (device, first): (&str, &str),
+    device: &str,
+    first: &str,
     [left, total]: [usize; 2],
     by_lines: bool,
 ) -> Diagnostic {
@@ -352,11 +356,7 @@ pub fn channels_left_over(
 
 /// Two instruments of a program, each with a wire that leads to it, that begin when the sender says so; whether the second is an electrode
 /// driver, which nothing can trigger.
-pub fn starts_apart(
-    (first, first_wire): (&str, Span),
-    (second, second_wire): (&str, Span),
-    is_driver: bool,
-) -> Diagnostic {
+pub fn starts_apart(first: &str, first_wire: Span, second: &str, second_wire: Span, is_driver: bool) -> Diagnostic {
     let help = match is_driver {
         false => format!(
             "lead the trigger output of `{first}` to the trigger input of `{second}`, and give it `start: trigger`"

@@ -141,7 +141,7 @@ pub fn unknown_base(span: Span, name: &str, sort: DeclarationSort, near: Option<
 }
 
 /// A used file under the name that it would have without its `as`.
-pub fn file_used_as(path: &Path, (alias, used): (&str, Span)) -> Diagnostic {
+pub fn file_used_as(path: &Path, alias: &str, used: Span) -> Diagnostic {
     let words: Vec<&str> = path.segments.iter().skip(1).map(|segment| segment.name.text.as_str()).collect();
     let file = &path.segments[0];
     Diagnostic::new(Code::E0201, format!("no file is used here as `{}`", file.name.text))
@@ -242,7 +242,7 @@ pub fn kept_file_name(span: Span, name: &str, keeper: &str) -> Diagnostic {
 }
 
 /// `uses` are the other `use`s of the circle in their order, each with the file that it names.
-pub fn import_cycle((span, name): (Span, &str), uses: &[(Span, &str)]) -> Diagnostic {
+pub fn import_cycle(span: Span, name: &str, uses: &[(Span, &str)]) -> Diagnostic {
     let names = uses.iter().map(|(_, name)| *name);
     let chain: Vec<&str> = std::iter::once(name).chain(names).chain([name]).collect();
     let diagnostic = Diagnostic::new(Code::E0205, format!("`{name}` uses itself: {}", chain.join(" → ")))
@@ -271,7 +271,7 @@ pub fn indexed_name(span: Span) -> Diagnostic {
 }
 
 /// `at` is where the value is used in its own evaluation.
-pub fn defined_by_itself((name, declared): (&str, Span), at: Span) -> Diagnostic {
+pub fn defined_by_itself(name: &str, declared: Span, at: Span) -> Diagnostic {
     Diagnostic::new(Code::E0207, format!("`{name}` is defined by itself"))
         .label(at, format!("this needs `{name}` again"))
         .label_elsewhere(declared, at, format!("`{name}` is declared here"))
@@ -284,7 +284,7 @@ pub fn too_deep(span: Span, what: &str, limit: usize) -> Diagnostic {
         .help("let some of them start from one further up")
 }
 
-pub fn unknown_verb((span, verb): (Span, &str), vocabulary: &Vocabulary, near: Option<&str>) -> Diagnostic {
+pub fn unknown_verb(span: Span, verb: &str, vocabulary: &Vocabulary, near: Option<&str>) -> Diagnostic {
     let besides_words = match (vocabulary.together, vocabulary.assay) {
         (Together::Yes, Assay::Yes) => ["wait", "prompt", "pulse", "set", "together", "assay"].as_slice(),
         (Together::Yes, Assay::No) => ["wait", "prompt", "pulse", "set", "together"].as_slice(),
@@ -478,7 +478,7 @@ pub fn unknown_object(span: Span, object: &ObjectName, near: Option<&str>, scene
     };
     let diagnostic = Diagnostic::new(Code::E0211, title).label(span, "no such object");
     match (near, scene) {
-        (Some(near), _) => diagnostic.near_object((name, *word), near),
+        (Some(near), _) => diagnostic.near_object(name, *word, near),
         (None, Some(_)) => {
             let at = if *noun == "robot" { "pose(0 um, 0 um, 90 deg)" } else { "(5, 3)" };
             diagnostic.help(format!("declare it in the scene: `{noun} {name} at {at}`"))

@@ -19,9 +19,11 @@ pub fn outside_workspace(span: Span, what: &str, extent: &str, help: String) -> 
 
 /// A goal or a start, by its code, on an obstacle.
 pub fn on_obstacle(
-    (code, span): (Code, Span),
+    code: Code,
+    span: Span,
     what: &str,
-    (name, obstacle): (&str, Span),
+    name: &str,
+    obstacle: Span,
     why: &str,
     free: Option<String>,
 ) -> Diagnostic {
@@ -169,7 +171,7 @@ pub fn bad_output_step(step: &Step, form: &str) -> Diagnostic {
         .help(format!("write `{form}`"))
 }
 
-pub fn pulse_of_level(span: Span, (name, declared): (&str, Span), is_graded: bool) -> Diagnostic {
+pub fn pulse_of_level(span: Span, name: &str, declared: Span, is_graded: bool) -> Diagnostic {
     let (sort, [first, second]) = match is_graded {
         true => ("level", ["60 %", "0 %"]),
         false => ("digital", ["high", "low"]),
@@ -182,7 +184,7 @@ pub fn pulse_of_level(span: Span, (name, declared): (&str, Span), is_graded: boo
         ))
 }
 
-pub fn level_of_trigger(step: &Step, (name, declared): (&str, Span)) -> Diagnostic {
+pub fn level_of_trigger(step: &Step, name: &str, declared: Span) -> Diagnostic {
     Diagnostic::new(Code::E0556, format!("`{name}` has no level to be set"))
         .label(step.head.span, "for outputs of the sort `digital`")
         .label(declared, "one of the sort `trigger`")
@@ -211,14 +213,14 @@ pub fn no_input(span: Span) -> Diagnostic {
         .help("write `wait until card.port0.line5 for at most 5 s`, or `wait until \"motion.digital-in-00\" …`")
 }
 
-pub fn instrument_without_inputs(span: Span, (name, declared): (&str, Span), family: &str) -> Diagnostic {
+pub fn instrument_without_inputs(span: Span, name: &str, declared: Span, family: &str) -> Diagnostic {
     Diagnostic::new(Code::E0566, format!("instrument `{name}` has no input that a program can wait for"))
         .label(span, "not an input")
         .label_elsewhere(declared, span, format!("an instrument of the family `{family}`"))
         .help("wait for a digital line of a `data_acquisition`, or for a name in quotes that your own program reads")
 }
 
-pub fn unknown_input(span: Span, (name, declared): (&str, Span), input: &str, known: &str) -> Diagnostic {
+pub fn unknown_input(span: Span, name: &str, declared: Span, input: &str, known: &str) -> Diagnostic {
     Diagnostic::new(Code::E0566, format!("instrument `{name}` has no digital line `{input}`"))
         .label(span, "no such line")
         .label_elsewhere(declared, span, "the instrument")
@@ -272,7 +274,7 @@ pub fn bad_start(span: Span) -> Diagnostic {
 }
 
 /// `form` is the call as it should be: `go(goal: cell)`.
-pub fn wrong_argument_count(span: Span, form: &str, (wanted, found): (usize, usize), declared: Span) -> Diagnostic {
+pub fn wrong_argument_count(span: Span, form: &str, wanted: usize, found: usize, declared: Span) -> Diagnostic {
     let arguments = match wanted {
         0 => "no arguments".to_owned(),
         1 => "1 argument".to_owned(),

@@ -5,7 +5,7 @@ use crate::check::value::Value;
 use crate::device;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{self, Dimension, Quantity, Unit, digits};
-use crate::source::Span;
+use crate::source::{Span, Spanned};
 use crate::syntax::functions::function_form;
 use crate::syntax::tree::{Expr, ExprKind, Ident};
 
@@ -113,7 +113,8 @@ const FAHRENHEIT_AT_0_DEGC: f64 = 32.0;
 /// sense with it.
 pub fn unit_mended(
     finding: Diagnostic,
-    (wanted, dimension): (&WantedName, Dimension),
+    wanted: &WantedName,
+    dimension: Dimension,
     expr: &Expr,
     found: &Value,
 ) -> Diagnostic {
@@ -169,7 +170,8 @@ pub fn several_objects(wanted: &WantedName, noun: &str, span: Span) -> Diagnosti
 pub fn wrong_word(
     wanted: &WantedName,
     choices: &[device::WordChoice],
-    (span, found): (Span, &str),
+    span: Span,
+    found: &str,
     near: Option<&str>,
 ) -> Diagnostic {
     let words: Vec<&str> = choices.iter().map(|choice| choice.name).collect();
@@ -184,7 +186,8 @@ pub fn wrong_word(
 pub fn neither_count_nor_word(
     wanted: &WantedName,
     words: &[&str],
-    (span, found): (Span, &str),
+    span: Span,
+    found: &str,
     near: Option<&str>,
 ) -> Diagnostic {
     let words = either(words);
@@ -478,14 +481,10 @@ fn zero_without_unit(coordinates: &[Quantity]) -> Option<String> {
 }
 
 /// `whole` is the point from bracket to bracket, with all its coordinates.
-pub fn mixed_point(
-    first: (Span, &Value),
-    odd: (Span, &Value),
-    (whole, coordinates): (Span, &[Quantity]),
-) -> Diagnostic {
+pub fn mixed_point(first: Spanned<&Value>, odd: Spanned<&Value>, whole: Span, coordinates: &[Quantity]) -> Diagnostic {
     let finding = Diagnostic::new(Code::E0310, "a point of unlike coordinates")
-        .label(odd.0, odd.1.describe_fully())
-        .label(first.0, first.1.describe_fully());
+        .label(odd.span, odd.value.describe_fully())
+        .label(first.span, first.value.describe_fully());
     match coordinates {
         [x, y, heading] if x.dimension == y.dimension && heading.dimension == Dimension::ANGLE => finding
             .help(format!("a place with a heading is a pose: write `pose({x}, {y}, {heading})`"))

@@ -397,7 +397,7 @@ pub fn bad_grasp(span: Span, what: String, help: String) -> Diagnostic {
     Diagnostic::new(Code::E0547, what).label(span, "no grasp").help(help)
 }
 
-pub fn tips_too_near(span: Span, (one, other): (u32, u32), distance_um: f64, least_um: f64) -> Diagnostic {
+pub fn tips_too_near(span: Span, one: u32, other: u32, distance_um: f64, least_um: f64) -> Diagnostic {
     let title = format!(
         "tips at the contacts {one} and {other} are {} apart, {} is needed",
         length(distance_um),
@@ -419,7 +419,7 @@ pub fn nothing_held(span: Span, what: &str, released: Option<Span>) -> Diagnosti
 }
 
 /// A part that goes with the last finger.
-pub fn sticks(span: Span, needed_un: f64, support_un: f64, (pull_off_un, safety): (f64, f64)) -> Diagnostic {
+pub fn sticks(span: Span, needed_un: f64, support_un: f64, pull_off_un: f64, safety: f64) -> Diagnostic {
     let title = format!(
         "the part would stick to the last finger: {} hold it down; {} are needed",
         force(support_un),

@@ -66,12 +66,13 @@ pub fn mending(part: &HandPart, facts: &FingersFacts, wanted: &WantedTurn, deman
     });
     let keeps_junction =
         |(part, facts): &(HandPart, FingersFacts)| !had_junction || junction_fault(part, facts).is_none();
+    let are_whole = |part: &HandPart, turns: &[(Plane, f64)]| {
+        turns.iter().all(|(plane, angle_rad)| is_whole(part, *plane, *angle_rad, precision_rad))
+    };
     let found = match wanted {
-        WantedTurn::Turns(turns) => candidates
-            .filter(|(part, _)| turns.iter().all(|turn| is_whole(part, *turn, precision_rad)))
-            .find(keeps_junction),
+        WantedTurn::Turns(turns) => candidates.filter(|(part, _)| are_whole(part, turns)).find(keeps_junction),
         WantedTurn::Orientation(goal, turns) => candidates
-            .filter(|(part, _)| turns.iter().all(|turn| is_whole(part, *turn, precision_rad)))
+            .filter(|(part, _)| are_whole(part, turns))
             .take(MAX_TRIED)
             .filter(|(part, _)| orientation::ways(goal, part).iter().any(|way| way.off_rad <= precision_rad))
             .find(keeps_junction),
@@ -97,7 +98,7 @@ fn sampled(section: &Section, curve: &Curve, facts: &FingersFacts) -> Option<Sec
 }
 
 /// Whether a turn is a whole number of steps to within the precision; the number is at most one full turn.
-fn is_whole(part: &HandPart, (plane, angle_rad): (Plane, f64), precision_rad: f64) -> bool {
+fn is_whole(part: &HandPart, plane: Plane, angle_rad: f64, precision_rad: f64) -> bool {
     part.section(plane).is_some_and(|section| {
         let steps = (angle_rad / section.step_rad).round();
         let most = (TAU / section.step_rad).round();

@@ -276,7 +276,8 @@ impl HandStepJudge<'_> {
                 span,
                 needed_un,
                 self.facts.support_un,
-                (self.facts.pull_off_un, self.facts.removal_safety),
+                self.facts.pull_off_un,
+                self.facts.removal_safety,
             ));
             return None;
         }
@@ -368,7 +369,7 @@ impl HandStepJudge<'_> {
             tips[..index].iter().find_map(|(other, [a, b])| {
                 let apart_um = (x - a).hypotenuse(y - b);
                 let is_near = apart_um < least_um * (1.0 - 1e-9);
-                is_near.then(|| errors::tips_too_near(span, (*other, *contact), apart_um, least_um))
+                is_near.then(|| errors::tips_too_near(span, *other, *contact, apart_um, least_um))
             })
         })
     }

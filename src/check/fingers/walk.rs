@@ -152,7 +152,7 @@ impl HandWalk {
                     (errors::AskedTurn::TurnAboutX, self.reached[0] * given)
                 };
                 *goal = orientation::written(&absolute);
-                (*turns, *left_out_steps) = self.orient((asked, &absolute), at, order)?;
+                (*turns, *left_out_steps) = self.orient(asked, &absolute, at, order)?;
             }
             FingersAction::Translate(by_um) => self.translate(*by_um, at, order)?,
             FingersAction::Release => {
@@ -197,7 +197,8 @@ impl HandWalk {
     /// a lower bound on the steps of the ones left out.
     fn orient(
         &mut self,
-        (asked, goal): (errors::AskedTurn, &Orientation),
+        asked: errors::AskedTurn,
+        goal: &Orientation,
         at: Span,
         order: &FingersOrder,
     ) -> Diagnosed<Ways> {
@@ -213,7 +214,7 @@ impl HandWalk {
         let best_rad = ways.iter().map(|way| way.off_rad).fold(f64::INFINITY, f64::min);
         ways.retain(|way| way.off_rad <= precision_rad);
         if ways.is_empty() {
-            let step_deg = self.mending((asked, goal), order);
+            let step_deg = self.mending(asked, goal, order);
             self.missed_rad = Some(best_rad);
             let mend = errors::OrientationMend { step_deg, needed_rad: self.needed_rad.unwrap_or(best_rad) };
             return Err(Box::new(errors::orientation_missed(at, asked, best_rad, precision_rad, &mend)));
@@ -237,7 +238,7 @@ impl HandWalk {
     }
 
     /// A step of the device that reaches an orientation, where it is known how the part would be turned before: not at all, or as it is.
-    fn mending(&self, (asked, goal): (errors::AskedTurn, &Orientation), order: &FingersOrder) -> Option<f64> {
+    fn mending(&self, asked: errors::AskedTurn, goal: &Orientation, order: &FingersOrder) -> Option<f64> {
         let [reached] = self.reached.as_slice() else { return None };
         let is_known = asked == errors::AskedTurn::TurnAboutX || reached.angle() < SAME_RAD;
         let turns: Vec<(Plane, f64)> = order

@@ -228,12 +228,12 @@ pub fn misfit_diagnostic(
     };
     match misfit {
         GoalMisfit::Overlaps { other, depth_um } => {
-            let bounds = (*depth_um, docking.tolerance_um);
-            errors::docked_overlap(&place(one), &place(other), bounds, mended(one, other, fits).or_else(head_on))
+            let mended = mended(one, other, fits).or_else(head_on);
+            errors::docked_overlap(&place(one), &place(other), *depth_um, docking.tolerance_um, mended)
         }
         GoalMisfit::Apart { nearest, gap_um } => {
-            let bounds = (*gap_um, docking.tolerance_um);
-            errors::docked_apart(&place(one), &place(nearest), bounds, mended(one, nearest, fits).or_else(head_on))
+            let mended = mended(one, nearest, fits).or_else(head_on);
+            errors::docked_apart(&place(one), &place(nearest), *gap_um, docking.tolerance_um, mended)
         }
         GoalMisfit::NotHeadOn { other, meeting } => {
             let found = meeting.faces.then_some((meeting.angle_rad, meeting.offset_um));

@@ -206,7 +206,7 @@ pub fn alike_robots(one: &str, other: &str, [snap_down_v, release_v]: [f64; 2], 
 }
 
 /// The state with the robots that it lowers; `levels` are those that it takes and those that are allowed.
-pub fn no_sequence((state, lowered): (usize, &[&str]), [levels, most]: [usize; 2], least_v: f64) -> Diagnostic {
+pub fn no_sequence(state: usize, lowered: &[&str], [levels, most]: [usize; 2], least_v: f64) -> Diagnostic {
     let least = volts(least_v);
     let title = match lowered {
         _ if levels > most => format!("control state {state} takes a cycle of {levels} levels, {most} are allowed"),
@@ -255,7 +255,7 @@ pub fn level_mend(field: &str, [now_v, to_v]: [f64; 2]) -> String {
     format!("{} `{field}` to {}", if to_v > now_v { "raise" } else { "lower" }, volts(to_v))
 }
 
-pub fn small_slack((state, digits): (usize, &str), slack_v: f64, margin_v: f64) -> Diagnostic {
+pub fn small_slack(state: usize, digits: &str, slack_v: f64, margin_v: f64) -> Diagnostic {
     let (slack, share) = (volts(slack_v), volts(margin_v / 10.0));
     let title =
         format!("control state {state} (0b{digits}) has a slack of {slack}, less than 10 % of the margin, {share}");
@@ -274,7 +274,8 @@ pub fn robot_without_row(
     name: &str,
     near: Option<&str>,
     known: &[&str],
-    (device, table): (&str, Option<Span>),
+    device: &str,
+    table: Option<Span>,
 ) -> Diagnostic {
     let diagnostic = Diagnostic::new(Code::E0532, format!("the table of `{device}` has no robot `{name}`"))
         .label(span, "not in the table");
@@ -377,8 +378,10 @@ fn shortage([gap_um, kept_um]: [f64; 2], other: &str) -> String {
 /// `free` is the nearest pose that is clear.
 pub fn robot_near_obstacle(
     what: &BlockedRobot,
-    (name, obstacle): (&str, Span),
-    (gap_um, kept_um): (f64, f64),
+    name: &str,
+    obstacle: Span,
+    gap_um: f64,
+    kept_um: f64,
     free: Option<Pose>,
 ) -> Diagnostic {
     let short = shortage([gap_um, kept_um], &format!("obstacle `{name}`"));
@@ -390,9 +393,12 @@ pub fn robot_near_obstacle(
 
 /// The robot that stands too near, then the one that was there before.
 pub fn robots_start_too_near(
-    (name, span): (&str, Span),
-    (other, other_span): (&str, Span),
-    (gap_um, kept_um): (f64, f64),
+    name: &str,
+    span: Span,
+    other: &str,
+    other_span: Span,
+    gap_um: f64,
+    kept_um: f64,
 ) -> Diagnostic {
     let short = shortage([gap_um, kept_um], &format!("`{other}`"));
     Diagnostic::new(Code::E0534, format!("at its start `{name}` {short}"))
@@ -452,7 +458,7 @@ pub fn assembled_twice(name: &str, span: Span, earlier: Span) -> Diagnostic {
 }
 
 /// A docked robot that lies on an obstacle of a later scene.
-pub fn obstacle_on_docked(run: Span, docked: &GoalPlace, (obstacle, at): (&str, Span)) -> Diagnostic {
+pub fn obstacle_on_docked(run: Span, docked: &GoalPlace, obstacle: &str, at: Span) -> Diagnostic {
     let name = &docked.robot;
     Diagnostic::new(Code::E0530, format!("`{name}` has docked by then, on obstacle `{obstacle}` of this run's scene"))
         .label(run, "begins with another scene than the run before")
@@ -489,7 +495,8 @@ fn mended_at(mended: Option<Pose>, does: &str) -> Option<String> {
 pub fn docked_overlap(
     goal: &GoalPlace,
     other: &GoalPlace,
-    (depth_um, most_um): (f64, f64),
+    depth_um: f64,
+    most_um: f64,
     mended: Option<Pose>,
 ) -> Diagnostic {
     let (depth, most) = (at_least(depth_um), length(most_um));
@@ -505,7 +512,8 @@ pub fn docked_overlap(
 pub fn docked_apart(
     goal: &GoalPlace,
     other: &GoalPlace,
-    (gap_um, most_um): (f64, f64),
+    gap_um: f64,
+    most_um: f64,
     mended: Option<Pose>,
 ) -> Diagnostic {
     let (gap, most) = (at_least(gap_um), length(most_um));
@@ -561,14 +569,14 @@ pub fn not_flat(goal: &GoalPlace, met: &GoalPlace, angle_rad: f64, flat: Option<
 }
 
 /// `asked` is the participle of the verb: `driven`, `assembled`.
-pub fn docked_before(name: &str, (span, asked): (Span, &str), since: Span) -> Diagnostic {
+pub fn docked_before(name: &str, span: Span, asked: &str, since: Span) -> Diagnostic {
     Diagnostic::new(Code::E0539, format!("`{name}` has docked by then and can no longer move"))
         .label(span, format!("{asked} here"))
         .label_elsewhere(since, span, "docked here")
         .help("drive it before it is assembled, or assemble it once")
 }
 
-pub fn goal_on_docked(goal: &GoalPlace, docked: &GoalPlace, (gap_um, kept_um): (f64, f64)) -> Diagnostic {
+pub fn goal_on_docked(goal: &GoalPlace, docked: &GoalPlace, gap_um: f64, kept_um: f64) -> Diagnostic {
     let short = shortage([gap_um, kept_um], &format!("`{}`, which has docked by then", docked.robot));
     Diagnostic::new(Code::E0502, format!("the body of `{}` {short}", goal.robot))
         .label(goal.span, if gap_um > 0.0 { "too near" } else { "covered" })

@@ -253,8 +253,7 @@ impl BedStepJudge<'_> {
         let (obstacle, gap_um) = near(pose)?;
         let free = nearest_pose(pose, |pose| near(pose).is_none());
         let what = errors::BlockedRobot { code: Code::E0502, robot: self.name(Some(robot)), span };
-        let obstacle = (obstacle.name.as_str(), obstacle.span);
-        Some(errors::robot_near_obstacle(&what, obstacle, (gap_um, kept_um), free))
+        Some(errors::robot_near_obstacle(&what, &obstacle.name, obstacle.span, gap_um, kept_um, free))
     }
 }
 

@@ -120,7 +120,7 @@ impl GroundReader<'_> {
             // A robot that has its place already was not meant.
             let is_placed = |robot: &&str| self.objects.iter().any(|object| object.name == **robot);
             let near = nearest(name, known.iter().copied().filter(|robot| !is_placed(robot)));
-            let wrong = errors::robot_without_row(self.object.span, name, near, &known, (&self.device.name, table));
+            let wrong = errors::robot_without_row(self.object.span, name, near, &known, &self.device.name, table);
             self.sink.push(wrong);
         }
         row
@@ -204,13 +204,13 @@ fn starts(standing: &[StandingRobot], obstacles: &[MicrorobotsObstacle], facts: 
     for (index, StandingRobot { name, at, .. }) in standing.iter().enumerate() {
         let what = errors::BlockedRobot { code: Code::E0505, robot: name, span: at.span };
         if let Some((obstacle, gap_um)) = first_near(&bodies[index], obstacles, &solids, kept_um) {
-            let wrong = errors::robot_near_obstacle(&what, (&obstacle.name, obstacle.span), (gap_um, kept_um), None);
+            let wrong = errors::robot_near_obstacle(&what, &obstacle.name, obstacle.span, gap_um, kept_um, None);
             sink.push(errors::given_at(wrong, at));
         }
         let gaps = bodies[..index].iter().map(|other| bodies[index].gap_um(other));
         if let Some((other, gap_um)) = gaps.enumerate().find(|(_, gap_um)| is_too_near(*gap_um, kept_um)) {
-            let other = (standing[other].name.as_str(), standing[other].at.span);
-            let wrong = errors::robots_start_too_near((name, at.span), other, (gap_um, kept_um));
+            let other = &standing[other];
+            let wrong = errors::robots_start_too_near(name, at.span, &other.name, other.at.span, gap_um, kept_um);
             sink.push(errors::given_at(wrong, at));
         }
     }

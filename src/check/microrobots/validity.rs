@@ -171,7 +171,7 @@ impl TableJudge<'_> {
             Problem::NoSequence { state, levels, snap_down, release, least_v } => {
                 let lowered: Vec<&str> = analysis.order.iter().take(state).map(|row| self.name(*row)).collect();
                 let most = source(self.facts, self.device).most_levels;
-                let wrong = errors::no_sequence((state, &lowered), [levels, most], least_v);
+                let wrong = errors::no_sequence(state, &lowered, [levels, most], least_v);
                 let gaps = [(snap_down, Transition::SnapDown), (release, Transition::Release)];
                 let labels = gaps.into_iter().flat_map(|(gap, transition)| self.gap(gap, transition)).collect();
                 (wrong, labels)
@@ -210,7 +210,7 @@ impl TableJudge<'_> {
         let is_thin = |(_, state): &(usize, &ControlState)| state.slack_v < least_v;
         let thin: Vec<(usize, &ControlState)> = analysis.states.iter().enumerate().filter(is_thin).collect();
         let shown = thin.iter().take(MAX_WARNINGS).map(|(index, state)| {
-            let wrong = errors::small_slack((*index, &state.digits()), state.slack_v, self.facts.margin_v);
+            let wrong = errors::small_slack(*index, &state.digits(), state.slack_v, self.facts.margin_v);
             self.device.labelled(wrong, self.binding(state))
         });
         let rest = thin.len().checked_sub(MAX_WARNINGS + 1).map(|rest| {

@@ -86,7 +86,7 @@ impl BedWalk {
             let body = RobotBody::of(order.robot(*robot), at.pose);
             let (obstacle, _) = first_near(&body, &order.obstacles, &solids, 0.0)?;
             let docked = errors::GoalPlace { robot: order.robot(*robot).name.clone(), span: at.span };
-            Some(errors::obstacle_on_docked(job.run_span, &docked, (&obstacle.name, obstacle.span)))
+            Some(errors::obstacle_on_docked(job.run_span, &docked, &obstacle.name, obstacle.span))
         })
     }
 
@@ -96,7 +96,7 @@ impl BedWalk {
             MicrorobotsAction::Wait(_) | MicrorobotsAction::Apply { .. } => Vec::new(),
             MicrorobotsAction::Drive { robot, stops } => {
                 if let Some(since) = self.docked.get(robot) {
-                    return vec![errors::docked_before(&order.robot(*robot).name, (span, "driven"), since.span)];
+                    return vec![errors::docked_before(&order.robot(*robot).name, span, "driven", since.span)];
                 }
                 stops.iter().find_map(|stop| self.on_docked(*robot, stop, order)).into_iter().collect()
             }
@@ -117,7 +117,7 @@ impl BedWalk {
             is_too_near(gap_um, kept_um).then(|| {
                 let goal = errors::GoalPlace { robot: order.robot(robot).name.clone(), span: stop.span };
                 let docked = errors::GoalPlace { robot: order.robot(*other).name.clone(), span: at.span };
-                errors::goal_on_docked(&goal, &docked, (gap_um, kept_um))
+                errors::goal_on_docked(&goal, &docked, gap_um, kept_um)
             })
         })
     }
@@ -125,7 +125,7 @@ impl BedWalk {
     fn assemble(&self, docks: &[Dock], order: &MicrorobotsOrder) -> Vec<Diagnostic> {
         let again = docks.iter().filter_map(|dock| {
             let since = self.docked.get(&dock.robot)?;
-            Some(errors::docked_before(&order.robot(dock.robot).name, (dock.goal.span, "assembled"), since.span))
+            Some(errors::docked_before(&order.robot(dock.robot).name, dock.goal.span, "assembled", since.span))
         });
         let again: Vec<Diagnostic> = again.collect();
         if !again.is_empty() {

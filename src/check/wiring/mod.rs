@@ -257,7 +257,7 @@ impl<'a> Checker<'a> {
             && let WireOutput::Instrument(path) = &wire.output
             && let Some(board) = panel.owner.as_ref().and_then(WiredOwner::numbered_channels)
         {
-            return self.board_wire(wire, (path, scope), &board, panel, outputs);
+            return self.board_wire(wire, path, scope, &board, panel, outputs);
         }
         // A board without facts was reported.
         if channel.as_deref() == Some(ALL_ELECTRODES) && panel.owner.is_none() {
@@ -276,9 +276,9 @@ impl<'a> Checker<'a> {
                 let name = format!("{}.{}", named.instrument, named.output);
                 let (link, limits) = match named.is_accessory {
                     true => {
-                        (self.accessory_link(&name, (wire, channel.as_deref()?), scope, panel)?, StageLimits::default())
+                        (self.accessory_link(&name, wire, channel.as_deref()?, scope, panel)?, StageLimits::default())
                     }
-                    false => self.link(&name, &wire.fields, scope, (named.link, wire.span), panel)?,
+                    false => self.link(&name, &wire.fields, scope, named.link, wire.span, panel)?,
                 };
                 let NamedOutput { instrument, output, .. } = named;
                 (path.span, name, Some(Drive { instrument, output, link, limits, span: wire.span }))
@@ -321,8 +321,8 @@ impl<'a> Checker<'a> {
             let known = instrument.facts.outputs();
             let takes_boards = instrument.facts.family() == Family::ElectrodeDriver;
             self.sink.push(match instrument.facts.lacks_temperature(&output) {
-                true => errors::heater_without_temperature(path.span, (name, declared), &output),
-                false => errors::unknown_output(path.span, (name, declared), &output, &known, takes_boards),
+                true => errors::heater_without_temperature(path.span, name, declared, &output),
+                false => errors::unknown_output(path.span, name, declared, &output, &known, takes_boards),
             });
             return None;
         };
@@ -332,7 +332,7 @@ impl<'a> Checker<'a> {
                 OutputSort::Digital | OutputSort::Voltage | OutputSort::Accessory => {
                     errors::line_for_a_stage(path.span)
                 }
-                OutputSort::Position => errors::stage_for_a_voltage(path.span, (name, declared)),
+                OutputSort::Position => errors::stage_for_a_voltage(path.span, name, declared),
             });
             return None;
         };
@@ -374,7 +374,8 @@ impl<'a> Checker<'a> {
     fn board_wire(
         &mut self,
         wire: &tree::Wire,
-        (path, scope): (&tree::Path, &Scope),
+        path: &tree::Path,
+        scope: &Scope,
         board: &NumberedChannels,
         panel: &mut Panel,
         outputs: &mut Outputs,
@@ -386,11 +387,11 @@ impl<'a> Checker<'a> {
         let known = facts.outputs();
         let lacks = board.channels.iter().find(|(_, number)| facts.output(&format!("c{number}")).is_none());
         let wrong = if facts.family() != Family::ElectrodeDriver {
-            Some(errors::electrodes_to_other_instrument(path.span, (name, declared)))
+            Some(errors::electrodes_to_other_instrument(path.span, name, declared))
         } else if words < path.segments.len() {
             Some(errors::electrodes_to_one_output(path.span, name))
         } else if let Some((channel, number)) = lacks {
-            Some(errors::channel_beyond_driver(path.span, (name, declared), (channel, *number), &known))
+            Some(errors::channel_beyond_driver(path.span, name, declared, channel, *number, &known))
         } else if board.channels.is_empty() {
             Some(errors::electrodes_without_numbers(wire.channel.span, &panel.name))
         } else {
@@ -432,8 +433,7 @@ impl<'a> Checker<'a> {
         let wire = |name: &str| bench.drives.values().find(|drive| drive.instrument == name).map(|drive| drive.span);
         let place = |name: &str| wire(name).unwrap_or(program);
         let together = [one, other].map(is_driver);
-        (together != [true; 2])
-            .then(|| errors::starts_apart((first, place(first)), (second, place(second)), together[1]))
+        (together != [true; 2]).then(|| errors::starts_apart(first, place(first), second, place(second), together[1]))
     }
 
     /// What stands between a channel and its output: the wire's own fields, then those of the wiring.
@@ -442,7 +442,8 @@ impl<'a> Checker<'a> {
         output: &str,
         fields: &[Field],
         scope: &Scope,
-        (sort, span): (LinkSort, Span),
+        sort: LinkSort,
+        span: Span,
         panel: &mut Panel,
     ) -> Option<(Link, StageLimits)> {
         let owner = Owner { name: format!("the wire to `{output}`"), declared: None };
@@ -483,7 +484,8 @@ impl<'a> Checker<'a> {
     fn accessory_link(
         &mut self,
         name: &str,
-        (wire, channel): (&tree::Wire, &str),
+        wire: &tree::Wire,
+        channel: &str,
         scope: &Scope,
         panel: &Panel,
     ) -> Option<Link> {
@@ -497,7 +499,7 @@ impl<'a> Checker<'a> {
         let facts = self.facts::<AuxiliarySort>(panel.place)?;
         let declared = self.named(panel.place).1;
         self.sink
-            .unless(facts.is_graded.then(|| errors::share_of_accessory(wire.span, (&panel.name, declared), name)))?;
+            .unless(facts.is_graded.then(|| errors::share_of_accessory(wire.span, &panel.name, declared, name)))?;
         Some(Link::Switch { on_v: facts.high_v })
     }
 

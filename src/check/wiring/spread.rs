@@ -38,22 +38,22 @@ impl Checker<'_> {
         let total = left.len();
         let mut by_lines = false;
         for wire in &wires {
-            let Some(takes_lines) = self.fill(wire, scope, (panel, &mut left), outputs) else { return };
+            let Some(takes_lines) = self.fill(wire, scope, panel, &mut left, outputs) else { return };
             by_lines = takes_lines;
         }
         if let Some(first) = left.first() {
-            let names = (panel.name.as_str(), first.as_str());
-            self.sink.push(errors::channels_left_over(last.span, names, [left.len(), total], by_lines));
+            let wrong = errors::channels_left_over(last.span, &panel.name, first, [left.len(), total], by_lines);
+            self.sink.push(wrong);
         }
     }
 
     /// Whether channels that are left have numbers, which are those of the driver's outputs: in their order they would go to others.
-    fn is_numbered(&mut self, wire: &tree::Wire, (panel, left): (&Panel, &[String]), instrument: &str) -> bool {
+    fn is_numbered(&mut self, wire: &tree::Wire, panel: &Panel, left: &[String], instrument: &str) -> bool {
         let numbered = panel.owner.as_ref().and_then(|owner| owner.numbered_channels());
         let is_left = |(channel, _): &&(String, u32)| left.contains(channel);
         let found = numbered.as_ref().and_then(|numbered| numbered.channels.iter().find(is_left));
         let Some((channel, number)) = found else { return false };
-        self.sink.push(errors::all_of_numbered(wire.channel.span, (channel, *number), instrument));
+        self.sink.push(errors::all_of_numbered(wire.channel.span, channel, *number, instrument));
         true
     }
 
@@ -62,7 +62,8 @@ impl Checker<'_> {
         &mut self,
         wire: &tree::Wire,
         scope: &Scope,
-        (panel, left): (&mut Panel, &mut Vec<String>),
+        panel: &mut Panel,
+        left: &mut Vec<String>,
         outputs: &mut Outputs,
     ) -> Option<bool> {
         let path = match &wire.output {
@@ -83,7 +84,7 @@ impl Checker<'_> {
         let is_stage = panel.owner.as_ref()?.moves_stages();
         let has_field = wire.fields.iter().any(|field| field.name.text == SWITCHES);
         let facts = &instrument.facts;
-        if facts.family() == Family::ElectrodeDriver && self.is_numbered(wire, (panel, left), &name) {
+        if facts.family() == Family::ElectrodeDriver && self.is_numbered(wire, panel, left, &name) {
             return None;
         }
         let has_lines_only = facts.family() == Family::ElectrodeDriver;
@@ -96,10 +97,10 @@ impl Checker<'_> {
         let fitting = facts.output_names().into_iter().filter_map(|output| Some((fits(&output)?, output)));
         let fitting: Vec<(LinkSort, String)> = fitting.collect();
         let Some(sort) = fitting.first().map(|(sort, _)| *sort) else {
-            self.sink.push(errors::nothing_free(path.span, (&name, declared), by_lines));
+            self.sink.push(errors::nothing_free(path.span, &name, declared, by_lines));
             return None;
         };
-        let (link, limits) = self.link(&name, &wire.fields, scope, (sort, wire.span), panel)?;
+        let (link, limits) = self.link(&name, &wire.fields, scope, sort, wire.span, panel)?;
         self.enlist(place, instrument, outputs)?;
         for (channel, (_, output)) in left.drain(..left.len().min(fitting.len())).zip(fitting) {
             let shown = format!("{name}.{output}");

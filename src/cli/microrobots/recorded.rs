@@ -33,15 +33,15 @@ pub fn judge(arguments: &VerifyArguments, bytes: &[u8]) -> Result<String, Box<Re
     let run = match &arguments.against {
         None => judged(arguments, &lines, own)?,
         Some(trusted) => {
-            let theirs = trusted_claims(arguments, trusted, (&task, &provenance.settings), Some(&claims))?;
-            claims_the_same((&arguments.file, LogOrigin::Run), trusted, &theirs, Some(&claims))?;
+            let theirs = trusted_claims(arguments, trusted, &task, &provenance.settings, Some(&claims))?;
+            claims_the_same(&arguments.file, LogOrigin::Run, trusted, &theirs, Some(&claims))?;
             judged(arguments, &lines, theirs)?
         }
     };
     Ok(match arguments.report.format {
-        ReportFormat::Json => format!("{}\n", as_json(arguments, (&task, &provenance.settings), &run)),
+        ReportFormat::Json => format!("{}\n", as_json(arguments, &task, &provenance.settings, &run)),
         ReportFormat::Human | ReportFormat::Short | ReportFormat::Github => {
-            as_text(arguments, (&task, &version), &provenance, &run)
+            as_text(arguments, &task, &version, &provenance, &run)
         }
     })
 }
@@ -64,7 +64,8 @@ fn judged(arguments: &VerifyArguments, lines: &[&ControlLine], derived: Derived)
 
 fn as_text(
     arguments: &VerifyArguments,
-    (task, version): (&str, &str),
+    task: &str,
+    version: &str,
     provenance: &Provenance,
     run: &RecordedRun,
 ) -> String {
@@ -119,7 +120,7 @@ fn rounded(value: f64) -> String {
     digits(to_decimals(value, 2))
 }
 
-fn as_json(arguments: &VerifyArguments, (task, settings): (&str, &[String]), run: &RecordedRun) -> Value {
+fn as_json(arguments: &VerifyArguments, task: &str, settings: &[String], run: &RecordedRun) -> Value {
     let goal = |goal: &GoalReached| {
         json!({
             "robot": goal.robot,

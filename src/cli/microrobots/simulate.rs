@@ -83,7 +83,7 @@ fn simulated(
         match plan::plan(claims, sink, &mut |_, _, _| ()) {
             Some(plans) => {
                 let jobs = claims.jobs.iter().zip(&plans);
-                let outcomes = jobs.filter_map(|(job, plan)| one((claims, job), plan, arguments, sources));
+                let outcomes = jobs.filter_map(|(job, plan)| one(claims, job, plan, arguments, sources));
                 lines.extend(outcomes.collect::<Result<Vec<String>, NoTrials>>()?);
             }
             None => is_whole = false,
@@ -94,7 +94,8 @@ fn simulated(
 
 /// Outcomes of one assembly of the schedule of a name; `None` if there is none, or if the device does not bound its errors.
 fn one(
-    (claims, job): (&Claims, &Job),
+    claims: &Claims,
+    job: &Job,
     plan: &Plan<Motion>,
     arguments: &SimulateArguments,
     sources: &Sources,
@@ -105,7 +106,7 @@ fn one(
             let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
             simulate_disturbed(&plan.motion, arguments.disturbances(), (trials, seed, threads)).map(Ok)
         }
-        true => against((claims, job), plan, arguments),
+        true => against(claims, job, plan, arguments),
     };
     let report = match report? {
         Ok(report) => report,
@@ -120,7 +121,8 @@ fn one(
 
 /// The trials of an assembly by controllers in processes of their own, one for each.
 fn against(
-    (claims, job): (&Claims, &Job),
+    claims: &Claims,
+    job: &Job,
     plan: &Plan<Motion>,
     arguments: &SimulateArguments,
 ) -> Option<Result<SimulationReport, NoTrials>> {

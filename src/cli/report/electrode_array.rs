@@ -13,7 +13,8 @@ impl ReportedOrder for ElectrodeArrayOrder {
     fn notes(&self, run: &ReportedRun) -> Vec<Note> {
         let temperatures_k = temperatures_k(self);
         let heaters = temperatures_k.iter().filter_map(|(zone, k)| Some((self.zones.get(*zone)?, *k)));
-        heaters.flat_map(|heater| crossings(self, run, heater)).map(|text| (ReportTopic::Crosses, text)).collect()
+        let crossings = heaters.flat_map(|(heater, k)| crossings(self, run, heater, k));
+        crossings.map(|text| (ReportTopic::Crosses, text)).collect()
     }
 }
 
@@ -24,7 +25,7 @@ fn temperatures_k(order: &ElectrodeArrayOrder) -> BTreeMap<usize, f64> {
 }
 
 /// A line for each droplet that is over a heater while no operation heats it: how warm that is, and since when and how long it is there.
-fn crossings(order: &ElectrodeArrayOrder, run: &ReportedRun, (heater, k): (&BoardZone, f64)) -> Vec<String> {
+fn crossings(order: &ElectrodeArrayOrder, run: &ReportedRun, heater: &BoardZone, k: f64) -> Vec<String> {
     let mut heated: BTreeMap<&str, Vec<[u64; 2]>> = BTreeMap::new();
     for (asked, step) in order.steps.iter().zip(&run.steps) {
         for (_, on) in

@@ -119,7 +119,8 @@ pub fn verified(
     log: &str,
     schedule: &Schedule,
     settings: &[String],
-    (against, replanned): (Option<&str>, Option<&Verified>),
+    against: Option<&str>,
+    replanned: Option<&Verified>,
 ) -> Value {
     let report = replanned.map_or_else(|| verified_schedule(schedule), planned_schedule);
     json!({

@@ -131,7 +131,7 @@ impl Excerpt {
     }
 
     /// The lines `first..=last` with `before` and `after` more, as far as they follow one another in the file.
-    fn widened(&self, (first, last): (usize, usize), before: usize, after: usize) -> (usize, usize) {
+    fn widened(&self, first: usize, last: usize, before: usize, after: usize) -> (usize, usize) {
         let follows = |line: usize| self.lines[line].number == self.lines[line - 1].number + 1;
         let (mut first, mut last) = (first, last);
         for _ in 0..before {
@@ -158,7 +158,7 @@ impl SourceCode for Excerpt {
         if self.lines[last].number - self.lines[first].number != (last - first) as u32 {
             return Err(MietteError::OutOfBounds);
         }
-        let (first, last) = self.widened((first, last), before, after);
+        let (first, last) = self.widened(first, last, before, after);
         let place = self.lines[first].place.start..self.lines[last].place.end;
         let column = self.columns.iter().find(|(at, _)| *at == span.offset()).map_or(0, |(_, column)| *column);
         let column = if before == 0 { column } else { 0 };

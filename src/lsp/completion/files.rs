@@ -35,14 +35,16 @@ impl ProgramTrees {
     /// The text of a program with what it uses, and what that uses; files that cannot be read are left out.
     pub(super) fn read(text: &str, library: &dyn Library) -> ProgramTrees {
         let mut trees = ProgramTrees { files: Vec::new() };
-        trees.add(("", text, None), library, &mut BTreeMap::new());
+        trees.add("", text, None, library, &mut BTreeMap::new());
         trees
     }
 
     /// Adds a file by its name, and returns its number; `known` are the files so far, those of the library apart.
     fn add(
         &mut self,
-        (name, text, kind): (&str, &str, Option<Kind>),
+        name: &str,
+        text: &str,
+        kind: Option<Kind>,
         library: &dyn Library,
         known: &mut BTreeMap<(bool, String), usize>,
     ) -> usize {
@@ -73,7 +75,7 @@ impl ProgramTrees {
                 None if self.files.len() == MAX_FILES => continue,
                 None => {
                     known.insert((is_library, name.clone()), self.files.len());
-                    self.add((&name, &text, kind), library, known)
+                    self.add(&name, &text, kind, library, known)
                 }
             };
             self.files[file].uses.insert(alias, UsedTree { written, file: used });

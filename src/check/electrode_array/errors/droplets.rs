@@ -3,7 +3,7 @@
 use super::{PartPlace, nearest, written};
 use crate::check::scope::nearest as nearest_name;
 use crate::check::value::Value;
-use crate::claims::electrode_array::{AssayOperation, DropletContent, DropletShare, ElectrodeArrayStop};
+use crate::claims::electrode_array::{AssayOperation, BoardPart, DropletContent, DropletShare, ElectrodeArrayStop};
 use crate::claims::{Job, Relation};
 use crate::device::Verb;
 use crate::device::electrode_array::{ElectrodeCell, MAX_PLACES, SPLIT_APART, droplets};
@@ -64,10 +64,11 @@ pub fn dispensed_after_merging(span: Span, name: &str, merged: Span) -> Diagnost
 }
 
 /// A part without a place before its `dispense`.
-pub fn not_there_yet(span: Span, (name, declared): (&str, Span)) -> Diagnostic {
+pub fn not_there_yet(span: Span, part: &BoardPart) -> Diagnostic {
+    let name = &part.name;
     Diagnostic::new(Code::E0555, format!("`{name}` is not on the board by then"))
         .label(span, "neither dispensed nor split off before")
-        .label_elsewhere(declared, span, "declared without `at`")
+        .label_elsewhere(part.span, span, "declared without `at`")
         .help(format!(
             "write `dispense {name} from RESERVOIR` or `split {name} from PART at (5, 3)` before, or give `{name}` a place in the scene with `at`"
         ))
@@ -239,7 +240,8 @@ pub fn comes_not_beside(place: SplitPlace, to: ElectrodeCell, span: Span) -> Dia
 /// A droplet that would go where it cannot be; `across` is a cell beside the split in the other direction that is free, as its opposite is.
 pub fn half_has_no_room(
     place: SplitPlace,
-    (name, [column, row]): (&str, [i64; 2]),
+    name: &str,
+    [column, row]: [i64; 2],
     across: Option<ElectrodeCell>,
 ) -> Diagnostic {
     let SplitPlace { at, span } = place;
@@ -267,8 +269,10 @@ pub fn no_mixing_loop(found: &Value) -> Diagnostic {
 
 /// A mixing loop of some columns and rows with a cell that a droplet cannot take; `free` is a corner from which it can.
 pub fn loop_blocked(
-    (name, span): (&str, Span),
-    (corner, [columns, rows]): (ElectrodeCell, [u32; 2]),
+    name: &str,
+    span: Span,
+    corner: ElectrodeCell,
+    [columns, rows]: [u32; 2],
     cell: ElectrodeCell,
     free: Option<ElectrodeCell>,
 ) -> Diagnostic {
@@ -291,8 +295,10 @@ pub fn parts_contain_nothing(span: Span) -> Diagnostic {
 
 /// A fluid that the scene does not have.
 pub fn unknown_fluid(
-    (code, span): (Code, Span),
-    (name, word): (&str, Span),
+    code: Code,
+    span: Span,
+    name: &str,
+    word: Span,
     fluids: &BTreeSet<&str>,
     scene: Option<Span>,
 ) -> Diagnostic {
@@ -303,7 +309,7 @@ pub fn unknown_fluid(
     let diagnostic = Diagnostic::new(code, format!("no fluid of this scene is called `{name}`"))
         .label(span, "neither a reservoir nor a part with a place");
     let diagnostic = match near {
-        Some(near) => diagnostic.near_object((name, word), near),
+        Some(near) => diagnostic.near_object(name, word, near),
         None => diagnostic.help(format!("droplets can contain {}{more}{volume}", known.join(", "))),
     };
     match scene {
@@ -350,7 +356,7 @@ pub fn washes_by_two(span: Span, earlier: Span) -> Diagnostic {
 }
 
 /// Traces that an earlier task on the same board has left.
-pub fn soiled_before((avoided, fluid): (Span, &str), earlier: &Job) -> Diagnostic {
+pub fn soiled_before(avoided: Span, fluid: &str, earlier: &Job) -> Diagnostic {
     let title =
         format!("the traces of `{fluid}` that `{}` has left on `{}` are not heeded", earlier.task, earlier.device);
     Diagnostic::new(Code::W0513, title)
@@ -383,7 +389,8 @@ pub fn harms_at_one_place(span: Span, [left, comes]: [&str; 2], cell: ElectrodeC
 
 /// A droplet that stops where one starts that harms it.
 pub fn stops_where_another_starts(
-    (stop, start): (Span, Span),
+    stop: Span,
+    start: Span,
     [left, comes]: [&str; 2],
     cell: ElectrodeCell,
 ) -> Diagnostic {
@@ -395,7 +402,8 @@ pub fn stops_where_another_starts(
 
 /// A droplet that ends where another one stops that harms it, and which the program names before that one or behind it.
 pub fn ends_where_another_stops(
-    (stop, end): (Span, Span),
+    stop: Span,
+    end: Span,
     [left, ends]: [&str; 2],
     cell: ElectrodeCell,
     is_written_before: bool,
@@ -414,7 +422,8 @@ pub fn ends_where_another_stops(
 pub fn other_content(
     content: &DropletContent,
     name: &str,
-    (reached, contains): (f64, &str),
+    reached: f64,
+    contains: &str,
     last: Option<Span>,
 ) -> Diagnostic {
     let wanted = format!("{}{}", words_of(content.relation), fraction(content.limit));
@@ -444,9 +453,11 @@ pub fn never_there(content: &DropletContent, name: &str) -> Diagnostic {
 /// A droplet that is too small or too large for its device.
 pub fn volume_out_of_limits(
     span: Span,
-    (name, volume): (&str, f64),
+    name: &str,
+    volume: f64,
     device: &str,
-    (limit, is_largest): (f64, bool),
+    limit: f64,
+    is_largest: bool,
 ) -> Diagnostic {
     let (word, help) = match is_largest {
         true => ("largest", "split it before, or merge fewer droplets"),
@@ -499,7 +510,7 @@ fn words_of(relation: Relation) -> &'static str {
 }
 
 /// A mixing loop too near to a part that stays.
-pub fn loop_near_part((name, span): (&str, Span), corner: ElectrodeCell, stays: PartPlace, apart: u32) -> Diagnostic {
+pub fn loop_near_part(name: &str, span: Span, corner: ElectrodeCell, stays: PartPlace, apart: u32) -> Diagnostic {
     let PartPlace { name: other, cell, span: since } = stays;
     let title = format!("the loop in which `{name}` is mixed from {corner} comes too near to `{other}` at {cell}");
     Diagnostic::new(Code::E0524, title)

@@ -13,6 +13,7 @@ pub use reservoirs::*;
 pub use teams::*;
 pub use zones::*;
 
+use crate::check::electrode_array::tray::BlockedCell;
 use crate::check::value::{BoardFile, LeftOut, Value};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, MAX_SHARING};
 use crate::diagnostic::{Code, Diagnostic};
@@ -374,12 +375,14 @@ pub fn goal_out_of_reach(
 
 /// A start or a goal, by its code, nearer to an obstacle than it may be.
 pub fn near_obstacle(
-    (code, span): (Code, Span),
-    cell: ElectrodeCell,
-    (name, obstacle): (&str, Span),
-    (distance, apart): (u32, u32),
+    place: &BlockedCell,
+    name: &str,
+    obstacle: Span,
+    distance: u32,
+    apart: u32,
     free: Option<ElectrodeCell>,
 ) -> Diagnostic {
+    let BlockedCell { code, cell, span } = *place;
     let title = match distance {
         0 => format!("cell {cell} lies on obstacle `{name}`"),
         distance => format!("cell {cell} lies {distance} electrodes from obstacle `{name}`; {apart} are needed"),
@@ -448,7 +451,8 @@ pub fn ends_too_near(ends: [PartPlace; 2], apart: u32, free: Option<ElectrodeCel
 
 /// A part that is sent too near to one that stays; in an assay that one may go on by an operation of its own.
 pub fn near_standing_part(
-    (moved, stays): (PartPlace, PartPlace),
+    moved: PartPlace,
+    stays: PartPlace,
     apart: u32,
     free: Option<ElectrodeCell>,
     in_assay: bool,
@@ -483,8 +487,10 @@ pub fn two_goals(name: &str, span: Span, earlier: Span) -> Diagnostic {
 pub fn obstacle_comes_near(
     run: Span,
     part: PartPlace,
-    (obstacle, at): (&str, Span),
-    (distance, apart): (u32, u32),
+    obstacle: &str,
+    at: Span,
+    distance: u32,
+    apart: u32,
 ) -> Diagnostic {
     let PartPlace { name, cell, span: since } = part;
     let title = match distance {

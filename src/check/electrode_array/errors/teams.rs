@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 /// Names in a message before the rest is counted.
 const MOST_NAMED: usize = 4;
 
-pub fn no_team((span, name): (Span, &str), families: &BTreeSet<&str>, scene: Option<Span>) -> Diagnostic {
+pub fn no_team(span: Span, name: &str, families: &BTreeSet<&str>, scene: Option<Span>) -> Diagnostic {
     let title = format!("no part of the scene is `{name}` with an index");
     let mend = match families.first() {
         Some(first) => {
@@ -29,7 +29,7 @@ pub fn no_team((span, name): (Span, &str), families: &BTreeSet<&str>, scene: Opt
     diagnostic.help(mend)
 }
 
-pub fn goals_of_team((step, to): (Span, Span), name: &str, parts: &[&str], goals: usize) -> Diagnostic {
+pub fn goals_of_team(step: Span, to: Span, name: &str, parts: &[&str], goals: usize) -> Diagnostic {
     let count = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     let title = format!("`any {name}` is {}, but has {}", count(parts.len(), "part"), count(goals, "goal"));
     let named: Vec<String> = parts.iter().take(MOST_NAMED).map(|name| format!("`{name}`")).collect();

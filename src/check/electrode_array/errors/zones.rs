@@ -64,12 +64,7 @@ pub fn no_zone_here(span: Span, cell: ElectrodeCell, sort: ZoneSort, near: Optio
 }
 
 /// A temperature beyond what the heaters of a device reach, which a field says.
-pub fn temperature_out_of_range(
-    span: Span,
-    asked: Quantity,
-    device: &str,
-    (field, limit_k): (&str, f64),
-) -> Diagnostic {
+pub fn temperature_out_of_range(span: Span, asked: Quantity, device: &str, field: &str, limit_k: f64) -> Diagnostic {
     let limit = Quantity::new(limit_k, Dimension::TEMPERATURE);
     let word = if asked.si < limit_k { "lowest" } else { "highest" };
     let title = format!("the heaters of `{device}` do not come to {asked}; their {word} temperature is {limit}");
@@ -79,7 +74,7 @@ pub fn temperature_out_of_range(
 }
 
 /// A heater that is to have two temperatures.
-pub fn two_temperatures(name: &str, (asked_k, span): (f64, Span), (first_k, first): (f64, Span)) -> Diagnostic {
+pub fn two_temperatures(name: &str, asked_k: f64, span: Span, first_k: f64, first: Span) -> Diagnostic {
     let text = |si: f64| Quantity::new(si, Dimension::TEMPERATURE).to_string();
     let (asked, before) = (text(asked_k), text(first_k));
     Diagnostic::new(Code::E0575, format!("heater `{name}` is to be at {asked}, but also at {before}"))
@@ -90,7 +85,9 @@ pub fn two_temperatures(name: &str, (asked_k, span): (f64, Span), (first_k, firs
 
 /// A temperature to which none of the drivers' heaters is set: each with its instrument, its number and its setting in degrees Celsius.
 pub fn no_heater_so_warm(
-    (name, asked_k, span): (&str, f64, Span),
+    name: &str,
+    asked_k: f64,
+    span: Span,
     setting: Option<u32>,
     set: &[(&str, u32, u32)],
 ) -> Diagnostic {

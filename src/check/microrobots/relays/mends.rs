@@ -36,7 +36,7 @@ pub fn mends(table: &VoltageTable, gaps: AllowedGaps, problems: &[Problem]) -> V
 
 fn mend(clinic: &Clinic) -> Option<Mend> {
     let mut places: Vec<VoltageBreakpoint> =
-        clinic.voltages().into_iter().flat_map(|voltage| clinic.places(voltage)).collect();
+        clinic.voltages().into_iter().flat_map(|(row, transition)| clinic.places(row, transition)).collect();
     places.sort_by_key(|place| (place.far(), place.row, place.transition, -place.to, place.way));
     places.dedup();
     let mut best: Option<(Good, i64, Mend)> = None;
@@ -113,7 +113,7 @@ impl Clinic<'_> {
         }
     }
 
-    fn places(&self, (row, transition): (usize, Transition)) -> Vec<VoltageBreakpoint> {
+    fn places(&self, row: usize, transition: Transition) -> Vec<VoltageBreakpoint> {
         let (table, gap) = (self.table, 2 * self.table.margin);
         let from = table.voltage(row, transition);
         let limits = match transition {

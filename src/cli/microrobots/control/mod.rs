@@ -79,7 +79,7 @@ pub fn run(arguments: &ControlArguments) -> Exit {
     };
     let lines = order.steps.iter().map(|step| sources.position(step.span).line).collect();
     let provenance = build::provenance(&sources, &loaded.options);
-    serve(arguments, (claims, &provenance), (order, &planned.motion), lines)
+    serve(arguments, claims, &provenance, order, &planned.motion, lines)
 }
 
 /// The order of a task that can be controlled: one run of one bed, without a wait for anything else; or why there is none.
@@ -135,8 +135,10 @@ fn not_listening(address: &Address, error: &std::io::Error) -> Exit {
 /// Connects and controls.
 fn serve(
     arguments: &ControlArguments,
-    (claims, provenance): (&Claims, &Provenance),
-    (order, motion): (&MicrorobotsOrder, &MicrorobotsMotion),
+    claims: &Claims,
+    provenance: &Provenance,
+    order: &MicrorobotsOrder,
+    motion: &MicrorobotsMotion,
     lines: Vec<u32>,
 ) -> Exit {
     let Some(controller) = Controller::new(order, motion) else { return refused(&no_bed(&claims.name)) };
