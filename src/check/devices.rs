@@ -253,8 +253,10 @@ impl Checker<'_> {
         let is_known = |field: &tree::Field| root.fields().iter().any(|known| known.name == field.name.text);
         let has_unknown_field =
             base.as_ref().is_some_and(|base| base.has_unknown_field) || !item.fields.iter().all(is_known);
-        let (mut fields, mut origins) =
-            base.map(|base| (base.fields.clone(), base.origins.clone())).unwrap_or_default();
+        let (mut fields, mut origins) = base.map_or_else(
+            || (Accepted::new(root.fields()), BTreeMap::new()),
+            |base| (base.fields.clone(), base.origins.clone()),
+        );
         origins.retain(|name, _| !own.contains_key(name));
         for field in &item.fields {
             let name = own.keys().find(|name| **name == field.name.text);

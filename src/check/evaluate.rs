@@ -2,7 +2,7 @@
 
 use super::budget::MAX_LIST_DEPTH;
 use super::scope::{ANGLE_NAME, DeclarationSort, Scope, nearest, path_text};
-use super::value::{ListValue, ModuleWord, TableValue, Value, whole};
+use super::value::{Accepted, ListValue, ModuleWord, ShapeValue, TableValue, Value, whole};
 use super::{Checker, errors, functions};
 use crate::device::MAX_WORD_DIGITS;
 use crate::device::shape::ShapeForm;
@@ -292,7 +292,7 @@ impl Checker<'_> {
 
     fn with_fields(&mut self, base: &Path, fields: &[Field], scope: &Scope) -> Value {
         let shape = match ShapeForm::find(&path_text(base)).filter(|_| base.segments.len() == 1) {
-            Some(form) => super::value::ShapeValue { form, fields: Default::default() },
+            Some(form) => ShapeValue { form, fields: Accepted::new(form.fields()) },
             None => match self.shape_base(base, scope) {
                 Some(shape) => shape,
                 None => {

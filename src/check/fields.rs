@@ -57,7 +57,7 @@ impl Checker<'_> {
         given: &[Given],
         table: &'static [device::VocabularyField],
     ) -> Accepted {
-        let mut accepted = Accepted::new();
+        let mut accepted = Accepted::new(table);
         let mut seen: BTreeMap<&str, Span> = BTreeMap::new();
         let extents = extents(given, table);
         if let Some([width, height]) = extents {

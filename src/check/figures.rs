@@ -1,6 +1,7 @@
 //! Figures of a device, a task or a shape, read from its accepted fields.
 //!
-//! Sorts and ranges were checked against the vocabulary before. A figure that was not given is `None`; no number stands for "missing".
+//! Sorts and ranges were checked against the vocabulary before. A figure that was not given is the vocabulary's default, or `None` where
+//! it has none; no number stands for "missing".
 
 use super::clock_ns;
 use super::value::{Accepted, Value, whole};
@@ -9,7 +10,7 @@ use crate::quantity::Quantity;
 
 /// Accepted fields by the sort of figure that they hold.
 pub trait Figures {
-    /// A quantity as it was written.
+    /// A quantity as it was written, or its default.
     fn quantity(&self, name: &str) -> Option<Quantity>;
 
     /// A word, as `safe`.
@@ -46,7 +47,8 @@ impl Figures for Accepted {
     fn quantity(&self, name: &str) -> Option<Quantity> {
         match self.get(name).map(|field| &field.value) {
             Some(Value::Quantity(quantity)) => Some(*quantity),
-            _ => None,
+            Some(_) => None,
+            None => self.default_of(name),
         }
     }
 

@@ -48,7 +48,7 @@ impl Checker<'_> {
                     ports: fields.count("ports")?,
                     lines: fields.count("lines")?,
                     digital_rate_hz: fields.si("digital_rate").unwrap_or(0.0),
-                    analog_outputs: fields.count("analog_outputs").unwrap_or(0),
+                    analog_outputs: fields.count("analog_outputs")?,
                     voltage: voltage(),
                     start,
                 };
@@ -70,7 +70,7 @@ impl Checker<'_> {
         let facts = ElectrodeDriverFacts {
             protocol: Protocol::find(fields.word("protocol")?)?,
             channels: fields.count("channels")?,
-            least_v: fields.si("least_potential").unwrap_or(0.0),
+            least_v: fields.si("least_potential")?,
             most_v: fields.si("most_potential")?,
             least_frame_ns: fields.clock_ns("least_frame", self.sink)?,
             frequency_hz: fields.si("frequency"),

@@ -15,19 +15,16 @@ use crate::quantity::Dimension;
 use crate::syntax::tree::{Expr, ExprKind, Step};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Voltage of the high level of an output that names none: that of TTL and of most digital lines.
-const HIGH_V: f64 = 5.0;
-
 impl Checker<'_> {
     /// The facts of an output that lacks no field; `None` after an error.
     pub fn facts_of_output(&mut self, declared: &CheckedDeclaration<AuxiliarySort>) -> Option<AuxiliaryOutput> {
         let fields = &declared.fields;
         if declared.root == AuxiliarySort::Level {
-            let (low_v, high_v) = (fields.si("from").unwrap_or(0.0), fields.si("to")?);
-            let rest_v = between([low_v, high_v], fields.si("rest").unwrap_or(0.0));
+            let (low_v, high_v) = (fields.si("from")?, fields.si("to")?);
+            let rest_v = between([low_v, high_v], fields.si("rest")?);
             return Some(AuxiliaryOutput { high_v, low_v, rest_v, pulse_ns: None, is_graded: true });
         }
-        let high_v = fields.si("voltage").unwrap_or(HIGH_V);
+        let high_v = fields.si("voltage")?;
         let rest_v = match fields.word("rest").and_then(Level::find).unwrap_or_default() {
             Level::Low => 0.0,
             Level::High => high_v,

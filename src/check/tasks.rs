@@ -4,10 +4,11 @@ use super::Checker;
 use super::devices::CheckedDevice;
 use super::errors::{self, WantedName};
 use super::fields::{Given, Owner};
+use super::figures::Figures;
 use super::lets::Argument;
 use super::scenes::CheckedScene;
 use super::scope::{DeclarationPlace, DeclarationSort, STEP_WORDS, Scope, nearest, path_text};
-use super::value::{Accepted, Value, whole};
+use super::value::{Accepted, Value};
 use super::verbs::Call;
 use crate::claims::auxiliary::{AuxiliaryAction, AuxiliaryEvent, Hold};
 use crate::claims::{Job, Relation, Requirement};
@@ -29,7 +30,10 @@ pub struct TaskRun {
 pub struct Parts {
     /// What `minimize` names, with the place of the step.
     pub objective: Option<Spanned<&'static str>>,
-    pub planner: Option<(Spanned<&'static device::Planner>, Accepted)>,
+    /// The planner that the task names.
+    pub planner: Option<Spanned<&'static device::Planner>>,
+    /// Its options, or those of the kind's first planner.
+    pub options: Accepted,
     pub start: Option<Argument>,
     pub settings: Accepted,
     pub requirements: Vec<Requirement>,
@@ -47,18 +51,9 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// The limit of expansions set by the task, if any.
+    /// The limit of expansions set by the task, or the vocabulary's default.
     pub fn expansions(&self) -> Option<u64> {
-        self.budget("expansions")
-    }
-
-    /// A limit of the planner's search set by the task, if any.
-    pub fn budget(&self, name: &str) -> Option<u64> {
-        let (_, options) = self.planner.as_ref()?;
-        match &options.get(name)?.value {
-            Value::Quantity(quantity) => whole(*quantity).and_then(|number| u64::try_from(number).ok()),
-            _ => None,
-        }
+        self.options.count("expansions").map(u64::from)
     }
 }
 
@@ -201,8 +196,9 @@ impl<'a> Checker<'a> {
         let parts = Parts {
             objective: None,
             planner: None,
+            options: Accepted::new(vocabulary.planners[0].options),
             start: None,
-            settings: Accepted::new(),
+            settings: Accepted::new(vocabulary.settings),
             requirements: Vec::new(),
             contents: Vec::new(),
             conditions: Vec::new(),
@@ -274,7 +270,11 @@ impl<'a> Checker<'a> {
                 let objective = self.objective(step, reading.vocabulary);
                 reading.parts.objective = objective.map(|value| Spanned { value, span: step.span });
             }
-            "using" => reading.parts.planner = self.planner(step, scope, reading.vocabulary),
+            "using" => {
+                if let Some((planner, options)) = self.planner(step, scope, reading.vocabulary) {
+                    (reading.parts.planner, reading.parts.options) = (Some(planner), options);
+                }
+            }
             "require" => match content_sides(step, reading.vocabulary) {
                 Some(sides) if !self.names_value(sides.path, scope) => match self.content(step, &sides, scope) {
                     Some(content) => reading.parts.contents.push(content),

@@ -1,6 +1,7 @@
 //! Values of expressions.
 
 use crate::device::shape::ShapeForm;
+use crate::device::{Need, VocabularyField};
 use crate::geometry::mesh::Mesh;
 use crate::quantity::{Dimension, Quantity};
 use crate::source::{Span, Spanned};
@@ -130,8 +131,56 @@ impl std::ops::Deref for ListValue {
     }
 }
 
-/// The fields that were given and accepted, by name.
-pub type Accepted = BTreeMap<&'static str, Spanned<Value>>;
+/// Fields that were given and accepted, by name, with the table that has the defaults of the others.
+#[derive(Debug, Clone)]
+pub struct Accepted {
+    table: &'static [VocabularyField],
+    given: BTreeMap<&'static str, Spanned<Value>>,
+}
+
+impl Accepted {
+    /// No field of a table.
+    pub fn new(table: &'static [VocabularyField]) -> Self {
+        Accepted { table, given: BTreeMap::new() }
+    }
+
+    /// The figure that applies where a field is left out, if the table has one.
+    pub fn default_of(&self, name: &str) -> Option<Quantity> {
+        match self.table.iter().find(|field| field.name == name)?.need {
+            Need::Default(figure) => Some(figure.quantity()),
+            Need::Required | Need::Optional(_) => None,
+        }
+    }
+}
+
+impl std::ops::Deref for Accepted {
+    type Target = BTreeMap<&'static str, Spanned<Value>>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.given
+    }
+}
+
+impl std::ops::DerefMut for Accepted {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.given
+    }
+}
+
+impl IntoIterator for Accepted {
+    type Item = (&'static str, Spanned<Value>);
+    type IntoIter = std::collections::btree_map::IntoIter<&'static str, Spanned<Value>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.given.into_iter()
+    }
+}
+
+impl PartialEq for Accepted {
+    fn eq(&self, other: &Self) -> bool {
+        self.given == other.given
+    }
+}
 
 /// A shape with the fields given to it.
 #[derive(Debug, Clone, PartialEq)]

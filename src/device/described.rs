@@ -63,6 +63,7 @@ impl VocabularyField {
     pub fn meaning(&self) -> String {
         match self.need {
             Need::Required => self.doc.to_owned(),
+            Need::Default(figure) => format!("{} (else {figure})", self.doc),
             Need::Optional(otherwise) => format!("{} (else {otherwise})", self.doc),
         }
     }

@@ -35,8 +35,9 @@ pub mod microrobots;
 pub mod shape;
 pub(crate) mod words;
 
-use crate::quantity::Dimension;
+use crate::quantity::{Dimension, Quantity, Unit, grouped};
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// Greatest limit of states that one search may expand: some ten gigabytes of memory.
 pub const MAX_EXPANSIONS: u32 = 200_000_000;
@@ -235,20 +236,24 @@ pub const fn required(name: &'static str, sort: Sort, doc: &'static str) -> Voca
     VocabularyField { name, sort, need: Need::Required, doc }
 }
 
-/// A field that may be left out; `without` describes the default.
+/// A field that may be left out, for which `default` then applies.
+const fn defaulted(name: &'static str, sort: Sort, default: DefaultFigure, doc: &'static str) -> VocabularyField {
+    VocabularyField { name, sort, need: Need::Default(default), doc }
+}
+
+/// A field that may be left out; `without` describes what applies then.
 pub const fn optional(name: &'static str, sort: Sort, without: &'static str, doc: &'static str) -> VocabularyField {
     VocabularyField { name, sort, need: Need::Optional(without), doc }
 }
 
 /// The option of a planner that limits its search, which is `default` steps where it is left out.
-const fn expansions(default: &'static str, doc: &'static str) -> VocabularyField {
+const fn expansions(default: u32, doc: &'static str) -> VocabularyField {
     budget("expansions", MAX_EXPANSIONS, default, doc)
 }
 
 /// An option of a planner that limits its search to at most `most`, and to `default` where it is left out.
-const fn budget(name: &'static str, most: u32, default: &'static str, doc: &'static str) -> VocabularyField {
-    let sort = Sort::Count { least: 1, most };
-    VocabularyField { name, sort, need: Need::Optional(default), doc }
+const fn budget(name: &'static str, most: u32, default: u32, doc: &'static str) -> VocabularyField {
+    defaulted(name, Sort::Count { least: 1, most }, DefaultFigure::count(default), doc)
 }
 
 /// A planner by its word, with its options.
@@ -262,11 +267,48 @@ const fn outcome(word: WordChoice, unit: OutcomeUnit) -> Outcome {
 }
 
 /// Whether a field may be left out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Need {
     Required,
-    /// May be left out; the text describes the default.
+    /// May be left out; this figure then applies.
+    Default(DefaultFigure),
+    /// May be left out; the text describes what applies then.
     Optional(&'static str),
+}
+
+/// The figure of a field that is left out, for the vocabulary's text and for the checker.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DefaultFigure {
+    value: f64,
+    /// Empty for a plain number.
+    unit: &'static str,
+}
+
+impl DefaultFigure {
+    /// So many of a unit of the closed list.
+    const fn new(value: f64, unit: &'static str) -> Self {
+        DefaultFigure { value, unit }
+    }
+
+    const fn count(value: u32) -> Self {
+        DefaultFigure { value: value as f64, unit: "" }
+    }
+
+    /// As if it were written in the program.
+    pub fn quantity(self) -> Quantity {
+        let unit = if self.unit.is_empty() { Ok(Unit::ONE) } else { Unit::parse(self.unit) };
+        let quantity = unit.ok().and_then(|unit| unit.of(&self.value.to_string()));
+        quantity.expect("only units of the closed list are named in the compiler")
+    }
+}
+
+/// As the language writes it, with blanks between thousands: `0.5 deg`, `200 000`.
+impl fmt::Display for DefaultFigure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let is_whole = self.value.fract() == 0.0;
+        let number = if is_whole { grouped(self.value as u64) } else { self.value.to_string() };
+        if self.unit.is_empty() { f.write_str(&number) } else { write!(f, "{number} {}", self.unit) }
+    }
 }
 
 /// Sort of a field, an argument or an object.

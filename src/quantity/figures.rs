@@ -64,6 +64,11 @@ pub fn fraction(value: f64) -> String {
     }
 }
 
+/// A count with a blank between thousands: `200 000`.
+pub fn grouped(count: u64) -> String {
+    if count < 1000 { count.to_string() } else { format!("{} {:03}", grouped(count / 1000), count % 1000) }
+}
+
 /// A number with at most six significant digits, without trailing zeros; plain notation where it is short.
 pub fn digits(value: f64) -> String {
     if value == 0.0 {

@@ -34,9 +34,6 @@ mod stops;
 
 pub use cover::SceneCover;
 
-/// Default limit of expanded states in one search.
-pub const DEFAULT_EXPANSIONS: u64 = 20_000_000;
-
 impl CheckedFacts for Rc<DimibotFacts> {
     fn channel_examples(&self) -> Vec<String> {
         self.channels()
@@ -399,15 +396,16 @@ fn warn_of_simultaneous(settings: &Accepted, objective: DimibotObjective, sink: 
 
 /// The method and budget of a task; `None` if a published method is asked for a feature that it lacks.
 fn planner(parts: &Parts, asked: (DimibotObjective, Simultaneous), sink: &mut Sink) -> Option<DimibotPlanner> {
-    let Some((planner, _)) = &parts.planner else {
-        return Some(DimibotPlanner { method: DimibotMethod::StagedAstar, expansions: DEFAULT_EXPANSIONS });
+    let expansions = parts.expansions()?;
+    let Some(planner) = &parts.planner else {
+        return Some(DimibotPlanner { method: DimibotMethod::StagedAstar, expansions });
     };
     let method = DimibotMethod::find(planner.value.name)?;
     if let Some((what, span)) = beyond(method, parts, asked, planner.span) {
         sink.push(errors::planner_cannot(planner.span, planner.value.name, what, span));
         return None;
     }
-    Some(DimibotPlanner { method, expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS) })
+    Some(DimibotPlanner { method, expansions })
 }
 
 /// A feature that the task asks of a published method and that it lacks, and where; Tweeze's own planner has all.

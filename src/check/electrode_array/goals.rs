@@ -79,15 +79,15 @@ fn planner(
     count: usize,
     sink: &mut Sink,
 ) -> Option<ElectrodeArrayPlanner> {
-    let asked_for = parts.planner.as_ref().map(|(planner, _)| planner.value.name);
+    let asked_for = parts.planner.as_ref().map(|planner| planner.value.name);
     let method = asked_for.map_or(Some(ElectrodeArrayMethod::Portfolio), ElectrodeArrayMethod::find)?;
     if method == ElectrodeArrayMethod::Portfolio && facts.separation == Separation::AsPublished {
-        let chosen = parts.planner.as_ref().map(|(planner, _)| planner.span);
+        let chosen = parts.planner.as_ref().map(|planner| planner.span);
         let span = chosen.or(parts.steps.first().map(|step| step.span));
         sink.push(errors::published_needs_published(span));
         return None;
     }
-    let Some((planner, _)) = &parts.planner else {
+    let Some(planner) = &parts.planner else {
         return Some(ElectrodeArrayPlanner { method, expansions: default_expansions(facts, count) });
     };
     if method != ElectrodeArrayMethod::Portfolio

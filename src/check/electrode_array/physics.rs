@@ -15,12 +15,6 @@ use crate::real::Real;
 /// Relative rounding error allowed in the comparison with a limit.
 const SLACK: f64 = 1e-9;
 
-/// Distance of the greatest pull over the electrode radius, by default (figure 7 of the paper on microparts).
-const PEAK_AT_RADIUS: f64 = 1.0;
-
-/// Share of the pitch and of the greatest speed within which a part counts as at rest, by default.
-const REST_SHARE: f64 = 0.02;
-
 /// Checks radius, gap, potential and step of a device against its own limits and forces.
 pub fn check(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) {
     gap(device, sink);
@@ -65,8 +59,8 @@ fn forces(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) 
         sink.push(device.labelled(wrong, labels));
         return None;
     };
-    let peak_at_m = radius_m * si(device, "peak_distance").unwrap_or(PEAK_AT_RADIUS);
-    let friction = si(device, "friction").unwrap_or(0.0);
+    let peak_at_m = radius_m * si(device, "peak_distance")?;
+    let friction = si(device, "friction")?;
     Some(Forces::new(row, facts.pitch_um() / 1e6, peak_at_m, si(device, "permittivity"), friction))
 }
 
@@ -179,7 +173,7 @@ fn glide(facts: &ElectrodeArrayFacts, forces: &Forces, device: &CheckedDevice, s
         sink.push(errors::missing_fields(device.span, &owner, &missing, Some(VOCABULARY.library)));
         return None;
     };
-    let rest_share = si(device, "rest_share").unwrap_or(REST_SHARE);
+    let rest_share = si(device, "rest_share")?;
     Some(Glide { pull: forces.pull(facts.potential_v), mass_kg, damping, pitch_m, rest_share })
 }
 

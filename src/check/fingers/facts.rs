@@ -32,7 +32,6 @@ const RATIOS: [f64; 2] = [1e-6, 100.0];
 
 /// Default share of the forces that is kept in reserve while tips roll: rolling on chords turns a force by up to a hundredth of the
 /// friction cone; this is twice that.
-const DEFAULT_RESERVE: f64 = 0.02;
 
 /// The facts of a hand; `None` after an error.
 pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<FingersFacts> {
@@ -58,8 +57,8 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<FingersFacts> {
         support_un: figures.force_un("support").unwrap_or(0.0),
         range_um: figures.range_um()?,
         tolerance_um: figures.length_um("tolerance")?,
-        torsion_um: figures.length_um("torsion").unwrap_or(0.0),
-        rolling_reserve: figures.reserve("rolling_reserve"),
+        torsion_um: figures.length_um("torsion")?,
+        rolling_reserve: figures.reserve("rolling_reserve")?,
     };
     if facts.slow_um() <= facts.tolerance_um {
         let labels = [
@@ -137,10 +136,10 @@ impl HandFigures<'_> {
         Some(found.si)
     }
 
-    fn reserve(&mut self, name: &'static str) -> f64 {
-        let Some(found) = self.device.fields.quantity(name) else { return DEFAULT_RESERVE };
+    fn reserve(&mut self, name: &'static str) -> Option<f64> {
+        let found = self.device.fields.quantity(name)?;
         self.unless(found.si <= MAX_RESERVE, name, &found.to_string(), "from 0 to 90 %");
-        found.si
+        Some(found.si)
     }
 
     fn speed_um_per_s(&mut self, name: &'static str) -> Option<f64> {

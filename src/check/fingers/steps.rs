@@ -6,6 +6,7 @@ use super::orientation;
 use super::part::{self, JudgedPart, MAX_LOAD_UN};
 use super::step;
 use crate::check::Checker;
+use crate::check::figures::Figures;
 use crate::check::lets::Argument;
 use crate::check::scope::nearest;
 use crate::check::tasks::{self, Parts, TaskSite};
@@ -19,12 +20,6 @@ use crate::real::Real;
 use crate::source::Span;
 use nalgebra::Vector3;
 use std::sync::Arc;
-
-/// Default limit of grasps that a search may expand.
-pub const DEFAULT_EXPANSIONS: u64 = 200_000_000;
-
-/// Default tolerance of the end of a turn.
-const DEFAULT_PRECISION_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
 /// The largest `precision`: a turn that ends farther off is no such turn.
 const MAX_PRECISION_RAD: f64 = 90.0 * std::f64::consts::PI / 180.0;
@@ -55,8 +50,8 @@ impl Checker<'_> {
             precision_rad,
             load_un,
             planner: planner(&parts)?,
-            expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS),
-            looks: parts.budget("looks"),
+            expansions: parts.expansions()?,
+            looks: parts.options.get("looks").and_then(|_| parts.options.count("looks")).map(u64::from),
             steps: steps.into_iter().collect::<Option<Vec<FingersStep>>>()?,
         })
     }
@@ -64,9 +59,8 @@ impl Checker<'_> {
 
 /// Tolerance of the end of a turn; `None` after an error.
 fn precision_rad(parts: &Parts, sink: &mut Sink) -> Option<f64> {
-    let Some(setting) = parts.settings.get("precision") else { return Some(DEFAULT_PRECISION_RAD) };
-    let Value::Quantity(angle) = setting.value else { return None };
-    if angle.si > MAX_PRECISION_RAD * (1.0 + 1e-12) {
+    let angle = parts.settings.quantity("precision")?;
+    if let Some(setting) = parts.settings.get("precision").filter(|_| angle.si > MAX_PRECISION_RAD * (1.0 + 1e-12)) {
         sink.push(errors::precision_too_large(setting.span, angle, MAX_PRECISION_RAD));
         return None;
     }
@@ -74,7 +68,7 @@ fn precision_rad(parts: &Parts, sink: &mut Sink) -> Option<f64> {
 }
 
 fn planner(parts: &Parts) -> Option<FingersPlanner> {
-    let asked_for = parts.planner.as_ref().map(|(planner, _)| planner.value.name);
+    let asked_for = parts.planner.as_ref().map(|planner| planner.value.name);
     asked_for.map_or(Some(FingersPlanner::JointAstar), FingersPlanner::find)
 }
 

@@ -1,9 +1,9 @@
 //! The steps of a task: checks that do not depend on the robots' places at that time.
 
+use super::CheckedBed;
 use super::bodies::{ObstacleSolid, RobotBody};
 use super::errors;
 use super::ground::{BedScene, exact_pose, first_near};
-use super::{CheckedBed, DEFAULT_EXPANSIONS};
 use crate::check::Checker;
 use crate::check::figures::Figures;
 use crate::check::lets::Argument;
@@ -20,9 +20,6 @@ use crate::real::Real;
 use crate::source::{Span, Spanned};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// Default tolerance of a goal.
-const DEFAULT_PRECISION: Precision = Precision { place_um: 0.5, heading_rad: 0.5 * std::f64::consts::PI / 180.0 };
 
 /// Greatest distance of one `apply`: on longer paths rounding exceeds the tolerance of the verifier.
 const MAX_APPLIED_UM: f64 = 1e8;
@@ -46,7 +43,7 @@ impl Checker<'_> {
             states: Arc::clone(&bed.states),
             obstacles: Arc::clone(&ground.obstacles),
             robots: Arc::clone(&ground.robots),
-            expansions: parts.expansions().unwrap_or(DEFAULT_EXPANSIONS),
+            expansions: parts.expansions()?,
             objective,
             precision: precision?,
             assurance: assurance(&parts.settings),
@@ -95,16 +92,8 @@ const ROUNDING: f64 = 1e-9;
 
 /// Tolerance of goals; a robot ends no nearer than half a stroke.
 fn precision(settings: &Accepted, bed: &CheckedBed, ground: &BedScene, sink: &mut Sink) -> Option<Precision> {
-    let given = |name: &str| match settings.get(name).map(|setting| &setting.value) {
-        Some(Value::Quantity(quantity)) => Ok(Some(*quantity)),
-        Some(_) => Err(()),
-        None => Ok(None),
-    };
-    let (place, heading) = (given("precision").ok()?, given("heading_precision").ok()?);
-    let found = Precision {
-        place_um: place.map_or(DEFAULT_PRECISION.place_um, |place| place.in_unit("um")),
-        heading_rad: heading.map_or(DEFAULT_PRECISION.heading_rad, |heading| heading.si),
-    };
+    let (place, heading) = (settings.quantity("precision")?, settings.quantity("heading_precision")?);
+    let found = Precision { place_um: place.in_unit("um"), heading_rad: heading.si };
     let robots = ground.robots.iter().map(|placed| &bed.facts.robots[placed.row]);
     let coarsest = robots.max_by(|one, other| one.step_um.total_cmp(&other.step_um));
     if let (Some(robot), Some(setting)) = (coarsest, settings.get("precision"))

@@ -21,9 +21,6 @@ use crate::diagnostic::Sink;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Default limit of expansions in the search of one step.
-pub const DEFAULT_EXPANSIONS: u64 = 200_000;
-
 /// A bed: its facts, and the control states that its voltage can reach.
 #[derive(Debug, Clone)]
 pub struct CheckedBed {

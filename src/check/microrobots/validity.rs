@@ -9,9 +9,6 @@ use crate::check::labels::DeviceLabel;
 use crate::device::microrobots::{Arm, ControlState, MAX_LEVELS, MicrorobotsFacts, Robot};
 use crate::diagnostic::{Diagnostic, Sink};
 
-/// Default of the greatest number of levels in a control cycle.
-const DEFAULT_LEVELS: usize = 8;
-
 /// A control state with a slack below this share of the margin gets a warning.
 const SMALL_SLACK: f64 = 0.1;
 
@@ -25,11 +22,12 @@ pub fn states(
     device: &CheckedDevice,
     sink: &mut Sink,
 ) -> Option<Vec<ControlState>> {
-    let judge = TableJudge { facts, table, device };
+    let source = source(facts, device)?;
+    let judge = TableJudge { facts, table, device, most_levels: source.most_levels };
     let errors = sink.errors();
     (0..facts.robots.len()).filter_map(|row| judge.upside_down(row)).for_each(|wrong| sink.push(wrong));
     (sink.errors() == errors).then_some(())?;
-    let analysis = relays::analyse(&rows(facts), source(facts, device), gaps(device));
+    let analysis = relays::analyse(&rows(facts), source, gaps(device));
     let faults: Vec<Diagnostic> =
         analysis.faults.iter().map(|fault| judge.fault_diagnostic(fault, &analysis)).collect();
     let rest = faults.last().filter(|_| analysis.more_faults > 0).map(|last| {
@@ -47,10 +45,9 @@ fn rows(facts: &MicrorobotsFacts) -> Vec<RelayRow> {
     facts.robots.iter().map(row).collect()
 }
 
-fn source(facts: &MicrorobotsFacts, device: &CheckedDevice) -> Source {
-    let levels = device.fields.count("levels").map(|levels| levels as usize);
+fn source(facts: &MicrorobotsFacts, device: &CheckedDevice) -> Option<Source> {
     let MicrorobotsFacts { margin_v, relax_v, flex_v, max_v, .. } = *facts;
-    Source { margin_v, relax_v, flex_v, max_v, most_levels: levels.unwrap_or(DEFAULT_LEVELS) }
+    Some(Source { margin_v, relax_v, flex_v, max_v, most_levels: device.fields.count("levels")? as usize })
 }
 
 fn gaps(device: &CheckedDevice) -> AllowedGaps {
@@ -62,6 +59,7 @@ struct TableJudge<'a> {
     facts: &'a MicrorobotsFacts,
     table: &'a RobotTable<'a>,
     device: &'a CheckedDevice,
+    most_levels: usize,
 }
 
 impl TableJudge<'_> {
@@ -170,8 +168,7 @@ impl TableJudge<'_> {
             }
             Problem::NoSequence { state, levels, snap_down, release, least_v } => {
                 let lowered: Vec<&str> = analysis.order.iter().take(state).map(|row| self.name(*row)).collect();
-                let most = source(self.facts, self.device).most_levels;
-                let wrong = errors::no_sequence(state, &lowered, [levels, most], least_v);
+                let wrong = errors::no_sequence(state, &lowered, [levels, self.most_levels], least_v);
                 let gaps = [(snap_down, Transition::SnapDown), (release, Transition::Release)];
                 let labels = gaps.into_iter().flat_map(|(gap, transition)| self.gap(gap, transition)).collect();
                 (wrong, labels)

@@ -15,7 +15,6 @@ use crate::device::instrument::{
     Start,
 };
 use crate::diagnostic::Diagnostic;
-use crate::quantity::{Dimension, Quantity};
 use crate::source::Span;
 use crate::syntax::tree::{self, Field, Item, WireOutput, WiringEntry};
 use std::collections::{BTreeMap, BTreeSet};
@@ -466,12 +465,12 @@ impl<'a> Checker<'a> {
         };
         let link = match sort {
             LinkSort::Amplifier => Link::Amplifier {
-                gain: accepted.si("gain").unwrap_or(1.0),
+                gain: accepted.si("gain")?,
                 limit_v: accepted.si("limit"),
                 slew_v_per_s: accepted.si("slew"),
             },
             LinkSort::StageDriver => Link::StageDriver {
-                zero_v: accepted.si("zero").unwrap_or(0.0),
+                zero_v: accepted.si("zero")?,
                 scale_v_per_um: accepted.quantity("scale")?.in_unit("V/um"),
             },
             LinkSort::Switch => Link::Switch { on_v: accepted.si("switches")? },
@@ -505,16 +504,15 @@ impl<'a> Checker<'a> {
 
     /// The axis of a controller; `None` after an error.
     fn axis(&mut self, accepted: &Accepted, span: Span) -> Option<Link> {
-        let length = |name: &str| accepted.quantity(name).unwrap_or(Quantity::new(0.0, Dimension::LENGTH));
-        let um = |name: &str| length(name).in_unit("um");
-        let (least_um, most_um) = (um("travel_from"), um("travel_to"));
+        let (from, to) = (accepted.quantity("travel_from")?, accepted.quantity("travel_to")?);
+        let [least_um, most_um] = [from, to].map(|end| end.in_unit("um"));
         if least_um >= most_um {
             let place = accepted.get("travel_to").map_or(span, |field| field.span);
-            self.sink.push(errors::no_travel(place, length("travel_from"), length("travel_to")));
+            self.sink.push(errors::no_travel(place, from, to));
             return None;
         }
         let direction = accepted.word("direction").and_then(Direction::find).unwrap_or_default();
-        Some(Link::Axis { origin_um: um("origin"), direction, least_um, most_um })
+        Some(Link::Axis { origin_um: accepted.length_um("origin")?, direction, least_um, most_um })
     }
 
     /// `bl[i].set` with i = 3 is `bl3.set`.

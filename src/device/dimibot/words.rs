@@ -179,7 +179,7 @@ const VERBS: &[Verb] = &[
 ];
 
 const BUDGET: [VocabularyField; 1] =
-    [expansions("20 million", "number of states the search may expand before it gives up")];
+    [expansions(20_000_000, "number of states the search may expand before it gives up")];
 
 /// The names of the planners, as `using` takes them and reports show them.
 pub const PLANNERS: &[Planner] = &[

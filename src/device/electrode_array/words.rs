@@ -4,9 +4,9 @@ use super::{MAX_APART, MAX_CHANNEL, MAX_SIDE};
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
-    Assay, BoardLimits, Count, Frames, Need, Noun, Outcome, OutcomeUnit, Planner, Sort, Together, Verb, Vocabulary,
-    VocabularyField, VocabularyPhrase, WordChoice, expansions, not_negative, optional, outcome, planner, positive,
-    required, verb,
+    Assay, BoardLimits, Count, DefaultFigure, Frames, MAX_EXPANSIONS, Need, Noun, Outcome, OutcomeUnit, Planner, Sort,
+    Together, Verb, Vocabulary, VocabularyField, VocabularyPhrase, WordChoice, defaulted, not_negative, optional,
+    outcome, planner, positive, required, verb,
 };
 use crate::quantity::Dimension;
 
@@ -207,17 +207,22 @@ const FIELDS: &[VocabularyField] = &[
         "that of `forces`",
         "relative permittivity of the dielectric on the board; forces grow with it",
     ),
-    optional("friction", not_negative(Dimension::NUMBER), "0", "coefficient of static friction of a part on the board"),
-    optional(
+    defaulted(
+        "friction",
+        not_negative(Dimension::NUMBER),
+        DefaultFigure::new(0.0, ""),
+        "coefficient of static friction of a part on the board",
+    ),
+    defaulted(
         "peak_distance",
         positive(Dimension::NUMBER),
-        "1",
+        DefaultFigure::new(1.0, ""),
         "distance of centres, over the radius, at which an electrode pulls hardest",
     ),
-    optional(
+    defaulted(
         "rest_share",
         positive(Dimension::NUMBER),
-        "2 %",
+        DefaultFigure::new(2.0, "%"),
         "share of the pitch, and of the greatest speed, within which a part is at rest",
     ),
     optional("density", positive(Dimension::DENSITY), "from `mass`", "density of a part, a plate half a radius thick"),
@@ -447,10 +452,12 @@ const CONDITIONS: &[Verb] = &[
     },
 ];
 
-const BUDGET: [VocabularyField; 1] = [expansions(
-    "16 million, 2 more for each part and cell, at most 64 million",
-    "number of states the search of one step may expand before it gives up",
-)];
+const BUDGET: [VocabularyField; 1] = [VocabularyField {
+    name: "expansions",
+    sort: Sort::Count { least: 1, most: MAX_EXPANSIONS },
+    need: Need::Optional("16 million, 2 more for each part and cell, at most 64 million"),
+    doc: "number of states the search of one step may expand before it gives up",
+}];
 
 const PLANNERS: &[Planner] = &[
     planner(ElectrodeArrayMethod::Portfolio.choice(), &BUDGET),

@@ -1,12 +1,12 @@
 //! The vocabulary of hands.
 
-use super::{MAX_FINGERS, MAX_LOOKS, MIN_FINGERS, Plane};
+use super::{DEFAULT_LOOKS, MAX_FINGERS, MAX_LOOKS, MIN_FINGERS, Plane};
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
-    Assay, Count, Frames, Noun, Outcome, OutcomeUnit, Planner, Range, Sort, Together, Verb, Vocabulary,
-    VocabularyField, VocabularyPhrase, any, budget, expansions, not_negative, optional, outcome, planner, positive,
-    required, verb,
+    Assay, Count, DefaultFigure, Frames, Noun, Outcome, OutcomeUnit, Planner, Range, Sort, Together, Verb, Vocabulary,
+    VocabularyField, VocabularyPhrase, any, budget, defaulted, expansions, not_negative, optional, outcome, planner,
+    positive, required, verb,
 };
 use crate::quantity::Dimension;
 
@@ -79,10 +79,10 @@ const FIELDS: &[VocabularyField] = &[
         Sort::Vector { dimension: Dimension::LENGTH, range: Range::Positive },
         "travel of the stages along x, y and z, to either side of the hand's origin",
     ),
-    optional(
+    defaulted(
         "support",
         not_negative(Dimension::FORCE),
-        "0 uN",
+        DefaultFigure::new(0.0, "uN"),
         "force with which the support holds the object before the first grasp and after a release",
     ),
     required(
@@ -90,22 +90,27 @@ const FIELDS: &[VocabularyField] = &[
         positive(Dimension::LENGTH),
         "greatest deviation of a contact from exact touching and rolling",
     ),
-    optional(
+    defaulted(
         "torsion",
         not_negative(Dimension::LENGTH),
-        "0 um",
+        DefaultFigure::new(0.0, "um"),
         "the torque about its normal that a contact bears, over the force that presses and sticks there",
     ),
-    optional(
+    defaulted(
         "rolling_reserve",
         not_negative(Dimension::NUMBER),
-        "2 %",
+        DefaultFigure::new(2.0, "%"),
         "the share of friction, pull-off and greatest force that planned grasps do without while they roll",
     ),
 ];
 
 const SETTINGS: &[VocabularyField] = &[
-    optional("precision", positive(Dimension::ANGLE), "0.5 deg", "greatest error at the end of each turn"),
+    defaulted(
+        "precision",
+        positive(Dimension::ANGLE),
+        DefaultFigure::new(0.5, "deg"),
+        "greatest error at the end of each turn",
+    ),
     optional(
         "load",
         Sort::Vector { dimension: Dimension::FORCE, range: Range::Any },
@@ -182,11 +187,11 @@ const VERBS: &[Verb] = &[
 ];
 
 const BUDGET: [VocabularyField; 2] = [
-    expansions("200 000 000", "number of grasps the search may expand before it gives up"),
+    expansions(200_000_000, "number of grasps the search may expand before it gives up"),
     budget(
         "looks",
         MAX_LOOKS,
-        "150 000 000",
+        DEFAULT_LOOKS,
         "number of looks at grasps, some tens of nanoseconds each, before it gives up",
     ),
 ];

@@ -1,7 +1,7 @@
 //! The vocabulary of instruments and of the wires that lead to them.
 
 use super::{AXIS_LETTERS, Direction, Level, MAX_OUTPUTS, Protocol, StageProtocol, Start};
-use crate::device::{Need, Range, Sort, VocabularyField, optional, positive, required};
+use crate::device::{DefaultFigure, Need, Range, Sort, VocabularyField, defaulted, optional, positive, required};
 use crate::quantity::Dimension;
 
 /// Most points of a generator's memory.
@@ -50,12 +50,12 @@ pub const DATA_ACQUISITION: &[VocabularyField] = &[
         "without a sample clock",
         "most samples in a second of the digital lines",
     ),
-    VocabularyField {
-        name: "analog_outputs",
-        sort: Sort::Count { least: 0, most: MAX_OUTPUTS },
-        need: Need::Optional("0"),
-        doc: "voltage outputs, `ao0`, `ao1`, …",
-    },
+    defaulted(
+        "analog_outputs",
+        Sort::Count { least: 0, most: MAX_OUTPUTS },
+        DefaultFigure::count(0),
+        "voltage outputs, `ao0`, `ao1`, …",
+    ),
     optional("peak", positive(Dimension::VOLTAGE), "needed with analog outputs", PEAK.doc),
     VocabularyField {
         name: "bits",
@@ -88,7 +88,12 @@ pub const ELECTRODE_DRIVER: &[VocabularyField] = &[
         MAX_OUTPUTS,
         "channels, `c0`, `c1`, …, as many as the protocol has at the most: each drives an electrode",
     ),
-    optional("least_potential", positive(Dimension::VOLTAGE), "0 V", "the least voltage that it can be set to"),
+    defaulted(
+        "least_potential",
+        positive(Dimension::VOLTAGE),
+        DefaultFigure::new(0.0, "V"),
+        "the least voltage that it can be set to",
+    ),
     required("most_potential", positive(Dimension::VOLTAGE), "the greatest voltage that it can be set to"),
     required("least_frame", positive(Dimension::TIME), "shortest time from one frame to the next"),
     optional(
@@ -125,8 +130,12 @@ pub const MACHINE_CONTROLLER: &[VocabularyField] = &[
     ),
 ];
 
-const HIGH: VocabularyField =
-    optional("voltage", positive(Dimension::VOLTAGE), "5 V", "voltage of the high level; low is 0 V");
+const HIGH: VocabularyField = defaulted(
+    "voltage",
+    positive(Dimension::VOLTAGE),
+    DefaultFigure::new(5.0, "V"),
+    "voltage of the high level; low is 0 V",
+);
 
 const RESTS: VocabularyField =
     optional("rest", Sort::Word(Level::CHOICES), "low", "level before a schedule, after it and when it is broken off");
@@ -139,15 +148,20 @@ pub const TRIGGER: &[VocabularyField] =
     &[required("duration", positive(Dimension::TIME), "length of a pulse, which begins with its step"), HIGH, RESTS];
 pub const DIGITAL: &[VocabularyField] = &[HIGH, RESTS];
 pub const LEVEL: &[VocabularyField] = &[
-    optional("from", voltage(Range::Any), "0 V", "voltage at 0 %"),
+    defaulted("from", voltage(Range::Any), DefaultFigure::new(0.0, "V"), "voltage at 0 %"),
     required("to", voltage(Range::Any), "voltage at 100 %"),
-    optional("rest", Sort::Quantity { dimension: Dimension::NUMBER, range: Range::Share }, "0 %", RESTS.doc),
+    defaulted(
+        "rest",
+        Sort::Quantity { dimension: Dimension::NUMBER, range: Range::Share },
+        DefaultFigure::new(0.0, "%"),
+        RESTS.doc,
+    ),
 ];
 
-const GAIN: VocabularyField = optional(
+const GAIN: VocabularyField = defaulted(
     "gain",
     Sort::Quantity { dimension: Dimension::NUMBER, range: Range::NotZero },
-    "1",
+    DefaultFigure::new(1.0, ""),
     "gain of the amplifier: voltage of the channel over that of the output",
 );
 const LIMIT: VocabularyField = optional(
@@ -163,10 +177,10 @@ const SCALE: VocabularyField = required(
     Sort::Quantity { dimension: Dimension::SENSITIVITY, range: Range::NotZero },
     "voltage that the stage's driver takes for a length",
 );
-const ZERO: VocabularyField = optional(
+const ZERO: VocabularyField = defaulted(
     "zero",
     Sort::Quantity { dimension: Dimension::VOLTAGE, range: Range::Any },
-    "0 V",
+    DefaultFigure::new(0.0, "V"),
     "voltage that the stage's driver takes for position 0",
 );
 const SWITCHES: VocabularyField = required(
@@ -176,9 +190,9 @@ const SWITCHES: VocabularyField = required(
 );
 
 const ORIGIN: VocabularyField =
-    optional("origin", length(Range::Any), "0 um", "where the stage itself is at position 0");
+    defaulted("origin", length(Range::Any), DefaultFigure::new(0.0, "um"), "where the stage itself is at position 0");
 const TRAVEL_FROM: VocabularyField =
-    optional("travel_from", length(Range::Any), "0 um", "where the stage's own travel begins");
+    defaulted("travel_from", length(Range::Any), DefaultFigure::new(0.0, "um"), "where the stage's own travel begins");
 const TRAVEL_TO: VocabularyField = required("travel_to", length(Range::Any), "where the stage's own travel ends");
 const DIRECTION: VocabularyField =
     optional("direction", Sort::Word(Direction::CHOICES), "forward", "which way the stage counts");

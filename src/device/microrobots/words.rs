@@ -4,8 +4,9 @@ use super::MAX_LEVELS;
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
-    Assay, Block, Count, Frames, Noun, Outcome, OutcomeUnit, Planner, Sort, Together, Verb, Vocabulary,
-    VocabularyField, VocabularyPhrase, expansions, not_negative, optional, outcome, planner, positive, required, verb,
+    Assay, Block, Count, DefaultFigure, Frames, Noun, Outcome, OutcomeUnit, Planner, Sort, Together, Verb, Vocabulary,
+    VocabularyField, VocabularyPhrase, defaulted, expansions, not_negative, optional, outcome, planner, positive,
+    required, verb,
 };
 use crate::quantity::Dimension;
 
@@ -81,7 +82,12 @@ const FIELDS: &[VocabularyField] = &[
     required("drive_frequency", positive(Dimension::FREQUENCY), "strokes of the drive train"),
     required("step_size", positive(Dimension::LENGTH), "distance that one stroke carries a robot"),
     required("dwell", positive(Dimension::TIME), "duration of each level of a control cycle"),
-    optional("levels", Sort::Count { least: 1, most: MAX_LEVELS }, "8", "the most levels of one control cycle"),
+    defaulted(
+        "levels",
+        Sort::Count { least: 1, most: MAX_LEVELS },
+        DefaultFigure::count(8),
+        "the most levels of one control cycle",
+    ),
     optional(
         "non_string",
         Sort::Flag,
@@ -142,13 +148,18 @@ const FIELDS: &[VocabularyField] = &[
 ];
 
 const SETTINGS: &[VocabularyField] = &[
-    optional(
+    defaulted(
         "precision",
         positive(Dimension::LENGTH),
-        "0.5 um",
+        DefaultFigure::new(0.5, "um"),
         "greatest distance from its goal at which a robot may end",
     ),
-    optional("heading_precision", positive(Dimension::ANGLE), "0.5 deg", "by how much its heading may then be off"),
+    defaulted(
+        "heading_precision",
+        positive(Dimension::ANGLE),
+        DefaultFigure::new(0.5, "deg"),
+        "by how much its heading may then be off",
+    ),
     optional("guaranteed", Sort::Flag, "false", "whether a goal that cannot be guaranteed is an error"),
 ];
 
@@ -185,7 +196,7 @@ const VERBS: &[Verb] = &[
 ];
 
 const BUDGET: [VocabularyField; 1] =
-    [expansions("200 000", "number of paths the search of one step may expand before it gives up")];
+    [expansions(200_000, "number of paths the search of one step may expand before it gives up")];
 
 const PLANNERS: &[Planner] = &[planner(MicrorobotsPlanner::OneWayDubins.choice(), &BUDGET)];
 

@@ -15,7 +15,7 @@ use super::ways::{self, FingerAct, FingersCourse, WayError};
 use super::{FingersMotion, HeldGrasp, Stance};
 use crate::claims::Job;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, FingersTurn};
-use crate::device::fingers::{FingersObjective, FingersOutcome, Plane};
+use crate::device::fingers::{DEFAULT_LOOKS, FingersObjective, FingersOutcome, Plane};
 use crate::diagnostic::Remark;
 use crate::plan::search::{GaveUp, SearchBudget};
 use crate::plan::{Optimality, Plan};
@@ -35,12 +35,9 @@ pub enum FirstCriterion {
     Reconfigurations,
 }
 
-/// Default budget of looks for planning one task: mostly less than 10 s; 21 s in the slowest of the random tasks that were measured.
-const DEFAULT_LOOKS: u64 = 150_000_000;
-
 /// Budget of looks for planning one task.
 pub fn most_looks(order: &FingersOrder) -> u64 {
-    order.looks.unwrap_or(DEFAULT_LOOKS)
+    order.looks.unwrap_or(u64::from(DEFAULT_LOOKS))
 }
 
 /// Request for a plan.
