@@ -2,6 +2,8 @@
 
 #[path = "tidy/circles.rs"]
 mod circles;
+#[path = "tidy/parameters.rs"]
+mod parameters;
 #[path = "tidy/rooms.rs"]
 mod rooms;
 

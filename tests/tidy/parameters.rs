@@ -1,0 +1,65 @@
+//! Parameters of functions have names: none is a tuple that is taken apart in the list.
+
+use super::{code, rust};
+
+/// The parameter lists of all functions, each with the name of its function; `type F = fn(…)` and closures have none.
+fn parameter_lists(code: &str) -> Vec<(&str, &str)> {
+    let heads =
+        code.match_indices("fn ").filter(|(at, _)| !code[..*at].ends_with(|c: char| c.is_alphanumeric() || c == '_'));
+    let lists = heads.filter_map(|(at, _)| {
+        let rest = &code[at + "fn ".len()..];
+        let name = &rest[..rest.find(|c: char| !(c.is_alphanumeric() || c == '_'))?];
+        // Behind the type parameters, whose bounds may have parentheses of their own.
+        let mut angles = 0;
+        let begin = rest.char_indices().find_map(|(at, c)| {
+            angles += i32::from(c == '<') - i32::from(c == '>' && !rest[..at].ends_with('-'));
+            (c == '(' && angles == 0).then_some(at)
+        })?;
+        let mut depth = 0;
+        let end = rest[begin..].char_indices().find_map(|(at, c)| {
+            depth += i32::from(c == '(') - i32::from(c == ')');
+            (depth == 0).then_some(begin + at)
+        })?;
+        Some((name, &rest[begin + 1..end]))
+    });
+    lists.collect()
+}
+
+/// Whether one of these parameters is a pattern in parentheses.
+fn takes_a_tuple_apart(parameters: &str) -> bool {
+    let (mut depth, mut is_first) = (0, true);
+    parameters.char_indices().any(|(at, c)| {
+        let is_apart = is_first && c == '(';
+        let is_arrow = c == '>' && parameters[..at].ends_with('-');
+        depth += i32::from("([{<".contains(c)) - i32::from(")]}>".contains(c) && !is_arrow);
+        is_first = if c == ',' { depth == 0 } else { is_first && (c.is_whitespace() || c == '&') };
+        is_apart
+    })
+}
+
+#[test]
+fn parameters_have_names() {
+    for (path, text) in rust() {
+        for (name, parameters) in parameter_lists(&code(&text)) {
+            assert!(!takes_a_tuple_apart(parameters), "{path}: `fn {name}` takes a tuple apart: give its parts names");
+        }
+    }
+}
+
+#[test]
+fn a_tuple_taken_apart_is_seen() {
+    let apart = [
+        "fn f((a, b): (u8, u8)) {}",
+        "fn f<F: Fn(u8) -> u8>(a: F, &(b, c): &(u8, u8)) {}",
+        "fn f(\n    (a, b): (u8, u8),\n) {}",
+    ];
+    let named = [
+        "fn f(a: (u8, u8), b: [u8; 2]) {}",
+        "fn f(a: impl Fn((u8, u8)) -> u8) {}",
+        "fn f([a, b]: [u8; 2]) {}",
+        "fn f() { g(|(a, b)| a + b) }",
+    ];
+    let is_seen = |text: &str| parameter_lists(text).iter().any(|(_, parameters)| takes_a_tuple_apart(parameters));
+    assert!(apart.iter().all(|text| is_seen(text)));
+    assert!(!named.iter().any(|text| is_seen(text)));
+}
