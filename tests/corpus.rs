@@ -79,13 +79,19 @@ fn page(case: &Case, sources: &Sources, errors: &Sink) -> String {
     line + "\n"
 }
 
-fn hold(stage: &str, least: usize) {
+/// The programs of a stage, by path.
+fn programs(stage: &str) -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus").join(stage);
     let entries =
         fs::read_dir(&folder).expect("the corpus is there").map(|entry| entry.expect("it can be listed").path());
     let is_program = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "twz");
     let mut programs: Vec<PathBuf> = entries.filter(is_program).collect();
     programs.sort();
+    programs
+}
+
+fn hold(stage: &str, least: usize) {
+    let programs = programs(stage);
     assert!(programs.len() >= least, "{} cases in `{stage}`", programs.len());
     let update = std::env::var_os("TWEEZE_UPDATE").is_some();
     let mut wrong = String::new();
@@ -110,6 +116,24 @@ fn what_the_checker_says() {
 #[test]
 fn what_the_planner_says() {
     hold("plan", 8);
+}
+
+/// Findings and edits are the same, whether lines end in LF or in CRLF.
+#[test]
+fn line_ends_change_no_report() {
+    let reported = |case: &Case| {
+        let (sources, sink) = case.compile();
+        let edits = |diagnostic: &Diagnostic| diagnostic.mend.iter().map(|edit| edit.text.clone()).collect::<Vec<_>>();
+        let one = |diagnostic: &Diagnostic| format!("{}{:?}\n", human(diagnostic, &sources, LOOK), edits(diagnostic));
+        sink.sorted().into_iter().map(one).collect::<String>()
+    };
+    let checked = programs("check").into_iter().map(|path| case(&path));
+    for case in checked.chain(habits().into_iter().map(|(case, _)| case)) {
+        let ended = |text: &String| text.replace('\n', "\r\n");
+        let files = case.files.iter().map(|(name, text)| (name.clone(), ended(text))).collect();
+        let other = Case { text: ended(&case.text), files, ..case.clone() };
+        assert_eq!(reported(&other), reported(&case), "{}", case.name);
+    }
 }
 
 /// A file of short programs with the mistakes of a second person, each with its report: `#### NAME`, the program, `----`, the report.

@@ -35,9 +35,10 @@ pub fn links(program: &ProgramSource, sources: &mut Sources) -> Vec<NameLink> {
 }
 
 impl Checker<'_> {
-    /// Notes what a name stands for, if names are kept.
+    /// Notes what a name stands for, if names are kept. The angle of a curve is declared nowhere: its place is the whole expression.
     pub fn note_use(&mut self, used: Span, declared: Span) {
-        if let Some(links) = &mut self.links {
+        let is_within = declared.file == used.file && declared.range().contains(&(used.start as usize));
+        if let Some(links) = self.links.as_mut().filter(|_| !is_within) {
             links.insert(NameLink { used, declared });
         }
     }

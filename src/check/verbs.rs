@@ -37,7 +37,9 @@ impl Checker<'_> {
                 "maximize" | "maximise" => errors::maximized(step.head.span, vocabulary),
                 "then" if step.noun.is_none() && step.phrases.is_empty() => errors::second_objective(step.head.span),
                 "then" => errors::then_before_step(step.head.span),
-                "start" if vocabulary.state.is_some() => errors::start_without_at(step.head.span),
+                "start" if vocabulary.state.is_some() && step.phrases.is_empty() => {
+                    errors::start_without_at(step.head.span)
+                }
                 word if vocabulary.settings.iter().any(|setting| setting.name == word) => {
                     errors::setting_without_colon(&step.head)
                 }

@@ -79,7 +79,10 @@ pub fn built(file: &Path, arguments: &BuildArguments, needed: &mut Glances) -> R
         Exit::Files
     })?;
     let options = Options { settings: arguments.settings.set.clone(), only: arguments.task.clone() };
-    let loaded = Loaded::read(file, options, &arguments.report)?;
+    let loaded = match Loaded::open(file, options) {
+        Ok(loaded) => loaded,
+        Err(why) => return Err(failed::unread(file, *why, arguments, needed)),
+    };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let mut live = LiveReport::begin(ReportedBuild {
         program: loaded.path(),

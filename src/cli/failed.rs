@@ -2,12 +2,13 @@
 
 use super::arguments::{BuildArguments, ReportFormat};
 use super::disk::{self, Destination};
+use super::formats::ChosenFormats;
 use super::glances::Glances;
 use super::loaded::Loaded;
 use super::{Exit, report, terminal};
 use crate::compile;
-use crate::diagnostic::Sink;
-use crate::emit::{self, FAILED_ENDING, FailedProgram, OutputFile, Provenance};
+use crate::diagnostic::{Diagnostic, Sink};
+use crate::emit::{self, FAILED_ENDING, FailedProgram, Format, OutputFile, Provenance};
 use crate::source::Sources;
 use std::path::{Path, PathBuf};
 
@@ -33,7 +34,6 @@ pub fn write(
     provenance: &Provenance,
     inputs: &Glances,
 ) -> Result<PathBuf, Exit> {
-    let report_format = arguments.report.format;
     let part = compile::partial(&loaded.program(&loaded.disk()), errors);
     let failed = FailedProgram {
         part: part.as_ref().map(|part| (&part.verified, part.whole.as_ref())),
@@ -41,15 +41,41 @@ pub fn write(
         places: part.as_ref().map_or(&[], |part| &part.places),
         sources,
     };
-    let page = emit::failed_page(&stem(loaded.path()), &failed, provenance).map_err(|error| {
+    put_page(loaded.path(), &failed, arguments, provenance, inputs)
+}
+
+/// Reports that a program cannot be read. Where pages follow it they show that.
+pub fn unread(program: &Path, why: Diagnostic, arguments: &BuildArguments, inputs: &Glances) -> FailedBuild {
+    let (mut errors, sources) = (Sink::default(), Sources::default());
+    errors.push(why);
+    terminal::report(&errors, &sources, arguments.report.format);
+    let has_pages = ChosenFormats::of(&arguments.emit).formats.contains(&Format::Html);
+    let is_followed = arguments.watch && has_pages && arguments.output.join(follower(program)).is_file();
+    let failed = FailedProgram { part: None, errors: &errors, places: &[], sources: &sources };
+    let page = is_followed.then(|| put_page(program, &failed, arguments, &Provenance::default(), inputs)).transpose();
+    match page {
+        Ok(page) => FailedBuild { exit: Exit::Files, page },
+        Err(exit) => exit.into(),
+    }
+}
+
+fn put_page(
+    program: &Path,
+    failed: &FailedProgram,
+    arguments: &BuildArguments,
+    provenance: &Provenance,
+    inputs: &Glances,
+) -> Result<PathBuf, Exit> {
+    let report_format = arguments.report.format;
+    let page = emit::failed_page(&stem(program), failed, provenance).map_err(|error| {
         terminal::report_one(error.diagnostic(), report_format);
         Exit::Errors
     })?;
     let mut files = vec![page];
     if arguments.watch {
-        emit::follow(&mut files, &follower(loaded.path()), provenance);
+        emit::follow(&mut files, &follower(program), provenance);
     }
-    put(&files, &destination(loaded.path(), arguments, inputs), report_format).map(|mut names| names.swap_remove(0))
+    put(&files, &destination(program, arguments, inputs), report_format).map(|mut names| names.swap_remove(0))
 }
 
 /// Writes files; where each of them stands.

@@ -162,8 +162,8 @@ struct OpenDocument {
     version: i32,
     /// Whether it is on the disk as it is here.
     is_saved: bool,
-    /// Of the last search for plans of this text.
-    ticket: u64,
+    /// Of the last search for plans of this text, if the files on the disk were those that are open.
+    ticket: Option<u64>,
     /// What that found, once it has ended.
     plans: ProgramPlans,
     /// What the checker knows of the text for which findings were sent last.
@@ -206,7 +206,9 @@ impl Session<'_> {
 
     /// Sends the findings of the texts as they are, if one has changed since they were sent.
     fn settle(&mut self) {
-        if std::mem::take(&mut self.is_changed) {
+        if self.is_changed {
+            self.follow_disk();
+            self.is_changed = false;
             self.publish_all();
         }
     }
@@ -287,20 +289,18 @@ impl Session<'_> {
                     text: EditedText::new(document.text),
                     version: document.version,
                     is_saved: true,
-                    ticket: 0,
+                    ticket: None,
                     plans: ProgramPlans::default(),
                     figures: CheckedFigures::default(),
                 };
                 self.open.insert(path.clone(), opened);
                 self.is_changed = true;
-                self.plan(&path);
             }
             DidChangeTextDocument::METHOD => {
                 let Some(changed) = read::<lsp_types::DidChangeTextDocumentParams>(notice.params) else { return };
                 let Some(path) = text::path(&changed.text_document.uri) else { return };
                 let Some(document) = self.open.get_mut(&path) else { return };
                 (document.is_saved, document.plans) = (false, ProgramPlans::default());
-                self.planner.stop(&path);
                 for change in changed.content_changes {
                     document.text.change(change.range, &change.text, self.unit);
                 }
@@ -313,8 +313,8 @@ impl Session<'_> {
                 let Some(document) = path.and_then(|path| self.open.get_mut(&path)) else { return };
                 document.is_saved = true;
                 // Others may use this file.
-                let open: Vec<PathBuf> = self.open.keys().cloned().collect();
-                open.iter().for_each(|path| self.plan(path));
+                self.open.values_mut().for_each(|document| document.ticket = None);
+                self.follow_disk();
             }
             PLANNED => {
                 let Some(result) = read::<PlanningResult>(notice.params) else { return };
@@ -435,16 +435,41 @@ impl Session<'_> {
 
 /// Plans of saved programs.
 impl Session<'_> {
-    /// Begins to plan a program, if it and all open files that it uses are on the disk as they are here: there the planner reads them.
-    fn plan(&mut self, path: &Path) {
-        let Some(document) = self.open.get_mut(path).filter(|document| document.is_saved && path.is_absolute()) else {
-            return;
-        };
-        self.tickets += 1;
-        (document.ticket, document.plans) = (self.tickets, ProgramPlans::default());
-        match self.is_on_disk(path) {
-            true => self.planner.start(path, self.tickets),
-            false => self.planner.stop(path),
+    /// Begins to plan each program that is on the disk, with all open files that it uses, as it is here: there the planner reads them.
+    /// Takes the plans from those that are not.
+    fn follow_disk(&mut self) {
+        let mut has_lost_hints = false;
+        let paths: Vec<PathBuf> = self.open.keys().filter(|path| path.is_absolute()).cloned().collect();
+        for path in paths {
+            let Some(is_saved) = self.open.get(&path).map(|document| document.is_saved) else { continue };
+            let is_on_disk = is_saved && self.is_on_disk(&path);
+            let Some(document) = self.open.get_mut(&path) else { continue };
+            if is_on_disk == document.ticket.is_some() {
+                continue;
+            }
+            has_lost_hints |= is_saved && document.plans.has_hints();
+            self.is_changed |= document.plans.has_findings();
+            document.plans = ProgramPlans::default();
+            document.ticket = is_on_disk.then_some(self.tickets + 1);
+            match document.ticket {
+                Some(ticket) => {
+                    self.tickets = ticket;
+                    self.planner.start(&path, ticket);
+                }
+                None => self.planner.stop(&path),
+            }
+        }
+        if has_lost_hints {
+            self.refresh_hints();
+        }
+    }
+
+    /// Tells the client that hints have changed without a change of their text.
+    fn refresh_hints(&mut self) {
+        if self.refreshes_hints {
+            self.tickets += 1;
+            let id = format!("hints {}", self.tickets).into();
+            self.send(Message::Request(Request::new(id, InlayHintRefreshRequest::METHOD.to_owned(), ())));
         }
     }
 
@@ -469,17 +494,13 @@ impl Session<'_> {
     /// Takes what came of planning, unless the text has changed since.
     fn planned(&mut self, result: &PlanningResult) {
         let Some(document) = self.open.get_mut(&result.path) else { return };
-        if !document.is_saved || document.ticket != result.ticket {
+        if !document.is_saved || document.ticket != Some(result.ticket) {
             return;
         }
         document.plans = ProgramPlans::of(result);
         // With the checker's findings alone there is nothing new to show.
         self.is_changed |= document.plans.has_findings();
-        if self.refreshes_hints {
-            self.tickets += 1;
-            let id = format!("hints {}", self.tickets).into();
-            self.send(Message::Request(Request::new(id, InlayHintRefreshRequest::METHOD.to_owned(), ())));
-        }
+        self.refresh_hints();
     }
 }
 

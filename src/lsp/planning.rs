@@ -143,6 +143,11 @@ impl ProgramPlans {
         ProgramPlans { summaries, steps, findings, limit_s: result.limit_s }
     }
 
+    /// Whether there are figures to show in the text.
+    pub fn has_hints(&self) -> bool {
+        !self.summaries.is_empty() || self.limit_s.is_some()
+    }
+
     /// Whether a finding was made.
     pub fn has_findings(&self) -> bool {
         !self.findings.is_empty()

@@ -14,7 +14,7 @@ pub(super) fn token_at(text: &str, offset: usize) -> &str {
     let in_word = |c: char| c.is_alphanumeric() || c == '_';
     let in_sign = |c: char| "+-*/^<>=!.:".contains(c);
     let length = if first == '"' {
-        rest[1..].find(['"', '\n']).map(|length| length + 2)
+        rest[1..].find(['"', '\r', '\n']).map(|length| length + 2)
     } else if in_word(first) {
         rest.find(|c| !in_word(c))
     } else if in_sign(first) {
@@ -105,9 +105,10 @@ pub(super) fn with_blanks(sign: Span, text: &str) -> Span {
 pub(super) fn line_part(span: Span, start: usize, end: usize, text: &str) -> Span {
     let before = text[..start].trim_end_matches([' ', '\t']);
     let behind = blanks_end(text, end);
-    match before.ends_with('\n') && text[behind..].starts_with('\n') {
-        true => part(span, before.len() - 1, behind),
-        false => part(span, start, end),
+    let above = before.strip_suffix('\n').map(|above| above.strip_suffix('\r').unwrap_or(above));
+    match above.filter(|_| text[behind..].starts_with(['\r', '\n'])) {
+        Some(above) => part(span, above.len(), behind),
+        None => part(span, start, end),
     }
 }
 

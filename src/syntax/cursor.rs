@@ -164,6 +164,8 @@ impl<'t> Cursor<'t> {
     }
 }
 
-fn end_of_line(text: &str, from: usize) -> usize {
-    text[from..].find('\n').map_or(text.len(), |length| from + length)
+/// Where the line of a place ends, before its CR and LF.
+pub(super) fn end_of_line(text: &str, from: usize) -> usize {
+    let line = text[from..].split('\n').next().unwrap_or_default();
+    from + line.strip_suffix('\r').unwrap_or(line).len()
 }

@@ -208,8 +208,10 @@ impl BrokenHead<'_> {
             });
         }
         if self.text.starts_with(is_word) {
-            let finding = self.wrong("`:` is missing", word.len(), &note, &format!(": {}", quote(self.text)));
-            return Some(finding.mended(self.mark(0, 0), ": "));
+            let behind = self.text.trim_start_matches(|c| is_word(c) || c == '.');
+            let base = &self.text[..self.text.len() - behind.len()];
+            let finding = self.wrong("`:` is missing", word.len(), &note, &format!(": {}", quote(base)));
+            return Some(if behind.is_empty() { finding.mended(self.mark(0, 0), ": ") } else { finding });
         }
         let base = self.text.strip_prefix(':')?.trim_start();
         if without_article(base).len() < base.len() {
@@ -277,6 +279,15 @@ impl BrokenHead<'_> {
             return Some(finding);
         }
         let device = self.text[word.len()..].trim_start();
+        if word == "on" && token_at(device, 0) == "in" {
+            let first = devices(self.source).next();
+            let mend = format!("on {} {} {{", quote(first.unwrap_or("DEVICE")), quote(device));
+            let finding = self.wrong("a task without its device", word.len(), "a device belongs behind this", &mend);
+            return Some(match first {
+                Some(first) => finding.mended(self.mark(word.len(), 0), format!(" {first}")),
+                None => finding,
+            });
+        }
         if word == "on" && without_article(device).len() < device.len() {
             return Some(self.article(self.text.len() - device.len()));
         }

@@ -86,7 +86,7 @@ impl Reader<'_> {
     /// whether there is one.
     fn rest_of_loop(&mut self, span: Span) -> bool {
         let line = &self.source[span.start as usize..];
-        let line = &line[..line.find('\n').unwrap_or(line.len())];
+        let line = line.lines().next().unwrap_or_default();
         let end = (span.start as usize + line.len()).max(span.end as usize);
         self.forget_within(around::part(span, span.start as usize, end));
         self.passed = end as u32;

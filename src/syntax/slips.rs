@@ -430,6 +430,9 @@ fn missing_comma(span: Span, at: usize, open: char, source: &str) -> Option<Diag
     // Behind a comment there may be nothing of the place that is blamed.
     let own = source.get(span.start as usize..before).unwrap_or_default();
     let start = own.rfind(open).map(|start| span.start as usize + start);
+    if start.is_some_and(|start| source[start + open.len_utf8()..before].trim().is_empty()) {
+        return None;
+    }
     let end = rest.find(['\n', close]).filter(|end| rest[*end..].starts_with(close));
     let written = start.zip(end).map(|(start, end)| (&source[start..before], &rest[..=end]));
     let help = match written.filter(|(first, second)| !first.contains('\n') && !second.contains(['(', '['])) {

@@ -509,3 +509,20 @@ fn a_new_name_breaks_nothing() {
     says(&renamed(robots, "robot |D2").expect_err("it is named elsewhere, too"), &["no robot", "by hand"]);
     assert_eq!(renamed("let alone = 5\n", "let |alone").map(|edits| edits.len()), Ok(1));
 }
+
+/// The angle of a curve is declared nowhere.
+#[test]
+fn a_formula_declares_no_name() {
+    let text = "let bump = profile { x: 14 um * cos(t) - 6 um * cos(2 * t), y: 9 um * sin(t) }\n";
+    let (mut editor, _) = Editor::new(json!({}));
+    editor.open("untitled:one", text);
+    for words in ["14 um * |cos", "14 um * cos(|t", "9 um * sin(|t"] {
+        let at = json!({ "textDocument": { "uri": "untitled:one" }, "position": caret(text, words) });
+        let found = editor.ask("textDocument/definition", at.clone()).expect("it answers");
+        assert!(words_at(&found).is_empty(), "{words}: {found}");
+        let mut renamed = at;
+        renamed["newName"] = json!("u");
+        let refused = editor.ask("textDocument/rename", renamed).expect_err("it is refused");
+        says(&refused.message, &["no name that is declared"]);
+    }
+}

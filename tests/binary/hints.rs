@@ -108,6 +108,44 @@ fn saved_programs_are_planned() {
     assert_eq!(editor.status(), Some(0));
 }
 
+/// The planner reads files: plans of a program go when a file that it uses is open with another text, and come back with its own.
+#[test]
+fn plans_are_those_of_the_open_texts() {
+    let bench = Bench::new();
+    let [lab, program] = ["lab.twz", "a.twz"].map(|name| format!("file://{}", bench.path(name).display()));
+    let walls = "let far = (1, 3)\n";
+    let walled = "use std.dimibot\nuse \"lab.twz\"\ndevice bot : dimibot.femto_st\nscene s { obstacle wall : cells { from: (1, 0), to: lab.far } }\ntask go on bot in s { move to (3, 3) }\n";
+    fs::write(bench.path("lab.twz"), walls).expect("written");
+    fs::write(bench.path("a.twz"), walled).expect("written");
+    let (mut editor, _) = Editor::new(json!({ "workspace": { "inlayHint": { "refreshSupport": true } } }));
+    editor.open(&program, walled);
+    finding(&mut editor, "E0601");
+    editor.open(&lab, walls);
+    let of_program = |editor: &mut Editor| loop {
+        let (of, found) = editor.findings();
+        if of == program {
+            break found.iter().map(|found| found["code"].as_str().expect("a code").to_owned()).collect::<Vec<_>>();
+        }
+    };
+    assert_eq!(of_program(&mut editor), ["E0601"]);
+    // Saved or not, the program itself is another one now, and is planned when the other file is saved, too.
+    editor.change(&lab, json!({ "text": "let far = (1, 2)\n" }));
+    assert_eq!(of_program(&mut editor), [""; 0]);
+    editor.note("textDocument/didSave", json!({ "textDocument": { "uri": &program } }));
+    assert_eq!(editor.hints(&program).len(), 1);
+    fs::write(bench.path("lab.twz"), "let far = (1, 2)\n").expect("written");
+    editor.note("textDocument/didSave", json!({ "textDocument": { "uri": &lab } }));
+    editor.refreshed();
+    assert!(editor.hints(&program).len() > 1);
+    // A text that is closed without being saved gives way to its file.
+    editor.change(&lab, json!({ "text": walls }));
+    editor.refreshed();
+    assert_eq!(editor.hints(&program).len(), 1);
+    editor.note("textDocument/didClose", json!({ "textDocument": { "uri": &lab } }));
+    editor.refreshed();
+    assert!(editor.hints(&program).len() > 1);
+}
+
 /// What the checker knows is there while the text is typed, and without a plan.
 #[test]
 fn hints_tell_pitches_and_the_cells_of_places() {

@@ -96,6 +96,12 @@ fn pages_follow_their_program() {
     says(&latest(), &["\"pages\":[\"a.failed.html\"]"]);
     fs::write(bench.path("a.twz"), SMALL).expect("written");
     says(&watched.build(), &["Wrote  out/go.html"]);
+    assert_eq!((bench.names("out"), latest()), (vec!["a.latest.js".to_owned(), "go.html".to_owned()], good.clone()));
+    fs::remove_file(bench.path("a.twz")).expect("removed");
+    says(&watched.build(), &["Wrote  out/a.failed.html"]);
+    says(&fs::read_to_string(bench.path("out/a.failed.html")).expect("the page is there"), &["E0801"]);
+    fs::write(bench.path("a.twz"), SMALL).expect("written");
+    says(&watched.build(), &["Wrote  out/go.html"]);
     assert_eq!((bench.names("out"), latest()), (vec!["a.latest.js".to_owned(), "go.html".to_owned()], good));
 }
 
