@@ -3,7 +3,7 @@
 
 use tweeze::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
 use tweeze::geometry::Pose;
-use tweeze::plan::microrobots::assembly::{self, CYCLES, MAX_PLANS};
+use tweeze::plan::microrobots::assembly::{self, AssemblyTerms, CYCLES, MAX_PLANS};
 use tweeze::plan::microrobots::drive::{self, Drive};
 use tweeze::plan::microrobots::world::{BedPoses, World};
 use tweeze::plan::microrobots::{Leg, legs_ns};
@@ -27,9 +27,9 @@ pub fn direct(order: &MicrorobotsOrder, start: &[Pose], steps: u64) -> Option<Ve
     let (budget, docked) = (SearchBudget::of(steps), vec![false; start.len()]);
     match &order.steps.first()?.action {
         MicrorobotsAction::Assemble(docks) => {
-            assembly::assemble(order, (start, &docked, None), docks, &mut Meter::new(budget), (CYCLES, MAX_PLANS))
-                .ok()
-                .map(|found| found.legs)
+            let terms = AssemblyTerms { fine: CYCLES, most_stages: MAX_PLANS };
+            let found = assembly::assemble(order, start, &docked, None, docks, &mut Meter::new(budget), terms);
+            found.ok().map(|found| found.legs)
         }
         MicrorobotsAction::Drive { robot, stops } => {
             let stops: Vec<Pose> = stops.iter().map(|stop| stop.pose).collect();

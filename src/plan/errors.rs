@@ -129,7 +129,7 @@ pub fn nothing_left_to_try(step: Span, to: &str, bound: u64, avoids: bool) -> Di
 }
 
 /// A greedy planner gave up; its failure proves nothing. `first` is what Tweeze's own planner needs before it plans this, such as another field.
-pub fn greedy_gave_up(asked: Span, (part, at): (&str, &str), steps: usize, how: &str, first: &str) -> Diagnostic {
+pub fn greedy_gave_up(asked: Span, part: &str, at: &str, steps: usize, how: &str, first: &str) -> Diagnostic {
     let steps = steps_text(steps as u64);
     Diagnostic::new(Code::E0602, format!("the greedy planner leaves `{part}` {how} at {at} after {steps}"))
         .label(asked, "neither planned nor disproved")
@@ -397,7 +397,7 @@ pub enum Apart {
 }
 
 /// Two robots of one scene for which no plans were found that keep them apart.
-pub fn not_apart([device, with]: [&str; 2], (run, why): (Span, &str), other: Option<Span>, mend: Apart) -> Diagnostic {
+pub fn not_apart([device, with]: [&str; 2], run: Span, why: &str, other: Option<Span>, mend: Apart) -> Diagnostic {
     let title = format!("no plans were found that keep `{device}` and `{with}` apart");
     let diagnostic = Diagnostic::new(Code::E0610, title).label(run, why);
     let diagnostic = match other {

@@ -10,18 +10,20 @@ pub use simulation::{Disturbances, Dockings, FailureReason, Failures, ShareSprea
 
 /// Report on `trials` trials of a plan; `None` if the kind or the device has no error bounds, or nothing is assembled.
 pub fn simulate(motion: &Motion, trials: u64, seed: u64, threads: usize) -> Option<SimulationReport> {
-    simulate_disturbed(motion, Disturbances::default(), (trials, seed, threads))
+    simulate_disturbed(motion, Disturbances::default(), trials, seed, threads)
 }
 
-/// The same under disturbances; the last numbers are the trials, the seed and the threads.
+/// The same under disturbances.
 pub fn simulate_disturbed(
     motion: &Motion,
     disturbances: Disturbances,
-    trials: (u64, u64, usize),
+    trials: u64,
+    seed: u64,
+    threads: usize,
 ) -> Option<SimulationReport> {
     match motion {
         Motion::Microrobots(planned) => {
-            simulation::simulate_disturbed(planned.order, &planned.motion, disturbances, trials)
+            simulation::simulate_disturbed(planned.order, &planned.motion, disturbances, trials, seed, threads)
         }
         // These kinds have no simulation.
         Motion::Dimibot(_) | Motion::ElectrodeArray(_) | Motion::Fingers(_) => None,

@@ -45,7 +45,7 @@ impl Shape {
         for _ in 0..self.agents {
             let tries = (0..TRIES).map(|_| (chance.below(self.size.0), chance.below(self.size.1)));
             let (column, row) = tries.into_iter().find(|(column, row)| !free.is_blocked(free.cell(*column, *row)))?;
-            free.block_around((i64::from(column), i64::from(row)), self.separation);
+            free.block_around(i64::from(column), i64::from(row), self.separation);
             cells.push(board.cell(column, row));
         }
         Some(cells)

@@ -104,7 +104,7 @@ fn one(
     let report = match arguments.against_controller {
         false => {
             let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-            simulate_disturbed(&plan.motion, arguments.disturbances(), (trials, seed, threads)).map(Ok)
+            simulate_disturbed(&plan.motion, arguments.disturbances(), trials, seed, threads).map(Ok)
         }
         true => against(claims, job, plan, arguments),
     };

@@ -50,7 +50,7 @@ impl LoweringBed<'_> {
         for (index, leg) in legs.iter().enumerate() {
             self.record(leg.state);
             self.drive(leg, step)?;
-            self.crew.follow(self.order, (index, leg), docks);
+            self.crew.follow(self.order, index, leg, docks);
         }
         Some(())
     }

@@ -68,7 +68,8 @@ impl Obstacles {
         if obstacles.len() >= 1 << 31 {
             return Err(FieldError::TooMany);
         }
-        let bodies: Result<Vec<FieldBody>, FieldError> = obstacles.iter().enumerate().map(body).collect();
+        let bodies: Result<Vec<FieldBody>, FieldError> =
+            obstacles.iter().enumerate().map(|(index, obstacle)| body(index, obstacle)).collect();
         let bodies = bodies?;
         let bands = Side::BOTH.map(|side| {
             let spans: Vec<[u32; 2]> = bodies.iter().map(|b| b.lines(&lattice, side)).collect();
@@ -144,7 +145,7 @@ impl Obstacles {
     }
 }
 
-fn body((index, obstacle): (usize, &FieldObstacle)) -> Result<FieldBody, FieldError> {
+fn body(index: usize, obstacle: &FieldObstacle) -> Result<FieldBody, FieldError> {
     match obstacle {
         FieldObstacle::Cells { from, to } => Ok(FieldBody::Cells {
             from: [from[0].min(to[0]), from[1].min(to[1])],

@@ -301,7 +301,7 @@ impl Programme<'_> {
         for objective in objectives {
             let order = improved(&table(entries, between, onward.as_deref(), objective));
             let Some(last) = order.last().map(|node| node - 1) else { continue };
-            if let Some(way) = self.along(places, entries, between, (&order, objective), searches) {
+            if let Some(way) = self.along(places, entries, between, &order, objective, searches) {
                 states.push(StageEnd { cell: places[last], ways: vec![way] });
             }
         }
@@ -328,7 +328,8 @@ impl Programme<'_> {
         places: &[LatticeCell],
         entries: &[Vec<WayFigures>],
         between: &Between,
-        (order, objective): (&[usize], DimibotObjective),
+        order: &[usize],
+        objective: DimibotObjective,
         searches: &Searches,
     ) -> Option<WayFigures> {
         let first = order.first()? - 1;

@@ -87,7 +87,7 @@ impl BoardGrid {
     }
 
     /// Blocks every cell nearer than `distance` (Chebyshev) to a place, which may lie outside the board.
-    pub fn block_around(&mut self, (column, row): (i64, i64), distance: u32) {
+    pub fn block_around(&mut self, column: i64, row: i64, distance: u32) {
         let reach = i64::from(distance) - 1;
         let columns = (column - reach).max(0)..=(column + reach).min(i64::from(self.width) - 1);
         for row in (row - reach).max(0)..=(row + reach).min(i64::from(self.height) - 1) {
@@ -189,7 +189,7 @@ impl Instance {
 
     /// Whether positions of two agents, at the same or at neighbouring instants, violate the separation.
     #[inline]
-    pub fn too_near(&self, (one, at): (usize, CellIndex), (other, other_at): (usize, CellIndex)) -> bool {
+    pub fn too_near(&self, one: usize, at: CellIndex, other: usize, other_at: CellIndex) -> bool {
         self.board.apart(at, other_at) < self.separation
             && !self.merge_cell(one, other).is_some_and(|goal| at == goal || other_at == goal)
     }

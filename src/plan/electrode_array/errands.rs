@@ -270,7 +270,8 @@ pub fn courses_of(
     order: &ElectrodeArrayOrder,
     stage: &BoardStage,
     cells: &[Option<ElectrodeCell>],
-    (problem, courses): (&AssayProblem, &[AgentCourse]),
+    problem: &AssayProblem,
+    courses: &[AgentCourse],
 ) -> Vec<PartCourse> {
     let stays = |cell: &Option<ElectrodeCell>| PartCourse {
         since: 0,

@@ -79,6 +79,6 @@ impl Tasks<'_> {
             Separation::Apart(_) => "",
             Separation::AsPublished => "give the device `separation: 4` and ",
         };
-        self.sink.push(errors::greedy_gave_up(span, (name, &at.to_string()), path.len() - 1, how, first));
+        self.sink.push(errors::greedy_gave_up(span, name, &at.to_string(), path.len() - 1, how, first));
     }
 }

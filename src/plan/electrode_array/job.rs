@@ -91,7 +91,7 @@ fn planned(
     let Some(steps) = steps.into_iter().collect::<Option<Vec<ElectrodeArrayStepMotion>>>() else {
         let alone = stranded.filter(|_| sink.errors() == before);
         let others = if alone.is_some() && may_remedy { assigned::orders(order) } else { Vec::new() };
-        if let Some((plan, end)) = best_assigned(job, order, (&others, bounds), start) {
+        if let Some((plan, end)) = best_assigned(job, order, &others, bounds, start) {
             return (Some(plan), end);
         }
         stranded.into_iter().for_each(|step| sink.push(errors::not_from_here(step, others.len())));
@@ -99,7 +99,7 @@ fn planned(
     };
     let motion = ElectrodeArrayMotion { start, steps };
     if order.planner.method == ElectrodeArrayMethod::Portfolio && assays.is_empty() {
-        return (within_limits(job, order, &ground, (motion, known), sink), end);
+        return (within_limits(job, order, &ground, motion, &known, sink), end);
     }
     let plan = finished(order, motion, bounds, None);
     // The bounds of an assay hold whatever the limits are; those of a published plan are not asked for.
@@ -112,7 +112,7 @@ fn planned(
     if kept == Kept::Yes {
         return (Some(plan), end);
     }
-    let fewest = (!assays.is_empty()).then(|| in_fewest_steps(job, order, (plan.motion.start, bounds))).flatten();
+    let fewest = (!assays.is_empty()).then(|| in_fewest_steps(job, order, plan.motion.start, bounds)).flatten();
     if let Some((plan, end)) = fewest {
         return (Some(plan), end);
     }
@@ -125,7 +125,8 @@ fn planned(
 fn best_assigned(
     job: &Job,
     order: &ElectrodeArrayOrder,
-    (others, bounds): (&[ElectrodeArrayOrder], BoardCosts),
+    others: &[ElectrodeArrayOrder],
+    bounds: BoardCosts,
     start: Vec<Option<ElectrodeCell>>,
 ) -> Option<(Plan<ElectrodeArrayMotion>, Vec<Option<ElectrodeCell>>)> {
     let plans = others.iter().filter_map(|other| {
@@ -139,7 +140,8 @@ fn best_assigned(
 fn in_fewest_steps(
     job: &Job,
     order: &ElectrodeArrayOrder,
-    (start, bounds): (Vec<Option<ElectrodeCell>>, BoardCosts),
+    start: Vec<Option<ElectrodeCell>>,
+    bounds: BoardCosts,
 ) -> Option<(Plan<ElectrodeArrayMotion>, Vec<Option<ElectrodeCell>>)> {
     if order.objective != ElectrodeArrayObjective::SumOfCosts {
         return None;
@@ -154,7 +156,8 @@ fn within_limits(
     job: &Job,
     order: &ElectrodeArrayOrder,
     ground: &BoardGround,
-    (mut motion, known): (ElectrodeArrayMotion, Vec<(Paths, BoardCosts)>),
+    mut motion: ElectrodeArrayMotion,
+    known: &[(Paths, BoardCosts)],
     sink: &mut Sink,
 ) -> Option<Plan<ElectrodeArrayMotion>> {
     let limits = limits::of(order, &job.requirements);
@@ -165,7 +168,7 @@ fn within_limits(
     }
     let objective = BoardObjective::of(order.objective);
     let is_only = known.len() == 1;
-    let fronts = fronts(order, ground, &motion.start, (&known, limits), is_only);
+    let fronts = fronts(order, ground, &motion.start, known, limits, is_only);
     match limited::choose(&fronts, limits, objective) {
         limited::Chosen::Kept { paths, bound } => {
             let mut moved = paths.iter();
@@ -177,7 +180,7 @@ fn within_limits(
             Some(finished(order, motion, bounds, Some(bound)))
         }
         limited::Chosen::Broken { is_proven } => {
-            let wider = self::fronts(order, ground, &motion.start, (&known, limits::lifted(limits)), false);
+            let wider = self::fronts(order, ground, &motion.start, known, limits::lifted(limits), false);
             sink.push(limits::broken(order, &job.requirements, [&fronts, &wider], is_proven));
             None
         }
@@ -189,7 +192,8 @@ fn fronts(
     order: &ElectrodeArrayOrder,
     ground: &BoardGround,
     start: &[Option<ElectrodeCell>],
-    (known, limits): (&[(Paths, BoardCosts)], PlanLimits),
+    known: &[(Paths, BoardCosts)],
+    limits: PlanLimits,
     is_only: bool,
 ) -> Vec<PlanFront> {
     let mut moves = Vec::with_capacity(known.len());
@@ -214,7 +218,7 @@ fn fronts(
             expansions: order.planner.expansions,
         };
         let standing = stage.standing_cells(order).collect();
-        fronts.push(limited::front((&stage.instance, standing), (&known[turn].0, bounds[turn]), asked));
+        fronts.push(limited::front(&stage.instance, standing, &known[turn].0, bounds[turn], asked));
     });
     fronts
 }
@@ -390,7 +394,7 @@ impl Tasks<'_> {
     /// The paths of a step with interchangeable goals.
     fn by_teams(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage) -> Option<Paths> {
         let budget = SearchBudget::of(self.order.planner.expansions);
-        match shared::solve(self.order, step.span, stage, (BoardObjective::of(self.order.objective), budget)) {
+        match shared::solve(self.order, step.span, stage, BoardObjective::of(self.order.objective), budget) {
             SharedGoals::Found(BoardPlan { paths, bounds }) => {
                 self.assays.push(self.least_of(step, bounds));
                 return Some(paths);
@@ -452,7 +456,7 @@ impl Tasks<'_> {
         match reason {
             NoBoardPlan::Closed { agent, stop } => self.closed(stage, *agent, *stop),
             NoBoardPlan::Torn { agent, stop } => {
-                self.sink.push(torn::torn(self.order, stage, (*agent, *stop)));
+                self.sink.push(torn::torn(self.order, stage, *agent, *stop));
             }
             NoBoardPlan::Blocked { agents } => {
                 if let Some(diagnostic) = torn::excluded(self.order, step, stage, agents) {

@@ -3,7 +3,7 @@
 
 use super::assay::{AgentCourse, AssayPlan, AssayProblem, are_kept, are_kept_by_courses, cut_where_gone};
 use super::board::{BoardAnswer, BoardCosts, BoardObjective, CellIndex};
-use super::errands::depart;
+use super::errands::{AssaySite, depart};
 use super::portfolio;
 use super::stage::{self, BoardGround, BoardStage};
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayMove, ElectrodeArrayOrder, ElectrodeArrayStop};
@@ -12,19 +12,21 @@ use crate::plan::search::SearchBudget;
 
 /// A plan of the operations in turn, each with the best plan of a step of its own; `None` if one of them has none.
 pub fn one_by_one(
-    (order, ground): (&ElectrodeArrayOrder, &BoardGround),
-    cells: &[Option<ElectrodeCell>],
-    (operations, problem, stage): (&[AssayOperation], &AssayProblem, &BoardStage),
-    (objective, bounds): (BoardObjective, BoardCosts),
+    site: &AssaySite,
+    operations: &[AssayOperation],
+    problem: &AssayProblem,
+    stage: &BoardStage,
+    objective: BoardObjective,
+    bounds: BoardCosts,
 ) -> Option<AssayPlan> {
     let agents = &problem.instance.agents;
     let mut turns = Turns {
-        order,
-        ground,
+        order: site.order,
+        ground: site.ground,
         problem,
         stage,
         objective,
-        now: cells.to_vec(),
+        now: site.cells.to_vec(),
         courses: agents.iter().map(|agent| AgentCourse { since: 0, cells: vec![agent.start] }).collect(),
     };
     for operation in operations {

@@ -186,7 +186,7 @@ impl<'a> BoardStage<'a> {
                 }
                 Bystanders::Stay => {
                     let part = &order.parts[part];
-                    let around = square((&part.name, part.span), at, order.facts.separation.apart());
+                    let around = square(&part.name, part.span, at, order.facts.separation.apart());
                     standing.push(CellBlocker { at: Some(at), ..around });
                 }
             }
@@ -263,7 +263,7 @@ fn bare(order: &ElectrodeArrayOrder) -> BoardGrid {
 fn grown<'a>(obstacle: &'a ElectrodeArrayObstacle, facts: &ElectrodeArrayFacts) -> CellBlocker<'a> {
     match obstacle.body {
         ElectrodeArrayObstacleBody::Fixed(cell) => {
-            square((&obstacle.name, obstacle.span), cell, facts.separation.apart())
+            square(&obstacle.name, obstacle.span, cell, facts.separation.apart())
         }
         ElectrodeArrayObstacleBody::Electrodes { from, to } => {
             let growth = i64::from(facts.clearance) - 1;
@@ -280,7 +280,7 @@ fn grown<'a>(obstacle: &'a ElectrodeArrayObstacle, facts: &ElectrodeArrayFacts) 
 }
 
 /// All cells nearer than `distance` to a part that stays at `cell`.
-fn square<'a>((name, span): (&'a str, Span), cell: ElectrodeCell, distance: u32) -> CellBlocker<'a> {
+fn square<'a>(name: &'a str, span: Span, cell: ElectrodeCell, distance: u32) -> CellBlocker<'a> {
     let reach = i64::from(distance) - 1;
     let around = |at: u32| [i64::from(at) - 1 - reach, i64::from(at) - 1 + reach];
     CellBlocker { name, at: None, span, columns: around(cell.column), rows: around(cell.row) }

@@ -269,7 +269,7 @@ fn may(i: (u32, u32), one: char, other: char) -> bool {
     let (from_j, to_j) = (cell((2, 2)), cell(moved((2, 2), other)));
     let instance = Instance { board: board.clone(), separation: 4, agents: Vec::new(), merges: Vec::new() };
     let pairs = [(from_i, from_j), (to_i, from_j), (from_i, to_j), (to_i, to_j)];
-    pairs.into_iter().all(|(i, j)| !instance.too_near((0, i), (1, j)))
+    pairs.into_iter().all(|(i, j)| !instance.too_near(0, i, 1, j))
 }
 
 #[test]
@@ -374,7 +374,7 @@ fn bounds_of_many_arrangements_hold_for_the_best_of_them() {
         let budget = SearchBudget::of(200_000);
         for objective in [BoardObjective::Makespan, BoardObjective::SumOfCosts] {
             let solved =
-                |most| places::arranged::solve_each(&site, &operations, (objective, most), &mut Meter::new(budget));
+                |most| places::arranged::solve_each(&site, &operations, objective, most, &mut Meter::new(budget));
             let (best, many) = match (solved(1_000), solved(1)) {
                 (SearchAnswer::Found(best), SearchAnswer::Found(many)) => (best, many),
                 (SearchAnswer::Found(_), SearchAnswer::Impossible(_)) => panic!("there is a plan: {operations:?}"),

@@ -7,12 +7,7 @@ use super::ways::FingerAct;
 /// Appends the finger acts of a stretch's path to the acts of the task's steps.
 ///
 /// `begins` is the step in which the fingers first take the part; `None` if they already hold it.
-pub fn follow(
-    steps: &mut [Vec<FingerAct>],
-    (route, way): (&TurnRoute, &GraspPath),
-    begins: Option<usize>,
-    fingers: usize,
-) {
+pub fn follow(steps: &mut [Vec<FingerAct>], route: &TurnRoute, way: &GraspPath, begins: Option<usize>, fingers: usize) {
     for (leg, (turning, nodes)) in route.iter().zip(&way.legs).enumerate() {
         if let (0, Some(step), Some(first)) = (leg, begins, nodes.first()) {
             steps[step].push(FingerAct::Begin { plane: turning.turn.plane, grasp: first.grasp.list(fingers) });

@@ -140,7 +140,7 @@ struct Front {
 /// The plan of least effort with at most `most` reconfigurations, given one that has more.
 pub fn within(sections: &mut Sections, asked: &AskedStretch, any: &Done, most: u32) -> HandWithin {
     let count = any.stretches.len();
-    let fronts: Vec<Front> = (0..count).map(|at| front(sections, asked, (any, at), most)).collect();
+    let fronts: Vec<Front> = (0..count).map(|at| front(sections, asked, any, at, most)).collect();
     let is_whole = fronts.iter().all(|front| front.is_whole);
     let Some((cost, gaits)) = choice(&fronts, most) else { return HandWithin::None { is_proven: is_whole } };
     let gaits = gaits.into_iter().map(Some).collect();
@@ -162,7 +162,7 @@ pub fn within(sections: &mut Sections, asked: &AskedStretch, any: &Done, most: u
 }
 
 /// The candidate paths of a stretch.
-fn front(sections: &mut Sections, asked: &AskedStretch, (any, at): (&Done, usize), most: u32) -> Front {
+fn front(sections: &mut Sections, asked: &AskedStretch, any: &Done, at: usize, most: u32) -> Front {
     let mut front = Front { ways: vec![any.stretches[at]], is_whole: any.stretches[at].is_best };
     let is_only = any.stretches.len() == 1;
     loop {

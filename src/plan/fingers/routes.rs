@@ -61,7 +61,7 @@ pub fn routes(order: &FingersOrder, steps: Range<usize>, held: Option<Holding>) 
     let planes = free_planes(order, &steps, held);
     let in_plane = |plane: Option<Plane>| {
         let steps = &steps;
-        choices.iter().map(move |choice| route(order, steps.clone(), choice, (held, plane)))
+        choices.iter().map(move |choice| route(order, steps.clone(), choice, held, plane))
     };
     let routes = planes.into_iter().flat_map(in_plane).collect();
     let start = held.map(|held| held.grasp).or_else(|| first_grasp(order, steps));
@@ -168,7 +168,8 @@ fn route(
     order: &FingersOrder,
     steps: Range<usize>,
     turns: &[(usize, FingersTurn)],
-    (held, free): (Option<Holding>, Option<Plane>),
+    held: Option<Holding>,
+    free: Option<Plane>,
 ) -> TurnRoute {
     // That of the next turn of the task, else of its last one: turns of this range as chosen, the others as written.
     let last = turns.last().map(|(_, turn)| turn.plane).or_else(|| {

@@ -35,6 +35,14 @@ pub enum FirstCriterion {
     Reconfigurations,
 }
 
+/// How the path of a stretch is chosen.
+#[derive(Debug, Clone, Copy)]
+pub struct PathChoice {
+    pub first: FirstCriterion,
+    /// Limit on the reconfigurations; unlimited where there is no number.
+    pub gaits: Option<u32>,
+}
+
 /// Budget of looks for planning one task.
 pub fn most_looks(order: &FingersOrder) -> u64 {
     order.looks.unwrap_or(u64::from(DEFAULT_LOOKS))
@@ -94,8 +102,13 @@ impl Done {
     }
 }
 
-/// Start of a stretch: the held grasp, the part's orientation, and its steps.
-pub type Begins = (Option<Holding>, UnitQuaternion<f64>, Range<usize>);
+/// Start of a stretch, and its steps.
+pub struct Begins {
+    pub held: Option<Holding>,
+    /// That of the part.
+    pub orientation: UnitQuaternion<f64>,
+    pub steps: Range<usize>,
+}
 
 /// Why there is no plan; `at` is the step of the order at which planning ended.
 pub enum NoCourse {
@@ -138,7 +151,7 @@ pub fn carried_out(sections: &mut Sections, asked: &AskedStretch) -> Result<Done
     let start = stance.cloned().unwrap_or_else(|| sections.hand().home(order.part.position_um));
     let mut tally = HandTally::of(asked, start.clone());
     for (index, stretch) in stretches(order).into_iter().enumerate() {
-        tally.carry_out(sections, (index, stretch))?;
+        tally.carry_out(sections, index, stretch)?;
     }
     let course = FingersCourse { start, steps: tally.acts };
     let motion = sections.hand().motion(&course).map_err(NoCourse::NoWay)?;
@@ -215,14 +228,10 @@ impl<'a> HandTally<'a> {
     }
 
     /// Plans a stretch and appends its acts.
-    fn carry_out(
-        &mut self,
-        sections: &mut Sections,
-        (index, stretch): (usize, Range<usize>),
-    ) -> Result<(), Box<NoCourse>> {
+    fn carry_out(&mut self, sections: &mut Sections, index: usize, stretch: Range<usize>) -> Result<(), Box<NoCourse>> {
         self.stretches.push(TaskStretch { cost: 0, gaits: 0, is_best: true });
         if stretch.clone().any(|step| takes_hold(&self.order.steps[step].action)) {
-            self.turn(sections, (index, stretch.clone()))?;
+            self.turn(sections, index, stretch.clone())?;
         } else if let Some(held) =
             self.held.filter(|_| self.order.steps[stretch.start].action != FingersAction::Release)
             && !sections.bears(held, self.orientation)
@@ -242,16 +251,16 @@ impl<'a> HandTally<'a> {
     }
 
     /// The cheapest path through the turns of a stretch.
-    fn turn(&mut self, sections: &mut Sections, (index, stretch): (usize, Range<usize>)) -> Result<(), Box<NoCourse>> {
+    fn turn(&mut self, sections: &mut Sections, index: usize, stretch: Range<usize>) -> Result<(), Box<NoCourse>> {
         let mut planned = routes(self.order, stretch.clone(), self.held);
         // Under a load, another earlier path might have left the part where it is easier to hold.
         if self.open.orientation && self.order.load_un != [0.0; 3] {
             let least = least_steps(&planned);
             planned.left_out = Some(planned.left_out.map_or(least, |known| known.min(least)));
         }
-        let chosen = (self.asked.first, self.asked.gaits.get(index).copied().flatten());
+        let chosen = PathChoice { first: self.asked.first, gaits: self.asked.gaits.get(index).copied().flatten() };
         let way = match sound(self.order, sections, &planned, self.orientation, chosen) {
-            Ok(GraspAnswer::Found(way)) if self.is_stuck_after(sections, (&planned, &way), stretch.end) => {
+            Ok(GraspAnswer::Found(way)) if self.is_stuck_after(sections, &planned, &way, stretch.end) => {
                 let released = planned.released().map(|released| {
                     let answer = sound(self.order, sections, &released, self.orientation, chosen);
                     (released, answer)
@@ -272,7 +281,7 @@ impl<'a> HandTally<'a> {
             }
             Ok(GraspAnswer::Impossible(blocked)) => {
                 let at = step_of(&planned, blocked.route, blocked.leg);
-                let begins = (self.held, self.orientation, stretch);
+                let begins = Begins { held: self.held, orientation: self.orientation, steps: stretch };
                 return Err(Box::new(NoCourse::Blocked { at, blocked, planned, begins }));
             }
             Ok(GraspAnswer::GaveUp(end)) => {
@@ -286,7 +295,7 @@ impl<'a> HandTally<'a> {
         let first = route.first().map_or(stretch.start, |turning| turning.step);
         let begins = stretch.clone().find(is_grasp).map_or(first, |grasp| grasp.min(first));
         let fingers = self.order.facts.fingers as usize;
-        follow(&mut self.acts, (route, &way), self.held.is_none().then_some(begins), fingers);
+        follow(&mut self.acts, route, &way, self.held.is_none().then_some(begins), fingers);
         let cost = effort(self.order, &way);
         self.sums.cost += cost;
         let (bound, is_best) = match self.asked.first {
@@ -323,7 +332,7 @@ impl<'a> HandTally<'a> {
         &self,
         sections: &mut Sections,
         planned: &Routes,
-        chosen: (FirstCriterion, Option<u32>),
+        chosen: PathChoice,
     ) -> Option<Result<GraspAnswer, NoTables>> {
         let is_chosen = self.held.is_some() && self.open.grasp;
         let is_exact = self.order.planner != FingersPlanner::GreedyDecomposition;
@@ -334,12 +343,7 @@ impl<'a> HandTally<'a> {
     }
 
     /// Of a stretch without a path: that another grasp at its beginning may have one.
-    fn other_grasp(
-        &self,
-        sections: &mut Sections,
-        planned: &Routes,
-        chosen: (FirstCriterion, Option<u32>),
-    ) -> Option<NoCourse> {
+    fn other_grasp(&self, sections: &mut Sections, planned: &Routes, chosen: PathChoice) -> Option<NoCourse> {
         let from = match self.begun_with_any_grasp(sections, planned, chosen)? {
             Ok(GraspAnswer::Impossible(_)) => return None,
             Ok(GraspAnswer::Found(way)) => first_grasp(&way),
@@ -354,7 +358,7 @@ impl<'a> HandTally<'a> {
         sections: &mut Sections,
         planned: &Routes,
         way: GraspPath,
-        chosen: (FirstCriterion, Option<u32>),
+        chosen: PathChoice,
     ) -> GraspPath {
         let roll = match self.asked.first {
             FirstCriterion::Effort => ROLL,
@@ -392,7 +396,7 @@ impl<'a> HandTally<'a> {
 
     /// Whether the steps up to one end with a release and fingers cannot leave the grasp at the end of a path. Under a load no other one is
     /// looked for.
-    fn is_stuck_after(&self, sections: &mut Sections, (planned, way): (&Routes, &GraspPath), end: usize) -> bool {
+    fn is_stuck_after(&self, sections: &mut Sections, planned: &Routes, way: &GraspPath, end: usize) -> bool {
         let is_released = self.order.steps[..end].last().is_some_and(|step| step.action == FingersAction::Release);
         let (mut orientation, route) = (self.orientation, &planned.routes[way.route]);
         route.iter().for_each(|turning| orientation = sections.turned(orientation, turning.turn));
@@ -438,7 +442,7 @@ pub fn sound(
     sections: &mut Sections,
     planned: &Routes,
     orientation: UnitQuaternion<f64>,
-    chosen: (FirstCriterion, Option<u32>),
+    chosen: PathChoice,
 ) -> Result<GraspAnswer, NoTables> {
     if order.load_un == [0.0; 3] {
         return lasting(order, sections, planned, orientation, chosen);
@@ -459,7 +463,7 @@ fn lasting(
     sections: &mut Sections,
     planned: &Routes,
     orientation: UnitQuaternion<f64>,
-    chosen: (FirstCriterion, Option<u32>),
+    chosen: PathChoice,
 ) -> Result<GraspAnswer, NoTables> {
     let (mut left, mut least) = (order.expansions, 0);
     loop {
@@ -524,7 +528,7 @@ fn answer(
     sections: &mut Sections,
     planned: &Routes,
     orientation: UnitQuaternion<f64>,
-    (first, gaits): (FirstCriterion, Option<u32>),
+    chosen: PathChoice,
     budget: SearchBudget,
 ) -> Result<GraspAnswer, NoTables> {
     let legs: Result<Vec<_>, _> = planned.routes.iter().map(|route| sections.legs(route, orientation)).collect();
@@ -532,11 +536,11 @@ fn answer(
         fingers: order.facts.fingers as usize,
         start: planned.start.map_or(Start::Any, Start::At),
         routes: legs?,
-        costs: match first {
+        costs: match chosen.first {
             FirstCriterion::Effort => costs(order),
             FirstCriterion::Reconfigurations => GraspCosts { roll: 1, gait: MORE_THAN_ALL_ROLLING },
         },
-        within: Within { gaits, looks: Rc::clone(sections.looks()) },
+        within: Within { gaits: chosen.gaits, looks: Rc::clone(sections.looks()) },
     };
     Ok(match order.planner {
         FingersPlanner::JointAstar => graph::solve(&request, Estimator::Layers, budget),

@@ -7,7 +7,8 @@ use super::mechanics::{Contacts, GripModel, Load, NoTables};
 use super::routes::{Holding, RouteTurn, Routes, routes};
 use super::sections::Sections;
 use super::stretches::{
-    AskedStretch, Begins, FirstCriterion, LeftOpen, NoCourse, carried_out, grasp_text, kept_back, most_looks, sound,
+    AskedStretch, Begins, FirstCriterion, LeftOpen, NoCourse, PathChoice, carried_out, grasp_text, kept_back,
+    most_looks, sound,
 };
 use super::ways::WayError;
 use crate::claims::Job;
@@ -165,7 +166,7 @@ impl HandReasons<'_> {
                 .label(self.span(), "neither planned nor disproved")
                 .help("say the turns with `rotate`, or take a larger `step` or `precision`");
         }
-        let torque = blocked.farthest.is_none().then(|| self.torque_left(planned, &begins)).flatten();
+        let torque = blocked.farthest.is_none().then(|| self.torque_left(planned, &begins.orientation)).flatten();
         if let Some(torque) = torque {
             return Diagnostic::new(Code::E0601, format!("{} cannot begin: its first grasp does not hold", self.what()))
                 .label(self.span(), torque)
@@ -252,7 +253,7 @@ impl HandReasons<'_> {
     }
 
     /// Torque of the load about the line through the two contacts with which a stretch must begin, where tips cannot bear it.
-    fn torque_left(&self, planned: &Routes, (_, orientation, _): &Begins) -> Option<String> {
+    fn torque_left(&self, planned: &Routes, orientation: &UnitQuaternion<f64>) -> Option<String> {
         self.torque_of(planned.start?, planned.routes.first()?.first()?.turn.plane, orientation)
     }
 
@@ -335,7 +336,7 @@ impl HandReasons<'_> {
             let most = nearest([order.facts.removal_safety, 0.0], &|value| is_there(&safety(value)));
             changes.extend(most.map(|value| format!("`removal_safety: {}`", digits(value))));
         }
-        if trials.begins.0.is_none()
+        if trials.begins.held.is_none()
             && let Some((halved, step)) = halved(order)
         {
             changes.extend(is_there(&halved).then(|| format!("`step: {step} deg`")));
@@ -346,7 +347,7 @@ impl HandReasons<'_> {
             false => "without its `require` the task has a plan",
         };
         // A grasp that is held from the beginning is that of a task before, which is not planned again.
-        let from = match trials.begins.0 {
+        let from = match trials.begins.held {
             Some(_) => {
                 ", from the grasp with which this task begins: the tasks before it may then end with another one"
             }
@@ -438,10 +439,11 @@ impl Trials<'_> {
     /// Whether an order with changed figures has a plan: first the stretch that has none now, then the whole task, but for its
     /// limits.
     fn try_with(&self, order: &FingersOrder) -> Known {
-        let (held, orientation, steps) = self.begins;
+        let Begins { held, orientation, steps } = self.begins;
         let Ok(mut sections) = Sections::of(order, Rc::clone(&self.looks)) else { return Known::Nothing };
         let planned = routes(order, steps.clone(), *held);
-        match sound(order, &mut sections, &planned, *orientation, (FirstCriterion::Effort, None)) {
+        let chosen = PathChoice { first: FirstCriterion::Effort, gaits: None };
+        match sound(order, &mut sections, &planned, *orientation, chosen) {
             Ok(GraspAnswer::Found(_)) => {}
             Ok(GraspAnswer::Impossible(_)) if planned.left_out.is_none() => return Known::None,
             Ok(_) | Err(_) => return Known::Nothing,

@@ -47,7 +47,8 @@ impl<'a> Departures<'a> {
     /// Departures for robots that have these goals; another seed gives others.
     pub fn new(
         order: &MicrorobotsOrder,
-        (world, bed): (&'a World, &'a BedPoses),
+        world: &'a World,
+        bed: &'a BedPoses,
         goals: impl Iterator<Item = Pose>,
         seed: u64,
     ) -> Departures<'a> {

@@ -54,7 +54,7 @@ pub fn plan(
     sink: &mut Sink,
 ) -> Option<Plan<MicrorobotsMotion>> {
     let is_first = !standing.crews.contains_key(&job.device);
-    let planned = standing.of(job, order).and_then(|crew| planned(job, order, (crew, is_first), sink));
+    let planned = standing.of(job, order).and_then(|crew| planned(job, order, crew, is_first, sink));
     let (plan, crew) = planned.map_or((None, None), |(plan, crew)| (plan, Some(crew)));
     standing.crews.insert(job.device.clone(), crew);
     plan
@@ -64,14 +64,15 @@ pub fn plan(
 fn planned(
     job: &Job,
     order: &MicrorobotsOrder,
-    (start, is_first): (Crew, bool),
+    start: Crew,
+    is_first: bool,
     sink: &mut Sink,
 ) -> Option<(Option<Plan<MicrorobotsMotion>>, Crew)> {
     let least = bound::least(order, &start);
-    let fastest = carried_out((order, order), (&start, is_first), FirstLegs::Best, sink)?;
+    let fastest = carried_out(order, order, &start, is_first, FirstLegs::Best, sink)?;
     let BedRoute { motion, end } = match order.objective {
         MicrorobotsObjective::Time | MicrorobotsObjective::Switches => fastest,
-        MicrorobotsObjective::Failures => safest::safest(order, (&start, is_first), fastest),
+        MicrorobotsObjective::Failures => safest::safest(order, &start, is_first, fastest),
     };
     let mut tally = BedTally::of(order, &motion, least);
     let are_guaranteed = assure(order, &motion, &mut tally.remarks, sink);

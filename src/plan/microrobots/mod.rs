@@ -62,7 +62,7 @@ pub struct Crew {
 
 impl Crew {
     /// Moves all robots through a leg, given with its index within the step; some may dock at its end.
-    pub fn follow(&mut self, order: &MicrorobotsOrder, (index, leg): (usize, &Leg), docks: &[RobotDocking]) {
+    pub fn follow(&mut self, order: &MicrorobotsOrder, index: usize, leg: &Leg, docks: &[RobotDocking]) {
         for robot in (0..self.poses.len()).filter(|robot| !self.docked[*robot]) {
             self.poses[robot] = leg.carried(order, robot, self.poses[robot]);
         }

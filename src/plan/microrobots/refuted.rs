@@ -26,7 +26,7 @@ pub fn by_trial(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, multiple: 
     looks.copied().find_map(|(share, trials)| {
         let mut within = order.clone();
         Arc::make_mut(&mut within.facts).errors = Some(scaled(&errors, multiple * share));
-        let report = simulated(&within, motion, (1..=trials, SEED), MAX_WORK)?;
+        let report = simulated(&within, motion, 1..=trials, SEED, MAX_WORK)?;
         let Failures { robot, reason, .. } = report.failures.first()?;
         let within = if share == 0.0 { "without errors" } else { "with errors that it was to bear" };
         Some(format!("{within} {} fails in a trial of the plan as written: {}", report.names[*robot], reason.clause()))

@@ -75,14 +75,14 @@ const DOUBTFUL_SHARE: f64 = 0.5;
 pub const EXPECTED: &str = "expected";
 
 /// Of the plans of a job the one whose trials fail least; `fastest` is one of them.
-pub fn safest(order: &MicrorobotsOrder, (start, is_first): (&Crew, bool), fastest: BedRoute) -> BedRoute {
+pub fn safest(order: &MicrorobotsOrder, start: &Crew, is_first: bool, fastest: BedRoute) -> BedRoute {
     let can_fail = order.facts.errors.is_some_and(|errors| !errors.are_zero());
     if !can_fail || !assembles(order) {
         return fastest;
     }
     let rooms = ROOMS.map(|shares| widened(order, shares));
     let planned = |room: usize, first_legs: FirstLegs, routes: &mut Vec<(usize, BedRoute)>| {
-        let route = carried_out((order, &rooms[room]), (start, is_first), first_legs, &mut Sink::default());
+        let route = carried_out(order, &rooms[room], start, is_first, first_legs, &mut Sink::default());
         let is_new = |route: &BedRoute| routes.iter().all(|other| other.1.motion != route.motion);
         if let Some(route) = route.filter(is_new) {
             routes.push((room, route));
@@ -116,7 +116,7 @@ pub fn safest(order: &MicrorobotsOrder, (start, is_first): (&Crew, bool), fastes
 fn ranked(order: &MicrorobotsOrder, routes: &[(usize, BedRoute)], mut kept: Vec<usize>, trials: u64) -> Vec<usize> {
     let work = MAX_WORK / kept.len().max(1) as u64;
     let failures = |route: &usize| {
-        let report = simulated(order, &routes[*route].1.motion, (LEAST_TRIALS..=trials, CHOICE_SEED), work);
+        let report = simulated(order, &routes[*route].1.motion, LEAST_TRIALS..=trials, CHOICE_SEED, work);
         report.map_or(u64::MAX, |report| (report.trials - report.successes) * trials / report.trials.max(1))
     };
     kept.sort_by_cached_key(|route| (failures(route), routes[*route].1.motion.duration_ns(order), *route));
@@ -132,7 +132,7 @@ pub fn expected(
     remarks: &mut Vec<Remark>,
     sink: &mut Sink,
 ) -> Option<f64> {
-    let report = simulated(order, motion, (LEAST_TRIALS..=EXPECTED_TRIALS, EXPECTED_SEED), MAX_WORK)?;
+    let report = simulated(order, motion, LEAST_TRIALS..=EXPECTED_TRIALS, EXPECTED_SEED, MAX_WORK)?;
     let SimulationReport { trials, successes, .. } = report;
     let percent = |share: f64| digits((share * 1e3).round() / 10.0);
     let share = successes as f64 / trials.max(1) as f64;
@@ -176,7 +176,8 @@ fn widened(order: &MicrorobotsOrder, shares: [f64; 3]) -> MicrorobotsOrder {
 pub(super) fn simulated(
     order: &MicrorobotsOrder,
     motion: &MicrorobotsMotion,
-    (trials, seed): (RangeInclusive<u64>, u64),
+    trials: RangeInclusive<u64>,
+    seed: u64,
     most_work: u64,
 ) -> Option<SimulationReport> {
     let errors = order.facts.errors?;

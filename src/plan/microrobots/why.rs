@@ -187,7 +187,7 @@ impl BedReasons<'_> {
         match stuck {
             StuckAssembly::Unsteerable { robots, orbiting } => self.unsteerable(code, robots, *orbiting, span),
             StuckAssembly::GoalInOrbit { robot, orbiting, gap_um } => {
-                self.goal_in_orbit(code, (*robot, *orbiting), *gap_um, span)
+                self.goal_in_orbit(code, *robot, *orbiting, *gap_um, span)
             }
             StuckAssembly::Apart { robot } => {
                 let title = format!("{} touches nothing at its goal when it comes to dock", self.name(*robot));
@@ -195,7 +195,7 @@ impl BedReasons<'_> {
                     .label(span(*robot), "no body that has docked before is within the docking tolerance")
                     .help("a robot docks with those that snap down after it: let their goals touch")
             }
-            StuckAssembly::Blocked { robot, partner, hit } => self.blocked(code, (*robot, *partner), hit, span),
+            StuckAssembly::Blocked { robot, partner, hit } => self.blocked(code, *robot, *partner, hit, span),
             StuckAssembly::Untimely { first, second } => {
                 let title = format!(
                     "{} and {} cannot be brought to their goals at the same time",
@@ -281,7 +281,8 @@ impl BedReasons<'_> {
     fn goal_in_orbit(
         &self,
         code: Code,
-        (robot, orbiting): (usize, usize),
+        robot: usize,
+        orbiting: usize,
         gap_um: f64,
         span: &dyn Fn(usize) -> Span,
     ) -> Diagnostic {
@@ -300,7 +301,8 @@ impl BedReasons<'_> {
     fn blocked(
         &self,
         code: Code,
-        (robot, partner): (usize, Option<usize>),
+        robot: usize,
+        partner: Option<usize>,
         hit: &FirstMeeting,
         span: &dyn Fn(usize) -> Span,
     ) -> Diagnostic {

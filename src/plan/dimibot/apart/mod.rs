@@ -34,7 +34,7 @@ pub fn apart<'a>(claims: &'a Claims, plans: Vec<Plan<Motion<'a>>>, sink: &mut Si
     let mut allowed = COMPARISONS;
     let (mut best, mut first_failure): (Option<FoundPlans>, Option<TryFailure>) = (None, None);
     for policy in tries(claims, &robots) {
-        match attempt((claims, &robots), &plans, policy, &mut allowed) {
+        match attempt(claims, &robots, &plans, policy, &mut allowed) {
             Ok(found) if found.is_untouched() => return Some(found.plans),
             Ok(found) if best.as_ref().is_none_or(|best| found.rank < best.rank) => best = Some(found),
             Ok(_) => {}
@@ -85,7 +85,7 @@ fn report(claims: &Claims, failure: &TryFailure) -> crate::diagnostic::Diagnosti
         TryReason::EndTogether => errors::Apart::OtherEnds,
         TryReason::Met | TryReason::Missed | TryReason::NoWay | TryReason::Spent => errors::Apart::OtherTimes,
     };
-    errors::not_apart([device, with], (job.run_span, &why), other, help)
+    errors::not_apart([device, with], job.run_span, &why, other, help)
 }
 
 /// A plan with delays before its pulses, on its own path or on that of the best plan alone.

@@ -155,7 +155,8 @@ fn devices<'a>(part: &Timeline, claims: &'a Claims, robots: &BTreeMap<&str, Plac
 /// # Errors
 /// If neither a timing nor a detour was found. `allowed` is the remaining number of comparisons and is decremented.
 pub fn attempt<'a>(
-    (claims, robots): (&'a Claims, &BTreeMap<&'a str, PlacedRobot>),
+    claims: &'a Claims,
+    robots: &BTreeMap<&'a str, PlacedRobot>,
     alone: &[Plan<Motion<'a>>],
     policy: Policy,
     allowed: &mut u64,
@@ -202,7 +203,7 @@ impl<'a> Try<'a, '_> {
         let cell = self.traces[device].cell;
         let alone =
             self.alone(index, order, cell).ok_or_else(|| self.failure(TryReason::NoWay, index, None, start_ns))?;
-        let (plan, way, delays) = self.timed(index, (robot, order), &alone, start_ns)?;
+        let (plan, way, delays) = self.timed(index, robot, order, &alone, start_ns)?;
         let (stretches, end_ns) = way.stretches(&delays);
         self.idle_ns = self.idle_ns.saturating_add(delays.iter().sum());
         let is_detour = plan.motion != alone.motion;
@@ -232,7 +233,8 @@ impl<'a> Try<'a, '_> {
     fn timed(
         &mut self,
         index: usize,
-        (robot, order): (&PlacedRobot, &DimibotOrder),
+        robot: &PlacedRobot,
+        order: &DimibotOrder,
         alone: &Plan<DimibotMotion>,
         start_ns: u64,
     ) -> Result<(Plan<DimibotMotion>, TimedWay, Vec<u64>), TryFailure> {
@@ -242,9 +244,7 @@ impl<'a> Try<'a, '_> {
         for round in Round::ALL {
             let plan = match round {
                 Round::Nothing => Some(alone.clone()),
-                Round::WhereTheyStay | Round::WhereTheyCome => {
-                    self.round(index, (robot, order), alone, round, start_ns)
-                }
+                Round::WhereTheyStay | Round::WhereTheyCome => self.round(index, robot, order, alone, round, start_ns),
             };
             let Some(plan) = plan else { continue };
             let way = self.way(job, robot, &plan.motion, start_ns);
@@ -347,7 +347,8 @@ impl<'a> Try<'a, '_> {
     fn round(
         &self,
         index: usize,
-        (robot, order): (&PlacedRobot, &DimibotOrder),
+        robot: &PlacedRobot,
+        order: &DimibotOrder,
         alone: &Plan<DimibotMotion>,
         round: Round,
         start_ns: u64,

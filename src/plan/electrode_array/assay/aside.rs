@@ -48,7 +48,8 @@ const SEED: u64 = 1;
 /// Courses by lists in which agents step aside, if any would be in the way and such lists lead to a plan.
 pub(super) fn by_lists(
     problem: &AssayProblem,
-    (objective, least): (BoardObjective, &AssayBounds),
+    objective: BoardObjective,
+    least: &AssayBounds,
     distances: &mut Distances,
     meter: &mut Meter,
 ) -> Option<Vec<AgentCourse>> {
@@ -61,7 +62,7 @@ pub(super) fn by_lists(
         let ahead = Ahead::new(&aside, distances, meter);
         let bounds = AssayBounds { costs: least.costs, ..bound::least(&aside, &ahead) };
         let share = meter.left().steps / SHARE;
-        let courses = meter.share(share, |meter| lags::by_lists(&aside, &ahead, (objective, &bounds), meter))?;
+        let courses = meter.share(share, |meter| lags::by_lists(&aside, &ahead, objective, &bounds, meter))?;
         as_replayed(problem, courses)
     })
 }
@@ -69,7 +70,8 @@ pub(super) fn by_lists(
 /// Courses by lists in random order in which some agents first go to some cell or other, out of the way of those that come before them.
 pub(super) fn by_chance(
     problem: &AssayProblem,
-    (objective, least): (BoardObjective, &AssayBounds),
+    objective: BoardObjective,
+    least: &AssayBounds,
     distances: &mut Distances,
     meter: &mut Meter,
 ) -> Option<Vec<AgentCourse>> {
@@ -95,7 +97,7 @@ pub(super) fn by_chance(
         let ahead = Ahead::new(&aside, distances, meter);
         let bounds = AssayBounds { costs: least.costs, ..bound::least(&aside, &ahead) };
         let seed = below(usize::MAX) as u64;
-        let found = lists::by_chance(&aside, &ahead, (objective, &bounds), (seed, meter));
+        let found = lists::by_chance(&aside, &ahead, objective, &bounds, seed, meter);
         let Some(courses) = found.and_then(|courses| as_replayed(problem, courses)) else { continue };
         tries = tries.min(MORE_TRIES);
         let key = |courses: &[AgentCourse]| AssayPlan::costs(courses).key(objective);
@@ -159,11 +161,11 @@ impl StepsAside {
                     continue;
                 }
                 let from = index.checked_sub(1).map_or(problem.instance.agents[agent].start, |last| errands[last].stop);
-                before[agent][index] = aside(problem, &mut wanted, (agent, from), is_too_soon);
+                before[agent][index] = aside(problem, &mut wanted, agent, from, is_too_soon);
             }
             let has_operation = problem.operations[agent].iter().any(Option::is_some);
             if let Some(last) = errands.last().filter(|_| come_back && has_operation && !problem.is_gone[agent]) {
-                after[agent] = aside(problem, &mut wanted, (agent, last.stop), false);
+                after[agent] = aside(problem, &mut wanted, agent, last.stop, false);
             }
         }
         let is_any = before.iter().flatten().chain(&after).any(Option::is_some);
@@ -192,7 +194,7 @@ impl StepsAside {
                     insert(&mut aside, end, cell);
                 }
                 if let Some(afters) = aside.afters[agent].last_mut() {
-                    *afters = others_near(problem, (agent, last.stop));
+                    *afters = others_near(problem, agent, last.stop);
                 }
             }
         }
@@ -280,7 +282,7 @@ fn harmed_later(problem: &AssayProblem, traces: &Traces, place: ErrandPlace) -> 
 }
 
 /// The errands of others near a stop of an agent.
-fn others_near(problem: &AssayProblem, (agent, stop): (usize, CellIndex)) -> Vec<ErrandPlace> {
+fn others_near(problem: &AssayProblem, agent: usize, stop: CellIndex) -> Vec<ErrandPlace> {
     let is_near = |place: &ErrandPlace| {
         let own = problem.errands[place.agent][place.errand].stop;
         problem.instance.board.apart(own, stop) < problem.instance.separation
@@ -304,11 +306,12 @@ fn begins_too_soon(problem: &AssayProblem, place: ErrandPlace) -> bool {
 fn aside(
     problem: &AssayProblem,
     wanted: &mut [WantedBy],
-    (agent, from): (usize, CellIndex),
+    agent: usize,
+    from: CellIndex,
     leaves: bool,
 ) -> Option<CellIndex> {
-    let cell = nearest_unwanted(problem, wanted, (agent, from), leaves).filter(|cell| *cell != from)?;
-    want(problem, wanted, (agent, cell));
+    let cell = nearest_unwanted(problem, wanted, agent, from, leaves).filter(|cell| *cell != from)?;
+    want(problem, wanted, agent, cell);
     Some(cell)
 }
 
@@ -319,14 +322,14 @@ fn wanted(problem: &AssayProblem) -> Vec<WantedBy> {
         let around = errands.iter().filter_map(|errand| errand.mixes).flat_map(|around| &problem.loops[around]);
         let stops = errands.iter().map(|errand| &errand.stop);
         for cell in stops.chain(around).chain(std::iter::once(&problem.instance.agents[agent].start)) {
-            want(problem, &mut wanted, (agent, *cell));
+            want(problem, &mut wanted, agent, *cell);
         }
     }
     wanted
 }
 
 /// Notes that an agent has something to do at a cell.
-fn want(problem: &AssayProblem, wanted: &mut [WantedBy], (agent, cell): (usize, CellIndex)) {
+fn want(problem: &AssayProblem, wanted: &mut [WantedBy], agent: usize, cell: CellIndex) {
     for near in problem.instance.board.around(cell, problem.instance.separation) {
         let by = &mut wanted[near as usize];
         *by = if by.no_other_than(agent) { WantedBy::One(agent) } else { WantedBy::Several };
@@ -337,7 +340,8 @@ fn want(problem: &AssayProblem, wanted: &mut [WantedBy], (agent, cell): (usize, 
 fn nearest_unwanted(
     problem: &AssayProblem,
     wanted: &[WantedBy],
-    (agent, from): (usize, CellIndex),
+    agent: usize,
+    from: CellIndex,
     leaves: bool,
 ) -> Option<CellIndex> {
     let board = &problem.instance.board;

@@ -139,7 +139,8 @@ impl Bookings<'_> {
     pub(super) fn new<'b>(
         board: &'b BoardGrid,
         separation: u32,
-        (agents, traces): (usize, Option<&'b Traces>),
+        agents: usize,
+        traces: Option<&'b Traces>,
     ) -> Bookings<'b> {
         let bookings = vec![CellBookings::default(); board.cells()];
         let (touched, firm) = (vec![Vec::new(); agents], vec![FirmPart::default(); agents]);
@@ -175,10 +176,10 @@ impl Bookings<'_> {
         }
     }
 
-    /// Keeps a cell for an agent without a course in some instants.
-    pub(super) fn keep(&mut self, agent: usize, cell: CellIndex, (since, span): (u32, (u32, u32))) {
+    /// Keeps a cell for an agent without a course in the instants `from..to`; it touches the cell at `since`.
+    pub(super) fn keep(&mut self, agent: usize, cell: CellIndex, since: u32, from: u32, to: u32) {
         self.clear(agent);
-        self.book(agent, cell, span, Doing::Busy);
+        self.book(agent, cell, from, to, Doing::Busy);
         if let Some(traces) = self.traces {
             let touch = Touch { agent, from: since, to: since, content: traces.contents[agent][0] };
             self.touch(cell, touch);
@@ -230,15 +231,15 @@ impl Bookings<'_> {
                 (false, _) => until,
             };
             match (from > ready, gets_ready) {
-                (true, _) if is_last => self.book(agent, cell, (since, to), Doing::Waiting),
-                (true, _) => self.book(agent, cell, (since, to), Doing::Approaching),
+                (true, _) if is_last => self.book(agent, cell, since, to, Doing::Waiting),
+                (true, _) => self.book(agent, cell, since, to, Doing::Approaching),
                 // Where it is when it gets ready counts for the next step as a part of its way.
                 (false, true) => {
                     let doing = if is_last { Doing::Waiting } else { Doing::Approaching };
-                    self.book(agent, cell, (since, until - 1), Doing::Busy);
-                    self.book(agent, cell, (until - 1, to), doing);
+                    self.book(agent, cell, since, until - 1, Doing::Busy);
+                    self.book(agent, cell, until - 1, to, doing);
                 }
-                (false, false) => self.book(agent, cell, (since, to), Doing::Busy),
+                (false, false) => self.book(agent, cell, since, to, Doing::Busy),
             }
             from = next;
             // Who has just come may have been booked from the same instant on as on the next cell.
@@ -248,7 +249,7 @@ impl Bookings<'_> {
         }
     }
 
-    fn book(&mut self, agent: usize, cell: CellIndex, (from, to): (u32, u32), doing: Doing) {
+    fn book(&mut self, agent: usize, cell: CellIndex, from: u32, to: u32, doing: Doing) {
         for near in self.board.around(cell, self.separation) {
             self.bookings[near as usize].insert(Booking { from, to, agent: agent as u32, doing });
             self.touched[agent].push(near);
@@ -274,16 +275,16 @@ impl Bookings<'_> {
         let booked = booked.map(|booking| (booking.from, booking.to));
         let Some((traces, content)) = self.traces.zip(content) else { return between(booked, out) };
         let mut closed: Vec<(u32, u32)> = booked.collect();
-        self.append_closed(cell, (traces, content), met, &mut closed);
+        self.append_closed(cell, traces, content, met, &mut closed);
         closed.sort_unstable();
         between(closed.into_iter(), out);
     }
 
     /// Whether what it contains, or what others do, does harm on a cell at an instant.
     pub(super) fn does_harm(&self, cell: CellIndex, Asking { met, content, .. }: Asking, at: u32) -> bool {
-        let Some(own) = self.traces.zip(content) else { return false };
+        let Some((traces, content)) = self.traces.zip(content) else { return false };
         let mut closed = Vec::new();
-        self.append_closed(cell, own, met, &mut closed);
+        self.append_closed(cell, traces, content, met, &mut closed);
         closed.iter().any(|(from, to)| (*from..*to).contains(&at))
     }
 
@@ -291,7 +292,8 @@ impl Bookings<'_> {
     fn append_closed(
         &self,
         cell: CellIndex,
-        (traces, content): (&Traces, usize),
+        traces: &Traces,
+        content: usize,
         met: &[(usize, CellIndex)],
         closed: &mut Vec<(u32, u32)>,
     ) {

@@ -76,7 +76,7 @@ fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
                     .checked_sub(1)
                     .map_or(comes, |last| heads[agent][last] + u64::from(problem.errands[agent][last].stay));
                 let arrival = since + way(agent, index);
-                let Some(begins) = begins(problem, (agent, index), (&heads, &changes)) else { break };
+                let Some(begins) = begins(problem, agent, index, &heads, &changes) else { break };
                 let mut head = arrival.max(begins);
                 if let Some(other) = problem.errands[agent][index].meets {
                     let partner = problem.partner(ErrandPlace { agent, errand: index });
@@ -99,7 +99,7 @@ fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
         }
     }
     order.sort_by_key(|(agent, index)| heads[*agent][*index]);
-    let tails = tails(problem, ahead, (&order, &changes));
+    let tails = tails(problem, ahead, &order, &changes);
     let of = |agent: usize| {
         let timed = |(index, errand): (usize, &Errand)| TimedErrand {
             errand: *errand,
@@ -115,8 +115,10 @@ fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
 /// The earliest instant at which all is done that an errand comes after; `None` while that is not known.
 fn begins(
     problem: &AssayProblem,
-    (agent, index): (usize, usize),
-    (heads, changes): (&[Vec<u64>], &ErrandChanges),
+    agent: usize,
+    index: usize,
+    heads: &[Vec<u64>],
+    changes: &ErrandChanges,
 ) -> Option<u64> {
     let done = |before: &ErrandPlace| {
         let head = heads[before.agent].get(before.errand)?;
@@ -159,11 +161,7 @@ fn way(problem: &AssayProblem, ahead: &Ahead, agent: usize, index: usize) -> u64
 
 /// Least steps from the end of each errand to the end of all that must come after it. `order` has them by their earliest starts, so that
 /// one round is mostly enough: what comes later is rarely listed before.
-fn tails(
-    problem: &AssayProblem,
-    ahead: &Ahead,
-    (order, changes): (&[(usize, usize)], &ErrandChanges),
-) -> Vec<Vec<u64>> {
+fn tails(problem: &AssayProblem, ahead: &Ahead, order: &[(usize, usize)], changes: &ErrandChanges) -> Vec<Vec<u64>> {
     let mut tails: Vec<Vec<u64>> = problem.errands.iter().map(|errands| vec![0; errands.len()]).collect();
     let way = |agent: usize, index: usize| way(problem, ahead, agent, index);
     let mut is_complete = false;

@@ -22,24 +22,27 @@ const HELD_SHARE: u64 = 2;
 pub(super) fn by_lists(
     problem: &AssayProblem,
     ahead: &Ahead,
-    terms: (BoardObjective, &AssayBounds),
+    objective: BoardObjective,
+    bounds: &AssayBounds,
     meter: &mut Meter,
 ) -> Option<Vec<AgentCourse>> {
-    let first = lists::best(problem, ahead, terms, meter)?;
+    let first = lists::best(problem, ahead, objective, bounds, meter)?;
     if are_kept(problem, &first) {
         return Some(first);
     }
     let mut held = problem.clone();
     held.releases = problem.unheld();
     let share = meter.left().steps / HELD_SHARE;
-    meter.share(share, |meter| held_back(&mut held, ahead, (terms, first), meter))
+    meter.share(share, |meter| held_back(&mut held, ahead, objective, bounds, first, meter))
 }
 
 /// Holds back what comes too early, until the courses of the best lists keep all lags.
 fn held_back(
     held: &mut AssayProblem,
     ahead: &Ahead,
-    (terms, mut courses): ((BoardObjective, &AssayBounds), Vec<AgentCourse>),
+    objective: BoardObjective,
+    bounds: &AssayBounds,
+    mut courses: Vec<AgentCourse>,
     meter: &mut Meter,
 ) -> Option<Vec<AgentCourse>> {
     for _ in 0..ROUNDS {
@@ -48,7 +51,7 @@ fn held_back(
             let own = &mut held.releases[place.agent][place.errand];
             *own = release.max(*own + 1);
         }
-        courses = lists::best(held, ahead, terms, meter)?;
+        courses = lists::best(held, ahead, objective, bounds, meter)?;
         if are_kept(held, &courses) {
             return Some(courses);
         }

@@ -52,10 +52,11 @@ const STEPS_PER_CELL: u64 = 4;
 pub(super) fn best(
     problem: &AssayProblem,
     ahead: &Ahead,
-    (objective, bounds): (BoardObjective, &AssayBounds),
+    objective: BoardObjective,
+    bounds: &AssayBounds,
     meter: &mut Meter,
 ) -> Option<Vec<AgentCourse>> {
-    let mut planner = ListPlanner::new(problem, (ahead, bounds), meter);
+    let mut planner = ListPlanner::new(problem, ahead, bounds, meter);
     let mut list: Vec<usize> = (0..problem.errands.len()).collect();
     let lengths = lengths(problem, ahead);
     list.sort_by_key(|agent| std::cmp::Reverse(lengths[*agent]));
@@ -64,16 +65,16 @@ pub(super) fn best(
     let early = if is_crowd { first_patient(&mut planner, &list) } else { None };
     // Of many agents an eager list fails late.
     let tries = if early.is_some() { 1 } else { LISTS };
-    let eager = first_eager(&mut planner, (list.clone(), 0..tries), &mut random);
+    let eager = first_eager(&mut planner, list.clone(), 0..tries, &mut random);
     // As long as those that are given off have no course, who gives them off keeps far away from where they come.
-    let paused =
-        planner.gives_off_several().then(|| (list.clone(), LISTS_WITHOUT_PAUSE..LISTS_WITHOUT_PAUSE + PAUSED_LISTS));
-    let paused = paused.and_then(|lists| first_eager(&mut planner, lists, &mut random));
+    let pausing = LISTS_WITHOUT_PAUSE..LISTS_WITHOUT_PAUSE + PAUSED_LISTS;
+    let has_pauses = planner.gives_off_several();
+    let paused = has_pauses.then(|| first_eager(&mut planner, list.clone(), pausing, &mut random)).flatten();
     let key = |courses: &[AgentCourse]| AssayPlan::costs(courses).key(objective);
     let mut firsts: Vec<FirstList> = [eager, paused].into_iter().flatten().collect();
     let mut patient: Vec<Vec<AgentCourse>> = Vec::new();
     for paper in problem.papers.iter().filter(|_| problem.releases.is_empty()) {
-        let on_paper = first_on_paper(problem, (ahead, bounds), paper, planner.meter);
+        let on_paper = first_on_paper(&mut planner, paper);
         firsts.extend(on_paper.0);
         patient.extend(on_paper.1);
     }
@@ -87,14 +88,16 @@ pub(super) fn best(
 pub(super) fn by_chance(
     problem: &AssayProblem,
     ahead: &Ahead,
-    (objective, bounds): (BoardObjective, &AssayBounds),
-    (seed, meter): (u64, &mut Meter),
+    objective: BoardObjective,
+    bounds: &AssayBounds,
+    seed: u64,
+    meter: &mut Meter,
 ) -> Option<Vec<AgentCourse>> {
-    let mut planner = ListPlanner::new(problem, (ahead, bounds), meter);
+    let mut planner = ListPlanner::new(problem, ahead, bounds, meter);
     let mut random = SplitMix64::new(seed);
     let mut list: Vec<usize> = (0..problem.errands.len()).collect();
     (1..list.len()).rev().for_each(|last| list.swap(last, below(&mut random, last + 1)));
-    let first = first_eager(&mut planner, (list, 0..2 * KEPT_SEPARATIONS.len()), &mut random)?;
+    let first = first_eager(&mut planner, list, 0..2 * KEPT_SEPARATIONS.len(), &mut random)?;
     Improvement { firsts: vec![first], objective, least: bounds.costs }.best(&mut planner, &mut random)
 }
 
@@ -108,7 +111,8 @@ struct FirstList {
 /// The first of some lists that leads to a plan; where one does not, those that kept an agent from its course are changed.
 fn first_eager(
     planner: &mut ListPlanner,
-    (mut list, tries): (Vec<usize>, Range<usize>),
+    mut list: Vec<usize>,
+    tries: Range<usize>,
     random: &mut SplitMix64,
 ) -> Option<FirstList> {
     let problem = planner.problem;
@@ -141,12 +145,8 @@ fn first_eager(
 }
 
 /// The list in the order of a schedule on paper, and courses in which no errand begins before it does there.
-fn first_on_paper(
-    problem: &AssayProblem,
-    (ahead, bounds): (&Ahead, &AssayBounds),
-    paper: &[Vec<u32>],
-    meter: &mut Meter,
-) -> (Option<FirstList>, Option<Vec<AgentCourse>>) {
+fn first_on_paper(planner: &mut ListPlanner, paper: &[Vec<u32>]) -> (Option<FirstList>, Option<Vec<AgentCourse>>) {
+    let (problem, ahead, bounds) = (planner.problem, planner.ahead, planner.bounds);
     let mut on_paper = AssayProblem { releases: problem.unheld(), ..problem.clone() };
     for (agent, own) in paper.iter().enumerate() {
         for (errand, begin) in own.iter().enumerate() {
@@ -163,10 +163,10 @@ fn first_on_paper(
     let mut list: Vec<usize> = (0..problem.errands.len()).collect();
     list.sort_by_key(begin);
     let mut random = SplitMix64::new(SEED);
-    let mut planner = ListPlanner::new(problem, (ahead, bounds), meter);
-    let eager = first_eager(&mut planner, (list.clone(), 0..KEPT_SEPARATIONS.len()), &mut random);
-    let mut planner = ListPlanner::new(&on_paper, (ahead, bounds), meter);
-    let patient = first_patient(&mut planner, &list);
+    let mut fresh = ListPlanner::new(problem, ahead, bounds, planner.meter);
+    let eager = first_eager(&mut fresh, list.clone(), 0..KEPT_SEPARATIONS.len(), &mut random);
+    let mut held = ListPlanner::new(&on_paper, ahead, bounds, planner.meter);
+    let patient = first_patient(&mut held, &list);
     (eager, patient)
 }
 
@@ -340,10 +340,7 @@ pub(super) struct ListPlanner<'a, 'm> {
     pub problem: &'a AssayProblem<'a>,
     pub ahead: &'a Ahead,
     router: Router<'a>,
-    /// By agent and errand: the earliest instant at which it can begin,
-    pub heads: &'a [Vec<u32>],
-    /// and least steps to the end of all that comes after it.
-    after: &'a [Vec<u32>],
+    pub bounds: &'a AssayBounds,
     /// The errands, by agent and errand, for which others wait.
     awaited: FxHashSet<(usize, usize)>,
     /// Latest end of all courses.
@@ -371,7 +368,9 @@ impl Progress<'_> {
         &mut self,
         problem: &AssayProblem,
         agent: usize,
-        (since, begins, waits): (u32, &[u32], &[Option<u32>]),
+        since: u32,
+        begins: &[u32],
+        waits: &[Option<u32>],
     ) -> Option<()> {
         let course = &self.courses[agent];
         let first = since.max(course.own.since);
@@ -397,7 +396,7 @@ impl Progress<'_> {
     fn keep_given_off(&mut self, problem: &AssayProblem, instants: u32) {
         for (agent, since) in &self.given_off {
             let start = problem.instance.agents[*agent].start;
-            self.bookings.keep(*agent, start, (*since, (since - 1, since.saturating_add(instants))));
+            self.bookings.keep(*agent, start, *since, since - 1, since.saturating_add(instants));
         }
     }
 
@@ -427,11 +426,12 @@ impl Progress<'_> {
 impl<'a, 'm> ListPlanner<'a, 'm> {
     fn new(
         problem: &'a AssayProblem<'a>,
-        (ahead, bounds): (&'a Ahead, &'a AssayBounds),
+        ahead: &'a Ahead,
+        bounds: &'a AssayBounds,
         meter: &'m mut Meter,
     ) -> ListPlanner<'a, 'm> {
-        let (router, heads, after) = (Router::new(problem, ahead), bounds.heads.as_slice(), bounds.after.as_slice());
-        ListPlanner { problem, ahead, router, heads, after, awaited: problem.awaited(), limit: NEVER, meter }
+        let (router, awaited) = (Router::new(problem, ahead), problem.awaited());
+        ListPlanner { problem, ahead, router, bounds, awaited, limit: NEVER, meter }
     }
 
     /// Whether an agent gives off more than one other.
@@ -445,7 +445,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         let (problem, separation) = (self.problem, self.problem.instance.separation);
         let count = problem.errands.len();
         let mut progress = Progress {
-            bookings: Bookings::new(&problem.instance.board, separation, (count, problem.traces.as_ref())),
+            bookings: Bookings::new(&problem.instance.board, separation, count, problem.traces.as_ref()),
             courses: vec![BookedCourse::default(); count],
             done: vec![0; count],
             done_at: vec![Vec::new(); count],
@@ -455,7 +455,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         let until = separation.saturating_mul(terms.kept_separations);
         for (agent, asked) in problem.instance.agents.iter().enumerate() {
             if !problem.comes[agent] && problem.parents[agent].is_none() {
-                progress.bookings.keep(agent, asked.start, (0, (0, until)));
+                progress.bookings.keep(agent, asked.start, 0, 0, until);
             }
         }
         loop {
@@ -530,7 +530,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
             // What comes after the last of these errands must be done within the limit, too.
             limit: match self.limit {
                 NEVER => NEVER,
-                limit => limit.saturating_sub(self.after[agent][first + waits.len() - 1]),
+                limit => limit.saturating_sub(self.bounds.after[agent][first + waits.len() - 1]),
             },
         };
         progress.bookings.lift(agent);
@@ -549,7 +549,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         own.splits.extend(course.splits.iter().map(|(_, at)| at - 1));
         own.is_gone = is_gone;
         progress.done[agent] = first + waits.len();
-        progress.note_done(problem, agent, (since, &begins, &waits)).ok_or(agent)?;
+        progress.note_done(problem, agent, since, &begins, &waits).ok_or(agent)?;
         progress.bookings.enter(agent, &progress.courses[agent], &progress.done_at[agent]);
         for (child, since) in course.splits {
             // Its course begins where it comes.
@@ -560,7 +560,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         }
         for (errand, waited) in errands.iter().zip(&waits) {
             if let (Some(other), Some(_)) = (errand.meets, waited) {
-                self.met(progress, other, (agent, errand.stop));
+                self.met(progress, other, agent, errand.stop);
             }
         }
         Ok(())
@@ -580,7 +580,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
     }
 
     /// An agent that waited has been met: it is gone, or can go on from that instant.
-    fn met(&self, progress: &mut Progress, other: usize, (agent, stop): (usize, CellIndex)) {
+    fn met(&self, progress: &mut Progress, other: usize, agent: usize, stop: CellIndex) {
         let since = progress.courses[other].own.until() - 1;
         let course = &progress.courses[agent].own;
         let came = (since..course.until()).find(|instant| course.at(*instant) == Some(stop)).unwrap_or(since);

@@ -311,7 +311,8 @@ pub enum AssayEffort {
 /// A plan of an assay; where the search gave up, or no plan has so few steps, lower bounds on every plan.
 pub fn solve(
     problem: &AssayProblem,
-    (objective, effort): (BoardObjective, AssayEffort),
+    objective: BoardObjective,
+    effort: AssayEffort,
     meter: &mut Meter,
 ) -> SearchAnswer<AssayPlan, NoAssayPlan, BoardCosts> {
     let mut distances = fast::Distances::of(&problem.instance.board);
@@ -323,7 +324,7 @@ pub fn solve(
         AssayEffort::Below(_) => None,
         AssayEffort::Whole | AssayEffort::Lists => {
             // Shared channels are not looked at until then.
-            let courses = in_order(problem, &ahead, (objective, &least), &mut distances, meter);
+            let courses = in_order(problem, &ahead, objective, &least, &mut distances, meter);
             courses.filter(|courses| are_kept_by_courses(problem, courses))
         }
     };
@@ -332,7 +333,7 @@ pub fn solve(
     }
     let (known, bounds) = match (objective, effort) {
         (BoardObjective::SumOfCosts, AssayEffort::Whole) => {
-            match least_sum(problem, &ahead, (by_lists, least.costs), meter) {
+            match least_sum(problem, &ahead, by_lists, least.costs, meter) {
                 Ok(known) => known,
                 Err(why) => return SearchAnswer::Impossible(why),
             }
@@ -343,7 +344,7 @@ pub fn solve(
     };
     match &known {
         Some(courses) if AssayPlan::is_least(courses, objective, bounds) => found(known, bounds),
-        Some(_) | None => fewer_steps(problem, &ahead, (known, bounds), (objective, effort), meter),
+        Some(_) | None => fewer_steps(problem, &ahead, known, bounds, objective, effort, meter),
     }
 }
 
@@ -355,7 +356,8 @@ type KnownCourses = (Option<Vec<AgentCourse>>, BoardCosts);
 fn least_sum(
     problem: &AssayProblem,
     ahead: &route::Ahead,
-    (known, mut bounds): KnownCourses,
+    known: Option<Vec<AgentCourse>>,
+    mut bounds: BoardCosts,
     meter: &mut Meter,
 ) -> Result<KnownCourses, NoAssayPlan> {
     let objective = BoardObjective::SumOfCosts;
@@ -390,8 +392,10 @@ fn better(
 fn fewer_steps(
     problem: &AssayProblem,
     ahead: &route::Ahead,
-    (known, bounds): KnownCourses,
-    (objective, effort): (BoardObjective, AssayEffort),
+    known: Option<Vec<AgentCourse>>,
+    bounds: BoardCosts,
+    objective: BoardObjective,
+    effort: AssayEffort,
     meter: &mut Meter,
 ) -> SearchAnswer<AssayPlan, NoAssayPlan, BoardCosts> {
     let steps = known.as_ref().map(|courses| AssayPlan::costs(courses).makespan);
@@ -421,13 +425,14 @@ fn fewer_steps(
 fn in_order(
     problem: &AssayProblem,
     ahead: &route::Ahead,
-    (objective, least): (BoardObjective, &bound::AssayBounds),
+    objective: BoardObjective,
+    least: &bound::AssayBounds,
     distances: &mut fast::Distances,
     meter: &mut Meter,
 ) -> Option<Vec<AgentCourse>> {
-    let listed = lags::by_lists(problem, ahead, (objective, least), meter)
+    let listed = lags::by_lists(problem, ahead, objective, least, meter)
         .and_then(|courses| aside::as_replayed(problem, courses))
-        .or_else(|| aside::by_lists(problem, (objective, least), distances, meter));
+        .or_else(|| aside::by_lists(problem, objective, least, distances, meter));
     // Lists lead to long ways round where there are traces, if to any plan.
     let negotiated = match &listed {
         Some(courses) if problem.traces.is_none() || AssayPlan::is_least(courses, objective, least.costs) => None,
@@ -438,18 +443,18 @@ fn in_order(
             let carefree = problem.traces.as_ref().and_then(|_| {
                 let carefree = AssayProblem { traces: None, ..problem.clone() };
                 meter.share(share / CAREFREE_LISTS_SHARE, |meter| {
-                    lags::by_lists(&carefree, ahead, (objective, least), meter)
+                    lags::by_lists(&carefree, ahead, objective, least, meter)
                 })
             });
             let known: Vec<_> = listed.iter().cloned().chain(carefree).collect();
-            meter.share(share, |meter| negotiated::best(problem, (ahead, &known), (objective, least), meter))
+            meter.share(share, |meter| negotiated::best(problem, ahead, &known, objective, least, meter))
         }
     };
     let key = |courses: &Vec<AgentCourse>| AssayPlan::costs(courses).key(objective);
     listed.into_iter().chain(negotiated).min_by_key(key).or_else(|| {
         let steps = meter.left().steps;
         let share = if joint::takes(problem) { steps / CHANCE_SHARE } else { steps };
-        meter.share(share, |meter| aside::by_chance(problem, (objective, least), distances, meter))
+        meter.share(share, |meter| aside::by_chance(problem, objective, least, distances, meter))
     })
 }
 

@@ -70,7 +70,7 @@ impl Replay<'_> {
     }
 
     /// The instant at which two agents merge: the first one at which both are there and can.
-    fn merged(&self, (agent, due, begins): (usize, Errand, u32), other: usize) -> Option<u32> {
+    fn merged(&self, agent: usize, due: Errand, begins: u32, other: usize) -> Option<u32> {
         let (theirs, from) = self.begins(other)?;
         if theirs.meets != Some(agent) {
             return None;
@@ -87,7 +87,7 @@ impl Replay<'_> {
             let errand = self.done_at[agent].len();
             let done = match (due.splits, due.meets) {
                 (Some(split), _) => Some(self.courses[split.child].since),
-                (None, Some(other)) => self.merged((agent, due, from), other),
+                (None, Some(other)) => self.merged(agent, due, from, other),
                 (None, None) => done_at(self.problem, ErrandPlace { agent, errand }, &self.courses[agent], from),
             };
             let Some(done) = done else { break };

@@ -150,7 +150,7 @@ impl<'a> Router<'a> {
     pub(super) fn start_is_free_until(&mut self, query: &RouteQuery, bookings: &Bookings) -> u32 {
         self.clear();
         let search = RouteSearch::new(self.problem, self.ahead, query);
-        let span = self.span_at(&search, bookings, (query.start, 0), query.since);
+        let span = self.span_at(&search, bookings, query.start, 0, query.since);
         span.map_or(0, |span| self.spans[span as usize].to)
     }
 
@@ -201,9 +201,9 @@ impl<'a> Router<'a> {
     fn starts(&mut self, search: &RouteSearch, bookings: &Bookings) -> Vec<(u32, u32)> {
         let RouteQuery { start, since, comes, .. } = *search.query;
         if !comes {
-            return self.span_at(search, bookings, (start, 0), since).map(|span| (span, since)).into_iter().collect();
+            return self.span_at(search, bookings, start, 0, since).map(|span| (span, since)).into_iter().collect();
         }
-        let (first, end) = self.list(search, bookings, (start, 0));
+        let (first, end) = self.list(search, bookings, start, 0);
         // Where others have just been it may come at once: it was nowhere in the step in which they went. But with one that leaves at that
         // instant it is there together.
         let earliest = |span: u32| {
@@ -221,7 +221,7 @@ impl<'a> Router<'a> {
     }
 
     /// The free spans of a cell for an agent that has met the first so many.
-    fn list(&mut self, search: &RouteSearch, bookings: &Bookings, (cell, done): (CellIndex, u32)) -> (u32, u32) {
+    fn list(&mut self, search: &RouteSearch, bookings: &Bookings, cell: CellIndex, done: u32) -> (u32, u32) {
         let stage = search.stage(done);
         if let Some(known) = self.listed.get(&(cell, stage)) {
             return *known;
@@ -238,10 +238,11 @@ impl<'a> Router<'a> {
         &mut self,
         search: &RouteSearch,
         bookings: &Bookings,
-        place: (CellIndex, u32),
+        cell: CellIndex,
+        done: u32,
         instant: u32,
     ) -> Option<u32> {
-        let (first, end) = self.list(search, bookings, place);
+        let (first, end) = self.list(search, bookings, cell, done);
         (first..end).find(|span| {
             let FreeSpan { from, to } = self.spans[*span as usize];
             (from..to).contains(&instant)
@@ -252,7 +253,7 @@ impl<'a> Router<'a> {
         let node = self.nodes[index as usize];
         let leave = self.spans[node.span as usize].to;
         for cell in self.problem.instance.board.neighbours(node.cell) {
-            let (first, end) = self.list(search, bookings, (cell, node.done));
+            let (first, end) = self.list(search, bookings, cell, node.done);
             let past = self.spans[first as usize..end as usize].partition_point(|span| span.to <= node.at + 1);
             for span in first + past as u32..end {
                 let FreeSpan { from, to } = self.spans[span as usize];
@@ -278,7 +279,7 @@ impl<'a> Router<'a> {
         while node.done < search.last() {
             let errand = search.errand(node.done);
             if let Some(split) = errand.splits.filter(|split| split.from == node.cell) {
-                self.split(search, bookings, (&node, errand, split));
+                self.split(search, bookings, &node, errand, split);
                 break;
             }
             if search.held_until(self.problem, node.done, node.cell) > node.at {
@@ -288,7 +289,7 @@ impl<'a> Router<'a> {
                 break;
             }
             if let Some(around) = errand.mixes {
-                let Some(mixed) = self.mixed(search, bookings, &node, (around, errand.stay)) else { break };
+                let Some(mixed) = self.mixed(search, bookings, &node, around, errand.stay) else { break };
                 node = mixed;
                 continue;
             }
@@ -304,7 +305,7 @@ impl<'a> Router<'a> {
                 (None, _) if search.query.comes && node.done == 0 => return,
                 (None, _) => break,
             };
-            let Some(span) = self.span_at(search, bookings, (node.cell, node.done + 1), at) else { return };
+            let Some(span) = self.span_at(search, bookings, node.cell, node.done + 1, at) else { return };
             if node.done + 1 < search.last() {
                 node.ready = at;
             }
@@ -331,7 +332,8 @@ impl<'a> Router<'a> {
         &mut self,
         search: &RouteSearch,
         bookings: &Bookings,
-        (node, around): (&RouteNode, &[CellIndex]),
+        node: &RouteNode,
+        around: &[CellIndex],
         steps: u32,
     ) -> Option<u32> {
         let to = self.spans[node.span as usize].to;
@@ -342,7 +344,7 @@ impl<'a> Router<'a> {
             if until >= to || self.problem.instance.board.is_blocked(around[checked]) {
                 return None;
             }
-            let (first, end) = self.list(search, bookings, (around[checked], node.done));
+            let (first, end) = self.list(search, bookings, around[checked], node.done);
             let span = (first..end).map(|span| self.spans[span as usize]).find(|span| span.to > until)?;
             checked = if span.from > from { 0 } else { checked + 1 };
             from = from.max(span.from);
@@ -356,12 +358,13 @@ impl<'a> Router<'a> {
         search: &RouteSearch,
         bookings: &Bookings,
         node: &RouteNode,
-        (around, steps): (usize, u32),
+        around: usize,
+        steps: u32,
     ) -> Option<RouteNode> {
         let problem = self.problem;
-        let from = self.loop_window(search, bookings, (node, &problem.loops[around]), steps)?;
+        let from = self.loop_window(search, bookings, node, &problem.loops[around], steps)?;
         let at = from + steps;
-        let span = self.span_at(search, bookings, (node.cell, node.done + 1), at)?;
+        let span = self.span_at(search, bookings, node.cell, node.done + 1, at)?;
         let parent = self.nodes.len() as u32;
         self.nodes.push(*node);
         let ready = if node.done + 1 < search.last() { at } else { node.ready };
@@ -374,23 +377,25 @@ impl<'a> Router<'a> {
         &mut self,
         search: &RouteSearch,
         bookings: &Bookings,
-        (node, errand, split): (&RouteNode, Errand, SplitErrand),
+        node: &RouteNode,
+        errand: Errand,
+        split: SplitErrand,
     ) {
         let leave = self.spans[node.span as usize].to;
         let comes = self.problem.instance.agents[split.child].start;
         let parent = self.nodes.len() as u32;
         self.nodes.push(*node);
         // Whom it meets next keeps away until it has been pulled apart.
-        let (first, end) = self.list(search, bookings, (errand.stop, node.done));
+        let (first, end) = self.list(search, bookings, errand.stop, node.done);
         for span in first..end {
             let FreeSpan { from, to } = self.spans[span as usize];
-            let (first, end) = self.list(search, bookings, (comes, node.done));
+            let (first, end) = self.list(search, bookings, comes, node.done);
             let both = (first..end).map(|child| self.spans[child as usize]).find_map(|child| {
                 let at = from.max(child.from).max(node.at + 1).max(search.begins(node.done).saturating_add(1));
                 (at < to.min(child.to)).then_some(at)
             });
             let Some(at) = both.filter(|at| *at <= leave) else { continue };
-            let Some(span) = self.span_at(search, bookings, (errand.stop, node.done + 1), at) else { continue };
+            let Some(span) = self.span_at(search, bookings, errand.stop, node.done + 1, at) else { continue };
             let ready = if node.done + 1 < search.last() { at } else { node.ready };
             let (cell, done) = (errand.stop, node.done + 1);
             let next = RouteNode { cell, span, done, entered: at, at, ready, mixing: NONE, split: at, parent, ..*node };

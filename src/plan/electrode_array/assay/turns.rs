@@ -70,7 +70,7 @@ impl ListPlanner<'_, '_> {
         };
         match progress.waits(problem, other, agent) {
             Some(since) => (false, since),
-            None => (true, self.heads[agent][meeting]),
+            None => (true, self.bounds.heads[agent][meeting]),
         }
     }
 

@@ -29,7 +29,11 @@ impl AgentStep {
 }
 
 /// A step, and the cell of the electrode that acts on its agent by intent besides that at its end: it is pulled apart.
-pub type PulledStep = (AgentStep, Option<ElectrodeIndex>);
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PulledStep {
+    pub step: AgentStep,
+    pub meant: Option<ElectrodeIndex>,
+}
 
 /// The shared channels of a board, and what the parts do to them that do not move.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -127,11 +131,12 @@ impl SharedChannels {
 
     /// Whether a step is impossible even for an agent alone.
     pub fn tears(&self, step: AgentStep) -> bool {
-        self.tears_pulled((step, None))
+        self.tears_pulled(PulledStep { step, meant: None })
     }
 
     /// The same of an agent that may be pulled apart.
-    pub fn tears_pulled(&self, (step, meant): PulledStep) -> bool {
+    pub fn tears_pulled(&self, pulled: PulledStep) -> bool {
+        let PulledStep { step, meant } = pulled;
         let own = self.on_in(step);
         self.is_torn
             || own.is_some_and(|own| self.barred.contains(own))
@@ -140,17 +145,18 @@ impl SharedChannels {
 
     /// Whether two steps at the same time exclude each other: what is on for one acts on the agent of the other.
     pub fn clash(&self, one: AgentStep, other: AgentStep) -> bool {
-        self.clash_pulled((one, None), (other, None))
+        let [one, other] = [one, other].map(|step| PulledStep { step, meant: None });
+        self.clash_pulled(one, other)
     }
 
     /// The same of agents that may be pulled apart.
     pub fn clash_pulled(&self, one: PulledStep, other: PulledStep) -> bool {
-        let disturbs = |(one, _): PulledStep, (other, meant): PulledStep| {
+        let disturbs = |one: AgentStep, other: PulledStep| {
             let own = self.on_in(one);
             // The electrode to which the first goes itself is for the separation to keep away.
-            own.is_some() && self.acts(other, [Some(one.to), meant], |number| Some(number) == own)
+            own.is_some() && self.acts(other.step, [Some(one.to), other.meant], |number| Some(number) == own)
         };
-        disturbs(one, other) || disturbs(other, one)
+        disturbs(one.step, other) || disturbs(other.step, one)
     }
 
     /// Whether some steps go together.

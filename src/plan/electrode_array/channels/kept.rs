@@ -1,6 +1,6 @@
 //! Whether paths that were made without regard to shared channels keep their rule.
 
-use super::broadcast::AgentStep;
+use super::broadcast::{AgentStep, PulledStep};
 use crate::plan::electrode_array::board::{CellIndex, Instance, Paths, position};
 
 /// Whether the paths of a stage keep the rule until the last arrival.
@@ -8,8 +8,9 @@ pub fn are_kept_by_paths(instance: &Instance, paths: &Paths) -> bool {
     let Some(channels) = instance.board.channels() else { return true };
     let end = paths.iter().map(Vec::len).max().unwrap_or(1) - 1;
     (0..end).all(|instant| {
-        let step = |path: &Vec<CellIndex>| {
-            (AgentStep { from: position(path, instant), to: position(path, instant + 1) }, None)
+        let step = |path: &Vec<CellIndex>| PulledStep {
+            step: AgentStep { from: position(path, instant), to: position(path, instant + 1) },
+            meant: None,
         };
         channels.go_together(&paths.iter().map(step).collect::<Vec<_>>())
     })

@@ -18,7 +18,8 @@ const ORDERS: usize = 24;
 
 /// The best plan of some orders, if one of them leads to any; none of more steps than the limit.
 pub fn first(
-    (field, channels): (&ExactTables, &SharedChannels),
+    field: &ExactTables,
+    channels: &SharedChannels,
     objective: BoardObjective,
     limit: Option<u64>,
     meter: &mut Meter,
@@ -32,7 +33,7 @@ pub fn first(
             1 => order.sort_by_key(|agent| std::cmp::Reverse(field.least(*agent))),
             _ => random.shuffle(&mut order),
         }
-        let Some(paths) = in_order((field, channels), &order, meter) else {
+        let Some(paths) = in_order(field, channels, &order, meter) else {
             if meter.left().steps == 0 {
                 break;
             }
@@ -49,7 +50,7 @@ pub fn first(
 }
 
 /// The plan of an order.
-fn in_order((field, channels): (&ExactTables, &SharedChannels), order: &[usize], meter: &mut Meter) -> Option<Paths> {
+fn in_order(field: &ExactTables, channels: &SharedChannels, order: &[usize], meter: &mut Meter) -> Option<Paths> {
     let mut turns = OrderedTurns { field, channels, known: Vec::with_capacity(order.len()) };
     for agent in order {
         let path = turns.path(*agent, meter)?;

@@ -26,7 +26,8 @@ const BLAME_SHARE: u64 = 4;
 
 /// A plan within a limit on the steps if there is one, as [`crate::plan::electrode_array::portfolio::solve`] finds it where no channel is shared.
 pub fn solve(
-    (instance, channels): (&Instance, &SharedChannels),
+    instance: &Instance,
+    channels: &SharedChannels,
     objective: BoardObjective,
     limit: Option<u64>,
     meter: &mut Meter,
@@ -46,7 +47,7 @@ pub fn solve(
         return BoardAnswer::Impossible(NoBoardPlan::TooFewSteps { least: bounds.makespan });
     }
     let share = meter.left().steps / FIRST_SHARE;
-    let best = meter.share(share, |share| prioritised::first((&field, channels), objective, limit, share));
+    let best = meter.share(share, |share| prioritised::first(&field, channels, objective, limit, share));
     let search = PinnedSearch { field: &field, objective, limit, bounds, best, meter };
     match objective {
         BoardObjective::Makespan => search.fewest_steps(),

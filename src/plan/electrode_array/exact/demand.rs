@@ -1,6 +1,6 @@
 //! Constraints of one agent in a node of the constraint tree, and the least cost at which the agent alone meets them.
 
-use super::field::{ExactTables, FAR, StagedCell};
+use super::field::{CellPlace, ExactTables, FAR, StagedCell};
 use crate::plan::electrode_array::board::CellIndex;
 use crate::plan::search::Meter;
 use rustc_hash::FxHashSet;
@@ -25,7 +25,7 @@ impl Ban {
     /// Whether it forbids a cell while it is in force.
     #[inline]
     pub fn covers(&self, field: &ExactTables, cell: CellIndex) -> bool {
-        let (column, row) = field.place(cell);
+        let CellPlace { column, row } = field.place(cell);
         (self.columns.0..=self.columns.1).contains(&column)
             && (self.rows.0..=self.rows.1).contains(&row)
             && self.except != Some(cell)

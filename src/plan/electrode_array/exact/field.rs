@@ -16,11 +16,18 @@ pub const FAR: u32 = u32::MAX;
 /// Tables with more entries than this are not built; 4 bytes each.
 const MOST_ENTRIES: u64 = 1 << 25;
 
+/// Column and row of a cell, from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CellPlace {
+    pub column: i32,
+    pub row: i32,
+}
+
 /// The tables of one instance.
 pub struct ExactTables<'a> {
     pub instance: &'a Instance,
     cells: u32,
-    places: Vec<(i32, i32)>,
+    places: Vec<CellPlace>,
     /// The free neighbours of each cell, itself first; unused entries repeat the cell.
     steps: Vec<[CellIndex; 5]>,
     /// The cells where no agent can rest, since their shared channels tear it.
@@ -57,8 +64,8 @@ impl<'a> ExactTables<'a> {
             return Err(Closed::TooLarge);
         }
         let cells = board.cells() as u32;
-        let places =
-            (0..cells).map(|cell| board.place(cell)).map(|(column, row)| (column as i32, row as i32)).collect();
+        let place = |(column, row): (u32, u32)| CellPlace { column: column as i32, row: row as i32 };
+        let places = (0..cells).map(|cell| place(board.place(cell))).collect();
         let is_torn = |from: CellIndex, to: CellIndex| {
             board.channels().is_some_and(|channels| channels.tears(AgentStep { from, to }))
         };
@@ -162,9 +169,8 @@ impl<'a> ExactTables<'a> {
         if node < self.cells { node } else { node % self.cells }
     }
 
-    /// Column and row of a cell.
     #[inline]
-    pub fn place(&self, cell: CellIndex) -> (i32, i32) {
+    pub fn place(&self, cell: CellIndex) -> CellPlace {
         self.places[cell as usize]
     }
 
@@ -203,8 +209,8 @@ impl<'a> ExactTables<'a> {
 
     /// Whether two places are nearer to each other than the separation.
     #[inline]
-    pub fn are_near(&self, (c, r): (i32, i32), (d, s): (i32, i32)) -> bool {
-        (c - d).abs().max((r - s).abs()) < self.instance.separation as i32
+    pub fn are_near(&self, one: CellPlace, other: CellPlace) -> bool {
+        (one.column - other.column).abs().max((one.row - other.row).abs()) < self.instance.separation as i32
     }
 
     /// Whether the cells of two agents at the same or at neighbouring instants violate the separation.

@@ -2,7 +2,7 @@
 //! cost tree search for optimal multi-agent pathfinding", Artificial Intelligence 195, 2013).
 
 use super::demand::{AgentConstraint, Ban, OutOfSteps};
-use super::field::{ExactTables, FAR, StagedCell};
+use super::field::{CellPlace, ExactTables, FAR, StagedCell};
 use crate::plan::electrode_array::board::{CellIndex, position};
 use crate::plan::search::Meter;
 
@@ -13,7 +13,7 @@ pub struct MultiValueDecisionDiagram {
     starts: Vec<u32>,
     nodes: Vec<StagedCell>,
     /// Column and row of each node.
-    places: Vec<(i32, i32)>,
+    places: Vec<CellPlace>,
     /// Start index of the edges of each node, and the end.
     edge_starts: Vec<u32>,
     /// Positions of successors within the next layer.
@@ -32,16 +32,17 @@ pub struct CellExtent {
 impl CellExtent {
     const EMPTY: CellExtent = CellExtent { columns: (i32::MAX, i32::MIN), rows: (i32::MAX, i32::MIN) };
 
-    fn with(self, (column, row): (i32, i32)) -> CellExtent {
+    fn with(self, place: CellPlace) -> CellExtent {
         CellExtent {
-            columns: (self.columns.0.min(column), self.columns.1.max(column)),
-            rows: (self.rows.0.min(row), self.rows.1.max(row)),
+            columns: (self.columns.0.min(place.column), self.columns.1.max(place.column)),
+            rows: (self.rows.0.min(place.row), self.rows.1.max(place.row)),
         }
     }
 
     /// The bounding box of both.
     pub fn join(self, other: CellExtent) -> CellExtent {
-        self.with((other.columns.0, other.rows.0)).with((other.columns.1, other.rows.1))
+        let corner = |column: i32, row: i32| CellPlace { column, row };
+        self.with(corner(other.columns.0, other.rows.0)).with(corner(other.columns.1, other.rows.1))
     }
 
     /// Whether every place of one is at least `distance` (Chebyshev) from every place of the other.
@@ -137,7 +138,7 @@ impl MultiValueDecisionDiagram {
 
     /// Columns and rows of the nodes at an instant.
     #[inline]
-    pub fn places(&self, instant: u32) -> &[(i32, i32)] {
+    pub fn places(&self, instant: u32) -> &[CellPlace] {
         let layer = instant.min(self.cost()) as usize;
         &self.places[self.starts[layer] as usize..self.starts[layer + 1] as usize]
     }

@@ -1,6 +1,6 @@
 //! Whether two agents can take paths of given costs together, and from which places on.
 
-use super::field::ExactTables;
+use super::field::{CellPlace, ExactTables};
 use super::layers::MultiValueDecisionDiagram;
 use crate::plan::search::Meter;
 use fixedbitset::FixedBitSet;
@@ -231,16 +231,16 @@ fn clear_rows(field: &ExactTables, one: PairSide, at: u32, other: PairSide, othe
     let merged = field.is_merged(one.agent, other.agent);
     let goal = field.place(field.cell(field.goal(one.agent)));
     let (nodes, others) = (one.layers.places(at), other.layers.places(other_at));
-    let row = |place: (i32, i32)| {
+    let row = |place: CellPlace| {
         let mut bits = FixedBitSet::with_capacity(others.len());
         for (word, chunk) in bits.as_mut_slice().iter_mut().zip(others.chunks(usize::BITS as usize)) {
             for (bit, other) in chunk.iter().enumerate() {
-                let is_clear = (place.0 - other.0).abs().max((place.1 - other.1).abs()) >= separation;
+                let is_clear = (place.column - other.column).abs().max((place.row - other.row).abs()) >= separation;
                 *word |= usize::from(is_clear) << bit;
             }
         }
         if merged {
-            let exempt = |other: &(i32, i32)| place == goal || *other == goal;
+            let exempt = |other: &CellPlace| place == goal || *other == goal;
             others
                 .iter()
                 .enumerate()

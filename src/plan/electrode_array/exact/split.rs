@@ -1,7 +1,7 @@
 //! Clashes of two paths, and the branching on them: pairs of constraints of which every plan meets at least one.
 
 use super::demand::{ALWAYS, AgentConstraint, Ban};
-use super::field::ExactTables;
+use super::field::{CellPlace, ExactTables};
 use super::layers::MultiValueDecisionDiagram;
 use crate::plan::electrode_array::board::{CellIndex, position};
 
@@ -69,7 +69,7 @@ pub fn at_goal(field: &ExactTables, parties: [Party; 2], clash: Clash) -> Option
     let (still, passing) = (parties[standing], parties[1 - standing]);
     let instant = clash.instants[standing];
     let reach = field.instance.separation as i32 - 1;
-    let (column, row) = field.place(clash.cells[standing]);
+    let CellPlace { column, row } = field.place(clash.cells[standing]);
     let later = AgentConstraint { least: instant + 1, ..still.demand.clone() };
     let by_then = AgentConstraint { most: instant.min(still.demand.most), ..still.demand.clone() };
     let zone = Ban {
@@ -102,7 +102,7 @@ fn with(demand: &AgentConstraint, ban: Ban) -> AgentConstraint {
 /// The boxes that contain both positions of a clash.
 fn boxes<'a>(field: &'a ExactTables, parties: [Party; 2], clash: Clash) -> impl Iterator<Item = Ban> + 'a {
     let side = field.instance.separation as i32 - 1;
-    let [(c, r), (d, s)] = clash.cells.map(|cell| field.place(cell));
+    let [CellPlace { column: c, row: r }, CellPlace { column: d, row: s }] = clash.cells.map(|cell| field.place(cell));
     let [t, u] = clash.instants;
     let goal = field.cell(field.goal(parties[0].agent));
     let except = field.is_merged(parties[0].agent, parties[1].agent).then_some(goal);

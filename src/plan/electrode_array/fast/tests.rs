@@ -97,7 +97,7 @@ fn random_instance(random: &mut SplitMix64, shape: Shape) -> Instance {
     let mut board = BoardGrid::new(side(random), side(random));
     for _ in 0..shape.obstacles {
         let (column, row) = (random.below(board.width() as usize), random.below(board.height() as usize));
-        board.block_around((column as i64, row as i64), 1 + random.below(3) as u32);
+        board.block_around(column as i64, row as i64, 1 + random.below(3) as u32);
     }
     let starts = scattered(random, &board, shape.agents, shape.separation);
     let goals = scattered(random, &board, shape.agents, shape.separation);

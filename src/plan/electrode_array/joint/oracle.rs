@@ -79,7 +79,7 @@ fn followers(instance: &Instance, objective: BoardObjective, joint: &Joint, rule
 fn keeps_rule(instance: &Instance, from: &[CellIndex], to: &[CellIndex]) -> bool {
     let pairs = (0..from.len()).flat_map(|one| (0..one).map(move |other| (one, other)));
     pairs.into_iter().all(|(one, other)| {
-        let near = |at: CellIndex, other_at: CellIndex| instance.too_near((one, at), (other, other_at));
+        let near = |at: CellIndex, other_at: CellIndex| instance.too_near(one, at, other, other_at);
         !near(to[one], to[other]) && !near(to[one], from[other]) && !near(from[one], to[other])
     })
 }

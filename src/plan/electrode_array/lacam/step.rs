@@ -8,7 +8,7 @@
 
 use super::NONE;
 use crate::plan::electrode_array::board::{CellIndex, Instance};
-use crate::plan::electrode_array::exact::field::{ExactTables, StagedCell};
+use crate::plan::electrode_array::exact::field::{CellPlace, ExactTables, StagedCell};
 use crate::random::SplitMix64;
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -33,24 +33,24 @@ impl Places {
         Places { separation: instance.separation as i32, across: width as i32, blocks }
     }
 
-    fn block(&self, (column, row): (i32, i32)) -> usize {
-        ((row / self.separation + 1) * self.across + column / self.separation + 1) as usize
+    fn block(&self, place: CellPlace) -> usize {
+        ((place.row / self.separation + 1) * self.across + place.column / self.separation + 1) as usize
     }
 
-    fn put(&mut self, agent: usize, cell: CellIndex, place: (i32, i32)) {
+    fn put(&mut self, agent: usize, cell: CellIndex, place: CellPlace) {
         let block = self.block(place);
         let slots = &mut self.blocks[block];
         let free = slots.iter().position(|(slot, _)| *slot == NONE).unwrap_or(MOST_IN_BLOCK - 1);
         slots[free] = (agent as u32, cell);
     }
 
-    fn clear(&mut self, place: (i32, i32)) {
+    fn clear(&mut self, place: CellPlace) {
         let block = self.block(place);
         self.blocks[block] = [(NONE, 0); MOST_IN_BLOCK];
     }
 
     /// The agents, with their cells, in the blocks around a place.
-    fn around(&self, place: (i32, i32)) -> impl Iterator<Item = (usize, CellIndex)> + '_ {
+    fn around(&self, place: CellPlace) -> impl Iterator<Item = (usize, CellIndex)> + '_ {
         let reach = if self.separation == 1 { 0 } else { 1 };
         let middle = self.block(place) as i32;
         let rows = -reach..=reach;
@@ -215,7 +215,7 @@ impl<'a> ConfigurationGenerator<'a> {
     /// The moves out of the pushing agent's path, the shortest way out first.
     fn aside(&mut self, agent: usize, here: StagedCell, push: &Push, random: &mut SplitMix64) -> Vec<StagedCell> {
         let (field, instance) = (self.field, self.field.instance);
-        let way: Vec<(i32, i32)> = push.way.iter().map(|cell| field.place(*cell)).collect();
+        let way: Vec<CellPlace> = push.way.iter().map(|cell| field.place(*cell)).collect();
         let pusher = field.place(push.at);
         let mut moves: Vec<StagedCell> = field.next(agent, here).skip(1).collect();
         random.shuffle(&mut moves);

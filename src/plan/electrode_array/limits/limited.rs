@@ -62,11 +62,12 @@ pub fn figures(paths: &Paths) -> BoardFigures {
 
 /// The candidate plans of a step, given one plan with its bounds; `standing` are the cells of the parts that stay.
 pub fn front(
-    (instance, standing): (&Instance, Vec<CellIndex>),
-    known: (&Paths, BoardFigures),
+    instance: &Instance,
+    standing: Vec<CellIndex>,
+    paths: &Paths,
+    bounds: BoardFigures,
     asked: AskedStep,
 ) -> PlanFront {
-    let (paths, bounds) = known;
     let choices = vec![(paths.clone(), figures(paths))];
     let shared = instance.board.channels().map(|channels| (channels.clone(), standing));
     let front = PlanFront { choices, bounds, is_whole: true, reaches: false, shared };
@@ -214,7 +215,7 @@ pub fn choose(fronts: &[PlanFront], limits: PlanLimits, objective: BoardObjectiv
     let is_whole = !cut && fronts.iter().all(|front| front.is_whole);
     let reaches = fronts.iter().all(|front| front.reaches) || limits.least == [0; 3];
     let candidates = partials.iter().map(|partial| (picked(fronts, partial), partial.figures));
-    let candidates = candidates.filter_map(|(paths, figures)| delayed(fronts, (paths, figures), limits));
+    let candidates = candidates.filter_map(|(paths, figures)| delayed(fronts, paths, figures, limits));
     let first = match objective {
         BoardObjective::Makespan => 0,
         BoardObjective::SumOfCosts => 1,
@@ -278,7 +279,8 @@ fn picked(fronts: &[PlanFront], partial: &Partial) -> Vec<Paths> {
 /// A combination that also keeps the lower limits, if necessary because all parts of a step wait before they move, or as soon as they can.
 fn delayed(
     fronts: &[PlanFront],
-    (mut paths, figures): (Vec<Paths>, BoardFigures),
+    mut paths: Vec<Paths>,
+    figures: BoardFigures,
     limits: PlanLimits,
 ) -> Option<(Vec<Paths>, BoardFigures)> {
     let missing = limits.least[0].saturating_sub(figures[0]);

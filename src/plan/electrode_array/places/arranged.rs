@@ -71,7 +71,7 @@ pub fn solve(
     objective: BoardObjective,
     meter: &mut Meter,
 ) -> PlacedAnswer {
-    solve_each(site, operations, (objective, MAX_ARRANGEMENTS.min(looks(operations))), meter)
+    solve_each(site, operations, objective, MAX_ARRANGEMENTS.min(looks(operations)), meter)
 }
 
 /// How many arrangements have their bounds looked at, one at least.
@@ -83,7 +83,8 @@ fn looks(operations: &[AssayOperation]) -> usize {
 pub(in super::super) fn solve_each(
     site: &AssaySite,
     operations: &[AssayOperation],
-    (objective, most): (BoardObjective, usize),
+    objective: BoardObjective,
+    most: usize,
     meter: &mut Meter,
 ) -> PlacedAnswer {
     let choices = Choices::of(operations);
@@ -187,8 +188,8 @@ fn planned(
             Err(why) => return SearchAnswer::Impossible(why),
         };
         problem.papers = terms.papers.iter().map(|paper| paper.of(&problem.operations)).collect();
-        match assay::solve(&problem, (terms.objective, terms.effort), meter) {
-            SearchAnswer::Found(plan) => SearchAnswer::Found(placed(site, (stage, &problem), plan)),
+        match assay::solve(&problem, terms.objective, terms.effort, meter) {
+            SearchAnswer::Found(plan) => SearchAnswer::Found(placed(site, stage, &problem, plan)),
             SearchAnswer::Impossible(why) => SearchAnswer::Impossible(why),
             SearchAnswer::GaveUp(bounds) => SearchAnswer::GaveUp(bounds),
         }
@@ -208,13 +209,13 @@ fn planned(
 fn in_turn(
     site: &AssaySite,
     operations: Vec<AssayOperation>,
-    (objective, bounds): (BoardObjective, BoardCosts),
+    objective: BoardObjective,
+    bounds: BoardCosts,
 ) -> Option<PlacedPlan> {
     let (courses, costs, bounds) = with_problem(site, &operations, |stage, problem| {
         let problem = problem.ok()?;
-        let turns = (operations.as_slice(), &problem, stage);
-        let plan = one_by_one((site.order, site.ground), site.cells, turns, (objective, bounds))?;
-        Some(placed(site, (stage, &problem), plan))
+        let plan = one_by_one(site, &operations, &problem, stage, objective, bounds)?;
+        Some(placed(site, stage, &problem, plan))
     })?;
     Some(PlacedPlan { operations, courses, costs, bounds })
 }
@@ -222,10 +223,11 @@ fn in_turn(
 /// The courses of all parts, their costs, and the bounds.
 fn placed(
     site: &AssaySite,
-    (stage, problem): (&BoardStage, &AssayProblem),
+    stage: &BoardStage,
+    problem: &AssayProblem,
     plan: AssayPlan,
 ) -> (Vec<PartCourse>, BoardCosts, BoardCosts) {
-    let courses = errands::courses_of(site.order, stage, site.cells, (problem, &plan.courses));
+    let courses = errands::courses_of(site.order, stage, site.cells, problem, &plan.courses);
     (courses, AssayPlan::costs(&plan.courses), plan.bounds)
 }
 
@@ -239,7 +241,7 @@ fn only(site: &AssaySite, operations: &[AssayOperation], objective: BoardObjecti
     let terms = ArrangementTerms { objective, effort: AssayEffort::Whole, papers: &papers };
     match planned(site, operations.to_vec(), terms, meter) {
         SearchAnswer::GaveUp(bounds) => {
-            let plan = in_turn(site, operations.to_vec(), (objective, bounds));
+            let plan = in_turn(site, operations.to_vec(), objective, bounds);
             plan.map_or(SearchAnswer::GaveUp(bounds), SearchAnswer::Found)
         }
         answer => answer,
@@ -366,7 +368,7 @@ fn of_few(
     few.plan_all(meter);
     let bounds = few.due.iter().map(|own| own.bounds).reduce(least);
     if let (None, Some(first), Some(bounds)) = (&few.best, few.due.first(), bounds) {
-        few.best = in_turn(site, choices.at(&first.places), (objective, bounds));
+        few.best = in_turn(site, choices.at(&first.places), objective, bounds);
     }
     match (few.best, bounds, few.why) {
         (Some(plan), bounds, _) => {
@@ -444,11 +446,11 @@ impl ManyArrangements<'_> {
         let operations = self.choices.at(&places);
         let papers = std::slice::from_ref(&paper);
         let mut found =
-            self.planned(operations.clone(), (AssayEffort::Lists, papers), meter.left().steps / LISTS_SHARE, meter);
+            self.planned(operations.clone(), AssayEffort::Lists, papers, meter.left().steps / LISTS_SHARE, meter);
         if found.is_none() && self.best.is_none() {
             let steps = meter.left().steps / SHARE;
-            let by_all_means = self.planned(operations.clone(), (AssayEffort::Whole, papers), steps, meter);
-            found = by_all_means.or_else(|| in_turn(self.site, operations, (self.objective, self.bounds)));
+            let by_all_means = self.planned(operations.clone(), AssayEffort::Whole, papers, steps, meter);
+            found = by_all_means.or_else(|| in_turn(self.site, operations, self.objective, self.bounds));
         }
         if let Some(plan) = found
             && self.offer(plan, places)
@@ -468,7 +470,7 @@ impl ManyArrangements<'_> {
             let places: Vec<usize> = self.choices.counts().map(|count| random.below(count)).collect();
             let effort = if nth < MAX_DRAWN { AssayEffort::Lists } else { AssayEffort::Whole };
             let steps = meter.left().steps / LISTS_SHARE;
-            if let Some(plan) = self.planned(self.choices.at(&places), (effort, &[]), steps, meter) {
+            if let Some(plan) = self.planned(self.choices.at(&places), effort, &[], steps, meter) {
                 self.offer(plan, places);
             }
         }
@@ -478,7 +480,8 @@ impl ManyArrangements<'_> {
     fn planned(
         &self,
         operations: Vec<AssayOperation>,
-        (effort, papers): (AssayEffort, &[PaperSchedule]),
+        effort: AssayEffort,
+        papers: &[PaperSchedule],
         steps: u64,
         meter: &mut Meter,
     ) -> Option<PlacedPlan> {
@@ -494,7 +497,7 @@ impl ManyArrangements<'_> {
         let Some(paper) = self.paper.take().filter(|_| !self.is_least()) else { return };
         let (places, left) = (self.places.clone(), meter.left().steps);
         let (operations, steps) = (self.choices.at(&places), left - left / KEPT_SHARE);
-        if let Some(plan) = self.planned(operations, (AssayEffort::Lists, &[paper]), steps, meter) {
+        if let Some(plan) = self.planned(operations, AssayEffort::Lists, &[paper], steps, meter) {
             self.offer(plan, places);
         }
     }
@@ -519,7 +522,7 @@ impl ManyArrangements<'_> {
                     }
                     tried += 1;
                     let steps = meter.left().steps / LISTS_SHARE;
-                    if let Some(plan) = self.planned(operations, (AssayEffort::Lists, &[]), steps, meter) {
+                    if let Some(plan) = self.planned(operations, AssayEffort::Lists, &[], steps, meter) {
                         is_better |= self.offer(plan, others);
                     }
                 }

@@ -171,14 +171,14 @@ mod tests {
                         let nth = blocks.iter().position(|own| *own == block).unwrap_or(0);
                         (choice / queue.places.pow(nth as u32) % queue.places) as usize
                     };
-                    best = best.min(end(queue, (&heads, &order), place));
+                    best = best.min(end(queue, &heads, &order, place));
                 }
             }
         }
         best
     }
 
-    fn end(queue: &PlaceQueue, (heads, order): (&[u64], &[usize]), place: impl Fn(usize) -> usize) -> u64 {
+    fn end(queue: &PlaceQueue, heads: &[u64], order: &[usize], place: impl Fn(usize) -> usize) -> u64 {
         let mut free: Vec<Option<(u64, usize)>> = vec![None; queue.places as usize];
         let mut last = 0;
         for nth in order {

@@ -79,8 +79,7 @@ pub(super) fn schedule(
 ) -> PaperSchedule {
     let mut urgency: Vec<u64> = timed.iter().map(|one| one.tail() + one.stay).collect();
     let occupied = occupied(timed);
-    let mut draw =
-        |urgency: &[u64], order| Paper::new(operations, timed, ways, (urgency, &occupied, wait)).drawn(order);
+    let mut draw = |urgency: &[u64], order| Paper::new(operations, timed, ways, urgency, &occupied, wait).drawn(order);
     let mut order = PaperOrder::EarliestBegin;
     let mut best = draw(&urgency, order);
     let other = draw(&urgency, PaperOrder::MostUrgent);
@@ -178,7 +177,9 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
         operations: &'a [AssayOperation],
         timed: &'a [TimedOperation],
         ways: &'a mut BoardWays<'w, 'm>,
-        (urgency, occupied, wait): (&'a [u64], &'a [u64], PaperWait),
+        urgency: &'a [u64],
+        occupied: &'a [u64],
+        wait: PaperWait,
     ) -> Paper<'a, 'w, 'm> {
         let (order, count) = (ways.site.order, operations.len());
         let (mut waits, mut followers) = (vec![0; count], vec![Vec::new(); count]);

@@ -98,7 +98,7 @@ pub fn solve_metered(
     meter: &mut Meter,
 ) -> BoardAnswer {
     if let Some(channels) = instance.board.channels() {
-        return channels::solve((instance, channels), objective, limit, meter);
+        return channels::solve(instance, channels, objective, limit, meter);
     }
     if instance.agents.len() == 1 {
         return by_itself(instance, limit);

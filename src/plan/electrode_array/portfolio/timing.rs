@@ -51,7 +51,7 @@ impl Timing<'_> {
         let near = self.instance.board.around(to, self.instance.separation);
         let instants = near.flat_map(|cell| {
             let others = self.left[cell as usize].iter().filter(move |(other, _)| *other != agent);
-            others.filter(move |(other, _)| self.instance.too_near((agent, to), (*other, cell)))
+            others.filter(move |(other, _)| self.instance.too_near(agent, to, *other, cell))
         });
         instants.map(|(_, instant)| *instant).max().unwrap_or(0)
     }

@@ -183,7 +183,7 @@ impl PublishedWalk<'_> {
     }
 
     fn keeps_rule(&self, own: [CellIndex; 2], other: usize, theirs: [CellIndex; 2]) -> bool {
-        own.iter().all(|at| theirs.iter().all(|their| !self.instance.too_near((self.agent, *at), (other, *their))))
+        own.iter().all(|at| theirs.iter().all(|their| !self.instance.too_near(self.agent, *at, other, *their)))
     }
 
     fn value(&self, instant: usize, at: CellIndex, stops_done: usize) -> CandidateValue {

@@ -86,7 +86,7 @@ fn parts_that_arrive_by_the_clean_check_keep_the_rule() {
         {
             for instant in 0..100 {
                 let (from, to) = (position(path, instant), position(path, instant + 1));
-                let near = |at: CellIndex, t: usize| instance.too_near((*one, at), (*other, position(way, t)));
+                let near = |at: CellIndex, t: usize| instance.too_near(*one, at, *other, position(way, t));
                 assert!(
                     !near(from, instant) && !near(from, instant + 1) && !near(to, instant),
                     "{one} {other} at {instant}"

@@ -17,7 +17,7 @@ use crate::source::Span;
 const OWN_BUDGET: u64 = 2_000_000;
 
 /// An agent that other electrodes of the channels on its way keep from a stop.
-pub fn torn(order: &ElectrodeArrayOrder, stage: &BoardStage, (agent, stop): (usize, usize)) -> Diagnostic {
+pub fn torn(order: &ElectrodeArrayOrder, stage: &BoardStage, agent: usize, stop: usize) -> Diagnostic {
     let (actor, asked) = (&stage.agents[agent], &stage.instance.agents[agent]);
     let from = if stop == 0 { asked.start } else { asked.stops[stop - 1] };
     let [from, to] = [from, asked.stops[stop]].map(|cell| stage::cell(order, cell).to_string());

@@ -73,7 +73,7 @@ pub fn solve(
     let (mut bounds, mut first) = (alone, Vec::with_capacity(teams.len()));
     for (team, costs) in costs.iter().enumerate() {
         let Some(steps) = assignment::bottleneck(costs) else {
-            return SearchAnswer::Impossible(cut(instance, (team, &teams[team]), costs));
+            return SearchAnswer::Impossible(cut(instance, team, &teams[team], costs));
         };
         let most = match objective {
             BoardObjective::Makespan => steps,
@@ -99,7 +99,7 @@ fn without_teams(instance: &Instance, teams: &[Vec<usize>]) -> Instance {
 }
 
 /// A goal where more of a team lie than agents of it can come: both are told by what reaches it, since ways lead in both directions.
-fn cut(instance: &Instance, (team, agents): (usize, &[usize]), costs: &PairCosts) -> NoTeamPlan {
+fn cut(instance: &Instance, team: usize, agents: &[usize], costs: &PairCosts) -> NoTeamPlan {
     let reaches = |goal: usize| (0..agents.len()).filter(move |agent| costs[*agent][goal].is_some());
     let beside = |goal: usize| match reaches(goal).next() {
         Some(agent) => (0..agents.len()).filter(|other| costs[agent][*other].is_some()).count(),

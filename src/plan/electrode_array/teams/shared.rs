@@ -27,7 +27,8 @@ pub fn solve(
     order: &ElectrodeArrayOrder,
     step: Span,
     stage: &BoardStage,
-    (objective, budget): (BoardObjective, SearchBudget),
+    objective: BoardObjective,
+    budget: SearchBudget,
 ) -> SharedGoals {
     let mut agents: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (agent, actor) in stage.agents.iter().enumerate() {

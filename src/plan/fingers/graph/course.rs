@@ -275,8 +275,8 @@ impl PreparedRoute {
         let contacts = self.contacts(spot);
         let set = spot.chain.set;
         match next.entry {
-            Regrasp::Same => self.kept(set, contacts, (spot.leg + 1, next.start)),
-            Regrasp::Across { old, new } => self.crossed(set, contacts, [old, new], (spot.leg + 1, next.start)),
+            Regrasp::Same => self.kept(set, contacts, spot.leg + 1, next.start),
+            Regrasp::Across { old, new } => self.crossed(set, contacts, [old, new], spot.leg + 1, next.start),
         }
     }
 
@@ -287,16 +287,16 @@ impl PreparedRoute {
         if spot.angle != sheet.start {
             return None;
         }
-        let (contacts, set, to) = (self.contacts(spot), spot.chain.set, (leg, self.sheets[leg].end));
+        let (contacts, set, angle) = (self.contacts(spot), spot.chain.set, self.sheets[leg].end);
         let found = match sheet.entry {
-            Regrasp::Same => self.kept(set, contacts, to),
-            Regrasp::Across { old, new } => self.crossed(set, contacts, [new, old], to),
+            Regrasp::Same => self.kept(set, contacts, leg, angle),
+            Regrasp::Across { old, new } => self.crossed(set, contacts, [new, old], leg, angle),
         };
         found.filter(|spot| self.may_end(*spot))
     }
 
     /// The same grasp in another leg.
-    fn kept(&self, set: u8, contacts: [usize; 3], (leg, angle): (usize, usize)) -> Option<NodeSpot> {
+    fn kept(&self, set: u8, contacts: [usize; 3], leg: usize, angle: usize) -> Option<NodeSpot> {
         let contacts = &contacts[..self.sets.members(set).len()];
         let fits = contacts.iter().all(|contact| *contact < self.sheets[leg].contacts);
         if fits { self.spot(leg, angle, set, contacts) } else { None }
@@ -308,7 +308,8 @@ impl PreparedRoute {
         set: u8,
         contacts: [usize; 3],
         [from, to]: [[usize; 2]; 2],
-        (leg, angle): (usize, usize),
+        leg: usize,
+        angle: usize,
     ) -> Option<NodeSpot> {
         let [i, j, _] = contacts;
         let turned = if [i, j] == from { to } else { [to[1], to[0]] };

@@ -132,7 +132,7 @@ impl Strands {
             StrandTurning::Alike => {
                 let here = &tables.layers[0];
                 for first in 0..contacts {
-                    strands.lay_pairs(tables, [here, here], first, (0, wrapped(contacts - first, contacts)));
+                    strands.lay_pairs(tables, [here, here], first, 0, wrapped(contacts - first, contacts));
                 }
                 (0..contacts).for_each(|one| strands.weave(tables, one));
                 strands.repeat(contacts, bits);
@@ -142,8 +142,8 @@ impl Strands {
                     let above = tables.layer((angle + 1).min(tables.layers.len() - 1));
                     for first in 0..contacts {
                         let row = wrapped(first + angle % contacts, contacts);
-                        strands.lay_pairs(tables, [tables.layer(angle), above], first, (row, angle));
-                        strands.lay_triples(tables, [tables.layer(angle), above], first, (row, angle));
+                        strands.lay_pairs(tables, [tables.layer(angle), above], first, row, angle);
+                        strands.lay_triples(tables, [tables.layer(angle), above], first, row, angle);
                     }
                 }
             }
@@ -186,13 +186,7 @@ impl Strands {
     }
 
     /// Sets the bits of all pairs with a first contact, whose strands form a row, at one bit position.
-    fn lay_pairs(
-        &mut self,
-        tables: &Tables,
-        [here, above]: [&AngleLayer; 2],
-        first: usize,
-        (row, bit): (usize, usize),
-    ) {
+    fn lay_pairs(&mut self, tables: &Tables, [here, above]: [&AngleLayer; 2], first: usize, row: usize, bit: usize) {
         let contacts = self.contacts;
         for one in 0..contacts {
             let second = wrapped(first + one, contacts);
@@ -209,13 +203,7 @@ impl Strands {
     }
 
     /// Sets the bits of all triples with a first contact.
-    fn lay_triples(
-        &mut self,
-        tables: &Tables,
-        [here, above]: [&AngleLayer; 2],
-        first: usize,
-        (row, bit): (usize, usize),
-    ) {
+    fn lay_triples(&mut self, tables: &Tables, [here, above]: [&AngleLayer; 2], first: usize, row: usize, bit: usize) {
         let contacts = self.contacts;
         for (one, two) in (0..contacts).flat_map(|one| (0..contacts).map(move |two| (one, two))) {
             let [second, third] = [one, two].map(|apart| wrapped(first + apart, contacts));

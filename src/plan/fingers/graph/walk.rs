@@ -203,7 +203,8 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
             if self.course.most_gaits.is_some() && entry.raise == 0 {
                 self.expanded.insert(record.spot, gaits_of(entry.cost));
             }
-            self.expand(spot, entry, key);
+            let (estimated, to_go) = key;
+            self.expand(spot, entry, estimated, to_go);
         }
     }
 
@@ -267,7 +268,7 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
 
     /// Generates the neighbours; of the many placements only those with the entry's raise, and queues the node again for those with
     /// a larger one.
-    fn expand(&mut self, spot: NodeSpot, entry: WalkEntry, (estimated, to_go): (u64, u64)) {
+    fn expand(&mut self, spot: NodeSpot, entry: WalkEntry, estimated: u64, to_go: u64) {
         self.course.looks.take(4 * LOOKS);
         if entry.raise == 0 {
             self.roll(spot, entry);

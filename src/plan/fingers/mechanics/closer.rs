@@ -62,9 +62,9 @@ impl<'a> Closer<'a> {
         let lasts = |held: &[usize]| {
             let grasp = if held.len() == 2 { PAIR_LOOKS } else { TRIPLE_LOOKS };
             let cost = if self.load.is_in_plane() { grasp } else { IN_SPACE * grasp };
-            instants.iter().all(|instant| {
+            instants.iter().all(|(contacts, load)| {
                 looks.take(cost);
-                looks.are_spent() || self.holds(instant, held)
+                looks.are_spent() || self.holds(contacts, load, held)
             })
         };
         let size = tables.contacts;
@@ -89,7 +89,7 @@ impl<'a> Closer<'a> {
         }
     }
 
-    fn holds(&self, (contacts, load): &ContactInstant, held: &[usize]) -> bool {
+    fn holds(&self, contacts: &[Contact], load: &Load, held: &[usize]) -> bool {
         let touched: Vec<Contact> = held.iter().map(|contact| contacts[*contact]).collect();
         self.grip.holds(&touched, load)
     }

@@ -132,7 +132,7 @@ impl DualTableau {
         for at in 0..self.count {
             let pivot = (0..INEQUALITIES).find(|column| self.rows[at][*column].abs() > 1e-9);
             if let (ARTIFICIAL, Some(column)) = (self.basis[at], pivot) {
-                self.pivot((at, column));
+                self.pivot(at, column);
             }
         }
         let mut all = [0.0; COLUMNS];
@@ -161,7 +161,7 @@ impl DualTableau {
                 }
             }
             let Some((at, _)) = leaving else { return f64::NEG_INFINITY };
-            self.pivot((at, column));
+            self.pivot(at, column);
         }
         self.sum(COLUMNS - 1, costs)
     }
@@ -172,7 +172,7 @@ impl DualTableau {
     }
 
     /// Solves a row for the weight of a column.
-    fn pivot(&mut self, (at, column): (usize, usize)) {
+    fn pivot(&mut self, at: usize, column: usize) {
         let share = self.rows[at][column];
         self.rows[at].iter_mut().for_each(|number| *number /= share);
         let base = self.rows[at];

@@ -75,6 +75,14 @@ pub const DIRECT_PAIR: PlannedFineMotions = PlannedFineMotions { pair: &WITHOUT,
 /// None at all.
 pub const DIRECT: PlannedFineMotions = PlannedFineMotions { pair: &WITHOUT, single: &WITHOUT };
 
+/// How an assembly is searched for.
+#[derive(Debug, Clone, Copy)]
+pub struct AssemblyTerms {
+    pub fine: PlannedFineMotions,
+    /// Stages planned in total.
+    pub most_stages: usize,
+}
+
 /// A planned assembly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assembled {
@@ -126,14 +134,16 @@ pub enum RobotBlocker {
 
 /// Plans an assembly. `poses` and `docked` describe its start, one entry per robot of the order, after a leg in control state `state`, if
 /// any: the first leg is in another one. `docks` are robots that are not docked. A step of the meter is a candidate checked against the
-/// collision rules, or a path search; at most `most_stages` stages are planned, over all orders, each
-/// with the first of these fine motions that has room.
+/// collision rules, or a path search; stages are counted over all orders, and each ends
+/// with the first of the fine motions that has room.
 pub fn assemble(
     order: &MicrorobotsOrder,
-    (poses, docked, state): (&[Pose], &[bool], Option<usize>),
+    poses: &[Pose],
+    docked: &[bool],
+    state: Option<usize>,
     docks: &[Dock],
     meter: &mut Meter,
-    (fine, most_stages): (PlannedFineMotions, usize),
+    terms: AssemblyTerms,
 ) -> Result<Assembled, StuckAssembly> {
     let bed = AssemblyState::new(order, poses, docked, state);
     let orders = Orders { docks };
@@ -144,10 +154,10 @@ pub fn assemble(
         orders,
         ground: AssemblyGround::new(&bed, docks),
         meter,
-        fine,
+        fine: terms.fine,
         best: None,
         stuck: None,
-        plans: most_stages,
+        plans: terms.most_stages,
     };
     search.descend(&bed);
     match (search.best, search.stuck) {
@@ -222,10 +232,10 @@ impl<'a> AssemblySearch<'a, '_> {
         match step {
             AssemblyMove::Pair(roles) => {
                 let docks = [self.orders.dock(roles.first), self.orders.dock(roles.second)];
-                pair::plan(bed, (*roles, docks, self.fine.pair), &self.ground, self.meter)
+                pair::plan(bed, *roles, docks, self.fine.pair, &self.ground, self.meter)
             }
             AssemblyMove::Single { robot, states } => {
-                single::plan(bed, ((self.orders.dock(*robot), *states), self.fine.single), &self.ground, self.meter)
+                single::plan(bed, self.orders.dock(*robot), *states, self.fine.single, &self.ground, self.meter)
             }
         }
     }

@@ -8,9 +8,10 @@
 use super::StuckAssembly;
 use super::bed::AssemblyState;
 use super::pair::{Roles, roles};
-use crate::claims::microrobots::{Dock, Precision};
+use crate::claims::microrobots::Dock;
 use crate::device::microrobots::Arm;
 use crate::geometry::{Core, Pose, distance};
+use crate::plan::microrobots::bound::together::RobotArrival;
 use crate::plan::microrobots::free;
 use crate::real::Real;
 use nalgebra::Point2;
@@ -212,8 +213,8 @@ fn goal_in_orbit(bed: &AssemblyState, docks: &[&Dock]) -> Result<(), StuckAssemb
 /// keep clear of its disc.
 fn orbits_meanwhile(bed: &AssemblyState, orbiting: usize, dock: &Dock) -> bool {
     let (facts, robot) = (bed.robot(orbiting), bed.robot(dock.robot));
-    let exact = Precision { place_um: 0.0, heading_rad: 0.0 };
-    let least_um = free::least_um(robot, (bed.poses[dock.robot], exact), (dock.goal.pose, bed.order.precision));
+    let RobotArrival { from, to, .. } = RobotArrival::of(bed.order, dock.robot, bed.poses[dock.robot], dock.goal.pose);
+    let least_um = free::least_um(robot, from, to);
     least_um / robot.step_um * facts.step_um >= TAU * facts.turning_radius_um
 }
 

@@ -68,7 +68,9 @@ pub fn roles(bed: &AssemblyState, first: usize, second: usize) -> Option<Roles> 
 /// The stretch that docks both robots, with the first of these fine motions that has room.
 pub fn plan(
     bed: &AssemblyState,
-    (roles, docks, fine): (Roles, [&Dock; 2], &[PlannedFineMotion]),
+    roles: Roles,
+    docks: [&Dock; 2],
+    fine: &[PlannedFineMotion],
     ground: &AssemblyGround,
     meter: &mut Meter,
 ) -> Result<StageAddition, StuckAssembly> {
@@ -76,7 +78,7 @@ pub fn plan(
     let mut worst = None;
     for fine in fine {
         let pairing = PairingContext::new(bed, roles, docks, *fine);
-        match brought_together(&pairing, (ground, &fixtures), meter) {
+        match brought_together(&pairing, PairSite { ground, fixtures: &fixtures }, meter) {
             Ok(stretch) => return Ok(stretch),
             Err(StuckAssembly::GaveUp) => return Err(StuckAssembly::GaveUp),
             Err(stuck) => worst = worst.or(Some(stuck)),
@@ -103,7 +105,7 @@ fn search(
     meter: &mut Meter,
     choice: &mut StretchChoice,
 ) -> Result<(), StuckAssembly> {
-    let (ground, roles) = (site.0, pairing.roles);
+    let (ground, roles) = (site.ground, pairing.roles);
     let mut stuck = match pairing.circles.contains(&true) {
         true => StuckAssembly::Untimely { first: roles.first, second: roles.second },
         false => StuckAssembly::Coarse { robot: roles.first },
@@ -120,7 +122,7 @@ fn search(
         let kept = |departure: &&Departure| *stages == PairStages::Mingled || departure.halt.is_none();
         for departure in departures.iter().filter(kept) {
             let legs = choice.worthy(pairing.timed(departure, *stages, site, meter)?);
-            let stretch = pairing.first_free(departure, legs, (ground, meter), &mut stuck)?;
+            let stretch = pairing.first_free(departure, legs, ground, meter, &mut stuck)?;
             if choice.is_made(stretch) {
                 return Ok(());
             }
@@ -131,7 +133,7 @@ fn search(
     }
     for (departure, way) in pairing.roundabout(&ways, site, meter)? {
         let legs = pairing.legs(&departure, vec![way], site, meter)?;
-        if choice.is_made(pairing.first_free(&departure, legs, (ground, meter), &mut stuck)?) {
+        if choice.is_made(pairing.first_free(&departure, legs, ground, meter, &mut stuck)?) {
             return Ok(());
         }
     }
@@ -207,7 +209,11 @@ pub(super) struct PairingContext<'a> {
 }
 
 /// The collision rules, and the bodies at rest while the two are steered.
-pub(super) type PairSite<'a> = (&'a AssemblyGround<'a>, &'a Fixtures);
+#[derive(Clone, Copy)]
+pub(super) struct PairSite<'a> {
+    pub ground: &'a AssemblyGround<'a>,
+    pub fixtures: &'a Fixtures,
+}
 
 /// A path of the second robot from its current pose to its approach; it begins with a turn.
 #[derive(Debug, Clone)]
@@ -274,7 +280,8 @@ impl<'a> PairingContext<'a> {
         &self,
         departure: &Departure,
         legs: Vec<Vec<Leg>>,
-        (ground, meter): (&AssemblyGround, &mut Meter),
+        ground: &AssemblyGround,
+        meter: &mut Meter,
         stuck: &mut StuckAssembly,
     ) -> Result<Option<StageAddition>, StuckAssembly> {
         for legs in legs {
@@ -294,11 +301,8 @@ impl<'a> PairingContext<'a> {
     }
 
     /// Paths of the second robot that avoid the bodies at rest, those along its goal's axis first, the shortest first.
-    fn ways_of_second(
-        &self,
-        (ground, fixtures): PairSite,
-        meter: &mut Meter,
-    ) -> Result<Vec<Vec<ArmSegment>>, StuckAssembly> {
+    fn ways_of_second(&self, site: PairSite, meter: &mut Meter) -> Result<Vec<Vec<ArmSegment>>, StuckAssembly> {
+        let PairSite { ground, fixtures } = site;
         let (second, from, to) = (self.facts[1], self.from[1], self.approach[1]);
         let index = self.roles.second;
         let clear = |way: &Vec<ArmSegment>| ground.world.obstruction_on(index, from, way, fixtures).is_none();
@@ -380,7 +384,7 @@ impl<'a> PairingContext<'a> {
         &self,
         departure: &Departure,
         ways: Vec<Vec<ArmSegment>>,
-        (ground, fixtures): PairSite,
+        site: PairSite,
         meter: &mut Meter,
     ) -> Result<Vec<Vec<Leg>>, StuckAssembly> {
         let ([first, second], index, start) = (self.facts, self.roles.first, self.first_from());
@@ -389,7 +393,8 @@ impl<'a> PairingContext<'a> {
         let fits = |way: &Vec<ArmSegment>| {
             turns_within(&StrokedPath { segments: way, before: forced as f64, step_um: first.step_um }, &theirs)
         };
-        let clear = |way: &Vec<ArmSegment>| ground.world.obstruction_on(index, start, way, fixtures).is_none();
+        let clear =
+            |way: &Vec<ArmSegment>| site.ground.world.obstruction_on(index, start, way, site.fixtures).is_none();
         let mut kept: Vec<Vec<ArmSegment>> = Vec::new();
         for way in ways.into_iter().filter(fits) {
             if kept.len() == MAX_WAYS {

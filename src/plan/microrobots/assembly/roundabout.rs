@@ -44,7 +44,7 @@ impl PairingContext<'_> {
         for way in ways.iter().take(MAX_WAYS) {
             for orbit in [OrbitChoice::Early, OrbitChoice::Late] {
                 for lead in LEADS {
-                    found.extend(self.around(way, (orbit, lead), site, meter)?);
+                    found.extend(self.around(way, orbit, lead, site, meter)?);
                 }
             }
         }
@@ -56,8 +56,9 @@ impl PairingContext<'_> {
     fn around(
         &self,
         way: &[ArmSegment],
-        (orbit, lead): (OrbitChoice, f64),
-        (ground, fixtures): PairSite,
+        orbit: OrbitChoice,
+        lead: f64,
+        site: PairSite,
         meter: &mut Meter,
     ) -> Result<Vec<(Departure, Vec<ArmSegment>)>, StuckAssembly> {
         let first = self.facts[0];
@@ -66,8 +67,9 @@ impl PairingContext<'_> {
         let run = |way_um: f64| ArmSegment { arm: Arm::Up, way_um };
         let from: Pose = first.moved(self.first_from(), Arm::Up, before_um);
         let to: Pose = first.moved(self.approach[0], Arm::Up, -after_um - lead_um);
-        let task = DriveTask { world: &ground.world, robot: self.roles.first, from, to, fixtures };
-        let middle = match ground.way(self.bed, &[self.roles.first, self.roles.second], &task, meter) {
+        let (world, fixtures) = (&site.ground.world, site.fixtures);
+        let task = DriveTask { world, robot: self.roles.first, from, to, fixtures };
+        let middle = match site.ground.way(self.bed, &[self.roles.first, self.roles.second], &task, meter) {
             Ok(way) => way,
             Err(StuckAssembly::GaveUp) => return Err(StuckAssembly::GaveUp),
             Err(_) => return Ok(Vec::new()),

@@ -27,14 +27,16 @@ const LAST_RUNS: usize = 40;
 /// first that has room is taken.
 pub fn plan(
     bed: &AssemblyState,
-    (seat, fine): ((&Dock, [usize; 2]), &[PlannedFineMotion]),
+    dock: &Dock,
+    states: [usize; 2],
+    fine: &[PlannedFineMotion],
     ground: &AssemblyGround,
     meter: &mut Meter,
 ) -> Result<StageAddition, StuckAssembly> {
-    let fixtures = ground.fixtures(bed, &[seat.0.robot])?;
+    let fixtures = ground.fixtures(bed, &[dock.robot])?;
     let mut stuck = None;
     for fine in fine {
-        match Visit::new(bed, seat, *fine).stretch((ground, &fixtures), meter) {
+        match Visit::new(bed, dock, states, *fine).stretch(ground, &fixtures, meter) {
             Ok(stretch) => return Ok(stretch),
             Err(StuckAssembly::GaveUp) => return Err(StuckAssembly::GaveUp),
             Err(other) => stuck = stuck.or(Some(other)),
@@ -59,7 +61,7 @@ struct Visit<'a> {
 }
 
 impl<'a> Visit<'a> {
-    fn new(bed: &'a AssemblyState<'a>, (dock, states): (&Dock, [usize; 2]), fine: PlannedFineMotion) -> Self {
+    fn new(bed: &'a AssemblyState<'a>, dock: &Dock, states: [usize; 2], fine: PlannedFineMotion) -> Self {
         let (index, goal) = (dock.robot, dock.goal.pose);
         let robot = bed.robot(index);
         let whole = Cycles::symmetric(&bed.order.facts.fine, &[robot.step_um]);
@@ -88,7 +90,8 @@ impl<'a> Visit<'a> {
 
     fn stretch(
         &self,
-        (ground, fixtures): (&AssemblyGround, &Fixtures),
+        ground: &AssemblyGround,
+        fixtures: &Fixtures,
         meter: &mut Meter,
     ) -> Result<StageAddition, StuckAssembly> {
         let robot = self.bed.robot(self.index);
@@ -100,7 +103,7 @@ impl<'a> Visit<'a> {
         let (near, far): (Vec<_>, Vec<_>) = detours.into_iter().partition(|way| length_um(way) <= most_um);
         let near = task.direct().map(|found| found.way).into_iter().chain(near.into_iter().filter(clear));
         let mut stuck = None;
-        if let Some(stretch) = self.first_free(near, (ground, meter), &mut stuck)? {
+        if let Some(stretch) = self.first_free(near, ground, meter, &mut stuck)? {
             return Ok(stretch);
         }
         let found = ground.way(self.bed, &[self.index], &task, meter);
@@ -108,7 +111,7 @@ impl<'a> Visit<'a> {
             return Err(StuckAssembly::GaveUp);
         }
         let far = found.iter().cloned().chain(far.into_iter().filter(clear));
-        match self.first_free(far, (ground, meter), &mut stuck)? {
+        match self.first_free(far, ground, meter, &mut stuck)? {
             Some(stretch) => Ok(stretch),
             None => Err(stuck.or(found.err()).unwrap_or(StuckAssembly::GaveUp)),
         }
@@ -118,7 +121,8 @@ impl<'a> Visit<'a> {
     fn first_free(
         &self,
         ways: impl Iterator<Item = Vec<ArmSegment>>,
-        (ground, meter): (&AssemblyGround, &mut Meter),
+        ground: &AssemblyGround,
+        meter: &mut Meter,
         stuck: &mut Option<StuckAssembly>,
     ) -> Result<Option<StageAddition>, StuckAssembly> {
         for way in ways {

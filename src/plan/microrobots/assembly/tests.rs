@@ -43,11 +43,13 @@ fn facts(count: usize) -> MicrorobotsFacts {
 /// An assembly from rest.
 fn assembled_from(
     order: &MicrorobotsOrder,
-    (poses, docked): (&[Pose], &[bool]),
+    poses: &[Pose],
+    docked: &[bool],
     docks: &[Dock],
     steps: u64,
 ) -> Result<Assembled, StuckAssembly> {
-    assemble(order, (poses, docked, None), docks, &mut Meter::new(SearchBudget::of(steps)), (CYCLES, MAX_PLANS))
+    let terms = AssemblyTerms { fine: CYCLES, most_stages: MAX_PLANS };
+    assemble(order, poses, docked, None, docks, &mut Meter::new(SearchBudget::of(steps)), terms)
 }
 
 fn state(arms: Vec<Arm>) -> ControlState {
@@ -142,7 +144,7 @@ fn bodies_gap_um(world: &World, one: (usize, Pose), other: (usize, Pose)) -> f64
 fn assembled(order: &MicrorobotsOrder, docks: &[Dock]) -> Result<Assembled, StuckAssembly> {
     let starts: Vec<Pose> = order.robots.iter().map(|placed| placed.pose).collect();
     let docked = vec![false; starts.len()];
-    let found = assembled_from(order, (&starts, &docked), docks, order.expansions)?;
+    let found = assembled_from(order, &starts, &docked, docks, order.expansions)?;
     check(order, &starts, &docked, docks, &found);
     Ok(found)
 }
@@ -198,7 +200,8 @@ fn structures_without_fine_motions_have_few_legs() {
         for objective in [MicrorobotsObjective::Time, MicrorobotsObjective::Switches] {
             order.objective = objective;
             let meter = &mut Meter::new(SearchBudget::of(order.expansions));
-            let found = assemble(&order, (&starts, &docked, None), &docks, meter, (DIRECT, MAX_PLANS)).unwrap();
+            let terms = AssemblyTerms { fine: DIRECT, most_stages: MAX_PLANS };
+            let found = assemble(&order, &starts, &docked, None, &docks, meter, terms).unwrap();
             check(&order, &starts, &docked, &docks, &found);
             assert!(found.legs.len() <= 9 + 5 * (count - 2), "{count} robots: {} legs", found.legs.len());
             assert!(with.legs.len() > 60 + 40 * (count - 2));
@@ -302,7 +305,7 @@ fn a_structure_grows() {
     built.iter().for_each(|dock| starts[dock.robot] = dock.goal.pose);
     let order = order(&starts, string_states(4), Vec::new());
     let docked = [false, false, true, true];
-    let found = assembled_from(&order, (&starts, &docked), new, 100_000).unwrap();
+    let found = assembled_from(&order, &starts, &docked, new, 100_000).unwrap();
     check(&order, &starts, &docked, new, &found);
     let robots: Vec<usize> = found.docks.iter().map(|dock| dock.robot).collect();
     assert_eq!(robots, [1, 0]);
@@ -317,7 +320,7 @@ fn what_has_docked_keeps_its_arm_up() {
     let docked = [true, false, true];
     let alone = |states: Vec<ControlState>| {
         let order = order(&starts, states, Vec::new());
-        let found = assembled_from(&order, (&starts, &docked), &docks[1..2], 100_000)?;
+        let found = assembled_from(&order, &starts, &docked, &docks[1..2], 100_000)?;
         check(&order, &starts, &docked, &docks[1..2], &found);
         Ok(found)
     };
@@ -332,7 +335,7 @@ fn a_string_table_leaves_one_order() {
     // Robot 0 in the first pair: robot 1 would need to orbit while robots 0 and 2 are steered.
     let swapped = [dock(2, seats[0].goal.pose), dock(0, seats[1].goal.pose), dock(1, seats[2].goal.pose)];
     let starts = in_a_row(3);
-    let found = assembled_from(&order, (&starts, &[false; 3]), &swapped[..2], 100_000);
+    let found = assembled_from(&order, &starts, &[false; 3], &swapped[..2], 100_000);
     assert_eq!(found, Err(StuckAssembly::Unsteerable { robots: vec![2, 0], orbiting: Some(1) }));
 }
 

@@ -15,9 +15,9 @@
 
 pub mod together;
 
-use super::free;
+use super::free::{self, PoseWithin};
 use super::{Crew, Leg, leg_ns};
-use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop, Precision};
+use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop};
 use crate::geometry::Pose;
 use std::collections::BTreeSet;
 use together::{EXACT, RobotArrival};
@@ -43,7 +43,7 @@ pub fn least(order: &MicrorobotsOrder, start: &Crew) -> LeastFigures {
 }
 
 /// Least number of strokes of any path of a robot from near one pose to near another.
-fn least_strokes(order: &MicrorobotsOrder, robot: usize, from: (Pose, Precision), to: (Pose, Precision)) -> u64 {
+fn least_strokes(order: &MicrorobotsOrder, robot: usize, from: PoseWithin, to: PoseWithin) -> u64 {
     together::least_strokes(order, vec![RobotArrival { robot, from, to }])
 }
 
@@ -51,8 +51,7 @@ fn least_strokes(order: &MicrorobotsOrder, robot: usize, from: (Pose, Precision)
 #[derive(Debug, Clone, Copy)]
 struct KnownPlace {
     instant: usize,
-    pose: Pose,
-    slack: Precision,
+    at: PoseWithin,
 }
 
 /// A job up to one of its steps.
@@ -75,7 +74,10 @@ struct JobPrefix<'a> {
 
 impl<'a> JobPrefix<'a> {
     fn new(order: &'a MicrorobotsOrder, start: &Crew) -> Self {
-        let known = start.poses.iter().map(|pose| vec![KnownPlace { instant: 0, pose: *pose, slack: EXACT }]);
+        let known = start
+            .poses
+            .iter()
+            .map(|pose| vec![KnownPlace { instant: 0, at: PoseWithin { pose: *pose, slack: EXACT } }]);
         JobPrefix {
             order,
             at_ns: vec![0],
@@ -144,7 +146,7 @@ impl<'a> JobPrefix<'a> {
     fn know(&mut self) {
         let instant = self.latest();
         for (known, pose) in self.known.iter_mut().zip(self.poses.iter().flatten()) {
-            *known = vec![KnownPlace { instant, pose: *pose, slack: EXACT }];
+            *known = vec![KnownPlace { instant, at: PoseWithin { pose: *pose, slack: EXACT } }];
         }
     }
 
@@ -160,8 +162,8 @@ impl<'a> JobPrefix<'a> {
         for earlier in earlier {
             let arrivals = moving.iter().filter_map(|(robot, stop)| {
                 let from = known(*robot).find(|known| known.instant == earlier)?;
-                let to = (stop.pose, self.order.precision);
-                Some(RobotArrival { robot: *robot, from: (from.pose, from.slack), to })
+                let to = PoseWithin { pose: stop.pose, slack: self.order.precision };
+                Some(RobotArrival { robot: *robot, from: from.at, to })
             });
             let strokes = together::least_strokes(self.order, arrivals.collect());
             let still_ns = self.still_ns[instant] - self.still_ns[earlier];
@@ -170,7 +172,8 @@ impl<'a> JobPrefix<'a> {
             self.strokes[instant] = self.strokes[instant].max(self.strokes[earlier].saturating_add(strokes));
         }
         for (robot, stop) in moving {
-            self.known[*robot].push(KnownPlace { instant, pose: stop.pose, slack: self.order.precision });
+            let at = PoseWithin { pose: stop.pose, slack: self.order.precision };
+            self.known[*robot].push(KnownPlace { instant, at });
         }
     }
 
@@ -182,13 +185,13 @@ impl<'a> JobPrefix<'a> {
 
     /// Legs that a robot needs since the previous instant, if its pose then is known.
     fn legs(&self, robot: usize, stop: &MicrorobotsStop) -> usize {
-        let (order, goal, slack) = (self.order, stop.pose, self.order.precision);
+        let (order, goal) = (self.order, PoseWithin { pose: stop.pose, slack: self.order.precision });
         let Some(known) = self.known[robot].last().filter(|known| known.instant == self.latest()) else { return 0 };
-        if self.docked[robot] || least_strokes(order, robot, (known.pose, known.slack), (goal, slack)) == 0 {
+        if self.docked[robot] || least_strokes(order, robot, known.at, goal) == 0 {
             return 0;
         }
-        match known.slack == EXACT {
-            true => free::fewest_segments(order.robot(robot), known.pose, goal, slack),
+        match known.at.slack == EXACT {
+            true => free::fewest_segments(order.robot(robot), known.at.pose, goal.pose, goal.slack),
             false => 1,
         }
     }
@@ -211,10 +214,11 @@ mod tests {
         let order = bed(vec![(robot("D1", 150.0, 0.015), pose(0.0, 0.0, 30.0))], Vec::new());
         let facts = order.robot(0);
         let from = order.robots[0].pose;
+        let exact = |pose: Pose| PoseWithin { pose, slack: EXACT };
         for strokes in [1, 2, 1000, 123_456] {
             for arm in [Arm::Up, Arm::Down] {
                 let to = facts.moved(from, arm, f64::from(strokes) * facts.step_um);
-                let least = least_strokes(&order, 0, (from, EXACT), (to, EXACT));
+                let least = least_strokes(&order, 0, exact(from), exact(to));
                 assert!(least <= strokes as u64, "{least} strokes where {strokes} do, arm {arm:?}");
                 assert!(arm == Arm::Down || least == strokes as u64, "{least} of {strokes} strokes");
             }

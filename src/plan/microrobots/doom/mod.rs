@@ -43,7 +43,7 @@ pub struct DoomedRobot {
 }
 
 /// The proof that a robot cannot be driven for `needed_um` of its path from a pose, whatever its arm does; `None` if there is none.
-pub fn doomed(world: &World, (robot, pose): (usize, Pose), needed_um: f64) -> Option<DoomedRobot> {
+pub fn doomed(world: &World, robot: usize, pose: Pose, needed_um: f64) -> Option<DoomedRobot> {
     let plane = ArmPlane::new(world, robot, pose);
     let mut is_seen = vec![false; MAX_SQUARES * MAX_SQUARES];
     let (mut open, mut obstacles, mut most): (Vec<[usize; 2]>, BTreeSet<usize>, usize) =

@@ -28,7 +28,7 @@ impl Trap {
             obstacle("o", Shape::Disc { radius_um: *radius_um }, pose(*x_um, *y_um, 0.0))
         });
         let order = bed(vec![(facts, self.start)], discs.collect());
-        doomed(&World::new(&order), (0, self.start), needed_um)
+        doomed(&World::new(&order), 0, self.start, needed_um)
     }
 
     /// Whether a body there keeps the clearance: distances of discs in its own frame.

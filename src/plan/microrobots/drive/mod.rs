@@ -176,19 +176,19 @@ impl DriveProgress<'_> {
         let around = Around::docked(world, bed, robot);
         let exact = DriveTask { world, robot, from, to: goal, fixtures: &around.fixtures };
         let Some(short) = self.stop_short(exact) else {
-            self.legs = self.reach_exactly((from, goal), around)?;
+            self.legs = self.reach_exactly(from, goal, around)?;
             return Ok(());
         };
         // Around obstacles the stop itself is further.
         let is_clear = exact.direct().is_ok();
-        let exact = if is_clear { self.reach_exactly((from, goal), around).ok() } else { None };
+        let exact = if is_clear { self.reach_exactly(from, goal, around).ok() } else { None };
         let cost = |legs: &[Leg]| legs_cost(order, legs);
         self.legs = exact.filter(|exact| cost(exact) <= cost(&short)).unwrap_or(short);
         Ok(())
     }
 
     /// The legs so far and those to a stop itself, around these things and what it meets besides.
-    fn reach_exactly(&mut self, (from, goal): (Pose, Pose), mut around: Around) -> Result<Vec<Leg>, StuckReason> {
+    fn reach_exactly(&mut self, from: Pose, goal: Pose, mut around: Around) -> Result<Vec<Leg>, StuckReason> {
         let Drive { order, world, robot, .. } = *self.request;
         let mut last = None;
         for _ in 0..MAX_ROUNDS {

@@ -188,22 +188,29 @@ impl LeastWays {
     }
 }
 
+/// A pose, and how far from it a robot may be.
+#[derive(Debug, Clone, Copy)]
+pub struct PoseWithin {
+    pub pose: Pose,
+    pub slack: Precision,
+}
+
 /// Lower bound on the length of any path from a pose within a slack of the first to a pose within a slack of the second.
-pub fn least_um(robot: &Robot, from: (Pose, Precision), to: (Pose, Precision)) -> f64 {
+pub fn least_um(robot: &Robot, from: PoseWithin, to: PoseWithin) -> f64 {
     let ways = least_ways(robot, from, to);
     ways.length_um(0).min(ways.length_um(1))
 }
 
 /// The optimum of the module's documentation with every quantity at its cheapest within the slacks: each centre lies within place +
 /// r × heading of the pose's own, and the frame of the first heading may be rotated by its slack.
-pub fn least_ways(robot: &Robot, (from, before): (Pose, Precision), (to, after): (Pose, Precision)) -> LeastWays {
-    let journey = MirroredJourney::new(robot, from, to);
+pub fn least_ways(robot: &Robot, from: PoseWithin, to: PoseWithin) -> LeastWays {
+    let (journey, before, after) = (MirroredJourney::new(robot, from.pose, to.pose), from.slack, to.slack);
     let off_rad = before.heading_rad + after.heading_rad + SLACK_RAD;
     let off_um = before.place_um + after.place_um + journey.radius_um * off_rad + SLACK_UM;
     let is_nearly_round = journey.turn_rad >= TAU - off_rad;
     let middle_rad = if is_nearly_round { journey.turn_rad - TAU } else { journey.turn_rad };
     let run_um = (journey.distance_um - off_um).max(0.0);
-    let direct_um = if is_nearly_round { run_um } else { journey.direct_um((before, off_rad), off_um, run_um) };
+    let direct_um = if is_nearly_round { run_um } else { journey.direct_um(before, off_rad, off_um, run_um) };
     LeastWays {
         turn_um: [middle_rad - off_rad, middle_rad + off_rad].map(|turn_rad| journey.radius_um * turn_rad),
         circle_um: TAU * journey.radius_um,
@@ -214,7 +221,7 @@ pub fn least_ways(robot: &Robot, (from, before): (Pose, Precision), (to, after):
 
 impl MirroredJourney {
     /// Least straight travel without a full circle more.
-    fn direct_um(&self, (before, off_rad): (Precision, f64), off_um: f64, run_um: f64) -> f64 {
+    fn direct_um(&self, before: Precision, off_rad: f64, off_um: f64, run_um: f64) -> f64 {
         if run_um == 0.0 {
             return run_um;
         }

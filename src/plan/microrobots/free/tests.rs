@@ -98,6 +98,10 @@ fn robots() -> impl Strategy<Value = Robot> {
     (30.0..400.0f64, turning).prop_map(|(radius_um, turning)| robot(radius_um, turning))
 }
 
+fn exact(pose: Pose) -> PoseWithin {
+    PoseWithin { pose, slack: Precision { place_um: 0.0, heading_rad: 0.0 } }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -124,19 +128,18 @@ proptest! {
                 y_um: to.y_um + slack.place_um * share * turn.sin(),
                 heading_rad: to.heading_rad + slack.heading_rad * heading,
             };
-            let exact = Precision { place_um: 0.0, heading_rad: 0.0 };
             let word = best(&robot, from, other);
-            for (before, after) in [((from, exact), (to, slack)), ((from, slack), (other, exact)), ((from, slack), (to, slack))] {
+            let loose = |pose: Pose| PoseWithin { pose, slack };
+            for (before, after) in [(exact(from), loose(to)), (loose(from), exact(other)), (loose(from), loose(to))] {
                 let least_um = least_um(&robot, before, after);
                 prop_assert!(least_um <= word.length_um(robot.turning_radius_um) + 1e-6, "{least_um} {word:?}");
             }
             let back = best(&robot, other, from).length_um(robot.turning_radius_um);
-            prop_assert!(least_um(&robot, (to, slack), (from, exact)) <= back + 1e-6);
+            prop_assert!(least_um(&robot, loose(to), exact(from)) <= back + 1e-6);
             let segments = word.segments(robot.turning_radius_um).len();
             prop_assert!(fewest_segments(&robot, from, to, slack) <= segments);
         }
-        let exact = Precision { place_um: 0.0, heading_rad: 0.0 };
-        let (least_um, best_um) = (least_um(&robot, (from, exact), (to, exact)), distance_um(&robot, from, to));
+        let (least_um, best_um) = (least_um(&robot, exact(from), exact(to)), distance_um(&robot, from, to));
         prop_assert!(least_um <= best_um + 1e-6 && best_um - least_um < 0.5, "{least_um} {best_um}");
     }
 }

@@ -135,7 +135,7 @@ impl AssemblyEstimate {
         let to_line = [here_um, turn_um];
         let line = [turn_um, first.centre_um];
         let mut lacking = self.lacking(2, first, &to_line, centres, 0) + self.lacking(2, first, &line, centres, 0);
-        lacking += self.beside(first, &to_line, (second.robot, centres[second.robot]));
+        lacking += self.beside(first, &to_line, second.robot, centres[second.robot]);
         lacking += self.lacking(2, second, &[centres[second.robot], second.centre_um], centres, 0);
         before + later + half + lacking
     }
@@ -144,7 +144,7 @@ impl AssemblyEstimate {
     /// taken.
     fn lacking(&self, later: usize, seat: &Seat, way: &[Point; 2], centres: &[Point], docked: usize) -> f64 {
         let waiting = self.seats[later..].iter().map(|seat| seat.robot).chain(self.idle.iter().copied());
-        let mut strokes: f64 = waiting.map(|robot| self.beside(seat, way, (robot, centres[robot]))).sum();
+        let mut strokes: f64 = waiting.map(|robot| self.beside(seat, way, robot, centres[robot])).sum();
         let [reach_um, half_um] = [self.reach_um[seat.robot], self.robots[seat.robot].width_um / 2.0];
         let line = way.map(|[x, y]| Point2::new(x, y));
         for body in self.world.obstacles() {
@@ -161,7 +161,7 @@ impl AssemblyEstimate {
     }
 
     /// The same for one waiting robot: beside the way, and beside the last stretch before the goal.
-    fn beside(&self, seat: &Seat, way: &[Point; 2], (robot, [x, y]): (usize, Point)) -> f64 {
+    fn beside(&self, seat: &Seat, way: &[Point; 2], robot: usize, [x, y]: Point) -> f64 {
         let (at, disc_um) = (Point2::new(x, y), self.reach_um[robot] + self.orbit_keep_um);
         let [reach_um, half_um] = [self.reach_um[seat.robot], self.robots[seat.robot].width_um / 2.0];
         let gap_um = point_segment(at, way.map(|[x, y]| Point2::new(x, y))) - disc_um;

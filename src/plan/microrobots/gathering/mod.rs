@@ -60,8 +60,10 @@ impl<'a> Gathering<'a> {
     /// A search for robots with these goals; `roomy` is the order with the clearances that the assembly after the first legs is to keep.
     /// `None` if there is nothing to move.
     pub fn new(
-        (order, roomy): (&'a MicrorobotsOrder, &MicrorobotsOrder),
-        (world, bed): (&'a World, &'a BedPoses),
+        order: &'a MicrorobotsOrder,
+        roomy: &MicrorobotsOrder,
+        world: &'a World,
+        bed: &'a BedPoses,
         docks: &[Dock],
     ) -> Option<Gathering<'a>> {
         let states: Vec<usize> = (0..world.state_count()).filter(|state| world.spares(*state, &bed.docked)).collect();

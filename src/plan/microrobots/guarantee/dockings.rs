@@ -111,14 +111,14 @@ fn docking(plan: &WrittenPlan, robots: Vec<(usize, Pose)>, looks: &mut DistanceL
         let strokes = plan.legs[at].strokes as f64;
         for other in &others {
             for stretch in plan.near(looks, [found.robots[0].0, *other], at)? {
-                let stretch = found.stretch(plan, (at, stretch), left_strokes + strokes - stretch.strokes[0]);
+                let stretch = found.stretch(plan, at, stretch, left_strokes + strokes - stretch.strokes[0]);
                 found.near.push(stretch);
             }
         }
         left_strokes += strokes;
     }
     let last = NearStretch { strokes: [plan.legs[leg].strokes as f64; 2], least_um: f64::NEG_INFINITY };
-    let last = found.stretch(plan, (leg, last), 0.0);
+    let last = found.stretch(plan, leg, last, 0.0);
     found.near.push(last);
     Some(found)
 }
@@ -136,7 +136,7 @@ fn faced(plan: &WrittenPlan, robot: usize, leg: usize) -> Vec<usize> {
 }
 
 impl PlannedDocking {
-    fn stretch(&self, plan: &WrittenPlan, (leg, near): (usize, NearStretch), left_strokes: f64) -> DockingStretch {
+    fn stretch(&self, plan: &WrittenPlan, leg: usize, near: NearStretch, left_strokes: f64) -> DockingStretch {
         let step_um = self.robots.iter().map(|(robot, _)| plan.order.robot(*robot).step_um).fold(0.0, f64::max);
         let (mut aside_um, mut tilt_rad) = ([0.0_f64; 2], [0.0_f64; 2]);
         for (nth, (robot, goal)) in self.robots.iter().enumerate() {
@@ -194,16 +194,18 @@ struct DockingContact {
 pub fn displaced(
     plan: &WrittenPlan,
     docking: &PlannedDocking,
-    (strays, errors): (&[StrayBound], &Errors),
-    (standing, structure): (&mut [Option<Docked>], &mut Option<StructureOffset>),
+    strays: &[StrayBound],
+    errors: &Errors,
+    standing: &mut [Option<Docked>],
+    structure: &mut Option<StructureOffset>,
 ) -> Option<()> {
     let robots: Vec<usize> = docking.robots.iter().map(|(robot, _)| *robot).collect();
     let bodies_um: f64 = robots.iter().map(|robot| strays[*robot].body_um(plan.order.robot(*robot))).sum();
     let mut partners_um = docking.partners.iter().map(|partner| standing[*partner].map(|docked| docked.body_um));
     let partner_um = partners_um.try_fold(0.0_f64, |most_um, body_um| Some(most_um.max(body_um?)))?;
-    let contact = contact(plan, docking, (strays, errors), bodies_um + partner_um)?;
+    let contact = contact(plan, docking, strays, errors, bodies_um + partner_um)?;
     let off_um = if robots.len() == 1 {
-        single(plan, docking, &contact, ((*structure)?, partner_um))?
+        single(plan, docking, &contact, (*structure)?, partner_um)?
     } else {
         let begun = pair(plan, docking, &contact)?;
         *structure = Some(begun);
@@ -231,7 +233,8 @@ pub fn displaced(
 fn contact(
     plan: &WrittenPlan,
     docking: &PlannedDocking,
-    (strays, errors): (&[StrayBound], &Errors),
+    strays: &[StrayBound],
+    errors: &Errors,
     needs_um: f64,
 ) -> Option<DockingContact> {
     let off_um = SECOND_ORDER * needs_um;
@@ -268,7 +271,8 @@ fn single(
     plan: &WrittenPlan,
     docking: &PlannedDocking,
     contact: &DockingContact,
-    (structure, partner_um): (StructureOffset, f64),
+    structure: StructureOffset,
+    partner_um: f64,
 ) -> Option<f64> {
     let (robot, goal) = docking.robots[0];
     let (facts, limits) = (plan.order.robot(robot), plan.order.facts.docking);

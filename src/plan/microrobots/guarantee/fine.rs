@@ -58,7 +58,7 @@ impl Last {
             bounds.incidence_rad = (begin_rad + bounds.reserve()[1]).min(STEEPEST_RAD);
         }
         let [reserve_per_um, _] = bounds.reserve();
-        let reach_um = region.cylinder.radius_um + slack(driver, frame, seen, region, (shares, reserve_per_um));
+        let reach_um = region.cylinder.radius_um + slack(driver, frame, seen, region, shares, reserve_per_um);
         Last {
             reach_um,
             incidence_rad: bounds.incidence_rad,
@@ -104,7 +104,8 @@ fn slack(
     frame: &GoalFrame,
     seen: Pose,
     region: Region,
-    ([least, most], reserve_per_um): ([f64; 2], f64),
+    [least, most]: [f64; 2],
+    reserve_per_um: f64,
 ) -> f64 {
     let per_um = 1.0 / driver.robot.turning_radius_um;
     let (low, high) = (least * per_um + reserve_per_um, most * per_um - reserve_per_um);

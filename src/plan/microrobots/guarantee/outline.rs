@@ -41,7 +41,7 @@ impl<'a> WrittenPlan<'a> {
             }
             docks.iter().for_each(|dock| plan.docks[dock.robot] = Some(plan.legs.len() + dock.leg));
             for (index, leg) in legs.iter().enumerate() {
-                crew.follow(order, (index, leg), docks);
+                crew.follow(order, index, leg, docks);
                 plan.legs.push(*leg);
                 plan.poses.push(crew.poses.clone());
             }

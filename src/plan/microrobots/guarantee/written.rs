@@ -47,7 +47,7 @@ impl<'a> InspectedPlan<'a> {
         let mut standing: Vec<Option<Docked>> = vec![None; self.plan.docks.len()];
         let mut structure = None;
         for docking in &self.dockings {
-            displaced(&self.plan, docking, (&strays[docking.leg + 1], errors), (&mut standing, &mut structure))?;
+            displaced(&self.plan, docking, &strays[docking.leg + 1], errors, &mut standing, &mut structure)?;
         }
         let pushed_um = self.last_push_um(&standing)?;
         let strays_um = |robot: usize, leg: usize| {

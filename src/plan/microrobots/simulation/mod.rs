@@ -65,7 +65,7 @@ impl<'a> SimulatedBed<'a> {
         let crew = &self.motion.start;
         let (obstacles, stages) = (self.obstacles.as_slice(), self.stages.as_slice());
         let start = TrialStart { obstacles, stages, poses: &crew.poses, docked: &crew.docked };
-        let trial = Trial::new(self.order, self.errors, start, (seed, index));
+        let trial = Trial::new(self.order, self.errors, start, seed, index);
         run(trial, DisturbedView::new(self.disturbances, seed, index), pilot)
     }
 
@@ -85,15 +85,17 @@ pub fn simulate(
     seed: u64,
     threads: usize,
 ) -> Option<SimulationReport> {
-    simulate_disturbed(order, motion, Disturbances::default(), (trials, seed, threads))
+    simulate_disturbed(order, motion, Disturbances::default(), trials, seed, threads)
 }
 
-/// The same under disturbances; the last numbers are the trials, the seed and the threads.
+/// The same under disturbances.
 pub fn simulate_disturbed(
     order: &MicrorobotsOrder,
     motion: &MicrorobotsMotion,
     disturbances: Disturbances,
-    (trials, seed, threads): (u64, u64, usize),
+    trials: u64,
+    seed: u64,
+    threads: usize,
 ) -> Option<SimulationReport> {
     let bed = SimulatedBed::new(order, motion, disturbances)?;
     let controller = Controller::new(order, motion)?;

@@ -106,7 +106,7 @@ fn robots_that_are_not_driven_move_with_the_bed() {
     let far = pose(9000.0, 9000.0, 0.0);
     let stage = AssemblyStage::Single { robot: 0, states: [1, 0], approach: far, goal: far };
     let start = TrialStart { obstacles: &[], stages: &[&stage], poses: &poses, docked: &[false, false, true] };
-    let mut trial = Trial::new(&order, none, start, (1, 0));
+    let mut trial = Trial::new(&order, none, start, 1, 0);
     let segment = |state: usize, strokes: u64| Segment { state, strokes, sets_arms: true };
     // No arm is down in state 0, the first two are in state 2.
     assert_eq!(trial.carry_out(&[segment(0, 10_000)]), Ok(()));

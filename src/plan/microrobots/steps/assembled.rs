@@ -5,7 +5,9 @@
 //! errors, needs fine motions, and drives the two one after the other. So a plan is preferred beside which another one is found with them:
 //! the closed loop takes the ways of the two from that.
 
-use super::super::assembly::{self, Assembled, CYCLES, DIRECT, DIRECT_PAIR, PlannedFineMotions, StuckAssembly};
+use super::super::assembly::{
+    self, Assembled, AssemblyTerms, CYCLES, DIRECT, DIRECT_PAIR, PlannedFineMotions, StuckAssembly,
+};
 use super::super::departure::Departure;
 use super::super::gathering::Gathering;
 use super::super::world::{BedPoses, FirstMeeting};
@@ -42,15 +44,15 @@ struct AssemblyCandidate {
 impl BedStepPlanner<'_> {
     /// The best assembly found; without one its error was pushed.
     pub fn assembled(&self, docks: &[Dock], sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
-        let gathering = Gathering::new((self.order, self.roomy), (self.world, self.bed), docks);
+        let gathering = Gathering::new(self.order, self.roomy, self.world, self.bed, docks);
         if let FirstLegs::Drawn(seed) = self.first_legs {
             let mut meter = Meter::new(self.share(DEPARTURE_SHARE));
             return gathering
-                .and_then(|gathering| self.after(gathering.descend(seed)?, docks, (&mut meter, self.fine_motions())));
+                .and_then(|gathering| self.after(gathering.descend(seed)?, docks, &mut meter, self.fine_motions()));
         }
         let budget = SearchBudget::of(self.order.expansions);
-        let limits = (self.fine_motions(), assembly::MAX_PLANS);
-        let direct = self.assembly((self.bed, None), docks, &mut Meter::new(budget), limits);
+        let terms = AssemblyTerms { fine: self.fine_motions(), most_stages: assembly::MAX_PLANS };
+        let direct = self.assembly(self.bed, None, docks, &mut Meter::new(budget), terms);
         // Neither arms nor goals change with the robots' places.
         let is_in_vain =
             matches!(direct, Err(NoAssembly::Stuck(StuckAssembly::Unsteerable { .. } | StuckAssembly::Apart { .. })));
@@ -62,10 +64,10 @@ impl BedStepPlanner<'_> {
             }
         }
         let meter = &mut Meter::new(budget);
-        let mut best = direct.as_ref().ok().map(|motion| self.steered((motion.clone(), None), docks, meter));
+        let mut best = direct.as_ref().ok().map(|motion| self.steered(motion.clone(), None, docks, meter));
         let _held = best.as_ref().map(|best| HeldPlan::begin(|| self.summary(best.motion.legs())));
         if !is_in_vain && self.first_legs != FirstLegs::None {
-            self.gather((gathering.as_ref(), meter), docks, &mut best);
+            self.gather(gathering.as_ref(), meter, docks, &mut best);
         }
         if let (None, Err(none)) = (&best, &direct) {
             let goal = |robot: usize| docks.iter().find(|dock| dock.robot == robot).map(|dock| dock.goal.span);
@@ -97,7 +99,8 @@ impl BedStepPlanner<'_> {
     /// Puts the best of assemblies after first legs in the place of the given one, if it is better.
     fn gather(
         &self,
-        (gathering, meter): (Option<&Gathering>, &mut Meter),
+        gathering: Option<&Gathering>,
+        meter: &mut Meter,
         docks: &[Dock],
         best: &mut Option<AssemblyCandidate>,
     ) {
@@ -133,11 +136,11 @@ impl BedStepPlanner<'_> {
         if is_late(&departure.legs) {
             return;
         }
-        let Some(found) = self.after(departure.clone(), docks, (meter, self.fine_motions())) else { return };
+        let Some(found) = self.after(departure.clone(), docks, meter, self.fine_motions()) else { return };
         if is_late(found.legs()) {
             return;
         }
-        let found = self.steered((found, Some(departure)), docks, meter);
+        let found = self.steered(found, Some(departure), docks, meter);
         let rank = |one: &AssemblyCandidate| (!one.is_steered, self.cost(one.motion.legs()));
         if best.as_ref().is_none_or(|best| rank(&found) < rank(best)) {
             *best = Some(found);
@@ -149,12 +152,13 @@ impl BedStepPlanner<'_> {
         &self,
         Departure { mut legs, bed }: Departure,
         docks: &[Dock],
-        (meter, fine): (&mut Meter, PlannedFineMotions),
+        meter: &mut Meter,
+        fine: PlannedFineMotions,
     ) -> Option<MicrorobotsStepMotion> {
-        let from = (&bed, legs.last().map(|leg| leg.state));
-        let assembly = meter.share(self.share(DEPARTURE_SHARE).steps, |meter| {
-            self.assembly(from, docks, meter, (fine, assembly::MAX_MORE_PLANS))
-        });
+        let state = legs.last().map(|leg| leg.state);
+        let terms = AssemblyTerms { fine, most_stages: assembly::MAX_MORE_PLANS };
+        let share = self.share(DEPARTURE_SHARE).steps;
+        let assembly = meter.share(share, |meter| self.assembly(&bed, state, docks, meter, terms));
         let MicrorobotsStepMotion::Legs { legs: later, docks: mut docking, mut stages } = assembly.ok()? else {
             return None;
         };
@@ -172,18 +176,19 @@ impl BedStepPlanner<'_> {
     /// motions, if that is no worse.
     fn steered(
         &self,
-        (motion, departure): (MicrorobotsStepMotion, Option<Departure>),
+        motion: MicrorobotsStepMotion,
+        departure: Option<Departure>,
         docks: &[Dock],
         meter: &mut Meter,
     ) -> AssemblyCandidate {
         if !self.has_errors() || self.order.objective == MicrorobotsObjective::Failures {
             return AssemblyCandidate { motion, is_steered: true, departure };
         }
-        let limits = (CYCLES, assembly::MAX_MORE_PLANS);
+        let terms = AssemblyTerms { fine: CYCLES, most_stages: assembly::MAX_MORE_PLANS };
         let with_cycles = match &departure {
-            Some(departure) => self.after(departure.clone(), docks, (meter, CYCLES)),
+            Some(departure) => self.after(departure.clone(), docks, meter, CYCLES),
             None => meter.share(self.share(DEPARTURE_SHARE).steps, |meter| {
-                self.assembly((self.bed, None), docks, meter, limits).ok()
+                self.assembly(self.bed, None, docks, meter, terms).ok()
             }),
         };
         match with_cycles {
@@ -198,15 +203,16 @@ impl BedStepPlanner<'_> {
         }
     }
 
-    /// An assembly from a state of the bed, after a leg in a control state, with these fine motions, of at most so many stages planned.
+    /// An assembly from a state of the bed, after a leg in a control state.
     fn assembly(
         &self,
-        (bed, state): (&BedPoses, Option<usize>),
+        bed: &BedPoses,
+        state: Option<usize>,
         docks: &[Dock],
         meter: &mut Meter,
-        limits: (PlannedFineMotions, usize),
+        terms: AssemblyTerms,
     ) -> Result<MicrorobotsStepMotion, NoAssembly> {
-        let assembled = assembly::assemble(self.roomy, (&bed.poses, &bed.docked, state), docks, meter, limits);
+        let assembled = assembly::assemble(self.roomy, &bed.poses, &bed.docked, state, docks, meter, terms);
         let Assembled { legs, docks, stages, .. } = assembled.map_err(NoAssembly::Stuck)?;
         // The assembly was planned from rest, but a robot may have been turning since the previous step.
         match bed.first_hit(self.world, &legs, &docks) {

@@ -40,8 +40,10 @@ pub enum FirstLegs {
 /// Plans the steps of a job one after the other; without a plan for one of them its error was pushed. `roomy` is the order with the
 /// clearances that an assembly keeps after its first legs, no smaller than the order's own.
 pub fn carried_out(
-    (order, roomy): (&MicrorobotsOrder, &MicrorobotsOrder),
-    (start, is_first): (&Crew, bool),
+    order: &MicrorobotsOrder,
+    roomy: &MicrorobotsOrder,
+    start: &Crew,
+    is_first: bool,
     first_legs: FirstLegs,
     sink: &mut Sink,
 ) -> Option<BedRoute> {
@@ -181,7 +183,7 @@ impl<'a> BedStepPlanner<'a> {
         let moving = (0..self.world.count()).filter(|robot| self.is_given && !docked[*robot]);
         moving.into_iter().find_map(|robot| {
             let strokes = needed(robot);
-            let doomed = doom::doomed(self.world, (robot, poses[robot]), self.world.way_um(robot, strokes));
+            let doomed = doom::doomed(self.world, robot, poses[robot], self.world.way_um(robot, strokes));
             doomed.map(|doomed| (doomed, strokes))
         })
     }
@@ -197,7 +199,7 @@ impl<'a> BedStepPlanner<'a> {
         let (robot, stops) = (request.robot, request.stops);
         let mut best = direct;
         for Departure { mut legs, bed } in departures {
-            if best.as_ref().is_some_and(|best| self.cannot_beat(best, &legs, (robot, bed.poses[robot]), stops)) {
+            if best.as_ref().is_some_and(|best| self.cannot_beat(best, &legs, robot, bed.poses[robot], stops)) {
                 continue;
             }
             let after = Drive { bed: &bed, ..*request };
@@ -224,7 +226,7 @@ impl<'a> BedStepPlanner<'a> {
 
     /// Whether no drive from a pose through stops, after first legs, is shorter than the best one so far: the shortest paths without
     /// obstacles take as long.
-    fn cannot_beat(&self, best: &[Leg], legs: &[Leg], (robot, from): (usize, Pose), stops: &[Pose]) -> bool {
+    fn cannot_beat(&self, best: &[Leg], legs: &[Leg], robot: usize, from: Pose, stops: &[Pose]) -> bool {
         let facts = self.order.robot(robot);
         let ways = std::iter::once(&from).chain(stops).zip(stops);
         let way_um: f64 = ways.map(|(from, to)| free::distance_um(facts, *from, *to)).sum();
@@ -240,7 +242,7 @@ impl<'a> BedStepPlanner<'a> {
 
     /// First legs for a step with these goals.
     fn departures(&self, goals: impl Iterator<Item = Pose>, seed: u64) -> Departures<'_> {
-        Departures::new(self.order, (self.world, self.bed), goals, seed)
+        Departures::new(self.order, self.world, self.bed, goals, seed)
     }
 
     /// What the legs of a step cost: by the objective, then by the other figure.

@@ -43,14 +43,14 @@ pub fn episodes<'a>(order: &MicrorobotsOrder, motion: &'a MicrorobotsMotion) -> 
                 }
             };
             let end = end.clamp(at, legs.len());
-            found.push(episode(order, step, stage, (&crew.poses, &crew.docked), &legs[at..end]));
-            numbered[at..end].iter().for_each(|leg| crew.follow(order, *leg, docks));
+            found.push(episode(order, step, stage, &crew.poses, &crew.docked, &legs[at..end]));
+            numbered[at..end].iter().for_each(|(index, leg)| crew.follow(order, *index, leg, docks));
             at = end;
             for (robot, goal) in goals(stage) {
                 (crew.poses[robot], crew.docked[robot]) = (goal, true);
             }
         }
-        numbered[at..].iter().for_each(|leg| crew.follow(order, *leg, docks));
+        numbered[at..].iter().for_each(|(index, leg)| crew.follow(order, *index, leg, docks));
     }
     found
 }
@@ -84,7 +84,8 @@ fn episode<'a>(
     order: &MicrorobotsOrder,
     step: usize,
     stage: &'a AssemblyStage,
-    (poses, docked): (&[Pose], &[bool]),
+    poses: &[Pose],
+    docked: &[bool],
     legs: &'a [Leg],
 ) -> Episode<'a> {
     let (mut gross, mut via_um, mut begins) = (Vec::new(), Vec::new(), 0);

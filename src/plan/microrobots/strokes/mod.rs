@@ -110,7 +110,7 @@ pub fn short(robot: &Robot, from: Pose, goal: Pose, precision: Precision) -> Vec
         let turn_um = turn_rad(robot, from.heading_rad, heading_rad) * robot.turning_radius_um;
         let is_long = usize::from(turn_um > PI * robot.turning_radius_um);
         for (which, order) in [[Arm::Down, Arm::Up], [Arm::Up, Arm::Down]].into_iter().enumerate() {
-            let trains = turn_and_run(robot, (from, goal), turn_um, order);
+            let trains = turn_and_run(robot, from, goal, turn_um, order);
             let end = end(robot, from, &trains);
             let missed_um = missed_um(end, goal);
             let best = &mut found[2 * which + is_long];
@@ -126,7 +126,7 @@ pub fn short(robot: &Robot, from: Pose, goal: Pose, precision: Precision) -> Vec
 }
 
 /// A turn of this length and a run, in this order, that end as near to a goal as they can; without a train that is no stroke long.
-fn turn_and_run(robot: &Robot, (from, goal): (Pose, Pose), turn_um: f64, order: [Arm; 2]) -> Vec<StrokeTrain> {
+fn turn_and_run(robot: &Robot, from: Pose, goal: Pose, turn_um: f64, order: [Arm; 2]) -> Vec<StrokeTrain> {
     let turn = (turn_um / robot.step_um).round();
     let turned = robot.moved(from, Arm::Down, turn * robot.step_um);
     let (sin, cos) = if order[0] == Arm::Down { turned } else { from }.heading_rad.sine_cosine();

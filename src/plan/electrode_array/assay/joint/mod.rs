@@ -81,7 +81,7 @@ pub(super) fn least(
     let mut starts = Vec::new();
     let none_before = PositionBefore { left: &vec![0; cells], waits: &vec![IDLE; problem.lags.len()], settled: 0 };
     search.arrive(before.into(), none_before, &mut starts);
-    starts.into_iter().for_each(|start| search.enter(start, (0, 0), None));
+    starts.into_iter().for_each(|start| search.enter(start, 0, 0, None));
     while let Some(Reverse((bound, _, index))) = search.open.pop() {
         if search.is_end(index) {
             return SearchAnswer::Found(search.courses(index));
@@ -137,7 +137,7 @@ impl JointSearch<'_> {
         self.nodes[index as usize].position.standings.stands.iter().enumerate().all(has_done)
     }
 
-    fn enter(&mut self, position: JointPosition, (instant, cost): (u32, u32), parent: Option<u32>) {
+    fn enter(&mut self, position: JointPosition, instant: u32, cost: u32, parent: Option<u32>) {
         let Some((longest, sum)) = self.least_left(&position.standings) else { return };
         if instant.saturating_add(longest) > self.terms.limit {
             return;
@@ -204,13 +204,13 @@ impl JointSearch<'_> {
             BoardObjective::SumOfCosts => stands.len() as u32 - settled.count_ones(),
         };
         let cost = cost + charged;
-        self.extend((stands, settled), &mut Vec::with_capacity(stands.len()), &mut moved);
+        self.extend(stands, settled, &mut Vec::with_capacity(stands.len()), &mut moved);
         let mut found = Vec::new();
         let before = PositionBefore { left, waits, settled };
         moved.into_iter().for_each(|next| self.arrive(next, before, &mut found));
         for next in found {
             meter.step()?;
-            self.enter(next, (instant + 1, cost), Some(index));
+            self.enter(next, instant + 1, cost, Some(index));
         }
         (self.nodes.len() <= MAX_POSITIONS).then_some(())
     }
@@ -312,12 +312,7 @@ impl JointSearch<'_> {
     }
 
     /// All steps of the agents from one on, round those of the agents before it.
-    fn extend(
-        &self,
-        (from, settled): (&[JointStand], u8),
-        next: &mut Vec<JointStand>,
-        found: &mut Vec<Box<[JointStand]>>,
-    ) {
+    fn extend(&self, from: &[JointStand], settled: u8, next: &mut Vec<JointStand>, found: &mut Vec<Box<[JointStand]>>) {
         let agent = next.len();
         let Some(stand) = from.get(agent) else {
             found.extend(self.with_given_off(from, next));
@@ -325,18 +320,18 @@ impl JointSearch<'_> {
         };
         let JointStand::There(own) = stand else {
             next.push(*stand);
-            self.extend((from, settled), next, found);
+            self.extend(from, settled, next, found);
             next.pop();
             return;
         };
-        for stand in self.steps_of(from, (agent, *own)) {
+        for stand in self.steps_of(from, agent, *own) {
             let is_settled = settled >> agent & 1 == 1;
-            if (is_settled && stand.cell != own.cell) || self.is_torn(from, (agent, *own), stand) {
+            if (is_settled && stand.cell != own.cell) || self.is_torn(from, agent, *own, stand) {
                 continue;
             }
-            if (0..agent).all(|other| self.keeps_apart(from, (agent, stand), (other, next[other]))) {
+            if (0..agent).all(|other| self.keeps_apart(from, agent, stand, other, next[other])) {
                 next.push(JointStand::There(stand));
-                self.extend((from, settled), next, found);
+                self.extend(from, settled, next, found);
                 next.pop();
             }
         }
@@ -353,24 +348,24 @@ impl JointSearch<'_> {
     }
 
     /// A step of an agent from a cell, with what pulls its other half.
-    fn pulled(&self, from: &[JointStand], (agent, cell): (usize, CellIndex), next: AgentStand) -> PulledStep {
+    fn pulled(&self, from: &[JointStand], agent: usize, cell: CellIndex, next: AgentStand) -> PulledStep {
         let split = self.gives_off(from, agent, next);
-        let half = split.map(|split| self.problem.instance.agents[split.child].start);
-        (AgentStep { from: cell, to: next.cell }, half)
+        let meant = split.map(|split| self.problem.instance.agents[split.child].start);
+        PulledStep { step: AgentStep { from: cell, to: next.cell }, meant }
     }
 
     /// Whether shared channels tear an agent in a step, or what it gives off in it.
-    fn is_torn(&self, from: &[JointStand], (agent, own): (usize, AgentStand), next: AgentStand) -> bool {
+    fn is_torn(&self, from: &[JointStand], agent: usize, own: AgentStand, next: AgentStand) -> bool {
         let Some(channels) = self.channels() else { return false };
-        let step = self.pulled(from, (agent, own.cell), next);
+        let step = self.pulled(from, agent, own.cell, next);
         let Some(split) = self.gives_off(from, agent, next) else { return channels.tears_pulled(step) };
         let to = self.problem.instance.agents[split.child].start;
-        let half = (AgentStep { from: split.from, to }, Some(next.cell));
+        let half = PulledStep { step: AgentStep { from: split.from, to }, meant: Some(next.cell) };
         channels.tears_pulled(step) || channels.tears_pulled(half) || channels.clash_pulled(step, half)
     }
 
     /// All steps of an agent, whatever the others do.
-    fn steps_of(&self, from: &[JointStand], (agent, own): (usize, AgentStand)) -> Vec<AgentStand> {
+    fn steps_of(&self, from: &[JointStand], agent: usize, own: AgentStand) -> Vec<AgentStand> {
         let (problem, due) = (self.problem, due(self.problem, from, agent));
         let around = due.and_then(|due| due.mixes).map(|around| &problem.loops[around]);
         let round = |around: &Vec<CellIndex>| AgentStand {
@@ -410,17 +405,18 @@ impl JointSearch<'_> {
         }
         let is_clear = |(agent, split): &(usize, SplitErrand)| {
             let ours = [split.from, instance.agents[split.child].start];
-            let remains = all[*agent].there().map(|stand| stand.cell);
-            let half = (AgentStep { from: ours[0], to: ours[1] }, remains);
+            let meant = all[*agent].there().map(|stand| stand.cell);
+            let half = PulledStep { step: AgentStep { from: ours[0], to: ours[1] }, meant };
             (0..all.len()).filter(|other| other != agent && *other != split.child).all(|other| {
                 let parent = given.iter().find(|(_, theirs)| theirs.child == other);
                 let before = parent.map(|(_, theirs)| theirs.from).or(from[other].there().map(|stand| stand.cell));
                 let after = all[other].there();
                 let step = before.zip(after).map(|(cell, next)| match parent {
-                    Some((parent, _)) => {
-                        (AgentStep { from: cell, to: next.cell }, all[*parent].there().map(|stand| stand.cell))
-                    }
-                    None => self.pulled(from, (other, cell), next),
+                    Some((parent, _)) => PulledStep {
+                        step: AgentStep { from: cell, to: next.cell },
+                        meant: all[*parent].there().map(|stand| stand.cell),
+                    },
+                    None => self.pulled(from, other, cell, next),
                 });
                 let clashes =
                     self.channels().zip(step).is_some_and(|(channels, step)| channels.clash_pulled(half, step));
@@ -460,8 +456,10 @@ impl JointSearch<'_> {
     fn keeps_apart(
         &self,
         from: &[JointStand],
-        (agent, own_next): (usize, AgentStand),
-        (other, other_next): (usize, JointStand),
+        agent: usize,
+        own_next: AgentStand,
+        other: usize,
+        other_next: JointStand,
     ) -> bool {
         let both = (from[agent].there(), from[other].there(), other_next.there());
         let (Some(own), Some(theirs), Some(next)) = both else { return true };
@@ -471,8 +469,8 @@ impl JointSearch<'_> {
         let (our_merge, their_merge) = (merges_at(ours), merges_at(others));
         let instance = self.problem.instance;
         let clash = |channels: &SharedChannels| {
-            let ours = self.pulled(from, (agent, own.cell), own_next);
-            channels.clash_pulled(ours, self.pulled(from, (other, theirs.cell), next))
+            let ours = self.pulled(from, agent, own.cell, own_next);
+            channels.clash_pulled(ours, self.pulled(from, other, theirs.cell, next))
         };
         if self.channels().is_some_and(clash) {
             return false;

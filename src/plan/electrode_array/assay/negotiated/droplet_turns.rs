@@ -136,7 +136,7 @@ impl<'a> DropletTurns<'a> {
         let errand = self.errand(agent)?;
         let begins = self.begins(agent);
         if let Some(split) = errand.splits {
-            return self.split(agent, (errand, split), begins);
+            return self.split(agent, errand, split, begins);
         }
         if let Some(other) = errand.meets {
             return self.merge([agent, other], errand.stop, ways);
@@ -152,7 +152,7 @@ impl<'a> DropletTurns<'a> {
         }
         self.travel(agent, errand.stop, None, ways)?;
         match errand.mixes {
-            Some(around) => self.mix(agent, (around, errand.stay), begins),
+            Some(around) => self.mix(agent, around, errand.stay, begins),
             None => self.rest(agent, self.now(agent).max(begins) + errand.stay),
         }
         self.note_done(agent);
@@ -279,7 +279,7 @@ impl<'a> DropletTurns<'a> {
     }
 
     /// An agent goes round its loop for some steps.
-    fn mix(&mut self, agent: usize, (around, steps): (usize, u32), begins: u32) {
+    fn mix(&mut self, agent: usize, around: usize, steps: u32, begins: u32) {
         let around = &self.problem.loops[around];
         let cell = |step: u32| around[step as usize % around.len()];
         let earliest = |step: u32| self.free_from(cell(step), agent).saturating_sub(step);
@@ -292,7 +292,7 @@ impl<'a> DropletTurns<'a> {
     }
 
     /// An agent is pulled apart.
-    fn split(&mut self, agent: usize, (errand, split): (Errand, SplitErrand), begins: u32) -> Option<()> {
+    fn split(&mut self, agent: usize, errand: Errand, split: SplitErrand, begins: u32) -> Option<()> {
         let cells = [errand.stop, self.problem.instance.agents[split.child].start];
         cells.iter().all(|cell| self.is_clear(*cell, agent)).then_some(())?;
         let free = cells.map(|cell| self.free_from(cell, agent)).into_iter().fold(0, u32::max);

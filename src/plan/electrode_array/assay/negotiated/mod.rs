@@ -52,8 +52,10 @@ const SEED: u64 = 1;
 /// The best courses found, if any, from the order of the program on, and from that of some courses.
 pub(super) fn best(
     problem: &AssayProblem,
-    (ahead, known): (&Ahead, &[Vec<AgentCourse>]),
-    (objective, least): (BoardObjective, &AssayBounds),
+    ahead: &Ahead,
+    known: &[Vec<AgentCourse>],
+    objective: BoardObjective,
+    least: &AssayBounds,
     meter: &mut Meter,
 ) -> Option<Vec<AgentCourse>> {
     let mut negotiation = Negotiation::new(problem, ahead, least.costs.makespan);

@@ -197,27 +197,23 @@ impl Reservations {
     /// Lists the spans of a path: those of its first position begin at `from`, those of its last end at `to`.
     fn trace(&mut self, path: &[CellIndex], from: u32, to: u32) {
         self.traced.clear();
-        let mut at = self.place(path[0]);
+        let mut at = path[0];
         self.enter(self.rectangle(at), from);
         for (instant, cell) in path.iter().enumerate().skip(1) {
-            let next = self.place(*cell);
-            if next == at {
+            if *cell == at {
                 continue;
             }
-            let (old, new) = (self.rectangle(at), self.rectangle(next));
+            let (old, new) = (self.rectangle(at), self.rectangle(*cell));
             self.leave(strips(old, new), instant as u32 + 1);
             self.enter(strips(new, old), instant as u32 - 1);
-            at = next;
+            at = *cell;
         }
         self.leave(self.rectangle(at), to);
     }
 
-    fn place(&self, cell: CellIndex) -> (u32, u32) {
-        (cell % self.width, cell / self.width)
-    }
-
-    /// The cells of the board that a part at this place forbids.
-    fn rectangle(&self, (column, row): (u32, u32)) -> CellRectangle {
+    /// The cells of the board that a part at a cell forbids.
+    fn rectangle(&self, cell: CellIndex) -> CellRectangle {
+        let (column, row) = (cell % self.width, cell / self.width);
         CellRectangle {
             columns: (column.saturating_sub(self.reach), (column + self.reach).min(self.width - 1) + 1),
             rows: (row.saturating_sub(self.reach), (row + self.reach).min(self.height - 1) + 1),

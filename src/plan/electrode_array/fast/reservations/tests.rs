@@ -40,7 +40,7 @@ fn near(
 ) -> u32 {
     let touches = |other: &&usize| {
         (instant.saturating_sub(1)..=instant + 1)
-            .any(|at| instance.too_near((agent, cell), (**other, position(&paths[**other], at as usize))))
+            .any(|at| instance.too_near(agent, cell, **other, position(&paths[**other], at as usize)))
     };
     others.iter().filter(touches).count() as u32
 }

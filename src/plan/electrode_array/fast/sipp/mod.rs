@@ -110,6 +110,8 @@ pub(super) struct Sipp {
     heads: Vec<u32>,
     nodes: Vec<SippNode>,
     open: BinaryHeap<Reverse<(u64, u32)>>,
+    /// The instant from which the goal is free for ever.
+    earliest: u32,
 }
 
 impl Sipp {
@@ -121,6 +123,7 @@ impl Sipp {
             heads: Vec::new(),
             nodes: Vec::new(),
             open: BinaryHeap::new(),
+            earliest: 0,
         }
     }
 
@@ -132,7 +135,7 @@ impl Sipp {
         random: &mut SplitMix64,
         meter: &mut Meter,
     ) -> Option<Vec<CellIndex>> {
-        let earliest = self.begin(query, reservations)?;
+        self.begin(query, reservations)?;
         while let Some(Reverse((_, index))) = self.open.pop() {
             let node = self.nodes[index as usize];
             if node.closed {
@@ -143,13 +146,13 @@ impl Sipp {
             if self.is_end(query, &node) {
                 return Some(self.path(index));
             }
-            self.expand(query, reservations, random, (index, node), earliest);
+            self.expand(query, reservations, random, index, node);
         }
         None
     }
 
-    /// Queues the start; returns the instant from which the goal is free for ever, or `None` if start or goal is unavailable.
-    fn begin(&mut self, query: &Query, reservations: &mut Reservations) -> Option<u32> {
+    /// Queues the start; `None` if start or goal is unavailable.
+    fn begin(&mut self, query: &Query, reservations: &mut Reservations) -> Option<()> {
         self.round += 1;
         self.segments.clear();
         self.heads.clear();
@@ -160,7 +163,7 @@ impl Sipp {
         if last.to != NEVER {
             return None;
         }
-        let earliest = last.from;
+        self.earliest = last.from;
         let (first, end) = self.list(query, reservations, query.start);
         let (segment, cost) = self.after(first..end, query.delay)?;
         let layer = query.route.passed(query.start, 0);
@@ -174,8 +177,8 @@ impl Sipp {
             sibling: NONE,
             closed: false,
         };
-        self.push(query, start, earliest, 0);
-        Some(earliest)
+        self.push(query, start, 0);
+        Some(())
     }
 
     /// The segment that contains the instant `delay` if the agent stays from the first instant on, and the cost until then.
@@ -219,11 +222,11 @@ impl Sipp {
         query: &Query,
         reservations: &mut Reservations,
         random: &mut SplitMix64,
-        (index, node): (u32, SippNode),
-        earliest: u32,
+        index: u32,
+        node: SippNode,
     ) {
         let leave = self.segments[node.segment as usize].to;
-        self.enter(query, (index, node), (node.segment + 1, node.cell), leave, earliest, 0);
+        self.enter(query, index, node, node.segment + 1, node.cell, 0);
         if node.cell == query.asking.goal && !query.asking.partners.is_empty() {
             return;
         }
@@ -236,22 +239,14 @@ impl Sipp {
                 if self.segments[segment as usize].from > leave {
                     break;
                 }
-                self.enter(query, (index, node), (segment, cell), leave, earliest, dice as u32 & 0xfff);
+                self.enter(query, index, node, segment, cell, dice as u32 & 0xfff);
             }
         }
     }
 
     /// Adds the node for moving or waiting into a segment, if possible and not dominated by a known node.
-    fn enter(
-        &mut self,
-        query: &Query,
-        (parent, node): (u32, SippNode),
-        (segment, cell): (u32, CellIndex),
-        leave: u32,
-        earliest: u32,
-        dice: u32,
-    ) {
-        let waits = cell == node.cell;
+    fn enter(&mut self, query: &Query, parent: u32, node: SippNode, segment: u32, cell: CellIndex, dice: u32) {
+        let (waits, leave) = (cell == node.cell, self.segments[node.segment as usize].to);
         let Some(target) = self.segments.get(segment as usize).copied() else { return };
         if waits && (segment >= self.listed[cell as usize].2 || target.from != leave) {
             return;
@@ -281,12 +276,7 @@ impl Sipp {
             other = known.sibling;
         }
         let sibling = self.heads[head];
-        self.push(
-            query,
-            SippNode { cell, segment, layer, arrival, cost, parent, sibling, closed: false },
-            earliest,
-            dice,
-        );
+        self.push(query, SippNode { cell, segment, layer, arrival, cost, parent, sibling, closed: false }, dice);
     }
 
     fn head(&self, query: &Query, segment: u32, layer: u32) -> (u32, usize) {
@@ -294,12 +284,12 @@ impl Sipp {
         (self.heads[head], head)
     }
 
-    fn push(&mut self, query: &Query, node: SippNode, earliest: u32, dice: u32) {
+    fn push(&mut self, query: &Query, node: SippNode, dice: u32) {
         let ahead = query.route.steps(node.cell, node.layer);
         if ahead == UNREACHABLE {
             return;
         }
-        let total = (node.arrival.saturating_add(ahead)).max(earliest);
+        let total = (node.arrival.saturating_add(ahead)).max(self.earliest);
         if total > query.limit {
             return;
         }

@@ -46,7 +46,7 @@ fn by_instants(instance: &Instance, paths: &Paths) -> Option<u32> {
     let free = |cell: CellIndex, at: u32| {
         (0..us).all(|other| {
             (at.saturating_sub(1)..=at + 1)
-                .all(|when| !instance.too_near((us, cell), (other, position(&paths[other], when as usize))))
+                .all(|when| !instance.too_near(us, cell, other, position(&paths[other], when as usize)))
         })
     };
     let agent = &instance.agents[us];

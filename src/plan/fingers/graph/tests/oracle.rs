@@ -6,8 +6,13 @@ use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// A leg, an angle in steps, and the grasp.
-pub type At = (usize, i32, Grasp);
+/// A node of a route; the angle in steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct OracleNode {
+    pub leg: usize,
+    pub angle: i32,
+    pub grasp: Grasp,
+}
 
 fn held(grasp: &Grasp) -> Vec<(usize, usize)> {
     (0..6).filter_map(|finger| grasp.contact(finger).map(|contact| (finger, contact))).collect()
@@ -54,7 +59,8 @@ fn rolls(leg: &TurnLeg, angle: i32, grasp: &Grasp) -> bool {
 }
 
 /// The node of the next leg that corresponds to an end of a leg, if any.
-pub fn onward(route: &[TurnLeg], (leg, angle, grasp): At) -> Option<At> {
+pub fn onward(route: &[TurnLeg], from: OracleNode) -> Option<OracleNode> {
+    let OracleNode { leg, angle, grasp } = from;
     let (here, next) = (&route[leg], route.get(leg + 1)?);
     if angle != here.steps || here.end.is_some_and(|end| end != grasp) {
         return None;
@@ -74,22 +80,22 @@ pub fn onward(route: &[TurnLeg], (leg, angle, grasp): At) -> Option<At> {
             other
         }
     };
-    holds(next, 0, &carried).then_some((leg + 1, 0, carried))
+    holds(next, 0, &carried).then_some(OracleNode { leg: leg + 1, angle: 0, grasp: carried })
 }
 
 /// All edges from a node, with their costs.
-pub fn edges(request: &GraspRequest, route: &[TurnLeg], (at, angle, grasp): At) -> Vec<(u64, At)> {
-    let leg = &route[at];
+pub fn edges(request: &GraspRequest, route: &[TurnLeg], from: OracleNode) -> Vec<(u64, OracleNode)> {
+    let (leg, angle, grasp) = (&route[from.leg], from.angle, from.grasp);
     let count = held(&grasp).len() as u64;
     let (roll, gait) = (count * u64::from(request.costs.roll), u64::from(request.costs.gait));
-    let mut found: Vec<(u64, At)> = Vec::new();
+    let mut found: Vec<(u64, OracleNode)> = Vec::new();
     let up = rolled(leg, &grasp, 1);
     if angle < leg.highest && rolls(leg, angle, &grasp) && holds(leg, angle + 1, &up) {
-        found.push((roll, (at, angle + 1, up)));
+        found.push((roll, OracleNode { angle: angle + 1, grasp: up, ..from }));
     }
     let down = rolled(leg, &grasp, -1);
     if angle > leg.lowest && holds(leg, angle - 1, &down) && rolls(leg, angle - 1, &down) {
-        found.push((roll, (at, angle - 1, down)));
+        found.push((roll, OracleNode { angle: angle - 1, grasp: down, ..from }));
     }
     let layer = leg.tables.layer((angle - leg.lowest) as usize);
     match held(&grasp)[..] {
@@ -98,7 +104,7 @@ pub fn edges(request: &GraspRequest, route: &[TurnLeg], (at, angle, grasp): At) 
                 for k in 0..leg.tables.contacts {
                     let other = with(&grasp, finger, k as u16 + 1);
                     if layer.place.has(leg.tables.three(i, j, k)) && holds(leg, angle, &other) {
-                        found.push((gait, (at, angle, other)));
+                        found.push((gait, OracleNode { grasp: other, ..from }));
                     }
                 }
             }
@@ -108,13 +114,13 @@ pub fn edges(request: &GraspRequest, route: &[TurnLeg], (at, angle, grasp): At) 
                 let other = with(&grasp, finger, 0);
                 let [(_, i), (_, j)] = held(&other)[..] else { unreachable!("two stay") };
                 if layer.leave.has(leg.tables.three(i, j, k)) && holds(leg, angle, &other) {
-                    found.push((gait, (at, angle, other)));
+                    found.push((gait, OracleNode { grasp: other, ..from }));
                 }
             }
         }
         _ => {}
     }
-    found.extend(onward(route, (at, angle, grasp)).map(|next| (0, next)));
+    found.extend(onward(route, from).map(|next| (0, next)));
     found
 }
 
@@ -130,16 +136,18 @@ pub fn grasps(fingers: usize, contacts: usize) -> Vec<Grasp> {
 }
 
 /// Possible start nodes of a route.
-pub fn starts(request: &GraspRequest, route: &[TurnLeg]) -> Vec<At> {
+pub fn starts(request: &GraspRequest, route: &[TurnLeg]) -> Vec<OracleNode> {
     let all = match request.start {
         Start::Any => grasps(request.fingers, route[0].tables.contacts),
         Start::At(grasp) => vec![grasp],
     };
-    all.into_iter().filter(|grasp| holds(&route[0], 0, grasp)).map(|grasp| (0, 0, grasp)).collect()
+    let node = |grasp: Grasp| OracleNode { leg: 0, angle: 0, grasp };
+    all.into_iter().filter(|grasp| holds(&route[0], 0, grasp)).map(node).collect()
 }
 
-pub fn is_end(route: &[TurnLeg], (leg, angle, grasp): At) -> bool {
-    leg + 1 == route.len() && angle == route[leg].steps && route[leg].end.is_none_or(|end| end == grasp)
+pub fn is_end(route: &[TurnLeg], at: OracleNode) -> bool {
+    let leg = &route[at.leg];
+    at.leg + 1 == route.len() && at.angle == leg.steps && leg.end.is_none_or(|end| end == at.grasp)
 }
 
 /// The least cost of a route and the fewest reconfigurations at this cost, within the limit of reconfigurations; and the farthest
@@ -147,9 +155,9 @@ pub fn is_end(route: &[TurnLeg], (leg, angle, grasp): At) -> bool {
 pub fn dijkstra(request: &GraspRequest, route: &[TurnLeg]) -> (Option<(u64, u32)>, usize) {
     let most = request.within.gaits;
     // Where they are limited, nodes are distinguished by their number of reconfigurations.
-    let place = |at: At, gaits: u32| (at, most.map_or(0, |_| gaits));
-    let mut costs: FxHashMap<(At, u32), (u64, u32)> = FxHashMap::default();
-    let mut open: BinaryHeap<Reverse<((u64, u32), At)>> = BinaryHeap::new();
+    let place = |at: OracleNode, gaits: u32| (at, most.map_or(0, |_| gaits));
+    let mut costs: FxHashMap<(OracleNode, u32), (u64, u32)> = FxHashMap::default();
+    let mut open: BinaryHeap<Reverse<((u64, u32), OracleNode)>> = BinaryHeap::new();
     for start in starts(request, route) {
         costs.insert(place(start, 0), (0, 0));
         open.push(Reverse(((0, 0), start)));
@@ -159,12 +167,12 @@ pub fn dijkstra(request: &GraspRequest, route: &[TurnLeg]) -> (Option<(u64, u32)
         if costs[&place(at, gaits)] < (cost, gaits) {
             continue;
         }
-        farthest = farthest.max(at.0);
+        farthest = farthest.max(at.leg);
         if is_end(route, at) {
             return (Some((cost, gaits)), farthest);
         }
         for (edge, next) in edges(request, route, at) {
-            let gaits = gaits + u32::from((next.0, next.1) == (at.0, at.1));
+            let gaits = gaits + u32::from((next.leg, next.angle) == (at.leg, at.angle));
             if most.is_some_and(|most| gaits > most) {
                 continue;
             }
@@ -187,9 +195,10 @@ pub fn gaits(way: &GraspPath) -> u32 {
 /// Follows a path edge by edge, and adds up its cost.
 pub fn judge(request: &GraspRequest, way: &GraspPath) {
     let route = &request.routes[way.route];
-    let nodes: Vec<At> = (way.legs.iter().enumerate())
-        .flat_map(|(leg, nodes)| nodes.iter().map(move |GraspNode { grasp, angle }| (leg, *angle, *grasp)))
-        .collect();
+    let node = |leg: usize, node: &GraspNode| OracleNode { leg, angle: node.angle, grasp: node.grasp };
+    let legs = way.legs.iter().enumerate();
+    let nodes: Vec<OracleNode> =
+        legs.flat_map(|(leg, nodes)| nodes.iter().map(move |of_leg| node(leg, of_leg))).collect();
     assert!(starts(request, route).contains(&nodes[0]), "{:?} is no start", nodes[0]);
     let mut cost = 0;
     for pair in nodes.windows(2) {

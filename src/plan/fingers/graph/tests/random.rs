@@ -1,6 +1,6 @@
 //! Random cases: both estimators, the oracle, and the consistency of both estimates.
 
-use super::oracle::{At, dijkstra, edges, gaits, holds, judge};
+use super::oracle::{OracleNode, dijkstra, edges, gaits, holds, judge};
 use crate::plan::fingers::graph::course::courses;
 use crate::plan::fingers::graph::published::Published;
 use crate::plan::fingers::graph::route::{RemainingReconfigurations, flooded};
@@ -310,8 +310,8 @@ fn estimates_are_consistent() {
             for _ in 0..100 {
                 let leg = random.below(route.len());
                 let angle = route[leg].lowest + random.below(route[leg].angles()) as i32;
-                let from: At = (leg, angle, some(random, request.fingers, &route[leg], angle));
-                checked += usize::from(holds(&route[leg], angle, &from.2));
+                let from = OracleNode { leg, angle, grasp: some(random, request.fingers, &route[leg], angle) };
+                checked += usize::from(holds(&route[leg], angle, &from.grasp));
                 for estimate in [&published as &dyn Estimate, &layers] {
                     consistent(&request, route, course, estimate, from);
                 }
@@ -326,13 +326,13 @@ fn consistent(
     route: &[TurnLeg],
     course: &crate::plan::fingers::graph::course::PreparedRoute,
     estimate: &dyn Estimate,
-    from: At,
+    from: OracleNode,
 ) {
-    let spot = |(leg, angle, grasp): At| course.place(leg, (angle - route[leg].lowest) as usize, &grasp);
+    let spot = |at: OracleNode| course.place(at.leg, (at.angle - route[at.leg].lowest) as usize, &at.grasp);
     let Some(here) = spot(from) else { return };
     for (_, to) in edges(request, route, from) {
         let there = spot(to).expect("edges lead to nodes");
-        let is_gait = to.0 == from.0 && to.1 == from.1;
+        let is_gait = to.leg == from.leg && to.angle == from.angle;
         let (now, then) = (estimate.gaits(here), estimate.gaits(there));
         assert!(then == NEVER || now <= then + u32::from(is_gait), "{from:?} {now}, {to:?} {then}");
     }

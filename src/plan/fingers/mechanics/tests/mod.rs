@@ -24,20 +24,33 @@ fn hand(friction: f64, adhesion: Adhesion) -> FingersFacts {
     }
 }
 
+/// A section with the curve of its outline.
+struct CurvedSection {
+    section: Section,
+    curve: Curve,
+}
+
+impl CurvedSection {
+    fn contacts(&self, facts: &FingersFacts) -> Contacts<'_> {
+        Contacts::of(&self.section, &self.curve, facts.tip_radius_um)
+    }
+}
+
 /// An ellipse with `contacts` contacts.
-fn ellipse(semi_um: [f64; 2], contacts: u32) -> (Section, Curve) {
+fn ellipse(semi_um: [f64; 2], contacts: u32) -> CurvedSection {
     section(Outline::Ellipse { semi_um }, contacts)
 }
 
-fn section(outline: Outline, contacts: u32) -> (Section, Curve) {
+fn section(outline: Outline, contacts: u32) -> CurvedSection {
     let curve = Curve::of(&outline).expect("an outline");
     let once_round_rad = TAU + curve.perimeter_um() / 4.5;
     let opposite = Some(1 + contacts / 2);
-    (Section { outline, contacts, opposite, step_rad: once_round_rad / f64::from(contacts) }, curve)
+    let section = Section { outline, contacts, opposite, step_rad: once_round_rad / f64::from(contacts) };
+    CurvedSection { section, curve }
 }
 
-fn tabulated(facts: &FingersFacts, (section, curve): &(Section, Curve), load: Load, angles: usize) -> Tables {
-    let contacts = Contacts::of(section, curve, facts.tip_radius_um);
+fn tabulated(facts: &FingersFacts, part: &CurvedSection, load: Load, angles: usize) -> Tables {
+    let contacts = part.contacts(facts);
     tables(&TableRequest { facts, contacts, load, lowest: 0, angles }, &LooksBudget::default(), &mut |_, _, _| true)
         .expect("few grasps")
 }
@@ -76,7 +89,7 @@ const PAPER: [f64; 2] = [16.0, 11.845];
 #[test]
 fn the_papers_ellipse_has_its_grasps() {
     let part = ellipse(PAPER, 74);
-    assert!((part.0.step_rad.to_degrees() - 20.0).abs() < 0.001);
+    assert!((part.section.step_rad.to_degrees() - 20.0).abs() < 0.001);
     for friction in [0.1, 0.3, 0.5] {
         let tables = tabulated(&hand(friction, Adhesion::Sticking), &part, Load::NONE, 19);
         assert_eq!((tables.layers.len(), grasps(&tables)), (1, 258_630), "friction does not matter where tips stick");
@@ -110,9 +123,9 @@ fn without_adhesion_grasps_grow_with_friction_as_in_table_2() {
 }
 
 /// Compares every bit of the tables with single grasps: `holds` for contacts at an instant, and room between tips.
-fn assert_told_by_single_grasps(facts: &FingersFacts, part: &(Section, Curve), load: Load, angles: usize) {
+fn assert_told_by_single_grasps(facts: &FingersFacts, part: &CurvedSection, load: Load, angles: usize) {
     let tables = tabulated(facts, part, load, angles);
-    let contacts = Contacts::of(&part.0, &part.1, facts.tip_radius_um);
+    let contacts = part.contacts(facts);
     let grip = GripModel::of(facts, contacts.reach_um());
     let size = contacts.number();
     let firm = grip.with_reserve();
@@ -193,7 +206,7 @@ fn tables_say_what_single_grasps_say() {
 }
 
 /// Slimmer in the middle: a tip in the waist may intersect the outline elsewhere.
-fn peanut(contacts: u32) -> (Section, Curve) {
+fn peanut(contacts: u32) -> CurvedSection {
     let round = |k: usize| {
         let (sin, cos) = (k as f64 * TAU / 32.0).sin_cos();
         let radius_um = 7.0 + 4.0 * (2.0 * cos * cos - 1.0);
@@ -289,7 +302,7 @@ fn a_load_turns_against_the_part() {
 fn tables_have_a_size_that_is_not_passed() {
     let part = ellipse([120.0, 90.0], 512);
     let facts = hand(0.3, Adhesion::Sticking);
-    let contacts = Contacts::of(&part.0, &part.1, facts.tip_radius_um);
+    let contacts = part.contacts(&facts);
     let load = Load { force_un: [0.1, 0.0], ..Load::NONE };
     let asked = TableRequest { facts: &facts, contacts, load, lowest: 0, angles: 5 };
     let refused = tables(&asked, &LooksBudget::default(), &mut |_, _, _| true);
@@ -300,7 +313,7 @@ fn tables_have_a_size_that_is_not_passed() {
 fn a_contact_that_is_out_of_reach_is_neither_come_to_nor_left() {
     let part = ellipse([8.0, 6.1], 28);
     let facts = hand(0.3, Adhesion::Sticking);
-    let contacts = Contacts::of(&part.0, &part.1, facts.tip_radius_um);
+    let contacts = part.contacts(&facts);
     let asked = TableRequest { facts: &facts, contacts, load: Load::NONE, lowest: 0, angles: 1 };
     let found = tables(&asked, &LooksBudget::default(), &mut |i, j, k| i < j && k != 5).expect("few grasps");
     let free = tabulated(&facts, &part, Load::NONE, 1);

@@ -21,7 +21,7 @@
 use crate::claims::microrobots::{MicrorobotsOrder, Precision};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
-use crate::plan::microrobots::free::{self, LeastWays};
+use crate::plan::microrobots::free::{self, LeastWays, PoseWithin};
 
 /// Rounding allowance of a number of strokes.
 const ROUNDING_STROKES: f64 = 1e-3;
@@ -38,14 +38,15 @@ pub const EXACT: Precision = Precision { place_um: 0.0, heading_rad: 0.0 };
 pub struct RobotArrival {
     /// Index into the order's robots.
     pub robot: usize,
-    pub from: (Pose, Precision),
-    pub to: (Pose, Precision),
+    pub from: PoseWithin,
+    pub to: PoseWithin,
 }
 
 impl RobotArrival {
     /// From an exact pose to within the order's precision of another.
     pub fn of(order: &MicrorobotsOrder, robot: usize, from: Pose, to: Pose) -> RobotArrival {
-        RobotArrival { robot, from: (from, EXACT), to: (to, order.precision) }
+        let (from, to) = (PoseWithin { pose: from, slack: EXACT }, PoseWithin { pose: to, slack: order.precision });
+        RobotArrival { robot, from, to }
     }
 }
 

@@ -81,7 +81,7 @@ impl Coarse {
         order
     }
 
-    fn stroke(&self, poses: &mut [[f64; 3]], arrived: &[bool], (state, strokes): (usize, f64)) {
+    fn stroke(&self, poses: &mut [[f64; 3]], arrived: &[bool], state: usize, strokes: f64) {
         for (robot, pose) in poses.iter_mut().enumerate().filter(|(robot, _)| !arrived[*robot]) {
             *pose = self.discs[robot].gone(*pose, strokes, self.states[state][robot]);
         }
@@ -108,24 +108,24 @@ impl Coarse {
     /// Fewest strokes of all sequences below a number of them, after which all have arrived.
     fn fewest(&self, goals: &[[f64; 3]], most: u64) -> u64 {
         let mut best = most;
-        self.search(goals, (&self.starts, &vec![false; goals.len()]), 0, &mut best);
+        self.search(goals, &self.starts, &vec![false; goals.len()], 0, &mut best);
         best
     }
 
     /// Of robots that are there, any may stay.
-    fn search(&self, goals: &[[f64; 3]], (poses, arrived): (&[[f64; 3]], &[bool]), strokes: u64, best: &mut u64) {
+    fn search(&self, goals: &[[f64; 3]], poses: &[[f64; 3]], arrived: &[bool], strokes: u64, best: &mut u64) {
         let is_there = |robot: usize| !arrived[robot] && self.is_at(poses[robot], goals[robot]);
         let there: Vec<bool> = (0..goals.len()).map(is_there).collect();
         for set in 0..1_u32 << goals.len() {
             let stays = |robot: usize| set >> robot & 1 == 1;
             if (0..goals.len()).all(|robot| !stays(robot) || there[robot]) {
                 let arrived: Vec<bool> = (0..goals.len()).map(|robot| arrived[robot] || stays(robot)).collect();
-                self.strokes_on(goals, (poses, &arrived), strokes, best);
+                self.strokes_on(goals, poses, &arrived, strokes, best);
             }
         }
     }
 
-    fn strokes_on(&self, goals: &[[f64; 3]], (poses, arrived): (&[[f64; 3]], &[bool]), strokes: u64, best: &mut u64) {
+    fn strokes_on(&self, goals: &[[f64; 3]], poses: &[[f64; 3]], arrived: &[bool], strokes: u64, best: &mut u64) {
         if arrived.iter().all(|arrived| *arrived) {
             *best = strokes.min(*best);
             return;
@@ -136,8 +136,8 @@ impl Coarse {
         }
         for state in (0..self.states.len()).filter(|state| self.spares(*state, arrived)) {
             let mut poses = poses.to_vec();
-            self.stroke(&mut poses, arrived, (state, 1.0));
-            self.search(goals, (&poses, arrived), strokes + 1, best);
+            self.stroke(&mut poses, arrived, state, 1.0);
+            self.search(goals, &poses, arrived, strokes + 1, best);
         }
     }
 
@@ -155,7 +155,7 @@ fn drawn(random: &mut SplitMix64, coarse: &Coarse, longest: usize) -> (Vec<[f64;
     while arrived.contains(&false) {
         let states: Vec<usize> = (0..coarse.states.len()).filter(|state| coarse.spares(*state, &arrived)).collect();
         let leg = 1 + random.below(longest) as u64;
-        coarse.stroke(&mut poses, &arrived, (states[random.below(states.len())], leg as f64));
+        coarse.stroke(&mut poses, &arrived, states[random.below(states.len())], leg as f64);
         strokes += leg;
         if random.below(2) == 0 {
             arrived[random.below(count)] = true;
@@ -188,7 +188,7 @@ fn the_bound_of_robots_that_turn_and_then_run_is_what_they_take() {
         let (mut poses, arrived, mut strokes) = (coarse.starts.clone(), vec![false; count], 0);
         for state in (0..=count).rev() {
             let leg = 1 + random.below(500 / count) as u64;
-            coarse.stroke(&mut poses, &arrived, (state, leg as f64));
+            coarse.stroke(&mut poses, &arrived, state, leg as f64);
             strokes += leg;
         }
         // No robot has turned by a whole circle, so none can do with less.
@@ -228,7 +228,7 @@ fn no_sequence_of_single_strokes_on_a_coarse_bed_is_below_the_bound() {
         let (mut poses, arrived) = (coarse.starts.clone(), vec![false; 2]);
         let drawn = 3 + random.below(6) as u64;
         for _ in 0..drawn {
-            coarse.stroke(&mut poses, &arrived, (random.below(coarse.states.len()), 1.0));
+            coarse.stroke(&mut poses, &arrived, random.below(coarse.states.len()), 1.0);
         }
         let goals: Vec<[f64; 3]> = poses.iter().map(|pose| coarse.about(&mut random, *pose)).collect();
         let (bound, fewest) = (coarse.bound(&goals), coarse.fewest(&goals, drawn));

@@ -50,7 +50,8 @@ impl<'a> DriveStage<'a> {
     /// `None` if the device has no two states for it that keep the arms of docked robots up.
     pub fn new(
         order: &'a MicrorobotsOrder,
-        (robot, start): (usize, Pose),
+        robot: usize,
+        start: Pose,
         stops: &[MicrorobotsStop],
         docked: &[bool],
         legs: &[Leg],
@@ -103,8 +104,9 @@ impl<'a> DriveStage<'a> {
             drive::drive(&request, NEW_WAY_BUDGET).ok()
         };
         let found = clearances.iter().copied().find_map(driven);
-        let begun = (self.robot, belief.poses[self.robot]);
-        let stage = found.and_then(|found| DriveStage::new(self.order, begun, &rest, &belief.docked, &found.legs));
+        let start = belief.poses[self.robot];
+        let anew = |legs: &[Leg]| DriveStage::new(self.order, self.robot, start, &rest, &belief.docked, legs);
+        let stage = found.and_then(|found| anew(&found.legs));
         match stage {
             Some(stage) => {
                 *self = DriveStage { new_ways: self.new_ways, is_turning: true, ..stage };
@@ -147,7 +149,7 @@ impl<'a> DriveStage<'a> {
             let room_um = room_um(belief, driver);
             // A circle for the lag alone is put off until the errors of the run ask for one, and one that there is no room for as well.
             let is_put_off = |circle: PursuitCircle| {
-                circle.is_for_lag || !has_room(belief, (self.robot, turning), circle.way_um, room_um)
+                circle.is_for_lag || !has_room(belief, self.robot, turning, circle.way_um, room_um)
             };
             let pieces = pursuit.pieces_without(driver, measured, driver.interval_um, is_put_off);
             self.is_turning = pieces[0].arm == Arm::Down && pieces[0].way_um >= driver.interval_um;
@@ -166,7 +168,7 @@ impl<'a> DriveStage<'a> {
         let Some(pursuit) = self.pursuits.get(self.at) else { return false };
         let measured = belief.poses[self.robot];
         let left_um = self.left_um.get_or_insert_with(|| most_um(pursuit, &self.driver, measured));
-        if *left_um < way_um || !has_room(belief, (self.robot, straight), way_um, room_um(belief, &self.driver)) {
+        if *left_um < way_um || !has_room(belief, self.robot, straight, way_um, room_um(belief, &self.driver)) {
             return false;
         }
         *left_um -= way_um;
@@ -179,7 +181,7 @@ impl<'a> DriveStage<'a> {
         let Some(pursuit) = self.pursuits.get(self.at).filter(|_| !self.is_turning) else { return false };
         let turn_um = pursuit.due_turn_um(&self.driver, measured);
         turn_um > self.driver.interval_um
-            && !has_room(belief, (self.robot, self.states[0]), turn_um, room_um(belief, &self.driver))
+            && !has_room(belief, self.robot, self.states[0], turn_um, room_um(belief, &self.driver))
     }
 }
 
@@ -195,7 +197,7 @@ fn room_um(belief: &Belief, driver: &Driver) -> f64 {
 }
 
 /// Whether a robot can turn that far in a control state.
-fn has_room(belief: &Belief, (robot, turning): (usize, usize), way_um: f64, room_um: f64) -> bool {
+fn has_room(belief: &Belief, robot: usize, turning: usize, way_um: f64, room_um: f64) -> bool {
     let strokes = strokes(belief, robot, way_um);
     let turn = [Segment { state: turning, strokes, sets_arms: false }];
     belief.has_room(room_um, &turn)

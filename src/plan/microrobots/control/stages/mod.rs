@@ -137,9 +137,9 @@ pub fn stages<'a>(order: &'a MicrorobotsOrder, motion: &'a MicrorobotsMotion) ->
         let of_step = || all.iter().filter(|episode| episode.step == step);
         of_step().filter_map(|episode| of_episode(order, episode, pushed_um.is_some())).for_each(&mut push);
         if of_step().next().is_none() {
-            push(of_other(order, step, (&crew.poses, &crew.docked), legs));
+            push(of_other(order, step, &crew.poses, &crew.docked, legs));
         }
-        legs.iter().enumerate().for_each(|leg| crew.follow(order, leg, docks));
+        legs.iter().enumerate().for_each(|(index, leg)| crew.follow(order, index, leg, docks));
     }
     push_last(order, &mut found, pushed_um.unwrap_or(0.0));
     found
@@ -172,14 +172,15 @@ fn of_episode<'a>(order: &'a MicrorobotsOrder, episode: &Episode<'a>, is_written
 fn of_other<'a>(
     order: &'a MicrorobotsOrder,
     step: usize,
-    (poses, docked): (&[crate::geometry::Pose], &[bool]),
+    poses: &[crate::geometry::Pose],
+    docked: &[bool],
     legs: &'a [crate::plan::microrobots::Leg],
 ) -> ControlStage<'a> {
     let is_exact = order.facts.is_exact();
     let written = || ControlStage::Written(WrittenStage::new(order, legs));
     match order.steps.get(step).map(|step| &step.action) {
         Some(MicrorobotsAction::Drive { robot, stops }) if !is_exact => {
-            let stage = DriveStage::new(order, (*robot, poses[*robot]), stops, docked, legs);
+            let stage = DriveStage::new(order, *robot, poses[*robot], stops, docked, legs);
             stage.map_or_else(written, |stage| ControlStage::Drive(Box::new(stage)))
         }
         Some(

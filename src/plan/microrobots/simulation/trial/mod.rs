@@ -189,7 +189,7 @@ pub struct TrialStart<'a> {
 type Mishap = (usize, FailureReason);
 
 impl<'a> Trial<'a> {
-    pub fn new(order: &'a MicrorobotsOrder, errors: Errors, start: TrialStart<'a>, (seed, index): (u64, u64)) -> Self {
+    pub fn new(order: &'a MicrorobotsOrder, errors: Errors, start: TrialStart<'a>, seed: u64, index: u64) -> Self {
         let mut random = SplitMix64::stream(seed, index);
         let manner = [Manner::Corner, Manner::Shaken, Manner::Mixed, Manner::Mixed][(index % 4) as usize];
         let drifts = start.poses.iter().map(|_| Drift::biased(&mut random, manner, &errors)).collect();
@@ -316,7 +316,7 @@ impl<'a> Trial<'a> {
                     self.poses[robot] = self.gone(robot, state, stride);
                 }
             }
-            self.collide_driven((state, before + stride), is_near)?;
+            self.collide_driven(state, before + stride, is_near)?;
         }
         for robot in 0..self.poses.len() {
             if !self.is_driven(robot) {
@@ -358,7 +358,7 @@ impl<'a> Trial<'a> {
     }
 
     /// Collisions of the robots that are looked at, after some strokes of a segment; the others are still where they began it.
-    fn collide_driven(&self, (state, strokes): (usize, f64), is_near: bool) -> Result<(), Mishap> {
+    fn collide_driven(&self, state: usize, strokes: f64, is_near: bool) -> Result<(), Mishap> {
         let count = self.poses.len();
         for robot in (0..count).filter(|robot| !self.docked[*robot] && self.is_driven(*robot)) {
             let facts = self.order.robot(robot);
