@@ -4,6 +4,7 @@ use super::arguments::{BuildArguments, ReportFormat};
 use super::disk::{self, Destination};
 use super::formats::ChosenFormats;
 use super::glances::Glances;
+use super::library::Disk;
 use super::loaded::Loaded;
 use super::{Exit, report, terminal};
 use crate::compile;
@@ -52,7 +53,9 @@ pub fn unread(program: &Path, why: Diagnostic, arguments: &BuildArguments, input
     let has_pages = ChosenFormats::of(&arguments.emit).formats.contains(&Format::Html);
     let is_followed = arguments.watch && has_pages && arguments.output.join(follower(program)).is_file();
     let failed = FailedProgram { part: None, errors: &errors, places: &[], sources: &sources };
-    let page = is_followed.then(|| put_page(program, &failed, arguments, &Provenance::default(), inputs)).transpose();
+    let files = [(Disk::round(program).program_name(), String::new())].into();
+    let provenance = Provenance { files, ..Provenance::default() };
+    let page = is_followed.then(|| put_page(program, &failed, arguments, &provenance, inputs)).transpose();
     match page {
         Ok(page) => FailedBuild { exit: Exit::Files, page },
         Err(exit) => exit.into(),

@@ -25,15 +25,21 @@ fn parameter_lists(code: &str) -> Vec<(&str, &str)> {
     lists.collect()
 }
 
-/// Whether one of these parameters is a pattern in parentheses.
+/// Whether one of these parameters is a pattern in parentheses. What a property test draws, `(a, b) in …`, is none.
 fn takes_a_tuple_apart(parameters: &str) -> bool {
-    let (mut depth, mut is_first) = (0, true);
+    let (mut depth, mut begin) = (0, Some(0));
     parameters.char_indices().any(|(at, c)| {
-        let is_apart = is_first && c == '(';
         let is_arrow = c == '>' && parameters[..at].ends_with('-');
         depth += i32::from("([{<".contains(c)) - i32::from(")]}>".contains(c) && !is_arrow);
-        is_first = if c == ',' { depth == 0 } else { is_first && (c.is_whitespace() || c == '&') };
-        is_apart
+        match c {
+            ',' if depth == 0 => begin = Some(at + 1),
+            ':' if depth == 0 => {
+                let pattern = begin.take().map_or("", |begin| parameters[begin..at].trim().trim_start_matches('&'));
+                return pattern.starts_with('(') && pattern.ends_with(')');
+            }
+            _ => {}
+        }
+        false
     })
 }
 

@@ -417,7 +417,15 @@ pub fn on_obstacle(
     free: Option<ElectrodeCell>,
 ) -> Diagnostic {
     let (distance, apart) = distance_to(obstacle, place.cell, facts);
-    errors::near_obstacle(place, &obstacle.name, obstacle.span, distance, apart, free)
+    errors::near_obstacle(
+        Spanned::new(place.cell, place.span),
+        place.code,
+        &obstacle.name,
+        obstacle.span,
+        distance,
+        apart,
+        free,
+    )
 }
 
 /// Actual and required distance of a centre from an obstacle, in electrodes.

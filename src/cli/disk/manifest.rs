@@ -84,7 +84,7 @@ impl ProgramId {
         let named = logged.map_or(*program, Path::new);
         let name = named.file_name().unwrap_or_default().to_string_lossy().into_owned();
         // Standard input has no place, and some systems cannot resolve places: then the paths as typed are used.
-        let way = match (folder.canonicalize(), program.canonicalize()) {
+        let way = match (folder.canonicalize(), place_of(program)) {
             (Ok(folder), Ok(program)) => way_to(&folder, &program),
             (_, Err(_)) => program.to_path_buf(),
             (Err(_), Ok(program)) => way_to(folder, &program),
@@ -99,6 +99,16 @@ impl ProgramId {
         let is_same = (self.is_logged || other.is_logged) && self.program == other.program;
         self.place != other.place && !is_same
     }
+}
+
+/// The place of a program, also of one that is gone from it.
+fn place_of(program: &Path) -> io::Result<PathBuf> {
+    let gone = |error: io::Error| {
+        let name = program.file_name().filter(|name| !name.to_string_lossy().starts_with('<')).ok_or(error)?;
+        let folder = program.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        folder.canonicalize().map(|folder| folder.join(name))
+    };
+    program.canonicalize().or_else(gone)
 }
 
 /// The relative path from a folder to a file, so that both may be moved together.

@@ -13,12 +13,11 @@ pub use reservoirs::*;
 pub use teams::*;
 pub use zones::*;
 
-use crate::check::electrode_array::tray::BlockedCell;
 use crate::check::value::{BoardFile, LeftOut, Value};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, MAX_SHARING};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, digits};
-use crate::source::Span;
+use crate::source::{Span, Spanned};
 use std::collections::BTreeSet;
 
 /// A part with a cell and where that stands in the source.
@@ -375,14 +374,15 @@ pub fn goal_out_of_reach(
 
 /// A start or a goal, by its code, nearer to an obstacle than it may be.
 pub fn near_obstacle(
-    place: &BlockedCell,
+    place: Spanned<ElectrodeCell>,
+    code: Code,
     name: &str,
     obstacle: Span,
     distance: u32,
     apart: u32,
     free: Option<ElectrodeCell>,
 ) -> Diagnostic {
-    let BlockedCell { code, cell, span } = *place;
+    let Spanned { value: cell, span } = place;
     let title = match distance {
         0 => format!("cell {cell} lies on obstacle `{name}`"),
         distance => format!("cell {cell} lies {distance} electrodes from obstacle `{name}`; {apart} are needed"),
