@@ -26,6 +26,7 @@ pub mod lets;
 mod limits;
 mod lineage;
 pub mod links;
+mod lost;
 mod meshes;
 pub mod microrobots;
 mod neighbours;
@@ -57,6 +58,7 @@ use crate::syntax::tree::{Expr, For, Item, Path};
 use devices::CheckedDeclarations;
 use imports::Library;
 use lets::LetState;
+use lost::LostWords;
 use rustc_hash::FxHashSet;
 use scope::{Declaration, DeclarationPlace, DeclarationSort, Import, Module, Scope};
 use std::collections::{BTreeMap, BTreeSet};
@@ -115,6 +117,10 @@ pub fn check_program(program: &ProgramSource, sources: &mut Sources, sink: &mut 
 /// Returns a checked program exactly if neither this stage nor an earlier one pushed an error.
 pub fn check(sources: &mut Sources, modules: &[Module], options: &Options, sink: &mut Sink) -> Option<Checked> {
     let checked = Checker::new(modules, sink).check_all(sources, options);
+    let lost = LostWords::of(sources, sink);
+    if !lost.is_empty() {
+        *sink = std::mem::take(sink).retained(|finding| !lost.explain(finding, sources));
+    }
     (sink.errors() == 0).then_some(checked)
 }
 

@@ -94,7 +94,8 @@ fn replan(path: &Path, judged: &Judged, format: ReportFormat) -> Result<(), Box<
     };
     terminal::report(&sink, &sources, format);
     // As a log has them: what stays in the memory is not in it.
-    let [of_log, of_program] = [schedule, &replanned].map(|schedule| serde_json::to_vec(schedule).unwrap_or_default());
+    let [of_log, of_program] =
+        [schedule, &replanned].map(|schedule| serde_json::to_vec(schedule).expect("all keys are texts"));
     match of_log == of_program {
         true => Ok(()),
         false => {
@@ -196,15 +197,15 @@ pub fn own_claims(path: &Path, within: &Embedding) -> Result<Derived, Box<Refusa
         refusal.sink.push(errors::program_in_log_has_errors(path));
         Box::new(Refusal { exit: Exit::Refused, ..*refusal })
     })?;
-    match written(&own.claims).as_deref() == Some(within.claims) {
+    match written(&own.claims) == within.claims {
         true => Ok(own),
         false => Err(Refusal::one(errors::parts_disagree(path, "a claim"), Exit::Refused)),
     }
 }
 
 /// Claims in the form in which they are compared.
-fn written(claims: &Claims) -> Option<Vec<u8>> {
-    log::write_claims(claims).ok()
+fn written(claims: &Claims) -> Vec<u8> {
+    log::write_claims(claims).expect("all keys are texts")
 }
 
 /// Compiler options: the schedule of the log's name, with some settings.
@@ -248,8 +249,8 @@ fn keeps_the_claims_of(schedule: &Schedule, derived: &Derived) -> Result<(), Box
 fn against(arguments: &VerifyArguments, trusted: &Path, judged: &Judged) -> Result<(), Box<Refusal>> {
     let schedule = judged.verified.schedule();
     let own = written(judged.verified.claims());
-    let derived = trusted_claims(arguments, trusted, &schedule.name, &judged.provenance.settings, own.as_deref())?;
-    let same = claims_the_same(&arguments.file, LogOrigin::Build, trusted, &derived, own.as_deref());
+    let derived = trusted_claims(arguments, trusted, &schedule.name, &judged.provenance.settings, &own)?;
+    let same = claims_the_same(&arguments.file, LogOrigin::Build, trusted, &derived, &own);
     match (keeps_the_claims_of(schedule, &derived), same) {
         (Err(broken), Err(mut other)) => {
             other.sources = broken.sources;
@@ -268,7 +269,7 @@ pub fn trusted_claims(
     trusted: &Path,
     name: &str,
     settings: &[String],
-    own: Option<&[u8]>,
+    own: &[u8],
 ) -> Result<Derived, Box<Refusal>> {
     let text = disk::read_program(trusted).map_err(|error| Refusal::one(*error, Exit::Files))?;
     let disk = Disk::round(trusted);
@@ -277,7 +278,7 @@ pub fn trusted_claims(
     let unlike = errors::other_settings(&arguments.file, trusted, settings, &arguments.set);
     match (derive(&ProgramSource { name: &file, text: &text, library: &disk, options: &options }), unlike) {
         (Ok(derived), None) => Ok(derived),
-        (Ok(derived), Some(unlike)) => match written(&derived.claims).as_deref() == own {
+        (Ok(derived), Some(unlike)) => match written(&derived.claims) == own {
             // Settings equal to the program's own values.
             true => Ok(derived),
             false => Err(Refusal::one(unlike, Exit::Refused)),
@@ -295,13 +296,13 @@ pub fn claims_the_same(
     origin: LogOrigin,
     trusted: &Path,
     derived: &Derived,
-    own: Option<&[u8]>,
+    own: &[u8],
 ) -> Result<(), Box<Refusal>> {
     let claimed = written(&derived.claims);
-    if claimed.as_deref() == own {
+    if own == claimed {
         return Ok(());
     }
-    let first = own.zip(claimed.as_deref()).and_then(|(own, claimed)| difference::first(own, claimed));
+    let first = difference::first(own, &claimed);
     Err(Refusal::one(errors::other_program(file, trusted, first, origin), Exit::Refused))
 }
 

@@ -349,6 +349,11 @@ impl Code {
         Code::ALL.iter().copied().find(|code| code.name().eq_ignore_ascii_case(name))
     }
 
+    /// Whether a text could not be read.
+    pub fn is_of_syntax(self) -> bool {
+        self.name().starts_with("E01")
+    }
+
     /// An error stops the build, a warning does not: the first letter decides.
     pub fn severity(self) -> Severity {
         if self.name().starts_with('E') { Severity::Error } else { Severity::Warning }

@@ -281,10 +281,15 @@ impl Sink {
         other.diagnostics.into_iter().for_each(|diagnostic| self.push(diagnostic));
     }
 
-    /// The findings but for those of a code, which is a warning: where what it warns of is not asked for.
+    /// The findings that are to be kept.
     #[must_use]
-    pub fn without(mut self, warning: Code) -> Sink {
-        self.diagnostics.retain(|diagnostic| diagnostic.code != warning || diagnostic.is_error());
+    pub fn retained(mut self, mut keeps: impl FnMut(&Diagnostic) -> bool) -> Sink {
+        let errors = &mut self.errors;
+        self.diagnostics.retain(|diagnostic| {
+            let is_kept = keeps(diagnostic);
+            *errors -= usize::from(!is_kept && diagnostic.is_error());
+            is_kept
+        });
         self
     }
 

@@ -42,9 +42,9 @@ pub fn rounded(value: f64) -> String {
     if value.abs() >= 1.0 { digits(to_decimals(value, 2)) } else { digits(value) }
 }
 
-/// A figure of a plan by its key; 0 where the plan does not have it.
-pub fn figure_of(plan: &PlanRecord, key: &str) -> f64 {
-    plan.outcomes.get(key).copied().unwrap_or_default()
+/// An outcome of a plan that is a plain count, by its word; 0 where the plan does not have it.
+pub fn count_of(plan: &PlanRecord, outcome: &str) -> f64 {
+    plan.outcomes.get(outcome).copied().unwrap_or_default()
 }
 
 pub fn count(number: usize, noun: &str) -> String {

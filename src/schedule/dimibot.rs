@@ -1,6 +1,6 @@
 //! States of a DiMiBot, and the places that its steps reach.
 
-use super::cost::{Costed, count, figure_of, proof, rounded};
+use super::cost::{Costed, count, count_of, proof, rounded};
 use super::reached::{Reached, Reaching};
 use super::{KindState, PlanRecord, State, TimedState};
 use crate::claims::dimibot::{Asked, DimibotAction, DimibotOrder, DimibotStop};
@@ -46,7 +46,7 @@ impl Costed for DimibotOrder {
             unit => format!("{} {unit}", rounded(value)),
         };
         let pitches = Side::BOTH.map(|side| self.facts.pitch_um(side));
-        let switches = count(figure_of(plan, DimibotOutcome::Switches.name()) as usize, "switch");
+        let switches = count(count_of(plan, DimibotOutcome::Switches.name()) as usize, "switch");
         let proof = proof(plan, figure);
         match self.objective {
             DimibotObjective::Distance if pitches[0] == pitches[1] => {

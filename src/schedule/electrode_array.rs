@@ -1,6 +1,6 @@
 //! States of an electrode array. Its steps ask for cells, which are met or not.
 
-use super::cost::{Costed, count, figure_of, proof};
+use super::cost::{Costed, count, count_of, proof};
 use super::reached::{Reached, Reaching};
 use super::{KindState, PlanRecord, State};
 use crate::claims::electrode_array::{ElectrodeArrayObjective, ElectrodeArrayOrder};
@@ -37,7 +37,7 @@ impl Costed for ElectrodeArrayOrder {
     fn cost(&self, plan: &PlanRecord) -> String {
         let steps = |value: f64| count(value as usize, "step");
         let sum = |value: f64| format!("sum of costs {}", digits(value));
-        let reached = |outcome: ElectrodeArrayOutcome| figure_of(plan, outcome.name());
+        let reached = |outcome: ElectrodeArrayOutcome| count_of(plan, outcome.name());
         let (minimised, other, reached) = match self.objective {
             ElectrodeArrayObjective::Makespan => {
                 let other = ElectrodeArrayOutcome::SumOfCosts;

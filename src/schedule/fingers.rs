@@ -1,6 +1,6 @@
 //! States of a hand, and the turns and orientations that its steps reach.
 
-use super::cost::{Costed, count, figure_of, proof, rounded};
+use super::cost::{Costed, count, count_of, proof, rounded};
 use super::reached::{Reached, Reaching};
 use super::{KindState, PlanRecord, State};
 use crate::claims::fingers::{FingersAction, FingersOrder};
@@ -65,7 +65,7 @@ impl Costed for FingersOrder {
     /// `2300 deg in 8 reconfigurations, optimal (bound 2300 deg)`.
     fn cost(&self, plan: &PlanRecord) -> String {
         let figure = |degrees: f64| format!("{} deg", rounded(degrees));
-        let reconfigurations = figure_of(plan, FingersOutcome::Reconfigurations.name()) as usize;
+        let reconfigurations = count_of(plan, FingersOutcome::Reconfigurations.name()) as usize;
         format!("{} in {}, {}", figure(plan.cost), count(reconfigurations, "reconfiguration"), proof(plan, figure))
     }
 }

@@ -119,7 +119,9 @@ impl Reader<'_> {
     pub fn entries(&mut self, node: Node) -> Vec<Entry> {
         self.block(node, |reader, child, doc| {
             let span = reader.span(&child);
-            if let Some((finding, whole)) = habits::whole_step(span, reader.source) {
+            let is_step = child.as_rule() == Rule::step;
+            let misspelt = || habits::misspelt_behind(span, reader.source).filter(|_| is_step);
+            if let Some((finding, whole)) = habits::whole_step(span, reader.source).or_else(misspelt) {
                 reader.forget_within(whole);
                 reader.report(finding);
                 reader.passed = whole.end;

@@ -1,7 +1,7 @@
 //! Habits of other languages that newcomers bring: each gets one diagnostic that says how the same is written here.
 
-use super::around::{after, line_after, line_before, part, quote, token_at, value_in, with_blanks};
-use super::words::is_word;
+use super::around::{self, after, line_after, line_before, part, quote, token_at, value_in, with_blanks};
+use super::words::{PREPOSITIONS, is_word};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
@@ -223,6 +223,29 @@ pub(super) fn whole_step(step: Span, source: &str) -> Option<(Diagnostic, Span)>
     finding.map(|finding| (finding, whole))
 }
 
+/// `detect drop at window forr 2 s`: the word behind a step is a preposition, but for a letter; with the end of all that.
+pub(super) fn misspelt_behind(step: Span, source: &str) -> Option<(Diagnostic, Span)> {
+    let at = around::blanks_end(source, step.end as usize);
+    let word = token_at(source, at);
+    let behind = around::blanks_end(source, at + word.len());
+    let takes_more = source[behind..].starts_with(|c: char| is_word(c) || matches!(c, '(' | '['));
+    if word.len() < 3 || at == step.end as usize || behind == at + word.len() || !takes_more {
+        return None;
+    }
+    let right = PREPOSITIONS.into_iter().find(|right| strsim::osa_distance(word, right) == 1)?;
+    let rest = source[behind..].split(['{', '}', ';', '\r', '\n']).next().unwrap_or_default();
+    let rest = rest.split("//").next().unwrap_or_default().trim_end();
+    let finding = misspelt(part(step, at, at + word.len()), word, right);
+    Some((finding, part(step, step.start as usize, behind + rest.len())))
+}
+
+fn misspelt(place: Span, word: &str, right: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0509, format!("no step goes with `{}`", quote(word)))
+        .label(place, "a preposition belongs here")
+        .help(format!("did you mean `{right}`?"))
+        .mended(place, right)
+}
+
 fn is_name(text: &str) -> bool {
     text.starts_with(|c: char| is_word(c) && !c.is_ascii_digit())
         && text.chars().all(|c| is_word(c) || matches!(c, '[' | ']'))
@@ -303,11 +326,5 @@ pub(super) fn misspelt_preposition(object: Span, noun: Option<&str>, source: &st
         Some(_) | None => return None,
     };
     let at = object.start as usize;
-    let place = part(object, at, at + word.len());
-    Some(
-        Diagnostic::new(Code::E0509, format!("no step goes with `{}`", quote(word)))
-            .label(place, "a preposition belongs before a place")
-            .help(format!("did you mean `{right}`?"))
-            .mended(place, right),
-    )
+    Some(misspelt(part(object, at, at + word.len()), word, right))
 }

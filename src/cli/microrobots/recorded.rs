@@ -33,8 +33,8 @@ pub fn judge(arguments: &VerifyArguments, bytes: &[u8]) -> Result<String, Box<Re
     let run = match &arguments.against {
         None => judged(arguments, &lines, own)?,
         Some(trusted) => {
-            let theirs = trusted_claims(arguments, trusted, &task, &provenance.settings, Some(&claims))?;
-            claims_the_same(&arguments.file, LogOrigin::Run, trusted, &theirs, Some(&claims))?;
+            let theirs = trusted_claims(arguments, trusted, &task, &provenance.settings, &claims)?;
+            claims_the_same(&arguments.file, LogOrigin::Run, trusted, &theirs, &claims)?;
             judged(arguments, &lines, theirs)?
         }
     };

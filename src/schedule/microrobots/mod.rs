@@ -2,7 +2,7 @@
 
 pub mod control;
 
-use super::cost::{Costed, count, figure_of, proof, rounded};
+use super::cost::{Costed, count, count_of, proof, rounded};
 use super::reached::{Reached, Reaching};
 use super::{KindState, PlanRecord, State};
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
@@ -96,7 +96,7 @@ impl Costed for MicrorobotsOrder {
         let seconds = |seconds: f64| format!("{} s", rounded(seconds));
         let switches = |number: f64| count(number as usize, "switch");
         let time = seconds(plan.duration_ns as f64 / 1e9);
-        let switched = switches(figure_of(plan, MicrorobotsOutcome::Switches.name()));
+        let switched = switches(count_of(plan, MicrorobotsOutcome::Switches.name()));
         match self.objective {
             MicrorobotsObjective::Time => format!("{time} in {switched}, {}", proof(plan, seconds)),
             MicrorobotsObjective::Switches => format!("{switched} in {time}, {}", proof(plan, switches)),

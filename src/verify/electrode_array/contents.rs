@@ -129,16 +129,20 @@ fn other_than(
     droplets: &BTreeMap<&str, DropletAfter>,
 ) -> Option<BrokenContent> {
     let name = order.parts.get(content.part)?.name.as_str();
-    let droplet = droplets.get(name).cloned().unwrap_or_default();
+    let Some(droplet) = droplets.get(name) else {
+        return Some(BrokenContent { span: content.span, title: format!("`{name}` is never on the board") });
+    };
     let (reached, what) = match &content.share {
         DropletShare::Volume => (droplet.volume, "volume"),
         DropletShare::Fluid(fluid) => (droplet.shares.get(fluid.as_str()).copied().unwrap_or(0.0), fluid.as_str()),
     };
     let over = reached - content.limit;
     let is_kept = match content.relation {
-        Relation::Less | Relation::AtMost => over <= TOLERANCE,
+        Relation::Less => over < -TOLERANCE,
+        Relation::AtMost => over <= TOLERANCE,
         Relation::Equal => over.abs() <= TOLERANCE,
-        Relation::AtLeast | Relation::More => over >= -TOLERANCE,
+        Relation::AtLeast => over >= -TOLERANCE,
+        Relation::More => over > TOLERANCE,
     };
     let title = || format!("`{name}` has {reached} of `{what}`, which breaks its limit {}", content.limit);
     (!is_kept).then(|| BrokenContent { span: content.span, title: title() })

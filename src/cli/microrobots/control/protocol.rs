@@ -94,7 +94,7 @@ pub fn error(number: u64, why: &str) -> String {
 
 /// A line with its end. Keys are strings and numbers are finite, so that writing cannot fail.
 pub fn written(line: &impl Serialize) -> String {
-    let mut text = serde_json::to_string(line).unwrap_or_default();
+    let mut text = serde_json::to_string(line).expect("keys are texts and numbers finite");
     text.push('\n');
     text
 }

@@ -145,11 +145,11 @@ fn movers(order: &ElectrodeArrayOrder, device: &str, moments: &[PartsMoment]) ->
         (before, here) = (Some(cells), next);
     }
     let of_part = |(name, places): (&String, Vec<(u64, FramePlace)>)| {
-        let index = order.parts.iter().position(|part| part.name == *name).unwrap_or_default();
+        let index = order.parts.iter().position(|part| part.name == *name)?;
         let outline = vec![SpaceStroke::from(&scene::part_outline(&order.facts, index))];
-        Mover { frame: frame(device, name), device: device.to_owned(), places, outline }
+        Some(Mover { frame: frame(device, name), device: device.to_owned(), places, outline })
     };
-    names.iter().copied().zip(places).map(of_part).collect()
+    names.iter().copied().zip(places).filter_map(of_part).collect()
 }
 
 #[cfg(test)]

@@ -30,6 +30,8 @@ use crate::plan::microrobots::control::{Command, Controller, Pilot};
 use crate::plan::microrobots::strategy::{StrategySolid, obstacles};
 use crate::plan::microrobots::{AssemblyStage, MicrorobotsMotion, MicrorobotsStepMotion};
 use disturbances::DisturbedView;
+use std::panic::resume_unwind;
+use std::thread::ScopedJoinHandle;
 use trial::{Trial, TrialFailure, TrialStart};
 
 /// Greatest number of trials in one call.
@@ -117,8 +119,9 @@ fn gathered(trials: u64, threads: u64, one: &(impl Fn(u64) -> EndedTrial + Sync)
         let handles: Vec<_> = (0..threads)
             .map(|thread| scope.spawn(move || part(thread).map(one).collect::<Vec<EndedTrial>>()))
             .collect();
-        // A trial does not panic; were it to, its thread's share would be missing from the count.
-        handles.into_iter().flat_map(|handle| handle.join().unwrap_or_default()).collect()
+        let ended =
+            |handle: ScopedJoinHandle<Vec<EndedTrial>>| handle.join().unwrap_or_else(|panic| resume_unwind(panic));
+        handles.into_iter().flat_map(ended).collect()
     })
 }
 
