@@ -14,6 +14,7 @@ pub use code::{Code, Severity};
 pub use place::{CellRun, PlaceUnit, Reach, ReachExtent, WrittenPlace};
 
 use crate::source::Span;
+use rustc_hash::FxHashSet;
 use serde::Serialize;
 
 /// A place in the source and its text.
@@ -233,6 +234,8 @@ pub struct Sink {
     diagnostics: Vec<Diagnostic>,
     errors: usize,
     dropped: usize,
+    /// What was reported where, of the diagnostics that were not kept.
+    dropped_places: FxHashSet<(Code, Vec<Span>)>,
 }
 
 impl Sink {
@@ -243,12 +246,17 @@ impl Sink {
         if self.diagnostics.iter().any(|known| known.repeats(&diagnostic)) {
             return;
         }
-        self.errors += usize::from(diagnostic.is_error());
+        let is_error = diagnostic.is_error();
         if self.diagnostics.len() < MAX_DIAGNOSTICS {
             self.diagnostics.push(diagnostic);
         } else {
+            let places: Vec<Span> = diagnostic.labels.iter().map(|label| label.span).collect();
+            if !places.is_empty() && !self.dropped_places.insert((diagnostic.code, places)) {
+                return;
+            }
             self.dropped += 1;
         }
+        self.errors += usize::from(is_error);
     }
 
     /// Adds a finding, if there is one; `None` then.
@@ -313,5 +321,21 @@ impl Sink {
         let mut list: Vec<&Diagnostic> = self.diagnostics.iter().collect();
         list.sort_by_key(|diagnostic| diagnostic.span().map(|span| (span.file, span.start)));
         list
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn findings_beyond_those_that_are_kept_count_once() {
+        let mut sink = Sink::default();
+        let at = |start: usize| {
+            let place = Span { start: start as u32, ..Span::default() };
+            Diagnostic::new(Code::E0201, format!("number {start}")).label(place, "here")
+        };
+        (0..2).for_each(|_| (0..MAX_DIAGNOSTICS + 5).for_each(|start| sink.push(at(start))));
+        assert_eq!((sink.errors(), sink.dropped()), (MAX_DIAGNOSTICS + 5, 5));
     }
 }

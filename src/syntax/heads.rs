@@ -70,6 +70,15 @@ pub(super) fn wire_without_braces(span: Span, text: &str) -> Option<Diagnostic> 
     Some(finding.help(format!("write `{} {{ all -> {} }}`", quote(wiring.trim_end()), quote(output.trim()))))
 }
 
+/// The first word of a declaration once more, in place of its name.
+pub(super) fn word_twice(word: Span, source: &str) -> Diagnostic {
+    let text = quote(&source[word.range()]);
+    Diagnostic::new(Code::E0101, format!("`{text}` stands there twice"))
+        .label(word, "a name belongs here")
+        .help(format!("write `{text}` once"))
+        .mended(part(word, word.start as usize, around::blanks_end(source, word.end as usize)), "")
+}
+
 /// The slip in the head of a declaration, of which `rest` could not be read, if it is a known one.
 pub(super) fn slip(rest: Span, rule: Rule, item: Span, source: &str) -> Option<Diagnostic> {
     let written = &source[rest.range()];

@@ -1,5 +1,6 @@
 //! Declarations at the top of a file.
 
+use super::around;
 use super::errors;
 use super::grammar::{Node, Rule};
 use super::heads;
@@ -102,6 +103,12 @@ impl Reader<'_> {
         let rule = rest.as_rule();
         for part in self.children(rest) {
             match part.as_rule() {
+                // `device device left : …`: the rest is read once the word is gone.
+                Rule::name if part.as_str() == around::token_at(self.source, span.start as usize) => {
+                    let twice = self.span(&part);
+                    self.report(heads::word_twice(twice, self.source));
+                    return DeclarationHead { is_broken: true, ..DeclarationHead::default() };
+                }
                 Rule::name => head.name = Some(self.declared(&part)),
                 Rule::path => {
                     let path = self.path(part);

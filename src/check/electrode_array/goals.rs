@@ -232,7 +232,9 @@ impl BoardStepJudge<'_> {
         let before = self.sink.errors();
         match action {
             tasks::VocabularyAction::Assay(_) => self.follow(&mut operations, calls),
-            _ => self.nothing_after(calls)?,
+            tasks::VocabularyAction::Verb(_)
+            | tasks::VocabularyAction::Together(_)
+            | tasks::VocabularyAction::Wait(_) => self.nothing_after(calls)?,
         }
         let mut gone: BTreeMap<usize, Departure> = BTreeMap::new();
         let mut stays = 0;

@@ -299,9 +299,12 @@ fn droplets_contain_what_is_asked() {
         {
             judged_with(vec![share(part, fluid, relation, limit)], [None, None], &[]);
         }
-        for (relation, limit) in
-            [(Relation::Equal, reached + 0.1), (Relation::Less, reached - 0.1), (Relation::AtLeast, reached + 0.1)]
-        {
+        for (relation, limit) in [
+            (Relation::Equal, reached + 0.1),
+            (Relation::Less, reached),
+            (Relation::More, reached),
+            (Relation::AtLeast, reached + 0.1),
+        ] {
             judged_with(vec![share(part, fluid, relation, limit)], [None, None], &[Rule::Requirement]);
         }
     };
